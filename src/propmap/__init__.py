@@ -1,0 +1,48 @@
+"""propmap: a propeller's thrust, rotor drag and torque, from hover to fast oblique flight.
+
+Importing the package needs NumPy alone; JAX is imported with the first rotor.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+# The functions share their names with the modules they come from; importing them here, once,
+# makes the package's attribute the function.
+from propmap.air import Air
+from propmap.airfoil import Airfoil, airfoil, airfoil_names
+from propmap.errors import InputError
+from propmap.propeller import Propeller, propeller
+
+if TYPE_CHECKING:
+    from propmap.hover import HoverModel
+    from propmap.rotor import Loads, Rotor, Wrench
+
+__version__ = "0.1.0"
+
+__all__ = [
+    "Air",
+    "Airfoil",
+    "HoverModel",
+    "InputError",
+    "Loads",
+    "Propeller",
+    "Rotor",
+    "Wrench",
+    "airfoil",
+    "airfoil_names",
+    "propeller",
+]
+
+_LAZY = {"HoverModel": "hover", "Loads": "rotor", "Rotor": "rotor", "Wrench": "rotor"}
+
+
+def __getattr__(name: str) -> Any:
+    if name in _LAZY:
+        return getattr(importlib.import_module(f"propmap.{_LAZY[name]}"), name)
+    raise AttributeError(f"module 'propmap' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted([*globals(), *_LAZY])

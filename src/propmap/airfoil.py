@@ -1,0 +1,153 @@
+"""The section law's parameters: named sets, files, and checks."""
+
+from __future__ import annotations
+
+import difflib
+import importlib.resources
+import math
+import tomllib
+from dataclasses import asdict, dataclass, fields, replace
+from importlib.resources.abc import Traversable
+from pathlib import Path
+from typing import Any
+
+from propmap.errors import InputError
+
+SCHEMA = 1
+LIFT_LAWS = ("blended", "simplified")
+_LIMITS = {
+    "c_l1": (0.0, 20.0, "1/rad"),
+    "c_l2": (0.0, 10.0, "-"),
+    "c_d": (0.0, 20.0, "-"),
+    "alpha_0": (0.02, 1.5, "rad"),
+    "zero_lift_angle": (-0.5, 0.5, "rad"),
+    "c_d0": (0.0, 1.0, "-"),
+    "c_p": (0.0, 10.0, "-"),
+    "sharpness": (5.0, 500.0, "1/rad"),
+}
+
+
+@dataclass(frozen=True)
+class Airfoil:
+    """Parameters of the blade-section law, eqs. (3) and (4).
+
+    c_l1 : [1/rad], slope of the attached lift.
+    c_l2 : [-], amplitude of the separated lift; c_l where lift_law is "simplified".
+    c_d : [-], amplitude of the pressure drag.
+    alpha_0 : [rad], angle of attack at the middle of the stall blend.
+    zero_lift_angle : [rad], angle of attack of zero lift, negative for ordinary camber.
+        The paper's law has none; (3) and (4) are evaluated at alpha - zero_lift_angle.
+    c_d0, c_p, sharpness : the paper's constants c_d0 [-], c_p [-] and M [1/rad].
+    lift_law : "blended", eq. (3), or "simplified", footnote 1: C_L = c_l2 sin(a) cos(a).
+    name, source : what the set is called and where its numbers come from.
+
+    Raises ``InputError`` where a parameter is not a number or out of its range.
+    """
+
+    c_l1: float
+    c_l2: float
+    c_d: float
+    alpha_0: float
+    zero_lift_angle: float = 0.0
+    c_d0: float = 0.01
+    c_p: float = 1.328
+    sharpness: float = 50.0
+    lift_law: str = "blended"
+    name: str = "unnamed"
+    source: str = ""
+
+    def __post_init__(self) -> None:
+        for field, (low, high, unit) in _LIMITS.items():
+            value = getattr(self, field)
+            if isinstance(value, bool) or not isinstance(value, (int, float)):
+                raise InputError(f"{field} is {value!r}: give a number [{unit}]")
+            if not (math.isfinite(value) and low <= value <= high):
+                hint = " (angles are in radians)" if unit == "rad" and abs(value) > high else ""
+                raise InputError(
+                    f"{field} is {value}: it must lie between {low} and {high} [{unit}]{hint}"
+                )
+        if self.lift_law not in LIFT_LAWS:
+            raise InputError(f"lift_law is {self.lift_law!r}: it must be one of {LIFT_LAWS}")
+
+    def with_parameters(self, **changes: Any) -> Airfoil:
+        """A copy with some parameters changed."""
+        return replace(self, **changes)
+
+    def to_toml(self) -> str:
+        """The set as the text of a parameter file."""
+        lines = [f"schema = {SCHEMA}"]
+        for key, value in asdict(self).items():
+            lines.append(
+                f"{key} = {_toml_string(value) if isinstance(value, str) else repr(value)}"
+            )
+        return "\n".join(lines) + "\n"
+
+
+def airfoil(name_or_path: str | Path) -> Airfoil:
+    """A named parameter set, or one read from a TOML file.
+
+    name_or_path : "paper-soft", "paper-stiff" or "paper-apc" (Table I), or a file's path.
+    Raises ``InputError`` for an unknown name, an unreadable file or a bad parameter.
+    """
+    text = str(name_or_path)
+    if text.lower() in airfoil_names():
+        return read_airfoil(_sets() / f"{text.lower()}.toml")
+    path = Path(text)
+    if path.suffix == ".toml" or path.exists() or "/" in text:
+        return read_airfoil(path)
+    close = difflib.get_close_matches(text.lower(), airfoil_names(), n=2)
+    known = ", ".join(close or airfoil_names())
+    raise InputError(
+        f"airfoil {text!r}: no such parameter set or file; known sets: {known}; "
+        "or give the path of a .toml file"
+    )
+
+
+def airfoil_names() -> list[str]:
+    """Names of the bundled parameter sets."""
+    return sorted(f.name[:-5] for f in _sets().iterdir() if f.name.endswith(".toml"))
+
+
+def read_airfoil(path: Path | Traversable) -> Airfoil:
+    """Read a parameter file; raises ``InputError`` naming the file and the field."""
+    name = path.name if not isinstance(path, Path) else str(path)
+    try:
+        table = tomllib.loads(path.read_bytes().decode("utf-8"))
+    except FileNotFoundError:
+        raise InputError(f"{name}: no such file; give a set's name or an existing .toml") from None
+    except OSError as error:
+        raise InputError(f"{name}: cannot be read ({error.strerror}); give a .toml file") from None
+    except UnicodeDecodeError:
+        raise InputError(f"{name}: not a text file; give a parameter set in TOML") from None
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(f"{name}: not valid TOML ({error}); see the README's example") from None
+    known = {f.name for f in fields(Airfoil)}
+    schema = table.pop("schema", SCHEMA)
+    if schema != SCHEMA:
+        raise InputError(
+            f"{name}: schema is {schema!r}, this version reads {SCHEMA}; upgrade propmap"
+        )
+    # A table is left to whoever wrote it; a stray key at the top is likely a typing error.
+    extra = sorted(k for k, v in table.items() if k not in known and not isinstance(v, dict))
+    if extra:
+        raise InputError(
+            f"{name}: unknown field {extra[0]!r}; known fields: {', '.join(sorted(known))}"
+        )
+    required = [f for f in ("c_l1", "c_l2", "c_d", "alpha_0") if f not in table]
+    if required == ["c_l1"] and table.get("lift_law") == "simplified":
+        table["c_l1"], required = 0.0, []
+    if required:
+        raise InputError(f"{name}: {required[0]} is missing; add a line '{required[0]} = ...'")
+    try:
+        return Airfoil(**{k: v for k, v in table.items() if k in known})
+    except InputError as error:
+        raise InputError(f"{name}: {error}") from None
+
+
+def _sets() -> Traversable:
+    return importlib.resources.files("propmap.catalogue") / "airfoils"
+
+
+def _toml_string(text: str) -> str:
+    escaped = text.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n")
+    return f'"{escaped}"'

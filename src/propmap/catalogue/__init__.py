@@ -1,0 +1,92 @@
+"""The propellers that come with propmap, one TOML file each in ``propellers/``."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from functools import lru_cache
+from importlib.resources import files
+from importlib.resources.abc import Traversable
+
+from propmap.propeller import Propeller, unknown_name
+from propmap.readers.propeller_toml import (
+    SCHEMA,
+    parse_propeller_toml,
+    parse_toml,
+    read_propeller_toml,
+)
+
+SUFFIX = ".toml"
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One line of the catalogue: what a propeller is, without its blade."""
+
+    name: str
+    title: str
+    family: str
+    blades: int
+    diameter_m: float
+    source: str
+
+
+def names() -> list[str]:
+    """The names of all propellers, in alphabetical order."""
+    return list(_files())
+
+
+def entries() -> list[Entry]:
+    """One ``Entry`` for each propeller, in the order of ``names``."""
+    return list(_entries())
+
+
+def search(text: str) -> list[Entry]:
+    """The entries whose name, title or family hold every word of ``text``, in any case."""
+    words = text.lower().split()
+    return [
+        entry
+        for entry in _entries()
+        if all(word in f"{entry.name} {entry.title} {entry.family}".lower() for word in words)
+    ]
+
+
+def load(name: str) -> Propeller:
+    """The propeller called ``name``, in upper or lower case; ``InputError`` if there is none."""
+    key = name.strip().lower()
+    if key not in _files():
+        raise unknown_name(name, names())
+    return parse_propeller_toml(_files()[key].read_text(encoding="utf-8"), f"catalogue {key}")
+
+
+def load_file(path: str | os.PathLike[str]) -> Propeller:
+    """A propeller from a file of one's own in the format of the catalogue.
+
+    Raises ``InputError``.
+    """
+    return read_propeller_toml(path)
+
+
+@lru_cache(maxsize=1)
+def _files() -> dict[str, Traversable]:
+    folder = files(__package__) / "propellers"
+    found = {f.name.removesuffix(SUFFIX): f for f in folder.iterdir() if f.name.endswith(SUFFIX)}
+    return dict(sorted(found.items()))
+
+
+@lru_cache(maxsize=1)
+def _entries() -> tuple[Entry, ...]:
+    return tuple(_entry(name, file.read_text(encoding="utf-8")) for name, file in _files().items())
+
+
+def _entry(name: str, text: str) -> Entry:
+    # The arrays come last and are most of the file: leaving them out makes a listing fast.
+    head = parse_toml(text.partition("\nstation_m")[0], f"catalogue {name}", SCHEMA)
+    return Entry(
+        name=name,
+        title=head["title"],
+        family=head["family"],
+        blades=head["blades"],
+        diameter_m=2.0 * head["radius_m"],
+        source=head["source"],
+    )

@@ -1,0 +1,28 @@
+"""A cache of compiled programs that outlives the process.
+
+XLA's option ``xla_cpu_prefer_vector_width=512`` would make a blade element 1.5 times faster,
+but jaxlib 0.10.2 then returns NaN for this code; it is left alone.
+"""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+
+def keep_compiled(folder: Path | None = None) -> None:
+    """Keep compiled programs on disk, so that later processes start in half the time.
+
+    folder : where; by default the user's cache folder.  JAX's own setting
+    ``JAX_COMPILATION_CACHE_DIR`` takes precedence.  It is a setting of the whole process,
+    so only programs that own their process call this; the command line does.
+    """
+    if os.environ.get("JAX_COMPILATION_CACHE_DIR"):
+        return
+    import jax
+    from platformdirs import user_cache_path
+
+    place = folder or user_cache_path("propmap") / "compiled"
+    jax.config.update("jax_compilation_cache_dir", str(place))
+    jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.3)
+    jax.config.update("jax_persistent_cache_min_entry_size_bytes", 0)

@@ -1,0 +1,29 @@
+"""What propmap raises when an input cannot be used."""
+
+from __future__ import annotations
+
+
+class InputError(ValueError):
+    """An input that cannot be used, told in one printable line.
+
+    found : what was found and what was expected.
+    remedy : what to do about it.
+    where : the file, line or field; put in front of the message.
+    All three stay readable as attributes, so that a program can show them its own way.
+    """
+
+    def __init__(self, found: str, remedy: str = "", where: str = "") -> None:
+        self.found, self.remedy, self.where = found, remedy, where
+        message = f"{where}: {found}" if where else found
+        super().__init__(_one_line(f"{message}; {remedy}" if remedy else message))
+
+
+def _one_line(text: str) -> str:
+    """``text`` without line breaks and control characters, which file names may contain."""
+    return "".join(c if c.isprintable() else "?" for c in " ".join(text.split()))
+
+
+def quoted(value: object, limit: int = 40) -> str:
+    """``value`` in quotes, cut to ``limit`` characters, for use in a message."""
+    text = str(value)
+    return repr(text if len(text) <= limit else text[: limit - 3] + "...")

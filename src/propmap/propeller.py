@@ -1,0 +1,149 @@
+"""The geometry of a propeller: chord and twist along the blade."""
+
+from __future__ import annotations
+
+import difflib
+import os
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from propmap.blade_check import Floats, check_blade, check_blades, check_root_cutout
+from propmap.errors import InputError, quoted
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Propeller:
+    """Chord and twist of a blade at its measured stations, and how many blades there are.
+
+    name : what the propeller is called.
+    blades : number of blades, 1 to 12.
+    station : shape (n,) [m], n >= 4, rising from the first measured section to the tip.
+    chord : shape (n,) [m]; twist : shape (n,) [rad], the chord line against the disk plane.
+    root_cutout : where the loaded part of the blade begins [m]; None is the first station.
+    source : where the figures are from and what was done to them; citation : whom to cite.
+    The arrays are kept as read-only float64 copies.  Raises ``InputError`` for a blade that
+    cannot be: see ``propmap.blade_check``.
+    """
+
+    name: str
+    blades: int
+    station: Floats
+    chord: Floats
+    twist: Floats
+    root_cutout: float | None = None
+    source: str = ""
+    citation: str = ""
+
+    def __post_init__(self) -> None:
+        for field in ("station", "chord", "twist"):
+            object.__setattr__(self, field, _frozen_array(getattr(self, field), field))
+        check_blade(self.station, self.chord, self.twist)
+        object.__setattr__(self, "blades", check_blades(self.blades))
+        if self.root_cutout is not None:
+            root = check_root_cutout(self.root_cutout, self.station)
+            object.__setattr__(self, "root_cutout", root)
+
+    @property
+    def radius(self) -> float:
+        """Tip radius [m], the last station."""
+        return float(self.station[-1])
+
+    @property
+    def diameter(self) -> float:
+        """Diameter [m]."""
+        return 2.0 * self.radius
+
+    @property
+    def root(self) -> float:
+        """Where the loaded part of the blade begins [m]."""
+        return float(self.station[0]) if self.root_cutout is None else self.root_cutout
+
+    def with_root_cutout(self, radius_m: float) -> Propeller:
+        """The same propeller, loaded from ``radius_m`` [m] outwards."""
+        return replace(self, root_cutout=radius_m)
+
+    def __eq__(self, other: object) -> bool:
+        return self._key() == other._key() if isinstance(other, Propeller) else NotImplemented
+
+    def __hash__(self) -> int:
+        return hash(self._key())
+
+    def __repr__(self) -> str:
+        return (
+            f"Propeller({self.name!r}, {self.blades} blades, diameter {self.diameter:.4g} m, "
+            f"{self.station.size} stations)"
+        )
+
+    def _key(self) -> tuple[object, ...]:
+        arrays = (self.station.tobytes(), self.chord.tobytes(), self.twist.tobytes())
+        return (self.name, self.blades, *arrays, self.root_cutout, self.source, self.citation)
+
+
+def propeller(
+    name_or_path: str | os.PathLike[str],
+    blades: int | None = None,
+    radius: float | None = None,
+    root_cutout: float | None = None,
+) -> Propeller:
+    """A propeller from the catalogue, or from a geometry file of any format propmap reads.
+
+    name_or_path : a name that ``propmap props`` lists, in upper or lower case, or a path.
+    blades : number of blades, where the file gives none or another number is wanted.
+    radius : tip radius [m], where the file gives fractions of it; where the geometry has a
+        radius of its own, the two must agree.
+    root_cutout : where the loaded part of the blade begins [m].
+    Raises ``InputError``; for an unknown name it proposes close ones.
+    """
+    # Imported here because the readers and the catalogue are built on Propeller.
+    from propmap import catalogue
+    from propmap.readers.blade_table import check_radius
+    from propmap.readers.geometry_file import read_geometry_file
+
+    text = os.fspath(name_or_path)
+    if text.strip().lower() in catalogue.names():
+        found = catalogue.load(text)
+        if radius is not None:
+            check_radius(found.radius, radius, where=found.name)
+        if blades is not None:
+            found = replace(found, blades=blades)
+    elif _looks_like_path(name_or_path):
+        found = read_geometry_file(text, blades=blades, radius=radius)
+    else:
+        raise unknown_name(text, catalogue.names())
+    return found if root_cutout is None else found.with_root_cutout(root_cutout)
+
+
+def unknown_name(name: str, known: list[str]) -> InputError:
+    """The error for a name that is not among the ``known`` ones, with those close to it."""
+    close = difflib.get_close_matches(name.strip().lower(), known, n=3, cutoff=0.5)
+    hint = f"did you mean {', '.join(close)}? " if close else ""
+    return InputError(
+        f"{quoted(name)} is neither a propeller of the catalogue nor a file",
+        f"{hint}see `propmap props`",
+    )
+
+
+def _looks_like_path(name_or_path: str | os.PathLike[str]) -> bool:
+    if not isinstance(name_or_path, str) or "/" in name_or_path or os.sep in name_or_path:
+        return True
+    try:
+        path = Path(name_or_path)
+        # A pitch such as 8x4.5 ends like a suffix, so a suffix counts only if it has a letter.
+        return path.exists() or path.suffix[1:2].isalpha()
+    except (OSError, ValueError):
+        return True
+
+
+def _frozen_array(values: Any, field: str) -> Floats:
+    try:
+        array = np.array(values, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise InputError(
+            f"{field} is {quoted(values)}, expected a list of numbers",
+            f"give {field} as one number per station",
+        ) from None
+    array.flags.writeable = False
+    return array

@@ -1,0 +1,241 @@
+"""A propeller, a section law and air, together: loads at any operating point."""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from propmap.air import Air
+from propmap.airfoil import Airfoil
+from propmap.errors import InputError
+from propmap.evaluation import Evaluation, evaluate
+from propmap.propeller import Propeller
+from propmap.schedule import accuracy as accuracy_setting
+
+Floats = NDArray[np.float64]
+
+STATUSES = ("ok", "multiple_roots", "windmill", "vortex_ring", "not_converged")
+"""From harmless to fatal; where several apply, the last is given."""
+
+
+@dataclass(frozen=True)
+class Loads:
+    """Loads of a rotor; every field has the broadcast shape of the operating points.
+
+    thrust : [N], along the axis.
+    drag : [N], in the disk plane, against the in-plane velocity.
+    torque : [N m], that turns the shaft; negative where the air drives the propeller.
+    roll_moment : [N m], about the direction of the in-plane velocity, positive where the
+        advancing side is lifted, before the sign of the spin is applied.
+    power : [W], torque times omega.
+    status : one of ``STATUSES``.  "multiple_roots": near stall the inflow has several
+        solutions, the largest is used.  "windmill": descent so fast that the wake is above
+        the disk.  "vortex_ring": momentum theory does not hold and the static inflow (12)
+        is blended in; not to be trusted.  "not_converged": the loads are NaN.
+    roots : largest number of solutions of eq. (11) along the blade.
+    reverse_flow : share of the blades' disk that the air meets from behind [-].
+    vortex_ring : share of the static inflow in the inflow used [-].
+    mean_inflow : v_i averaged over the disk [m/s].
+    """
+
+    thrust: Floats
+    drag: Floats
+    torque: Floats
+    roll_moment: Floats
+    power: Floats
+    status: NDArray[np.str_]
+    roots: NDArray[np.int64]
+    reverse_flow: Floats
+    vortex_ring: Floats
+    mean_inflow: Floats
+
+
+@dataclass(frozen=True)
+class Wrench:
+    """Force [N] and moment [N m] on the vehicle at the hub, in the rotor frame; (..., 3)."""
+
+    force: Floats
+    moment: Floats
+
+
+class Rotor:
+    """The face of the package.
+
+    propeller : geometry.  airfoil : section law.  air : density and viscosity.
+    accuracy : "standard" (0.1 % of static thrust and torque) or "fine" (0.01 %, slower).
+    Raises ``InputError`` for arguments of another kind.
+    """
+
+    def __init__(
+        self,
+        propeller: Propeller,
+        airfoil: Airfoil,
+        air: Air | None = None,
+        *,
+        accuracy: str = "standard",
+    ) -> None:
+        air = air or Air()
+        for name, value, kind, maker in (
+            ("propeller", propeller, Propeller, "propmap.propeller(...)"),
+            ("airfoil", airfoil, Airfoil, "propmap.airfoil(...)"),
+            ("air", air, Air, "propmap.Air(...)"),
+        ):
+            if not isinstance(value, kind):
+                raise InputError(f"{name} is {value!r}: give a {kind.__name__}, from {maker}")
+        self.propeller, self.airfoil, self.air = propeller, airfoil, air
+        self.accuracy = accuracy
+        self._setting = accuracy_setting(accuracy)
+
+    def __repr__(self) -> str:
+        return (
+            f"Rotor({self.propeller.name}, {self.airfoil.name}, rho={self.air.density} kg/m^3, "
+            f"accuracy={self.accuracy})"
+        )
+
+    def loads(self, omega: ArrayLike, speed: ArrayLike, beta: ArrayLike) -> Loads:
+        """Loads at operating points.
+
+        omega : [rad/s] >= 0.  speed : V [m/s] >= 0.  beta : [rad], angle of the velocity to
+        the axis: 0 axial climb, pi/2 edgewise flight, pi axial descent; beta and 2 pi - beta
+        are mirror images with the same loads.  Scalars or arrays, broadcast.
+        Raises ``InputError`` for negative or non-finite values and unequal shapes.
+        """
+        w, v, b = _broadcast(omega=omega, speed=speed, beta=beta)
+        _refuse_negative("omega", w, "give the spin by its direction, not by a sign [rad/s]")
+        _refuse_negative("speed", v, "give the direction by beta, pi for descent [m/s]")
+        return self._loads(w, v * np.cos(b), np.abs(v * np.sin(b)) * (np.abs(np.sin(b)) > 1e-15))
+
+    def loads_at_velocity(self, omega: ArrayLike, velocity: ArrayLike) -> Loads:
+        """Loads for a velocity vector in the rotor frame.
+
+        omega : shape (...) [rad/s] >= 0.  velocity : shape (..., 3) [m/s], of the hub through
+        the air, z along the thrust; broadcast over the leading axes.
+        """
+        w, along, across, _ = _split(omega, velocity)
+        return self._loads(w, along, across)
+
+    def wrench(self, omega: ArrayLike, velocity: ArrayLike, spin: str = "ccw") -> Wrench:
+        """Force and moment on the vehicle, as vectors in the rotor frame.
+
+        Arguments as ``loads_at_velocity``; spin : "ccw" or "cw", seen from above with the
+        thrust up.  The frame is right-handed with z along the thrust.
+        """
+        if spin not in ("ccw", "cw"):
+            raise InputError(f"spin is {spin!r}: it must be 'ccw' or 'cw', seen from above")
+        w, along, across, direction = _split(omega, velocity)
+        loads = self._loads(w, along, across)
+        # Counter-clockwise, the advancing side is on the right: lifting it rolls about -x.
+        sign = 1.0 if spin == "ccw" else -1.0
+        z = np.array([0.0, 0.0, 1.0])
+        force = loads.thrust[..., None] * z - loads.drag[..., None] * direction
+        moment = -sign * (loads.torque[..., None] * z + loads.roll_moment[..., None] * direction)
+        return Wrench(force, moment)
+
+    def hover_inflow(self, omega: ArrayLike) -> Floats:
+        """Static inflow v_i0 [m/s] of eq. (12), from the rotor's own static thrust."""
+        from propmap.evaluation import static_inflow
+
+        (w,) = _broadcast(omega=omega)
+        _refuse_negative("omega", w, "give the spin by its direction, not by a sign [rad/s]")
+        return static_inflow(self.theory, self._setting, w.ravel()).reshape(w.shape)
+
+    @functools.cached_property
+    def theory(self) -> Any:
+        """The rotor as the theory's arrays: (blade, section, medium), for ``propmap.theory``.
+
+        NumPy float64; JAX turns them into arrays of the caller's own setting.
+        """
+        from propmap.theory.blade_shape import make_blade
+        from propmap.theory.parameters import Medium, Section
+
+        p, a = self.propeller, self.airfoil
+        n = np.float64
+        attached = n(1.0 if a.lift_law == "blended" else 0.0)
+        blade = make_blade(p.station, p.chord, p.twist, n(p.blades), n(p.root), np)
+        angles = (n(a.alpha_0), n(a.zero_lift_angle))
+        section = Section(
+            n(a.c_l1), n(a.c_l2), n(a.c_d), *angles, n(a.c_d0), n(a.c_p), n(a.sharpness), attached
+        )
+        return blade, section, Medium(n(self.air.density), n(self.air.viscosity))
+
+    def _loads(self, omega: Floats, v_axial: Floats, v_inplane: Floats) -> Loads:
+        shape = omega.shape
+        flat = evaluate(
+            self.theory, self._setting, omega.ravel(), v_axial.ravel(), v_inplane.ravel()
+        )
+        found = {name: getattr(flat, name).reshape(shape) for name in Evaluation._fields}
+        reverse = _reverse_flow(omega, v_inplane, self.propeller.root, self.propeller.radius)
+        return Loads(
+            thrust=found["thrust"],
+            drag=found["drag"],
+            torque=found["torque"],
+            roll_moment=found["roll_moment"],
+            power=found["torque"] * omega,
+            status=_status(found, v_axial),
+            roots=found["roots"],
+            reverse_flow=reverse,
+            vortex_ring=found["ring"],
+            mean_inflow=found["mean_inflow"],
+        )
+
+
+def _status(found: dict[str, Any], v_axial: Floats) -> NDArray[np.str_]:
+    windmill = (v_axial < 0.0) & (v_axial + 2.0 * found["mean_inflow"] <= 0.0)
+    ring = (found["ring"] > 0.0) | found["mirrored"]
+    lost = ~np.isfinite(found["thrust"])
+    cases = [lost, ring, windmill, found["roots"] > 1]
+    return np.asarray(np.select(cases, STATUSES[:0:-1], STATUSES[0]))
+
+
+def _reverse_flow(omega: Floats, v_inplane: Floats, root: float, tip: float) -> Floats:
+    """Share of the annulus between root and tip inside the reverse-flow circle [-].
+
+    The circle y = -V sin(beta) sin(psi) / Omega passes through the hub.
+    """
+    diameter = np.minimum(v_inplane / np.maximum(omega, 1e-12), 1e4 * tip)
+
+    def within(radius: float) -> Floats:
+        angle = np.arccos(np.minimum(radius / np.maximum(diameter, 1e-12), 1.0))
+        rest = 0.5 * np.pi - angle - np.sin(angle) * np.cos(angle)
+        return np.asarray(radius**2 * angle + 0.5 * diameter**2 * rest)
+
+    return np.asarray((within(tip) - within(root)) / (np.pi * (tip**2 - root**2)))
+
+
+def _broadcast(**named: ArrayLike) -> list[Floats]:
+    arrays = []
+    for name, value in named.items():
+        try:
+            array = np.asarray(value, dtype=np.float64)
+        except (TypeError, ValueError):
+            raise InputError(f"{name} is {value!r}: give a number or an array of numbers") from None
+        if not np.isfinite(array).all():
+            raise InputError(f"{name} holds a value that is not finite: remove NaN and infinity")
+        arrays.append(array)
+    try:
+        return [np.array(a) for a in np.broadcast_arrays(*arrays)]
+    except ValueError:
+        shapes = ", ".join(f"{n} {np.shape(a)}" for n, a in zip(named, arrays, strict=True))
+        raise InputError(f"shapes do not fit together: {shapes}; they must broadcast") from None
+
+
+def _refuse_negative(name: str, values: Floats, remedy: str) -> None:
+    if (values < 0.0).any():
+        raise InputError(f"{name} is negative ({values.min():g}): {remedy}")
+
+
+def _split(omega: ArrayLike, velocity: ArrayLike) -> tuple[Floats, Floats, Floats, Floats]:
+    """omega, velocity along the axis and across it, and the unit vector of the latter."""
+    (vector,) = _broadcast(velocity=velocity)
+    if vector.ndim == 0 or vector.shape[-1] != 3:
+        raise InputError(f"velocity has shape {vector.shape}: its last axis must hold x, y, z")
+    w, x, y, z = _broadcast(omega=omega, vx=vector[..., 0], vy=vector[..., 1], vz=vector[..., 2])
+    _refuse_negative("omega", w, "give the spin by its direction, not by a sign [rad/s]")
+    across = np.hypot(x, y)
+    unit = np.where(across > 0.0, across, 1.0)
+    direction = np.stack([np.where(across > 0.0, x / unit, 1.0), y / unit, np.zeros_like(x)], -1)
+    return w, z, across, direction

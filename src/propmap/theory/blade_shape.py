@@ -1,0 +1,73 @@
+"""Chord and twist between the measured stations."""
+
+from __future__ import annotations
+
+from types import ModuleType
+from typing import Any, NamedTuple
+
+import jax.numpy as jnp
+
+from propmap.theory.parameters import Array, Blade
+
+
+class StationShape(NamedTuple):
+    """Chord [m] and twist [rad] at some radii [m], all of one shape."""
+
+    radius: Array
+    chord: Array
+    twist: Array
+
+
+def make_blade(
+    station: Any, chord: Any, twist: Any, blades: Any, root: Any, xp: ModuleType = jnp
+) -> Blade:
+    """A ``Blade`` from its measured stations, with the slopes of the curves between them.
+
+    station, chord : shape (n,) [m]; twist : shape (n,) [rad]; blades [-] and root [m] : scalars.
+    xp : the array module, ``jax.numpy`` to differentiate with respect to chord and twist.
+    """
+    chord_slope, twist_slope = pchip_slopes(station, chord, xp), pchip_slopes(station, twist, xp)
+    return Blade(station, chord, twist, chord_slope, twist_slope, blades, root)
+
+
+def pchip_slopes(x: Any, y: Any, xp: ModuleType = jnp) -> Any:
+    """Derivatives at the knots of the monotone piecewise cubic through (x, y).
+
+    x : shape (n,), rising; y : shape (n,); n >= 3.  Returns shape (n,), in units of y/x.
+    Fritsch & Butland, SIAM J. Sci. Stat. Comput. 5(2), 1984, doi 10.1137/0905021, with the
+    three-point ends of SciPy's ``PchipInterpolator``, against which it is tested.  Written
+    here because chord and twist are differentiated, and the JAX interpolation packages and
+    SciPy each add more than half a second of imports.
+    """
+    h = xp.diff(x)
+    d = xp.diff(y) / h
+    w1, w2 = 2.0 * h[1:] + h[:-1], h[1:] + 2.0 * h[:-1]
+    same = d[:-1] * d[1:] > 0.0
+    left, right = xp.where(same, d[:-1], 1.0), xp.where(same, d[1:], 1.0)
+    inner = xp.where(same, (w1 + w2) / (w1 / left + w2 / right), 0.0)
+    first = _end_slope(h[0], h[1], d[0], d[1], xp)
+    last = _end_slope(h[-1], h[-2], d[-1], d[-2], xp)
+    return xp.concatenate([first[None], inner, last[None]])
+
+
+def _end_slope(h0: Any, h1: Any, d0: Any, d1: Any, xp: ModuleType) -> Any:
+    slope = ((2.0 * h0 + h1) * d0 - h0 * d1) / (h0 + h1)
+    slope = xp.where(slope * d0 <= 0.0, 0.0, slope)
+    return xp.where((d0 * d1 < 0.0) & (xp.abs(slope) > 3.0 * xp.abs(d0)), 3.0 * d0, slope)
+
+
+def blade_shape(blade: Blade, radius: Array) -> StationShape:
+    """Chord [m] and twist [rad] by PCHIP at radius [m], any shape, inside the measured span."""
+    x = blade.station
+    last = x.shape[0] - 2
+    k = jnp.clip(jnp.searchsorted(x, radius, side="right", method="compare_all") - 1, 0, last)
+    h = x[k + 1] - x[k]
+    t = (radius - x[k]) / h
+
+    def cubic(values: Array, slopes: Array) -> Array:
+        y0, y1, m0, m1 = values[k], values[k + 1], slopes[k] * h, slopes[k + 1] * h
+        c3, c2 = 2.0 * (y0 - y1) + m0 + m1, 3.0 * (y1 - y0) - 2.0 * m0 - m1
+        return y0 + t * (m0 + t * (c2 + t * c3))
+
+    chord = cubic(blade.chord, blade.chord_slope)
+    return StationShape(radius, chord, cubic(blade.twist, blade.twist_slope))

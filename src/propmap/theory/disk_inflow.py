@@ -1,0 +1,104 @@
+"""The inflow over the whole disk: radial nodes that follow stall, and v_i at each."""
+
+from __future__ import annotations
+
+import functools
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jax import lax
+
+from propmap.theory import blade_element, stall_split
+from propmap.theory.blade_shape import blade_shape
+from propmap.theory.inflow import MAX_STEPS, InflowQuestion, inflow_root
+from propmap.theory.parameters import Array, Blade, Medium, Section
+from propmap.theory.quadrature import RadialNodes, panel_nodes
+from propmap.theory.velocities import AzimuthNodes
+
+
+class Case(NamedTuple):
+    """Everything that the inflow depends on; a pytree.
+
+    blade, section, medium : see ``parameters``.  omega [rad/s], v_axial = V cos(beta),
+    v_inplane = V sin(beta) [m/s], windmill : 1 on the windmill branch, else 0; all (B,).
+    """
+
+    blade: Blade
+    section: Section
+    medium: Medium
+    omega: Array
+    v_axial: Array
+    v_inplane: Array
+    windmill: Array
+
+
+class DiskInflow(NamedTuple):
+    """Radial nodes (S, B) or (S, 1), v_i there (S, B) [m/s], whether a fold was found (B,)."""
+
+    nodes: RadialNodes
+    inflow: Array
+    fold: Array
+
+
+def question(case: Case, radius: Array) -> InflowQuestion:
+    """Equation (11) at radius (S, B) or (S, 1) [m]."""
+    shape = blade_shape(case.blade, radius)
+    at = blade_element.annulus(
+        shape, case.blade, case.section, case.medium, case.omega, case.v_axial, case.v_inplane
+    )
+    return InflowQuestion(at, case.windmill)
+
+
+def disk_inflow(
+    case: Case,
+    panels: tuple[int, ...],
+    azimuth: AzimuthNodes,
+    max_steps: Array | int = MAX_STEPS,
+) -> DiskInflow:
+    """Solve (11) over the disk; differentiable with respect to everything in ``case``.
+
+    panels : radial nodes on each panel, static.  One panel is the whole blade; with more,
+    their edges follow stall (``stall_split``).
+    azimuth : azimuth nodes.  max_steps : see ``inflow_root``.
+    """
+    root, tip = case.blade.root, case.blade.tip
+    if len(panels) > 1:
+        inner, fold = _inner_edges(case, azimuth)
+        ends = jnp.ones((1, inner.shape[1]))
+        edges = jnp.concatenate([root * ends, jnp.sort(inner, axis=0), tip * ends])
+    else:
+        fold = jnp.zeros(case.omega.shape, bool)
+        edges = jnp.stack([root, tip])[:, None]
+    nodes = panel_nodes(edges, panels)
+    inflow = inflow_root(question(case, nodes.radius), jnp.asarray(max_steps), azimuth)
+    return DiskInflow(nodes, inflow, fold)
+
+
+def _inner_edges(case: Case, azimuth: AzimuthNodes) -> tuple[Array, Array]:
+    """Radii (SPLITS, B) [m] at which to split, and whether one of them is a fold (B,)."""
+    live = functools.partial(question, case)
+    still = functools.partial(question, lax.stop_gradient(case))
+    near = stall_split.hump_crossings(live, case.blade.root, case.blade.tip, azimuth)
+    fold = stall_split.find_folds(lax.stop_gradient(near), still, azimuth)
+    edges = _moving_edges(case, fold, near.radius, azimuth)
+    return edges, jnp.any(fold.found, axis=0)
+
+
+@jax.custom_jvp
+def _moving_edges(
+    case: Case, fold: stall_split.Fold, otherwise: Array, azimuth: AzimuthNodes
+) -> Array:
+    return jnp.where(fold.found, fold.radius, otherwise)
+
+
+@_moving_edges.defjvp
+def _moving_edges_jvp(primals, tangents):  # type: ignore[no-untyped-def]
+    (case, fold, otherwise, azimuth), (case_dot, _, otherwise_dot, _) = primals, tangents
+    _, fold_dot = jax.jvp(
+        lambda c: stall_split.follow(fold, functools.partial(question, c), azimuth),
+        (case,),
+        (case_dot,),
+    )
+    edges = _moving_edges(case, fold, otherwise, azimuth)
+    return edges, jnp.where(fold.found, fold_dot, otherwise_dot)

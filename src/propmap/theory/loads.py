@@ -1,0 +1,117 @@
+"""Loads of the whole rotor, eqs. (13)-(15), at any operating point."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jax import lax
+
+from propmap.theory import blade_element, momentum, wake_state
+from propmap.theory.disk_inflow import Case, disk_inflow, question
+from propmap.theory.inflow import MAX_STEPS
+from propmap.theory.parameters import Array, Blade, Medium, Resolution, Section
+from propmap.theory.root_count import count_roots
+from propmap.theory.stall_split import mean_attached_share
+from propmap.theory.velocities import AzimuthNodes, azimuth_nodes
+
+
+class RotorLoads(NamedTuple):
+    """Loads of one rotor and how they came about; every field of shape (B,).
+
+    thrust [N] along the axis; drag [N] in the disk plane against the in-plane velocity;
+    torque [N m] needed to turn the shaft; roll_moment [N m] about the in-plane velocity,
+    positive where the advancing side is lifted, before the sign of the spin is applied.
+    roots : number of roots of (11), the largest over the blade; ring : share of the static
+    inflow (12) [-]; mean_inflow [m/s], by area; attached : smallest attached share over the
+    nodes at the mean angle of attack [-]; mirrored : whether on the windmill branch the mean
+    inflow is past the limit of momentum theory.
+    """
+
+    thrust: Array
+    drag: Array
+    torque: Array
+    roll_moment: Array
+    roots: Array
+    ring: Array
+    mean_inflow: Array
+    attached: Array
+    mirrored: Array
+
+
+def disk_loads(
+    blade: Blade,
+    section: Section,
+    medium: Medium,
+    omega: Array,
+    v_axial: Array,
+    v_inplane: Array,
+    v_hover: Array,
+    panels: tuple[int, ...],
+    azimuth: AzimuthNodes,
+    max_steps: Array | int = MAX_STEPS,
+) -> RotorLoads:
+    """Loads, eqs. (13)-(15), given the static inflow; all operating-point arrays (B,).
+
+    omega [rad/s] >= 0; v_axial = V cos(beta), v_inplane = V sin(beta) >= 0 [m/s];
+    v_hover : static inflow (12) at the same omega [m/s], read only where v_axial < 0.
+    panels, azimuth, max_steps : see ``disk_inflow``.
+    """
+    windmill = wake_state.on_windmill_branch(v_axial, v_hover)
+    case = Case(blade, section, medium, omega, v_axial, v_inplane, windmill)
+    disk = disk_inflow(case, panels, azimuth, max_steps)
+    ring = wake_state.vortex_ring_weight(v_axial, v_inplane, v_hover)
+    inflow = (1.0 - ring) * disk.inflow + ring * v_hover
+    ask = question(case, disk.nodes.radius)
+    per_radius = blade_element.annulus_loads(ask.at, inflow, azimuth)
+    weight = disk.nodes.weight
+    total = [medium.density * jnp.sum(weight * part, axis=0) for part in per_radius]
+    area = weight * disk.nodes.radius
+    mean_inflow = jnp.sum(area * inflow, axis=0) / jnp.sum(area, axis=0)
+    # Where no fold is about, every third station is enough to count on.
+    some = jax.tree.map(lambda a: a[::3] if a.ndim == 2 else a, ask)
+    roots = count_roots(lax.stop_gradient(some), lax.stop_gradient(disk.inflow[::3]), azimuth)
+    return RotorLoads(
+        *total,  # Eqs. (13)-(15)
+        roots=jnp.where(disk.fold, jnp.maximum(roots, 3), roots),
+        ring=ring,
+        mean_inflow=mean_inflow,
+        attached=jnp.min(mean_attached_share(ask, inflow), axis=0),
+        mirrored=(windmill > 0.0) & momentum.is_mirrored(v_axial, v_inplane, mean_inflow),
+    )
+
+
+def hover_inflow(
+    blade: Blade, section: Section, medium: Medium, omega: Array, stations: int
+) -> Array:
+    """The static inflow v_h [m/s], eq. (12), from the rotor's own static thrust; (B,)."""
+    still = jnp.zeros_like(omega)
+    panels = Resolution(stations=stations).panels
+    nodes = azimuth_nodes(1)
+    static = disk_loads(blade, section, medium, omega, still, still, still, panels, nodes)
+    return momentum.static_inflow(static.thrust, medium.density, blade.tip)
+
+
+def rotor_loads(
+    blade: Blade,
+    section: Section,
+    medium: Medium,
+    omega: Array,
+    v_axial: Array,
+    v_inplane: Array,
+    resolution: Resolution | None = None,
+) -> RotorLoads:
+    """Loads of a rotor anywhere from climb to windmill descent, eqs. (1)-(15).
+
+    blade, section, medium : see ``parameters``; pytrees, differentiable.
+    omega (B,) [rad/s] >= 0; v_axial = V cos(beta) (B,) [m/s], positive in climb;
+    v_inplane = V sin(beta) (B,) [m/s].
+    resolution : static; the default is good to 0.1 % of static thrust up to an advance
+    ratio V sin(beta)/(Omega R) of about 0.5.
+    Safe under jit, vmap, jvp and vjp.  Loads that were not found are NaN.
+    """
+    resolution = resolution or Resolution()
+    v_hover = hover_inflow(blade, section, medium, omega, resolution.stations)
+    panels, nodes = resolution.panels, azimuth_nodes(resolution.azimuths)
+    return disk_loads(blade, section, medium, omega, v_axial, v_inplane, v_hover, panels, nodes)

@@ -1,0 +1,266 @@
+"""Write the bundled propellers and measurements from the published data.
+
+Usage: python tools/build_catalogue.py DATA_FOLDER
+
+DATA_FOLDER holds apc/*.PE0, uiuc/geometry.csv, uiuc/loads.csv and oblique/*.csv.  The files
+under src/propmap/catalogue/ are written anew; the same data give the same bytes.
+"""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+import sys
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+from propmap.readers.apc_pe0 import read_apc_pe0
+from propmap.readers.blade_table import INCH
+from propmap.readers.uiuc_geometry import CITATION as UIUC_CITATION
+
+CATALOGUE = Path(__file__).resolve().parent.parent / "src" / "propmap" / "catalogue"
+PER_LINE = 6
+RHO = 1.225
+RPM = 2.0 * math.pi / 60.0
+
+APC_CITATION = "Landing Products Inc. (APC Propellers), performance data files, September 2022"
+# file : (name in the catalogue, title, family code of the UIUC database)
+APC_FILES = {
+    "8x6E": ("apc-8x6e", "APC 8x6E Thin Electric", "apce"),
+    "8x6SF": ("apc-8x6sf", "APC 8x6SF Slow Flyer", "apcsf"),
+    "8x45MR": ("apc-8x4.5mr", "APC 8x4.5MR Multi-Rotor", "apcmr"),
+    "11x7E": ("apc-11x7e", "APC 11x7E Thin Electric", "apce"),
+    "9x6E": ("apc-9x6e", "APC 9x6E Thin Electric", "apce"),
+}
+
+# Families whose makers the database names; the others keep its code as their title.
+UIUC_TITLES = {
+    "apc29ff": "APC 29 Free Flight",
+    "apce": "APC Thin Electric",
+    "apcff": "APC Free Flight",
+    "apcsf": "APC Slow Flyer",
+    "apcsp": "APC Sport",
+    "ef": "E-flite",
+    "grcp": "Graupner CAM",
+    "grcsp": "Graupner CAM Slim",
+    "grsn": "Graupner Super Nylon",
+    "gwsdd": "GWS Direct Drive",
+    "gwssf": "GWS Slow Flyer",
+    "kyosho": "Kyosho",
+    "ma": "Master Airscrew",
+    "mae": "Master Airscrew Electric",
+    "magf": "Master Airscrew G/F",
+    "mas": "Master Airscrew Scimitar",
+    "union": "Union",
+}
+# Families whose diameter and pitch are labelled in millimetres.
+UIUC_METRIC = {"ef", "kpf", "pl", "vp"}
+
+# The NR640 has a hub of adjustable pitch.  The database tabulates its blade once, at 15 degrees
+# at 0.75 R, under all four labels; the labels 5x4.29 and 9x7.72 mean 20 degrees there, and their
+# thrust vanishes at an advance angle 4 to 5 degrees above that of the other two.
+NR640_TURNED = {"nr640 5x4.29": 5.0, "nr640 9x7.72": 5.0}
+
+Row = dict[str, str]
+
+
+def main(data: Path) -> None:
+    """Write all files of the catalogue from the folder ``data``."""
+    propellers = CATALOGUE / "propellers"
+    measurements = CATALOGUE / "measurements"
+    for folder in (propellers, measurements):
+        folder.mkdir(parents=True, exist_ok=True)
+        for old in folder.glob("*.toml"):
+            old.unlink()
+    loads = _read_csv(data / "uiuc" / "loads.csv")
+    for fields in [*_apc(data / "apc"), *_uiuc(data / "uiuc" / "geometry.csv", loads)]:
+        _write(propellers / f"{fields['name']}.toml", fields)
+    _write(measurements / "uiuc-8x6e.toml", _uiuc_8x6e(loads))
+    _write(measurements / "gill-dandrea-2019-8x6e-fit.toml", _gill_dandrea(data / "oblique"))
+    _write(measurements / "davoudi-8x4.5mr-thrust.toml", _davoudi(data / "oblique"))
+
+
+def _apc(folder: Path) -> Iterable[dict[str, Any]]:
+    for stem, (name, title, family) in APC_FILES.items():
+        blade = read_apc_pe0(folder / f"{stem}-PERF.PE0")
+        yield {
+            "schema": 1,
+            "name": name,
+            "title": title,
+            "family": family,
+            "blades": blade.blades,
+            "radius_m": blade.radius,
+            "source": f"{blade.source}: chord and twist of the line from leading to trailing edge",
+            "citation": APC_CITATION,
+            "station_m": list(blade.station),
+            "chord_m": list(blade.chord),
+            "twist_rad": list(blade.twist),
+        }
+
+
+def _uiuc(geometry: Path, loads: Sequence[Row]) -> Iterable[dict[str, Any]]:
+    tables: dict[str, list[Row]] = {}
+    for row in _read_csv(geometry):
+        tables.setdefault(row["BladeName"], []).append(row)
+    for blade_name, rows in tables.items():
+        counts = sorted({int(r["B"]) for r in loads if r["BladeName"] == blade_name})
+        blades = _distinct_blades(rows)
+        for number, blade in enumerate(blades):
+            yield _uiuc_blade(blade_name, blade, counts, number, len(blades))
+
+
+def _distinct_blades(rows: Sequence[Row]) -> list[list[Row]]:
+    """The tables of one name, split where r/R starts again; a table given twice counts once."""
+    found: list[list[Row]] = []
+    for row in rows:
+        if not found or float(row["r/R"]) <= float(found[-1][-1]["r/R"]):
+            found.append([])
+        found[-1].append(row)
+    kept: dict[tuple[tuple[str, ...], ...], list[Row]] = {}
+    for table in found:
+        kept.setdefault(tuple((r["r/R"], r["c/R"], r["beta"]) for r in table), table)
+    return list(kept.values())
+
+
+def _uiuc_blade(
+    blade_name: str, rows: Sequence[Row], counts: Sequence[int], number: int, of: int
+) -> dict[str, Any]:
+    family, size = blade_name.split()
+    size = "x".join(f"{float(part):g}" for part in size.split("x"))
+    radius = float(rows[0]["D"]) * INCH / 2.0
+    turned = NR640_TURNED.get(blade_name, 0.0)
+    maker = UIUC_TITLES.get(family, family.upper())
+    unit = " mm" if family in UIUC_METRIC else ""
+    volume = rows[0]["volume"]
+    source = f"UIUC Propeller Database, volume {volume}, blade {blade_name!r}"
+    if of > 1:
+        source += f", measured blade {number + 1} of {of}"
+    if len(counts) > 1:
+        others = " and ".join(str(n) for n in counts if n != 2)
+        source += f"; also tested with {others} blades"
+    if turned:
+        source += (
+            f"; the tabulated blade stands at 15 deg at 0.75 R and was turned by {turned:g} deg "
+            "to the 20 deg of the label"
+        )
+    suffix = "-" + "abc"[number] if number else ""
+    return {
+        "schema": 1,
+        "name": f"uiuc-{family}-{size}{suffix}",
+        "title": f"{maker} {size}{unit}" + (f" (blade {number + 1})" if number else ""),
+        "family": family,
+        "blades": 2 if len(counts) != 1 else counts[0],
+        "radius_m": radius,
+        "source": source,
+        "citation": UIUC_CITATION,
+        "station_m": [float(r["r/R"]) * radius for r in rows],
+        "chord_m": [float(r["c/R"]) * radius for r in rows],
+        "twist_rad": [math.radians(float(r["beta"]) + turned) for r in rows],
+    }
+
+
+def _uiuc_8x6e(loads: Sequence[Row]) -> dict[str, Any]:
+    rows = [r for r in loads if r["BladeName"] == "apce 8.0x6.0" and r["B"] == "2"]
+    diameter = 8.0 * INCH
+    turns = [float(r["N"]) / 60.0 for r in rows]
+    thrust = [float(r["CT"]) * RHO * n**2 * diameter**4 for r, n in zip(rows, turns, strict=True)]
+    power = [float(r["CP"]) * RHO * n**3 * diameter**5 for r, n in zip(rows, turns, strict=True)]
+    return {
+        "schema": 1,
+        "name": "uiuc-8x6e",
+        "propeller": "apc-8x6e",
+        "kind": "measured",
+        "air_density": RHO,
+        "note": "Published as CT, CP and J; made dimensional with 1.225 kg/m^3 and D = 8 in. "
+        "Rows at speed 0 are static tests.",
+        "citation": UIUC_CITATION,
+        "omega_rad_s": [2.0 * math.pi * n for n in turns],
+        "speed_m_s": [float(r["J"]) * n * diameter for r, n in zip(rows, turns, strict=True)],
+        "beta_rad": [0.0 for _ in rows],
+        "thrust_N": thrust,
+        "torque_Nm": [p / (2.0 * math.pi * n) for p, n in zip(power, turns, strict=True)],
+    }
+
+
+def _gill_dandrea(folder: Path) -> dict[str, Any]:
+    rows = _read_csv(folder / "apc_8x6e_published_fit.csv")
+    return {
+        "schema": 1,
+        "name": "gill-dandrea-2019-8x6e-fit",
+        "propeller": "apc-8x6e",
+        "kind": "fit",
+        "air_density": RHO,
+        "note": "Evaluated from the closed-form fit published for a wind-tunnel campaign: a "
+        "smooth fit of measurements, not raw points.",
+        "citation": "Gill, D'Andrea, Drones 3(4):77, 2019, doi 10.3390/drones3040077 (CC BY 4.0)",
+        **_operating_points(rows),
+        "thrust_N": _column(rows, "thrust_N"),
+        "torque_Nm": _column(rows, "torque_Nm"),
+        "drag_N": _column(rows, "drag_N"),
+        "roll_moment_Nm": _column(rows, "roll_moment_Nm"),
+    }
+
+
+def _davoudi(folder: Path) -> dict[str, Any]:
+    rows = _read_csv(folder / "apc_8x45mr_thrust.csv")
+    return {
+        "schema": 1,
+        "name": "davoudi-8x4.5mr-thrust",
+        "propeller": "apc-8x4.5mr",
+        "kind": "digitised",
+        "air_density": RHO,
+        "note": "Digitised from a figure, 2-3 % of full scale. The air density of the tests is "
+        "not known; 1.225 kg/m^3 is assumed.",
+        "citation": "Davoudi, Duraisamy, A Hybrid Blade Element Momentum Model for Flight "
+        "Simulation of Rotary Wing UAVs, AIAA 2019",
+        **_operating_points(rows),
+        "thrust_N": _column(rows, "thrust_N"),
+    }
+
+
+def _operating_points(rows: Sequence[Row]) -> dict[str, list[float]]:
+    return {
+        "omega_rad_s": [value * RPM for value in _column(rows, "rpm")],
+        "speed_m_s": _column(rows, "speed_mps"),
+        "beta_rad": [math.radians(value) for value in _column(rows, "beta_deg")],
+    }
+
+
+def _column(rows: Sequence[Row], name: str) -> list[float]:
+    return [float(row[name]) for row in rows]
+
+
+def _read_csv(path: Path) -> list[Row]:
+    with path.open(encoding="utf-8", newline="") as stream:
+        return list(csv.DictReader(stream))
+
+
+def _write(path: Path, fields: dict[str, Any]) -> None:
+    lines = [f"{key} = {_toml(value)}" for key, value in fields.items()]
+    with path.open("x", encoding="utf-8", newline="\n") as stream:
+        stream.write("\n".join(lines) + "\n")
+
+
+def _toml(value: Any) -> str:
+    if isinstance(value, str):
+        # A JSON string of printable ASCII is a TOML string too.
+        return json.dumps(value)
+    if isinstance(value, list):
+        cells = [_float(v) for v in value]
+        rows = [cells[i : i + PER_LINE] for i in range(0, len(cells), PER_LINE)]
+        return "[\n" + "".join(f"  {', '.join(row)},\n" for row in rows) + "]"
+    return str(value) if isinstance(value, int) else _float(value)
+
+
+def _float(value: float) -> str:
+    """Seven significant digits, and a point, since TOML tells integers from floats."""
+    text = f"{value:.7g}"
+    return text if "." in text or "e" in text else f"{text}.0"
+
+
+if __name__ == "__main__":
+    if len(sys.argv) != 2:
+        sys.exit(__doc__)
+    main(Path(sys.argv[1]))
