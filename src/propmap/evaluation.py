@@ -23,7 +23,7 @@ BLOCK = 128
 """Operating points per call of a compiled program: enough to fill the vector units, few
 enough to stay in the processor's cache."""
 
-FIRST_STEPS = 11
+FIRST_STEPS = 13
 """Steps of the root search at first.  A block takes as long as its slowest lane; the few
 points that need more are collected and done again."""
 
@@ -97,11 +97,10 @@ def _run(
     def one(call: tuple[Job, NDArray[np.intp], int]) -> None:
         job, points, size = call
         padded = np.resize(points, size) if points.size < size else points
-        patience = steps if len(job.panels) == 1 else MAX_STEPS
         nodes = _azimuths(job.azimuths, setting.most_azimuths)
         with jax.enable_x64(True):
             program = _program(job.panels)
-            found = program(*theory, *(a[padded] for a in flow), nodes, patience)
+            found = program(*theory, *(a[padded] for a in flow), nodes, steps)
             for target, values in zip(results, found, strict=True):
                 target[points] = np.asarray(values)[: points.size]
 
@@ -115,7 +114,7 @@ def _run(
         again = []
         for job in jobs:
             left = job.points[~np.isfinite(results.thrust[job.points])]
-            if left.size and len(job.panels) == 1:
+            if left.size:
                 again.append(Job(left, job.panels, job.azimuths))
         if again:
             _run(theory, setting, again, flow, results, MAX_STEPS)

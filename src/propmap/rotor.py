@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,6 +15,9 @@ from propmap.errors import InputError
 from propmap.evaluation import Evaluation, evaluate
 from propmap.propeller import Propeller
 from propmap.schedule import accuracy as accuracy_setting
+
+if TYPE_CHECKING:
+    from propmap.disk import Inflow
 
 Floats = NDArray[np.float64]
 
@@ -107,7 +110,7 @@ class Rotor:
         w, v, b = _broadcast(omega=omega, speed=speed, beta=beta)
         _refuse_negative("omega", w, "give the spin by its direction, not by a sign [rad/s]")
         _refuse_negative("speed", v, "give the direction by beta, pi for descent [m/s]")
-        return self._loads(w, v * np.cos(b), np.abs(v * np.sin(b)) * (np.abs(np.sin(b)) > 1e-15))
+        return self._loads(w, *_resolve(v, b))
 
     def loads_at_velocity(self, omega: ArrayLike, velocity: ArrayLike) -> Loads:
         """Loads for a velocity vector in the rotor frame.
@@ -142,6 +145,40 @@ class Rotor:
         (w,) = _broadcast(omega=omega)
         _refuse_negative("omega", w, "give the spin by its direction, not by a sign [rad/s]")
         return static_inflow(self.theory, self._setting, w.ravel()).reshape(w.shape)
+
+    def inflow(
+        self,
+        omega: float,
+        speed: float,
+        beta: float,
+        *,
+        radius: ArrayLike | None = None,
+        azimuth: ArrayLike | None = None,
+    ) -> Inflow:
+        """The inflow v_i(y), the angle of attack and the loads along the blade.
+
+        omega [rad/s], speed [m/s], beta [rad] : one operating point, as in ``loads``.
+        radius : stations [m] inside the blade; by default 60 from root to tip.
+        azimuth : psi [rad], by default every 5 degrees of a full turn.
+        What a wing behind the rotor sees is v_i (the paper's footnote 3).
+        """
+        from propmap.disk import look_at_disk
+
+        w, v, b = _broadcast(omega=omega, speed=speed, beta=beta)
+        if w.ndim:
+            raise InputError("inflow takes one operating point: give scalars")
+        _refuse_negative("omega", w, "give the spin by its direction, not by a sign [rad/s]")
+        _refuse_negative("speed", v, "give the direction by beta, pi for descent [m/s]")
+        blade = self.propeller
+        y = np.linspace(blade.root, blade.radius, 60) if radius is None else np.ravel(radius)
+        psi = np.linspace(0.0, 2.0 * np.pi, 73) if azimuth is None else np.ravel(azimuth)
+        y, psi = _broadcast(radius=y)[0], _broadcast(azimuth=psi)[0]
+        if (y < blade.root).any() or (y > blade.radius).any():
+            raise InputError(f"radius must lie between {blade.root:g} and {blade.radius:g} m")
+        along, across = _resolve(v, b)
+        still = self.hover_inflow(w) if along < 0.0 else np.zeros(())
+        flow = (float(w), float(along), float(across), float(still))
+        return look_at_disk(self.theory, flow, y, psi)
 
     @functools.cached_property
     def theory(self) -> Any:
@@ -221,6 +258,14 @@ def _broadcast(**named: ArrayLike) -> list[Floats]:
     except ValueError:
         shapes = ", ".join(f"{n} {np.shape(a)}" for n, a in zip(named, arrays, strict=True))
         raise InputError(f"shapes do not fit together: {shapes}; they must broadcast") from None
+
+
+def _resolve(speed: Floats, beta: Floats) -> tuple[Floats, Floats]:
+    """V cos(beta) and |V sin(beta)|; a multiple of pi/2 is taken at its word."""
+    cosine, sine = np.cos(beta), np.abs(np.sin(beta))
+    rounding = 4e-16 * np.maximum(1.0, np.abs(beta))
+    cosine = np.where(np.abs(cosine) < rounding, 0.0, cosine)
+    return speed * cosine, speed * np.where(sine < rounding, 0.0, sine)
 
 
 def _refuse_negative(name: str, values: Floats, remedy: str) -> None:

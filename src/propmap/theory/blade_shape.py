@@ -59,15 +59,15 @@ def _end_slope(h0: Any, h1: Any, d0: Any, d1: Any, xp: ModuleType) -> Any:
 def blade_shape(blade: Blade, radius: Array) -> StationShape:
     """Chord [m] and twist [rad] by PCHIP at radius [m], any shape, inside the measured span."""
     x = blade.station
-    last = x.shape[0] - 2
-    k = jnp.clip(jnp.searchsorted(x, radius, side="right", method="compare_all") - 1, 0, last)
-    h = x[k + 1] - x[k]
-    t = (radius - x[k]) / h
-
-    def cubic(values: Array, slopes: Array) -> Array:
-        y0, y1, m0, m1 = values[k], values[k + 1], slopes[k] * h, slopes[k + 1] * h
-        c3, c2 = 2.0 * (y0 - y1) + m0 + m1, 3.0 * (y1 - y0) - 2.0 * m0 - m1
-        return y0 + t * (m0 + t * (c2 + t * c3))
-
-    chord = cubic(blade.chord, blade.chord_slope)
-    return StationShape(radius, chord, cubic(blade.twist, blade.twist_slope))
+    h = jnp.diff(x)
+    # One row per interval, so that a radius gathers once: on a CPU that is what costs.
+    rows = [x[:-1], h]
+    for y, slope in ((blade.chord, blade.chord_slope), (blade.twist, blade.twist_slope)):
+        y0, y1, m0, m1 = y[:-1], y[1:], slope[:-1] * h, slope[1:] * h
+        rows += [y0, m0, 3.0 * (y1 - y0) - 2.0 * m0 - m1, 2.0 * (y0 - y1) + m0 + m1]
+    k = jnp.sum(radius[..., None] >= x[1:-1], axis=-1)
+    row = jnp.moveaxis(jnp.stack(rows, axis=1)[k], -1, 0)
+    t = (radius - row[0]) / row[1]
+    chord = row[2] + t * (row[3] + t * (row[4] + t * row[5]))
+    twist = row[6] + t * (row[7] + t * (row[8] + t * row[9]))
+    return StationShape(radius, chord, twist)

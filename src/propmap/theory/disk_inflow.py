@@ -34,11 +34,12 @@ class Case(NamedTuple):
 
 
 class DiskInflow(NamedTuple):
-    """Radial nodes (S, B) or (S, 1), v_i there (S, B) [m/s], whether a fold was found (B,)."""
+    """Radial nodes (S, B) or (S, 1), v_i there (S, B) [m/s], whether (11) was seen to have
+    several roots (B,)."""
 
     nodes: RadialNodes
     inflow: Array
-    fold: Array
+    several: Array
 
 
 def question(case: Case, radius: Array) -> InflowQuestion:
@@ -63,26 +64,31 @@ def disk_inflow(
     azimuth : azimuth nodes.  max_steps : see ``inflow_root``.
     """
     root, tip = case.blade.root, case.blade.tip
-    if len(panels) > 1:
-        inner, fold = _inner_edges(case, azimuth)
-        ends = jnp.ones((1, inner.shape[1]))
-        edges = jnp.concatenate([root * ends, jnp.sort(inner, axis=0), tip * ends])
-    else:
-        fold = jnp.zeros(case.omega.shape, bool)
-        edges = jnp.stack([root, tip])[:, None]
+    max_steps = jnp.asarray(max_steps)
+    if len(panels) == 1:
+        nodes = panel_nodes(jnp.stack([root, tip])[:, None], panels)
+        ask = question(case, nodes.radius)
+        anywhere = jnp.full(case.omega.shape, jnp.inf)
+        inflow = inflow_root(ask, anywhere, max_steps, azimuth)
+        return DiskInflow(nodes, inflow, jnp.zeros(case.omega.shape, bool))
+    inner, several, survey = _inner_edges(case, azimuth)
+    ends = jnp.ones((1, inner.shape[1]))
+    edges = jnp.concatenate([root * ends, jnp.sort(inner, axis=0), tip * ends])
     nodes = panel_nodes(edges, panels)
-    inflow = inflow_root(question(case, nodes.radius), jnp.asarray(max_steps), azimuth)
-    return DiskInflow(nodes, inflow, fold)
+    ask = question(case, nodes.radius)
+    start = stall_split.start_below_hump(*lax.stop_gradient((survey, edges)), panels, ask)
+    inflow = inflow_root(ask, lax.stop_gradient(start), max_steps, azimuth)
+    return DiskInflow(nodes, inflow, several)
 
 
-def _inner_edges(case: Case, azimuth: AzimuthNodes) -> tuple[Array, Array]:
-    """Radii (SPLITS, B) [m] at which to split, and whether one of them is a fold (B,)."""
+def _inner_edges(case: Case, azimuth: AzimuthNodes) -> tuple[Array, Array, stall_split.Survey]:
+    """Radii (SPLITS, B) [m] at which to split, whether several roots were seen (B,), survey."""
     live = functools.partial(question, case)
     still = functools.partial(question, lax.stop_gradient(case))
-    near = stall_split.hump_crossings(live, case.blade.root, case.blade.tip, azimuth)
+    near, survey = stall_split.hump_crossings(live, case.blade.root, case.blade.tip, azimuth)
     fold = stall_split.find_folds(lax.stop_gradient(near), still, azimuth)
     edges = _moving_edges(case, fold, near.radius, azimuth)
-    return edges, jnp.any(fold.found, axis=0)
+    return edges, survey.several | jnp.any(fold.found, axis=0), survey
 
 
 @jax.custom_jvp

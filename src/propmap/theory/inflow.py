@@ -173,7 +173,9 @@ class _Walk(NamedTuple):
     good: Array  # whether the last step was tiny or the residual within tolerance
 
 
-def _search(ask: InflowQuestion, max_steps: Array, azimuth: AzimuthNodes) -> tuple[Array, Array]:
+def _search(
+    ask: InflowQuestion, hint: Array, max_steps: Array, azimuth: AzimuthNodes
+) -> tuple[Array, Array]:
     """The largest root [m/s], and whether it was reached and satisfies (11).
 
     One loop, so that the blade elements are compiled once: each lane walks down by safe
@@ -198,39 +200,45 @@ def _search(ask: InflowQuestion, max_steps: Array, azimuth: AzimuthNodes) -> tup
         sizes = bound.half * largest_lift(
             at.section
         ) * scale * scale + 4.0 * np.pi * at.radius * jnp.abs(v) * (scale + jnp.abs(v))
+        # A hint that turns out to be below a root is dropped.
+        back = (walk.count == 0) & (value >= 0.0) & (v < bound.start)
+        near = near & ~back
         active = walk.newtons > 0
         last = near & (jnp.abs(newton) <= NEWTON_TOLERANCE * scale)
         left = jnp.where(last, 0, walk.newtons - near)
         return _Walk(
             walk.count + 1,
-            jnp.where(active, v - jnp.where(near, newton, safe), v),
+            jnp.where(back, bound.start, jnp.where(active, v - jnp.where(near, newton, safe), v)),
             jnp.where(active, left, walk.newtons),
             jnp.where(active, last | (jnp.abs(value) <= RESIDUAL_TOLERANCE * sizes), walk.good),
         )
 
-    start = jnp.broadcast_to(bound.start, shape)
+    start = jnp.broadcast_to(jnp.minimum(bound.start, hint), shape)
     full = jnp.full(shape, NEWTON_STEPS)
     end = lax.while_loop(unfinished, step, _Walk(jnp.array(0), start, full, jnp.zeros(shape, bool)))
     return end.v, (end.newtons <= 0) & end.good
 
 
 @jax.custom_jvp
-def inflow_root(ask: InflowQuestion, max_steps: Array, azimuth: AzimuthNodes) -> Array:
+def inflow_root(
+    ask: InflowQuestion, start: Array, max_steps: Array, azimuth: AzimuthNodes
+) -> Array:
     """The largest root v_i [m/s] of eq. (11), NaN where it was not found.
 
     ask : arrays that broadcast, stations first, operating points last.
+    start : v_i [m/s] above which there is known to be no root; infinite where it is not.
     max_steps : evaluations of the residual after which the search is given up.
     azimuth : nodes; not differentiated.
     Differentiable with respect to everything in ``ask`` by the implicit function theorem.
     """
-    v, found = _search(ask, max_steps, azimuth)
+    v, found = _search(ask, start, max_steps, azimuth)
     return jnp.where(found, v, jnp.nan)
 
 
 @inflow_root.defjvp
 def _inflow_root_jvp(primals, tangents):  # type: ignore[no-untyped-def]
-    (ask, max_steps, azimuth), (ask_dot, _, _) = primals, tangents
-    v = inflow_root(ask, max_steps, azimuth)
+    (ask, start, max_steps, azimuth), (ask_dot, *_) = primals, tangents
+    v = inflow_root(ask, start, max_steps, azimuth)
     _, slope = residual_slope(ask, v, azimuth)
     _, change = jax.jvp(lambda a: residual(a, v, azimuth), (ask,), (ask_dot,))
     at_rest = slope == 0.0

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import jax
 import jax.numpy as jnp
 from jax import lax
 
@@ -12,7 +11,7 @@ from propmap.theory import blade_element, momentum, wake_state
 from propmap.theory.disk_inflow import Case, disk_inflow, question
 from propmap.theory.inflow import MAX_STEPS
 from propmap.theory.parameters import Array, Blade, Medium, Resolution, Section
-from propmap.theory.root_count import count_roots
+from propmap.theory.root_count import several_roots
 from propmap.theory.stall_split import mean_attached_share
 from propmap.theory.velocities import AzimuthNodes, azimuth_nodes
 
@@ -23,7 +22,7 @@ class RotorLoads(NamedTuple):
     thrust [N] along the axis; drag [N] in the disk plane against the in-plane velocity;
     torque [N m] needed to turn the shaft; roll_moment [N m] about the in-plane velocity,
     positive where the advancing side is lifted, before the sign of the spin is applied.
-    roots : number of roots of (11), the largest over the blade; ring : share of the static
+    roots : number of roots of (11), the largest over the blade, 1 or 3; ring : share of the static
     inflow (12) [-]; mean_inflow [m/s], by area; attached : smallest attached share over the
     nodes at the mean angle of attack [-]; mirrored : whether on the windmill branch the mean
     inflow is past the limit of momentum theory.
@@ -69,12 +68,13 @@ def disk_loads(
     total = [medium.density * jnp.sum(weight * part, axis=0) for part in per_radius]
     area = weight * disk.nodes.radius
     mean_inflow = jnp.sum(area * inflow, axis=0) / jnp.sum(area, axis=0)
-    # Where no fold is about, every third station is enough to count on.
-    some = jax.tree.map(lambda a: a[::3] if a.ndim == 2 else a, ask)
-    roots = count_roots(lax.stop_gradient(some), lax.stop_gradient(disk.inflow[::3]), azimuth)
+    if len(panels) == 1:
+        several = several_roots(lax.stop_gradient((ask, disk.inflow)), azimuth)
+    else:
+        several = disk.several
     return RotorLoads(
         *total,  # Eqs. (13)-(15)
-        roots=jnp.where(disk.fold, jnp.maximum(roots, 3), roots),
+        roots=jnp.where(several, 3, 1),
         ring=ring,
         mean_inflow=mean_inflow,
         attached=jnp.min(mean_attached_share(ask, inflow), axis=0),

@@ -17,7 +17,7 @@ class RadialNodes(NamedTuple):
     weight: Array
 
 
-CROWDING = 0.85
+CROWDING = 0.5
 """How far the rule of an inner panel goes from even (0) to fully crowded (1) nodes.
 
 All the way, its outermost nodes come so close to a fold that finding their roots takes

@@ -7,6 +7,8 @@ The fold moves with the operating point; radial nodes that stay put flip one by 
 loads jump.  So folds are looked for, and radial panels are split there.
 
 The same happens with the signs exchanged at negative stall, in climb too fast for the pitch.
+Which of the two stalls a blade is near is told by the sign of its angle of attack at
+three fifths of its span without any inflow.
 """
 
 from __future__ import annotations
@@ -31,14 +33,14 @@ towards the root, a second one further in."""
 GRID = 24
 """Radii at which the hump is looked for."""
 
-FOLD_STEPS = 12
+FOLD_STEPS = 8
 """Newton steps on a fold."""
 
 DEFAULT_EDGES = (0.25, 0.6)
 """Shares of the span at which panels meet where there is nothing to follow."""
 
-_HUMP = np.array([-0.16, -0.11, -0.075, -0.05, -0.025, 0.0, 0.03])
-"""[rad] from the stall angle, where the hump may be."""
+_HUMP = np.array([-0.2, -0.14, -0.095, -0.065, -0.04, -0.015, 0.01, 0.04, 0.08, 0.13])
+"""[rad] from the stall angle, where the hump may be, in the order of falling v_i."""
 
 AskAt = Callable[[Array], InflowQuestion]
 """Equation (11) at radii of shape (S, B) [m]."""
@@ -87,56 +89,150 @@ def inflow_at_angle(ask: InflowQuestion, alpha: Array) -> Array:
     return jnp.where(possible, v, jnp.inf)
 
 
-def _hump(ask: InflowQuestion, stall: Array, azimuth: AzimuthNodes) -> tuple[Array, Array]:
-    """Height of the residual's hump and v_i there, about the angle ``stall``; (S, B)."""
-    angles = stall + jnp.asarray(_HUMP)
+class _Hump(NamedTuple):
+    height: Array  # of the hump or shoulder [m^3/s^2], NaN where unknown; (S, B)
+    inflow: Array  # v_i there [m/s]
+    behind: Array  # angle [rad] from the stall angle at which v_i is past the hump
+    folded: Array  # whether the residual has three zeros about it
 
-    def look(k: Array, best: tuple[Array, Array]) -> tuple[Array, Array]:
-        v = inflow_at_angle(ask, angles[k])
+
+def _hump(ask: InflowQuestion, stall: Array, azimuth: AzimuthNodes) -> _Hump:
+    """The residual's hump about the angle ``stall`` (B,).
+
+    The hump is the first local maximum that v_i meets on its way down.  Where the residual
+    only has a shoulder, the height is that of its flattest point: the inflow rises there
+    without a jump, but as steeply as a cube root, and deserves a panel's edge as well.
+    """
+
+    def sample(offset: Array) -> tuple[Array, Array]:
+        v = inflow_at_angle(ask, stall + offset)
         known = jnp.isfinite(v)
         v = jnp.where(known, v, 0.0)
-        value = jnp.where(known, residual(ask, v, azimuth), -jnp.inf)
-        higher = value > best[0]
-        return jnp.where(higher, value, best[0]), jnp.where(higher, v, best[1])
+        return v, jnp.where(known, residual(ask, v, azimuth), jnp.nan)
 
-    shape = jnp.broadcast_shapes(ask.at.radius.shape, ask.at.omega.shape)
-    lowest = jnp.full(shape, -jnp.inf)
-    return lax.fori_loop(0, len(_HUMP), look, (lowest, jnp.zeros(shape)))
+    v, height = lax.map(sample, jnp.asarray(_HUMP))
+    gap = jnp.diff(v, axis=0)
+    slope = jnp.diff(height, axis=0) / jnp.where(gap == 0.0, jnp.nan, gap)
+    middle = 0.5 * (v[:-1] + v[1:])
+    peak = (slope[:-1] <= 0.0) & (slope[1:] > 0.0)
+    some = jnp.any(peak, axis=0)
+    first = jnp.argmax(peak, axis=0)
+    top = _vertex(slope, middle, first, to_zero=True)
+    flattest = jnp.argmax(jnp.nan_to_num(slope[1:-1], nan=-jnp.inf), axis=0)
+    shoulder = _vertex(slope, middle, flattest, to_zero=False)
+    at = jnp.where(some, top, shoulder)
+    known = jnp.isfinite(at)
+    at = jnp.where(known, at, 0.0)
+    here = jnp.where(known, residual(ask, at, azimuth), jnp.nan)
+    after = jnp.arange(len(_HUMP))[:, None, None] > first + 1
+    depth = jnp.where(after & jnp.isfinite(height), height, jnp.inf)
+    valley = jnp.argmin(depth, axis=0)
+    behind = jnp.asarray(_HUMP)[jnp.where(some, valley, flattest + 1)]
+    return _Hump(here, at, behind, some & (here > 0.0) & (jnp.min(depth, axis=0) < 0.0))
 
 
-def hump_crossings(ask_at: AskAt, root: Array, tip: Array, azimuth: AzimuthNodes) -> Crossing:
-    """The first ``SPLITS`` radii at which a hump passes zero; differentiable."""
+def _vertex(slope: Array, v: Array, k: Array, *, to_zero: bool) -> Array:
+    """The v near entry k (S, B) at which the slope is zero, or else largest."""
+    s, x = (
+        [jnp.take_along_axis(a, k[None] + i, axis=0)[0] for i in range(3 - to_zero)]
+        for a in (slope, v)
+    )
+    if to_zero:
+        share = s[0] / jnp.where(s[0] == s[1], 1.0, s[0] - s[1])
+        return x[0] + jnp.clip(share, 0.0, 1.0) * (x[1] - x[0])
+    left = (s[0] - s[1]) / (x[0] - x[1])
+    right = (s[1] - s[2]) / (x[1] - x[2])
+    bend = (left - right) / (x[0] - x[2])
+    top = 0.5 * (x[0] + x[1]) - 0.5 * left / jnp.where(bend < 0.0, bend, -1.0)
+    return jnp.where(bend < 0.0, jnp.clip(top, x[2], x[0]), x[1])
+
+
+def _between(values: Array) -> Array:
+    """Values (S, B) on a grid three times as fine (3 S - 2, B), by cubics; NaN stays NaN."""
+    padded = jnp.concatenate([2.0 * values[:1] - values[1:2], values, 2.0 * values[-1:] - values[-2:-1]])
+    p0, p1, p2, p3 = padded[:-3], padded[1:-2], padded[2:-1], padded[3:]
+    p0, p3 = jnp.where(jnp.isnan(p0), 2.0 * p1 - p2, p0), jnp.where(jnp.isnan(p3), 2.0 * p2 - p1, p3)
+    rows = [p1]
+    for t in (1.0 / 3.0, 2.0 / 3.0):
+        c1, c2, c3 = p2 - p0, 2.0 * p0 - 5.0 * p1 + 4.0 * p2 - p3, 3.0 * (p1 - p2) + p3 - p0
+        rows.append(p1 + 0.5 * t * (c1 + t * (c2 + t * c3)))
+    fine = jnp.stack(rows, axis=1).reshape(-1, values.shape[1])
+    return jnp.concatenate([fine, values[-1:]])
+
+
+def stall_side(ask: InflowQuestion, alpha_0: Array) -> Array:
+    """The stall angle that a blade is near [rad], alpha_0 or its negative; (B,).
+
+    ask : at one radius (1, 1) or (1, B).
+    """
+    at = ask.at
+    lifting = at.sine * at.omega * at.radius - at.cosine * at.v_axial
+    return jnp.where(lifting[0] < 0.0, -alpha_0, alpha_0)
+
+
+class Survey(NamedTuple):
+    """What the look along the blade gave.
+
+    radius (GRID, 1) [m]; height (GRID, B) of the hump; behind (GRID, B) [rad], an angle of
+    attack from zero lift past the hump; several (B,): whether (11) was seen to have three
+    roots.
+    """
+
+    radius: Array
+    height: Array
+    behind: Array
+    several: Array
+
+
+def hump_crossings(
+    ask_at: AskAt, root: Array, tip: Array, azimuth: AzimuthNodes
+) -> tuple[Crossing, Survey]:
+    """The first ``SPLITS`` radii at which the hump passes zero; differentiable."""
     t = jnp.linspace(0.0, 1.0 - 1e-6, GRID)[:, None]
-    radius = root + (tip - root) * t
-    ask = ask_at(radius)
-    stall = ask.at.section.alpha_0
-    found = []
-    for angle in (stall, -stall):
-        height, v = _hump(ask, angle, azimuth)
-        usable = jnp.isfinite(height[:-1]) & jnp.isfinite(height[1:])
-        changes = usable & (jnp.sign(height[:-1]) != jnp.sign(height[1:]))
-        gap = jnp.where(changes, height[:-1] - height[1:], 1.0)
-        share = jnp.where(changes, height[:-1] / gap, 0.0)
-        found.append(
-            (
-                changes,
-                radius[:-1] + share * jnp.diff(radius, axis=0),
-                v[:-1] + share * jnp.diff(v, axis=0),
-            )
-        )
-    changes, at_radius, at_inflow = (jnp.concatenate(parts) for parts in zip(*found, strict=True))
+    ask = ask_at(root + (tip - root) * t)
+    stall = stall_side(ask_at((root + 0.6 * (tip - root))[None, None]), ask.at.section.alpha_0)
+    hump = _hump(ask, stall, azimuth)
+    height, v, t_fine = _between(hump.height), _between(hump.inflow), _between(t)
+    changes = jnp.sign(height[:-1]) * jnp.sign(height[1:]) < 0.0
+    gap = jnp.where(changes, height[:-1] - height[1:], 1.0)
+    share = jnp.where(changes, height[:-1] / gap, 0.0)
+    radius = root + (tip - root) * (t_fine[:-1] + share * jnp.diff(t_fine, axis=0))
+    inflow = v[:-1] + share * jnp.diff(v, axis=0)
     picked = []
     for default in DEFAULT_EDGES:
         k = jnp.argmax(changes, axis=0)[None]
-        some = jnp.take_along_axis(changes, k, axis=0)
-        y = jnp.take_along_axis(at_radius, k, axis=0)
-        v = jnp.take_along_axis(at_inflow, k, axis=0)
+        some, y, v_i = (jnp.take_along_axis(a, k, axis=0) for a in (changes, radius, inflow))
+        home = root + default * (tip - root)
         spacing = jnp.where(some, (tip - root) / GRID, 0.0)
-        picked.append(
-            (jnp.where(some, y, root + default * (tip - root)), jnp.where(some, v, 0.0), spacing)
-        )
+        picked.append((jnp.where(some, y, home), jnp.where(some, v_i, 0.0), spacing))
         changes = changes & (jnp.arange(changes.shape[0])[:, None] != k)
-    return Crossing(*(jnp.concatenate(parts) for parts in zip(*picked, strict=True)))
+    near = Crossing(*(jnp.concatenate(parts) for parts in zip(*picked, strict=True)))
+    survey = Survey(
+        root + (tip - root) * t, hump.height, stall + hump.behind, jnp.any(hump.folded, axis=0)
+    )
+    return near, survey
+
+
+def start_below_hump(
+    survey: Survey, edges: Array, counts: tuple[int, ...], ask: InflowQuestion
+) -> Array:
+    """Where the search for the root may start instead of from above [m/s]; (S, B).
+
+    On panels along which the hump stays below zero there is no root above it, and v_i just
+    past it is a start that spares creeping over the hump.  Infinite elsewhere.
+    edges (P + 1, B) [m] : of panels with ``counts`` nodes; ask : equation (11) at the nodes.
+    """
+    below = survey.height < 0.0
+    parts = []
+    for start, end, nodes in zip(edges[:-1], edges[1:], counts, strict=True):
+        inside = (survey.radius > start) & (survey.radius < end)
+        sunk = jnp.any(inside, axis=0) & jnp.all(below | ~inside, axis=0)
+        parts.append(jnp.broadcast_to(sunk, (nodes, *sunk.shape)))
+    step = survey.radius[1, 0] - survey.radius[0, 0]
+    place = (ask.at.radius - survey.radius[0, 0]) / step
+    k = jnp.clip(jnp.round(place).astype(int), 0, GRID - 1)
+    angle = jnp.take_along_axis(survey.behind, k, axis=0)
+    return jnp.where(jnp.concatenate(parts), inflow_at_angle(ask, angle), jnp.inf)
 
 
 def find_folds(near: Crossing, ask_at: AskAt, azimuth: AzimuthNodes) -> Fold:

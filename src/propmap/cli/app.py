@@ -1,0 +1,87 @@
+"""The entry point: the commands together, and errors as one line."""
+
+from __future__ import annotations
+
+import io
+import os
+import sys
+from collections.abc import Sequence
+from typing import Annotated
+
+import typer
+
+import propmap
+from propmap.cli.airfoils import airfoils_app
+from propmap.cli.demo import demo
+from propmap.cli.plot import plot_app
+from propmap.cli.predict import predict
+from propmap.cli.props import props_app
+from propmap.cli.sweep import sweep
+from propmap.errors import InputError
+
+INTERRUPTED = 130
+
+app = typer.Typer(
+    help="A propeller's thrust, rotor drag and torque, from hover to fast oblique flight.",
+    add_completion=False,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+)
+app.command()(predict)
+app.command()(sweep)
+app.add_typer(plot_app)
+app.add_typer(props_app)
+app.add_typer(airfoils_app)
+app.command()(demo)
+
+
+def _show_version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"propmap {propmap.__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    version: Annotated[
+        bool,
+        typer.Option("--version", callback=_show_version, is_eager=True, help="Show the version."),
+    ] = False,
+) -> None:
+    pass
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run a command; returns the exit code: 0, 2 for bad input, 130 when interrupted.
+
+    arguments : without the program's name; by default those of the process.
+    """
+    given = list(sys.argv[1:] if arguments is None else arguments)
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        # A terminal without the characters of a table shows "?" rather than a traceback.
+        sys.stdout.reconfigure(errors="replace")
+    command = typer.main.get_command(app)
+    try:
+        code = command.main(given or ["--help"], "propmap", standalone_mode=False, obj=given)
+        sys.stdout.flush()
+    except InputError as error:
+        return _fail(str(error))
+    except typer.TyperException as error:
+        context = getattr(error, "ctx", None)
+        command_path = context.command_path if context else "propmap"
+        return _fail(f"{error.format_message().rstrip('.')}; see {command_path} --help")
+    except BrokenPipeError:
+        # The reader, such as `head`, has seen enough; what is left must not fail at exit.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 1
+    except OSError as error:
+        reason = error.strerror or str(error)
+        return _fail(f"{error.filename}: {reason}" if error.filename else reason)
+    if code == INTERRUPTED:
+        typer.echo("propmap: interrupted", err=True)
+    return code or 0
+
+
+def _fail(message: str) -> int:
+    typer.echo(f"propmap: error: {' '.join(message.split())}", err=True)
+    return 2

@@ -1,0 +1,127 @@
+"""Where a command writes: the checked path, the format, text to a file or to the terminal."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import os
+from collections.abc import Callable, Mapping, Sequence
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from propmap.atomic_file import replacing
+from propmap.errors import InputError
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+PICTURES = (".png", ".svg", ".pdf")
+
+TERMINAL_WIDTH_ELSEWHERE = 160
+"""Columns of a table that does not go to a terminal, so that nothing is cut."""
+
+
+class Format(StrEnum):
+    """How rows are shown."""
+
+    table = "table"
+    json = "json"
+    csv = "csv"
+
+
+FormatOption = Annotated[
+    Format | None,
+    typer.Option("--format", help="By default a table, or what the output file's ending says."),
+]
+TextOutput = Annotated[
+    Path | None,
+    typer.Option("--output", "-o", metavar="FILE", help="Write here instead; replaces the file."),
+]
+PictureOutput = Annotated[
+    Path,
+    typer.Option("--output", "-o", metavar="FILE", help="Picture: .png, .svg or .pdf."),
+]
+
+
+def check_output(path: Path, endings: Sequence[str] = (), *, keep_existing: bool = False) -> Path:
+    """``path`` if a file can be written there; raises ``InputError`` before any work is done.
+
+    endings : those allowed, with their dot; empty for any.  keep_existing : refuse a file
+    that is there already.
+    """
+    where = str(path)
+    if endings and path.suffix.lower() not in endings:
+        raise InputError(
+            f"the file's ending is {path.suffix!r}", f"use {' or '.join(endings)}", where
+        )
+    try:
+        if path.is_dir():
+            raise InputError("this is a folder", "name a file inside it", where)
+        if not path.parent.is_dir():
+            raise InputError(
+                f"there is no folder {str(path.parent)!r}", "make it or choose another", where
+            )
+        exists = path.exists()
+    except ValueError as error:
+        raise InputError(f"not a path: {error}", "choose another name", where) from None
+    if not os.access(path.parent, os.W_OK):
+        raise InputError("the folder cannot be written to", "choose another", where)
+    if exists and keep_existing:
+        raise InputError("the file exists", "pass --force to replace it", where)
+    return path
+
+
+def chosen_format(wanted: Format | None, output: Path | None) -> Format:
+    """The format asked for, else the one of the output file's ending, else a table."""
+    if wanted is None and output is not None:
+        return {".json": Format.json, ".csv": Format.csv}.get(output.suffix.lower(), Format.table)
+    return wanted or Format.table
+
+
+def emit(text: str, output: Path | None) -> None:
+    """Write text to the file, whole or not at all, or to standard output."""
+    if output is None:
+        typer.echo(text, nl=False)
+        return
+    write_text(text, output)
+    typer.echo(f"wrote {output}", err=True)
+
+
+def write_text(text: str, output: Path) -> None:
+    """Write text to the file, whole or not at all."""
+    with replacing(output) as part:
+        part.write_text(text, encoding="utf-8", newline="")
+
+
+def json_text(value: Any) -> str:
+    """Strict JSON, which has no NaN: callers put None where there is no number."""
+    return json.dumps(value, indent=2, allow_nan=False, ensure_ascii=False) + "\n"
+
+
+def csv_text(columns: Sequence[str], rows: Sequence[Mapping[str, Any]]) -> str:
+    """CSV with a header line; None becomes an empty field, a float all its digits."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(columns)
+    writer.writerows([row[name] for name in columns] for row in rows)
+    return text.getvalue()
+
+
+def show(output: Path | None, draw: Callable[[Console], None]) -> None:
+    """Let ``draw`` print to the terminal, or as plain text to the file or a pipe."""
+    from rich.console import Console
+
+    if output is None:
+        # Without markup: "[deg]" in a heading is a unit and a file's name may hold brackets.
+        console = Console(highlight=False, markup=False)
+        if not console.is_terminal:
+            console = Console(highlight=False, markup=False, width=TERMINAL_WIDTH_ELSEWHERE)
+        draw(console)
+        return
+    text = io.StringIO()
+    draw(Console(file=text, width=TERMINAL_WIDTH_ELSEWHERE, highlight=False, markup=False))
+    emit(text.getvalue(), output)

@@ -1,0 +1,127 @@
+"""``propmap plot``: pictures of loads, of a blade and of the disk."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import numpy as np
+import typer
+
+from propmap.cli.operating_points import RPM, parse_axis, single_point
+from propmap.cli.output import PICTURES, PictureOutput, check_output
+from propmap.cli.points_file import LOAD_COLUMNS, read_points
+from propmap.cli.rotor_options import (
+    Blades,
+    PropArgument,
+    Radius,
+    RootCutout,
+    RotorChoice,
+    takes_rotor,
+)
+from propmap.errors import InputError
+from propmap.propeller import propeller
+
+if TYPE_CHECKING:
+    from propmap.report.load_curves import MeasuredLoads
+
+SPEEDS_PER_CURVE = 61
+
+SAME_RPM = 0.01
+"""Measured rows within this share of the picture's rpm are drawn."""
+
+plot_app = typer.Typer(
+    name="plot", help="Pictures: loads against speed, a blade, the disk.", rich_markup_mode=None
+)
+
+
+@plot_app.command("map")
+@takes_rotor
+def plot_map(
+    choice: RotorChoice,
+    rpm: Annotated[float, typer.Option("--rpm", help="Rotational speed [1/min].")],
+    output: PictureOutput,
+    speed: Annotated[
+        str, typer.Option("--speed", metavar="A:B", help="Range of flight speeds [m/s].")
+    ] = "0:20",
+    beta: Annotated[
+        str, typer.Option("--beta", metavar="B,B,...", help="Angles, a curve each [deg].")
+    ] = "0,30,60,90",
+    measured: Annotated[
+        Path | None,
+        typer.Option("--measured", metavar="FILE.csv", help="Points to draw, such as thrust_N."),
+    ] = None,
+) -> None:
+    """Thrust, drag, torque and rolling moment against flight speed, the hover model dashed."""
+    omega = float(single_point(rpm, 0.0, 0.0).rpm[0]) * RPM
+    speeds = parse_axis("--speed", "speed", speed, SPEEDS_PER_CURVE)
+    betas = np.radians(parse_axis("--beta", "beta", beta))
+    check_output(output, PICTURES)
+    points = None if measured is None else _measured(measured, rpm)
+    rotor = choice.rotor()
+
+    from propmap.report.load_curves import load_curves
+    from propmap.report.style import save
+
+    save(load_curves(rotor, omega, speeds, betas.tolist(), points), output)
+    typer.echo(output)
+
+
+@plot_app.command("planform")
+def plot_planform(
+    prop: PropArgument,
+    output: PictureOutput,
+    blades: Blades = None,
+    radius: Radius = None,
+    root_cutout: RootCutout = None,
+) -> None:
+    """A blade's outline, chord and twist."""
+    check_output(output, PICTURES)
+    blade = propeller(prop, blades, radius, root_cutout)
+
+    from propmap.report.planform import planform
+    from propmap.report.style import save
+
+    save(planform(blade), output)
+    typer.echo(output)
+
+
+@plot_app.command("disk")
+@takes_rotor
+def plot_disk(
+    choice: RotorChoice,
+    rpm: Annotated[float, typer.Option("--rpm", help="Rotational speed [1/min].")],
+    speed: Annotated[float, typer.Option("--speed", help="Flight speed [m/s].")],
+    beta: Annotated[float, typer.Option("--beta", help="Velocity to axis [deg].")],
+    output: PictureOutput,
+) -> None:
+    """The angle of attack over the disk, with stall and reverse flow outlined."""
+    point = single_point(rpm, speed, beta)
+    check_output(output, PICTURES)
+    rotor = choice.rotor()
+
+    from propmap.report.disk_picture import disk_picture
+    from propmap.report.style import save
+
+    flow = (float(point.rpm[0]) * RPM, speed, float(np.radians(beta)))
+    save(disk_picture(rotor, *flow), output)
+    typer.echo(output)
+
+
+def _measured(path: Path, rpm: float) -> MeasuredLoads:
+    found = read_points(path, LOAD_COLUMNS)
+    if not found.further:
+        raise InputError(
+            "there is no column of loads", f"name one of {', '.join(LOAD_COLUMNS)}", str(path)
+        )
+    points = found.points
+    mine = np.abs(points.rpm - rpm) <= SAME_RPM * rpm
+    if not mine.any():
+        near = points.rpm[np.argmin(np.abs(points.rpm - rpm))]
+        raise InputError(f"no row is within 1 % of {rpm:g} rpm", f"try --rpm {near:g}", str(path))
+    loads = {name.rpartition("_")[0]: values[mine] for name, values in found.further.items()}
+
+    from propmap.report.load_curves import MeasuredLoads
+
+    beta = np.radians(points.beta_deg[mine])
+    return MeasuredLoads(path.stem, points.speed_mps[mine], beta, loads)

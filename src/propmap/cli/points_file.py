@@ -1,0 +1,110 @@
+"""CSV files with a column per quantity: operating points and measured loads."""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from propmap.cli.operating_points import REMEDIES, OperatingPoints
+from propmap.errors import InputError, quoted
+
+POINT_COLUMNS = {"rpm": "rpm", "speed_mps": "speed", "beta_deg": "beta"}
+LOAD_COLUMNS = ("thrust_N", "drag_N", "torque_Nm", "roll_moment_Nm")
+
+
+@dataclass(frozen=True)
+class PointsFile:
+    """Operating points (n,) and the further columns asked for that the file has, each (n,).
+
+    An empty field of a further column is NaN.
+    """
+
+    points: OperatingPoints
+    further: dict[str, NDArray[np.float64]]
+
+
+def read_points(path: Path, further: Sequence[str] = ()) -> PointsFile:
+    """Read ``rpm, speed_mps, beta_deg`` in any order, and ``further`` columns where present.
+
+    Other columns are ignored.  Raises ``InputError`` naming the file, the line and the column.
+    """
+    where = str(path)
+    reader = csv.reader(_text(path, where).splitlines(keepends=True), strict=True)
+    try:
+        rows = [(reader.line_num, row) for row in reader if any(cell.strip() for cell in row)]
+    except csv.Error as error:
+        raise InputError(
+            f"line {reader.line_num}: {error}", "save the file as plain CSV", where
+        ) from None
+    header = [cell.strip() for cell in rows[0][1]] if rows else []
+    missing = [name for name in POINT_COLUMNS if name not in header]
+    if missing:
+        raise InputError(
+            f"line 1: column {missing[0]} is missing",
+            f"the first line must name {', '.join(POINT_COLUMNS)}",
+            where,
+        )
+    if len(rows) == 1:
+        raise InputError("there is no row below the header", "add a row per point", where)
+    wanted = [*POINT_COLUMNS, *(name for name in further if name in header)]
+    repeated = [name for name in wanted if header.count(name) > 1]
+    if repeated:
+        raise InputError(f"line 1: column {repeated[0]} occurs twice", "keep one of them", where)
+    columns: dict[str, list[float]] = {name: [] for name in wanted}
+    places = {name: header.index(name) for name in wanted}
+    for line, row in rows[1:]:
+        for name, place in places.items():
+            cell = row[place].strip() if place < len(row) else ""
+            columns[name].append(_value(cell, name, f"{where}, line {line}, column {name}"))
+    arrays = {name: np.array(values) for name, values in columns.items()}
+    points = OperatingPoints(*(arrays.pop(name) for name in POINT_COLUMNS))
+    return PointsFile(points, arrays)
+
+
+def _value(cell: str, column: str, where: str) -> float:
+    quantity = POINT_COLUMNS.get(column)
+    if quantity is None and not cell:
+        return math.nan
+    remedy = REMEDIES[quantity] if quantity else "give a finite number or leave the field empty"
+    try:
+        value = float(cell)
+    except ValueError:
+        found = f"{quoted(cell)} is not a number" if cell else "the field is empty"
+        raise InputError(found, remedy, where) from None
+    if not math.isfinite(value):
+        raise InputError(f"{cell} is not a finite number", remedy, where)
+    if value < 0.0 and quantity in ("rpm", "speed"):
+        raise InputError(f"{cell} is negative", remedy, where)
+    return value
+
+
+def _text(path: Path, where: str) -> str:
+    try:
+        if path.is_dir():
+            raise InputError("this is a folder", "give a CSV file", where)
+        if path.exists() and not path.is_file():
+            raise InputError("this is a device or pipe", "save the data to a file", where)
+        data = path.read_bytes()
+    except FileNotFoundError:
+        raise InputError("no such file", "check the path", where) from None
+    except OSError as error:
+        raise InputError(f"cannot be read: {error.strerror}", "check the path", where) from None
+    except ValueError as error:
+        raise InputError(f"not a path: {error}", "check the path", where) from None
+    try:
+        if b"\0" in data:
+            raise ValueError
+        text = data.decode("utf-8-sig")
+    except ValueError:
+        raise InputError("this is not UTF-8 text", "save the points as CSV", where) from None
+    if not text.strip():
+        raise InputError(
+            "the file is empty", f"give a CSV file with columns {', '.join(POINT_COLUMNS)}", where
+        )
+    return text

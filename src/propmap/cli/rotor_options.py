@@ -1,0 +1,129 @@
+"""PROP and the options that choose a rotor, shared by the commands that compute loads."""
+
+from __future__ import annotations
+
+import functools
+import inspect
+from collections.abc import Callable
+from dataclasses import dataclass, fields
+from enum import StrEnum
+from typing import TYPE_CHECKING, Annotated, Any, Concatenate, ParamSpec, get_type_hints
+
+import typer
+
+from propmap.air import PAPER_DENSITY, PAPER_VISCOSITY, Air
+from propmap.airfoil import airfoil, airfoil_names
+from propmap.errors import InputError
+from propmap.propeller import propeller
+
+if TYPE_CHECKING:
+    from propmap.rotor import Rotor
+
+Others = ParamSpec("Others")
+
+PropArgument = Annotated[
+    str, typer.Argument(metavar="PROP", help="Name in the catalogue, or a geometry file.")
+]
+Blades = Annotated[int | None, typer.Option("--blades", metavar="N", help="Number of blades.")]
+Radius = Annotated[
+    float | None, typer.Option("--radius", help="Tip radius [m], where the file gives none.")
+]
+RootCutout = Annotated[
+    float | None, typer.Option("--root-cutout", help="Where the loaded blade begins [m].")
+]
+
+
+class AccuracyName(StrEnum):
+    """The settings of ``Rotor``."""
+
+    standard = "standard"
+    fine = "fine"
+
+
+@dataclass(frozen=True)
+class RotorChoice:
+    """What the user said about the rotor; the fields are the command's parameters."""
+
+    prop: PropArgument
+    airfoil: Annotated[
+        str | None,
+        typer.Option("--airfoil", metavar="NAME|FILE", help="Section law: see propmap airfoils."),
+    ] = None
+    rho: Annotated[
+        float | None, typer.Option("--rho", help=f"Air density [kg/m^3], else {PAPER_DENSITY}.")
+    ] = None
+    mu: Annotated[
+        float | None, typer.Option("--mu", help=f"Viscosity [Pa s], else {PAPER_VISCOSITY}.")
+    ] = None
+    altitude: Annotated[
+        float | None, typer.Option("--altitude", help="Air of the standard atmosphere here [m].")
+    ] = None
+    temperature_offset: Annotated[
+        float | None,
+        typer.Option("--temperature-offset", help="Warmer than the standard atmosphere by [K]."),
+    ] = None
+    root_cutout: RootCutout = None
+    blades: Blades = None
+    radius: Radius = None
+    accuracy: Annotated[
+        AccuracyName, typer.Option("--accuracy", help="Loads to 0.1 % or, slower, to 0.01 %.")
+    ] = AccuracyName.standard
+
+    def rotor(self) -> Rotor:
+        """The rotor; raises ``InputError`` before JAX, which takes a second, is imported."""
+        if self.airfoil is None:
+            names = ", ".join(airfoil_names())
+            raise InputError(
+                "no section law is given", f"pass --airfoil with one of {names}, or a .toml file"
+            )
+        blade = propeller(self.prop, self.blades, self.radius, self.root_cutout)
+        section, air = airfoil(self.airfoil), self._air()
+
+        from propmap.compilation import keep_compiled
+        from propmap.rotor import Rotor
+
+        keep_compiled()
+        return Rotor(blade, section, air, accuracy=self.accuracy.value)
+
+    def _air(self) -> Air:
+        stated = self.rho is not None or self.mu is not None
+        standard = self.altitude is not None or self.temperature_offset is not None
+        if stated and standard:
+            raise InputError(
+                "the air is given twice, by its figures and by the standard atmosphere",
+                "give --rho and --mu, or --altitude and --temperature-offset",
+            )
+        if standard:
+            return Air.standard(self.altitude or 0.0, self.temperature_offset or 0.0)
+        return Air(
+            PAPER_DENSITY if self.rho is None else self.rho,
+            PAPER_VISCOSITY if self.mu is None else self.mu,
+        )
+
+
+def takes_rotor(
+    command: Callable[Concatenate[RotorChoice, Others], None],
+) -> Callable[..., None]:
+    """A command with the parameters of ``RotorChoice`` in place of its first argument."""
+    own = list(inspect.signature(command, eval_str=True).parameters.values())[1:]
+    types = get_type_hints(RotorChoice, include_extras=True)
+    shared = [
+        inspect.Parameter(
+            field.name,
+            inspect.Parameter.KEYWORD_ONLY,
+            annotation=types[field.name],
+            default=field.default if field.name != "prop" else inspect.Parameter.empty,
+        )
+        for field in fields(RotorChoice)
+    ]
+    own = [parameter.replace(kind=inspect.Parameter.KEYWORD_ONLY) for parameter in own]
+
+    @functools.wraps(command)
+    def run(**given: Any) -> None:
+        choice = RotorChoice(**{parameter.name: given.pop(parameter.name) for parameter in shared})
+        command(choice, **given)  # type: ignore[call-arg]
+
+    parameters = [shared[0], *own, *shared[1:]]
+    run.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
+    run.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters}
+    return run

@@ -1,0 +1,93 @@
+"""``propmap sweep``: loads over a grid of operating points, to NetCDF or CSV."""
+
+from __future__ import annotations
+
+import shlex
+from dataclasses import fields
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import numpy as np
+import typer
+
+from propmap.atomic_file import replacing
+from propmap.cli.operating_points import COLUMNS, OperatingPoints, parse_axis
+from propmap.cli.output import check_output, csv_text, write_text
+from propmap.cli.rotor_options import RotorChoice, takes_rotor
+from propmap.errors import InputError
+
+if TYPE_CHECKING:
+    from propmap.rotor import Loads, Rotor
+
+CHUNK = 4096
+"""Operating points per step of the progress bar: some tenths of a second."""
+
+MOST_POINTS = 10_000_000
+
+FURTHER = ("mean_inflow", "reverse_flow", "roots")
+"""Fields of ``Loads`` that the CSV file has beside the columns of `propmap predict`."""
+
+
+@takes_rotor
+def sweep(
+    choice: RotorChoice,
+    context: typer.Context,
+    rpm: Annotated[str, typer.Option("--rpm", metavar="A:B:N", help="Or 6000, or 4000,6000.")],
+    speed: Annotated[str, typer.Option("--speed", metavar="A:B:N", help="Speeds [m/s].")],
+    beta: Annotated[str, typer.Option("--beta", metavar="A:B:N", help="Angles [deg].")],
+    output: Annotated[
+        Path,
+        typer.Option("--output", "-o", metavar="FILE", help="NetCDF (.nc) or CSV (.csv)."),
+    ],
+    force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
+) -> None:
+    """Loads over a grid of rotational speeds, flight speeds and angles."""
+    axes = (
+        parse_axis("--rpm", "rpm", rpm),
+        parse_axis("--speed", "speed", speed),
+        parse_axis("--beta", "beta", beta),
+    )
+    count = axes[0].size * axes[1].size * axes[2].size
+    if count > MOST_POINTS:
+        raise InputError(f"the grid has {count} points", f"use at most {MOST_POINTS}")
+    check_output(output, (".nc", ".csv"), keep_existing=not force)
+    rotor = choice.rotor()
+    points = OperatingPoints.grid(*axes)
+    loads = _compute(rotor, points)
+    if output.suffix.lower() == ".nc":
+        from propmap.cli.sweep_dataset import dataset
+
+        command = shlex.join(["propmap", *context.obj])
+        with replacing(output) as part:
+            dataset(rotor, axes, loads, command).to_netcdf(part, engine="h5netcdf")
+    else:
+        write_text(_csv(points, loads), output)
+    lost = int((loads.status == "not_converged").sum())
+    remark = f", {lost} of them not converged" if lost else ""
+    typer.echo(f"wrote {output}: {count} points{remark}")
+
+
+def _compute(rotor: Rotor, points: OperatingPoints) -> Loads:
+    from rich.console import Console
+    from rich.progress import Progress
+
+    from propmap.rotor import Loads
+
+    console = Console(stderr=True)
+    parts = []
+    with Progress(console=console, disable=not console.is_terminal, transient=True) as progress:
+        task = progress.add_task("operating points", total=points.count)
+        for start in range(0, points.count, CHUNK):
+            part = points.part(start, CHUNK)
+            parts.append(part.loads(rotor))
+            progress.advance(task, part.count)
+    names = [field.name for field in fields(Loads)]
+    return Loads(**{n: np.concatenate([getattr(part, n) for part in parts]) for n in names})
+
+
+def _csv(points: OperatingPoints, loads: Loads) -> str:
+    rows = points.rows(loads)
+    for name in FURTHER:
+        for row, value in zip(rows, getattr(loads, name).tolist(), strict=True):
+            row[name] = value if np.isfinite(value) else None
+    return csv_text([*COLUMNS, *FURTHER], rows)

@@ -1,0 +1,90 @@
+"""A sweep as an xarray dataset: units, meanings, and where the figures come from."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import asdict
+from datetime import UTC, datetime
+from typing import TYPE_CHECKING
+
+import numpy as np
+import xarray
+
+import propmap
+from propmap.rotor import STATUSES, Loads
+
+if TYPE_CHECKING:
+    from propmap.cli.operating_points import Floats
+    from propmap.propeller import Propeller
+    from propmap.rotor import Rotor
+
+AXES = {
+    "rpm": ("rpm", "1/min", "rotational speed"),
+    "speed": ("speed_mps", "m/s", "speed of the hub through the air"),
+    "beta": ("beta_deg", "degree", "angle from the axis to the velocity, 0 in axial climb"),
+}
+
+VARIABLES = {
+    "thrust": ("N", "thrust along the axis"),
+    "drag": ("N", "rotor drag, in the disk plane against the in-plane velocity"),
+    "torque": ("N m", "shaft torque"),
+    "roll_moment": ("N m", "moment about the in-plane velocity, positive: advancing side lifted"),
+    "power": ("W", "shaft power"),
+    "mean_inflow": ("m/s", "induced velocity averaged over the disk"),
+    "reverse_flow": ("1", "share of the blades' disk that the air meets from behind"),
+    "roots": ("1", "largest number of solutions of the inflow equation along the blade"),
+}
+
+
+def dataset(
+    rotor: Rotor, axes: tuple[Floats, Floats, Floats], loads: Loads, command: str
+) -> xarray.Dataset:
+    """Loads (n,) over the axes rpm, speed [m/s] and beta [deg], beta fastest, with provenance."""
+    shape = tuple(axis.size for axis in axes)
+    dims = tuple(AXES)
+    coordinates = {
+        name: (dim, values, {"units": unit, "long_name": meaning})
+        for (dim, (name, unit, meaning)), values in zip(AXES.items(), axes, strict=True)
+    }
+    variables = {
+        name: (dims, getattr(loads, name).reshape(shape), {"units": unit, "long_name": meaning})
+        for name, (unit, meaning) in VARIABLES.items()
+    }
+    codes = np.array([STATUSES.index(status) for status in loads.status.tolist()], np.uint8)
+    flags = {
+        "long_name": "whether the loads can be trusted",
+        "flag_values": np.arange(len(STATUSES), dtype=np.uint8),
+        "flag_meanings": " ".join(STATUSES),
+    }
+    found = xarray.Dataset(variables, coordinates, _provenance(rotor, command))
+    found["status"] = (dims, codes.reshape(shape), flags)
+    return found
+
+
+def geometry_sha256(blade: Propeller) -> str:
+    """SHA-256 of station [m], chord [m], twist [rad], root [m] and blades as little-endian f8."""
+    figures = (blade.station, blade.chord, blade.twist, [blade.root, float(blade.blades)])
+    return hashlib.sha256(np.concatenate(figures).astype("<f8").tobytes()).hexdigest()
+
+
+def _provenance(rotor: Rotor, command: str) -> dict[str, str | float | int]:
+    blade = rotor.propeller
+    section = {f"airfoil_{key}": value for key, value in asdict(rotor.airfoil).items()}
+    return {
+        "title": f"Loads of {blade.name}",
+        "propmap_version": propmap.__version__,
+        "method": "Gill & D'Andrea, Propeller Thrust and Drag in Forward Flight, CCTA 2017",
+        "propeller": blade.name,
+        "propeller_source": blade.source,
+        "propeller_citation": blade.citation,
+        "blades": blade.blades,
+        "radius_m": blade.radius,
+        "root_m": blade.root,
+        "geometry_sha256": geometry_sha256(blade),
+        **section,
+        "air_density_kg_m3": rotor.air.density,
+        "air_viscosity_Pa_s": rotor.air.viscosity,
+        "accuracy": rotor.accuracy,
+        "command": command,
+        "created": datetime.now(UTC).isoformat(timespec="seconds"),
+    }

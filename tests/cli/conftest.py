@@ -1,0 +1,66 @@
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import propmap
+from propmap.cli import main
+
+# One regime of the solver (nothing axial, advance ratios above 0.3), so that the tests of this
+# folder share their compiled programs.
+RPM, SPEED, BETA = 4000.0, 14.0, 80.0
+POINT = ["--rpm", "4000", "--speed", "14", "--beta", "80"]
+ROTOR = ["apc-8x6e", "--airfoil", "paper-apc"]
+
+
+@dataclass(frozen=True)
+class Outcome:
+    code: int
+    out: str
+    err: str
+
+
+Run = Callable[..., Outcome]
+
+
+@pytest.fixture(autouse=True)
+def _workplace(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """An empty folder, and no compiled programs in the user's cache."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("propmap.compilation.keep_compiled", lambda: None)
+
+
+@pytest.fixture
+def run(capsys: pytest.CaptureFixture[str]) -> Run:
+    """Run `propmap` in this process."""
+
+    def call(*arguments: object) -> Outcome:
+        code = main([str(argument) for argument in arguments])
+        return Outcome(code, *capsys.readouterr())
+
+    return call
+
+
+@pytest.fixture(scope="session")
+def rotor() -> propmap.Rotor:
+    return propmap.Rotor(propmap.propeller("apc-8x6e"), propmap.airfoil("paper-apc"))
+
+
+@pytest.fixture
+def points_csv(tmp_path: Path) -> Path:
+    path = tmp_path / "points.csv"
+    path.write_text(
+        "beta_deg,note,rpm,speed_mps\n80,first,4000,14\n85.5,second,4100.25,14.5\n90,,4000,16\n"
+    )
+    return path
+
+
+POINTS = (
+    np.array([4000.0, 4100.25, 4000.0]),
+    np.array([14.0, 14.5, 16.0]),
+    np.array([80.0, 85.5, 90.0]),
+)

@@ -1,0 +1,90 @@
+"""`propmap props`, `propmap airfoils`, and the program as a process of its own."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import propmap
+from propmap import catalogue
+
+from .conftest import POINT, ROTOR, Run
+
+
+def test_props_lists_everything(run: Run) -> None:
+    rows = json.loads(run("props", "--format", "json").out)
+    assert [row["name"] for row in rows] == catalogue.names()
+    assert run("props").out.count("\n") > len(rows)
+
+
+def test_props_searches(run: Run) -> None:
+    rows = list(csv.DictReader(io.StringIO(run("props", "thin", "8x6", "--format", "csv").out)))
+    assert [row["name"] for row in rows] == ["apc-8x6e"]
+    assert "0 propellers" in run("props", "zeppelin").out
+
+
+def test_props_show_prints_stations_and_outline(run: Run, tmp_path: Path) -> None:
+    done = run("props", "show", "apc-8x6e", "-o", tmp_path / "blade.svg")
+    assert done.code == 0
+    for text in ("twist [deg]", "45.04", "█", "Landing Products"):
+        assert text in done.out
+    assert (tmp_path / "blade.svg").read_text().startswith("<?xml")
+
+
+def test_airfoil_shown_is_an_airfoil_file(run: Run, tmp_path: Path) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text(run("airfoils", "show", "paper-soft").out)
+    assert propmap.airfoil(path) == propmap.airfoil("paper-soft")
+    assert "paper-stiff" in run("airfoils").out
+    assert [row["name"] for row in json.loads(run("airfoils", "--format", "json").out)] == (
+        propmap.airfoil_names()
+    )
+
+
+@pytest.mark.parametrize("arguments", [[], ["--help"], ["predict", "--help"], ["props", "--help"]])
+def test_help(run: Run, arguments: list[str]) -> None:
+    done = run(*arguments)
+    assert (done.code, done.err) == (0, "")
+    assert "Usage" in done.out
+
+
+def test_version(run: Run) -> None:
+    assert run("--version").out == f"propmap {propmap.__version__}\n"
+
+
+def _process(*arguments: str, cache: Path) -> subprocess.CompletedProcess[str]:
+    environment = {**os.environ, "JAX_COMPILATION_CACHE_DIR": str(cache)}
+    command = [sys.executable, "-m", "propmap", *arguments]
+    return subprocess.run(
+        command, capture_output=True, text=True, encoding="utf-8", env=environment, check=False
+    )
+
+
+def test_process_predicts(run: Run, tmp_path: Path) -> None:
+    arguments = ("predict", *ROTOR, *POINT, "--format", "json")
+    done = _process(*arguments, cache=tmp_path / "cache")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout == run(*arguments).out
+
+
+def test_process_fails_in_one_line(tmp_path: Path) -> None:
+    done = _process("predict", "apc-8x6e", *POINT, cache=tmp_path / "cache")
+    assert done.returncode == 2
+    assert done.stderr.count("\n") == 1
+    assert done.stdout == ""
+
+
+def test_listing_needs_no_heavy_module() -> None:
+    code = (
+        "import sys; from propmap.cli import main; main(['props', 'apc', '--format', 'csv']); "
+        "sys.exit(len({'jax', 'matplotlib', 'xarray', 'scipy'} & set(sys.modules)))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, check=False)
+    assert done.returncode == 0

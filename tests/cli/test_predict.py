@@ -1,0 +1,114 @@
+"""`propmap predict`: the figures are those of ``Rotor.loads``, to the last digit."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import propmap
+from propmap.cli.operating_points import COLUMNS, OperatingPoints
+from propmap.rotor import Loads
+
+from .conftest import BETA, POINT, POINTS, ROTOR, RPM, SPEED, Run
+
+FIELDS = {
+    "thrust_N": "thrust",
+    "drag_N": "drag",
+    "torque_Nm": "torque",
+    "roll_moment_Nm": "roll_moment",
+    "power_W": "power",
+}
+OMEGA = np.pi / 30.0
+
+
+def test_json_of_one_point_is_the_rotor_s_loads(run: Run, rotor: propmap.Rotor) -> None:
+    done = run("predict", *ROTOR, *POINT, "--format", "json")
+    assert (done.code, done.err) == (0, "")
+    found = json.loads(done.out)
+    assert tuple(found) == COLUMNS
+    assert (found["rpm"], found["speed_mps"], found["beta_deg"]) == (RPM, SPEED, BETA)
+    loads = rotor.loads(np.array([RPM]) * OMEGA, np.array([SPEED]), np.radians([BETA]))
+    for column, field in FIELDS.items():
+        assert found[column] == getattr(loads, field)[0], column
+    assert found["status"] == loads.status[0]
+
+
+def test_points_to_json_and_csv(run: Run, rotor: propmap.Rotor, points_csv: Path) -> None:
+    rpm, speed, beta = POINTS
+    loads = rotor.loads(rpm * OMEGA, speed, np.radians(beta))
+    listed = json.loads(run("predict", *ROTOR, "--points", points_csv, "--format", "json").out)
+    table = run("predict", *ROTOR, "--points", points_csv, "--format", "csv").out
+    rows = list(csv.DictReader(io.StringIO(table)))
+    assert tuple(rows[0]) == COLUMNS
+    assert len(listed) == len(rows) == 3
+    for i, (one, row) in enumerate(zip(listed, rows, strict=True)):
+        for column, values in {"rpm": rpm, "speed_mps": speed, "beta_deg": beta}.items():
+            assert one[column] == float(row[column]) == values[i]
+        for column, field in FIELDS.items():
+            assert one[column] == float(row[column]) == getattr(loads, field)[i]
+        assert one["status"] == row["status"] == "ok"
+
+
+def test_one_row_is_still_a_list(run: Run, tmp_path: Path) -> None:
+    path = tmp_path / "one.csv"
+    path.write_text("rpm,speed_mps,beta_deg\r\n4000,14,80\r\n\r\n")
+    found = json.loads(run("predict", *ROTOR, "--points", path, "--format", "json").out)
+    assert isinstance(found, list)
+    assert len(found) == 1
+
+
+@pytest.mark.parametrize(("name", "start"), [("out.json", "[\n"), ("out.csv", "rpm,speed_mps")])
+def test_the_ending_chooses_the_format(
+    run: Run, points_csv: Path, tmp_path: Path, name: str, start: str
+) -> None:
+    done = run("predict", *ROTOR, "--points", points_csv, "-o", tmp_path / name)
+    assert (done.code, done.out) == (0, "")
+    assert (tmp_path / name).read_text().startswith(start)
+    assert sorted(p.name for p in tmp_path.iterdir()) == sorted([name, "points.csv"])
+
+
+def test_table_shows_the_hover_model_and_diagnostics(run: Run, points_csv: Path) -> None:
+    one = run("predict", *ROTOR, *POINT).out
+    for text in ("thrust", "hover model", "reverse flow", "roots of (11)", "rolling moment"):
+        assert text in one
+    assert "[deg]" in run("predict", *ROTOR, "--points", points_csv).out
+
+
+def test_what_did_not_converge_is_null_and_empty(capsys: pytest.CaptureFixture[str]) -> None:
+    from propmap.cli.output import csv_text, json_text
+
+    nan, zero = np.array([np.nan]), np.array([0.0])
+    lost = Loads(
+        nan, nan, nan, nan, nan, np.array(["not_converged"]), np.array([0]), zero, zero, zero
+    )
+    rows = OperatingPoints(zero, zero, zero).rows(lost)
+    found = json.loads(json_text(rows[0]))
+    assert found["thrust_N"] is None
+    assert found["status"] == "not_converged"
+    assert csv_text(COLUMNS, rows).splitlines()[1] == "0.0,0.0,0.0,,,,,,not_converged"
+    assert capsys.readouterr().out == ""
+
+
+def test_every_option_of_the_rotor_changes_the_loads(run: Run) -> None:
+    def thrust(*options: str) -> float:
+        done = run("predict", *ROTOR, *POINT, *options, "--format", "json")
+        assert done.code == 0, done.err
+        return float(json.loads(done.out)["thrust_N"])
+
+    plain = thrust()
+    for options in (
+        ["--rho", "1.0"],
+        ["--mu", "3e-5"],
+        ["--altitude", "1000"],
+        ["--temperature-offset", "20"],
+        ["--root-cutout", "0.05"],
+        ["--blades", "3"],
+        ["--airfoil", "paper-soft"],
+    ):
+        assert thrust(*options) != plain, options
+    assert thrust("--radius", "0.1016") == plain

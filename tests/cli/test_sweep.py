@@ -1,0 +1,78 @@
+"""`propmap sweep`: the grid, its units and provenance, and files that appear whole."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray
+
+import propmap
+from propmap.cli.operating_points import COLUMNS, OperatingPoints
+
+from .conftest import ROTOR, Run
+
+GRID = ["--rpm", "4000,4200", "--speed", "14:16:2", "--beta", "80:90:2"]
+AXES = (np.array([4000.0, 4200.0]), np.array([14.0, 16.0]), np.array([80.0, 90.0]))
+
+
+def test_netcdf_holds_the_loads(run: Run, rotor: propmap.Rotor, tmp_path: Path) -> None:
+    path = tmp_path / "out.nc"
+    done = run("sweep", *ROTOR, *GRID, "-o", path)
+    assert (done.code, done.err) == (0, "")
+    assert [p.name for p in tmp_path.iterdir()] == ["out.nc"]
+    loads = OperatingPoints.grid(*AXES).loads(rotor)
+    with xarray.open_dataset(path, engine="h5netcdf") as found:
+        assert dict(found.sizes) == {"rpm": 2, "speed": 2, "beta": 2}
+        for name, axis in zip(("rpm", "speed_mps", "beta_deg"), AXES, strict=True):
+            assert (found[name].values == axis).all()
+            assert found[name].attrs["units"]
+        for name in found.data_vars:
+            assert found[name].attrs["long_name"]
+            if name != "status":
+                assert found[name].attrs["units"]
+                expected = getattr(loads, str(name)).reshape(2, 2, 2)
+                np.testing.assert_array_equal(found[name].values, expected)
+        meanings = found["status"].attrs["flag_meanings"].split()
+        assert [meanings[code] for code in found["status"].values.ravel()] == list(loads.status)
+        attributes = found.attrs
+    assert attributes["propmap_version"] == propmap.__version__
+    assert attributes["propeller"] == "apc-8x6e"
+    assert attributes["airfoil_c_l1"] == 5.3
+    assert attributes["command"].startswith("propmap sweep apc-8x6e --airfoil paper-apc")
+    assert len(attributes["geometry_sha256"]) == 64
+    assert attributes["created"].endswith("+00:00")
+
+
+def test_csv_has_a_row_per_point(run: Run, tmp_path: Path) -> None:
+    path = tmp_path / "out.csv"
+    assert run("sweep", *ROTOR, *GRID, "-o", path).code == 0
+    with path.open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == 8
+    assert tuple(rows[0])[: len(COLUMNS)] == COLUMNS
+    assert [row["beta_deg"] for row in rows[:2]] == ["80.0", "90.0"]
+
+
+def test_force_replaces(run: Run, tmp_path: Path) -> None:
+    path = tmp_path / "out.csv"
+    path.write_text("old")
+    assert run("sweep", *ROTOR, *GRID, "-o", path, "--force").code == 0
+    assert path.read_text().startswith("rpm")
+
+
+@pytest.mark.parametrize(("fault", "code"), [(KeyboardInterrupt, 130), (OSError, 2)])
+def test_nothing_is_left_when_writing_stops(
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, fault: type[Exception], code: int
+) -> None:
+    def stop(_: xarray.Dataset, path: Path, **__: object) -> None:
+        path.write_bytes(b"half")
+        raise fault(28, "No space left on device")
+
+    monkeypatch.setattr(xarray.Dataset, "to_netcdf", stop)
+    done = run("sweep", *ROTOR, *GRID, "-o", tmp_path / "out.nc")
+    assert done.code == code
+    assert done.err.count("\n") == 1
+    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,293 @@
+"""A slow, literal reference for the loads of one rotor, independent of the package.
+
+Written from the printed equations of R. Gill and R. D'Andrea, "Propeller Thrust and Drag in
+Forward Flight", IEEE CCTA 2017 (equation numbers below are the paper's), with NumPy and SciPy
+alone: explicit angles, a scan for every root of the hybrid inflow equation (11), and radial
+panels split where the inflow jumps. Nothing is clever where plain would do, since its worth
+is that it shares no code and no method with what it checks. Climb, hover and edgewise flight
+only (V cos(beta) >= 0). SI units and radians throughout.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+
+import numpy as np
+from literal_section import Array, drag_coefficient, lift_coefficient, wrap
+from numpy.typing import ArrayLike
+from scipy.interpolate import PchipInterpolator
+from scipy.optimize import brentq, minimize_scalar
+
+SCAN_STEP = 0.004  # [rad] of inflow angle; the stall blend is about 1/M = 0.02 rad wide
+SCAN_AZIMUTHS = 120  # the scan only brackets roots; they are refined with all azimuth nodes
+DETECTION_STATIONS = 60
+JUMP_WIDTH = 1e-7  # [m] to which the radius of a jump is bisected
+STEEP_WIDTH = 3e-4  # [m] over which 0.002 rad of inflow angle count as a near-vertical rise
+PANEL_ANGLE = 0.03  # [rad] largest change of inflow angle across one radial panel
+
+
+@dataclass(frozen=True)
+class LiteralRotor:
+    """One rotor at one operating point; `n_azimuth` equally spaced nodes on [0, 2 pi)."""
+
+    station: Array  # [m]
+    chord: Array  # [m]
+    twist: Array  # [rad]
+    blades: int
+    section: dict[str, float]
+    rho: float  # [kg/m^3]
+    mu: float  # [Pa s]
+    omega: float  # [rad/s]
+    v_axial: float  # [m/s], V cos(beta)
+    v_inplane: float  # [m/s], V sin(beta)
+    zero_lift_angle: float  # [rad], taken off alpha before the section law sees it
+    n_azimuth: int
+    scan_step: float
+
+    @cached_property
+    def shape(self) -> tuple[PchipInterpolator, PchipInterpolator]:
+        """Chord [m] and twist [rad] as functions of the radius [m]."""
+        chord = PchipInterpolator(self.station, self.chord)
+        return chord, PchipInterpolator(self.station, self.twist)
+
+    @cached_property
+    def azimuth(self) -> tuple[Array, Array]:
+        """Angles [rad] and weights of the nodes that make the loads."""
+        return _azimuth_nodes(self.n_azimuth)
+
+    @cached_property
+    def scan_azimuth(self) -> tuple[Array, Array]:
+        """Angles [rad] and weights of the nodes that bracket the roots."""
+        return _azimuth_nodes(min(self.n_azimuth, SCAN_AZIMUTHS))
+
+    @cached_property
+    def largest_lift_coefficient(self) -> float:
+        """Largest absolute C_L at any angle of attack."""
+        every_angle = np.linspace(-np.pi, np.pi, 8001)
+        return float(np.abs(lift_coefficient(every_angle, self.section)).max())
+
+    def element(self, y: float, v_i: Array, psi: Array) -> tuple[Array, Array, Array]:
+        """phi [rad], dL/dy and dD/dy of one blade [N/m] at radius y [m], shape (v_i, psi)."""
+        c, theta = (float(f(y)) for f in self.shape)
+        u_t = self.omega * y + self.v_inplane * np.sin(psi)[None, :]  # Eq. (1)
+        u_p = self.v_axial + np.asarray(v_i)[:, None]  # Eq. (2)
+        u_squared = u_t**2 + u_p**2
+        phi = np.arctan2(u_p, u_t)
+        alpha = wrap(theta - phi - self.zero_lift_angle)
+        reynolds = self.rho * np.sqrt(u_squared) * c / self.mu
+        pressure = 0.5 * self.rho * u_squared * c
+        lift = pressure * lift_coefficient(alpha, self.section)
+        drag = pressure * drag_coefficient(alpha, reynolds, self.section)
+        return phi, lift, drag
+
+    def blade_thrust(self, y: float, v_i: Array, azimuth: tuple[Array, Array]) -> Array:
+        """dT/dy [N/m] by eq. (5) for each v_i [m/s]."""
+        psi, weight = azimuth
+        phi, lift, drag = self.element(y, v_i, psi)
+        return self.blades * ((lift * np.cos(phi) - drag * np.sin(phi)) @ weight)
+
+    def momentum_thrust(self, y: float, v_i: Array) -> Array:
+        """dT/dy [N/m] by eq. (10), Glauert's mass flow, for each v_i [m/s]."""
+        speed = np.sqrt(self.v_inplane**2 + (self.v_axial + v_i) ** 2)
+        return 4.0 * self.rho * np.pi * y * v_i * speed
+
+    def residual(self, y: float, v_i: Array, azimuth: tuple[Array, Array]) -> Array:
+        """Eq. (5) minus eq. (10) [N/m]; its roots in v_i solve eq. (11)."""
+        return self.blade_thrust(y, v_i, azimuth) - self.momentum_thrust(y, v_i)
+
+    def inflow_angle(self, y: float, v_i: float) -> float:
+        """Inflow angle [rad] met by the element without the in-plane velocity."""
+        return float(np.arctan2(self.v_axial + v_i, self.omega * y))
+
+    def scan_grid(self, y: float) -> Array:
+        """Every v_i [m/s] that can be a root with U_P >= 0, in steps of inflow angle."""
+        # With U_P >= 0 section drag never adds thrust, so (5) <= N_b/2 rho c C_L,max U^2, while
+        # (10) >= 4 rho pi y v_i^2; put together they bound v_i from above.
+        chord = float(self.shape[0](y))
+        s = np.sqrt(self.blades * chord * self.largest_lift_coefficient / (8.0 * np.pi * y))
+        if s >= 0.95:
+            raise ValueError(f"blade too solid at y = {y} m for the bound on v_i (sqrt(s) = {s})")
+        highest = s / (1.0 - s) * (self.omega * y + self.v_inplane + self.v_axial)
+        largest_angle = np.arctan2(self.v_axial + highest, self.omega * y)
+        count = int(np.ceil(largest_angle / self.scan_step)) + 2
+        angles = np.linspace(0.0, largest_angle, count)
+        return self.omega * y * np.tan(angles) - self.v_axial
+
+    def inflow_root(self, y: float) -> tuple[float, int]:
+        """Largest root v_i [m/s] of eq. (11) at radius y [m], and the number of roots."""
+        grid = self.scan_grid(y)
+        g = self.residual(y, grid, self.scan_azimuth)
+        inner = g[1:-1]
+        peak = (inner < 0.0) & (inner >= g[:-2]) & (inner >= g[2:])
+        dip = (inner > 0.0) & (inner <= g[:-2]) & (inner <= g[2:])
+        for k in np.flatnonzero(peak | dip) + 1:
+            # A close pair of roots may hide between grid points: look at the extremum itself.
+            sign = np.sign(g[k])
+            found = minimize_scalar(
+                lambda v, s=sign: s * self.residual(y, np.array([v]), self.scan_azimuth)[0],
+                bounds=(grid[k - 1], grid[k + 1]),
+                method="bounded",
+                options={"xatol": 1e-9},
+            )
+            if found.fun < 0.0:
+                grid, g = np.append(grid, found.x), np.append(g, sign * found.fun)
+        order = np.argsort(grid)
+        grid, g = grid[order], g[order]
+        crossings = np.flatnonzero((g[:-1] > 0.0) != (g[1:] > 0.0))
+        if crossings.size == 0:
+            raise ValueError(f"eq. (11) has no root with U_P >= 0 at y = {y} m")
+        last = int(crossings[-1])
+        return self._refine(y, float(grid[last]), float(grid[last + 1])), int(crossings.size)
+
+    def _refine(self, y: float, low: float, high: float) -> float:
+        def g(v: float) -> float:
+            return float(self.residual(y, np.array([v]), self.azimuth)[0])
+
+        # The scan may have used fewer azimuths: widen the bracket until it holds for all.
+        width = max(high - low, 1e-9)
+        for _ in range(8):
+            if g(low) > 0.0 >= g(high):
+                return float(brentq(g, low, high, xtol=1e-12, rtol=1e-13))
+            low, high, width = low - width, high + width, 2.0 * width
+        raise ValueError(f"the bracket of the scan does not hold at y = {y} m")
+
+    def load_densities(self, y: float) -> Array:
+        """Thrust, drag, torque, rolling moment per unit span [N/m, N/m, N, N] at y [m]."""
+        v_i, _ = self.inflow_root(y)
+        psi, weight = self.azimuth
+        phi, lift, drag = (a[0] for a in self.element(y, np.array([v_i]), psi))
+        along_axis = lift * np.cos(phi) - drag * np.sin(phi)
+        in_plane = lift * np.sin(phi) + drag * np.cos(phi)
+        rows = [
+            along_axis,  # Eq. (5)
+            in_plane * np.sin(psi),  # Eq. (6)
+            y * in_plane,  # Eq. (7)
+            y * np.sin(psi) * along_axis,  # not in the paper
+        ]
+        return self.blades * np.array([row @ weight for row in rows])
+
+
+def _azimuth_nodes(count: int) -> tuple[Array, Array]:
+    """Angles [rad] and weights (sum 1) of `count` equally spaced azimuths, count even or 1.
+
+    Every integrand depends on psi through sin(psi) alone, so psi and pi - psi give the same
+    number; it is worked out once and counted twice.
+    """
+    if count == 1:
+        return np.zeros(1), np.ones(1)
+    psi = np.linspace(-0.5 * np.pi, 0.5 * np.pi, count // 2 + 1)
+    weight = np.full(psi.size, 2.0 / count)
+    weight[[0, -1]] = 1.0 / count  # -pi/2 and pi/2 have no twin
+    return psi, weight
+
+
+def find_jumps(
+    rotor: LiteralRotor, low: float, high: float, count: int
+) -> tuple[Array, Array, Array]:
+    """Radii [m] where the largest root jumps, where it rises steeply, and the curve followed.
+
+    The curve is every radius [m] looked at with its inflow angle [rad], shape (:, 2).
+    """
+
+    def angle(y: float) -> float:
+        return rotor.inflow_angle(y, rotor.inflow_root(y)[0])
+
+    radii = np.linspace(low, high, count)
+    angles = np.array([angle(y) for y in radii])
+    seen = list(zip(radii, angles, strict=True))
+    jumps: list[float] = []
+    steep: list[float] = []
+    for a, b, at_a, at_b in zip(radii[:-1], radii[1:], angles[:-1], angles[1:], strict=True):
+        while b - a > JUMP_WIDTH and abs(at_b - at_a) > 0.002:
+            middle = 0.5 * (a + b)
+            at_middle = angle(middle)
+            seen.append((middle, at_middle))
+            # Follow the half with the larger change: a jump stays in it at full height.
+            if abs(at_middle - at_a) >= abs(at_b - at_middle):
+                b, at_b = middle, at_middle
+            else:
+                a, at_a = middle, at_middle
+        if abs(at_b - at_a) > 0.002:
+            jumps.append(0.5 * (a + b))
+        elif b - a < STEEP_WIDTH:  # a jump about to be born: a cube root, continuous
+            steep.append(0.5 * (a + b))
+    return np.array(jumps), np.array(steep), np.array(sorted(seen))
+
+
+def radial_nodes(
+    rotor: LiteralRotor, low: float, high: float, resolution: int
+) -> tuple[Array, Array, Array]:
+    """Radii [m], weights [m] and the jump radii [m] of the composite Gauss-Legendre rule."""
+    jumps, steep, seen = find_jumps(rotor, low, high, DETECTION_STATIONS * resolution)
+    breaks = np.concatenate([jumps, steep])
+    # Chord and twist are cubic between stations, so panels end there; but not right beside a
+    # break, where a panel has to hold the whole neighbourhood of the root-like rise.
+    ends = [y for y in rotor.station if low < y < high and np.all(np.abs(y - breaks) > 1e-3)]
+    edges = np.unique(np.concatenate([[low], ends, breaks, [high]]))
+    breaks = np.append(breaks, high)  # the chord falls to nothing at the tip
+    nodes, weights = [], []
+    for a, b in pairwise(edges):
+        inside = seen[(seen[:, 0] > a) & (seen[:, 0] < b), 1]
+        change = np.ptp(inside) if inside.size else 0.0
+        pieces = resolution * max(1, int(np.ceil(change / PANEL_ANGLE)))
+        clustered = bool(np.any((a == breaks) | (b == breaks)))
+        x, w = np.polynomial.legendre.leggauss(4)
+        cuts = np.linspace(0.0, 1.0, (4 if clustered else 1) * pieces + 1)
+        half = 0.5 * np.diff(cuts)[:, None]
+        t = (0.5 * (cuts[:-1] + cuts[1:])[:, None] + half * x).ravel()
+        w = (half * w).ravel()
+        if clustered:  # t^2 (3 - 2 t) turns a square root at either end into a smooth function
+            t, w = t**2 * (3.0 - 2.0 * t), w * 6.0 * t * (1.0 - t)
+        nodes.append(a + (b - a) * t)
+        weights.append((b - a) * w)
+    return np.concatenate(nodes), np.concatenate(weights), jumps
+
+
+def azimuth_count(omega: float, radius: float, v_inplane: float) -> int:
+    """How many azimuth nodes make the loads converge (even, or 1 in axial flow)."""
+    if v_inplane == 0.0:
+        return 1
+    return 128 if v_inplane < 0.25 * omega * radius else 360
+
+
+def literal_loads(
+    station: ArrayLike,
+    chord: ArrayLike,
+    twist: ArrayLike,
+    blades: int,
+    section: dict[str, float],
+    rho: float,
+    mu: float,
+    omega: float,
+    v_axial: float,
+    v_inplane: float,
+    root: float | None = None,
+    zero_lift_angle: float = 0.0,
+    *,
+    resolution: int = 1,
+) -> dict[str, float]:
+    """Loads of a rotor by eqs (1)-(15), the largest root of (11) taken at every radius.
+
+    `station`, `chord` [m] and `twist` [rad] run from the first measured station to the tip;
+    integration starts at `root` [m] (default: the first station). `section` holds c_l1, c_l2,
+    c_d, alpha_0 [rad] and, if they differ from the paper's, M, c_p, c_d0. `rho` [kg/m^3], `mu`
+    [Pa s], `omega` [rad/s], `v_axial` >= 0 and `v_inplane` >= 0 [m/s]. `resolution` multiplies
+    every node count. Returns thrust [N], drag [N], torque [N m], roll_moment [N m], and the
+    number of radii at which the inflow jumps (`jumps`).
+    """
+    if v_axial < 0.0 or v_inplane < 0.0:
+        raise ValueError("climb, hover and edgewise flight only: v_axial and v_inplane >= 0")
+    y, c, theta = (np.asarray(a, dtype=float) for a in (station, chord, twist))
+    count = azimuth_count(omega, float(y[-1]), v_inplane)
+    n_azimuth = count if count == 1 else count * resolution
+    air_and_motion = (rho, mu, omega, v_axial, v_inplane, zero_lift_angle)
+    rotor = LiteralRotor(
+        y, c, theta, blades, section, *air_and_motion, n_azimuth, SCAN_STEP / resolution
+    )
+    low = float(y[0]) if root is None else root
+    nodes, weights, jumps = radial_nodes(rotor, low, float(y[-1]), resolution)
+    totals = weights @ np.array([rotor.load_densities(r) for r in nodes])  # Eqs (13)-(15)
+    names = ("thrust", "drag", "torque", "roll_moment")
+    return dict(zip(names, map(float, totals), strict=True)) | {"jumps": float(jumps.size)}
