@@ -66,6 +66,10 @@ class Airfoil:
                 raise InputError(
                     f"{field} is {value}: it must lie between {low} and {high} [{unit}]{hint}"
                 )
+            object.__setattr__(self, field, float(value))
+        for field in ("name", "source"):
+            if not isinstance(getattr(self, field), str):
+                raise InputError(f"{field} is {getattr(self, field)!r}: it must be text")
         if self.lift_law not in LIFT_LAWS:
             raise InputError(f"lift_law is {self.lift_law!r}: it must be one of {LIFT_LAWS}")
 
@@ -149,5 +153,7 @@ def _sets() -> Traversable:
 
 
 def _toml_string(text: str) -> str:
-    escaped = text.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n")
-    return f'"{escaped}"'
+    import json
+
+    # A JSON string is a TOML basic string; only DEL differs.
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")

@@ -19,7 +19,7 @@ from propmap.theory.momentum import static_inflow as equation_12
 from propmap.theory.parameters import Blade, Medium, Section
 from propmap.theory.velocities import AzimuthNodes, azimuth_nodes
 
-BLOCK = 128
+BLOCK = 64
 """Operating points per call of a compiled program: enough to fill the vector units, few
 enough to stay in the processor's cache."""
 

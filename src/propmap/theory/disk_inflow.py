@@ -83,12 +83,14 @@ def disk_inflow(
 
 def _inner_edges(case: Case, azimuth: AzimuthNodes) -> tuple[Array, Array, stall_split.Survey]:
     """Radii (SPLITS, B) [m] at which to split, whether several roots were seen (B,), survey."""
-    live = functools.partial(question, case)
+    root, tip = case.blade.root, case.blade.tip
     still = functools.partial(question, lax.stop_gradient(case))
-    near, survey = stall_split.hump_crossings(live, case.blade.root, case.blade.tip, azimuth)
-    fold = stall_split.find_folds(lax.stop_gradient(near), still, azimuth)
-    edges = _moving_edges(case, fold, near.radius, azimuth)
-    return edges, survey.several | jnp.any(fold.found, axis=0), survey
+    span = lax.stop_gradient((root, tip))
+    near, survey = stall_split.hump_crossings(still, *span, azimuth)
+    fold = stall_split.find_folds(near, still, *span, azimuth)
+    elsewhere = root + (tip - root) * lax.stop_gradient((near.radius - root) / (tip - root))
+    edges = _moving_edges(case, fold, elsewhere, azimuth)
+    return edges, survey.several | jnp.any(fold.folded, axis=0), survey
 
 
 @jax.custom_jvp

@@ -22,9 +22,9 @@ from propmap.theory.parameters import Array
 from propmap.theory.section_law import largest_lift, sharpest_lift, steepest_lift
 from propmap.theory.velocities import AzimuthNodes, floored_norm
 
-MAX_STEPS = 200
+MAX_STEPS = 1000
 """Steps after which an unfinished root is given up; ordinary roots take about seven, roots
-beside a fold up to thirty."""
+beside a fold up to thirty, beside the kink of (10) in slow axial descent some hundreds."""
 
 SAFE_TOLERANCE = 1e-6
 """Size of a safe step, relative to the speeds at hand, after which Newton's steps follow."""
@@ -149,14 +149,22 @@ def _safe_step(ask: InflowQuestion, bound: _Bounds, v: Array, value: Array, slop
     lever = jnp.where(u_low >= 0.0, jnp.maximum(v, 0.0), jnp.maximum(jnp.abs(v), jnp.abs(v_low)))
     fall = blade_fall + 4.0 * np.pi * at.radius * (along + lever)
 
-    nearest = floored_norm(at.v_inplane, jnp.maximum(u_low, 0.0))
-    wake_bend = jnp.where(u_low > 0.0, jnp.maximum(-v_low, 0.0) / nearest, 4.0)
+    # The wake's part bends by -4 pi y (2 u/W + v (V sin(beta))^2 / W^3), of either sign where
+    # it is mirrored on the windmill branch (u < 0), and has a kink at u = 0 without in-plane
+    # flow; so the parabola is not carried past u = 0.
+    u_end = jnp.where(u > 0.0, jnp.maximum(u_low, 0.0), u_low)
+    # ... or only by so little that the walk does not take it for its end.
+    to_kink = u - u_end + 2.0 * SAFE_TOLERANCE * (bound.speed + jnp.abs(at.v_axial))
+    nearest = floored_norm(at.v_inplane, jnp.where(u > 0.0, u_end, u))
+    turn = at.v_inplane**2 / nearest**3
+    v_max = jnp.maximum(jnp.abs(v), jnp.abs(v_low))
+    wake_bend = jnp.where(u > 0.0, jnp.maximum(-v_low, 0.0) * turn, 2.0 + v_max * turn)
     wake_bend = 4.0 * np.pi * at.radius * wake_bend + 2.0 * bound.friction / jnp.sqrt(bound.speed)
 
     def by_bend(bend: Array) -> Array:
         bend = wake_bend + bound.half * bend
         root = jnp.sqrt(jnp.maximum(slope * slope - 2.0 * bend * value, 0.0))
-        return -2.0 * value / jnp.maximum(root - slope, 1e-300)
+        return jnp.minimum(-2.0 * value / jnp.maximum(root - slope, 1e-300), to_kink)
 
     anywhere = by_bend(bound.bend)
     mild = jnp.minimum(by_bend(bound.mild_bend), v - bound.mild_from)

@@ -25,11 +25,7 @@ def attached_share(alpha: Array, section: Section) -> Array:
 
 
 def attached_share_slope(alpha: Array, share: Array, section: Section) -> Array:
-    """Derivative of ``attached_share`` [1/rad] at alpha, given its value there.
-
-    Of the terms of the denominator only 1/A is kept: 1/B is below exp(-M a0) of it wherever
-    the share changes.
-    """
+    """Derivative of ``attached_share`` [1/rad] at alpha, given its value ``share`` there."""
     m = section.sharpness
     rise = jnp.exp(jnp.minimum(m * (jnp.abs(alpha) - section.alpha_0), 60.0))
     both = jnp.exp(-2.0 * m * section.alpha_0)
@@ -44,8 +40,9 @@ def angle_of_attack(along: Array, across: Array, speed: Array) -> Array:
     XLA evaluates ``atan2`` on a CPU one element at a time (24 ns); the half-angle form
     needs only ``atan``, which it vectorises (5 ns).
     """
-    half = jnp.arctan(jnp.abs(across) / (speed + jnp.abs(along)))
-    return jnp.sign(across) * jnp.where(along < 0.0, np.pi - 2.0 * half, 2.0 * half)
+    half = jnp.arctan(across / (speed + jnp.abs(along)))
+    behind = jnp.where(across < 0.0, -np.pi, np.pi) - 2.0 * half
+    return jnp.where(along < 0.0, behind, 2.0 * half)
 
 
 def lift_coefficient(alpha: Array, section: Section) -> Array:

@@ -33,7 +33,7 @@ towards the root, a second one further in."""
 GRID = 24
 """Radii at which the hump is looked for."""
 
-FOLD_STEPS = 8
+FOLD_STEPS = 14
 """Newton steps on a fold."""
 
 DEFAULT_EDGES = (0.25, 0.6)
@@ -59,10 +59,12 @@ class Crossing(NamedTuple):
 
 
 class Fold(NamedTuple):
-    """Folds, all (SPLITS, B): radius [m], inflow [m/s], and whether one was found."""
+    """Folds and shoulders, all (SPLITS, B): radius [m], inflow [m/s] there, whether it is a
+    fold, and whether it is either and moves with the operating point."""
 
     radius: Array
     inflow: Array
+    folded: Array
     found: Array
 
 
@@ -149,9 +151,14 @@ def _vertex(slope: Array, v: Array, k: Array, *, to_zero: bool) -> Array:
 
 def _between(values: Array) -> Array:
     """Values (S, B) on a grid three times as fine (3 S - 2, B), by cubics; NaN stays NaN."""
-    padded = jnp.concatenate([2.0 * values[:1] - values[1:2], values, 2.0 * values[-1:] - values[-2:-1]])
+    padded = jnp.concatenate(
+        [2.0 * values[:1] - values[1:2], values, 2.0 * values[-1:] - values[-2:-1]]
+    )
     p0, p1, p2, p3 = padded[:-3], padded[1:-2], padded[2:-1], padded[3:]
-    p0, p3 = jnp.where(jnp.isnan(p0), 2.0 * p1 - p2, p0), jnp.where(jnp.isnan(p3), 2.0 * p2 - p1, p3)
+    p0, p3 = (
+        jnp.where(jnp.isnan(p0), 2.0 * p1 - p2, p0),
+        jnp.where(jnp.isnan(p3), 2.0 * p2 - p1, p3),
+    )
     rows = [p1]
     for t in (1.0 / 3.0, 2.0 / 3.0):
         c1, c2, c3 = p2 - p0, 2.0 * p0 - 5.0 * p1 + 4.0 * p2 - p3, 3.0 * (p1 - p2) + p3 - p0
@@ -187,7 +194,7 @@ class Survey(NamedTuple):
 def hump_crossings(
     ask_at: AskAt, root: Array, tip: Array, azimuth: AzimuthNodes
 ) -> tuple[Crossing, Survey]:
-    """The first ``SPLITS`` radii at which the hump passes zero; differentiable."""
+    """The first ``SPLITS`` radii at which the hump passes zero."""
     t = jnp.linspace(0.0, 1.0 - 1e-6, GRID)[:, None]
     ask = ask_at(root + (tip - root) * t)
     stall = stall_side(ask_at((root + 0.6 * (tip - root))[None, None]), ask.at.section.alpha_0)
@@ -235,43 +242,59 @@ def start_below_hump(
     return jnp.where(jnp.concatenate(parts), inflow_at_angle(ask, angle), jnp.inf)
 
 
-def find_folds(near: Crossing, ask_at: AskAt, azimuth: AzimuthNodes) -> Fold:
-    """Solve residual = slope = 0 from each crossing.
+def find_folds(
+    near: Crossing, ask_at: AskAt, root: Array, tip: Array, azimuth: AzimuthNodes
+) -> Fold:
+    """Solve for the fold, or else for the steepest rise of the inflow, from each crossing.
 
-    Newton in (radius, v_i) with the second derivatives from differences of the slope, which
-    spares the compilation of second-order blade elements and still ends at the exact fold.
+    At a radius, the slope of the residual has a top over v_i, found from a parabola.  Where
+    it is positive there is a hump above it, whose own top is where the slope falls to zero;
+    the radius at which the residual vanishes there is the fold.  Where it is negative there
+    is only a shoulder, and the radius is that at which the residual vanishes on it.  At the
+    cusp between the two they coincide, so the edge moves without a jump.
     """
     at = ask_at(near.radius).at
     scale = jnp.abs(at.omega * near.radius) + jnp.abs(at.v_axial) + 1e-30
-    dv, dy = 1e-6 * scale, -1e-6 * near.radius
+    dv, dy, wide = 1e-6 * scale, -1e-6 * near.radius, 0.008 * scale
 
-    def newton(_: int, state: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:
-        y, v, _ = state
-        ys, vs = jnp.concatenate([y, y, y + dy]), jnp.concatenate([v, v + dv, v])
-        pair = residual_slope(ask_at(ys), vs, azimuth)
-        g, slope = (a.reshape(3, SPLITS, -1) for a in pair)
-        g_y, g_vy = (g[2] - g[0]) / dy, (slope[2] - slope[0]) / dy
-        g_vv = (slope[1] - slope[0]) / dv
-        det = slope[0] * g_vy - g_y * g_vv
-        det = jnp.where(det == 0.0, jnp.inf, det)
-        step_v = (g[0] * g_vy - slope[0] * g_y) / det
-        step_y = (slope[0] * slope[0] - g[0] * g_vv) / det
-        done = (jnp.abs(step_v) < 1e-7 * scale) & (jnp.abs(step_y) < 1e-9 * y) & (g_vv < 0.0)
-        step_v = jnp.clip(step_v, -0.05 * scale, 0.05 * scale)
-        step_y = jnp.clip(step_y, -near.spacing, near.spacing)
-        return y - step_y, v - step_v, done
+    def improve(_: int, state: tuple[Array, ...]) -> tuple[Array, ...]:
+        y, v_s, v_t, *_ = state
+        radii = jnp.concatenate([y] * 5 + [y + dy])
+        inflows = jnp.concatenate([v_s - wide, v_s, v_s + wide, v_t, v_t + dv, v_t])
+        pair = residual_slope(ask_at(radii), inflows, azimuth)
+        g, slope = (a.reshape(6, SPLITS, -1) for a in pair)
+        bend = slope[0] - 2.0 * slope[1] + slope[2]
+        curved = jnp.where(bend < 0.0, bend, -jnp.inf)
+        shift = jnp.clip(0.5 * (slope[0] - slope[2]) / curved, -1.0, 1.0)
+        steepest = slope[1] + 0.5 * shift * (slope[2] - slope[0]) + 0.5 * shift**2 * bend
+        v_s = v_s + wide * shift
+        folded = steepest > 0.0
+        # The top of the hump: Newton on the slope, above the steepest point.
+        width = wide * jnp.sqrt(jnp.where(folded, -2.0 * steepest / curved, 0.0))
+        g_vv = (slope[4] - slope[3]) / dv
+        top = v_t - slope[3] / jnp.where(g_vv < 0.0, g_vv, -jnp.inf)
+        good = (g_vv < 0.0) & (top > v_s) & (top < v_s + 3.0 * width)
+        goal = jnp.where(folded, jnp.where(good, top, v_s + width), v_s)
+        g_y = (g[5] - g[3]) / dy
+        down = g[3] / jnp.where(g_y == 0.0, jnp.inf, g_y)
+        down = jnp.clip(down, -0.5 * near.spacing, 0.5 * near.spacing)
+        small = (jnp.abs(down) < 1e-8 * y) & (jnp.abs(goal - v_t) < 1e-5 * scale)
+        return y - down, v_s, goal, folded, small
 
-    begin = (near.radius, near.inflow, jnp.zeros(near.radius.shape, bool))
-    radius, v, done = lax.fori_loop(0, FOLD_STEPS, newton, begin)
-    found = done & (jnp.abs(radius - near.radius) < 2.0 * near.spacing)
-    return Fold(jnp.where(found, radius, near.radius), jnp.where(found, v, 0.0), found)
+    no = jnp.zeros(near.radius.shape, bool)
+    begin = (near.radius, near.inflow, near.inflow, no, no)
+    y, _, v, folded, small = lax.fori_loop(0, FOLD_STEPS, improve, begin)
+    close = jnp.abs(y - near.radius) < 2.0 * near.spacing
+    found = small & close & (y > root) & (y < tip)
+    return Fold(jnp.where(found, y, near.radius), v, found & folded, found)
 
 
 def follow(fold: Fold, ask_at: AskAt, azimuth: AzimuthNodes) -> Array:
     """The folds' radii [m], made to move with what ``ask_at`` depends on; (SPLITS, B).
 
     At a fold the slope with respect to v_i vanishes, so the residual stays zero if
-    d(radius) = -(d residual) / (d residual/d radius).
+    d(radius) = -(d residual) / (d residual/d radius).  At a shoulder the same is near enough,
+    since the loads do not depend on where a smooth integrand is split.
     """
     anchor, v = lax.stop_gradient((fold.radius, fold.inflow))
 

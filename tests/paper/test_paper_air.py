@@ -1,0 +1,63 @@
+"""Density and viscosity of the air."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from propmap import Air, InputError
+
+
+def test_the_papers_values_are_the_default() -> None:
+    assert Air() == Air(1.225, 1.983e-5)
+    assert (Air().density, Air().viscosity) == (1.225, 1.983e-5)
+
+
+@pytest.mark.parametrize(
+    ("altitude", "density", "viscosity"),
+    [
+        # ICAO Doc 7488/3: kg/m^3 to four decimals, uPa s to three.  2000 m of geometric
+        # altitude are 1999.4 m of geopotential, 6e-5 kg/m^3 from the figure tabulated there.
+        (0.0, 1.2250, 1.7894e-5),
+        (2000.0, 1.0065, 1.7260e-5),
+    ],
+)
+def test_standard_atmosphere_is_icaos(altitude: float, density: float, viscosity: float) -> None:
+    air = Air.standard(altitude)
+    assert air.density == pytest.approx(density, abs=1.2e-4)
+    assert air.viscosity == pytest.approx(viscosity, abs=1e-8)
+
+
+@pytest.mark.parametrize("altitude", [0.0, 2000.0])
+def test_hotter_air_is_thinner_at_the_same_pressure(altitude: float) -> None:
+    day, hot = Air.standard(altitude), Air.standard(altitude, 20.0)
+    # rho T is p/R; the standard day has 288.15 K less 6.5 K per kilometre, to 1e-2 K.
+    kelvin = 288.15 - 0.0065 * altitude
+    assert hot.density == pytest.approx(day.density * kelvin / (kelvin + 20.0), rel=1e-5)
+    assert hot.viscosity > day.viscosity  # a gas, Sutherland
+
+
+def test_viscosity_follows_sutherlands_law() -> None:
+    # mu = beta T^1.5 / (T + S), beta 1.458e-6, S 110.4 K, at 288.15 + 30 K.
+    expected = 1.458e-6 * 318.15**1.5 / (318.15 + 110.4)
+    assert Air.standard(0.0, 30.0).viscosity == pytest.approx(expected, rel=1e-6)
+
+
+@pytest.mark.parametrize("bad", [0.0, -1.0, float("nan"), float("inf"), "1.2", None, True])
+@pytest.mark.parametrize("field", ["density", "viscosity"])
+def test_bad_air_is_refused(field: str, bad: Any) -> None:
+    with pytest.raises(InputError, match=f"air {field} is"):
+        Air(**{field: bad})
+
+
+@pytest.mark.parametrize("altitude", [-5001.0, 80001.0, float("nan")])
+def test_an_altitude_outside_the_standard_is_refused(altitude: float) -> None:
+    with pytest.raises(InputError, match="altitude is"):
+        Air.standard(altitude)
+
+
+@pytest.mark.parametrize("offset", [-61.0, 61.0, float("nan")])
+def test_a_temperature_offset_out_of_range_is_refused(offset: float) -> None:
+    with pytest.raises(InputError, match="temperature offset is"):
+        Air.standard(0.0, offset)
