@@ -102,7 +102,7 @@ def _run(
             program = _program(job.panels)
             found = program(*theory, *(a[padded] for a in flow), nodes, steps)
             for target, values in zip(results, found, strict=True):
-                target[points] = np.asarray(values)[: points.size]
+                target[points] = _flushed(np.asarray(values)[: points.size])
 
     if len(calls) > 1:
         with ThreadPoolExecutor(min(len(calls), os.cpu_count() or 1)) as pool:
@@ -157,6 +157,11 @@ def _forecast_inputs(theory: Theory) -> tuple[Floats, Floats, Floats, tuple[floa
     slope = blade.blades * chord * section.c_l1 / (8.0 * np.pi * radius)
     pitch = twist - section.zero_lift_angle
     return radius, slope, pitch, (float(section.alpha_0), float(section.sharpness))
+
+
+def _flushed(values: NDArray[Any]) -> NDArray[Any]:
+    """Zero instead of what the speed floor leaves of a load at rest, 1e-45 and the like."""
+    return np.where(np.abs(values) < 1e-30, 0, values) if values.dtype.kind == "f" else values
 
 
 def _empty(points: int) -> Evaluation:

@@ -95,7 +95,10 @@ def _inner_edges(case: Case, azimuth: AzimuthNodes) -> tuple[Array, Array, stall
 
 @jax.custom_jvp
 def _moving_edges(
-    case: Case, fold: stall_split.Fold, otherwise: Array, azimuth: AzimuthNodes
+    case: Case,  # noqa: ARG001 - what the folds move with, in the derivative below
+    fold: stall_split.Fold,
+    otherwise: Array,
+    azimuth: AzimuthNodes,  # noqa: ARG001
 ) -> Array:
     return jnp.where(fold.found, fold.radius, otherwise)
 

@@ -26,7 +26,7 @@ MAX_STEPS = 1000
 """Steps after which an unfinished root is given up; ordinary roots take about seven, roots
 beside a fold up to thirty, beside the kink of (10) in slow axial descent some hundreds."""
 
-SAFE_TOLERANCE = 1e-6
+SAFE_TOLERANCE = 1e-7
 """Size of a safe step, relative to the speeds at hand, after which Newton's steps follow."""
 
 NEWTON_TOLERANCE = 1e-9

@@ -149,24 +149,6 @@ def _vertex(slope: Array, v: Array, k: Array, *, to_zero: bool) -> Array:
     return jnp.where(bend < 0.0, jnp.clip(top, x[2], x[0]), x[1])
 
 
-def _between(values: Array) -> Array:
-    """Values (S, B) on a grid three times as fine (3 S - 2, B), by cubics; NaN stays NaN."""
-    padded = jnp.concatenate(
-        [2.0 * values[:1] - values[1:2], values, 2.0 * values[-1:] - values[-2:-1]]
-    )
-    p0, p1, p2, p3 = padded[:-3], padded[1:-2], padded[2:-1], padded[3:]
-    p0, p3 = (
-        jnp.where(jnp.isnan(p0), 2.0 * p1 - p2, p0),
-        jnp.where(jnp.isnan(p3), 2.0 * p2 - p1, p3),
-    )
-    rows = [p1]
-    for t in (1.0 / 3.0, 2.0 / 3.0):
-        c1, c2, c3 = p2 - p0, 2.0 * p0 - 5.0 * p1 + 4.0 * p2 - p3, 3.0 * (p1 - p2) + p3 - p0
-        rows.append(p1 + 0.5 * t * (c1 + t * (c2 + t * c3)))
-    fine = jnp.stack(rows, axis=1).reshape(-1, values.shape[1])
-    return jnp.concatenate([fine, values[-1:]])
-
-
 def stall_side(ask: InflowQuestion, alpha_0: Array) -> Array:
     """The stall angle that a blade is near [rad], alpha_0 or its negative; (B,).
 
@@ -175,6 +157,25 @@ def stall_side(ask: InflowQuestion, alpha_0: Array) -> Array:
     at = ask.at
     lifting = at.sine * at.omega * at.radius - at.cosine * at.v_axial
     return jnp.where(lifting[0] < 0.0, -alpha_0, alpha_0)
+
+
+def _at_extremes(t: Array, height: Array) -> tuple[Array, Array, Array]:
+    """Move the samples (S, B) that are local extremes to the extremes of parabolas.
+
+    So an attached stretch that is shorter than the spacing still shows as two crossings.
+    Also whether a sample is such an extreme.
+    """
+    left, right = height[1:-1] - height[:-2], height[2:] - height[1:-1]
+    extreme = left * right < 0.0
+    bend = jnp.where(extreme, left - right, 1.0)
+    shift = jnp.where(extreme, 0.5 * (left + right) / bend, 0.0)
+    top = height[1:-1] + jnp.where(extreme, 0.125 * (left + right) ** 2 / bend, 0.0)
+    moved = t[1:-1] + shift * (t[2:] - t[:-2]) * 0.5
+    return (
+        jnp.concatenate([t[:1], moved, t[-1:]]),
+        jnp.concatenate([height[:1], top, height[-1:]]),
+        jnp.pad(extreme, ((1, 1), (0, 0))),
+    )
 
 
 class Survey(NamedTuple):
@@ -199,11 +200,15 @@ def hump_crossings(
     ask = ask_at(root + (tip - root) * t)
     stall = stall_side(ask_at((root + 0.6 * (tip - root))[None, None]), ask.at.section.alpha_0)
     hump = _hump(ask, stall, azimuth)
-    height, v, t_fine = _between(hump.height), _between(hump.inflow), _between(t)
+    place, height, extreme = _at_extremes(t * jnp.ones_like(hump.height), hump.height)
+    v = hump.inflow
     changes = jnp.sign(height[:-1]) * jnp.sign(height[1:]) < 0.0
     gap = jnp.where(changes, height[:-1] - height[1:], 1.0)
-    share = jnp.where(changes, height[:-1] / gap, 0.0)
-    radius = root + (tip - root) * (t_fine[:-1] + share * jnp.diff(t_fine, axis=0))
+    share = jnp.where(changes, height[:-1] / gap, 0.5)
+    # From an extreme the hump falls off like a parabola, elsewhere like a line.
+    share = jnp.where(extreme[:-1], jnp.sqrt(share), share)
+    share = jnp.where(extreme[1:] & ~extreme[:-1], 1.0 - jnp.sqrt(1.0 - share), share)
+    radius = root + (tip - root) * (place[:-1] + share * jnp.diff(place, axis=0))
     inflow = v[:-1] + share * jnp.diff(v, axis=0)
     picked = []
     for default in DEFAULT_EDGES:

@@ -1,0 +1,153 @@
+"""How accurate numerically: `make convergence`.  Writes results/convergence.json.
+
+Two comparisons, for the three parameter sets of Table I on the APC 8x6E.  The settings
+against about twice the nodes of "fine", at random points; and against the frozen loads of the
+independent, literal reference in tests/oracle.  Errors are shares of the static thrust (T, D)
+or torque (tau) at the same rotational speed.
+"""
+
+from __future__ import annotations
+
+import csv
+import itertools
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+import propmap
+from benchmarks.results_file import write_results
+from propmap.evaluation import Evaluation, evaluate
+from propmap.rotor import Rotor
+from propmap.schedule import ACCURACIES, Accuracy
+
+Floats = NDArray[np.float64]
+
+SEED = 2017
+POINTS = 300
+RPM = np.pi / 30.0
+SETS = ("paper-soft", "paper-stiff", "paper-apc")
+BANDS = (0.0, 0.1, 0.2, 0.3, 0.5, 1.0, np.inf)
+"""Edges of the bands of advance ratio V sin(beta)/(Omega R)."""
+
+REFERENCE = Path(__file__).parents[1] / "tests" / "oracle" / "reference_loads.csv"
+LOADS = ("thrust", "drag", "torque")
+
+
+def dense() -> Accuracy:
+    """About twice the nodes of "fine" in either direction."""
+    fine = ACCURACIES["fine"]
+    azimuths = tuple((limit, 2 * count) for limit, count in fine.azimuths)
+    return Accuracy(azimuths, 2 * fine.free, 2 * fine.stalled, 2 * fine.fast)
+
+
+def random_flow() -> tuple[Floats, Floats, Floats]:
+    """omega [rad/s], v_axial and v_inplane [m/s], (POINTS,): 2000-10000 rpm, 0-20 m/s, 0-90 deg."""
+    rng = np.random.default_rng(SEED)
+    rpm, speed = rng.uniform(2000.0, 10000.0, POINTS), rng.uniform(0.0, 20.0, POINTS)
+    beta = np.radians(rng.uniform(0.0, 90.0, POINTS))
+    return rpm * RPM, speed * np.cos(beta), speed * np.sin(beta)
+
+
+def shares(found: Evaluation, truth: dict[str, Floats], scale: dict[str, Floats]) -> Floats:
+    """Errors (loads, N) [-]."""
+    return np.array([np.abs(getattr(found, k) - truth[k]) / np.abs(scale[k]) for k in LOADS])
+
+
+def summary(errors: Floats, advance: Floats) -> list[dict[str, Any]]:
+    """Largest error and 95th percentile by band, all points last; errors (loads, N)."""
+    rows = []
+    for low, high in [*itertools.pairwise(BANDS), (BANDS[0], BANDS[-1])]:
+        mine = (advance >= low) & (advance < high)
+        if not mine.any():
+            continue
+        row: dict[str, Any] = {
+            "advance_ratio": [low, None if np.isinf(high) else high],
+            "points": int(mine.sum()),
+        }
+        for load, values in zip(LOADS, errors[:, mine], strict=True):
+            row[load] = {
+                "largest": float(values.max()),
+                "percentile_95": float(np.percentile(values, 95)),
+            }
+        rows.append(row)
+    return rows
+
+
+def against_dense(rotors: dict[str, Rotor]) -> dict[str, Any]:
+    """Each setting against the dense one at random points, all sets together."""
+    omega, axial, inplane = random_flow()
+    still = np.zeros_like(omega)
+    found: dict[str, list[Floats]] = {name: [] for name in ACCURACIES}
+    for rotor in rotors.values():
+        reference = evaluate(rotor.theory, dense(), omega, axial, inplane)
+        hover = evaluate(rotor.theory, ACCURACIES["fine"], omega, still, still)
+        truth = {load: getattr(reference, load) for load in LOADS}
+        scale = {"thrust": hover.thrust, "drag": hover.thrust, "torque": hover.torque}
+        for name, setting in ACCURACIES.items():
+            loads = evaluate(rotor.theory, setting, omega, axial, inplane)
+            found[name].append(shares(loads, truth, scale))
+    tip = float(next(iter(rotors.values())).propeller.radius)
+    advance = np.tile(inplane / (omega * tip), len(rotors))
+    return {name: summary(np.hstack(parts), advance) for name, parts in found.items()}
+
+
+def against_reference(rotors: dict[str, Rotor]) -> dict[str, Any]:
+    """Each setting against the frozen loads of the literal reference."""
+    with REFERENCE.open(newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    found: dict[str, list[Floats]] = {name: [] for name in ACCURACIES}
+    advance = []
+    for name, rotor in rotors.items():
+        mine = [row for row in rows if row["set"] == name.removeprefix("paper-")]
+        column = {k: np.array([float(row[k]) for row in mine]) for k in rows[0] if k != "set"}
+        flow = (column["rpm"] * RPM, column["v_axial"], column["v_inplane"])
+        static = column["static_thrust"]
+        scale = {"thrust": static, "drag": static, "torque": column["static_torque"]}
+        for accuracy, setting in ACCURACIES.items():
+            loads = evaluate(rotor.theory, setting, *flow)
+            found[accuracy].append(shares(loads, column, scale))
+        advance.append(flow[2] / (flow[0] * rotor.propeller.radius))
+    everywhere = np.concatenate(advance)
+    return {name: summary(np.hstack(parts), everywhere) for name, parts in found.items()}
+
+
+def table(title: str, found: dict[str, Any]) -> None:
+    """Print errors in per cent of the static load."""
+    print(title)
+    print(f"{'setting':9} {'advance ratio':>13} {'points':>6}", end="")
+    print("".join(f"{load + ' 95 %':>15}{'largest':>10}" for load in LOADS))
+    for name, rows in found.items():
+        for row in rows:
+            low, high = row["advance_ratio"]
+            band = f"{low:g}-" + ("" if high is None else f"{high:g}")
+            print(f"{name:9} {band:>13} {row['points']:>6}", end="")
+            print(
+                "".join(
+                    f"{100.0 * row[k]['percentile_95']:15.5f}{100.0 * row[k]['largest']:10.5f}"
+                    for k in LOADS
+                )
+            )
+
+
+def main() -> None:
+    """Compare, print, and write the results."""
+    start = time.perf_counter()
+    blade = propmap.propeller("apc-8x6e")
+    rotors = {name: Rotor(blade, propmap.airfoil(name)) for name in SETS}
+    found: dict[str, Any] = {
+        "propmap": propmap.__version__,
+        "unit": "share of the static load at the same rotational speed",
+        "against_reference": against_reference(rotors),
+        "against_twice_fine": against_dense(rotors),
+    }
+    table("errors [% of static load] against the literal reference", found["against_reference"])
+    table("errors [% of static load] against twice fine's nodes", found["against_twice_fine"])
+    print(f"{time.perf_counter() - start:.0f} s")
+    print(write_results("convergence.json", found))
+
+
+if __name__ == "__main__":
+    main()

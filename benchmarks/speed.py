@@ -1,0 +1,187 @@
+"""How fast: `make bench`, or `python -m benchmarks.speed`.  Writes results/speed.json.
+
+Medians of repeats on this machine, after compilation unless said otherwise.  Compare figures
+within one run only: another run, or another machine, is another matter.
+"""
+
+from __future__ import annotations
+
+import os
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from numpy.typing import NDArray
+
+import propmap
+from benchmarks.results_file import machine, write_results
+from propmap.rotor import Rotor
+from propmap.theory.disk_inflow import Case, question
+from propmap.theory.inflow import residual, residual_slope
+from propmap.theory.velocities import AzimuthNodes, azimuth_nodes
+
+Floats = NDArray[np.float64]
+
+SEED = 2017
+BATCH = 4096
+RPM = np.pi / 30.0
+
+STATIONS, POINTS, AZIMUTHS = 48, 64, 16
+"""Of the arrays of blade elements; 16 azimuths are 8 distinct ones."""
+
+DESIGN_NOTES = {
+    "XLA, azimuth as inner axis": 50.0,
+    "XLA, batch as last axis": 11.0,
+    "the same with derivative": 12.0,
+    "hand-vectorised C": 3.1,
+}
+"""[ns] per blade element, from a prototype on another machine."""
+
+PREDICT = ["predict", "apc-8x6e", "--airfoil", "paper-apc", "--format", "json"]
+PREDICT += ["--rpm", "6000", "--speed", "10", "--beta", "60"]
+
+
+def oblique(count: int) -> tuple[Floats, Floats, Floats]:
+    """Mixed oblique points: omega [rad/s], speed [m/s], beta [rad], each (count,)."""
+    rng = np.random.default_rng(SEED)
+    rpm, speed = rng.uniform(3000.0, 10000.0, count), rng.uniform(3.0, 20.0, count)
+    return rpm * RPM, speed, np.radians(rng.uniform(15.0, 85.0, count))
+
+
+def envelope(count: int) -> tuple[Floats, Floats, Floats]:
+    """The whole envelope; of every 16 points one hovers, one climbs and one flies edgewise."""
+    rng = np.random.default_rng(SEED + 1)
+    rpm, speed = rng.uniform(2000.0, 10000.0, count), rng.uniform(0.0, 20.0, count)
+    beta = np.radians(rng.uniform(0.0, 90.0, count))
+    speed[0::16], beta[1::16], beta[2::16] = 0.0, 0.0, 0.5 * np.pi
+    return rpm * RPM, speed, beta
+
+
+def median_seconds(call: Callable[[], Any], repeats: int) -> float:
+    """Median time of ``call`` after one that does not count."""
+    call()
+    seconds = []
+    for _ in range(repeats):
+        start = time.perf_counter()
+        call()
+        seconds.append(time.perf_counter() - start)
+    return statistics.median(seconds)
+
+
+def element_nanoseconds(rotor: Rotor) -> dict[str, float]:
+    """Time per blade element [ns] of the residual of (11), without and with derivative."""
+    blade, section, medium = rotor.theory
+    omega, speed, beta = oblique(POINTS)
+    rng = np.random.default_rng(SEED)
+    share = np.sort(rng.uniform(0.02, 0.98, (STATIONS, POINTS)), axis=0)
+    radius = blade.root + (blade.station[-1] - blade.root) * share
+    elements = STATIONS * POINTS * (AZIMUTHS // 2)
+    cost = {}
+    with jax.enable_x64(True):
+        axial, inplane = jnp.asarray(speed * np.cos(beta)), jnp.asarray(speed * np.sin(beta))
+        no = jnp.zeros(POINTS)
+        case = Case(blade, section, medium, jnp.asarray(omega), axial, inplane, windmill=no)
+        ask = jax.jit(question)(case, jnp.asarray(radius))
+        v_i = jnp.full((STATIONS, POINTS), 4.0)
+        turn = azimuth_nodes(AZIMUTHS)
+        nodes = AzimuthNodes(jnp.asarray(turn.sines), jnp.asarray(AZIMUTHS // 2))
+        for name, function in (("residual", residual), ("residual_slope", residual_slope)):
+            program: Callable[..., Any] = jax.jit(function)
+
+            def call(program: Callable[..., Any] = program) -> None:
+                for found in jax.tree.leaves(program(ask, v_i, nodes)):
+                    found.block_until_ready()
+
+            cost[name] = 1e9 * median_seconds(call, 200) / elements
+    return cost
+
+
+def process_seconds() -> dict[str, float]:
+    """Time of a whole ``propmap predict`` [s]: nothing compiled yet, and the same again."""
+    command = [sys.executable, "-m", "propmap", *PREDICT]
+
+    def run(folder: str) -> float:
+        # The command line's own settings of the cache, with another folder.
+        settings = {
+            "JAX_COMPILATION_CACHE_DIR": folder,
+            "JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS": "0.3",
+            "JAX_PERSISTENT_CACHE_MIN_ENTRY_SIZE_BYTES": "0",
+        }
+        start = time.perf_counter()
+        subprocess.run(command, env=os.environ | settings, check=True, stdout=subprocess.DEVNULL)
+        return time.perf_counter() - start
+
+    cold, warm = [], []
+    for _ in range(3):
+        with tempfile.TemporaryDirectory() as folder:
+            cold.append(run(folder))
+            warm.append(run(folder))
+    return {"empty_cache_s": statistics.median(cold), "warm_cache_s": statistics.median(warm)}
+
+
+def measure() -> dict[str, Any]:
+    """All figures."""
+    place = machine()
+    blade, section = propmap.propeller("apc-8x6e"), propmap.airfoil("paper-apc")
+    rotor, fine = Rotor(blade, section), Rotor(blade, section, accuracy="fine")
+    omega = 6000.0 * RPM
+    batches = {"oblique": oblique(BATCH), "envelope": envelope(BATCH)}
+    per_point = {
+        name: 1e6 * median_seconds(lambda b=batch: rotor.loads(*b), 5) / BATCH  # type: ignore[misc]
+        for name, batch in batches.items()
+    }
+    flight = (omega, 10.0, np.radians(60.0))
+    single = {
+        "oblique": 1e3 * median_seconds(lambda: rotor.loads(*flight), 30),
+        "hover": 1e3 * median_seconds(lambda: rotor.loads(omega, 0.0, 0.0), 30),
+    }
+    some = oblique(BATCH // 4)
+    coarse = median_seconds(lambda: rotor.loads(*some), 3)
+    ratios = {
+        "single_call_over_batch_point": 1e3 * single["oblique"] / per_point["oblique"],
+        "fine_over_standard": median_seconds(lambda: fine.loads(*some), 3) / coarse,
+    }
+    return {
+        "machine": place,
+        "batch": BATCH,
+        "microseconds_per_point": per_point,
+        "single_call_ms": single,
+        "ns_per_element": element_nanoseconds(rotor),
+        "design_notes_ns_per_element_on_another_machine": DESIGN_NOTES,
+        "process": process_seconds(),
+        "ratios": ratios,
+    }
+
+
+def main() -> None:
+    """Measure, print, and write the results."""
+    found = measure()
+    where = found["machine"]
+    print(
+        f"{where['cpu']}, {where['cores']} cores, load {where['load_before']}, "
+        f"Python {where['python']}, JAX {where['jax']}"
+    )
+    for name, value in found["microseconds_per_point"].items():
+        print(f"batch of {BATCH}, {name}: {value:.1f} us per point")
+    for name, value in found["single_call_ms"].items():
+        print(f"single warm call, {name}: {value:.2f} ms")
+    for name, value in found["ns_per_element"].items():
+        print(f"blade element, {name}: {value:.1f} ns")
+    for name, value in DESIGN_NOTES.items():
+        print(f"  prototype on another machine, {name}: {value:g} ns")
+    for name, value in found["process"].items():
+        print(f"propmap predict, whole process, {name}: {value:.2f}")
+    for name, value in found["ratios"].items():
+        print(f"{name}: {value:.1f}")
+    print(write_results("speed.json", found))
+
+
+if __name__ == "__main__":
+    main()
