@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
+from typing import Any
 
 
 def keep_compiled(folder: Path | None = None) -> None:
@@ -22,7 +23,8 @@ def keep_compiled(folder: Path | None = None) -> None:
     import jax
     from platformdirs import user_cache_path
 
+    update: Any = jax.config.update  # untyped in JAX
     place = folder or user_cache_path("propmap") / "compiled"
-    jax.config.update("jax_compilation_cache_dir", str(place))
-    jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.3)
-    jax.config.update("jax_persistent_cache_min_entry_size_bytes", 0)
+    update("jax_compilation_cache_dir", str(place))
+    update("jax_persistent_cache_min_compile_time_secs", 0.3)
+    update("jax_persistent_cache_min_entry_size_bytes", 0)

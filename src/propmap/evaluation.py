@@ -75,7 +75,7 @@ def evaluate(
 def static_inflow(theory: Theory, setting: Accuracy, omega: Floats) -> Floats:
     """Static inflow (12) [m/s] at omega (N,) [rad/s]."""
     still = np.zeros_like(omega)
-    thrust = evaluate(theory, setting, omega, still, still).thrust
+    thrust: Any = evaluate(theory, setting, omega, still, still).thrust
     with jax.enable_x64(True):
         return np.asarray(equation_12(thrust, theory[2].density, theory[0].station[-1]))
 
@@ -146,7 +146,8 @@ def _azimuths(count: int, most: int) -> AzimuthNodes:
         return nodes
     sines = np.zeros(most // 2)
     sines[: count // 2] = nodes.sines
-    return AzimuthNodes(sines, np.array(count // 2))
+    used: Any = np.array(count // 2)
+    return AzimuthNodes(sines, used)
 
 
 def _forecast_inputs(theory: Theory) -> tuple[Floats, Floats, Floats, tuple[float, float]]:
@@ -154,8 +155,8 @@ def _forecast_inputs(theory: Theory) -> tuple[Floats, Floats, Floats, tuple[floa
     radius = np.linspace(float(blade.root), float(blade.station[-1]), 12)
     chord = np.interp(radius, blade.station, blade.chord)
     twist = np.interp(radius, blade.station, blade.twist)
-    slope = blade.blades * chord * section.c_l1 / (8.0 * np.pi * radius)
-    pitch = twist - section.zero_lift_angle
+    slope = chord * float(blade.blades * section.c_l1) / (8.0 * np.pi * radius)
+    pitch = twist - float(section.zero_lift_angle)
     return radius, slope, pitch, (float(section.alpha_0), float(section.sharpness))
 
 
@@ -168,4 +169,4 @@ def _empty(points: int) -> Evaluation:
     numbers = [np.full(points, np.nan) for _ in range(4)]
     roots, mirrored = np.zeros(points, np.int64), np.zeros(points, bool)
     rest = [np.full(points, np.nan) for _ in range(3)]
-    return Evaluation(*numbers, roots, *rest, mirrored)  # type: ignore[call-arg, arg-type]
+    return Evaluation(*numbers, roots, *rest, mirrored)  # type: ignore[call-arg]

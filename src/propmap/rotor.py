@@ -190,7 +190,7 @@ class Rotor:
         from propmap.theory.parameters import Medium, Section
 
         p, a = self.propeller, self.airfoil
-        n = np.float64
+        n: Any = np.float64
         attached = n(1.0 if a.lift_law == "blended" else 0.0)
         blade = make_blade(p.station, p.chord, p.twist, n(p.blades), n(p.root), np)
         angles = (n(a.alpha_0), n(a.zero_lift_angle))

@@ -175,7 +175,7 @@ def _safe_step(ask: InflowQuestion, bound: _Bounds, v: Array, value: Array, slop
 
 
 class _Walk(NamedTuple):
-    count: Array
+    steps: Array
     v: Array
     newtons: Array  # Newton steps left
     good: Array  # whether the last step was tiny or the residual within tolerance
@@ -195,7 +195,7 @@ def _search(
     scale = bound.speed + jnp.abs(at.v_axial) + 1e-300
 
     def unfinished(walk: _Walk) -> Array:
-        return (walk.count < max_steps) & jnp.any(walk.newtons > 0)
+        return (walk.steps < max_steps) & jnp.any(walk.newtons > 0)
 
     def step(walk: _Walk) -> _Walk:
         v = walk.v
@@ -209,13 +209,13 @@ def _search(
             at.section
         ) * scale * scale + 4.0 * np.pi * at.radius * jnp.abs(v) * (scale + jnp.abs(v))
         # A hint that turns out to be below a root is dropped.
-        back = (walk.count == 0) & (value >= 0.0) & (v < bound.start)
+        back = (walk.steps == 0) & (value >= 0.0) & (v < bound.start)
         near = near & ~back
         active = walk.newtons > 0
         last = near & (jnp.abs(newton) <= NEWTON_TOLERANCE * scale)
         left = jnp.where(last, 0, walk.newtons - near)
         return _Walk(
-            walk.count + 1,
+            walk.steps + 1,
             jnp.where(back, bound.start, jnp.where(active, v - jnp.where(near, newton, safe), v)),
             jnp.where(active, left, walk.newtons),
             jnp.where(active, last | (jnp.abs(value) <= RESIDUAL_TOLERANCE * sizes), walk.good),

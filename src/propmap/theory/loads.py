@@ -65,7 +65,9 @@ def disk_loads(
     ask = question(case, disk.nodes.radius)
     per_radius = blade_element.annulus_loads(ask.at, inflow, azimuth)
     weight = disk.nodes.weight
-    total = [medium.density * jnp.sum(weight * part, axis=0) for part in per_radius]
+    thrust, drag, torque, roll_moment = (
+        medium.density * jnp.sum(weight * part, axis=0) for part in per_radius
+    )
     area = weight * disk.nodes.radius
     mean_inflow = jnp.sum(area * inflow, axis=0) / jnp.sum(area, axis=0)
     if len(panels) == 1:
@@ -73,7 +75,10 @@ def disk_loads(
     else:
         several = disk.several
     return RotorLoads(
-        *total,  # Eqs. (13)-(15)
+        thrust=thrust,  # Eq. (13)
+        drag=drag,  # Eq. (14)
+        torque=torque,  # Eq. (15)
+        roll_moment=roll_moment,
         roots=jnp.where(several, 3, 1),
         ring=ring,
         mean_inflow=mean_inflow,

@@ -263,7 +263,7 @@ def find_folds(
     dv, dy, wide = 1e-6 * scale, -1e-6 * near.radius, 0.008 * scale
 
     def improve(_: int, state: tuple[Array, ...]) -> tuple[Array, ...]:
-        y, v_s, v_t, *_ = state
+        y, v_s, v_t = state[:3]
         radii = jnp.concatenate([y] * 5 + [y + dy])
         inflows = jnp.concatenate([v_s - wide, v_s, v_s + wide, v_t, v_t + dv, v_t])
         pair = residual_slope(ask_at(radii), inflows, azimuth)
