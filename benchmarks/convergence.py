@@ -82,12 +82,12 @@ def against_dense(rotors: dict[str, Rotor]) -> dict[str, Any]:
     still = np.zeros_like(omega)
     found: dict[str, list[Floats]] = {name: [] for name in ACCURACIES}
     for rotor in rotors.values():
-        reference = evaluate(rotor.theory, dense(), omega, axial, inplane)
-        hover = evaluate(rotor.theory, ACCURACIES["fine"], omega, still, still)
+        reference = evaluate(prepare(rotor.theory), dense(), omega, axial, inplane)
+        hover = evaluate(prepare(rotor.theory), ACCURACIES["fine"], omega, still, still)
         truth = {load: getattr(reference, load) for load in LOADS}
         scale = {"thrust": hover.thrust, "drag": hover.thrust, "torque": hover.torque}
         for name, setting in ACCURACIES.items():
-            loads = evaluate(rotor.theory, setting, omega, axial, inplane)
+            loads = evaluate(prepare(rotor.theory), setting, omega, axial, inplane)
             found[name].append(shares(loads, truth, scale))
     tip = float(next(iter(rotors.values())).propeller.radius)
     advance = np.tile(inplane / (omega * tip), len(rotors))
@@ -107,7 +107,7 @@ def against_reference(rotors: dict[str, Rotor]) -> dict[str, Any]:
         static = column["static_thrust"]
         scale = {"thrust": static, "drag": static, "torque": column["static_torque"]}
         for accuracy, setting in ACCURACIES.items():
-            loads = evaluate(rotor.theory, setting, *flow)
+            loads = evaluate(prepare(rotor.theory), setting, *flow)
             found[accuracy].append(shares(loads, column, scale))
         advance.append(flow[2] / (flow[0] * rotor.propeller.radius))
     everywhere = np.concatenate(advance)

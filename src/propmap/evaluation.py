@@ -13,25 +13,34 @@ import numpy as np
 from numpy.typing import NDArray
 
 from propmap.schedule import Accuracy, Floats, Job, may_stall, plan
-from propmap.theory.inflow import MAX_STEPS
 from propmap.theory.loads import RotorLoads, disk_loads
 from propmap.theory.momentum import static_inflow as equation_12
 from propmap.theory.parameters import Blade, Medium, Section
 from propmap.theory.velocities import AzimuthNodes, azimuth_nodes
 
-BLOCK = 64
+BLOCK = 32
 """Operating points per call of a compiled program: enough to fill the vector units, few
 enough to stay in the processor's cache."""
-
-FIRST_STEPS = 13
-"""Steps of the root search at first.  A block takes as long as its slowest lane; the few
-points that need more are collected and done again."""
 
 ATTACHED = 0.9
 """Attached share below which a result from fixed panels is not accepted where following
 stall would have helped: the forecast was wrong."""
 
 Theory = tuple[Blade, Section, Medium]
+
+
+class Prepared(NamedTuple):
+    """A rotor ready for evaluation: its arrays, the same as JAX arrays, the forecast's inputs."""
+
+    theory: Theory
+    on_device: Theory
+    forecast: tuple[Floats, Floats, Floats, tuple[float, float]]
+
+
+def prepare(theory: Theory) -> Prepared:
+    """Do once what every evaluation of a rotor needs; theory in NumPy float64."""
+    with jax.enable_x64(True):
+        return Prepared(theory, jax.device_put(theory), _forecast_inputs(theory))
 
 
 class Evaluation(NamedTuple):
@@ -49,46 +58,45 @@ class Evaluation(NamedTuple):
 
 
 def evaluate(
-    theory: Theory, setting: Accuracy, omega: Floats, v_axial: Floats, v_inplane: Floats
+    rotor: Prepared, setting: Accuracy, omega: Floats, v_axial: Floats, v_inplane: Floats
 ) -> Evaluation:
     """Loads at N operating points; omega [rad/s], velocities [m/s], all (N,), v_inplane >= 0."""
-    tip = float(theory[0].station[-1])
+    tip = float(rotor.theory[0].station[-1])
     with np.errstate(divide="ignore", invalid="ignore"):
         advance = np.where(v_inplane > 0.0, v_inplane / (omega * tip), 0.0)
     v_hover = np.zeros_like(omega)
     down = v_axial < 0.0
     if down.any():
         rates, where = np.unique(omega[down], return_inverse=True)
-        v_hover[down] = static_inflow(theory, setting, rates)[where]
+        v_hover[down] = static_inflow(rotor, setting, rates)[where]
     flow = (omega, v_axial, v_inplane, v_hover)
-    stalls = may_stall(*_forecast_inputs(theory), omega, v_axial, v_inplane)
+    stalls = may_stall(*rotor.forecast, omega, v_axial, v_inplane)
     everyone = np.arange(omega.size)
     results = _empty(omega.size)
-    _run(theory, setting, plan(setting, advance, stalls, everyone), flow, results, FIRST_STEPS)
+    _run(rotor, setting, plan(setting, advance, stalls, everyone), flow, results)
     unforeseen = ~stalls & ~(results.attached > ATTACHED) & np.isfinite(results.thrust)
     if unforeseen.any():
         jobs = plan(setting, advance[unforeseen], stalls[unforeseen] | True, everyone[unforeseen])
-        _run(theory, setting, [j for j in jobs if len(j.panels) > 1], flow, results, FIRST_STEPS)
+        _run(rotor, setting, [j for j in jobs if len(j.panels) > 1], flow, results)
     return results
 
 
-def static_inflow(theory: Theory, setting: Accuracy, omega: Floats) -> Floats:
+def static_inflow(rotor: Prepared, setting: Accuracy, omega: Floats) -> Floats:
     """Static inflow (12) [m/s] at omega (N,) [rad/s]."""
     still = np.zeros_like(omega)
-    thrust: Any = evaluate(theory, setting, omega, still, still).thrust
+    thrust: Any = evaluate(rotor, setting, omega, still, still).thrust
     with jax.enable_x64(True):
-        return np.asarray(equation_12(thrust, theory[2].density, theory[0].station[-1]))
+        return np.asarray(equation_12(thrust, rotor.theory[2].density, rotor.theory[0].station[-1]))
 
 
 def _run(
-    theory: Theory,
+    rotor: Prepared,
     setting: Accuracy,
     jobs: list[Job],
     flow: tuple[Floats, ...],
     results: Evaluation,
-    steps: int,
 ) -> None:
-    """Evaluate jobs into ``results``, and again, with patience, what did not finish."""
+    """Evaluate jobs into ``results``."""
     calls = []
     for job in jobs:
         size = 1 if job.points.size == 1 else BLOCK
@@ -100,7 +108,7 @@ def _run(
         nodes = _azimuths(job.azimuths, setting.most_azimuths)
         with jax.enable_x64(True):
             program = _program(job.panels)
-            found = program(*theory, *(a[padded] for a in flow), nodes, steps)
+            found = program(*rotor.on_device, *(a[padded] for a in flow), nodes)
             for target, values in zip(results, found, strict=True):
                 target[points] = _flushed(np.asarray(values)[: points.size])
 
@@ -110,14 +118,6 @@ def _run(
     else:
         for call in calls:
             one(call)
-    if steps < MAX_STEPS:
-        again = []
-        for job in jobs:
-            left = job.points[~np.isfinite(results.thrust[job.points])]
-            if left.size:
-                again.append(Job(left, job.panels, job.azimuths))
-        if again:
-            _run(theory, setting, again, flow, results, MAX_STEPS)
 
 
 @functools.cache
@@ -131,10 +131,9 @@ def _program(panels: tuple[int, ...]) -> Callable[..., RotorLoads]:
         v_inplane: Any,
         v_hover: Any,
         azimuth: AzimuthNodes,
-        max_steps: Any,
     ) -> RotorLoads:
         flow = (omega, v_axial, v_inplane, v_hover)
-        return disk_loads(blade, section, medium, *flow, panels, azimuth, max_steps)
+        return disk_loads(blade, section, medium, *flow, panels, azimuth)
 
     return jax.jit(loads)
 

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from propmap.air import Air
 from propmap.airfoil import Airfoil
 from propmap.errors import InputError
-from propmap.evaluation import Evaluation, evaluate
+from propmap.evaluation import Evaluation, Prepared, evaluate, prepare
 from propmap.propeller import Propeller
 from propmap.schedule import accuracy as accuracy_setting
 
@@ -144,7 +144,7 @@ class Rotor:
 
         (w,) = _broadcast(omega=omega)
         _refuse_negative("omega", w, "give the spin by its direction, not by a sign [rad/s]")
-        return static_inflow(self.theory, self._setting, w.ravel()).reshape(w.shape)
+        return static_inflow(self._prepared, self._setting, w.ravel()).reshape(w.shape)
 
     def inflow(
         self,
@@ -199,10 +199,14 @@ class Rotor:
         )
         return blade, section, Medium(n(self.air.density), n(self.air.viscosity))
 
+    @functools.cached_property
+    def _prepared(self) -> Prepared:
+        return prepare(self.theory)
+
     def _loads(self, omega: Floats, v_axial: Floats, v_inplane: Floats) -> Loads:
         shape = omega.shape
         flat = evaluate(
-            self.theory, self._setting, omega.ravel(), v_axial.ravel(), v_inplane.ravel()
+            self._prepared, self._setting, omega.ravel(), v_axial.ravel(), v_inplane.ravel()
         )
         found = {name: getattr(flat, name).reshape(shape) for name in Evaluation._fields}
         reverse = _reverse_flow(omega, v_inplane, self.propeller.root, self.propeller.radius)

@@ -51,20 +51,15 @@ def question(case: Case, radius: Array) -> InflowQuestion:
     return InflowQuestion(at, case.windmill)
 
 
-def disk_inflow(
-    case: Case,
-    panels: tuple[int, ...],
-    azimuth: AzimuthNodes,
-    max_steps: Array | int = MAX_STEPS,
-) -> DiskInflow:
+def disk_inflow(case: Case, panels: tuple[int, ...], azimuth: AzimuthNodes) -> DiskInflow:
     """Solve (11) over the disk; differentiable with respect to everything in ``case``.
 
     panels : radial nodes on each panel, static.  One panel is the whole blade; with more,
     their edges follow stall (``stall_split``).
-    azimuth : azimuth nodes.  max_steps : see ``inflow_root``.
+    azimuth : azimuth nodes.
     """
     root, tip = case.blade.root, case.blade.tip
-    max_steps = jnp.asarray(max_steps)
+    max_steps = jnp.asarray(MAX_STEPS)
     if len(panels) == 1:
         nodes = panel_nodes(jnp.stack([root, tip])[:, None], panels)
         ask = question(case, nodes.radius)

@@ -9,7 +9,6 @@ from jax import lax
 
 from propmap.theory import blade_element, momentum, wake_state
 from propmap.theory.disk_inflow import Case, disk_inflow, question
-from propmap.theory.inflow import MAX_STEPS
 from propmap.theory.parameters import Array, Blade, Medium, Resolution, Section
 from propmap.theory.root_count import several_roots
 from propmap.theory.stall_split import mean_attached_share
@@ -49,17 +48,16 @@ def disk_loads(
     v_hover: Array,
     panels: tuple[int, ...],
     azimuth: AzimuthNodes,
-    max_steps: Array | int = MAX_STEPS,
 ) -> RotorLoads:
     """Loads, eqs. (13)-(15), given the static inflow; all operating-point arrays (B,).
 
     omega [rad/s] >= 0; v_axial = V cos(beta), v_inplane = V sin(beta) >= 0 [m/s];
     v_hover : static inflow (12) at the same omega [m/s], read only where v_axial < 0.
-    panels, azimuth, max_steps : see ``disk_inflow``.
+    panels, azimuth : see ``disk_inflow``.
     """
     windmill = wake_state.on_windmill_branch(v_axial, v_hover)
     case = Case(blade, section, medium, omega, v_axial, v_inplane, windmill)
-    disk = disk_inflow(case, panels, azimuth, max_steps)
+    disk = disk_inflow(case, panels, azimuth)
     ring = wake_state.vortex_ring_weight(v_axial, v_inplane, v_hover)
     inflow = (1.0 - ring) * disk.inflow + ring * v_hover
     ask = question(case, disk.nodes.radius)
