@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 import propmap
 from benchmarks.results_file import write_results
-from propmap.evaluation import Evaluation, evaluate
+from propmap.evaluation import Evaluation, evaluate, prepare
 from propmap.rotor import Rotor
 from propmap.schedule import ACCURACIES, Accuracy
 
