@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import functools
+
+import jax
 import jax.numpy as jnp
 import numpy as np
 
@@ -14,22 +17,62 @@ def attached_share(alpha: Array, section: Section) -> Array:
     alpha : any shape [rad], angle of attack from zero lift, in [-pi, pi].
 
     The paper writes sigma as (1 + A + B) / ((1 + A)(1 + B)) with A = exp(-M (a - a0)) and
-    B = exp(M (a + a0)), which overflows in float32 near 1.4 rad.  The same function is
-    1 - 1 / (1 + 1/A + 1/B + 1/(A B)); with one exponential and a cap on its argument it
-    neither overflows nor loses its derivative.
+    B = exp(M (a + a0)), which overflows in float32 near 1.4 rad.  For a >= 0 the same
+    function, which is even, is 1 - x / ((1 + x)(x + e)) with x = 1/A and e = exp(-2 M a0):
+    one exponential, and with a cap on its argument no overflow and no lost derivative.
     """
-    m, a0 = section.sharpness, section.alpha_0
-    rise = jnp.exp(jnp.minimum(m * (jnp.abs(alpha) - a0), 60.0))
-    both = jnp.exp(-2.0 * m * a0)
-    return section.attached / (1.0 + rise + both / rise + both)
+    rise, both = _stall_rise(alpha, section)
+    return section.attached * rise / ((1.0 + rise) * (rise + both))
 
 
 def attached_share_slope(alpha: Array, share: Array, section: Section) -> Array:
     """Derivative of ``attached_share`` [1/rad] at alpha, given its value ``share`` there."""
-    m = section.sharpness
-    rise = jnp.exp(jnp.minimum(m * (jnp.abs(alpha) - section.alpha_0), 60.0))
-    both = jnp.exp(-2.0 * m * section.alpha_0)
-    return -jnp.sign(alpha) * m * share * share * (rise - both / rise)
+    rise, both = _stall_rise(alpha, section)
+    steepness = (rise * rise - both) / ((1.0 + rise) * (rise + both))
+    return -jnp.sign(alpha) * section.sharpness * share * steepness
+
+
+def _stall_rise(alpha: Array, section: Section) -> tuple[Array, Array]:
+    m, a0 = section.sharpness, section.alpha_0
+    return jnp.exp(jnp.clip(m * (jnp.abs(alpha) - a0), -40.0, 40.0)), jnp.exp(-2.0 * m * a0)
+
+
+_ARCTAN_ABOVE = (
+    0.9999999999999999,
+    2.2778549627173237,
+    1.82145571578703,
+    0.6078190287635806,
+    0.07759280490509678,
+    0.0025331139197620122,
+)
+_ARCTAN_BELOW = (
+    1.0,
+    2.6111882960506074,
+    2.4918518144739266,
+    1.059055783813189,
+    0.19415682616035726,
+    0.012196777693031713,
+    0.00011322044128524324,
+)
+"""arctan(t)/t as a ratio of polynomials in t^2, lowest power first: good to 4e-16 for |t| <= 1.
+
+Fitted to it on [0, 1] at Chebyshev points, weighted towards the smallest largest error."""
+
+
+@jax.custom_jvp
+def _arctan(t: Array) -> Array:
+    z = t * t
+    above, below = (
+        functools.reduce(lambda sum_, c: sum_ * z + c, reversed(row))
+        for row in (_ARCTAN_ABOVE, _ARCTAN_BELOW)
+    )
+    return t * above / below
+
+
+@_arctan.defjvp
+def _arctan_jvp(primals, tangents):  # type: ignore[no-untyped-def]
+    (t,), (t_dot,) = primals, tangents
+    return _arctan(t), t_dot / (1.0 + t * t)
 
 
 def angle_of_attack(along: Array, across: Array, speed: Array) -> Array:
@@ -37,10 +80,11 @@ def angle_of_attack(along: Array, across: Array, speed: Array) -> Array:
 
     along, across : U cos(alpha) and U sin(alpha) [m/s]; speed : U > 0 [m/s].
 
-    XLA evaluates ``atan2`` on a CPU one element at a time (24 ns); the half-angle form
-    needs only ``atan``, which it vectorises (5 ns).
+    XLA evaluates ``atan2`` on a CPU one element at a time (24 ns) and ``atan`` hardly faster
+    (9 ns); the half-angle form needs the arctangent between -1 and 1 alone, for which a ratio
+    of polynomials does (1.2 ns).
     """
-    half = jnp.arctan(across / (speed + jnp.abs(along)))
+    half = _arctan(across / (speed + jnp.abs(along)))
     behind = jnp.where(across < 0.0, -np.pi, np.pi) - 2.0 * half
     return jnp.where(along < 0.0, behind, 2.0 * half)
 
