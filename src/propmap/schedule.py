@@ -16,9 +16,13 @@ from propmap.theory.parameters import Resolution
 
 Floats = NDArray[np.float64]
 
-FOLLOW_BELOW = 0.3
+FOLLOW_BELOW = 0.24
 """Advance ratio V sin(beta)/(Omega R) above which stall is spread over azimuth so widely
 that following it along the blade gains nothing."""
+
+REVERSED_ABOVE = 0.3
+"""Advance ratio above which the reversed flow on the retreating side asks for as many nodes as
+spread stall does."""
 
 STALL_MARGIN = 5.0
 """Distance from the stall angle, in units of 1/M, within which stall is expected."""
@@ -30,7 +34,7 @@ class Accuracy:
 
     azimuths : pairs (largest advance ratio, nodes over a full turn).
     free, stalled, fast : radial nodes where nothing stalls, where the panels follow stall,
-    and above ``FOLLOW_BELOW``.
+    and where stall is spread over azimuth or the flow is reversed.
     """
 
     azimuths: tuple[tuple[float, int], ...]
@@ -58,7 +62,7 @@ ACCURACIES = {
         ),
         free=24,
         stalled=48,
-        fast=48,
+        fast=64,
     ),
     "fine": Accuracy(
         ((0.1, 32), (0.15, 48), (0.3, 96), (0.5, 192), (1.0, 256), (np.inf, 384)),
@@ -102,9 +106,8 @@ def plan(
     counts = np.array([count for _, count in setting.azimuths])
     azimuths = np.where(advance == 0.0, 1, counts[np.searchsorted(limits, advance)])
     follow = stalls & (advance <= FOLLOW_BELOW)
-    stations = np.where(
-        follow, setting.stalled, np.where(advance > FOLLOW_BELOW, setting.fast, setting.free)
-    )
+    spread = (stalls & ~follow) | (advance > REVERSED_ABOVE)
+    stations = np.where(follow, setting.stalled, np.where(spread, setting.fast, setting.free))
     jobs = []
     for key in sorted(set(zip(azimuths.tolist(), follow.tolist(), stations.tolist(), strict=True))):
         mine = (azimuths == key[0]) & (follow == key[1]) & (stations == key[2])

@@ -9,6 +9,7 @@ bounds on the slope and on the curvature of the residual.
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import jax
@@ -34,6 +35,16 @@ NEWTON_TOLERANCE = 1e-9
 
 NEWTON_STEPS = 4
 """Newton steps at most.  Only at a double root are they used up."""
+
+GUESS_MARGIN = 1.03
+"""Factor on the lift in the guess, so that it lies above the root as a rule: alpha exceeds
+sin(alpha) by 2 % at stall."""
+
+GUESS_STEPS = 4
+"""Newton steps to the guess, which need no blade elements."""
+
+STEPS_TOGETHER = 5
+"""Steps that all lanes of a large batch take before the unfinished go on by themselves."""
 
 RESIDUAL_TOLERANCE = 1e-9
 """Largest accepted residual, relative to the sizes of the terms of (11)."""
@@ -80,6 +91,7 @@ class _Bounds(NamedTuple):
     mild_bend: Array  # of lift and drag, where no element is near stall [-]
     mild_from: Array  # the stretch of v_i where none is [m/s]
     mild_to: Array
+    guess: Array  # v_i above which there is no root if (11) is negative and falls there [m/s]
 
 
 def _bounds(at: Annulus) -> _Bounds:
@@ -97,7 +109,35 @@ def _bounds(at: Annulus) -> _Bounds:
     mild = lift + 5.0 * law.c_d + 3.0 * law.c_d0
     bend = mild + sharpest_lift(law)
     friction = 0.5 * at.blades * at.friction_chord
-    return _Bounds(half, friction, speed, start, steepest_lift(law), bend, mild, mild_from, mild_to)
+    guess = _attached_guess(at, speed, start, mild_from, mild_to)
+    return _Bounds(
+        half, friction, speed, start, steepest_lift(law), bend, mild, mild_from, mild_to, guess
+    )
+
+
+def _attached_guess(
+    at: Annulus, speed: Array, start: Array, mild_from: Array, mild_to: Array
+) -> Array:
+    """A v_i [m/s] a little above the root of attached flow; infinite where it proves nothing.
+
+    Without drag and stall and with sin(alpha) for alpha, the blade's thrust is linear in v_i,
+    and Newton's steps from ``start`` come down to the root without passing it.  Where no
+    element is near stall (11) is concave in v_i, so if it is negative and falls at this v_i,
+    which the walk checks, it has no root between there and ``mild_to``.  Above that no
+    element lifts (the condition on the advancing side), so there is no root either.
+    """
+    k = GUESS_MARGIN * 0.5 * at.blades * at.chord * at.section.c_l1 / (4.0 * np.pi * at.radius)
+    lift, loss = k * speed * speed * at.sine, k * at.omega * at.radius * at.cosine
+    v = start
+    for _ in range(GUESS_STEPS):
+        u = at.v_axial + v
+        along = floored_norm(at.v_inplane, u)
+        v = v - (lift - loss * u - v * along) / -(loss + along + v * u / along)
+    advancing = at.omega * at.radius + at.v_inplane
+    u_end = at.v_axial + mild_to
+    no_lift = (u_end >= 0.0) & (u_end * at.cosine >= advancing * at.sine)
+    concave = (v >= mild_from) & (v < mild_to) & (v >= 0.0) & (at.v_axial + v >= 0.0)
+    return jnp.where(no_lift & concave & (at.section.attached > 0.0), v, jnp.inf)
 
 
 def _unstalled_stretch(at: Annulus) -> tuple[Array, Array]:
@@ -175,29 +215,29 @@ def _safe_step(ask: InflowQuestion, bound: _Bounds, v: Array, value: Array, slop
 
 
 class _Walk(NamedTuple):
-    steps: Array
     v: Array
-    newtons: Array  # Newton steps left
+    newtons: Array  # Newton steps left; none where the search has ended
     good: Array  # whether the last step was tiny or the residual within tolerance
 
 
-def _search(
-    ask: InflowQuestion, hint: Array, max_steps: Array, azimuth: AzimuthNodes
-) -> tuple[Array, Array]:
-    """The largest root [m/s], and whether it was reached and satisfies (11).
+def _walk_on(
+    ask: InflowQuestion, begin: _Walk, first: Array, most: Array, azimuth: AzimuthNodes
+) -> tuple[_Walk, Array]:
+    """Take steps ``first`` to ``most``, or until all lanes have ended; and the next step's number.
 
     One loop, so that the blade elements are compiled once: each lane walks down by safe
     steps until these are tiny, then takes Newton steps and stays.
     """
-    shape = jnp.broadcast_shapes(*(jnp.shape(a) for a in jax.tree.leaves(ask)))
     at = ask.at
     bound = _bounds(at)
     scale = bound.speed + jnp.abs(at.v_axial) + 1e-300
 
-    def unfinished(walk: _Walk) -> Array:
-        return (walk.steps < max_steps) & jnp.any(walk.newtons > 0)
+    def unfinished(state: tuple[_Walk, Array]) -> Array:
+        walk, steps = state
+        return (steps < most) & jnp.any(walk.newtons > 0)
 
-    def step(walk: _Walk) -> _Walk:
+    def step(state: tuple[_Walk, Array]) -> tuple[_Walk, Array]:
+        walk, steps = state
         v = walk.v
         value, slope = residual_slope(ask, v, azimuth)
         safe = _safe_step(ask, bound, v, value, slope)
@@ -208,23 +248,60 @@ def _search(
         sizes = bound.half * largest_lift(
             at.section
         ) * scale * scale + 4.0 * np.pi * at.radius * jnp.abs(v) * (scale + jnp.abs(v))
-        # A hint that turns out to be below a root is dropped.
-        back = (walk.steps == 0) & (value >= 0.0) & (v < bound.start)
+        # A start that turns out to prove nothing is dropped.
+        back = (steps == 0) & ((value >= 0.0) | (slope >= 0.0)) & (v < bound.start)
         near = near & ~back
         active = walk.newtons > 0
         last = near & (jnp.abs(newton) <= NEWTON_TOLERANCE * scale)
         left = jnp.where(last, 0, walk.newtons - near)
-        return _Walk(
-            walk.steps + 1,
+        after = _Walk(
             jnp.where(back, bound.start, jnp.where(active, v - jnp.where(near, newton, safe), v)),
             jnp.where(active, left, walk.newtons),
             jnp.where(active, last | (jnp.abs(value) <= RESIDUAL_TOLERANCE * sizes), walk.good),
         )
+        return after, steps + 1
 
-    start = jnp.broadcast_to(jnp.minimum(bound.start, hint), shape)
-    full = jnp.full(shape, NEWTON_STEPS)
-    end = lax.while_loop(unfinished, step, _Walk(jnp.array(0), start, full, jnp.zeros(shape, bool)))
-    return end.v, (end.newtons <= 0) & end.good
+    return lax.while_loop(unfinished, step, (begin, first))
+
+
+def _search(
+    ask: InflowQuestion, hint: Array, max_steps: Array, azimuth: AzimuthNodes
+) -> tuple[Array, Array]:
+    """The largest root [m/s], and whether it was reached and satisfies (11).
+
+    Three lanes in four end within ``STEPS_TOGETHER`` steps.  In a large batch the others are
+    then gathered and go on by themselves, or all would wait for the slowest.
+    """
+    shape = jnp.broadcast_shapes(*(jnp.shape(a) for a in jax.tree.leaves(ask)))
+    bound = _bounds(ask.at)
+    proved = jnp.where(ask.windmill > 0.0, bound.start, jnp.minimum(bound.start, bound.guess))
+    start = jnp.broadcast_to(jnp.minimum(proved, hint), shape)
+    begin = _Walk(start, jnp.full(shape, NEWTON_STEPS), jnp.zeros(shape, bool))
+    lanes = math.prod(shape)
+    few = lanes // 8 if lanes >= 1024 else lanes
+    together = jnp.minimum(STEPS_TOGETHER, max_steps) if few < lanes else max_steps
+    walk, steps = _walk_on(ask, begin, jnp.array(0), together, azimuth)
+    if few < lanes:
+        flat = jax.tree.map(
+            lambda a: jnp.broadcast_to(a, shape).ravel() if jnp.ndim(a) else a, ask
+        )
+
+        def some_left(state: tuple[_Walk, Array]) -> Array:
+            walk, steps = state
+            return jnp.any(walk.newtons > 0) & (steps < max_steps)
+
+        def slow_ones(state: tuple[_Walk, Array]) -> tuple[_Walk, Array]:
+            walk, steps = state
+            (pick,) = jnp.nonzero(walk.newtons > 0, size=few, fill_value=0)
+            mine = jax.tree.map(lambda a: a[pick] if jnp.ndim(a) else a, flat)
+            part = _Walk(*(a[pick] for a in walk))
+            part, steps = _walk_on(mine, part, steps, steps + STEPS_TOGETHER, azimuth)
+            return _Walk(*(a.at[pick].set(b) for a, b in zip(walk, part, strict=True))), steps
+
+        walk = _Walk(*(a.ravel() for a in walk))
+        walk, _ = lax.while_loop(some_left, slow_ones, (walk, steps))
+        walk = _Walk(*(a.reshape(shape) for a in walk))
+    return walk.v, (walk.newtons <= 0) & walk.good
 
 
 @jax.custom_jvp

@@ -30,16 +30,20 @@ SPLITS = 2
 """Branch jumps followed at once: stall at mid-blade and, on blades whose twist falls off
 towards the root, a second one further in."""
 
-GRID = 24
+GRID = 20
 """Radii at which the hump is looked for."""
 
 FOLD_STEPS = 14
-"""Newton steps on a fold."""
+"""Newton steps on a fold, at most."""
+
+SHOULDER_STEPS, SHOULDER_TOLERANCE = 6, 1e-5
+"""The same on a shoulder, and how well it is located, relative to the radius: where a smooth
+integrand is split hardly matters."""
 
 DEFAULT_EDGES = (0.25, 0.6)
 """Shares of the span at which panels meet where there is nothing to follow."""
 
-_HUMP = np.array([-0.2, -0.14, -0.095, -0.065, -0.04, -0.015, 0.01, 0.04, 0.08, 0.13])
+_HUMP = np.array([-0.2, -0.13, -0.08, -0.045, -0.01, 0.03, 0.08, 0.13])
 """[rad] from the stall angle, where the hump may be, in the order of falling v_i."""
 
 AskAt = Callable[[Array], InflowQuestion]
@@ -262,8 +266,13 @@ def find_folds(
     scale = jnp.abs(at.omega * near.radius) + jnp.abs(at.v_axial) + 1e-30
     dv, dy, wide = 1e-6 * scale, -1e-6 * near.radius, 0.008 * scale
 
-    def improve(_: int, state: tuple[Array, ...]) -> tuple[Array, ...]:
-        y, v_s, v_t = state[:3]
+    def moving(state: tuple[Array, ...]) -> Array:
+        steps, *_, folded, small = state
+        sought = ~small & (near.spacing > 0.0) & (folded | (steps < SHOULDER_STEPS))
+        return (steps < FOLD_STEPS) & jnp.any(sought)
+
+    def improve(state: tuple[Array, ...]) -> tuple[Array, ...]:
+        steps, y, v_s, v_t = state[:4]
         radii = jnp.concatenate([y] * 5 + [y + dy])
         inflows = jnp.concatenate([v_s - wide, v_s, v_s + wide, v_t, v_t + dv, v_t])
         pair = residual_slope(ask_at(radii), inflows, azimuth)
@@ -283,12 +292,13 @@ def find_folds(
         g_y = (g[5] - g[3]) / dy
         down = g[3] / jnp.where(g_y == 0.0, jnp.inf, g_y)
         down = jnp.clip(down, -0.5 * near.spacing, 0.5 * near.spacing)
-        small = (jnp.abs(down) < 1e-8 * y) & (jnp.abs(goal - v_t) < 1e-5 * scale)
-        return y - down, v_s, goal, folded, small
+        close = jnp.where(folded, 1e-8, SHOULDER_TOLERANCE)
+        small = (jnp.abs(down) < close * y) & (jnp.abs(goal - v_t) < 1e3 * close * scale)
+        return steps + 1, y - down, v_s, goal, folded, small
 
     no = jnp.zeros(near.radius.shape, bool)
-    begin = (near.radius, near.inflow, near.inflow, no, no)
-    y, _, v, folded, small = lax.fori_loop(0, FOLD_STEPS, improve, begin)
+    begin = (jnp.array(0), near.radius, near.inflow, near.inflow, no, no)
+    _, y, _, v, folded, small = lax.while_loop(moving, improve, begin)
     close = jnp.abs(y - near.radius) < 2.0 * near.spacing
     found = small & close & (y > root) & (y < tip)
     return Fold(jnp.where(found, y, near.radius), v, found & folded, found)
