@@ -13,6 +13,7 @@ three fifths of its span without any inflow.
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -251,6 +252,14 @@ def start_below_hump(
     return jnp.where(jnp.concatenate(parts), inflow_at_angle(ask, angle), jnp.inf)
 
 
+class _FoldSearch(NamedTuple):
+    radius: Array
+    steepest: Array  # v_i at the top of the residual's slope [m/s]
+    top: Array  # v_i at the top of the hump, or else at the shoulder [m/s]
+    folded: Array
+    small: Array  # whether the last step was
+
+
 def find_folds(
     near: Crossing, ask_at: AskAt, root: Array, tip: Array, azimuth: AzimuthNodes
 ) -> Fold:
@@ -266,13 +275,13 @@ def find_folds(
     scale = jnp.abs(at.omega * near.radius) + jnp.abs(at.v_axial) + 1e-30
     dv, dy, wide = 1e-6 * scale, -1e-6 * near.radius, 0.008 * scale
 
-    def moving(state: tuple[Array, ...]) -> Array:
-        steps, *_, folded, small = state
-        sought = ~small & (near.spacing > 0.0) & (folded | (steps < SHOULDER_STEPS))
-        return (steps < FOLD_STEPS) & jnp.any(sought)
+    def sought(steps: Array, state: _FoldSearch) -> Array:
+        steps_left = jnp.where(state.folded, FOLD_STEPS, SHOULDER_STEPS) - steps
+        return ~state.small & (near.spacing > 0.0) & (steps_left > 0)
 
-    def improve(state: tuple[Array, ...]) -> tuple[Array, ...]:
-        steps, y, v_s, v_t = state[:4]
+    def improve(counted: tuple[Array, _FoldSearch]) -> tuple[Array, _FoldSearch]:
+        steps, before = counted
+        y, v_s, v_t = before[:3]
         radii = jnp.concatenate([y] * 5 + [y + dy])
         inflows = jnp.concatenate([v_s - wide, v_s, v_s + wide, v_t, v_t + dv, v_t])
         pair = residual_slope(ask_at(radii), inflows, azimuth)
@@ -294,11 +303,16 @@ def find_folds(
         down = jnp.clip(down, -0.5 * near.spacing, 0.5 * near.spacing)
         close = jnp.where(folded, 1e-8, SHOULDER_TOLERANCE)
         small = (jnp.abs(down) < close * y) & (jnp.abs(goal - v_t) < 1e3 * close * scale)
-        return steps + 1, y - down, v_s, goal, folded, small
+        after = _FoldSearch(y - down, v_s, goal, folded, small)
+        # Lanes that have ended stay, so that no result depends on what else is in the batch.
+        going = sought(steps, before)
+        return steps + 1, jax.tree.map(functools.partial(jnp.where, going), after, before)
 
     no = jnp.zeros(near.radius.shape, bool)
-    begin = (jnp.array(0), near.radius, near.inflow, near.inflow, no, no)
-    _, y, _, v, folded, small = lax.while_loop(moving, improve, begin)
+    begin = _FoldSearch(near.radius, near.inflow, near.inflow, no, no)
+    _, (y, _, v, folded, small) = lax.while_loop(
+        lambda counted: jnp.any(sought(*counted)), improve, (jnp.array(0), begin)
+    )
     close = jnp.abs(y - near.radius) < 2.0 * near.spacing
     found = small & close & (y > root) & (y < tip)
     return Fold(jnp.where(found, y, near.radius), v, found & folded, found)
