@@ -282,9 +282,7 @@ def _search(
     together = jnp.minimum(STEPS_TOGETHER, max_steps) if few < lanes else max_steps
     walk, steps = _walk_on(ask, begin, jnp.array(0), together, azimuth)
     if few < lanes:
-        flat = jax.tree.map(
-            lambda a: jnp.broadcast_to(a, shape).ravel() if jnp.ndim(a) else a, ask
-        )
+        flat = jax.tree.map(lambda a: jnp.broadcast_to(a, shape).ravel() if jnp.ndim(a) else a, ask)
 
         def some_left(state: tuple[_Walk, Array]) -> Array:
             walk, steps = state

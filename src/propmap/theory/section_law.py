@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import functools
-
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -62,11 +60,14 @@ Fitted to it on [0, 1] at Chebyshev points, weighted towards the smallest larges
 @jax.custom_jvp
 def _arctan(t: Array) -> Array:
     z = t * t
-    above, below = (
-        functools.reduce(lambda sum_, c: sum_ * z + c, reversed(row))
-        for row in (_ARCTAN_ABOVE, _ARCTAN_BELOW)
-    )
-    return t * above / below
+    return t * _polynomial(_ARCTAN_ABOVE, z) / _polynomial(_ARCTAN_BELOW, z)
+
+
+def _polynomial(coefficients: tuple[float, ...], z: Array) -> Array:
+    total = jnp.full_like(z, coefficients[-1])
+    for c in coefficients[-2::-1]:
+        total = total * z + c
+    return total
 
 
 @_arctan.defjvp
