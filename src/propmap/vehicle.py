@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from propmap.air import Air
 from propmap.errors import InputError
@@ -66,7 +66,7 @@ class Vehicle:
     mass: float
     propeller: Propeller
     mounts: tuple[Mount, ...]
-    air: Air = Air()
+    air: Air = field(default_factory=Air)
     body: Body = Body()
     wing: Wing | None = None
 
