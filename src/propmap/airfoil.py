@@ -24,6 +24,7 @@ _LIMITS = {
     "c_d0": (0.0, 1.0, "-"),
     "c_p": (0.0, 10.0, "-"),
     "sharpness": (5.0, 500.0, "1/rad"),
+    "drag_factor": (0.0, 10.0, "-"),
 }
 
 
@@ -38,6 +39,8 @@ class Airfoil:
     zero_lift_angle : [rad], angle of attack of zero lift, negative for ordinary camber.
         The paper's law has none; (3) and (4) are evaluated at alpha - zero_lift_angle.
     c_d0, c_p, sharpness : the paper's constants c_d0 [-], c_p [-] and M [1/rad].
+    drag_factor : [-], multiplies the rotor drag, 1 in the paper.  Published measurements of it
+        differ by a factor of two; it lets a fit say so.
     lift_law : "blended", eq. (3), or "simplified", footnote 1: C_L = c_l2 sin(a) cos(a).
     name, source : what the set is called and where its numbers come from.
 
@@ -52,6 +55,7 @@ class Airfoil:
     c_d0: float = 0.01
     c_p: float = 1.328
     sharpness: float = 50.0
+    drag_factor: float = 1.0
     lift_law: str = "blended"
     name: str = "unnamed"
     source: str = ""

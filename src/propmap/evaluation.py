@@ -3,27 +3,19 @@
 from __future__ import annotations
 
 import functools
-import os
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from typing import Any, NamedTuple
 
 import jax
 import numpy as np
 from numpy.typing import NDArray
 
+from propmap.blocks import BLOCK, Block, cut, padded_azimuths, run
 from propmap.schedule import Accuracy, Floats, Job, may_stall, plan
 from propmap.theory.loads import RotorLoads, disk_loads
 from propmap.theory.momentum import static_inflow as equation_12
 from propmap.theory.parameters import Blade, Medium, Section
 from propmap.theory.velocities import AzimuthNodes, azimuth_nodes
-
-BLOCK = 32
-"""Operating points per call of a compiled program: enough to fill the vector units, few
-enough to stay in the processor's cache."""
-
-LARGE_BLOCK = 128
-"""The same where many points are evaluated alike, to spread what a step costs at any size."""
 
 ATTACHED = 0.9
 """Attached share below which a result from fixed panels is not accepted where following
@@ -64,9 +56,7 @@ def evaluate(
     rotor: Prepared, setting: Accuracy, omega: Floats, v_axial: Floats, v_inplane: Floats
 ) -> Evaluation:
     """Loads at N operating points; omega [rad/s], velocities [m/s], all (N,), v_inplane >= 0."""
-    tip = float(rotor.theory[0].station[-1])
-    with np.errstate(divide="ignore", invalid="ignore"):
-        advance = np.where(v_inplane > 0.0, v_inplane / (omega * tip), 0.0)
+    advance = advance_ratio(rotor, omega, v_inplane)
     v_hover = np.zeros_like(omega)
     down = v_axial < 0.0
     if down.any():
@@ -82,6 +72,13 @@ def evaluate(
         jobs = plan(setting, advance[unforeseen], stalls[unforeseen] | True, everyone[unforeseen])
         _run(rotor, setting, [j for j in jobs if len(j.panels) > 1], flow, results)
     return results
+
+
+def advance_ratio(rotor: Prepared, omega: Floats, v_inplane: Floats) -> Floats:
+    """V sin(beta)/(Omega R) [-], (N,); infinite for a rotor at rest in a wind."""
+    tip = float(rotor.theory[0].station[-1])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(v_inplane > 0.0, v_inplane / (omega * tip), 0.0)
 
 
 def static_inflow(rotor: Prepared, setting: Accuracy, omega: Floats) -> Floats:
@@ -100,27 +97,21 @@ def _run(
     results: Evaluation,
 ) -> None:
     """Evaluate jobs into ``results``."""
-    calls = [(job, *piece) for job in jobs for piece in _pieces(job.points)]
-    # The longest first, so that all cores end together.
-    calls.sort(key=lambda call: -call[2] * sum(call[0].panels) * call[0].azimuths)
 
-    def one(call: tuple[Job, NDArray[np.intp], int]) -> None:
-        job, points, size = call
-        padded = np.resize(points, size) if points.size < size else points
+    def one(block: Block) -> None:
+        job, single = block.job, block.size == 1
         # Axial flow has programs of its own, but for single points, to compile less.
-        nodes = _azimuths(job.azimuths, setting.most_azimuths, padded=size == 1)
+        alone = job.azimuths == 1 and not single
+        most = setting.most_azimuths
+        nodes = azimuth_nodes(1) if alone else padded_azimuths(job.azimuths, most)
+        which = block.padded
         with jax.enable_x64(True):
-            program = _program(job.panels, quickly=size == 1)
-            found = program(*rotor.on_device, *(a[padded] for a in flow), nodes)
+            program = _program(job.panels, quickly=block.size <= BLOCK)
+            found = program(*rotor.on_device, *(a[which] for a in flow), nodes)
             for target, values in zip(results, found, strict=True):
-                target[points] = _flushed(np.asarray(values)[: points.size])
+                target[block.points] = _flushed(np.asarray(values)[: block.points.size])
 
-    if len(calls) > 1:
-        with ThreadPoolExecutor(min(len(calls), os.cpu_count() or 1)) as pool:
-            list(pool.map(one, calls))
-    else:
-        for call in calls:
-            one(call)
+    run(cut(jobs), one)
 
 
 @functools.cache
@@ -143,34 +134,6 @@ def _program(panels: tuple[int, ...], *, quickly: bool) -> Callable[..., RotorLo
 
     options: Any = {"xla_cpu_use_fusion_emitters": False} if quickly else None
     return jax.jit(loads, compiler_options=options)
-
-
-def _pieces(points: NDArray[np.intp]) -> list[tuple[NDArray[np.intp], int]]:
-    """Points cut into blocks, each with the size that it is filled up to."""
-    if points.size == 1:
-        return [(points, 1)]
-    pieces = []
-    size = LARGE_BLOCK
-    while points.size:
-        if points.size <= LARGE_BLOCK - BLOCK:
-            size = BLOCK
-        pieces.append((points[:size], size))
-        points = points[size:]
-    return pieces
-
-
-def _azimuths(count: int, most: int, *, padded: bool) -> AzimuthNodes:
-    """Nodes padded to one length, so that one program serves every count.
-
-    Unless ``padded``, axial flow's single node stays alone and its number static.
-    """
-    nodes = azimuth_nodes(count)
-    if count == 1 and not padded:
-        return nodes
-    sines = np.zeros(most // 2)
-    sines[: nodes.sines.size] = nodes.sines
-    used: Any = np.array(nodes.sines.size)
-    return AzimuthNodes(sines, used)
 
 
 def _forecast_inputs(theory: Theory) -> tuple[Floats, Floats, Floats, tuple[float, float]]:

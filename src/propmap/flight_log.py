@@ -10,6 +10,9 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 
+GRAVITY = 9.80665
+"""[m/s^2], the standard value."""
+
 
 @dataclass(frozen=True, eq=False)
 class FlightLog:

@@ -194,9 +194,8 @@ class Rotor:
         attached = n(1.0 if a.lift_law == "blended" else 0.0)
         blade = make_blade(p.station, p.chord, p.twist, n(p.blades), n(p.root), np)
         angles = (n(a.alpha_0), n(a.zero_lift_angle))
-        section = Section(
-            n(a.c_l1), n(a.c_l2), n(a.c_d), *angles, n(a.c_d0), n(a.c_p), n(a.sharpness), attached
-        )
+        constants = (n(a.c_d0), n(a.c_p), n(a.sharpness), attached, n(a.drag_factor))
+        section = Section(n(a.c_l1), n(a.c_l2), n(a.c_d), *angles, *constants)
         return blade, section, Medium(n(self.air.density), n(self.air.viscosity))
 
     @functools.cached_property

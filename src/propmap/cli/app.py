@@ -12,7 +12,9 @@ import typer
 
 import propmap
 from propmap.cli.airfoils import airfoils_app
+from propmap.cli.check import check
 from propmap.cli.demo import demo
+from propmap.cli.fit import fit_app
 from propmap.cli.plot import plot_app
 from propmap.cli.predict import predict
 from propmap.cli.props import props_app
@@ -29,6 +31,8 @@ app = typer.Typer(
 )
 app.command()(predict)
 app.command()(sweep)
+app.add_typer(fit_app)
+app.command()(check)
 app.add_typer(plot_app)
 app.add_typer(props_app)
 app.add_typer(airfoils_app)

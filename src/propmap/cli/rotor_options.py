@@ -14,7 +14,7 @@ import typer
 from propmap.air import PAPER_DENSITY, PAPER_VISCOSITY, Air
 from propmap.airfoil import airfoil, airfoil_names
 from propmap.errors import InputError
-from propmap.propeller import propeller
+from propmap.propeller import Propeller, propeller
 
 if TYPE_CHECKING:
     from propmap.rotor import Rotor
@@ -76,8 +76,7 @@ class RotorChoice:
             raise InputError(
                 "no section law is given", f"pass --airfoil with one of {names}, or a .toml file"
             )
-        blade = propeller(self.prop, self.blades, self.radius, self.root_cutout)
-        section, air = airfoil(self.airfoil), self._air()
+        blade, section, air = self.blade(), airfoil(self.airfoil), self.medium()
 
         from propmap.compilation import keep_compiled
         from propmap.rotor import Rotor
@@ -85,7 +84,12 @@ class RotorChoice:
         keep_compiled()
         return Rotor(blade, section, air, accuracy=self.accuracy.value)
 
-    def _air(self) -> Air:
+    def blade(self) -> Propeller:
+        """The propeller."""
+        return propeller(self.prop, self.blades, self.radius, self.root_cutout)
+
+    def medium(self) -> Air:
+        """The air."""
         stated = self.rho is not None or self.mu is not None
         standard = self.altitude is not None or self.temperature_offset is not None
         if stated and standard:

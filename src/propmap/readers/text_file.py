@@ -11,19 +11,20 @@ from propmap.errors import InputError
 MAX_BYTES = 5_000_000
 
 
-def read_lines(path: str | os.PathLike[str]) -> list[str]:
+def read_lines(path: str | os.PathLike[str], content: str = "geometry") -> list[str]:
     """The lines of the UTF-8 text file at ``path``, without their line ends.
 
+    content : what kind of file is expected, for the messages.
     Raises ``InputError`` for a missing file, a directory, a file above 5 MB, a file that is
     empty, binary or in another encoding.
     """
     where = os.fspath(path)
-    data = _read_bytes(where)
+    data = _read_bytes(where, content)
     if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
         raise InputError("the text is in UTF-16, expected UTF-8", "save it as UTF-8", where)
     if b"\0" in data:
         raise InputError(
-            "found binary data, expected text", "give a text file with the geometry", where
+            "found binary data, expected text", f"give a text file with the {content}", where
         )
     try:
         text = data.decode("utf-8-sig")
@@ -36,16 +37,16 @@ def read_lines(path: str | os.PathLike[str]) -> list[str]:
         ) from None
     if not text.strip():
         raise InputError(
-            "the file is empty, expected propeller geometry", "give a geometry file", where
+            f"the file is empty, expected the {content}", f"give a {content} file", where
         )
     # Not str.splitlines, which also splits at form feeds and would shift the line numbers.
     return text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
 
 
-def _read_bytes(where: str) -> bytes:
+def _read_bytes(where: str, content: str) -> bytes:
     try:
         status = Path(where).stat()
-        fault = _fault(status)
+        fault = _fault(status, content)
         if fault is None:
             return Path(where).read_bytes()
     except FileNotFoundError:
@@ -59,8 +60,8 @@ def _read_bytes(where: str) -> bytes:
     raise InputError(*fault, where)
 
 
-def _fault(status: os.stat_result) -> tuple[str, str] | None:
-    """What keeps a path from being a readable geometry file, and the remedy."""
+def _fault(status: os.stat_result, content: str) -> tuple[str, str] | None:
+    """What keeps a path from being a readable text file, and the remedy."""
     if stat.S_ISDIR(status.st_mode):
         return "this is a directory, expected a file", "name a file inside it"
     if not stat.S_ISREG(status.st_mode):
@@ -68,7 +69,7 @@ def _fault(status: os.stat_result) -> tuple[str, str] | None:
     if status.st_size > MAX_BYTES:
         megabytes, limit = status.st_size / 1e6, MAX_BYTES / 1e6
         return (
-            f"{megabytes:.1f} MB is not a geometry file, expected at most {limit:g} MB",
-            "name the file with the blade geometry",
+            f"{megabytes:.1f} MB is not a {content} file, expected at most {limit:g} MB",
+            f"name the file with the {content}",
         )
     return None

@@ -178,6 +178,7 @@ def annulus_loads(at: Annulus, inflow: Array, azimuth: AzimuthNodes) -> AnnulusL
 
     thrust, drag, turning, rolling = _over_azimuth(terms, azimuth)
     n = at.blades
+    in_plane = n * at.section.drag_factor * drag
     return AnnulusLoads(  # Eqs. (5)-(7)
-        n * thrust, n * drag, n * at.radius * turning, n * at.radius * rolling
+        n * thrust, in_plane, n * at.radius * turning, n * at.radius * rolling
     )

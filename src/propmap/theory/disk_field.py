@@ -55,7 +55,7 @@ def disk_field(
     ask = question(case, radius[:, None])
     ring = wake_state.vortex_ring_weight(v_axial, v_inplane, v_hover)
     solved = inflow_root(ask, jnp.asarray(jnp.inf), jnp.asarray(MAX_STEPS), azimuth)
-    inflow = (1.0 - ring) * solved + ring * v_hover
+    inflow = (1.0 - ring) * solved + ring * wake_state.vortex_ring_inflow(v_axial, v_hover)
     loads = blade_element.annulus_loads(ask.at, inflow, azimuth)
     at = ask.at
     u_t = tangential_velocity(at.omega, at.radius, at.v_inplane, sines[None, :])

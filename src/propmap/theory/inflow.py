@@ -43,6 +43,9 @@ sin(alpha) by 2 % at stall."""
 GUESS_STEPS = 4
 """Newton steps to the guess, which need no blade elements."""
 
+GATHER_FROM = 3000
+"""Lanes, stations times operating points, from which it pays to gather the slow ones."""
+
 STEPS_TOGETHER = 5
 """Steps that all lanes of a large batch take before the unfinished go on by themselves."""
 
@@ -278,7 +281,7 @@ def _search(
     start = jnp.broadcast_to(jnp.minimum(proved, hint), shape)
     begin = _Walk(start, jnp.full(shape, NEWTON_STEPS), jnp.zeros(shape, bool))
     lanes = math.prod(shape)
-    few = lanes // 8 if lanes >= 1024 else lanes
+    few = lanes // 8 if lanes >= GATHER_FROM else lanes
     together = jnp.minimum(STEPS_TOGETHER, max_steps) if few < lanes else max_steps
     walk, steps = _walk_on(ask, begin, jnp.array(0), together, azimuth)
     if few < lanes:

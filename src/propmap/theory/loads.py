@@ -59,7 +59,7 @@ def disk_loads(
     case = Case(blade, section, medium, omega, v_axial, v_inplane, windmill)
     disk = disk_inflow(case, panels, azimuth)
     ring = wake_state.vortex_ring_weight(v_axial, v_inplane, v_hover)
-    inflow = (1.0 - ring) * disk.inflow + ring * v_hover
+    inflow = (1.0 - ring) * disk.inflow + ring * wake_state.vortex_ring_inflow(v_axial, v_hover)
     ask = question(case, disk.nodes.radius)
     per_radius = blade_element.annulus_loads(ask.at, inflow, azimuth)
     weight = disk.nodes.weight

@@ -48,6 +48,7 @@ class Section(NamedTuple):
     c_p : [-], skin-friction constant of the 1/sqrt(Re) term.
     sharpness : [1/rad], the blend's M.
     attached : [-], 1 for eq. (3); 0 for the simplified lift of footnote 1, with c_l2 as c_l.
+    drag_factor : [-], multiplies the rotor drag (14); 1 in the paper.
     """
 
     c_l1: Array
@@ -59,6 +60,7 @@ class Section(NamedTuple):
     c_p: Array
     sharpness: Array
     attached: Array
+    drag_factor: Array | float = 1.0
 
 
 class Medium(NamedTuple):

@@ -7,6 +7,11 @@ confined to the vortex ring's own region in the plane of V cos(beta)/v_h and
 V sin(beta)/v_h, v_h being the static inflow at the same Omega, and blended in and out.  The
 region is that of W. Johnson, "Model for Vortex Ring State Influence on Rotorcraft Flight
 Dynamics", NASA/TP-2005-213477, table 4.
+
+Inside it the inflow measured on rotors in vertical descent is up to twice the static one: (12)
+is multiplied by J. G. Leishman's fit of it (Principles of Helicopter Aerodynamics, 2nd ed.,
+Cambridge 2006, section 2.13), which is 1 in hover.  On the NeuroBEM flights (12) alone puts
+the thrust in steep descent too high by a third.
 """
 
 from __future__ import annotations
@@ -49,6 +54,21 @@ def vortex_ring_weight(v_axial: Array, v_inplane: Array, v_hover: Array) -> Arra
     not_left = _rise((z - EXIT) / (FULL_TO - EXIT))
     not_swept = 1.0 - _rise((x - FADE_FROM) / (NOSE - FADE_FROM))
     return entered * not_left * not_swept
+
+
+_MEASURED = (-1.125, -1.372, -1.718, -0.655)
+"""v_i/v_h - 1 in vertical descent, in powers of V cos(beta)/v_h from the first to the fourth."""
+
+
+def vortex_ring_inflow(v_axial: Array, v_hover: Array) -> Array:
+    """Inflow [m/s] in the vortex ring, (12) times Leishman's fit; shape of v_axial.
+
+    The fit holds for -2 <= V cos(beta)/v_h <= 0 and is held at its ends outside, where
+    ``vortex_ring_weight`` gives it no weight.
+    """
+    z = jnp.clip(v_axial / jnp.maximum(v_hover, 1e-9), EXIT, 0.0)
+    k1, k2, k3, k4 = _MEASURED
+    return v_hover * (1.0 + z * (k1 + z * (k2 + z * (k3 + z * k4))))
 
 
 def on_windmill_branch(v_axial: Array, v_hover: Array) -> Array:

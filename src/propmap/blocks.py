@@ -1,0 +1,69 @@
+"""Operating points in blocks of equal size, on all cores."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from propmap.schedule import Job
+from propmap.theory.velocities import AzimuthNodes, azimuth_nodes
+
+BLOCK = 32
+"""Operating points per call of a compiled program: enough to fill the vector units, few
+enough to stay in the processor's cache."""
+
+LARGE_BLOCK = 128
+"""The same where many points are evaluated alike, to spread what a step costs at any size."""
+
+
+class Block(NamedTuple):
+    """Points of a job, as indices into the batch, and the size that they are filled up to."""
+
+    job: Job
+    points: NDArray[np.intp]
+    size: int
+
+    @property
+    def padded(self) -> NDArray[np.intp]:
+        """The points, repeated up to ``size``."""
+        return np.resize(self.points, self.size)
+
+
+def cut(jobs: Sequence[Job], large: int = LARGE_BLOCK) -> list[Block]:
+    """Jobs cut into blocks of ``BLOCK`` or ``large`` points; a single point stays alone."""
+    blocks = []
+    for job in jobs:
+        points = job.points
+        if points.size == 1:
+            blocks.append(Block(job, points, 1))
+            continue
+        while points.size:
+            size = large if points.size > large - BLOCK else BLOCK
+            blocks.append(Block(job, points[:size], size))
+            points = points[size:]
+    return blocks
+
+
+def run(blocks: list[Block], one: Callable[[Block], None]) -> None:
+    """Call ``one`` for every block, on all cores, the longest first so that all end together."""
+    longest_first = sorted(blocks, key=lambda b: -b.size * sum(b.job.panels) * b.job.azimuths)
+    if len(blocks) <= 1:
+        for block in longest_first:
+            one(block)
+        return
+    with ThreadPoolExecutor(min(len(blocks), os.cpu_count() or 1)) as pool:
+        list(pool.map(one, longest_first))
+
+
+def padded_azimuths(count: int, most: int) -> AzimuthNodes:
+    """Nodes padded to one length, so that one program serves every count."""
+    nodes = azimuth_nodes(count)
+    sines = np.zeros(most // 2)
+    sines[: nodes.sines.size] = nodes.sines
+    used: Any = np.array(nodes.sines.size)
+    return AzimuthNodes(sines, used)

@@ -1,0 +1,159 @@
+"""``propmap check``: a parameter set against measurements it has not seen."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import numpy as np
+import typer
+
+from propmap.airfoil import read_airfoil
+from propmap.cli.output import (
+    Format,
+    FormatOption,
+    TextOutput,
+    check_output,
+    chosen_format,
+    csv_text,
+    emit,
+    json_text,
+    show,
+)
+from propmap.errors import InputError
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from propmap.identify.comparison import Comparison
+
+
+def check(
+    fit: Annotated[Path, typer.Argument(metavar="FIT.toml", help="Fit, or parameter set.")],
+    data: Annotated[
+        list[str], typer.Argument(metavar="DATA...", help="Tunnel data, or flight logs.")
+    ],
+    vehicle: Annotated[
+        Path | None,
+        typer.Option("--vehicle", metavar="VEHICLE.toml", help="Vehicle, for flight logs."),
+    ] = None,
+    prop: Annotated[
+        str | None,
+        typer.Option("--prop", metavar="PROP", help="Propeller, where the file has no [fit]."),
+    ] = None,
+    format_: FormatOption = None,
+    output: TextOutput = None,
+) -> None:
+    """Errors per load and band of speed, beside the hover model's."""
+    if output is not None:
+        check_output(output)
+    chosen = chosen_format(format_, output)
+    found = _compare(fit, data, vehicle, prop)
+    if chosen is Format.table:
+        show(output, lambda console: _draw(console, found))
+        return
+    if chosen is Format.json:
+        emit(json_text(_plain(found)), output)
+        return
+    columns = ("load", "band", "rows", "rms", "relative_rms", "bias", "worst", "hover_rms")
+    rows = [
+        {"load": name, "band": band} | _numbers(e)
+        for name, c in found.items()
+        for band, e in {"all": c.all, **c.by_speed}.items()
+    ]
+    emit(csv_text(columns, rows), output)
+
+
+def _compare(
+    fit: Path, data: list[str], vehicle: Path | None, prop: str | None
+) -> dict[str, Comparison]:
+    from propmap.air import Air
+    from propmap.identify.comparison import compare_flight, compare_tunnel
+    from propmap.identify.result_file import read_fit
+    from propmap.propeller import propeller
+
+    if vehicle is not None:
+        from propmap.cli.flight_files import read_flights
+        from propmap.identify.body_study import wing_values
+        from propmap.readers.vehicle_toml import read_vehicle
+
+        file = read_vehicle(vehicle)
+        law = read_airfoil(fit)
+        values = read_fit(fit).values if _is_fit(fit) else wing_values(file.vehicle)
+        _keep()
+        paths = [Path(item) for item in data]
+        every = 2**31
+        flights = read_flights(paths, file, "balance", seconds=2.0, samples=every)
+        return compare_flight(file.vehicle, flights.log, law, values)
+    from propmap.cli.tunnel_files import read_tunnel
+
+    if _is_fit(fit):
+        found = read_fit(fit)
+        law, air = found.airfoil, found.air
+        blade = found.propeller if prop is None else propeller(prop)
+    elif prop is None:
+        raise InputError(
+            "which propeller is not said: the file has no table [fit]", "add --prop NAME", str(fit)
+        )
+    else:
+        law, air, blade = read_airfoil(fit), Air(), propeller(prop)
+    measured = read_tunnel(data, blade, air)
+    _keep()
+    return compare_tunnel(blade, air, law, measured)
+
+
+def _is_fit(path: Path) -> bool:
+    import tomllib
+
+    read_airfoil(path)
+    return "fit" in tomllib.loads(path.read_text(encoding="utf-8"))
+
+
+def _keep() -> None:
+    from propmap.compilation import keep_compiled
+
+    keep_compiled()
+
+
+def _plain(found: dict[str, Comparison]) -> dict[str, Any]:
+    rows = max((c.all.rows for c in found.values()), default=0)
+    loads = {
+        name: _numbers(c.all) | {"by_speed": {band: _numbers(e) for band, e in c.by_speed.items()}}
+        for name, c in found.items()
+    }
+    return {"rows": rows, "loads": loads}
+
+
+def _numbers(errors: Any) -> dict[str, Any]:
+    return {k: None if np.isnan(v) else v for k, v in asdict(errors).items()}
+
+
+def _draw(console: Console, found: dict[str, Comparison]) -> None:
+    from rich.table import Table
+
+    table = Table(title="Model minus measurement")
+    for heading in (
+        "load",
+        "speed",
+        "rows",
+        "rms",
+        "relative",
+        "bias",
+        "worst",
+        "hover model's rms",
+    ):
+        table.add_column(heading, justify="left" if heading in ("load", "speed") else "right")
+    for name, c in found.items():
+        for band, e in {"all": c.all, **c.by_speed}.items():
+            table.add_row(
+                name if band == "all" else "",
+                band,
+                str(e.rows),
+                f"{e.rms:.4g}",
+                f"{100.0 * e.relative_rms:.1f} %",
+                f"{e.bias:+.3g}",
+                f"{e.worst:+.3g}",
+                f"{e.hover_rms:.4g}",
+            )
+    console.print(table)

@@ -1,0 +1,259 @@
+"""``propmap fit``: section parameters from tunnel data and from flight."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from propmap.airfoil import airfoil
+from propmap.cli.fit_options import (
+    Bootstrap,
+    Fix,
+    Folds,
+    Free,
+    Priors,
+    Robust,
+    Seed,
+    Starts,
+    choice_of,
+    settings_of,
+)
+from propmap.cli.output import PICTURES, check_output, show, write_text
+from propmap.cli.rotor_options import RotorChoice, takes_rotor
+from propmap.errors import InputError
+
+if TYPE_CHECKING:
+    from propmap.flight_log import FlightLog
+    from propmap.identify.fitted import Fitted
+    from propmap.identify.flight import ForceModel
+    from propmap.identify.parameters import Choice
+    from propmap.identify.rows import Rows
+
+fit_app = typer.Typer(
+    name="fit", help="Identify section parameters.", no_args_is_help=True, rich_markup_mode=None
+)
+
+Output = Annotated[
+    Path, typer.Option("--output", "-o", metavar="FIT.toml", help="Where the fit is written.")
+]
+Picture = Annotated[
+    Path | None, typer.Option("--picture", metavar="FILE", help="Picture of the fit.")
+]
+
+
+class Method(StrEnum):
+    """Which balance of forces is fitted."""
+
+    auto = "auto"
+    level = "level"
+    balance = "balance"
+
+
+@fit_app.command("tunnel")
+@takes_rotor
+def fit_tunnel(
+    choice: RotorChoice,
+    data: Annotated[
+        list[str],
+        typer.Argument(metavar="DATA...", help="CSV or UIUC files, or measurements by name."),
+    ],
+    output: Output,
+    free: Free = None,
+    loads: Annotated[
+        str | None, typer.Option("--loads", help="Loads to fit, separated by commas.")
+    ] = None,
+    weight: Annotated[
+        list[str] | None,
+        typer.Option("--weight", metavar="LOAD=W", help="Count this load's residuals W times."),
+    ] = None,
+    fix: Fix = None,
+    prior: Priors = None,
+    starts: Starts = 4,
+    robust: Robust = False,
+    folds: Folds = 5,
+    bootstrap: Bootstrap = 0,
+    seed: Seed = 2017,
+    picture: Picture = None,
+) -> None:
+    """Fit loads measured in a tunnel or on a bench."""
+    from propmap.cli.tunnel_files import read_tunnel, sources
+
+    _check_outputs(output, picture)
+    base = airfoil(choice.airfoil) if choice.airfoil else None
+    default = ("c_l1", "c_l2", "c_d", "alpha_0", "zero_lift_angle")
+    chosen = choice_of(free, fix, prior, default, base)
+    settings = settings_of(starts, robust, folds, bootstrap, seed)
+    weights = _weights(weight)
+    blade, air = choice.blade(), choice.medium()
+    measured = read_tunnel(data, blade, air)
+
+    from propmap.compilation import keep_compiled
+    from propmap.identify.assumptions import failing_assumptions
+    from propmap.identify.data_range import range_warnings
+    from propmap.identify.fitted import fit
+    from propmap.identify.result_file import fit_text
+    from propmap.identify.tunnel import first_guess, rotor_with, tunnel_rows
+
+    keep_compiled()
+    base = base or first_guess()
+    named = [name.strip() for name in loads.split(",")] if loads else []
+
+    def rows_for(c: Choice) -> Rows:
+        setting = choice.accuracy.value
+        return tunnel_rows(
+            blade, air, measured, c, loads=named, weights=weights, base=base, setting=setting
+        )
+
+    fitted = fit(rows_for(chosen), chosen, settings)
+    remarks = [*range_warnings(fitted.rows), *failing_assumptions(fitted, rows_for)]
+    text = fit_text(
+        fitted,
+        kind="tunnel",
+        name=output.stem,
+        propeller=blade,
+        air=air,
+        base=base,
+        data=sources(data),
+        remarks=remarks,
+        options={"loads": list(fitted.rows.names), "weights": weights},
+    )
+    if picture is not None:
+        from propmap.report.fit_pictures import measured_against_predicted
+        from propmap.report.style import save
+
+        rotor = rotor_with(blade, air, base, fitted.values, choice.accuracy.value)
+        save(measured_against_predicted(measured, rotor), picture)
+    _finish(fitted, remarks, text, output)
+
+
+@fit_app.command("flight")
+def fit_flight(
+    logs: Annotated[
+        list[Path],
+        typer.Argument(metavar="LOG...", help="CSV, Parquet, ULog, bag, or a level-flight table."),
+    ],
+    vehicle: Annotated[
+        Path, typer.Option("--vehicle", metavar="VEHICLE.toml", help="The vehicle.")
+    ],
+    output: Output,
+    method: Annotated[
+        Method,
+        typer.Option(
+            "--method",
+            help="level: vertical balance of steady stretches, as in the paper; balance: all "
+            "forces at all times; auto: level if there are enough steady stretches.",
+        ),
+    ] = Method.auto,
+    free: Free = None,
+    fix: Fix = None,
+    prior: Priors = None,
+    name_or_file: Annotated[
+        str | None,
+        typer.Option("--airfoil", metavar="NAME|FILE", help="Values of what is not free."),
+    ] = None,
+    seconds: Annotated[float, typer.Option("--seconds", help="Shortest steady stretch [s].")] = 2.0,
+    samples: Annotated[
+        int, typer.Option("--samples", min=10, help="Samples used of a whole flight, at most.")
+    ] = 500,
+    body_study: Annotated[
+        bool,
+        typer.Option("--body-study", help="Say whether body lift and drag earn their place."),
+    ] = False,
+    starts: Starts = 2,
+    robust: Robust = False,
+    folds: Folds = 5,
+    bootstrap: Bootstrap = 0,
+    seed: Seed = 2017,
+    picture: Picture = None,
+    stretches_picture: Annotated[
+        Path | None,
+        typer.Option("--stretches", metavar="FILE", help="Picture of the steady stretches."),
+    ] = None,
+) -> None:
+    """Fit flight logs of a vehicle."""
+    from propmap.cli.flight_files import read_flights
+    from propmap.readers.vehicle_toml import read_vehicle
+
+    _check_outputs(output, picture, stretches_picture)
+    base = airfoil(name_or_file) if name_or_file else None
+    file = read_vehicle(vehicle)
+
+    from propmap.compilation import keep_compiled
+    from propmap.identify.body_study import body_terms_verdict, wing_values
+    from propmap.identify.data_range import range_warnings
+    from propmap.identify.fitted import fit
+    from propmap.identify.flight import ForceModel, balance_rows, level_rows
+    from propmap.identify.parameters import BODY, PAPER_FOUR
+    from propmap.identify.result_file import fit_text
+    from propmap.identify.tunnel import first_guess
+
+    keep_compiled()
+    flights = read_flights(
+        logs, file, method.value, seconds=seconds, samples=samples, picture=stretches_picture
+    )
+    drags = tuple(name for name in BODY if name.startswith("drag_area"))
+    default = PAPER_FOUR if flights.level else (*PAPER_FOUR, "zero_lift_angle", *drags)
+    chosen = choice_of(free, fix, prior, default, base, wing_values(file.vehicle))
+    settings = settings_of(starts, robust, folds, bootstrap, seed)
+    model = ForceModel(file.vehicle, flights.log, base or first_guess())
+    make = level_rows if flights.level else balance_rows
+    fitted = fit(make(model, chosen), chosen, settings)
+    remarks = [*flights.remarks, *range_warnings(fitted.rows)]
+    if body_study:
+        remarks += body_terms_verdict(fitted, lambda c: make(model, c))
+    text = fit_text(
+        fitted,
+        kind="level flight" if flights.level else "flight",
+        name=output.stem,
+        propeller=file.vehicle.propeller,
+        air=file.vehicle.air,
+        base=base or first_guess(),
+        data=[*logs, vehicle],
+        remarks=remarks,
+        options={"seconds": seconds, "samples": samples, "vehicle": file.vehicle.name},
+    )
+    if picture is not None:
+        _picture_of_flight(picture, fitted, model, flights.log)
+    _finish(fitted, remarks, text, output)
+
+
+def _picture_of_flight(picture: Path, fitted: Fitted, model: ForceModel, log: FlightLog) -> None:
+    from propmap.identify.tunnel import rotor_with
+    from propmap.report.fit_pictures import flight_fit
+    from propmap.report.style import save
+
+    vehicle = model.vehicle
+    rotor = rotor_with(vehicle.propeller, vehicle.air, model.base, fitted.values, model.setting)
+    save(flight_fit(vehicle, log, rotor.airfoil), picture)
+
+
+def _check_outputs(output: Path, *pictures: Path | None) -> None:
+    check_output(output, (".toml",))
+    for picture in pictures:
+        if picture is not None:
+            check_output(picture, PICTURES)
+
+
+def _weights(texts: Sequence[str] | None) -> dict[str, float]:
+    found = {}
+    for text in texts or ():
+        name, _, value = text.partition("=")
+        try:
+            found[name.strip()] = float(value)
+        except ValueError:
+            raise InputError(
+                f"--weight {text!r} has no number", "write --weight thrust=2"
+            ) from None
+    return found
+
+
+def _finish(fitted: Fitted, remarks: Sequence[str], text: str, output: Path) -> None:
+    from propmap.cli.fit_report import draw_fit
+
+    write_text(text, output)
+    show(None, lambda console: draw_fit(console, fitted, remarks))
+    typer.echo(f"wrote {output}", err=True)

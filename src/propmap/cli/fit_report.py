@@ -1,0 +1,61 @@
+"""What ``propmap fit`` prints: parameters with their verdicts, residuals, remarks."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from propmap.identify.fitted import Fitted
+from propmap.identify.parameters import EVERY
+from propmap.identify.residuals import errors
+from propmap.identify.search import minima
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+
+def draw_fit(console: Console, fitted: Fitted, remarks: Sequence[str]) -> None:
+    """Print a fit."""
+    from rich.table import Table
+
+    sure, choice = fitted.uncertainty, fitted.choice
+    table = Table(title="Parameters")
+    for heading in ("", "value", "95 % interval", "unit", "verdict"):
+        table.add_column(heading, justify="right" if heading in ("value",) else "left")
+    for k, name in enumerate(choice.free):
+        interval = f"{sure.low[k]:.4g} to {sure.high[k]:.4g}"
+        if fitted.bootstrapped.size:
+            low, high = np.percentile(fitted.bootstrapped[:, k], [2.5, 97.5])
+            interval += f" (bootstrap {low:.4g} to {high:.4g})"
+        table.add_row(name, f"{fitted.x[k]:.5g}", interval, EVERY[name].unit, sure.verdicts[k])
+    console.print(table)
+    values = ", ".join(f"{v:.2g}" for v in sure.singular_values)
+    console.print(f"sensitivities (singular values per spread, relative): {values}")
+    table = Table(title="Residuals, model minus measurement")
+    for heading in ("load", "rows", "rms", "relative", "bias", "worst", "cross-validated", "unit"):
+        table.add_column(heading, justify="left" if heading in ("load", "unit") else "right")
+    rows = fitted.rows
+    for k, name in enumerate(rows.names):
+        mine = (rows.load == k) & (rows.weight > 0.0)
+        e = errors(rows.measured[mine] + fitted.residual[mine], rows.measured[mine])
+        crossed = fitted.cross_validated[k]
+        table.add_row(
+            name,
+            str(e.rows),
+            f"{e.rms:.4g}",
+            f"{100.0 * e.relative_rms:.2f} %",
+            f"{e.bias:+.3g}",
+            f"{e.worst:+.3g}",
+            f"{crossed:.4g}" if np.isfinite(crossed) else "-",
+            rows.units[k],
+        )
+    console.print(table)
+    ends = fitted.minimum.ends
+    groups = minima(ends, choice.column("spread"))
+    console.print(
+        f"{len(ends)} starts, {len(groups[0])} of them to the best minimum; {fitted.seconds:.1f} s"
+    )
+    for remark in remarks:
+        console.print(f"note: {remark}")

@@ -1,0 +1,112 @@
+"""LOG arguments of flight fits and checks, as samples or as operating points."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from propmap.errors import InputError
+from propmap.flight.airborne import airborne
+from propmap.flight.level_table import read_level_table
+from propmap.flight.plausible_rpm import check_rotor_speed
+from propmap.flight.steady import operating_points, steady_stretches
+from propmap.flight_log import FlightLog, joined
+from propmap.readers.flight_log import read_flight_log
+from propmap.readers.vehicle_toml import VehicleFile
+
+ENOUGH_STRETCHES = 4
+
+
+@dataclass(frozen=True, eq=False)
+class Flights:
+    """level : whether ``log`` holds steady operating points.  remarks : for the report."""
+
+    level: bool
+    log: FlightLog
+    remarks: tuple[str, ...]
+
+
+def read_flights(
+    paths: Sequence[Path],
+    file: VehicleFile,
+    method: str,
+    *,
+    seconds: float,
+    samples: int,
+    picture: Path | None = None,
+) -> Flights:
+    """Read logs, or tables of operating points, for the method "level", "balance" or "auto".
+
+    seconds : shortest steady stretch.  samples : of whole flights, at most; more would be
+    no more information, as neighbours err alike.  picture : of the steady stretches.
+    """
+    if all(_is_level_table(path) for path in paths):
+        if method == "balance":
+            raise InputError(
+                "a level-flight table has no accelerations", "fit it with --method level"
+            )
+        return Flights(True, joined([read_level_table(p, file.vehicle) for p in paths]), ())
+    logs = [read_flight_log(path, file) for path in paths]
+    remarks = [text for log in logs for text in _rpm_remarks(log, file)]
+    if method != "balance":
+        points = _points(logs, seconds, picture, needed=method == "level")
+        if points is not None:
+            return Flights(True, points, tuple(remarks))
+        remarks.append(
+            f"fewer than {ENOUGH_STRETCHES} steady stretches of {seconds:g} s: the balance of all "
+            "forces at all times is fitted instead"
+        )
+    flying = joined([log.picked(airborne(log)) for log in logs])
+    picked = np.unique(np.linspace(0, len(flying) - 1, min(samples, len(flying))).astype(int))
+    return Flights(False, flying.picked(picked), tuple(remarks))
+
+
+def _points(
+    logs: list[FlightLog], seconds: float, picture: Path | None, *, needed: bool
+) -> FlightLog | None:
+    found = []
+    for log in logs:
+        try:
+            stretches = steady_stretches(log, seconds=seconds)
+        except InputError:
+            if needed and len(logs) == 1:
+                raise
+            continue
+        if picture is not None:
+            _draw(log, stretches, picture)
+        found.append(operating_points(log, stretches))
+    if not found or (not needed and sum(len(p) for p in found) < ENOUGH_STRETCHES):
+        if needed:
+            raise InputError(
+                f"no log has a steady stretch of {seconds:g} s",
+                "lower --seconds, or use --method balance",
+            )
+        return None
+    return joined(found)
+
+
+def _draw(log: FlightLog, stretches: list[slice], picture: Path) -> None:
+    from propmap.report.fit_pictures import steady_stretches_picture
+    from propmap.report.style import save
+
+    save(steady_stretches_picture(log, stretches), picture)
+
+
+def _rpm_remarks(log: FlightLog, file: VehicleFile) -> list[str]:
+    from propmap.airfoil import airfoil
+    from propmap.rotor import Rotor
+
+    rotor = Rotor(file.vehicle.propeller, airfoil("paper-apc"), file.vehicle.air)
+    unit = file.log.rotor_unit or ("rpm" if log.source.endswith(".ulg") else None)
+    return check_rotor_speed(log, rotor, file.vehicle, unit)
+
+
+def _is_level_table(path: Path) -> bool:
+    if path.suffix.lower() != ".csv" or not path.is_file():
+        return False
+    with path.open(encoding="utf-8-sig", errors="replace") as file:
+        header = [cell.strip() for cell in file.readline().split(",")]
+    return "pitch_deg" in header and "rpm_1" in header

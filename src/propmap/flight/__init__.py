@@ -1,0 +1,1 @@
+"""What a flight log tells before anything is fitted to it: plausibility, steady stretches."""

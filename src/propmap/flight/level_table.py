@@ -1,0 +1,125 @@
+"""Operating points of steady flight given directly: CSV with speed, attitude and rpm."""
+
+from __future__ import annotations
+
+import csv
+import os
+import re
+
+import numpy as np
+
+from propmap.errors import InputError
+from propmap.flight_log import FlightLog, Floats
+from propmap.readers.blade_table import parse_number
+from propmap.readers.log_map import RPM
+from propmap.readers.text_file import read_lines
+from propmap.vehicle import Vehicle
+
+REQUIRED = ("speed_mps", "pitch_deg")
+OPTIONAL = ("roll_deg", "climb_mps", "yaw_rate_dps")
+RPM_COLUMN = re.compile(r"rpm_[1-9][0-9]*")
+
+STEEPEST = 85.0
+"""[degrees] of pitch and roll: beyond, a table of steady flight is a slip."""
+
+
+def read_level_table(path: str | os.PathLike[str], vehicle: Vehicle) -> FlightLog:
+    """Operating points from a CSV file with a header line and one row per point.
+
+    speed_mps : horizontal speed through the air, 0 or more, towards where the nose points.
+    pitch_deg : how far the vehicle's z axis leans forward: positive when the top of the vehicle
+        leans into the flight direction, nose down.
+    roll_deg : about the vehicle's x axis, after the pitch; positive right side down.
+    climb_mps : vertical speed, up positive.
+    yaw_rate_dps : rate of turn about the vertical, positive to the left (counter-clockwise
+        seen from above).
+    rpm_1 ... rpm_n : of the vehicle's rotors in their order, mechanical, 0 or more.
+    The optional columns roll_deg, climb_mps and yaw_rate_dps are 0 where they are missing;
+    other columns are ignored.  ``time`` of the points is 0, 1, 2 ...; ``specific_force`` is NaN.
+    Raises ``InputError`` naming the file, the line and the column.
+    """
+    where = os.fspath(path)
+    rows = _rows(read_lines(path, "table of operating points"), where)
+    header = [cell.strip() for cell in rows[0][1]]
+    rotors = len(vehicle.mounts)
+    names = _columns(header, rotors, where)
+    if len(rows) == 1:
+        raise InputError("there is no row below the header", "add a row per point", where)
+    table = np.array([_row(cells, line, header, names, where) for line, cells in rows[1:]])
+    columns = dict(zip(names, table.T, strict=True))
+    zero = np.zeros(len(table))
+    pitch = np.radians(columns["pitch_deg"])
+    roll = np.radians(columns.get("roll_deg", zero))
+    up = _body(np.stack([zero, zero, zero + 1.0], axis=1), pitch, roll)
+    course = np.stack([columns["speed_mps"], zero, columns.get("climb_mps", zero)], axis=1)
+    return FlightLog(
+        source=where,
+        time=np.arange(len(table), dtype=np.float64),
+        velocity=_body(course, pitch, roll),
+        rates=np.radians(columns.get("yaw_rate_dps", zero))[:, None] * up,
+        up=up,
+        specific_force=np.full((len(table), 3), np.nan),
+        rotor_speed=table[:, -rotors:] * RPM,
+    )
+
+
+def _body(vectors: Floats, pitch: Floats, roll: Floats) -> Floats:
+    """Vectors (n, 3) along forward, left, vertical, in the frame of the leaning vehicle."""
+    x, y, z = vectors.T
+    # Pitch turns about y to the left, z towards x; roll then about x, y towards z.
+    forward, below = x * np.cos(pitch) - z * np.sin(pitch), x * np.sin(pitch) + z * np.cos(pitch)
+    left, top = y * np.cos(roll) + below * np.sin(roll), below * np.cos(roll) - y * np.sin(roll)
+    return np.stack([forward, left, top], axis=1)
+
+
+def _rows(lines: list[str], where: str) -> list[tuple[int, list[str]]]:
+    """Line numbers and cells of the lines that are not blank."""
+    reader = csv.reader(lines, strict=True)
+    try:
+        return [(reader.line_num, row) for row in reader if any(cell.strip() for cell in row)]
+    except csv.Error as error:
+        raise InputError(
+            f"line {reader.line_num}: {error}", "save the file as plain CSV", where
+        ) from None
+
+
+def _columns(header: list[str], rotors: int, where: str) -> list[str]:
+    """The columns to read: those of REQUIRED and OPTIONAL, then the rotors'."""
+    speeds = [f"rpm_{k}" for k in range(1, rotors + 1)]
+    found = sum(RPM_COLUMN.fullmatch(name) is not None for name in header)
+    for name in REQUIRED:
+        if name not in header:
+            raise InputError(
+                f"line 1: column {name} is missing",
+                f"the first line must name {', '.join([*REQUIRED, *speeds])}",
+                where,
+            )
+    if found != rotors or not set(speeds) <= set(header):
+        raise InputError(
+            f"line 1: {found} columns rpm_1, rpm_2 ..., the vehicle has {rotors} rotors",
+            f"name {', '.join(speeds)}",
+            where,
+        )
+    names = [*REQUIRED, *(name for name in OPTIONAL if name in header), *speeds]
+    repeated = [name for name in names if header.count(name) > 1]
+    if repeated:
+        raise InputError(f"line 1: column {repeated[0]} occurs twice", "keep one of them", where)
+    return names
+
+
+def _row(
+    cells: list[str], line: int, header: list[str], names: list[str], where: str
+) -> list[float]:
+    values = []
+    for name in names:
+        place = header.index(name)
+        at = f"{where}, line {line}, column {name}"
+        value = parse_number(cells[place] if place < len(cells) else "", name, at)
+        if value < 0.0 and (name == "speed_mps" or name.startswith("rpm")):
+            remedy = "give 0 or more; the nose points into the flight direction, spins are known"
+            raise InputError(f"{value:g} is negative", remedy, at)
+        if name in ("pitch_deg", "roll_deg") and abs(value) > STEEPEST:
+            remedy = f"give degrees from -{STEEPEST:g} to {STEEPEST:g}, 0 in hover"
+            raise InputError(f"{value:g} is too steep for steady flight", remedy, at)
+        values.append(value)
+    return values

@@ -1,0 +1,91 @@
+"""A parameter set against measurements, beside the hover model of the same rotor."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from propmap.air import Air
+from propmap.airfoil import Airfoil
+from propmap.errors import InputError
+from propmap.flight_log import FlightLog
+from propmap.hover import HoverModel
+from propmap.hub_flow import hub_flow, rotor_forces
+from propmap.identify.body_forces import body_force
+from propmap.identify.parameters import EVERY
+from propmap.identify.residuals import Errors, by_band, errors
+from propmap.identify.tunnel import TunnelData
+from propmap.propeller import Propeller
+from propmap.rotor import Rotor
+from propmap.vehicle import Vehicle
+
+Floats = NDArray[np.float64]
+
+TUNNEL_NAMES = {
+    "thrust": "thrust_N",
+    "drag": "drag_N",
+    "torque": "torque_Nm",
+    "roll_moment": "roll_moment_Nm",
+}
+FORCE_NAMES = ("force_x_N", "force_y_N", "force_z_N")
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Errors of one load: over all rows and per band of speed."""
+
+    all: Errors
+    by_speed: Mapping[str, Errors]
+
+
+def compare_tunnel(
+    propeller: Propeller, air: Air, law: Airfoil, data: TunnelData
+) -> dict[str, Comparison]:
+    """Every measured load by its name with unit.  The hover model has neither drag nor roll."""
+    rotor = Rotor(propeller, law, air)
+    loads = rotor.loads(data.omega, data.speed, data.beta)
+    hover = HoverModel.of(rotor)
+    nothing = np.zeros_like(data.omega)
+    hovers = {
+        "thrust": hover.thrust(data.omega),
+        "drag": nothing,
+        "torque": hover.torque(data.omega),
+        "roll_moment": nothing,
+    }
+    return {
+        TUNNEL_NAMES[name]: _compared(getattr(loads, name), measured, data.speed, hovers[name])
+        for name, measured in data.loads.items()
+    }
+
+
+def compare_flight(
+    vehicle: Vehicle, log: FlightLog, law: Airfoil, values: Mapping[str, float]
+) -> dict[str, Comparison]:
+    """Forces on the vehicle per axis of its frame, against mass times specific force.
+
+    values : of the body's and the wing's parameters, by name; first guesses otherwise.
+    Raises ``InputError`` where the log has no specific force.
+    """
+    measured = vehicle.mass * log.specific_force
+    if not np.isfinite(measured).any():
+        raise InputError("there is no specific force to compare with", "log it", log.source)
+    rotor = Rotor(vehicle.propeller, law, vehicle.air)
+    flow = hub_flow(vehicle, log)
+    velocity = np.stack([flow.inplane, np.zeros_like(flow.inplane), flow.axial], axis=-1)
+    loads = rotor.loads_at_velocity(flow.omega, velocity)
+    whole = {name: p.start for name, p in EVERY.items()} | dict(values)
+    body, _ = body_force(vehicle, log, whole, ())
+    model = rotor_forces(flow, loads.thrust, loads.drag) + body
+    thrust = HoverModel.of(rotor).thrust(flow.omega)
+    hover = rotor_forces(flow, thrust, np.zeros_like(thrust))
+    return {
+        name: _compared(model[:, k], measured[:, k], log.speed, hover[:, k])
+        for k, name in enumerate(FORCE_NAMES)
+    }
+
+
+def _compared(model: Floats, measured: Floats, speed: Floats, hover: Floats) -> Comparison:
+    return Comparison(errors(model, measured, hover), by_band(model, measured, speed, hover))

@@ -1,0 +1,155 @@
+"""Force balances of a flying vehicle as rows to fit, eqs. (16) and (17) and past them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from propmap.airfoil import Airfoil
+from propmap.errors import InputError
+from propmap.evaluation import Prepared, prepare
+from propmap.flight_log import GRAVITY, FlightLog
+from propmap.hub_flow import hub_flow, rotor_forces
+from propmap.identify.body_forces import body_force
+from propmap.identify.parameters import BODY, SECTION, WING, Choice
+from propmap.identify.rows import Rows
+from propmap.identify.tunnel import rotor_with
+from propmap.load_gradients import load_gradients
+from propmap.schedule import accuracy
+from propmap.vehicle import Vehicle
+
+Floats = NDArray[np.float64]
+
+
+AXES = ("force_x", "force_y", "force_z")
+
+
+@dataclass(frozen=True)
+class Balance:
+    """Aerodynamic force on the vehicle at n samples.
+
+    force : (n, 3) [N], in its frame, NaN where the loads were not found.
+    slopes : (P, n, 3), by the parameters asked for.
+    """
+
+    force: Floats
+    slopes: Floats
+
+
+class ForceModel:
+    """All forces but gravity on a vehicle, at the samples of a log."""
+
+    def __init__(
+        self, vehicle: Vehicle, log: FlightLog, base: Airfoil, setting: str = "standard"
+    ) -> None:
+        if log.rotor_speed.shape[1] != len(vehicle.mounts):
+            raise InputError(
+                f"{log.rotor_speed.shape[1]} rotor speeds for {len(vehicle.mounts)} rotors",
+                "give the vehicle file one [[rotors]] table per rotor of the log",
+                log.source,
+            )
+        self.vehicle, self.log, self.base, self.setting = vehicle, log, base, setting
+        self.flow = hub_flow(vehicle, log)
+        self._law = accuracy(setting)
+
+    def at(self, values: Mapping[str, float], free: tuple[str, ...]) -> Balance:
+        """Forces and their derivatives with these parameters."""
+        section = tuple(name for name in free if name in SECTION)
+        flow, shape = self.flow, self.flow.omega.shape
+        vehicle = self.vehicle
+        rotor = rotor_with(vehicle.propeller, vehicle.air, self.base, values, self.setting)
+        prepared: Prepared = prepare(rotor.theory)
+        # One derivative at least, so that there is one program.
+        asked = section or ("c_l1",)
+        points = (flow.omega.ravel(), flow.axial.ravel(), flow.inplane.ravel())
+        found = load_gradients(prepared, self._law, asked, *points)
+        loads = found.loads.reshape(-1, *shape)
+        slopes = found.slopes.reshape(-1, len(asked), *shape)
+        force = rotor_forces(flow, loads[0], loads[1])
+        by_section = rotor_forces(flow, slopes[0], slopes[1])
+        body, by_body = body_force(vehicle, self.log, values, free)
+        slope = np.zeros((len(free), *force.shape))
+        for k, name in enumerate(free):
+            slope[k] = by_section[section.index(name)] if name in section else by_body[k]
+        return Balance(force + body, slope)
+
+
+def level_rows(model: ForceModel, choice: Choice) -> Rows:
+    """Eqs. (16)(17): in steady level flight the vertical forces sum up to m g; a row per flight.
+
+    With V horizontal, the vertical parts of a rotor's forces are T sin(beta) and D cos(beta);
+    here they come from the attitude, so that a trace of climb or of bank is no error.
+    """
+    _acts(model, choice)
+    log = model.log
+    weight = model.vehicle.mass * GRAVITY
+    n = len(log)
+
+    def vertical(values: Mapping[str, float], free: tuple[str, ...]) -> tuple[Floats, Floats]:
+        balance = model.at(values, free)
+        along = np.sum(balance.force * log.up, axis=-1)
+        return along, np.sum(balance.slopes * log.up, axis=-1).T
+
+    return Rows(
+        names=("vertical_force",),
+        units=("N",),
+        measured=np.full(n, weight),
+        load=np.zeros(n, np.intp),
+        scale=np.full(n, weight),
+        speed=log.speed,
+        point=np.arange(n),
+        group=None,
+        model=vertical,
+        weight=np.ones(n),
+    )
+
+
+def balance_rows(model: ForceModel, choice: Choice, *, stretch: float = 1.0) -> Rows:
+    """m times the specific force against all forces but gravity, three rows per sample.
+
+    stretch : [s], within which errors are taken to be alike.
+    Raises ``InputError`` where the log has no specific force.
+    """
+    _acts(model, choice)
+    log = model.log
+    mass = model.vehicle.mass
+    measured = mass * log.specific_force
+    if not np.isfinite(measured).all():
+        raise InputError(
+            "there is no specific force (accelerometer) for all samples",
+            "add it to the log, or fit steady stretches with --level",
+            log.source,
+        )
+    n = len(log)
+    sample, axis = np.divmod(np.arange(3 * n), 3)
+
+    def forces(values: Mapping[str, float], free: tuple[str, ...]) -> tuple[Floats, Floats]:
+        balance = model.at(values, free)
+        return balance.force.ravel(), balance.slopes.reshape(len(free), -1).T
+
+    return Rows(
+        names=AXES,
+        units=("N",) * 3,
+        measured=measured.ravel(),
+        load=axis,
+        scale=np.full(3 * n, mass * GRAVITY),
+        speed=log.speed[sample],
+        point=sample,
+        group=np.floor((log.time - log.time[0]) / stretch).astype(int)[sample],
+        model=forces,
+        weight=np.ones(3 * n),
+    )
+
+
+def _acts(model: ForceModel, choice: Choice) -> None:
+    if model.vehicle.wing is None:
+        useless = [name for name in choice.free if name in WING]
+        if useless:
+            raise InputError(
+                f"{useless[0]} is free but the vehicle has no wing", "add a [wing] table"
+            )
+    if not any(name in SECTION or name in BODY or name in WING for name in choice.free):
+        raise InputError("no free parameter acts on the forces", "free some of the section's")

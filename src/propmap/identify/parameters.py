@@ -1,0 +1,133 @@
+"""What a fit may vary: names, bounds, first guesses, and what the user chose."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from propmap.errors import InputError, quoted
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One parameter.
+
+    start : first guess, the paper's x0 where it has one.  lower, upper : bounds.
+    spread : by how much real propellers or vehicles differ; the unit in which sensitivities
+    are compared, and half of which a 95 % interval must be within to call it identified.
+    """
+
+    unit: str
+    start: float
+    lower: float
+    upper: float
+    spread: float
+    meaning: str
+
+
+SECTION = {
+    "c_l1": Parameter("1/rad", 2.0 * np.pi, 0.5, 12.0, 1.0, "slope of the attached lift"),
+    "c_l2": Parameter("-", 2.0, 0.0, 6.0, 0.5, "lift after stall"),
+    "c_d": Parameter("-", 0.0, 0.0, 10.0, 1.0, "pressure drag"),
+    "alpha_0": Parameter("rad", 0.47, 0.1, 0.9, 0.06, "angle of stall"),
+    "zero_lift_angle": Parameter("rad", 0.0, -0.25, 0.15, 0.03, "camber"),
+    "c_d0": Parameter("-", 0.01, 0.0, 0.2, 0.02, "constant drag"),
+    "drag_factor": Parameter("-", 1.0, 0.2, 5.0, 0.5, "factor on the rotor drag"),
+}
+"""Parameters of the section law; x0 of (18) is that of the first four."""
+
+BODY = {
+    **{
+        f"drag_area_{axis}": Parameter("m^2", 0.0, 0.0, 1.0, 0.01, f"drag of the body along {axis}")
+        for axis in "xyz"
+    },
+    "lift_area": Parameter("m^2", 0.0, -1.0, 1.0, 0.01, "lift of the body"),
+}
+"""Terms of section III.A."""
+
+WING = {
+    "wing_c_l1": Parameter("1/rad", 5.0, 0.5, 12.0, 1.0, "slope of the wing's attached lift"),
+    "wing_c_l2": Parameter("-", 1.0, 0.0, 6.0, 0.5, "the wing's lift after stall"),
+    "wing_alpha_0": Parameter("rad", 0.3, 0.1, 0.9, 0.06, "the wing's angle of stall"),
+}
+"""The wing of footnote 4, whose lift has the form (3)."""
+
+PAPER_FOUR = ("c_l1", "c_l2", "c_d", "alpha_0")
+EVERY = SECTION | BODY | WING
+
+
+@dataclass(frozen=True)
+class Prior:
+    """What is known of a parameter beforehand: mean and standard deviation."""
+
+    mean: float
+    deviation: float
+
+
+@dataclass(frozen=True)
+class Choice:
+    """Which parameters are free, and what holds the others.
+
+    free : names, in order.  fixed : values of any others that are not at their first guess.
+    priors : of free parameters.  start : values to start from first, else ``Parameter.start``.
+    Raises ``InputError`` for unknown or repeated names and values out of bounds.
+    """
+
+    free: tuple[str, ...] = PAPER_FOUR
+    fixed: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+    priors: Mapping[str, Prior] = field(default_factory=lambda: MappingProxyType({}))
+    start: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+
+    def __post_init__(self) -> None:
+        if not self.free:
+            raise InputError("no parameter is free", f"name some of {', '.join(EVERY)}")
+        for name in (*self.free, *self.fixed, *self.priors, *self.start):
+            known(name)
+        for name in self.free:
+            if self.free.count(name) > 1:
+                raise InputError(f"{name} is named twice as free", "name it once")
+            if name in self.fixed:
+                raise InputError(f"{name} is both free and fixed", "choose one")
+        for name, prior in self.priors.items():
+            if name not in self.free:
+                raise InputError(f"{name} has a prior but is not free", "add it to the free ones")
+            if not prior.deviation > 0.0:
+                raise InputError(
+                    f"the prior of {name} has the deviation {prior.deviation:g}",
+                    "give one above zero, as in c_l2=2.0:0.3",
+                )
+        for name, value in (*self.fixed.items(), *self.start.items()):
+            p = EVERY[name]
+            if not p.lower <= value <= p.upper:
+                raise InputError(
+                    f"{name} is {value:g} {p.unit}", f"give a value from {p.lower:g} to {p.upper:g}"
+                )
+
+    def values(self, x: Floats) -> dict[str, float]:
+        """All parameters by name, the free ones from x (P,)."""
+        given = {name: p.start for name, p in EVERY.items()} | dict(self.fixed)
+        return given | {name: float(v) for name, v in zip(self.free, x, strict=True)}
+
+    def column(self, attribute: str) -> Floats:
+        """An attribute of the free parameters, as (P,)."""
+        return np.array([getattr(EVERY[name], attribute) for name in self.free])
+
+    @property
+    def first(self) -> Floats:
+        """Where the search starts (P,)."""
+        return np.array([self.start.get(name, EVERY[name].start) for name in self.free])
+
+
+def known(name: str) -> str:
+    """``name`` if it is a parameter's; raises ``InputError`` with the closest ones otherwise."""
+    if name not in EVERY:
+        close = difflib.get_close_matches(name, EVERY, n=2) or list(EVERY)
+        raise InputError(f"{quoted(name)} is not a parameter", f"choose from {', '.join(close)}")
+    return name

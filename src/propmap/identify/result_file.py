@@ -1,0 +1,181 @@
+"""Fit files: TOML that repeats a fit, tells of it, and is a parameter set itself."""
+
+from __future__ import annotations
+
+import hashlib
+import tomllib
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import propmap
+from propmap.air import Air
+from propmap.airfoil import Airfoil, read_airfoil
+from propmap.errors import InputError
+from propmap.identify.fitted import Fitted
+from propmap.identify.parameters import BODY, EVERY, SECTION, WING
+from propmap.identify.residuals import by_band, errors
+from propmap.identify.search import minima
+from propmap.propeller import Propeller
+
+
+@dataclass(frozen=True, eq=False)
+class FitFile:
+    """What a fit file holds for further use.
+
+    airfoil : the parameter set.  propeller, air : those it was found with.  values : of the
+    body's and the wing's parameters, by name.  record : the whole table ``fit``.
+    """
+
+    airfoil: Airfoil
+    propeller: Propeller
+    air: Air
+    values: Mapping[str, float]
+    record: Mapping[str, Any]
+
+
+def fit_text(
+    fitted: Fitted,
+    *,
+    kind: str,
+    name: str,
+    propeller: Propeller,
+    air: Air,
+    base: Airfoil,
+    data: Sequence[Path | str],
+    remarks: Sequence[str],
+    options: Mapping[str, Any],
+) -> str:
+    """The text of a fit file.
+
+    kind : "tunnel", "level flight" or "flight".  name : of the parameter set.  base : gave the
+    constants that are no parameters of a fit.  data : files, whose hashes are noted, or names of
+    the catalogue.  remarks : sentences for the reader.  options : further settings by name.
+    """
+    import tomli_w
+
+    section = {n: fitted.values[n] for n in SECTION}
+    law = base.with_parameters(**section, name=name, source=f"fitted by propmap, {kind}")
+    sure, choice = fitted.uncertainty, fitted.choice
+    parameters = {
+        n: {
+            "value": float(fitted.x[k]),
+            "unit": EVERY[n].unit,
+            "low_95": float(sure.low[k]),
+            "high_95": float(sure.high[k]),
+            "verdict": sure.verdicts[k],
+            "identified": sure.identified[k],
+            "start": float(choice.first[k]),
+            "lower": EVERY[n].lower,
+            "upper": EVERY[n].upper,
+        }
+        for k, n in enumerate(choice.free)
+    }
+    for k, n in enumerate(choice.free):
+        if n in choice.priors:
+            prior = choice.priors[n]
+            parameters[n]["prior"] = [prior.mean, prior.deviation]
+        if fitted.bootstrapped.size:
+            low, high = np.percentile(fitted.bootstrapped[:, k], [2.5, 97.5])
+            parameters[n] |= {"bootstrap_low_95": float(low), "bootstrap_high_95": float(high)}
+    spread = choice.column("spread")
+    record = {
+        "kind": kind,
+        "propmap": propmap.__version__,
+        "remarks": list(remarks),
+        "free": list(choice.free),
+        "rows": int(np.count_nonzero(fitted.rows.weight)),
+        "unsolved_rows": fitted.minimum.unsolved,
+        "seconds": round(fitted.seconds, 3),
+        "settings": asdict(fitted.settings) | dict(options),
+        "fixed": {n: float(v) for n, v in choice.fixed.items()},
+        "air": {"density": air.density, "viscosity": air.viscosity},
+        "propeller": {
+            "name": propeller.name,
+            "blades": propeller.blades,
+            "root": propeller.root,
+            "station_m": propeller.station.tolist(),
+            "chord_m": propeller.chord.tolist(),
+            "twist_rad": propeller.twist.tolist(),
+        },
+        "data": [_source(item) for item in data],
+        "parameters": parameters,
+        "body": {n: fitted.values[n] for n in BODY},
+        "wing": {n: fitted.values[n] for n in WING},
+        "covariance": [[float(v) for v in row] for row in sure.covariance],
+        "correlation": [[float(v) for v in row] for row in sure.correlation],
+        "singular_values": sure.singular_values.tolist(),
+        "residuals": _residuals(fitted),
+        "starts": [
+            {
+                "start": fitted.minimum.ends[k].start.tolist(),
+                "end": fitted.minimum.ends[k].x.tolist(),
+                "cost": fitted.minimum.ends[k].cost,
+                "minimum": number,
+            }
+            for number, group in enumerate(minima(fitted.minimum.ends, spread), start=1)
+            for k in group
+        ],
+    }
+    return law.to_toml() + "\n" + tomli_w.dumps({"fit": record})
+
+
+def read_fit(path: Path) -> FitFile:
+    """Read a fit file; raises ``InputError`` where it is none."""
+    law = read_airfoil(path)
+    record = tomllib.loads(path.read_text(encoding="utf-8")).get("fit")
+    where = str(path)
+    if record is None:
+        raise InputError(
+            "there is no table [fit]: this is a parameter set, not a fit",
+            "give a file written by propmap fit, or name the propeller with --prop",
+            where,
+        )
+    try:
+        blade, air = record["propeller"], record["air"]
+        propeller = Propeller(
+            blade["name"],
+            blade["blades"],
+            np.array(blade["station_m"]),
+            np.array(blade["chord_m"]),
+            np.array(blade["twist_rad"]),
+            blade["root"],
+        )
+        values = {n: float(v) for n, v in (record["body"] | record["wing"]).items()}
+        return FitFile(law, propeller, Air(air["density"], air["viscosity"]), values, record)
+    except (KeyError, TypeError, ValueError) as error:
+        raise InputError(
+            f"the table [fit] is damaged: {error}", "write it again with propmap fit", where
+        ) from None
+
+
+def _residuals(fitted: Fitted) -> dict[str, Any]:
+    rows, told = fitted.rows, {}
+    for k, name in enumerate(rows.names):
+        mine = (rows.load == k) & (rows.weight > 0.0)
+        measured = rows.measured[mine]
+        model = measured + fitted.residual[mine]
+        whole = errors(model, measured)
+        told[name] = {
+            "unit": rows.units[k],
+            "rows": whole.rows,
+            "rms": whole.rms,
+            "relative_rms": whole.relative_rms,
+            "bias": whole.bias,
+            "worst": whole.worst,
+            "cross_validated_rms": float(fitted.cross_validated[k]),
+            "by_speed": {
+                band: {"rows": e.rows, "rms": e.rms, "bias": e.bias, "worst": e.worst}
+                for band, e in by_band(model, measured, rows.speed[mine]).items()
+            },
+        }
+    return told
+
+
+def _source(item: Path | str) -> dict[str, str]:
+    if isinstance(item, Path):
+        return {"file": item.name, "sha256": hashlib.sha256(item.read_bytes()).hexdigest()}
+    return {"catalogue": item}

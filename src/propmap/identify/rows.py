@@ -1,0 +1,43 @@
+"""What every fit sees: numbers measured, and a model of them with its derivatives."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+Model = Callable[[Mapping[str, float], tuple[str, ...]], tuple[Floats, Floats]]
+"""From all parameters by name and the P free names: values (M,) and derivatives (M, P)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Rows:
+    """M measured numbers of one or several kinds of load.
+
+    measured : (M,).  load : (M,), index into ``names``.  scale : (M,), by which residuals are
+    divided before they are squared.  speed : (M,) [m/s].  point : (M,), which operating point
+    a number belongs to; points are drawn and left out as a whole.  group : (M,), stretches
+    within which errors may be alike; None where every number errs by itself.
+    hover : (M,), what the hover model says of it; NaN where it was not asked.
+    units : of each name.
+    """
+
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    measured: Floats
+    load: NDArray[np.intp]
+    scale: Floats
+    speed: Floats
+    point: NDArray[np.intp]
+    group: NDArray[np.intp] | None
+    model: Model
+    weight: Floats
+    """(M,), 1, or 0 for what is left out."""
+
+    def left(self, points: NDArray[np.bool_]) -> Rows:
+        """The same rows, those of the operating points that are False without weight."""
+        return replace(self, weight=self.weight * points[self.point])

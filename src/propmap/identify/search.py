@@ -1,0 +1,178 @@
+"""Bounded nonlinear least squares from several starts; eq. (18)."""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from propmap.errors import InputError
+from propmap.identify.parameters import Choice
+from propmap.identify.rows import Rows
+
+Floats = NDArray[np.float64]
+
+NOISE_FLOOR = 1e-3
+"""Smallest standard deviation assumed for a residual, relative to its scale: to which the
+loads themselves are computed."""
+
+SAME_MINIMUM = 1e-3
+"""Distance, in units of the parameters' spreads, within which two ends are one minimum."""
+
+ON_BOUND = 1e-9
+"""Distance from a bound, in spreads, from which the search, which stays inside, means it."""
+
+EVALUATIONS, FINAL_EVALUATIONS = 25, 60
+MOST_UNSOLVED = 0.05
+
+
+@dataclass(frozen=True)
+class End:
+    """Where a search from one start went; start and x (P,), cost [-] half the sum of squares."""
+
+    start: Floats
+    x: Floats
+    cost: float
+    evaluations: int
+
+
+@dataclass(frozen=True)
+class Minimum:
+    """The best end: x (P,), residuals (M,) as shares of their scales and their derivatives
+    (M, P); where every start led, best first; rows that the model gave no value for."""
+
+    x: Floats
+    residual: Floats
+    slopes: Floats
+    ends: tuple[End, ...]
+    unsolved: int
+
+
+class _Evaluator:
+    """Residuals and derivatives together, kept for the x asked for last."""
+
+    def __init__(self, rows: Rows, choice: Choice, error: float) -> None:
+        self.rows, self.choice, self.error, self.count = rows, choice, error, 0
+        self._x: Floats | None = None
+        spread = [(k, choice.priors[n]) for k, n in enumerate(choice.free) if n in choice.priors]
+        self.prior_index = np.array([k for k, _ in spread], int)
+        self.prior_mean = np.array([p.mean for _, p in spread])
+        self.prior_deviation = np.array([p.deviation for _, p in spread])
+        self.unsolved = 0
+
+    def at(self, x: Floats) -> tuple[Floats, Floats]:
+        if self._x is None or not np.array_equal(x, self._x):
+            self.count += 1
+            rows = self.rows
+            value, slope = rows.model(self.choice.values(x), self.choice.free)
+            lost = ~np.isfinite(value) | ~np.isfinite(slope).all(axis=1)
+            self.unsolved = int(lost.sum())
+            keep = np.where(lost, 0.0, rows.weight / rows.scale)
+            self._residual = keep * np.where(lost, 0.0, value - rows.measured)
+            self._slope = keep[:, None] * np.where(lost[:, None], 0.0, slope)
+            self._x = x.copy()
+        return self._residual, self._slope
+
+    def residual(self, x: Floats) -> Floats:
+        prior = (x[self.prior_index] - self.prior_mean) / self.prior_deviation
+        return np.concatenate([self.at(x)[0], self.error * prior])
+
+    def jacobian(self, x: Floats) -> Floats:
+        prior = np.zeros((self.prior_index.size, x.size))
+        prior[np.arange(self.prior_index.size), self.prior_index] = 1.0 / self.prior_deviation
+        return np.concatenate([self.at(x)[1], self.error * prior])
+
+
+def starts(choice: Choice, count: int, seed: int) -> list[Floats]:
+    """The first guess and ``count`` - 1 more, at random within three spreads of it."""
+    rng = np.random.default_rng(seed)
+    low, high, spread = choice.column("lower"), choice.column("upper"), choice.column("spread")
+    more = [
+        np.clip(choice.first + rng.uniform(-3.0, 3.0, low.size) * spread, low, high)
+        for _ in range(count - 1)
+    ]
+    return [choice.first, *more]
+
+
+def search(
+    rows: Rows,
+    choice: Choice,
+    begin: list[Floats],
+    *,
+    loss: str = "linear",
+    error: float = NOISE_FLOOR,
+) -> Minimum:
+    """The best minimum over all starts.
+
+    begin : starts, each (P,).  loss : "linear", or "soft_l1" so that a few outliers do not
+    decide.  error : the standard deviation of a residual, as a share of its scale: against it
+    priors are weighed, and twice it is an outlier.
+    Raises ``InputError`` where there are fewer numbers than parameters, or where the model has
+    no solution for more than one row in twenty.
+    """
+    from scipy.optimize import least_squares
+
+    used = int(np.count_nonzero(rows.weight))
+    if used + len(choice.priors) < len(choice.free):
+        raise InputError(
+            f"{used} measured numbers for {len(choice.free)} free parameters",
+            "give more data or free fewer parameters",
+        )
+    evaluator = _Evaluator(rows, choice, error)
+    bounds = (choice.column("lower"), choice.column("upper"))
+
+    def run(x0: Floats, evaluations: int, tolerance: float) -> tuple[Floats, float]:
+        inside = np.clip(x0, *bounds)
+        with warnings.catch_warnings():
+            # At a bound SciPy divides by a zero distance and goes on.
+            warnings.simplefilter("ignore", RuntimeWarning)
+            found = least_squares(
+                evaluator.residual,
+                inside,
+                evaluator.jacobian,
+                bounds=bounds,
+                x_scale=choice.column("spread"),
+                loss=loss,
+                f_scale=2.0 * error,
+                ftol=tolerance,
+                xtol=tolerance,
+                gtol=1e-15,
+                max_nfev=evaluations,
+            )
+        return np.asarray(found.x), float(found.cost)
+
+    ends = []
+    for x0 in begin:
+        before = evaluator.count
+        x, cost = run(x0, EVALUATIONS, 1e-7)
+        ends.append(End(x0, x, cost, evaluator.count - before))
+    ends.sort(key=lambda end: end.cost)
+    x, cost = run(ends[0].x, FINAL_EVALUATIONS, 1e-14)
+    if cost > ends[0].cost:
+        x = ends[0].x
+    for bound in bounds:
+        x = np.where(np.abs(x - bound) < ON_BOUND * choice.column("spread"), bound, x)
+    residual, slopes = (a.copy() for a in evaluator.at(x))
+    if evaluator.unsolved > MOST_UNSOLVED * rows.measured.size:
+        raise InputError(
+            f"the model has no solution at {evaluator.unsolved} of {rows.measured.size} rows",
+            "check the units of the operating points",
+        )
+    return Minimum(x, residual, slopes, tuple(ends), evaluator.unsolved)
+
+
+def minima(ends: tuple[End, ...], spread: Floats) -> list[list[int]]:
+    """Indices of ``ends`` that are the same minimum, best first."""
+    groups: list[list[int]] = []
+    for k, end in enumerate(ends):
+        for group in groups:
+            best = ends[group[0]]
+            near = np.max(np.abs(end.x - best.x) / spread) < SAME_MINIMUM
+            if near or abs(end.cost - best.cost) <= 1e-6 * best.cost:
+                group.append(k)
+                break
+        else:
+            groups.append([k])
+    return groups

@@ -1,0 +1,89 @@
+"""Rotor speeds in a wrong unit are told from the weight that they would carry."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from propmap.airfoil import airfoil
+from propmap.errors import InputError
+from propmap.flight.plausible_rpm import check_rotor_speed
+from propmap.readers.vehicle_toml import read_vehicle
+from propmap.rotor import Rotor
+
+from .synthetic import NEUROBEM, flight
+
+LOG = flight(rate=50.0)
+VEHICLE = read_vehicle(NEUROBEM).vehicle
+RPM = np.pi / 30.0
+
+
+@pytest.fixture(scope="module")
+def rotor() -> Rotor:
+    return Rotor(VEHICLE.propeller, airfoil("paper-apc"), VEHICLE.air)
+
+
+def test_a_plausible_log_gives_no_warning(rotor: Rotor) -> None:
+    assert check_rotor_speed(LOG, rotor, VEHICLE, "rad/s") == []
+    assert check_rotor_speed(LOG, rotor, VEHICLE) == []
+
+
+@pytest.mark.parametrize(
+    ("factor", "unit", "parts"),
+    [
+        (1.0 / RPM, "rad/s", ["rpm read as rad/s", 'write rotor_unit = "rpm"']),
+        (1.0 / RPM, None, ["rpm read as rad/s", 'rotor_unit = "rpm", or "erpm" and pole_pairs']),
+        (RPM, "rpm", ["rad/s read as rpm", 'write rotor_unit = "rad/s"']),
+        (7.0, "rpm", ["electrical rpm", 'write rotor_unit = "erpm" and pole_pairs (']),
+        (12.0, "rpm", ["electrical rpm", "pole_pairs"]),
+        (7.0 / RPM, "rad/s", ["electrical rpm", 'write rotor_unit = "erpm" and pole_pairs (']),
+        (7.0, "erpm", ["too few pole pairs", "correct pole_pairs"]),
+        (1.0 / 7.0, "erpm", ["mechanical rpm", 'write rotor_unit = "rpm", or correct pole_pairs']),
+    ],
+)
+def test_a_wrong_unit_is_an_error(
+    rotor: Rotor, factor: float, unit: str | None, parts: list[str]
+) -> None:
+    log = replace(LOG, rotor_speed=LOG.rotor_speed * factor)
+    with pytest.raises(InputError) as caught:
+        check_rotor_speed(log, rotor, VEHICLE, unit)
+    message = str(caught.value)
+    assert message.isprintable() and message.startswith("synthetic: ")
+    for part in [*parts, "[log] of the vehicle file"]:
+        assert part in message
+
+
+def test_a_doubtful_log_is_a_warning(rotor: Rotor) -> None:
+    (warning,) = check_rotor_speed(LOG, rotor, replace(VEHICLE, mass=4.0))
+    assert "times the weight" in warning and "check mass, propeller" in warning
+
+
+def test_a_rotor_that_stands_still_is_an_error(rotor: Rotor) -> None:
+    speeds = LOG.rotor_speed.copy()
+    speeds[:, 2] = 0.0
+    with pytest.raises(InputError, match=r"rotor 3 stands still.*rotor_order"):
+        check_rotor_speed(replace(LOG, rotor_speed=speeds), rotor, VEHICLE)
+
+
+def test_without_slow_flight_the_slowest_samples_serve(rotor: Rotor) -> None:
+    fast = LOG.picked(LOG.speed > 5.0)
+    assert check_rotor_speed(fast, rotor, VEHICLE, "rad/s") == []
+    unmeasured = replace(fast, specific_force=np.full_like(fast.velocity, np.nan))
+    assert check_rotor_speed(unmeasured, rotor, VEHICLE, "rad/s") == []
+    wrong = replace(unmeasured, rotor_speed=fast.rotor_speed / RPM)
+    with pytest.raises(InputError, match="rpm read as rad/s"):
+        check_rotor_speed(wrong, rotor, VEHICLE, "rad/s")
+
+
+def test_time_on_the_ground_does_not_count(rotor: Rotor) -> None:
+    speeds = LOG.rotor_speed.copy()
+    speeds[LOG.time < 3.0] = 100.0
+    assert check_rotor_speed(replace(LOG, rotor_speed=speeds), rotor, VEHICLE, "rad/s") == []
+
+
+def test_rotors_that_push_down_are_an_error(rotor: Rotor) -> None:
+    mounts = tuple(replace(mount, axis=(0.0, 0.0, -1.0)) for mount in VEHICLE.mounts)
+    with pytest.raises(InputError, match="check body_frame, world_frame and the axes"):
+        check_rotor_speed(LOG, rotor, replace(VEHICLE, mounts=mounts))
