@@ -37,11 +37,11 @@ class Loads:
     power : [W], torque times omega.
     status : one of ``STATUSES``.  "multiple_roots": near stall the inflow has several
         solutions, the largest is used.  "windmill": descent so fast that the wake is above
-        the disk.  "vortex_ring": momentum theory does not hold and the static inflow (12)
-        is blended in; not to be trusted.  "not_converged": the loads are NaN.
+        the disk.  "vortex_ring": momentum theory does not hold and a measured inflow is
+        blended in; not to be trusted.  "not_converged": the loads are NaN.
     roots : largest number of solutions of eq. (11) along the blade.
     reverse_flow : share of the blades' disk that the air meets from behind [-].
-    vortex_ring : share of the static inflow in the inflow used [-].
+    vortex_ring : share of the measured vortex-ring inflow in the inflow used [-].
     mean_inflow : v_i averaged over the disk [m/s].
     """
 

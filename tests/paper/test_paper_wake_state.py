@@ -7,7 +7,11 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from propmap.theory.wake_state import on_windmill_branch, vortex_ring_weight
+from propmap.theory.wake_state import (
+    on_windmill_branch,
+    vortex_ring_inflow,
+    vortex_ring_weight,
+)
 
 V_H = 6.0
 Z = np.linspace(-2.5, 1.0, 141)  # V cos(beta)/v_h, in steps of 0.025
@@ -109,3 +113,13 @@ def test_branches_are_switched_where_neither_or_both_are_used() -> None:
     x = np.linspace(0.0, 3.0, 601)
     both = (weight(np.full(601, switch), x) == 1.0) | (x > abs(switch) / np.sqrt(8.0))
     assert both.all()
+
+
+def test_vortex_ring_inflow_is_the_static_one_in_hover_and_peaks_in_descent() -> None:
+    z = np.linspace(-2.0, 0.0, 201)
+    v = np.asarray(vortex_ring_inflow(jnp.asarray(z * V_H), jnp.full(z.shape, V_H))) / V_H
+    assert v[-1] == pytest.approx(1.0, abs=1e-15)
+    np.testing.assert_allclose(v, np.polyval([-0.655, -1.718, -1.372, -1.125, 1.0], z), rtol=1e-12)
+    # Measured rotors: about twice the static inflow between one and two v_h of descent.
+    assert 1.6 < v.max() < 2.1
+    assert -1.7 < z[v.argmax()] < -1.0

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from propmap.identify.parameters import Choice
 from propmap.identify.rows import Rows
-from propmap.identify.search import NOISE_FLOOR, Minimum, search, starts
+from propmap.identify.search import Minimum, search, starts
 from propmap.identify.uncertainty import Uncertainty, uncertainty
 
 Floats = NDArray[np.float64]
@@ -107,7 +107,7 @@ def _cross_validate(rows: Rows, choice: Choice, settings: Settings, found: Minim
     for k in range(settings.folds):
         kept = np.zeros(int(points.max()) + 1, bool)
         kept[points] = fold != k
-        part = search(rows.left(kept), choice, [found.x], loss=settings.loss, error=NOISE_FLOOR)
+        part = search(rows.left(kept), choice, [found.x], loss=settings.loss, follow=True)
         value, _ = rows.model(choice.values(part.x), choice.free)
         out = ~kept[rows.point] & (rows.weight > 0.0) & np.isfinite(value)
         np.add.at(sums, rows.load[out], (value - rows.measured)[out] ** 2)
@@ -135,5 +135,5 @@ def _bootstrap(rows: Rows, choice: Choice, settings: Settings, found: Minimum) -
     for _ in range(settings.bootstrap):
         drawn = np.bincount(rng.integers(labels.size, size=labels.size), minlength=labels.size)
         weighted = replace(rows, weight=rows.weight * np.sqrt(drawn)[index])
-        repeats.append(search(weighted, choice, [found.x], loss=settings.loss).x)
+        repeats.append(search(weighted, choice, [found.x], loss=settings.loss, follow=True).x)
     return np.array(repeats).reshape(settings.bootstrap, len(choice.free))

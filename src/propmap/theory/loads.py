@@ -21,8 +21,8 @@ class RotorLoads(NamedTuple):
     thrust [N] along the axis; drag [N] in the disk plane against the in-plane velocity;
     torque [N m] needed to turn the shaft; roll_moment [N m] about the in-plane velocity,
     positive where the advancing side is lifted, before the sign of the spin is applied.
-    roots : number of roots of (11), the largest over the blade, 1 or 3; ring : share of the static
-    inflow (12) [-]; mean_inflow [m/s], by area; attached : smallest attached share over the
+    roots : number of roots of (11), the largest over the blade, 1 or 3; ring : share of the
+    vortex ring's inflow [-]; mean_inflow [m/s], by area; attached : smallest attached share over the
     nodes at the mean angle of attack [-]; mirrored : whether on the windmill branch the mean
     inflow is past the limit of momentum theory.
     """

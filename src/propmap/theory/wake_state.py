@@ -44,7 +44,7 @@ def _rise(t: Array) -> Array:
 
 
 def vortex_ring_weight(v_axial: Array, v_inplane: Array, v_hover: Array) -> Array:
-    """Share of the static inflow (12) in the inflow used [-], twice differentiable.
+    """Share of ``vortex_ring_inflow`` in the inflow used [-], twice differentiable.
 
     v_axial, v_inplane, v_hover [m/s] of one shape.  Zero outside the vortex-ring region.
     """
