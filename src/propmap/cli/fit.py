@@ -122,11 +122,11 @@ def fit_tunnel(
         options={"loads": list(fitted.rows.names), "weights": weights},
     )
     if picture is not None:
-        from propmap.report.fit_pictures import measured_against_predicted
+        from propmap.report.fit_pictures import tunnel_fit
         from propmap.report.style import save
 
         rotor = rotor_with(blade, air, base, fitted.values, choice.accuracy.value)
-        save(measured_against_predicted(measured, rotor), picture)
+        save(tunnel_fit(measured, rotor), picture)
     _finish(fitted, remarks, text, output)
 
 
@@ -223,12 +223,12 @@ def fit_flight(
 
 def _picture_of_flight(picture: Path, fitted: Fitted, model: ForceModel, log: FlightLog) -> None:
     from propmap.identify.tunnel import rotor_with
-    from propmap.report.fit_pictures import flight_fit
+    from propmap.report.fit_pictures import level_flight
     from propmap.report.style import save
 
     vehicle = model.vehicle
     rotor = rotor_with(vehicle.propeller, vehicle.air, model.base, fitted.values, model.setting)
-    save(flight_fit(vehicle, log, rotor.airfoil), picture)
+    save(level_flight(vehicle, log, rotor.airfoil), picture)
 
 
 def _check_outputs(output: Path, *pictures: Path | None) -> None:

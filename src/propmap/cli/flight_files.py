@@ -89,10 +89,10 @@ def _points(
 
 
 def _draw(log: FlightLog, stretches: list[slice], picture: Path) -> None:
-    from propmap.report.fit_pictures import steady_stretches_picture
+    from propmap.report.fit_pictures import steady_parts
     from propmap.report.style import save
 
-    save(steady_stretches_picture(log, stretches), picture)
+    save(steady_parts(log, stretches), picture)
 
 
 def _rpm_remarks(log: FlightLog, file: VehicleFile) -> list[str]:

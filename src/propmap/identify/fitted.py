@@ -10,10 +10,13 @@ from numpy.typing import NDArray
 
 from propmap.identify.parameters import Choice
 from propmap.identify.rows import Rows
-from propmap.identify.search import Minimum, search, starts
+from propmap.identify.search import NOISE_FLOOR, Minimum, search, starts
 from propmap.identify.uncertainty import Uncertainty, uncertainty
 
 Floats = NDArray[np.float64]
+
+MEDIAN_TO_DEVIATION = 1.4826
+"""Standard deviation over median size, of normal errors."""
 
 
 @dataclass(frozen=True)
@@ -78,9 +81,10 @@ def fit(rows: Rows, choice: Choice, settings: Settings | None = None) -> Fitted:
     first = starts(choice, settings.starts, settings.seed)
     found = search(rows, choice, first)
     spread_of_errors = uncertainty(rows, choice, found)
+    error = NOISE_FLOOR
     if choice.priors or settings.loss != "linear":
         # Only now is known how large errors are, against which priors and outliers count.
-        error = float(np.median(spread_of_errors.error))
+        error = _typical_error(rows, settings, found, spread_of_errors)
         again = search(rows, choice, [found.x], loss=settings.loss, error=error)
         found = replace(again, ends=found.ends)
         spread_of_errors = uncertainty(rows, choice, found)
@@ -92,13 +96,27 @@ def fit(rows: Rows, choice: Choice, settings: Settings | None = None) -> Fitted:
         found,
         spread_of_errors,
         residual,
-        _cross_validate(rows, choice, settings, found),
-        _bootstrap(rows, choice, settings, found),
+        _cross_validate(rows, choice, settings, found, error),
+        _bootstrap(rows, choice, settings, found, error),
         time.perf_counter() - begin,
     )
 
 
-def _cross_validate(rows: Rows, choice: Choice, settings: Settings, found: Minimum) -> Floats:
+def _typical_error(rows: Rows, settings: Settings, found: Minimum, sure: Uncertainty) -> float:
+    """Standard deviation of a residual as a share of its scale, whatever the outliers."""
+    if settings.loss == "linear":
+        return float(np.median(sure.error))
+    sizes = np.abs(found.residual[rows.weight > 0.0])
+    return max(MEDIAN_TO_DEVIATION * float(np.median(sizes)), NOISE_FLOOR)
+
+
+def _again(rows: Rows, choice: Choice, settings: Settings, found: Minimum, error: float) -> Minimum:
+    return search(rows, choice, [found.x], loss=settings.loss, error=error, follow=True)
+
+
+def _cross_validate(
+    rows: Rows, choice: Choice, settings: Settings, found: Minimum, error: float
+) -> Floats:
     points = np.unique(rows.point)
     sums, counts = np.zeros(len(rows.names)), np.zeros(len(rows.names))
     if settings.folds < 2 or points.size < 2 * settings.folds:
@@ -107,7 +125,7 @@ def _cross_validate(rows: Rows, choice: Choice, settings: Settings, found: Minim
     for k in range(settings.folds):
         kept = np.zeros(int(points.max()) + 1, bool)
         kept[points] = fold != k
-        part = search(rows.left(kept), choice, [found.x], loss=settings.loss, follow=True)
+        part = _again(rows.left(kept), choice, settings, found, error)
         value, _ = rows.model(choice.values(part.x), choice.free)
         out = ~kept[rows.point] & (rows.weight > 0.0) & np.isfinite(value)
         np.add.at(sums, rows.load[out], (value - rows.measured)[out] ** 2)
@@ -126,7 +144,9 @@ def _folds(rows: Rows, points: NDArray[np.intp], settings: Settings) -> NDArray[
     return (rng.permutation(labels.size) % settings.folds)[index]
 
 
-def _bootstrap(rows: Rows, choice: Choice, settings: Settings, found: Minimum) -> Floats:
+def _bootstrap(
+    rows: Rows, choice: Choice, settings: Settings, found: Minimum, error: float
+) -> Floats:
     """Parameters refitted to points, or groups, drawn with replacement (B, P)."""
     rng = np.random.default_rng(settings.seed + 1)
     unit = rows.point if rows.group is None else rows.group
@@ -135,5 +155,5 @@ def _bootstrap(rows: Rows, choice: Choice, settings: Settings, found: Minimum) -
     for _ in range(settings.bootstrap):
         drawn = np.bincount(rng.integers(labels.size, size=labels.size), minlength=labels.size)
         weighted = replace(rows, weight=rows.weight * np.sqrt(drawn)[index])
-        repeats.append(search(weighted, choice, [found.x], loss=settings.loss, follow=True).x)
+        repeats.append(_again(weighted, choice, settings, found, error).x)
     return np.array(repeats).reshape(settings.bootstrap, len(choice.free))

@@ -98,6 +98,8 @@ class Choice:
         for name, prior in self.priors.items():
             if name not in self.free:
                 raise InputError(f"{name} has a prior but is not free", "add it to the free ones")
+            if not np.isfinite(prior.mean):
+                raise InputError(f"the prior of {name} has no number as mean", "give one")
             if not prior.deviation > 0.0:
                 raise InputError(
                     f"the prior of {name} has the deviation {prior.deviation:g}",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +14,7 @@ from propmap.identify.parameters import Choice
 from propmap.identify.rows import Rows
 
 Floats = NDArray[np.float64]
+Jacobian = Callable[[Floats], Floats]
 
 NOISE_FLOOR = 1e-3
 """Smallest standard deviation assumed for a residual, relative to its scale: to which the
@@ -20,6 +22,9 @@ loads themselves are computed."""
 
 SAME_MINIMUM = 1e-3
 """Distance, in units of the parameters' spreads, within which two ends are one minimum."""
+
+DIFFERENCE = 1e-5
+"""Step of difference quotients, in spreads."""
 
 ON_BOUND = 1e-9
 """Distance from a bound, in spreads, from which the search, which stays inside, means it."""
@@ -84,6 +89,20 @@ class _Evaluator:
         prior = (x[self.prior_index] - self.prior_mean) / self.prior_deviation
         return np.concatenate([self.at(x)[0], self.error * prior])
 
+    def difference_quotients(self, x: Floats) -> Floats:
+        """The Jacobian of the residuals as computed, which where inflow rises steeply differs from
+        ``jacobian`` by up to some per cent; see docs/theory.md, known limits."""
+        here = self.residual(x)
+        columns = []
+        for k, (spread, upper) in enumerate(
+            zip(self.choice.column("spread"), self.choice.column("upper"), strict=True)
+        ):
+            step = DIFFERENCE * spread * (1.0 if x[k] + DIFFERENCE * spread <= upper else -1.0)
+            moved = x.copy()
+            moved[k] += step
+            columns.append((self.residual(moved) - here) / step)
+        return np.stack(columns, axis=1)
+
     def jacobian(self, x: Floats) -> Floats:
         prior = np.zeros((self.prior_index.size, x.size))
         prior[np.arange(self.prior_index.size), self.prior_index] = 1.0 / self.prior_deviation
@@ -130,7 +149,9 @@ def search(
     evaluator = _Evaluator(rows, choice, error)
     bounds = (choice.column("lower"), choice.column("upper"))
 
-    def run(x0: Floats, evaluations: int, tolerance: float) -> tuple[Floats, float]:
+    def run(
+        x0: Floats, evaluations: int, tolerance: float, jacobian: Jacobian = evaluator.jacobian
+    ) -> tuple[Floats, float]:
         inside = np.clip(x0, *bounds)
         with warnings.catch_warnings():
             # At a bound SciPy divides by a zero distance and goes on.
@@ -138,7 +159,7 @@ def search(
             found = least_squares(
                 evaluator.residual,
                 inside,
-                evaluator.jacobian,
+                jacobian,
                 bounds=bounds,
                 x_scale=choice.column("spread"),
                 loss=loss,
@@ -158,8 +179,13 @@ def search(
     ends.sort(key=lambda end: end.cost)
     x = ends[0].x
     if not follow:
+        best = ends[0].cost
         polished, cost = run(x, FINAL_EVALUATIONS, 1e-10)
-        x = polished if cost <= ends[0].cost else x
+        x, best = (polished, cost) if cost <= best else (x, best)
+        if np.sqrt(2.0 * best / used) < NOISE_FLOOR:
+            # So near to a perfect fit the errors of the derivatives would end the search early.
+            polished, cost = run(x, FINAL_EVALUATIONS, 1e-12, evaluator.difference_quotients)
+            x = polished if cost <= best else x
     for bound in bounds:
         x = np.where(np.abs(x - bound) < ON_BOUND * choice.column("spread"), bound, x)
     residual, slopes = (a.copy() for a in evaluator.at(x))

@@ -16,8 +16,9 @@ Floats = NDArray[np.float64]
 AT_BOUND = 1e-6
 """Distance from a bound, in spreads, within which a parameter is held by it."""
 
-NEGLIGIBLE = 1e-10
-"""Singular value, relative to the largest, below which data say nothing of a direction."""
+NEGLIGIBLE = 1e-6
+"""Singular value, relative to the largest, below which data say nothing of a direction: its
+square has to stand above the rounding errors of the largest one's."""
 
 FEWEST_GROUPS = 10
 
@@ -54,7 +55,10 @@ def uncertainty(rows: Rows, choice: Choice, found: Minimum) -> Uncertainty:
 
     x, names = found.x, choice.free
     spread, lower, upper = (choice.column(a) for a in ("spread", "lower", "upper"))
+    seen = np.linalg.norm(found.slopes, axis=0) * spread
+    # Where data say nothing of a parameter, they do not press it against a bound either.
     held = (x - lower < AT_BOUND * spread) | (upper - x < AT_BOUND * spread)
+    held &= seen > NEGLIGIBLE * max(float(seen.max()), 1e-300)
     free = np.flatnonzero(~held)
     used = rows.weight > 0.0
     counts = np.array([np.count_nonzero(used & (rows.load == k)) for k in range(len(rows.names))])

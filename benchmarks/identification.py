@@ -1,0 +1,138 @@
+"""How well and how fast parameters are identified: `make bench-identification`.
+
+Twin experiments: level flights of a quadrotor with four APC 8x6E are computed with known
+parameters, and identified again from the paper's x0 and from random starts; once without noise,
+and two hundred times with noise on the vertical force, to count how often the stated 95 %
+intervals contain the truth.  Writes results/identification.json.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+import propmap
+from benchmarks.results_file import machine, write_results
+from propmap.catalogue.measurements import measurement
+from propmap.identify.fitted import Settings, fit
+from propmap.identify.flight import ForceModel, level_rows
+from propmap.identify.parameters import PAPER_FOUR, Choice
+from propmap.identify.tunnel import TunnelData, first_guess, tunnel_rows
+from propmap.simulate.trim import trim
+from propmap.vehicle import Mount, Vehicle
+
+SETS = ("paper-soft", "paper-stiff", "paper-apc")
+ARM, MASS = 0.2, 1.0
+SPEEDS = np.linspace(0.5, 14.5, 20)
+NOISE, REPETITIONS = 0.01, 200
+TUNNEL_SIX = (*PAPER_FOUR, "zero_lift_angle", "c_d0")
+
+
+def quadrotor() -> Vehicle:
+    """A 1 kg quadrotor with four APC 8x6E."""
+    places = ((ARM, ARM, "cw"), (ARM, -ARM, "ccw"), (-ARM, ARM, "ccw"), (-ARM, -ARM, "cw"))
+    mounts = tuple(Mount((x, y, 0.0), spin=spin) for x, y, spin in places)
+    return Vehicle("twin", MASS, propmap.propeller("apc-8x6e"), mounts)
+
+
+def noise_free(name: str, starts: int) -> dict[str, Any]:
+    """One twin without noise."""
+    vehicle, truth = quadrotor(), propmap.airfoil(name)
+    points = trim(vehicle, truth, SPEEDS)
+    choice = Choice()
+    rows = level_rows(ForceModel(vehicle, points, first_guess()), choice)
+    found = fit(rows, choice, Settings(starts=starts, folds=0))
+    return {
+        "largest_residual_share_of_weight": float(np.max(np.abs(found.minimum.residual))),
+        "relative_errors": {
+            n: float(found.x[k] / getattr(truth, n) - 1.0) for k, n in enumerate(choice.free)
+        },
+        "verdicts": dict(zip(choice.free, found.uncertainty.verdicts, strict=True)),
+        "singular_values": found.uncertainty.singular_values.tolist(),
+        "starts_within_1e-3_of_the_truth": int(
+            sum(
+                abs(e.x[0] / truth.c_l1 - 1.0) < 1e-3 and abs(e.x[3] / truth.alpha_0 - 1.0) < 1e-3
+                for e in found.minimum.ends
+            )
+        ),
+        "starts": starts,
+        "seconds": found.seconds,
+    }
+
+
+def coverage(name: str) -> dict[str, Any]:
+    """Share of noisy twins whose intervals contain the truth, per parameter."""
+    vehicle, truth = quadrotor(), propmap.airfoil(name)
+    points = trim(vehicle, truth, SPEEDS)
+    choice = Choice(start={n: getattr(truth, n) for n in PAPER_FOUR})
+    rows = level_rows(ForceModel(vehicle, points, first_guess()), choice)
+    rng = np.random.default_rng(2017)
+    inside, named = np.zeros(len(PAPER_FOUR)), np.zeros(len(PAPER_FOUR))
+    for _ in range(REPETITIONS):
+        noisy = rows.measured * (1.0 + NOISE * rng.standard_normal(rows.measured.size))
+        found = fit(replace(rows, measured=noisy), choice, Settings(starts=1, folds=0))
+        sure = found.uncertainty
+        values = np.array([getattr(truth, n) for n in PAPER_FOUR])
+        hit, good = (sure.low <= values) & (values <= sure.high), np.array(sure.identified)
+        inside += hit & good
+        named += good
+    return {
+        n: {
+            "called_identified": int(named[k]),
+            "truth_inside": float(inside[k] / named[k]) if named[k] else None,
+        }
+        for k, n in enumerate(PAPER_FOUR)
+    }
+
+
+def timing() -> dict[str, float]:
+    """Seconds of whole identifications once compiled."""
+    vehicle, truth = quadrotor(), propmap.airfoil("paper-apc")
+    points = trim(vehicle, truth, SPEEDS)
+    choice = Choice()
+    rows = level_rows(ForceModel(vehicle, points, first_guess()), choice)
+    rng = np.random.default_rng(1)
+    noisy = rows.measured * (1.0 + NOISE * rng.standard_normal(rows.measured.size))
+    rows = replace(rows, measured=noisy)
+    found = {}
+    for what, settings in (("one_start", Settings(1, folds=0)), ("as_the_command", Settings(2))):
+        fit(rows, choice, settings)
+        begin = time.perf_counter()
+        fit(rows, choice, settings)
+        found[f"level_flights_four_parameters_{what}_s"] = time.perf_counter() - begin
+    m = measurement("uiuc-8x6e")
+    assert m.thrust is not None and m.torque is not None
+    data = TunnelData(m.name, m.omega, m.speed, m.beta, {"thrust": m.thrust, "torque": m.torque})
+    six = Choice(TUNNEL_SIX)
+    tunnel = tunnel_rows(propmap.propeller("apc-8x6e"), propmap.Air(), data, six)
+    fit(tunnel, six, Settings())
+    begin = time.perf_counter()
+    fit(tunnel, six, Settings())
+    found["tunnel_214_numbers_six_parameters_as_the_command_s"] = time.perf_counter() - begin
+    return found
+
+
+def main() -> None:
+    """Measure, print and write; with "quick", without the repetitions."""
+    quick = "quick" in sys.argv[1:]
+    found: dict[str, Any] = {"machine": machine(), "propmap": propmap.__version__}
+    found["seconds"] = timing()
+    print(found["seconds"])
+    found["noise_free"] = {}
+    for name in SETS:
+        found["noise_free"][name] = noise_free(name, 1 if quick else 11)
+        print(name, found["noise_free"][name])
+    if not quick:
+        found["coverage_1_percent_noise"] = {}
+        for name in SETS:
+            found["coverage_1_percent_noise"][name] = coverage(name)
+            print(name, found["coverage_1_percent_noise"][name])
+        print(write_results("identification.json", found))
+
+
+if __name__ == "__main__":
+    main()
