@@ -18,7 +18,9 @@ from propmap.cli.fit import fit_app
 from propmap.cli.plot import plot_app
 from propmap.cli.predict import predict
 from propmap.cli.props import props_app
+from propmap.cli.simulate import simulate_app
 from propmap.cli.sweep import sweep
+from propmap.cli.table import table
 from propmap.errors import InputError
 
 INTERRUPTED = 130
@@ -31,7 +33,9 @@ app = typer.Typer(
 )
 app.command()(predict)
 app.command()(sweep)
+app.command()(table)
 app.add_typer(fit_app)
+app.add_typer(simulate_app)
 app.command()(check)
 app.add_typer(plot_app)
 app.add_typer(props_app)

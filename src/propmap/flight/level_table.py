@@ -9,7 +9,8 @@ import re
 import numpy as np
 
 from propmap.errors import InputError
-from propmap.flight_log import FlightLog, Floats
+from propmap.flight.leaning import in_leaning_frame
+from propmap.flight_log import FlightLog
 from propmap.readers.blade_table import parse_number
 from propmap.readers.log_map import RPM
 from propmap.readers.text_file import read_lines
@@ -50,26 +51,17 @@ def read_level_table(path: str | os.PathLike[str], vehicle: Vehicle) -> FlightLo
     zero = np.zeros(len(table))
     pitch = np.radians(columns["pitch_deg"])
     roll = np.radians(columns.get("roll_deg", zero))
-    up = _body(np.stack([zero, zero, zero + 1.0], axis=1), pitch, roll)
+    up = in_leaning_frame(np.stack([zero, zero, zero + 1.0], axis=1), pitch, roll)
     course = np.stack([columns["speed_mps"], zero, columns.get("climb_mps", zero)], axis=1)
     return FlightLog(
         source=where,
         time=np.arange(len(table), dtype=np.float64),
-        velocity=_body(course, pitch, roll),
+        velocity=in_leaning_frame(course, pitch, roll),
         rates=np.radians(columns.get("yaw_rate_dps", zero))[:, None] * up,
         up=up,
         specific_force=np.full((len(table), 3), np.nan),
         rotor_speed=table[:, -rotors:] * RPM,
     )
-
-
-def _body(vectors: Floats, pitch: Floats, roll: Floats) -> Floats:
-    """Vectors (n, 3) along forward, left, vertical, in the frame of the leaning vehicle."""
-    x, y, z = vectors.T
-    # Pitch turns about y to the left, z towards x; roll then about x, y towards z.
-    forward, below = x * np.cos(pitch) - z * np.sin(pitch), x * np.sin(pitch) + z * np.cos(pitch)
-    left, top = y * np.cos(roll) + below * np.sin(roll), below * np.cos(roll) - y * np.sin(roll)
-    return np.stack([forward, left, top], axis=1)
 
 
 def _rows(lines: list[str], where: str) -> list[tuple[int, list[str]]]:

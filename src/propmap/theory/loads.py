@@ -11,7 +11,7 @@ from propmap.theory import blade_element, momentum, wake_state
 from propmap.theory.disk_inflow import Case, disk_inflow, question
 from propmap.theory.parameters import Array, Blade, Medium, Resolution, Section
 from propmap.theory.root_count import several_roots
-from propmap.theory.stall_split import mean_attached_share
+from propmap.theory.stall_hump import mean_attached_share
 from propmap.theory.velocities import AzimuthNodes, azimuth_nodes
 
 
@@ -22,8 +22,8 @@ class RotorLoads(NamedTuple):
     torque [N m] needed to turn the shaft; roll_moment [N m] about the in-plane velocity,
     positive where the advancing side is lifted, before the sign of the spin is applied.
     roots : number of roots of (11), the largest over the blade, 1 or 3; ring : share of the
-    vortex ring's inflow [-]; mean_inflow [m/s], by area; attached : smallest attached share over the
-    nodes at the mean angle of attack [-]; mirrored : whether on the windmill branch the mean
+    vortex ring's inflow [-]; mean_inflow [m/s], by area; attached : smallest attached share over
+    the nodes at the mean angle of attack [-]; mirrored : whether on the windmill branch the mean
     inflow is past the limit of momentum theory.
     """
 

@@ -9,7 +9,7 @@ from jax import lax
 
 from propmap.theory.inflow import InflowQuestion, residual
 from propmap.theory.parameters import Array
-from propmap.theory.stall_split import inflow_at_angle, stall_side
+from propmap.theory.stall_hump import inflow_at_angle, stall_side
 from propmap.theory.velocities import AzimuthNodes
 
 _PAST_STALL = np.array([0.0, 0.04, 0.1, 0.2])

@@ -19,13 +19,12 @@ from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
-import numpy as np
 from jax import lax
 
 from propmap.theory.inflow import InflowQuestion, residual, residual_slope
 from propmap.theory.parameters import Array
-from propmap.theory.section_law import angle_of_attack, attached_share
-from propmap.theory.velocities import AzimuthNodes, floored_norm
+from propmap.theory.stall_hump import hump_before_stall, inflow_at_angle, stall_side
+from propmap.theory.velocities import AzimuthNodes
 
 SPLITS = 2
 """Branch jumps followed at once: stall at mid-blade and, on blades whose twist falls off
@@ -43,9 +42,6 @@ integrand is split hardly matters."""
 
 DEFAULT_EDGES = (0.25, 0.6)
 """Shares of the span at which panels meet where there is nothing to follow."""
-
-_HUMP = np.array([-0.2, -0.13, -0.08, -0.045, -0.01, 0.03, 0.08, 0.13])
-"""[rad] from the stall angle, where the hump may be, in the order of falling v_i."""
 
 AskAt = Callable[[Array], InflowQuestion]
 """Equation (11) at radii of shape (S, B) [m]."""
@@ -71,97 +67,6 @@ class Fold(NamedTuple):
     inflow: Array
     folded: Array
     found: Array
-
-
-def mean_attached_share(ask: InflowQuestion, inflow: Array) -> Array:
-    """1 - sigma [-] at the angle of attack without the in-plane velocity; shape of inflow."""
-    at = ask.at
-    u_t, u_p = at.omega * at.radius, at.v_axial + inflow
-    across, along = at.sine * u_t - at.cosine * u_p, at.cosine * u_t + at.sine * u_p
-    alpha = angle_of_attack(along, across, floored_norm(u_t, u_p))
-    return attached_share(alpha, at.section)
-
-
-def inflow_at_angle(ask: InflowQuestion, alpha: Array) -> Array:
-    """v_i [m/s] at which the angle of attack from zero lift is alpha [rad], V sin(beta) aside.
-
-    (S, B); infinite where no inflow makes it so.
-    """
-    at = ask.at
-    sine, cosine = jnp.sin(alpha), jnp.cos(alpha)
-    rise, run = at.sine * cosine - at.cosine * sine, at.cosine * cosine + at.sine * sine
-    u_t = floored_norm(at.omega * at.radius, at.v_inplane / np.sqrt(2.0))
-    possible = run > 0.05
-    v = u_t * rise / jnp.where(possible, run, 1.0) - at.v_axial
-    return jnp.where(possible, v, jnp.inf)
-
-
-class _Hump(NamedTuple):
-    height: Array  # of the hump or shoulder [m^3/s^2], NaN where unknown; (S, B)
-    inflow: Array  # v_i there [m/s]
-    behind: Array  # angle [rad] from the stall angle at which v_i is past the hump
-    folded: Array  # whether the residual has three zeros about it
-
-
-def _hump(ask: InflowQuestion, stall: Array, azimuth: AzimuthNodes) -> _Hump:
-    """The residual's hump about the angle ``stall`` (B,).
-
-    The hump is the first local maximum that v_i meets on its way down.  Where the residual
-    only has a shoulder, the height is that of its flattest point: the inflow rises there
-    without a jump, but as steeply as a cube root, and deserves a panel's edge as well.
-    """
-
-    def sample(offset: Array) -> tuple[Array, Array]:
-        v = inflow_at_angle(ask, stall + offset)
-        known = jnp.isfinite(v)
-        v = jnp.where(known, v, 0.0)
-        return v, jnp.where(known, residual(ask, v, azimuth), jnp.nan)
-
-    v, height = lax.map(sample, jnp.asarray(_HUMP))
-    gap = jnp.diff(v, axis=0)
-    slope = jnp.diff(height, axis=0) / jnp.where(gap == 0.0, jnp.nan, gap)
-    middle = 0.5 * (v[:-1] + v[1:])
-    peak = (slope[:-1] <= 0.0) & (slope[1:] > 0.0)
-    some = jnp.any(peak, axis=0)
-    first = jnp.argmax(peak, axis=0)
-    top = _vertex(slope, middle, first, to_zero=True)
-    flattest = jnp.argmax(jnp.nan_to_num(slope[1:-1], nan=-jnp.inf), axis=0)
-    shoulder = _vertex(slope, middle, flattest, to_zero=False)
-    at = jnp.where(some, top, shoulder)
-    known = jnp.isfinite(at)
-    at = jnp.where(known, at, 0.0)
-    here = jnp.where(known, residual(ask, at, azimuth), jnp.nan)
-    after = jnp.arange(len(_HUMP))[:, None, None] > first + 1
-    depth = jnp.where(after & jnp.isfinite(height), height, jnp.inf)
-    valley = jnp.argmin(depth, axis=0)
-    behind = jnp.asarray(_HUMP)[jnp.where(some, valley, flattest + 1)]
-    return _Hump(here, at, behind, some & (here > 0.0) & (jnp.min(depth, axis=0) < 0.0))
-
-
-def _vertex(slope: Array, v: Array, k: Array, *, to_zero: bool) -> Array:
-    """The v near entry k (S, B) at which the slope is zero, or else largest."""
-    s, x = (
-        [jnp.take_along_axis(a, k[None] + i, axis=0)[0] for i in range(3 - to_zero)]
-        for a in (slope, v)
-    )
-    if to_zero:
-        share = s[0] / jnp.where(s[0] == s[1], 1.0, s[0] - s[1])
-        return x[0] + jnp.clip(share, 0.0, 1.0) * (x[1] - x[0])
-    left = (s[0] - s[1]) / (x[0] - x[1])
-    right = (s[1] - s[2]) / (x[1] - x[2])
-    bend = (left - right) / (x[0] - x[2])
-    top = 0.5 * (x[0] + x[1]) - 0.5 * left / jnp.where(bend < 0.0, bend, -1.0)
-    return jnp.where(bend < 0.0, jnp.clip(top, x[2], x[0]), x[1])
-
-
-def stall_side(ask: InflowQuestion, alpha_0: Array) -> Array:
-    """The stall angle that a blade is near [rad], alpha_0 or its negative; (B,).
-
-    ask : at one radius (1, 1) or (1, B).
-    """
-    at = ask.at
-    lifting = at.sine * at.omega * at.radius - at.cosine * at.v_axial
-    return jnp.where(lifting[0] < 0.0, -alpha_0, alpha_0)
 
 
 def _at_extremes(t: Array, height: Array) -> tuple[Array, Array, Array]:
@@ -204,7 +109,7 @@ def hump_crossings(
     t = jnp.linspace(0.0, 1.0 - 1e-6, GRID)[:, None]
     ask = ask_at(root + (tip - root) * t)
     stall = stall_side(ask_at((root + 0.6 * (tip - root))[None, None]), ask.at.section.alpha_0)
-    hump = _hump(ask, stall, azimuth)
+    hump = hump_before_stall(ask, stall, azimuth)
     place, height, extreme = _at_extremes(t * jnp.ones_like(hump.height), hump.height)
     v = hump.inflow
     changes = jnp.sign(height[:-1]) * jnp.sign(height[1:]) < 0.0

@@ -1,0 +1,169 @@
+"""``propmap simulate``: flights that were not flown, and what they would tell."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import numpy as np
+import typer
+
+from propmap.airfoil import airfoil
+from propmap.cli.operating_points import RPM, parse_axis
+from propmap.cli.output import check_output, show, write_text
+from propmap.errors import InputError
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from propmap.readers.vehicle_toml import VehicleFile
+    from propmap.simulate.expectation import Expectation
+
+LARGEST_ERROR = 0.2
+"""Of the vertical force, as a share of the weight; with more, some draw leaves none to carry."""
+
+simulate_app = typer.Typer(
+    name="simulate",
+    help="Flights that were not flown, and what they would tell.",
+    rich_markup_mode=None,
+)
+
+
+@simulate_app.callback()
+def _group() -> None:
+    pass
+
+
+@simulate_app.command("flight")
+def simulate_flight(
+    vehicle: Annotated[
+        Path, typer.Option("--vehicle", metavar="FILE.toml", help="The vehicle and its rotors.")
+    ],
+    section: Annotated[
+        str,
+        typer.Option("--airfoil", metavar="NAME|FILE", help="Section law taken for the truth."),
+    ],
+    speed: Annotated[
+        str, typer.Option("--speeds", metavar="A:B:N", help="Speeds [m/s], or a list 1,5,9.")
+    ],
+    output: Annotated[
+        Path, typer.Option("--output", "-o", metavar="FILE.csv", help="The log, as CSV.")
+    ],
+    radius: Annotated[float, typer.Option("--radius", help="Of the circles [m].")] = 1.7,
+    banked: Annotated[
+        bool, typer.Option("--banked", help="Bank into the circle instead of a tether.")
+    ] = False,
+    noise: Annotated[
+        float,
+        typer.Option("--noise", help="Vertical force error of each speed, share of the weight."),
+    ] = 0.01,
+    rotor_noise: Annotated[
+        float, typer.Option("--rotor-noise", help="Of a sample of rotor speed, as a share.")
+    ] = 0.005,
+    velocity_noise: Annotated[
+        float, typer.Option("--velocity-noise", help="Of a sample of velocity [m/s].")
+    ] = 0.05,
+    attitude_noise: Annotated[
+        float, typer.Option("--attitude-noise", help="Of a sample of pitch and roll [deg].")
+    ] = 0.3,
+    accelerometer_noise: Annotated[
+        float, typer.Option("--accelerometer-noise", help="Of a sample [m/s^2].")
+    ] = 0.3,
+    dwell: Annotated[float, typer.Option("--dwell", help="Time at each speed [s].")] = 6.0,
+    rate: Annotated[float, typer.Option("--rate", help="Samples per second.")] = 100.0,
+    seed: Annotated[int, typer.Option("--seed", min=0, help="Of the noise.")] = 0,
+    free: Annotated[
+        str, typer.Option("--free", metavar="NAME,...", help="Parameters of the planned fit.")
+    ] = "c_l1,c_l2,c_d,alpha_0",
+    no_expectation: Annotated[
+        bool, typer.Option("--no-expectation", help="Do not reckon the intervals to expect.")
+    ] = False,
+    force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
+) -> None:
+    """The paper's experiment: level circles at each speed, on a tether, written as a log.
+
+    Before that, the 95 % intervals to expect of an identification from such a flight.
+    """
+    speeds = parse_axis("--speeds", "speed", speed)
+    sizes = {
+        "--noise": noise,
+        "--rotor-noise": rotor_noise,
+        "--velocity-noise": velocity_noise,
+        "--attitude-noise": attitude_noise,
+        "--accelerometer-noise": accelerometer_noise,
+    }
+    for option, size in sizes.items():
+        if not 0.0 <= size < math.inf:
+            raise InputError(f"{option} is {size:g}", "give a standard deviation, 0 or more")
+    if noise > LARGEST_ERROR:
+        raise InputError(
+            f"--noise is {noise:g}, a share of the weight", f"give at most {LARGEST_ERROR:g}"
+        )
+    check_output(output, (".csv",), keep_existing=not force)
+    law = airfoil(section)
+
+    from propmap.identify.parameters import Choice
+    from propmap.readers.vehicle_toml import read_vehicle
+    from propmap.simulate.flight import SensorNoise, check_sampling, fly
+
+    check_sampling(dwell, rate)
+    names = Choice(tuple(name.strip() for name in free.split(","))).free
+    read = read_vehicle(vehicle)
+
+    from propmap.compilation import keep_compiled
+    from propmap.simulate.expectation import expectation
+    from propmap.simulate.log_file import log_csv
+    from propmap.simulate.trim import trim
+
+    keep_compiled()
+    # Another stream than that of the sensors.
+    error = noise * np.random.default_rng([seed, 1]).standard_normal(speeds.size)
+    points = trim(read.vehicle, law, speeds, radius=radius, tether=not banked, disturbance=error)
+    sensors = SensorNoise(
+        rotor_noise, velocity_noise, math.radians(attitude_noise), accelerometer_noise
+    )
+    log = fly(points, dwell=dwell, rate=rate, noise=sensors, seed=seed)
+    if not no_expectation:
+        expected = expectation(read.vehicle, law, points, free=names, error=noise)
+        show(None, lambda console: _expected(console, expected, len(points)))
+    write_text(log_csv(log), output)
+    typer.echo(
+        f"wrote {output}: {speeds.size} speeds, {log.time[-1]:.0f} s, "
+        f"{np.min(points.rotor_speed) / RPM:.0f} to {np.max(points.rotor_speed) / RPM:.0f} rpm"
+    )
+    _how_to_read(read, str(vehicle))
+
+
+def _expected(console: Console, expected: Expectation, flights: int) -> None:
+    from rich.table import Table
+
+    from propmap.identify.parameters import EVERY
+
+    found = expected.uncertainty
+    table = Table(
+        title=f"To expect of {flights} speeds with a force error of {expected.error:.2%} of the "
+        "weight each",
+        title_justify="left",
+    )
+    table.add_column("parameter")
+    for head in ("truth", "95 % from", "to"):
+        table.add_column(head, justify="right")
+    table.add_column("unit")
+    table.add_column("verdict")
+    for k, name in enumerate(expected.choice.free):
+        ends = [f"{value:.4g}" for value in (expected.truth[k], found.low[k], found.high[k])]
+        table.add_row(name, *ends, EVERY[name].unit, found.verdicts[k])
+    console.print(table)
+
+
+def _how_to_read(read: VehicleFile, name: str) -> None:
+    """Say how the log is read back, unless the vehicle file already does."""
+    from propmap.simulate.log_file import log_map, log_table
+
+    rotors = len(read.vehicle.mounts)
+    if replace(log_map(rotors), file=read.log.file) == read.log:
+        typer.echo(f"{name} reads it as it is")
+        return
+    typer.echo(f"to read it, let the vehicle file say:\n\n{log_table(rotors)}", nl=False)

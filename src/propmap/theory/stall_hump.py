@@ -1,0 +1,164 @@
+"""The hump of the residual of (11) just before stall, over v_i, at given radii.
+
+Coming from above, the attached root lies on the far side of the hump; where its top is below
+zero, the largest root is the stalled one.  ``stall_split`` looks along the blade for where that
+changes.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import jax.numpy as jnp
+import numpy as np
+from jax import lax
+
+from propmap.theory.inflow import InflowQuestion, residual, residual_slope
+from propmap.theory.parameters import Array
+from propmap.theory.section_law import angle_of_attack, attached_share
+from propmap.theory.velocities import AzimuthNodes, floored_norm
+
+TOP_STEPS = 2
+"""Newton steps to the top of a hump."""
+
+HUMP_ANGLES = np.array([-0.2, -0.13, -0.08, -0.045, -0.01, 0.03, 0.08, 0.13])
+"""[rad] from the stall angle, where the hump may be, in the order of falling v_i."""
+
+
+def mean_attached_share(ask: InflowQuestion, inflow: Array) -> Array:
+    """1 - sigma [-] at the angle of attack without the in-plane velocity; shape of inflow."""
+    at = ask.at
+    u_t, u_p = at.omega * at.radius, at.v_axial + inflow
+    across, along = at.sine * u_t - at.cosine * u_p, at.cosine * u_t + at.sine * u_p
+    alpha = angle_of_attack(along, across, floored_norm(u_t, u_p))
+    return attached_share(alpha, at.section)
+
+
+def inflow_at_angle(ask: InflowQuestion, alpha: Array) -> Array:
+    """v_i [m/s] at which the angle of attack from zero lift is alpha [rad], V sin(beta) aside.
+
+    (S, B); infinite where no inflow makes it so.
+    """
+    at = ask.at
+    sine, cosine = jnp.sin(alpha), jnp.cos(alpha)
+    rise, run = at.sine * cosine - at.cosine * sine, at.cosine * cosine + at.sine * sine
+    u_t = floored_norm(at.omega * at.radius, at.v_inplane / np.sqrt(2.0))
+    possible = run > 0.05
+    v = u_t * rise / jnp.where(possible, run, 1.0) - at.v_axial
+    return jnp.where(possible, v, jnp.inf)
+
+
+class Hump(NamedTuple):
+    """At radii and operating points (S, B)."""
+
+    height: Array  # of the hump or shoulder [m^3/s^2], NaN where unknown; (S, B)
+    inflow: Array  # v_i there [m/s]
+    behind: Array  # angle [rad] from the stall angle at which v_i is past the hump
+    folded: Array  # whether the residual has three zeros about it
+
+
+def hump_before_stall(ask: InflowQuestion, stall: Array, azimuth: AzimuthNodes) -> Hump:
+    """The residual's hump about the angle ``stall`` (B,).
+
+    The hump is the first local maximum that v_i meets on its way down.  Where the residual
+    only has a shoulder, the height is that of its flattest point: the inflow rises there
+    without a jump, but as steeply as a cube root, and deserves a panel's edge as well.
+    """
+
+    def sample(offset: Array) -> tuple[Array, Array]:
+        v = inflow_at_angle(ask, stall + offset)
+        known = jnp.isfinite(v)
+        v = jnp.where(known, v, 0.0)
+        return v, jnp.where(known, residual(ask, v, azimuth), jnp.nan)
+
+    v, height = lax.map(sample, jnp.asarray(HUMP_ANGLES))
+    gap = jnp.diff(v, axis=0)
+    slope = jnp.diff(height, axis=0) / jnp.where(gap == 0.0, jnp.nan, gap)
+    middle = 0.5 * (v[:-1] + v[1:])
+    peak = (slope[:-1] <= 0.0) & (slope[1:] > 0.0)
+    some = jnp.any(peak, axis=0)
+    first = jnp.argmax(peak, axis=0)
+    top = _vertex(slope, middle, first, to_zero=True)
+    flattest = jnp.argmax(jnp.nan_to_num(slope[1:-1], nan=-jnp.inf), axis=0)
+    shoulder = _vertex(slope, middle, flattest, to_zero=False)
+    at = jnp.where(some, top, shoulder)
+    known = jnp.isfinite(at)
+    at = jnp.where(known, at, 0.0)
+    # In descent the attached stretch ends in low humps; elsewhere the guess is as good, and
+    # joins the shoulder's without a step.
+    low = some & (ask.at.v_axial < 0.0)
+    here, at = _refined_top(ask, at, low, _around(slope, middle, v, first), azimuth)
+    here = jnp.where(known, here, jnp.nan)
+    after = jnp.arange(len(HUMP_ANGLES))[:, None, None] > first + 1
+    depth = jnp.where(after & jnp.isfinite(height), height, jnp.inf)
+    valley = jnp.argmin(depth, axis=0)
+    behind = jnp.asarray(HUMP_ANGLES)[jnp.where(some, valley, flattest + 1)]
+    return Hump(here, at, behind, some & (here > 0.0) & (jnp.min(depth, axis=0) < 0.0))
+
+
+class _Around(NamedTuple):
+    bend: Array  # of the residual between samples k and k + 2
+    low: Array  # v_i of sample k + 2 [m/s]
+    high: Array  # v_i of sample k
+
+
+def _around(slope: Array, middle: Array, v: Array, k: Array) -> _Around:
+    def pick(a: Array, shift: int) -> Array:
+        return jnp.take_along_axis(a, k[None] + shift, axis=0)[0]
+
+    run = pick(middle, 1) - pick(middle, 0)
+    bend = (pick(slope, 1) - pick(slope, 0)) / jnp.where(run == 0.0, jnp.nan, run)
+    return _Around(bend, pick(v, 2), pick(v, 0))
+
+
+def _refined_top(
+    ask: InflowQuestion, at: Array, peak: Array, around: _Around, azimuth: AzimuthNodes
+) -> tuple[Array, Array]:
+    """The hump's height and v_i from a first guess ``at``; unchanged where there is no peak.
+
+    The samples are too far apart for the height of a low hump: where it is misjudged a short
+    attached stretch of the blade is lost, and with it several per cent of thrust in descent.
+    """
+
+    def improve(_: int, state: tuple[Array, ...]) -> tuple[Array, ...]:
+        x, bend, x_before, slope_before = state[:4]
+        value, slope = residual_slope(ask, x, azimuth)
+        moved = jnp.abs(x - x_before) > 1e-9 * (jnp.abs(x) + 1e-9)
+        run = jnp.where(moved, x - x_before, 1.0)
+        secant = jnp.where(moved, (slope - slope_before) / run, bend)
+        bend = jnp.where(secant < 0.0, secant, bend)
+        step = -slope / jnp.where(bend < 0.0, bend, -jnp.inf)
+        after = jnp.where(peak, jnp.clip(x + step, around.low, around.high), x)
+        height = value + jnp.where(peak, 0.5 * slope * (after - x), 0.0)
+        return after, bend, x, slope, height
+
+    nothing = jnp.zeros_like(at)
+    begin = (at, around.bend + nothing, at, nothing, nothing)
+    top, _, _, _, height = lax.fori_loop(0, TOP_STEPS, improve, begin)
+    return height, jnp.where(peak, top, at)
+
+
+def _vertex(slope: Array, v: Array, k: Array, *, to_zero: bool) -> Array:
+    """The v near entry k (S, B) at which the slope is zero, or else largest."""
+    s, x = (
+        [jnp.take_along_axis(a, k[None] + i, axis=0)[0] for i in range(3 - to_zero)]
+        for a in (slope, v)
+    )
+    if to_zero:
+        share = s[0] / jnp.where(s[0] == s[1], 1.0, s[0] - s[1])
+        return x[0] + jnp.clip(share, 0.0, 1.0) * (x[1] - x[0])
+    left = (s[0] - s[1]) / (x[0] - x[1])
+    right = (s[1] - s[2]) / (x[1] - x[2])
+    bend = (left - right) / (x[0] - x[2])
+    top = 0.5 * (x[0] + x[1]) - 0.5 * left / jnp.where(bend < 0.0, bend, -1.0)
+    return jnp.where(bend < 0.0, jnp.clip(top, x[2], x[0]), x[1])
+
+
+def stall_side(ask: InflowQuestion, alpha_0: Array) -> Array:
+    """The stall angle that a blade is near [rad], alpha_0 or its negative; (B,).
+
+    ask : at one radius (1, 1) or (1, B).
+    """
+    at = ask.at
+    lifting = at.sine * at.omega * at.radius - at.cosine * at.v_axial
+    return jnp.where(lifting[0] < 0.0, -alpha_0, alpha_0)

@@ -1,0 +1,156 @@
+"""Pictures of fits: units on every axis, the hover model dashed, measurements as points."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import matplotlib.colors as colours
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+import propmap
+from propmap.errors import InputError
+from propmap.flight.leaning import in_leaning_frame
+from propmap.flight_log import GRAVITY, FlightLog
+from propmap.hover import HoverModel
+from propmap.identify.tunnel import TunnelData
+from propmap.report.fit_pictures import level_flight, steady_parts, tunnel_fit
+from propmap.report.style import COLOURS, HOVER, save
+from propmap.vehicle import Mount, Vehicle
+
+MASS = 0.7
+
+
+def _log(speed: np.ndarray, *, felt: bool = True) -> FlightLog:
+    """Straight flight of a vehicle with two rotors."""
+    n = speed.size
+    pitch = 0.006 * speed
+    zero = np.zeros(n)
+
+    def seen(*parts: np.ndarray) -> np.ndarray:
+        return in_leaning_frame(np.stack(parts, axis=1), pitch, zero)
+
+    force = seen(zero, zero, zero + GRAVITY)
+    return FlightLog(
+        source="a flight",
+        time=np.arange(n) * 0.1,
+        velocity=seen(speed, zero, zero),
+        rates=np.zeros((n, 3)),
+        up=seen(zero, zero, zero + 1.0),
+        specific_force=force if felt else np.full((n, 3), np.nan),
+        rotor_speed=np.full((n, 2), 420.0),
+    )
+
+
+@pytest.fixture(scope="module")
+def vehicle() -> Vehicle:
+    mounts = (Mount((0.0, 0.1, 0.0)), Mount((0.0, -0.1, 0.0), spin="cw"))
+    return Vehicle("two rotors", MASS, propmap.propeller("apc-8x6e"), mounts)
+
+
+@pytest.fixture(scope="module")
+def rotor(vehicle: Vehicle) -> propmap.Rotor:
+    return propmap.Rotor(vehicle.propeller, propmap.airfoil("paper-apc"), vehicle.air)
+
+
+def _check(figure: Figure, path: Path) -> None:
+    drawn = [ax for ax in figure.axes if ax.axison]
+    for ax in drawn:
+        assert "[" in ax.get_ylabel() and ax.get_ylabel().endswith("]")
+    assert drawn[-1].get_xlabel().endswith("]")
+    save(figure, path)
+    assert path.read_bytes().startswith(b"\x89PNG")
+
+
+def _lines(ax: Any, *, dashed: bool) -> list[Any]:
+    grey = colours.to_rgba(HOVER["color"])
+    return [line for line in ax.lines if (colours.to_rgba(line.get_color()) == grey) == dashed]
+
+
+def _points(ax: Any) -> list[Any]:
+    return [line for line in ax.lines if line.get_linestyle() == "None"]
+
+
+def test_level_flight(vehicle: Vehicle, rotor: propmap.Rotor, tmp_path: Path) -> None:
+    # Given out of order: the curves run with rising speed.
+    log = _log(np.array([16.0, 13.0, 14.5]))
+    figure = level_flight(vehicle, log, rotor.airfoil)
+    _check(figure, tmp_path / "level.png")
+    labels = [ax.get_ylabel() for ax in figure.axes[:5]]
+    for word, label in zip(("thrust", "drag", "torque", "error", "pitch"), labels, strict=True):
+        assert word in label
+    thrust, drag, torque, error, pitch = figure.axes[:5]
+    for ax in (thrust, drag, torque, error):
+        (hover,) = _lines(ax, dashed=True)
+        assert hover.is_dashed()
+        assert hover.get_xdata() == pytest.approx([13.0, 14.5, 16.0])
+    k = HoverModel.of(rotor, 420.0)
+    assert _lines(thrust, dashed=True)[0].get_ydata() == pytest.approx(2.0 * k.thrust(420.0))
+    assert _lines(torque, dashed=True)[0].get_ydata() == pytest.approx(2.0 * k.torque(420.0))
+    loads = rotor.loads_at_velocity(420.0, log.velocity)
+    assert thrust.lines[1].get_ydata() == pytest.approx(2.0 * loads.thrust[[1, 2, 0]])
+    assert torque.lines[1].get_ydata() == pytest.approx(2.0 * loads.torque[[1, 2, 0]])
+    # An accelerometer reads the weight along the vertical, seen from the leaning vehicle.
+    lean = 0.006 * np.array([13.0, 14.5, 16.0])
+    weight = MASS * GRAVITY
+    assert _points(thrust)[0].get_ydata() == pytest.approx(weight * np.cos(lean))
+    assert _points(drag)[0].get_ydata() == pytest.approx(weight * np.sin(lean))
+    assert _points(pitch)[0].get_ydata() == pytest.approx(np.degrees(lean))
+    vertical = 2.0 * (loads.thrust * log.up[:, 2] - loads.drag * log.up[:, 0])
+    assert error.lines[1].get_ydata() == pytest.approx(vertical[[1, 2, 0]] - weight)
+
+
+def test_level_flight_without_accelerometer(
+    vehicle: Vehicle, rotor: propmap.Rotor, tmp_path: Path
+) -> None:
+    figure = level_flight(vehicle, _log(np.array([13.0, 16.0]), felt=False), rotor.airfoil)
+    _check(figure, tmp_path / "level.png")
+    texts = [text.get_text() for text in figure.axes[5].get_legend().get_texts()]
+    assert "measured: pitch angle" in texts
+
+
+def test_tunnel_fit(rotor: propmap.Rotor, tmp_path: Path) -> None:
+    speed = np.array([13.0, 14.0, 15.0, 14.0])
+    omega = np.array([420.0, 420.0, 420.0, 400.0])
+    thrust = np.array([3.0, 3.1, np.nan, 2.5])
+    data = TunnelData(
+        "tunnel.csv", omega, speed, np.full(4, 1.4), {"thrust": thrust, "drag": 0.1 * thrust}
+    )
+    figure = tunnel_fit(data, rotor)
+    _check(figure, tmp_path / "tunnel.png")
+    first, second = figure.axes[:2]
+    assert first.get_xlabel() == "measured thrust T [N]"
+    assert second.get_ylabel() == "predicted rotor drag D [N]"
+    (points,) = _points(first)
+    found = rotor.loads(omega, speed, 1.4)
+    keep = np.isfinite(thrust)
+    assert points.get_xdata() == pytest.approx(thrust[keep])
+    assert points.get_ydata() == pytest.approx(found.thrust[keep])
+    # Two rotational speeds make two dashes of the thrust; of the drag the model says nothing.
+    dashes = _lines(first, dashed=True)
+    k = HoverModel.of(rotor)
+    levels = sorted(float(line.get_ydata()[0]) for line in dashes)
+    assert levels == pytest.approx([float(k.thrust(w)) for w in (400.0, 420.0)])
+    assert all(line.is_dashed() for line in dashes)
+    assert [line.get_ydata()[0] for line in _lines(second, dashed=True)] == [0.0]
+    with pytest.raises(InputError, match="no load to draw"):
+        tunnel_fit(TunnelData("t.csv", omega, speed, speed, {"thrust": thrust * np.nan}), rotor)
+
+
+def test_steady_parts(tmp_path: Path) -> None:
+    log = _log(np.concatenate([np.full(40, 3.0), np.linspace(3.0, 8.0, 20), np.full(40, 8.0)]))
+    figure = steady_parts(log, [slice(0, 40), slice(60, 100)])
+    _check(figure, tmp_path / "steady.png")
+    speed, climb, rotors = figure.axes
+    assert rotors.get_xlabel() == "time [s]" and rotors.get_ylabel() == "rotor speeds [1/min]"
+    for ax in figure.axes:
+        spans = [patch.get_x() + np.array([0.0, patch.get_width()]) for patch in ax.patches]
+        assert np.array(spans) == pytest.approx(np.array([[0.0, 3.9], [6.0, 9.9]]))
+    means = [line.get_ydata()[0] for line in speed.lines if line not in _points(speed)]
+    assert means == pytest.approx([3.0, 8.0])
+    assert len(_points(rotors)) == 2
+    assert rotors.lines[0].get_ydata() == pytest.approx(420.0 * 30.0 / np.pi)
+    assert colours.to_rgba(climb.lines[0].get_color()) == colours.to_rgba(COLOURS[0])
+    assert "2 steady stretches, 8 of 10 s" in figure.get_suptitle()
