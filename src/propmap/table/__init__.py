@@ -1,0 +1,51 @@
+"""Loads from a table: build and certify one with the model, then ask it with NumPy alone.
+
+Importing this package, loading a table and asking it need NumPy alone.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+from propmap.table.gradient import Gradient
+from propmap.table.inverse import Inverse
+from propmap.table.lookup import STATUSES
+from propmap.table.query import LoadTable, TableLoads
+
+if TYPE_CHECKING:
+    from propmap.table.build import build_table
+    from propmap.table.certificate import Certificate, certify
+    from propmap.table.jax_query import JaxTable
+    from propmap.table.netcdf import write_netcdf
+
+__all__ = [
+    "STATUSES",
+    "Certificate",
+    "Gradient",
+    "Inverse",
+    "JaxTable",
+    "LoadTable",
+    "TableLoads",
+    "build_table",
+    "certify",
+    "write_netcdf",
+]
+
+_LAZY = {
+    "Certificate": "certificate",
+    "JaxTable": "jax_query",
+    "build_table": "build",
+    "certify": "certificate",
+    "write_netcdf": "netcdf",
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name in _LAZY:
+        return getattr(importlib.import_module(f"propmap.table.{_LAZY[name]}"), name)
+    raise AttributeError(f"module 'propmap.table' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted([*globals(), *_LAZY])

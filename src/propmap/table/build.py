@@ -1,0 +1,194 @@
+"""Building a table: knots, coefficients, a patrol for jumps, and the certificate."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, replace
+from datetime import UTC, datetime
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+import propmap
+from propmap.errors import InputError
+from propmap.table.axis import Floats
+from propmap.table.certificate import POINTS, certify
+from propmap.table.content import LOADS, UNRESOLVED, VORTEX_RING, TableContent
+from propmap.table.fingerprint import airfoil_sha256, propeller_sha256
+from propmap.table.jumps import find_jumps, marked
+from propmap.table.model import Model, Progress
+from propmap.table.query import LoadTable
+from propmap.table.refine import CELL_SHARE, Refined, refine, starting_axes
+
+if TYPE_CHECKING:
+    from propmap.rotor import Rotor
+
+Range = tuple[float, float]
+
+MODEL_ERROR = {"standard": 0.001, "fine": 0.0001}
+"""The model's own numerical error, by its accuracy; a tolerance below twice that means nothing."""
+
+LARGEST_TOLERANCE = 0.1
+
+MOST_UNRESOLVED = 0.05
+"""Share of the certificate's points above which a table is refused."""
+
+ATTEMPTS = 4
+FIRST_SEED = 20_171
+
+
+def build_table(
+    rotor: Rotor,
+    *,
+    omega: Range,
+    speed: Range,
+    beta: Range,
+    tolerance: float = 0.005,
+    leave_out_vortex_ring: bool = False,
+    covariance: Mapping[str, Any] | None = None,
+    certificate_points: int = POINTS,
+    progress: Progress | None = None,
+) -> LoadTable:
+    """A certified table of a rotor's loads.
+
+    omega [rad/s], speed [m/s], beta [rad] : least and largest value of the envelope, omega
+        above 0 and beta within 0...pi.
+    tolerance : largest error as a share of the static loads at the same omega.
+    leave_out_vortex_ring : NaN where the model is in the vortex ring state; otherwise the loads
+        are kept, with that status.
+    covariance : of the section law's parameters, plain data to be filed with the table.
+    certificate_points : on how many points the errors are measured, a power of two.
+    progress : called with what is being done and the operating points evaluated so far.
+
+    Where the model's loads jump no table can follow.  The cells concerned have the status
+    "unresolved", and the certificate counts and measures them apart.
+
+    Raises ``InputError`` for an envelope or a tolerance that cannot be, and where the tolerance
+    is not met.
+    """
+    check_tolerance(tolerance, rotor.accuracy)
+    ends = _envelope(omega, speed, beta)
+    model = Model(rotor, ends[0], leave_out_vortex_ring=leave_out_vortex_ring, progress=progress)
+    radius = rotor.propeller.radius
+    advance = (ends[1][0] / (ends[0][1] * radius), ends[1][1] / (ends[0][0] * radius))
+    axes = starting_axes(model, advance, (float(ends[2][0]), float(ends[2][1])))
+    refined = refine(model, *axes, tolerance)
+    info = _provenance(rotor, leave_out_vortex_ring, covariance)
+    content = _content(model, refined, ends, info)
+    narrow = ~refined.advance.divisible[:, None] & ~refined.beta.divisible[None, :]
+    content = find_jumps(content, model, CELL_SHARE * tolerance, narrow)
+    for attempt in range(1, ATTEMPTS + 1):
+        table = LoadTable(content)
+        certificate, found = certify(
+            table, model, tolerance, points=certificate_points, seed=FIRST_SEED + attempt
+        )
+        if certificate.holds:
+            break
+        # Points that failed have been seen now: mark their cells, certify on others.
+        content = marked(content, found, CELL_SHARE * tolerance)
+    unresolved = certificate.unresolved / certificate.points
+    if not certificate.holds or unresolved > MOST_UNRESOLVED:
+        worst = max(certificate.max_error.values())
+        raise InputError(
+            f"the tolerance of {tolerance:.2%} is not met: errors up to {worst:.2%}, and "
+            f"{unresolved:.1%} of the envelope unresolved",
+            "allow more, or make the envelope smaller",
+        )
+    filed = {"certificate": certificate.as_dict(), "model_evaluations": model.evaluations}
+    return LoadTable(replace(content, info={**info, **filed}))
+
+
+def check_tolerance(tolerance: float, accuracy: str) -> None:
+    """Raise ``InputError`` for a tolerance that a table of a rotor so accurate cannot have."""
+    least = 2.0 * MODEL_ERROR[accuracy]
+    if not least <= tolerance <= LARGEST_TOLERANCE:
+        hint = " (0.02% with accuracy fine)" if accuracy == "standard" else ""
+        raise InputError(
+            f"the tolerance is {tolerance:.3g}, with the model's accuracy {accuracy!r} it must "
+            f"lie between {least:.2%} and {LARGEST_TOLERANCE:.0%}{hint}",
+            "choose another tolerance or accuracy",
+        )
+
+
+def _envelope(*ranges: Range) -> tuple[Floats, Floats, Floats]:
+    units = ("omega", "rad/s"), ("speed", "m/s"), ("beta", "rad")
+    for (name, unit), (low, high) in zip(units, ranges, strict=True):
+        if not (np.isfinite([low, high]).all() and low < high):
+            raise InputError(
+                f"{name} goes from {low:g} to {high:g} {unit}", "give a range that rises"
+            )
+    (slowest, _), (least, _), (first, last) = ranges
+    if slowest <= 0.0:
+        raise InputError(
+            f"omega begins at {slowest:g} rad/s, where the advance ratio is infinite",
+            "begin at the idle speed",
+        )
+    if least < 0.0 or first < 0.0 or last > np.pi + 1e-12:
+        raise InputError(
+            "speed must not be negative, and beta must lie between 0 and pi",
+            "descent is beta above pi/2",
+        )
+    omega, speed, beta = (np.array(r, dtype=np.float64) for r in ranges)
+    return omega, speed, np.minimum(beta, np.pi)
+
+
+def _content(
+    model: Model, refined: Refined, ends: tuple[Floats, Floats, Floats], info: dict[str, Any]
+) -> TableContent:
+    rotor, omega = model.rotor, model.omega[:, None]
+    force = rotor.air.density * np.pi * rotor.propeller.radius**4 * omega**2
+    scale = force * np.array([1.0, 1.0, rotor.propeller.radius, rotor.propeller.radius])
+    relative = model.static / scale
+    coefficients = (refined.values * relative[:, None, None, :]).transpose(0, 3, 1, 2)
+    ring = refined.ring
+    any_ring = ring[:-1, :-1] | ring[1:, :-1] | ring[:-1, 1:] | ring[1:, 1:]
+    cells = VORTEX_RING * any_ring.astype(np.uint8) + UNRESOLVED * refined.missed.astype(np.uint8)
+    return TableContent(
+        advance=refined.advance.knots,
+        beta=refined.beta.knots,
+        omega=ends[0],
+        speed=ends[1],
+        # As filed, so that a table answers alike before and after.
+        coefficients=coefficients.astype(np.float32).astype(np.float64),
+        cells=cells.astype(np.uint8),
+        info=info,
+    )
+
+
+def _provenance(
+    rotor: Rotor, leave_out_vortex_ring: bool, covariance: Mapping[str, Any] | None
+) -> dict[str, Any]:
+    blade, section = rotor.propeller, rotor.airfoil
+    return {
+        "title": f"Loads of {blade.name}",
+        "propmap_version": propmap.__version__,
+        "created": datetime.now(UTC).isoformat(timespec="seconds"),
+        "method": "Gill & D'Andrea, Propeller Thrust and Drag in Forward Flight, CCTA 2017",
+        "interpolation": "cubic Hermite in advance and beta, linear in omega^(-1/2)",
+        "loads": list(LOADS),
+        "units": {
+            "omega": "rad/s",
+            "speed": "m/s",
+            "beta": "rad, 0 axial climb, pi axial descent",
+            "advance": "1, speed / (omega radius)",
+            "coefficients": "1, forces over rho pi R^4 omega^2, moments over rho pi R^5 omega^2",
+            "cells": "bits: 1 vortex ring, 2 unresolved",
+        },
+        "propeller": {
+            "name": blade.name,
+            "source": blade.source,
+            "citation": blade.citation,
+            "blades": blade.blades,
+            "radius_m": float(blade.radius),
+            "root_m": float(blade.root),
+            "geometry_sha256": propeller_sha256(blade),
+        },
+        "airfoil": {**asdict(section), "sha256": airfoil_sha256(section)},
+        "airfoil_covariance": dict(covariance) if covariance else None,
+        "air": {
+            "density_kg_m3": float(rotor.air.density),
+            "viscosity_Pa_s": float(rotor.air.viscosity),
+        },
+        "accuracy": rotor.accuracy,
+        "vortex_ring": "left out" if leave_out_vortex_ring else "kept",
+    }

@@ -1,0 +1,139 @@
+"""How far a table is from the model, on points that its building did not use."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from propmap.table.content import LOADS
+from propmap.table.lookup import NO_VALUE, UNRESOLVED, VORTEX_RING
+
+if TYPE_CHECKING:
+    from propmap.table.model import Model
+    from propmap.table.query import LoadTable
+
+Floats = NDArray[np.float64]
+
+POINTS = 32_768
+"""Of a certificate; a power of two, as Sobol's sequence wants."""
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """Errors of a table against the model on quasi-random points of its envelope.
+
+    Errors are shares of the static loads at the same omega: thrust and drag of static thrust,
+    torque of static torque, roll moment of static thrust times radius; by load.
+
+    tolerance : what was asked for.  points, seed : how many, and of which scrambled Sobol
+    sequence over (omega, speed, beta).
+    max_error, rms_error : over the points that have a value and are not "unresolved".
+    unresolved : points in cells where the model's loads jump.  unresolved_max_error,
+    unresolved_rms_error : over these.
+    vortex_ring : points with that status, which count in the errors.  no_value : points without
+    loads, in the model or in the table.
+    """
+
+    tolerance: float
+    points: int
+    seed: int
+    max_error: dict[str, float]
+    rms_error: dict[str, float]
+    unresolved: int
+    unresolved_max_error: dict[str, float]
+    unresolved_rms_error: dict[str, float]
+    vortex_ring: int
+    no_value: int
+
+    @property
+    def holds(self) -> bool:
+        """Whether the largest error is within the tolerance, unresolved points aside."""
+        return max(self.max_error.values()) <= self.tolerance
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain data, as filed; with ``holds``."""
+        return {**asdict(self), "holds": self.holds}
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Errors (n, 4) as shares of static loads, codes (n,), advance ratios and angles (n,)."""
+
+    errors: Floats
+    code: NDArray[np.uint8]
+    advance: Floats
+    beta: Floats
+
+
+def quasi_random(table: LoadTable, points: int, seed: int) -> tuple[Floats, Floats, Floats]:
+    """omega, speed and beta of points that fill the envelope evenly, (n,) each."""
+    from scipy.stats import qmc
+
+    unit = qmc.Sobol(3, seed=seed).random(points)
+    low, high = np.array(list(table.envelope.values())).T
+    omega, speed, beta = (low + (high - low) * unit).T
+    return omega, speed, beta
+
+
+def compare(
+    table: LoadTable, model: Model, omega: Floats, speed: Floats, beta: Floats
+) -> Comparison:
+    """The table's errors at n points of its envelope, (n,) each."""
+    expected, _ = model.loads(omega, speed, beta)
+    found = table.loads(omega, speed, beta)
+    values = np.stack([getattr(found, name) for name in LOADS], axis=-1)
+    errors = (values - expected) / _static(model, omega)
+    return Comparison(errors, found.code, speed / (omega * table.content.radius), beta)
+
+
+def certify(
+    table: LoadTable, model: Model, tolerance: float, *, points: int = POINTS, seed: int = 1
+) -> tuple[Certificate, Comparison]:
+    """Compare on fresh points; the certificate, and what it was drawn from."""
+    model.stage = "certifying"
+    found = compare(table, model, *quasi_random(table, points, seed))
+    lost = np.isnan(found.errors).any(axis=1) | (found.code == NO_VALUE)
+    loose = ~lost & (found.code == UNRESOLVED)
+    sound = ~lost & ~loose
+    most, rms = _sizes(found.errors[sound])
+    loose_most, loose_rms = _sizes(found.errors[loose])
+    numbers = {
+        "unresolved": int(loose.sum()),
+        "vortex_ring": int((found.code == VORTEX_RING).sum()),
+        "no_value": int(lost.sum()),
+    }
+    certificate = Certificate(
+        tolerance=tolerance,
+        points=points,
+        seed=seed,
+        max_error=most,
+        rms_error=rms,
+        unresolved_max_error=loose_most,
+        unresolved_rms_error=loose_rms,
+        **numbers,
+    )
+    return certificate, found
+
+
+def _static(model: Model, omega: Floats) -> Floats:
+    """Static loads (n, 4) at omega (n,).
+
+    Over Omega^2 they are linear in Omega^(-1/2), between the ends of the envelope to 1e-5, as
+    the model's friction is.
+    """
+    roots, ends = omega**-0.5, model.omega**-0.5
+    share = ((roots - ends[0]) / (ends[1] - ends[0]))[:, None]
+    low, high = model.static / (model.omega**2)[:, None]
+    return np.asarray((low + share * (high - low)) * (omega**2)[:, None])
+
+
+def _sizes(errors: Floats) -> tuple[dict[str, float], dict[str, float]]:
+    """Largest and root mean square by load; zeros where there are no points."""
+    if not errors.size:
+        errors = np.zeros((1, len(LOADS)))
+    most, rms = np.abs(errors).max(axis=0), np.sqrt((errors**2).mean(axis=0))
+    names = LOADS
+    return dict(zip(names, most.tolist(), strict=True)), dict(zip(names, rms.tolist(), strict=True))

@@ -1,0 +1,120 @@
+"""What a table holds: axes, coefficients, flags, and where they come from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from propmap.errors import InputError
+from propmap.table.axis import pad
+
+Floats = NDArray[np.float64]
+
+LOADS = ("thrust", "drag", "torque", "roll_moment")
+
+PARITY = np.array([1.0, -1.0, 1.0, -1.0])
+"""How the loads behave across beta = 0 and pi: along and about the axis they are even, across
+it they are odd."""
+
+VORTEX_RING, UNRESOLVED = 1, 2
+"""Bits of a cell's flags: momentum theory does not hold somewhere in it; the table's error
+exceeds the tolerance somewhere in it."""
+
+
+@dataclass(frozen=True)
+class TableContent:
+    """A table as it is filed.
+
+    advance : knots of J = V/(Omega R) [-] (n,).  beta : knots [rad] (m,).
+    omega, speed : least and largest of the envelope [rad/s], [m/s], (2,); that of beta is the
+        first and the last knot.
+    coefficients : (2, 4, n, m), the loads in the order of ``LOADS`` over rho pi R^4 Omega^2 (the
+        forces) and rho pi R^5 Omega^2 (the moments) [-], at both ends of omega.  Between them
+        they are linear in Omega^(-1/2), as the friction term of eq. (4) is.  NaN: no value.
+    cells : (n - 1, m - 1), ``VORTEX_RING`` and ``UNRESOLVED`` added up.
+    info : provenance and the certificate, as plain data for JSON.
+
+    Raises ``InputError`` where these do not fit together.
+    """
+
+    advance: Floats
+    beta: Floats
+    omega: Floats
+    speed: Floats
+    coefficients: Floats
+    cells: NDArray[np.uint8]
+    info: dict[str, Any]
+
+    def __post_init__(self) -> None:
+        n, m = self.advance.size, self.beta.size
+        shapes = {
+            "advance": (n,),
+            "beta": (m,),
+            "omega": (2,),
+            "speed": (2,),
+            "coefficients": (2, len(LOADS), n, m),
+            "cells": (n - 1, m - 1),
+        }
+        for name, shape in shapes.items():
+            found = getattr(self, name).shape
+            if found != shape:
+                raise InputError(f"{name} has shape {found}, expected {shape}")
+        for name in ("advance", "beta", "omega", "speed"):
+            values = getattr(self, name)
+            if not (np.isfinite(values).all() and (np.diff(values) > 0.0).all()):
+                raise InputError(f"the values of {name} do not rise")
+        if min(n, m) < 4:
+            raise InputError(f"the table has {n} x {m} knots, expected 4 at least on each axis")
+        if self.omega[0] <= 0.0 or self.speed[0] < 0.0 or self.advance[0] < 0.0:
+            raise InputError("omega must be positive, speed and advance not negative")
+        if self.beta[0] < 0.0 or self.beta[-1] > np.pi:
+            raise InputError("beta must lie between 0 and pi")
+        if np.isinf(self.coefficients).any():
+            raise InputError("a coefficient is infinite")
+        for name, value in (("radius", self.radius), ("density", self.density)):
+            if isinstance(value, bool) or not (isinstance(value, float) and 0.0 < value < np.inf):
+                raise InputError(f"{name} is {value!r}, expected a positive number")
+
+    @property
+    def radius(self) -> float:
+        """Of the tip [m]."""
+        return _entry(self.info, "propeller", "radius_m")
+
+    @property
+    def density(self) -> float:
+        """Of the air [kg/m^3]."""
+        return _entry(self.info, "air", "density_kg_m3")
+
+    @property
+    def scale(self) -> Floats:
+        """Loads per coefficient and Omega^2, in the order of ``LOADS``; (4,) [N s^2], [N m s^2]."""
+        force = self.density * np.pi * self.radius**4
+        return force * np.array([1.0, 1.0, self.radius, self.radius])
+
+    def padded(self) -> Floats:
+        """Coefficients (n + 2, m + 2, 8) with the ghost values that interpolation needs.
+
+        The last axis: the four coefficients at the least omega, then their slopes with
+        Omega^(-1/2) [(rad/s)^(1/2)].
+        """
+        low, high = self.coefficients
+        roots = self.omega**-0.5
+        both = np.concatenate([low, (high - low) / (roots[1] - roots[0])])
+        inside = pad(self.advance, both.transpose(1, 2, 0), None, None)
+        parity = np.tile(PARITY, 2)
+        ends = [
+            parity if abs(end - axis) < 1e-9 else None
+            for end, axis in ((self.beta[0], 0.0), (self.beta[-1], np.pi))
+        ]
+        across = pad(self.beta, inside.transpose(1, 0, 2), *ends)
+        return np.ascontiguousarray(across.transpose(1, 0, 2))
+
+
+def _entry(info: dict[str, Any], group: str, name: str) -> Any:
+    try:
+        return info[group][name]
+    except (KeyError, TypeError):
+        raise InputError(f"the table does not say {group}.{name}") from None

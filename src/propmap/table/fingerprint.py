@@ -1,0 +1,21 @@
+"""Hashes that tell whether a table belongs to a propeller and a section law."""
+
+from __future__ import annotations
+
+import hashlib
+
+import numpy as np
+
+from propmap.airfoil import Airfoil
+from propmap.propeller import Propeller
+
+
+def propeller_sha256(blade: Propeller) -> str:
+    """SHA-256 of station [m], chord [m], twist [rad], root [m] and blades as little-endian f8."""
+    figures = (blade.station, blade.chord, blade.twist, [blade.root, float(blade.blades)])
+    return hashlib.sha256(np.concatenate(figures).astype("<f8").tobytes()).hexdigest()
+
+
+def airfoil_sha256(section: Airfoil) -> str:
+    """SHA-256 of the section law's parameter file."""
+    return hashlib.sha256(section.to_toml().encode()).hexdigest()

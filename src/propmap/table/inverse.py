@@ -1,0 +1,114 @@
+"""From a load to the rotational speed."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from propmap.errors import InputError
+
+if TYPE_CHECKING:
+    from propmap.table.query import LoadTable
+
+Floats = NDArray[np.float64]
+
+QUANTITIES = ("thrust", "torque", "power")
+
+
+class Inverse(NamedTuple):
+    """The rotational speeds at which a load has the value asked for.
+
+    omega : [rad/s], the largest; NaN where there is none.
+    least : [rad/s], the smallest, the same where there is but one.
+    solutions : how many there are inside the envelope.
+    status : "ok" for one, "none", "several".
+    All have the shape of the points, or are scalars.
+    """
+
+    omega: Floats
+    least: Floats
+    solutions: NDArray[np.int64]
+    status: NDArray[np.str_]
+
+
+def solve(table: LoadTable, quantity: str, value: Floats, speed: Floats, beta: Floats) -> Inverse:
+    """Every omega of the envelope at which the table's load has a value; see ``Inverse``.
+
+    value [N], [N m] or [W], speed [m/s], beta [rad] in 0...pi : arrays of one shape.
+    A point outside the envelope, or on parts of the table without values, has none.  Where the
+    blades windmill at low omega, the same thrust often occurs twice: "several".
+    """
+    if quantity not in QUANTITIES:
+        raise InputError(f"quantity is {quantity!r}: it must be one of {', '.join(QUANTITIES)}")
+    shape = value.shape
+    roots = [
+        _roots(table, quantity, *point)
+        for point in zip(
+            value.ravel().tolist(), speed.ravel().tolist(), beta.ravel().tolist(), strict=True
+        )
+    ]
+    count = np.array([len(found) for found in roots], np.int64).reshape(shape)
+    largest = np.array([found[-1] if found else np.nan for found in roots]).reshape(shape)
+    least = np.array([found[0] if found else np.nan for found in roots]).reshape(shape)
+    status = np.array(["none", "ok", "several"])[np.minimum(count, 2)]
+    return Inverse(largest, least, count, status)
+
+
+def _roots(table: LoadTable, quantity: str, value: float, speed: float, beta: float) -> list[float]:
+    """Rising omegas at which the load is ``value``."""
+    omega = _pieces(table, speed)
+    field = getattr(table.loads(omega, speed, beta), quantity) - value
+    slope = getattr(table.gradient(omega, speed, beta), quantity)[:, 0]
+
+    def excess(w: float) -> float:
+        return float(getattr(table.loads(w, speed, beta), quantity)) - value
+
+    def rate(w: float) -> float:
+        return float(getattr(table.gradient(w, speed, beta), quantity)[0])
+
+    found: list[float] = []
+    points = list(zip(omega.tolist(), field.tolist(), slope.tolist(), strict=True))
+    for (a, fa, da), (b, fb, db) in itertools.pairwise(points):
+        if fa == 0.0:
+            found.append(a)
+        elif fa * fb < 0.0:
+            found.append(_bisect(excess, a, b, fa))
+        elif fa * fb > 0.0 and da * db < 0.0 and da * fa < 0.0:
+            # The load turns back on its way to the value; perhaps beyond it.
+            turn = _bisect(rate, a, b, da)
+            if excess(turn) * fa < 0.0:
+                found += [_bisect(excess, a, turn, fa), _bisect(excess, turn, b, -fa)]
+    if points and points[-1][1] == 0.0:
+        found.append(points[-1][0])
+    return found
+
+
+def _pieces(table: LoadTable, speed: float) -> Floats:
+    """Omegas between which the load is one smooth piece, halved; rising, within the envelope."""
+    low, high = table.envelope["omega"]
+    knots = table.content.advance
+    with np.errstate(divide="ignore"):
+        crossed = speed / (knots * table.content.radius)
+    crossed = crossed[(crossed > low) & (crossed < high)]
+    ends = np.unique(np.concatenate([[low], crossed, [high]]))
+    return np.sort(np.concatenate([ends, 0.5 * (ends[:-1] + ends[1:])]))
+
+
+def _bisect(function: Callable[[float], float], low: float, high: float, start: float) -> float:
+    """Where ``function``, of the sign of ``start`` at low and the other at high, vanishes."""
+    for _ in range(200):
+        middle = 0.5 * (low + high)
+        if not low < middle < high:
+            break
+        value = function(middle)
+        if value == 0.0:
+            return middle
+        if (value > 0.0) == (start > 0.0):
+            low = middle
+        else:
+            high = middle
+    return 0.5 * (low + high)

@@ -1,0 +1,177 @@
+"""A table's query in JAX, for differentiable simulators: jit, vmap, jvp and grad.
+
+The values are those of ``LoadTable``, in the precision of the caller's JAX setting.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from propmap.table.axis import interval_polynomials
+from propmap.table.gradient import HARDLY_MOVING
+from propmap.table.lookup import WIDTH
+from propmap.table.query import SLACK, LoadTable
+
+
+class JaxLoads(NamedTuple):
+    """Thrust, drag [N], torque, roll moment [N m] and power [W]; NaN outside the envelope."""
+
+    thrust: Any
+    drag: Any
+    torque: Any
+    roll_moment: Any
+    power: Any
+
+
+class JaxTable(NamedTuple):
+    """A table as JAX arrays; a pytree, so that it may be an argument of a compiled function.
+
+    Make one with ``JaxTable.of(table)``.
+    """
+
+    padded: Any
+    advance: Any
+    beta: Any
+    advance_weights: Any
+    beta_weights: Any
+    lows: Any
+    highs: Any
+    radius: Any
+    scale: Any
+
+    @classmethod
+    def of(cls, table: LoadTable) -> JaxTable:
+        """The table for use in JAX; in float32 unless the caller has switched x64 on."""
+        content = table.content
+        lows, highs = zip(*table.envelope.values(), strict=True)
+        return cls(
+            padded=jnp.asarray(content.padded()),
+            advance=jnp.asarray(content.advance),
+            beta=jnp.asarray(content.beta),
+            advance_weights=jnp.asarray(interval_polynomials(content.advance)),
+            beta_weights=jnp.asarray(interval_polynomials(content.beta)),
+            lows=jnp.asarray(lows),
+            highs=jnp.asarray(highs),
+            radius=jnp.asarray(content.radius),
+            scale=jnp.asarray(content.scale),
+        )
+
+    def loads(self, omega: Any, speed: Any, beta: Any, *, clamp: bool = False) -> JaxLoads:
+        """Loads at omega [rad/s], speed [m/s] and beta [rad] in 0...pi; broadcast.
+
+        clamp : the loads of the envelope's nearest point, and the derivatives zero across its
+        border, in place of NaN outside.
+        """
+        w, v, b, inside = self._bounded(omega, speed, beta)
+        values = _at(self, w, v * jnp.cos(b), v * jnp.sin(b))
+        return _finish(values, w, inside | clamp)
+
+    def loads_at_velocity(self, omega: Any, velocity: Any, *, clamp: bool = False) -> JaxLoads:
+        """Loads for a velocity (..., 3) [m/s] in the rotor frame, z along the thrust.
+
+        clamp : as in ``loads``; outside, the derivatives with the velocity are zero.
+        Derivatives are finite everywhere inside, at rest too; without in-plane velocity they
+        are those for a velocity that begins to grow along x.
+        """
+        velocity = jnp.asarray(velocity)
+        x, y, axial = velocity[..., 0], velocity[..., 1], velocity[..., 2]
+        inplane = _length(x, y)
+        w, v, b, inside = self._bounded(
+            omega, jnp.hypot(inplane, axial), jnp.arctan2(inplane, axial)
+        )
+        held = jax.lax.stop_gradient((v * jnp.cos(b), v * jnp.sin(b)))
+        # Inside, the velocity itself: its polar form has no derivatives at rest.
+        axial, inplane = jnp.where(inside, axial, held[0]), jnp.where(inside, inplane, held[1])
+        return _finish(_at(self, w, axial, inplane), w, inside | clamp)
+
+    def _bounded(self, omega: Any, speed: Any, beta: Any) -> tuple[Any, Any, Any, Any]:
+        given = jnp.broadcast_arrays(
+            *(jnp.asarray(x, self.lows.dtype) for x in (omega, speed, beta))
+        )
+        held = [jnp.clip(x, self.lows[k], self.highs[k]) for k, x in enumerate(given)]
+        slack = max(SLACK, 4.0 * float(np.finfo(self.lows.dtype).eps))
+        near = [
+            jnp.abs(x - y) <= slack * self.highs[k]
+            for k, (x, y) in enumerate(zip(given, held, strict=True))
+        ]
+        return held[0], held[1], held[2], near[0] & near[1] & near[2]
+
+
+@jax.custom_jvp
+def _length(x: Any, y: Any) -> Any:
+    return jnp.hypot(x, y)
+
+
+@_length.defjvp
+def _length_jvp(primals: Any, tangents: Any) -> Any:
+    x, y = primals
+    length = jnp.hypot(x, y)
+    moves = length > 0.0
+    divisor = jnp.where(moves, length, 1.0)
+    along = jnp.where(moves, x / divisor, 1.0) * tangents[0] + y / divisor * tangents[1]
+    return length, along
+
+
+@jax.custom_jvp
+def _at(table: JaxTable, omega: Any, axial: Any, inplane: Any) -> Any:
+    """Loads (..., 4); omega, axial and inplane of one shape, inside the envelope."""
+    return _expanded(table, omega, axial, inplane)[0]
+
+
+@_at.defjvp
+def _at_jvp(primals: Any, tangents: Any) -> Any:
+    value, *slopes = _expanded(*primals)
+    pairs = zip(slopes, tangents[1:], strict=True)
+    return value, sum(slope * tangent[..., None] for slope, tangent in pairs)
+
+
+def _expanded(table: JaxTable, omega: Any, axial: Any, inplane: Any) -> tuple[Any, Any, Any, Any]:
+    """Loads (..., 4) and their derivatives with omega, axial and in-plane velocity."""
+    speed = jnp.hypot(axial, inplane)
+    tip_speed = omega * table.radius
+    advance = speed / tip_speed
+    beta = jnp.arctan2(inplane, axial)
+    i, across = _weights(table.advance, table.advance_weights, advance)
+    j, along = _weights(table.beta, table.beta_weights, beta)
+    k = jnp.arange(4)
+    block = table.padded[(i[..., None] + k)[..., :, None], (j[..., None] + k)[..., None, :]]
+    found = jnp.einsum("...dk,...el,...klc->...dec", across, along, block)
+    root = (omega**-0.5 - table.lows[0] ** -0.5)[..., None, None, None]
+    half = WIDTH // 2
+    both = found[..., :half] + root * found[..., half:]
+    value, by_beta = both[..., 0, 0, :], both[..., 0, 1, :]
+    by_advance, mixed = both[..., 1, 0, :], both[..., 1, 1, :]
+    resting = (advance < HARDLY_MOVING)[..., None]
+    by_angle = jnp.where(resting, mixed, by_beta / jnp.where(resting, 1.0, advance[..., None]))
+    square = (omega**2)[..., None] * table.scale
+    per_speed = square / tip_speed[..., None]
+    cosine, sine = jnp.cos(beta)[..., None], jnp.sin(beta)[..., None]
+    by_omega = square * (
+        2.0 * value / omega[..., None]
+        - by_advance * (advance / omega)[..., None]
+        - 0.5 * (omega**-1.5)[..., None] * found[..., 0, 0, half:]
+    )
+    by_axial = per_speed * (by_advance * cosine - by_angle * sine)
+    by_inplane = per_speed * (by_advance * sine + by_angle * cosine)
+    return square * value, by_omega, by_axial, by_inplane
+
+
+def _weights(knots: Any, polynomials: Any, x: Any) -> tuple[Any, Any]:
+    """Interval of x, and the weights of its four values and of their derivative (..., 2, 4)."""
+    i = jnp.searchsorted(knots[1:-1], x, side="right")
+    width = knots[i + 1] - knots[i]
+    t = (x - knots[i]) / width
+    one = jnp.ones_like(t)
+    powers = jnp.stack([one, t, t**2, t**3], axis=-1)
+    slopes = jnp.stack([0.0 * one, one, 2.0 * t, 3.0 * t**2], axis=-1) / width[..., None]
+    both = jnp.stack([powers, slopes], axis=-2)
+    return i, jnp.einsum("...km,...dm->...dk", polynomials[i], both)
+
+
+def _finish(values: Any, omega: Any, valid: Any) -> JaxLoads:
+    thrust, drag, torque, roll = jnp.moveaxis(jnp.where(valid[..., None], values, jnp.nan), -1, 0)
+    return JaxLoads(thrust, drag, torque, roll, torque * omega)

@@ -1,0 +1,108 @@
+"""The model as the builder of a table sees it: coefficients at (J, beta), each asked for once."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from propmap.errors import InputError
+from propmap.table.content import LOADS
+
+if TYPE_CHECKING:
+    from propmap.rotor import Rotor
+
+Floats = NDArray[np.float64]
+
+Progress = Callable[[str, int], None]
+"""Called with what is being done and the number of operating points evaluated so far."""
+
+BATCH = 4096
+"""Operating points between two reports of progress: some tenths of a second."""
+
+
+class Model:
+    """Coefficients of a rotor, relative to its static ones, at two rotational speeds.
+
+    rotor : the model.  omega : both speeds [rad/s] (2,).  leave_out_vortex_ring : make points
+    in the vortex ring state NaN.  progress : told of every batch.
+    Raises ``InputError`` unless static thrust and torque are positive.
+    """
+
+    def __init__(
+        self,
+        rotor: Rotor,
+        omega: Floats,
+        *,
+        leave_out_vortex_ring: bool = False,
+        progress: Progress | None = None,
+    ) -> None:
+        self.rotor, self.omega = rotor, omega
+        self.leave_out_vortex_ring = leave_out_vortex_ring
+        self.evaluations = 0
+        self.stage = "static loads"
+        self._progress = progress
+        self._known: list[dict[tuple[float, float], Floats]] = [{}, {}]
+        self.static = self.static_loads(omega)
+
+    def static_loads(self, omega: Floats) -> Floats:
+        """What errors are relative to (n, 4): static thrust T, T, torque and T R."""
+        loads, _ = self._evaluate(omega, np.zeros_like(omega), np.zeros_like(omega))
+        thrust, torque = loads[:, 0], loads[:, 2]
+        if not ((thrust > 0.0).all() and (torque > 0.0).all()):
+            raise InputError(
+                "at rest in the air this rotor has no positive thrust and torque, to which a "
+                "table's errors could be related",
+                "check the propeller's pitch and the section law",
+            )
+        return np.stack([thrust, thrust, torque, thrust * self.rotor.propeller.radius], axis=-1)
+
+    def loads(self, omega: Floats, speed: Floats, beta: Floats) -> tuple[Floats, NDArray[np.bool_]]:
+        """Loads (n, 4) in the order of ``LOADS``, and whether in the vortex ring state (n,)."""
+        values, ring = self._evaluate(omega, speed, beta)
+        if self.leave_out_vortex_ring:
+            values[ring] = np.nan
+        return values, ring
+
+    def relative(self, node: int, advance: Floats, beta: Floats) -> tuple[Floats, Floats]:
+        """Loads over static ones on the grid of n advance ratios and m angles, (n, m, 4).
+
+        node : 0 or 1, which omega.  The second result is 1 in the vortex ring state (n, m).
+        """
+        known = self._known[node]
+        grid = [(j, b) for j in advance.tolist() for b in beta.tolist()]
+        self._learn(node, [point for point in grid if point not in known])
+        found = np.array([known[point] for point in grid]).reshape(advance.size, beta.size, -1)
+        return found[..., :-1], found[..., -1]
+
+    def relative_at(self, node: int, advance: Floats, beta: Floats) -> Floats:
+        """The same at n points, (n, 4)."""
+        known = self._known[node]
+        points = list(zip(advance.tolist(), beta.tolist(), strict=True))
+        self._learn(node, [point for point in points if point not in known])
+        return np.array([known[point] for point in points]).reshape(-1, len(LOADS) + 1)[:, :-1]
+
+    def _learn(self, node: int, points: list[tuple[float, float]]) -> None:
+        if not points:
+            return
+        advance, beta = np.array(points).T
+        omega = np.full(advance.size, self.omega[node])
+        values, ring = self.loads(omega, advance * omega * self.rotor.propeller.radius, beta)
+        rows = np.concatenate([values / self.static[node], ring[:, None]], axis=1)
+        self._known[node].update(zip(points, rows, strict=True))
+
+    def _evaluate(
+        self, omega: Floats, speed: Floats, beta: Floats
+    ) -> tuple[Floats, NDArray[np.bool_]]:
+        values, ring = np.empty((omega.size, len(LOADS))), np.empty(omega.size, bool)
+        for start in range(0, omega.size, BATCH):
+            cut = slice(start, start + BATCH)
+            found = self.rotor.loads(omega[cut], speed[cut], beta[cut])
+            values[cut] = np.stack([getattr(found, name) for name in LOADS], axis=-1)
+            ring[cut] = found.status == "vortex_ring"
+            self.evaluations += found.thrust.size
+            if self._progress:
+                self._progress(self.stage, self.evaluations)
+        return values, ring

@@ -1,0 +1,84 @@
+"""A table as a NetCDF file, for people and their tools."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+import xarray
+
+from propmap.atomic_file import replacing
+from propmap.table.content import LOADS
+
+if TYPE_CHECKING:
+    from propmap.table.query import LoadTable
+
+MEANINGS = {
+    "thrust": "thrust over rho pi R^4 Omega^2",
+    "drag": "rotor drag over rho pi R^4 Omega^2",
+    "torque": "torque over rho pi R^5 Omega^2",
+    "roll_moment": "roll moment over rho pi R^5 Omega^2",
+}
+
+
+def write_netcdf(table: LoadTable, path: str | os.PathLike[str]) -> None:
+    """Write what the table holds, with units and provenance, whole or not at all."""
+    with replacing(Path(path)) as part:
+        table_dataset(table).to_netcdf(part, engine="h5netcdf")
+
+
+def table_dataset(table: LoadTable) -> xarray.Dataset:
+    """Coefficients over omega, advance ratio and beta, and the cells' flags.
+
+    The loads are those of the advance ratio V/(Omega R); the envelope in V is in the attributes.
+    """
+    content = table.content
+    coordinates = {
+        "omega": ("omega", content.omega, {"units": "rad/s", "long_name": "rotational speed"}),
+        "advance": (
+            "advance",
+            content.advance,
+            {"units": "1", "long_name": "advance ratio V/(Omega R)"},
+        ),
+        "beta": (
+            "beta",
+            content.beta,
+            {"units": "rad", "long_name": "angle from the axis to the velocity, 0 in climb"},
+        ),
+    }
+    variables = {
+        name: (
+            ("omega", "advance", "beta"),
+            content.coefficients[:, k].astype(np.float32),
+            {"units": "1", "long_name": MEANINGS[name]},
+        )
+        for k, name in enumerate(LOADS)
+    }
+    found = xarray.Dataset(variables, coordinates, _attributes(table))
+    found["cells"] = (
+        ("advance_interval", "beta_interval"),
+        content.cells,
+        {
+            "long_name": "where between the knots the loads are not to be relied on",
+            "flag_masks": np.array([1, 2], np.uint8),
+            "flag_meanings": "vortex_ring unresolved",
+        },
+    )
+    return found
+
+
+def _attributes(table: LoadTable) -> dict[str, str | float]:
+    """``info`` without its nesting; ``speed_low_m_s`` and the like for the envelope."""
+    low, high = table.envelope["speed"]
+    flat: dict[str, str | float] = {"speed_low_m_s": low, "speed_high_m_s": high}
+    for key, value in table.info.items():
+        if isinstance(value, dict) and key in ("propeller", "airfoil", "air"):
+            flat |= {f"{key}_{name}": entry for name, entry in value.items()}
+        elif isinstance(value, (str, float, int)):
+            flat[key] = value
+        elif value is not None:
+            flat[key] = json.dumps(value, ensure_ascii=False)
+    return flat

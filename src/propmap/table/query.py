@@ -1,0 +1,276 @@
+"""``LoadTable``: loads from a table, with NumPy alone."""
+
+from __future__ import annotations
+
+import math
+import os
+from typing import TYPE_CHECKING, Any, NamedTuple, Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from propmap.errors import InputError
+from propmap.table.arguments import broadcast, fold, split_velocity
+from propmap.table.content import TableContent
+from propmap.table.fingerprint import propeller_sha256
+from propmap.table.gradient import Gradient, polar_gradient, velocity_gradient
+from propmap.table.lookup import CLAMPED, NO_VALUE, OUTSIDE, STATUSES, Lookup
+from propmap.table.table_file import read_table, write_table
+
+if TYPE_CHECKING:
+    from propmap.propeller import Propeller
+    from propmap.table.inverse import Inverse
+
+Floats = NDArray[np.float64]
+
+CHUNK = 1024
+"""Points that are interpolated together, so that what they gather stays in the cache."""
+
+SLACK = 1e-9
+"""Share of an axis by which a point may lie beyond its end for rounding: 10000 rpm is not the
+same number however it is converted."""
+
+_NAN = math.nan
+
+
+class TableLoads(NamedTuple):
+    """Loads from a table; floats for a single point, else arrays of the points' shape.
+
+    thrust, drag [N], torque, roll_moment [N m], power [W] : as in ``propmap.Loads``.
+    code : index into ``STATUSES``; see ``status``.
+    """
+
+    thrust: Any
+    drag: Any
+    torque: Any
+    roll_moment: Any
+    power: Any
+    code: Any
+
+    @property
+    def status(self) -> Any:
+        """A word of ``STATUSES`` per point.
+
+        "vortex_ring": the model's momentum theory does not hold nearby.  "unresolved": the
+        model's loads jump nearby, and the table's error may exceed its tolerance.  "clamped":
+        outside the envelope, the loads are those of the nearest point of it.  "no_value":
+        the model found no loads nearby, or they were left out; NaN.  "outside": outside the
+        envelope; NaN.
+        """
+        words = np.asarray(STATUSES)[self.code]
+        return str(words) if words.ndim == 0 else words
+
+    @property
+    def inside(self) -> Any:
+        """Where the point asked for is inside the envelope."""
+        return (self.code != OUTSIDE) & (self.code != CLAMPED)
+
+
+class LoadTable:
+    """Loads of one rotor over an envelope of operating points.
+
+    content : what the table holds.  Make one with ``LoadTable.load``, or ``build_table``.
+    The envelope is a box in omega [rad/s], speed [m/s] and beta [rad]; see ``envelope``.
+    """
+
+    def __init__(self, content: TableContent) -> None:
+        self.content = content
+        self._lookup = Lookup(content)
+        ends = (content.omega, content.speed, content.beta[[0, -1]])
+        self._box = tuple((float(low), float(high)) for low, high in ends)
+        self._slack = tuple(SLACK * (high - low) for low, high in self._box)
+        self._radius = content.radius
+        self._scale = tuple(content.scale.tolist())
+        self._root = float(content.omega[0]) ** -0.5
+
+    def __repr__(self) -> str:
+        box = ", ".join(f"{k} {low:g} to {high:g}" for k, (low, high) in self.envelope.items())
+        return f"LoadTable({self.info['propeller'].get('name')}, {box})"
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str], *, propeller: Propeller | None = None) -> Self:
+        """The table in a .npz file; nothing in it is executed.
+
+        propeller : where given, the geometry that the table must have been built from.
+        Raises ``InputError`` for a missing, damaged or foreign file, one of a later format, and
+        a table of another propeller.
+        """
+        content = read_table(path)
+        if propeller is not None:
+            described = content.info["propeller"]
+            if described.get("geometry_sha256") != propeller_sha256(propeller):
+                raise InputError(
+                    f"the table is of {described.get('name')!r}, expected {propeller.name!r} with "
+                    "the same geometry",
+                    "build a table for this propeller",
+                    os.fspath(path),
+                )
+        return cls(content)
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the table to a .npz file, whole or not at all."""
+        write_table(self.content, path)
+
+    @property
+    def envelope(self) -> dict[str, tuple[float, float]]:
+        """Least and largest omega [rad/s], speed [m/s] and beta [rad]."""
+        return dict(zip(("omega", "speed", "beta"), self._box, strict=True))
+
+    @property
+    def info(self) -> dict[str, Any]:
+        """Where the table comes from: propeller, airfoil, air, versions; plain data."""
+        return self.content.info
+
+    @property
+    def certificate(self) -> dict[str, Any]:
+        """The table's errors against the model, see ``propmap.table.Certificate``; plain data."""
+        return dict(self.info.get("certificate") or {})
+
+    def loads(
+        self, omega: ArrayLike, speed: ArrayLike, beta: ArrayLike, *, clamp: bool = False
+    ) -> TableLoads:
+        """Loads at operating points.
+
+        omega [rad/s], speed [m/s], beta [rad] : scalars or arrays, broadcast; beta and
+        2 pi - beta are mirror images with the same loads.
+        clamp : give the loads of the envelope's nearest omega, speed and beta for a point
+        outside it, with the status "clamped", in place of NaN.
+        """
+        if (
+            isinstance(omega, (float, int))
+            and isinstance(speed, (float, int))
+            and isinstance(beta, (float, int))
+        ):
+            return self._point(omega, speed, beta, clamp)
+        w, v, b = broadcast(omega=omega, speed=speed, beta=beta)
+        if w.ndim == 0:
+            return self._point(float(w), float(v), float(b), clamp)
+        return self._points(w, v, b, clamp)
+
+    def loads_at_velocity(
+        self, omega: ArrayLike, velocity: ArrayLike, *, clamp: bool = False
+    ) -> TableLoads:
+        """Loads for a velocity vector in the rotor frame.
+
+        omega : shape (...) [rad/s].  velocity : shape (..., 3) [m/s], of the hub through the
+        air, z along the thrust; broadcast over the leading axes.  clamp : as in ``loads``.
+        """
+        if isinstance(omega, (float, int)) and np.shape(velocity) == (3,):
+            x, y, z = map(float, velocity)
+            across = math.hypot(x, y)
+            return self._point(omega, math.hypot(across, z), math.atan2(across, z), clamp)
+        w, x, y, z = split_velocity(omega, velocity)
+        across = np.hypot(x, y)
+        return self.loads(w, np.hypot(across, z), np.arctan2(across, z), clamp=clamp)
+
+    def gradient(self, omega: ArrayLike, speed: ArrayLike, beta: ArrayLike) -> Gradient:
+        """Derivatives with omega [rad/s], speed [m/s] and beta [rad]; NaN outside.
+
+        Arguments as in ``loads``; each field of the result has their shape and then (3,).
+        """
+        w, v, b = broadcast(omega=omega, speed=speed, beta=beta)
+        folded, sign = fold(b)
+        w, v, folded, _ = self._bounded(w, v, folded, clamp=False)
+        return self._by_chunks(polar_gradient, w, v, folded, sign)
+
+    def gradient_at_velocity(self, omega: ArrayLike, velocity: ArrayLike) -> Gradient:
+        """Derivatives with omega [rad/s] and the velocity's x, y, z [m/s]; NaN outside.
+
+        Arguments as in ``loads_at_velocity``; each field of the result has the leading shape
+        and then (4,).  Without in-plane velocity, where drag and rolling moment point nowhere,
+        the derivatives are those for a velocity that begins to grow along x.
+        """
+        w, x, y, z = split_velocity(omega, velocity)
+        across = np.hypot(x, y)
+        speed, beta = np.hypot(across, z), np.arctan2(across, z)
+        w, speed, beta, _ = self._bounded(w, speed, beta, clamp=False)
+        return self._by_chunks(velocity_gradient, w, speed, beta, x, y)
+
+    def omega_for(
+        self, quantity: str, value: ArrayLike, speed: ArrayLike, beta: ArrayLike
+    ) -> Inverse:
+        """The omega [rad/s] at which a load has a value; see ``propmap.table.inverse``.
+
+        quantity : "thrust" [N], "torque" [N m] or "power" [W].  value, speed [m/s], beta
+        [rad] : scalars or arrays, broadcast.
+        """
+        from propmap.table.inverse import solve
+
+        wanted, v, b = broadcast(value=value, speed=speed, beta=beta)
+        return solve(self, quantity, wanted, v, fold(b)[0])
+
+    def _point(self, omega: float, speed: float, beta: float, clamp: bool) -> TableLoads:
+        (w0, w1), (v0, v1), (b0, b1) = self._box
+        if not 0.0 <= beta <= math.pi and math.isfinite(beta):
+            beta = abs(math.remainder(beta, 2.0 * math.pi))
+        clamped = False
+        if not (w0 <= omega <= w1 and v0 <= speed <= v1 and b0 <= beta <= b1):
+            w, v, b = min(max(omega, w0), w1), min(max(speed, v0), v1), min(max(beta, b0), b1)
+            dw, dv, db = self._slack
+            beyond = not (abs(w - omega) <= dw and abs(v - speed) <= dv and abs(b - beta) <= db)
+            if beyond and not (clamp and omega == omega and speed == speed and beta == beta):
+                return TableLoads(_NAN, _NAN, _NAN, _NAN, _NAN, OUTSIDE)
+            omega, speed, beta, clamped = w, v, b, beyond
+        (t0, d0, q0, r0, t1, d1, q1, r1), code = self._lookup.point(
+            speed / (omega * self._radius), beta
+        )
+        s = omega**-0.5 - self._root
+        kt, kd, kq, kr = self._scale
+        square = omega * omega
+        thrust, torque = kt * square * (t0 + s * t1), kq * square * (q0 + s * q1)
+        if thrust != thrust:
+            code = NO_VALUE
+        elif clamped:
+            code = CLAMPED
+        drag, roll = kd * square * (d0 + s * d1), kr * square * (r0 + s * r1)
+        return TableLoads(thrust, drag, torque, roll, torque * omega, code)
+
+    def _points(self, omega: Floats, speed: Floats, beta: Floats, clamp: bool) -> TableLoads:
+        shape = omega.shape
+        folded, _ = fold(beta.ravel())
+        w, v, b, outside = self._bounded(omega.ravel(), speed.ravel(), folded, clamp=clamp)
+        loads = np.empty((len(self._scale), w.size))
+        code = np.empty(w.size, np.uint8)
+        scale = np.array(self._scale)
+        for start in range(0, w.size, CHUNK):
+            cut = slice(start, start + CHUNK)
+            rate = w[cut]
+            values, code[cut] = self._lookup.points(v[cut] / (rate * self._radius), b[cut])
+            values[:, 4:] *= (rate**-0.5 - self._root)[:, None]
+            total = values[:, :4] + values[:, 4:]
+            total *= (rate * rate)[:, None] * scale
+            loads[:, cut] = total.T
+        code[outside] = CLAMPED
+        code[np.isnan(loads[0])] = NO_VALUE
+        code[np.isnan(w)] = OUTSIDE
+        fields = (*loads, loads[2] * w, code)
+        return TableLoads(*(field.reshape(shape) for field in fields))
+
+    def _bounded(
+        self, omega: Floats, speed: Floats, beta: Floats, *, clamp: bool
+    ) -> tuple[Floats, Floats, Floats, NDArray[np.bool_]]:
+        """The points inside the envelope, and which were not; NaN there unless ``clamp``."""
+        given = (omega, speed, beta)
+        held = [
+            np.array(np.clip(x, low, high)) for x, (low, high) in zip(given, self._box, strict=True)
+        ]
+        # Written so that NaN counts as outside.
+        within = [
+            np.abs(x - y) <= slack for x, y, slack in zip(given, held, self._slack, strict=True)
+        ]
+        outside = ~(within[0] & within[1] & within[2])
+        if outside.any():
+            lost = outside & np.isnan(omega + speed + beta) if clamp else outside
+            for x, value in zip(held, (np.nan, self._box[1][0], self._box[2][0]), strict=True):
+                x[lost] = value
+        return held[0], held[1], held[2], outside
+
+    def _by_chunks(self, gradient: Any, *arrays: Floats) -> Gradient:
+        shape = arrays[0].shape
+        flat = [np.ravel(array) for array in np.broadcast_arrays(*arrays)]
+        parts = [
+            gradient(self.content, self._lookup, *(array[start : start + CHUNK] for array in flat))
+            for start in range(0, max(flat[0].size, 1), CHUNK)
+        ]
+        fields = zip(*parts, strict=True)
+        return Gradient(*(np.concatenate(f).reshape(*shape, f[0].shape[-1]) for f in fields))

@@ -1,0 +1,107 @@
+"""Tables as files: NumPy's .npz, without pickle."""
+
+from __future__ import annotations
+
+import json
+import os
+import zipfile
+import zlib
+from pathlib import Path
+from typing import Any, BinaryIO
+
+import numpy as np
+
+from propmap.atomic_file import replacing
+from propmap.errors import InputError, quoted
+from propmap.table.content import TableContent
+
+FORMAT = "propmap-table"
+FORMAT_VERSION = 1
+
+ARRAYS = ("advance", "beta", "omega", "speed", "coefficients", "cells")
+
+MOST_BYTES = 200_000_000
+
+_REMEDY = "give a file that `propmap table` wrote"
+
+
+def write_table(content: TableContent, path: str | os.PathLike[str]) -> None:
+    """Write a table to a .npz file, whole or not at all.
+
+    The coefficients are kept in single precision, 6e-8 of their size, which is far below any
+    tolerance; ``info`` is JSON text.
+    """
+    head = {"format": FORMAT, "format_version": FORMAT_VERSION, **content.info}
+    arrays: dict[str, Any] = {name: getattr(content, name) for name in ARRAYS}
+    arrays["coefficients"] = content.coefficients.astype(np.float32)
+    text = np.array(json.dumps(head, allow_nan=False, ensure_ascii=False))
+    with replacing(Path(path)) as part, part.open("xb") as file:
+        np.savez_compressed(file, info=text, **arrays)
+
+
+def read_table(path: str | os.PathLike[str]) -> TableContent:
+    """Read a table.
+
+    Raises ``InputError`` for a missing, damaged or foreign file and one of a later format.
+    """
+    where = os.fspath(path)
+    try:
+        if Path(where).stat().st_size > MOST_BYTES:
+            raise InputError(f"more than {MOST_BYTES / 1e6:g} MB is no table", _REMEDY, where)
+        # Opened here, since NumPy leaves a file open that it cannot make sense of.
+        with Path(where).open("rb") as stream:
+            found = _arrays(stream, where)
+    except InputError:
+        raise
+    except FileNotFoundError:
+        raise InputError("no such file", "check the path", where) from None
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise InputError(
+            f"cannot read it: {reason}", "check the path and the file", where
+        ) from None
+    except (ValueError, EOFError, KeyError, zipfile.BadZipFile, zlib.error, NotImplementedError):
+        # What NumPy and zipfile raise for files cut short, altered, pickled or of another kind.
+        raise InputError("this is no table, or a damaged one", _REMEDY, where) from None
+    info = _info(found, where)
+    try:
+        return TableContent(**_typed(found), info=info)
+    except InputError as error:
+        raise InputError(error.found, "the file is damaged; build the table again", where) from None
+
+
+def _arrays(stream: BinaryIO, where: str) -> dict[str, Any]:
+    file = np.load(stream, allow_pickle=False)
+    if not isinstance(file, np.lib.npyio.NpzFile):
+        raise InputError("this is a single array, no table", _REMEDY, where)
+    with file:
+        return {name: file[name] for name in file.files if name in (*ARRAYS, "info")}
+
+
+def _info(found: dict[str, Any], where: str) -> dict[str, Any]:
+    try:
+        info = json.loads(str(found["info"][()]))
+        name, version = info.pop("format"), info.pop("format_version")
+    except (KeyError, ValueError, TypeError, AttributeError, RecursionError):
+        raise InputError("the file says nothing of a table", _REMEDY, where) from None
+    if name != FORMAT:
+        raise InputError(f"the format is {quoted(name)}, expected {FORMAT!r}", _REMEDY, where)
+    if version != FORMAT_VERSION:
+        raise InputError(
+            f"the table's format version is {quoted(version)}, this propmap reads {FORMAT_VERSION}",
+            "install the propmap that wrote it, or build the table again",
+            where,
+        )
+    missing = [name for name in ARRAYS if name not in found]
+    if missing:
+        raise InputError(f"the table has no {missing[0]}", _REMEDY, where)
+    return dict(info)
+
+
+def _typed(found: dict[str, Any]) -> dict[str, Any]:
+    for name in ARRAYS:
+        kind = found[name].dtype.kind
+        if kind not in ("u" if name == "cells" else "f"):
+            raise InputError(f"{name} holds values of another kind ({found[name].dtype})")
+    numbers = {name: found[name].astype(np.float64) for name in ARRAYS if name != "cells"}
+    return {**numbers, "cells": found["cells"].astype(np.uint8)}

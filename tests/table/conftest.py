@@ -1,0 +1,69 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import propmap
+from propmap.table import LoadTable, build_table
+from propmap.table.content import TableContent
+
+OMEGA = (400.0, 800.0)
+SPEED = (0.0, 6.0)
+BETA = (0.0, np.pi)
+TOLERANCE = 0.03
+
+
+@pytest.fixture(scope="session")
+def rotor() -> propmap.Rotor:
+    return propmap.Rotor(propmap.propeller("apc-8x6e"), propmap.airfoil("paper-apc"))
+
+
+@pytest.fixture(scope="session")
+def table(rotor: propmap.Rotor) -> LoadTable:
+    """A coarse table of the model, hover and slow flight in all directions."""
+    return build_table(
+        rotor,
+        omega=OMEGA,
+        speed=SPEED,
+        beta=BETA,
+        tolerance=TOLERANCE,
+        certificate_points=2048,
+    )
+
+
+@pytest.fixture(scope="session")
+def invented() -> LoadTable:
+    """A smooth table without a model behind it, with the loads' symmetries."""
+    return LoadTable(invented_content())
+
+
+def invented_content() -> TableContent:
+    radius = 0.1
+    advance = np.linspace(0.0, 0.5, 26) ** 1.2
+    beta = np.linspace(0.0, np.pi, 31)
+    j, b = np.meshgrid(advance, beta, indexing="ij")
+    thrust = 0.016 - 0.08 * j * np.cos(b) + 0.02 * j**2
+    drag = 0.006 * j * np.sin(b) * (1.0 + j * np.cos(b))
+    torque = 0.0025 - 0.002 * j * np.cos(b) - 0.003 * j**2 * np.cos(b) ** 2
+    roll = 0.004 * j * np.sin(b)
+    low = np.stack([thrust, drag, torque, roll])
+    high = low * np.array([1.01, 1.0, 0.95, 1.0])[:, None, None]
+    info = {
+        "propeller": {"name": "invented", "radius_m": radius, "geometry_sha256": "0"},
+        "air": {"density_kg_m3": 1.2, "viscosity_Pa_s": 1.8e-5},
+    }
+    return TableContent(
+        advance=advance,
+        beta=beta,
+        omega=np.array([200.0, 1000.0]),
+        speed=np.array([0.0, advance[-1] * 200.0 * radius]),
+        coefficients=np.stack([low, high]).astype(np.float32).astype(np.float64),
+        cells=np.zeros((advance.size - 1, beta.size - 1), np.uint8),
+        info=info,
+    )
+
+
+def random_points(table: LoadTable, count: int, seed: int = 0) -> tuple[np.ndarray, ...]:
+    low, high = np.array(list(table.envelope.values())).T
+    unit = np.random.default_rng(seed).random((count, 3))
+    return tuple((low + (high - low) * unit).T)

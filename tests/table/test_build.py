@@ -1,0 +1,169 @@
+"""Building: the certificate holds on points never seen, gaps stay gaps, absurd wishes are told."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray
+
+import propmap
+from propmap.table import LoadTable, build_table, write_netcdf
+from propmap.table.content import LOADS
+from propmap.table.model import Model
+
+from .conftest import BETA, OMEGA, SPEED, TOLERANCE, random_points
+
+
+def _errors(
+    table: LoadTable, rotor: propmap.Rotor, count: int, seed: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Errors as shares of the static loads (n, 4), and statuses, on random points."""
+    omega, speed, beta = random_points(table, count, seed)
+    model, found = rotor.loads(omega, speed, beta), table.loads(omega, speed, beta)
+    rates, where = np.unique(omega, return_inverse=True)
+    still = rotor.loads(rates, 0.0, 0.0)
+    thrust, torque = still.thrust[where], still.torque[where]
+    static = np.stack([thrust, thrust, torque, thrust * rotor.propeller.radius], -1)
+    difference = [getattr(found, name) - getattr(model, name) for name in LOADS]
+    return np.stack(difference, -1) / static, found.status
+
+
+def test_the_certificate_holds_on_fresh_points(table: LoadTable, rotor: propmap.Rotor) -> None:
+    assert table.certificate["holds"]
+    errors, status = _errors(table, rotor, 3000, seed=6)
+    sound = (status == "ok") | (status == "vortex_ring")
+    assert sound.mean() > 0.95
+    assert np.abs(errors[sound]).max() <= TOLERANCE
+    rms = np.sqrt((errors[sound] ** 2).mean(axis=0))
+    certified = [table.certificate["rms_error"][name] for name in LOADS]
+    # Two samples of the same errors.
+    np.testing.assert_allclose(rms, certified, rtol=0.5)
+
+
+def test_no_load_jumps_from_cell_to_cell(table: LoadTable) -> None:
+    """Value and slope are continuous across knots."""
+    content, w = table.content, 600.0
+    for knot in content.beta[1:-1:7]:
+        ends = [table.gradient(w, 4.0, knot + side * 1e-9).thrust for side in (-1.0, 1.0)]
+        np.testing.assert_allclose(ends[0], ends[1], rtol=1e-5, atol=1e-7)
+
+
+def test_the_vortex_ring_is_told(table: LoadTable, rotor: propmap.Rotor) -> None:
+    omega, speed, beta = random_points(table, 2000, seed=7)
+    model = rotor.loads(omega, speed, beta).status == "vortex_ring"
+    found = table.loads(omega, speed, beta).status
+    assert model.sum() > 100
+    # Flags are of whole cells, whose corners may all miss the ring's border.
+    assert np.isin(found[model], ["vortex_ring", "unresolved"]).mean() > 0.98
+    assert not (found[beta < np.pi / 2 - 0.1] == "vortex_ring").any()
+
+
+def test_where_from_is_filed(table: LoadTable, rotor: propmap.Rotor) -> None:
+    info = json.loads(json.dumps(table.info))
+    assert info["propmap_version"] == propmap.__version__
+    assert info["propeller"]["name"] == "apc-8x6e"
+    assert len(info["propeller"]["geometry_sha256"]) == len(info["airfoil"]["sha256"]) == 64
+    assert info["airfoil"]["c_l1"] == rotor.airfoil.c_l1
+    assert info["air"] == {"density_kg_m3": 1.225, "viscosity_Pa_s": 1.983e-5}
+    assert info["airfoil_covariance"] is None
+    assert set(info["certificate"]["max_error"]) == set(LOADS)
+    assert table.envelope == {"omega": OMEGA, "speed": SPEED, "beta": BETA}
+
+
+def test_netcdf_says_the_same(table: LoadTable, tmp_path: Path) -> None:
+    write_netcdf(table, tmp_path / "map.nc")
+    assert [p.name for p in tmp_path.iterdir()] == ["map.nc"]
+    with xarray.open_dataset(tmp_path / "map.nc", engine="h5netcdf") as found:
+        np.testing.assert_array_equal(found["advance"], table.content.advance)
+        for k, name in enumerate(LOADS):
+            np.testing.assert_array_equal(found[name], table.content.coefficients[:, k])
+            assert found[name].attrs["units"] == "1"
+        assert json.loads(found.attrs["certificate"])["holds"]
+        assert found.attrs["propeller_name"] == "apc-8x6e"
+
+
+def test_left_out_and_lost_points_are_nan_and_counted(rotor: propmap.Rotor) -> None:
+    table = build_table(
+        rotor,
+        omega=(550.0, 650.0),
+        speed=(1.0, 4.0),
+        beta=(2.4, np.pi),
+        tolerance=0.05,
+        leave_out_vortex_ring=True,
+        certificate_points=1024,
+        covariance={"names": ["c_l1"], "matrix": [[0.01]]},
+    )
+    omega, speed, beta = random_points(table, 500, seed=8)
+    ring = rotor.loads(omega, speed, beta).status == "vortex_ring"
+    found = table.loads(omega, speed, beta)
+    assert (found.status[ring] == "no_value").mean() > 0.97
+    assert np.isnan(found.thrust[found.status == "no_value"]).all()
+    assert table.certificate["no_value"] > 0
+    assert table.info["vortex_ring"] == "left out"
+    assert table.info["airfoil_covariance"]["matrix"] == [[0.01]]
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"tolerance": 1e-6}, "tolerance is 1e-06"),
+        ({"tolerance": 0.5}, "tolerance is 0.5"),
+        ({"tolerance": np.nan}, "tolerance is nan"),
+        ({"omega": (0.0, 500.0)}, "advance ratio is infinite"),
+        ({"omega": (500.0, 400.0)}, "give a range that rises"),
+        ({"speed": (-1.0, 5.0)}, "speed must not be negative"),
+        ({"beta": (0.0, 4.0)}, "between 0 and pi"),
+        ({"beta": (0.0, np.inf)}, "give a range that rises"),
+    ],
+)
+def test_absurd_wishes(rotor: propmap.Rotor, change: dict[str, object], message: str) -> None:
+    wish = {"omega": OMEGA, "speed": SPEED, "beta": BETA, **change}
+    with pytest.raises(propmap.InputError, match=message) as error:
+        build_table(rotor, **wish)  # type: ignore[arg-type]
+    assert "\n" not in str(error.value)
+
+
+def test_an_envelope_of_jumps_alone_is_refused(rotor: propmap.Rotor) -> None:
+    """Steep descent where momentum theory changes branch, again and again."""
+    told: list[int] = []
+    with pytest.raises(propmap.InputError, match=r"tolerance of 0\.50% is not met"):
+        build_table(
+            rotor,
+            omega=(430.0, 440.0),
+            speed=(8.4, 8.6),
+            beta=(2.50, 2.55),
+            tolerance=0.005,
+            certificate_points=1024,
+            progress=lambda _, done: told.append(done),
+        )
+    assert told == sorted(told) and told[0] > 0
+
+
+def test_a_rotor_without_static_thrust_is_refused(rotor: propmap.Rotor) -> None:
+    section = rotor.airfoil.with_parameters(zero_lift_angle=0.5)
+    with pytest.raises(propmap.InputError, match="no positive thrust"):
+        Model(propmap.Rotor(rotor.propeller, section), np.array(OMEGA))
+
+
+@pytest.mark.slow
+def test_the_whole_envelope_at_half_a_percent(rotor: propmap.Rotor, tmp_path: Path) -> None:
+    """8x6E, 2000-10000 rpm, 0-20 m/s, 0-180 degrees: 20 000 points the builder never saw."""
+    rpm = np.pi / 30.0
+    table = build_table(
+        rotor,
+        omega=(2000.0 * rpm, 10000.0 * rpm),
+        speed=(0.0, 20.0),
+        beta=(0.0, np.pi),
+        tolerance=0.005,
+    )
+    table.save(tmp_path / "map.npz")
+    assert (tmp_path / "map.npz").stat().st_size < 5e6
+    assert table.info["model_evaluations"] < 500_000
+    errors, status = _errors(table, rotor, 20_000, seed=9)
+    assert not np.isnan(errors).any()
+    assert np.abs(errors[status != "unresolved"]).max() <= 0.005
+    # Where the model's loads jump; what is left of it is measured and told.
+    assert (status == "unresolved").mean() < 0.015

@@ -1,0 +1,82 @@
+"""The query in JAX: the same numbers, and derivatives through jit, vmap and grad."""
+
+from __future__ import annotations
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from propmap.table import JaxTable, LoadTable
+
+from .conftest import random_points
+
+FIELDS = ("thrust", "drag", "torque", "roll_moment", "power")
+
+
+def _vectors(invented: LoadTable) -> tuple[np.ndarray, np.ndarray]:
+    omega, speed, beta = random_points(invented, 64, seed=10)
+    turn = np.linspace(0.0, 6.0, 64)
+    inplane = speed * np.sin(beta)
+    return omega, np.stack(
+        [inplane * np.cos(turn), inplane * np.sin(turn), speed * np.cos(beta)], -1
+    )
+
+
+def test_same_numbers(invented: LoadTable) -> None:
+    points = random_points(invented, 300, seed=11)
+    with jax.enable_x64(True):
+        found = JaxTable.of(invented).loads(*points)
+    expected = invented.loads(*points)
+    for name in FIELDS:
+        np.testing.assert_allclose(getattr(found, name), getattr(expected, name), 1e-9, 1e-12)
+
+
+def test_single_precision_is_close(invented: LoadTable) -> None:
+    omega, velocity = _vectors(invented)
+    found = JaxTable.of(invented).loads_at_velocity(omega, velocity)
+    assert found.thrust.dtype == jnp.float32
+    expected = invented.loads_at_velocity(omega, velocity)
+    np.testing.assert_allclose(found.thrust, expected.thrust, rtol=1e-4, atol=1e-5)
+
+
+def test_derivatives_through_jit_vmap_and_grad(invented: LoadTable) -> None:
+    omega, velocity = _vectors(invented)
+    with jax.enable_x64(True):
+        table = JaxTable.of(invented)
+        for name in FIELDS:
+
+            def load(table: JaxTable, w: jax.Array, v: jax.Array, name: str = name) -> jax.Array:
+                return getattr(table.loads_at_velocity(w, v), name)
+
+            grad = jax.jit(jax.vmap(jax.grad(load, argnums=(1, 2)), in_axes=(None, 0, 0)))
+            by_omega, by_velocity = grad(table, jnp.asarray(omega), jnp.asarray(velocity))
+            expected = getattr(invented.gradient_at_velocity(omega, velocity), name)
+            np.testing.assert_allclose(by_omega, expected[:, 0], rtol=1e-8, atol=1e-10)
+            np.testing.assert_allclose(by_velocity, expected[:, 1:], rtol=1e-8, atol=1e-10)
+
+
+@pytest.mark.parametrize("velocity", [[0.0, 0.0, 0.0], [0.0, 0.0, 2.0], [0.0, 0.0, -2.0]])
+def test_derivatives_without_motion_across(invented: LoadTable, velocity: list[float]) -> None:
+    expected = invented.gradient_at_velocity(500.0, velocity)
+    with jax.enable_x64(True):
+        table = JaxTable.of(invented)
+        for name in FIELDS:
+            found = jax.grad(lambda v, n=name: getattr(table.loads_at_velocity(500.0, v), n))(
+                jnp.asarray(velocity)
+            )
+            np.testing.assert_allclose(found, getattr(expected, name)[1:], rtol=1e-8, atol=1e-12)
+
+
+def test_outside_is_nan_unless_clamped(invented: LoadTable) -> None:
+    with jax.enable_x64(True):
+        table = JaxTable.of(invented)
+        for point in [(100.0, 1.0, 1.0), (500.0, 50.0, 1.0)]:
+            assert np.isnan(np.asarray(table.loads(*point))).all()
+            held = table.loads(*point, clamp=True)
+            expected = invented.loads(*point, clamp=True)
+            assert float(held.thrust) == pytest.approx(expected.thrust, rel=1e-9)
+        slope = jax.grad(lambda v: table.loads_at_velocity(500.0, v, clamp=True).thrust)(
+            jnp.array([0.0, 0.0, 50.0])
+        )
+        assert (np.asarray(slope) == 0.0).all()

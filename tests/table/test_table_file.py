@@ -1,0 +1,162 @@
+"""Table files: whole or not at all, without pickle, and refused in one line."""
+
+from __future__ import annotations
+
+import json
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import propmap
+from propmap.table import LoadTable
+from propmap.table.table_file import FORMAT_VERSION
+
+from .conftest import random_points
+
+
+@pytest.fixture
+def path(invented: LoadTable, tmp_path: Path) -> Path:
+    invented.save(tmp_path / "map.npz")
+    return tmp_path / "map.npz"
+
+
+def test_a_table_answers_alike_before_and_after(invented: LoadTable, path: Path) -> None:
+    points = random_points(invented, 500)
+    for before, after in zip(
+        invented.loads(*points), LoadTable.load(path).loads(*points), strict=True
+    ):
+        np.testing.assert_array_equal(before, after)
+    assert LoadTable.load(path).info == invented.info
+
+
+def test_the_file_is_data_alone(path: Path) -> None:
+    with np.load(path, allow_pickle=False) as file:
+        kinds = {name: file[name].dtype.kind for name in file.files}
+        head = json.loads(str(file["info"][()]))
+    assert "O" not in kinds.values()
+    assert head["format"] == "propmap-table"
+    assert head["format_version"] == FORMAT_VERSION
+
+
+def _refusal(path: Path, **options: Any) -> str:
+    with pytest.raises(propmap.InputError) as error:
+        LoadTable.load(path, **options)
+    text = str(error.value)
+    assert "\n" not in text
+    assert path.name in text
+    return text
+
+
+@pytest.mark.parametrize("share", [0.0, 0.01, 0.3, 0.9, 0.999])
+def test_truncated(path: Path, share: float) -> None:
+    data = path.read_bytes()
+    path.write_bytes(data[: int(share * len(data))])
+    _refusal(path)
+
+
+def test_altered_bytes_are_noticed(path: Path) -> None:
+    data = path.read_bytes()
+    rng = np.random.default_rng(5)
+    before = LoadTable.load(path)
+    for place in rng.integers(0, len(data), 60).tolist():
+        altered = bytearray(data)
+        altered[place] ^= 0x55
+        path.write_bytes(altered)
+        try:
+            after = LoadTable.load(path)
+        except propmap.InputError as error:
+            assert "\n" not in str(error)
+        else:
+            # A byte of the archive that says nothing of the table, such as a time stamp.
+            np.testing.assert_array_equal(before.content.padded(), after.content.padded())
+            assert before.info == after.info
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (b"", "no table"),
+        (b"rpm,thrust\n1,2\n", "no table"),
+        (b"\x80\x04K\x01.", "no table"),
+        (b"PK\x03\x04" + bytes(40), "no table"),
+    ],
+)
+def test_foreign_files(tmp_path: Path, content: bytes, message: str) -> None:
+    path = tmp_path / "map.npz"
+    path.write_bytes(content)
+    assert message in _refusal(path)
+
+
+def test_missing_files_folders_and_other_arrays(tmp_path: Path) -> None:
+    assert "no such file" in _refusal(tmp_path / "absent.npz")
+    (tmp_path / "folder.npz").mkdir()
+    _refusal(tmp_path / "folder.npz")
+    np.save(tmp_path / "one.npy", np.ones(3))
+    assert "single array" in _refusal(tmp_path / "one.npy")
+    np.savez(tmp_path / "other.npz", a=np.ones(3))
+    assert "says nothing of a table" in _refusal(tmp_path / "other.npz")
+
+
+def test_pickles_are_not_read(tmp_path: Path) -> None:
+    class Trap:
+        def __reduce__(self) -> tuple[Any, ...]:
+            return (pytest.fail, ("a pickle was executed",))
+
+    path = tmp_path / "map.npz"
+    np.savez(path, info=np.array([Trap()], dtype=object), allow_pickle=True)
+    _refusal(path)
+
+
+def _rewritten(path: Path, change: Callable[[dict[str, Any], dict[str, Any]], None]) -> None:
+    with np.load(path, allow_pickle=False) as file:
+        arrays = {name: file[name] for name in file.files}
+    head = json.loads(str(arrays.pop("info")[()]))
+    change(head, arrays)
+    np.savez(path, info=np.array(json.dumps(head)), **arrays)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda h, _: h.update(format_version=FORMAT_VERSION + 1), "format version"),
+        (lambda h, _: h.update(format="other"), "format is 'other'"),
+        (lambda h, _: h.pop("format"), "says nothing of a table"),
+        (lambda h, _: h.pop("air"), "air.density_kg_m3"),
+        (lambda h, _: h["propeller"].update(radius_m=-1.0), "radius"),
+        (lambda _, a: a.pop("beta"), "has no beta"),
+        (lambda _, a: a.update(beta=a["beta"][::-1]), "do not rise"),
+        (lambda _, a: a.update(beta=a["beta"][:-1]), "shape"),
+        (lambda _, a: a.update(advance=a["advance"] * np.nan), "do not rise"),
+        (lambda _, a: a.update(omega=-a["omega"][::-1]), "positive"),
+        (lambda _, a: a.update(coefficients=a["coefficients"] * np.inf), "infinite"),
+        (lambda _, a: a.update(cells=a["cells"] + 0.5), "another kind"),
+        (lambda _, a: a.update(beta=np.array(["a"] * a["beta"].size)), "another kind"),
+    ],
+)
+def test_inconsistent_tables(path: Path, change: Any, message: str) -> None:
+    with np.errstate(invalid="ignore"):
+        _rewritten(path, change)
+    assert message in _refusal(path)
+
+
+def test_a_table_of_another_propeller(path: Path, rotor: propmap.Rotor, table: LoadTable) -> None:
+    assert "expected 'apc-8x6e'" in _refusal(path, propeller=rotor.propeller)
+    table.save(path)
+    LoadTable.load(path, propeller=rotor.propeller)
+
+
+def test_a_failed_write_leaves_nothing(
+    invented: LoadTable, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(*_: object, **__: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(zipfile.ZipFile, "writestr", full)
+    monkeypatch.setattr(np, "savez_compressed", full)
+    with pytest.raises(OSError, match="No space"):
+        invented.save(tmp_path / "map.npz")
+    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,54 @@
+"""From a load back to the rotational speed: round trips, none, several."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from propmap.table import LoadTable
+
+from .conftest import random_points
+
+
+@pytest.mark.parametrize("quantity", ["thrust", "torque", "power"])
+def test_there_and_back(invented: LoadTable, quantity: str) -> None:
+    omega, speed, beta = random_points(invented, 60, seed=4)
+    value = getattr(invented.loads(omega, speed, beta), quantity)
+    found = invented.omega_for(quantity, value, speed, beta)
+    assert (found.status != "none").all()
+    single = found.status == "ok"
+    assert single.sum() > 30
+    np.testing.assert_allclose(found.omega[single], omega[single], rtol=1e-9)
+    for name in ("omega", "least"):
+        again = getattr(invented.loads(getattr(found, name), speed, beta), quantity)
+        np.testing.assert_allclose(again, value, rtol=1e-9, atol=1e-12)
+
+
+def test_there_and_back_through_the_model(table: LoadTable) -> None:
+    omega = np.linspace(410.0, 790.0, 9)
+    thrust = table.loads(omega, 4.0, 1.2).thrust
+    found = table.omega_for("thrust", thrust, 4.0, 1.2)
+    assert (found.status == "ok").all()
+    np.testing.assert_allclose(found.omega, omega, rtol=1e-9)
+
+
+def test_impossible_requests_have_none(invented: LoadTable) -> None:
+    found = invented.omega_for("thrust", [1e6, -1e6, 1.0, np.nan], [1.0, 1.0, 99.0, 1.0], 1.0)
+    assert found.status.tolist() == ["none"] * 4
+    assert found.solutions.tolist() == [0] * 4
+    assert np.isnan(found.omega).all() and np.isnan(found.least).all()
+
+
+def test_thrust_that_falls_and_rises_again_has_several(invented: LoadTable) -> None:
+    # Thrust over omega^2 is 0.016 - 0.08 J + 0.02 J^2 in climb: least thrust at J = 0.4.
+    omega = np.linspace(200.0, 1000.0, 4001)
+    speed = 0.95 * invented.envelope["speed"][1]
+    thrust = invented.loads(omega, speed, 0.0).thrust
+    lowest = int(np.argmin(thrust))
+    assert 0 < lowest < omega.size - 1
+    wanted = thrust[lowest] + 1e-6 * (thrust.max() - thrust[lowest])
+    found = invented.omega_for("thrust", wanted, speed, 0.0)
+    assert found.status == "several"
+    assert found.solutions == 2
+    assert found.least < omega[lowest] + 1.0 and found.omega > omega[lowest] - 1.0
+    assert invented.omega_for("thrust", thrust[lowest] - 1e-3, speed, 0.0).status == "none"
