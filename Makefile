@@ -3,7 +3,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/ready
 
-.PHONY: demo test test-slow lint types bench convergence clean
+.PHONY: demo test test-slow lint types bench bench-identification convergence clean
 
 $(READY): pyproject.toml constraints.txt
 	python3 -m venv $(VENV)
@@ -25,6 +25,9 @@ lint: $(READY)
 
 types: $(READY)
 	$(BIN)/mypy
+
+bench-identification: $(READY)
+	$(BIN)/python -m benchmarks.identification
 
 bench: $(READY)
 	$(BIN)/python -m benchmarks.speed

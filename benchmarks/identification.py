@@ -71,7 +71,7 @@ def coverage(name: str) -> dict[str, Any]:
     choice = Choice(start={n: getattr(truth, n) for n in PAPER_FOUR})
     rows = level_rows(ForceModel(vehicle, points, first_guess()), choice)
     rng = np.random.default_rng(2017)
-    inside, named = np.zeros(len(PAPER_FOUR)), np.zeros(len(PAPER_FOUR))
+    inside, named, within = (np.zeros(len(PAPER_FOUR)) for _ in range(3))
     for _ in range(REPETITIONS):
         noisy = rows.measured * (1.0 + NOISE * rng.standard_normal(rows.measured.size))
         found = fit(replace(rows, measured=noisy), choice, Settings(starts=1, folds=0))
@@ -79,11 +79,13 @@ def coverage(name: str) -> dict[str, Any]:
         values = np.array([getattr(truth, n) for n in PAPER_FOUR])
         hit, good = (sure.low <= values) & (values <= sure.high), np.array(sure.identified)
         inside += hit & good
+        within += hit
         named += good
     return {
         n: {
             "called_identified": int(named[k]),
-            "truth_inside": float(inside[k] / named[k]) if named[k] else None,
+            "of_these_truth_inside": float(inside[k] / named[k]) if named[k] else None,
+            "of_all_truth_inside": float(within[k] / REPETITIONS),
         }
         for k, n in enumerate(PAPER_FOUR)
     }
