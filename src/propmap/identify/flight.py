@@ -120,7 +120,7 @@ def balance_rows(model: ForceModel, choice: Choice, *, stretch: float = 1.0) -> 
     if not np.isfinite(measured).all():
         raise InputError(
             "there is no specific force (accelerometer) for all samples",
-            "add it to the log, or fit steady stretches with --level",
+            "add it to the log, or fit steady stretches with --method level",
             log.source,
         )
     n = len(log)

@@ -22,7 +22,6 @@ class Rows:
     divided before they are squared.  speed : (M,) [m/s].  point : (M,), which operating point
     a number belongs to; points are drawn and left out as a whole.  group : (M,), stretches
     within which errors may be alike; None where every number errs by itself.
-    hover : (M,), what the hover model says of it; NaN where it was not asked.
     units : of each name.
     """
 

@@ -93,6 +93,13 @@ def tunnel_rows(
             raise InputError(
                 f"{data.source} has no {name}", f"fit {', '.join(data.loads) or 'other data'}"
             )
+        if names.count(name) > 1:
+            raise InputError(f"{name} is named twice", "name it once, or give it a weight")
+    for name, weight in (weights or {}).items():
+        if name not in names:
+            raise InputError(f"{name!r} has a weight but is not fitted", f"fit {', '.join(names)}")
+        if not 0.0 < weight < np.inf:
+            raise InputError(f"the weight of {name} is {weight:g}", "give a number above 0")
     if "drag_factor" in choice.free and "drag" not in names:
         raise InputError("drag_factor is free but drag is not fitted", "add drag to the loads")
     base = base or first_guess()

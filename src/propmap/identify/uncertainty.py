@@ -20,8 +20,6 @@ NEGLIGIBLE = 1e-6
 """Singular value, relative to the largest, below which data say nothing of a direction: its
 square has to stand above the rounding errors of the largest one's."""
 
-FEWEST_GROUPS = 10
-
 
 @dataclass(frozen=True)
 class Uncertainty:
