@@ -18,10 +18,12 @@ import numpy as np
 import propmap
 from benchmarks.results_file import machine, write_results
 from propmap.catalogue.measurements import measurement
+from propmap.identify.comparison import compare_tunnel
 from propmap.identify.fitted import Settings, fit
 from propmap.identify.flight import ForceModel, level_rows
 from propmap.identify.parameters import PAPER_FOUR, Choice
-from propmap.identify.tunnel import TunnelData, first_guess, tunnel_rows
+from propmap.identify.tunnel import TunnelData, first_guess, rotor_with, tunnel_rows
+from propmap.load_gradients import LOADS
 from propmap.simulate.trim import trim
 from propmap.vehicle import Mount, Vehicle
 
@@ -106,9 +108,7 @@ def timing() -> dict[str, float]:
         begin = time.perf_counter()
         fit(rows, choice, settings)
         found[f"level_flights_four_parameters_{what}_s"] = time.perf_counter() - begin
-    m = measurement("uiuc-8x6e")
-    assert m.thrust is not None and m.torque is not None
-    data = TunnelData(m.name, m.omega, m.speed, m.beta, {"thrust": m.thrust, "torque": m.torque})
+    data = bundled("uiuc-8x6e")
     six = Choice(TUNNEL_SIX)
     tunnel = tunnel_rows(propmap.propeller("apc-8x6e"), propmap.Air(), data, six)
     fit(tunnel, six, Settings())
@@ -118,12 +118,51 @@ def timing() -> dict[str, float]:
     return found
 
 
+def bundled(name: str) -> TunnelData:
+    """Measured loads of the catalogue."""
+    m = measurement(name)
+    loads = {n: getattr(m, n) for n in LOADS if getattr(m, n) is not None}
+    return TunnelData(m.name, m.omega, m.speed, m.beta, loads)
+
+
+def published() -> list[dict[str, Any]]:
+    """Fits of the APC 8x6E to published data, and each checked on all of the data."""
+    blade, air = propmap.propeller("apc-8x6e"), propmap.Air()
+    five = (*PAPER_FOUR, "zero_lift_angle")
+    axial, oblique = bundled("uiuc-8x6e"), bundled("gill-dandrea-2019-8x6e-fit")
+    cases = (
+        (axial, PAPER_FOUR, ("thrust", "torque")),
+        (axial, five, ("thrust", "torque")),
+        (oblique, five, ("thrust", "torque")),
+        (oblique, (*five, "drag_factor"), ("thrust", "torque", "drag")),
+    )
+    found = []
+    for data, free, loads in cases:
+        choice = Choice(free)
+        fitted = fit(tunnel_rows(blade, air, data, choice, loads=loads), choice)
+        law = rotor_with(blade, air, first_guess(), fitted.values, "standard").airfoil
+        checks = {
+            other.source: {
+                load: {"relative_rms": c.all.relative_rms, "hover": c.all.hover_rms / c.all.rms}
+                for load, c in compare_tunnel(blade, air, law, other).items()
+            }
+            for other in (axial, oblique)
+        }
+        parameters = {n: float(v) for n, v in zip(free, fitted.x, strict=True)}
+        found.append(
+            {"data": data.source, "loads": list(loads), "parameters": parameters, "errors": checks}
+        )
+    return found
+
+
 def main() -> None:
     """Measure, print and write; with "quick", without the repetitions."""
     quick = "quick" in sys.argv[1:]
     found: dict[str, Any] = {"machine": machine(), "propmap": propmap.__version__}
     found["seconds"] = timing()
     print(found["seconds"])
+    found["published"] = published()
+    print(found["published"])
     found["noise_free"] = {}
     for name in SETS:
         found["noise_free"][name] = noise_free(name, 1 if quick else 11)

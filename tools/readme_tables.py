@@ -40,6 +40,29 @@ def percent(share: float) -> str:
     return f"{100.0 * share:.2g}" if share >= 1e-6 else "<0.0001"
 
 
+def fits(found: dict[str, Any]) -> str:
+    """Fits to published data, checked on all of it."""
+    rows = [
+        "| fitted to | free | thrust | torque | rotor drag | roll moment |",
+        "|---|---|---:|---:|---:|---:|",
+    ]
+    names = {"uiuc-8x6e": "UIUC", "gill-dandrea-2019-8x6e-fit": "oblique"}
+    loads = ("thrust_N", "torque_Nm", "drag_N", "roll_moment_Nm")
+    for case in found["published"]:
+        cells = []
+        for load in loads:
+            parts = [
+                f"{names[data]} {100.0 * errors[load]['relative_rms']:.1f} %"
+                for data, errors in case["errors"].items()
+                if load in errors
+            ]
+            cells.append(", ".join(parts))
+        free = ", ".join(f"`{name}` {value:.3g}" for name, value in case["parameters"].items())
+        to = f"{names[case['data']]}: {', '.join(case['loads']).replace('_', ' ')}"
+        rows.append(f"| {to} | {free} | {' | '.join(cells)} |")
+    return "\n".join(rows)
+
+
 def numerical_accuracy(found: dict[str, Any]) -> str:
     """Settings against both references, in per cent of the static load."""
     rows = [
@@ -123,6 +146,7 @@ def main(arguments: list[str]) -> None:
     for name, source, make in (
         ("numerical accuracy", "convergence.json", numerical_accuracy),
         ("model accuracy", "demo.json", model_accuracy),
+        ("fits", "identification.json", fits),
         ("speed", "speed.json", speed),
     ):
         found = json.loads((RESULTS / source).read_text(encoding="utf-8"))
