@@ -66,10 +66,11 @@ def evaluate(
     stalls = may_stall(*rotor.forecast, omega, v_axial, v_inplane)
     everyone = np.arange(omega.size)
     results = _empty(omega.size)
-    _run(rotor, setting, plan(setting, advance, stalls, everyone), flow, results)
+    _run(rotor, setting, plan(setting, advance, stalls, down, everyone), flow, results)
     unforeseen = ~stalls & ~(results.attached > ATTACHED) & np.isfinite(results.thrust)
     if unforeseen.any():
-        jobs = plan(setting, advance[unforeseen], stalls[unforeseen] | True, everyone[unforeseen])
+        rest = (advance[unforeseen], stalls[unforeseen] | True, down[unforeseen])
+        jobs = plan(setting, *rest, everyone[unforeseen])
         _run(rotor, setting, [j for j in jobs if len(j.panels) > 1], flow, results)
     return results
 

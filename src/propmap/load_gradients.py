@@ -53,7 +53,7 @@ def load_gradients(
         v_hover[down], v_hover_slope[:, down] = v[where], slope[:, where]
     everyone = np.arange(omega.size)
     advance = advance_ratio(rotor, omega, v_inplane)
-    jobs = plan(setting, advance, np.ones(omega.size, bool), everyone)
+    jobs = plan(setting, advance, np.ones(omega.size, bool), down, everyone)
     loads = np.full((len(LOADS), omega.size), np.nan)
     slopes = np.full((len(LOADS), len(names), omega.size), np.nan)
     flow = (omega, v_axial, v_inplane, v_hover)

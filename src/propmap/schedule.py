@@ -20,6 +20,9 @@ FOLLOW_BELOW = 0.24
 """Advance ratio V sin(beta)/(Omega R) above which stall is spread over azimuth so widely
 that following it along the blade gains nothing."""
 
+ISLAND_PANELS = 5
+"""Panels in descent, where attached flow may be left on two stretches of the blade."""
+
 REVERSED_ABOVE = 0.3
 """Advance ratio above which the reversed flow on the retreating side asks for as many nodes as
 spread stall does."""
@@ -95,12 +98,18 @@ class Job:
 
 
 def plan(
-    setting: Accuracy, advance: Floats, stalls: NDArray[np.bool_], points: NDArray[np.intp]
+    setting: Accuracy,
+    advance: Floats,
+    stalls: NDArray[np.bool_],
+    descends: NDArray[np.bool_],
+    points: NDArray[np.intp],
 ) -> list[Job]:
     """Sort points into jobs.
 
     advance : V sin(beta)/(Omega R) [-] (N,), infinite at rest.  stalls : where some of the
-    blade may stall (N,).  points : indices of these N points in the batch.
+    blade may stall (N,).  descends : where V cos(beta) < 0 (N,): attached flow may then be left
+    on two stretches of the blade, which have four edges to follow.
+    points : indices of these N points in the batch.
     """
     limits = np.array([limit for limit, _ in setting.azimuths])
     counts = np.array([count for _, count in setting.azimuths])
@@ -109,10 +118,14 @@ def plan(
     spread = (stalls & ~follow) | (advance > REVERSED_ABOVE)
     stations = np.where(follow, setting.stalled, np.where(spread, setting.fast, setting.free))
     jobs = []
-    for key in sorted(set(zip(azimuths.tolist(), follow.tolist(), stations.tolist(), strict=True))):
-        mine = (azimuths == key[0]) & (follow == key[1]) & (stations == key[2])
-        panels = Resolution(stations=key[2], follow_stall=key[1]).panels
-        jobs.append(Job(points[mine], panels, key[0]))
+    kinds = np.stack([azimuths, follow, stations, follow & descends], axis=1)
+    for kind in np.unique(kinds, axis=0):
+        count, followed, nodes, islands = (int(k) for k in kind)
+        mine = (kinds == kind).all(axis=1)
+        panels = Resolution(stations=nodes, follow_stall=bool(followed)).panels
+        if islands:
+            panels = (nodes // ISLAND_PANELS + 2,) * ISLAND_PANELS
+        jobs.append(Job(points[mine], panels, count))
     return jobs
 
 

@@ -14,6 +14,7 @@ import propmap
 from propmap.cli.airfoils import airfoils_app
 from propmap.cli.check import check
 from propmap.cli.demo import demo
+from propmap.cli.export import export
 from propmap.cli.fit import fit_app
 from propmap.cli.plot import plot_app
 from propmap.cli.predict import predict
@@ -34,6 +35,7 @@ app = typer.Typer(
 app.command()(predict)
 app.command()(sweep)
 app.command()(table)
+app.command()(export)
 app.add_typer(fit_app)
 app.add_typer(simulate_app)
 app.command()(check)

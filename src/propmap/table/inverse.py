@@ -91,7 +91,7 @@ def _pieces(table: LoadTable, speed: float) -> Floats:
     """Omegas between which the load is one smooth piece, halved; rising, within the envelope."""
     low, high = table.envelope["omega"]
     knots = table.content.advance
-    with np.errstate(divide="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore"):
         crossed = speed / (knots * table.content.radius)
     crossed = crossed[(crossed > low) & (crossed < high)]
     ends = np.unique(np.concatenate([[low], crossed, [high]]))

@@ -66,7 +66,7 @@ def disk_inflow(case: Case, panels: tuple[int, ...], azimuth: AzimuthNodes) -> D
         anywhere = jnp.full(case.omega.shape, jnp.inf)
         inflow = inflow_root(ask, anywhere, max_steps, azimuth)
         return DiskInflow(nodes, inflow, jnp.zeros(case.omega.shape, bool))
-    inner, several, survey = _inner_edges(case, azimuth)
+    inner, several, survey = _inner_edges(case, len(panels) - 1, azimuth)
     ends = jnp.ones((1, inner.shape[1]))
     edges = jnp.concatenate([root * ends, jnp.sort(inner, axis=0), tip * ends])
     nodes = panel_nodes(edges, panels)
@@ -76,12 +76,14 @@ def disk_inflow(case: Case, panels: tuple[int, ...], azimuth: AzimuthNodes) -> D
     return DiskInflow(nodes, inflow, several)
 
 
-def _inner_edges(case: Case, azimuth: AzimuthNodes) -> tuple[Array, Array, stall_split.Survey]:
-    """Radii (SPLITS, B) [m] at which to split, whether several roots were seen (B,), survey."""
+def _inner_edges(
+    case: Case, count: int, azimuth: AzimuthNodes
+) -> tuple[Array, Array, stall_split.Survey]:
+    """Radii (count, B) [m] at which to split, whether several roots were seen (B,), survey."""
     root, tip = case.blade.root, case.blade.tip
     still = functools.partial(question, lax.stop_gradient(case))
     span = lax.stop_gradient((root, tip))
-    near, survey = stall_split.hump_crossings(still, *span, azimuth)
+    near, survey = stall_split.hump_crossings(still, *span, count, azimuth)
     fold = stall_split.find_folds(near, still, *span, azimuth)
     elsewhere = root + (tip - root) * lax.stop_gradient((near.radius - root) / (tip - root))
     edges = _moving_edges(case, fold, elsewhere, azimuth)

@@ -26,10 +26,6 @@ from propmap.theory.parameters import Array
 from propmap.theory.stall_hump import hump_before_stall, inflow_at_angle, stall_side
 from propmap.theory.velocities import AzimuthNodes
 
-SPLITS = 2
-"""Branch jumps followed at once: stall at mid-blade and, on blades whose twist falls off
-towards the root, a second one further in."""
-
 GRID = 20
 """Radii at which the hump is looked for."""
 
@@ -40,15 +36,16 @@ SHOULDER_STEPS, SHOULDER_TOLERANCE = 6, 1e-5
 """The same on a shoulder, and how well it is located, relative to the radius: where a smooth
 integrand is split hardly matters."""
 
-DEFAULT_EDGES = (0.25, 0.6)
-"""Shares of the span at which panels meet where there is nothing to follow."""
+DEFAULT_EDGES = (0.25, 0.6, 0.8, 0.92)
+"""Shares of the span at which panels meet where there is nothing to follow; as many of them
+as there are edges."""
 
 AskAt = Callable[[Array], InflowQuestion]
 """Equation (11) at radii of shape (S, B) [m]."""
 
 
 class Crossing(NamedTuple):
-    """Where the hump passes zero, to within the grid; all (SPLITS, B).
+    """Where the hump passes zero, to within the grid; all (E, B) for E edges.
 
     radius [m] and inflow [m/s] by interpolation; spacing : of the grid [m], zero where
     there is no crossing and radius is one of ``DEFAULT_EDGES``.
@@ -60,7 +57,7 @@ class Crossing(NamedTuple):
 
 
 class Fold(NamedTuple):
-    """Folds and shoulders, all (SPLITS, B): radius [m], inflow [m/s] there, whether it is a
+    """Folds and shoulders, all (E, B): radius [m], inflow [m/s] there, whether it is a
     fold, and whether it is either and moves with the operating point."""
 
     radius: Array
@@ -103,9 +100,9 @@ class Survey(NamedTuple):
 
 
 def hump_crossings(
-    ask_at: AskAt, root: Array, tip: Array, azimuth: AzimuthNodes
+    ask_at: AskAt, root: Array, tip: Array, edges: int, azimuth: AzimuthNodes
 ) -> tuple[Crossing, Survey]:
-    """The first ``SPLITS`` radii at which the hump passes zero."""
+    """The first ``edges`` radii at which the hump passes zero."""
     t = jnp.linspace(0.0, 1.0 - 1e-6, GRID)[:, None]
     ask = ask_at(root + (tip - root) * t)
     stall = stall_side(ask_at((root + 0.6 * (tip - root))[None, None]), ask.at.section.alpha_0)
@@ -121,7 +118,7 @@ def hump_crossings(
     radius = root + (tip - root) * (place[:-1] + share * jnp.diff(place, axis=0))
     inflow = v[:-1] + share * jnp.diff(v, axis=0)
     picked = []
-    for default in DEFAULT_EDGES:
+    for default in DEFAULT_EDGES[:edges]:
         k = jnp.argmax(changes, axis=0)[None]
         some, y, v_i = (jnp.take_along_axis(a, k, axis=0) for a in (changes, radius, inflow))
         home = root + default * (tip - root)
@@ -190,7 +187,7 @@ def find_folds(
         radii = jnp.concatenate([y] * 5 + [y + dy])
         inflows = jnp.concatenate([v_s - wide, v_s, v_s + wide, v_t, v_t + dv, v_t])
         pair = residual_slope(ask_at(radii), inflows, azimuth)
-        g, slope = (a.reshape(6, SPLITS, -1) for a in pair)
+        g, slope = (a.reshape(6, *y.shape) for a in pair)
         bend = slope[0] - 2.0 * slope[1] + slope[2]
         curved = jnp.where(bend < 0.0, bend, -jnp.inf)
         shift = jnp.clip(0.5 * (slope[0] - slope[2]) / curved, -1.0, 1.0)
@@ -224,7 +221,7 @@ def find_folds(
 
 
 def follow(fold: Fold, ask_at: AskAt, azimuth: AzimuthNodes) -> Array:
-    """The folds' radii [m], made to move with what ``ask_at`` depends on; (SPLITS, B).
+    """The folds' radii [m], made to move with what ``ask_at`` depends on; (E, B).
 
     At a fold the slope with respect to v_i vanishes, so the residual stays zero if
     d(radius) = -(d residual) / (d residual/d radius).  At a shoulder the same is near enough,

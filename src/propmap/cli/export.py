@@ -1,0 +1,96 @@
+"""``propmap export``: a map in the form that another program reads."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from propmap.errors import InputError
+
+if TYPE_CHECKING:
+    from propmap.rotor import Rotor
+    from propmap.table import LoadTable
+
+TIP_SPEED = (20.0, 105.0)
+SPEED = (0.0, 20.0)
+BETA = (0.0, math.pi)
+TOLERANCE = 0.005
+"""Of the map that is built from a fit: tip speeds and speeds [m/s], angles [rad], share of the
+static loads."""
+
+
+def export(
+    source: Annotated[
+        Path,
+        typer.Argument(metavar="MAP|FIT", help="Table (.npz), or fit or parameter set (.toml)."),
+    ],
+    to: Annotated[
+        str,
+        typer.Option(
+            "--to",
+            metavar="TARGET",
+            help="c, multinomial, gazebo, rotorpy, jsbsim, npz, nc or csv.",
+        ),
+    ],
+    output: Annotated[
+        Path, typer.Option("--output", "-o", metavar="DIR", help="Folder; made if need be.")
+    ],
+    prop: Annotated[
+        str | None,
+        typer.Option("--prop", metavar="PROP", help="For a parameter set: name or geometry file."),
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace existing files.")] = False,
+) -> None:
+    """Files for simulators and flight code, with a note of the errors they make."""
+    from propmap.export import check_folder, check_target, export_table
+
+    check_target(to)
+    check_folder(output)
+    table = _table(source, prop)
+    for path in export_table(table, to, output, replace=force):
+        typer.echo(f"wrote {path}")
+
+
+def _table(source: Path, prop: str | None) -> LoadTable:
+    if source.suffix.lower() == ".toml":
+        return _built(_rotor(source, prop))
+    if prop is not None:
+        raise InputError("--prop is given with a table, which has its propeller", "leave it out")
+    from propmap.table import LoadTable
+
+    return LoadTable.load(source)
+
+
+def _rotor(source: Path, prop: str | None) -> Rotor:
+    from propmap.compilation import keep_compiled
+    from propmap.rotor import Rotor
+
+    keep_compiled()
+    if prop is not None:
+        from propmap.airfoil import read_airfoil
+        from propmap.propeller import propeller
+
+        return Rotor(propeller(prop), read_airfoil(source))
+    from propmap.identify.result_file import read_fit
+
+    fit = read_fit(source)
+    return Rotor(fit.propeller, fit.airfoil, fit.air)
+
+
+def _built(rotor: Rotor) -> LoadTable:
+    """A map over an envelope that suits most multirotors."""
+    from propmap.table import build_table
+
+    radius = rotor.propeller.radius
+    omega = (TIP_SPEED[0] / radius, TIP_SPEED[1] / radius)
+    rpm = [30.0 / math.pi * w for w in omega]
+    typer.echo(
+        f"building a map of {rotor.propeller.name} at {rpm[0]:.0f} to {rpm[1]:.0f} rpm, "
+        f"{SPEED[0]:g} to {SPEED[1]:g} m/s, beta 0 to 180 deg, which takes minutes; "
+        "for another range, build it with propmap table",
+        err=True,
+    )
+    return build_table(rotor, omega=omega, speed=SPEED, beta=BETA, tolerance=TOLERANCE)

@@ -1,0 +1,142 @@
+"""Target ``jsbsim``: a propeller of thrust and power coefficients against J = V/(n D)."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from propmap.errors import InputError
+from propmap.export.folder import Files
+from propmap.export.note import note
+from propmap.export.provenance import identifier, provenance, xml_comment
+from propmap.export.samples import Samples, errors, middle_omega, sample
+from propmap.table.query import LoadTable
+
+Floats = NDArray[np.float64]
+
+METERS_PER_INCH = 0.0254
+
+POINTS = 121
+"""Of the table.  JSBSim interpolates linearly: 1e-4 of the static coefficient between these."""
+
+
+def coefficients(table: LoadTable) -> tuple[Floats, Floats, Floats]:
+    """J, C_T = T/(rho n^2 D^4) and C_P = P/(rho n^3 D^5), (k,) each, rising J.
+
+    With descent, J < 0, down to where the map has no values.  Each is taken at the middle omega,
+    or at the largest that reaches that J within the envelope.
+    """
+    low, high = table.envelope["beta"]
+    if low > 1e-9:
+        raise InputError(
+            f"the map's beta begins at {np.degrees(low):g} deg, without axial flight",
+            "build it with --beta 0:...",
+        )
+    radius, (_, fastest) = table.content.radius, table.envelope["speed"]
+    advance = np.linspace(0.0, float(table.content.advance[-1]), POINTS)
+    parts = []
+    for beta, sign in ((high, -1.0), (low, 1.0)):
+        if sign < 0.0 and abs(beta - np.pi) > 1e-9:
+            continue
+        ratio = advance[:0:-1] if sign < 0.0 else advance
+        reach = fastest / (np.maximum(ratio, 1e-12) * radius)
+        # The largest advance ratio is met at one omega only, to rounding.
+        omega = np.maximum(np.minimum(middle_omega(table), reach), table.envelope["omega"][0])
+        found = table.loads(omega, np.minimum(ratio * omega * radius, fastest), beta)
+        turns, diameter = omega / (2.0 * np.pi), 2.0 * radius
+        force = table.content.density * turns**2 * diameter**4
+        power = found.power / (force * turns * diameter)
+        parts.append(np.stack([sign * np.pi * ratio, found.thrust / force, power]))
+    each = np.concatenate(parts, axis=1)
+    known = np.isfinite(each).all(axis=0)
+    # What JSBSim would draw a line across is left out, with all beyond it.
+    gaps = np.flatnonzero(~known & (each[0] < 0.0))
+    each = each[:, gaps[-1] + 1 :] if gaps.size else each
+    each = each[:, np.isfinite(each).all(axis=0)]
+    return each[0], each[1], each[2]
+
+
+def model_loads(table: LoadTable, samples: Samples) -> Floats:
+    """What JSBSim's propeller makes of the samples' velocities, (n, 4) [N], [N m]."""
+    loads = np.zeros_like(samples.loads)
+    loads[:, 0], loads[:, 2] = _axial_loads(table, samples.omega, samples.axial)
+    return loads
+
+
+def files(table: LoadTable) -> Files:
+    """The propeller's XML and the note."""
+    samples = sample(table)
+    found = errors(samples, model_loads(table, samples))
+    of_thrust, of_torque = axial_error(table)
+    name = identifier(table)
+    advance, thrust, power = coefficients(table)
+    paragraphs = [
+        "JSBSim's fixed-pitch propeller knows thrust and power against J = V/(n D) with the "
+        "velocity along the axis alone: no drag, no rolling moment, no in-plane velocity, no "
+        f"Reynolds number. The coefficients are those of axial flight at J from {advance[0]:.3g} "
+        f"to {advance[-1]:.3g}, beyond which JSBSim keeps the last. In axial climb they are "
+        f"within {of_thrust:.2%} (thrust) and {of_torque:.2%} (torque) of the map, as shares of "
+        "the static loads; most of it is the Reynolds number's.",
+        "ixx is a placeholder, a uniform rod of 1 g per inch of diameter; put the moment of "
+        "inertia of the propeller and what turns with it in its place. JSBSim uses the density "
+        "of its own atmosphere.",
+    ]
+    return {
+        f"{name}.xml": _xml(table, advance, thrust, power),
+        "README-jsbsim.txt": note(table, "jsbsim", paragraphs, found),
+    }
+
+
+def axial_error(table: LoadTable) -> tuple[float, float]:
+    """Worst errors of thrust and torque in axial climb, as shares of static loads."""
+    ends = (table.envelope["omega"], table.envelope["speed"])
+    omega, speed = (
+        x.ravel() for x in np.meshgrid(*(np.linspace(*end, 41) for end in ends), indexing="ij")
+    )
+    beta = table.envelope["beta"][0]
+    expected, still = table.loads(omega, speed, beta), table.loads(omega, 0.0, beta)
+    thrust, torque = _axial_loads(table, omega, speed)
+    return (
+        float(np.nanmax(abs(thrust - expected.thrust) / still.thrust)),
+        float(np.nanmax(abs(torque - expected.torque) / still.torque)),
+    )
+
+
+def _axial_loads(table: LoadTable, omega: Floats, axial: Floats) -> tuple[Floats, Floats]:
+    """JSBSim's thrust [N] and torque [N m] at n axial velocities, (n,)."""
+    advance, thrust, power = coefficients(table)
+    turns, diameter = omega / (2.0 * np.pi), 2.0 * table.content.radius
+    ratio, force = axial / (turns * diameter), table.content.density * turns**2 * diameter**4
+    arm = diameter / (2.0 * np.pi)
+    return np.interp(ratio, advance, thrust) * force, np.interp(ratio, advance, power) * force * arm
+
+
+def _xml(table: LoadTable, advance: Floats, thrust: Floats, power: Floats) -> str:
+    inches = 2.0 * table.content.radius / METERS_PER_INCH
+    mass = 1e-3 * inches
+    ixx = mass * (2.0 * table.content.radius) ** 2 / 12.0
+    blades = table.info["propeller"].get("blades", 2)
+    return f"""<?xml version="1.0"?>
+{xml_comment(provenance(table))}
+<propeller name="{identifier(table)}">
+  <!-- A placeholder: a uniform rod of 1 g per inch. -->
+  <ixx unit="KG*M2"> {ixx:.6g} </ixx>
+  <diameter unit="IN"> {inches:.9g} </diameter>
+  <numblades> {blades} </numblades>
+  <gearratio> 1.0 </gearratio>
+  <minpitch> 0.0 </minpitch>
+  <maxpitch> 0.0 </maxpitch>
+{_table("C_THRUST", advance, thrust)}
+{_table("C_POWER", advance, power)}
+</propeller>
+"""
+
+
+def _table(name: str, advance: Floats, values: Floats) -> str:
+    pairs = zip(advance.tolist(), values.tolist(), strict=True)
+    rows = "\n".join(f"      {j:.7f} {value:.8f}" for j, value in pairs)
+    return f"""  <table name="{name}" type="internal">
+    <tableData>
+{rows}
+    </tableData>
+  </table>"""

@@ -1,0 +1,46 @@
+"""The note that goes with an export: what the target can represent, and at what cost."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Sequence
+
+from propmap.export.provenance import provenance
+from propmap.export.samples import Errors
+from propmap.table.content import LOADS
+from propmap.table.query import LoadTable
+
+SHARES = "thrust and drag of static thrust, torque of static torque, roll moment of thrust x R"
+
+
+def note(
+    table: LoadTable, target: str, paragraphs: Sequence[str], found: Sequence[Errors] = ()
+) -> str:
+    """The text of a note.
+
+    target : what it is about.  paragraphs : on the target's model.  found : what the target's
+    model costs; none where nothing is simplified.
+    """
+    parts = [f"propmap export: {target}", *(_fill(p) for p in paragraphs)]
+    if found:
+        parts.append(
+            f"Error against the map, as a share of the static load at the same omega\n({SHARES}):"
+        )
+        parts += [error_table(errors) for errors in found]
+    else:
+        parts.append("Nothing is simplified: the errors are those of the map.")
+    parts.append("\n".join(provenance(table)))
+    return "\n\n".join(parts) + "\n"
+
+
+def error_table(errors: Errors) -> str:
+    """Lines of plain text, a row per load."""
+    rows = [f"over {errors.where} ({errors.points} points)"]
+    rows.append(f"  {'':12s}{'rms':>10s}{'worst':>10s}")
+    for name, rms, worst in zip(LOADS, errors.rms.tolist(), errors.worst.tolist(), strict=True):
+        rows.append(f"  {name:12s}{rms:>10.2%}{worst:>10.2%}")
+    return "\n".join(rows)
+
+
+def _fill(paragraph: str) -> str:
+    return textwrap.fill(paragraph, 88, break_on_hyphens=False, break_long_words=False)

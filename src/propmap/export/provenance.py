@@ -1,0 +1,80 @@
+"""Where an export comes from, as lines for notes and comments."""
+
+from __future__ import annotations
+
+import hashlib
+import re
+import textwrap
+from collections.abc import Sequence
+
+import numpy as np
+
+import propmap
+from propmap.table.query import LoadTable
+
+ABSENT = "not stated"
+
+
+def identifier(table: LoadTable) -> str:
+    """The propeller's name as one that programs and file systems accept."""
+    name = re.sub(r"[^0-9a-z]+", "_", str(table.info["propeller"].get("name")).lower()).strip("_")
+    return name if name[:1].isalpha() else f"prop_{name}".rstrip("_")
+
+
+def map_sha256(table: LoadTable) -> str:
+    """SHA-256 of the map's numbers: axes, envelope, coefficients and cells, little-endian."""
+    content = table.content
+    axes = (content.advance, content.beta, content.omega, content.speed)
+    digest = hashlib.sha256(np.concatenate(axes).astype("<f8").tobytes())
+    digest.update(content.coefficients.astype("<f4").tobytes())
+    digest.update(content.cells.tobytes())
+    return digest.hexdigest()
+
+
+def provenance(table: LoadTable) -> list[str]:
+    """Printable lines: propeller, section law, air, envelope, certificate, map and version."""
+    info, content = table.info, table.content
+    blade, section = info["propeller"], info.get("airfoil") or {}
+    (w0, w1), (v0, v1), (b0, b1) = table.envelope.values()
+    rpm, degrees = 30.0 / np.pi, 180.0 / np.pi
+    lines = [
+        f"propeller: {blade.get('name', ABSENT)}, {blade.get('blades', ABSENT)} blades, "
+        f"R = {content.radius:.6g} m, from {blade.get('source') or ABSENT}",
+        f"section law: {section.get('name', ABSENT)}",
+        f"air: {content.density:.6g} kg/m^3, viscosity "
+        f"{info['air'].get('viscosity_Pa_s', ABSENT)} Pa s",
+        f"envelope: {w0 * rpm:.6g} to {w1 * rpm:.6g} rpm, {v0:g} to {v1:g} m/s, "
+        f"beta {b0 * degrees:.6g} to {b1 * degrees:.6g} deg",
+        f"map: {_certified(table)}",
+        f"map's SHA-256: {map_sha256(table)}",
+        f"written by propmap {propmap.__version__}",
+    ]
+    clean = ("".join(c if c.isprintable() else "?" for c in line) for line in lines)
+    return [part for line in clean for part in textwrap.wrap(line, 88, subsequent_indent="  ")]
+
+
+def c_comment(lines: Sequence[str]) -> str:
+    """Lines for the inside of a C comment."""
+    return "\n".join(f" * {line.replace('*/', '* /')}".rstrip() for line in lines)
+
+
+def xml_comment(lines: Sequence[str]) -> str:
+    """Lines as an XML comment, inside which two hyphens must not occur."""
+    text = "\n".join(f"  {line}" for line in lines)
+    return f"<!--\n{re.sub('-(?=-)', '- ', text)}\n-->"
+
+
+def hash_comment(lines: Sequence[str]) -> str:
+    """Lines as a Python comment."""
+    return "\n".join(f"# {line}".rstrip() for line in lines)
+
+
+def _certified(table: LoadTable) -> str:
+    found = table.certificate
+    if not found:
+        return "not certified"
+    worst, loose = (max(found[key].values()) for key in ("max_error", "unresolved_max_error"))
+    return (
+        f"within {worst:.2%} of the model on {found['points']} points; {found['unresolved']} of "
+        f"these, marked unresolved, within {loose:.2%}"
+    )

@@ -1,0 +1,131 @@
+"""`propmap export`: from a table or a fit to files, and one-line errors."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import tomli_w
+
+import propmap
+from propmap.table import LoadTable
+from propmap.table.content import TableContent
+
+from .conftest import Run
+
+
+@pytest.fixture(autouse=True)
+def _map(tmp_path: Path) -> None:
+    _invented().save(tmp_path / "map.npz")
+
+
+def _invented() -> LoadTable:
+    """Loads that grow with the advance ratio, without a model behind them."""
+    advance, beta = np.linspace(0.0, 0.4, 9), np.linspace(0.0, np.pi, 9)
+    loads = [0.016, 0.006, 0.002, 0.004] + advance[:, None, None] * np.ones((9, 1))
+    return LoadTable(
+        TableContent(
+            advance=advance,
+            beta=beta,
+            omega=np.array([200.0, 1000.0]),
+            speed=np.array([0.0, 8.0]),
+            coefficients=np.stack(2 * [loads.transpose(2, 0, 1)]),
+            cells=np.zeros((8, 8), np.uint8),
+            info={
+                "propeller": {"name": "invented", "radius_m": 0.1},
+                "air": {"density_kg_m3": 1.2, "viscosity_Pa_s": 1.8e-5},
+            },
+        )
+    )
+
+
+@pytest.fixture
+def built(monkeypatch: pytest.MonkeyPatch) -> list[tuple[propmap.Rotor, dict[str, Any]]]:
+    """What would be built; the invented table comes instead."""
+    calls = []
+
+    def record(rotor: propmap.Rotor, **named: Any) -> LoadTable:
+        calls.append((rotor, named))
+        return _invented()
+
+    monkeypatch.setattr("propmap.table.build.build_table", record)
+    return calls
+
+
+def test_a_table_is_exported(run: Run, tmp_path: Path) -> None:
+    done = run("export", "map.npz", "--to", "gazebo", "-o", "sim")
+    assert (done.code, done.err) == (0, "")
+    assert done.out == "wrote sim/invented_motor.sdf\nwrote sim/README-gazebo.txt\n"
+    assert sorted(p.name for p in (tmp_path / "sim").iterdir()) == [
+        "README-gazebo.txt",
+        "invented_motor.sdf",
+    ]
+    again = run("export", "map.npz", "--to", "gazebo", "-o", "sim")
+    assert again.code == 2 and "--force" in again.err
+    assert run("export", "map.npz", "--to", "gazebo", "-o", "sim", "--force").code == 0
+
+
+def test_a_parameter_set_with_a_propeller(
+    run: Run, tmp_path: Path, built: list[tuple[propmap.Rotor, dict[str, Any]]]
+) -> None:
+    (tmp_path / "law.toml").write_text(propmap.airfoil("paper-apc").to_toml())
+    done = run("export", "law.toml", "--prop", "apc-8x6e", "--to", "npz", "-o", "to")
+    assert done.code == 0
+    assert done.err.startswith("building a map of apc-8x6e at 1880 to 9869 rpm")
+    ((rotor, named),) = built
+    assert rotor.propeller.name == "apc-8x6e" and rotor.airfoil.name == "paper-apc"
+    assert named["speed"] == (0.0, 20.0) and named["beta"] == (0.0, np.pi)
+
+
+def test_a_fit_brings_its_propeller_and_air(
+    run: Run, tmp_path: Path, built: list[tuple[propmap.Rotor, dict[str, Any]]]
+) -> None:
+    blade = propmap.propeller("apc-8x6e")
+    record = {
+        "propeller": {
+            "name": "mine",
+            "blades": 2,
+            "root": blade.root,
+            "station_m": blade.station.tolist(),
+            "chord_m": blade.chord.tolist(),
+            "twist_rad": blade.twist.tolist(),
+        },
+        "air": {"density": 1.1, "viscosity": 1.8e-5},
+        "body": {},
+        "wing": {},
+    }
+    text = propmap.airfoil("paper-apc").to_toml() + "\n" + tomli_w.dumps({"fit": record})
+    (tmp_path / "fit.toml").write_text(text)
+    assert run("export", "fit.toml", "--to", "csv", "-o", "to").code == 0
+    ((rotor, _),) = built
+    assert (rotor.propeller.name, rotor.air.density) == ("mine", 1.1)
+    assert (tmp_path / "to" / "README-csv.txt").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["map.npz", "--to", "ros", "-o", "to"], "no target 'ros'"),
+        (["absent.npz", "--to", "c", "-o", "to"], "no such file"),
+        (["absent.toml", "--to", "c", "-o", "to"], "no such file"),
+        (["bad.npz", "--to", "c", "-o", "to"], "no table, or a damaged one"),
+        (["law.toml", "--to", "c", "-o", "to"], "--prop"),
+        (["map.npz", "--prop", "apc-8x6e", "--to", "c", "-o", "to"], "leave it out"),
+        (["map.npz", "--to", "c", "-o", "map.npz"], "this is a file"),
+        (["map.npz", "--to", "c", "-o", "absent/to"], "no folder"),
+        (["map.npz", "-o", "to"], "--to"),
+        (["map.npz", "--to", "c"], "--output"),
+    ],
+)
+def test_what_cannot_be_is_told_in_one_line(
+    run: Run, tmp_path: Path, arguments: list[str], message: str
+) -> None:
+    (tmp_path / "bad.npz").write_bytes((tmp_path / "map.npz").read_bytes()[:500])
+    (tmp_path / "law.toml").write_text(propmap.airfoil("paper-apc").to_toml())
+    done = run("export", *arguments)
+    assert done.code == 2
+    assert message in done.err
+    assert done.err.count("\n") == 1
+    assert not (tmp_path / "to").exists()

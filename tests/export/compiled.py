@@ -1,0 +1,101 @@
+"""The exported C header behind ctypes."""
+
+from __future__ import annotations
+
+import ctypes
+import shutil
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from propmap.export import export_table
+from propmap.table import LoadTable
+
+GCC = shutil.which("gcc")
+
+FLAGS = ["-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-O2"]
+
+WRAPPER = """
+#include "{name}.h"
+#include <stddef.h>
+typedef {name}_real real;
+
+void loads(size_t n, const real *w, const real *v, const real *b, real *to, int *status)
+{{
+    size_t i;
+    for (i = 0; i < n; ++i, to += 5) {{
+        const {name}_loads_t f = {name}_loads(w[i], v[i], b[i]);
+        to[0] = f.thrust; to[1] = f.drag; to[2] = f.torque; to[3] = f.roll_moment; to[4] = f.power;
+        status[i] = f.status;
+    }}
+}}
+
+void loads_at_velocity(size_t n, const real *w, const real *x, const real *y, const real *z,
+                       real *to, int *status)
+{{
+    size_t i;
+    for (i = 0; i < n; ++i, to += 5) {{
+        const {name}_loads_t f = {name}_loads_at_velocity(w[i], x[i], y[i], z[i]);
+        to[0] = f.thrust; to[1] = f.drag; to[2] = f.torque; to[3] = f.roll_moment; to[4] = f.power;
+        status[i] = f.status;
+    }}
+}}
+
+void gradient(size_t n, const real *w, const real *x, const real *y, const real *z, real *to,
+              int *status)
+{{
+    size_t i;
+    int k;
+    for (i = 0; i < n; ++i, to += 20) {{
+        const {name}_gradient_t f = {name}_gradient(w[i], x[i], y[i], z[i]);
+        for (k = 0; k < 4; ++k) {{
+            to[k] = f.thrust[k]; to[4 + k] = f.drag[k]; to[8 + k] = f.torque[k];
+            to[12 + k] = f.roll_moment[k]; to[16 + k] = f.power[k];
+        }}
+        status[i] = f.status;
+    }}
+}}
+
+void omega_for(size_t n, const real *quantity, const real *value, const real *v, const real *b,
+               real *to, int *solutions)
+{{
+    size_t i;
+    for (i = 0; i < n; ++i, to += 2) {{
+        const {name}_inverse_t f = {name}_omega_for((int)quantity[i], value[i], v[i], b[i]);
+        to[0] = f.omega; to[1] = f.least;
+        solutions[i] = f.solutions == 0 ? f.status == {upper}_NONE ? 0 : -1
+            : f.solutions == 1 ? f.status == {upper}_ONE ? 1 : -1
+            : f.status == {upper}_SEVERAL ? f.solutions : -1;
+    }}
+}}
+"""
+
+
+class Compiled:
+    """The header of a table, compiled; its functions take arrays (n,)."""
+
+    def __init__(self, table: LoadTable, folder: Path, *, single: bool = False) -> None:
+        if GCC is None:
+            pytest.skip("there is no gcc")
+        (header, _) = export_table(table, "c", folder, replace=True)
+        self.name = header.stem
+        source, library = folder / "wrapper.c", folder / f"wrapper-{int(single)}.so"
+        source.write_text(WRAPPER.format(name=self.name, upper=self.name.upper()))
+        define = [f"-D{self.name.upper()}_FLOAT"] if single else []
+        command = [GCC, *FLAGS, *define, "-fPIC", "-shared", source.name, "-o", library.name, "-lm"]
+        subprocess.run(command, cwd=folder, check=True)
+        self._library = ctypes.CDLL(str(library))
+        self._type = np.float32 if single else np.float64
+
+    def __call__(
+        self, function: str, width: int, *arguments: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Values (n, width) and the int beside them (n,)."""
+        arrays = [np.ascontiguousarray(a, self._type) for a in np.broadcast_arrays(*arguments)]
+        count = arrays[0].size
+        values, numbers = np.empty((count, width), self._type), np.empty(count, np.intc)
+        pointers = [ctypes.c_void_p(a.ctypes.data) for a in (*arrays, values, numbers)]
+        getattr(self._library, function)(ctypes.c_size_t(count), *pointers)
+        return values.astype(np.float64), numbers

@@ -1,0 +1,106 @@
+from __future__ import annotations
+
+import runpy
+from collections.abc import Callable
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import propmap
+from propmap.export import export_table
+from propmap.table import LoadTable, build_table
+from propmap.table.content import TableContent
+
+OMEGA = (400.0, 800.0)
+SPEED = (0.0, 6.0)
+BETA = (0.0, np.pi / 2)
+
+RADIUS = 0.1
+
+
+@pytest.fixture(scope="session")
+def table() -> LoadTable:
+    """A coarse table of the model, from hover to slow climb and edgewise flight."""
+    rotor = propmap.Rotor(propmap.propeller("apc-8x6e"), propmap.airfoil("paper-apc"))
+    return build_table(
+        rotor, omega=OMEGA, speed=SPEED, beta=BETA, tolerance=0.05, certificate_points=512
+    )
+
+
+@pytest.fixture(scope="session")
+def invented() -> LoadTable:
+    """A table of loads that a polynomial is, without a model behind it."""
+    return LoadTable(invented_content())
+
+
+def invented_content(
+    *,
+    name: str = "invented",
+    speed: float = 0.0,
+    beta: tuple[float, float] = (0.0, np.pi),
+    gap: bool = False,
+) -> TableContent:
+    """Thrust and torque quadratic, drag and roll moment bilinear in lambda_c and mu.
+
+    speed : the envelope's least [m/s].  gap : whether some knots have no value.
+    """
+    advance = np.concatenate([np.linspace(0.0, 0.1, 12), np.linspace(0.11, 0.5, 14)])
+    angle = np.linspace(*beta, 31)
+    j, b = np.meshgrid(advance, angle, indexing="ij")
+    climb, mu = j * np.cos(b), j * np.sin(b)
+    low = np.stack(
+        [
+            0.016 - 0.08 * climb - 0.05 * climb**2 + 0.02 * mu**2,
+            mu * (0.006 + 0.01 * climb),
+            0.0025 - 0.002 * climb - 0.003 * climb**2 + 0.001 * mu**2,
+            mu * (0.004 - 0.002 * climb),
+        ]
+    )
+    coefficients = np.stack([low, low])
+    cells = np.zeros((advance.size - 1, angle.size - 1), np.uint8)
+    if gap:
+        coefficients[:, :, 15:18, 20:25] = np.nan
+        cells[3:6, 12:20], cells[8:10, 2:9] = 1, 2
+    info = {
+        "propeller": {"name": name, "blades": 3, "radius_m": RADIUS, "geometry_sha256": "0"},
+        "air": {"density_kg_m3": 1.2, "viscosity_Pa_s": 1.8e-5},
+    }
+    return TableContent(
+        advance=advance,
+        beta=angle,
+        omega=np.array([200.0, 1000.0]),
+        speed=np.array([speed, advance[-1] * 200.0 * RADIUS]),
+        coefficients=coefficients.astype(np.float32).astype(np.float64),
+        cells=cells,
+        info=info,
+    )
+
+
+def points(table: LoadTable, count: int) -> tuple[np.ndarray, ...]:
+    """Points inside, on the envelope's borders, and beyond them."""
+    rng = np.random.default_rng(0)
+    low, high = np.array(list(table.envelope.values())).T
+    unit = rng.uniform(-0.1, 1.1, (count, 3))
+    border = rng.random((count, 3)) < 0.1
+    found = low + (high - low) * unit
+    ends = np.where(rng.random((count, 3)) < 0.5, low, high)
+    found = np.where(border, ends, found)
+    omega, speed, beta = found.T
+    beta = np.where(rng.random(count) < 0.1, beta + 2.0 * np.pi, beta)
+    return omega, speed, beta
+
+
+Module = Callable[[LoadTable, str], SimpleNamespace]
+
+
+@pytest.fixture
+def module(tmp_path: Path) -> Module:
+    """Export and run the Python file that was written; its names."""
+
+    def make(table: LoadTable, target: str) -> SimpleNamespace:
+        (path,) = (p for p in export_table(table, target, tmp_path / target) if p.suffix == ".py")
+        return SimpleNamespace(**runpy.run_path(str(path)))
+
+    return make
