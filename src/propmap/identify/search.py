@@ -29,10 +29,10 @@ DIFFERENCE = 1e-5
 ON_BOUND = 1e-9
 """Distance from a bound, in spreads, from which the search, which stays inside, means it."""
 
-EVALUATIONS, FINAL_EVALUATIONS = 25, 30
+EVALUATIONS, FINAL_EVALUATIONS = 20, 30
 """Of the model, at most: from each start, and to polish the best end."""
 
-REFIT_EVALUATIONS = 10
+REFIT_EVALUATIONS = 6
 """The same where a known minimum is only followed, as in cross-validation."""
 
 MOST_UNSOLVED = 0.05
@@ -174,13 +174,13 @@ def search(
     ends = []
     for x0 in begin:
         before = evaluator.count
-        x, cost = run(x0, *((REFIT_EVALUATIONS, 1e-5) if follow else (EVALUATIONS, 1e-7)))
+        x, cost = run(x0, *((REFIT_EVALUATIONS, 1e-4) if follow else (EVALUATIONS, 1e-5)))
         ends.append(End(x0, x, cost, evaluator.count - before))
     ends.sort(key=lambda end: end.cost)
     x = ends[0].x
     if not follow:
         best = ends[0].cost
-        polished, cost = run(x, FINAL_EVALUATIONS, 1e-10)
+        polished, cost = run(x, FINAL_EVALUATIONS, 1e-9)
         x, best = (polished, cost) if cost <= best else (x, best)
         if np.sqrt(2.0 * best / used) < NOISE_FLOOR:
             # So near to a perfect fit the errors of the derivatives would end the search early.
