@@ -314,6 +314,7 @@ def turning_log(folder: Path, count: int = 200) -> Path:
     return folder / "log.csv"
 
 
+@pytest.mark.slow
 def test_without_steady_stretches_all_forces_are_fitted(run: Run, tmp_path: Path) -> None:
     log = turning_log(tmp_path)
     vehicle = ["--vehicle", tmp_path / "logged.toml"]

@@ -47,6 +47,7 @@ def test_rest_is_rest() -> None:
     assert loads.status == "ok"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["uiuc-apce-9x6", "uiuc-gwsdd-5x4.3", "apc-8x4.5mr"])
 def test_other_propellers(name: str) -> None:
     rng = np.random.default_rng(3)
