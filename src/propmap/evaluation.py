@@ -10,12 +10,15 @@ import jax
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.blocks import BLOCK, Block, cut, padded_azimuths, run
+from propmap.blocks import Block, cut, padded_azimuths, run
 from propmap.schedule import Accuracy, Floats, Job, may_stall, plan
 from propmap.theory.loads import RotorLoads, disk_loads
 from propmap.theory.momentum import static_inflow as equation_12
 from propmap.theory.parameters import Blade, Medium, Section
 from propmap.theory.velocities import AzimuthNodes, azimuth_nodes
+
+QUICK_BELOW = 512
+"""Operating points below which a batch is not worth the longer compilation of faster programs."""
 
 ATTACHED = 0.9
 """Attached share below which a result from fixed panels is not accepted where following
@@ -98,6 +101,7 @@ def _run(
     results: Evaluation,
 ) -> None:
     """Evaluate jobs into ``results``."""
+    few = flow[0].size < QUICK_BELOW
 
     def one(block: Block) -> None:
         job, single = block.job, block.size == 1
@@ -107,7 +111,7 @@ def _run(
         nodes = azimuth_nodes(1) if alone else padded_azimuths(job.azimuths, most)
         which = block.padded
         with jax.enable_x64(True):
-            program = _program(job.panels, quickly=block.size <= BLOCK)
+            program = _program(job.panels, quickly=few or single)
             found = program(*rotor.on_device, *(a[which] for a in flow), nodes)
             for target, values in zip(results, found, strict=True):
                 target[block.points] = _flushed(np.asarray(values)[: block.points.size])
