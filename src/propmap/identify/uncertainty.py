@@ -25,8 +25,10 @@ square has to stand above the rounding errors of the largest one's."""
 class Uncertainty:
     """P parameters' uncertainties.
 
-    covariance : (P, P); infinite variance where the data say nothing, zero where a bound holds.
-    low, high : ends of the 95 % intervals (P,).  correlation : (P, P).
+    covariance : (P, P); infinite variance where the data say nothing.  A parameter that a bound
+        holds counts as free: with it taken as known, the others' intervals come out too narrow.
+    low, high : ends of the 95 % intervals (P,), cut at the bound that holds a parameter.
+    correlation : (P, P).
     singular_values : of the residuals' derivatives per spread, largest first, relative to it.
     verdicts : a sentence for each.  identified : (P,).
     error : standard deviation of a residual as a share of its scale, per load.
@@ -57,35 +59,32 @@ def uncertainty(rows: Rows, choice: Choice, found: Minimum) -> Uncertainty:
     # Where data say nothing of a parameter, they do not press it against a bound either.
     held = (x - lower < AT_BOUND * spread) | (upper - x < AT_BOUND * spread)
     held &= seen > NEGLIGIBLE * max(float(seen.max()), 1e-300)
-    free = np.flatnonzero(~held)
     used = rows.weight > 0.0
     counts = np.array([np.count_nonzero(used & (rows.load == k)) for k in range(len(rows.names))])
-    share = free.size / max(int(counts.sum()), 1)
+    share = x.size / max(int(counts.sum()), 1)
     error = np.array(
         [
             _standard_error(found.residual[used & (rows.load == k)], share)
             for k in range(len(rows.names))
         ]
     )
-    slopes = found.slopes[:, free] * spread[free]
+    slopes = found.slopes * spread
     information = slopes.T @ slopes
     prior = np.array([choice.priors[n].deviation if n in choice.priors else np.inf for n in names])
     mean_error = float(np.sqrt(np.sum(counts * error**2) / max(counts.sum(), 1)))
-    held_by_prior = (mean_error * spread[free] / prior[free]) ** 2
+    held_by_prior = (mean_error * spread / prior) ** 2
     if rows.group is None:
         middle = (slopes * error[rows.load][:, None] ** 2).T @ slopes
-        freedom = max(int(counts.sum()) - free.size, 1)
+        freedom = max(int(counts.sum()) - x.size, 1)
     else:
         middle, freedom = _by_group(slopes, found.residual, rows.group[used], used)
     spreads = _sandwich(
         information + np.diag(held_by_prior), middle + np.diag(held_by_prior * mean_error**2)
     )
-    covariance = np.zeros((x.size, x.size))
-    covariance[np.ix_(free, free)] = spreads * np.outer(spread[free], spread[free])
+    covariance = spreads * np.outer(spread, spread)
     deviation = np.sqrt(np.diag(covariance))
     half: Floats = np.asarray(student.ppf(0.975, freedom) * deviation)
-    all_slopes = found.slopes * spread
-    singular = np.linalg.svd(all_slopes, compute_uv=False)
+    singular = np.linalg.svd(slopes, compute_uv=False)
     scale = np.where(deviation > 0.0, deviation, 1.0)
     with np.errstate(invalid="ignore"):
         correlation = covariance / np.outer(scale, scale)
@@ -95,8 +94,8 @@ def uncertainty(rows: Rows, choice: Choice, found: Minimum) -> Uncertainty:
     ]
     return Uncertainty(
         covariance,
-        x - half,
-        x + half,
+        np.where(held, np.maximum(x - half, lower), x - half),
+        np.where(held, np.minimum(x + half, upper), x + half),
         correlation,
         np.asarray(singular / max(float(singular[0]), 1e-300)),
         tuple(text for text, _ in judged),
@@ -126,8 +125,6 @@ def _by_group(
 
 def _sandwich(information: Floats, middle: Floats) -> Floats:
     """inverse(information) middle inverse(information); infinite where there is none."""
-    if information.size == 0:
-        return information
     values, vectors = np.linalg.eigh(information)
     seen = values > NEGLIGIBLE**2 * max(float(values[-1]), 1e-300)
     inverse = (vectors[:, seen] / values[seen]) @ vectors[:, seen].T
