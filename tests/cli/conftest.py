@@ -1,6 +1,6 @@
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -32,6 +32,14 @@ def _workplace(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """An empty folder, and no compiled programs in the user's cache."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("propmap.compilation.keep_compiled", lambda: None)
+
+
+@pytest.fixture(scope="module")
+def no_cache() -> Iterator[None]:
+    """The same for what a whole module shares."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("propmap.compilation.keep_compiled", lambda: None)
+        yield
 
 
 @pytest.fixture

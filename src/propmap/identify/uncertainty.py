@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from propmap.identify.bounded_interval import bounded_intervals
 from propmap.identify.parameters import Choice
 from propmap.identify.rows import Rows
 from propmap.identify.search import NOISE_FLOOR, Minimum
@@ -25,9 +27,8 @@ square has to stand above the rounding errors of the largest one's."""
 class Uncertainty:
     """P parameters' uncertainties.
 
-    covariance : (P, P); infinite variance where the data say nothing.  A parameter that a bound
-        holds counts as free: with it taken as known, the others' intervals come out too narrow.
-    low, high : ends of the 95 % intervals (P,), cut at the bound that holds a parameter.
+    covariance : (P, P) as if there were no bounds; infinite variance where the data say nothing.
+    low, high : ends of the 95 % intervals (P,), within the bounds (``bounded_intervals``).
     correlation : (P, P).
     singular_values : of the residuals' derivatives per spread, largest first, relative to it.
     verdicts : a sentence for each.  identified : (P,).
@@ -78,24 +79,31 @@ def uncertainty(rows: Rows, choice: Choice, found: Minimum) -> Uncertainty:
         freedom = max(int(counts.sum()) - x.size, 1)
     else:
         middle, freedom = _by_group(slopes, found.residual, rows.group[used], used)
-    spreads = _sandwich(
+    known = _sandwich(
         information + np.diag(held_by_prior), middle + np.diag(held_by_prior * mean_error**2)
     )
-    covariance = spreads * np.outer(spread, spread)
+    covariance = known.covariance * np.outer(spread, spread)
     deviation = np.sqrt(np.diag(covariance))
-    half: Floats = np.asarray(student.ppf(0.975, freedom) * deviation)
+    # At a minimum the sum of squares only slopes towards bounds.
+    mean = np.array([choice.priors[n].mean if n in choice.priors else 0.0 for n in names])
+    uphill = slopes.T @ found.residual + held_by_prior * (x - mean) / spread
+    centre = x / spread - known.inverse @ np.where(held, uphill, 0.0)
+    quantile = float(student.ppf(0.975, freedom))
+    low, high = bounded_intervals(centre, known.root, lower / spread, upper / spread, quantile)
+    low, high = np.minimum(low * spread, x), np.maximum(high * spread, x)
     singular = np.linalg.svd(slopes, compute_uv=False)
     scale = np.where(deviation > 0.0, deviation, 1.0)
     with np.errstate(invalid="ignore"):
         correlation = covariance / np.outer(scale, scale)
     np.fill_diagonal(correlation, 1.0)
     judged = [
-        _verdict(k, choice, x, half, bool(held[k]), deviation[k], prior[k]) for k in range(x.size)
+        _verdict(k, choice, x, (low, high), bool(held[k]), deviation[k], prior[k], quantile)
+        for k in range(x.size)
     ]
     return Uncertainty(
         covariance,
-        np.where(held, np.maximum(x - half, lower), x - half),
-        np.where(held, np.minimum(x + half, upper), x + half),
+        low,
+        high,
         correlation,
         np.asarray(singular / max(float(singular[0]), 1e-300)),
         tuple(text for text, _ in judged),
@@ -123,34 +131,56 @@ def _by_group(
     return small * scores.T @ scores, max(labels.size - slopes.shape[1], 1)
 
 
-def _sandwich(information: Floats, middle: Floats) -> Floats:
-    """inverse(information) middle inverse(information); infinite where there is none."""
+class _Known(NamedTuple):
+    """Of the parameters in spreads: (P, P) infinite where there is none; the inverse of the
+    information, zero along what the data do not see; W (R, P) of ``bounded_intervals``."""
+
+    covariance: Floats
+    inverse: Floats
+    root: Floats
+
+
+def _sandwich(information: Floats, middle: Floats) -> _Known:
+    """inverse(information) middle inverse(information)."""
     values, vectors = np.linalg.eigh(information)
     seen = values > NEGLIGIBLE**2 * max(float(values[-1]), 1e-300)
-    inverse = (vectors[:, seen] / values[seen]) @ vectors[:, seen].T
+    values, blind, vectors = values[seen], vectors[:, ~seen], vectors[:, seen]
+    inverse = (vectors / values) @ vectors.T
     covariance = inverse @ middle @ inverse
-    blind = np.sum(vectors[:, ~seen] ** 2, axis=1) > 1e-6
-    covariance[np.diag_indices_from(covariance)] = np.where(blind, np.inf, np.diag(covariance))
-    return np.asarray(covariance)
+    lost = np.sum(blind**2, axis=1) > 1e-6
+    covariance[np.diag_indices_from(covariance)] = np.where(lost, np.inf, np.diag(covariance))
+    errors, turned = np.linalg.eigh(vectors.T @ middle @ vectors)
+    errors = np.maximum(errors, NEGLIGIBLE**2 * errors.max(initial=1e-300))
+    root = ((turned / np.sqrt(errors)).T * values) @ vectors.T
+    return _Known(covariance, inverse, root)
 
 
 def _verdict(
-    k: int, choice: Choice, x: Floats, half: Floats, held: bool, deviation: float, prior: float
+    k: int,
+    choice: Choice,
+    x: Floats,
+    ends: tuple[Floats, Floats],
+    held: bool,
+    deviation: float,
+    prior: float,
+    quantile: float,
 ) -> tuple[str, bool]:
+    """In words, and whether the parameter is identified."""
     name = choice.free[k]
-    spread = choice.column("spread")[k]
+    lower, upper, spread = (float(choice.column(a)[k]) for a in ("lower", "upper", "spread"))
+    low, high = float(ends[0][k]), float(ends[1][k])
     if held:
-        low, high = choice.column("lower")[k], choice.column("upper")[k]
-        bound = low if x[k] - low < high - x[k] else high
-        return f"weak: held by its bound {bound:g}", False
+        return f"weak: held by its bound {lower if x[k] - lower < upper - x[k] else upper:g}", False
     if deviation > 0.7 * prior:
         return "weak: held by its prior", False
-    if half[k] <= 0.5 * spread:
-        return "identified", True
-    if not np.isfinite(half[k]):
+    if high - low <= spread:
+        if quantile * deviation <= 0.5 * spread:
+            return "identified", True
+        return "identified, given the bounds of the others", True
+    if low == lower and high == upper:
         return f"weak: held by its start, the data say nothing of {name}", False
     return (
-        f"weak: held by its start, the data leave it +-{half[k]:.2g} where propellers differ by "
-        f"about {spread:g}",
+        f"weak: held by its start, the data leave it {low:.3g} to {high:.3g} where propellers "
+        f"differ by about {spread:g}",
         False,
     )

@@ -1,0 +1,86 @@
+"""Tunnel rows, a vehicle and level flights as files, small enough for quick fits."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import propmap
+from propmap.catalogue.measurements import measurement
+
+from .conftest import Run
+
+# One pair of free parameters, so that all fits here share their compiled programs.
+FREE = ("c_l1", "zero_lift_angle")
+QUICK = ["--free", ",".join(FREE), "--starts", "1", "--folds", "0"]
+UIUC = measurement("uiuc-8x6e")
+TURNS = UIUC.omega / (2.0 * np.pi)
+DIAMETER = propmap.propeller("apc-8x6e").diameter
+ONE_SPEED = round(float(TURNS[UIUC.speed > 0.0][0]) * 60.0)
+CHECKED = {"rows", "rms", "relative_rms", "bias", "worst", "hover_rms"}
+
+
+def picked() -> np.ndarray:
+    """Some rows of one rotational speed, then some static ones."""
+    flying = np.flatnonzero(np.isclose(TURNS * 60.0, ONE_SPEED, atol=1.0) & (UIUC.speed > 0.0))
+    return np.concatenate([flying[:9], np.flatnonzero(UIUC.speed == 0.0)[:5]])
+
+
+def tunnel_table(rows: np.ndarray, columns: tuple[str, ...] = ("thrust_N", "torque_Nm")) -> str:
+    """Rows of the catalogue's measurement as CSV; the air has its own density."""
+    assert UIUC.thrust is not None and UIUC.torque is not None
+    loads = {"thrust_N": UIUC.thrust, "torque_Nm": UIUC.torque}
+    density = propmap.Air().density / UIUC.air_density
+    lines = [",".join(("rpm", "speed_mps", "beta_deg", *columns))]
+    for k in rows:
+        # Whole rpm, as in the name of a UIUC file.
+        values = [TURNS[k] * 60.0, UIUC.speed[k], 0.0, *(loads[c][k] * density for c in columns)]
+        lines.append(",".join(repr(float(v)) for v in values))
+    return "\n".join(lines) + "\n"
+
+
+def uiuc_files(folder: Path) -> list[Path]:
+    """The same rows in the layout of the UIUC database."""
+    assert UIUC.thrust is not None and UIUC.torque is not None
+    size = UIUC.air_density * TURNS**2 * DIAMETER**4
+    ct, cp = UIUC.thrust / size, UIUC.torque * 2.0 * np.pi / (size * DIAMETER)
+    rows = picked()
+    flying, static = rows[UIUC.speed[rows] > 0.0], rows[UIUC.speed[rows] == 0.0]
+    advance = UIUC.speed / (TURNS * DIAMETER)
+    first = ["J CT CP eta", *(f"{advance[k]:.12f} {ct[k]:.12f} {cp[k]:.12f} 0.5" for k in flying)]
+    second = ["RPM CT CP", *(f"{TURNS[k] * 60.0:.9f} {ct[k]:.12f} {cp[k]:.12f}" for k in static)]
+    names = (f"sample_8x6_{ONE_SPEED}.txt", "sample_8x6_static.txt")
+    for name, lines in zip(names, (first, second), strict=True):
+        (folder / name).write_text("\n".join(lines) + "\n")
+    return [folder / name for name in names]
+
+
+VEHICLE = """schema = 1
+name = "test quadrotor"
+frame = "flu"
+mass = 0.93
+propeller = "apc-8x6e"
+""" + "".join(
+    f'[[rotors]]\nposition = [{x}, {y}, 0.0]\nspin = "{spin}"\n'
+    for x, y, spin in ((-0.1, -0.1, "cw"), (0.1, -0.1, "ccw"), (-0.1, 0.1, "ccw"), (0.1, 0.1, "cw"))
+)
+LEVEL = "speed_mps,pitch_deg,rpm_1,rpm_2,rpm_3,rpm_4\n" + "".join(
+    f"{v},{0.15 * v * v},{rpm},{rpm},{rpm},{rpm}\n"
+    for v, rpm in ((0, 5620), (0, 5630), (3, 5580), (6, 5500), (8, 5560), (9, 5600), (10, 5680))
+)
+
+
+def fit_record(path: Path) -> dict[str, Any]:
+    """The table [fit] of a fit file."""
+    return tomllib.loads(path.read_text(encoding="utf-8"))["fit"]
+
+
+def fitted(run: Run, *arguments: object) -> tuple[dict[str, Any], str]:
+    """What `propmap fit` files in out.toml and what it prints."""
+    fit = Path("out.toml")
+    done = run("fit", *arguments, "-o", fit)
+    assert (done.code, done.err) == (0, f"wrote {fit}\n"), done.err
+    return fit_record(fit), done.out
