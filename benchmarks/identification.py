@@ -2,8 +2,8 @@
 
 Twin experiments: level flights of a quadrotor with four APC 8x6E are computed with known
 parameters, and identified again from the paper's x0 and from random starts; once without noise,
-and two hundred times with noise on the vertical force, to count how often the stated 95 %
-intervals contain the truth.  Writes results/identification.json.
+and two hundred times with noise, to count how often the stated 95 % intervals contain the truth;
+the last also of a tunnel test.  Writes results/identification.json.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ from propmap.identify.comparison import compare_tunnel
 from propmap.identify.fitted import Settings, fit
 from propmap.identify.flight import ForceModel, level_rows
 from propmap.identify.parameters import PAPER_FOUR, Choice
+from propmap.identify.rows import Rows
 from propmap.identify.tunnel import TunnelData, first_guess, rotor_with, tunnel_rows
 from propmap.load_gradients import LOADS
 from propmap.simulate.trim import trim
@@ -31,6 +32,7 @@ SETS = ("paper-soft", "paper-stiff", "paper-apc")
 ARM, MASS = 0.2, 1.0
 SPEEDS = np.linspace(0.5, 14.5, 20)
 NOISE, REPETITIONS = 0.01, 200
+TUNNEL_SPEEDS = np.linspace(0.0, 9.5, 20)
 TUNNEL_SIX = (*PAPER_FOUR, "zero_lift_angle", "c_d0")
 
 
@@ -66,31 +68,58 @@ def noise_free(name: str, starts: int) -> dict[str, Any]:
     }
 
 
-def coverage(name: str) -> dict[str, Any]:
+def coverage(rows: Rows, choice: Choice, truth: propmap.Airfoil) -> dict[str, Any]:
     """Share of noisy twins whose intervals contain the truth, per parameter."""
-    vehicle, truth = quadrotor(), propmap.airfoil(name)
-    points = trim(vehicle, truth, SPEEDS)
-    choice = Choice(start={n: getattr(truth, n) for n in PAPER_FOUR})
-    rows = level_rows(ForceModel(vehicle, points, first_guess()), choice)
+    names = choice.free
+    values = np.array([getattr(truth, n) for n in names])
     rng = np.random.default_rng(2017)
-    inside, named, within = (np.zeros(len(PAPER_FOUR)) for _ in range(3))
-    for _ in range(REPETITIONS):
-        noisy = rows.measured * (1.0 + NOISE * rng.standard_normal(rows.measured.size))
+    inside, good = np.zeros((2, REPETITIONS, len(names)), bool)
+    widths = np.zeros((REPETITIONS, len(names)))
+    for k in range(REPETITIONS):
+        noisy = rows.measured + NOISE * rows.scale * rng.standard_normal(rows.measured.size)
         found = fit(replace(rows, measured=noisy), choice, Settings(starts=1, folds=0))
         sure = found.uncertainty
-        values = np.array([getattr(truth, n) for n in PAPER_FOUR])
-        hit, good = (sure.low <= values) & (values <= sure.high), np.array(sure.identified)
-        inside += hit & good
-        within += hit
-        named += good
+        inside[k] = (sure.low <= values) & (values <= sure.high)
+        good[k] = sure.identified
+        widths[k] = sure.high - sure.low
     return {
         n: {
-            "called_identified": int(named[k]),
-            "of_these_truth_inside": float(inside[k] / named[k]) if named[k] else None,
-            "of_all_truth_inside": float(within[k] / REPETITIONS),
+            "called_identified": int(good[:, k].sum()),
+            "of_these_truth_inside": float(inside[good[:, k], k].mean())
+            if good[:, k].any()
+            else None,
+            "of_all_truth_inside": float(inside[:, k].mean()),
+            "median_width": float(np.median(widths[:, k])),
         }
-        for k, n in enumerate(PAPER_FOUR)
+        for k, n in enumerate(names)
     }
+
+
+def coverages(name: str) -> dict[str, Any]:
+    """For one set of Table I: level flights with the paper's four parameters free and with two,
+    and a tunnel test (axial, and at 40 and 80 deg) with the four."""
+    vehicle, truth = quadrotor(), propmap.airfoil(name)
+    points = trim(vehicle, truth, SPEEDS)
+    true_values = {n: getattr(truth, n) for n in PAPER_FOUR}
+    four = Choice(start=true_values)
+    two = Choice(("c_l1", "alpha_0"), fixed={n: true_values[n] for n in ("c_l2", "c_d")})
+    flights = ForceModel(vehicle, points, first_guess())
+    tunnel = tunnel_rows(vehicle.propeller, propmap.Air(), tunnel_twin(truth), four)
+    cases = {
+        "level flights, four free": (level_rows(flights, four), four),
+        "level flights, two free": (level_rows(flights, two), two),
+        "tunnel, thrust and torque, four free": (tunnel, four),
+    }
+    return {what: coverage(rows, choice, truth) for what, (rows, choice) in cases.items()}
+
+
+def tunnel_twin(truth: propmap.Airfoil) -> TunnelData:
+    """Computed thrust and torque of the APC 8x6E at 5000 rpm, 60 points."""
+    beta, speed = (a.ravel() for a in np.meshgrid(np.radians([0.0, 40.0, 80.0]), TUNNEL_SPEEDS))
+    omega = np.full(beta.size, 5000.0 * np.pi / 30.0)
+    loads = propmap.Rotor(propmap.propeller("apc-8x6e"), truth).loads(omega, speed, beta)
+    measured = {"thrust": np.asarray(loads.thrust), "torque": np.asarray(loads.torque)}
+    return TunnelData("twin", omega, speed, beta, measured)
 
 
 def timing() -> dict[str, float]:
@@ -168,8 +197,10 @@ def main() -> None:
         found["noise_free"][name] = noise_free(name, 1 if quick else 11)
         print(name, found["noise_free"][name])
     if not quick:
-        found["coverage_1_percent_noise"] = {"paper-apc": coverage("paper-apc")}
-        print(found["coverage_1_percent_noise"])
+        found["coverage_1_percent_noise"] = {}
+        for name in SETS:
+            found["coverage_1_percent_noise"][name] = coverages(name)
+            print(name, found["coverage_1_percent_noise"][name])
         print(write_results("identification.json", found))
 
 

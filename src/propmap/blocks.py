@@ -34,8 +34,8 @@ class Block(NamedTuple):
         return np.resize(self.points, self.size)
 
 
-def cut(jobs: Sequence[Job], large: int = LARGE_BLOCK) -> list[Block]:
-    """Jobs cut into blocks of ``BLOCK`` or ``large`` points; a single point stays alone."""
+def cut(jobs: Sequence[Job], small: int = BLOCK, large: int = LARGE_BLOCK) -> list[Block]:
+    """Jobs cut into blocks of ``small`` or ``large`` points; a single point stays alone."""
     blocks = []
     for job in jobs:
         points = job.points
@@ -43,7 +43,7 @@ def cut(jobs: Sequence[Job], large: int = LARGE_BLOCK) -> list[Block]:
             blocks.append(Block(job, points, 1))
             continue
         while points.size:
-            size = large if points.size > large - BLOCK else BLOCK
+            size = large if points.size > large - small else small
             blocks.append(Block(job, points[:size], size))
             points = points[size:]
     return blocks

@@ -10,7 +10,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from propmap.blocks import BLOCK, Block, cut, padded_azimuths, run
+from propmap.blocks import Block, cut, padded_azimuths, run
 from propmap.evaluation import Prepared, advance_ratio
 from propmap.schedule import Accuracy, Floats, plan
 from propmap.theory.loads import disk_loads
@@ -19,6 +19,10 @@ from propmap.theory.parameters import Blade, Medium, Section
 from propmap.theory.velocities import AzimuthNodes, azimuth_nodes
 
 LOADS = ("thrust", "drag", "torque", "roll_moment")
+
+BLOCK = 8
+"""Operating points per call of a compiled program: with their derivatives they fill the vector
+units, and a fit's few points per number of azimuth nodes leave less of a block unused."""
 
 
 class LoadGradients(NamedTuple):
@@ -70,7 +74,7 @@ def load_gradients(
         loads[:, kept] = values[:, : kept.size]
         slopes[:, :, kept] = derivatives.transpose(1, 0, 2)[:, :, : kept.size]
 
-    run(cut(jobs, large=BLOCK), one)
+    run(cut(jobs, BLOCK, BLOCK), one)
     return LoadGradients(loads, slopes)
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from propmap.identify.parameters import Choice
-from propmap.identify.rows import Rows
+from propmap.identify.rows import Rows, remembering
 from propmap.identify.search import NOISE_FLOOR, Minimum, search, starts
 from propmap.identify.uncertainty import Uncertainty, uncertainty
 
@@ -78,6 +78,7 @@ def fit(rows: Rows, choice: Choice, settings: Settings | None = None) -> Fitted:
     """
     settings = settings or Settings()
     begin = time.perf_counter()
+    rows = replace(rows, model=remembering(rows.model))
     first = starts(choice, settings.starts, settings.seed)
     found = search(rows, choice, first)
     spread_of_errors = uncertainty(rows, choice, found)

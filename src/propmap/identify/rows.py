@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
@@ -12,6 +13,22 @@ Floats = NDArray[np.float64]
 
 Model = Callable[[Mapping[str, float], tuple[str, ...]], tuple[Floats, Floats]]
 """From all parameters by name and the P free names: values (M,) and derivatives (M, P)."""
+
+REMEMBERED = 16
+"""Evaluations of a model that ``remembering`` keeps: more than one refit takes."""
+
+
+def remembering(model: Model) -> Model:
+    """The same model, which keeps its latest evaluations.
+
+    A search is polished where it ended, and refits of parts of the data begin there.
+    """
+
+    @functools.lru_cache(REMEMBERED)
+    def at(values: tuple[tuple[str, float], ...], names: tuple[str, ...]) -> tuple[Floats, Floats]:
+        return model(dict(values), names)
+
+    return lambda values, names: at(tuple(values.items()), names)
 
 
 @dataclass(frozen=True, eq=False)
