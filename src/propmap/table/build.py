@@ -11,10 +11,10 @@ import numpy as np
 
 import propmap
 from propmap.errors import InputError
+from propmap.fingerprint import airfoil_sha256, propeller_sha256
 from propmap.table.axis import Floats
 from propmap.table.certificate import POINTS, certify
 from propmap.table.content import LOADS, UNRESOLVED, VORTEX_RING, TableContent
-from propmap.table.fingerprint import airfoil_sha256, propeller_sha256
 from propmap.table.jumps import find_jumps, marked
 from propmap.table.model import Model, Progress
 from propmap.table.query import LoadTable
