@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 import subprocess
 from pathlib import Path
 
@@ -13,8 +12,9 @@ from propmap.export import export_table
 from propmap.export.samples import static_loads
 from propmap.table import LoadTable
 
-from .compiled import FLAGS, GCC, Compiled
+from .compiled import FLAGS, Compiled
 from .conftest import invented_content, points
+from .needed import program
 
 POINTS = 10_000
 
@@ -155,22 +155,17 @@ def test_the_inverse_tells_of_several(tmp_path: Path) -> None:
 
 
 def test_two_propellers_go_into_one_program(table: LoadTable, tmp_path: Path) -> None:
-    if GCC is None:
-        pytest.skip("there is no gcc")
     odd = LoadTable(invented_content(name='9" */ #define x\n@data@ "ü"'))
     names = [export_table(t, "c", tmp_path / "c", replace=True)[0].name for t in (table, odd)]
     text = "".join(f'#include "{name}"\n' * 2 for name in names) + "int main(void) { return 0; }\n"
     (tmp_path / "c" / "main.c").write_text(text)
-    subprocess.run([GCC, *FLAGS, "main.c", "-o", "main"], cwd=tmp_path / "c", check=True)
+    subprocess.run([program("gcc"), *FLAGS, "main.c", "-o", "main"], cwd=tmp_path / "c", check=True)
 
 
 @pytest.mark.parametrize("define", ["", "#define APC_8X6E_FLOAT\n"])
 def test_the_header_is_cpp_too(table: LoadTable, tmp_path: Path, define: str) -> None:
-    compiler = shutil.which("g++")
-    if compiler is None:
-        pytest.skip("there is no g++")
     header, _ = export_table(table, "c", tmp_path)
     text = f'{define}#include "{header.name}"\nint main() {{ return 0; }}\n'
     (tmp_path / "main.cpp").write_text(text)
-    command = [compiler, "-Wall", "-Wextra", "-Werror", "main.cpp", "-o", "main"]
+    command = [program("g++"), "-Wall", "-Wextra", "-Werror", "main.cpp", "-o", "main"]
     subprocess.run(command, cwd=tmp_path, check=True)
