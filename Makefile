@@ -37,7 +37,7 @@ bench-table: $(READY)
 	$(BIN)/python -m benchmarks.table
 
 bench-fine-table: $(READY)
-	$(BIN)/python -m benchmarks.fine_table
+	$(BIN)/python -m benchmarks.table fine
 
 convergence: $(READY)
 	$(BIN)/python -m benchmarks.convergence

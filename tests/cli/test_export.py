@@ -42,6 +42,26 @@ def invented() -> LoadTable:
     )
 
 
+def fit_text(**further: Any) -> str:
+    """A fit file without what a fit would tell of itself; further : entries of its record."""
+    blade = propmap.propeller("apc-8x6e")
+    record = {
+        "propeller": {
+            "name": "mine",
+            "blades": 2,
+            "root": blade.root,
+            "station_m": blade.station.tolist(),
+            "chord_m": blade.chord.tolist(),
+            "twist_rad": blade.twist.tolist(),
+        },
+        "air": {"density": 1.1, "viscosity": 1.8e-5},
+        "body": {},
+        "wing": {},
+    }
+    law = propmap.airfoil("paper-apc").to_toml()
+    return law + "\n" + tomli_w.dumps({"fit": {**record, **further}})
+
+
 @pytest.fixture
 def built(monkeypatch: pytest.MonkeyPatch) -> list[tuple[propmap.Rotor, dict[str, Any]]]:
     """What would be built; the invented table comes instead."""
@@ -83,22 +103,7 @@ def test_a_parameter_set_with_a_propeller(
 def test_a_fit_brings_its_propeller_and_air(
     run: Run, tmp_path: Path, built: list[tuple[propmap.Rotor, dict[str, Any]]]
 ) -> None:
-    blade = propmap.propeller("apc-8x6e")
-    record = {
-        "propeller": {
-            "name": "mine",
-            "blades": 2,
-            "root": blade.root,
-            "station_m": blade.station.tolist(),
-            "chord_m": blade.chord.tolist(),
-            "twist_rad": blade.twist.tolist(),
-        },
-        "air": {"density": 1.1, "viscosity": 1.8e-5},
-        "body": {},
-        "wing": {},
-    }
-    text = propmap.airfoil("paper-apc").to_toml() + "\n" + tomli_w.dumps({"fit": record})
-    (tmp_path / "fit.toml").write_text(text)
+    (tmp_path / "fit.toml").write_text(fit_text())
     assert run("export", "fit.toml", "--to", "csv", "-o", "to").code == 0
     ((rotor, _),) = built
     assert (rotor.propeller.name, rotor.air.density) == ("mine", 1.1)

@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-import tomli_w
 import xarray
 
 import propmap
@@ -18,7 +17,7 @@ from propmap.section_covariance import SectionCovariance
 from propmap.table import LoadTable, build_table
 
 from .conftest import ROTOR, Run
-from .test_export import invented
+from .test_export import fit_text, invented
 
 SMALL = ["--rpm", "4000:4400", "--speed", "14:16", "--beta", "75:90", "--tolerance", "5%"]
 
@@ -50,23 +49,10 @@ def test_a_fit_brings_its_covariance(
         return _uncertain(named["covariance"])
 
     monkeypatch.setattr("propmap.table.build.build_table", build)
-    blade = propmap.propeller("apc-8x6e")
-    record = {
-        "free": ["c_l1", "drag_area_x", "c_d"],
-        "covariance": [[0.04, 0.1, -0.01], [0.1, 8.0, 0.2], [-0.01, 0.2, float("inf")]],
-        "propeller": {
-            "name": "mine",
-            "blades": 2,
-            "root": blade.root,
-            "station_m": blade.station.tolist(),
-            "chord_m": blade.chord.tolist(),
-            "twist_rad": blade.twist.tolist(),
-        },
-        "air": {"density": 1.1, "viscosity": 1.8e-5},
-        "body": {},
-        "wing": {},
-    }
-    text = propmap.airfoil("paper-apc").to_toml() + "\n" + tomli_w.dumps({"fit": record})
+    text = fit_text(
+        free=["c_l1", "drag_area_x", "c_d"],
+        covariance=[[0.04, 0.1, -0.01], [0.1, 8.0, 0.2], [-0.01, 0.2, float("inf")]],
+    )
     (tmp_path / "fit.toml").write_text(text)
     done = run("table", "apc-8x6e", "--airfoil", "fit.toml", *SMALL, "-o", "map.npz")
     assert (done.code, done.err) == (0, "")

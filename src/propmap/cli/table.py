@@ -43,14 +43,14 @@ def table(
 ) -> None:
     """A look-up table of the loads, with its errors against the model certified."""
     ranges = (_range("rpm", rpm), _range("speed", speed), _range("beta", beta))
-    share = parse_share("--tolerance", tolerance)
+    share = _share("--tolerance", tolerance)
     check_output(output, (".npz", ".nc"), keep_existing=not force)
 
     from propmap.table.build import build_table, check_tolerance
 
     check_tolerance(share, choice.accuracy.value)
     rotor = choice.rotor()
-    covariance = fitted_covariance(choice.airfoil or "")
+    covariance = _covariance(choice.airfoil or "")
     with building() as progress:
         built = build_table(
             rotor,
@@ -69,7 +69,7 @@ def table(
     typer.echo(f"wrote {output}: {knots} knots, {size:.2f} MB")
 
 
-def parse_share(option: str, text: str) -> float:
+def _share(option: str, text: str) -> float:
     """0.005 from "0.5%" or "0.005"; option : its name in messages."""
     try:
         value = float(text[:-1]) / 100.0 if text.endswith("%") else float(text)
@@ -101,7 +101,7 @@ def _save(built: LoadTable, output: Path, command: str) -> None:
         filed.save(output)
 
 
-def fitted_covariance(section: str) -> SectionCovariance | None:
+def _covariance(section: str) -> SectionCovariance | None:
     """The covariance in a fit's file; section : what ``--airfoil`` was given."""
     from propmap.airfoil import airfoil_names
     from propmap.identify.result_file import is_fit, read_fit
