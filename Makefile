@@ -3,11 +3,11 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/ready
 
-.PHONY: demo test test-slow lint types bench bench-identification convergence clean
+.PHONY: demo test test-slow lint types bench bench-table bench-fine-table bench-identification convergence clean
 
 $(READY): pyproject.toml constraints.txt
 	python3 -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[dev]'
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[dev,targets]'
 	touch $@
 
 demo: $(READY)
@@ -31,6 +31,13 @@ bench-identification: $(READY)
 
 bench: $(READY)
 	$(BIN)/python -m benchmarks.speed
+	$(BIN)/python -m benchmarks.table
+
+bench-table: $(READY)
+	$(BIN)/python -m benchmarks.table
+
+bench-fine-table: $(READY)
+	$(BIN)/python -m benchmarks.table fine
 
 convergence: $(READY)
 	$(BIN)/python -m benchmarks.convergence

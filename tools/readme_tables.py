@@ -2,7 +2,7 @@
 
 Usage: python tools/readme_tables.py [DEMO_FOLDER]
 
-Reads benchmarks/results/convergence.json, speed.json and demo.json; with DEMO_FOLDER, where
+Reads the files of benchmarks/results; with DEMO_FOLDER, where
 `propmap demo` wrote, takes demo.json and the picture from there first.  The text between the
 markers is replaced; the same files give the same README.
 """
@@ -13,6 +13,7 @@ import json
 import re
 import shutil
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -129,6 +130,55 @@ def speed(found: dict[str, Any]) -> str:
     return "\n".join(rows)
 
 
+def tables(found: dict[str, Any]) -> str:
+    """Queries of a table beside the model and RotorPy's rotor, with the machine."""
+    place, query, c = found["machine"], found["query_us"], found["c_ns"]
+    model, rotorpy = found["model_us"], found["rotorpy_us_per_rotor"]
+
+    def stated(value: float | None, unit: str, digits: int, missing: str) -> str:
+        return missing if value is None else f"{value:.{digits}f} {unit}"
+
+    rows = [
+        f"{place['cpu']}, {place['cores']} cores, Python {place['python']}, NumPy "
+        f"{place['numpy']}; processor time, all cores together, least of several repeats; the "
+        f"machine's load was {place['load_before']} at the start.",
+        "",
+        "| what | time |",
+        "|---|---:|",
+        f"| table, one point | {query['scalar']:.1f} µs |",
+        f"| table, one velocity vector | {query['scalar_at_velocity']:.1f} µs |",
+        f"| table, 100 000 points at once | {query['array']:.2f} µs per point |",
+        f"| table, gradient of all loads, one point | {query['scalar_gradient']:.0f} µs |",
+        f"| table, Ω for a thrust | {query['scalar_inverse'] / 1e3:.1f} ms |",
+        f"| C header, `double` | {stated(c['double'], 'ns', 0, 'no gcc')} |",
+        f"| C header, `float` | {stated(c['float'], 'ns', 0, 'no gcc')} |",
+        f"| full model, 4096 points at once | {model['array']:.0f} µs per point |",
+        f"| full model, one point | {model['scalar']:.0f} µs |",
+        f"| RotorPy's rotor model, per rotor | {stated(rotorpy, 'µs', 1, 'not installed')} |",
+        "| a process that imports, loads the table and asks once | "
+        f"{found['cold_process_s']['processor']:.2f} s |",
+    ]
+    return "\n".join(rows)
+
+
+def building(found: dict[str, Any], fine: dict[str, Any]) -> str:
+    """What two tables took to build, and how far they are from the model."""
+    rows = [
+        "| tolerance | processor time | points of the model | knots | file | largest error | "
+        "unresolved: share of the envelope | largest error there |",
+        "|---:|---:|---:|---:|---:|---:|---:|---:|",
+    ]
+    for one in (found["building"], fine["building"]):
+        told = one["certificate"]
+        rows.append(
+            f"| {one['tolerance']:.1%} | {one['processor_s']:.0f} s | {one['model_evaluations']} | "
+            f"{one['knots'][0]} x {one['knots'][1]} | {one['file_MB']:.1f} MB | "
+            f"{max(told['max_error'].values()):.2%} | {told['unresolved_volume']:.2%} | "
+            f"{max(told['unresolved_max_error'].values()):.1%} |"
+        )
+    return "\n".join(rows)
+
+
 def replaced(text: str, name: str, table: str) -> str:
     """``text`` with what stands between the markers of ``name`` exchanged."""
     pattern = re.compile(rf"(<!-- {name} -->\n).*?(<!-- /{name} -->)", re.DOTALL)
@@ -143,14 +193,17 @@ def main(arguments: list[str]) -> None:
     if arguments:
         take_demo(Path(arguments[0]))
     text = README.read_text(encoding="utf-8")
-    for name, source, make in (
-        ("numerical accuracy", "convergence.json", numerical_accuracy),
-        ("model accuracy", "demo.json", model_accuracy),
-        ("fits", "identification.json", fits),
-        ("speed", "speed.json", speed),
-    ):
-        found = json.loads((RESULTS / source).read_text(encoding="utf-8"))
-        text = replaced(text, name, make(found))
+    makers: tuple[tuple[str, Callable[..., str], tuple[str, ...]], ...] = (
+        ("numerical accuracy", numerical_accuracy, ("convergence.json",)),
+        ("model accuracy", model_accuracy, ("demo.json",)),
+        ("fits", fits, ("identification.json",)),
+        ("speed", speed, ("speed.json",)),
+        ("tables", tables, ("table.json",)),
+        ("building tables", building, ("table.json", "fine_table.json")),
+    )
+    for name, make, sources in makers:
+        found = [json.loads((RESULTS / source).read_text("utf-8")) for source in sources]
+        text = replaced(text, name, make(*found))
     with replacing(README) as part:
         part.write_text(text, encoding="utf-8")
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 
@@ -13,11 +13,17 @@ def replacing(path: Path) -> Iterator[Path]:
     """A path in the same folder to write to; renamed to ``path`` if the block succeeds.
 
     Whatever ends the block otherwise, an interruption included, leaves ``path`` as it was
-    and nothing beside it.
+    and nothing beside it.  An ``OSError``, of a full disk say, names ``path``.
     """
     part = path.with_name(f".{path.name[:100]}.{os.getpid()}.part")
     try:
         yield part
         part.replace(path)
+    except OSError as error:
+        if error.filename is not None and str(error.filename) != str(part):
+            raise
+        reason = error.strerror or str(error)
+        raise OSError(error.errno or 0, reason, str(path)) from error
     finally:
-        part.unlink(missing_ok=True)
+        with suppress(OSError):
+            part.unlink(missing_ok=True)

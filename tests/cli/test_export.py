@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -18,10 +19,10 @@ from .conftest import Run
 
 @pytest.fixture(autouse=True)
 def _map(tmp_path: Path) -> None:
-    _invented().save(tmp_path / "map.npz")
+    invented().save(tmp_path / "map.npz")
 
 
-def _invented() -> LoadTable:
+def invented() -> LoadTable:
     """Loads that grow with the advance ratio, without a model behind them."""
     advance, beta = np.linspace(0.0, 0.4, 9), np.linspace(0.0, np.pi, 9)
     loads = [0.016, 0.006, 0.002, 0.004] + advance[:, None, None] * np.ones((9, 1))
@@ -41,6 +42,26 @@ def _invented() -> LoadTable:
     )
 
 
+def fit_text(**further: Any) -> str:
+    """A fit file without what a fit would tell of itself; further : entries of its record."""
+    blade = propmap.propeller("apc-8x6e")
+    record = {
+        "propeller": {
+            "name": "mine",
+            "blades": 2,
+            "root": blade.root,
+            "station_m": blade.station.tolist(),
+            "chord_m": blade.chord.tolist(),
+            "twist_rad": blade.twist.tolist(),
+        },
+        "air": {"density": 1.1, "viscosity": 1.8e-5},
+        "body": {},
+        "wing": {},
+    }
+    law = propmap.airfoil("paper-apc").to_toml()
+    return law + "\n" + tomli_w.dumps({"fit": {**record, **further}})
+
+
 @pytest.fixture
 def built(monkeypatch: pytest.MonkeyPatch) -> list[tuple[propmap.Rotor, dict[str, Any]]]:
     """What would be built; the invented table comes instead."""
@@ -48,7 +69,7 @@ def built(monkeypatch: pytest.MonkeyPatch) -> list[tuple[propmap.Rotor, dict[str
 
     def record(rotor: propmap.Rotor, **named: Any) -> LoadTable:
         calls.append((rotor, named))
-        return _invented()
+        return invented()
 
     monkeypatch.setattr("propmap.table.build.build_table", record)
     return calls
@@ -82,26 +103,24 @@ def test_a_parameter_set_with_a_propeller(
 def test_a_fit_brings_its_propeller_and_air(
     run: Run, tmp_path: Path, built: list[tuple[propmap.Rotor, dict[str, Any]]]
 ) -> None:
-    blade = propmap.propeller("apc-8x6e")
-    record = {
-        "propeller": {
-            "name": "mine",
-            "blades": 2,
-            "root": blade.root,
-            "station_m": blade.station.tolist(),
-            "chord_m": blade.chord.tolist(),
-            "twist_rad": blade.twist.tolist(),
-        },
-        "air": {"density": 1.1, "viscosity": 1.8e-5},
-        "body": {},
-        "wing": {},
-    }
-    text = propmap.airfoil("paper-apc").to_toml() + "\n" + tomli_w.dumps({"fit": record})
-    (tmp_path / "fit.toml").write_text(text)
+    (tmp_path / "fit.toml").write_text(fit_text())
     assert run("export", "fit.toml", "--to", "csv", "-o", "to").code == 0
     ((rotor, _),) = built
     assert (rotor.propeller.name, rotor.air.density) == ("mine", 1.1)
     assert (tmp_path / "to" / "README-csv.txt").exists()
+
+
+@pytest.mark.parametrize("target", ["multinomial", "gazebo", "rotorpy", "jsbsim"])
+def test_a_map_without_hover_is_refused_in_one_line(run: Run, tmp_path: Path, target: str) -> None:
+    content = invented().content
+    LoadTable(replace(content, speed=np.array([2.0, 8.0]))).save("fast.npz")
+    done = run("export", "fast.npz", "--to", target, "-o", "to")
+    assert done.code == 2
+    assert done.err == (
+        "propmap: error: fast.npz: the map has no loads at rest, its speed begins at 2 m/s; this "
+        "target's model needs hover: build the map with --speed 0:...\n"
+    )
+    assert not (tmp_path / "to").exists()
 
 
 @pytest.mark.parametrize(

@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 import functools
+import json
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 import xarray
 
 import propmap
+from propmap.section_covariance import SectionCovariance
 from propmap.table import LoadTable, build_table
 
 from .conftest import ROTOR, Run
+from .test_export import fit_text, invented
 
 SMALL = ["--rpm", "4000:4400", "--speed", "14:16", "--beta", "75:90", "--tolerance", "5%"]
 
@@ -32,6 +37,98 @@ def test_a_table_is_filed_and_its_certificate_shown(run: Run, tmp_path: Path) ->
     assert table.envelope["beta"] == pytest.approx(np.radians([75.0, 90.0]))
     assert table.info["command"].startswith("propmap table apc-8x6e")
     assert table.certificate["holds"]
+
+
+def test_a_fit_brings_its_covariance(
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    given: dict[str, Any] = {}
+
+    def build(*_: object, **named: Any) -> LoadTable:
+        given.update(named)
+        return _uncertain(named["covariance"])
+
+    monkeypatch.setattr("propmap.table.build.build_table", build)
+    text = fit_text(
+        free=["c_l1", "drag_area_x", "c_d"],
+        covariance=[[0.04, 0.1, -0.01], [0.1, 8.0, 0.2], [-0.01, 0.2, float("inf")]],
+    )
+    (tmp_path / "fit.toml").write_text(text)
+    done = run("table", "apc-8x6e", "--airfoil", "fit.toml", *SMALL, "-o", "map.npz")
+    assert (done.code, done.err) == (0, "")
+    assert given["covariance"].names == ("c_l1", "c_d")
+    assert given["covariance"].unknown == ("c_d",)
+    np.testing.assert_array_equal(given["covariance"].matrix, [[0.04, -0.01], [-0.01, np.inf]])
+    for shown in (done.out, run("show", "map.npz").out):
+        assert "parameters, median" in shown and "1.500 %" in shown
+        assert "covariance of c_l1, on 1000 points" in shown
+        assert "say nothing of them: c_d" in shown
+    told = json.loads(run("show", "map.npz", "--format", "json").out)
+    assert told["airfoil_covariance"] == {
+        "names": ["c_l1", "c_d"],
+        "matrix": [[0.04, -0.01], [-0.01, None]],
+    }
+    assert run("export", "map.npz", "--to", "csv", "-o", "to").code == 0
+    assert "standard deviation of: thrust 1.50%" in (tmp_path / "to" / "README-csv.txt").read_text()
+
+
+def _uncertain(covariance: SectionCovariance) -> LoadTable:
+    """A table with a certificate, without a model behind it."""
+    loads = ("thrust", "drag", "torque", "roll_moment")
+    content = invented().content
+    certificate = {
+        "tolerance": 0.005,
+        "points": 4096,
+        "seed": 1,
+        "max_error": dict.fromkeys(loads, 0.0021),
+        "rms_error": dict.fromkeys(loads, 0.0003),
+        "unresolved": 40,
+        "unresolved_cells": 12,
+        "unresolved_volume": 0.0098,
+        "unresolved_points": 1020,
+        "unresolved_max_error": dict.fromkeys(loads, 0.031),
+        "unresolved_rms_error": dict.fromkeys(loads, 0.01),
+        "vortex_ring": 300,
+        "no_value": 0,
+    }
+    parameters = {
+        "parameters": list(covariance.determined.names),
+        "not_counted": list(covariance.unknown),
+        "points": 1000,
+        "median": dict.fromkeys(loads, 0.015),
+        "percentile_95": dict.fromkeys(loads, 0.045),
+    }
+    filed = {"certificate": certificate, "parameter_uncertainty": parameters}
+    filed["airfoil_covariance"] = covariance.as_dict()
+    return LoadTable(replace(content, info={**content.info, **filed}))
+
+
+def test_unresolved_cells_are_told(run: Run) -> None:
+    _uncertain(SectionCovariance(("c_l1",), np.eye(1))).save("map.npz")
+    done = run("show", "map.npz")
+    assert (done.code, done.err) == (0, "")
+    assert "tolerance 0.50% holds on 4096 points" in done.out
+    assert "unresolved: 12 cells, 0.98% of the envelope" in done.out
+    assert "there errors reach 3.10% on 1020 points" in done.out
+    assert "300 are vortex ring and 0 without loads" in done.out
+    assert "envelope: 1909.86 to 9549.3 rpm" in done.out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["absent.npz"], "no such file"),
+        (["bad.npz"], "no table, or a damaged one"),
+        (["map.npz", "--format", "csv"], "use --format json"),
+    ],
+)
+def test_what_cannot_be_shown(run: Run, tmp_path: Path, arguments: list[str], message: str) -> None:
+    invented().save("map.npz")
+    (tmp_path / "bad.npz").write_bytes((tmp_path / "map.npz").read_bytes()[:500])
+    done = run("show", *arguments)
+    assert done.code == 2
+    assert message in done.err
+    assert done.err.count("\n") == 1
 
 
 def test_netcdf(run: Run) -> None:

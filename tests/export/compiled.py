@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import ctypes
-import shutil
 import subprocess
 from pathlib import Path
 
 import numpy as np
-import pytest
 
 from propmap.export import export_table
 from propmap.table import LoadTable
 
-GCC = shutil.which("gcc")
+from .needed import program
 
 FLAGS = ["-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-O2"]
 
@@ -77,14 +75,22 @@ class Compiled:
     """The header of a table, compiled; its functions take arrays (n,)."""
 
     def __init__(self, table: LoadTable, folder: Path, *, single: bool = False) -> None:
-        if GCC is None:
-            pytest.skip("there is no gcc")
         (header, _) = export_table(table, "c", folder, replace=True)
         self.name = header.stem
         source, library = folder / "wrapper.c", folder / f"wrapper-{int(single)}.so"
         source.write_text(WRAPPER.format(name=self.name, upper=self.name.upper()))
         define = [f"-D{self.name.upper()}_FLOAT"] if single else []
-        command = [GCC, *FLAGS, *define, "-fPIC", "-shared", source.name, "-o", library.name, "-lm"]
+        command = [
+            program("gcc"),
+            *FLAGS,
+            *define,
+            "-fPIC",
+            "-shared",
+            source.name,
+            "-o",
+            library.name,
+            "-lm",
+        ]
         subprocess.run(command, cwd=folder, check=True)
         self._library = ctypes.CDLL(str(library))
         self._type = np.float32 if single else np.float64

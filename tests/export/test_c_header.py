@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 import subprocess
 from pathlib import Path
 
@@ -13,8 +12,9 @@ from propmap.export import export_table
 from propmap.export.samples import static_loads
 from propmap.table import LoadTable
 
-from .compiled import FLAGS, GCC, Compiled
+from .compiled import FLAGS, Compiled
 from .conftest import invented_content, points
+from .needed import program
 
 POINTS = 10_000
 
@@ -117,6 +117,28 @@ def test_the_inverse_is_that_of_python(table: LoadTable, tmp_path: Path, quantit
     np.testing.assert_allclose(found[:, 1], expected.least, rtol=1e-9)
 
 
+@pytest.mark.parametrize("single", [False, True])
+@pytest.mark.parametrize("end", [0, 1])
+def test_the_inverse_answers_the_ends_of_the_envelope(
+    table: LoadTable, tmp_path: Path, end: int, single: bool
+) -> None:
+    compiled = Compiled(table, tmp_path / "c", single=single)
+    rng = np.random.default_rng(3)
+    count, omega = 100, table.envelope["omega"][end]
+    speed, beta = rng.uniform(0.0, 6.0, count), rng.uniform(0.0, 1.5, count)
+    expected = table.loads(omega, speed, beta)
+    beyond = 1.0 + (1e-4 if single else 1e-9) * (1.0 if end else -1.0)
+    for number, name in enumerate(("thrust", "torque", "power")):
+        value = getattr(expected, name)
+        found, solutions = compiled("omega_for", 2, np.full(count, number), value, speed, beta)
+        assert (solutions >= 1).all()
+        edge = found[:, 0 if end else 1]
+        np.testing.assert_allclose(edge, omega, rtol=2e-5 if single else 1e-11)
+    still = table.loads(omega, 0.0, 0.0).thrust * beyond
+    _, solutions = compiled("omega_for", 2, *np.array([[0.0], [still], [0.0], [0.0]]))
+    assert solutions.tolist() == [0]
+
+
 def test_the_inverse_tells_of_several(tmp_path: Path) -> None:
     windmill = LoadTable(invented_content())
     compiled = Compiled(windmill, tmp_path / "c")
@@ -133,22 +155,17 @@ def test_the_inverse_tells_of_several(tmp_path: Path) -> None:
 
 
 def test_two_propellers_go_into_one_program(table: LoadTable, tmp_path: Path) -> None:
-    if GCC is None:
-        pytest.skip("there is no gcc")
     odd = LoadTable(invented_content(name='9" */ #define x\n@data@ "ü"'))
     names = [export_table(t, "c", tmp_path / "c", replace=True)[0].name for t in (table, odd)]
     text = "".join(f'#include "{name}"\n' * 2 for name in names) + "int main(void) { return 0; }\n"
     (tmp_path / "c" / "main.c").write_text(text)
-    subprocess.run([GCC, *FLAGS, "main.c", "-o", "main"], cwd=tmp_path / "c", check=True)
+    subprocess.run([program("gcc"), *FLAGS, "main.c", "-o", "main"], cwd=tmp_path / "c", check=True)
 
 
 @pytest.mark.parametrize("define", ["", "#define APC_8X6E_FLOAT\n"])
 def test_the_header_is_cpp_too(table: LoadTable, tmp_path: Path, define: str) -> None:
-    compiler = shutil.which("g++")
-    if compiler is None:
-        pytest.skip("there is no g++")
     header, _ = export_table(table, "c", tmp_path)
     text = f'{define}#include "{header.name}"\nint main() {{ return 0; }}\n'
     (tmp_path / "main.cpp").write_text(text)
-    command = [compiler, "-Wall", "-Wextra", "-Werror", "main.cpp", "-o", "main"]
+    command = [program("g++"), "-Wall", "-Wextra", "-Werror", "main.cpp", "-o", "main"]
     subprocess.run(command, cwd=tmp_path, check=True)

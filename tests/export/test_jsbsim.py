@@ -14,6 +14,7 @@ from propmap.export.jsbsim import axial_error, coefficients
 from propmap.table import LoadTable
 
 from .conftest import RADIUS, invented_content
+from .needed import package
 
 NEWTONS_PER_POUND = 4.4482216152605
 METERS_PER_FOOT = 0.3048
@@ -93,7 +94,7 @@ def test_a_map_without_axial_flight_is_refused(tmp_path: Path) -> None:
 def test_jsbsim_returns_the_axial_thrust_of_the_map(
     table: LoadTable, tmp_path: Path, watts: float, speed: float
 ) -> None:
-    jsbsim = pytest.importorskip("jsbsim")
+    jsbsim = package("jsbsim")
     export_table(table, "jsbsim", tmp_path / "engine")
     (tmp_path / "engine" / "motor.xml").write_text(MOTOR.format(watts=watts))
     (tmp_path / "aircraft" / "stand").mkdir(parents=True)

@@ -18,8 +18,9 @@ from propmap.export.rotorpy import fit_rotor
 from propmap.export.samples import SIMPLE, errors, sample
 from propmap.table import LoadTable
 
-from .compiled import FLAGS, GCC
+from .compiled import FLAGS
 from .conftest import RADIUS, Module, invented_content
+from .needed import package, program
 
 RHO = 1.2
 
@@ -66,7 +67,7 @@ def test_the_multinomial_module_gives_the_fitted_loads(table: LoadTable, module:
 def test_casadi_evaluates_the_multinomial_and_its_gradient(
     table: LoadTable, module: Module
 ) -> None:
-    casadi = pytest.importorskip("casadi")
+    casadi = package("casadi")
     written = module(table, "multinomial")
     symbols = casadi.SX.sym("omega_x_y_z", 4)
     outputs = casadi.vertcat(
@@ -89,8 +90,7 @@ def test_casadi_evaluates_the_multinomial_and_its_gradient(
 
 
 def test_the_multinomial_in_c(table: LoadTable, module: Module, tmp_path: Path) -> None:
-    if GCC is None:
-        pytest.skip("there is no gcc")
+    gcc = program("gcc")
     written = module(table, "multinomial")
     p = "apc_8x6e_multinomial_"
     (tmp_path / "multinomial" / "main.c").write_text(f"""
@@ -104,7 +104,7 @@ int main(void)
 }}
 """)
     folder = tmp_path / "multinomial"
-    subprocess.run([GCC, *FLAGS, "main.c", "-o", "main"], cwd=folder, check=True)
+    subprocess.run([gcc, *FLAGS, "main.c", "-o", "main"], cwd=folder, check=True)
     found = subprocess.run([folder / "main"], capture_output=True, text=True, check=True).stdout
     expected = [
         written.thrust(500.0, 2.0, 1.0, 3.0, 1.1),
@@ -142,7 +142,7 @@ def test_the_sdf_gives_the_motor_model(table: LoadTable, tmp_path: Path) -> None
 
 
 def test_rotorpy_gives_the_loads_of_the_fit(table: LoadTable, module: Module) -> None:
-    multirotor = pytest.importorskip("rotorpy.vehicles.multirotor")
+    multirotor = package("rotorpy.vehicles.multirotor")
     parameters = module(table, "rotorpy").rotor_params
     vehicle = multirotor.Multirotor({**_frame(), **parameters})
     fitted = fit_rotor(table, sample(table))
@@ -160,8 +160,8 @@ def test_rotorpy_gives_the_loads_of_the_fit(table: LoadTable, module: Module) ->
 
 
 def test_rotorpy_flies_the_exported_vehicle(table: LoadTable, module: Module) -> None:
-    multirotor = pytest.importorskip("rotorpy.vehicles.multirotor")
-    control = pytest.importorskip("rotorpy.controllers.quadrotor_control")
+    multirotor = package("rotorpy.vehicles.multirotor")
+    control = package("rotorpy.controllers.quadrotor_control")
     parameters = {**_frame(), **module(table, "rotorpy").rotor_params}
     hover = float(np.sqrt(parameters["mass"] * 9.81 / 4.0 / parameters["k_eta"]))
     low, high = table.envelope["omega"]

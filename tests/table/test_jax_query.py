@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -66,6 +68,21 @@ def test_derivatives_without_motion_across(invented: LoadTable, velocity: list[f
                 jnp.asarray(velocity)
             )
             np.testing.assert_allclose(found, getattr(expected, name)[1:], rtol=1e-8, atol=1e-12)
+
+
+def test_the_code_is_that_of_numpy(invented: LoadTable) -> None:
+    cells = invented.content.cells.copy()
+    cells[:, :9], cells[:, 9:14], cells[5:9, 4:20] = 1, 2, 3
+    coefficients = invented.content.coefficients.copy()
+    coefficients[:, :, :, 20] = np.nan
+    flagged = LoadTable(replace(invented.content, cells=cells, coefficients=coefficients))
+    points = random_points(flagged, 500, seed=13)
+    points[0][::7] = 2000.0
+    expected = flagged.loads(*points).code
+    assert set(expected.tolist()) == {0, 1, 2, 4, 5}
+    with jax.enable_x64(True):
+        found = jax.jit(lambda table, *p: table.code(*p))(JaxTable.of(flagged), *points)
+    np.testing.assert_array_equal(found, expected)
 
 
 def test_outside_is_nan_unless_clamped(invented: LoadTable) -> None:

@@ -127,6 +127,8 @@ def _rewritten(path: Path, change: Callable[[dict[str, Any], dict[str, Any]], No
         (lambda h, _: h.pop("format"), "says nothing of a table"),
         (lambda h, _: h.pop("air"), "air.density_kg_m3"),
         (lambda h, _: h["propeller"].update(radius_m=-1.0), "radius"),
+        (lambda h, _: h.update(certificate={"points": 1}), "does not say tolerance"),
+        (lambda h, _: h.update(certificate="good"), "does not say tolerance"),
         (lambda _, a: a.pop("beta"), "has no beta"),
         (lambda _, a: a.update(beta=a["beta"][::-1]), "do not rise"),
         (lambda _, a: a.update(beta=a["beta"][:-1]), "shape"),

@@ -32,6 +32,34 @@ def test_there_and_back_through_the_model(table: LoadTable) -> None:
     np.testing.assert_allclose(found.omega, omega, rtol=1e-9)
 
 
+@pytest.mark.parametrize("quantity", ["thrust", "torque", "power"])
+@pytest.mark.parametrize("end", [0, 1])
+def test_the_ends_of_the_envelope_are_answered(
+    invented: LoadTable, table: LoadTable, quantity: str, end: int
+) -> None:
+    """A request for the load at the fastest or slowest omega, however it was computed."""
+    for source in (invented, table):
+        omega = source.envelope["omega"][end]
+        _, speed, beta = random_points(source, 40, seed=12)
+        together = getattr(source.loads(omega, speed, beta), quantity)
+        alone = [
+            getattr(source.loads(omega, v, b), quantity)
+            for v, b in zip(speed.tolist(), beta.tolist(), strict=True)
+        ]
+        for value in (together, alone, together * (1.0 + 4e-16), together * (1.0 - 4e-16)):
+            found = source.omega_for(quantity, value, speed, beta)
+            assert (found.status != "none").all()
+            np.testing.assert_allclose(
+                found.omega if end else found.least, omega, rtol=1e-12, err_msg=repr(source)
+            )
+
+
+def test_beyond_the_ends_is_impossible(invented: LoadTable) -> None:
+    low, high = (float(invented.loads(w, 0.0, 0.0).thrust) for w in invented.envelope["omega"])
+    wanted = [low * (1.0 - 1e-9), high * (1.0 + 1e-9)]
+    assert invented.omega_for("thrust", wanted, 0.0, 0.0).status.tolist() == ["none", "none"]
+
+
 def test_impossible_requests_have_none(invented: LoadTable) -> None:
     found = invented.omega_for("thrust", [1e6, -1e6, 1.0, np.nan], [1.0, 1.0, 99.0, 1.0], 1.0)
     assert found.status.tolist() == ["none"] * 4

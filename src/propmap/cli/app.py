@@ -19,6 +19,7 @@ from propmap.cli.fit import fit_app
 from propmap.cli.plot import plot_app
 from propmap.cli.predict import predict
 from propmap.cli.props import props_app
+from propmap.cli.show import show_table
 from propmap.cli.simulate import simulate_app
 from propmap.cli.sweep import sweep
 from propmap.cli.table import table
@@ -35,6 +36,7 @@ app = typer.Typer(
 app.command()(predict)
 app.command()(sweep)
 app.command()(table)
+app.command("show")(show_table)
 app.command()(export)
 app.add_typer(fit_app)
 app.add_typer(simulate_app)

@@ -70,7 +70,7 @@ def _compare(
 ) -> dict[str, Comparison]:
     from propmap.air import Air
     from propmap.identify.comparison import compare_flight, compare_tunnel
-    from propmap.identify.result_file import read_fit
+    from propmap.identify.result_file import is_fit, read_fit
     from propmap.propeller import propeller
 
     if vehicle is not None:
@@ -80,7 +80,7 @@ def _compare(
 
         file = read_vehicle(vehicle)
         law = read_airfoil(fit)
-        values = read_fit(fit).values if _is_fit(fit) else wing_values(file.vehicle)
+        values = read_fit(fit).values if is_fit(fit) else wing_values(file.vehicle)
         _keep()
         paths = [Path(item) for item in data]
         every = 2**31
@@ -88,7 +88,7 @@ def _compare(
         return compare_flight(file.vehicle, flights.log, law, values)
     from propmap.cli.tunnel_files import read_tunnel
 
-    if _is_fit(fit):
+    if is_fit(fit):
         found = read_fit(fit)
         law, air = found.airfoil, found.air
         blade = found.propeller if prop is None else propeller(prop)
@@ -101,13 +101,6 @@ def _compare(
     measured = read_tunnel(data, blade, air)
     _keep()
     return compare_tunnel(blade, air, law, measured)
-
-
-def _is_fit(path: Path) -> bool:
-    import tomllib
-
-    read_airfoil(path)
-    return "fit" in tomllib.loads(path.read_text(encoding="utf-8"))
 
 
 def _keep() -> None:

@@ -8,10 +8,13 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from propmap.cli.output import Force
+from propmap.cli.table_report import building
 from propmap.errors import InputError
 
 if TYPE_CHECKING:
     from propmap.rotor import Rotor
+    from propmap.section_covariance import SectionCovariance
     from propmap.table import LoadTable
 
 TIP_SPEED = (20.0, 105.0)
@@ -42,7 +45,7 @@ def export(
         str | None,
         typer.Option("--prop", metavar="PROP", help="For a parameter set: name or geometry file."),
     ] = None,
-    force: Annotated[bool, typer.Option("--force", help="Replace existing files.")] = False,
+    force: Force = False,
 ) -> None:
     """Files for simulators and flight code, with a note of the errors they make."""
     from propmap.export import check_folder, check_target, export_table
@@ -50,13 +53,18 @@ def export(
     check_target(to)
     check_folder(output)
     table = _table(source, prop)
-    for path in export_table(table, to, output, replace=force):
+    try:
+        paths = export_table(table, to, output, replace=force)
+    except InputError as error:
+        # What is wrong with a map is wrong with this file.
+        raise InputError(error.found, error.remedy, error.where or str(source)) from None
+    for path in paths:
         typer.echo(f"wrote {path}")
 
 
 def _table(source: Path, prop: str | None) -> LoadTable:
     if source.suffix.lower() == ".toml":
-        return _built(_rotor(source, prop))
+        return _built(*_rotor(source, prop))
     if prop is not None:
         raise InputError("--prop is given with a table, which has its propeller", "leave it out")
     from propmap.table import LoadTable
@@ -64,23 +72,22 @@ def _table(source: Path, prop: str | None) -> LoadTable:
     return LoadTable.load(source)
 
 
-def _rotor(source: Path, prop: str | None) -> Rotor:
+def _rotor(source: Path, prop: str | None) -> tuple[Rotor, SectionCovariance | None]:
+    from propmap.airfoil import read_airfoil
     from propmap.compilation import keep_compiled
+    from propmap.identify.result_file import is_fit, read_fit
+    from propmap.propeller import propeller
     from propmap.rotor import Rotor
 
     keep_compiled()
-    if prop is not None:
-        from propmap.airfoil import read_airfoil
-        from propmap.propeller import propeller
-
-        return Rotor(propeller(prop), read_airfoil(source))
-    from propmap.identify.result_file import read_fit
-
-    fit = read_fit(source)
-    return Rotor(fit.propeller, fit.airfoil, fit.air)
+    if prop is None:
+        fit = read_fit(source)
+        return Rotor(fit.propeller, fit.airfoil, fit.air), fit.covariance
+    covariance = read_fit(source).covariance if is_fit(source) else None
+    return Rotor(propeller(prop), read_airfoil(source)), covariance
 
 
-def _built(rotor: Rotor) -> LoadTable:
+def _built(rotor: Rotor, covariance: SectionCovariance | None) -> LoadTable:
     """A map over an envelope that suits most multirotors."""
     from propmap.table import build_table
 
@@ -93,4 +100,13 @@ def _built(rotor: Rotor) -> LoadTable:
         "for another range, build it with propmap table",
         err=True,
     )
-    return build_table(rotor, omega=omega, speed=SPEED, beta=BETA, tolerance=TOLERANCE)
+    with building() as progress:
+        return build_table(
+            rotor,
+            omega=omega,
+            speed=SPEED,
+            beta=BETA,
+            tolerance=TOLERANCE,
+            covariance=covariance,
+            progress=progress,
+        )

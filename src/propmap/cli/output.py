@@ -46,6 +46,8 @@ PictureOutput = Annotated[
     typer.Option("--output", "-o", metavar="FILE", help="Picture: .png, .svg or .pdf."),
 ]
 
+Force = Annotated[bool, typer.Option("--force", help="Replace what exists.")]
+
 
 def check_output(path: Path, endings: Sequence[str] = (), *, keep_existing: bool = False) -> Path:
     """``path`` if a file can be written there; raises ``InputError`` before any work is done.

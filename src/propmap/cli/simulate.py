@@ -12,7 +12,7 @@ import typer
 
 from propmap.airfoil import airfoil
 from propmap.cli.operating_points import RPM, parse_axis
-from propmap.cli.output import check_output, show, write_text
+from propmap.cli.output import Force, check_output, show, write_text
 from propmap.errors import InputError
 
 if TYPE_CHECKING:
@@ -80,7 +80,7 @@ def simulate_flight(
     no_expectation: Annotated[
         bool, typer.Option("--no-expectation", help="Do not reckon the intervals to expect.")
     ] = False,
-    force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
+    force: Force = False,
 ) -> None:
     """The paper's experiment: level circles at each speed, on a tether, written as a log.
 

@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 import typer
 
-from propmap.atomic_file import replacing
 from propmap.cli.operating_points import COLUMNS, OperatingPoints, parse_axis
-from propmap.cli.output import check_output, csv_text, write_text
+from propmap.cli.output import Force, check_output, csv_text, write_text
 from propmap.cli.rotor_options import RotorChoice, takes_rotor
 from propmap.errors import InputError
 
@@ -39,7 +38,7 @@ def sweep(
         Path,
         typer.Option("--output", "-o", metavar="FILE", help="NetCDF (.nc) or CSV (.csv)."),
     ],
-    force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
+    force: Force = False,
 ) -> None:
     """Loads over a grid of rotational speeds, flight speeds and angles."""
     axes = (
@@ -56,10 +55,10 @@ def sweep(
     loads = _compute(rotor, points)
     if output.suffix.lower() == ".nc":
         from propmap.cli.sweep_dataset import dataset
+        from propmap.netcdf_file import write_dataset
 
         command = shlex.join(["propmap", *context.obj])
-        with replacing(output) as part:
-            dataset(rotor, axes, loads, command).to_netcdf(part, engine="h5netcdf")
+        write_dataset(dataset(rotor, axes, loads, command), output)
     else:
         write_text(_csv(points, loads), output)
     lost = int((loads.status == "not_converged").sum())

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from dataclasses import asdict
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING
@@ -11,12 +10,13 @@ import numpy as np
 import xarray
 
 import propmap
+from propmap.fingerprint import propeller_sha256
 from propmap.rotor import STATUSES, Loads
 
 if TYPE_CHECKING:
     from propmap.cli.operating_points import Floats
-    from propmap.propeller import Propeller
-    from propmap.rotor import Rotor
+    from propmap.fingerprint import propeller_sha256
+from propmap.rotor import Rotor
 
 AXES = {
     "rpm": ("rpm", "1/min", "rotational speed"),
@@ -61,12 +61,6 @@ def dataset(
     return found
 
 
-def geometry_sha256(blade: Propeller) -> str:
-    """SHA-256 of station [m], chord [m], twist [rad], root [m] and blades as little-endian f8."""
-    figures = (blade.station, blade.chord, blade.twist, [blade.root, float(blade.blades)])
-    return hashlib.sha256(np.concatenate(figures).astype("<f8").tobytes()).hexdigest()
-
-
 def _provenance(rotor: Rotor, command: str) -> dict[str, str | float | int]:
     blade = rotor.propeller
     section = {f"airfoil_{key}": value for key, value in asdict(rotor.airfoil).items()}
@@ -80,7 +74,7 @@ def _provenance(rotor: Rotor, command: str) -> dict[str, str | float | int]:
         "blades": blade.blades,
         "radius_m": blade.radius,
         "root_m": blade.root,
-        "geometry_sha256": geometry_sha256(blade),
+        "geometry_sha256": propeller_sha256(blade),
         **section,
         "air_density_kg_m3": rotor.air.density,
         "air_viscosity_Pa_s": rotor.air.viscosity,

@@ -4,32 +4,21 @@ from __future__ import annotations
 
 import math
 import shlex
-from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from propmap.cli.operating_points import RPM, parse_axis
-from propmap.cli.output import check_output, show
+from propmap.cli.output import Force, check_output, show
 from propmap.cli.rotor_options import RotorChoice, takes_rotor
+from propmap.cli.table_report import building, draw_certificate
 from propmap.errors import InputError, quoted
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from rich.console import Console
-
+    from propmap.section_covariance import SectionCovariance
     from propmap.table import LoadTable
-    from propmap.table.model import Progress
-
-TITLES = {
-    "thrust": "thrust / static thrust",
-    "drag": "drag / static thrust",
-    "torque": "torque / static torque",
-    "roll_moment": "roll moment / (static thrust R)",
-}
 
 
 @takes_rotor
@@ -50,18 +39,19 @@ def table(
     no_vortex_ring: Annotated[
         bool, typer.Option("--no-vortex-ring", help="NaN in the vortex ring state.")
     ] = False,
-    force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
+    force: Force = False,
 ) -> None:
     """A look-up table of the loads, with its errors against the model certified."""
     ranges = (_range("rpm", rpm), _range("speed", speed), _range("beta", beta))
-    share = parse_share("--tolerance", tolerance)
+    share = _share("--tolerance", tolerance)
     check_output(output, (".npz", ".nc"), keep_existing=not force)
 
     from propmap.table.build import build_table, check_tolerance
 
     check_tolerance(share, choice.accuracy.value)
     rotor = choice.rotor()
-    with _progress() as progress:
+    covariance = _covariance(choice.airfoil or "")
+    with building() as progress:
         built = build_table(
             rotor,
             omega=(ranges[0][0] * RPM, ranges[0][1] * RPM),
@@ -69,16 +59,17 @@ def table(
             beta=(math.radians(ranges[2][0]), math.radians(ranges[2][1])),
             tolerance=share,
             leave_out_vortex_ring=no_vortex_ring,
+            covariance=covariance,
             progress=progress,
         )
     _save(built, output, shlex.join(["propmap", *context.obj]))
-    show(None, lambda console: _certificate(console, built))
+    show(None, lambda console: draw_certificate(console, built))
     knots = f"{built.content.advance.size} x {built.content.beta.size}"
     size = output.stat().st_size / 1e6
     typer.echo(f"wrote {output}: {knots} knots, {size:.2f} MB")
 
 
-def parse_share(option: str, text: str) -> float:
+def _share(option: str, text: str) -> float:
     """0.005 from "0.5%" or "0.005"; option : its name in messages."""
     try:
         value = float(text[:-1]) / 100.0 if text.endswith("%") else float(text)
@@ -110,40 +101,12 @@ def _save(built: LoadTable, output: Path, command: str) -> None:
         filed.save(output)
 
 
-@contextmanager
-def _progress() -> Iterator[Progress]:
-    """A line that says what is being done; how much there will be, refinement decides."""
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+def _covariance(section: str) -> SectionCovariance | None:
+    """The covariance in a fit's file; section : what ``--airfoil`` was given."""
+    from propmap.airfoil import airfoil_names
+    from propmap.identify.result_file import is_fit, read_fit
 
-    console = Console(stderr=True)
-    columns: list[Any] = [
-        TextColumn("{task.description}"),
-        BarColumn(),
-        TextColumn("{task.completed} operating points"),
-        TimeElapsedColumn(),
-    ]
-    with Progress(
-        *columns, console=console, disable=not console.is_terminal, transient=True
-    ) as bar:
-        task = bar.add_task("", total=None)
-        yield lambda stage, done: bar.update(task, description=stage, completed=done)
-
-
-def _certificate(console: Console, built: LoadTable) -> None:
-    from rich.table import Table
-
-    found = built.certificate
-    rows = Table("error, share of static", "max", "rms", "max unresolved", title="Certificate")
-    for column in rows.columns[1:]:
-        column.justify = "right"
-    for name, title in TITLES.items():
-        figures = (found["max_error"], found["rms_error"], found["unresolved_max_error"])
-        rows.add_row(title, *(f"{100.0 * by_load[name]:.3f} %" for by_load in figures))
-    console.print(rows)
-    points = found["points"]
-    console.print(
-        f"tolerance {found['tolerance']:.2%} holds on {points} points that the table was not "
-        f"built from; of these {found['unresolved']} ({found['unresolved'] / points:.2%}) are "
-        f"marked unresolved, {found['vortex_ring']} vortex ring, {found['no_value']} without loads"
-    )
+    path = Path(section)
+    if section.lower() in airfoil_names() or not is_fit(path):
+        return None
+    return read_fit(path).covariance

@@ -18,7 +18,8 @@ from propmap.export.note import note
 from propmap.export.provenance import c_comment, identifier, provenance
 from propmap.table.axis import interval_polynomials, pad
 from propmap.table.content import TableContent
-from propmap.table.lookup import OK, UNRESOLVED, VORTEX_RING
+from propmap.table.inverse import END_SLACK
+from propmap.table.lookup import cell_codes
 from propmap.table.query import SLACK, LoadTable
 
 Floats = NDArray[np.float64]
@@ -48,7 +49,7 @@ def header(table: LoadTable) -> str:
     name = identifier(table)
     root = float(content.omega[0]) ** -0.5
     per_root = 1.0 / (float(content.omega[1]) ** -0.5 - root)
-    codes = np.array([OK, VORTEX_RING, UNRESOLVED, UNRESOLVED], np.uint8)[content.cells]
+    codes = cell_codes(content)
     box = list(table.envelope.values())
     rows, columns, odd = _weights(content)
     row_bucket, row_per_bucket = _buckets(content.advance)
@@ -60,6 +61,7 @@ def header(table: LoadTable) -> str:
         "columns": str(content.beta.size),
         "radius": repr(content.radius),
         "box": ",\n".join(f"    {{{low!r}, {high!r}}}" for low, high in box),
+        "end_slack": repr(END_SLACK),
         "slack": ", ".join(repr(SLACK * (high - low)) for low, high in box),
         "scale": ", ".join(map(repr, content.scale.tolist())),
         "root": repr(root),

@@ -32,7 +32,12 @@ def map_sha256(table: LoadTable) -> str:
 
 
 def provenance(table: LoadTable) -> list[str]:
-    """Printable lines: propeller, section law, air, envelope, certificate, map and version."""
+    """Printable lines: where the map comes from, and what wrote the export."""
+    return [*origin(table), f"written by propmap {propmap.__version__}"]
+
+
+def origin(table: LoadTable) -> list[str]:
+    """Printable lines: propeller, section law, air, envelope, certificate, map and its version."""
     info, content = table.info, table.content
     blade, section = info["propeller"], info.get("airfoil") or {}
     (w0, w1), (v0, v1), (b0, b1) = table.envelope.values()
@@ -46,8 +51,9 @@ def provenance(table: LoadTable) -> list[str]:
         f"envelope: {w0 * rpm:.6g} to {w1 * rpm:.6g} rpm, {v0:g} to {v1:g} m/s, "
         f"beta {b0 * degrees:.6g} to {b1 * degrees:.6g} deg",
         f"map: {_certified(table)}",
+        *_of_parameters(table),
+        f"map built: {info.get('created', ABSENT)}, propmap {info.get('propmap_version', ABSENT)}",
         f"map's SHA-256: {map_sha256(table)}",
-        f"written by propmap {propmap.__version__}",
     ]
     clean = ("".join(c if c.isprintable() else "?" for c in line) for line in lines)
     return [part for line in clean for part in textwrap.wrap(line, 88, subsequent_indent="  ")]
@@ -74,7 +80,22 @@ def _certified(table: LoadTable) -> str:
     if not found:
         return "not certified"
     worst, loose = (max(found[key].values()) for key in ("max_error", "unresolved_max_error"))
+    told = f"within {worst:.2%} of the model on {found['points']} points"
+    if not found["unresolved_cells"]:
+        return told
     return (
-        f"within {worst:.2%} of the model on {found['points']} points; {found['unresolved']} of "
-        f"these, marked unresolved, within {loose:.2%}"
+        f"{told}, and within {loose:.2%} on {found['unresolved_points']} points of the cells "
+        f"marked unresolved, {found['unresolved_volume']:.2%} of the envelope"
     )
+
+
+def _of_parameters(table: LoadTable) -> list[str]:
+    """What the section law's covariance means for the loads, if the map says it."""
+    found = table.info.get("parameter_uncertainty")
+    if not found:
+        return []
+    each = (f"{load.replace('_', ' ')} {share:.2%}" for load, share in found["median"].items())
+    return [
+        f"section law known to one standard deviation of: {', '.join(each)} of static, in the "
+        "median over the envelope"
+    ]

@@ -20,6 +20,7 @@ from propmap.identify.parameters import BODY, EVERY, SECTION, WING
 from propmap.identify.residuals import by_band, errors
 from propmap.identify.search import minima
 from propmap.propeller import Propeller
+from propmap.section_covariance import SectionCovariance
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,13 +28,15 @@ class FitFile:
     """What a fit file holds for further use.
 
     airfoil : the parameter set.  propeller, air : those it was found with.  values : of the
-    body's and the wing's parameters, by name.  record : the whole table ``fit``.
+    body's and the wing's parameters, by name.  covariance : of the section law's parameters that
+    were free, None where the file has none.  record : the whole table ``fit``.
     """
 
     airfoil: Airfoil
     propeller: Propeller
     air: Air
     values: Mapping[str, float]
+    covariance: SectionCovariance | None
     record: Mapping[str, Any]
 
 
@@ -123,6 +126,12 @@ def fit_text(
     return law.to_toml() + "\n" + tomli_w.dumps({"fit": record})
 
 
+def is_fit(path: Path) -> bool:
+    """Whether a parameter set carries a fit; raises ``InputError`` where it is no such set."""
+    read_airfoil(path)
+    return "fit" in tomllib.loads(path.read_text(encoding="utf-8"))
+
+
 def read_fit(path: Path) -> FitFile:
     """Read a fit file; raises ``InputError`` where it is none."""
     law = read_airfoil(path)
@@ -145,11 +154,21 @@ def read_fit(path: Path) -> FitFile:
             blade["root"],
         )
         values = {n: float(v) for n, v in (record["body"] | record["wing"]).items()}
-        return FitFile(law, propeller, Air(air["density"], air["viscosity"]), values, record)
+        medium = Air(air["density"], air["viscosity"])
+        return FitFile(law, propeller, medium, values, _covariance(record), record)
     except (KeyError, TypeError, ValueError) as error:
         raise InputError(
             f"the table [fit] is damaged: {error}", "write it again with propmap fit", where
         ) from None
+
+
+def _covariance(record: Mapping[str, Any]) -> SectionCovariance | None:
+    """Of the free parameters that belong to the section law."""
+    names = record.get("free", [])
+    section = [name for name in names if name in SECTION]
+    if not section or "covariance" not in record:
+        return None
+    return SectionCovariance(tuple(names), np.array(record["covariance"], float)).of(section)
 
 
 def _residuals(fitted: Fitted) -> dict[str, Any]:

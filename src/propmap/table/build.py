@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import asdict, replace
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Any
@@ -11,10 +10,10 @@ import numpy as np
 
 import propmap
 from propmap.errors import InputError
+from propmap.fingerprint import airfoil_sha256, propeller_sha256
 from propmap.table.axis import Floats
 from propmap.table.certificate import POINTS, certify
 from propmap.table.content import LOADS, UNRESOLVED, VORTEX_RING, TableContent
-from propmap.table.fingerprint import airfoil_sha256, propeller_sha256
 from propmap.table.jumps import find_jumps, marked
 from propmap.table.model import Model, Progress
 from propmap.table.query import LoadTable
@@ -22,6 +21,7 @@ from propmap.table.refine import CELL_SHARE, Refined, refine, starting_axes
 
 if TYPE_CHECKING:
     from propmap.rotor import Rotor
+    from propmap.section_covariance import SectionCovariance
 
 Range = tuple[float, float]
 
@@ -31,7 +31,7 @@ MODEL_ERROR = {"standard": 0.001, "fine": 0.0001}
 LARGEST_TOLERANCE = 0.1
 
 MOST_UNRESOLVED = 0.05
-"""Share of the certificate's points above which a table is refused."""
+"""Share of the envelope above which a table is refused."""
 
 ATTEMPTS = 4
 FIRST_SEED = 20_171
@@ -45,7 +45,7 @@ def build_table(
     beta: Range,
     tolerance: float = 0.005,
     leave_out_vortex_ring: bool = False,
-    covariance: Mapping[str, Any] | None = None,
+    covariance: SectionCovariance | None = None,
     certificate_points: int = POINTS,
     progress: Progress | None = None,
 ) -> LoadTable:
@@ -56,7 +56,8 @@ def build_table(
     tolerance : largest error as a share of the static loads at the same omega.
     leave_out_vortex_ring : NaN where the model is in the vortex ring state; otherwise the loads
         are kept, with that status.
-    covariance : of the section law's parameters, plain data to be filed with the table.
+    covariance : of the section law's parameters, filed with the table, and with it what it
+        means for the loads.
     certificate_points : on how many points the errors are measured, a power of two.
     progress : called with what is being done and the operating points evaluated so far.
 
@@ -86,7 +87,7 @@ def build_table(
             break
         # Points that failed have been seen now: mark their cells, certify on others.
         content = marked(content, found, CELL_SHARE * tolerance)
-    unresolved = certificate.unresolved / certificate.points
+    unresolved = certificate.unresolved_volume
     if not certificate.holds or unresolved > MOST_UNRESOLVED:
         worst = max(certificate.max_error.values())
         raise InputError(
@@ -94,7 +95,12 @@ def build_table(
             f"{unresolved:.1%} of the envelope unresolved",
             "allow more, or make the envelope smaller",
         )
-    filed = {"certificate": certificate.as_dict(), "model_evaluations": model.evaluations}
+    filed: dict[str, Any] = {"certificate": certificate.as_dict()}
+    if covariance and covariance.determined.names:
+        from propmap.table.parameter_uncertainty import parameter_uncertainty
+
+        filed["parameter_uncertainty"] = parameter_uncertainty(table, model, covariance)
+    filed["model_evaluations"] = model.evaluations
     return LoadTable(replace(content, info={**info, **filed}))
 
 
@@ -156,7 +162,7 @@ def _content(
 
 
 def _provenance(
-    rotor: Rotor, leave_out_vortex_ring: bool, covariance: Mapping[str, Any] | None
+    rotor: Rotor, leave_out_vortex_ring: bool, covariance: SectionCovariance | None
 ) -> dict[str, Any]:
     blade, section = rotor.propeller, rotor.airfoil
     return {
@@ -184,7 +190,7 @@ def _provenance(
             "geometry_sha256": propeller_sha256(blade),
         },
         "airfoil": {**asdict(section), "sha256": airfoil_sha256(section)},
-        "airfoil_covariance": dict(covariance) if covariance else None,
+        "airfoil_covariance": covariance.as_dict() if covariance else None,
         "air": {
             "density_kg_m3": float(rotor.air.density),
             "viscosity_Pa_s": float(rotor.air.viscosity),

@@ -18,6 +18,10 @@ Floats = NDArray[np.float64]
 
 QUANTITIES = ("thrust", "torque", "power")
 
+END_SLACK = 1e-11
+"""How far, relatively, a request may lie beyond the load at an end of the envelope for rounding;
+the answer is that end."""
+
 
 class Inverse(NamedTuple):
     """The rotational speeds at which a load has the value asked for.
@@ -40,7 +44,8 @@ def solve(table: LoadTable, quantity: str, value: Floats, speed: Floats, beta: F
 
     value [N], [N m] or [W], speed [m/s], beta [rad] in 0...pi : arrays of one shape.
     A point outside the envelope, or on parts of the table without values, has none.  Where the
-    blades windmill at low omega, the same thrust often occurs twice: "several".
+    blades windmill at low omega, the same thrust often occurs twice: "several".  The load at an
+    end of the envelope is answered with that end, to rounding, see ``END_SLACK``.
     """
     if quantity not in QUANTITIES:
         raise InputError(f"quantity is {quantity!r}: it must be one of {', '.join(QUANTITIES)}")
@@ -63,6 +68,7 @@ def _roots(table: LoadTable, quantity: str, value: float, speed: float, beta: fl
     omega = _pieces(table, speed)
     field = getattr(table.loads(omega, speed, beta), quantity) - value
     slope = getattr(table.gradient(omega, speed, beta), quantity)[:, 0]
+    field = _met_at_the_ends(field, value, omega, slope)
 
     def excess(w: float) -> float:
         return float(getattr(table.loads(w, speed, beta), quantity)) - value
@@ -73,18 +79,33 @@ def _roots(table: LoadTable, quantity: str, value: float, speed: float, beta: fl
     found: list[float] = []
     points = list(zip(omega.tolist(), field.tolist(), slope.tolist(), strict=True))
     for (a, fa, da), (b, fb, db) in itertools.pairwise(points):
-        if fa == 0.0:
-            found.append(a)
-        elif fa * fb < 0.0:
-            found.append(_bisect(excess, a, b, fa))
-        elif fa * fb > 0.0 and da * db < 0.0 and da * fa < 0.0:
-            # The load turns back on its way to the value; perhaps beyond it.
+        if fa * fb >= 0.0 and da * db < 0.0:
+            # The load turns back on its way; perhaps it meets the value before and after.
             turn = _bisect(rate, a, b, da)
-            if excess(turn) * fa < 0.0:
-                found += [_bisect(excess, a, turn, fa), _bisect(excess, turn, b, -fa)]
-    if points and points[-1][1] == 0.0:
+            middle = excess(turn)
+            found += _met(excess, a, fa, turn, middle) + _met(excess, turn, middle, b, fb)
+        else:
+            found += _met(excess, a, fa, b, fb)
+    if points[-1][1] == 0.0:
         found.append(points[-1][0])
     return found
+
+
+def _met_at_the_ends(excess: Floats, value: float, omega: Floats, slope: Floats) -> Floats:
+    """The excess (n,) of a load over ``value``, zero at the envelope's ends if mere rounding."""
+    size = np.fmax(np.abs(omega * slope), abs(value))
+    near = np.abs(excess) <= END_SLACK * size
+    near[1:-1] = False
+    return np.where(near, 0.0, excess)
+
+
+def _met(
+    excess: Callable[[float], float], low: float, at_low: float, high: float, at_high: float
+) -> list[float]:
+    """The root in [low, high) of a function that is monotonic there, if it has one."""
+    if at_low == 0.0:
+        return [low]
+    return [_bisect(excess, low, high, at_low)] if at_low * at_high < 0.0 else []
 
 
 def _pieces(table: LoadTable, speed: float) -> Floats:

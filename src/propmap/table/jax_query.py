@@ -13,7 +13,7 @@ import numpy as np
 
 from propmap.table.axis import interval_polynomials
 from propmap.table.gradient import HARDLY_MOVING
-from propmap.table.lookup import WIDTH
+from propmap.table.lookup import NO_VALUE, OUTSIDE, WIDTH, cell_codes
 from propmap.table.query import SLACK, LoadTable
 
 
@@ -42,6 +42,7 @@ class JaxTable(NamedTuple):
     highs: Any
     radius: Any
     scale: Any
+    codes: Any
 
     @classmethod
     def of(cls, table: LoadTable) -> JaxTable:
@@ -58,6 +59,7 @@ class JaxTable(NamedTuple):
             highs=jnp.asarray(highs),
             radius=jnp.asarray(content.radius),
             scale=jnp.asarray(content.scale),
+            codes=jnp.asarray(cell_codes(content)),
         )
 
     def loads(self, omega: Any, speed: Any, beta: Any, *, clamp: bool = False) -> JaxLoads:
@@ -87,6 +89,17 @@ class JaxTable(NamedTuple):
         # Inside, the velocity itself: its polar form has no derivatives at rest.
         axial, inplane = jnp.where(inside, axial, held[0]), jnp.where(inside, inplane, held[1])
         return _finish(_at(self, w, axial, inplane), w, inside | clamp)
+
+    def code(self, omega: Any, speed: Any, beta: Any) -> Any:
+        """Index into ``propmap.table.STATUSES``, as ``LoadTable.loads`` gives it without clamp.
+
+        Arguments as in ``loads``.
+        """
+        w, v, b, inside = self._bounded(omega, speed, beta)
+        i = jnp.searchsorted(self.advance[1:-1], v / (w * self.radius), side="right")
+        j = jnp.searchsorted(self.beta[1:-1], b, side="right")
+        lost = jnp.isnan(_at(self, w, v * jnp.cos(b), v * jnp.sin(b))[..., 0])
+        return jnp.where(inside, jnp.where(lost, NO_VALUE, self.codes[i, j]), OUTSIDE)
 
     def _bounded(self, omega: Any, speed: Any, beta: Any) -> tuple[Any, Any, Any, Any]:
         given = jnp.broadcast_arrays(

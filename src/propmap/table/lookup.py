@@ -22,6 +22,11 @@ WIDTH = 8
 """Values per knot: four coefficients and their four slopes with Omega^(-1/2)."""
 
 
+def cell_codes(content: TableContent) -> NDArray[np.uint8]:
+    """``OK``, ``VORTEX_RING`` or ``UNRESOLVED`` for each cell (n - 1, m - 1)."""
+    return np.array([OK, VORTEX_RING, UNRESOLVED, UNRESOLVED], np.uint8)[content.cells]
+
+
 class Lookup:
     """A table's coefficients, laid out for speed.
 
@@ -47,8 +52,7 @@ class Lookup:
         self._advance_list, self._beta_list = content.advance.tolist(), content.beta.tolist()
         self._inner = self._advance_list[1:-1], self._beta_list[1:-1]
         self._weights = [interval_polynomials(k).tolist() for k in (content.advance, content.beta)]
-        codes = np.array([OK, VORTEX_RING, UNRESOLVED, UNRESOLVED], np.uint8)
-        self._codes = codes[content.cells]
+        self._codes = cell_codes(content)
         self._codes_list: list[list[int]] = self._codes.tolist()
 
     def point(self, advance: float, beta: float) -> tuple[list[float], int]:

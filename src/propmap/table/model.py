@@ -77,13 +77,6 @@ class Model:
         found = np.array([known[point] for point in grid]).reshape(advance.size, beta.size, -1)
         return found[..., :-1], found[..., -1]
 
-    def relative_at(self, node: int, advance: Floats, beta: Floats) -> Floats:
-        """The same at n points, (n, 4)."""
-        known = self._known[node]
-        points = list(zip(advance.tolist(), beta.tolist(), strict=True))
-        self._learn(node, [point for point in points if point not in known])
-        return np.array([known[point] for point in points]).reshape(-1, len(LOADS) + 1)[:, :-1]
-
     def _learn(self, node: int, points: list[tuple[float, float]]) -> None:
         if not points:
             return

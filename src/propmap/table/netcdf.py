@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import xarray
 
-from propmap.atomic_file import replacing
+from propmap.netcdf_file import write_dataset
 from propmap.table.content import LOADS
 
 if TYPE_CHECKING:
@@ -26,8 +26,7 @@ MEANINGS = {
 
 def write_netcdf(table: LoadTable, path: str | os.PathLike[str]) -> None:
     """Write what the table holds, with units and provenance, whole or not at all."""
-    with replacing(Path(path)) as part:
-        table_dataset(table).to_netcdf(part, engine="h5netcdf")
+    write_dataset(table_dataset(table), Path(path))
 
 
 def table_dataset(table: LoadTable) -> xarray.Dataset:

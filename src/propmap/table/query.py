@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from propmap.errors import InputError
+from propmap.fingerprint import propeller_sha256
 from propmap.table.arguments import broadcast, fold, split_velocity
 from propmap.table.content import TableContent
-from propmap.table.fingerprint import propeller_sha256
 from propmap.table.gradient import Gradient, polar_gradient, velocity_gradient
 from propmap.table.lookup import CLAMPED, NO_VALUE, OUTSIDE, STATUSES, Lookup
 from propmap.table.table_file import read_table, write_table

@@ -6,6 +6,7 @@ import json
 import os
 import zipfile
 import zlib
+from dataclasses import Field, fields
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -13,7 +14,8 @@ import numpy as np
 
 from propmap.atomic_file import replacing
 from propmap.errors import InputError, quoted
-from propmap.table.content import TableContent
+from propmap.table.certificate import Certificate
+from propmap.table.content import LOADS, TableContent
 
 FORMAT = "propmap-table"
 FORMAT_VERSION = 1
@@ -95,7 +97,27 @@ def _info(found: dict[str, Any], where: str) -> dict[str, Any]:
     missing = [name for name in ARRAYS if name not in found]
     if missing:
         raise InputError(f"the table has no {missing[0]}", _REMEDY, where)
+    certificate = info.get("certificate")
+    if certificate:
+        lacking = [field.name for field in fields(Certificate) if not _told(certificate, field)]
+        if lacking:
+            raise InputError(
+                f"the table's certificate does not say {lacking[0]}", "build the table again", where
+            )
     return dict(info)
+
+
+def _told(certificate: Any, field: Field[Any]) -> bool:
+    """Whether a certificate has a number there, or one for each load."""
+    if not isinstance(certificate, dict):
+        return False
+    value = certificate.get(field.name)
+    numbers = [value]
+    if str(field.type).startswith("dict"):
+        if not (isinstance(value, dict) and sorted(value) == sorted(LOADS)):
+            return False
+        numbers = list(value.values())
+    return all(isinstance(n, (int, float)) and not isinstance(n, bool) for n in numbers)
 
 
 def _typed(found: dict[str, Any]) -> dict[str, Any]:

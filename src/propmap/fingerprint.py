@@ -1,13 +1,15 @@
-"""Hashes that tell whether a table belongs to a propeller and a section law."""
+"""Hashes that tell whether a file of loads belongs to a propeller and a section law."""
 
 from __future__ import annotations
 
 import hashlib
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from propmap.airfoil import Airfoil
-from propmap.propeller import Propeller
+if TYPE_CHECKING:
+    from propmap.airfoil import Airfoil
+    from propmap.propeller import Propeller
 
 
 def propeller_sha256(blade: Propeller) -> str:

@@ -1,0 +1,75 @@
+"""A fit's covariance carried through to the loads, and filed with the table."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+import propmap
+from propmap.section_covariance import SectionCovariance
+from propmap.table import build_table
+from propmap.table.content import LOADS
+from propmap.table.parameter_uncertainty import load_deviations
+
+COVARIANCE = SectionCovariance(("c_l1", "c_d"), np.array([[0.04, -0.01], [-0.01, 0.09]]))
+
+
+@pytest.mark.slow
+def test_loads_of_drawn_parameters_spread_as_said(rotor: propmap.Rotor) -> None:
+    """Against the covariance's own meaning: draw sections, look at the loads."""
+    omega, speed, beta = np.full(3, 600.0), np.array([8.0, 10.0, 12.0]), np.array([1.2, 1.4, 1.5])
+    # A hundredth of it: to first order.
+    small = SectionCovariance(COVARIANCE.names, 1e-4 * COVARIANCE.matrix)
+    drawn = np.random.default_rng(0).multivariate_normal(np.zeros(2), small.matrix, 400)
+    law = rotor.airfoil
+    loads = []
+    for by_lift, by_drag in drawn.tolist():
+        section = law.with_parameters(c_l1=law.c_l1 + by_lift, c_d=law.c_d + by_drag)
+        found = propmap.Rotor(rotor.propeller, section).loads(omega, speed, beta)
+        loads.append(np.stack([getattr(found, name) for name in LOADS], axis=-1))
+    expected = np.std(loads, axis=0)
+    deviations = load_deviations(rotor, small, omega, speed, beta)
+    # 400 draws: 3.5 % of a standard deviation, and three times that.
+    np.testing.assert_allclose(deviations, expected, rtol=0.12)
+
+
+@pytest.mark.slow
+def test_the_table_tells_what_the_parameters_cost(rotor: propmap.Rotor) -> None:
+    names = (*COVARIANCE.names, "alpha_0")
+    matrix = np.full((3, 3), np.inf)
+    matrix[:2, :2] = COVARIANCE.matrix
+    table = build_table(
+        rotor,
+        omega=(400.0, 440.0),
+        speed=(14.0, 16.0),
+        beta=(1.3, 1.5),
+        tolerance=0.05,
+        certificate_points=512,
+        covariance=SectionCovariance(names, matrix),
+    )
+    info = json.loads(json.dumps(table.info, allow_nan=False))
+    assert info["airfoil_covariance"]["names"] == list(names)
+    assert info["airfoil_covariance"]["matrix"][0] == [0.04, -0.01, None]
+    told = info["parameter_uncertainty"]
+    assert told["parameters"] == ["c_l1", "c_d"]
+    assert told["not_counted"] == ["alpha_0"]
+    middle = load_deviations(rotor, COVARIANCE, *np.array([[420.0], [15.0], [1.4]]))
+    share = float(middle[0, 0]) / float(rotor.loads(420.0, 0.0, 0.0).thrust)
+    assert told["median"]["thrust"] == pytest.approx(share, rel=0.1)
+    assert told["median"]["thrust"] < told["percentile_95"]["thrust"]
+
+
+@pytest.mark.parametrize(
+    ("matrix", "message"),
+    [
+        (np.eye(3), "has shape"),
+        (np.array([[1.0, 2.0], [2.0, 1.0]]), "negative variance"),
+        (np.array([[1.0, np.nan], [np.nan, 1.0]]), "negative variance"),
+    ],
+)
+def test_what_is_no_covariance(matrix: np.ndarray, message: str) -> None:
+    with pytest.raises(propmap.InputError, match=message) as error:
+        SectionCovariance(("c_l1", "c_d"), matrix)
+    assert "\n" not in str(error.value)
