@@ -10,7 +10,7 @@ not seen.  Writes results/choice.json.
 from __future__ import annotations
 
 import json
-import os
+import math
 import time
 import types
 from collections.abc import Callable
@@ -44,7 +44,9 @@ SINGLE = 200
 
 @dataclass(frozen=True)
 class Way:
-    """loads : from omega, speed, beta (n,) to (4, n); one : a single point, as a loop would."""
+    """loads : from omega, speed, beta (n,) to (4, n).  one : the same of a single point, called as
+    a simulation would.
+    """
 
     name: str
     loads: Callable[[Floats, Floats, Floats], Floats]
@@ -69,14 +71,14 @@ def ends(rotor: Rotor) -> tuple[Way, Way]:
     """The cheapest way and the dearest: hover model and full model."""
     hover = HoverModel.of(rotor)
 
-    def hover_loads(w: Floats, v: Floats, b: Floats) -> Floats:
+    def hover_loads(w: Floats, _: Floats, __: Floats) -> Floats:
         return np.stack([hover.thrust(w), 0.0 * w, hover.torque(w), 0.0 * w])
 
     def model(w: Floats, v: Floats, b: Floats) -> Floats:
         return _stacked(rotor.loads(w, v, b))
 
     return (
-        Way("hover model", hover_loads, lambda w, v, b: (hover.thrust(w), hover.torque(w))),
+        Way("hover model", hover_loads, lambda w, _, __: (hover.thrust(w), hover.torque(w))),
         Way("full model", model, rotor.loads),
     )
 
@@ -93,7 +95,8 @@ def between(table: LoadTable) -> tuple[Way, Way]:
         )
 
     def closed_one(w: float, v: float, b: float) -> Any:
-        return closed.force(w, v, 0.0, 0.0), closed.moment(w, v, 0.0, 0.0, 1)
+        x, z = v * math.sin(b), v * math.cos(b)
+        return closed.force(w, x, 0.0, z), closed.moment(w, x, 0.0, z, 1)
 
     return (
         Way("closed form", closed_loads, closed_one),
@@ -104,9 +107,7 @@ def between(table: LoadTable) -> tuple[Way, Way]:
 def _multinomial(table: LoadTable) -> Any:
     """The module that ``propmap export --to multinomial`` writes."""
     with TemporaryDirectory() as folder:
-        (path,) = (
-            p for p in export_table(table, "multinomial", folder) if p.suffix == ".py"
-        )
+        (path,) = (p for p in export_table(table, "multinomial", folder) if p.suffix == ".py")
         module = types.ModuleType("multinomial")
         exec(compile(path.read_text(encoding="utf-8"), path.name, "exec"), module.__dict__)
     return module
@@ -149,7 +150,7 @@ def measure() -> dict[str, Any]:
     build_seconds = time.perf_counter() - begin
     with TemporaryDirectory() as folder:
         table.save(Path(folder) / "table.npz")
-        size = os.path.getsize(Path(folder) / "table.npz")
+        size = (Path(folder) / "table.npz").stat().st_size
     rng = np.random.default_rng(SEED)
     points = [rng.uniform(*ends, POINTS) for ends in (OMEGA, SPEED, BETA)]
     flight = (6000.0 * RPM, 10.0, float(np.radians(60.0)))

@@ -45,7 +45,7 @@ myst_heading_anchors = 3
 
 nb_execution_mode = "force"
 nb_execution_in_temp = True
-nb_execution_timeout = 240
+nb_execution_timeout = 600  # Of a cell; only a hanging one takes so long.
 nb_execution_raise_on_error = True
 nb_merge_streams = True
 

@@ -33,5 +33,7 @@ with jax.enable_x64(True):
 
     # The same by differences of the computed thrust.
     step = 1e-3
-    up, down = (float(thrust(section, omega, velocity + jnp.array([h, 0.0]))) for h in (step, -step))
+    up, down = (
+        float(thrust(section, omega, velocity + jnp.array([h, 0.0]))) for h in (step, -step)
+    )
     print("by differences, axial ", (up - down) / (2 * step), "N s/m")

@@ -181,9 +181,7 @@ def cost_against_error(found: dict[str, Any]) -> Figure:
             cost = way["microseconds_single"]
             if way["model_error"] is not None:
                 against_model.plot(cost, 100.0 * way["model_error"]["thrust"], **look)
-            against_data.plot(
-                cost, 100.0 * way["measured"]["thrust"], **look, label=way["name"]
-            )
+            against_data.plot(cost, 100.0 * way["measured"]["thrust"], **look, label=way["name"])
         for axes, what in (
             (against_model, "rms error against the full model,\nshare of static thrust [%]"),
             (against_data, "rms error against the 2019 measurements,\nshare of their rms [%]"),
@@ -194,7 +192,9 @@ def cost_against_error(found: dict[str, Any]) -> Figure:
             axes.grid(which="both")
         against_model.set_yscale("log")
         against_data.set_ylim(bottom=0.0)
-        figure.legend(*against_data.get_legend_handles_labels(), loc="outside lower center", ncols=3)
+        figure.legend(
+            *against_data.get_legend_handles_labels(), loc="outside lower center", ncols=3
+        )
     return figure
 
 

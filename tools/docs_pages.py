@@ -48,7 +48,10 @@ def write(folder: Path) -> None:
 
 def twins(found: dict[str, Any]) -> str:
     """Noise-free twin experiments: how well x is found again."""
-    rows = ["| truth | largest residual | c_l1 | c_l2 | c_d | alpha_0 |", "|---|---:|---:|---:|---:|---:|"]
+    rows = [
+        "| truth | largest residual | c_l1 | c_l2 | c_d | alpha_0 |",
+        "|---|---:|---:|---:|---:|---:|",
+    ]
     for name, twin in found["noise_free"].items():
         errors = twin["relative_errors"]
         cells = [f"{abs(errors[n]):.0e}" for n in ("c_l1", "c_l2", "c_d", "alpha_0")]
@@ -65,7 +68,7 @@ def coverage(found: dict[str, Any]) -> str:
     ]
     for name, case in found["coverage_1_percent_noise"]["paper-apc"].items():
         of_these = case["of_these_truth_inside"]
-        share = "–" if of_these is None else f"{100.0 * of_these:.0f} %"
+        share = "-" if of_these is None else f"{100.0 * of_these:.0f} %"
         everything = f"{100.0 * case['of_all_truth_inside']:.0f} %"
         rows.append(f"| {name} | {case['called_identified']} | {share} | {everything} |")
     return "\n".join(rows)
@@ -81,7 +84,7 @@ def by_angle(found: dict[str, Any]) -> str:
         cells = []
         for one in group["errors"]:
             shares = (one["model"]["relative_rms"], one["hover"]["relative_rms"])
-            cells.append(" / ".join("–" if s is None else f"{100.0 * s:.0f} %" for s in shares))
+            cells.append(" / ".join("-" if s is None else f"{100.0 * s:.0f} %" for s in shares))
         points = group["errors"][0]["points"]
         rows.append(f"| {group['beta_deg']:g} | {points} | {' | '.join(cells)} |")
     return "\n".join(rows)
@@ -98,7 +101,7 @@ def choice_cost(found: dict[str, Any]) -> str:
         costs = [way[f"microseconds_{how}"] for how in ("single", "batch")]
         lost = way["model_error"]
         shares = [
-            "–" if lost is None else f"{100.0 * lost[load]:.2g} %"
+            "-" if lost is None else f"{100.0 * lost[load]:.2g} %"
             for load in ("thrust", "drag", "torque", "roll_moment")
         ]
         cells = [f"{cost:.2g}" if cost < 100.0 else f"{cost:.0f}" for cost in costs] + shares
@@ -134,10 +137,11 @@ def choice_table(found: dict[str, Any]) -> str:
     return (
         f"The table of this comparison covers {rpm[0]:.0f} to {rpm[1]:.0f} rpm, "
         f"{found['envelope']['speed'][0]:g} to {found['envelope']['speed'][1]:g} m/s and β from 0 "
-        f"to 90° with a tolerance of {100.0 * table['tolerance']:g} % of the static loads; it took "
-        f"{table['build_seconds']:.0f} s to build and certify and has {table['bytes'] / 1e3:.0f} kB. "
-        f"Times: {place['cpu']}, {place['cores']} cores, Python {place['python']}, least of many; the "
-        f"machine's load was {place['load_before']} at the start."
+        f"to 90° with a tolerance of {100.0 * table['tolerance']:g} % of the static loads; it "
+        f"took {table['build_seconds']:.0f} s to build and certify and has "
+        f"{table['bytes'] / 1e3:.0f} kB. Times: {place['cpu']}, {place['cores']} cores, Python "
+        f"{place['python']}, least of many; the machine's load was {place['load_before']} at the "
+        "start."
     )
 
 

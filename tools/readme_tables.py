@@ -138,11 +138,8 @@ def replaced(text: str, name: str, table: str) -> str:
     return new
 
 
-def main(arguments: list[str]) -> None:
-    """Take the demo's files if a folder is given, then write the tables."""
-    if arguments:
-        take_demo(Path(arguments[0]))
-    text = README.read_text(encoding="utf-8")
+def with_tables(text: str) -> str:
+    """The README's ``text`` with the tables that the results give."""
     for name, source, make in (
         ("numerical accuracy", "convergence.json", numerical_accuracy),
         ("model accuracy", "demo.json", model_accuracy),
@@ -151,6 +148,14 @@ def main(arguments: list[str]) -> None:
     ):
         found = json.loads((RESULTS / source).read_text(encoding="utf-8"))
         text = replaced(text, name, make(found))
+    return text
+
+
+def main(arguments: list[str]) -> None:
+    """Take the demo's files if a folder is given, then write the tables."""
+    if arguments:
+        take_demo(Path(arguments[0]))
+    text = with_tables(README.read_text(encoding="utf-8"))
     with replacing(README) as part:
         part.write_text(text, encoding="utf-8")
 

@@ -15,7 +15,7 @@ from sphinx.application import Sphinx
 LANGUAGES = {".csv": "text", ".toml": "toml", ".py": "python", ".c": "c", ".sdf": "xml"}
 
 
-def show_plainly(app: Sphinx, doctree: nodes.document) -> None:
+def show_plainly(_: Sphinx, doctree: nodes.document) -> None:
     """Take the magics off the literal blocks of a page."""
     for block in list(doctree.findall(nodes.literal_block)):
         first, _, rest = block.astext().partition("\n")

@@ -12,7 +12,7 @@ import dataclasses
 import inspect
 import re
 import textwrap
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import Any
 
 NAME = r"[A-Za-z_][A-Za-z0-9_]*(?: (?:\([^()]*\)|\[[^\]]*\])){0,2}"
@@ -121,10 +121,10 @@ def _heading(what: str, thing: Any) -> str:
     return "Attributes" if fields else "Parameters"
 
 
-def rewrite(app: Any, what: str, name: str, thing: Any, options: Any, lines: Sequence[str]) -> None:
+def rewrite(_: Any, what: str, __: str, thing: Any, ___: Any, lines: list[str]) -> None:
     """Replace ``lines`` in place, for autodoc."""
     if lines and what != "module":
-        lines[:] = numpydoc_lines("\n".join(lines), _heading(what, thing))  # type: ignore[index]
+        lines[:] = numpydoc_lines("\n".join(lines), _heading(what, thing))
 
 
 def setup(app: Any) -> dict[str, Any]:
