@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import sys
 from pathlib import Path
 
@@ -20,7 +21,10 @@ docs_pages.write(GENERATED)
 # Cells run the command of this environment, with tables as wide as a page.
 os.environ["PATH"] = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
 os.environ["COLUMNS"] = "96"
-os.environ["NO_COLOR"] = "1"
+os.environ["IPYTHONDIR"] = str(GENERATED / "ipython")
+shutil.copytree(
+    ROOT / "docs" / "kernel", GENERATED / "ipython" / "profile_default", dirs_exist_ok=True
+)
 os.environ["PROPMAP_EXAMPLES"] = str(ROOT / "examples")
 
 project = "propmap"
@@ -37,7 +41,7 @@ extensions = [
     "house_docstrings",
 ]
 root_doc = "index"
-exclude_patterns = ["_build", "generated", "figures"]
+exclude_patterns = ["_build", "generated", "figures", "kernel"]
 nitpicky = False
 
 myst_enable_extensions = ["colon_fence", "deflist", "dollarmath"]
@@ -66,6 +70,7 @@ html_theme_options = {
     "show_prev_next": True,
     "show_toc_level": 2,
     "navbar_end": ["theme-switcher"],
+    "navbar_persistent": ["search-button"],
     "footer_start": ["copyright"],
     "footer_end": [],
     "secondary_sidebar_items": ["page-toc"],

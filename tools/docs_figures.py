@@ -107,67 +107,52 @@ def _from_above(axes: Axes) -> None:
 
 
 def element() -> Figure:
-    """A blade section with its velocities, angles and forces."""
+    """A blade section with its velocities, angles and forces, the leading edge at the origin."""
+    theta, phi = math.radians(26.0), math.radians(12.0)
     with style():
-        figure = new_figure(7.0, 3.4)
+        figure = new_figure(7.0, 3.2)
         axes = figure.subplots()
-        _blank(axes, (-2.3, 2.5), (-1.05, 1.75), "")
-        theta, phi = math.radians(24.0), math.radians(13.0)
+        _blank(axes, (-2.5, 2.5), (-0.95, 1.35), "")
         _draw_section(axes, theta)
-        axes.plot([-2.2, 2.2], [0.0, 0.0], color="0.7", linewidth=0.8, linestyle=":")
-        axes.text(2.2, 0.05, "disk plane", ha="right", color="0.4")
-        leading = (-0.62 * math.cos(theta), 0.62 * math.sin(theta))
-        # The air comes from the left and from above, since the inflow goes down.
-        speed = 1.5
-        begin = (leading[0] - speed * math.cos(phi), leading[1] + speed * math.sin(phi))
-        _arrow(axes, begin, leading, BLUE, "$U$", (begin[0] + 0.62, begin[1] + 0.02))
-        corner = (leading[0], begin[1])
-        _arrow(axes, begin, corner, BLUE, "$U_T$", (begin[0] + 0.85, begin[1] + 0.1), 1.0)
-        _arrow(axes, corner, leading, BLUE, "$U_P$", (corner[0] + 0.05, corner[1] - 0.22), 1.0)
-        _arrow(axes, (1.6, 0.75), (0.95, 0.75), GREEN, "rotation", (1.0, 0.83), 1.2)
-        lift, drag = 1.25, 0.45
-        _arrow(
-            axes,
-            (0.0, 0.0),
-            (lift * math.sin(phi), lift * math.cos(phi)),
-            RED,
-            "$dL$",
-            (lift * math.sin(phi) + 0.06, lift * math.cos(phi) - 0.1),
-        )
-        tip = (drag * math.cos(phi), -drag * math.sin(phi))
-        _arrow(axes, (0.0, 0.0), tip, RED, "$dD$", (tip[0] + 0.05, tip[1] - 0.18))
-        for angle, size, name, where in (
-            (theta, 2.6, r"$\theta$", (-1.43, 0.16)),
-            (phi, 3.4, r"$\phi$", (-1.83, 0.15)),
+        axes.plot([-2.4, 2.4], [0.0, 0.0], color="0.7", linewidth=0.8, linestyle=":")
+        axes.text(2.4, 0.05, "parallel to the disk", ha="right", color="0.4")
+        chord = (-2.0 * math.cos(theta), 2.0 * math.sin(theta))
+        axes.plot([0.0, chord[0]], [0.0, chord[1]], color="0.5", linewidth=0.7, linestyle="--")
+        axes.text(chord[0] + 0.08, chord[1] + 0.02, "chord line", color="0.4")
+        # The air comes from the left and from above: the inflow goes down.
+        begin = (-2.2 * math.cos(phi), 2.2 * math.sin(phi))
+        _arrow(axes, begin, (0.0, 0.0), BLUE, "$U$", (begin[0] + 0.25, begin[1] - 0.17))
+        corner = (begin[0], 0.0)
+        _arrow(axes, begin, corner, BLUE, "$U_P$", (begin[0] - 0.3, 0.2), 1.0)
+        _arrow(axes, corner, (0.0, 0.0), BLUE, "$U_T$", (-1.8, -0.2), 1.0)
+        for radius, low, high, name, where in (
+            (1.15, 0.0, phi, r"$\phi$", (-1.28, 0.07)),
+            (1.45, phi, theta, r"$\alpha$", (-1.5, 0.5)),
+            (0.8, 0.0, theta, r"$\theta$", (-0.72, 0.17)),
         ):
-            axes.add_patch(
-                Arc((0, 0), size, size, theta1=180 - math.degrees(angle), theta2=180.0, color=PINK)
-            )
+            ends = {"theta1": 180.0 - math.degrees(high), "theta2": 180.0 - math.degrees(low)}
+            axes.add_patch(Arc((0, 0), 2 * radius, 2 * radius, color=PINK, **ends))
             axes.text(*where, name, color=PINK)
-        axes.plot(
-            [0.0, -1.5 * math.cos(theta)], [0.0, 1.5 * math.sin(theta)],
-            color="0.5", linewidth=0.7, linestyle="--",
-        )  # fmt: skip
-        axes.text(0.35, -0.75, r"$\alpha = \theta - \phi$", color=PINK)
-        axes.text(-2.25, -0.55, "thrust is up; $dL$ across the\nflow $U$, $dD$ along it", color=INK)
+        foot = (0.3 * math.cos(theta), -0.3 * math.sin(theta))
+        lift = (foot[0] + 1.2 * math.sin(phi), foot[1] + 1.2 * math.cos(phi))
+        drag = (foot[0] + 0.55 * math.cos(phi), foot[1] - 0.55 * math.sin(phi))
+        _arrow(axes, foot, lift, RED, "$dL$, across $U$", (lift[0] + 0.07, lift[1] - 0.12))
+        _arrow(axes, foot, drag, RED, "$dD$, along $U$", (drag[0] + 0.45, drag[1] + 0.03))
+        _arrow(axes, (2.3, 0.55), (1.6, 0.55), GREEN, "rotation", (1.66, 0.63), 1.2)
+        axes.text(-2.4, -0.75, r"$\alpha = \theta - \phi$; thrust is up", color=INK)
     return figure
 
 
 def _draw_section(axes: Axes, theta: float) -> None:
     outline = []
-    for k in range(61):
-        turn = 2.0 * math.pi * k / 60
-        along = 0.62 * math.cos(turn)
-        share = 0.5 * (1.0 + math.cos(turn))
-        thickness = 0.16 * math.sqrt(max(1.0 - share, 0.0)) * share**0.6 * 2.0
-        side = thickness if turn <= math.pi else -0.5 * thickness
-        # The leading edge is on the left, share 0.
-        outline.append(
-            (
-                along * math.cos(theta) + side * math.sin(theta),
-                -along * math.sin(theta) + side * math.cos(theta),
-            )
-        )
+    for k in range(81):
+        turn = 2.0 * math.pi * k / 80
+        share = 0.5 * (1.0 - math.cos(turn))
+        # Round in front, sharp behind; thicker above than below.
+        half = 0.34 * math.sqrt(share) * (1.0 - share)
+        along, side = 1.3 * share, half if turn <= math.pi else -0.4 * half
+        x = along * math.cos(theta) + side * math.sin(theta)
+        outline.append((x, -along * math.sin(theta) + side * math.cos(theta)))
     axes.add_patch(Polygon(outline, facecolor="0.85", edgecolor=INK, linewidth=0.8))
 
 
@@ -183,18 +168,18 @@ def cost_against_error(found: dict[str, Any]) -> Figure:
                 against_model.plot(cost, 100.0 * way["model_error"]["thrust"], **look)
             against_data.plot(cost, 100.0 * way["measured"]["thrust"], **look, label=way["name"])
         for axes, what in (
-            (against_model, "rms error against the full model,\nshare of static thrust [%]"),
-            (against_data, "rms error against the 2019 measurements,\nshare of their rms [%]"),
+            (against_model, "against the full model\n(share of static thrust)"),
+            (against_data, "against the 2019 measurements\n(share of their rms)"),
         ):
             axes.set_xscale("log")
-            axes.set_xlabel("time of one point, one call [µs]")
-            axes.set_ylabel(f"thrust: {what}")
-            axes.grid(which="both")
+            axes.set_xlim(0.2, 2000.0)
+            axes.set_title(what, fontsize=9.0)
+            axes.set_xlabel("time of one point [µs]")
+            axes.set_ylabel("thrust, rms error [%]")
         against_model.set_yscale("log")
         against_data.set_ylim(bottom=0.0)
-        figure.legend(
-            *against_data.get_legend_handles_labels(), loc="outside lower center", ncols=3
-        )
+        handles = against_data.get_legend_handles_labels()
+        figure.legend(*handles, loc="outside lower center", ncols=4)
     return figure
 
 
