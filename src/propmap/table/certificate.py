@@ -92,7 +92,11 @@ def compare(
 def certify(
     table: LoadTable, model: Model, tolerance: float, *, points: int = POINTS, seed: int = 1
 ) -> tuple[Certificate, Comparison]:
-    """Compare on fresh points; the certificate, and what it was drawn from."""
+    """Compare on fresh points; the certificate, and what it was drawn from.
+
+    table : to be certified.  model : what it was built from.  tolerance : largest error as a share
+    of static loads.  points : how many, a power of two.  seed : of their Sobol sequence.
+    """
     model.stage = "certifying"
     found = compare(table, model, *quasi_random(table, points, seed))
     lost = np.isnan(found.errors).any(axis=1) | (found.code == NO_VALUE)

@@ -25,7 +25,10 @@ MEANINGS = {
 
 
 def write_netcdf(table: LoadTable, path: str | os.PathLike[str]) -> None:
-    """Write what the table holds, with units and provenance, whole or not at all."""
+    """Write what the table holds, with units and provenance, whole or not at all.
+
+    path : of the file, which is replaced.
+    """
     with replacing(Path(path)) as part:
         table_dataset(table).to_netcdf(part, engine="h5netcdf")
 
