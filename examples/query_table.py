@@ -6,7 +6,7 @@ from propmap.table import LoadTable
 
 table = LoadTable.load("map.npz")
 print(table)
-print("certified to", table.certificate["max_error"])
+print(f"certified to {max(table.certificate['max_error'].values()):.2%} of the static loads")
 
 omega = 6000 * np.pi / 30  # rad/s
 loads = table.loads(omega, speed=8.0, beta=np.radians([0.0, 45.0, 90.0]))
@@ -19,7 +19,9 @@ slopes = table.gradient_at_velocity(omega, [6.0, 0.0, 1.0])
 print("d thrust / d(omega, x, y, z)", slopes.thrust)
 
 # Which omega carries 2.5 N in edgewise flight at 8 m/s.
-print("omega for 2.5 N:", table.omega_for("thrust", 2.5, speed=8.0, beta=np.pi / 2).omega)
+needed = table.omega_for("thrust", 2.5, speed=8.0, beta=np.pi / 2)
+print(f"omega for 2.5 N: {needed.omega:.1f} rad/s")
 
 # Outside the envelope there is no number.
-print("at 100 m/s:", table.loads(omega, 100.0, 0.0).thrust, table.loads(omega, 100.0, 0.0).status)
+far = table.loads(omega, 100.0, 0.0)
+print("at 100 m/s:", far.thrust, far.status)
