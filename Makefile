@@ -2,12 +2,17 @@
 VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/ready
+DOCS_READY := $(VENV)/docs-ready
 
-.PHONY: demo test test-slow lint types bench bench-table bench-fine-table bench-identification convergence clean
+.PHONY: demo test test-slow lint types bench bench-table bench-fine-table bench-choice bench-identification convergence docs clean
 
 $(READY): pyproject.toml constraints.txt
 	python3 -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[dev,targets]'
+	touch $@
+
+$(DOCS_READY): $(READY)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[docs]'
 	touch $@
 
 demo: $(READY)
@@ -29,6 +34,9 @@ types: $(READY)
 bench-identification: $(READY)
 	$(BIN)/python -m benchmarks.identification
 
+bench-choice: $(READY)
+	$(BIN)/python -m benchmarks.choice
+
 bench: $(READY)
 	$(BIN)/python -m benchmarks.speed
 	$(BIN)/python -m benchmarks.table
@@ -42,5 +50,8 @@ bench-fine-table: $(READY)
 convergence: $(READY)
 	$(BIN)/python -m benchmarks.convergence
 
+docs: $(DOCS_READY)
+	$(BIN)/sphinx-build --fail-on-warning --keep-going docs docs/_build/html
+
 clean:
-	rm -rf $(VENV) propmap-demo
+	rm -rf $(VENV) propmap-demo docs/_build docs/generated

@@ -188,11 +188,8 @@ def replaced(text: str, name: str, table: str) -> str:
     return new
 
 
-def main(arguments: list[str]) -> None:
-    """Take the demo's files if a folder is given, then write the tables."""
-    if arguments:
-        take_demo(Path(arguments[0]))
-    text = README.read_text(encoding="utf-8")
+def with_tables(text: str) -> str:
+    """The README's ``text`` with the tables that the results give."""
     makers: tuple[tuple[str, Callable[..., str], tuple[str, ...]], ...] = (
         ("numerical accuracy", numerical_accuracy, ("convergence.json",)),
         ("model accuracy", model_accuracy, ("demo.json",)),
@@ -202,8 +199,16 @@ def main(arguments: list[str]) -> None:
         ("building tables", building, ("table.json", "fine_table.json")),
     )
     for name, make, sources in makers:
-        found = [json.loads((RESULTS / source).read_text("utf-8")) for source in sources]
+        found = [json.loads((RESULTS / source).read_text(encoding="utf-8")) for source in sources]
         text = replaced(text, name, make(*found))
+    return text
+
+
+def main(arguments: list[str]) -> None:
+    """Take the demo's files if a folder is given, then write the tables."""
+    if arguments:
+        take_demo(Path(arguments[0]))
+    text = with_tables(README.read_text(encoding="utf-8"))
     with replacing(README) as part:
         part.write_text(text, encoding="utf-8")
 

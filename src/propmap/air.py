@@ -13,8 +13,9 @@ PAPER_VISCOSITY = 1.983e-5
 
 @dataclass(frozen=True)
 class Air:
-    """Density [kg/m^3] and dynamic viscosity [Pa s]; by default the paper's values.
+    """The air around the propeller; by default the paper's values.
 
+    density : [kg/m^3].  viscosity : [Pa s], dynamic.
     Raises ``InputError`` for values that are not finite and positive.
     """
 

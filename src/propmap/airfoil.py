@@ -78,7 +78,10 @@ class Airfoil:
             raise InputError(f"lift_law is {self.lift_law!r}: it must be one of {LIFT_LAWS}")
 
     def with_parameters(self, **changes: Any) -> Airfoil:
-        """A copy with some parameters changed."""
+        """A copy with some parameters changed.
+
+        changes : by name, as in the constructor.
+        """
         return replace(self, **changes)
 
     def to_toml(self) -> str:

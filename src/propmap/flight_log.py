@@ -40,7 +40,7 @@ class FlightLog:
         return int(self.time.size)
 
     def picked(self, which: Any) -> FlightLog:
-        """The samples that a mask or indices pick."""
+        """Some of the samples; which : a mask or indices."""
         arrays = {f.name: getattr(self, f.name)[which] for f in fields(self) if f.name != "source"}
         return replace(self, **arrays)
 

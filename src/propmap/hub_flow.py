@@ -29,7 +29,10 @@ class HubFlow(NamedTuple):
 
 
 def hub_flow(vehicle: Vehicle, log: FlightLog) -> HubFlow:
-    """The flow at the hubs: V_i = V_vehicle + omega x r_i."""
+    """The flow at the hubs: V_i = V_vehicle + omega x r_i.
+
+    vehicle : where its rotors are.  log : n samples of its motion.
+    """
     position = np.array([mount.position for mount in vehicle.mounts])
     axis = np.array([mount.axis for mount in vehicle.mounts])
     velocity = log.velocity[:, None, :] + np.cross(log.rates[:, None, :], position[None])

@@ -59,7 +59,10 @@ class Loads:
 
 @dataclass(frozen=True)
 class Wrench:
-    """Force [N] and moment [N m] on the vehicle at the hub, in the rotor frame; (..., 3)."""
+    """Force and moment on the vehicle at the hub, in the rotor frame.
+
+    force : (..., 3) [N].  moment : (..., 3) [N m], about the hub.
+    """
 
     force: Floats
     moment: Floats
@@ -124,8 +127,10 @@ class Rotor:
     def wrench(self, omega: ArrayLike, velocity: ArrayLike, spin: str = "ccw") -> Wrench:
         """Force and moment on the vehicle, as vectors in the rotor frame.
 
-        Arguments as ``loads_at_velocity``; spin : "ccw" or "cw", seen from above with the
-        thrust up.  The frame is right-handed with z along the thrust.
+        omega, velocity : as in ``loads_at_velocity``.
+        spin : "ccw" or "cw", seen from above with the thrust up.
+
+        The frame is right-handed with z along the thrust.
         """
         if spin not in ("ccw", "cw"):
             raise InputError(f"spin is {spin!r}: it must be 'ccw' or 'cw', seen from above")
@@ -139,7 +144,10 @@ class Rotor:
         return Wrench(force, moment)
 
     def hover_inflow(self, omega: ArrayLike) -> Floats:
-        """Static inflow v_i0 [m/s] of eq. (12), from the rotor's own static thrust."""
+        """Static inflow v_i0 [m/s] of eq. (12), from the rotor's own static thrust.
+
+        omega : [rad/s] >= 0, any shape.
+        """
         from propmap.evaluation import static_inflow
 
         (w,) = _broadcast(omega=omega)

@@ -58,7 +58,8 @@ class Wing:
 class Vehicle:
     """Rotors of one kind on a frame; raises ``InputError`` where it cannot be.
 
-    mass : [kg].  propeller : of every rotor.  mounts : one per rotor, in the order of the
+    name : what it is called.  mass : [kg].  propeller : of every rotor.  air : by default the
+    paper's.  mounts : one per rotor, in the order of the
     rotor speeds.  body, wing : what else carries or drags.
     """
 

@@ -21,7 +21,11 @@ SUFFIX = ".toml"
 
 @dataclass(frozen=True)
 class Entry:
-    """One line of the catalogue: what a propeller is, without its blade."""
+    """One line of the catalogue: what a propeller is, without its blade.
+
+    name : by which it is loaded.  title : as its maker calls it.  family : code of its series.
+    blades : number of blades.  diameter_m : [m].  source : where the geometry is from.
+    """
 
     name: str
     title: str

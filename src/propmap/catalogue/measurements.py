@@ -23,7 +23,7 @@ class Measurement:
     air_density : [kg/m^3].
     omega [rad/s], speed [m/s], beta [rad] : shape (n,), the operating points.
     thrust [N], torque [N m], drag [N], roll_moment [N m] : shape (n,), None where not given.
-    note : what was done to the figures.
+    note : what was done to the figures.  citation : whom to cite.
     """
 
     name: str

@@ -27,6 +27,7 @@ GIVEN_UP = {
 def failing_assumptions(fitted: Fitted, rows_for: Callable[[Choice], Rows]) -> list[str]:
     """Sentences on the assumptions whose giving up lowers the residuals by a third or more.
 
+    fitted : the fit that is looked into.
     rows_for : the same data as rows for another choice of free parameters.
     """
     size = float(np.sqrt(np.mean(fitted.minimum.residual**2)))

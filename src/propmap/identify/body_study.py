@@ -27,6 +27,9 @@ def wing_values(vehicle: Vehicle) -> dict[str, float]:
 def body_terms_verdict(fitted: Fitted, rows_for: Callable[[Choice], Rows]) -> list[str]:
     """A sentence per term of the body: what adding it to the free parameters changes.
 
+    fitted : the fit without them.  rows_for : the same data as rows for another choice of free
+    parameters.
+
     A term earns its place if its 95 % interval leaves out zero and the residuals fall by more
     than five per cent.
     """

@@ -44,7 +44,11 @@ class Comparison:
 def compare_tunnel(
     propeller: Propeller, air: Air, law: Airfoil, data: TunnelData
 ) -> dict[str, Comparison]:
-    """Every measured load by its name with unit.  The hover model has neither drag nor roll."""
+    """Every measured load by its name with unit.
+
+    propeller, air : of the test.  law : the section law to judge.  data : what was measured.
+    The hover model beside it has neither drag nor rolling moment.
+    """
     rotor = Rotor(propeller, law, air)
     loads = rotor.loads(data.omega, data.speed, data.beta)
     hover = HoverModel.of(rotor)
@@ -66,6 +70,7 @@ def compare_flight(
 ) -> dict[str, Comparison]:
     """Forces on the vehicle per axis of its frame, against mass times specific force.
 
+    law : the section law to judge.
     values : of the body's and the wing's parameters, by name; first guesses otherwise.
     Raises ``InputError`` where the log has no specific force.
     """

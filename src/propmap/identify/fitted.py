@@ -39,6 +39,8 @@ class Settings:
 class Fitted:
     """What came out.
 
+    choice, settings, rows : what went in.  minimum : where the search ended.
+    uncertainty : of the free parameters.
     x : (P,).  residual : (M,), model minus measurement in units of the measurement.
     cross_validated : (L,) rms error per load on rows left out, NaN if not done.
     bootstrapped : (B, P) repeated fits on operating points drawn with replacement.
@@ -66,7 +68,7 @@ class Fitted:
         return self.choice.values(self.x)
 
     def rms(self, load: int) -> float:
-        """Of the residuals of one load, in its unit."""
+        """Root mean square of the residuals of one load, in its unit; load : its index."""
         mine = (self.rows.load == load) & (self.rows.weight > 0.0)
         return float(np.sqrt(np.mean(self.residual[mine] ** 2)))
 
@@ -74,6 +76,8 @@ class Fitted:
 def fit(rows: Rows, choice: Choice, settings: Settings | None = None) -> Fitted:
     """Identify the free parameters; eq. (18) for level flights.
 
+    rows : what was measured, with its model.  choice : what is free.  settings : how to search,
+    by default ``Settings()``.
     Raises ``InputError`` where the data cannot determine anything.
     """
     settings = settings or Settings()

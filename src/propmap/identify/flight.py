@@ -40,7 +40,12 @@ class Balance:
 
 
 class ForceModel:
-    """All forces but gravity on a vehicle, at the samples of a log."""
+    """All forces but gravity on a vehicle, at the samples of a log.
+
+    base : section law that gives what no parameter of a fit does.
+    setting : accuracy of the loads, as in ``Rotor``.
+    Raises ``InputError`` where the log has not one rotor speed per rotor.
+    """
 
     def __init__(
         self, vehicle: Vehicle, log: FlightLog, base: Airfoil, setting: str = "standard"
@@ -56,7 +61,10 @@ class ForceModel:
         self._law = accuracy(setting)
 
     def at(self, values: Mapping[str, float], free: tuple[str, ...]) -> Balance:
-        """Forces and their derivatives with these parameters."""
+        """Forces and their derivatives.
+
+        values : all parameters by name.  free : names of the P by which to differentiate.
+        """
         section = tuple(name for name in free if name in SECTION)
         flow, shape = self.flow, self.flow.omega.shape
         vehicle = self.vehicle
@@ -82,6 +90,9 @@ def level_rows(model: ForceModel, choice: Choice) -> Rows:
 
     With V horizontal, the vertical parts of a rotor's forces are T sin(beta) and D cos(beta);
     here they come from the attitude, so that a trace of climb or of bank is no error.
+
+    model : of the vehicle, at its steady operating points.  choice : what is free.
+    Raises ``InputError`` for free parameters that do not act.
     """
     _acts(model, choice)
     log = model.log
@@ -110,6 +121,7 @@ def level_rows(model: ForceModel, choice: Choice) -> Rows:
 def balance_rows(model: ForceModel, choice: Choice, *, stretch: float = 1.0) -> Rows:
     """m times the specific force against all forces but gravity, three rows per sample.
 
+    model : of the vehicle, at the samples of its log.  choice : what is free.
     stretch : [s], within which errors are taken to be alike.
     Raises ``InputError`` where the log has no specific force.
     """

@@ -54,6 +54,7 @@ def fit_text(
 ) -> str:
     """The text of a fit file.
 
+    fitted : the fit.  propeller, air : of the test or the vehicle.
     kind : "tunnel", "level flight" or "flight".  name : of the parameter set.  base : gave the
     constants that are no parameters of a fit.  data : files, whose hashes are noted, or names of
     the catalogue.  remarks : sentences for the reader.  options : further settings by name.
@@ -133,7 +134,11 @@ def is_fit(path: Path) -> bool:
 
 
 def read_fit(path: Path) -> FitFile:
-    """Read a fit file; raises ``InputError`` where it is none."""
+    """Read a fit file.
+
+    path : of a file that ``propmap fit`` wrote.
+    Raises ``InputError`` where it is none.
+    """
     law = read_airfoil(path)
     record = tomllib.loads(path.read_text(encoding="utf-8")).get("fit")
     where = str(path)

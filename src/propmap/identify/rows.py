@@ -39,7 +39,8 @@ class Rows:
     divided before they are squared.  speed : (M,) [m/s].  point : (M,), which operating point
     a number belongs to; points are drawn and left out as a whole.  group : (M,), stretches
     within which errors may be alike; None where every number errs by itself.
-    units : of each name.
+    units : of each name.  model : gives values and derivatives, see ``Model``.
+    weight : (M,), 1, or 0 for what is left out.
     """
 
     names: tuple[str, ...]
@@ -52,7 +53,6 @@ class Rows:
     group: NDArray[np.intp] | None
     model: Model
     weight: Floats
-    """(M,), 1, or 0 for what is left out."""
 
     def left(self, points: NDArray[np.bool_]) -> Rows:
         """The same rows, those of the operating points that are False without weight."""

@@ -77,6 +77,11 @@ def tunnel_rows(
 ) -> Rows:
     """Rows of the loads named, by default of all that were measured.
 
+    propeller, air : of the test.  data : what was measured.  choice : what is free.
+    loads : names of those to fit.  weights : by load, how often its residuals count, else once.
+    base : section law that gives what no parameter of a fit does, by default ``first_guess``.
+    setting : accuracy of the loads, as in ``Rotor``.
+
     Residuals are compared as coefficients, relative to rho Omega^2 R^4 (R^5 for moments),
     because that is how measurement errors scale over a sweep of rotational speed; each load by
     the root mean square of its own measured coefficient, divided by its weight.

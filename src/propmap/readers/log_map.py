@@ -72,7 +72,10 @@ class LogMap:
         return f"{self.file}: [log]"
 
     def stated(self, key: str) -> str:
-        """One of body_frame, world_frame, velocity_in, rotor_unit; ``InputError`` if None."""
+        """What is stated; ``InputError`` if nothing is.
+
+        key : body_frame, world_frame, velocity_in or rotor_unit.
+        """
         choices = {
             "body_frame": BODY_FRAMES,
             "world_frame": WORLD_FRAMES,
@@ -86,7 +89,7 @@ class LogMap:
         return value
 
     def rotor_factor(self, unit: str) -> float:
-        """[rad/s] per unit of rotor speed, "rad/s", "rpm" or "erpm"."""
+        """[rad/s] per unit of rotor speed; unit : "rad/s", "rpm" or "erpm"."""
         if unit == "rad/s":
             return 1.0
         if unit == "rpm":

@@ -110,6 +110,9 @@ def certify(
 
     Points in unresolved cells do not count in the claim that the tolerance holds.  They are few,
     so that as many again and more are taken for the bound that is stated for these cells.
+
+    table : to be certified.  model : what it was built from.  tolerance : largest error as a share
+    of static loads.  points : how many, a power of two.  seed : of their Sobol sequence.
     """
     model.stage = "certifying"
     found = compare(table, model, *quasi_random(table, points, seed))

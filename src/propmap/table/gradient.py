@@ -17,7 +17,9 @@ HARDLY_MOVING = 1e-7
 
 
 class Gradient(NamedTuple):
-    """Derivatives of thrust, drag [N], torque, roll moment [N m] and power [W], each (..., k).
+    """Derivatives of the loads, each (..., k).
+
+    thrust, drag : of [N].  torque, roll_moment : of [N m].  power : of [W].
 
     k counts what they are derived by: omega, speed, beta, or omega and the velocity's x, y, z.
     """

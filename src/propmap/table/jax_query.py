@@ -18,7 +18,10 @@ from propmap.table.query import SLACK, LoadTable
 
 
 class JaxLoads(NamedTuple):
-    """Thrust, drag [N], torque, roll moment [N m] and power [W]; NaN outside the envelope."""
+    """Loads, NaN outside the envelope.
+
+    thrust, drag : [N].  torque, roll_moment : [N m].  power : [W].
+    """
 
     thrust: Any
     drag: Any
@@ -73,8 +76,9 @@ class JaxTable(NamedTuple):
         return _finish(values, w, inside | clamp)
 
     def loads_at_velocity(self, omega: Any, velocity: Any, *, clamp: bool = False) -> JaxLoads:
-        """Loads for a velocity (..., 3) [m/s] in the rotor frame, z along the thrust.
+        """Loads for a velocity in the rotor frame, z along the thrust.
 
+        omega : [rad/s].  velocity : (..., 3) [m/s].
         clamp : as in ``loads``; outside, the derivatives with the velocity are zero.
         Derivatives are finite everywhere inside, at rest too; without in-plane velocity they
         are those for a velocity that begins to grow along x.

@@ -25,7 +25,10 @@ MEANINGS = {
 
 
 def write_netcdf(table: LoadTable, path: str | os.PathLike[str]) -> None:
-    """Write what the table holds, with units and provenance, whole or not at all."""
+    """Write what the table holds, with units and provenance, whole or not at all.
+
+    path : of the file, which is replaced.
+    """
     write_dataset(table_dataset(table), Path(path))
 
 

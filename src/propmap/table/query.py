@@ -91,6 +91,7 @@ class LoadTable:
     def load(cls, path: str | os.PathLike[str], *, propeller: Propeller | None = None) -> Self:
         """The table in a .npz file; nothing in it is executed.
 
+        path : of the file.
         propeller : where given, the geometry that the table must have been built from.
         Raises ``InputError`` for a missing, damaged or foreign file, one of a later format, and
         a table of another propeller.
@@ -108,7 +109,10 @@ class LoadTable:
         return cls(content)
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the table to a .npz file, whole or not at all."""
+        """Write the table to a .npz file, whole or not at all.
+
+        path : of the file, which is replaced.
+        """
         write_table(self.content, path)
 
     @property

@@ -158,7 +158,10 @@ def _over_azimuth(term: Callable[[Array], Any], azimuth: AzimuthNodes) -> Any:
 
 
 def annulus_thrust(at: Annulus, inflow: Array, azimuth: AzimuthNodes) -> Array:
-    """Thrust of the blade elements per radius and density [m^3/s^2], eq. (5), shape of inflow."""
+    """Thrust of the blade elements per radius and density [m^3/s^2], eq. (5), shape of inflow.
+
+    at : annuli.  inflow : v_i [m/s], broadcast with them.  azimuth : nodes to average over.
+    """
     mean: Array = _over_azimuth(lambda s: element_forces(at, inflow, s)[0], azimuth)
     return at.blades * mean
 
@@ -170,7 +173,10 @@ def annulus_thrust_slope(at: Annulus, inflow: Array, azimuth: AzimuthNodes) -> t
 
 
 def annulus_loads(at: Annulus, inflow: Array, azimuth: AzimuthNodes) -> AnnulusLoads:
-    """All loads of an annulus, eqs. (5)-(7); shape of inflow."""
+    """All loads of an annulus per radius and density, eqs. (5)-(7); shape of inflow.
+
+    at, inflow, azimuth : as in ``annulus_thrust``.
+    """
 
     def terms(sine: Array) -> tuple[Array, ...]:
         normal, tangential = element_forces(at, inflow, sine)

@@ -61,7 +61,10 @@ class InflowQuestion(NamedTuple):
 
 
 def residual(ask: InflowQuestion, inflow: Array, azimuth: AzimuthNodes) -> Array:
-    """Blade-element thrust (5) minus momentum thrust (10), per radius and density [m^3/s^2]."""
+    """Blade-element thrust (5) minus momentum thrust (10), per radius and density [m^3/s^2].
+
+    ask : annuli and wake states.  inflow : v_i [m/s], broadcast with them.  azimuth : nodes.
+    """
     blade = blade_element.annulus_thrust(ask.at, inflow, azimuth)
     return blade - _wake_thrust(ask, inflow)  # Eq. (11)
 

@@ -51,6 +51,7 @@ def disk_loads(
 ) -> RotorLoads:
     """Loads, eqs. (13)-(15), given the static inflow; all operating-point arrays (B,).
 
+    blade, section, medium : see ``parameters``.
     omega [rad/s] >= 0; v_axial = V cos(beta), v_inplane = V sin(beta) >= 0 [m/s];
     v_hover : static inflow (12) at the same omega [m/s], read only where v_axial < 0.
     panels, azimuth : see ``disk_inflow``.
@@ -88,7 +89,11 @@ def disk_loads(
 def hover_inflow(
     blade: Blade, section: Section, medium: Medium, omega: Array, stations: int
 ) -> Array:
-    """The static inflow v_h [m/s], eq. (12), from the rotor's own static thrust; (B,)."""
+    """The static inflow v_h [m/s], eq. (12), from the rotor's own static thrust; (B,).
+
+    blade, section, medium : see ``parameters``.  omega : (B,) [rad/s].
+    stations : radial nodes on the whole blade.
+    """
     still = jnp.zeros_like(omega)
     panels = Resolution(stations=stations).panels
     nodes = azimuth_nodes(1)

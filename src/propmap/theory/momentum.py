@@ -41,7 +41,7 @@ def windmill_annulus_thrust(
     as does the empirical turbulent-wake curve of Buhl, NREL/TP-500-36834, 2005.  Shallower
     than 19.5 deg there is no falling stretch and nothing is changed.
 
-    Arguments as in ``annulus_thrust``, with v_axial < 0.
+    radius, v_axial, v_inplane, inflow : as in ``annulus_thrust``, with v_axial < 0.
     """
     first, second = _turning_points(v_axial, v_inplane)
     at_first = annulus_thrust(radius, v_axial, v_inplane, first)

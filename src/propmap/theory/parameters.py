@@ -64,7 +64,10 @@ class Section(NamedTuple):
 
 
 class Medium(NamedTuple):
-    """Density [kg/m^3] and dynamic viscosity [Pa s] of the air; scalars."""
+    """The air; scalars.
+
+    density : [kg/m^3].  viscosity : [Pa s], dynamic.
+    """
 
     density: Array
     viscosity: Array

@@ -13,6 +13,7 @@ def attached_share(alpha: Array, section: Section) -> Array:
     """1 - sigma(alpha) [-]: the share of attached flow in the blend of eq. (3).
 
     alpha : any shape [rad], angle of attack from zero lift, in [-pi, pi].
+    section : parameters of the law.
 
     The paper writes sigma as (1 + A + B) / ((1 + A)(1 + B)) with A = exp(-M (a - a0)) and
     B = exp(M (a + a0)), which overflows in float32 near 1.4 rad.  For a >= 0 the same
@@ -91,7 +92,9 @@ def angle_of_attack(along: Array, across: Array, speed: Array) -> Array:
 
 
 def lift_coefficient(alpha: Array, section: Section) -> Array:
-    """C_L [-] at the geometric angle of attack alpha [rad], any shape; eq. (3).
+    """C_L [-], eq. (3).
+
+    alpha : any shape [rad], geometric angle of attack.  section : parameters of the law.
 
     With ``section.attached = 0`` it is the simplified lift of footnote 1,
     C_L = c_l2 sin(a) cos(a).  The zero-lift angle is this project's one addition.
@@ -106,7 +109,11 @@ def lift_coefficient(alpha: Array, section: Section) -> Array:
 
 
 def drag_coefficient(alpha: Array, reynolds: Array, section: Section) -> Array:
-    """C_D [-] at the geometric angle of attack alpha [rad] and Reynolds number [-]; eq. (4)."""
+    """C_D [-], eq. (4).
+
+    alpha [rad], reynolds [-] : geometric angle of attack and Reynolds number; broadcast.
+    section : parameters of the law.
+    """
     sine = jnp.sin(alpha - section.zero_lift_angle)
     friction = 2.0 * 1.02 * section.c_p / jnp.sqrt(reynolds)
     return section.c_d * sine**2 + friction + section.c_d0  # Eq. (4)

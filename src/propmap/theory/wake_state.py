@@ -63,6 +63,8 @@ _MEASURED = (-1.125, -1.372, -1.718, -0.655)
 def vortex_ring_inflow(v_axial: Array, v_hover: Array) -> Array:
     """Inflow [m/s] in the vortex ring, (12) times Leishman's fit; shape of v_axial.
 
+    v_axial : V cos(beta) [m/s].  v_hover : static inflow (12) [m/s].
+
     The fit holds for -2 <= V cos(beta)/v_h <= 0 and is held at its ends outside, where
     ``vortex_ring_weight`` gives it no weight.
     """

@@ -33,10 +33,13 @@ def read_flight_log(
 ) -> FlightLog:
     """A flight log of any kind: CSV, Parquet, PX4's ULog, bags of ROS 1 and ROS 2.
 
-    vehicle_file : the vehicle and the map of the log.  rate : samples per second; by default
-    the sample times of the slowest of attitude, velocity and rotor speed.  Other signals are
-    interpolated linearly; gaps above 0.25 s are cut out.  Samples that cannot be used are
-    dropped, which ``source`` then tells, or refused where they are many.
+    path : of the file, or the folder of a ROS 2 bag.
+    vehicle_file : the vehicle and the map of the log.
+    rate : samples per second; by default the sample times of the slowest of attitude, velocity
+    and rotor speed.
+
+    Other signals are interpolated linearly; gaps above 0.25 s are cut out.  Samples that cannot
+    be used are dropped, which ``source`` then tells, or refused where they are many.
     Raises ``InputError``.
     """
     file = Path(path)

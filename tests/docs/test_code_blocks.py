@@ -1,0 +1,173 @@
+"""Every code block of README and the documentation runs.
+
+Shell blocks of a page run here, in order, in one empty folder, with the files that the page tells
+its reader to make.  Cells of notebook pages (``{code-cell}``) are run by the documentation's build,
+which stops at the first that fails.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from flight.write_logs import write_ulog
+
+import propmap
+from propmap.catalogue.measurements import measurement
+from propmap.readers.vehicle_toml import read_vehicle
+from propmap.simulate.flight import SensorNoise, fly
+from propmap.simulate.trim import trim
+
+from .pages import ROOT, Step, steps
+
+DOCS = ROOT / "docs"
+PAGES = sorted(p for p in DOCS.rglob("*.md") if not {"_build", "generated"} & set(p.parts))
+BUILT = ("pip install", "make ")
+"""What begins a block that installs or builds: CI itself does that, from a fresh clone."""
+
+OTHER = {"toml", "text", "{toctree}", "{include}", "{eval-rst}", "{literalinclude}", "{math}"}
+"""Blocks that show a file's form or are the documentation's own directives."""
+
+NEEDS = {"# needs rotorpy": "rotorpy", "# needs casadi": "casadi"}
+
+
+def vehicle_in(folder: Path) -> Path:
+    """The vehicle file of the how-to page, reading the logs that it describes."""
+    return Path(shutil.copy(ROOT / "examples" / "px4" / "vehicle.toml", folder / "vehicle.toml"))
+
+
+def px4_logs(folder: Path) -> None:
+    """Two flights of the page's vehicle as PX4 would log them."""
+    file = read_vehicle(vehicle_in(folder))
+    for seed, name in enumerate(("flight.ulg", "another.ulg", "log.ulg")):
+        points = trim(file.vehicle, propmap.airfoil("paper-apc"), np.linspace(1.0, 12.0, 6))
+        log = fly(points, noise=SensorNoise(), seed=seed, rate=50.0)
+        write_ulog(log, folder / name, file.vehicle)
+
+
+def uiuc_files(folder: Path) -> None:
+    """Geometry and loads of a 10-inch propeller in the layout of the UIUC database."""
+    blade = propmap.propeller("uiuc-apcsf-10x7")
+    fractions = (blade.station / blade.radius, blade.chord / blade.radius, np.degrees(blade.twist))
+    rows = [
+        "r/R c/R beta",
+        *(" ".join(f"{v:.4f}" for v in row) for row in zip(*fractions, strict=True)),
+    ]
+    (folder / "apcsf_10x7_geom.txt").write_text("\n".join(rows) + "\n")
+    law = propmap.airfoil("paper-apc").with_parameters(zero_lift_angle=-0.07)
+    rotor = propmap.Rotor(blade, law)
+
+    def coefficients(turns: np.ndarray, advance: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        loads = rotor.loads(2.0 * np.pi * turns, advance * turns * blade.diameter, 0.0)
+        size = rotor.air.density * turns**2 * blade.diameter**4
+        return loads.thrust / size, 2.0 * np.pi * loads.torque / (size * blade.diameter)
+
+    rpm = np.linspace(2000.0, 6000.0, 6)
+    ct, cp = coefficients(rpm / 60.0, np.zeros(6))
+    lines = [f"{n:.1f} {t:.4f} {p:.4f}" for n, t, p in zip(rpm, ct, cp, strict=True)]
+    (folder / "apcsf_10x7_static_kt0827.txt").write_text("\n".join(["RPM CT CP", *lines]) + "\n")
+    for name, speed in (("kt0828", 3008), ("kt0829", 4018), ("kt0830", 5021)):
+        advance = np.linspace(0.15, 0.55, 9)
+        ct, cp = coefficients(np.full(9, speed / 60.0), advance)
+        lines = [f"{j:.3f} {t:.4f} {p:.4f} 0.5" for j, t, p in zip(advance, ct, cp, strict=True)]
+        file = folder / f"apcsf_10x7_{name}_{speed}.txt"
+        file.write_text("\n".join(["J CT CP eta", *lines]) + "\n")
+
+
+SUPPLIED: dict[str, Callable[[Path], None]] = {
+    "README.md": px4_logs,
+    "docs/how-to/fit-px4.md": px4_logs,
+    "docs/how-to/fit-uiuc.md": uiuc_files,
+}
+"""What a reader of the page has already: files of others' making."""
+
+
+def name_of(page: Path) -> str:
+    return page.relative_to(ROOT).as_posix()
+
+
+def runs(step: Step) -> bool:
+    return step.kind == "run" and not step.text.lstrip().startswith(BUILT)
+
+
+@pytest.fixture(scope="module")
+def environment(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
+    """This interpreter's commands, and compiled programs kept from page to page."""
+    here = str(Path(sys.executable).parent)
+    return os.environ | {
+        "PATH": os.pathsep.join([here, os.environ["PATH"]]),
+        "XDG_CACHE_HOME": str(tmp_path_factory.mktemp("cache")),
+        "MPLBACKEND": "agg",
+    }
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "page", [p for p in (ROOT / "README.md", *PAGES) if any(map(runs, steps(p)))], ids=name_of
+)
+def test_a_page_can_be_followed(page: Path, tmp_path: Path, environment: dict[str, str]) -> None:
+    """From an empty folder, block by block."""
+    SUPPLIED.get(name_of(page), lambda _: None)(tmp_path)
+    for step in steps(page):
+        if step.kind == "file":
+            path = tmp_path / step.name
+            path.parent.mkdir(exist_ok=True)
+            path.write_text(step.text, encoding="utf-8")
+        elif runs(step) and not lacking(step):
+            run(["bash", "-euo", "pipefail", "-c", step.text], page, step, tmp_path, environment)
+        elif step.kind == "python":
+            run([sys.executable, "-c", step.text], page, step, tmp_path, environment)
+
+
+def lacking(step: Step) -> bool:
+    """Whether the block says that it needs a package that is not installed here."""
+    import importlib.util
+
+    needed = [package for note, package in NEEDS.items() if note in step.text]
+    if "cc " in step.text and shutil.which("cc") is None:
+        return True
+    return any(importlib.util.find_spec(package) is None for package in needed)
+
+
+def run(
+    command: list[str], page: Path, step: Step, folder: Path, environment: dict[str, str]
+) -> None:
+    done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True)
+    assert done.returncode == 0, (
+        f"{name_of(page)}:{step.line}:\n{step.text}\n{done.stdout[-2000:]}\n{done.stderr[-2000:]}"
+    )
+
+
+def test_every_block_is_of_a_known_kind() -> None:
+    """A block that nothing would run is not overlooked."""
+    for page in (ROOT / "README.md", *PAGES):
+        for step in steps(page):
+            where = f"{name_of(page)}:{step.line}: {step.name or step.kind}"
+            assert step.kind != "other" or step.name in OTHER | {"{grid}", ""}, where
+            notebook = page.read_text(encoding="utf-8").startswith("---\nfile_format: mystnb")
+            assert step.kind != "cell" or notebook, f"{where} is in no notebook"
+
+
+def test_the_readme_s_first_block_of_python_is_the_example() -> None:
+    first = next(s for s in steps(ROOT / "README.md") if s.kind == "python")
+    example = (ROOT / "examples" / "loads.py").read_text(encoding="utf-8")
+    lines = [line for line in first.text.splitlines() if line]
+    # But for blank lines and what it says of itself.
+    assert lines == [line for line in example.splitlines() if line][1:]
+    assert len(lines) <= 10
+
+
+def test_the_readme_s_parameter_set_is_one(tmp_path: Path) -> None:
+    (block,) = (s for s in steps(ROOT / "README.md") if s.name == "toml")
+    (tmp_path / "mine.toml").write_text(block.text, encoding="utf-8")
+    assert propmap.airfoil(tmp_path / "mine.toml").name == "my-blade"
+
+
+def test_the_catalogue_has_what_the_tutorial_fits() -> None:
+    assert measurement("uiuc-8x6e").propeller == "apc-8x6e"

@@ -1,0 +1,85 @@
+"""`docs/equations.md` names functions and tests that exist, and leaves out no equation."""
+
+from __future__ import annotations
+
+import ast
+import importlib
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+PAGE = (ROOT / "docs" / "equations.md").read_text(encoding="utf-8")
+
+REQUIRED = {
+    *(f"({n})" for n in range(1, 19)),
+    "footnote 1",
+    "footnote 3",
+    "footnote 4",
+    "section III.A",
+}
+
+
+def rows() -> list[tuple[str, str, str]]:
+    """Equation or subject, functions, tests: the first and the last two columns."""
+    found = []
+    for line in PAGE.splitlines():
+        cells = [cell.strip() for cell in line.strip("|").split("|")]
+        if line.startswith("| ") and cells[-1] != "test":
+            found.append((cells[0], cells[-2], cells[-1]))
+    return found
+
+
+def functions(cell: str) -> list[tuple[str, str]]:
+    """Module and name of every function in a cell; a module is followed by its names."""
+    found: list[tuple[str, str]] = []
+    module = ""
+    for word in re.findall(r"`([^`]+)`", cell):
+        if word.endswith(".py"):
+            module = "propmap." + word.removesuffix(".py").replace("/", ".")
+        elif re.fullmatch(r"[A-Za-z_][\w.]*", word):
+            assert module, f"{word} follows no module in {cell!r}"
+            found.append((module, word))
+    return found
+
+
+def named_tests(cell: str) -> list[tuple[str, str]]:
+    """File and name of every test in a cell; `::name` is in the file named last."""
+    found: list[tuple[str, str]] = []
+    file = ""
+    for word in re.findall(r"`([^`]+)`", cell):
+        before, _, name = word.partition("::")
+        file = before or file
+        found.append((file, name))
+    return found
+
+
+def test_every_equation_has_its_row() -> None:
+    named = {number for first, _, _ in rows() for number in re.findall(r"\(\d+\)", first)}
+    named |= {first for first, _, _ in rows()}
+    assert named >= REQUIRED, f"missing: {sorted(REQUIRED - named)}"
+
+
+@pytest.mark.parametrize(("subject", "cell"), [(s, f) for s, f, _ in rows()])
+def test_the_functions_exist(subject: str, cell: str) -> None:
+    named = functions(cell)
+    assert named, f"{subject}: no function is named"
+    for module, name in named:
+        found: object = importlib.import_module(module)
+        for part in name.split("."):
+            if part == "attached":  # An argument, as in `attached = 0`.
+                continue
+            found = getattr(found, part)
+        assert getattr(found, "__doc__", None), f"{module}.{name} says nothing of itself"
+
+
+@pytest.mark.parametrize(("subject", "cell"), [(s, t) for s, _, t in rows()])
+def test_the_tests_exist(subject: str, cell: str) -> None:
+    named = named_tests(cell)
+    assert named, f"{subject}: no test is named"
+    for file, name in named:
+        tree = ast.parse((ROOT / "tests" / file).read_text(encoding="utf-8"))
+        defined = {node.name for node in tree.body if isinstance(node, ast.FunctionDef)}
+        assert name in defined, f"{subject}: {file} has no {name or 'test named'}"
+        assert name.startswith("test_")

@@ -1,0 +1,84 @@
+"""The scripts in examples/, which the documentation's pages include, run and print loads."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import propmap
+from propmap.export import export_table
+from propmap.table import LoadTable, build_table
+
+from .pages import ROOT
+
+EXAMPLES = ROOT / "examples"
+EXPORTED = {
+    "rotorpy_hover.py": ("rotorpy", "rotorpy"),
+    "casadi_drag.py": ("multinomial", "casadi"),
+    "gazebo_model.py": ("gazebo", None),
+}
+"""Examples that start from an export: its target, and the package that they need."""
+
+pytestmark = pytest.mark.slow
+
+
+@pytest.fixture(scope="module")
+def table() -> LoadTable:
+    """Coarse, and wide enough for the examples."""
+    rotor = propmap.Rotor(propmap.propeller("apc-8x6e"), propmap.airfoil("paper-apc"))
+    return build_table(
+        rotor,
+        omega=(400.0, 900.0),
+        speed=(0.0, 9.0),
+        beta=(0.0, 0.5 * np.pi),
+        tolerance=0.05,
+        certificate_points=512,
+    )
+
+
+def scripts() -> list[str]:
+    return sorted(path.name for path in EXAMPLES.glob("*.py"))
+
+
+@pytest.mark.parametrize("name", scripts())
+def test_an_example_runs(name: str, table: LoadTable, tmp_path: Path) -> None:
+    target, package = EXPORTED.get(name, (None, None))
+    if package is not None and importlib.util.find_spec(package) is None:
+        pytest.skip(f"there is no {package}")
+    table.save(tmp_path / "map.npz")
+    if target is not None:
+        export_table(table, target, tmp_path)
+    shutil.copy(EXAMPLES / name, tmp_path)
+    done = subprocess.run(
+        [sys.executable, name],
+        cwd=tmp_path,
+        env=os.environ | {"MPLBACKEND": "agg"},
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stderr[-2000:]
+    assert done.stdout.strip()
+    # The table's example asks once outside the envelope, on purpose, and prints nan.
+    allowed = 1 if name == "query_table.py" else 0
+    assert len(re.findall(r"\bnan\b", done.stdout)) == allowed, done.stdout
+
+
+def test_the_derivative_that_the_example_prints_is_that_of_differences(tmp_path: Path) -> None:
+    done = subprocess.run(
+        [sys.executable, EXAMPLES / "differentiate_rotor.py"],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    (axial,) = re.findall(r"velocity +\[(\S+)", done.stdout)
+    (difference,) = re.findall(r"differences, axial +(\S+)", done.stdout)
+    assert float(axial) == pytest.approx(float(difference), rel=0.01)

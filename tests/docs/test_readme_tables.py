@@ -1,0 +1,27 @@
+"""The tables of README.md are those that the committed results give."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from tools import readme_tables
+
+
+def test_readme_is_what_the_results_give() -> None:
+    """Nobody edits a figure by hand, and nobody forgets to write the tables anew."""
+    text = readme_tables.README.read_text(encoding="utf-8")
+    assert readme_tables.with_tables(text) == text, (
+        "README.md's tables differ from benchmarks/results/: run tools/readme_tables.py"
+    )
+
+
+@pytest.mark.parametrize("name", ["numerical accuracy", "model accuracy", "fits", "speed"])
+def test_a_changed_figure_is_noticed(name: str) -> None:
+    text = readme_tables.README.read_text(encoding="utf-8")
+    (table,) = re.findall(rf"<!-- {name} -->\n(.*?)<!-- /{name} -->", text, re.DOTALL)
+    figures = re.findall(r"\d\.\d", table)
+    assert figures
+    changed = text.replace(table, table.replace(figures[0], "7.77", 1))
+    assert readme_tables.with_tables(changed) == text != changed

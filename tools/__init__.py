@@ -1,0 +1,1 @@
+"""What writes the catalogue, the tables of README and the generated parts of the documentation."""

@@ -1,0 +1,214 @@
+"""Draw the figures of the documentation: angles, a blade element, cost against error.
+
+Usage: python -m tools.docs_figures FOLDER
+
+The documentation's build calls ``write``; everything is drawn from definitions and from
+benchmarks/results/, so that the same files give the same pictures.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Arc, Circle, Polygon
+
+from propmap.atomic_file import replacing
+from propmap.report.style import COLOURS, MARKERS, new_figure, style
+
+RESULTS = Path(__file__).resolve().parent.parent / "benchmarks" / "results"
+BLUE, RED, GREEN, PINK = COLOURS[:4]
+INK = "0.15"
+
+Point = tuple[float, float]
+
+
+def write(folder: Path) -> None:
+    """All figures, as SVG with text as outlines, so that they look alike everywhere."""
+    choice = json.loads((RESULTS / "choice.json").read_text(encoding="utf-8"))
+    figures = {"angles": angles(), "element": element(), "choice": cost_against_error(choice)}
+    for name, figure in figures.items():
+        with (
+            style(),
+            mpl.rc_context({"svg.fonttype": "path", "svg.hashsalt": name}),
+            replacing(folder / f"{name}.svg") as part,
+        ):
+            figure.savefig(part, format="svg", metadata={"Date": None})
+
+
+def angles() -> Figure:
+    """The disk from the side, with beta, and from above, with psi."""
+    with style():
+        figure = new_figure(8.4, 3.9)
+        side, above = figure.subplots(1, 2)
+        _from_the_side(side)
+        _from_above(above)
+    return figure
+
+
+def _from_the_side(axes: Axes) -> None:
+    _blank(axes, (-1.5, 1.75), (-1.05, 1.65), "from the side")
+    axes.plot([-1.0, 1.0], [0.0, 0.0], color=INK, linewidth=4.0, solid_capstyle="round")
+    axes.text(-1.02, -0.16, "disk, radius $R$", ha="left", va="top", color=INK)
+    _arrow(axes, (0.0, 0.0), (0.0, 1.4), INK, "$z$", (0.07, 1.4), width=1.0)
+    _arrow(axes, (0.0, 0.0), (1.45, 0.0), INK, "$x$", (1.5, -0.05), width=1.0)
+    beta = math.radians(55.0)
+    tip = (1.25 * math.sin(beta), 1.25 * math.cos(beta))
+    _arrow(axes, (0.0, 0.0), tip, BLUE, "$V$", (tip[0] + 0.05, tip[1] + 0.03))
+    axes.add_patch(Arc((0.0, 0.0), 0.9, 0.9, theta1=90.0 - 55.0, theta2=90.0, color=BLUE))
+    axes.text(0.24, 0.49, r"$\beta$", color=BLUE)
+    _arrow(axes, (0.0, 0.0), (0.0, 0.95), RED, "$T$", (-0.17, 0.85))
+    _arrow(axes, (0.0, 0.0), (-0.75, 0.0), RED, "$D$", (-0.75, 0.09))
+    _arrow(axes, (-0.45, 0.75), (-0.45, 0.3), GREEN, "$v_i$", (-0.66, 0.5))
+    axes.text(
+        -1.5,
+        -0.5,
+        r"$\beta = 0$: axial climb" + "\n" + r"$\beta = 90°$: edgewise flight" + "\n"
+        r"$\beta = 180°$: axial descent",
+        va="top",
+        color=BLUE,
+    )
+
+
+def _from_above(axes: Axes) -> None:
+    _blank(axes, (-1.75, 1.75), (-1.45, 1.45), "from above, thrust towards the reader")
+    axes.add_patch(Circle((0.0, 0.0), 1.0, fill=False, edgecolor="0.6", linewidth=1.0))
+    # V points up the page; the blade turns counter-clockwise, its advancing side is the right.
+    _arrow(axes, (0.0, 0.0), (0.0, 1.3), BLUE, r"$V\,\sin\beta$", (0.08, 1.22))
+    axes.plot([0.0, 0.0], [0.0, -1.0], color="0.6", linewidth=1.0, linestyle=":")
+    psi = math.radians(50.0)
+    tip = (math.sin(psi), -math.cos(psi))
+    across = (math.cos(psi), math.sin(psi))
+    corners = [
+        (s * tip[0] + w * across[0], s * tip[1] + w * across[1])
+        for s, w in ((0.1, -0.03), (1.0, -0.05), (1.0, 0.05), (0.1, 0.07))
+    ]
+    axes.add_patch(Polygon(corners, facecolor="0.8", edgecolor=INK, linewidth=0.8))
+    axes.add_patch(Arc((0.0, 0.0), 0.7, 0.7, theta1=-90.0, theta2=-40.0, color=GREEN))
+    axes.text(0.08, -0.52, r"$\psi$", color=GREEN)
+    middle = (0.55 * tip[0], 0.55 * tip[1])
+    axes.text(middle[0] - 0.02, middle[1] - 0.2, "$y$", color=INK)
+    axes.annotate(
+        "",
+        xy=(1.16 * math.cos(0.35), 1.16 * math.sin(0.35)),
+        xytext=(1.16 * math.cos(-0.2), 1.16 * math.sin(-0.2)),
+        arrowprops={"arrowstyle": "-|>", "color": GREEN, "connectionstyle": "arc3,rad=0.25"},
+    )
+    axes.text(1.25, 0.1, r"$\Omega$", color=GREEN)
+    axes.text(0.5, 0.35, "advancing\nside", ha="center", color=INK)
+    axes.text(-0.5, 0.35, "retreating\nside", ha="center", color=INK)
+    axes.text(0.0, -1.08, r"$\psi = 0$", ha="center", va="top", color=GREEN)
+
+
+def element() -> Figure:
+    """A blade section with its velocities, angles and forces, the leading edge at the origin."""
+    theta, phi = math.radians(26.0), math.radians(12.0)
+    with style():
+        figure = new_figure(7.0, 3.2)
+        axes = figure.subplots()
+        _blank(axes, (-2.5, 2.5), (-0.95, 1.35), "")
+        _draw_section(axes, theta)
+        axes.plot([-2.4, 2.4], [0.0, 0.0], color="0.7", linewidth=0.8, linestyle=":")
+        axes.text(2.4, 0.05, "parallel to the disk", ha="right", color="0.4")
+        chord = (-2.0 * math.cos(theta), 2.0 * math.sin(theta))
+        axes.plot([0.0, chord[0]], [0.0, chord[1]], color="0.5", linewidth=0.7, linestyle="--")
+        axes.text(chord[0] + 0.08, chord[1] + 0.02, "chord line", color="0.4")
+        # The air comes from the left and from above: the inflow goes down.
+        begin = (-2.2 * math.cos(phi), 2.2 * math.sin(phi))
+        _arrow(axes, begin, (0.0, 0.0), BLUE, "$U$", (begin[0] + 0.25, begin[1] - 0.17))
+        corner = (begin[0], 0.0)
+        _arrow(axes, begin, corner, BLUE, "$U_P$", (begin[0] - 0.3, 0.2), 1.0)
+        _arrow(axes, corner, (0.0, 0.0), BLUE, "$U_T$", (-1.8, -0.2), 1.0)
+        for radius, low, high, name, where in (
+            (1.15, 0.0, phi, r"$\phi$", (-1.28, 0.07)),
+            (1.45, phi, theta, r"$\alpha$", (-1.5, 0.5)),
+            (0.8, 0.0, theta, r"$\theta$", (-0.72, 0.17)),
+        ):
+            ends = {"theta1": 180.0 - math.degrees(high), "theta2": 180.0 - math.degrees(low)}
+            axes.add_patch(Arc((0, 0), 2 * radius, 2 * radius, color=PINK, **ends))
+            axes.text(*where, name, color=PINK)
+        foot = (0.3 * math.cos(theta), -0.3 * math.sin(theta))
+        lift = (foot[0] + 1.2 * math.sin(phi), foot[1] + 1.2 * math.cos(phi))
+        drag = (foot[0] + 0.55 * math.cos(phi), foot[1] - 0.55 * math.sin(phi))
+        _arrow(axes, foot, lift, RED, "$dL$, across $U$", (lift[0] + 0.07, lift[1] - 0.12))
+        _arrow(axes, foot, drag, RED, "$dD$, along $U$", (drag[0] + 0.45, drag[1] + 0.03))
+        _arrow(axes, (2.3, 0.55), (1.6, 0.55), GREEN, "rotation", (1.66, 0.63), 1.2)
+        axes.text(-2.4, -0.75, r"$\alpha = \theta - \phi$; thrust is up", color=INK)
+    return figure
+
+
+def _draw_section(axes: Axes, theta: float) -> None:
+    outline = []
+    for k in range(81):
+        turn = 2.0 * math.pi * k / 80
+        share = 0.5 * (1.0 - math.cos(turn))
+        # Round in front, sharp behind; thicker above than below.
+        half = 0.34 * math.sqrt(share) * (1.0 - share)
+        along, side = 1.3 * share, half if turn <= math.pi else -0.4 * half
+        x = along * math.cos(theta) + side * math.sin(theta)
+        outline.append((x, -along * math.sin(theta) + side * math.cos(theta)))
+    axes.add_patch(Polygon(outline, facecolor="0.85", edgecolor=INK, linewidth=0.8))
+
+
+def cost_against_error(found: dict[str, Any]) -> Figure:
+    """Time of a point against the error of thrust, beside the measurements' own question."""
+    with style():
+        figure = new_figure(7.6, 3.4)
+        against_model, against_data = figure.subplots(1, 2, sharex=True)
+        for k, way in enumerate(found["ways"]):
+            look = {"color": COLOURS[k], "marker": MARKERS[k], "linestyle": "none"}
+            cost = way["microseconds_single"]
+            if way["model_error"] is not None:
+                against_model.plot(cost, 100.0 * way["model_error"]["thrust"], **look)
+            against_data.plot(cost, 100.0 * way["measured"]["thrust"], **look, label=way["name"])
+        for axes, what in (
+            (against_model, "against the full model\n(share of static thrust)"),
+            (against_data, "against the 2019 measurements\n(share of their rms)"),
+        ):
+            axes.set_xscale("log")
+            axes.set_xlim(0.2, 2000.0)
+            axes.set_title(what, fontsize=9.0)
+            axes.set_xlabel("time of one point [µs]")
+            axes.set_ylabel("thrust, rms error [%]")
+        against_model.set_yscale("log")
+        against_data.set_ylim(bottom=0.0)
+        handles = against_data.get_legend_handles_labels()
+        figure.legend(*handles, loc="outside lower center", ncols=4)
+    return figure
+
+
+def _blank(axes: Axes, across: Point, up: Point, title: str) -> None:
+    axes.set_xlim(*across)
+    axes.set_ylim(*up)
+    axes.set_aspect("equal")
+    axes.axis("off")
+    if title:
+        axes.set_title(title, fontsize=9.0)
+
+
+def _arrow(
+    axes: Axes, begin: Point, end: Point, colour: str, name: str, where: Point, width: float = 1.8
+) -> None:
+    axes.annotate(
+        "",
+        xy=end,
+        xytext=begin,
+        arrowprops={
+            "arrowstyle": "-|>",
+            "color": colour,
+            "linewidth": width,
+            "shrinkA": 0.0,
+            "shrinkB": 0.0,
+        },
+    )
+    axes.text(*where, name, color=colour)
+
+
+if __name__ == "__main__":
+    write(Path(sys.argv[1]))

@@ -1,0 +1,160 @@
+"""Write the generated parts of the documentation: tables of results and the command reference.
+
+Usage: python -m tools.docs_pages FOLDER
+
+The documentation's build calls ``write``.  Figures come from benchmarks/results/ alone; the
+command reference from the commands themselves.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+from propmap.atomic_file import replacing
+from tools import readme_tables
+
+RESULTS = Path(__file__).resolve().parent.parent / "benchmarks" / "results"
+LOADS = {"thrust": "thrust", "torque": "torque", "drag": "rotor drag", "roll_moment": "roll moment"}
+
+
+def write(folder: Path) -> None:
+    """All generated parts, as Markdown."""
+    found = {
+        name: json.loads((RESULTS / f"{name}.json").read_text(encoding="utf-8"))
+        for name in ("choice", "convergence", "demo", "identification", "speed")
+    }
+    parts = {
+        "numerical-accuracy": readme_tables.numerical_accuracy(found["convergence"]),
+        "model-accuracy": readme_tables.model_accuracy(found["demo"]),
+        "fits": readme_tables.fits(found["identification"]),
+        "speed": readme_tables.speed(found["speed"]),
+        "twins": twins(found["identification"]),
+        "coverage": coverage(found["identification"]),
+        "by-angle": by_angle(found["demo"]),
+        "choice-cost": choice_cost(found["choice"]),
+        "choice-measured": choice_measured(found["choice"]),
+        "choice-table": choice_table(found["choice"]),
+        "cli": command_reference(),
+    }
+    for name, text in parts.items():
+        with replacing(folder / f"{name}.md") as part:
+            part.write_text(text + "\n", encoding="utf-8")
+
+
+def twins(found: dict[str, Any]) -> str:
+    """Noise-free twin experiments: how well x is found again."""
+    rows = [
+        "| truth | largest residual | c_l1 | c_l2 | c_d | alpha_0 |",
+        "|---|---:|---:|---:|---:|---:|",
+    ]
+    for name, twin in found["noise_free"].items():
+        errors = twin["relative_errors"]
+        cells = [f"{abs(errors[n]):.0e}" for n in ("c_l1", "c_l2", "c_d", "alpha_0")]
+        residual = f"{twin['largest_residual_share_of_weight']:.0e} of the weight"
+        rows.append(f"| `{name}` | {residual} | {' | '.join(cells)} |")
+    return "\n".join(rows)
+
+
+def coverage(found: dict[str, Any]) -> str:
+    """How often the stated intervals hold the truth."""
+    rows = [
+        "| parameter | called identified, of 200 | truth inside, of these | truth inside, of all |",
+        "|---|---:|---:|---:|",
+    ]
+    for name, case in found["coverage_1_percent_noise"]["paper-apc"].items():
+        of_these = case["of_these_truth_inside"]
+        share = "-" if of_these is None else f"{100.0 * of_these:.0f} %"
+        everything = f"{100.0 * case['of_all_truth_inside']:.0f} %"
+        rows.append(f"| {name} | {case['called_identified']} | {share} | {everything} |")
+    return "\n".join(rows)
+
+
+def by_angle(found: dict[str, Any]) -> str:
+    """Oblique data, by angle: this model and the hover model."""
+    groups = [g for g in found["groups"] if g["title"].startswith("oblique ")]
+    loads = [one["load"] for one in groups[0]["errors"]]
+    names = " | ".join(LOADS[load] for load in loads)
+    rows = [f"| β [deg] | points | {names} |", "|---:|---:|" + "---:|" * len(loads)]
+    for group in groups:
+        cells = []
+        for one in group["errors"]:
+            shares = (one["model"]["relative_rms"], one["hover"]["relative_rms"])
+            cells.append(" / ".join("-" if s is None else f"{100.0 * s:.0f} %" for s in shares))
+        points = group["errors"][0]["points"]
+        rows.append(f"| {group['beta_deg']:g} | {points} | {' | '.join(cells)} |")
+    return "\n".join(rows)
+
+
+def choice_cost(found: dict[str, Any]) -> str:
+    """What each way costs, and what it loses against the full model."""
+    rows = [
+        "| | one point [µs] | in a batch [µs per point] | thrust | rotor drag | torque "
+        "| roll moment |",
+        "|---|---:|---:|---:|---:|---:|---:|",
+    ]
+    for way in found["ways"]:
+        costs = [way[f"microseconds_{how}"] for how in ("single", "batch")]
+        lost = way["model_error"]
+        shares = [
+            "-" if lost is None else f"{100.0 * lost[load]:.2g} %"
+            for load in ("thrust", "drag", "torque", "roll_moment")
+        ]
+        cells = [f"{cost:.2g}" if cost < 100.0 else f"{cost:.0f}" for cost in costs] + shares
+        rows.append(f"| {way['name']} | {' | '.join(cells)} |")
+    in_c = found["table"]["microseconds_in_c"]
+    if in_c is not None:
+        same = " | ".join(rows[4].split(" | ")[3:])
+        rows.insert(5, f"| table, C header | {in_c:.2g} | {in_c:.2g} | {same}")
+    return "\n".join(rows)
+
+
+def choice_measured(found: dict[str, Any]) -> str:
+    """What each way is off against measurements, seen by the fit or not."""
+    order = ("thrust", "torque", "drag", "roll_moment")
+    names = " | ".join(LOADS[load] for load in order)
+    rows = [f"| | {names} |", "|---|" + "---:|" * len(order)]
+    for title, group in (("ways", "fitted to these data"), ("unseen", "fitted to UIUC's rows")):
+        for way in found[title]:
+            cells = [percent(way["measured"][load]) for load in order]
+            rows.append(f"| {way['name']}, {group} | {' | '.join(cells)} |")
+    return "\n".join(rows)
+
+
+def percent(share: float) -> str:
+    """To two figures, or whole above ten."""
+    return f"{100.0 * share:.0f} %" if share >= 0.1 else f"{100.0 * share:.2g} %"
+
+
+def choice_table(found: dict[str, Any]) -> str:
+    """What the table took, in a sentence."""
+    table, place = found["table"], found["machine"]
+    rpm = [9.549296585513721 * w for w in found["envelope"]["omega"]]
+    return (
+        f"The table of this comparison covers {rpm[0]:.0f} to {rpm[1]:.0f} rpm, "
+        f"{found['envelope']['speed'][0]:g} to {found['envelope']['speed'][1]:g} m/s and β from 0 "
+        f"to 90° with a tolerance of {100.0 * table['tolerance']:g} % of the static loads; it "
+        f"took {table['build_seconds']:.0f} s to build and certify and has "
+        f"{table['bytes'] / 1e3:.0f} kB. Times: {place['cpu']}, {place['cores']} cores, Python "
+        f"{place['python']}, least of many; the machine's load was {place['load_before']} at the "
+        "start."
+    )
+
+
+def command_reference() -> str:
+    """Every command with its arguments and options, by typer's own writer."""
+    command = [sys.executable, "-m", "typer", "propmap.cli.app", "utils", "docs"]
+    done = subprocess.run(
+        [*command, "--name", "propmap"], capture_output=True, text=True, check=True
+    )
+    # The lists of commands cut their descriptions short, and each has its own section below.
+    text = re.sub(r"\*\*Commands\*\*:\n\n(?:\* .*\n)+\n?", "", done.stdout)
+    return text.replace("# `propmap`\n", "# Commands\n", 1).strip()
+
+
+if __name__ == "__main__":
+    write(Path(sys.argv[1]))
