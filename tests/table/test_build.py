@@ -140,6 +140,29 @@ def test_an_envelope_of_jumps_alone_is_refused(rotor: propmap.Rotor) -> None:
     assert told == sorted(told) and told[0] > 0
 
 
+@pytest.mark.slow
+def test_a_thin_feature_between_wide_cells_narrows_them(rotor: propmap.Rotor) -> None:
+    """The five parameters fitted to the UIUC's rows: a jump of thrust along a line near 89 deg.
+
+    Smooth elsewhere, so that cells begin wide, and those on the line are a sixth of all.
+    """
+    law = rotor.airfoil.with_parameters(
+        c_l1=4.31846, c_l2=0.0, c_d=1.19066, alpha_0=0.362326, zero_lift_angle=-0.0912194
+    )
+    table = build_table(
+        propmap.Rotor(rotor.propeller, law),
+        omega=(419.0, 628.0),
+        speed=(6.0, 12.0),
+        beta=(np.radians(60.0), np.radians(100.0)),
+        tolerance=0.02,
+        certificate_points=8192,
+    )
+    told = table.certificate
+    assert told["holds"]
+    assert told["unresolved_volume"] < 0.02
+    assert told["unresolved_max_error"]["thrust"] > 0.02
+
+
 def test_a_rotor_without_static_thrust_is_refused(rotor: propmap.Rotor) -> None:
     section = rotor.airfoil.with_parameters(zero_lift_angle=0.5)
     with pytest.raises(propmap.InputError, match="no positive thrust"):

@@ -141,6 +141,11 @@ def certify(
     return certificate, found
 
 
+def unresolved_share(table: LoadTable) -> float:
+    """Share of the envelope that unresolved cells take."""
+    return _unresolved(table, POINTS // CANDIDATES, seed=1)[0]
+
+
 def _unresolved(
     table: LoadTable, points: int, seed: int
 ) -> tuple[float, tuple[Floats, Floats, Floats]]:
