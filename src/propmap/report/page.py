@@ -147,7 +147,8 @@ def number(value: float | None, digits: int = 3) -> str:
         return MISSING
     text = f"{value:.{digits}g}"
     if "e" in text and 1e-5 < abs(value) < 1e7:
-        text = f"{value:.0f}" if abs(value) >= 1.0 else f"{value:.{digits + 4}f}".rstrip("0")
+        rounded = float(text)
+        text = f"{rounded:.0f}" if abs(value) >= 1.0 else f"{rounded:.{digits + 4}f}".rstrip("0")
     return text.replace("-", MINUS)
 
 

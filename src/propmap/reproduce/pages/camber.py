@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.figure import Figure
 
-from propmap.report.page import Section, Text, Verdict
+from propmap.report.page import Section, Text, Verdict, number
 from propmap.report.style import COLOURS, MARKERS, new_figure, style
 from propmap.reproduce.identified import AXIAL
 from propmap.reproduce.numbers import Numbers
@@ -46,11 +46,12 @@ def camber(numbers: Numbers) -> Part:
             ),
             shown,
             Text(
-                f"The fits put the zero-lift angle at {angle:.1f}° (UIUC) and {other:.1f}° (2019), "
+                f"The fits put the zero-lift angle at {number(angle, 2)}° (UIUC) and "
+                f"{number(other, 2)}° (2019), "
                 "ordinary values for thin cambered sections. It is this package's one addition "
                 "to the paper's law. If your twist is already taken from the zero-lift line, hold "
-                "it at zero; otherwise fit it together with the other four. Table I's numbers "
-                "may go with a twist measured differently; the paper does not say."
+                "it at zero; otherwise fit it together with the other four. Whether Table I goes "
+                "with a twist from another line is not known here."
             ),
         ),
     )
@@ -71,7 +72,7 @@ def camber_figure(one: Compared, curves: list[AxialCurve]) -> Figure:
                     linestyle="none", markersize=3.5, label=curve.label, clip_on=False,
                 )  # fmt: skip
             ax.set_xlabel("advance ratio J = V/(nD) [-]")
-            ax.set_ylabel(f"model less measured {symbol} [-]")
+            ax.set_ylabel(f"model less measured ${symbol}$ [-]")
         handles, labels = axes[0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside lower center", ncols=3)
     return figure

@@ -23,7 +23,7 @@ def cost(times: Times) -> Part:
         ("the same, compilation included", _seconds(times.tunnel_first), ""),
     )
     table = Table(
-        "Times of this run; all others numbers of this page repeat exactly, these do not.",
+        "Times of this run; all other numbers of this page repeat exactly, these do not.",
         (("what", ""), ("here", ""), ("paper", "")),
         rows,
         f"{times.machine}, {times.cores} cores. Compiled programs are kept between runs, so that "
@@ -31,8 +31,8 @@ def cost(times: Times) -> Part:
     )
     text = (
         "A call costs about "
-        f"{number(COST.one_point / times.one_point, 1)} times less than in the paper, an "
-        f"identification {number(COST.identification[0] / times.level, 1)} times less or better; "
+        f"{number(COST.one_point / times.one_point, 2)} times less than in the paper, an "
+        f"identification {number(COST.identification[0] / times.level, 2)} times less or better; "
         "part of that is the machine, a decade younger."
     )
     section = Section("times", "Cost: times, which differ from run to run", (Text(text), table))

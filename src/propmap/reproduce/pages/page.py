@@ -12,6 +12,7 @@ from propmap.catalogue.measurements import measurement
 from propmap.report.page import Page, Points, Text, page_html
 from propmap.reproduce.files import PAGE
 from propmap.reproduce.numbers import Numbers
+from propmap.reproduce.pages.at_a_glance import at_a_glance
 from propmap.reproduce.pages.camber import camber
 from propmap.reproduce.pages.cost import cost
 from propmap.reproduce.pages.figure_6 import figure_6
@@ -35,7 +36,7 @@ def pages(numbers: Numbers) -> Mapping[str, str | bytes]:
     page = Page(
         title="Propeller thrust and drag in forward flight, reproduced",
         subtitle=f"By propmap {propmap.__version__}, command: propmap reproduce",
-        lead=_lead(),
+        lead=(*_lead(), at_a_glance(numbers)),
         sections=[part.section for part in parts],
         facts=_facts(),
     )
@@ -54,8 +55,8 @@ def _lead() -> tuple[Text | Points, ...]:
         ),
         Points(
             (
-                "Every figure and table lies beside this page as SVG and CSV. Two runs give the "
-                "same numbers; only the times at the end differ.",
+                "Every figure lies beside this page as SVG, the numbers of figures and tables as "
+                "CSV. Two runs give the same numbers; only the times at the end differ.",
                 "Where this model disagrees with a measurement, it is shown and said.",
             )
         ),

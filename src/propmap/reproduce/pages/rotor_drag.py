@@ -14,7 +14,7 @@ from propmap.report.page import Points, Section, Table, Text, Verdict, number
 from propmap.report.style import COLOURS, HOVER, MEASURED, MODEL, new_figure, style
 from propmap.reproduce.level_circles import ASSUMED, hover_failure
 from propmap.reproduce.numbers import Numbers
-from propmap.reproduce.pages.figure_6 import TITLES
+from propmap.reproduce.pages.level_circle_pictures import TITLES
 from propmap.reproduce.pages.part import Part, files_of, picture
 from propmap.reproduce.paper import HOVER_FAILS, RIBNER
 from propmap.reproduce.rotor_drag import (
@@ -122,6 +122,7 @@ def small_figure(small: list[SmallIncidence]) -> Figure:
             ax.set_title(f"{one.propeller}, {one.omega * RPM:.0f} rpm", fontsize=9.0)
             ax.set_ylabel("rotor drag D [N]")
             ax.set_xlim(0.0, 14.5)
+            ax.set_xticks(range(0, 15, 2))
         for ax in axes[2:5]:
             ax.set_xlabel("speed V [m/s]")
             ax.tick_params(labelbottom=True)

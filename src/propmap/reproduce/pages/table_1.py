@@ -43,7 +43,7 @@ def table_1(numbers: Numbers) -> Part:
             ),
             printed,
             Text(
-                "The paper's blades are not published. The tunnel propeller is the APC 8x6 thin "
+                "The paper's blades are not at hand. The tunnel propeller is the APC 8x6 thin "
                 "electric: its largest chord and twist are those of Table I's envelope. For the "
                 "two flown propellers the blade of another 8x4.5 stands in, scaled to 10 cm."
             ),
@@ -140,8 +140,10 @@ def _identified(numbers: Numbers) -> tuple[Table, str]:
             low, value, high = (
                 _shown(parameter, float(v[i])) for v in (sure.low, fitted.x, sure.high)
             )
-            weak = "" if sure.identified[i] else "*"
-            cells.append(f"{number(value)} ± {number(0.5 * (high - low), 2)}{weak}")
+            if sure.identified[i]:
+                cells.append(f"{number(value)} ± {number(0.5 * (high - low), 2)}")
+            else:
+                cells.append(f"{number(round(value, 4))}*")
             plain.append((label, data, HEADS[k], value, low, high, sure.verdicts[i]))
         share = float(np.sqrt(np.mean(fitted.minimum.residual**2)))
         cells.append(number(100.0 * share))
@@ -149,9 +151,9 @@ def _identified(numbers: Numbers) -> tuple[Table, str]:
     columns = [("fitted", ""), ("points", "-")]
     columns += [SYMBOLS[p] for p in PARAMETERS] + [("error left", "%")]
     note = (
-        "± is half the 95 % interval. *: the data do not determine this parameter by itself, "
-        "whatever its value here. Error left: rms residual, in the tunnel as a share of the rms "
-        "measured coefficient, in flight of the weight."
+        "± is half the 95 % interval. *: the data do not determine this parameter by itself; the "
+        "CSV has the intervals and the reason. Error left: rms residual, in the tunnel as a "
+        "share of the rms measured coefficient, in flight of the weight."
     )
     text = csv_of_rows(("fit", "data", "parameter", "value", "low_95", "high_95", "verdict"), plain)
     return Table("Identified by this command.", tuple(columns), tuple(rows), note), text
