@@ -3,7 +3,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/ready
 
-.PHONY: demo test test-slow lint types bench bench-identification convergence clean
+.PHONY: demo reproduce test test-slow lint types bench bench-identification convergence clean
 
 $(READY): pyproject.toml constraints.txt
 	python3 -m venv $(VENV)
@@ -12,6 +12,9 @@ $(READY): pyproject.toml constraints.txt
 
 demo: $(READY)
 	$(BIN)/propmap demo -o propmap-demo
+
+reproduce: $(READY)
+	$(BIN)/propmap reproduce -o propmap-reproduce
 
 test: $(READY)
 	$(BIN)/python -m pytest -m 'not slow'
@@ -36,4 +39,4 @@ convergence: $(READY)
 	$(BIN)/python -m benchmarks.convergence
 
 clean:
-	rm -rf $(VENV) propmap-demo
+	rm -rf $(VENV) propmap-demo propmap-reproduce
