@@ -4,7 +4,7 @@ BIN := $(VENV)/bin
 READY := $(VENV)/ready
 DOCS_READY := $(VENV)/docs-ready
 
-.PHONY: demo test test-slow lint types bench bench-table bench-fine-table bench-choice bench-identification convergence docs clean
+.PHONY: demo reproduce test test-slow lint types bench bench-table bench-fine-table bench-choice bench-identification convergence docs clean
 
 $(READY): pyproject.toml constraints.txt
 	python3 -m venv $(VENV)
@@ -17,6 +17,9 @@ $(DOCS_READY): $(READY)
 
 demo: $(READY)
 	$(BIN)/propmap demo -o propmap-demo
+
+reproduce: $(READY)
+	$(BIN)/propmap reproduce -o propmap-reproduce
 
 test: $(READY)
 	$(BIN)/python -m pytest -m 'not slow'
@@ -54,4 +57,4 @@ docs: $(DOCS_READY)
 	$(BIN)/sphinx-build --fail-on-warning --keep-going docs docs/_build/html
 
 clean:
-	rm -rf $(VENV) propmap-demo docs/_build docs/generated
+	rm -rf $(VENV) propmap-demo propmap-reproduce docs/_build docs/generated

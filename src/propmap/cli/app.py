@@ -19,6 +19,7 @@ from propmap.cli.fit import fit_app
 from propmap.cli.plot import plot_app
 from propmap.cli.predict import predict
 from propmap.cli.props import props_app
+from propmap.cli.reproduce import reproduce
 from propmap.cli.show import show_table
 from propmap.cli.simulate import simulate_app
 from propmap.cli.sweep import sweep
@@ -45,6 +46,7 @@ app.add_typer(plot_app)
 app.add_typer(props_app)
 app.add_typer(airfoils_app)
 app.command()(demo)
+app.command()(reproduce)
 
 
 def _show_version(wanted: bool) -> None:

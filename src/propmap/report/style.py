@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -56,3 +57,13 @@ def save(figure: Figure, path: Path) -> None:
     kind = path.suffix.lower().removeprefix(".")
     with style(), replacing(path) as part:
         figure.savefig(part, format=kind)
+
+
+def as_svg(figure: Figure) -> bytes:
+    """A picture for a page: letters as outlines, so that it looks alike everywhere, and without
+    date and random names, so that the same figure gives the same bytes."""
+    text = io.BytesIO()
+    fixed: dict[Any, Any] = {"svg.fonttype": "path", "svg.hashsalt": "propmap"}
+    with style(), mpl.rc_context(fixed):
+        figure.savefig(text, format="svg", metadata={"Date": None, "Creator": None})
+    return text.getvalue()

@@ -1,0 +1,37 @@
+"""``propmap reproduce``: the paper's results, computed again."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def reproduce(
+    output: Annotated[
+        Path,
+        typer.Option(
+            "--output", "-o", metavar="FOLDER", help="New, empty, or written by this command."
+        ),
+    ] = Path("propmap-reproduce"),
+) -> None:
+    """The paper's tables and figures from public data, and what does not agree: one page.
+
+    Takes a minute or two.  FOLDER gets index.html with all figures inside, and every figure and
+    table as SVG and CSV; the files are there all at once or not at all.
+    """
+    from propmap.report.folder import check_folder, write_folder
+    from propmap.reproduce.files import FILES, PAGE
+
+    check_folder(output, FILES)
+
+    from propmap.compilation import keep_compiled
+    from propmap.reproduce.numbers import compute
+    from propmap.reproduce.pages.page import pages
+
+    keep_compiled()
+    typer.echo("computing; a minute or two, less from the second time on", err=True)
+    files = pages(compute())
+    write_folder(output, files)
+    typer.echo(f"wrote {output / PAGE} and {len(files) - 1} files beside it")

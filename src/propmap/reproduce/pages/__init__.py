@@ -1,0 +1,1 @@
+"""The sections of the page: each tells, tabulates and draws one part of the numbers."""

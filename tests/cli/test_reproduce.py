@@ -1,0 +1,112 @@
+"""`propmap reproduce` writes one whole page and its numbers, the same ones every time."""
+
+from __future__ import annotations
+
+import base64
+import csv
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from propmap.reproduce.files import FIGURES, FILES, PAGE
+
+from .conftest import Run
+
+SECTIONS = ("table-1", "figure-6", "figure-7", "camber", "rotor-drag", "times")
+WITHOUT_UNIT = {
+    "set", "propeller", "blade", "used_for", "fit", "data", "data_set", "parameter", "value",
+    "low_95", "high_95", "verdict", "load", "model", "unit", "points", "blades", "c_l2", "c_d",
+    "solidity", "what", "drag_factor", "advance_ratio", "inflow_over_speed", "lowest", "highest",
+    "published_over_theory",
+}  # fmt: skip
+UNITS = re.compile(
+    r"(_N|_Nm|_m|_m2|_mm|_deg|_rpm|_mps|_kg|_s|per_rad|_in_unit|_C_[TP]|_C_[TP]_error|rpm"
+    r"|_of_weight|_measured|_percent|_theory)$"
+)
+
+
+def test_other_folders_are_refused_before_any_work(run: Run, tmp_path: Path) -> None:
+    (tmp_path / "mine.txt").write_text("mine")
+    done = run("reproduce", "-o", tmp_path)
+    assert done.code == 2 and "mine.txt" in done.err and "Traceback" not in done.err
+    done = run("reproduce", "-o", tmp_path / "mine.txt")
+    assert done.code == 2 and "not a folder" in done.err
+    done = run("reproduce", "-o", tmp_path / "no" / "out")
+    assert done.code == 2 and "there is no folder" in done.err
+    assert [p.name for p in tmp_path.iterdir()] == ["mine.txt"]
+
+
+@pytest.mark.slow
+def test_the_page_and_its_numbers_twice(tmp_path: Path) -> None:
+    folders = [tmp_path / "first", tmp_path / "second"]
+    for folder in folders:
+        environment = {**os.environ, "JAX_COMPILATION_CACHE_DIR": str(tmp_path / "compiled")}
+        done = subprocess.run(
+            [sys.executable, "-m", "propmap", "reproduce", "-o", str(folder)],
+            capture_output=True, text=True, env=environment, check=False,
+        )  # fmt: skip
+        assert done.returncode == 0, done.stderr
+        assert done.stdout.startswith(f"wrote {folder / PAGE}")
+    assert {p.name for p in tmp_path.iterdir()} == {"first", "second", "compiled"}
+    for folder in folders:
+        assert {p.name for p in folder.iterdir()} == FILES
+    _is_whole(folders[0])
+    for name in FILES - {PAGE, "times.csv"}:
+        first, second = ((folder / name).read_bytes() for folder in folders)
+        assert first == second, name
+    _says_what_was_found(folders[0])
+
+
+def _is_whole(folder: Path) -> None:
+    html = (folder / PAGE).read_text(encoding="utf-8")
+    for name in SECTIONS:
+        assert f'<section id="{name}">' in html and f'href="#{name}"' in html
+    inside = [
+        base64.b64decode(text)
+        for text in re.findall(r'src="data:image/svg\+xml;base64,([^"]+)"', html)
+    ]
+    for name in FIGURES:
+        assert f'href="{name}.svg"' in html
+        assert (folder / f"{name}.svg").read_bytes() in inside
+    assert len(inside) == len(FIGURES)
+    assert not [a for a in re.findall(r'(?:src|href)="([^"]*)"', html) if a.startswith("http")]
+    assert "nan" not in re.sub(r"base64,[^\"]+", "", html).lower().split()
+    for path in folder.glob("*.csv"):
+        with path.open(newline="") as file:
+            heads, *rows = list(csv.reader(file))
+        assert rows and all(len(row) == len(heads) for row in rows), path.name
+        for head in heads:
+            assert head in WITHOUT_UNIT or UNITS.search(head), (path.name, head)
+
+
+def _says_what_was_found(folder: Path) -> None:
+    """The numbers themselves, from the CSVs alone."""
+
+    def rows(name: str) -> list[dict[str, str]]:
+        with (folder / name).open(newline="") as file:
+            return list(csv.DictReader(file))
+
+    worst = {
+        (r["data_set"], r["load"], r["model"]): float(r["worst_over_largest_measured"])
+        for r in rows("figure-7-errors.csv")
+    }
+    oblique = "gill-dandrea-2019-8x6e-fit"
+    for load in ("thrust", "torque", "roll_moment"):
+        assert worst[oblique, load, "with camber, 2019 fit"] < 0.09
+    assert worst[oblique, "drag", "hover model"] == pytest.approx(1.0)
+    failures = rows("figure-6-failure-speeds.csv")
+    assert {r["set"] for r in failures} == {"paper-soft", "paper-stiff"}
+    for r in failures:
+        assert float(r["off_by_5_percent_mps"]) < float(r["off_by_10_percent_mps"])
+        # Without drag of the frame the hover model never predicts too much.
+        assert r["sign_changes_mps"] == "" or float(r["drag_area_m2"]) > 0.0
+    for r in rows("rotor-drag.csv"):
+        if float(r["inflow_over_speed"]) < 0.1:
+            low, high = float(r["fin_chord_line_N"]), float(r["fin_zero_lift_line_N"])
+            assert 0.8 * low < float(r["theory_N"]) < 1.25 * high
+    published = [float(r["published_over_theory"]) for r in rows("rotor-drag-by-angle.csv")]
+    assert all(2.0 < ratio < 2.5 for ratio in published)
