@@ -39,6 +39,7 @@ extensions = [
     "sphinx_design",
     "cell_magics",
     "house_docstrings",
+    "mathml",
 ]
 root_doc = "index"
 exclude_patterns = ["_build", "generated", "figures", "kernel"]
@@ -59,6 +60,7 @@ autoclass_content = "class"
 numpydoc_show_class_members = False
 numpydoc_xref_param_type = False
 
+html_math_renderer = "mathml"
 html_theme = "pydata_sphinx_theme"
 html_title = f"propmap {version}"
 html_static_path = ["_static"]

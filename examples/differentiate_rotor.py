@@ -11,29 +11,24 @@ rotor = propmap.Rotor(propmap.propeller("apc-8x6e"), propmap.airfoil("paper-apc"
 omega = 6000 * np.pi / 30  # rad/s
 
 
+@jax.jit
 def thrust(section, omega, velocity):
     """Thrust [N] for a velocity (axial, in-plane) [m/s]."""
     blade, _, air = rotor.theory
-    axial, inplane = velocity
     # The theory works on batches: here a batch of one.
-    return rotor_loads(blade, section, air, *(jnp.atleast_1d(x) for x in (omega, axial, inplane)))[
-        0
-    ][0]
+    omega, axial, inplane = (jnp.reshape(x, 1) for x in (omega, *velocity))
+    return rotor_loads(blade, section, air, omega, axial, inplane).thrust[0]
 
 
 with jax.enable_x64(True):
     section, velocity = rotor.theory[1], jnp.array([3.0, 8.0])
-    by_section, by_omega, by_velocity = jax.jit(jax.jacfwd(thrust, argnums=(0, 1, 2)))(
-        section, omega, velocity
-    )
+    derivatives = jax.jacfwd(thrust, argnums=(0, 1, 2))
+    by_section, by_omega, by_velocity = derivatives(section, omega, velocity)
     print("d thrust / d omega    ", float(by_omega), "N s/rad")
     print("d thrust / d velocity ", np.asarray(by_velocity), "N s/m, axial and in-plane")
     print("d thrust / d c_l1     ", float(by_section.c_l1), "N rad")
     print("d thrust / d alpha_0  ", float(by_section.alpha_0), "N/rad")
 
     # The same by differences of the computed thrust.
-    step = 1e-3
-    up, down = (
-        float(thrust(section, omega, velocity + jnp.array([h, 0.0]))) for h in (step, -step)
-    )
-    print("by differences, axial ", (up - down) / (2 * step), "N s/m")
+    ahead, behind = (thrust(section, omega, velocity.at[0].add(h)) for h in (1e-3, -1e-3))
+    print("by differences, axial ", float(ahead - behind) / 2e-3, "N s/m")

@@ -42,8 +42,10 @@ def write(folder: Path) -> None:
         "cli": command_reference(),
     }
     for name, text in parts.items():
+        # A number keeps its sign beside it.
+        kept = re.sub(r"(?<=\d) %", "\u00a0%", text)
         with replacing(folder / f"{name}.md") as part:
-            part.write_text(text + "\n", encoding="utf-8")
+            part.write_text(kept + "\n", encoding="utf-8")
 
 
 def twins(found: dict[str, Any]) -> str:

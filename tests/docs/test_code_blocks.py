@@ -19,6 +19,7 @@ import pytest
 from flight.write_logs import write_ulog
 
 import propmap
+from propmap import catalogue
 from propmap.catalogue.measurements import measurement
 from propmap.readers.vehicle_toml import read_vehicle
 from propmap.simulate.flight import SensorNoise, fly
@@ -149,7 +150,7 @@ def test_every_block_is_of_a_known_kind() -> None:
     for page in (ROOT / "README.md", *PAGES):
         for step in steps(page):
             where = f"{name_of(page)}:{step.line}: {step.name or step.kind}"
-            assert step.kind != "other" or step.name in OTHER | {"{grid}", ""}, where
+            assert step.kind != "other" or step.name in OTHER, where
             notebook = page.read_text(encoding="utf-8").startswith("---\nfile_format: mystnb")
             assert step.kind != "cell" or notebook, f"{where} is in no notebook"
 
@@ -169,5 +170,13 @@ def test_the_readme_s_parameter_set_is_one(tmp_path: Path) -> None:
     assert propmap.airfoil(tmp_path / "mine.toml").name == "my-blade"
 
 
+def test_the_catalogue_is_as_large_as_the_readme_says() -> None:
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    assert f"The catalogue has {len(catalogue.names())} propellers" in text
+
+
 def test_the_catalogue_has_what_the_tutorial_fits() -> None:
-    assert measurement("uiuc-8x6e").propeller == "apc-8x6e"
+    found = measurement("uiuc-8x6e")
+    assert found.propeller == "apc-8x6e"
+    text = (DOCS / "tutorial.md").read_text(encoding="utf-8")
+    assert f"{found.omega.size} measured points" in " ".join(text.split())
