@@ -97,7 +97,7 @@ class JaxTable(NamedTuple):
     def code(self, omega: Any, speed: Any, beta: Any) -> Any:
         """Index into ``propmap.table.STATUSES``, as ``LoadTable.loads`` gives it without clamp.
 
-        Arguments as in ``loads``.
+        omega [rad/s], speed [m/s], beta [rad] : as in ``loads``.
         """
         w, v, b, inside = self._bounded(omega, speed, beta)
         i = jnp.searchsorted(self.advance[1:-1], v / (w * self.radius), side="right")
