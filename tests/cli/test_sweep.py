@@ -67,11 +67,12 @@ def test_force_replaces(run: Run, tmp_path: Path) -> None:
 def test_nothing_is_left_when_writing_stops(
     run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, fault: type[Exception], code: int
 ) -> None:
-    def stop(_: xarray.Dataset, path: Path, **__: object) -> None:
-        path.write_bytes(b"half")
+    def stop(path: Path, content: bytes) -> None:
+        with path.open("wb") as file:
+            file.write(content[: len(content) // 2])
         raise fault(28, "No space left on device")
 
-    monkeypatch.setattr(xarray.Dataset, "to_netcdf", stop)
+    monkeypatch.setattr(Path, "write_bytes", stop)
     done = run("sweep", *ROTOR, *GRID, "-o", tmp_path / "out.nc")
     assert done.code == code
     assert done.err.count("\n") == 1
