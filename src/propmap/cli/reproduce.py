@@ -18,8 +18,8 @@ def reproduce(
 ) -> None:
     """The paper's tables and figures from public data, and what does not agree: one page.
 
-    Takes about two minutes on two cores.  FOLDER gets index.html with all figures inside, and every figure and
-    table as SVG and CSV; the files are there all at once or not at all.
+    Takes about two minutes on two cores.  FOLDER gets index.html with all figures inside, and
+    every figure and table as SVG and CSV; the files are there all at once or not at all.
     """
     from propmap.report.folder import check_folder, write_folder
     from propmap.reproduce.files import FILES, PAGE
