@@ -18,8 +18,8 @@ def reproduce(
 ) -> None:
     """The paper's tables and figures from public data, and what does not agree: one page.
 
-    Takes a minute or two.  FOLDER gets index.html with all figures inside, and every figure and
-    table as SVG and CSV; the files are there all at once or not at all.
+    Takes about two minutes on two cores.  FOLDER gets index.html with all figures inside, and
+    every figure and table as SVG and CSV; the files are there all at once or not at all.
     """
     from propmap.report.folder import check_folder, write_folder
     from propmap.reproduce.files import FILES, PAGE
@@ -31,7 +31,7 @@ def reproduce(
     from propmap.reproduce.pages.page import pages
 
     keep_compiled()
-    typer.echo("computing; a minute or two, less from the second time on", err=True)
+    typer.echo("computing: about two minutes, less from the second time on", err=True)
     files = pages(compute())
     write_folder(output, files)
     typer.echo(f"wrote {output / PAGE} and {len(files) - 1} files beside it")

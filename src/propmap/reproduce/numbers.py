@@ -49,7 +49,7 @@ class Numbers:
 
 
 def compute() -> Numbers:
-    """All numbers; a minute or two, most of it compilation, on two cores."""
+    """All numbers; about two minutes on two cores, most of it compilation."""
     # Flight and tunnel need different programs: compiled side by side, they take half the time.
     with ThreadPoolExecutor(2) as pool:
         flights = pool.submit(lambda: {name: fly(name) for name in FLOWN})

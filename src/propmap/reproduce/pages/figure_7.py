@@ -137,7 +137,7 @@ def _verdict(errors: list[LoadError]) -> Verdict:
         f"rolling moment stay within {own:.0f} % of full scale in oblique flow and within "
         f"{axial:.0f} % in axial flow, beside the paper's {100 * TUNNEL_ERROR:.0f} %. With Table I "
         f"as printed, on the blade's chord-line twist, the worst errors are {printed:.0f} and "
-        f"{printed_axial:.0f} %. Rotor drag misses by up to {drag:.0f} % whatever the parameters, "
+        f"{printed_axial:.0f} %. Rotor drag misses by up to {drag:.0f} % even then, "
         f"see below. The hover model is off by up to {hover:.0f} %, as the paper says.",
     )
 
