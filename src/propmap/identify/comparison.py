@@ -84,9 +84,20 @@ def compare_level(
 
     Arguments as in ``compare_flight``; no specific force is needed.
     """
-    model, hover = (np.sum(f * log.up, axis=1) for f in _forces(vehicle, log, law, values))
+    model, hover = level_forces(vehicle, log, law, values)
     weight = np.full(len(log), vehicle.mass * GRAVITY)
     return {"vertical_force_N": _compared(model, weight, log.speed, hover)}
+
+
+def level_forces(
+    vehicle: Vehicle, log: FlightLog, law: Airfoil, values: Mapping[str, float]
+) -> tuple[Floats, Floats]:
+    """Vertical forces [N] (n,) by this model and by the hover model.
+
+    Arguments as in ``compare_flight``.
+    """
+    model, hover = (np.sum(f * log.up, axis=1) for f in _forces(vehicle, log, law, values))
+    return model, hover
 
 
 def _forces(
