@@ -60,6 +60,5 @@ def draw_certificate(console: Console, table: LoadTable) -> None:
     for name, title in TITLES.items():
         rows.add_row(title, *(f"{100.0 * by_load[name]:.3f} %" for by_load in columns.values()))
     console.print(rows)
-    console.print(
-        "\n".join([*claims(found), *(parameter_claims(parameters) if parameters else ())])
-    )
+    told = [*claims(found), *(parameter_claims(parameters) if parameters else ())]
+    console.print("\n".join(told))

@@ -102,14 +102,12 @@ def load_curves(file: FitFile, fit: FitRecord) -> Curves:
 def _angles(fit: FitRecord) -> list[tuple[float, Covered | None]]:
     """Up to four angles [deg] with the data's points about them, and edgewise or axial flow where
     there were points at one angle at most."""
-    data = list(fit.angles)
-    while len(data) > MOST_ANGLES:
-        # The first and the last stay, and of the others those that are far from their neighbours.
-        gaps = [
-            data[k + 1].typical_beta - data[k - 1].typical_beta for k in range(1, len(data) - 1)
-        ]
-        del data[1 + int(np.argmin(gaps))]
-    found: list[tuple[float, Covered | None]] = [(one.typical_beta, one) for one in data]
+    betas = np.array([one.typical_beta for one in fit.angles])
+    wanted = np.linspace(betas[0], betas[-1], MOST_ANGLES) if betas.size else []
+    nearest = dict.fromkeys(int(np.argmin(np.abs(betas - beta))) for beta in wanted)
+    found: list[tuple[float, Covered | None]] = [
+        (fit.angles[k].typical_beta, fit.angles[k]) for k in nearest
+    ]
     for other in (0.0, 90.0):
         if all(abs(other - beta) > APART for beta, _ in found) and len(found) < MOST_ANGLES:
             found.append((other, None))

@@ -16,9 +16,9 @@ from propmap.identify.result_file import FitFile
 from propmap.identify.tunnel import TunnelData
 from propmap.report.fit_page.curves import RPM
 from propmap.report.fit_page.errors import BandErrors, band_csv, band_figure, band_table
-from propmap.report.fit_page.judgement import NAMES, WORDS, level_of, percent, worst_of
+from propmap.report.fit_page.judgement import NAMES, WORDS, level_of, worst_of
 from propmap.report.fit_pictures import level_flight, tunnel_fit
-from propmap.report.page import Section, Text, Verdict
+from propmap.report.page import Section, Text, Verdict, percent
 from propmap.report.part import Part, files_of, picture
 from propmap.report.sheet import csv_of_rows
 from propmap.rotor import Rotor

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from propmap.identify.fit_record import FitErrors, FitRecord, FittedLoad
-from propmap.report.page import Points, Table, Verdict, number
+from propmap.report.page import Points, Table, Verdict, number, percent
 
 GOOD, CARE = 0.05, 0.15
 """Rms error as a share of what was measured, up to which a load is trusted, or with care."""
@@ -26,6 +26,9 @@ NAMES = {
     "force_z": "force up",
 }
 TUNNEL_LOADS = ("thrust", "torque", "drag", "roll_moment")
+
+NARROW = 2.0
+"""Range of speeds [m/s] below which the data are from one speed."""
 
 OVERFITTED = 1.5
 """Cross-validated error over the error left, above which parameters follow the noise."""
@@ -79,8 +82,8 @@ def worst_of(levels: Sequence[str]) -> str:
 def lead(fit: FitRecord) -> tuple[Verdict | Table | Points, ...]:
     """The answer: overall, by load, by speed, and what is against it."""
     loads = judged(fit)
-    reasons = _reasons(fit, loads)
-    level = worst_of([*(one.level for one in loads), *(["caution"] if reasons else [])])
+    warnings, notes = _warnings(fit, loads), _notes(fit, loads)
+    level = worst_of([*(one.level for one in loads), *(["caution"] if warnings else [])])
     errors = ", ".join(
         f"{NAMES.get(j.load.name, j.load.name)} within {percent(j.error)} (hover model "
         f"{percent(j.hover)})"
@@ -89,7 +92,7 @@ def lead(fit: FitRecord) -> tuple[Verdict | Table | Points, ...]:
     text = f"Where there were data, {where(fit)}, the typical error is: {errors}. "
     text += {
         "good": "Use it there.",
-        "caution": "Use it there, with these errors and the remarks below in mind.",
+        "caution": "Use it there with these errors in mind.",
         "bad": "These errors are too large to rely on it.",
     }[level]
     verdict = Verdict(level, WORDS[level], text)
@@ -100,8 +103,8 @@ def lead(fit: FitRecord) -> tuple[Verdict | Table | Points, ...]:
         + _not_fitted(fit),
     )
     blocks: list[Verdict | Table | Points] = [verdict, outside, speed_table(fit, loads)]
-    if reasons:
-        blocks.append(Points(tuple(reasons)))
+    if warnings or notes:
+        blocks.append(Points(tuple(_sentence(text) for text in (*warnings, *notes))))
     return tuple(blocks)
 
 
@@ -156,11 +159,6 @@ def shown_band(band: str) -> str:
     return band.replace("-", "\N{EN DASH}").replace(" ", "\N{NO-BREAK SPACE}")
 
 
-def percent(share: float) -> str:
-    """A share as per cent, to two figures."""
-    return f"{number(100.0 * share, 2)} %"
-
-
 def _both(e: FitErrors, reference: float) -> str:
     return f"{number(100.0 * e.rms / reference, 2)} / {number(100.0 * e.hover_rms / reference, 2)}"
 
@@ -186,9 +184,11 @@ def _no_drag(fit: FitRecord) -> bool:
     return "drag" not in [one.name for one in fit.loads]
 
 
-def _reasons(fit: FitRecord, loads: Sequence[Judged]) -> list[str]:
-    """What is against the fit, a sentence each."""
-    told = list(fit.remarks)
+def _warnings(fit: FitRecord, loads: Sequence[Judged]) -> list[str]:
+    """What takes trust away, a sentence each."""
+    told = []
+    if fit.speed[1] - fit.speed[0] < NARROW:
+        told.append("the data are from one speed: the fit has hardly been tested against speed")
     for j in loads:
         name = NAMES.get(j.load.name, j.load.name)
         if not j.error < j.hover:
@@ -201,8 +201,18 @@ def _reasons(fit: FitRecord, loads: Sequence[Judged]) -> list[str]:
             )
     if fit.unsolved:
         told.append(f"of {fit.rows} rows, {fit.unsolved} have no solution in the model")
+    return told
+
+
+def _notes(fit: FitRecord, loads: Sequence[Judged]) -> list[str]:
+    """What is worth knowing besides, a sentence each."""
+    told = list(fit.remarks)
     if fit.minima > 1:
         told.append(f"{fit.starts} starts ended in {fit.minima} different minima; the best is used")
     if not any(math.isfinite(j.load.cross_validated) for j in loads):
         told.append("no cross-validation was done: the errors are those on the fitted data")
-    return [text[:1].upper() + text[1:] + ("" if text.endswith(".") else ".") for text in told]
+    return told
+
+
+def _sentence(text: str) -> str:
+    return text[:1].upper() + text[1:] + ("" if text.endswith(".") else ".")

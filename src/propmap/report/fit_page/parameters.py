@@ -51,7 +51,7 @@ def interval_figure(fit: FitRecord) -> Figure:
     """A line per parameter, from its lower to its upper bound."""
     count = len(fit.parameters)
     with style():
-        figure = new_figure(8.6, 0.42 * count + 0.8)
+        figure = new_figure(8.6, 0.32 * count + 0.8)
         ax = figure.subplots()
         for k, p in enumerate(fit.parameters):
             low, value, high = (

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
@@ -29,14 +31,15 @@ def envelope_section(table: LoadTable, samples: TableSamples) -> Part:
         cell_figure(table),
         "table-cells",
         "The table's cells over advance ratio V/(ΩR) and angle, all rotational speeds together. "
-        "Lines: the largest speed of the envelope at three rotational speeds; at each, the envelope "
-        "is what lies to the left. β: 0° climb along the axis, 90° edgewise, 180° descent.",
+        "Lines: the largest speed of the envelope at three rotational speeds; what lies to the "
+        "left of each is the envelope at that one. β: 0° climb along the axis, 90° edgewise, 180° "
+        "descent.",
         "Map of certified, vortex ring and unresolved cells.",
     )
     section = Section(
         "envelope",
         "Where it holds",
-        (_table(table, samples), shown, Text(_words(samples))),
+        (_table(table), shown, _by_angle(samples), Text(_words(samples))),
     )
     return Part(section, files_of(shown) | {"table-cells.csv": _csv(table)})
 
@@ -62,7 +65,8 @@ def cell_figure(table: LoadTable) -> Figure:
             limit = fastest / (omega * content.radius)
             ax.axvline(limit, color="0.2", linewidth=1.0, linestyle="-.")
             ax.annotate(
-                f"{omega * RPM:.0f} rpm", (limit, 1.0), (-3, -4), xycoords=("data", "axes fraction"),
+                f"{omega * RPM:.0f} rpm", (limit, 1.0), (-3, -4),
+                xycoords=("data", "axes fraction"),
                 textcoords="offset points", rotation=90.0, ha="right", va="top", fontsize=8.0,
             )  # fmt: skip
         ax.set_xlim(content.advance[0], content.advance[-1])
@@ -85,12 +89,12 @@ def _codes(table: LoadTable) -> np.ndarray:
     """Statuses of the cells (n - 1, m - 1), with ``NO_VALUE`` where a corner has none."""
     content = table.content
     codes = cell_codes(content)
-    lost = np.isnan(content.coefficients).any(axis=(0, 1))
+    lost: Any = np.isnan(content.coefficients).any(axis=(0, 1))
     corners = lost[:-1, :-1] | lost[1:, :-1] | lost[:-1, 1:] | lost[1:, 1:]
     return np.where(corners, np.uint8(NO_VALUE), codes)
 
 
-def _table(table: LoadTable, samples: TableSamples) -> Table:
+def _table(table: LoadTable) -> Table:
     (w0, w1), (v0, v1), (b0, b1) = table.envelope.values()
     content = table.content
     ranges = (
@@ -102,6 +106,22 @@ def _table(table: LoadTable, samples: TableSamples) -> Table:
     rows = tuple((name, number(low, 4), number(high, 4), unit) for name, low, high, unit in ranges)
     columns = (("quantity", ""), ("least", ""), ("largest", ""), ("unit", ""))
     return Table("Envelope. Outside it the table gives no value.", columns, rows)
+
+
+def _by_angle(samples: TableSamples) -> Table:
+    rows = tuple(
+        (
+            f"{one.beta[0]:.0f}° to {one.beta[1]:.0f}°",
+            one.name,
+            *(number(100.0 * one.shares[status], 3) for status in samples.shares),
+        )
+        for one in samples.by_angle
+    )
+    columns = (
+        ("angle β", ""), ("flow", ""), ("valid", "%"), ("vortex ring", "%"), ("unresolved", "%"),
+        ("no value", "%"),
+    )  # fmt: skip
+    return Table("Shares of the envelope, by angle.", columns, rows)
 
 
 def _words(samples: TableSamples) -> str:

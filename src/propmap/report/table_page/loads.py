@@ -37,7 +37,8 @@ def load_section(samples: TableSamples) -> Part:
     maps = picture(
         map_figure(samples),
         "table-maps",
-        f"The same over speed and angle at {rpm}. Hatched: vortex ring state. Black: unresolved.",
+        f"The same over speed and angle at {rpm}. Hatched, in white outline: vortex ring state. "
+        "Black: unresolved.",
         "Maps of the four loads over speed and angle.",
     )
     section = Section("loads", "Loads", (curves, maps))
@@ -119,9 +120,7 @@ def map_figure(samples: TableSamples) -> Figure:
 def _marks(ax: Axes, samples: TableSamples, degrees: NDArray[np.float64]) -> None:
     ring, loose = (np.where(samples.code == code, 1.0, 0.0).T for code in (VORTEX_RING, UNRESOLVED))
     if ring.any():
-        ax.contourf(
-            samples.speed, degrees, ring, [0.5, 1.5], colors="none", hatches=["////"], alpha=0.0
-        )
+        ax.contourf(samples.speed, degrees, ring, [0.5, 1.5], colors="none", hatches=["//"])
         ax.contour(samples.speed, degrees, ring, [0.5], colors="white", linewidths=0.8)
     if loose.any():
         ax.contourf(samples.speed, degrees, loose, [0.5, 1.5], colors="black")

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import propmap
 from propmap.export.provenance import map_sha256
-from propmap.report.page import Page, Verdict, page_html
+from propmap.report.page import Page, Verdict, page_html, percent
 from propmap.report.report_files import PAGE
 from propmap.report.table_page.certificate import certificate_section
 from propmap.report.table_page.envelope import envelope_section
@@ -68,20 +68,20 @@ def _copy(table: LoadTable, samples: TableSamples) -> Verdict:
             "bad", "As a copy of the model: no", "The certificate says its tolerance does not hold."
         )
     worst = max(found["max_error"].values())
-    text = f"{box[:1].upper()}{box[1:]} its loads are within {worst:.2%} of the static loads."
+    text = f"{box[:1].upper()}{box[1:]} its loads are within {percent(worst)} of the static loads."
     marked = samples.shares["vortex_ring"] + samples.shares["unresolved"]
     marked += samples.shares["no_value"]
     if samples.shares["unresolved"]:
         loose = max(found["unresolved_max_error"].values())
-        text += (
-            f" Apart from {samples.shares['unresolved']:.1%} of the envelope where the model's "
-            f"loads jump: there errors reach {loose:.1%}."
+        text = text[:-1] + (
+            f", apart from {percent(found['unresolved_volume'])} of the envelope where the model's "
+            f"loads jump: there errors reach {percent(loose)}."
         )
     if marked < 5e-4:
         return Verdict("good", "As a copy of the model: yes", text)
     if samples.shares["vortex_ring"]:
         text += (
-            f" In {samples.shares['vortex_ring']:.0%} of it, the vortex ring state, the model "
+            f" In {percent(samples.shares['vortex_ring'])} of it, the vortex ring state, the model "
             "itself is no guide."
         )
     word = "As a copy of the model: yes, and marked where not"
@@ -104,12 +104,13 @@ def _model(table: LoadTable) -> Verdict:
             "check, or fit them and read propmap report FIT.",
         )
     thrust, torque = (found["median"][load] for load in ("thrust", "torque"))
+    most = (found["percentile_95"][load] for load in ("thrust", "torque"))
     text = (
-        f"{origin} The scatter of the data behind it leaves thrust open by {thrust:.1%} and torque "
-        f"by {torque:.1%} of the static loads (one standard deviation, median over the envelope), "
-        f"in one place of twenty by more than {found['percentile_95']['thrust']:.1%} and "
-        f"{found['percentile_95']['torque']:.1%}. Errors of the theory, and speeds and angles that "
-        "the fit had no data for, are told by propmap report on the fit."
+        f"{origin} The scatter of the data behind it leaves thrust open by {percent(thrust)} and "
+        f"torque by {percent(torque)} of the static loads (one standard deviation, median over the "
+        f"envelope), in one place of twenty by more than {' and '.join(map(percent, most))}. "
+        "Errors of the theory, and speeds and angles that the fit had no data for, are told by "
+        "propmap report on the fit."
     )
     level = "caution" if max(thrust, torque) <= UNSURE else "bad"
     return Verdict(level, word, text)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from propmap.table.content import LOADS
-from propmap.table.lookup import NO_VALUE, OK, UNRESOLVED, VORTEX_RING
+from propmap.table.lookup import NO_VALUE, OK, STATUSES, UNRESOLVED, VORTEX_RING
 from propmap.table.query import LoadTable
 
 Floats = NDArray[np.float64]
@@ -23,6 +23,15 @@ SEED = 2017
 SPEEDS, ANGLES = 121, 91
 CURVES = (0.0, 45.0, 90.0, 135.0, 180.0)
 """Angles of the curves [deg], where the envelope has them."""
+
+MARKED = (OK, VORTEX_RING, UNRESOLVED, NO_VALUE)
+
+FLOWS = (
+    ("climb and fast cruise", 0.0, 60.0),
+    ("level flight", 60.0, 100.0),
+    ("descent", 100.0, 181.0),
+)
+"""Parts of the envelope by angle [deg]."""
 
 BANDS = 5
 """Of the speeds, in which the hover model is judged."""
@@ -56,6 +65,15 @@ class HoverErrors:
     off: tuple[float, ...]
 
 
+@dataclass(frozen=True)
+class AngleShares:
+    """Shares of a part of the envelope, by status.  beta : its ends [deg]."""
+
+    name: str
+    beta: tuple[float, float]
+    shares: dict[str, float]
+
+
 @dataclass(frozen=True, eq=False)
 class TableSamples:
     """What is drawn and counted.
@@ -63,7 +81,7 @@ class TableSamples:
     omega : of the curves and maps [rad/s], the geometric middle of the envelope.
     speed (n,) [m/s], beta (m,) [rad] : of the maps.  maps : by load, (n, m).
     code : of the maps (n, m).  curves : see there.
-    shares : of the envelope, by "ok", "vortex_ring", "unresolved", "no_value".
+    shares : of the envelope, by the words of ``MARKED``.  by_angle : the same of its parts.
     k_thrust, k_torque : the hover model's constants, from the table at rest; NaN where the
     envelope has no rest.  hover : by band of speed; empty where there are no constants.
     """
@@ -75,6 +93,7 @@ class TableSamples:
     code: NDArray[np.uint8]
     curves: Sequence[Curve]
     shares: dict[str, float]
+    by_angle: Sequence[AngleShares]
     k_thrust: float
     k_torque: float
     hover: Sequence[HoverErrors]
@@ -98,18 +117,11 @@ def sample(table: LoadTable) -> TableSamples:
         maps={name: getattr(found, name) for name in LOADS},
         code=np.asarray(found.code),
         curves=[_curve(table, omega, speed, angle) for angle in _angles(b0, b1)],
-        shares={
-            name: float(np.mean(everywhere.code == code))
-            for name, code in (
-                ("ok", OK),
-                ("vortex_ring", VORTEX_RING),
-                ("unresolved", UNRESOLVED),
-                ("no_value", NO_VALUE),
-            )
-        },
+        shares=_shares(everywhere.code),
+        by_angle=_by_angle(points[2], everywhere.code),
         k_thrust=k_thrust,
         k_torque=k_torque,
-        hover=_hover(points, everywhere, (k_thrust, k_torque)) if known else [],
+        hover=_hover(points, everywhere, (k_thrust, k_torque), (v0, v1)) if known else [],
     )
 
 
@@ -134,25 +146,48 @@ def _curve(table: LoadTable, omega: float, speed: Floats, beta: float) -> Curve:
     return Curve(beta, {name: getattr(found, name) for name in LOADS}, np.asarray(found.code))
 
 
+def _shares(code: NDArray[np.uint8]) -> dict[str, float]:
+    return {STATUSES[k]: float(np.mean(code == k)) for k in MARKED}
+
+
+def _by_angle(beta: Floats, code: NDArray[np.uint8]) -> list[AngleShares]:
+    degrees, told = np.degrees(beta), []
+    for name, low, high in FLOWS:
+        mine = (degrees >= low) & (degrees < high)
+        if mine.any():
+            ends = (max(low, degrees.min()), min(high, degrees.max()))
+            told.append(AngleShares(name, (float(ends[0]), float(ends[1])), _shares(code[mine])))
+    return told
+
+
+def _rms(values: Floats) -> float:
+    return float(np.sqrt(np.mean(values**2)))
+
+
 def _hover(
-    points: tuple[Floats, Floats, Floats], found: Any, constants: tuple[float, float]
+    points: tuple[Floats, Floats, Floats],
+    found: Any,
+    constants: tuple[float, float],
+    fastest: tuple[float, float],
 ) -> list[HoverErrors]:
     omega, speed, _ = points
     thrust, torque = (k * omega**2 for k in constants)
     off = (thrust - found.thrust) / thrust
     turning = (torque - found.torque) / torque
     drag = found.drag / thrust
-    edges = np.linspace(speed.min(), speed.max(), BANDS + 1)
+    edges = np.linspace(*fastest, BANDS + 1)
     told = []
     for k in range(BANDS):
         mine = (speed >= edges[k]) & (speed <= edges[k + 1]) & np.isfinite(off)
         if mine.any():
             told.append(
                 HoverErrors(
-                    (float(edges[k]), float(edges[k + 1])),
-                    int(mine.sum()),
-                    *(float(np.sqrt(np.mean(e[mine] ** 2))) for e in (off, turning, drag)),
-                    tuple(float(np.mean(np.abs(off[mine]) > limit)) for limit in OFF),
+                    speed=(float(edges[k]), float(edges[k + 1])),
+                    points=int(mine.sum()),
+                    thrust_rms=_rms(off[mine]),
+                    torque_rms=_rms(turning[mine]),
+                    drag_rms=_rms(drag[mine]),
+                    off=tuple(float(np.mean(np.abs(off[mine]) > limit)) for limit in OFF),
                 )
             )
     return told
