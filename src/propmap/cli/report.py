@@ -55,7 +55,7 @@ def report(
             str(source),
         )
     files = make(source, data or [], vehicle)
-    write_folder(output, files)
+    write_folder(output, files, FILES)
     typer.echo(f"wrote {output / PAGE} and {len(files) - 1} files beside it")
 
 

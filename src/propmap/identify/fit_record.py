@@ -16,6 +16,10 @@ Floats = NDArray[np.float64]
 Range = tuple[float, float]
 
 
+FEW = 0.02
+"""Share of the points in motion below which an angle is hardly covered."""
+
+
 @dataclass(frozen=True)
 class FreeParameter:
     """One fitted parameter: its value, the ends of its 95 % interval, its bounds, its verdict."""
@@ -106,6 +110,12 @@ class FitRecord:
     singular_values: Floats
     minima: int
     starts: int
+
+    @property
+    def main_angles(self) -> list[Covered]:
+        """The angles with a share of the points that counts."""
+        moving = sum(one.points for one in self.angles)
+        return [one for one in self.angles if one.points >= FEW * moving]
 
 
 def read_record(record: Mapping[str, Any], where: str) -> FitRecord:

@@ -140,8 +140,9 @@ def _band(fit: FitRecord, curves: Curves) -> str:
             "that almost no draw from the fit's covariance is within the bounds."
         )
     told = (
-        f"Blue bands: the middle 95 % of {curves.draws} curves, each with parameters drawn from "
-        "the fit's covariance and kept only if all are within their bounds. A band tells what the "
+        f"Blue bands: the middle 95 % of {curves.draws} curves. For each, parameters are drawn "
+        "from the fit's covariance and kept only if all are within their bounds; the loads follow "
+        "them linearly, by their derivatives at the fit. A band tells what the "
         "scatter of the data leaves open; it does not hold errors of the theory itself, for which "
         "see the errors above."
     )

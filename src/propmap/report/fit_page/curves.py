@@ -8,12 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from propmap.evaluation import prepare
 from propmap.hover import HoverModel
 from propmap.identify.fit_record import Covered, FitRecord
 from propmap.identify.result_file import FitFile
-from propmap.load_gradients import LOADS
-from propmap.report.fit_page.parameter_draws import draw_parameters
+from propmap.load_gradients import LOADS, load_gradients
+from propmap.report.fit_page.parameter_draws import drawn_changes
 from propmap.rotor import Rotor
+from propmap.schedule import accuracy
 
 Floats = NDArray[np.float64]
 
@@ -64,22 +66,22 @@ def load_curves(file: FitFile, fit: FitRecord) -> Curves:
     """The fitted rotor at the data's typical rotational speed, past the speeds of the data."""
     omega = fit.typical_rpm / RPM
     tip = omega * file.propeller.radius
-    top = max([one.advance[1] for one in fit.angles], default=UNTESTED / BEYOND)
+    top = max([one.advance[1] for one in fit.main_angles], default=UNTESTED / BEYOND)
     speed = np.linspace(0.0, BEYOND * top * tip, SPEEDS)
     angles = _angles(fit)
     betas = np.radians([beta for beta, _ in angles])
 
-    def loads(rotor: Rotor) -> tuple[Floats, NDArray[np.str_]]:
-        found = rotor.loads(omega, speed, betas[:, None])
-        return np.stack([getattr(found, name) for name in LOADS]), found.status
-
     rotor = Rotor(file.propeller, file.airfoil, file.air)
-    values, status = loads(rotor)
-    draws = draw_parameters(fit)
-    drawn = [
-        loads(Rotor(file.propeller, file.airfoil.with_parameters(**p), file.air))[0] for p in draws
-    ]
-    ends = np.percentile(np.stack(drawn), [2.5, 97.5], axis=0) if drawn else None
+    found = rotor.loads(omega, speed, betas[:, None])
+    values, status = np.stack([getattr(found, name) for name in LOADS]), found.status
+    names, changes = drawn_changes(fit)
+    ends = None
+    if len(changes):
+        slopes = _slopes(rotor, names, omega, speed, betas)
+        moved = np.tensordot(changes, slopes, 1) + values
+        ends = np.percentile(moved, [2.5, 97.5], axis=0)
+        # The fit may sit in a corner of the bounds, with all draws on one side of it.
+        ends = np.stack([np.minimum(ends[0], values), np.maximum(ends[1], values)])
     hover = HoverModel.of(rotor)
     still = {"thrust": hover.thrust(omega), "torque": hover.torque(omega)}
     curves = []
@@ -96,17 +98,28 @@ def load_curves(file: FitFile, fit: FitRecord) -> Curves:
                 valid=status[k] != "vortex_ring",
             )
         )
-    return Curves(omega, file.propeller.radius, speed, curves, len(draws))
+    return Curves(omega, file.propeller.radius, speed, curves, len(changes))
+
+
+def _slopes(
+    rotor: Rotor, names: tuple[str, ...], omega: float, speed: Floats, betas: Floats
+) -> Floats:
+    """Derivatives (P, 4, angles, n) of the loads by the parameters named."""
+    v, b = (a.ravel() for a in np.broadcast_arrays(speed, betas[:, None]))
+    flow = (np.full(v.size, omega), v * np.cos(b), v * np.abs(np.sin(b)))
+    found = load_gradients(prepare(rotor.theory), accuracy(rotor.accuracy), names, *flow)
+    shape = (len(names), len(LOADS), betas.size, speed.size)
+    return found.slopes.transpose(1, 0, 2).reshape(shape)
 
 
 def _angles(fit: FitRecord) -> list[tuple[float, Covered | None]]:
     """Up to four angles [deg] with the data's points about them, and edgewise or axial flow where
     there were points at one angle at most."""
-    betas = np.array([one.typical_beta for one in fit.angles])
-    wanted = np.linspace(betas[0], betas[-1], MOST_ANGLES) if betas.size else []
+    betas = np.array([one.typical_beta for one in fit.main_angles])
+    wanted = np.linspace(betas[0], betas[-1], MOST_ANGLES) if betas.size else betas
     nearest = dict.fromkeys(int(np.argmin(np.abs(betas - beta))) for beta in wanted)
     found: list[tuple[float, Covered | None]] = [
-        (fit.angles[k].typical_beta, fit.angles[k]) for k in nearest
+        (fit.main_angles[k].typical_beta, fit.main_angles[k]) for k in nearest
     ]
     for other in (0.0, 90.0):
         if all(abs(other - beta) > APART for beta, _ in found) and len(found) < MOST_ANGLES:

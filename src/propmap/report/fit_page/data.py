@@ -81,9 +81,9 @@ def _ranges(fit: FitRecord) -> Table:
         (
             name,
             str(one.points),
-            f"{number(one.speed[0])} to {number(one.speed[1])}",
+            f"{one.speed[0]:.1f} to {one.speed[1]:.1f}",
             f"{one.rpm[0]:.0f} to {one.rpm[1]:.0f}",
-            f"{number(one.advance[0], 2)} to {number(one.advance[1], 2)}",
+            f"{one.advance[0]:.3f} to {one.advance[1]:.3f}",
         )
         for name, one in groups(fit)
     )
@@ -101,14 +101,14 @@ def _ranges(fit: FitRecord) -> Table:
 
 
 def _extrapolation(fit: FitRecord) -> str:
-    angles = [one.typical_beta for one in fit.angles]
+    angles = [one.typical_beta for one in fit.main_angles]
     if not angles:
         return (
             "All data are from rest: every speed above zero is extrapolation, at every angle. Add "
             "data at speed."
         )
     far = [beta for beta in range(0, 181, 15) if min(abs(beta - a) for a in angles) > GAP]
-    top = max(one.advance[1] for one in fit.angles)
+    top = max(one.advance[1] for one in fit.main_angles)
     told = f"Extrapolation: advance ratios above {number(top, 2)}"
     if far:
         told += f"; angles {_spans(far)} (flow from there was never measured)"

@@ -110,11 +110,11 @@ def lead(fit: FitRecord) -> tuple[Verdict | Table | Points, ...]:
 
 def where(fit: FitRecord) -> str:
     """Speeds, rotational speeds and angles of the data in words."""
-    speeds = f"{number(fit.speed[0])} to {number(fit.speed[1])} m/s"
+    speeds = f"{fit.speed[0]:.1f} to {fit.speed[1]:.1f} m/s"
     if fit.speed[1] - fit.speed[0] < 0.05:
-        speeds = f"{number(fit.speed[0])} m/s"
+        speeds = f"{fit.speed[0]:.1f} m/s"
     told = f"{speeds}, {fit.rpm[0]:.0f} to {fit.rpm[1]:.0f} rpm"
-    ends = [end for one in fit.angles if one.beta is not None for end in one.beta]
+    ends = [end for one in fit.main_angles if one.beta is not None for end in one.beta]
     if not ends:
         return f"{told}, at rest only"
     if max(ends) - min(ends) < 0.5:

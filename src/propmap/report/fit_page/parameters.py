@@ -99,7 +99,7 @@ def _reason(p: FreeParameter) -> str:
 def _correlations(fit: FitRecord) -> Table:
     names = [p.name for p in fit.parameters]
     rows = tuple(
-        (name, *(number(round(v, 2), 2) if np.isfinite(v) else number(None) for v in row))
+        (name, *(number(round(v, 2) + 0.0, 2) if np.isfinite(v) else number(None) for v in row))
         for name, row in zip(names, fit.correlation.tolist(), strict=True)
     )
     pairs = [
