@@ -8,15 +8,17 @@ the last also of a tunnel test.  Writes results/identification.json.
 
 from __future__ import annotations
 
+import json
 import sys
 import time
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 import propmap
-from benchmarks.results_file import machine, write_results
+from benchmarks.results_file import RESULTS, machine, write_results
 from propmap.catalogue.measurements import measurement
 from propmap.identify.comparison import compare_tunnel
 from propmap.identify.fitted import Settings, fit
@@ -184,24 +186,24 @@ def published() -> list[dict[str, Any]]:
     return found
 
 
+PARTS: dict[str, Callable[[], Any]] = {
+    "seconds": timing,
+    "published": published,
+    "noise_free": lambda: {name: noise_free(name, 11) for name in SETS},
+    "coverage": lambda: {name: coverages(name) for name in SETS},
+}
+
+
 def main() -> None:
-    """Measure, print and write; with "quick", without the repetitions."""
-    quick = "quick" in sys.argv[1:]
-    found: dict[str, Any] = {"machine": machine(), "propmap": propmap.__version__}
-    found["seconds"] = timing()
-    print(found["seconds"])
-    found["published"] = published()
-    print(found["published"])
-    found["noise_free"] = {}
-    for name in SETS:
-        found["noise_free"][name] = noise_free(name, 1 if quick else 11)
-        print(name, found["noise_free"][name])
-    if not quick:
-        found["coverage_1_percent_noise"] = {}
-        for name in SETS:
-            found["coverage_1_percent_noise"][name] = coverages(name)
-            print(name, found["coverage_1_percent_noise"][name])
-        print(write_results("identification.json", found))
+    """Measure, print and write all parts, or those that are named; the rest stays as filed."""
+    parts = sys.argv[1:] or list(PARTS)
+    path = RESULTS / "identification.json"
+    found: dict[str, Any] = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
+    for part in parts:
+        found.setdefault("machines", {})[part] = machine()
+        found[part] = PARTS[part]()
+        print(part, json.dumps(found[part], indent=2))
+        write_results(path.name, found)
 
 
 if __name__ == "__main__":

@@ -65,14 +65,17 @@ def twins(found: dict[str, Any]) -> str:
 def coverage(found: dict[str, Any]) -> str:
     """How often the stated intervals hold the truth."""
     rows = [
-        "| parameter | called identified, of 200 | truth inside, of these | truth inside, of all |",
-        "|---|---:|---:|---:|",
+        "| twin | parameter set | parameter | called identified, of 200 | truth inside, of these "
+        "| truth inside, of all |",
+        "|---|---|---|---:|---:|---:|",
     ]
-    for name, case in found["coverage_1_percent_noise"]["paper-apc"].items():
-        of_these = case["of_these_truth_inside"]
-        share = "-" if of_these is None else f"{100.0 * of_these:.0f} %"
-        everything = f"{100.0 * case['of_all_truth_inside']:.0f} %"
-        rows.append(f"| {name} | {case['called_identified']} | {share} | {everything} |")
+    for name, twins in found["coverage"].items():
+        for twin, parameters in twins.items():
+            for parameter, case in parameters.items():
+                shares = [case["of_these_truth_inside"], case["of_all_truth_inside"]]
+                inside = ["-" if s is None else f"{100.0 * s:.1f} %" for s in shares]
+                cells = (twin, f"`{name}`", parameter, case["called_identified"], *inside)
+                rows.append(f"| {' | '.join(str(cell) for cell in cells)} |")
     return "\n".join(rows)
 
 

@@ -109,3 +109,17 @@ def test_the_measured_inflow_rules_inside_the_vortex_ring(rotor: Rotor) -> None:
     assert float(inside.mean_inflow) == pytest.approx(1.816 * v_hover, rel=1e-9)
     edgewise = rotor.loads(600.0, 15.0, np.deg2rad(91.0))
     assert float(edgewise.vortex_ring) == 0.0
+
+
+def test_loads_do_not_jump_where_separated_flow_has_no_lift() -> None:
+    """c_l2 = 0, as a fit to the UIUC rows has it, makes the drop at stall as large as it gets:
+    a radius just inside the attached stretch must not be taken for stalled."""
+    law = pm.airfoil("paper-apc").with_parameters(
+        c_l1=4.32, c_l2=0.0, c_d=1.19, alpha_0=0.362, zero_lift_angle=-0.0912
+    )
+    rotor = pm.Rotor(BLADE, law)
+    beta = np.radians(np.linspace(86.0, 92.0, STEPS))
+    static = float(rotor.loads(700.0, 0.0, 0.0).thrust)
+    for advance in (0.17, 0.18, 0.19):
+        loads = rotor.loads(700.0, advance * 700.0 * BLADE.radius, beta)
+        assert _largest_jump(loads.thrust / static) < 1e-4

@@ -142,12 +142,14 @@ def start_below_hump(
     edges (P + 1, B) [m] : of panels with ``counts`` nodes; ask : equation (11) at the nodes.
     """
     below = survey.height < 0.0
+    step = survey.radius[1, 0] - survey.radius[0, 0]
+    # Heights are known to within the samples over v_i, so that next to a fold their sign is not.
+    margin = 0.5 * step
     parts = []
     for start, end, nodes in zip(edges[:-1], edges[1:], counts, strict=True):
-        inside = (survey.radius > start) & (survey.radius < end)
+        inside = (survey.radius > start + margin) & (survey.radius < end - margin)
         sunk = jnp.any(inside, axis=0) & jnp.all(below | ~inside, axis=0)
         parts.append(jnp.broadcast_to(sunk, (nodes, *sunk.shape)))
-    step = survey.radius[1, 0] - survey.radius[0, 0]
     place = (ask.at.radius - survey.radius[0, 0]) / step
     k = jnp.clip(jnp.round(place).astype(int), 0, GRID - 1)
     angle = jnp.take_along_axis(survey.behind, k, axis=0)
