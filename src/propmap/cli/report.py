@@ -65,16 +65,16 @@ def _fit_files(source: Path, data: Sequence[str], vehicle: Path | None) -> dict[
 
     file = read_fit(source)
     fit = read_record(file.record, str(source))
+    if vehicle is not None and not data:
+        raise InputError("--vehicle is for flight logs", "name them with --data")
+    if fit.kind != "tunnel" and data and vehicle is None:
+        raise InputError("--data with a fit of flights needs the vehicle", "add --vehicle FILE")
 
     from propmap.compilation import keep_compiled
     from propmap.report.fit_page.page import fit_pages
 
     keep_compiled()
     given = _given(file, data, vehicle) if data else None
-    if vehicle is not None and not data:
-        raise InputError("--vehicle is for flight logs", "name them with --data")
-    if fit.kind != "tunnel" and data and vehicle is None:
-        raise InputError("--data with a fit of flights needs the vehicle", "add --vehicle FILE")
     digest = hashlib.sha256(source.read_bytes()).hexdigest()
     return dict(fit_pages(file, source.name, digest, given))
 
