@@ -11,12 +11,13 @@ ROOT = Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(ROOT), str(ROOT / "docs" / "extensions")]
 
 import propmap  # noqa: E402
-from tools import docs_figures, docs_pages  # noqa: E402
+from tools import docs_figures, docs_pages, docs_reproduce  # noqa: E402
 
 GENERATED = ROOT / "docs" / "generated"
 GENERATED.mkdir(exist_ok=True)
 docs_figures.write(GENERATED)
 docs_pages.write(GENERATED)
+docs_reproduce.write(GENERATED)
 
 # Cells run the command of this environment, with tables as wide as a page.
 os.environ["PATH"] = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
@@ -64,6 +65,7 @@ html_math_renderer = "mathml"
 html_theme = "pydata_sphinx_theme"
 html_title = f"propmap {version}"
 html_static_path = ["_static"]
+html_extra_path = ["generated/site"]
 html_css_files = ["propmap.css"]
 html_show_sourcelink = False
 html_copy_source = False

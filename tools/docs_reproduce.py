@@ -1,0 +1,137 @@
+"""Run ``propmap reproduce`` for the documentation, and write its main tables as Markdown.
+
+Usage: python -m tools.docs_reproduce FOLDER
+
+The documentation's build calls ``write``: the page and its files go to FOLDER/site/reproduce, from
+where the build copies them beside its own pages; the tables for inclusion go to FOLDER.
+"""
+
+from __future__ import annotations
+
+import csv
+import subprocess
+import sys
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+from propmap.atomic_file import replacing
+
+Rows = list[dict[str, str]]
+
+SETS = {"paper-soft": "soft", "paper-stiff": "stiff"}
+DATA = {
+    "uiuc-8x6e": "8x6E, axial (UIUC)",
+    "gill-dandrea-2019-8x6e-fit": "8x6E, oblique (2019 fit)",
+    "davoudi-8x4.5mr-thrust": "8x4.5MR, thrust",
+}
+LOADS = {"thrust": "thrust", "torque": "torque", "drag": "rotor drag", "roll_moment": "roll moment"}
+
+
+def write(folder: Path) -> None:
+    """The command's files and the tables made of them."""
+    site = folder / "site" / "reproduce"
+    site.parent.mkdir(exist_ok=True)
+    subprocess.run(
+        [sys.executable, "-m", "propmap", "reproduce", "-o", str(site)],
+        check=True,
+        stdout=subprocess.DEVNULL,
+    )
+    tables = {
+        "reproduce-identified": identified(read(site / "table-1-identified.csv")),
+        "reproduce-failures": failures(read(site / "figure-6-failure-speeds.csv")),
+        "reproduce-errors": errors(read(site / "figure-7-errors.csv")),
+        "reproduce-rotor-drag": rotor_drag(read(site / "rotor-drag-by-angle.csv")),
+    }
+    for name, text in tables.items():
+        with replacing(folder / f"{name}.md") as part:
+            part.write_text(text + "\n", encoding="utf-8")
+
+
+def read(path: Path) -> Rows:
+    """The rows of one of the command's CSV files."""
+    with path.open(encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def identified(found: Rows) -> str:
+    """A line per fit, values with their 95 % intervals."""
+    parameters = {
+        "c_l1_per_rad": "c_l1 [1/rad]",
+        "c_l2": "c_l2",
+        "c_d": "c_d",
+        "alpha_0_deg": "alpha_0 [deg]",
+        "zero_lift_angle_deg": "zero-lift angle [deg]",
+    }
+    rows = []
+    for fit in dict.fromkeys(row["fit"] for row in found):
+        mine = {row["parameter"]: row for row in found if row["fit"] == fit}
+        cells = [_interval(mine[name]) if name in mine else "held" for name in parameters]
+        rows.append([fit, *cells])
+    return _table(["fit", *parameters.values()], rows)
+
+
+def failures(found: Rows) -> str:
+    """A line per propeller, mass and frame drag."""
+    heads = [
+        "propeller", "mass [kg]", "frame drag area [m²]", "off by 5 % [m/s]", "off by 10 % [m/s]",
+        "sign changes [m/s]", "paper: fails [m/s]",
+    ]  # fmt: skip
+    names = (
+        "mass_kg", "drag_area_m2", "off_by_5_percent_mps", "off_by_10_percent_mps",
+        "sign_changes_mps", "paper_fails_mps",
+    )  # fmt: skip
+    rows = [[SETS[row["set"]], *(_number(row[name], 3) for name in names)] for row in found]
+    return _table(heads, rows)
+
+
+def errors(found: Rows) -> str:
+    """A line per data set, load and model."""
+    rows = [
+        [
+            DATA[row["data_set"]],
+            LOADS[row["load"]],
+            row["model"],
+            _percent(row["rms_over_rms_measured"]),
+            _percent(row["worst_over_largest_measured"]),
+        ]
+        for row in found
+    ]
+    for below, above in reversed(list(zip(rows[1:], [list(row) for row in rows], strict=False))):
+        if below[:2] == above[:2]:
+            below[1] = ""
+        if below[0] == above[0]:
+            below[0] = ""
+    return _table(["data", "load", "model", "rms error", "worst error"], rows)
+
+
+def rotor_drag(found: Rows) -> str:
+    """A line per angle: the published fit's drag over the theory's."""
+    names = ("beta_deg", "published_over_theory", "lowest", "highest")
+    heads = ["β [deg]", "2019 fit over theory, mean", "lowest", "highest"]
+    return _table(heads, [[_number(row[name], 3) for name in names] for row in found])
+
+
+def _interval(row: dict[str, str]) -> str:
+    value, low, high = (_number(row[name], 3) for name in ("value", "low_95", "high_95"))
+    mark = "" if row["verdict"].startswith("identified") else "\\*"
+    return f"{value}{mark} ({low} to {high})"
+
+
+def _number(text: str, digits: int) -> str:
+    if not text:
+        return "none"
+    value = float(text)
+    return f"{0.0 if abs(value) < 1e-4 else value:.{digits}g}".replace("-", "\N{MINUS SIGN}")
+
+
+def _percent(text: str) -> str:
+    return f"{100.0 * float(text):.2g}".replace("1e+02", "100") + "\N{NO-BREAK SPACE}%"
+
+
+def _table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    lines = [heads, ["---"] * len(heads), *rows]
+    return "\n".join(f"| {' | '.join(cells)} |" for cells in lines)
+
+
+if __name__ == "__main__":
+    write(Path(sys.argv[1]))
