@@ -21,9 +21,11 @@ import jax
 import jax.numpy as jnp
 from jax import lax
 
+from propmap.theory.hump_by_slopes import hump_by_slopes
 from propmap.theory.inflow import InflowQuestion, residual, residual_slope
 from propmap.theory.parameters import Array
 from propmap.theory.stall_hump import hump_before_stall, inflow_at_angle, stall_side
+from propmap.theory.stall_islands import Sight, find_zeros, look_closer
 from propmap.theory.velocities import AzimuthNodes
 
 GRID = 20
@@ -47,8 +49,8 @@ AskAt = Callable[[Array], InflowQuestion]
 class Crossing(NamedTuple):
     """Where the hump passes zero, to within the grid; all (E, B) for E edges.
 
-    radius [m] and inflow [m/s] by interpolation; spacing : of the grid [m], zero where
-    there is no crossing and radius is one of ``DEFAULT_EDGES``.
+    radius [m] and inflow [m/s] by interpolation; spacing [m]: about how well the radius is
+    known, zero where there is no crossing and radius is one of ``DEFAULT_EDGES``.
     """
 
     radius: Array
@@ -66,22 +68,22 @@ class Fold(NamedTuple):
     found: Array
 
 
-def _at_extremes(t: Array, height: Array) -> tuple[Array, Array, Array]:
-    """Move the samples (S, B) that are local extremes to the extremes of parabolas.
+def _at_extremes(sight: Sight) -> Sight:
+    """Move the entries that are local extremes to the extremes of parabolas.
 
     So an attached stretch that is shorter than the spacing still shows as two crossings.
-    Also whether a sample is such an extreme.
     """
+    y, height = sight.radius, sight.height
     left, right = height[1:-1] - height[:-2], height[2:] - height[1:-1]
     extreme = left * right < 0.0
     bend = jnp.where(extreme, left - right, 1.0)
     shift = jnp.where(extreme, 0.5 * (left + right) / bend, 0.0)
     top = height[1:-1] + jnp.where(extreme, 0.125 * (left + right) ** 2 / bend, 0.0)
-    moved = t[1:-1] + shift * (t[2:] - t[:-2]) * 0.5
-    return (
-        jnp.concatenate([t[:1], moved, t[-1:]]),
+    moved = y[1:-1] + shift * (y[2:] - y[:-2]) * 0.5
+    return Sight(
+        jnp.concatenate([y[:1], moved, y[-1:]]),
         jnp.concatenate([height[:1], top, height[-1:]]),
-        jnp.pad(extreme, ((1, 1), (0, 0))),
+        sight.inflow,
     )
 
 
@@ -103,31 +105,30 @@ def hump_crossings(
     ask_at: AskAt, root: Array, tip: Array, edges: int, azimuth: AzimuthNodes
 ) -> tuple[Crossing, Survey]:
     """The first ``edges`` radii at which the hump passes zero."""
-    t = jnp.linspace(0.0, 1.0 - 1e-6, GRID)[:, None]
-    ask = ask_at(root + (tip - root) * t)
+    radius = root + (tip - root) * jnp.linspace(0.0, 1.0 - 1e-6, GRID)[:, None]
+    ask = ask_at(radius)
     stall = stall_side(ask_at((root + 0.6 * (tip - root))[None, None]), ask.at.section.alpha_0)
-    hump = hump_before_stall(ask, stall, azimuth)
-    place, height, extreme = _at_extremes(t * jnp.ones_like(hump.height), hump.height)
-    v = hump.inflow
-    changes = jnp.sign(height[:-1]) * jnp.sign(height[1:]) < 0.0
-    gap = jnp.where(changes, height[:-1] - height[1:], 1.0)
-    share = jnp.where(changes, height[:-1] / gap, 0.5)
-    # From an extreme the hump falls off like a parabola, elsewhere like a line.
-    share = jnp.where(extreme[:-1], jnp.sqrt(share), share)
-    share = jnp.where(extreme[1:] & ~extreme[:-1], 1.0 - jnp.sqrt(1.0 - share), share)
-    radius = root + (tip - root) * (place[:-1] + share * jnp.diff(place, axis=0))
-    inflow = v[:-1] + share * jnp.diff(v, axis=0)
-    picked = []
-    for default in DEFAULT_EDGES[:edges]:
-        k = jnp.argmax(changes, axis=0)[None]
-        some, y, v_i = (jnp.take_along_axis(a, k, axis=0) for a in (changes, radius, inflow))
-        home = root + default * (tip - root)
-        spacing = jnp.where(some, (tip - root) / GRID, 0.0)
-        picked.append((jnp.where(some, y, home), jnp.where(some, v_i, 0.0), spacing))
-        changes = changes & (jnp.arange(changes.shape[0])[:, None] != k)
-    near = Crossing(*(jnp.concatenate(parts) for parts in zip(*picked, strict=True)))
-    survey = Survey(
-        root + (tip - root) * t, hump.height, stall + hump.behind, jnp.any(hump.folded, axis=0)
+    in_descent = edges == len(DEFAULT_EDGES)
+    find_hump = hump_by_slopes if in_descent else hump_before_stall
+    hump = find_hump(ask, stall, azimuth)
+    survey = Survey(radius, hump.height, stall + hump.behind, jnp.any(hump.folded, axis=0))
+
+    def look(radii: Array) -> Sight:
+        found = find_hump(ask_at(radii), stall, azimuth)
+        return Sight(radii, found.height, found.inflow)
+
+    sight = Sight(radius * jnp.ones_like(hump.height), hump.height, hump.inflow)
+    sight = look_closer(sight, look, edges) if in_descent else _at_extremes(sight)
+    zeros = find_zeros(sight, edges)
+    some, y, v, known = (jnp.stack(parts) for parts in zip(*zeros, strict=True))
+    home = root + (tip - root) * jnp.asarray(DEFAULT_EDGES[:edges])[:, None]
+    # Half way to the next zero at most, lest the search for one ends at the other.
+    gap = jnp.where(some[:-1] & some[1:], jnp.diff(y, axis=0), jnp.inf)
+    gap = jnp.pad(gap, ((1, 1), (0, 0)), constant_values=jnp.inf)
+    spacing = jnp.minimum((tip - root) / GRID, 0.25 * jnp.minimum(gap[:-1], gap[1:]))
+    spacing = jnp.where(known, jnp.minimum(spacing, 1e-4 * y), spacing)
+    near = Crossing(
+        jnp.where(some, y, home), jnp.where(some, v, 0.0), jnp.where(some, spacing, 0.0)
     )
     return near, survey
 
