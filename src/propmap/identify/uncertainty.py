@@ -142,7 +142,8 @@ def _stretched(
             r, j = evaluator.at(there * spread)
             j = j * spread
             least, _ = Quadratic(j, j @ there - r, *bounds).profile(k, end)
-            share = (least - residual @ residual) / (foreseen - residual @ residual)
+            at_minimum = float(residual @ residual)
+            share = (least - at_minimum) / (foreseen - at_minimum)
             stretch = max(1.0, max(share, LARGEST_STRETCH**-2) ** -0.5)
             further = x[k] + stretch * (end - x[k])
             moved[side, k] = min(max(further, bounds[0][k]), bounds[1][k])
