@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from propmap.catalogue.measurements import Measurement, measurement
-from propmap.reproduce.sheet import csv_of_rows
+from propmap.report.sheet import csv_of_rows
 from propmap.reproduce.tunnel import Compared, errors, static_constants
 
 

@@ -19,6 +19,7 @@ from propmap.cli.fit import fit_app
 from propmap.cli.plot import plot_app
 from propmap.cli.predict import predict
 from propmap.cli.props import props_app
+from propmap.cli.report import report
 from propmap.cli.reproduce import reproduce
 from propmap.cli.show import show_table
 from propmap.cli.simulate import simulate_app
@@ -42,6 +43,7 @@ app.command()(export)
 app.add_typer(fit_app)
 app.add_typer(simulate_app)
 app.command()(check)
+app.command()(report)
 app.add_typer(plot_app)
 app.add_typer(props_app)
 app.add_typer(airfoils_app)

@@ -93,10 +93,11 @@ def fit_tunnel(
 
     from propmap.compilation import keep_compiled
     from propmap.identify.assumptions import failing_assumptions
+    from propmap.identify.coverage import coverage
     from propmap.identify.data_range import range_warnings
     from propmap.identify.fitted import fit
     from propmap.identify.result_file import fit_text
-    from propmap.identify.tunnel import first_guess, rotor_with, tunnel_rows
+    from propmap.identify.tunnel import first_guess, hover_rows, rotor_with, tunnel_rows
 
     keep_compiled()
     base = base or first_guess()
@@ -110,6 +111,7 @@ def fit_tunnel(
 
     fitted = fit(rows_for(chosen), chosen, settings)
     remarks = [*range_warnings(fitted.rows), *failing_assumptions(fitted, rows_for)]
+    rotor = rotor_with(blade, air, base, fitted.values, choice.accuracy.value)
     text = fit_text(
         fitted,
         kind="tunnel",
@@ -118,6 +120,8 @@ def fit_tunnel(
         air=air,
         base=base,
         data=sources(data),
+        covered=coverage(measured.omega, measured.speed, measured.folded_beta, blade.radius),
+        hover=hover_rows(rotor, measured, fitted.rows),
         remarks=remarks,
         options={"loads": list(fitted.rows.names), "weights": weights},
     )
@@ -125,7 +129,6 @@ def fit_tunnel(
         from propmap.report.fit_pictures import tunnel_fit
         from propmap.report.style import save
 
-        rotor = rotor_with(blade, air, base, fitted.values, choice.accuracy.value)
         save(tunnel_fit(measured, rotor), picture)
     _finish(fitted, remarks, text, output)
 
@@ -186,7 +189,7 @@ def fit_flight(
     from propmap.identify.body_study import body_terms_verdict, wing_values
     from propmap.identify.data_range import range_warnings
     from propmap.identify.fitted import fit
-    from propmap.identify.flight import ForceModel, balance_rows, level_rows
+    from propmap.identify.flight import ForceModel, balance_rows, hover_rows, level_rows
     from propmap.identify.parameters import BODY, PAPER_FOUR
     from propmap.identify.result_file import fit_text
     from propmap.identify.tunnel import first_guess
@@ -213,6 +216,8 @@ def fit_flight(
         air=file.vehicle.air,
         base=base or first_guess(),
         data=[*logs, vehicle],
+        covered=model.coverage(),
+        hover=hover_rows(model, fitted.values, fitted.rows),
         remarks=remarks,
         options={"seconds": seconds, "samples": samples, "vehicle": file.vehicle.name},
     )

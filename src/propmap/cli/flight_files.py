@@ -43,7 +43,7 @@ def read_flights(
     seconds : shortest steady stretch.  samples : of whole flights, at most; more would be
     no more information, as neighbours err alike.  picture : of the steady stretches.
     """
-    if all(_is_level_table(path) for path in paths):
+    if all_level_tables(paths):
         if method == "balance":
             raise InputError(
                 "a level-flight table has no accelerations", "fit it with --method level"
@@ -102,6 +102,11 @@ def _rpm_remarks(log: FlightLog, file: VehicleFile) -> list[str]:
     rotor = Rotor(file.vehicle.propeller, airfoil("paper-apc"), file.vehicle.air)
     unit = file.log.rotor_unit or ("rpm" if log.source.endswith(".ulg") else None)
     return check_rotor_speed(log, rotor, file.vehicle, unit)
+
+
+def all_level_tables(paths: Sequence[Path]) -> bool:
+    """Whether all files are tables of operating points."""
+    return all(_is_level_table(path) for path in paths)
 
 
 def _is_level_table(path: Path) -> bool:

@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from propmap.air import Air
 from propmap.airfoil import Airfoil
 from propmap.errors import InputError
-from propmap.flight_log import FlightLog
-from propmap.hover import HoverModel
+from propmap.flight_log import GRAVITY, FlightLog
 from propmap.hub_flow import hub_flow, rotor_forces
 from propmap.identify.body_forces import body_force
+from propmap.identify.hover_baseline import hover_force, hover_loads
 from propmap.identify.parameters import EVERY
 from propmap.identify.residuals import Errors, by_band, errors
 from propmap.identify.tunnel import TunnelData
@@ -51,14 +51,7 @@ def compare_tunnel(
     """
     rotor = Rotor(propeller, law, air)
     loads = rotor.loads(data.omega, data.speed, data.beta)
-    hover = HoverModel.of(rotor)
-    nothing = np.zeros_like(data.omega)
-    hovers = {
-        "thrust": hover.thrust(data.omega),
-        "drag": nothing,
-        "torque": hover.torque(data.omega),
-        "roll_moment": nothing,
-    }
+    hovers = hover_loads(rotor, data.omega)
     return {
         TUNNEL_NAMES[name]: _compared(getattr(loads, name), measured, data.speed, hovers[name])
         for name, measured in data.loads.items()
@@ -77,19 +70,47 @@ def compare_flight(
     measured = vehicle.mass * log.specific_force
     if not np.isfinite(measured).any():
         raise InputError("there is no specific force to compare with", "log it", log.source)
+    model, hover = _forces(vehicle, log, law, values)
+    return {
+        name: _compared(model[:, k], measured[:, k], log.speed, hover[:, k])
+        for k, name in enumerate(FORCE_NAMES)
+    }
+
+
+def compare_level(
+    vehicle: Vehicle, log: FlightLog, law: Airfoil, values: Mapping[str, float]
+) -> dict[str, Comparison]:
+    """The vertical force of steady level flights against the weight, eqs. (16)(17).
+
+    Arguments as in ``compare_flight``; no specific force is needed.
+    """
+    model, hover = level_forces(vehicle, log, law, values)
+    weight = np.full(len(log), vehicle.mass * GRAVITY)
+    return {"vertical_force_N": _compared(model, weight, log.speed, hover)}
+
+
+def level_forces(
+    vehicle: Vehicle, log: FlightLog, law: Airfoil, values: Mapping[str, float]
+) -> tuple[Floats, Floats]:
+    """Vertical forces [N] (n,) by this model and by the hover model.
+
+    Arguments as in ``compare_flight``.
+    """
+    model, hover = (np.sum(f * log.up, axis=1) for f in _forces(vehicle, log, law, values))
+    return model, hover
+
+
+def _forces(
+    vehicle: Vehicle, log: FlightLog, law: Airfoil, values: Mapping[str, float]
+) -> tuple[Floats, Floats]:
+    """All forces but gravity (n, 3) [N] by this model, and those of the hover model."""
     rotor = Rotor(vehicle.propeller, law, vehicle.air)
     flow = hub_flow(vehicle, log)
     velocity = np.stack([flow.inplane, np.zeros_like(flow.inplane), flow.axial], axis=-1)
     loads = rotor.loads_at_velocity(flow.omega, velocity)
     whole = {name: p.start for name, p in EVERY.items()} | dict(values)
     body, _ = body_force(vehicle, log, whole, ())
-    model = rotor_forces(flow, loads.thrust, loads.drag) + body
-    thrust = HoverModel.of(rotor).thrust(flow.omega)
-    hover = rotor_forces(flow, thrust, np.zeros_like(thrust))
-    return {
-        name: _compared(model[:, k], measured[:, k], log.speed, hover[:, k])
-        for k, name in enumerate(FORCE_NAMES)
-    }
+    return rotor_forces(flow, loads.thrust, loads.drag) + body, hover_force(rotor, flow)
 
 
 def _compared(model: Floats, measured: Floats, speed: Floats, hover: Floats) -> Comparison:

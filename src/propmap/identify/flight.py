@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +15,8 @@ from propmap.evaluation import Prepared, prepare
 from propmap.flight_log import GRAVITY, FlightLog
 from propmap.hub_flow import hub_flow, rotor_forces
 from propmap.identify.body_forces import body_force
+from propmap.identify.coverage import coverage
+from propmap.identify.hover_baseline import hover_force
 from propmap.identify.parameters import BODY, SECTION, WING, Choice
 from propmap.identify.rows import Rows
 from propmap.identify.tunnel import rotor_with
@@ -83,6 +86,13 @@ class ForceModel:
         for k, name in enumerate(free):
             slope[k] = by_section[section.index(name)] if name in section else by_body[k]
         return Balance(force + body, slope)
+
+    def coverage(self) -> dict[str, Any]:
+        """What ``coverage`` says of the flow at all rotors."""
+        flow = self.flow
+        speed, beta = np.hypot(flow.axial, flow.inplane), np.arctan2(flow.inplane, flow.axial)
+        radius = self.vehicle.propeller.radius
+        return coverage(flow.omega.ravel(), speed.ravel(), beta.ravel(), radius)
 
 
 def level_rows(model: ForceModel, choice: Choice) -> Rows:
@@ -154,6 +164,20 @@ def balance_rows(model: ForceModel, choice: Choice, *, stretch: float = 1.0) -> 
         model=forces,
         weight=np.ones(3 * n),
     )
+
+
+def hover_rows(model: ForceModel, values: Mapping[str, float], rows: Rows) -> Floats:
+    """What the hover model says of the rows; (M,).
+
+    model : what the rows were made of.  values : all parameters by name; they give the rotor
+    whose constants are taken.
+    """
+    vehicle = model.vehicle
+    rotor = rotor_with(vehicle.propeller, vehicle.air, model.base, values, model.setting)
+    force = hover_force(rotor, model.flow)
+    if rows.names == AXES:
+        return np.asarray(force.ravel())
+    return np.asarray(np.sum(force * model.log.up, axis=-1))
 
 
 def _acts(model: ForceModel, choice: Choice) -> None:

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 import propmap
 from propmap.air import Air
@@ -49,6 +50,8 @@ def fit_text(
     air: Air,
     base: Airfoil,
     data: Sequence[Path | str],
+    covered: Mapping[str, Any],
+    hover: NDArray[np.float64],
     remarks: Sequence[str],
     options: Mapping[str, Any],
 ) -> str:
@@ -57,7 +60,9 @@ def fit_text(
     fitted : the fit.  propeller, air : of the test or the vehicle.
     kind : "tunnel", "level flight" or "flight".  name : of the parameter set.  base : gave the
     constants that are no parameters of a fit.  data : files, whose hashes are noted, or names of
-    the catalogue.  remarks : sentences for the reader.  options : further settings by name.
+    the catalogue.  covered : what ``coverage`` says of the operating points.  hover : (M,), the
+    hover model's values of the fitted rows.  remarks : sentences for the reader.
+    options : further settings by name.
     """
     import tomli_w
 
@@ -105,14 +110,15 @@ def fit_text(
             "chord_m": propeller.chord.tolist(),
             "twist_rad": propeller.twist.tolist(),
         },
-        "data": [_source(item) for item in data],
+        "data": [source_entry(item) for item in data],
+        "covered": dict(covered),
         "parameters": parameters,
         "body": {n: fitted.values[n] for n in BODY},
         "wing": {n: fitted.values[n] for n in WING},
         "covariance": [[float(v) for v in row] for row in sure.covariance],
         "correlation": [[float(v) for v in row] for row in sure.correlation],
         "singular_values": sure.singular_values.tolist(),
-        "residuals": _residuals(fitted),
+        "residuals": _residuals(fitted, hover),
         "starts": [
             {
                 "start": fitted.minimum.ends[k].start.tolist(),
@@ -176,13 +182,14 @@ def _covariance(record: Mapping[str, Any]) -> SectionCovariance | None:
     return SectionCovariance(tuple(names), np.array(record["covariance"], float)).of(section)
 
 
-def _residuals(fitted: Fitted) -> dict[str, Any]:
+def _residuals(fitted: Fitted, hover: NDArray[np.float64]) -> dict[str, Any]:
     rows, told = fitted.rows, {}
     for k, name in enumerate(rows.names):
         mine = (rows.load == k) & (rows.weight > 0.0)
         measured = rows.measured[mine]
         model = measured + fitted.residual[mine]
-        whole = errors(model, measured)
+        still = hover[mine]
+        whole = errors(model, measured, still)
         told[name] = {
             "unit": rows.units[k],
             "rows": whole.rows,
@@ -190,16 +197,24 @@ def _residuals(fitted: Fitted) -> dict[str, Any]:
             "relative_rms": whole.relative_rms,
             "bias": whole.bias,
             "worst": whole.worst,
+            "hover_rms": whole.hover_rms,
             "cross_validated_rms": float(fitted.cross_validated[k]),
             "by_speed": {
-                band: {"rows": e.rows, "rms": e.rms, "bias": e.bias, "worst": e.worst}
-                for band, e in by_band(model, measured, rows.speed[mine]).items()
+                band: {
+                    "rows": e.rows,
+                    "rms": e.rms,
+                    "bias": e.bias,
+                    "worst": e.worst,
+                    "hover_rms": e.hover_rms,
+                }
+                for band, e in by_band(model, measured, rows.speed[mine], still).items()
             },
         }
     return told
 
 
-def _source(item: Path | str) -> dict[str, str]:
+def source_entry(item: Path | str) -> dict[str, str]:
+    """How a fit file names its data: a file with its hash, or a name of the catalogue."""
     if isinstance(item, Path):
         return {"file": item.name, "sha256": hashlib.sha256(item.read_bytes()).hexdigest()}
     return {"catalogue": item}

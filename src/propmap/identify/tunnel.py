@@ -13,6 +13,7 @@ from propmap.air import Air
 from propmap.airfoil import Airfoil
 from propmap.errors import InputError
 from propmap.evaluation import prepare
+from propmap.identify.hover_baseline import hover_loads
 from propmap.identify.parameters import BODY, SECTION, WING, Choice
 from propmap.identify.rows import Rows
 from propmap.load_gradients import LOADS, load_gradients
@@ -42,6 +43,11 @@ class TunnelData:
 
     def __len__(self) -> int:
         return int(self.omega.size)
+
+    @property
+    def folded_beta(self) -> Floats:
+        """beta brought to 0...pi [rad] (n,): beta and 2 pi - beta have the same loads."""
+        return np.abs(np.remainder(self.beta + np.pi, 2.0 * np.pi) - np.pi)
 
 
 def merged(parts: Sequence[TunnelData]) -> TunnelData:
@@ -140,6 +146,16 @@ def tunnel_rows(
         model=model,
         weight=np.ones(load.size),
     )
+
+
+def hover_rows(rotor: Rotor, data: TunnelData, rows: Rows) -> Floats:
+    """What the hover model with this rotor's constants says of the rows; (M,).
+
+    data : what the rows were made of.
+    """
+    loads = hover_loads(rotor, data.omega)
+    each = np.array([loads[name] for name in rows.names])
+    return np.asarray(each[rows.load, rows.point])
 
 
 def first_guess() -> Airfoil:

@@ -43,13 +43,17 @@ def check_folder(folder: Path, names: Collection[str]) -> None:
         raise InputError("the folder cannot be written to", "choose another", where)
 
 
-def write_folder(folder: Path, files: Mapping[str, str | bytes]) -> None:
+def write_folder(
+    folder: Path, files: Mapping[str, str | bytes], names: Collection[str] = ()
+) -> None:
     """Write the files, text as UTF-8, into the folder, which they replace as a whole.
+
+    names : of further files that the folder may hold, and that go with it.
 
     They are written beside it, under a name of their own, and the folder is renamed when all are
     there.  Raises ``InputError`` as ``check_folder`` does.
     """
-    check_folder(folder, files)
+    check_folder(folder, {*files, *names})
     with _beside(folder, "part") as part, _beside(folder, "old") as old:
         part.mkdir()
         for name, content in files.items():

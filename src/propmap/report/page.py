@@ -152,6 +152,11 @@ def number(value: float | None, digits: int = 3) -> str:
     return text.replace("-", MINUS)
 
 
+def percent(share: float) -> str:
+    """A share as per cent, to two figures."""
+    return f"{number(100.0 * share, 2)} %"
+
+
 def _is_number(text: str) -> bool:
     bare = text.replace(MINUS, "").replace(MISSING, "").replace("%", "").replace(" ", "")
     return bare == "" or bare.replace(".", "", 1).isdigit()

@@ -6,11 +6,11 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from propmap.report.page import Section, Text, Verdict, number
+from propmap.report.part import Part, files_of, picture
+from propmap.report.sheet import csv_of_rows
 from propmap.report.style import COLOURS, MARKERS, new_figure, style
 from propmap.reproduce.identified import AXIAL
 from propmap.reproduce.numbers import Numbers
-from propmap.reproduce.pages.part import Part, files_of, picture
-from propmap.reproduce.sheet import csv_of_rows
 from propmap.reproduce.tunnel import Compared
 from propmap.reproduce.tunnel_curves import AxialCurve, coefficients
 

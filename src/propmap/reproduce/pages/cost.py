@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from propmap.report.page import Section, Table, Text, number
+from propmap.report.part import Part
+from propmap.report.sheet import csv_of_rows
 from propmap.reproduce.cost import Times
-from propmap.reproduce.pages.part import Part
 from propmap.reproduce.paper import COST
-from propmap.reproduce.sheet import csv_of_rows
 
 HOUR = 3600.0
 

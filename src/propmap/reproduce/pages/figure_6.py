@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from propmap.report.page import Section, Table, Text, Verdict, number
+from propmap.report.part import Part, files_of, picture
+from propmap.report.sheet import csv_of_rows
 from propmap.reproduce.level_circles import (
     ASSUMED,
     FORCE_ERROR,
@@ -16,9 +18,7 @@ from propmap.reproduce.level_circles import (
 )
 from propmap.reproduce.numbers import Numbers
 from propmap.reproduce.pages.level_circle_pictures import TITLES, cases_figure, loads_figure
-from propmap.reproduce.pages.part import Part, files_of, picture
 from propmap.reproduce.paper import FASTEST, HOVER_FAILS, SIGN_CHANGES
-from propmap.reproduce.sheet import csv_of_rows
 
 
 def figure_6(numbers: Numbers) -> Part:

@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 
 from propmap.report.page import Points, Section, Table, Verdict, number
+from propmap.report.part import Part, files_of, picture
+from propmap.report.sheet import csv_of_rows
 from propmap.reproduce.identified import AXIAL, OBLIQUE
 from propmap.reproduce.numbers import Numbers
-from propmap.reproduce.pages.part import Part, files_of, picture
 from propmap.reproduce.pages.tunnel_pictures import axial_figure, multirotor_figure, oblique_figure
 from propmap.reproduce.paper import HOVER_TUNNEL_ERROR, TUNNEL_ERROR
-from propmap.reproduce.sheet import csv_of_rows
 from propmap.reproduce.tunnel import (
     DATA_SETS,
     DIGITISED,

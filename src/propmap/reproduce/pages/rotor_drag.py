@@ -11,11 +11,12 @@ from matplotlib.patches import Patch
 
 from propmap.flight_log import GRAVITY
 from propmap.report.page import Points, Section, Table, Text, Verdict, number
+from propmap.report.part import Part, files_of, picture
+from propmap.report.sheet import csv_of_rows
 from propmap.report.style import COLOURS, HOVER, MEASURED, MODEL, new_figure, style
 from propmap.reproduce.level_circles import ASSUMED, hover_failure
 from propmap.reproduce.numbers import Numbers
 from propmap.reproduce.pages.level_circle_pictures import TITLES
-from propmap.reproduce.pages.part import Part, files_of, picture
 from propmap.reproduce.paper import HOVER_FAILS, RIBNER
 from propmap.reproduce.rotor_drag import (
     INCIDENCE,
@@ -23,7 +24,6 @@ from propmap.reproduce.rotor_drag import (
     Consequence,
     SmallIncidence,
 )
-from propmap.reproduce.sheet import csv_of_rows
 
 RPM = 30.0 / np.pi
 SHADE: dict[str, Any] = {"color": COLOURS[4], "alpha": 0.35, "linewidth": 0.0}

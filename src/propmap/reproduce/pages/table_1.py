@@ -9,12 +9,12 @@ from propmap.identify.fitted import Fitted
 from propmap.identify.parameters import PAPER_FOUR
 from propmap.propeller import Propeller, propeller
 from propmap.report.page import Section, Table, Text, number
+from propmap.report.part import Part
+from propmap.report.sheet import csv_of_rows
 from propmap.reproduce.blades import TUNNEL_PROPELLER, blade
 from propmap.reproduce.level_circles import BLADE, FORCE_ERROR
 from propmap.reproduce.numbers import Numbers
-from propmap.reproduce.pages.part import Part
 from propmap.reproduce.paper import RADIUS, TABLE_1
-from propmap.reproduce.sheet import csv_of_rows
 
 ANGLES = ("alpha_0", "zero_lift_angle")
 PARAMETERS = (*PAPER_FOUR, "zero_lift_angle")

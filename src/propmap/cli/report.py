@@ -1,0 +1,121 @@
+"""``propmap report``: a page on a fit or a table."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from propmap.errors import InputError
+
+if TYPE_CHECKING:
+    from propmap.identify.result_file import FitFile
+    from propmap.report.fit_page.given_data import GivenData
+
+
+def report(
+    source: Annotated[Path, typer.Argument(metavar="FIT|MAP", help="Fit (.toml) or table (.npz).")],
+    output: Annotated[
+        Path,
+        typer.Option(
+            "--output", "-o", metavar="FOLDER", help="New, empty, or written by this command."
+        ),
+    ],
+    data: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--data",
+            metavar="DATA",
+            help="Tunnel data or flight logs to draw and to check a fit with; may be repeated.",
+        ),
+    ] = None,
+    vehicle: Annotated[
+        Path | None,
+        typer.Option("--vehicle", metavar="VEHICLE.toml", help="Vehicle, for flight logs."),
+    ] = None,
+) -> None:
+    """A page that says whether a fit or a table can be trusted, and where.
+
+    FOLDER gets index.html with all figures inside, and every figure as SVG and CSV; the files
+    are there all at once or not at all.
+    """
+    from propmap.report.folder import check_folder, write_folder
+    from propmap.report.report_files import FILES, PAGE
+
+    check_folder(output, FILES)
+    endings = {".toml": _fit_files, ".npz": _table_files}
+    make = endings.get(source.suffix.lower())
+    if make is None:
+        raise InputError(
+            f"the file's ending is {source.suffix!r}",
+            "give a fit (.toml) or a table (.npz)",
+            str(source),
+        )
+    files = make(source, data or [], vehicle)
+    write_folder(output, files, FILES)
+    typer.echo(f"wrote {output / PAGE} and {len(files) - 1} files beside it")
+
+
+def _fit_files(source: Path, data: Sequence[str], vehicle: Path | None) -> dict[str, str | bytes]:
+    from propmap.identify.fit_record import read_record
+    from propmap.identify.result_file import read_fit
+
+    file = read_fit(source)
+    fit = read_record(file.record, str(source))
+    if vehicle is not None and not data:
+        raise InputError("--vehicle is for flight logs", "name them with --data")
+    if fit.kind != "tunnel" and data and vehicle is None:
+        raise InputError("--data with a fit of flights needs the vehicle", "add --vehicle FILE")
+
+    from propmap.compilation import keep_compiled
+    from propmap.report.fit_page.page import fit_pages
+
+    keep_compiled()
+    given = _given(file, data, vehicle) if data else None
+    digest = hashlib.sha256(source.read_bytes()).hexdigest()
+    return dict(fit_pages(file, source.name, digest, given))
+
+
+def _given(file: FitFile, data: Sequence[str], vehicle: Path | None) -> GivenData:
+    from propmap.identify.comparison import compare_flight, compare_level, compare_tunnel
+    from propmap.report.fit_page.given_data import GivenData
+
+    if vehicle is None:
+        from propmap.cli.tunnel_files import read_tunnel, sources
+
+        measured = read_tunnel(data, file.propeller, file.air)
+        found = compare_tunnel(file.propeller, file.air, file.airfoil, measured)
+        return GivenData(_hashes(sources(data)), found, tunnel=measured)
+    from propmap.cli.flight_files import all_level_tables, read_flights
+    from propmap.readers.vehicle_toml import read_vehicle
+
+    described, paths = read_vehicle(vehicle), [Path(item) for item in data]
+    level = all_level_tables(paths)
+    method = "level" if level else "balance"
+    flights = read_flights(paths, described, method, seconds=2.0, samples=2**31)
+    compare = compare_level if level else compare_flight
+    errors = compare(described.vehicle, flights.log, file.airfoil, file.values)
+    shown = (described.vehicle, flights.log) if level else None
+    return GivenData(_hashes(paths), errors, level=shown)
+
+
+def _hashes(items: Sequence[Path | str]) -> list[tuple[str, str]]:
+    from propmap.identify.fit_record import source_name
+    from propmap.identify.result_file import source_entry
+
+    return [source_name(source_entry(item)) for item in items]
+
+
+def _table_files(source: Path, data: Sequence[str], vehicle: Path | None) -> dict[str, str | bytes]:
+    if data or vehicle is not None:
+        raise InputError(
+            "--data and --vehicle are for fits",
+            "compare data with the fit the table was built from",
+        )
+    from propmap.report.table_page.page import table_pages
+    from propmap.table import LoadTable
+
+    return dict(table_pages(LoadTable.load(source), source.name))

@@ -1,0 +1,44 @@
+"""A table's certificate in words."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+TITLES = {
+    "thrust": "thrust / static thrust",
+    "drag": "drag / static thrust",
+    "torque": "torque / static torque",
+    "roll_moment": "roll moment / (static thrust R)",
+}
+
+
+def claims(found: Mapping[str, Any]) -> Iterator[str]:
+    """What a table's certificate claims, a sentence each; found : the certificate."""
+    told = f"tolerance {found['tolerance']:.2%} holds on {found['points']} points that the table "
+    yield told + "was not built from" + (", unresolved cells apart" if _cells(found) else "")
+    if _cells(found):
+        worst = max(found["unresolved_max_error"].values())
+        yield (
+            f"unresolved: {_cells(found)} cells, {found['unresolved_volume']:.2%} of the envelope, "
+            f"where the model's loads jump; there errors reach {worst:.2%} on "
+            f"{found['unresolved_points']} points"
+        )
+    yield (
+        f"of the {found['points']} points, {found['vortex_ring']} are vortex ring and "
+        f"{found['no_value']} without loads"
+    )
+
+
+def _cells(found: Mapping[str, Any]) -> int:
+    return int(found["unresolved_cells"])
+
+
+def parameter_claims(found: Mapping[str, Any]) -> Iterator[str]:
+    """What the uncertainty of the section law's parameters was taken from; found : as filed."""
+    yield (
+        "parameters: standard deviation of the loads by the fit's covariance of "
+        f"{', '.join(found['parameters'])}, on {found['points']} points"
+    )
+    if found["not_counted"]:
+        yield f"not counted, the fit's data say nothing of them: {', '.join(found['not_counted'])}"

@@ -1,0 +1,1 @@
+"""The page on a fit: verdict, data, errors, parameters, load curves, further data."""

@@ -1,0 +1,280 @@
+"""`propmap report`: a page on a fit or a table, its files, and one-line errors."""
+
+from __future__ import annotations
+
+import base64
+import csv
+import io
+import re
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import propmap
+from propmap.airfoil import airfoil
+from propmap.cli import main
+from propmap.identify.coverage import coverage
+from propmap.report.report_files import FILES, PAGE
+from propmap.table import LoadTable
+
+from .conftest import Run
+from .fit_inputs import FREE, LEVEL, QUICK, VEHICLE, fit_record, picked, tunnel_table
+from .test_export import fit_text, invented
+
+
+@pytest.fixture(scope="module")
+def tunnel_csv(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("report") / "tunnel.csv"
+    path.write_text(tunnel_table(picked()))
+    return path
+
+
+@pytest.fixture(scope="module")
+def tunnel_fit(tunnel_csv: Path, no_cache: None) -> Path:  # noqa: ARG001
+    fit = tunnel_csv.with_name("mine.toml")
+    assert main(["fit", "tunnel", "apc-8x6e", str(tunnel_csv), *QUICK, "-o", str(fit)]) == 0
+    return fit
+
+
+def rows_of(path: Path) -> list[dict[str, str]]:
+    with path.open(newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def page_of(folder: Path) -> str:
+    """The page without its pictures, which must all lie beside it."""
+    html = (folder / PAGE).read_text(encoding="utf-8")
+    inside = {base64.b64decode(t) for t in re.findall(r"svg\+xml;base64,([^\"]+)\"", html)}
+    assert inside == {path.read_bytes() for path in folder.glob("*.svg")}
+    assert not [a for a in re.findall(r'(?:src|href)="([^"]*)"', html) if a.startswith("http")]
+    text = re.sub(r"base64,[^\"]+", "", html)
+    assert "nan" not in re.findall(r"\w+", text.lower())
+    # A CSV goes with every figure.
+    assert {p.stem for p in folder.glob("*.svg")} <= {p.stem for p in folder.glob("*.csv")}
+    assert {p.name for p in folder.iterdir()} <= FILES
+    return text
+
+
+@pytest.mark.slow
+def test_a_tunnel_fit(run: Run, tmp_path: Path, tunnel_fit: Path) -> None:
+    done = run("report", tunnel_fit, "-o", "out")
+    assert (done.code, done.err) == (0, "") and done.out.startswith(f"wrote out/{PAGE} and ")
+    text, told = page_of(tmp_path / "out"), fit_record(tunnel_fit)
+    for wanted in ("can I trust", "Outside the data", "extrapolation", "no cross-validation"):
+        assert wanted.lower() in text.lower()
+    assert told["data"][0]["sha256"] in text and told["propmap"] in text
+    errors = rows_of(tmp_path / "out" / "fit-errors.csv")
+    by_speed = told["residuals"]["thrust"]["by_speed"]
+    thrust = [row for row in errors if row["load"] == "thrust"]
+    assert [row["speed_band"] for row in thrust] == list(by_speed)
+    for row in thrust:
+        for mine, filed in (("rms_in_unit", "rms"), ("hover_rms_in_unit", "hover_rms")):
+            assert float(row[mine]) == pytest.approx(by_speed[row["speed_band"]][filed], rel=1e-4)
+    parameters = rows_of(tmp_path / "out" / "fit-parameters.csv")
+    assert [row["parameter"] for row in parameters] == list(FREE)
+
+
+@pytest.mark.slow
+def test_its_curves_are_the_fitted_rotor(run: Run, tmp_path: Path, tunnel_fit: Path) -> None:
+    assert run("report", tunnel_fit, "-o", "out").code == 0
+    rotor = propmap.Rotor(propmap.propeller("apc-8x6e"), airfoil(tunnel_fit))
+    rows = rows_of(tmp_path / "out" / "fit-loads.csv")
+    assert {row["beta_deg"] for row in rows} == {"0", "90"}
+    for row in rows[::7]:
+        rpm, speed, beta = (float(row[n]) for n in ("rpm", "speed_mps", "beta_deg"))
+        found = rotor.loads(rpm * np.pi / 30.0, speed, np.radians(beta))
+        assert float(row["thrust_N"]) == pytest.approx(float(found.thrust), rel=1e-4)
+        assert float(row["thrust_low_95_N"]) <= float(found.thrust) + 1e-4
+        assert float(row["thrust_high_95_N"]) >= float(found.thrust) - 1e-4
+    # The data are axial: nothing edgewise is covered, and of axial flow not the fastest.
+    assert {row["covered"] for row in rows if row["beta_deg"] == "90"} == {"0"}
+    axial = [row["covered"] for row in rows if row["beta_deg"] == "0"]
+    assert axial[0] == "1" and axial[-1] == "0" and axial == sorted(axial, reverse=True)
+
+
+@pytest.mark.slow
+def test_data_are_checked_as_by_check(
+    run: Run, tmp_path: Path, tunnel_fit: Path, tunnel_csv: Path
+) -> None:
+    assert run("report", tunnel_fit, "-o", "out", "--data", tunnel_csv).code == 0
+    text = page_of(tmp_path / "out")
+    assert "Among the fit's own data, so no independent test: tunnel.csv" in text.replace(
+        "&#39;", "'"
+    )
+    mine = rows_of(tmp_path / "out" / "fit-check.csv")
+    out = run("check", tunnel_fit, tunnel_csv, "--format", "csv").out
+    checked = [r for r in csv.DictReader(io.StringIO(out)) if r["band"] != "all"]
+    assert len(mine) == len(checked) > 0
+    for row, want in zip(mine, checked, strict=True):
+        assert row["speed_band"] == want["band"]
+        for name, other in (("rms_in_unit", "rms"), ("hover_rms_in_unit", "hover_rms")):
+            assert float(row[name]) == pytest.approx(float(want[other]), rel=1e-4)
+    measured = rows_of(tmp_path / "out" / "fit-measured.csv")
+    assert len(measured) == 14 and "model_torque_Nm" in measured[0]
+    # Without data the folder is replaced, and what belonged to them is gone.
+    assert run("report", tunnel_fit, "-o", "out").code == 0
+    assert not (tmp_path / "out" / "fit-check.csv").exists()
+    changed = tmp_path / "new.csv"
+    changed.write_text(tunnel_csv.read_text() + "5000,6,0,1.5,0.03\n")
+    assert run("report", tunnel_fit, "-o", "out", "--data", changed).code == 0
+    assert "so a test of it: new.csv" in page_of(tmp_path / "out")
+
+
+@pytest.mark.slow
+def test_a_fit_of_level_flights(run: Run, tmp_path: Path) -> None:
+    (tmp_path / "vehicle.toml").write_text(VEHICLE)
+    (tmp_path / "level.csv").write_text(LEVEL)
+    vehicle = ["--vehicle", "vehicle.toml"]
+    assert run("fit", "flight", "level.csv", *vehicle, *QUICK, "-o", "fit.toml").code == 0
+    done = run("report", "fit.toml", "-o", "out", "--data", "level.csv", *vehicle)
+    assert (done.code, done.err) == (0, "")
+    text = page_of(tmp_path / "out")
+    assert "torque and rolling moment were not measured" in text
+    told = fit_record(Path("fit.toml"))
+    assert told["covered"]["points"] == 28  # Four rotors in seven flights.
+    rows = rows_of(tmp_path / "out" / "fit-measured.csv")
+    error = [float(r["model_vertical_force_N"]) - float(r["weight_N"]) for r in rows]
+    want = told["residuals"]["vertical_force"]["rms"]
+    assert np.sqrt(np.mean(np.square(error))) == pytest.approx(want, rel=0.02)
+
+
+def certified(**changed: object) -> LoadTable:
+    """The invented table with a certificate, some cells marked."""
+    content = invented().content
+    loads = ("thrust", "drag", "torque", "roll_moment")
+    cells = content.cells.copy()
+    cells[:, -1] = 1
+    cells[1:3, 2:4] = 2
+    certificate = {
+        "tolerance": 0.005,
+        "points": 4096,
+        "seed": 1,
+        "max_error": dict.fromkeys(loads, 0.0021),
+        "rms_error": dict.fromkeys(loads, 0.0003),
+        "unresolved": 40,
+        "unresolved_cells": 4,
+        "unresolved_volume": 0.0098,
+        "unresolved_points": 1020,
+        "unresolved_max_error": dict.fromkeys(loads, 0.031),
+        "unresolved_rms_error": dict.fromkeys(loads, 0.01),
+        "vortex_ring": 300,
+        "no_value": 0,
+        "holds": True,
+        **changed,
+    }
+    return LoadTable(
+        replace(content, cells=cells, info={**content.info, "certificate": certificate})
+    )
+
+
+def test_a_table(run: Run, tmp_path: Path) -> None:
+    table = certified()
+    table.save("map.npz")
+    done = run("report", "map.npz", "-o", "out")
+    assert (done.code, done.err) == (0, "")
+    text = page_of(tmp_path / "out")
+    assert "As a copy of the model: yes, and marked where not" in text
+    assert "within 0.21 % of the static loads" in text and "errors reach 3.1 %" in text
+    assert "As a model of the propeller: not known from this file" in text
+    assert "Tolerance 0.50% holds on 4096 points" in text
+    cells = rows_of(tmp_path / "out" / "table-cells.csv")
+    statuses = [row["status"] for row in cells]
+    assert statuses.count("unresolved") == 4
+    assert statuses.count("vortex_ring") == table.content.advance.size - 1
+    for row in rows_of(tmp_path / "out" / "table-loads.csv")[::50]:
+        rpm, speed, beta = (float(row[n]) for n in ("rpm", "speed_mps", "beta_deg"))
+        found = table.loads(rpm * np.pi / 30.0, speed, np.radians(beta))
+        assert float(row["thrust_N"]) == pytest.approx(found.thrust, rel=1e-4, abs=1e-6)
+        assert row["status"] == found.status
+        still = table.loads(rpm * np.pi / 30.0, 0.0, 0.0)
+        assert float(row["hover_thrust_N"]) == pytest.approx(still.thrust, rel=1e-4)
+    hover = rows_of(tmp_path / "out" / "table-hover.csv")
+    assert all(abs(float(r["thrust_error_share"])) < 1e-6 for r in hover if r["speed_mps"] == "0")
+
+
+def test_tables_that_are_not_certified_or_do_not_hold(run: Run, tmp_path: Path) -> None:
+    invented().save("map.npz")
+    assert run("report", "map.npz", "-o", "out").code == 0
+    assert "As a copy of the model: not known" in page_of(tmp_path / "out")
+    certified(holds=False).save("map.npz")
+    assert run("report", "map.npz", "-o", "out").code == 0
+    assert "As a copy of the model: no." in page_of(tmp_path / "out")
+
+
+def test_a_report_on_another_thing_replaces_the_folder(run: Run, tmp_path: Path) -> None:
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "fit-check.csv").write_text("old")
+    certified().save("map.npz")
+    assert run("report", "map.npz", "-o", "out").code == 0
+    assert not (tmp_path / "out" / "fit-check.csv").exists()
+
+
+def told_of_a_fit(kind: str) -> dict[str, Any]:
+    """The least that a fit file must tell for a report."""
+    omega, speed = np.full(4, 500.0), np.array([0.0, 3.0, 6.0, 9.0])
+    errors = {"rows": 4, "rms": 0.1, "bias": 0.0, "worst": 0.2, "hover_rms": 0.4}
+    whole = {"unit": "N", "relative_rms": 0.05, "cross_validated_rms": 0.1, "by_speed": {}}
+    interval = {"value": 5.0, "low_95": 4.0, "high_95": 6.0, "lower": 0.5, "upper": 12.0}
+    return {
+        "kind": kind,
+        "propmap": "0.1.0",
+        "data": [{"catalogue": "uiuc-8x6e"}],
+        "remarks": [],
+        "rows": 4,
+        "unsolved_rows": 0,
+        "free": ["c_l1"],
+        "parameters": {
+            "c_l1": {**interval, "unit": "1/rad", "verdict": "identified", "identified": True}
+        },
+        "covered": coverage(omega, speed, np.full(4, 1.5), 0.1),
+        "residuals": {"thrust": {**errors, **whole}},
+        "covariance": [[0.04]],
+        "correlation": [[1.0]],
+        "singular_values": [1.0],
+        "starts": [{"minimum": 1}],
+    }
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["absent.toml"], "no such file"),
+        (["absent.npz"], "no such file"),
+        (["map.csv"], "give a fit (.toml) or a table (.npz)"),
+        (["set.toml"], "there is no table [fit]"),
+        (["old.toml"], "does not say which operating points its data cover"),
+        (["damaged.toml"], "the table [fit] is damaged"),
+        (["bad.npz"], "no table, or a damaged one"),
+        (["map.npz", "--data", "tunnel.csv"], "--data and --vehicle are for fits"),
+        (["whole.toml", "--data", "absent.csv"], "neither a file nor a measurement"),
+        (["whole.toml", "--vehicle", "vehicle.toml"], "name them with --data"),
+        (["flown.toml", "--data", "level.csv"], "add --vehicle FILE"),
+        (["map.npz", "-o", "taken"], "holds 'mine.txt', which this command does not write"),
+        (["map.npz", "-o", "no/out"], "there is no folder"),
+    ],
+)
+def test_what_cannot_be_reported_is_told_in_one_line(
+    run: Run, tmp_path: Path, arguments: list[str], message: str
+) -> None:
+    invented().save("map.npz")
+    (tmp_path / "bad.npz").write_bytes((tmp_path / "map.npz").read_bytes()[:500])
+    (tmp_path / "set.toml").write_text(airfoil("paper-apc").to_toml())
+    (tmp_path / "old.toml").write_text(fit_text())
+    whole = fit_text(**told_of_a_fit("tunnel"))
+    (tmp_path / "whole.toml").write_text(whole)
+    (tmp_path / "damaged.toml").write_text(re.sub(r"typical_rpm = .*", "typical_rpm = -1.0", whole))
+    (tmp_path / "flown.toml").write_text(fit_text(**told_of_a_fit("level flight")))
+    (tmp_path / "vehicle.toml").write_text(VEHICLE)
+    (tmp_path / "level.csv").write_text(LEVEL)
+    (tmp_path / "map.csv").write_text("a,b\n")
+    (tmp_path / "taken").mkdir()
+    (tmp_path / "taken" / "mine.txt").write_text("mine")
+    before = sorted(tmp_path.iterdir())
+    to = [] if "-o" in arguments else ["-o", "out"]
+    done = run("report", *arguments, *to)
+    assert done.code == 2 and done.out == ""
+    assert message in done.err and done.err.count("\n") == 1 and "Traceback" not in done.err
+    assert sorted(tmp_path.iterdir()) == before

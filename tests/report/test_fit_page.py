@@ -1,0 +1,142 @@
+"""The page on a fit: what it concludes, and what its bands are."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import propmap
+from propmap.identify.fit_record import FitRecord
+from propmap.identify.result_file import FitFile
+from propmap.report.fit_page.curves import load_curves
+from propmap.report.fit_page.data import data_section
+from propmap.report.fit_page.judgement import lead
+from propmap.report.fit_page.parameter_draws import DRAWS, drawn_changes, held
+from propmap.report.page import Points, Table, Text, Verdict
+
+from .fit_records import covered, load, parameter, record
+
+
+def verdict(fit: FitRecord) -> Verdict:
+    first = lead(fit)[0]
+    assert isinstance(first, Verdict)
+    return first
+
+
+@pytest.mark.parametrize(
+    ("rms", "hover", "crossed", "level"),
+    [
+        (0.02, 0.3, 0.022, "good"),
+        (0.06, 0.3, 0.061, "caution"),
+        (0.2, 0.5, 0.21, "bad"),
+        (0.02, 0.3, 0.08, "caution"),
+        (0.04, 0.03, 0.04, "caution"),
+    ],
+    ids=["good", "with care", "no", "follows the noise", "hover is no worse"],
+)
+def test_the_verdict_follows_the_errors(
+    rms: float, hover: float, crossed: float, level: str
+) -> None:
+    assert verdict(record(loads=[load("thrust", rms, hover, crossed)])).level == level
+
+
+def test_the_worst_load_decides() -> None:
+    loads = [load("thrust", 0.02, 0.3, 0.02), load("torque", 0.3, 0.6, 0.3)]
+    found = verdict(record(loads=loads))
+    assert found.level == "bad" and found.word == "No"
+    assert "thrust within 2 %" in found.text and "torque within 30 %" in found.text
+    assert "0.0 to 9.0 m/s, 4000 to 6000 rpm, β from 0° to 90°" in found.text
+
+
+def test_one_speed_is_never_trusted_alone() -> None:
+    blocks = lead(record(speed=(7.0, 7.5)))
+    assert verdict(record(speed=(7.0, 7.5))).level == "caution"
+    (points,) = (b for b in blocks if isinstance(b, Points))
+    assert "The data are from one speed" in points.items[0]
+
+
+def test_every_speed_has_its_own_answer() -> None:
+    (table,) = (b for b in lead(record()) if isinstance(b, Table))
+    # 1 % below 3 m/s, 8 % above 6: the whole is 2 %.
+    assert [row[-1] for row in table.rows] == ["Yes", "With care"]
+    assert table.rows[1][2] == "8 / 30"
+
+
+def test_what_was_not_fitted_is_said() -> None:
+    outside = lead(record())[1]
+    assert isinstance(outside, Verdict)
+    assert "torque and rotor drag and rolling moment" in outside.text
+    assert "factor of two" in outside.text
+    flown = lead(record(kind="flight", loads=[load("force_z", 0.02, 0.3)]))[1]
+    assert isinstance(flown, Verdict)
+    assert "torque and rolling moment were not measured" in flown.text
+
+
+def test_forces_are_compared_with_the_largest() -> None:
+    small = load("force_y", 0.04, 0.05)
+    across = type(small)(**{**vars(small), "measured_rms": 0.05})
+    # 80 % of next to nothing, 4 % of the weight.
+    found = record(kind="flight", loads=[across, load("force_z", 0.02, 0.3)])
+    assert verdict(found).level == "good"
+
+
+def test_angles_without_data_are_extrapolation() -> None:
+    sparse = covered(150.0, 0.2, points=0)
+    section = data_section(record(angles=[covered(0.0, 0.2), covered(90.0, 0.25), sparse])).section
+    told = section.blocks[-1]
+    assert isinstance(told, Text)
+    assert "advance ratios above 0.25" in told.text
+    assert "angles 30° to 60° and 120° to 180°" in told.text
+    at_rest = data_section(record(angles=[], at_rest=covered(0.0, 0.01))).section.blocks[-1]
+    assert isinstance(at_rest, Text) and "every speed above zero is extrapolation" in at_rest.text
+
+
+def test_draws_have_the_covariance_and_keep_to_the_bounds() -> None:
+    matrix = np.array([[0.04, 0.018], [0.018, 0.01]])
+    names, changes = drawn_changes(record(covariance=matrix))
+    assert names == ("c_l1", "c_d") and changes.shape == (DRAWS, 2)
+    np.testing.assert_allclose(np.cov(changes.T), matrix, rtol=0.25)
+    cornered = [parameter("c_l1", 5.0, 0.5, 12.0), parameter("c_d", 0.0, 0.0, 10.0)]
+    _, changes = drawn_changes(record(parameters=cornered, covariance=matrix))
+    assert changes[:, 1].min() >= 0.0
+    # Held back on one side, the other parameter follows by their correlation.
+    assert changes[:, 0].mean() > 0.05
+
+
+def test_what_the_data_say_nothing_of_is_held() -> None:
+    fit = record(covariance=np.diag([0.04, np.inf]))
+    names, changes = drawn_changes(fit)
+    assert names == ("c_l1",) and len(changes) == DRAWS and held(fit) == ["c_d"]
+    narrow = [parameter("c_l1", 5.0, 5.0 - 1e-9, 5.0 + 1e-9), *fit.parameters[1:]]
+    assert len(drawn_changes(record(parameters=narrow))[1]) == 0
+
+
+@pytest.mark.slow
+def test_a_band_is_what_the_derivative_makes_of_the_deviation() -> None:
+    law = propmap.airfoil("paper-apc")
+    value = law.c_l1
+    fit = record(
+        parameters=[parameter("c_l1", value, 0.5, 12.0)],
+        covariance=np.array([[0.01]]),
+        angles=[covered(80.0, 0.25)],
+        at_rest=None,
+    )
+    file = FitFile(law, propmap.propeller("apc-8x6e"), propmap.Air(), {}, None, {})
+    found = load_curves(file, fit)
+    (edgewise,) = (c for c in found.curves if c.covered)
+    assert edgewise.low is not None and edgewise.high is not None
+    tip = found.omega * found.radius
+    assert edgewise.covered == pytest.approx((0.01 * tip, 0.25 * tip))
+    assert found.speed[-1] == pytest.approx(1.25 * 0.25 * tip)
+    k = 20
+    pair = [
+        propmap.Rotor(file.propeller, law.with_parameters(c_l1=c)).loads(
+            found.omega, found.speed[k], edgewise.beta
+        )
+        for c in (value - 0.1, value + 0.1)
+    ]
+    half = 1.96 * abs(float(pair[1].thrust - pair[0].thrust)) / 2.0
+    width = edgewise.high["thrust"][k] - edgewise.low["thrust"][k]
+    assert width == pytest.approx(2.0 * half, rel=0.2)
+    assert (edgewise.low["thrust"] <= edgewise.loads["thrust"]).all()
+    assert (edgewise.high["thrust"] >= edgewise.loads["thrust"]).all()
