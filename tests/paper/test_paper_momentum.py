@@ -83,14 +83,30 @@ def test_windmill_branch_is_monotone_and_continuous(v_inplane: float) -> None:
 
 @pytest.mark.parametrize("v_inplane", STEEP)
 def test_beyond_the_turn_the_falling_stretch_of_equation_10_is_mirrored(v_inplane: float) -> None:
-    # The same curve made another way: the sum of the rises of (10), each without its sign.
+    # The same curve made another way: the sum of the rises of (10), each without its sign,
+    # averaged with the parabola that this is in axial flow.
     v_i = np.linspace(-5.0, 20.0, 200001)
     literal = glauert(-10.0, v_inplane, v_i)
     climbed = literal[0] + np.concatenate([[0.0], np.cumsum(np.abs(np.diff(literal)))])
+    turn = min(np.roots([2.0, -30.0, 100.0 + v_inplane**2]).real)
+    parabola = glauert(-10.0, v_inplane, np.array(turn)) + 4.0 * np.pi * Y * (v_i - turn) ** 2
+    share = 1.0 - 8.0 * (v_inplane / 10.0) ** 2
+    expected = np.where(v_i > turn, share * parabola + (1.0 - share) * climbed, literal)
     got = wake(windmill_annulus_thrust, -10.0, v_inplane, v_i)
     # A turning point lies between two grid points: about 4 pi y 1e-4 m/s times the slope's
     # change over a step; where the disk is becalmed (10) has a kink, which is on the grid.
-    np.testing.assert_allclose(got, climbed, atol=1e-6)
+    np.testing.assert_allclose(got, expected, atol=1e-6)
+
+
+@pytest.mark.parametrize("v_inplane", [0.1, 1.0, 2.0])
+def test_thrust_goes_on_rising_where_the_disk_is_becalmed(v_inplane: float) -> None:
+    # (10) is flat there, at the larger root; a flat place of the wake's thrust would give the
+    # residual of (11) a second hump and branches of its own.
+    becalmed = max(np.roots([2.0, -30.0, 100.0 + v_inplane**2]).real)
+    around = becalmed + np.array([-1e-4, 1e-4])
+    rise = np.diff(wake(windmill_annulus_thrust, -10.0, v_inplane, around))[0] / 2e-4
+    share = 1.0 - 8.0 * (v_inplane / 10.0) ** 2
+    assert rise == pytest.approx(4.0 * np.pi * Y * 10.0 * share**1.5, rel=1e-2)
 
 
 def test_thrust_coefficients_at_half_and_full_induction() -> None:

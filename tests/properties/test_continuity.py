@@ -68,34 +68,43 @@ def test_loads_do_not_jump_with_the_section_parameters(name: str, speed: float) 
     assert _largest_jump(thrust / thrust[60]) < 1e-4
 
 
-@pytest.mark.parametrize("beta_deg", [180.0, 175.0, 165.0, 150.0, 120.0, 100.0])
+LARGEST = {180.0: 1e-2, 178.0: 1e-2, 100.0: 0.04}
+"""Largest step of thrust over no distance, per static thrust, where it is not 1e-3.
+
+At 178 and 180 deg two of the blade's last attached stretches, or the gap between them, are shorter
+than the search can tell at single speeds.  At 100 deg, past an advance ratio of 0.24, stall is
+not followed any more: that is fast forward flight, not the windmill state."""
+DESCENTS = [180.0, 178.0, 175.0, 170.0, 165.0, 155.0, 150.0, 145.0, 135.0, 120.0, 100.0]
+
+
+@pytest.mark.parametrize("beta_deg", DESCENTS)
 def test_thrust_is_continuous_from_hover_through_vortex_ring_into_windmill(
     rotor: Rotor, beta_deg: float
 ) -> None:
-    """Zooming in on the steepest step makes it small.
+    """Zooming in on the steepest steps, and on those that stand out, makes them small.
 
-    Not to nothing: past 2 v_h of descent the last attached stretch of the blade shrinks to
-    zero with an infinite slope, and a stretch shorter than the search's grid along the blade
-    is lost at once, which is worth up to 4 % of static thrust at one speed.
+    Past 2 v_h of descent the attached stretches of the blade, one or two, shrink to nothing
+    like a square root, so that the slope of the thrust has no bound; but it does not step.
     """
     beta = np.deg2rad(beta_deg)
-    speed = np.linspace(0.0, 24.0, 961)
+    speed = np.linspace(0.0, 24.0, 4801)
     loads = rotor.loads(600.0, speed, beta)
     static = float(rotor.loads(600.0, 0.0, 0.0).thrust)
     assert np.isfinite(loads.thrust).all()
     assert (loads.thrust > 0.0).all()
-    worst = int(np.argmax(np.abs(np.diff(loads.thrust))))
-    low, high = speed[worst], speed[worst + 1]
-    rise = np.inf
-    for _ in range(3):
-        fine = np.linspace(low, high, 65)
-        thrust = rotor.loads(600.0, fine, beta).thrust / static
-        k = int(np.argmax(np.abs(np.diff(thrust))))
-        low, high = fine[k], fine[k + 1]
-        rise = abs(thrust[k + 1] - thrust[k])
-    assert rise < 0.04
+    step = np.abs(np.diff(loads.thrust)) / static
+    stands_out = np.zeros_like(step)
+    stands_out[1:-1] = step[1:-1] - np.maximum(step[:-2], step[2:])
+    k = np.union1d(np.argsort(step)[-8:], np.argsort(stands_out)[-8:])
+    low, high, each = speed[k], speed[k + 1], np.arange(k.size)
+    for _ in range(5):
+        fine = low[:, None] + (high - low)[:, None] * np.linspace(0.0, 1.0, 17)
+        step = np.abs(np.diff(rotor.loads(600.0, fine, beta).thrust, axis=1)) / static
+        k = np.argmax(step, axis=1)
+        low, high = fine[each, k], fine[each, k + 1]
+    assert np.max(step) < LARGEST.get(beta_deg, 1e-3)
     slow = speed[:-1] < 1.9 * float(rotor.hover_inflow(600.0))
-    assert np.max(np.abs(np.diff(loads.thrust))[slow]) < 0.02 * static
+    assert np.max(np.abs(np.diff(loads.thrust))[slow]) < 0.004 * static
     if beta_deg >= 165.0:
         assert "vortex_ring" in loads.status
         assert "windmill" in loads.status

@@ -2,10 +2,36 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
+
+
+class Quadratic(NamedTuple):
+    """A sum of squares |slopes x - target|^2 within bounds; slopes (R, P), target (R,), lower,
+    upper (P,)."""
+
+    slopes: Floats
+    target: Floats
+    lower: Floats
+    upper: Floats
+
+    def profile(self, k: int, value: float) -> tuple[float, Floats]:
+        """The least sum of squares with parameter k at ``value``, and x (P,) there."""
+        from scipy.optimize import lsq_linear
+
+        rest = np.arange(self.lower.size) != k
+        wanted = self.target - self.slopes[:, k] * value
+        x = np.full(self.lower.size, value)
+        if not rest.any():
+            return float(wanted @ wanted), x
+        bounds = (self.lower[rest], self.upper[rest])
+        inside = lsq_linear(self.slopes[:, rest], wanted, bounds, "bvls")
+        x[rest] = inside.x
+        return 2.0 * float(inside.cost), x
 
 
 def bounded_intervals(
@@ -26,23 +52,16 @@ def bounded_intervals(
     """
     from scipy.optimize import brentq, lsq_linear
 
-    target = root @ centre
-
-    def least(k: int, value: float) -> float:
-        rest = np.arange(centre.size) != k
-        wanted = target - root[:, k] * value
-        if not rest.any():
-            return float(wanted @ wanted)
-        inside = lsq_linear(root[:, rest], wanted, (lower[rest], upper[rest]), "bvls")
-        return 2.0 * float(inside.cost)
-
-    best = lsq_linear(root, target, (lower, upper), "bvls")
+    squares = Quadratic(root, root @ centre, lower, upper)
+    best = lsq_linear(root, squares.target, (lower, upper), "bvls")
     allowed = 2.0 * float(best.cost) + quantile**2
     ends = np.empty((2, centre.size))
     for k, middle in enumerate(best.x):
         for side, bound in enumerate((lower[k], upper[k])):
-            past = bound == middle or least(k, bound) <= allowed
+            past = bound == middle or squares.profile(k, bound)[0] <= allowed
             ends[side, k] = (
-                bound if past else brentq(lambda v, k=k: least(k, v) - allowed, middle, bound)
+                bound
+                if past
+                else brentq(lambda v, k=k: squares.profile(k, v)[0] - allowed, middle, bound)
             )
     return ends[0], ends[1]

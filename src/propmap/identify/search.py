@@ -60,8 +60,11 @@ class Minimum:
     unsolved: int
 
 
-class _Evaluator:
-    """Residuals and derivatives together, kept for the x asked for last."""
+class Evaluator:
+    """Residuals and derivatives together, kept for the x asked for last.
+
+    rows, choice : of the fit.  error : see ``search``.
+    """
 
     def __init__(self, rows: Rows, choice: Choice, error: float) -> None:
         self.rows, self.choice, self.error, self.count = rows, choice, error, 0
@@ -73,6 +76,7 @@ class _Evaluator:
         self.unsolved = 0
 
     def at(self, x: Floats) -> tuple[Floats, Floats]:
+        """Residuals (M,) as shares of their scales and derivatives (M, P), without priors."""
         if self._x is None or not np.array_equal(x, self._x):
             self.count += 1
             rows = self.rows
@@ -86,6 +90,7 @@ class _Evaluator:
         return self._residual, self._slope
 
     def residual(self, x: Floats) -> Floats:
+        """The same with priors' residuals below."""
         prior = (x[self.prior_index] - self.prior_mean) / self.prior_deviation
         return np.concatenate([self.at(x)[0], self.error * prior])
 
@@ -104,6 +109,7 @@ class _Evaluator:
         return np.stack(columns, axis=1)
 
     def jacobian(self, x: Floats) -> Floats:
+        """Derivatives of ``residual``."""
         prior = np.zeros((self.prior_index.size, x.size))
         prior[np.arange(self.prior_index.size), self.prior_index] = 1.0 / self.prior_deviation
         return np.concatenate([self.at(x)[1], self.error * prior])
@@ -146,7 +152,7 @@ def search(
             f"{used} measured numbers for {len(choice.free)} free parameters",
             "give more data or free fewer parameters",
         )
-    evaluator = _Evaluator(rows, choice, error)
+    evaluator = Evaluator(rows, choice, error)
     bounds = (choice.column("lower"), choice.column("upper"))
 
     def run(

@@ -8,15 +8,18 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.identify.bounded_interval import bounded_intervals
+from propmap.identify.bounded_interval import Quadratic, bounded_intervals
 from propmap.identify.parameters import Choice
 from propmap.identify.rows import Rows
-from propmap.identify.search import NOISE_FLOOR, Minimum
+from propmap.identify.search import NOISE_FLOOR, Evaluator, Minimum
 
 Floats = NDArray[np.float64]
 
 AT_BOUND = 1e-6
 """Distance from a bound, in spreads, within which a parameter is held by it."""
+
+LARGEST_STRETCH = 4.0
+"""Of an interval, where the model bends; by then the parameter is no longer identified."""
 
 NEGLIGIBLE = 1e-6
 """Singular value, relative to the largest, below which data say nothing of a direction: its
@@ -90,7 +93,9 @@ def uncertainty(rows: Rows, choice: Choice, found: Minimum) -> Uncertainty:
     centre = x / spread - known.inverse @ np.where(held, uphill, 0.0)
     quantile = float(student.ppf(0.975, freedom))
     low, high = bounded_intervals(centre, known.root, lower / spread, upper / spread, quantile)
-    low, high = np.minimum(low * spread, x), np.maximum(high * spread, x)
+    ends = np.stack([np.minimum(low, x / spread), np.maximum(high, x / spread)])
+    narrow = np.flatnonzero(~held & (ends[1] - ends[0] <= 1.0))
+    low, high = _stretched(ends, narrow, rows, choice, found) * spread
     singular = np.linalg.svd(slopes, compute_uv=False)
     scale = np.where(deviation > 0.0, deviation, 1.0)
     with np.errstate(invalid="ignore"):
@@ -110,6 +115,39 @@ def uncertainty(rows: Rows, choice: Choice, found: Minimum) -> Uncertainty:
         tuple(good for _, good in judged),
         error,
     )
+
+
+def _stretched(
+    ends: Floats, narrow: NDArray[np.intp], rows: Rows, choice: Choice, found: Minimum
+) -> Floats:
+    """Ends (2, P) of intervals, in spreads, moved outwards where the model bends.
+
+    At an end, with the other parameters where the linear model has the least sum of squares,
+    the model is evaluated and made linear anew.  If its least sum of squares there exceeds the
+    minimum's by less than the first linear model had it, the end is too near.
+    narrow : indices of the parameters whose ends are looked at.
+    """
+    spread, lower, upper = (choice.column(a) for a in ("spread", "lower", "upper"))
+    x, residual, slopes = found.x / spread, found.residual, found.slopes * spread
+    bounds = (lower / spread, upper / spread)
+    first = Quadratic(slopes, slopes @ x - residual, *bounds)
+    evaluator = Evaluator(rows, choice, NOISE_FLOOR)
+    moved = ends.copy()
+    for k in narrow:
+        for side in range(2):
+            end = float(ends[side, k])
+            foreseen, there = first.profile(k, end)
+            if end == bounds[side][k] or foreseen <= residual @ residual:
+                continue
+            r, j = evaluator.at(there * spread)
+            j = j * spread
+            least, _ = Quadratic(j, j @ there - r, *bounds).profile(k, end)
+            at_minimum = float(residual @ residual)
+            share = (least - at_minimum) / (foreseen - at_minimum)
+            stretch = max(1.0, max(share, LARGEST_STRETCH**-2) ** -0.5)
+            further = x[k] + stretch * (end - x[k])
+            moved[side, k] = min(max(further, bounds[0][k]), bounds[1][k])
+    return moved
 
 
 def _standard_error(residual: Floats, share: float) -> float:

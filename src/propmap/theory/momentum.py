@@ -14,7 +14,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from propmap.theory.parameters import Array
-from propmap.theory.velocities import floored_norm
+from propmap.theory.velocities import SPEED_FLOOR, floored_norm
 
 
 def annulus_thrust(radius: Array, v_axial: Array, v_inplane: Array, inflow: Array) -> Array:
@@ -36,7 +36,10 @@ def windmill_annulus_thrust(
     which the far wake stands still (V cos(beta) + 2 v_i = 0 in axial flow), falls to where
     the disk itself is becalmed, and rises again: momentum theory does not hold beyond the
     first turning point.  Here the falling stretch is mirrored so that the thrust goes on
-    rising.  Up to the turning point this is (10) unchanged.  Beyond it, in axial flow,
+    rising.  Up to the turning point this is (10) unchanged.  Beyond it, in axial flow, the
+    mirrored curve is the parabola 4 pi y (v_i - first)^2 above the turning point; in oblique
+    flow the two are averaged, from the parabola alone in axial flow to (10) alone at 19.5 deg,
+    in proportion to 1 - 8 tan^2 of the angle.  In terms of
     C_T = 1 + 4 (a - 1/2)^2 with a = v_i / |V cos(beta)|, which ends at C_T = 2 for a = 1
     as does the empirical turbulent-wake curve of Buhl, NREL/TP-500-36834, 2005.  Shallower
     than 19.5 deg there is no falling stretch and nothing is changed.
@@ -49,7 +52,13 @@ def windmill_annulus_thrust(
     here = annulus_thrust(radius, v_axial, v_inplane, inflow)
     mirrored = 2.0 * at_first - here
     beyond = here + 2.0 * (at_first - at_second)
-    return jnp.where(inflow <= first, here, jnp.where(inflow <= second, mirrored, beyond))
+    past = jnp.where(inflow <= second, mirrored, beyond)
+    # Oblique flow leaves (10) flat where the disk is becalmed, at ``second``; mirrored, that would
+    # make a second hump in (11) and branches of its own.  The parabola has no such place.
+    parabola = at_first + 4.0 * np.pi * radius * (inflow - first) ** 2
+    axial = 4.0 * (second - first) ** 2 / jnp.maximum(v_axial**2, SPEED_FLOOR**2)
+    past = axial * parabola + (1.0 - axial) * past
+    return jnp.where(inflow <= first, here, past)
 
 
 def is_mirrored(v_axial: Array, v_inplane: Array, inflow: Array) -> Array:

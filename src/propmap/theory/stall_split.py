@@ -21,9 +21,11 @@ import jax
 import jax.numpy as jnp
 from jax import lax
 
+from propmap.theory.hump_by_slopes import hump_by_slopes
 from propmap.theory.inflow import InflowQuestion, residual, residual_slope
 from propmap.theory.parameters import Array
-from propmap.theory.stall_hump import hump_before_stall, inflow_at_angle, stall_side
+from propmap.theory.stall_hump import Hump, hump_before_stall, inflow_at_angle, stall_side
+from propmap.theory.stall_islands import Sight, find_zeros, look_closer
 from propmap.theory.velocities import AzimuthNodes
 
 GRID = 20
@@ -47,8 +49,8 @@ AskAt = Callable[[Array], InflowQuestion]
 class Crossing(NamedTuple):
     """Where the hump passes zero, to within the grid; all (E, B) for E edges.
 
-    radius [m] and inflow [m/s] by interpolation; spacing : of the grid [m], zero where
-    there is no crossing and radius is one of ``DEFAULT_EDGES``.
+    radius [m] and inflow [m/s] by interpolation; spacing [m]: about how well the radius is
+    known, zero where there is no crossing and radius is one of ``DEFAULT_EDGES``.
     """
 
     radius: Array
@@ -99,14 +101,13 @@ class Survey(NamedTuple):
     several: Array
 
 
-def hump_crossings(
-    ask_at: AskAt, root: Array, tip: Array, edges: int, azimuth: AzimuthNodes
-) -> tuple[Crossing, Survey]:
-    """The first ``edges`` radii at which the hump passes zero."""
-    t = jnp.linspace(0.0, 1.0 - 1e-6, GRID)[:, None]
-    ask = ask_at(root + (tip - root) * t)
-    stall = stall_side(ask_at((root + 0.6 * (tip - root))[None, None]), ask.at.section.alpha_0)
-    hump = hump_before_stall(ask, stall, azimuth)
+def _even_zeros(radius: Array, hump: Hump, count: int) -> tuple[Array, Array, Array]:
+    """The first ``count`` zeros of the hump's height at even spacing, all (count, B).
+
+    Whether there is one, its radius [m] and the inflow [m/s] there.
+    """
+    root, span = radius[0], radius[-1] - radius[0]
+    t = (radius - root) / span
     place, height, extreme = _at_extremes(t * jnp.ones_like(hump.height), hump.height)
     v = hump.inflow
     changes = jnp.sign(height[:-1]) * jnp.sign(height[1:]) < 0.0
@@ -115,19 +116,53 @@ def hump_crossings(
     # From an extreme the hump falls off like a parabola, elsewhere like a line.
     share = jnp.where(extreme[:-1], jnp.sqrt(share), share)
     share = jnp.where(extreme[1:] & ~extreme[:-1], 1.0 - jnp.sqrt(1.0 - share), share)
-    radius = root + (tip - root) * (place[:-1] + share * jnp.diff(place, axis=0))
+    at = root + span * (place[:-1] + share * jnp.diff(place, axis=0))
     inflow = v[:-1] + share * jnp.diff(v, axis=0)
     picked = []
-    for default in DEFAULT_EDGES[:edges]:
+    for _ in range(count):
         k = jnp.argmax(changes, axis=0)[None]
-        some, y, v_i = (jnp.take_along_axis(a, k, axis=0) for a in (changes, radius, inflow))
-        home = root + default * (tip - root)
-        spacing = jnp.where(some, (tip - root) / GRID, 0.0)
-        picked.append((jnp.where(some, y, home), jnp.where(some, v_i, 0.0), spacing))
+        picked.append([jnp.take_along_axis(a, k, axis=0)[0] for a in (changes, at, inflow)])
         changes = changes & (jnp.arange(changes.shape[0])[:, None] != k)
-    near = Crossing(*(jnp.concatenate(parts) for parts in zip(*picked, strict=True)))
-    survey = Survey(
-        root + (tip - root) * t, hump.height, stall + hump.behind, jnp.any(hump.folded, axis=0)
+    some, y, v_i = (jnp.stack(parts) for parts in zip(*picked, strict=True))
+    return some, y, v_i
+
+
+def hump_crossings(
+    ask_at: AskAt, root: Array, tip: Array, edges: int, azimuth: AzimuthNodes
+) -> tuple[Crossing, Survey]:
+    """The first ``edges`` radii at which the hump passes zero."""
+    radius = root + (tip - root) * jnp.linspace(0.0, 1.0 - 1e-6, GRID)[:, None]
+    ask = ask_at(radius)
+    stall = stall_side(ask_at((root + 0.6 * (tip - root))[None, None]), ask.at.section.alpha_0)
+    islands = edges == len(DEFAULT_EDGES)
+    find_hump = hump_by_slopes if islands else hump_before_stall
+    hump = find_hump(ask, stall, azimuth)
+    survey = Survey(radius, hump.height, stall + hump.behind, jnp.any(hump.folded, axis=0))
+
+    def sight_of(radii: Array, found: Hump) -> Sight:
+        # At the hump's top, by the envelope theorem, only the radius itself counts.
+        step = -1e-6 * radii
+        along = residual(ask_at(radii + step), found.inflow, azimuth)
+        slope = (along - residual(ask_at(radii), found.inflow, azimuth)) / step
+        return Sight(radii * jnp.ones_like(slope), found.height, found.inflow, slope)
+
+    def look(radii: Array) -> Sight:
+        return sight_of(radii, find_hump(ask_at(radii), stall, azimuth))
+
+    spacing = (tip - root) / GRID
+    if islands:
+        zeros = find_zeros(look_closer(sight_of(radius, hump), look, edges), edges)
+        some, y, v, known, _ = (jnp.stack(parts) for parts in zip(*zeros, strict=True))
+        # Half way to the next zero at most, lest the search for one ends at the other.
+        gap = jnp.where(some[:-1] & some[1:], jnp.diff(y, axis=0), jnp.inf)
+        gap = jnp.pad(gap, ((1, 1), (0, 0)), constant_values=jnp.inf)
+        spacing = jnp.minimum(spacing, 0.25 * jnp.minimum(gap[:-1], gap[1:]))
+        spacing = jnp.where(known, jnp.minimum(spacing, 1e-4 * y), spacing)
+    else:
+        some, y, v = _even_zeros(radius, hump, edges)
+    home = root + (tip - root) * jnp.asarray(DEFAULT_EDGES[:edges])[:, None]
+    near = Crossing(
+        jnp.where(some, y, home), jnp.where(some, v, 0.0), jnp.where(some, spacing, 0.0)
     )
     return near, survey
 
