@@ -50,7 +50,7 @@ def page_of(folder: Path) -> str:
     inside = {base64.b64decode(t) for t in re.findall(r"svg\+xml;base64,([^\"]+)\"", html)}
     assert inside == {path.read_bytes() for path in folder.glob("*.svg")}
     assert not [a for a in re.findall(r'(?:src|href)="([^"]*)"', html) if a.startswith("http")]
-    text = re.sub(r"base64,[^\"]+", "", html)
+    text = re.sub(r"base64,[^\"]+", "", html).replace("\N{NO-BREAK SPACE}", " ")
     assert "nan" not in re.findall(r"\w+", text.lower())
     # A CSV goes with every figure.
     assert {p.stem for p in folder.glob("*.svg")} <= {p.stem for p in folder.glob("*.csv")}

@@ -44,8 +44,9 @@ def test_the_worst_load_decides() -> None:
     loads = [load("thrust", 0.02, 0.3, 0.02), load("torque", 0.3, 0.6, 0.3)]
     found = verdict(record(loads=loads))
     assert found.level == "bad" and found.word == "No"
-    assert "thrust within 2 %" in found.text and "torque within 30 %" in found.text
-    assert "0.0 to 9.0 m/s, 4000 to 6000 rpm, β from 0° to 90°" in found.text
+    text = found.text.replace("\N{NO-BREAK SPACE}", " ")
+    assert "thrust within 2 %" in text and "torque within 30 %" in text
+    assert "0.0 to 9.0 m/s, 4000 to 6000 rpm, β from 0° to 90°" in text
 
 
 def test_one_speed_is_never_trusted_alone() -> None:

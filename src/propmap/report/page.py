@@ -153,8 +153,8 @@ def number(value: float | None, digits: int = 3) -> str:
 
 
 def percent(share: float) -> str:
-    """A share as per cent, to two figures."""
-    return f"{number(100.0 * share, 2)} %"
+    """A share as per cent, to two figures, in one piece."""
+    return f"{number(100.0 * share, 2)}\N{NO-BREAK SPACE}%"
 
 
 def _is_number(text: str) -> bool:
