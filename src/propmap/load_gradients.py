@@ -12,7 +12,7 @@ import numpy as np
 
 from propmap.blocks import BLOCK, Block, cut, padded_azimuths, run
 from propmap.evaluation import Prepared, advance_ratio
-from propmap.schedule import Accuracy, Floats, plan
+from propmap.schedule import Accuracy, Floats, may_leave_islands, plan
 from propmap.theory.loads import disk_loads
 from propmap.theory.momentum import static_inflow
 from propmap.theory.parameters import Blade, Medium, Section
@@ -53,7 +53,8 @@ def load_gradients(
         v_hover[down], v_hover_slope[:, down] = v[where], slope[:, where]
     everyone = np.arange(omega.size)
     advance = advance_ratio(rotor, omega, v_inplane)
-    jobs = plan(setting, advance, np.ones(omega.size, bool), down, everyone)
+    islands = may_leave_islands(v_axial, v_hover)
+    jobs = plan(setting, advance, np.ones(omega.size, bool), islands, everyone)
     loads = np.full((len(LOADS), omega.size), np.nan)
     slopes = np.full((len(LOADS), len(names), omega.size), np.nan)
     flow = (omega, v_axial, v_inplane, v_hover)

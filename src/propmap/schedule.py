@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from propmap.errors import InputError
 from propmap.theory.parameters import Resolution
+from propmap.theory.wake_state import WINDMILL_BELOW
 
 Floats = NDArray[np.float64]
 
@@ -21,7 +22,7 @@ FOLLOW_BELOW = 0.24
 that following it along the blade gains nothing."""
 
 ISLAND_PANELS = 5
-"""Panels in descent, where attached flow may be left on two stretches of the blade."""
+"""Panels on the windmill branch, where attached flow may be left on two stretches of the blade."""
 
 REVERSED_ABOVE = 0.3
 """Advance ratio above which the reversed flow on the retreating side asks for as many nodes as
@@ -101,14 +102,14 @@ def plan(
     setting: Accuracy,
     advance: Floats,
     stalls: NDArray[np.bool_],
-    descends: NDArray[np.bool_],
+    islands: NDArray[np.bool_],
     points: NDArray[np.intp],
 ) -> list[Job]:
     """Sort points into jobs.
 
     advance : V sin(beta)/(Omega R) [-] (N,), infinite at rest.  stalls : where some of the
-    blade may stall (N,).  descends : where V cos(beta) < 0 (N,): attached flow may then be left
-    on two stretches of the blade, which have four edges to follow.
+    blade may stall (N,).  islands : ``may_leave_islands`` (N,): two stretches of attached flow
+    have four edges to follow.
     points : indices of these N points in the batch.
     """
     limits = np.array([limit for limit, _ in setting.azimuths])
@@ -118,15 +119,24 @@ def plan(
     spread = (stalls & ~follow) | (advance > REVERSED_ABOVE)
     stations = np.where(follow, setting.stalled, np.where(spread, setting.fast, setting.free))
     jobs = []
-    kinds = np.stack([azimuths, follow, stations, follow & descends], axis=1)
+    kinds = np.stack([azimuths, follow, stations, follow & islands], axis=1)
     for kind in np.unique(kinds, axis=0):
-        count, followed, nodes, islands = (int(k) for k in kind)
+        count, followed, nodes, four = (int(k) for k in kind)
         mine = (kinds == kind).all(axis=1)
         panels = Resolution(stations=nodes, follow_stall=bool(followed)).panels
-        if islands:
+        if four:
             panels = (nodes // ISLAND_PANELS + 2,) * ISLAND_PANELS
         jobs.append(Job(points[mine], panels, count))
     return jobs
+
+
+def may_leave_islands(v_axial: Floats, v_hover: Floats) -> NDArray[np.bool_]:
+    """Where attached flow may be left on two stretches of the blade, (N,): the windmill branch.
+
+    v_axial = V cos(beta), v_hover : static inflow (12), (N,) [m/s].  In slower descent the
+    vortex ring's inflow rules, or the in-plane flow keeps the blade attached.
+    """
+    return np.asarray(v_axial < np.minimum(WINDMILL_BELOW * v_hover, 0.0))
 
 
 def may_stall(

@@ -1,6 +1,6 @@
-"""Where attached stretches of the blade begin and end in descent, however short they are.
+"""Where attached stretches of the blade begin and end in fast descent, however short they are.
 
-In descent the hump of ``stall_hump`` may rise above zero on several stretches of the blade,
+There the hump of ``stall_hump`` may rise above zero on several stretches of the blade,
 which merge, or shrink to nothing, within a few per mille of speed.  Radii at even spacing miss
 the short ones, and the thrust steps when one is lost.  So the look along the blade goes on
 where it matters: at the zeros of the hump's height, and at extremes that may hide two zeros
@@ -17,7 +17,7 @@ from jax import lax
 
 from propmap.theory.parameters import Array
 
-ROUNDS = 8
+ROUNDS = 10
 """Rounds of further radii."""
 
 EXTREMES = 3
@@ -28,26 +28,32 @@ APART = 1e-6
 nothing: differences over less are rounding errors."""
 
 
+CLOSE = 1e-4
+"""Distance, relative to the radius, at which a zero that is known is closed in from both sides."""
+
+
 class Sight(NamedTuple):
     """What is known of the hump along the blade, by rising radius; all (T, B).
 
     radius [m], infinite where an entry is unused; height [m^3/s^2] of the hump, NaN where
-    unknown; inflow [m/s] there.
+    unknown; inflow [m/s] there; slope [m^2/s^2] of the height along the blade.
     """
 
     radius: Array
     height: Array
     inflow: Array
+    slope: Array
 
 
 class Zero(NamedTuple):
-    """Where the height passes zero, (B,): whether it does, radius [m], inflow [m/s], and whether
-    the radius is known by now."""
+    """Where the height passes zero, (B,): whether it does, radius [m], inflow [m/s], whether the
+    radius is known by now, and the next radius to look at [m], infinite if there is none."""
 
     some: Array
     radius: Array
     inflow: Array
     known: Array
+    further: Array
 
 
 def look_closer(even: Sight, look: Callable[[Array], Sight], zeros: int) -> Sight:
@@ -58,20 +64,16 @@ def look_closer(even: Sight, look: Callable[[Array], Sight], zeros: int) -> Sigh
     """
     more = zeros + EXTREMES
     unused = jnp.full((ROUNDS * more, even.radius.shape[1]), jnp.inf)
-    begin = Sight(
-        *(
-            jnp.concatenate([a, b])
-            for a, b in zip(even, (unused, jnp.nan * unused, 0.0 / unused), strict=True)
-        )
-    )
+    blank = (unused, jnp.nan * unused, 0.0 / unused, 0.0 / unused)
+    begin = Sight(*(jnp.concatenate([a, b]) for a, b in zip(even, blank, strict=True)))
     size = begin.radius.shape[0]
 
     def closer(_: int, sight: Sight) -> Sight:
-        wanted = [jnp.where(z.some & ~z.known, z.radius, jnp.inf) for z in find_zeros(sight, zeros)]
+        wanted = [zero.further for zero in find_zeros(sight, zeros)]
         radius = jnp.stack([*wanted, *_hidden_extremes(sight)])
         used = jnp.isfinite(radius)
         seen = look(jnp.where(used, radius, even.radius[:1]))
-        seen = Sight(radius, jnp.where(used, seen.height, jnp.nan), seen.inflow)
+        seen = seen._replace(radius=radius, height=jnp.where(used, seen.height, jnp.nan))
         both = [jnp.concatenate([a, b]) for a, b in zip(sight, seen, strict=True)]
         order = jnp.argsort(both[0], axis=0)[:size]
         return Sight(*(jnp.take_along_axis(a, order, axis=0) for a in both))
@@ -103,14 +105,14 @@ def find_zeros(sight: Sight, count: int) -> list[Zero]:
         root = jnp.sqrt(jnp.maximum(slope * slope - 4.0 * bend * before.height, 0.0))
         share = -2.0 * before.height / (slope + jnp.sign(rise) * root)
         share = jnp.clip(jnp.where(jnp.isfinite(share), share, 0.5), 0.0, 1.0)
-        found.append(
-            Zero(
-                some,
-                before.radius + share * jnp.where(some, width, 0.0),
-                before.inflow + share * (after.inflow - before.inflow),
-                jnp.minimum(share, 1.0 - share) * width < APART * before.radius,
-            )
-        )
+        radius = before.radius + share * jnp.where(some, width, 0.0)
+        inflow = before.inflow + share * (after.inflow - before.inflow)
+        known = jnp.minimum(share, 1.0 - share) * width < 0.1 * CLOSE * before.radius
+        # A zero that is known is closed in from its far side, so that no zeros hide there.
+        across = jnp.where(share < 0.5, CLOSE, -CLOSE) * radius
+        further = jnp.where(known, radius + across, radius)
+        some_left = some & (~known | (width > 2.0 * CLOSE * radius))
+        found.append(Zero(some, radius, inflow, known, jnp.where(some_left, further, jnp.inf)))
         changes = changes & (jnp.arange(changes.shape[0])[:, None] != k)
     return found
 
@@ -119,31 +121,41 @@ def _entry(sight: Sight, k: Array) -> Sight:
     """Entry k (1, B) of the sight, (B,); unknown outside."""
     last = sight.radius.shape[0] - 1
     inside = ((k >= 0) & (k <= last))[0]
-    y, h, v = (jnp.take_along_axis(a, jnp.clip(k, 0, last), axis=0)[0] for a in sight)
-    return Sight(y, jnp.where(inside, h, jnp.nan), v)
+    entry = Sight(*(jnp.take_along_axis(a, jnp.clip(k, 0, last), axis=0)[0] for a in sight))
+    return entry._replace(height=jnp.where(inside, entry.height, jnp.nan))
 
 
 def _hidden_extremes(sight: Sight) -> list[Array]:
-    """Radii (B,) [m] of extremes that may hide two zeros, by parabolas; infinite if unused.
+    """Radii (B,) [m] of extremes that may hide two zeros; infinite if unused.
 
-    They are the maxima below zero and the minima above it.
+    They are the maxima below zero and the minima above it of the cubics through heights and
+    slopes.
     """
-    y, h, _ = sight
-    left, right = h[1:-1] - h[:-2], h[2:] - h[1:-1]
-    hidden = (left * right <= 0.0) & ((right - left) * h[1:-1] > 0.0)
-    back, ahead = y[1:-1] - y[:-2], y[2:] - y[1:-1]
-    hidden = hidden & jnp.isfinite(ahead)
-    bend = (right / ahead - left / back) / (back + ahead)
-    slope = left / back + bend * back
-    shift = jnp.where(hidden, -0.5 * slope / jnp.where(bend == 0.0, jnp.inf, bend), 0.0)
-    shift = jnp.clip(shift, -0.9 * back, 0.9 * ahead)
-    hidden = hidden & (jnp.abs(shift) > APART * y[1:-1])
-    distance = jnp.where(hidden, jnp.abs(h[1:-1]), jnp.inf)
+    y, h, _, slope = sight
+    width = y[1:] - y[:-1]
+    start, end, rise = slope[:-1] * width, slope[1:] * width, h[1:] - h[:-1]
+    above = h[1:] > 0.0
+    hidden = ((h[:-1] > 0.0) == above) & jnp.isfinite(h[:-1] + h[1:])
+    # The cubic climbs by start + 2 b t + 3 c t^2; a minimum is where that has the slope +root.
+    c, b = start + end - 2.0 * rise, 3.0 * rise - 2.0 * start - end
+    square = b * b - 3.0 * c * start
+    root = jnp.sqrt(jnp.maximum(square, 0.0))
+    root = jnp.where(above, root, -root)
+    same = b * root > 0.0
+    share = jnp.where(same, -start, root - b) / jnp.where(
+        hidden, jnp.where(same, b + root, 3.0 * c), 1.0
+    )
+    hidden = hidden & (square > 0.0) & (share > 0.0) & (share < 1.0)
+    share = jnp.where(hidden, share, 0.5)
+    height = h[:-1] + share * (start + share * (b + share * c))
+    hidden = hidden & (jnp.minimum(share, 1.0 - share) * width > APART * y[:-1])
+    distance = jnp.where(hidden, jnp.where(above, height, -height), jnp.inf)
+    at = y[:-1] + share * jnp.where(hidden, width, 0.0)
     found = []
     for _ in range(EXTREMES):
         k = jnp.argmin(distance, axis=0)[None]
-        some, at = (jnp.take_along_axis(a, k, axis=0)[0] for a in (hidden, y[1:-1] + shift))
-        found.append(jnp.where(some, at, jnp.inf))
+        some, place = (jnp.take_along_axis(a, k, axis=0)[0] for a in (hidden, at))
+        found.append(jnp.where(some, place, jnp.inf))
         chosen = jnp.arange(hidden.shape[0])[:, None] == k
         distance, hidden = jnp.where(chosen, jnp.inf, distance), hidden & ~chosen
     return found

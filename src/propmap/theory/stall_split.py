@@ -24,7 +24,7 @@ from jax import lax
 from propmap.theory.hump_by_slopes import hump_by_slopes
 from propmap.theory.inflow import InflowQuestion, residual, residual_slope
 from propmap.theory.parameters import Array
-from propmap.theory.stall_hump import hump_before_stall, inflow_at_angle, stall_side
+from propmap.theory.stall_hump import Hump, hump_before_stall, inflow_at_angle, stall_side
 from propmap.theory.stall_islands import Sight, find_zeros, look_closer
 from propmap.theory.velocities import AzimuthNodes
 
@@ -68,22 +68,22 @@ class Fold(NamedTuple):
     found: Array
 
 
-def _at_extremes(sight: Sight) -> Sight:
-    """Move the entries that are local extremes to the extremes of parabolas.
+def _at_extremes(t: Array, height: Array) -> tuple[Array, Array, Array]:
+    """Move the samples (S, B) that are local extremes to the extremes of parabolas.
 
     So an attached stretch that is shorter than the spacing still shows as two crossings.
+    Also whether a sample is such an extreme.
     """
-    y, height = sight.radius, sight.height
     left, right = height[1:-1] - height[:-2], height[2:] - height[1:-1]
     extreme = left * right < 0.0
     bend = jnp.where(extreme, left - right, 1.0)
     shift = jnp.where(extreme, 0.5 * (left + right) / bend, 0.0)
     top = height[1:-1] + jnp.where(extreme, 0.125 * (left + right) ** 2 / bend, 0.0)
-    moved = y[1:-1] + shift * (y[2:] - y[:-2]) * 0.5
-    return Sight(
-        jnp.concatenate([y[:1], moved, y[-1:]]),
+    moved = t[1:-1] + shift * (t[2:] - t[:-2]) * 0.5
+    return (
+        jnp.concatenate([t[:1], moved, t[-1:]]),
         jnp.concatenate([height[:1], top, height[-1:]]),
-        sight.inflow,
+        jnp.pad(extreme, ((1, 1), (0, 0))),
     )
 
 
@@ -101,6 +101,32 @@ class Survey(NamedTuple):
     several: Array
 
 
+def _even_zeros(radius: Array, hump: Hump, count: int) -> tuple[Array, Array, Array]:
+    """The first ``count`` zeros of the hump's height at even spacing, all (count, B).
+
+    Whether there is one, its radius [m] and the inflow [m/s] there.
+    """
+    root, span = radius[0], radius[-1] - radius[0]
+    t = (radius - root) / span
+    place, height, extreme = _at_extremes(t * jnp.ones_like(hump.height), hump.height)
+    v = hump.inflow
+    changes = jnp.sign(height[:-1]) * jnp.sign(height[1:]) < 0.0
+    gap = jnp.where(changes, height[:-1] - height[1:], 1.0)
+    share = jnp.where(changes, height[:-1] / gap, 0.5)
+    # From an extreme the hump falls off like a parabola, elsewhere like a line.
+    share = jnp.where(extreme[:-1], jnp.sqrt(share), share)
+    share = jnp.where(extreme[1:] & ~extreme[:-1], 1.0 - jnp.sqrt(1.0 - share), share)
+    at = root + span * (place[:-1] + share * jnp.diff(place, axis=0))
+    inflow = v[:-1] + share * jnp.diff(v, axis=0)
+    picked = []
+    for _ in range(count):
+        k = jnp.argmax(changes, axis=0)[None]
+        picked.append([jnp.take_along_axis(a, k, axis=0)[0] for a in (changes, at, inflow)])
+        changes = changes & (jnp.arange(changes.shape[0])[:, None] != k)
+    some, y, v_i = (jnp.stack(parts) for parts in zip(*picked, strict=True))
+    return some, y, v_i
+
+
 def hump_crossings(
     ask_at: AskAt, root: Array, tip: Array, edges: int, azimuth: AzimuthNodes
 ) -> tuple[Crossing, Survey]:
@@ -108,25 +134,33 @@ def hump_crossings(
     radius = root + (tip - root) * jnp.linspace(0.0, 1.0 - 1e-6, GRID)[:, None]
     ask = ask_at(radius)
     stall = stall_side(ask_at((root + 0.6 * (tip - root))[None, None]), ask.at.section.alpha_0)
-    in_descent = edges == len(DEFAULT_EDGES)
-    find_hump = hump_by_slopes if in_descent else hump_before_stall
+    islands = edges == len(DEFAULT_EDGES)
+    find_hump = hump_by_slopes if islands else hump_before_stall
     hump = find_hump(ask, stall, azimuth)
     survey = Survey(radius, hump.height, stall + hump.behind, jnp.any(hump.folded, axis=0))
 
-    def look(radii: Array) -> Sight:
-        found = find_hump(ask_at(radii), stall, azimuth)
-        return Sight(radii, found.height, found.inflow)
+    def sight_of(radii: Array, found: Hump) -> Sight:
+        # At the hump's top, by the envelope theorem, only the radius itself counts.
+        step = -1e-6 * radii
+        along = residual(ask_at(radii + step), found.inflow, azimuth)
+        slope = (along - residual(ask_at(radii), found.inflow, azimuth)) / step
+        return Sight(radii * jnp.ones_like(slope), found.height, found.inflow, slope)
 
-    sight = Sight(radius * jnp.ones_like(hump.height), hump.height, hump.inflow)
-    sight = look_closer(sight, look, edges) if in_descent else _at_extremes(sight)
-    zeros = find_zeros(sight, edges)
-    some, y, v, known = (jnp.stack(parts) for parts in zip(*zeros, strict=True))
+    def look(radii: Array) -> Sight:
+        return sight_of(radii, find_hump(ask_at(radii), stall, azimuth))
+
+    spacing = (tip - root) / GRID
+    if islands:
+        zeros = find_zeros(look_closer(sight_of(radius, hump), look, edges), edges)
+        some, y, v, known, _ = (jnp.stack(parts) for parts in zip(*zeros, strict=True))
+        # Half way to the next zero at most, lest the search for one ends at the other.
+        gap = jnp.where(some[:-1] & some[1:], jnp.diff(y, axis=0), jnp.inf)
+        gap = jnp.pad(gap, ((1, 1), (0, 0)), constant_values=jnp.inf)
+        spacing = jnp.minimum(spacing, 0.25 * jnp.minimum(gap[:-1], gap[1:]))
+        spacing = jnp.where(known, jnp.minimum(spacing, 1e-4 * y), spacing)
+    else:
+        some, y, v = _even_zeros(radius, hump, edges)
     home = root + (tip - root) * jnp.asarray(DEFAULT_EDGES[:edges])[:, None]
-    # Half way to the next zero at most, lest the search for one ends at the other.
-    gap = jnp.where(some[:-1] & some[1:], jnp.diff(y, axis=0), jnp.inf)
-    gap = jnp.pad(gap, ((1, 1), (0, 0)), constant_values=jnp.inf)
-    spacing = jnp.minimum((tip - root) / GRID, 0.25 * jnp.minimum(gap[:-1], gap[1:]))
-    spacing = jnp.where(known, jnp.minimum(spacing, 1e-4 * y), spacing)
     near = Crossing(
         jnp.where(some, y, home), jnp.where(some, v, 0.0), jnp.where(some, spacing, 0.0)
     )
