@@ -11,13 +11,12 @@ ROOT = Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(ROOT), str(ROOT / "docs" / "extensions")]
 
 import propmap  # noqa: E402
-from tools import docs_figures, docs_pages, docs_reproduce  # noqa: E402
+from tools import docs_figures, docs_pages  # noqa: E402
 
 GENERATED = ROOT / "docs" / "generated"
 GENERATED.mkdir(exist_ok=True)
 docs_figures.write(GENERATED)
 docs_pages.write(GENERATED)
-docs_reproduce.write(GENERATED)
 
 # Cells run the command of this environment, with tables as wide as a page.
 os.environ["PATH"] = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
@@ -41,6 +40,7 @@ extensions = [
     "cell_magics",
     "house_docstrings",
     "mathml",
+    "reproduce_page",
 ]
 root_doc = "index"
 exclude_patterns = ["_build", "generated", "figures", "kernel"]

@@ -2,8 +2,8 @@
 
 Usage: python -m tools.docs_reproduce FOLDER
 
-The documentation's build calls ``write``: the page and its files go to FOLDER/site/reproduce, from
-where the build copies them beside its own pages; the tables for inclusion go to FOLDER.
+The page and its files go to FOLDER/site/reproduce, from where the documentation's build copies them
+beside its own pages; the tables for inclusion go to FOLDER.
 """
 
 from __future__ import annotations
@@ -27,15 +27,25 @@ DATA = {
 LOADS = {"thrust": "thrust", "torque": "torque", "drag": "rotor drag", "roll_moment": "roll moment"}
 
 
-def write(folder: Path) -> None:
-    """The command's files and the tables made of them."""
-    site = folder / "site" / "reproduce"
-    site.parent.mkdir(exist_ok=True)
-    subprocess.run(
-        [sys.executable, "-m", "propmap", "reproduce", "-o", str(site)],
-        check=True,
-        stdout=subprocess.DEVNULL,
-    )
+def folder_of_page(folder: Path) -> Path:
+    """Where the command's page goes."""
+    return folder / "site" / "reproduce"
+
+
+def start(folder: Path) -> subprocess.Popen[bytes]:
+    """Start the command, which takes about two minutes."""
+    site = folder_of_page(folder)
+    site.parent.mkdir(parents=True, exist_ok=True)
+    command = [sys.executable, "-m", "propmap", "reproduce", "-o", str(site)]
+    return subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+
+
+def finish(process: subprocess.Popen[bytes], folder: Path) -> None:
+    """Wait for the command, and make the tables of its files."""
+    _, told = process.communicate()
+    if process.returncode:
+        raise RuntimeError(f"propmap reproduce failed: {told.decode(errors='replace')}")
+    site = folder_of_page(folder)
     tables = {
         "reproduce-identified": identified(read(site / "table-1-identified.csv")),
         "reproduce-failures": failures(read(site / "figure-6-failure-speeds.csv")),
@@ -134,4 +144,5 @@ def _table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 
 
 if __name__ == "__main__":
-    write(Path(sys.argv[1]))
+    target = Path(sys.argv[1])
+    finish(start(target), target)

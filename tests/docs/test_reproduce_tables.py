@@ -6,7 +6,7 @@ from tools import docs_reproduce
 
 
 def cells(table: str) -> list[list[str]]:
-    return [[c.strip() for c in line.strip("| ").split("|")] for line in table.splitlines()]
+    return [[c.strip() for c in line.split("|")[1:-1]] for line in table.splitlines()]
 
 
 def test_errors_name_data_and_load_once() -> None:
