@@ -141,11 +141,8 @@ def test_an_envelope_of_jumps_alone_is_refused(rotor: propmap.Rotor) -> None:
 
 
 @pytest.mark.slow
-def test_a_thin_feature_between_wide_cells_narrows_them(rotor: propmap.Rotor) -> None:
-    """The five parameters fitted to the UIUC's rows: a jump of thrust along a line near 89 deg.
-
-    Smooth elsewhere, so that cells begin wide, and those on the line are a sixth of all.
-    """
+def test_a_fit_without_lift_after_stall_gets_a_table(rotor: propmap.Rotor) -> None:
+    """The five parameters fitted to the UIUC's rows: loads bend sharply along a line near 89 deg."""
     law = rotor.airfoil.with_parameters(
         c_l1=4.31846, c_l2=0.0, c_d=1.19066, alpha_0=0.362326, zero_lift_angle=-0.0912194
     )
@@ -160,7 +157,6 @@ def test_a_thin_feature_between_wide_cells_narrows_them(rotor: propmap.Rotor) ->
     told = table.certificate
     assert told["holds"]
     assert told["unresolved_volume"] < 0.02
-    assert told["unresolved_max_error"]["thrust"] > 0.02
 
 
 def test_a_rotor_without_static_thrust_is_refused(rotor: propmap.Rotor) -> None:
