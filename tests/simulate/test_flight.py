@@ -88,21 +88,21 @@ def test_bad_sampling(points: FlightLog, dwell: float, rate: float) -> None:
         fly(points, dwell=dwell, rate=rate)
 
 
-def test_intervals_shrink_with_flights_and_precision(
+def test_deviations_shrink_with_flights_and_precision(
     vehicle: Vehicle, airfoil: propmap.Airfoil, points: FlightLog
 ) -> None:
-    def half(log: FlightLog, error: float) -> np.ndarray:
+    def deviation(log: FlightLog, error: float) -> np.ndarray:
         found = expectation(vehicle, airfoil, log, error=error).uncertainty
-        return np.asarray(found.high - found.low) / 2.0
+        return np.sqrt(np.diag(found.covariance))
 
-    once = half(points, 0.01)
+    once = deviation(points, 0.01)
     many = trim(vehicle, airfoil, np.linspace(0.5, 14.5, 48))
-    ratio = half(many, 0.01) / once
+    ratio = deviation(many, 0.01) / once
     # The square root of four times as many, and less as fewer degrees of freedom are lost.
     assert (ratio < 0.75).all()
-    assert half(points, 0.02) == pytest.approx(2.0 * once)
+    assert deviation(points, 0.02) == pytest.approx(2.0 * once)
     # Loads are not known better than to 0.1 %.
-    assert half(points, 0.0) == pytest.approx(0.1 * once)
+    assert deviation(points, 0.0) == pytest.approx(0.1 * once)
 
 
 def test_verdicts(vehicle: Vehicle, airfoil: propmap.Airfoil, points: FlightLog) -> None:
