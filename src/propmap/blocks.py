@@ -18,7 +18,10 @@ BLOCK = 32
 enough to stay in the processor's cache."""
 
 LARGE_BLOCK = 128
-"""The same where many points are evaluated alike, to spread what a step costs at any size."""
+"""The same in large batches, to spread what a step costs at any size."""
+
+LARGE_BATCH = 2048
+"""Operating points from which on it pays to compile programs for large blocks as well."""
 
 
 class Block(NamedTuple):
@@ -35,7 +38,10 @@ class Block(NamedTuple):
 
 
 def cut(jobs: Sequence[Job], small: int = BLOCK, large: int = LARGE_BLOCK) -> list[Block]:
-    """Jobs cut into blocks of ``small`` or ``large`` points; a single point stays alone."""
+    """Jobs cut into blocks of ``small`` points, or ``large`` ones too in a large batch; a single
+    point stays alone."""
+    if sum(job.points.size for job in jobs) < LARGE_BATCH:
+        large = small
     blocks = []
     for job in jobs:
         points = job.points

@@ -25,6 +25,11 @@ BLOCK = 8
 units, and a fit's few points per number of azimuth nodes leave less of a block unused."""
 
 
+DIRECTIONS = 8
+"""Parameters for which programs are compiled.  With fewer, some directions go along idle: they
+fill the vector units as well as fewer would, and other parameters need no other program."""
+
+
 class LoadGradients(NamedTuple):
     """Loads (4, N) in the order of ``LOADS`` [N], [N], [N m], [N m], NaN where not found, and
     their derivatives (4, P, N) per unit of each parameter."""
@@ -47,14 +52,16 @@ def load_gradients(
     Stall is followed wherever the advance ratio allows, foreseen or not: one program less to
     compile, at a higher cost per point.
     """
-    v_hover, v_hover_slope = np.zeros_like(omega), np.zeros((len(names), omega.size))
+    ways = _directions(names)
+    v_hover, v_hover_slope = np.zeros_like(omega), np.zeros((len(ways), omega.size))
     down = v_axial < 0.0
     if down.any():
         rates, where = np.unique(omega[down], return_inverse=True)
         still = np.zeros_like(rates)
         static = load_gradients(rotor, setting, names, rates, still, still)
         v, slope = _static_inflow(rotor, static)
-        v_hover[down], v_hover_slope[:, down] = v[where], slope[:, where]
+        v_hover[down] = v[where]
+        v_hover_slope[: len(names), down] = slope[:, where]
     everyone = np.arange(omega.size)
     advance = advance_ratio(rotor, omega, v_inplane)
     islands = may_leave_islands(v_axial, v_hover)
@@ -68,12 +75,13 @@ def load_gradients(
         most = setting.most_azimuths
         nodes = azimuth_nodes(1) if count == 1 else padded_azimuths(count, most)
         with jax.enable_x64(True):
-            program = _program(block.job.panels, names)
+            program = _program(block.job.panels)
             moving = v_hover_slope[:, which]
-            found = program(*rotor.on_device, *(a[which] for a in flow), moving, nodes)
+            found = program(*rotor.on_device, *(a[which] for a in flow), ways, moving, nodes)
             values, derivatives = (np.asarray(a) for a in found)
         loads[:, kept] = values[:, : kept.size]
-        slopes[:, :, kept] = derivatives.transpose(1, 0, 2)[:, :, : kept.size]
+        by_name = derivatives[: len(names)].transpose(1, 0, 2)
+        slopes[:, :, kept] = by_name[:, :, : kept.size]
 
     run(cut(jobs, BLOCK, BLOCK), one)
     return LoadGradients(loads, slopes)
@@ -93,8 +101,16 @@ def _static_inflow(rotor: Prepared, static: LoadGradients) -> tuple[Floats, Floa
     return v, per_thrust * slope
 
 
+def _directions(names: tuple[str, ...]) -> Floats:
+    """One row per parameter, 1 at its place in ``Section``; then idle rows of zeros."""
+    ways = np.zeros((max(DIRECTIONS, len(names)), len(Section._fields)))
+    for row, name in enumerate(names):
+        ways[row, Section._fields.index(name)] = 1.0
+    return ways
+
+
 @functools.cache
-def _program(panels: tuple[int, ...], names: tuple[str, ...]) -> Callable[..., Any]:
+def _program(panels: tuple[int, ...]) -> Callable[..., Any]:
     def with_slopes(
         blade: Blade,
         section: Section,
@@ -103,21 +119,20 @@ def _program(panels: tuple[int, ...], names: tuple[str, ...]) -> Callable[..., A
         v_axial: Any,
         v_inplane: Any,
         v_hover: Any,
+        directions: Any,
         v_hover_slope: Any,
         azimuth: AzimuthNodes,
     ) -> Any:
         def loads(values: Any, v_hover: Any) -> Any:
-            law = section._replace(**dict(zip(names, values, strict=True)))
             flow = (omega, v_axial, v_inplane, v_hover)
-            found = disk_loads(blade, law, medium, *flow, panels, azimuth)
+            found = disk_loads(blade, Section(*values), medium, *flow, panels, azimuth)
             return jnp.stack([getattr(found, name) for name in LOADS])
 
-        values = jnp.stack([jnp.asarray(getattr(section, name)) for name in names])
+        values = jnp.stack([jnp.asarray(value) for value in section])
 
         def along(direction: Any, v_hover_change: Any) -> Any:
             return jax.jvp(loads, (values, v_hover), (direction, v_hover_change))
 
-        directions = jnp.eye(len(names))
         return jax.vmap(along, out_axes=(None, 0))(directions, v_hover_slope)
 
     return jax.jit(with_slopes)

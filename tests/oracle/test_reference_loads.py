@@ -25,7 +25,10 @@ def _loads(rotor: Rotor, want: dict[str, NDArray[np.float64]]) -> Loads:
     return rotor.loads_at_velocity(want["rpm"] * np.pi / 30.0, velocity)
 
 
-@pytest.mark.parametrize(("accuracy", "limit"), [("standard", 1e-3), ("fine", 1e-4)])
+@pytest.mark.parametrize(
+    ("accuracy", "limit"),
+    [("standard", 1e-3), pytest.param("fine", 1e-4, marks=pytest.mark.slow)],
+)
 @pytest.mark.parametrize("name", SETS)
 def test_loads_agree_with_the_reference(name: str, accuracy: str, limit: float) -> None:
     """0.1 % of static thrust and torque by default, 0.01 % with accuracy="fine"."""

@@ -20,7 +20,7 @@ from propmap.identify.hover_baseline import hover_force
 from propmap.identify.parameters import BODY, SECTION, WING, Choice
 from propmap.identify.rows import Rows
 from propmap.identify.tunnel import rotor_with
-from propmap.load_gradients import load_gradients
+from propmap.load_gradients import LOADS, load_gradients
 from propmap.schedule import accuracy
 from propmap.vehicle import Vehicle
 
@@ -73,12 +73,10 @@ class ForceModel:
         vehicle = self.vehicle
         rotor = rotor_with(vehicle.propeller, vehicle.air, self.base, values, self.setting)
         prepared: Prepared = prepare(rotor.theory)
-        # One derivative at least, so that there is one program.
-        asked = section or ("c_l1",)
         points = (flow.omega.ravel(), flow.axial.ravel(), flow.inplane.ravel())
-        found = load_gradients(prepared, self._law, asked, *points)
-        loads = found.loads.reshape(-1, *shape)
-        slopes = found.slopes.reshape(-1, len(asked), *shape)
+        found = load_gradients(prepared, self._law, section, *points)
+        loads = found.loads.reshape(len(LOADS), *shape)
+        slopes = found.slopes.reshape(len(LOADS), len(section), *shape)
         force = rotor_forces(flow, loads[0], loads[1])
         by_section = rotor_forces(flow, slopes[0], slopes[1])
         body, by_body = body_force(vehicle, self.log, values, free)

@@ -36,9 +36,12 @@ def hump_by_slopes(ask: InflowQuestion, stall: Array, azimuth: AzimuthNodes) -> 
     depth = jnp.where((v < at) & jnp.isfinite(value), value, jnp.inf)
     valley = jnp.argmin(depth, axis=0)
     speed = floored_norm(ask.at.omega * ask.at.radius, ask.at.v_inplane)
-    for half in CLOSER:
-        v = at + half * speed * jnp.asarray([1.0, 0.0, -1.0])[:, None, None]
-        at, height, top = _first_top(v, *lax.map(sample, v))
+
+    def closer(best: tuple[Array, Array, Array], half: Array) -> tuple[tuple[Array, ...], None]:
+        v = best[0] + half * speed * jnp.asarray([1.0, 0.0, -1.0])[:, None, None]
+        return _first_top(v, *lax.map(sample, v)), None
+
+    (at, height, top), _ = lax.scan(closer, (at, height, top), jnp.asarray(CLOSER))
     folded = top & (height > 0.0) & (jnp.min(depth, axis=0) < 0.0)
     return Hump(height, jnp.where(jnp.isfinite(at), at, 0.0), angles[valley], folded)
 

@@ -45,9 +45,9 @@ class Sight(NamedTuple):
     slope: Array
 
 
-class Zero(NamedTuple):
-    """Where the height passes zero, (B,): whether it does, radius [m], inflow [m/s], whether the
-    radius is known by now, and the next radius to look at [m], infinite if there is none."""
+class Zeros(NamedTuple):
+    """Where the height passes zero, all (E, B): whether it does, radius [m], inflow [m/s], whether
+    the radius is known by now, and the next radius to look at [m], infinite if there is none."""
 
     some: Array
     radius: Array
@@ -69,8 +69,7 @@ def look_closer(even: Sight, look: Callable[[Array], Sight], zeros: int) -> Sigh
     size = begin.radius.shape[0]
 
     def closer(_: int, sight: Sight) -> Sight:
-        wanted = [zero.further for zero in find_zeros(sight, zeros)]
-        radius = jnp.stack([*wanted, *_hidden_extremes(sight)])
+        radius = jnp.stack([*find_zeros(sight, zeros).further, *_hidden_extremes(sight)])
         used = jnp.isfinite(radius)
         seen = look(jnp.where(used, radius, even.radius[:1]))
         seen = seen._replace(radius=radius, height=jnp.where(used, seen.height, jnp.nan))
@@ -81,48 +80,46 @@ def look_closer(even: Sight, look: Callable[[Array], Sight], zeros: int) -> Sigh
     return lax.fori_loop(0, ROUNDS, closer, begin)
 
 
-def find_zeros(sight: Sight, count: int) -> list[Zero]:
+def find_zeros(sight: Sight, count: int) -> Zeros:
     """The first ``count`` zeros of the height, by a parabola through three radii each."""
     h = sight.height
     changes = ((h[:-1] < 0.0) != (h[1:] < 0.0)) & jnp.isfinite(h[:-1] + h[1:])
-    found = []
-    for _ in range(count):
-        k = jnp.argmax(changes, axis=0)[None]
-        some = jnp.take_along_axis(changes, k, axis=0)[0]
-        before, after = _entry(sight, k), _entry(sight, k + 1)
-        left, right = _entry(sight, k - 1), _entry(sight, k + 2)
-        width = after.radius - before.radius
-        # The third radius: the nearer one of the two neighbours.
-        nearer = before.radius - left.radius < right.radius - after.radius
-        nearer = (nearer & jnp.isfinite(left.height)) | ~jnp.isfinite(right.height)
-        third = Sight(*(jnp.where(nearer, a, b) for a, b in zip(left, right, strict=True)))
-        rise = after.height - before.height
-        reach = (third.radius - before.radius) / width
-        bend = ((third.height - before.height) / reach - rise) / (reach - 1.0)
-        bend = jnp.where(jnp.isfinite(bend), bend, 0.0)
-        # before + (rise - bend) t + bend t^2 has one zero between 0 and 1.
-        slope = rise - bend
-        root = jnp.sqrt(jnp.maximum(slope * slope - 4.0 * bend * before.height, 0.0))
-        share = -2.0 * before.height / (slope + jnp.sign(rise) * root)
-        share = jnp.clip(jnp.where(jnp.isfinite(share), share, 0.5), 0.0, 1.0)
-        radius = before.radius + share * jnp.where(some, width, 0.0)
-        inflow = before.inflow + share * (after.inflow - before.inflow)
-        known = jnp.minimum(share, 1.0 - share) * width < 0.1 * CLOSE * before.radius
-        # A zero that is known is closed in from its far side, so that no zeros hide there.
-        across = jnp.where(share < 0.5, CLOSE, -CLOSE) * radius
-        further = jnp.where(known, radius + across, radius)
-        some_left = some & (~known | (width > 2.0 * CLOSE * radius))
-        found.append(Zero(some, radius, inflow, known, jnp.where(some_left, further, jnp.inf)))
-        changes = changes & (jnp.arange(changes.shape[0])[:, None] != k)
-    return found
+    number = jnp.cumsum(changes, axis=0) * changes
+    which = [number == j for j in range(1, count + 1)]
+    some = jnp.stack([jnp.any(one, axis=0) for one in which])
+    k = jnp.stack([jnp.argmax(one, axis=0) for one in which])
+    before, after = _entries(sight, k), _entries(sight, k + 1)
+    left, right = _entries(sight, k - 1), _entries(sight, k + 2)
+    width = after.radius - before.radius
+    # The third radius: the nearer one of the two neighbours.
+    nearer = before.radius - left.radius < right.radius - after.radius
+    nearer = (nearer & jnp.isfinite(left.height)) | ~jnp.isfinite(right.height)
+    third = Sight(*(jnp.where(nearer, a, b) for a, b in zip(left, right, strict=True)))
+    rise = after.height - before.height
+    reach = (third.radius - before.radius) / width
+    bend = ((third.height - before.height) / reach - rise) / (reach - 1.0)
+    bend = jnp.where(jnp.isfinite(bend), bend, 0.0)
+    # before + (rise - bend) t + bend t^2 has one zero between 0 and 1.
+    slope = rise - bend
+    root = jnp.sqrt(jnp.maximum(slope * slope - 4.0 * bend * before.height, 0.0))
+    share = -2.0 * before.height / (slope + jnp.sign(rise) * root)
+    share = jnp.clip(jnp.where(jnp.isfinite(share), share, 0.5), 0.0, 1.0)
+    radius = before.radius + share * jnp.where(some, width, 0.0)
+    inflow = before.inflow + share * (after.inflow - before.inflow)
+    known = jnp.minimum(share, 1.0 - share) * width < 0.1 * CLOSE * before.radius
+    # A zero that is known is closed in from its far side, so that no zeros hide there.
+    across = jnp.where(share < 0.5, CLOSE, -CLOSE) * radius
+    further = jnp.where(known, radius + across, radius)
+    left_over = some & (~known | (width > 2.0 * CLOSE * radius))
+    return Zeros(some, radius, inflow, known, jnp.where(left_over, further, jnp.inf))
 
 
-def _entry(sight: Sight, k: Array) -> Sight:
-    """Entry k (1, B) of the sight, (B,); unknown outside."""
+def _entries(sight: Sight, k: Array) -> Sight:
+    """Entries k (E, B) of the sight, (E, B); unknown outside."""
     last = sight.radius.shape[0] - 1
-    inside = ((k >= 0) & (k <= last))[0]
-    entry = Sight(*(jnp.take_along_axis(a, jnp.clip(k, 0, last), axis=0)[0] for a in sight))
-    return entry._replace(height=jnp.where(inside, entry.height, jnp.nan))
+    inside = (k >= 0) & (k <= last)
+    found = Sight(*(jnp.take_along_axis(a, jnp.clip(k, 0, last), axis=0) for a in sight))
+    return found._replace(height=jnp.where(inside, found.height, jnp.nan))
 
 
 def _hidden_extremes(sight: Sight) -> list[Array]:

@@ -151,8 +151,8 @@ def hump_crossings(
 
     spacing = (tip - root) / GRID
     if islands:
-        zeros = find_zeros(look_closer(sight_of(radius, hump), look, edges), edges)
-        some, y, v, known, _ = (jnp.stack(parts) for parts in zip(*zeros, strict=True))
+        sight = look_closer(sight_of(radius, hump), look, edges)
+        some, y, v, known, _ = find_zeros(sight, edges)
         # Half way to the next zero at most, lest the search for one ends at the other.
         gap = jnp.where(some[:-1] & some[1:], jnp.diff(y, axis=0), jnp.inf)
         gap = jnp.pad(gap, ((1, 1), (0, 0)), constant_values=jnp.inf)
