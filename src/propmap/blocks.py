@@ -21,7 +21,8 @@ LARGE_BLOCK = 128
 """The same in large batches, to spread what a step costs at any size."""
 
 LARGE_BATCH = 2048
-"""Operating points from which on it pays to compile programs for large blocks as well."""
+"""Operating points from which on a batch is cut into large blocks.  A batch has one size, though
+its last points would fill a small block better: every size is another program to compile."""
 
 
 class Block(NamedTuple):
@@ -38,20 +39,16 @@ class Block(NamedTuple):
 
 
 def cut(jobs: Sequence[Job], small: int = BLOCK, large: int = LARGE_BLOCK) -> list[Block]:
-    """Jobs cut into blocks of ``small`` points, or ``large`` ones too in a large batch; a single
-    point stays alone."""
-    if sum(job.points.size for job in jobs) < LARGE_BATCH:
-        large = small
+    """Jobs cut into blocks of ``small`` points, or ``large`` in a large batch; a single point
+    stays alone."""
+    size = large if sum(job.points.size for job in jobs) >= LARGE_BATCH else small
     blocks = []
     for job in jobs:
-        points = job.points
-        if points.size == 1:
-            blocks.append(Block(job, points, 1))
+        if job.points.size == 1:
+            blocks.append(Block(job, job.points, 1))
             continue
-        while points.size:
-            size = large if points.size > large - small else small
-            blocks.append(Block(job, points[:size], size))
-            points = points[size:]
+        for start in range(0, job.points.size, size):
+            blocks.append(Block(job, job.points[start : start + size], size))
     return blocks
 
 

@@ -19,6 +19,9 @@ from propmap.theory.velocities import AzimuthNodes, floored_norm
 CLOSER = (0.012, 0.003)
 """Halves of the ranges [rad] about the best place so far that are looked at next."""
 
+Top = tuple[Array, Array, Array]
+"""v_i [m/s] and height [m^3/s^2] of a hump's top or shoulder, and whether it is a top; (S, B)."""
+
 
 def hump_by_slopes(ask: InflowQuestion, stall: Array, azimuth: AzimuthNodes) -> Hump:
     """The residual's hump about the angle ``stall`` (B,); see ``stall_hump.hump_before_stall``."""
@@ -37,7 +40,7 @@ def hump_by_slopes(ask: InflowQuestion, stall: Array, azimuth: AzimuthNodes) -> 
     valley = jnp.argmin(depth, axis=0)
     speed = floored_norm(ask.at.omega * ask.at.radius, ask.at.v_inplane)
 
-    def closer(best: tuple[Array, Array, Array], half: Array) -> tuple[tuple[Array, ...], None]:
+    def closer(best: Top, half: Array) -> tuple[Top, None]:
         v = best[0] + half * speed * jnp.asarray([1.0, 0.0, -1.0])[:, None, None]
         return _first_top(v, *lax.map(sample, v)), None
 
@@ -46,7 +49,7 @@ def hump_by_slopes(ask: InflowQuestion, stall: Array, azimuth: AzimuthNodes) -> 
     return Hump(height, jnp.where(jnp.isfinite(at), at, 0.0), angles[valley], folded)
 
 
-def _first_top(v: Array, value: Array, slope: Array) -> tuple[Array, Array, Array]:
+def _first_top(v: Array, value: Array, slope: Array) -> Top:
     """v_i and height of the hump's top or else of the shoulder, and whether it is a top; (S, B).
 
     v, value, slope : (K, S, B), with v falling.
