@@ -10,16 +10,21 @@ from __future__ import annotations
 
 import json
 import sys
+import tempfile
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 import propmap
 from benchmarks.results_file import RESULTS, machine, write_results
+from benchmarks.whole_process import whole_process
 from propmap.catalogue.measurements import measurement
+from propmap.flight.leaning import lean
+from propmap.flight_log import FlightLog
 from propmap.identify.comparison import compare_tunnel
 from propmap.identify.fitted import Settings, fit
 from propmap.identify.flight import ForceModel, level_rows
@@ -32,6 +37,7 @@ from propmap.vehicle import Mount, Vehicle
 
 SETS = ("paper-soft", "paper-stiff", "paper-apc")
 ARM, MASS = 0.2, 1.0
+PLACES = ((ARM, ARM, "cw"), (ARM, -ARM, "ccw"), (-ARM, ARM, "ccw"), (-ARM, -ARM, "cw"))
 SPEEDS = np.linspace(0.5, 14.5, 20)
 NOISE, REPETITIONS = 0.01, 200
 TUNNEL_SPEEDS = np.linspace(0.0, 9.5, 20)
@@ -40,8 +46,7 @@ TUNNEL_SIX = (*PAPER_FOUR, "zero_lift_angle", "c_d0")
 
 def quadrotor() -> Vehicle:
     """A 1 kg quadrotor with four APC 8x6E."""
-    places = ((ARM, ARM, "cw"), (ARM, -ARM, "ccw"), (-ARM, ARM, "ccw"), (-ARM, -ARM, "cw"))
-    mounts = tuple(Mount((x, y, 0.0), spin=spin) for x, y, spin in places)
+    mounts = tuple(Mount((x, y, 0.0), spin=spin) for x, y, spin in PLACES)
     return Vehicle("twin", MASS, propmap.propeller("apc-8x6e"), mounts)
 
 
@@ -125,7 +130,7 @@ def tunnel_twin(truth: propmap.Airfoil) -> TunnelData:
 
 
 def timing() -> dict[str, float]:
-    """Seconds of whole identifications once compiled."""
+    """Seconds of whole identifications, once compiled and as whole processes."""
     vehicle, truth = quadrotor(), propmap.airfoil("paper-apc")
     points = trim(vehicle, truth, SPEEDS)
     choice = Choice()
@@ -146,7 +151,27 @@ def timing() -> dict[str, float]:
     begin = time.perf_counter()
     fit(tunnel, six, Settings())
     found["tunnel_214_numbers_six_parameters_as_the_command_s"] = time.perf_counter() - begin
-    return found
+    whole = fit_as_a_process(points)
+    return found | {f"level_flights_whole_process_{cache}": s for cache, s in whole.items()}
+
+
+def fit_as_a_process(points: FlightLog) -> dict[str, float]:
+    """`propmap fit flight` from a table of level flights, as a whole process [s]."""
+    pitch, _ = lean(points.up)
+    rpm = points.rotor_speed * 30.0 / np.pi
+    table = np.column_stack([points.speed, np.degrees(pitch), rpm])
+    with tempfile.TemporaryDirectory() as folder:
+        flights, vehicle = Path(folder) / "flights.csv", Path(folder) / "vehicle.toml"
+        header = "speed_mps,pitch_deg,rpm_1,rpm_2,rpm_3,rpm_4"
+        np.savetxt(flights, table, delimiter=",", header=header, comments="")
+        rotors = [
+            f'[[rotors]]\nposition = [{x}, {y}, 0.0]\nspin = "{spin}"\n' for x, y, spin in PLACES
+        ]
+        head = f'schema = 1\nname = "twin"\nframe = "flu"\nmass = {MASS}\npropeller = "apc-8x6e"\n'
+        vehicle.write_text(head + "".join(rotors), encoding="utf-8")
+        fitted = str(Path(folder) / "fit.toml")
+        files = [str(flights), "--vehicle", str(vehicle), "-o", fitted]
+        return whole_process(["fit", "flight", *files], 1)
 
 
 def bundled(name: str) -> TunnelData:

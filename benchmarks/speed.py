@@ -6,11 +6,7 @@ within one run only: another run, or another machine, is another matter.
 
 from __future__ import annotations
 
-import os
 import statistics
-import subprocess
-import sys
-import tempfile
 import time
 from collections.abc import Callable
 from typing import Any
@@ -22,6 +18,7 @@ from numpy.typing import NDArray
 
 import propmap
 from benchmarks.results_file import machine, write_results
+from benchmarks.whole_process import whole_process
 from propmap.rotor import Rotor
 from propmap.theory.disk_inflow import Case, question
 from propmap.theory.inflow import residual, residual_slope
@@ -103,29 +100,6 @@ def element_nanoseconds(rotor: Rotor) -> dict[str, float]:
     return cost
 
 
-def process_seconds() -> dict[str, float]:
-    """Time of a whole ``propmap predict`` [s]: nothing compiled yet, and the same again."""
-    command = [sys.executable, "-m", "propmap", *PREDICT]
-
-    def run(folder: str) -> float:
-        # The command line's own settings of the cache, with another folder.
-        settings = {
-            "JAX_COMPILATION_CACHE_DIR": folder,
-            "JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS": "0.3",
-            "JAX_PERSISTENT_CACHE_MIN_ENTRY_SIZE_BYTES": "0",
-        }
-        start = time.perf_counter()
-        subprocess.run(command, env=os.environ | settings, check=True, stdout=subprocess.DEVNULL)
-        return time.perf_counter() - start
-
-    cold, warm = [], []
-    for _ in range(3):
-        with tempfile.TemporaryDirectory() as folder:
-            cold.append(run(folder))
-            warm.append(run(folder))
-    return {"empty_cache_s": statistics.median(cold), "warm_cache_s": statistics.median(warm)}
-
-
 def measure() -> dict[str, Any]:
     """All figures."""
     place = machine()
@@ -155,7 +129,7 @@ def measure() -> dict[str, Any]:
         "single_call_ms": single,
         "ns_per_element": element_nanoseconds(rotor),
         "design_notes_ns_per_element_on_another_machine": DESIGN_NOTES,
-        "process": process_seconds(),
+        "process": whole_process(PREDICT, 3),
         "ratios": ratios,
     }
 
