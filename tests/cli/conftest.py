@@ -10,6 +10,8 @@ import pytest
 import propmap
 from propmap.cli import main
 
+from .fit_inputs import QUICK, picked, tunnel_table
+
 # One regime of the solver (nothing axial, advance ratios above 0.3), so that the tests of this
 # folder share their compiled programs.
 RPM, SPEED, BETA = 4000.0, 14.0, 80.0
@@ -34,12 +36,26 @@ def _workplace(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("propmap.compilation.keep_compiled", lambda: None)
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def no_cache() -> Iterator[None]:
-    """The same for what a whole module shares."""
+    """The same for what tests share."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("propmap.compilation.keep_compiled", lambda: None)
         yield
+
+
+@pytest.fixture(scope="session")
+def tunnel_csv(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("fit") / "tunnel.csv"
+    path.write_text(tunnel_table(picked()))
+    return path
+
+
+@pytest.fixture(scope="session")
+def tunnel_fit(tunnel_csv: Path, no_cache: None) -> Path:  # noqa: ARG001
+    fit = tunnel_csv.with_name("tunnel_fit.toml")
+    assert main(["fit", "tunnel", "apc-8x6e", str(tunnel_csv), *QUICK, "-o", str(fit)]) == 0
+    return fit
 
 
 @pytest.fixture

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import tomllib
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 import propmap
 from propmap.catalogue.measurements import measurement
 
-from .conftest import Run
+if TYPE_CHECKING:
+    from .conftest import Run
 
 # One pair of free parameters, so that all fits here share their compiled programs.
 FREE = ("c_l1", "zero_lift_angle")

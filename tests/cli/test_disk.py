@@ -17,7 +17,7 @@ import pytest
 from propmap.export import TARGETS
 
 from .conftest import Outcome, Run
-from .test_export import invented
+from .invented_tables import invented
 
 
 @contextmanager

@@ -8,58 +8,17 @@ from typing import Any
 
 import numpy as np
 import pytest
-import tomli_w
 
 import propmap
 from propmap.table import LoadTable
-from propmap.table.content import TableContent
 
 from .conftest import Run
+from .invented_tables import fit_text, invented
 
 
 @pytest.fixture(autouse=True)
 def _map(tmp_path: Path) -> None:
     invented().save(tmp_path / "map.npz")
-
-
-def invented() -> LoadTable:
-    """Loads that grow with the advance ratio, without a model behind them."""
-    advance, beta = np.linspace(0.0, 0.4, 9), np.linspace(0.0, np.pi, 9)
-    loads = [0.016, 0.006, 0.002, 0.004] + advance[:, None, None] * np.ones((9, 1))
-    return LoadTable(
-        TableContent(
-            advance=advance,
-            beta=beta,
-            omega=np.array([200.0, 1000.0]),
-            speed=np.array([0.0, 8.0]),
-            coefficients=np.stack(2 * [loads.transpose(2, 0, 1)]),
-            cells=np.zeros((8, 8), np.uint8),
-            info={
-                "propeller": {"name": "invented", "radius_m": 0.1},
-                "air": {"density_kg_m3": 1.2, "viscosity_Pa_s": 1.8e-5},
-            },
-        )
-    )
-
-
-def fit_text(**further: Any) -> str:
-    """A fit file without what a fit would tell of itself; further : entries of its record."""
-    blade = propmap.propeller("apc-8x6e")
-    record = {
-        "propeller": {
-            "name": "mine",
-            "blades": 2,
-            "root": blade.root,
-            "station_m": blade.station.tolist(),
-            "chord_m": blade.chord.tolist(),
-            "twist_rad": blade.twist.tolist(),
-        },
-        "air": {"density": 1.1, "viscosity": 1.8e-5},
-        "body": {},
-        "wing": {},
-    }
-    law = propmap.airfoil("paper-apc").to_toml()
-    return law + "\n" + tomli_w.dumps({"fit": {**record, **further}})
 
 
 @pytest.fixture

@@ -13,7 +13,6 @@ import pytest
 
 import propmap
 from propmap.airfoil import airfoil
-from propmap.cli import main
 
 from .conftest import Run
 from .fit_inputs import (
@@ -23,24 +22,8 @@ from .fit_inputs import (
     UIUC,
     fit_record,
     fitted,
-    picked,
-    tunnel_table,
     uiuc_files,
 )
-
-
-@pytest.fixture(scope="module")
-def tunnel_csv(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    path = tmp_path_factory.mktemp("fit") / "tunnel.csv"
-    path.write_text(tunnel_table(picked()))
-    return path
-
-
-@pytest.fixture(scope="module")
-def tunnel_fit(tunnel_csv: Path, no_cache: None) -> Path:  # noqa: ARG001
-    fit = tunnel_csv.with_name("tunnel_fit.toml")
-    assert main(["fit", "tunnel", "apc-8x6e", str(tunnel_csv), *QUICK, "-o", str(fit)]) == 0
-    return fit
 
 
 def test_the_file_carries_what_repeats_the_fit(tunnel_fit: Path, tunnel_csv: Path) -> None:

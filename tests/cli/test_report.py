@@ -15,28 +15,13 @@ import pytest
 
 import propmap
 from propmap.airfoil import airfoil
-from propmap.cli import main
 from propmap.identify.coverage import coverage
 from propmap.report.report_files import FILES, PAGE
 from propmap.table import LoadTable
 
 from .conftest import Run
-from .fit_inputs import FREE, LEVEL, QUICK, VEHICLE, fit_record, picked, tunnel_table
-from .test_export import fit_text, invented
-
-
-@pytest.fixture(scope="module")
-def tunnel_csv(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    path = tmp_path_factory.mktemp("report") / "tunnel.csv"
-    path.write_text(tunnel_table(picked()))
-    return path
-
-
-@pytest.fixture(scope="module")
-def tunnel_fit(tunnel_csv: Path, no_cache: None) -> Path:  # noqa: ARG001
-    fit = tunnel_csv.with_name("mine.toml")
-    assert main(["fit", "tunnel", "apc-8x6e", str(tunnel_csv), *QUICK, "-o", str(fit)]) == 0
-    return fit
+from .fit_inputs import FREE, LEVEL, QUICK, VEHICLE, fit_record
+from .invented_tables import certificate, fit_text, invented
 
 
 def rows_of(path: Path) -> list[dict[str, str]]:
@@ -144,30 +129,11 @@ def test_a_fit_of_level_flights(run: Run, tmp_path: Path) -> None:
 def certified(**changed: object) -> LoadTable:
     """The invented table with a certificate, some cells marked."""
     content = invented().content
-    loads = ("thrust", "drag", "torque", "roll_moment")
     cells = content.cells.copy()
     cells[:, -1] = 1
     cells[1:3, 2:4] = 2
-    certificate = {
-        "tolerance": 0.005,
-        "points": 4096,
-        "seed": 1,
-        "max_error": dict.fromkeys(loads, 0.0021),
-        "rms_error": dict.fromkeys(loads, 0.0003),
-        "unresolved": 40,
-        "unresolved_cells": 4,
-        "unresolved_volume": 0.0098,
-        "unresolved_points": 1020,
-        "unresolved_max_error": dict.fromkeys(loads, 0.031),
-        "unresolved_rms_error": dict.fromkeys(loads, 0.01),
-        "vortex_ring": 300,
-        "no_value": 0,
-        "holds": True,
-        **changed,
-    }
-    return LoadTable(
-        replace(content, cells=cells, info={**content.info, "certificate": certificate})
-    )
+    told = {**certificate(unresolved_cells=4), "holds": True, **changed}
+    return LoadTable(replace(content, cells=cells, info={**content.info, "certificate": told}))
 
 
 def test_a_table(run: Run, tmp_path: Path) -> None:

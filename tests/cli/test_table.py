@@ -17,7 +17,7 @@ from propmap.section_covariance import SectionCovariance
 from propmap.table import LoadTable, build_table
 
 from .conftest import ROTOR, Run
-from .test_export import fit_text, invented
+from .invented_tables import certificate, fit_text, invented
 
 SMALL = ["--rpm", "4000:4400", "--speed", "14:16", "--beta", "75:90", "--tolerance", "5%"]
 
@@ -76,21 +76,6 @@ def _uncertain(covariance: SectionCovariance) -> LoadTable:
     """A table with a certificate, without a model behind it."""
     loads = ("thrust", "drag", "torque", "roll_moment")
     content = invented().content
-    certificate = {
-        "tolerance": 0.005,
-        "points": 4096,
-        "seed": 1,
-        "max_error": dict.fromkeys(loads, 0.0021),
-        "rms_error": dict.fromkeys(loads, 0.0003),
-        "unresolved": 40,
-        "unresolved_cells": 12,
-        "unresolved_volume": 0.0098,
-        "unresolved_points": 1020,
-        "unresolved_max_error": dict.fromkeys(loads, 0.031),
-        "unresolved_rms_error": dict.fromkeys(loads, 0.01),
-        "vortex_ring": 300,
-        "no_value": 0,
-    }
     parameters = {
         "parameters": list(covariance.determined.names),
         "not_counted": list(covariance.unknown),
@@ -98,7 +83,7 @@ def _uncertain(covariance: SectionCovariance) -> LoadTable:
         "median": dict.fromkeys(loads, 0.015),
         "percentile_95": dict.fromkeys(loads, 0.045),
     }
-    filed = {"certificate": certificate, "parameter_uncertainty": parameters}
+    filed = {"certificate": certificate(unresolved_cells=12), "parameter_uncertainty": parameters}
     filed["airfoil_covariance"] = covariance.as_dict()
     return LoadTable(replace(content, info={**content.info, **filed}))
 

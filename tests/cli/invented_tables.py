@@ -1,0 +1,72 @@
+"""Tables and fit files without a model behind them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import tomli_w
+
+import propmap
+from propmap.table import LoadTable
+from propmap.table.content import TableContent
+
+
+def invented() -> LoadTable:
+    """Loads that grow with the advance ratio, without a model behind them."""
+    advance, beta = np.linspace(0.0, 0.4, 9), np.linspace(0.0, np.pi, 9)
+    loads = [0.016, 0.006, 0.002, 0.004] + advance[:, None, None] * np.ones((9, 1))
+    return LoadTable(
+        TableContent(
+            advance=advance,
+            beta=beta,
+            omega=np.array([200.0, 1000.0]),
+            speed=np.array([0.0, 8.0]),
+            coefficients=np.stack(2 * [loads.transpose(2, 0, 1)]),
+            cells=np.zeros((8, 8), np.uint8),
+            info={
+                "propeller": {"name": "invented", "radius_m": 0.1},
+                "air": {"density_kg_m3": 1.2, "viscosity_Pa_s": 1.8e-5},
+            },
+        )
+    )
+
+
+def fit_text(**further: Any) -> str:
+    """A fit file without what a fit would tell of itself; further : entries of its record."""
+    blade = propmap.propeller("apc-8x6e")
+    record = {
+        "propeller": {
+            "name": "mine",
+            "blades": 2,
+            "root": blade.root,
+            "station_m": blade.station.tolist(),
+            "chord_m": blade.chord.tolist(),
+            "twist_rad": blade.twist.tolist(),
+        },
+        "air": {"density": 1.1, "viscosity": 1.8e-5},
+        "body": {},
+        "wing": {},
+    }
+    law = propmap.airfoil("paper-apc").to_toml()
+    return law + "\n" + tomli_w.dumps({"fit": {**record, **further}})
+
+
+def certificate(unresolved_cells: int) -> dict[str, Any]:
+    """A certificate that holds at 0.5 %, with some cells that have a bound of their own."""
+    loads = ("thrust", "drag", "torque", "roll_moment")
+    return {
+        "tolerance": 0.005,
+        "points": 4096,
+        "seed": 1,
+        "max_error": dict.fromkeys(loads, 0.0021),
+        "rms_error": dict.fromkeys(loads, 0.0003),
+        "unresolved": 40,
+        "unresolved_cells": unresolved_cells,
+        "unresolved_volume": 0.0098,
+        "unresolved_points": 1020,
+        "unresolved_max_error": dict.fromkeys(loads, 0.031),
+        "unresolved_rms_error": dict.fromkeys(loads, 0.01),
+        "vortex_ring": 300,
+        "no_value": 0,
+    }
