@@ -19,29 +19,28 @@ from jax import lax
 
 from propmap.theory import blade_element, momentum
 from propmap.theory.blade_element import Annulus
+from propmap.theory.inflow_bounds import (
+    SAFE_TOLERANCE,
+    find_bounds,
+    largest_curvature,
+    safe_step,
+)
 from propmap.theory.parameters import Array
-from propmap.theory.section_law import largest_lift, sharpest_lift, steepest_lift
-from propmap.theory.velocities import AzimuthNodes, floored_norm
+from propmap.theory.section_law import largest_lift
+from propmap.theory.velocities import AzimuthNodes
 
 MAX_STEPS = 1000
 """Steps after which an unfinished root is given up; ordinary roots take about seven, roots
 beside a fold up to thirty, beside the kink of (10) in slow axial descent some hundreds."""
 
-SAFE_TOLERANCE = 1e-7
-"""Size of a safe step, relative to the speeds at hand, after which Newton's steps follow."""
-
 NEWTON_TOLERANCE = 1e-9
-"""Size of a Newton step, likewise, after which the root is taken as found."""
+"""Size of a Newton step, relative to the speeds at hand, after which the root is taken as found."""
+
+LEFT_OVER = 1e-12
+"""The same for what a Newton step leaves, by the curvature: most steps of 1e-7 are the last."""
 
 NEWTON_STEPS = 4
 """Newton steps at most.  Only at a double root are they used up."""
-
-GUESS_MARGIN = 1.03
-"""Factor on the lift in the guess, so that it lies above the root as a rule: alpha exceeds
-sin(alpha) by 2 % at stall."""
-
-GUESS_STEPS = 4
-"""Newton steps to the guess, which need no blade elements."""
 
 GATHER_FROM = 3000
 """Lanes, stations times operating points, from which it pays to gather the slow ones."""
@@ -85,141 +84,6 @@ def residual_slope(
     return thrust - wake, slope - wake_slope
 
 
-class _Bounds(NamedTuple):
-    """Bounds of one equation (11), constant during its solution."""
-
-    half: Array  # N_b c / 2 [m]
-    friction: Array
-    speed: Array  # root mean square of U_T over azimuth [m/s]
-    start: Array  # v_i above which there is no root [m/s]
-    fall: Array  # of the lift, per U [-]
-    bend: Array  # of lift and drag, anywhere [-]
-    mild_bend: Array  # of lift and drag, where no element is near stall [-]
-    mild_from: Array  # the stretch of v_i where none is [m/s]
-    mild_to: Array
-    guess: Array  # v_i above which there is no root if (11) is negative and falls there [m/s]
-
-
-def _bounds(at: Annulus) -> _Bounds:
-    law = at.section
-    half = 0.5 * at.blades * at.chord
-    speed = floored_norm(at.omega * at.radius, at.v_inplane / np.sqrt(2.0))
-    lift = largest_lift(law)
-    # With u = V cos(beta) + v_i >= 0 the blade gives at most half*C_L*(speed^2 + u*speed)
-    # and the momentum at least 4 pi y v_i u; they meet at the root of a quadratic.
-    k = half * lift / (4.0 * np.pi * at.radius)
-    b = at.v_axial + k * speed
-    start = 0.5 * (b + jnp.sqrt(b * b + 4.0 * k * speed**2)) - at.v_axial
-    start = start * (1.0 + 1e-9) + 1e-9 * (speed + jnp.abs(at.v_axial)) * (at.chord > 0.0)
-    mild_from, mild_to = _unstalled_stretch(at)
-    mild = lift + 5.0 * law.c_d + 3.0 * law.c_d0
-    bend = mild + sharpest_lift(law)
-    friction = 0.5 * at.blades * at.friction_chord
-    guess = _attached_guess(at, speed, start, mild_from, mild_to)
-    return _Bounds(
-        half, friction, speed, start, steepest_lift(law), bend, mild, mild_from, mild_to, guess
-    )
-
-
-def _attached_guess(
-    at: Annulus, speed: Array, start: Array, mild_from: Array, mild_to: Array
-) -> Array:
-    """A v_i [m/s] a little above the root of attached flow; infinite where it proves nothing.
-
-    Without drag and stall and with sin(alpha) for alpha, the blade's thrust is linear in v_i,
-    and Newton's steps from ``start`` come down to the root without passing it.  Where no
-    element is near stall (11) is concave in v_i, so if it is negative and falls at this v_i,
-    which the walk checks, it has no root between there and ``mild_to``.  Above that no
-    element lifts (the condition on the advancing side), so there is no root either.
-    """
-    k = GUESS_MARGIN * 0.5 * at.blades * at.chord * at.section.c_l1 / (4.0 * np.pi * at.radius)
-    lift, loss = k * speed * speed * at.sine, k * at.omega * at.radius * at.cosine
-    v = start
-    for _ in range(GUESS_STEPS):
-        u = at.v_axial + v
-        along = floored_norm(at.v_inplane, u)
-        v = v - (lift - loss * u - v * along) / -(loss + along + v * u / along)
-    advancing = at.omega * at.radius + at.v_inplane
-    u_end = at.v_axial + mild_to
-    no_lift = (u_end >= 0.0) & (u_end * at.cosine >= advancing * at.sine)
-    concave = (v >= mild_from) & (v < mild_to) & (v >= 0.0) & (at.v_axial + v >= 0.0)
-    return jnp.where(no_lift & concave & (at.section.attached > 0.0), v, jnp.inf)
-
-
-def _unstalled_stretch(at: Annulus) -> tuple[Array, Array]:
-    """The v_i [m/s] between which every element has -a0 + 6/M < alpha < a0; empty if none.
-
-    There the lift curve bends downwards only, (1 - sigma) c_l1 alpha being past no
-    inflection.  The extremes of alpha are on the advancing and the retreating side, as long
-    as there is no reverse flow.
-    """
-    law = at.section
-    advancing = at.omega * at.radius + at.v_inplane
-    retreating = at.omega * at.radius - at.v_inplane
-
-    def inflow_ratio(alpha: Array) -> tuple[Array, Array]:
-        rise = at.sine * jnp.cos(alpha) - at.cosine * jnp.sin(alpha)
-        run = at.cosine * jnp.cos(alpha) + at.sine * jnp.sin(alpha)
-        return rise / jnp.maximum(run, 0.05), run > 0.05
-
-    low, low_known = inflow_ratio(law.alpha_0)
-    high, high_known = inflow_ratio(-law.alpha_0 + 6.0 / law.sharpness)
-    start = jnp.maximum(advancing * low, retreating * low) - at.v_axial
-    end = jnp.minimum(advancing * high, retreating * high) - at.v_axial
-    ordered = (retreating > 0.0) & low_known
-    return jnp.where(ordered, start, jnp.inf), jnp.where(high_known, end, jnp.inf)
-
-
-def _safe_step(ask: InflowQuestion, bound: _Bounds, v: Array, value: Array, slope: Array) -> Array:
-    """How far v_i may be lowered [m/s] without passing a root; value < 0.
-
-    Over the stretch [v - reach, v] the residual falls with v_i no faster than ``fall`` and
-    bends upward no more than ``bend``, hence it stays negative until v - max(-value/fall,
-    the root of its bounding parabola).  With k = U_T/U and s = U_P/U the blade's part is
-    -dF/dv = U (k^2 C_L' - k s C_L + (1 + s^2) C_D - k s C_D') and
-    d^2F/dv^2 = k^3 (C_L + C_L'') - k^2 s (C_D + C_D'') - 2 (s C_D - k C_D').
-    """
-    at, law = ask.at, ask.at.section
-    u = at.v_axial + v
-    reach = 0.25 * (bound.speed + jnp.abs(at.v_axial)) + 0.5 * jnp.abs(v)
-    u_low, v_low = u - reach, v - reach
-    u_max = jnp.maximum(jnp.abs(u), jnp.abs(u_low))
-    cross = jnp.minimum(bound.speed, u_max)
-    total = bound.speed + u_max
-    blade_fall = bound.half * (
-        bound.fall * bound.speed
-        + (largest_lift(law) + law.c_d) * cross
-        + (law.c_d + law.c_d0) * (total + u_max)
-    ) + bound.friction * 1.5 * jnp.sqrt(total)
-    along = floored_norm(at.v_inplane, u_max)
-    lever = jnp.where(u_low >= 0.0, jnp.maximum(v, 0.0), jnp.maximum(jnp.abs(v), jnp.abs(v_low)))
-    fall = blade_fall + 4.0 * np.pi * at.radius * (along + lever)
-
-    # The wake's part bends by -4 pi y (2 u/W + v (V sin(beta))^2 / W^3), of either sign where
-    # it is mirrored on the windmill branch (u < 0), and has a kink at u = 0 without in-plane
-    # flow; so the parabola is not carried past u = 0.
-    u_end = jnp.where(u > 0.0, jnp.maximum(u_low, 0.0), u_low)
-    # ... or only by so little that the walk does not take it for its end.
-    to_kink = u - u_end + 2.0 * SAFE_TOLERANCE * (bound.speed + jnp.abs(at.v_axial))
-    nearest = floored_norm(at.v_inplane, jnp.where(u > 0.0, u_end, u))
-    turn = at.v_inplane**2 / nearest**3
-    v_max = jnp.maximum(jnp.abs(v), jnp.abs(v_low))
-    wake_bend = jnp.where(u > 0.0, jnp.maximum(-v_low, 0.0) * turn, 2.0 + v_max * turn)
-    wake_bend = 4.0 * np.pi * at.radius * wake_bend + 2.0 * bound.friction / jnp.sqrt(bound.speed)
-
-    def by_bend(bend: Array) -> Array:
-        bend = wake_bend + bound.half * bend
-        root = jnp.sqrt(jnp.maximum(slope * slope - 2.0 * bend * value, 0.0))
-        return jnp.minimum(-2.0 * value / jnp.maximum(root - slope, 1e-300), to_kink)
-
-    anywhere = by_bend(bound.bend)
-    mild = jnp.minimum(by_bend(bound.mild_bend), v - bound.mild_from)
-    mild = jnp.where(v < bound.mild_to, mild, 0.0)
-    step = jnp.maximum(jnp.maximum(anywhere, mild), -value / fall)
-    # A value above zero, by rounding, gives a small step back up.
-    return jnp.clip(jnp.where(value < 0.0, step, anywhere), -reach, reach)
-
-
 class _Walk(NamedTuple):
     v: Array
     newtons: Array  # Newton steps left; none where the search has ended
@@ -235,7 +99,7 @@ def _walk_on(
     steps until these are tiny, then takes Newton steps and stays.
     """
     at = ask.at
-    bound = _bounds(at)
+    bound = find_bounds(at)
     scale = bound.speed + jnp.abs(at.v_axial) + 1e-300
 
     def unfinished(state: tuple[_Walk, Array]) -> Array:
@@ -246,7 +110,7 @@ def _walk_on(
         walk, steps = state
         v = walk.v
         value, slope = residual_slope(ask, v, azimuth)
-        safe = _safe_step(ask, bound, v, value, slope)
+        safe = safe_step(at, bound, v, value, slope)
         # At a simple root the two steps agree; at a double one Newton's is not to be trusted.
         limit = 4.0 * jnp.abs(safe)
         newton = jnp.clip(value / jnp.where(slope < 0.0, slope, -1e-300), -limit, limit)
@@ -258,7 +122,9 @@ def _walk_on(
         back = (steps == 0) & ((value >= 0.0) | (slope >= 0.0)) & (v < bound.start)
         near = near & ~back
         active = walk.newtons > 0
-        last = near & (jnp.abs(newton) <= NEWTON_TOLERANCE * scale)
+        curvature = largest_curvature(at, bound, v, newton)
+        ends = 0.5 * curvature * newton * newton <= LEFT_OVER * scale * jnp.abs(slope)
+        last = near & (ends | (jnp.abs(newton) <= NEWTON_TOLERANCE * scale))
         left = jnp.where(last, 0, walk.newtons - near)
         after = _Walk(
             jnp.where(back, bound.start, jnp.where(active, v - jnp.where(near, newton, safe), v)),
@@ -279,7 +145,7 @@ def _search(
     then gathered and go on by themselves, or all would wait for the slowest.
     """
     shape = jnp.broadcast_shapes(*(jnp.shape(a) for a in jax.tree.leaves(ask)))
-    bound = _bounds(ask.at)
+    bound = find_bounds(ask.at)
     proved = jnp.where(ask.windmill > 0.0, bound.start, jnp.minimum(bound.start, bound.guess))
     start = jnp.broadcast_to(jnp.minimum(proved, hint), shape)
     begin = _Walk(start, jnp.full(shape, NEWTON_STEPS), jnp.zeros(shape, bool))
