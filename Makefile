@@ -42,6 +42,7 @@ bench-choice: $(READY)
 
 bench: $(READY)
 	$(BIN)/python -m benchmarks.speed
+	$(BIN)/python -m benchmarks.identification seconds
 	$(BIN)/python -m benchmarks.table
 
 bench-table: $(READY)
