@@ -38,18 +38,17 @@ class Block(NamedTuple):
         return np.resize(self.points, self.size)
 
 
-def cut(jobs: Sequence[Job], small: int = BLOCK, large: int = LARGE_BLOCK) -> list[Block]:
-    """Jobs cut into blocks of ``small`` points, or ``large`` in a large batch; a single point
-    stays alone."""
-    size = large if sum(job.points.size for job in jobs) >= LARGE_BATCH else small
-    blocks = []
-    for job in jobs:
-        if job.points.size == 1:
-            blocks.append(Block(job, job.points, 1))
-            continue
-        for start in range(0, job.points.size, size):
-            blocks.append(Block(job, job.points[start : start + size], size))
-    return blocks
+def cut(jobs: Sequence[Job], size: int | None = None) -> list[Block]:
+    """Jobs cut into blocks of ``size`` points; by default of one if there is but one point, else
+    ``BLOCK``, or ``LARGE_BLOCK`` in a large batch."""
+    points = sum(job.points.size for job in jobs)
+    if size is None:
+        size = 1 if points == 1 else BLOCK if points < LARGE_BATCH else LARGE_BLOCK
+    return [
+        Block(job, job.points[start : start + size], size)
+        for job in jobs
+        for start in range(0, job.points.size, size)
+    ]
 
 
 def run(blocks: list[Block], one: Callable[[Block], None]) -> None:

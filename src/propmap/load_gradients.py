@@ -16,7 +16,7 @@ from propmap.schedule import Accuracy, Floats, may_leave_islands, plan
 from propmap.theory.loads import disk_loads
 from propmap.theory.momentum import static_inflow
 from propmap.theory.parameters import Blade, Medium, Section
-from propmap.theory.velocities import AzimuthNodes, azimuth_nodes
+from propmap.theory.velocities import AzimuthNodes
 
 LOADS = ("thrust", "drag", "torque", "roll_moment")
 
@@ -72,8 +72,7 @@ def load_gradients(
 
     def one(block: Block) -> None:
         count, which, kept = block.job.azimuths, block.padded, block.points
-        most = setting.most_azimuths
-        nodes = azimuth_nodes(1) if count == 1 else padded_azimuths(count, most)
+        nodes = padded_azimuths(count, setting.most_azimuths)
         with jax.enable_x64(True):
             program = _program(block.job.panels)
             moving = v_hover_slope[:, which]
@@ -83,7 +82,7 @@ def load_gradients(
         by_name = derivatives[: len(names)].transpose(1, 0, 2)
         slopes[:, :, kept] = by_name[:, :, : kept.size]
 
-    run(cut(jobs, BLOCK, BLOCK), one)
+    run(cut(jobs, BLOCK), one)
     return LoadGradients(loads, slopes)
 
 

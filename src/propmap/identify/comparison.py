@@ -12,6 +12,7 @@ from propmap.air import Air
 from propmap.airfoil import Airfoil
 from propmap.errors import InputError
 from propmap.flight_log import GRAVITY, FlightLog
+from propmap.hover import HoverModel
 from propmap.hub_flow import hub_flow, rotor_forces
 from propmap.identify.body_forces import body_force
 from propmap.identify.hover_baseline import hover_force, hover_loads
@@ -51,7 +52,7 @@ def compare_tunnel(
     """
     rotor = Rotor(propeller, law, air)
     loads = rotor.loads(data.omega, data.speed, data.beta)
-    hovers = hover_loads(rotor, data.omega)
+    hovers = hover_loads(HoverModel.of(rotor), data.omega)
     return {
         TUNNEL_NAMES[name]: _compared(getattr(loads, name), measured, data.speed, hovers[name])
         for name, measured in data.loads.items()
@@ -110,7 +111,9 @@ def _forces(
     loads = rotor.loads_at_velocity(flow.omega, velocity)
     whole = {name: p.start for name, p in EVERY.items()} | dict(values)
     body, _ = body_force(vehicle, log, whole, ())
-    return rotor_forces(flow, loads.thrust, loads.drag) + body, hover_force(rotor, flow)
+    return rotor_forces(flow, loads.thrust, loads.drag) + body, hover_force(
+        HoverModel.of(rotor), flow
+    )
 
 
 def _compared(model: Floats, measured: Floats, speed: Floats, hover: Floats) -> Comparison:

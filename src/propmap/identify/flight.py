@@ -16,7 +16,7 @@ from propmap.flight_log import GRAVITY, FlightLog
 from propmap.hub_flow import hub_flow, rotor_forces
 from propmap.identify.body_forces import body_force
 from propmap.identify.coverage import coverage
-from propmap.identify.hover_baseline import hover_force
+from propmap.identify.hover_baseline import hover_after_fit, hover_force
 from propmap.identify.parameters import BODY, SECTION, WING, Choice
 from propmap.identify.rows import Rows
 from propmap.identify.tunnel import rotor_with
@@ -172,7 +172,7 @@ def hover_rows(model: ForceModel, values: Mapping[str, float], rows: Rows) -> Fl
     """
     vehicle = model.vehicle
     rotor = rotor_with(vehicle.propeller, vehicle.air, model.base, values, model.setting)
-    force = hover_force(rotor, model.flow)
+    force = hover_force(hover_after_fit(rotor), model.flow)
     if rows.names == AXES:
         return np.asarray(force.ravel())
     return np.asarray(np.sum(force * model.log.up, axis=-1))

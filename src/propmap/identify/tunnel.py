@@ -13,7 +13,7 @@ from propmap.air import Air
 from propmap.airfoil import Airfoil
 from propmap.errors import InputError
 from propmap.evaluation import prepare
-from propmap.identify.hover_baseline import hover_loads
+from propmap.identify.hover_baseline import hover_after_fit, hover_loads
 from propmap.identify.parameters import BODY, SECTION, WING, Choice
 from propmap.identify.rows import Rows
 from propmap.load_gradients import LOADS, load_gradients
@@ -153,7 +153,7 @@ def hover_rows(rotor: Rotor, data: TunnelData, rows: Rows) -> Floats:
 
     data : what the rows were made of.
     """
-    loads = hover_loads(rotor, data.omega)
+    loads = hover_loads(hover_after_fit(rotor), data.omega)
     each = np.array([loads[name] for name in rows.names])
     return np.asarray(each[rows.load, rows.point])
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from propmap.flight_log import GRAVITY, FlightLog
+from propmap.hover import HoverModel
 from propmap.identify.comparison import Comparison, level_forces
 from propmap.identify.fit_record import FitRecord
 from propmap.identify.hover_baseline import hover_loads
@@ -94,7 +95,7 @@ def data_check(file: FitFile, fit: FitRecord, given: GivenData) -> Part:
 def _tunnel_csv(file: FitFile, data: TunnelData) -> str:
     rotor = Rotor(file.propeller, file.airfoil, file.air)
     found = rotor.loads(data.omega, data.speed, data.beta)
-    hover = hover_loads(rotor, data.omega)
+    hover = hover_loads(HoverModel.of(rotor), data.omega)
     columns = {
         "rpm": data.omega * RPM,
         "speed_mps": data.speed,
