@@ -28,7 +28,7 @@ def _vectors(invented: LoadTable) -> tuple[np.ndarray, np.ndarray]:
 def test_same_numbers(invented: LoadTable) -> None:
     points = random_points(invented, 300, seed=11)
     with jax.enable_x64(True):
-        found = JaxTable.of(invented).loads(*points)
+        found = jax.jit(lambda table: table.loads(*points))(JaxTable.of(invented))
     expected = invented.loads(*points)
     for name in FIELDS:
         np.testing.assert_allclose(getattr(found, name), getattr(expected, name), 1e-9, 1e-12)
@@ -36,7 +36,7 @@ def test_same_numbers(invented: LoadTable) -> None:
 
 def test_single_precision_is_close(invented: LoadTable) -> None:
     omega, velocity = _vectors(invented)
-    found = JaxTable.of(invented).loads_at_velocity(omega, velocity)
+    found = jax.jit(lambda table: table.loads_at_velocity(omega, velocity))(JaxTable.of(invented))
     assert found.thrust.dtype == jnp.float32
     expected = invented.loads_at_velocity(omega, velocity)
     np.testing.assert_allclose(found.thrust, expected.thrust, rtol=1e-4, atol=1e-5)
@@ -64,9 +64,8 @@ def test_derivatives_without_motion_across(invented: LoadTable, velocity: list[f
     with jax.enable_x64(True):
         table = JaxTable.of(invented)
         for name in FIELDS:
-            found = jax.grad(lambda v, n=name: getattr(table.loads_at_velocity(500.0, v), n))(
-                jnp.asarray(velocity)
-            )
+            load = jax.grad(lambda v, n=name: getattr(table.loads_at_velocity(500.0, v), n))
+            found = jax.jit(load)(jnp.asarray(velocity))
             np.testing.assert_allclose(found, getattr(expected, name)[1:], rtol=1e-8, atol=1e-12)
 
 
