@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from propmap.blocks import Block, cut, padded_azimuths, run
-from propmap.schedule import Accuracy, Floats, Job, may_leave_islands, may_stall, plan
+from propmap.schedule import Accuracy, Floats, Job, Outlook, may_leave_islands, may_stall, plan
 from propmap.theory.loads import RotorLoads, disk_loads
 from propmap.theory.momentum import static_inflow as equation_12
 from propmap.theory.parameters import Blade, Medium, Section
@@ -67,14 +67,13 @@ def evaluate(
         v_hover[down] = static_inflow(rotor, setting, rates)[where]
     flow = (omega, v_axial, v_inplane, v_hover)
     stalls = may_stall(*rotor.forecast, omega, v_axial, v_inplane)
-    islands = may_leave_islands(v_axial, v_hover)
+    outlook = Outlook(advance, stalls, down, may_leave_islands(v_axial, v_hover))
     everyone = np.arange(omega.size)
     results = _empty(omega.size)
-    _run(rotor, setting, plan(setting, advance, stalls, islands, everyone), flow, results)
+    _run(rotor, setting, plan(setting, outlook, everyone), flow, results)
     unforeseen = ~stalls & ~(results.attached > ATTACHED) & np.isfinite(results.thrust)
     if unforeseen.any():
-        rest = (advance[unforeseen], stalls[unforeseen] | True, islands[unforeseen])
-        jobs = plan(setting, *rest, everyone[unforeseen])
+        jobs = plan(setting, outlook.stalling(unforeseen), everyone[unforeseen])
         _run(rotor, setting, [j for j in jobs if len(j.panels) > 1], flow, results)
     return results
 

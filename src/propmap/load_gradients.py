@@ -12,7 +12,7 @@ import numpy as np
 
 from propmap.blocks import Block, cut, padded_azimuths, run
 from propmap.evaluation import Prepared, advance_ratio
-from propmap.schedule import Accuracy, Floats, may_leave_islands, plan
+from propmap.schedule import Accuracy, Floats, Outlook, may_leave_islands, plan
 from propmap.theory.loads import disk_loads
 from propmap.theory.momentum import static_inflow
 from propmap.theory.parameters import Blade, Medium, Section
@@ -65,7 +65,8 @@ def load_gradients(
     everyone = np.arange(omega.size)
     advance = advance_ratio(rotor, omega, v_inplane)
     islands = may_leave_islands(v_axial, v_hover)
-    jobs = plan(setting, advance, np.ones(omega.size, bool), islands, everyone)
+    outlook = Outlook(advance, np.ones(omega.size, bool), down, islands)
+    jobs = plan(setting, outlook, everyone)
     loads = np.full((len(LOADS), omega.size), np.nan)
     slopes = np.full((len(LOADS), len(names), omega.size), np.nan)
     flow = (omega, v_axial, v_inplane, v_hover)

@@ -7,6 +7,7 @@ The counts come from a convergence study of 1000 random points (2000-10000 rpm, 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +21,9 @@ Floats = NDArray[np.float64]
 FOLLOW_BELOW = 0.24
 """Advance ratio V sin(beta)/(Omega R) above which stall is spread over azimuth so widely
 that following it along the blade gains nothing."""
+
+FOLLOW_DESCENT_BELOW = 0.45
+"""The same in descent, where attached stretches end abruptly up to faster in-plane flow."""
 
 ISLAND_PANELS = 5
 """Panels on the windmill branch, where attached flow may be left on two stretches of the blade."""
@@ -98,24 +102,32 @@ class Job:
     azimuths: int
 
 
-def plan(
-    setting: Accuracy,
-    advance: Floats,
-    stalls: NDArray[np.bool_],
-    islands: NDArray[np.bool_],
-    points: NDArray[np.intp],
-) -> list[Job]:
-    """Sort points into jobs.
+class Outlook(NamedTuple):
+    """What decides how stall is followed, all (N,).
 
-    advance : V sin(beta)/(Omega R) [-] (N,), infinite at rest.  stalls : where some of the
-    blade may stall (N,).  islands : ``may_leave_islands`` (N,): two stretches of attached flow
-    have four edges to follow.
-    points : indices of these N points in the batch.
+    advance : V sin(beta)/(Omega R) [-], infinite at rest.  stalls : where some of the blade may
+    stall.  descends : V cos(beta) < 0.  islands : ``may_leave_islands``: two stretches of
+    attached flow have four edges to follow.
     """
+
+    advance: Floats
+    stalls: NDArray[np.bool_]
+    descends: NDArray[np.bool_]
+    islands: NDArray[np.bool_]
+
+    def stalling(self, points: NDArray[np.bool_]) -> Outlook:
+        """The outlook on some of the points, stall now being known."""
+        stalls = np.ones(int(points.sum()), bool)
+        return Outlook(self.advance[points], stalls, self.descends[points], self.islands[points])
+
+
+def plan(setting: Accuracy, outlook: Outlook, points: NDArray[np.intp]) -> list[Job]:
+    """Sort the points with these indices in the batch (N,) into jobs."""
+    advance, stalls, descends, islands = outlook
     limits = np.array([limit for limit, _ in setting.azimuths])
     counts = np.array([count for _, count in setting.azimuths])
     azimuths = np.where(advance == 0.0, 1, counts[np.searchsorted(limits, advance)])
-    follow = stalls & (advance <= FOLLOW_BELOW)
+    follow = stalls & (advance <= np.where(descends, FOLLOW_DESCENT_BELOW, FOLLOW_BELOW))
     spread = (stalls & ~follow) | (advance > REVERSED_ABOVE)
     stations = np.where(follow, setting.stalled, np.where(spread, setting.fast, setting.free))
     jobs = []

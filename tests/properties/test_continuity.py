@@ -68,13 +68,7 @@ def test_loads_do_not_jump_with_the_section_parameters(name: str, speed: float) 
     assert _largest_jump(thrust / thrust[60]) < 1e-4
 
 
-LARGEST = {180.0: 1e-2, 178.0: 1e-2, 100.0: 0.04}
-"""Largest step of thrust over no distance, per static thrust, where it is not 1e-3.
-
-At 178 and 180 deg two of the blade's last attached stretches, or the gap between them, are shorter
-than the search can tell at single speeds.  At 100 deg, past an advance ratio of 0.24, stall is
-not followed any more: that is fast forward flight, not the windmill state."""
-DESCENTS = [180.0, 178.0, 175.0, 170.0, 165.0, 155.0, 150.0, 145.0, 135.0, 120.0, 100.0]
+DESCENTS = [180.0, 178.0, 175.0, 170.0, 165.0, 155.0, 145.0, 130.0, 115.0, 105.0, 95.0]
 
 
 @pytest.mark.parametrize("beta_deg", DESCENTS)
@@ -106,7 +100,7 @@ def test_thrust_is_continuous_from_hover_through_vortex_ring_into_windmill(
         assert np.isnan(step).sum() <= 4
         k = np.nanargmax(step, axis=1)
         low, high = fine[each, k], fine[each, k + 1]
-    assert np.nanmax(step) < LARGEST.get(beta_deg, 1e-3)
+    assert np.nanmax(step) < 1e-3
     slow = speed[:-1] < 1.9 * float(rotor.hover_inflow(600.0))
     assert np.max(np.abs(np.diff(thrust))[slow]) < 0.004 * static
     if beta_deg >= 165.0:

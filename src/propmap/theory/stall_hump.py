@@ -126,7 +126,8 @@ def _refined_top(
         moved = jnp.abs(x - x_before) > 1e-9 * (jnp.abs(x) + 1e-9)
         run = jnp.where(moved, x - x_before, 1.0)
         secant = jnp.where(moved, (slope - slope_before) / run, bend)
-        bend = jnp.where(secant < 0.0, secant, bend)
+        # Next to an inflection the secant is no guide, and its step would leave the hump.
+        bend = jnp.where(secant < 0.0, jnp.minimum(secant, 0.5 * around.bend), bend)
         step = -slope / jnp.where(bend < 0.0, bend, -jnp.inf)
         after = jnp.where(peak, jnp.clip(x + step, around.low, around.high), x)
         height = value + jnp.where(peak, 0.5 * slope * (after - x), 0.0)

@@ -17,7 +17,7 @@ from jax import lax
 
 from propmap.theory.parameters import Array
 
-ROUNDS = 10
+ROUNDS = 8
 """Rounds of further radii."""
 
 EXTREMES = 3
@@ -30,6 +30,15 @@ nothing: differences over less are rounding errors."""
 
 CLOSE = 1e-4
 """Distance, relative to the radius, at which a zero that is known is closed in from both sides."""
+
+LOPSIDED, BEYOND = 0.15, 3.0
+"""A zero expected within this share of its bracket from one end is looked for this many times
+farther from that end: where the height is bent, interpolation would creep up from one side and
+the bracket, in which another zero may hide, would stay wide."""
+
+UNSURE = 10.0
+"""An extreme that is farther from zero than this many times the climb to it, by the slope at the
+nearer radius, is settled."""
 
 
 class Sight(NamedTuple):
@@ -104,12 +113,15 @@ def find_zeros(sight: Sight, count: int) -> Zeros:
     root = jnp.sqrt(jnp.maximum(slope * slope - 4.0 * bend * before.height, 0.0))
     share = -2.0 * before.height / (slope + jnp.sign(rise) * root)
     share = jnp.clip(jnp.where(jnp.isfinite(share), share, 0.5), 0.0, 1.0)
-    radius = before.radius + share * jnp.where(some, width, 0.0)
+    width = jnp.where(some, width, 0.0)
+    radius = before.radius + share * width
     inflow = before.inflow + share * (after.inflow - before.inflow)
     known = jnp.minimum(share, 1.0 - share) * width < 0.1 * CLOSE * before.radius
     # A zero that is known is closed in from its far side, so that no zeros hide there.
     across = jnp.where(share < 0.5, CLOSE, -CLOSE) * radius
-    further = jnp.where(known, radius + across, radius)
+    past = jnp.where(share < LOPSIDED, BEYOND * share, share)
+    past = jnp.where(share > 1.0 - LOPSIDED, 1.0 - BEYOND * (1.0 - share), past)
+    further = jnp.where(known, radius + across, before.radius + past * width)
     left_over = some & (~known | (width > 2.0 * CLOSE * radius))
     return Zeros(some, radius, inflow, known, jnp.where(left_over, further, jnp.inf))
 
@@ -122,17 +134,23 @@ def _entries(sight: Sight, k: Array) -> Sight:
     return found._replace(height=jnp.where(inside, found.height, jnp.nan))
 
 
-def _hidden_extremes(sight: Sight) -> list[Array]:
-    """Radii (B,) [m] of extremes that may hide two zeros; infinite if unused.
+class _Extremes(NamedTuple):
+    """Between each two radii, the extreme of the height that is nearest to zero without reaching
+    it; all (T - 1, B): its radius [m], distance from zero, infinite if there is none, and whether
+    another look may still move it enough to matter."""
 
-    They are the maxima below zero and the minima above it of the cubics through heights and
-    slopes.
-    """
+    radius: Array
+    distance: Array
+    unsure: Array
+
+
+def _extremes(sight: Sight) -> _Extremes:
+    """Maxima below zero and minima above it of the cubics through heights and slopes."""
     y, h, _, slope = sight
     width = y[1:] - y[:-1]
     start, end, rise = slope[:-1] * width, slope[1:] * width, h[1:] - h[:-1]
     above = h[1:] > 0.0
-    hidden = ((h[:-1] > 0.0) == above) & jnp.isfinite(h[:-1] + h[1:])
+    some = ((h[:-1] > 0.0) == above) & jnp.isfinite(h[:-1] + h[1:])
     # The cubic climbs by start + 2 b t + 3 c t^2; a minimum is where that has the slope +root.
     c, b = start + end - 2.0 * rise, 3.0 * rise - 2.0 * start - end
     square = b * b - 3.0 * c * start
@@ -140,19 +158,35 @@ def _hidden_extremes(sight: Sight) -> list[Array]:
     root = jnp.where(above, root, -root)
     same = b * root > 0.0
     share = jnp.where(same, -start, root - b) / jnp.where(
-        hidden, jnp.where(same, b + root, 3.0 * c), 1.0
+        some, jnp.where(same, b + root, 3.0 * c), 1.0
     )
-    hidden = hidden & (square > 0.0) & (share > 0.0) & (share < 1.0)
-    share = jnp.where(hidden, share, 0.5)
+    some = some & (square > 0.0) & (share > 0.0) & (share < 1.0)
+    share = jnp.where(some, share, 0.5)
     height = h[:-1] + share * (start + share * (b + share * c))
-    hidden = hidden & (jnp.minimum(share, 1.0 - share) * width > APART * y[:-1])
-    distance = jnp.where(hidden, jnp.where(above, height, -height), jnp.inf)
-    at = y[:-1] + share * jnp.where(hidden, width, 0.0)
+    apart = jnp.minimum(share, 1.0 - share) * width > APART * y[:-1]
+    climb = jnp.where(share < 0.5, share * start, (1.0 - share) * end)
+    distance = jnp.where(some, jnp.where(above, height, -height), jnp.inf)
+    at = y[:-1] + share * jnp.where(some, width, 0.0)
+    return _Extremes(at, distance, some & apart & (jnp.abs(height) < UNSURE * jnp.abs(climb)))
+
+
+def _hidden_extremes(sight: Sight) -> list[Array]:
+    """Radii (B,) [m] of extremes that may hide two zeros; infinite if unused."""
+    at, distance, unsure = _extremes(sight)
+    distance = jnp.where(unsure, distance, jnp.inf)
     found = []
     for _ in range(EXTREMES):
         k = jnp.argmin(distance, axis=0)[None]
-        some, place = (jnp.take_along_axis(a, k, axis=0)[0] for a in (hidden, at))
-        found.append(jnp.where(some, place, jnp.inf))
-        chosen = jnp.arange(hidden.shape[0])[:, None] == k
-        distance, hidden = jnp.where(chosen, jnp.inf, distance), hidden & ~chosen
+        far, place = (jnp.take_along_axis(a, k, axis=0)[0] for a in (distance, at))
+        found.append(jnp.where(jnp.isfinite(far), place, jnp.inf))
+        distance = jnp.where(jnp.arange(at.shape[0])[:, None] == k, jnp.inf, distance)
     return found
+
+
+def nearest_extreme(sight: Sight) -> Array:
+    """Radius (B,) [m] of the extreme nearest to zero, where two zeros have just met or are about
+    to part; infinite if there is none."""
+    at, distance, _ = _extremes(sight)
+    k = jnp.argmin(distance, axis=0)[None]
+    far, place = (jnp.take_along_axis(a, k, axis=0)[0] for a in (distance, at))
+    return jnp.where(jnp.isfinite(far), place, jnp.inf)

@@ -25,7 +25,7 @@ from propmap.theory.hump_by_slopes import hump_by_slopes
 from propmap.theory.inflow import InflowQuestion, residual, residual_slope
 from propmap.theory.parameters import Array
 from propmap.theory.stall_hump import Hump, hump_before_stall, inflow_at_angle, stall_side
-from propmap.theory.stall_islands import Sight, find_zeros, look_closer
+from propmap.theory.stall_islands import Sight, find_zeros, look_closer, nearest_extreme
 from propmap.theory.velocities import AzimuthNodes
 
 GRID = 20
@@ -38,9 +38,8 @@ SHOULDER_STEPS, SHOULDER_TOLERANCE = 6, 1e-5
 """The same on a shoulder, and how well it is located, relative to the radius: where a smooth
 integrand is split hardly matters."""
 
-DEFAULT_EDGES = (0.25, 0.6, 0.8, 0.92)
-"""Shares of the span at which panels meet where there is nothing to follow; as many of them
-as there are edges."""
+DEFAULT_EDGES = (0.25, 0.6)
+"""Shares of the span at which panels meet where there is nothing to follow, for two edges."""
 
 AskAt = Callable[[Array], InflowQuestion]
 """Equation (11) at radii of shape (S, B) [m]."""
@@ -50,7 +49,7 @@ class Crossing(NamedTuple):
     """Where the hump passes zero, to within the grid; all (E, B) for E edges.
 
     radius [m] and inflow [m/s] by interpolation; spacing [m]: about how well the radius is
-    known, zero where there is no crossing and radius is one of ``DEFAULT_EDGES``.
+    known, zero where there is no crossing and radius is where a panel is split nevertheless.
     """
 
     radius: Array
@@ -127,6 +126,26 @@ def _even_zeros(radius: Array, hump: Hump, count: int) -> tuple[Array, Array, Ar
     return some, y, v_i
 
 
+def _spare_edges(some: Array, share: Array, first: Array) -> Array:
+    """Shares of the span (E, B) for the edges that have nothing to follow.
+
+    some (E, B) : edges that have; share (E, B) : where they are.  first (B,) : for the first spare
+    edge, or infinite.  Each other one halves the widest panel so far, by area.
+    """
+    place = jnp.where(some, share, 1.0)
+    unused = jnp.isfinite(first)
+    # The two halves of a panel are equal but for rounding errors: the outer one is chosen.
+    outer = 1e-6 * jnp.arange(some.shape[0] + 1)[:, None]
+    for j in range(some.shape[0]):
+        area = jnp.sort(jnp.pad(place, ((1, 1), (0, 0)), constant_values=(0.0, 1.0)), axis=0) ** 2
+        k = jnp.argmax(jnp.diff(area, axis=0) + outer, axis=0)[None]
+        low, high = (jnp.take_along_axis(area, k + i, axis=0)[0] for i in (0, 1))
+        free = jnp.where(unused, first, jnp.sqrt(0.5 * (low + high)))
+        unused = unused & some[j]
+        place = place.at[j].set(jnp.where(some[j], place[j], free))
+    return place
+
+
 def hump_crossings(
     ask_at: AskAt, root: Array, tip: Array, edges: int, azimuth: AzimuthNodes
 ) -> tuple[Crossing, Survey]:
@@ -134,7 +153,7 @@ def hump_crossings(
     radius = root + (tip - root) * jnp.linspace(0.0, 1.0 - 1e-6, GRID)[:, None]
     ask = ask_at(radius)
     stall = stall_side(ask_at((root + 0.6 * (tip - root))[None, None]), ask.at.section.alpha_0)
-    islands = edges == len(DEFAULT_EDGES)
+    islands = edges > len(DEFAULT_EDGES)
     find_hump = hump_by_slopes if islands else hump_before_stall
     hump = find_hump(ask, stall, azimuth)
     survey = Survey(radius, hump.height, stall + hump.behind, jnp.any(hump.folded, axis=0))
@@ -158,9 +177,11 @@ def hump_crossings(
         gap = jnp.pad(gap, ((1, 1), (0, 0)), constant_values=jnp.inf)
         spacing = jnp.minimum(spacing, 0.25 * jnp.minimum(gap[:-1], gap[1:]))
         spacing = jnp.where(known, jnp.minimum(spacing, 1e-4 * y), spacing)
+        spare = (nearest_extreme(sight) - root) / (tip - root)
+        home = root + (tip - root) * _spare_edges(some, (y - root) / (tip - root), spare)
     else:
         some, y, v = _even_zeros(radius, hump, edges)
-    home = root + (tip - root) * jnp.asarray(DEFAULT_EDGES[:edges])[:, None]
+        home = root + (tip - root) * jnp.asarray(DEFAULT_EDGES)[:, None]
     near = Crossing(
         jnp.where(some, y, home), jnp.where(some, v, 0.0), jnp.where(some, spacing, 0.0)
     )
