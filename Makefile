@@ -3,8 +3,9 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/ready
 DOCS_READY := $(VENV)/docs-ready
+PEERS_READY := $(VENV)/peers-ready
 
-.PHONY: demo reproduce test test-slow lint types bench bench-table bench-fine-table bench-choice bench-identification convergence docs clean
+.PHONY: demo reproduce test test-slow lint types bench bench-table bench-fine-table bench-choice bench-identification bench-peers convergence docs clean
 
 $(READY): pyproject.toml constraints.txt
 	python3 -m venv $(VENV)
@@ -13,6 +14,11 @@ $(READY): pyproject.toml constraints.txt
 
 $(DOCS_READY): $(READY)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[docs]'
+	touch $@
+
+# Without what WISDEM asks for, some ninety packages: CCBlade, which is all that is compared, needs none.
+$(PEERS_READY): $(READY)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --no-deps wisdem
 	touch $@
 
 demo: $(READY)
@@ -39,6 +45,9 @@ bench-identification: $(READY)
 
 bench-choice: $(READY)
 	$(BIN)/python -m benchmarks.choice
+
+bench-peers: $(PEERS_READY)
+	$(BIN)/python -m benchmarks.peers
 
 bench: $(READY)
 	$(BIN)/python -m benchmarks.speed

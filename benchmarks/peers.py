@@ -1,0 +1,289 @@
+"""How fast beside other tools at no worse an error: `make bench-peers`.  Writes results/peers.json.
+
+The APC 8x6E with ``paper-apc`` at 6000 rpm: hover, climb, two oblique points at 10 m/s, and the
+mixed oblique batch of `benchmarks.speed`.  Beside the package, its table and the table's C header:
+WISDEM's CCBlade (see `benchmarks.peer_ccblade`) and RotorPy's rotor model, which has no
+geometry but constants fitted to the table.  AeroSandbox is left out: of propellers it has the
+actuator disk's power for a given thrust and correlations of mass, no blades.
+
+Errors are numerical, of the thrust, in shares of the static thrust at the same rotational speed:
+the package's against ``convergence.dense``, CCBlade's against itself on a far finer grid.  CCBlade
+is timed on one grid for climb and one for all oblique points, as the package has one setting: the
+cheapest of a ladder whose largest error is no larger than the package's largest ("measured"),
+or than the package's setting promises ("promised"); the best of the ladder where none is.  Times
+are medians of wall time after a first call; the C header's and RotorPy's the least processor time,
+as in `benchmarks.table`.
+"""
+
+from __future__ import annotations
+
+import importlib.metadata
+import itertools
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from numpy.typing import NDArray
+from rich.console import Console
+from rich.table import Table
+
+import propmap
+from benchmarks.c_header import c_nanoseconds
+from benchmarks.convergence import dense
+from benchmarks.peer_ccblade import (
+    CCBladePropeller,
+    Grid,
+    Point,
+    choose,
+    evaluate_seconds,
+    ladder,
+    largest,
+    over_package,
+    thrust_torque,
+)
+from benchmarks.results_file import machine, write_results
+from benchmarks.speed import BATCH, RPM, median_seconds, oblique
+from benchmarks.table import rotorpy_microseconds
+from propmap.evaluation import evaluate, prepare
+from propmap.rotor import Rotor
+from propmap.table import LoadTable, build_table
+from propmap.theory.loads import rotor_loads
+
+Floats = NDArray[np.float64]
+
+OMEGA = 6000.0 * RPM
+CASES: dict[str, Point] = {
+    "hover": (OMEGA, 0.0, 0.0),
+    "axial": (OMEGA, 10.0, 0.0),
+    "60 deg": (OMEGA, 10.0, float(np.radians(60.0))),
+    "85 deg": (OMEGA, 10.0, float(np.radians(85.0))),
+}
+"""omega [rad/s], speed [m/s], beta [rad]."""
+
+MIXED = "mixed"
+SAMPLE = 8
+"""Points of the mixed batch whose error is found, and on which CCBlade is timed."""
+
+STATIONS, SECTORS = (15, 30, 60, 90, 120, 180, 240), (4, 8, 16, 36)
+AXIAL_GRIDS = [Grid(stations, 1) for stations in STATIONS]
+TILTED_GRIDS = [Grid(*pair) for pair in itertools.product(STATIONS, SECTORS)]
+
+BOUNDS = ("measured", "promised")
+PROMISE = 1e-3
+"""Of the package's setting ``standard``, as a share of the static thrust."""
+
+CLIMB = (1.0, 5.0, 10.0)
+"""Speeds [m/s] at which CCBlade and the package, solving the same equations, are compared."""
+
+ENVELOPE: dict[str, Any] = {
+    "omega": (3000.0 * RPM, 10000.0 * RPM),
+    "speed": (0.0, 20.0),
+    "beta": (0.0, 0.5 * np.pi),
+}
+TOLERANCE = 0.01
+"""Of the table, over the mixed batch's envelope and hover and climb besides."""
+
+SINGLE = 200
+"""Queries of the table that are timed together."""
+
+
+def sample() -> tuple[list[str], list[Point]]:
+    """Names and points of the cases and of the first of the mixed batch."""
+    mixed = [tuple(map(float, p)) for p in np.stack(oblique(BATCH), axis=-1)[:SAMPLE]]
+    return [*CASES, *[MIXED] * SAMPLE], [*CASES.values(), *mixed]  # type: ignore[list-item]
+
+
+def repeated(point: Point) -> tuple[Floats, Floats, Floats]:
+    """The batch of one point, (BATCH,) each."""
+    omega, speed, beta = (np.full(BATCH, x) for x in point)
+    return omega, speed, beta
+
+
+def by_name(names: list[str], errors: Floats) -> dict[str, float]:
+    """The largest error of each case."""
+    return {name: float(max(errors[k] for k, n in enumerate(names) if n == name)) for name in names}
+
+
+def times(one: Rotor | LoadTable, calls: int, repeats: int) -> dict[str, dict[str, float]]:
+    """Times [us] of single calls, ``calls`` together, and per point of batches, by case."""
+
+    def single(point: Point) -> float:
+        def loop() -> None:
+            for _ in range(calls):
+                one.loads(*point)
+
+        return 1e6 * median_seconds(loop, repeats) / calls
+
+    def batch(points: tuple[Floats, Floats, Floats]) -> float:
+        return 1e6 * median_seconds(lambda: one.loads(*points), 5) / BATCH
+
+    return {
+        "single_us": {name: single(point) for name, point in CASES.items()},
+        "batch_us": {name: batch(repeated(point)) for name, point in CASES.items()}
+        | {MIXED: batch(oblique(BATCH))},
+    }
+
+
+def package(rotor: Rotor, table: LoadTable) -> dict[str, Any]:
+    """Times [us] and errors of the full model and of the table, and the static thrust [N]."""
+    names, points = sample()
+    omega, speed, beta = np.array(points).T
+    flow = (omega, speed * np.cos(beta), speed * np.sin(beta))
+    truth = evaluate(prepare(rotor.theory), dense(), *flow).thrust
+    static = rotor.loads(omega, 0.0, 0.0).thrust
+
+    def error(one: Rotor | LoadTable) -> dict[str, float]:
+        off = np.asarray(one.loads(omega, speed, beta).thrust) - truth
+        return by_name(names, np.abs(off) / static)
+
+    w, v, b = CASES["60 deg"]
+    velocity = [v * np.sin(b), 0.0, v * np.cos(b)]
+    slopes = median_seconds(lambda: table.gradient_at_velocity(w, velocity), 100)
+    return {
+        "static_thrust": static,
+        "model": times(rotor, 1, 30)
+        | {"error": error(rotor), "gradient_us": gradient_microseconds(rotor, (w, v, b))},
+        "table": times(table, SINGLE, 15) | {"error": error(table), "gradient_us": 1e6 * slopes},
+    }
+
+
+def gradient_microseconds(rotor: Rotor, point: Point) -> float:
+    """Time [us] of thrust and torque by JAX with their derivatives by omega and the velocity."""
+    blade, section, medium = rotor.theory
+
+    def loads(state: jax.Array) -> tuple[jax.Array, jax.Array]:
+        found = rotor_loads(blade, section, medium, *(x[None] for x in state))
+        both = jnp.stack([found.thrust[0], found.torque[0]])
+        return both, both
+
+    omega, speed, beta = point
+    with jax.enable_x64(True):
+        state = jnp.array([omega, speed * np.cos(beta), speed * np.sin(beta)])
+        program = jax.jit(jax.jacfwd(loads, has_aux=True))
+        return 1e6 * median_seconds(lambda: np.asarray(program(state)[0]), 20)
+
+
+def ccblade(rotor: Rotor, static: Floats, bounds: dict[str, float]) -> dict[str, Any]:
+    """CCBlade's grids, errors and times [us] for each bound, and its loads beside the package's."""
+    peer = CCBladePropeller(rotor)
+    names, points = sample()
+    found: dict[str, Any] = {"reynolds": peer.reynolds}
+    found |= {bound: {"allowed_error": allowed} for bound, allowed in bounds.items()}
+    for flow, grids in (("axial", AXIAL_GRIDS), ("tilted", TILTED_GRIDS)):
+        mine = [
+            k for k, n in enumerate(names) if n != "hover" and (n == "axial") == (flow == "axial")
+        ]
+        tried = ladder(peer, grids, [points[k] for k in mine], static[mine])
+        found[f"{flow}_ladder"] = [
+            grid._asdict() | {"largest_error": largest(off)} for grid, off in tried.items()
+        ]
+        for bound, allowed in bounds.items():
+            grid, reached = choose(tried, allowed)
+            taken: dict[str, list[float]] = {}
+            for k in mine:
+                seconds = evaluate_seconds(peer.model(grid, points[k][2]), points[k])
+                taken.setdefault(names[k], []).append(1e6 * seconds)
+            into = found[bound]
+            into[flow] = {"grid": grid._asdict(), "reached": reached}
+            into.setdefault("single_us", {}).update(
+                {n: float(np.mean(t)) for n, t in taken.items()}
+            )
+            into.setdefault("error", {}).update(by_name([names[k] for k in mine], tried[grid]))
+    for bound in bounds:
+        grid = Grid(**found[bound]["tilted"]["grid"])
+        model = peer.model(grid, CASES["60 deg"][2], derivatives=True)
+        found[bound]["gradient_us"] = 1e6 * evaluate_seconds(model, CASES["60 deg"])
+    hover, _ = thrust_torque(peer.model(AXIAL_GRIDS[-1], 0.0), CASES["hover"])
+    found["hover_thrust"] = None if np.isnan(hover) else hover
+    found["hover_note"] = "CCBlade leaves the load at zero where no air comes along the axis"
+    climb = {speed: over_package(peer, AXIAL_GRIDS[-1], (OMEGA, speed, 0.0)) for speed in CLIMB}
+    found["over_package_in_climb"] = climb
+    return found
+
+
+def ratios(mine: dict[str, Any], peer: dict[str, Any]) -> dict[str, float]:
+    """CCBlade's time over the package's; a batch costs CCBlade as many calls."""
+    theirs = peer["single_us"]
+    found = {}
+    for way in ("model", "table"):
+        for kind in ("single_us", "batch_us"):
+            for name, ours in mine[way][kind].items():
+                if name in theirs:
+                    found[f"{way}_{kind.removesuffix('_us')}, {name}"] = theirs[name] / ours
+        found[f"{way}_gradient, 60 deg"] = peer["gradient_us"] / mine[way]["gradient_us"]
+    return found
+
+
+def measure() -> dict[str, Any]:
+    """All figures."""
+    place = machine()
+    rotor = Rotor(propmap.propeller("apc-8x6e"), propmap.airfoil("paper-apc"))
+    table = build_table(rotor, **ENVELOPE, tolerance=TOLERANCE)
+    mine = package(rotor, table)
+    static = mine.pop("static_thrust")
+    bounds = {"measured": max(mine["model"]["error"].values()), "promised": PROMISE}
+    peer = ccblade(rotor, static, bounds)
+    return {
+        "machine": place,
+        "versions": {name: importlib.metadata.version(name) for name in ("wisdem", "rotorpy")},
+        "cases": CASES,
+        "batch": BATCH,
+        "sample_of_mixed": SAMPLE,
+        "package": mine | {"table_tolerance": TOLERANCE, "c_header_ns": c_nanoseconds(table)},
+        "ccblade": peer,
+        "rotorpy_us_per_rotor": rotorpy_microseconds(table),
+        "ccblade_over_package": {bound: ratios(mine, peer[bound]) for bound in bounds},
+    }
+
+
+def show(found: dict[str, Any]) -> None:
+    """Print the figures."""
+    mine, peer = found["package"], found["ccblade"]
+    columns = [*CASES, MIXED]
+    table = Table(caption=f"mixed: {BATCH} oblique points; CCBlade: {SAMPLE} of them, one by one")
+    table.add_column("what")
+    for name in columns:
+        table.add_column(name, justify="right")
+
+    def row(what: str, figures: dict[str, float], form: str = ".4g") -> None:
+        table.add_row(what, *(format(figures[n], form) if n in figures else "-" for n in columns))
+
+    for way in ("model", "table"):
+        row(f"{way}, one call [us]", mine[way]["single_us"])
+        row(f"{way}, {BATCH} at once [us per point]", mine[way]["batch_us"])
+        row(f"{way}, error", mine[way]["error"], ".1e")
+    for bound in BOUNDS:
+        row(f"CCBlade, {bound}, one call [us]", peer[bound]["single_us"])
+        row(f"CCBlade, {bound}, error", peer[bound]["error"], ".1e")
+        for kind in ("model_single", "model_batch"):
+            over = found["ccblade_over_package"][bound]
+            told = {n: over[f"{kind}, {n}"] for n in columns if f"{kind}, {n}" in over}
+            row(f"CCBlade, {bound}, over {kind.replace('_', ', ')}", told, ".0f")
+    console = Console(width=120)
+    console.print(table)
+    for bound, flow in itertools.product(BOUNDS, ("axial", "tilted")):
+        chosen, allowed = peer[bound][flow], peer[bound]["allowed_error"]
+        word = "within" if chosen["reached"] else "the best, not within"
+        print(f"CCBlade, {flow}: {chosen['grid']}, {word} an error of {allowed:.1e}")
+    print(f"hover: {peer['hover_note']}")
+    for speed, told in peer["over_package_in_climb"].items():
+        print(f"CCBlade over model, climb at {speed} m/s: {told}")
+    slopes = {way: mine[way] for way in ("model", "table")}
+    slopes |= {f"CCBlade, {bound}": peer[bound] for bound in BOUNDS}
+    for name, one in slopes.items():
+        print(f"{name}, with derivatives, 60 deg: {one['gradient_us']:.4g} us")
+    header, rotorpy = mine["c_header_ns"], found["rotorpy_us_per_rotor"]
+    print("C header: " + (f"{header:.0f} ns per point" if header else "no gcc"))
+    print("RotorPy's rotor: " + (f"{rotorpy:.2f} us" if rotorpy else "not installed"))
+
+
+def main() -> None:
+    """Measure, print, and write the results."""
+    found = measure()
+    show(found)
+    print(write_results("peers.json", found))
+
+
+if __name__ == "__main__":
+    main()
