@@ -45,7 +45,7 @@ NEWTON_STEPS = 4
 GATHER_FROM = 3000
 """Lanes, stations times operating points, from which it pays to gather the slow ones."""
 
-STEPS_TOGETHER = 5
+STEPS_TOGETHER = 3
 """Steps that all lanes of a large batch take before the unfinished go on by themselves."""
 
 RESIDUAL_TOLERANCE = 1e-9
