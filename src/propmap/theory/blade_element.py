@@ -17,6 +17,7 @@ from propmap.theory.section_law import (
     attached_share_slope,
     friction_chord,
 )
+from propmap.theory.trigonometry import sine_and_cosine
 from propmap.theory.velocities import (
     AzimuthNodes,
     floored_norm,
@@ -67,13 +68,13 @@ def annulus(
     v_inplane: Array,
 ) -> Annulus:
     """Collect an annulus; shape (S, 1) or (S, B), omega and velocities (B,) or scalar."""
-    pitch = shape.twist - section.zero_lift_angle
+    sine, cosine = sine_and_cosine(shape.twist - section.zero_lift_angle)
     return Annulus(
         radius=shape.radius,
         chord=shape.chord,
         friction_chord=friction_chord(shape.chord, section, medium),
-        sine=jnp.sin(pitch),
-        cosine=jnp.cos(pitch),
+        sine=sine,
+        cosine=cosine,
         omega=omega,
         v_axial=v_axial,
         v_inplane=v_inplane,

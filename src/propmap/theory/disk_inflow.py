@@ -9,7 +9,7 @@ import jax
 import jax.numpy as jnp
 from jax import lax
 
-from propmap.theory import blade_element, stall_split
+from propmap.theory import blade_element, stall_folds, stall_split
 from propmap.theory.blade_shape import blade_shape
 from propmap.theory.inflow import MAX_STEPS, InflowQuestion, inflow_root
 from propmap.theory.parameters import Array, Blade, Medium, Section
@@ -84,7 +84,7 @@ def _inner_edges(
     still = functools.partial(question, lax.stop_gradient(case))
     span = lax.stop_gradient((root, tip))
     near, survey = stall_split.hump_crossings(still, *span, count, azimuth)
-    fold = stall_split.find_folds(near, still, *span, azimuth)
+    fold = stall_folds.find_folds(near, still, *span, azimuth)
     elsewhere = root + (tip - root) * lax.stop_gradient((near.radius - root) / (tip - root))
     edges = _moving_edges(case, fold, elsewhere, azimuth)
     return edges, survey.several | jnp.any(fold.folded, axis=0), survey
@@ -93,7 +93,7 @@ def _inner_edges(
 @jax.custom_jvp
 def _moving_edges(
     case: Case,  # noqa: ARG001 - what the folds move with, in the derivative below
-    fold: stall_split.Fold,
+    fold: stall_folds.Fold,
     otherwise: Array,
     azimuth: AzimuthNodes,  # noqa: ARG001
 ) -> Array:
@@ -104,7 +104,7 @@ def _moving_edges(
 def _moving_edges_jvp(primals, tangents):  # type: ignore[no-untyped-def]
     (case, fold, otherwise, azimuth), (case_dot, _, otherwise_dot, _) = primals, tangents
     _, fold_dot = jax.jvp(
-        lambda c: stall_split.follow(fold, functools.partial(question, c), azimuth),
+        lambda c: stall_folds.follow(fold, functools.partial(question, c), azimuth),
         (case,),
         (case_dot,),
     )

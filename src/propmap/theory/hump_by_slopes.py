@@ -8,12 +8,14 @@ height has no step along the blade.
 
 from __future__ import annotations
 
+import functools
+
 import jax.numpy as jnp
 from jax import lax
 
 from propmap.theory.inflow import InflowQuestion, residual_slope
 from propmap.theory.parameters import Array
-from propmap.theory.stall_hump import HUMP_ANGLES, Hump, inflow_at_angle
+from propmap.theory.stall_hump import HUMP_ANGLES, Hump, angles_about, inflow_at_angle
 from propmap.theory.velocities import AzimuthNodes, floored_norm
 
 CLOSER = (0.012, 0.003)
@@ -32,8 +34,7 @@ def hump_by_slopes(ask: InflowQuestion, stall: Array, azimuth: AzimuthNodes) -> 
         value, slope = (jnp.where(known, a, jnp.nan) for a in pair)
         return value, slope
 
-    angles = jnp.asarray(HUMP_ANGLES)
-    v = jnp.stack([inflow_at_angle(ask, stall + angle) for angle in HUMP_ANGLES])
+    v = lax.map(functools.partial(inflow_at_angle, ask), angles_about(stall, HUMP_ANGLES))
     value, slope = lax.map(sample, v)
     at, height, top = _first_top(v, value, slope)
     depth = jnp.where((v < at) & jnp.isfinite(value), value, jnp.inf)
@@ -46,7 +47,9 @@ def hump_by_slopes(ask: InflowQuestion, stall: Array, azimuth: AzimuthNodes) -> 
 
     (at, height, top), _ = lax.scan(closer, (at, height, top), jnp.asarray(CLOSER))
     folded = top & (height > 0.0) & (jnp.min(depth, axis=0) < 0.0)
-    return Hump(height, jnp.where(jnp.isfinite(at), at, 0.0), angles[valley], folded)
+    return Hump(
+        height, jnp.where(jnp.isfinite(at), at, 0.0), jnp.asarray(HUMP_ANGLES)[valley], folded
+    )
 
 
 def _first_top(v: Array, value: Array, slope: Array) -> Top:

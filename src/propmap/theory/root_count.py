@@ -9,7 +9,7 @@ from jax import lax
 
 from propmap.theory.inflow import InflowQuestion, residual
 from propmap.theory.parameters import Array
-from propmap.theory.stall_hump import inflow_at_angle, stall_side
+from propmap.theory.stall_hump import Angle, angles_about, inflow_at_angle, stall_side
 from propmap.theory.velocities import AzimuthNodes
 
 _PAST_STALL = np.array([0.0, 0.04, 0.1, 0.2])
@@ -32,10 +32,11 @@ def several_roots(solved: tuple[InflowQuestion, Array], azimuth: AzimuthNodes) -
     stall = stall_side(outer, ask.at.section.alpha_0)
     margin = 1e-4 * (ask.at.omega * ask.at.radius + ask.at.v_inplane)
 
-    def look(k: Array, several: Array) -> Array:
-        v = inflow_at_angle(ask, stall + jnp.asarray(_PAST_STALL)[k])
+    def look(several: Array, angle: Angle) -> tuple[Array, None]:
+        v = inflow_at_angle(ask, angle)
         below = v < root - margin
-        return several | (below & (residual(ask, jnp.where(below, v, 0.0), azimuth) < 0.0))
+        return several | (below & (residual(ask, jnp.where(below, v, 0.0), azimuth) < 0.0)), None
 
     none = jnp.zeros(root.shape, bool)
-    return jnp.any(lax.fori_loop(0, len(_PAST_STALL), look, none), axis=0)
+    several, _ = lax.scan(look, none, angles_about(stall, _PAST_STALL))
+    return jnp.any(several, axis=0)

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import jax
 import jax.numpy as jnp
 import numpy as np
 
 from propmap.theory.parameters import Array, Medium, Section
+from propmap.theory.trigonometry import arctangent
 
 
 def attached_share(alpha: Array, section: Section) -> Array:
@@ -36,47 +36,6 @@ def _stall_rise(alpha: Array, section: Section) -> tuple[Array, Array]:
     return jnp.exp(jnp.clip(m * (jnp.abs(alpha) - a0), -40.0, 40.0)), jnp.exp(-2.0 * m * a0)
 
 
-_ARCTAN_ABOVE = (
-    0.9999999999999999,
-    2.2778549627173237,
-    1.82145571578703,
-    0.6078190287635806,
-    0.07759280490509678,
-    0.0025331139197620122,
-)
-_ARCTAN_BELOW = (
-    1.0,
-    2.6111882960506074,
-    2.4918518144739266,
-    1.059055783813189,
-    0.19415682616035726,
-    0.012196777693031713,
-    0.00011322044128524324,
-)
-"""arctan(t)/t as a ratio of polynomials in t^2, lowest power first: good to 4e-16 for |t| <= 1.
-
-Fitted to it on [0, 1] at Chebyshev points, weighted towards the smallest largest error."""
-
-
-@jax.custom_jvp
-def _arctan(t: Array) -> Array:
-    z = t * t
-    return t * _polynomial(_ARCTAN_ABOVE, z) / _polynomial(_ARCTAN_BELOW, z)
-
-
-def _polynomial(coefficients: tuple[float, ...], z: Array) -> Array:
-    total = jnp.full_like(z, coefficients[-1])
-    for c in coefficients[-2::-1]:
-        total = total * z + c
-    return total
-
-
-@_arctan.defjvp
-def _arctan_jvp(primals, tangents):  # type: ignore[no-untyped-def]
-    (t,), (t_dot,) = primals, tangents
-    return _arctan(t), t_dot / (1.0 + t * t)
-
-
 def angle_of_attack(along: Array, across: Array, speed: Array) -> Array:
     """Angle of attack from zero lift [rad], wrapped to [-pi, pi], without ``atan2``.
 
@@ -86,7 +45,7 @@ def angle_of_attack(along: Array, across: Array, speed: Array) -> Array:
     (9 ns); the half-angle form needs the arctangent between -1 and 1 alone, for which a ratio
     of polynomials does (1.2 ns).
     """
-    half = _arctan(across / (speed + jnp.abs(along)))
+    half = arctangent(across / (speed + jnp.abs(along)))
     behind = jnp.where(across < 0.0, -np.pi, np.pi) - 2.0 * half
     return jnp.where(along < 0.0, behind, 2.0 * half)
 

@@ -16,6 +16,7 @@ from jax import lax
 from propmap.theory.inflow import InflowQuestion, residual, residual_slope
 from propmap.theory.parameters import Array
 from propmap.theory.section_law import angle_of_attack, attached_share
+from propmap.theory.trigonometry import sine_and_cosine
 from propmap.theory.velocities import AzimuthNodes, floored_norm
 
 TOP_STEPS = 2
@@ -34,13 +35,25 @@ def mean_attached_share(ask: InflowQuestion, inflow: Array) -> Array:
     return attached_share(alpha, at.section)
 
 
-def inflow_at_angle(ask: InflowQuestion, alpha: Array) -> Array:
-    """v_i [m/s] at which the angle of attack from zero lift is alpha [rad], V sin(beta) aside.
+class Angle(NamedTuple):
+    """Sine and cosine [-] of an angle of attack from zero lift."""
+
+    sine: Array
+    cosine: Array
+
+
+def angles_about(stall: Array, offsets: np.ndarray) -> Angle:
+    """The angles ``stall`` (B,) + ``offsets`` (K,) [rad]; (K, B)."""
+    return Angle(*sine_and_cosine(stall + offsets[:, None]))
+
+
+def inflow_at_angle(ask: InflowQuestion, alpha: Angle) -> Array:
+    """v_i [m/s] at which the angle of attack from zero lift is alpha, V sin(beta) aside.
 
     (S, B); infinite where no inflow makes it so.
     """
     at = ask.at
-    sine, cosine = jnp.sin(alpha), jnp.cos(alpha)
+    sine, cosine = alpha
     rise, run = at.sine * cosine - at.cosine * sine, at.cosine * cosine + at.sine * sine
     u_t = floored_norm(at.omega * at.radius, at.v_inplane / np.sqrt(2.0))
     possible = run > 0.05
@@ -65,13 +78,13 @@ def hump_before_stall(ask: InflowQuestion, stall: Array, azimuth: AzimuthNodes) 
     without a jump, but as steeply as a cube root, and deserves a panel's edge as well.
     """
 
-    def sample(offset: Array) -> tuple[Array, Array]:
-        v = inflow_at_angle(ask, stall + offset)
+    def sample(angle: Angle) -> tuple[Array, Array]:
+        v = inflow_at_angle(ask, angle)
         known = jnp.isfinite(v)
         v = jnp.where(known, v, 0.0)
         return v, jnp.where(known, residual(ask, v, azimuth), jnp.nan)
 
-    v, height = lax.map(sample, jnp.asarray(HUMP_ANGLES))
+    v, height = lax.map(sample, angles_about(stall, HUMP_ANGLES))
     gap = jnp.diff(v, axis=0)
     slope = jnp.diff(height, axis=0) / jnp.where(gap == 0.0, jnp.nan, gap)
     middle = 0.5 * (v[:-1] + v[1:])
