@@ -5,7 +5,7 @@ READY := $(VENV)/ready
 DOCS_READY := $(VENV)/docs-ready
 PEERS_READY := $(VENV)/peers-ready
 
-.PHONY: demo reproduce test test-slow lint types bench bench-table bench-fine-table bench-choice bench-identification bench-peers convergence docs clean
+.PHONY: demo reproduce test test-slow lint types bench bench-table bench-fine-table bench-choice bench-identification bench-peers bench-phases convergence docs clean
 
 $(READY): pyproject.toml constraints.txt
 	python3 -m venv $(VENV)
@@ -59,6 +59,9 @@ bench-table: $(READY)
 
 bench-fine-table: $(READY)
 	$(BIN)/python -m benchmarks.table fine
+
+bench-phases: $(READY)
+	$(BIN)/python -m benchmarks.phases
 
 convergence: $(READY)
 	$(BIN)/python -m benchmarks.convergence

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from propmap.atomic_file import replacing
-from tools import readme_tables
+from tools import performance_tables, readme_tables
 
 RESULTS = Path(__file__).resolve().parent.parent / "benchmarks" / "results"
 LOADS = {"thrust": "thrust", "torque": "torque", "drag": "rotor drag", "roll_moment": "roll moment"}
@@ -26,7 +26,7 @@ def write(folder: Path) -> None:
     """All generated parts, as Markdown."""
     found = {
         name: json.loads((RESULTS / f"{name}.json").read_text(encoding="utf-8"))
-        for name in ("choice", "convergence", "demo", "identification", "speed")
+        for name in ("choice", "convergence", "demo", "identification", "peers", "phases", "speed")
     }
     parts = {
         "numerical-accuracy": readme_tables.numerical_accuracy(found["convergence"]),
@@ -39,6 +39,9 @@ def write(folder: Path) -> None:
         "choice-cost": choice_cost(found["choice"]),
         "choice-measured": choice_measured(found["choice"]),
         "choice-table": choice_table(found["choice"]),
+        "performance-jobs": performance_tables.jobs(found["phases"]),
+        "performance-following": performance_tables.following(found["phases"]),
+        "performance-peers": performance_tables.peers(found["peers"]),
         "cli": command_reference(),
     }
     for name, text in parts.items():

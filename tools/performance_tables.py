@@ -1,0 +1,62 @@
+"""Tables of docs/performance.md, from benchmarks/results/phases.json and peers.json."""
+
+from __future__ import annotations
+
+from typing import Any
+
+
+def jobs(found: dict[str, Any]) -> str:
+    """How the mixed oblique batch is sorted, and what each job costs."""
+    place = found["machine"]
+    rows = [
+        f"{place['cpu']}, one core, blocks of {found['block']} points, after compilation; "
+        f"{found['nodes_per_point']:.0f} nodes and {found['one_core_us']:.0f} µs per point on "
+        "average.",
+        "",
+        "| radial nodes | azimuths | share of the points | nodes per point | µs per point |",
+        "|---|---:|---:|---:|---:|",
+    ]
+    for job in found["jobs"]:
+        nodes = "+".join(str(count) for count in job["panels"])
+        share = 100.0 * job["share"]
+        rows.append(
+            f"| {nodes} | {job['azimuths']} | {share:.1f} % | {job['nodes']} "
+            f"| {job['microseconds']:.1f} |"
+        )
+    return "\n".join(rows)
+
+
+def following(found: dict[str, Any]) -> str:
+    """Phases of points that follow stall."""
+    rows = ["| azimuths | survey | folds | roots | loads |", "|---:|---:|---:|---:|---:|"]
+    for split in found["following"]:
+        cells = (f"{split[phase]:.1f} µs" for phase in ("survey", "folds", "roots", "loads"))
+        rows.append(f"| {split['azimuths']} | {' | '.join(cells)} |")
+    return "\n".join(rows)
+
+
+def peers(found: dict[str, Any]) -> str:
+    """Times beside CCBlade, at two bounds on the error."""
+    place, model = found["machine"], found["package"]["model"]
+    rows = [
+        f"{place['cpu']}, {place['cores']} cores, load {place['load_before']} at the start; WISDEM "
+        f"{found['versions']['wisdem']}, propmap {place['propmap']}.  APC 8x6E, `paper-apc`, "
+        "6000 rpm.",
+        "",
+        "| case | one call | in a batch, per point | numerical error | CCBlade at our error "
+        "| CCBlade at 0.1 % |",
+        "|---|---:|---:|---:|---:|---:|",
+    ]
+    for case in ("hover", "axial", "60 deg", "85 deg", "mixed"):
+        single = f"{model['single_us'][case]:.0f} µs" if case in model["single_us"] else ""
+        batch, error = model["batch_us"][case], 100.0 * model["error"][case]
+        cells = [single, f"{batch:.0f} µs", f"{error:.2g} %"]
+        for bound in ("measured", "promised"):
+            seconds = found["ccblade"][bound]["single_us"]
+            if case not in seconds:
+                cells.append("not answered")
+                continue
+            ratio = found["ccblade_over_package"][bound][f"model_batch, {case}"]
+            cells.append(f"{seconds[case] / 1e3:.3g} ms, {ratio:.0f} times a point of the batch")
+        rows.append(f"| {case} | {' | '.join(cells)} |")
+    return "\n".join(rows)
