@@ -122,7 +122,11 @@ class Outlook(NamedTuple):
 
 
 def plan(setting: Accuracy, outlook: Outlook, points: NDArray[np.intp]) -> list[Job]:
-    """Sort the points with these indices in the batch (N,) into jobs."""
+    """Sort points into jobs.
+
+    setting : nodes by advance ratio.  outlook : of these points, all (N,).  points : their
+    indices in the batch (N,).
+    """
     advance, stalls, descends, islands = outlook
     limits = np.array([limit for limit, _ in setting.azimuths])
     counts = np.array([count for _, count in setting.azimuths])

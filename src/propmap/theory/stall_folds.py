@@ -79,6 +79,9 @@ def find_folds(
     the radius at which the residual vanishes there is the fold.  Where it is negative there
     is only a shoulder, and the radius is that at which the residual vanishes on it.  At the
     cusp between the two they coincide, so the edge moves without a jump.
+
+    near : crossings (E, B).  ask_at : equation (11) at radii (S, B) [m].  root, tip [m] : ends of
+    the blade.  azimuth : nodes.  Where nothing is found the radius is that of ``near``.
     """
     at = ask_at(near.radius).at
     scale = jnp.abs(at.omega * near.radius) + jnp.abs(at.v_axial) + 1e-30

@@ -121,7 +121,11 @@ def _spare_edges(some: Array, share: Array, first: Array) -> Array:
 def hump_crossings(
     ask_at: AskAt, root: Array, tip: Array, edges: int, azimuth: AzimuthNodes
 ) -> tuple[Crossing, Survey]:
-    """The first ``edges`` radii at which the hump passes zero."""
+    """The first ``edges`` radii at which the hump passes zero, and what was seen on the way.
+
+    ask_at : equation (11) at radii (S, B) [m].  root, tip [m] : ends of the blade.  edges : 2, or 4
+    where attached flow may be left on two stretches.  azimuth : nodes.
+    """
     radius = root + (tip - root) * jnp.linspace(0.0, 1.0 - 1e-6, GRID)[:, None]
     ask = ask_at(radius)
     stall = stall_side(ask_at((root + 0.6 * (tip - root))[None, None]), ask.at.section.alpha_0)
