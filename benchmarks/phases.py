@@ -25,7 +25,7 @@ from propmap import evaluation
 from propmap.blocks import LARGE_BLOCK, padded_azimuths
 from propmap.rotor import Rotor
 from propmap.schedule import Job, Outlook, accuracy, may_leave_islands, may_stall, plan
-from propmap.theory.disk_inflow import Case, disk_inflow, question
+from propmap.theory.disk_inflow import Case, question, solve_disk
 from propmap.theory.loads import disk_loads
 from propmap.theory.stall_folds import find_folds
 from propmap.theory.stall_split import hump_crossings
@@ -102,7 +102,7 @@ def folds(case: Case, near: Any, azimuth: AzimuthNodes) -> Any:
 @functools.partial(jax.jit, static_argnums=1)
 def inflow(case: Case, panels: tuple[int, ...], azimuth: AzimuthNodes) -> Any:
     """Survey, folds and the roots of (11)."""
-    return disk_inflow(case, panels, azimuth)
+    return solve_disk(case, panels, azimuth)
 
 
 def main() -> None:

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from propmap.blocks import Block, cut, padded_azimuths, run
 from propmap.schedule import Accuracy, Floats, Job, Outlook, may_leave_islands, may_stall, plan
-from propmap.theory.loads import RotorLoads, disk_loads
+from propmap.theory.disk_inflow import DiskSolution, solve_disk
+from propmap.theory.loads import RotorLoads, case_of, loads_of_solution
 from propmap.theory.momentum import static_inflow as equation_12
 from propmap.theory.parameters import Blade, Medium, Section
 from propmap.theory.velocities import AzimuthNodes, azimuth_nodes
@@ -25,6 +26,20 @@ ATTACHED = 0.9
 stall would have helped: the forecast was wrong."""
 
 Theory = tuple[Blade, Section, Medium]
+
+
+class Flow(NamedTuple):
+    """Operating points (N,): omega [rad/s]; velocity along the axis and in the disk plane, and
+    static inflow (12), read only in descent [m/s]."""
+
+    omega: Floats
+    v_axial: Floats
+    v_inplane: Floats
+    v_hover: Floats
+
+
+Solved = Callable[[Block, DiskSolution], None]
+"""Told of a block of points whose inflow is found; last axis: the block's points, padded."""
 
 
 class Prepared(NamedTuple):
@@ -59,22 +74,42 @@ def evaluate(
     rotor: Prepared, setting: Accuracy, omega: Floats, v_axial: Floats, v_inplane: Floats
 ) -> Evaluation:
     """Loads at N operating points; omega [rad/s], velocities [m/s], all (N,), v_inplane >= 0."""
-    advance = advance_ratio(rotor, omega, v_inplane)
     v_hover = np.zeros_like(omega)
     down = v_axial < 0.0
     if down.any():
         rates, where = np.unique(omega[down], return_inverse=True)
         v_hover[down] = static_inflow(rotor, setting, rates)[where]
-    flow = (omega, v_axial, v_inplane, v_hover)
-    stalls = may_stall(*rotor.forecast, omega, v_axial, v_inplane)
-    outlook = Outlook(advance, stalls, down, may_leave_islands(v_axial, v_hover))
+    return evaluate_flow(rotor, setting, Flow(omega, v_axial, v_inplane, v_hover))
+
+
+def evaluate_flow(
+    rotor: Prepared,
+    setting: Accuracy,
+    flow: Flow,
+    *,
+    alike: bool = False,
+    size: int | None = None,
+    solved: Solved | None = None,
+) -> Evaluation:
+    """Loads at N operating points whose static inflow is known.
+
+    alike : see ``schedule.plan``; otherwise stall is followed only where it is forecast.
+    size : of the blocks, by default see ``blocks.cut``.  solved : told of each block; of a point
+    twice where the forecast was wrong, the last time counts.
+    """
+    omega, v_axial, v_inplane, v_hover = flow
+    advance = advance_ratio(rotor, omega, v_inplane)
+    down = v_axial < 0.0
     everyone = np.arange(omega.size)
+    stalls = may_stall(*rotor.forecast, omega, v_axial, v_inplane) | alike
+    outlook = Outlook(advance, stalls, down, may_leave_islands(v_axial, v_hover))
     results = _empty(omega.size)
-    _run(rotor, setting, plan(setting, outlook, everyone), flow, results)
+    _run(rotor, cut(plan(setting, outlook, everyone, alike=alike), size), setting, flow, results, solved)
     unforeseen = ~stalls & ~(results.attached > ATTACHED) & np.isfinite(results.thrust)
     if unforeseen.any():
         jobs = plan(setting, outlook.stalling(unforeseen), everyone[unforeseen])
-        _run(rotor, setting, [j for j in jobs if len(j.panels) > 1], flow, results)
+        blocks = cut([j for j in jobs if len(j.panels) > 1], size)
+        _run(rotor, blocks, setting, flow, results, solved)
     return results
 
 
@@ -95,47 +130,51 @@ def static_inflow(rotor: Prepared, setting: Accuracy, omega: Floats) -> Floats:
 
 def _run(
     rotor: Prepared,
+    blocks: list[Block],
     setting: Accuracy,
-    jobs: list[Job],
-    flow: tuple[Floats, ...],
+    flow: Flow,
     results: Evaluation,
+    solved: Solved | None,
 ) -> None:
-    """Evaluate jobs into ``results``."""
-    few = flow[0].size < QUICK_BELOW
+    """Evaluate blocks into ``results``."""
+    few = flow.omega.size < QUICK_BELOW
 
     def one(block: Block) -> None:
-        job, single = block.job, block.size == 1
-        # Axial flow has programs of its own, but for single points, to compile less.
-        alone = job.azimuths == 1 and not single
-        most = setting.most_azimuths
-        nodes = azimuth_nodes(1) if alone else padded_azimuths(job.azimuths, most)
+        single = block.size == 1
+        nodes = nodes_of(block, setting, few=few)
         which = block.padded
         with jax.enable_x64(True):
-            program = _program(job.panels, quickly=few or single)
-            found = program(*rotor.on_device, *(a[which] for a in flow), nodes)
+            program = search_program(block.job.panels, quickly=few or single)
+            found, solution = program(*rotor.on_device, Flow(*(a[which] for a in flow)), nodes)
             for target, values in zip(results, found, strict=True):
                 target[block.points] = _flushed(np.asarray(values)[: block.points.size])
+            if solved is not None:
+                solved(block, solution)
 
-    run(cut(jobs), one)
+    run(blocks, one)
+
+
+def nodes_of(block: Block, setting: Accuracy, *, few: bool) -> AzimuthNodes:
+    """Azimuth nodes of a block: axial flow has programs of its own, but for a few points, to
+    compile less."""
+    if block.job.azimuths == 1 and not few:
+        return azimuth_nodes(1)
+    return padded_azimuths(block.job.azimuths, setting.most_azimuths)
 
 
 @functools.cache
-def _program(panels: tuple[int, ...], *, quickly: bool) -> Callable[..., RotorLoads]:
+def search_program(
+    panels: tuple[int, ...], *, quickly: bool
+) -> Any:
     """The compiled program; compiled in half the time if ``quickly``, for the same speed on
     single points and half of it on blocks."""
 
     def loads(
-        blade: Blade,
-        section: Section,
-        medium: Medium,
-        omega: Any,
-        v_axial: Any,
-        v_inplane: Any,
-        v_hover: Any,
-        azimuth: AzimuthNodes,
-    ) -> RotorLoads:
-        flow = (omega, v_axial, v_inplane, v_hover)
-        return disk_loads(blade, section, medium, *flow, panels, azimuth)
+        blade: Blade, section: Section, medium: Medium, flow: Flow, azimuth: AzimuthNodes
+    ) -> tuple[RotorLoads, DiskSolution]:
+        case = case_of(blade, section, medium, *flow)
+        solution = solve_disk(case, panels, azimuth)
+        return loads_of_solution(case, solution, flow.v_hover, panels, azimuth), solution
 
     options: Any = {"xla_cpu_use_fusion_emitters": False} if quickly else None
     return jax.jit(loads, compiler_options=options)

@@ -1,33 +1,37 @@
-"""Loads with their derivatives by section parameters, for batches: what a fit needs."""
+"""Loads with their derivatives by section parameters and flow, for batches."""
 
 from __future__ import annotations
 
 import functools
 from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
 from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 
-from propmap.blocks import Block, cut, padded_azimuths, run
-from propmap.evaluation import Prepared, advance_ratio
-from propmap.schedule import Accuracy, Floats, Outlook, may_leave_islands, plan
-from propmap.theory.loads import disk_loads
+from propmap.blocks import Block, padded_azimuths
+from propmap.evaluation import QUICK_BELOW, Flow, Prepared, evaluate_flow, nodes_of, search_program
+from propmap.schedule import Accuracy, Floats, alike_panels
+from propmap.theory.disk_inflow import DiskSolution
+from propmap.theory.loads import case_of, loads_of_solution
 from propmap.theory.momentum import static_inflow
 from propmap.theory.parameters import Blade, Medium, Section
 from propmap.theory.velocities import AzimuthNodes
 
 LOADS = ("thrust", "drag", "torque", "roll_moment")
 
+MOVING = (*Section._fields, "omega", "v_axial", "v_inplane")
+"""By what the loads can be differentiated."""
+
 BLOCK = 8
 """Operating points per call of a compiled program: with their derivatives they fill the vector
 units, and a fit's few points per number of azimuth nodes leave less of a block unused."""
 
-
-DIRECTIONS = 8
-"""Parameters for which programs are compiled.  With fewer, some directions go along idle: they
-fill the vector units as well as fewer would, and other parameters need no other program."""
+DIRECTIONS = 4
+"""Programs are compiled for multiples of so many parameters; directions without one go along
+idle, so that other parameters seldom need another program."""
 
 
 class LoadGradients(NamedTuple):
@@ -46,12 +50,13 @@ def load_gradients(
     v_axial: Floats,
     v_inplane: Floats,
 ) -> LoadGradients:
-    """Loads at N operating points and their derivatives by P parameters of ``Section``.
+    """Loads at N operating points and their derivatives by P of ``MOVING``.
 
     names : the parameters.  omega [rad/s], velocities [m/s] : (N,), v_inplane >= 0.
-    Stall is followed wherever the advance ratio allows, foreseen or not: one program less to
-    compile, at a higher cost per point.
+    The loads are those of ``evaluation.evaluate``; where it has found the inflow, nothing is
+    searched for again.
     """
+    few = omega.size < QUICK_BELOW
     ways = _directions(names)
     v_hover, v_hover_slope = np.zeros_like(omega), np.zeros((len(ways), omega.size))
     down = v_axial < 0.0
@@ -62,29 +67,32 @@ def load_gradients(
         v, slope = _static_inflow(rotor, static)
         v_hover[down] = v[where]
         v_hover_slope[: len(names), down] = slope[:, where]
-    everyone = np.arange(omega.size)
-    advance = advance_ratio(rotor, omega, v_inplane)
-    islands = may_leave_islands(v_axial, v_hover)
-    outlook = Outlook(advance, np.ones(omega.size, bool), down, islands)
-    jobs = plan(setting, outlook, everyone)
-    loads = np.full((len(LOADS), omega.size), np.nan)
+    flow = Flow(omega, v_axial, v_inplane, v_hover)
     slopes = np.full((len(LOADS), len(names), omega.size), np.nan)
-    flow = (omega, v_axial, v_inplane, v_hover)
 
-    def one(block: Block) -> None:
-        count, which, kept = block.job.azimuths, block.padded, block.points
-        nodes = padded_azimuths(count, setting.most_azimuths)
-        with jax.enable_x64(True):
-            program = _program(block.job.panels)
-            moving = v_hover_slope[:, which]
-            found = program(*rotor.on_device, *(a[which] for a in flow), ways, moving, nodes)
-            values, derivatives = (np.asarray(a) for a in found)
-        loads[:, kept] = values[:, : kept.size]
-        by_name = derivatives[: len(names)].transpose(1, 0, 2)
-        slopes[:, :, kept] = by_name[:, :, : kept.size]
+    def differentiate(block: Block, solution: DiskSolution) -> None:
+        nodes, program = nodes_of(block, setting, few=few), _program(block.job.panels)
+        solution = jax.tree.map(np.asarray, solution)
+        for start in range(0, block.points.size, BLOCK):
+            part = slice(start, start + BLOCK)
+            which, kept = block.padded[part], block.points[part]
+            mine = jax.tree.map(functools.partial(_some, part), solution)
+            here, moving = Flow(*(a[which] for a in flow)), v_hover_slope[:, which]
+            found = np.asarray(program(*rotor.on_device, here, mine, ways, moving, nodes))
+            by_name = found[: len(names)].transpose(1, 0, 2)
+            slopes[:, :, kept] = by_name[:, :, : kept.size]
 
-    run(cut(jobs, BLOCK), one)
-    return LoadGradients(loads, slopes)
+    size = BLOCK if few else None
+    with ThreadPoolExecutor(1) as beside:
+        compiled = _compiled_beside(rotor, setting, len(ways), beside) if few else None
+        flat = evaluate_flow(rotor, setting, flow, alike=few, size=size, solved=differentiate)
+        if compiled is not None:
+            compiled.result()
+    return LoadGradients(np.stack([getattr(flat, name) for name in LOADS]), slopes)
+
+
+def _some(points: slice, values: Any) -> Any:
+    return values[..., points]
 
 
 def _static_inflow(rotor: Prepared, static: LoadGradients) -> tuple[Floats, Floats]:
@@ -102,37 +110,67 @@ def _static_inflow(rotor: Prepared, static: LoadGradients) -> tuple[Floats, Floa
 
 
 def _directions(names: tuple[str, ...]) -> Floats:
-    """One row per parameter, 1 at its place in ``Section``; then idle rows of zeros."""
-    ways = np.zeros((max(DIRECTIONS, len(names)), len(Section._fields)))
+    """One row per parameter, 1 at its place in ``MOVING``; then idle rows of zeros."""
+    ways = np.zeros((DIRECTIONS * max(1, -(-len(names) // DIRECTIONS)), len(MOVING)))
     for row, name in enumerate(names):
-        ways[row, Section._fields.index(name)] = 1.0
+        ways[row, MOVING.index(name)] = 1.0
     return ways
+
+
+_COMPILED: set[tuple[Accuracy, int, int]] = set()
+
+
+def _compiled_beside(
+    rotor: Prepared, setting: Accuracy, directions: int, beside: ThreadPoolExecutor
+) -> Future[None] | None:
+    """Begin to compile the derivatives of a few points, while the search for their inflow is
+    compiled, too; None where that is done."""
+    key = (setting, rotor.theory[0].station.size, directions)
+    if key in _COMPILED:
+        return None
+    _COMPILED.add(key)
+    panels, nodes = alike_panels(setting), padded_azimuths(1, setting.most_azimuths)
+    flow, moving = Flow(*(4 * (np.zeros(BLOCK),))), np.zeros((directions, BLOCK))
+    with jax.enable_x64(True):
+        search = search_program(panels, quickly=True)
+        _, shapes = search.eval_shape(*rotor.on_device, flow, nodes)
+    solution = jax.tree.map(lambda a: np.zeros(a.shape, a.dtype), shapes)
+    ways = np.zeros((directions, len(MOVING)))
+
+    def compile_now() -> None:
+        with jax.enable_x64(True):
+            _program(panels)(*rotor.on_device, flow, solution, ways, moving, nodes)
+
+    return beside.submit(compile_now)
 
 
 @functools.cache
 def _program(panels: tuple[int, ...]) -> Callable[..., Any]:
-    def with_slopes(
+    """Derivatives (D, 4, B) along directions, where (11) is solved."""
+
+    def slopes(
         blade: Blade,
         section: Section,
         medium: Medium,
-        omega: Any,
-        v_axial: Any,
-        v_inplane: Any,
-        v_hover: Any,
+        flow: Flow,
+        solution: DiskSolution,
         directions: Any,
         v_hover_slope: Any,
         azimuth: AzimuthNodes,
     ) -> Any:
-        def loads(values: Any, v_hover: Any) -> Any:
-            flow = (omega, v_axial, v_inplane, v_hover)
-            found = disk_loads(blade, Section(*values), medium, *flow, panels, azimuth)
+        law = jnp.stack([jnp.asarray(value) for value in section])
+        still = jnp.concatenate([law, jnp.zeros(3)])
+
+        def loads(moving: Any, v_hover: Any) -> Any:
+            values, (w, v_axial, v_inplane) = moving[: law.size], moving[law.size :]
+            velocity = (flow.omega + w, flow.v_axial + v_axial, flow.v_inplane + v_inplane)
+            case = case_of(blade, Section(*values), medium, *velocity, v_hover)
+            found = loads_of_solution(case, solution, v_hover, panels, azimuth)
             return jnp.stack([getattr(found, name) for name in LOADS])
 
-        values = jnp.stack([jnp.asarray(value) for value in section])
-
         def along(direction: Any, v_hover_change: Any) -> Any:
-            return jax.jvp(loads, (values, v_hover), (direction, v_hover_change))
+            return jax.jvp(loads, (still, flow.v_hover), (direction, v_hover_change))[1]
 
-        return jax.vmap(along, out_axes=(None, 0))(directions, v_hover_slope)
+        return jax.vmap(along)(directions, v_hover_slope)
 
-    return jax.jit(with_slopes)
+    return jax.jit(slopes)

@@ -121,11 +121,14 @@ class Outlook(NamedTuple):
         return Outlook(self.advance[points], stalls, self.descends[points], self.islands[points])
 
 
-def plan(setting: Accuracy, outlook: Outlook, points: NDArray[np.intp]) -> list[Job]:
+def plan(
+    setting: Accuracy, outlook: Outlook, points: NDArray[np.intp], *, alike: bool = False
+) -> list[Job]:
     """Sort points into jobs.
 
     setting : nodes by advance ratio.  outlook : of these points, all (N,).  points : their
-    indices in the batch (N,).
+    indices in the batch (N,).  alike : whether all get the nodes that any may need and stall is
+    followed everywhere: one program for all but islands, at a higher cost per point.
     """
     advance, stalls, descends, islands = outlook
     limits = np.array([limit for limit, _ in setting.azimuths])
@@ -134,6 +137,9 @@ def plan(setting: Accuracy, outlook: Outlook, points: NDArray[np.intp]) -> list[
     follow = stalls & (advance <= np.where(descends, FOLLOW_DESCENT_BELOW, FOLLOW_BELOW))
     spread = (stalls & ~follow) | (advance > REVERSED_ABOVE)
     stations = np.where(follow, setting.stalled, np.where(spread, setting.fast, setting.free))
+    if alike:
+        follow = np.ones_like(follow)
+        stations = np.full_like(stations, sum(alike_panels(setting)))
     jobs = []
     kinds = np.stack([azimuths, follow, stations, follow & islands], axis=1)
     for kind in np.unique(kinds, axis=0):
@@ -144,6 +150,11 @@ def plan(setting: Accuracy, outlook: Outlook, points: NDArray[np.intp]) -> list[
             panels = (nodes // ISLAND_PANELS + 2,) * ISLAND_PANELS
         jobs.append(Job(points[mine], panels, count))
     return jobs
+
+
+def alike_panels(setting: Accuracy) -> tuple[int, ...]:
+    """The panels that serve every point, but for islands."""
+    return Resolution(stations=max(setting.stalled, setting.fast)).panels
 
 
 def may_leave_islands(v_axial: Floats, v_hover: Floats) -> NDArray[np.bool_]:

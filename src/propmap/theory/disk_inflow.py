@@ -11,9 +11,10 @@ from jax import lax
 
 from propmap.theory import blade_element, stall_folds, stall_split
 from propmap.theory.blade_shape import blade_shape
-from propmap.theory.inflow import MAX_STEPS, InflowQuestion, inflow_root
+from propmap.theory.inflow import MAX_STEPS, InflowQuestion, find_root, moving_root
 from propmap.theory.parameters import Array, Blade, Medium, Section
 from propmap.theory.quadrature import RadialNodes, panel_nodes
+from propmap.theory.root_count import several_roots
 from propmap.theory.velocities import AzimuthNodes
 
 
@@ -33,13 +34,27 @@ class Case(NamedTuple):
     windmill: Array
 
 
-class DiskInflow(NamedTuple):
-    """Radial nodes (S, B) or (S, 1), v_i there (S, B) [m/s], whether (11) was seen to have
-    several roots (B,)."""
+class DiskSolution(NamedTuple):
+    """What was searched for, as mere numbers that do not move with anything; a pytree.
 
-    nodes: RadialNodes
+    fold : where stall begins and ends along the blade, None if it is not followed.
+    spare (E, B) : shares of the span [-] for the edges without a fold, None like ``fold``.
+    inflow (S, B) : v_i at the radial nodes [m/s], NaN where it was not found.
+    several (B,) : whether (11) was seen to have several roots.
+    """
+
+    fold: stall_folds.Fold | None
+    spare: Array | None
     inflow: Array
     several: Array
+
+
+class DiskInflow(NamedTuple):
+    """Radial nodes (S, B) or (S, 1), equation (11) there, v_i there (S, B) [m/s]."""
+
+    nodes: RadialNodes
+    ask: InflowQuestion
+    inflow: Array
 
 
 def question(case: Case, radius: Array) -> InflowQuestion:
@@ -51,43 +66,57 @@ def question(case: Case, radius: Array) -> InflowQuestion:
     return InflowQuestion(at, case.windmill)
 
 
-def disk_inflow(case: Case, panels: tuple[int, ...], azimuth: AzimuthNodes) -> DiskInflow:
-    """Solve (11) over the disk; differentiable with respect to everything in ``case``.
+def solve_disk(case: Case, panels: tuple[int, ...], azimuth: AzimuthNodes) -> DiskSolution:
+    """Solve (11) over the disk; differentiable nowhere, for that see ``disk_inflow``.
 
     panels : radial nodes on each panel, static.  One panel is the whole blade; with more,
     their edges follow stall (``stall_split``).
     azimuth : azimuth nodes.
     """
+    case = lax.stop_gradient(case)
     root, tip = case.blade.root, case.blade.tip
-    max_steps = jnp.asarray(MAX_STEPS)
-    if len(panels) == 1:
-        nodes = panel_nodes(jnp.stack([root, tip])[:, None], panels)
-        ask = question(case, nodes.radius)
-        anywhere = jnp.full(case.omega.shape, jnp.inf)
-        inflow = inflow_root(ask, anywhere, max_steps, azimuth)
-        return DiskInflow(nodes, inflow, jnp.zeros(case.omega.shape, bool))
-    inner, several, survey = _inner_edges(case, len(panels) - 1, azimuth)
-    ends = jnp.ones((1, inner.shape[1]))
-    edges = jnp.concatenate([root * ends, jnp.sort(inner, axis=0), tip * ends])
-    nodes = panel_nodes(edges, panels)
+    fold = spare = None
+    if len(panels) > 1:
+        still = functools.partial(question, case)
+        near, survey = stall_split.hump_crossings(still, root, tip, len(panels) - 1, azimuth)
+        fold = stall_folds.find_folds(near, still, root, tip, azimuth)
+        spare = (near.radius - root) / (tip - root)
+    edges = _edges(case, fold, spare, azimuth)
+    ask = question(case, panel_nodes(edges, panels).radius)
+    if fold is None:
+        start = jnp.full(case.omega.shape, jnp.inf)
+        several = jnp.zeros(case.omega.shape, bool)
+    else:
+        start = stall_split.start_below_hump(survey, edges, panels, ask)
+        several = survey.several | jnp.any(fold.folded, axis=0)
+    inflow = find_root(ask, start, jnp.asarray(MAX_STEPS), azimuth)
+    if fold is None:
+        several = several_roots((ask, inflow), azimuth)
+    return DiskSolution(fold, spare, inflow, several)
+
+
+def disk_inflow(
+    case: Case, solution: DiskSolution, panels: tuple[int, ...], azimuth: AzimuthNodes
+) -> DiskInflow:
+    """Nodes and inflow of a solution, made to move with everything in ``case``: differentiable.
+
+    case, panels, azimuth : those that were solved.
+    """
+    nodes = panel_nodes(_edges(case, solution.fold, solution.spare, azimuth), panels)
     ask = question(case, nodes.radius)
-    start = stall_split.start_below_hump(*lax.stop_gradient((survey, edges)), panels, ask)
-    inflow = inflow_root(ask, lax.stop_gradient(start), max_steps, azimuth)
-    return DiskInflow(nodes, inflow, several)
+    return DiskInflow(nodes, ask, moving_root(ask, solution.inflow, azimuth))
 
 
-def _inner_edges(
-    case: Case, count: int, azimuth: AzimuthNodes
-) -> tuple[Array, Array, stall_split.Survey]:
-    """Radii (count, B) [m] at which to split, whether several roots were seen (B,), survey."""
+def _edges(
+    case: Case, fold: stall_folds.Fold | None, spare: Array | None, azimuth: AzimuthNodes
+) -> Array:
+    """Radii [m] of the panels' edges, rising; (P + 1, B), or (2, 1) of a single panel."""
     root, tip = case.blade.root, case.blade.tip
-    still = functools.partial(question, lax.stop_gradient(case))
-    span = lax.stop_gradient((root, tip))
-    near, survey = stall_split.hump_crossings(still, *span, count, azimuth)
-    fold = stall_folds.find_folds(near, still, *span, azimuth)
-    elsewhere = root + (tip - root) * lax.stop_gradient((near.radius - root) / (tip - root))
-    edges = _moving_edges(case, fold, elsewhere, azimuth)
-    return edges, survey.several | jnp.any(fold.folded, axis=0), survey
+    if fold is None or spare is None:
+        return jnp.stack([root, tip])[:, None]
+    inner = _moving_edges(case, fold, root + (tip - root) * spare, azimuth)
+    ends = jnp.ones((1, inner.shape[1]))
+    return jnp.concatenate([root * ends, jnp.sort(inner, axis=0), tip * ends])
 
 
 @jax.custom_jvp

@@ -174,7 +174,6 @@ def _search(
     return walk.v, (walk.newtons <= 0) & walk.good
 
 
-@jax.custom_jvp
 def inflow_root(
     ask: InflowQuestion, start: Array, max_steps: Array, azimuth: AzimuthNodes
 ) -> Array:
@@ -184,16 +183,37 @@ def inflow_root(
     start : v_i [m/s] above which there is known to be no root; infinite where it is not.
     max_steps : evaluations of the residual after which the search is given up.
     azimuth : nodes; not differentiated.
-    Differentiable with respect to everything in ``ask`` by the implicit function theorem.
+    Differentiable with respect to everything in ``ask``, see ``moving_root``.
     """
-    v, found = _search(ask, start, max_steps, azimuth)
+    return moving_root(ask, find_root(ask, start, max_steps, azimuth), azimuth)
+
+
+def find_root(
+    ask: InflowQuestion, start: Array, max_steps: Array, azimuth: AzimuthNodes
+) -> Array:
+    """``inflow_root`` as a mere number: its derivative is zero."""
+    v, found = _search(*lax.stop_gradient((ask, start)), max_steps, azimuth)
     return jnp.where(found, v, jnp.nan)
 
 
-@inflow_root.defjvp
-def _inflow_root_jvp(primals, tangents):  # type: ignore[no-untyped-def]
-    (ask, start, max_steps, azimuth), (ask_dot, *_) = primals, tangents
-    v = inflow_root(ask, start, max_steps, azimuth)
+@jax.custom_jvp
+def moving_root(
+    ask: InflowQuestion,  # noqa: ARG001 - what the root moves with, in the derivative below
+    root: Array,
+    azimuth: AzimuthNodes,  # noqa: ARG001
+) -> Array:
+    """A root of (11) [m/s] that is known, made to move with ``ask``.
+
+    ask : arrays that broadcast.  root : v_i [m/s], the root of (11) there.  azimuth : nodes.
+    Differentiable with respect to everything in ``ask`` by the implicit function theorem.
+    """
+    return root
+
+
+@moving_root.defjvp
+def _moving_root_jvp(primals, tangents):  # type: ignore[no-untyped-def]
+    (ask, root, azimuth), (ask_dot, *_) = primals, tangents
+    v = moving_root(ask, root, azimuth)
     _, slope = residual_slope(ask, v, azimuth)
     _, change = jax.jvp(lambda a: residual(a, v, azimuth), (ask,), (ask_dot,))
     at_rest = slope == 0.0

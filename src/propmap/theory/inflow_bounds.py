@@ -10,7 +10,6 @@ import numpy as np
 from propmap.theory.blade_element import Annulus
 from propmap.theory.parameters import Array
 from propmap.theory.section_law import largest_lift, sharpest_lift, steepest_lift
-from propmap.theory.trigonometry import sine_and_cosine
 from propmap.theory.velocities import floored_norm
 
 SAFE_TOLERANCE = 1e-7
@@ -98,7 +97,7 @@ def _unstalled_stretch(at: Annulus) -> tuple[Array, Array]:
     retreating = at.omega * at.radius - at.v_inplane
 
     def inflow_ratio(alpha: Array) -> tuple[Array, Array]:
-        sine, cosine = sine_and_cosine(alpha)
+        sine, cosine = jnp.sin(alpha), jnp.cos(alpha)
         rise = at.sine * cosine - at.cosine * sine
         run = at.cosine * cosine + at.sine * sine
         return rise / jnp.maximum(run, 0.05), run > 0.05

@@ -5,12 +5,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import jax.numpy as jnp
-from jax import lax
 
 from propmap.theory import blade_element, momentum, wake_state
-from propmap.theory.disk_inflow import Case, disk_inflow, question
+from propmap.theory.disk_inflow import Case, DiskSolution, disk_inflow, solve_disk
 from propmap.theory.parameters import Array, Blade, Medium, Resolution, Section
-from propmap.theory.root_count import several_roots
 from propmap.theory.stall_hump import mean_attached_share
 from propmap.theory.velocities import AzimuthNodes, azimuth_nodes
 
@@ -54,35 +52,61 @@ def disk_loads(
     blade, section, medium : see ``parameters``.
     omega [rad/s] >= 0; v_axial = V cos(beta), v_inplane = V sin(beta) >= 0 [m/s];
     v_hover : static inflow (12) at the same omega [m/s], read only where v_axial < 0.
-    panels, azimuth : see ``disk_inflow``.
+    panels, azimuth : see ``solve_disk``.
     """
+    case = case_of(blade, section, medium, omega, v_axial, v_inplane, v_hover)
+    solution = solve_disk(case, panels, azimuth)
+    return loads_of_solution(case, solution, v_hover, panels, azimuth)
+
+
+def case_of(
+    blade: Blade,
+    section: Section,
+    medium: Medium,
+    omega: Array,
+    v_axial: Array,
+    v_inplane: Array,
+    v_hover: Array,
+) -> Case:
+    """The case to be solved; arguments as in ``disk_loads``."""
     windmill = wake_state.on_windmill_branch(v_axial, v_hover)
-    case = Case(blade, section, medium, omega, v_axial, v_inplane, windmill)
-    disk = disk_inflow(case, panels, azimuth)
+    return Case(blade, section, medium, omega, v_axial, v_inplane, windmill)
+
+
+def loads_of_solution(
+    case: Case,
+    solution: DiskSolution,
+    v_hover: Array,
+    panels: tuple[int, ...],
+    azimuth: AzimuthNodes,
+) -> RotorLoads:
+    """Loads, eqs. (13)-(15), where (11) is solved; differentiable by ``case`` and ``v_hover``.
+
+    case : the question.  solution : its answer by ``solve_disk`` with these panels and nodes.
+    v_hover, panels, azimuth : as in ``disk_loads``.
+    """
+    medium, v_axial, v_inplane = case.medium, case.v_axial, case.v_inplane
+    disk = disk_inflow(case, solution, panels, azimuth)
     ring = wake_state.vortex_ring_weight(v_axial, v_inplane, v_hover)
     inflow = (1.0 - ring) * disk.inflow + ring * wake_state.vortex_ring_inflow(v_axial, v_hover)
-    ask = question(case, disk.nodes.radius)
-    per_radius = blade_element.annulus_loads(ask.at, inflow, azimuth)
+    per_radius = blade_element.annulus_loads(disk.ask.at, inflow, azimuth)
     weight = disk.nodes.weight
     thrust, drag, torque, roll_moment = (
         medium.density * jnp.sum(weight * part, axis=0) for part in per_radius
     )
     area = weight * disk.nodes.radius
     mean_inflow = jnp.sum(area * inflow, axis=0) / jnp.sum(area, axis=0)
-    if len(panels) == 1:
-        several = several_roots(lax.stop_gradient((ask, disk.inflow)), azimuth)
-    else:
-        several = disk.several
+    past_limit = momentum.is_mirrored(v_axial, v_inplane, mean_inflow)
     return RotorLoads(
         thrust=thrust,  # Eq. (13)
         drag=drag,  # Eq. (14)
         torque=torque,  # Eq. (15)
         roll_moment=roll_moment,
-        roots=jnp.where(several, 3, 1),
+        roots=jnp.where(solution.several, 3, 1),
         ring=ring,
         mean_inflow=mean_inflow,
-        attached=jnp.min(mean_attached_share(ask, inflow), axis=0),
-        mirrored=(windmill > 0.0) & momentum.is_mirrored(v_axial, v_inplane, mean_inflow),
+        attached=jnp.min(mean_attached_share(disk.ask, inflow), axis=0),
+        mirrored=(case.windmill > 0.0) & past_limit,
     )
 
 

@@ -16,7 +16,6 @@ from jax import lax
 from propmap.theory.inflow import InflowQuestion, residual, residual_slope
 from propmap.theory.parameters import Array
 from propmap.theory.section_law import angle_of_attack, attached_share
-from propmap.theory.trigonometry import sine_and_cosine
 from propmap.theory.velocities import AzimuthNodes, floored_norm
 
 TOP_STEPS = 2
@@ -44,7 +43,8 @@ class Angle(NamedTuple):
 
 def angles_about(stall: Array, offsets: np.ndarray) -> Angle:
     """The angles ``stall`` (B,) + ``offsets`` (K,) [rad]; (K, B)."""
-    return Angle(*sine_and_cosine(stall + offsets[:, None]))
+    angle = stall + offsets[:, None]
+    return Angle(jnp.sin(angle), jnp.cos(angle))
 
 
 def inflow_at_angle(ask: InflowQuestion, alpha: Angle) -> Array:
