@@ -17,6 +17,7 @@ from propmap.theory.section_law import (
     attached_share_slope,
     friction_chord,
 )
+from propmap.theory.settled import settled
 from propmap.theory.trigonometry import sine_and_cosine
 from propmap.theory.velocities import (
     AzimuthNodes,
@@ -68,7 +69,9 @@ def annulus(
     v_inplane: Array,
 ) -> Annulus:
     """Collect an annulus; shape (S, 1) or (S, B), omega and velocities (B,) or scalar."""
-    sine, cosine = sine_and_cosine(shape.twist - section.zero_lift_angle)
+    sine, cosine = settled(
+        lambda: sine_and_cosine(shape.twist - section.zero_lift_angle), blade.root
+    )
     return Annulus(
         radius=shape.radius,
         chord=shape.chord,

@@ -27,6 +27,7 @@ from propmap.theory.inflow_bounds import (
 )
 from propmap.theory.parameters import Array
 from propmap.theory.section_law import largest_lift
+from propmap.theory.settled import settled
 from propmap.theory.velocities import AzimuthNodes
 
 MAX_STEPS = 1000
@@ -109,8 +110,8 @@ def _walk_on(
     def step(state: tuple[_Walk, Array]) -> tuple[_Walk, Array]:
         walk, steps = state
         v = walk.v
-        value, slope = residual_slope(ask, v, azimuth)
-        safe = safe_step(at, bound, v, value, slope)
+        value, slope = settled(lambda: residual_slope(ask, v, azimuth), at.blades)
+        safe = settled(lambda: safe_step(at, bound, v, value, slope), at.blades)
         # At a simple root the two steps agree; at a double one Newton's is not to be trusted.
         limit = 4.0 * jnp.abs(safe)
         newton = jnp.clip(value / jnp.where(slope < 0.0, slope, -1e-300), -limit, limit)

@@ -9,6 +9,7 @@ import jax.numpy as jnp
 from propmap.theory import blade_element, momentum, wake_state
 from propmap.theory.disk_inflow import Case, DiskSolution, disk_inflow, solve_disk
 from propmap.theory.parameters import Array, Blade, Medium, Resolution, Section
+from propmap.theory.settled import settled
 from propmap.theory.stall_hump import mean_attached_share
 from propmap.theory.velocities import AzimuthNodes, azimuth_nodes
 
@@ -89,7 +90,9 @@ def loads_of_solution(
     disk = disk_inflow(case, solution, panels, azimuth)
     ring = wake_state.vortex_ring_weight(v_axial, v_inplane, v_hover)
     inflow = (1.0 - ring) * disk.inflow + ring * wake_state.vortex_ring_inflow(v_axial, v_hover)
-    per_radius = blade_element.annulus_loads(disk.ask.at, inflow, azimuth)
+    per_radius = settled(
+        lambda: blade_element.annulus_loads(disk.ask.at, inflow, azimuth), case.blade.root
+    )
     weight = disk.nodes.weight
     thrust, drag, torque, roll_moment = (
         medium.density * jnp.sum(weight * part, axis=0) for part in per_radius
