@@ -12,7 +12,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from propmap.blocks import Block, padded_azimuths
-from propmap.evaluation import QUICK_BELOW, Flow, Prepared, evaluate_flow, nodes_of, search_program
+from propmap.evaluation import QUICK_BELOW, WIDE_VECTORS, Flow, Prepared, evaluate_flow, nodes_of, search_program
 from propmap.schedule import Accuracy, Floats, alike_panels
 from propmap.theory.disk_inflow import DiskSolution
 from propmap.theory.loads import case_of, loads_of_solution
@@ -173,4 +173,5 @@ def _program(panels: tuple[int, ...]) -> Callable[..., Any]:
 
         return jax.vmap(along)(directions, v_hover_slope)
 
-    return jax.jit(slopes)
+    options: Any = WIDE_VECTORS
+    return jax.jit(slopes, compiler_options=options)
