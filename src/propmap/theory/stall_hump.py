@@ -16,6 +16,7 @@ from jax import lax
 from propmap.theory.inflow import InflowQuestion, residual, residual_slope
 from propmap.theory.parameters import Array
 from propmap.theory.section_law import angle_of_attack, attached_share
+from propmap.theory.settled import settled
 from propmap.theory.velocities import AzimuthNodes, floored_norm
 
 TOP_STEPS = 2
@@ -85,6 +86,34 @@ def hump_before_stall(ask: InflowQuestion, stall: Array, azimuth: AzimuthNodes) 
         return v, jnp.where(known, residual(ask, v, azimuth), jnp.nan)
 
     v, height = lax.map(sample, angles_about(stall, HUMP_ANGLES))
+    seen = settled(lambda: _between_samples(v, height), ask.at.blades)
+    # In descent the attached stretch ends in low humps; elsewhere the guess is as good, and
+    # joins the shoulder's without a step.
+    low = seen.peak & (ask.at.v_axial < 0.0)
+    here, at = _refined_top(ask, seen.inflow, low, seen.around, azimuth)
+    folded = seen.peak & (here > 0.0) & (seen.depth < 0.0)
+    return Hump(jnp.where(seen.known, here, jnp.nan), at, seen.behind, folded)
+
+
+class _Around(NamedTuple):
+    bend: Array  # of the residual between samples k and k + 2
+    low: Array  # v_i of sample k + 2 [m/s]
+    high: Array  # v_i of sample k
+
+
+class _Samples(NamedTuple):
+    """What samples over v_i tell of the hump, (S, B)."""
+
+    inflow: Array  # v_i at the hump's top or the shoulder [m/s]
+    known: Array  # whether it is
+    peak: Array  # whether it is a top
+    around: _Around  # if it is
+    behind: Array  # angle [rad] from the stall angle at which v_i is past the hump
+    depth: Array  # of the residual there
+
+
+def _between_samples(v: Array, height: Array) -> _Samples:
+    """From v_i [m/s], falling, and the residual there, NaN where unknown; both (K, S, B)."""
     gap = jnp.diff(v, axis=0)
     slope = jnp.diff(height, axis=0) / jnp.where(gap == 0.0, jnp.nan, gap)
     middle = 0.5 * (v[:-1] + v[1:])
@@ -96,23 +125,13 @@ def hump_before_stall(ask: InflowQuestion, stall: Array, azimuth: AzimuthNodes) 
     shoulder = _vertex(slope, middle, flattest, to_zero=False)
     at = jnp.where(some, top, shoulder)
     known = jnp.isfinite(at)
-    at = jnp.where(known, at, 0.0)
-    # In descent the attached stretch ends in low humps; elsewhere the guess is as good, and
-    # joins the shoulder's without a step.
-    low = some & (ask.at.v_axial < 0.0)
-    here, at = _refined_top(ask, at, low, _around(slope, middle, v, first), azimuth)
-    here = jnp.where(known, here, jnp.nan)
     after = jnp.arange(len(HUMP_ANGLES))[:, None, None] > first + 1
     depth = jnp.where(after & jnp.isfinite(height), height, jnp.inf)
     valley = jnp.argmin(depth, axis=0)
     behind = jnp.asarray(HUMP_ANGLES)[jnp.where(some, valley, flattest + 1)]
-    return Hump(here, at, behind, some & (here > 0.0) & (jnp.min(depth, axis=0) < 0.0))
-
-
-class _Around(NamedTuple):
-    bend: Array  # of the residual between samples k and k + 2
-    low: Array  # v_i of sample k + 2 [m/s]
-    high: Array  # v_i of sample k
+    around = _around(slope, middle, v, first)
+    least = jnp.min(depth, axis=0)
+    return _Samples(jnp.where(known, at, 0.0), known, some, around, behind, least)
 
 
 def _around(slope: Array, middle: Array, v: Array, k: Array) -> _Around:

@@ -20,6 +20,7 @@ import jax.numpy as jnp
 from propmap.theory.hump_by_slopes import hump_by_slopes
 from propmap.theory.inflow import InflowQuestion, residual
 from propmap.theory.parameters import Array
+from propmap.theory.settled import settled
 from propmap.theory.stall_folds import AskAt, Crossing
 from propmap.theory.stall_hump import (
     Angle,
@@ -131,7 +132,7 @@ def hump_crossings(
     stall = stall_side(ask_at((root + 0.6 * (tip - root))[None, None]), ask.at.section.alpha_0)
     islands = edges > len(DEFAULT_EDGES)
     find_hump = hump_by_slopes if islands else hump_before_stall
-    hump = find_hump(ask, stall, azimuth)
+    hump = settled(lambda: find_hump(ask, stall, azimuth), root)
     survey = Survey(radius, hump.height, stall + hump.behind, jnp.any(hump.folded, axis=0))
 
     def sight_of(radii: Array, found: Hump) -> Sight:
@@ -156,7 +157,7 @@ def hump_crossings(
         spare = (nearest_extreme(sight) - root) / (tip - root)
         home = root + (tip - root) * _spare_edges(some, (y - root) / (tip - root), spare)
     else:
-        some, y, v = _even_zeros(radius, hump, edges)
+        some, y, v = settled(lambda: _even_zeros(radius, hump, edges), root)
         home = root + (tip - root) * jnp.asarray(DEFAULT_EDGES)[:, None]
     near = Crossing(
         jnp.where(some, y, home), jnp.where(some, v, 0.0), jnp.where(some, spacing, 0.0)
