@@ -7,6 +7,7 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
@@ -112,14 +113,18 @@ def evaluate_flow(
     everyone = np.arange(omega.size)
     stalls = may_stall(*rotor.forecast, omega, v_axial, v_inplane) | alike
     outlook = Outlook(advance, stalls, down, may_leave_islands(v_axial, v_hover))
-    results = _empty(omega.size)
+    results = np.full((len(RotorLoads._fields), omega.size), np.nan)
     _run(rotor, cut(plan(setting, outlook, everyone, alike=alike), size), setting, flow, results, solved)
-    unforeseen = ~stalls & ~(results.attached > ATTACHED) & np.isfinite(results.thrust)
+    found = RotorLoads(*results)
+    unforeseen = ~stalls & ~(found.attached > ATTACHED) & np.isfinite(found.thrust)
     if unforeseen.any():
         jobs = plan(setting, outlook.stalling(unforeseen), everyone[unforeseen])
         blocks = cut([j for j in jobs if len(j.panels) > 1], size)
         _run(rotor, blocks, setting, flow, results, solved)
-    return results
+    # Zero instead of what the speed floor leaves of a load at rest, 1e-45 and the like.
+    results[np.abs(results) < 1e-30] = 0.0
+    found = RotorLoads(*results)
+    return Evaluation(**found._asdict() | {"roots": found.roots.astype(int), "mirrored": found.mirrored > 0.0})
 
 
 def advance_ratio(rotor: Prepared, omega: Floats, v_inplane: Floats) -> Floats:
@@ -142,10 +147,10 @@ def _run(
     blocks: list[Block],
     setting: Accuracy,
     flow: Flow,
-    results: Evaluation,
+    results: Floats,
     solved: Solved | None,
 ) -> None:
-    """Evaluate blocks into ``results``."""
+    """Evaluate blocks into ``results`` (F, N), a row per field of ``RotorLoads``."""
     few = flow.omega.size < QUICK_BELOW
 
     def one(block: Block) -> None:
@@ -155,8 +160,7 @@ def _run(
         with jax.enable_x64(True):
             program = search_program(block.job.panels, quickly=few or single)
             found, solution = program(*rotor.on_device, Flow(*(a[which] for a in flow)), nodes)
-            for target, values in zip(results, found, strict=True):
-                target[block.points] = _flushed(np.asarray(values)[: block.points.size])
+            results[:, block.points] = np.asarray(found)[:, : block.points.size]
             if solved is not None:
                 solved(block, solution)
 
@@ -175,15 +179,18 @@ def nodes_of(block: Block, setting: Accuracy, *, few: bool) -> AzimuthNodes:
 def search_program(
     panels: tuple[int, ...], *, quickly: bool
 ) -> Any:
-    """The compiled program; compiled in half the time if ``quickly``, for the same speed on
+    """The compiled program, which gives the fields of ``RotorLoads`` (F, B) and the solution;
+    compiled in half the time if ``quickly``, for the same speed on
     single points and half of it on blocks."""
 
     def loads(
         blade: Blade, section: Section, medium: Medium, flow: Flow, azimuth: AzimuthNodes
-    ) -> tuple[RotorLoads, DiskSolution]:
+    ) -> tuple[Any, DiskSolution]:
         case = case_of(blade, section, medium, *flow)
         solution = solve_disk(case, panels, azimuth)
-        return loads_of_solution(case, solution, flow.v_hover, panels, azimuth), solution
+        found = loads_of_solution(case, solution, flow.v_hover, panels, azimuth)
+        # One array, since every further one takes as long to hand over as some points to evaluate.
+        return jnp.stack([jnp.asarray(values, float) for values in found]), solution
 
     options: Any = QUICK_COMPILATION if quickly else WIDE_VECTORS
     return jax.jit(loads, compiler_options=options)
@@ -197,15 +204,3 @@ def _forecast_inputs(theory: Theory) -> tuple[Floats, Floats, Floats, tuple[floa
     slope = chord * float(blade.blades * section.c_l1) / (8.0 * np.pi * radius)
     pitch = twist - float(section.zero_lift_angle)
     return radius, slope, pitch, (float(section.alpha_0), float(section.sharpness))
-
-
-def _flushed(values: NDArray[Any]) -> NDArray[Any]:
-    """Zero instead of what the speed floor leaves of a load at rest, 1e-45 and the like."""
-    return np.where(np.abs(values) < 1e-30, 0, values) if values.dtype.kind == "f" else values
-
-
-def _empty(points: int) -> Evaluation:
-    numbers = [np.full(points, np.nan) for _ in range(4)]
-    roots, mirrored = np.zeros(points, np.int64), np.zeros(points, bool)
-    rest = [np.full(points, np.nan) for _ in range(3)]
-    return Evaluation(*numbers, roots, *rest, mirrored)  # type: ignore[call-arg]

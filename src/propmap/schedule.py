@@ -141,10 +141,12 @@ def plan(
         follow = np.ones_like(follow)
         stations = np.full_like(stations, sum(alike_panels(setting)))
     jobs = []
-    kinds = np.stack([azimuths, follow, stations, follow & islands], axis=1)
-    for kind in np.unique(kinds, axis=0):
-        count, followed, nodes, four = (int(k) for k in kind)
-        mine = (kinds == kind).all(axis=1)
+    # As one number: NumPy is slow to find the distinct rows of a table.
+    sizes = (setting.most_azimuths + 1, 2, int(stations.max(initial=0)) + 1, 2)
+    kinds = np.ravel_multi_index((azimuths, follow * 1, stations, (follow & islands) * 1), sizes)
+    for kind in np.unique(kinds):
+        count, followed, nodes, four = (int(k) for k in np.unravel_index(kind, sizes))
+        mine = kinds == kind
         panels = Resolution(stations=nodes, follow_stall=bool(followed)).panels
         if four:
             panels = (nodes // ISLAND_PANELS + 2,) * ISLAND_PANELS
