@@ -51,10 +51,11 @@ def cut(jobs: Sequence[Job], size: int | None = None) -> list[Block]:
     ]
 
 
-def run(blocks: list[Block], one: Callable[[Block], None]) -> None:
-    """Call ``one`` for every block, on all cores, the longest first so that all end together."""
+def run(blocks: list[Block], one: Callable[[Block], None], *, in_turn: bool = False) -> None:
+    """Call ``one`` for every block, on all cores, the longest first so that all end together; or
+    ``in_turn``, as suits NumPy, whose threads wait for each other."""
     longest_first = sorted(blocks, key=lambda b: -b.size * sum(b.job.panels) * b.job.azimuths)
-    if len(blocks) <= 1:
+    if in_turn or len(blocks) <= 1:
         for block in longest_first:
             one(block)
         return

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import functools
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -11,6 +12,7 @@ import jax
 import numpy as np
 from numpy.typing import NDArray
 
+from propmap.theory.arrays import by_numpy
 from propmap.theory.disk_field import DiskField, disk_field
 from propmap.theory.velocities import azimuth_nodes
 
@@ -52,15 +54,19 @@ def look_at_disk(
     flow: tuple[float, float, float, float],
     radius: Floats,
     azimuth: Floats,
+    *,
+    compiled: bool,
 ) -> Inflow:
     """Solve one operating point for its fields.
 
     flow : omega [rad/s], v_axial, v_inplane, v_hover [m/s]; radius (S,) [m]; azimuth (P,) [rad].
+    compiled : as for ``Rotor``.
     """
     nodes = azimuth_nodes(1 if flow[2] == 0.0 else 128)
-    with jax.enable_x64(True):
-        arrays = tuple(np.array([value]) for value in flow)
-        found: DiskField = _program()(*theory, arrays, radius, np.sin(azimuth), nodes)
+    arrays = tuple(np.array([value]) for value in flow)
+    with jax.enable_x64(True), contextlib.nullcontext() if compiled else by_numpy():
+        solve: Callable[..., DiskField] = _program() if compiled else disk_field
+        found = solve(*theory, arrays, radius, np.sin(azimuth), nodes)
         fields = jax.tree.map(np.asarray, found)
     section = theory[1]
     lift_angle = (fields.alpha - section.zero_lift_angle + np.pi) % (2.0 * np.pi) - np.pi

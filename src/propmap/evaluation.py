@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-import functools
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
 from propmap.blocks import Block, cut, padded_azimuths, run
-from propmap.schedule import Accuracy, Floats, Job, Outlook, may_leave_islands, may_stall, plan
-from propmap.theory.disk_inflow import DiskSolution, solve_disk
-from propmap.theory.loads import RotorLoads, case_of, loads_of_solution
+from propmap.programs import Flow, compiled_search, search_by_numpy
+from propmap.schedule import Accuracy, Floats, Outlook, may_leave_islands, may_stall, plan
+from propmap.theory.arrays import by_numpy
+from propmap.theory.disk_inflow import DiskSolution
+from propmap.theory.loads import RotorLoads
 from propmap.theory.momentum import static_inflow as equation_12
 from propmap.theory.parameters import Blade, Medium, Section
 from propmap.theory.velocities import AzimuthNodes, azimuth_nodes
@@ -22,14 +22,8 @@ from propmap.theory.velocities import AzimuthNodes, azimuth_nodes
 QUICK_BELOW = 512
 """Operating points below which a batch is not worth the longer compilation of faster programs."""
 
-QUICK_COMPILATION = {"xla_cpu_use_fusion_emitters": False}
-"""Compiler options for half the compilation and twice the evaluation of blocks."""
-
-WIDE_VECTORS = {"xla_cpu_prefer_vector_width": 512}
-"""Compiler options that spare a third of the evaluation where a processor has such vectors.
-
-With them jaxlib 0.10.2 gives wrong values of ``jnp.arctan``, which the theory does not use; a test
-holds the programs to those compiled without."""
+NUMPY_BLOCK = 32
+"""Operating points per block where nothing is compiled."""
 
 ATTACHED = 0.9
 """Attached share below which a result from fixed panels is not accepted where following
@@ -38,32 +32,27 @@ stall would have helped: the forecast was wrong."""
 Theory = tuple[Blade, Section, Medium]
 
 
-class Flow(NamedTuple):
-    """Operating points (N,): omega [rad/s]; velocity along the axis and in the disk plane, and
-    static inflow (12), read only in descent [m/s]."""
-
-    omega: Floats
-    v_axial: Floats
-    v_inplane: Floats
-    v_hover: Floats
-
-
 Solved = Callable[[Block, DiskSolution], None]
 """Told of a block of points whose inflow is found; last axis: the block's points, padded."""
 
 
 class Prepared(NamedTuple):
-    """A rotor ready for evaluation: its arrays, the same as JAX arrays, the forecast's inputs."""
+    """A rotor ready for evaluation: its arrays, the same where programs run, the forecast's inputs,
+    and whether programs are compiled."""
 
     theory: Theory
     on_device: Theory
     forecast: tuple[Floats, Floats, Floats, tuple[float, float]]
+    compiled: bool
 
 
-def prepare(theory: Theory) -> Prepared:
+def prepare(theory: Theory, *, compiled: bool = True) -> Prepared:
     """Do once what every evaluation of a rotor needs; theory in NumPy float64."""
-    with jax.enable_x64(True):
-        return Prepared(theory, jax.device_put(theory), _forecast_inputs(theory))
+    on_device = theory
+    if compiled:
+        with jax.enable_x64(True):
+            on_device = jax.device_put(theory)
+    return Prepared(theory, on_device, _forecast_inputs(theory), compiled)
 
 
 class Evaluation(NamedTuple):
@@ -114,7 +103,14 @@ def evaluate_flow(
     stalls = may_stall(*rotor.forecast, omega, v_axial, v_inplane) | alike
     outlook = Outlook(advance, stalls, down, may_leave_islands(v_axial, v_hover))
     results = np.full((len(RotorLoads._fields), omega.size), np.nan)
-    _run(rotor, cut(plan(setting, outlook, everyone, alike=alike), size), setting, flow, results, solved)
+    _run(
+        rotor,
+        cut(plan(setting, outlook, everyone, alike=alike), size),
+        setting,
+        flow,
+        results,
+        solved,
+    )
     found = RotorLoads(*results)
     unforeseen = ~stalls & ~(found.attached > ATTACHED) & np.isfinite(found.thrust)
     if unforeseen.any():
@@ -124,7 +120,9 @@ def evaluate_flow(
     # Zero instead of what the speed floor leaves of a load at rest, 1e-45 and the like.
     results[np.abs(results) < 1e-30] = 0.0
     found = RotorLoads(*results)
-    return Evaluation(**found._asdict() | {"roots": found.roots.astype(int), "mirrored": found.mirrored > 0.0})
+    return Evaluation(
+        **found._asdict() | {"roots": found.roots.astype(int), "mirrored": found.mirrored > 0.0}
+    )
 
 
 def advance_ratio(rotor: Prepared, omega: Floats, v_inplane: Floats) -> Floats:
@@ -138,7 +136,7 @@ def static_inflow(rotor: Prepared, setting: Accuracy, omega: Floats) -> Floats:
     """Static inflow (12) [m/s] at omega (N,) [rad/s]."""
     still = np.zeros_like(omega)
     thrust: Any = evaluate(rotor, setting, omega, still, still).thrust
-    with jax.enable_x64(True):
+    with by_numpy():
         return np.asarray(equation_12(thrust, rotor.theory[2].density, rotor.theory[0].station[-1]))
 
 
@@ -157,14 +155,17 @@ def _run(
         single = block.size == 1
         nodes = nodes_of(block, setting, few=few)
         which = block.padded
+        panels = block.job.panels
+        program = search_by_numpy(panels)
+        if rotor.compiled:
+            program = compiled_search(panels, quickly=few or single)
         with jax.enable_x64(True):
-            program = search_program(block.job.panels, quickly=few or single)
             found, solution = program(*rotor.on_device, Flow(*(a[which] for a in flow)), nodes)
             results[:, block.points] = np.asarray(found)[:, : block.points.size]
             if solved is not None:
                 solved(block, solution)
 
-    run(blocks, one)
+    run(blocks, one, in_turn=not rotor.compiled)
 
 
 def nodes_of(block: Block, setting: Accuracy, *, few: bool) -> AzimuthNodes:
@@ -173,27 +174,6 @@ def nodes_of(block: Block, setting: Accuracy, *, few: bool) -> AzimuthNodes:
     if block.job.azimuths == 1 and not few:
         return azimuth_nodes(1)
     return padded_azimuths(block.job.azimuths, setting.most_azimuths)
-
-
-@functools.cache
-def search_program(
-    panels: tuple[int, ...], *, quickly: bool
-) -> Any:
-    """The compiled program, which gives the fields of ``RotorLoads`` (F, B) and the solution;
-    compiled in half the time if ``quickly``, for the same speed on
-    single points and half of it on blocks."""
-
-    def loads(
-        blade: Blade, section: Section, medium: Medium, flow: Flow, azimuth: AzimuthNodes
-    ) -> tuple[Any, DiskSolution]:
-        case = case_of(blade, section, medium, *flow)
-        solution = solve_disk(case, panels, azimuth)
-        found = loads_of_solution(case, solution, flow.v_hover, panels, azimuth)
-        # One array, since every further one takes as long to hand over as some points to evaluate.
-        return jnp.stack([jnp.asarray(values, float) for values in found]), solution
-
-    options: Any = QUICK_COMPILATION if quickly else WIDE_VECTORS
-    return jax.jit(loads, compiler_options=options)
 
 
 def _forecast_inputs(theory: Theory) -> tuple[Floats, Floats, Floats, tuple[float, float]]:

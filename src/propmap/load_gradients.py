@@ -12,7 +12,8 @@ import jax.numpy as jnp
 import numpy as np
 
 from propmap.blocks import Block, padded_azimuths
-from propmap.evaluation import QUICK_BELOW, WIDE_VECTORS, Flow, Prepared, evaluate_flow, nodes_of, search_program
+from propmap.evaluation import QUICK_BELOW, Prepared, evaluate_flow, nodes_of
+from propmap.programs import WIDE_VECTORS, Flow, compiled_search
 from propmap.schedule import Accuracy, Floats, alike_panels
 from propmap.theory.disk_inflow import DiskSolution
 from propmap.theory.loads import case_of, loads_of_solution
@@ -132,7 +133,7 @@ def _compiled_beside(
     panels, nodes = alike_panels(setting), padded_azimuths(1, setting.most_azimuths)
     flow, moving = Flow(*(4 * (np.zeros(BLOCK),))), np.zeros((directions, BLOCK))
     with jax.enable_x64(True):
-        search = search_program(panels, quickly=True)
+        search = compiled_search(panels, quickly=True)
         _, shapes = search.eval_shape(*rotor.on_device, flow, nodes)
     solution = jax.tree.map(lambda a: np.zeros(a.shape, a.dtype), shapes)
     ways = np.zeros((directions, len(MOVING)))

@@ -73,6 +73,9 @@ class Rotor:
 
     propeller : geometry.  airfoil : section law.  air : density and viscosity.
     accuracy : "standard" (0.1 % of static thrust and torque) or "fine" (0.01 %, slower).
+    compiled : whether the first call waits some seconds for the compiler, so that all others take a
+        hundredth of the time.  For a few points in a short process it is not worth it: NumPy then
+        gives the same loads, but for rounding, in some hundredths of a second each.
     Raises ``InputError`` for arguments of another kind.
     """
 
@@ -83,6 +86,7 @@ class Rotor:
         air: Air | None = None,
         *,
         accuracy: str = "standard",
+        compiled: bool = True,
     ) -> None:
         air = air or Air()
         for name, value, kind, maker in (
@@ -93,7 +97,7 @@ class Rotor:
             if not isinstance(value, kind):
                 raise InputError(f"{name} is {value!r}: give a {kind.__name__}, from {maker}")
         self.propeller, self.airfoil, self.air = propeller, airfoil, air
-        self.accuracy = accuracy
+        self.accuracy, self.compiled = accuracy, compiled
         self._setting = accuracy_setting(accuracy)
 
     def __repr__(self) -> str:
@@ -186,7 +190,7 @@ class Rotor:
         along, across = _resolve(v, b)
         still = self.hover_inflow(w) if along < 0.0 else np.zeros(())
         flow = (float(w), float(along), float(across), float(still))
-        return look_at_disk(self.theory, flow, y, psi)
+        return look_at_disk(self.theory, flow, y, psi, compiled=self.compiled)
 
     @functools.cached_property
     def theory(self) -> Any:
@@ -194,13 +198,15 @@ class Rotor:
 
         NumPy float64; JAX turns them into arrays of the caller's own setting.
         """
+        from propmap.theory.arrays import by_numpy
         from propmap.theory.blade_shape import make_blade
         from propmap.theory.parameters import Medium, Section
 
         p, a = self.propeller, self.airfoil
         n: Any = np.float64
         attached = n(1.0 if a.lift_law == "blended" else 0.0)
-        blade = make_blade(p.station, p.chord, p.twist, n(p.blades), n(p.root), np)
+        with by_numpy():
+            blade = make_blade(p.station, p.chord, p.twist, n(p.blades), n(p.root))
         angles = (n(a.alpha_0), n(a.zero_lift_angle))
         constants = (n(a.c_d0), n(a.c_p), n(a.sharpness), attached, n(a.drag_factor))
         section = Section(n(a.c_l1), n(a.c_l2), n(a.c_d), *angles, *constants)
@@ -208,7 +214,7 @@ class Rotor:
 
     @functools.cached_property
     def _prepared(self) -> Prepared:
-        return prepare(self.theory)
+        return prepare(self.theory, compiled=self.compiled)
 
     def _loads(self, omega: Floats, v_axial: Floats, v_inplane: Floats) -> Loads:
         shape = omega.shape

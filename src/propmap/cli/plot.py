@@ -58,7 +58,7 @@ def plot_map(
     betas = np.radians(parse_axis("--beta", "beta", beta))
     check_output(output, PICTURES)
     points = None if measured is None else _measured(measured, rpm)
-    rotor = choice.rotor()
+    rotor = choice.rotor(speeds.size * (betas.size + 1))
 
     from propmap.report.load_curves import load_curves
     from propmap.report.style import save
@@ -98,7 +98,7 @@ def plot_disk(
     """The angle of attack over the disk, with stall and reverse flow outlined."""
     point = single_point(rpm, speed, beta)
     check_output(output, PICTURES)
-    rotor = choice.rotor()
+    rotor = choice.rotor(1)
 
     from propmap.report.disk_picture import disk_picture
     from propmap.report.style import save

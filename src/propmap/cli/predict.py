@@ -54,7 +54,7 @@ def predict(
     if output is not None:
         check_output(output)
     chosen = chosen_format(format_, output)
-    rotor = choice.rotor()
+    rotor = choice.rotor(where.count)
     loads = where.loads(rotor)
     if chosen is Format.table:
         _show_table(output, rotor, where, loads, one=points is None)

@@ -40,6 +40,10 @@ class AccuracyName(StrEnum):
     fine = "fine"
 
 
+FEW_POINTS = {AccuracyName.standard: 500, AccuracyName.fine: 50}
+"""Operating points up to which NumPy is done before the compiler would be."""
+
+
 @dataclass(frozen=True)
 class RotorChoice:
     """What the user said about the rotor; the fields are the command's parameters."""
@@ -69,8 +73,11 @@ class RotorChoice:
         AccuracyName, typer.Option("--accuracy", help="Loads to 0.1 % or, slower, to 0.01 %.")
     ] = AccuracyName.standard
 
-    def rotor(self) -> Rotor:
-        """The rotor; raises ``InputError`` before JAX, which takes a second, is imported."""
+    def rotor(self, points: int | None = None) -> Rotor:
+        """The rotor, whose programs are not compiled for few points; None: for many.
+
+        Raises ``InputError`` before JAX is imported.
+        """
         if self.airfoil is None:
             names = ", ".join(airfoil_names())
             raise InputError(
@@ -82,7 +89,8 @@ class RotorChoice:
         from propmap.rotor import Rotor
 
         keep_compiled()
-        return Rotor(blade, section, air, accuracy=self.accuracy.value)
+        compiled = points is None or points > FEW_POINTS[self.accuracy]
+        return Rotor(blade, section, air, accuracy=self.accuracy.value, compiled=compiled)
 
     def blade(self) -> Propeller:
         """The propeller."""

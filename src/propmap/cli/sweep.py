@@ -50,7 +50,7 @@ def sweep(
     if count > MOST_POINTS:
         raise InputError(f"the grid has {count} points", f"use at most {MOST_POINTS}")
     check_output(output, (".nc", ".csv"), keep_existing=not force)
-    rotor = choice.rotor()
+    rotor = choice.rotor(count)
     points = OperatingPoints.grid(*axes)
     loads = _compute(rotor, points)
     if output.suffix.lower() == ".nc":

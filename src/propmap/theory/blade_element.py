@@ -5,10 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-import jax
-import jax.numpy as jnp
-from jax import lax
-
+from propmap.theory.arrays import mean_of_each, settled, xp
 from propmap.theory.blade_shape import StationShape
 from propmap.theory.parameters import Array, Blade, Medium, Section
 from propmap.theory.section_law import (
@@ -17,7 +14,6 @@ from propmap.theory.section_law import (
     attached_share_slope,
     friction_chord,
 )
-from propmap.theory.settled import settled
 from propmap.theory.trigonometry import sine_and_cosine
 from propmap.theory.velocities import (
     AzimuthNodes,
@@ -106,7 +102,7 @@ def element_forces(at: Annulus, inflow: Array, sine: Array) -> tuple[Array, Arra
     per_u = 1.0 / u
     lift = share * law.c_l1 * alpha * u + (1.0 - share) * law.c_l2 * across * along * per_u
     drag = law.c_d * across * across * per_u + law.c_d0 * u
-    lift, drag = at.chord * lift, at.chord * drag + at.friction_chord * jnp.sqrt(u)
+    lift, drag = at.chord * lift, at.chord * drag + at.friction_chord * xp.sqrt(u)
     normal = 0.5 * (lift * u_t - drag * u_p)
     tangential = 0.5 * (lift * u_p + drag * u_t)
     return normal, tangential
@@ -128,7 +124,7 @@ def element_thrust_slope(at: Annulus, inflow: Array, sine: Array) -> tuple[Array
     along = at.cosine * u_t + at.sine * u_p
     alpha = angle_of_attack(along, across, u)
     share = attached_share(alpha, law)
-    root = jnp.sqrt(u)
+    root = xp.sqrt(u)
 
     d_u = u_p * per_u
     d_alpha = -u_t * per_u * per_u
@@ -149,16 +145,10 @@ def element_thrust_slope(at: Annulus, inflow: Array, sine: Array) -> tuple[Array
 
 def _over_azimuth(term: Callable[[Array], Any], azimuth: AzimuthNodes) -> Any:
     """Mean over the azimuth nodes of term(sin(psi)), an array or a tree of arrays."""
-    sines = jnp.asarray(azimuth.sines)
+    sines = xp.asarray(azimuth.sines)
     if isinstance(azimuth.count, int) and azimuth.count == 1:
         return term(sines[0])
-
-    def add(k: Array, total: Any) -> Any:
-        return jax.tree.map(jnp.add, total, term(sines[k]))
-
-    zero = jax.tree.map(lambda a: jnp.zeros(a.shape, a.dtype), jax.eval_shape(term, sines[0]))
-    total = lax.fori_loop(0, azimuth.count, add, zero)
-    return jax.tree.map(lambda a: a / azimuth.count, total)
+    return mean_of_each(term, sines, azimuth.count)
 
 
 def annulus_thrust(at: Annulus, inflow: Array, azimuth: AzimuthNodes) -> Array:

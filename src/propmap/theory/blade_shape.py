@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from types import ModuleType
 from typing import Any, NamedTuple
 
-import jax.numpy as jnp
-
+from propmap.theory.arrays import xp
 from propmap.theory.parameters import Array, Blade
 
 
@@ -18,19 +16,16 @@ class StationShape(NamedTuple):
     twist: Array
 
 
-def make_blade(
-    station: Any, chord: Any, twist: Any, blades: Any, root: Any, xp: ModuleType = jnp
-) -> Blade:
+def make_blade(station: Any, chord: Any, twist: Any, blades: Any, root: Any) -> Blade:
     """A ``Blade`` from its measured stations, with the slopes of the curves between them.
 
     station, chord : shape (n,) [m]; twist : shape (n,) [rad]; blades [-] and root [m] : scalars.
-    xp : the array module, ``jax.numpy`` to differentiate with respect to chord and twist.
     """
-    chord_slope, twist_slope = pchip_slopes(station, chord, xp), pchip_slopes(station, twist, xp)
+    chord_slope, twist_slope = pchip_slopes(station, chord), pchip_slopes(station, twist)
     return Blade(station, chord, twist, chord_slope, twist_slope, blades, root)
 
 
-def pchip_slopes(x: Any, y: Any, xp: ModuleType = jnp) -> Any:
+def pchip_slopes(x: Any, y: Any) -> Any:
     """Derivatives at the knots of the monotone piecewise cubic through (x, y).
 
     x : shape (n,), rising; y : shape (n,); n >= 3.  Returns shape (n,), in units of y/x.
@@ -45,12 +40,12 @@ def pchip_slopes(x: Any, y: Any, xp: ModuleType = jnp) -> Any:
     same = d[:-1] * d[1:] > 0.0
     left, right = xp.where(same, d[:-1], 1.0), xp.where(same, d[1:], 1.0)
     inner = xp.where(same, (w1 + w2) / (w1 / left + w2 / right), 0.0)
-    first = _end_slope(h[0], h[1], d[0], d[1], xp)
-    last = _end_slope(h[-1], h[-2], d[-1], d[-2], xp)
+    first = _end_slope(h[0], h[1], d[0], d[1])
+    last = _end_slope(h[-1], h[-2], d[-1], d[-2])
     return xp.concatenate([first[None], inner, last[None]])
 
 
-def _end_slope(h0: Any, h1: Any, d0: Any, d1: Any, xp: ModuleType) -> Any:
+def _end_slope(h0: Any, h1: Any, d0: Any, d1: Any) -> Any:
     slope = ((2.0 * h0 + h1) * d0 - h0 * d1) / (h0 + h1)
     slope = xp.where(slope * d0 <= 0.0, 0.0, slope)
     return xp.where((d0 * d1 < 0.0) & (xp.abs(slope) > 3.0 * xp.abs(d0)), 3.0 * d0, slope)
@@ -59,14 +54,14 @@ def _end_slope(h0: Any, h1: Any, d0: Any, d1: Any, xp: ModuleType) -> Any:
 def blade_shape(blade: Blade, radius: Array) -> StationShape:
     """Chord [m] and twist [rad] by PCHIP at radius [m], any shape, inside the measured span."""
     x = blade.station
-    h = jnp.diff(x)
+    h = xp.diff(x)
     # One row per interval, so that a radius gathers once: on a CPU that is what costs.
     rows = [x[:-1], h]
     for y, slope in ((blade.chord, blade.chord_slope), (blade.twist, blade.twist_slope)):
         y0, y1, m0, m1 = y[:-1], y[1:], slope[:-1] * h, slope[1:] * h
         rows += [y0, m0, 3.0 * (y1 - y0) - 2.0 * m0 - m1, 2.0 * (y0 - y1) + m0 + m1]
-    k = jnp.sum(radius[..., None] >= x[1:-1], axis=-1)
-    row = jnp.moveaxis(jnp.stack(rows, axis=1)[k], -1, 0)
+    k = xp.sum(radius[..., None] >= x[1:-1], axis=-1)
+    row = xp.moveaxis(xp.stack(rows, axis=1)[k], -1, 0)
     t = (radius - row[0]) / row[1]
     chord = row[2] + t * (row[3] + t * (row[4] + t * row[5]))
     twist = row[6] + t * (row[7] + t * (row[8] + t * row[9]))

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import jax.numpy as jnp
-
 from propmap.theory import blade_element, wake_state
+from propmap.theory.arrays import xp
 from propmap.theory.blade_element import AnnulusLoads
 from propmap.theory.disk_inflow import Case, question
 from propmap.theory.inflow import MAX_STEPS, inflow_root
@@ -54,12 +53,12 @@ def disk_field(
     case = Case(blade, section, medium, omega, v_axial, v_inplane, windmill)
     ask = question(case, radius[:, None])
     ring = wake_state.vortex_ring_weight(v_axial, v_inplane, v_hover)
-    solved = inflow_root(ask, jnp.asarray(jnp.inf), jnp.asarray(MAX_STEPS), azimuth)
+    solved = inflow_root(ask, xp.asarray(xp.inf), xp.asarray(MAX_STEPS), azimuth)
     inflow = (1.0 - ring) * solved + ring * wake_state.vortex_ring_inflow(v_axial, v_hover)
     loads = blade_element.annulus_loads(ask.at, inflow, azimuth)
     at = ask.at
     u_t = tangential_velocity(at.omega, at.radius, at.v_inplane, sines[None, :])
-    u_p = normal_velocity(at.v_axial, inflow) * jnp.ones_like(u_t)
+    u_p = normal_velocity(at.v_axial, inflow) * xp.ones_like(u_t)
     across, along = at.sine * u_t - at.cosine * u_p, at.cosine * u_t + at.sine * u_p
     alpha = angle_of_attack(along, across, floored_norm(u_t, u_p)) + section.zero_lift_angle
     dimensional = AnnulusLoads(*(medium.density * part[:, 0] for part in loads))

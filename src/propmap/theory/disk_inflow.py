@@ -6,10 +6,9 @@ import functools
 from typing import NamedTuple
 
 import jax
-import jax.numpy as jnp
-from jax import lax
 
 from propmap.theory import blade_element, stall_folds, stall_split
+from propmap.theory.arrays import DerivativeByRule, held, xp
 from propmap.theory.blade_shape import blade_shape
 from propmap.theory.inflow import MAX_STEPS, InflowQuestion, find_root, moving_root
 from propmap.theory.parameters import Array, Blade, Medium, Section
@@ -73,7 +72,7 @@ def solve_disk(case: Case, panels: tuple[int, ...], azimuth: AzimuthNodes) -> Di
     their edges follow stall (``stall_split``).
     azimuth : azimuth nodes.
     """
-    case = lax.stop_gradient(case)
+    case = held(case)
     root, tip = case.blade.root, case.blade.tip
     fold = spare = None
     if len(panels) > 1:
@@ -84,12 +83,12 @@ def solve_disk(case: Case, panels: tuple[int, ...], azimuth: AzimuthNodes) -> Di
     edges = _edges(case, fold, spare, azimuth)
     ask = question(case, panel_nodes(edges, panels).radius)
     if fold is None:
-        start = jnp.full(case.omega.shape, jnp.inf)
-        several = jnp.zeros(case.omega.shape, bool)
+        start = xp.full(case.omega.shape, xp.inf)
+        several = xp.zeros(case.omega.shape, bool)
     else:
         start = stall_split.start_below_hump(survey, edges, panels, ask)
-        several = survey.several | jnp.any(fold.folded, axis=0)
-    inflow = find_root(ask, start, jnp.asarray(MAX_STEPS), azimuth)
+        several = survey.several | xp.any(fold.folded, axis=0)
+    inflow = find_root(ask, start, xp.asarray(MAX_STEPS), azimuth)
     if fold is None:
         several = several_roots((ask, inflow), azimuth)
     return DiskSolution(fold, spare, inflow, several)
@@ -113,20 +112,20 @@ def _edges(
     """Radii [m] of the panels' edges, rising; (P + 1, B), or (2, 1) of a single panel."""
     root, tip = case.blade.root, case.blade.tip
     if fold is None or spare is None:
-        return jnp.stack([root, tip])[:, None]
+        return xp.stack([root, tip])[:, None]
     inner = _moving_edges(case, fold, root + (tip - root) * spare, azimuth)
-    ends = jnp.ones((1, inner.shape[1]))
-    return jnp.concatenate([root * ends, jnp.sort(inner, axis=0), tip * ends])
+    ends = xp.ones((1, inner.shape[1]))
+    return xp.concatenate([root * ends, xp.sort(inner, axis=0), tip * ends])
 
 
-@jax.custom_jvp
+@DerivativeByRule
 def _moving_edges(
     case: Case,  # noqa: ARG001 - what the folds move with, in the derivative below
     fold: stall_folds.Fold,
     otherwise: Array,
     azimuth: AzimuthNodes,  # noqa: ARG001
 ) -> Array:
-    return jnp.where(fold.found, fold.radius, otherwise)
+    return xp.where(fold.found, fold.radius, otherwise)
 
 
 @_moving_edges.defjvp
@@ -138,4 +137,4 @@ def _moving_edges_jvp(primals, tangents):  # type: ignore[no-untyped-def]
         (case_dot,),
     )
     edges = _moving_edges(case, fold, otherwise, azimuth)
-    return edges, jnp.where(fold.found, fold_dot, otherwise_dot)
+    return edges, xp.where(fold.found, fold_dot, otherwise_dot)

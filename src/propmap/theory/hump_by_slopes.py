@@ -10,9 +10,7 @@ from __future__ import annotations
 
 import functools
 
-import jax.numpy as jnp
-from jax import lax
-
+from propmap.theory.arrays import along_first_axis, of_each, xp
 from propmap.theory.inflow import InflowQuestion, residual_slope
 from propmap.theory.parameters import Array
 from propmap.theory.stall_hump import HUMP_ANGLES, Hump, angles_about, inflow_at_angle
@@ -29,27 +27,25 @@ def hump_by_slopes(ask: InflowQuestion, stall: Array, azimuth: AzimuthNodes) -> 
     """The residual's hump about the angle ``stall`` (B,); see ``stall_hump.hump_before_stall``."""
 
     def sample(v: Array) -> tuple[Array, Array]:
-        known = jnp.isfinite(v)
-        pair = residual_slope(ask, jnp.where(known, v, 0.0), azimuth)
-        value, slope = (jnp.where(known, a, jnp.nan) for a in pair)
+        known = xp.isfinite(v)
+        pair = residual_slope(ask, xp.where(known, v, 0.0), azimuth)
+        value, slope = (xp.where(known, a, xp.nan) for a in pair)
         return value, slope
 
-    v = lax.map(functools.partial(inflow_at_angle, ask), angles_about(stall, HUMP_ANGLES))
-    value, slope = lax.map(sample, v)
+    v = of_each(functools.partial(inflow_at_angle, ask), angles_about(stall, HUMP_ANGLES))
+    value, slope = of_each(sample, v)
     at, height, top = _first_top(v, value, slope)
-    depth = jnp.where((v < at) & jnp.isfinite(value), value, jnp.inf)
-    valley = jnp.argmin(depth, axis=0)
+    depth = xp.where((v < at) & xp.isfinite(value), value, xp.inf)
+    valley = xp.argmin(depth, axis=0)
     speed = floored_norm(ask.at.omega * ask.at.radius, ask.at.v_inplane)
 
-    def closer(best: Top, half: Array) -> tuple[Top, None]:
-        v = best[0] + half * speed * jnp.asarray([1.0, 0.0, -1.0])[:, None, None]
-        return _first_top(v, *lax.map(sample, v)), None
+    def closer(best: Top, half: Array) -> Top:
+        v = best[0] + half * speed * xp.asarray([1.0, 0.0, -1.0])[:, None, None]
+        return _first_top(v, *of_each(sample, v))
 
-    (at, height, top), _ = lax.scan(closer, (at, height, top), jnp.asarray(CLOSER))
-    folded = top & (height > 0.0) & (jnp.min(depth, axis=0) < 0.0)
-    return Hump(
-        height, jnp.where(jnp.isfinite(at), at, 0.0), jnp.asarray(HUMP_ANGLES)[valley], folded
-    )
+    at, height, top = along_first_axis(closer, (at, height, top), xp.asarray(CLOSER))
+    folded = top & (height > 0.0) & (xp.min(depth, axis=0) < 0.0)
+    return Hump(height, xp.where(xp.isfinite(at), at, 0.0), xp.asarray(HUMP_ANGLES)[valley], folded)
 
 
 def _first_top(v: Array, value: Array, slope: Array) -> Top:
@@ -63,18 +59,18 @@ def _first_top(v: Array, value: Array, slope: Array) -> Top:
     climb = value[1:] - value[:-1]
     c = 3.0 * (a + end - 2.0 * climb)
     b = end - a - c
-    lowest = jnp.clip(jnp.where(c > 0.0, -0.5 * b / jnp.where(c > 0.0, c, 1.0), 1.0), 0.0, 1.0)
-    lowest = jnp.where((c <= 0.0) & (a < end), 0.0, lowest)
+    lowest = xp.clip(xp.where(c > 0.0, -0.5 * b / xp.where(c > 0.0, c, 1.0), 1.0), 0.0, 1.0)
+    lowest = xp.where((c <= 0.0) & (a < end), 0.0, lowest)
     least = a + (b + c * lowest) * lowest
     falls = (a > 0.0) & (least < 0.0)
-    some = jnp.any(falls, axis=0)
+    some = xp.any(falls, axis=0)
     # The zero between 0 and ``lowest``.
-    root = jnp.sqrt(jnp.maximum(b * b - 4.0 * a * c, 0.0))
-    zero = 2.0 * a / jnp.where(root > b, root - b, jnp.inf)
-    gentlest = jnp.nan_to_num(least / run, nan=jnp.inf)
-    k = jnp.where(some, jnp.argmax(falls, axis=0), jnp.argmin(gentlest, axis=0))[None]
-    t = jnp.where(falls, jnp.clip(zero, 0.0, 1.0), lowest)
+    root = xp.sqrt(xp.maximum(b * b - 4.0 * a * c, 0.0))
+    zero = 2.0 * a / xp.where(root > b, root - b, xp.inf)
+    gentlest = xp.nan_to_num(least / run, nan=xp.inf)
+    k = xp.where(some, xp.argmax(falls, axis=0), xp.argmin(gentlest, axis=0))[None]
+    t = xp.where(falls, xp.clip(zero, 0.0, 1.0), lowest)
     height = value[:-1] + t * (a + t * (0.5 * b + t * c / 3.0))
     at = v[:-1] - t * run
-    at, height = (jnp.take_along_axis(x, k, axis=0)[0] for x in (at, height))
+    at, height = (xp.take_along_axis(x, k, axis=0)[0] for x in (at, height))
     return at, height, some

@@ -13,11 +13,10 @@ import math
 from typing import NamedTuple
 
 import jax
-import jax.numpy as jnp
 import numpy as np
-from jax import lax
 
 from propmap.theory import blade_element, momentum
+from propmap.theory.arrays import DerivativeByRule, held, on_numpy, settled, while_loop, xp
 from propmap.theory.blade_element import Annulus
 from propmap.theory.inflow_bounds import (
     SAFE_TOLERANCE,
@@ -27,7 +26,6 @@ from propmap.theory.inflow_bounds import (
 )
 from propmap.theory.parameters import Array
 from propmap.theory.section_law import largest_lift
-from propmap.theory.settled import settled
 from propmap.theory.velocities import AzimuthNodes
 
 MAX_STEPS = 1000
@@ -66,14 +64,16 @@ def residual(ask: InflowQuestion, inflow: Array, azimuth: AzimuthNodes) -> Array
     ask : annuli and wake states.  inflow : v_i [m/s], broadcast with them.  azimuth : nodes.
     """
     blade = blade_element.annulus_thrust(ask.at, inflow, azimuth)
-    return blade - _wake_thrust(ask, inflow)  # Eq. (11)
+    return blade - _wake_thrust(ask, inflow)[0]  # Eq. (11)
 
 
-def _wake_thrust(ask: InflowQuestion, inflow: Array) -> Array:
-    at = ask.at
+def _wake_thrust(ask: InflowQuestion, inflow: Array) -> tuple[Array, Array]:
+    """The momentum's thrust (10) and its derivative by v_i."""
+    at, down = ask.at, ask.windmill > 0.0
     flow = (at.radius, at.v_axial, at.v_inplane, inflow)
-    windmill = momentum.windmill_annulus_thrust(*flow)
-    return jnp.where(ask.windmill > 0.0, windmill, momentum.annulus_thrust(*flow))
+    climb = momentum.annulus_thrust_slope(*flow)
+    windmill = momentum.windmill_annulus_thrust_slope(*flow)
+    return xp.where(down, windmill[0], climb[0]), xp.where(down, windmill[1], climb[1])
 
 
 def residual_slope(
@@ -81,7 +81,7 @@ def residual_slope(
 ) -> tuple[Array, Array]:
     """The residual [m^3/s^2] and its derivative with respect to v_i [m^2/s]."""
     thrust, slope = blade_element.annulus_thrust_slope(ask.at, inflow, azimuth)
-    wake, wake_slope = jax.jvp(lambda v: _wake_thrust(ask, v), (inflow,), (jnp.ones_like(inflow),))
+    wake, wake_slope = _wake_thrust(ask, inflow)
     return thrust - wake, slope - wake_slope
 
 
@@ -101,11 +101,11 @@ def _walk_on(
     """
     at = ask.at
     bound = find_bounds(at)
-    scale = bound.speed + jnp.abs(at.v_axial) + 1e-300
+    scale = bound.speed + xp.abs(at.v_axial) + 1e-300
 
     def unfinished(state: tuple[_Walk, Array]) -> Array:
         walk, steps = state
-        return (steps < most) & jnp.any(walk.newtons > 0)
+        return (steps < most) & xp.any(walk.newtons > 0)
 
     def step(state: tuple[_Walk, Array]) -> tuple[_Walk, Array]:
         walk, steps = state
@@ -113,28 +113,28 @@ def _walk_on(
         value, slope = settled(lambda: residual_slope(ask, v, azimuth), at.blades)
         safe = settled(lambda: safe_step(at, bound, v, value, slope), at.blades)
         # At a simple root the two steps agree; at a double one Newton's is not to be trusted.
-        limit = 4.0 * jnp.abs(safe)
-        newton = jnp.clip(value / jnp.where(slope < 0.0, slope, -1e-300), -limit, limit)
+        limit = 4.0 * xp.abs(safe)
+        newton = xp.clip(value / xp.where(slope < 0.0, slope, -1e-300), -limit, limit)
         near = (value >= 0.0) | (safe <= SAFE_TOLERANCE * scale) | (walk.newtons < NEWTON_STEPS)
         sizes = bound.half * largest_lift(
             at.section
-        ) * scale * scale + 4.0 * np.pi * at.radius * jnp.abs(v) * (scale + jnp.abs(v))
+        ) * scale * scale + 4.0 * np.pi * at.radius * xp.abs(v) * (scale + xp.abs(v))
         # A start that turns out to prove nothing is dropped.
         back = (steps == 0) & ((value >= 0.0) | (slope >= 0.0)) & (v < bound.start)
         near = near & ~back
         active = walk.newtons > 0
         curvature = largest_curvature(at, bound, v, newton)
-        ends = 0.5 * curvature * newton * newton <= LEFT_OVER * scale * jnp.abs(slope)
-        last = near & (ends | (jnp.abs(newton) <= NEWTON_TOLERANCE * scale))
-        left = jnp.where(last, 0, walk.newtons - near)
+        ends = 0.5 * curvature * newton * newton <= LEFT_OVER * scale * xp.abs(slope)
+        last = near & (ends | (xp.abs(newton) <= NEWTON_TOLERANCE * scale))
+        left = xp.where(last, 0, walk.newtons - near)
         after = _Walk(
-            jnp.where(back, bound.start, jnp.where(active, v - jnp.where(near, newton, safe), v)),
-            jnp.where(active, left, walk.newtons),
-            jnp.where(active, last | (jnp.abs(value) <= RESIDUAL_TOLERANCE * sizes), walk.good),
+            xp.where(back, bound.start, xp.where(active, v - xp.where(near, newton, safe), v)),
+            xp.where(active, left, walk.newtons),
+            xp.where(active, last | (xp.abs(value) <= RESIDUAL_TOLERANCE * sizes), walk.good),
         )
         return after, steps + 1
 
-    return lax.while_loop(unfinished, step, (begin, first))
+    return while_loop(unfinished, step, (begin, first))
 
 
 def _search(
@@ -145,32 +145,32 @@ def _search(
     Three lanes in four end within ``STEPS_TOGETHER`` steps.  In a large batch the others are
     then gathered and go on by themselves, or all would wait for the slowest.
     """
-    shape = jnp.broadcast_shapes(*(jnp.shape(a) for a in jax.tree.leaves(ask)))
+    shape = xp.broadcast_shapes(*(xp.shape(a) for a in jax.tree.leaves(ask)))
     bound = find_bounds(ask.at)
-    proved = jnp.where(ask.windmill > 0.0, bound.start, jnp.minimum(bound.start, bound.guess))
-    start = jnp.broadcast_to(jnp.minimum(proved, hint), shape)
-    begin = _Walk(start, jnp.full(shape, NEWTON_STEPS), jnp.zeros(shape, bool))
+    proved = xp.where(ask.windmill > 0.0, bound.start, xp.minimum(bound.start, bound.guess))
+    start = xp.broadcast_to(xp.minimum(proved, hint), shape)
+    begin = _Walk(start, xp.full(shape, NEWTON_STEPS), xp.zeros(shape, bool))
     lanes = math.prod(shape)
-    few = lanes // 8 if lanes >= GATHER_FROM else lanes
-    together = jnp.minimum(STEPS_TOGETHER, max_steps) if few < lanes else max_steps
-    walk, steps = _walk_on(ask, begin, jnp.array(0), together, azimuth)
+    few = lanes // 8 if lanes >= GATHER_FROM and not on_numpy() else lanes
+    together = xp.minimum(STEPS_TOGETHER, max_steps) if few < lanes else max_steps
+    walk, steps = _walk_on(ask, begin, xp.array(0), together, azimuth)
     if few < lanes:
-        flat = jax.tree.map(lambda a: jnp.broadcast_to(a, shape).ravel() if jnp.ndim(a) else a, ask)
+        flat = jax.tree.map(lambda a: xp.broadcast_to(a, shape).ravel() if xp.ndim(a) else a, ask)
 
         def some_left(state: tuple[_Walk, Array]) -> Array:
             walk, steps = state
-            return jnp.any(walk.newtons > 0) & (steps < max_steps)
+            return xp.any(walk.newtons > 0) & (steps < max_steps)
 
         def slow_ones(state: tuple[_Walk, Array]) -> tuple[_Walk, Array]:
             walk, steps = state
-            (pick,) = jnp.nonzero(walk.newtons > 0, size=few, fill_value=0)
-            mine = jax.tree.map(lambda a: a[pick] if jnp.ndim(a) else a, flat)
+            (pick,) = xp.nonzero(walk.newtons > 0, size=few, fill_value=0)
+            mine = jax.tree.map(lambda a: a[pick] if xp.ndim(a) else a, flat)
             part = _Walk(*(a[pick] for a in walk))
             part, steps = _walk_on(mine, part, steps, steps + STEPS_TOGETHER, azimuth)
             return _Walk(*(a.at[pick].set(b) for a, b in zip(walk, part, strict=True))), steps
 
         walk = _Walk(*(a.ravel() for a in walk))
-        walk, _ = lax.while_loop(some_left, slow_ones, (walk, steps))
+        walk, _ = while_loop(some_left, slow_ones, (walk, steps))
         walk = _Walk(*(a.reshape(shape) for a in walk))
     return walk.v, (walk.newtons <= 0) & walk.good
 
@@ -189,15 +189,13 @@ def inflow_root(
     return moving_root(ask, find_root(ask, start, max_steps, azimuth), azimuth)
 
 
-def find_root(
-    ask: InflowQuestion, start: Array, max_steps: Array, azimuth: AzimuthNodes
-) -> Array:
+def find_root(ask: InflowQuestion, start: Array, max_steps: Array, azimuth: AzimuthNodes) -> Array:
     """``inflow_root`` as a mere number: its derivative is zero."""
-    v, found = _search(*lax.stop_gradient((ask, start)), max_steps, azimuth)
-    return jnp.where(found, v, jnp.nan)
+    v, found = _search(*held((ask, start)), max_steps, azimuth)
+    return xp.where(found, v, xp.nan)
 
 
-@jax.custom_jvp
+@DerivativeByRule
 def moving_root(
     ask: InflowQuestion,  # noqa: ARG001 - what the root moves with, in the derivative below
     root: Array,
@@ -218,4 +216,4 @@ def _moving_root_jvp(primals, tangents):  # type: ignore[no-untyped-def]
     _, slope = residual_slope(ask, v, azimuth)
     _, change = jax.jvp(lambda a: residual(a, v, azimuth), (ask,), (ask_dot,))
     at_rest = slope == 0.0
-    return v, jnp.where(at_rest, 0.0, -change / jnp.where(at_rest, 1.0, slope))
+    return v, xp.where(at_rest, 0.0, -change / xp.where(at_rest, 1.0, slope))

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import jax.numpy as jnp
 import numpy as np
 
+from propmap.theory.arrays import xp
 from propmap.theory.blade_element import Annulus
 from propmap.theory.parameters import Array
 from propmap.theory.section_law import largest_lift, sharpest_lift, steepest_lift
@@ -48,8 +48,8 @@ def find_bounds(at: Annulus) -> Bounds:
     # and the momentum at least 4 pi y v_i u; they meet at the root of a quadratic.
     k = half * lift / (4.0 * np.pi * at.radius)
     b = at.v_axial + k * speed
-    start = 0.5 * (b + jnp.sqrt(b * b + 4.0 * k * speed**2)) - at.v_axial
-    start = start * (1.0 + 1e-9) + 1e-9 * (speed + jnp.abs(at.v_axial)) * (at.chord > 0.0)
+    start = 0.5 * (b + xp.sqrt(b * b + 4.0 * k * speed**2)) - at.v_axial
+    start = start * (1.0 + 1e-9) + 1e-9 * (speed + xp.abs(at.v_axial)) * (at.chord > 0.0)
     mild_from, mild_to = _unstalled_stretch(at)
     mild = lift + 5.0 * law.c_d + 3.0 * law.c_d0
     bend = mild + sharpest_lift(law)
@@ -82,7 +82,7 @@ def _attached_guess(
     u_end = at.v_axial + mild_to
     no_lift = (u_end >= 0.0) & (u_end * at.cosine >= advancing * at.sine)
     concave = (v >= mild_from) & (v < mild_to) & (v >= 0.0) & (at.v_axial + v >= 0.0)
-    return jnp.where(no_lift & concave & (at.section.attached > 0.0), v, jnp.inf)
+    return xp.where(no_lift & concave & (at.section.attached > 0.0), v, xp.inf)
 
 
 def _unstalled_stretch(at: Annulus) -> tuple[Array, Array]:
@@ -97,17 +97,17 @@ def _unstalled_stretch(at: Annulus) -> tuple[Array, Array]:
     retreating = at.omega * at.radius - at.v_inplane
 
     def inflow_ratio(alpha: Array) -> tuple[Array, Array]:
-        sine, cosine = jnp.sin(alpha), jnp.cos(alpha)
+        sine, cosine = xp.sin(alpha), xp.cos(alpha)
         rise = at.sine * cosine - at.cosine * sine
         run = at.cosine * cosine + at.sine * sine
-        return rise / jnp.maximum(run, 0.05), run > 0.05
+        return rise / xp.maximum(run, 0.05), run > 0.05
 
     low, low_known = inflow_ratio(law.alpha_0)
     high, high_known = inflow_ratio(-law.alpha_0 + 6.0 / law.sharpness)
-    start = jnp.maximum(advancing * low, retreating * low) - at.v_axial
-    end = jnp.minimum(advancing * high, retreating * high) - at.v_axial
+    start = xp.maximum(advancing * low, retreating * low) - at.v_axial
+    end = xp.minimum(advancing * high, retreating * high) - at.v_axial
     ordered = (retreating > 0.0) & low_known
-    return jnp.where(ordered, start, jnp.inf), jnp.where(high_known, end, jnp.inf)
+    return xp.where(ordered, start, xp.inf), xp.where(high_known, end, xp.inf)
 
 
 def safe_step(at: Annulus, bound: Bounds, v: Array, value: Array, slope: Array) -> Array:
@@ -121,48 +121,48 @@ def safe_step(at: Annulus, bound: Bounds, v: Array, value: Array, slope: Array) 
     """
     law = at.section
     u = at.v_axial + v
-    reach = 0.25 * (bound.speed + jnp.abs(at.v_axial)) + 0.5 * jnp.abs(v)
+    reach = 0.25 * (bound.speed + xp.abs(at.v_axial)) + 0.5 * xp.abs(v)
     u_low, v_low = u - reach, v - reach
-    u_max = jnp.maximum(jnp.abs(u), jnp.abs(u_low))
-    cross = jnp.minimum(bound.speed, u_max)
+    u_max = xp.maximum(xp.abs(u), xp.abs(u_low))
+    cross = xp.minimum(bound.speed, u_max)
     total = bound.speed + u_max
     blade_fall = bound.half * (
         bound.fall * bound.speed
         + (largest_lift(law) + law.c_d) * cross
         + (law.c_d + law.c_d0) * (total + u_max)
-    ) + bound.friction * 1.5 * jnp.sqrt(total)
+    ) + bound.friction * 1.5 * xp.sqrt(total)
     along = floored_norm(at.v_inplane, u_max)
-    lever = jnp.where(u_low >= 0.0, jnp.maximum(v, 0.0), jnp.maximum(jnp.abs(v), jnp.abs(v_low)))
+    lever = xp.where(u_low >= 0.0, xp.maximum(v, 0.0), xp.maximum(xp.abs(v), xp.abs(v_low)))
     fall = blade_fall + 4.0 * np.pi * at.radius * (along + lever)
 
     # The wake's part bends by -4 pi y (2 u/W + v (V sin(beta))^2 / W^3), of either sign where
     # it is mirrored on the windmill branch (u < 0), and has a kink at u = 0 without in-plane
     # flow; so the parabola is not carried past u = 0.
-    u_end = jnp.where(u > 0.0, jnp.maximum(u_low, 0.0), u_low)
+    u_end = xp.where(u > 0.0, xp.maximum(u_low, 0.0), u_low)
     # ... or only by so little that the walk does not take it for its end.
-    to_kink = u - u_end + 2.0 * SAFE_TOLERANCE * (bound.speed + jnp.abs(at.v_axial))
-    nearest = floored_norm(at.v_inplane, jnp.where(u > 0.0, u_end, u))
+    to_kink = u - u_end + 2.0 * SAFE_TOLERANCE * (bound.speed + xp.abs(at.v_axial))
+    nearest = floored_norm(at.v_inplane, xp.where(u > 0.0, u_end, u))
     turn = at.v_inplane**2 / nearest**3
-    v_max = jnp.maximum(jnp.abs(v), jnp.abs(v_low))
-    wake_bend = jnp.where(u > 0.0, jnp.maximum(-v_low, 0.0) * turn, 2.0 + v_max * turn)
-    wake_bend = 4.0 * np.pi * at.radius * wake_bend + 2.0 * bound.friction / jnp.sqrt(bound.speed)
+    v_max = xp.maximum(xp.abs(v), xp.abs(v_low))
+    wake_bend = xp.where(u > 0.0, xp.maximum(-v_low, 0.0) * turn, 2.0 + v_max * turn)
+    wake_bend = 4.0 * np.pi * at.radius * wake_bend + 2.0 * bound.friction / xp.sqrt(bound.speed)
 
     def by_bend(bend: Array) -> Array:
         bend = wake_bend + bound.half * bend
-        root = jnp.sqrt(jnp.maximum(slope * slope - 2.0 * bend * value, 0.0))
-        return jnp.minimum(-2.0 * value / jnp.maximum(root - slope, 1e-300), to_kink)
+        root = xp.sqrt(xp.maximum(slope * slope - 2.0 * bend * value, 0.0))
+        return xp.minimum(-2.0 * value / xp.maximum(root - slope, 1e-300), to_kink)
 
     anywhere = by_bend(bound.bend)
-    mild = jnp.minimum(by_bend(bound.mild_bend), v - bound.mild_from)
-    mild = jnp.where(v < bound.mild_to, mild, 0.0)
-    step = jnp.maximum(jnp.maximum(anywhere, mild), -value / fall)
+    mild = xp.minimum(by_bend(bound.mild_bend), v - bound.mild_from)
+    mild = xp.where(v < bound.mild_to, mild, 0.0)
+    step = xp.maximum(xp.maximum(anywhere, mild), -value / fall)
     # A value above zero, by rounding, gives a small step back up.
-    return jnp.clip(jnp.where(value < 0.0, step, anywhere), -reach, reach)
+    return xp.clip(xp.where(value < 0.0, step, anywhere), -reach, reach)
 
 
 def largest_curvature(at: Annulus, bound: Bounds, v: Array, step: Array) -> Array:
     """About how much the residual bends, up or down, within ``step`` of v_i [m]."""
-    gentle = (v - jnp.abs(step) > bound.mild_from) & (v + jnp.abs(step) < bound.mild_to)
-    blade = 2.0 * bound.half * jnp.where(gentle, bound.mild_bend, bound.bend)
+    gentle = (v - xp.abs(step) > bound.mild_from) & (v + xp.abs(step) < bound.mild_to)
+    blade = 2.0 * bound.half * xp.where(gentle, bound.mild_bend, bound.bend)
     along = floored_norm(at.v_inplane, at.v_axial + v)
-    return blade + 4.0 * np.pi * at.radius * (2.0 + jnp.abs(v) / along)
+    return blade + 4.0 * np.pi * at.radius * (2.0 + xp.abs(v) / along)

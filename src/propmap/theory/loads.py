@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import jax.numpy as jnp
-
 from propmap.theory import blade_element, momentum, wake_state
+from propmap.theory.arrays import settled, xp
 from propmap.theory.disk_inflow import Case, DiskSolution, disk_inflow, solve_disk
 from propmap.theory.parameters import Array, Blade, Medium, Resolution, Section
-from propmap.theory.settled import settled
 from propmap.theory.stall_hump import mean_attached_share
 from propmap.theory.velocities import AzimuthNodes, azimuth_nodes
 
@@ -95,20 +93,20 @@ def loads_of_solution(
     )
     weight = disk.nodes.weight
     thrust, drag, torque, roll_moment = (
-        medium.density * jnp.sum(weight * part, axis=0) for part in per_radius
+        medium.density * xp.sum(weight * part, axis=0) for part in per_radius
     )
     area = weight * disk.nodes.radius
-    mean_inflow = jnp.sum(area * inflow, axis=0) / jnp.sum(area, axis=0)
+    mean_inflow = xp.sum(area * inflow, axis=0) / xp.sum(area, axis=0)
     past_limit = momentum.is_mirrored(v_axial, v_inplane, mean_inflow)
     return RotorLoads(
         thrust=thrust,  # Eq. (13)
         drag=drag,  # Eq. (14)
         torque=torque,  # Eq. (15)
         roll_moment=roll_moment,
-        roots=jnp.where(solution.several, 3, 1),
+        roots=xp.where(solution.several, 3, 1),
         ring=ring,
         mean_inflow=mean_inflow,
-        attached=jnp.min(mean_attached_share(disk.ask, inflow), axis=0),
+        attached=xp.min(mean_attached_share(disk.ask, inflow), axis=0),
         mirrored=(case.windmill > 0.0) & past_limit,
     )
 
@@ -121,7 +119,7 @@ def hover_inflow(
     blade, section, medium : see ``parameters``.  omega : (B,) [rad/s].
     stations : radial nodes on the whole blade.
     """
-    still = jnp.zeros_like(omega)
+    still = xp.zeros_like(omega)
     panels = Resolution(stations=stations).panels
     nodes = azimuth_nodes(1)
     static = disk_loads(blade, section, medium, omega, still, still, still, panels, nodes)

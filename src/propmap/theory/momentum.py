@@ -10,9 +10,9 @@ sign of v_i in climb and in windmill descent alike, and nothing is negated.
 
 from __future__ import annotations
 
-import jax.numpy as jnp
 import numpy as np
 
+from propmap.theory.arrays import xp
 from propmap.theory.parameters import Array
 from propmap.theory.velocities import SPEED_FLOOR, floored_norm
 
@@ -27,10 +27,27 @@ def annulus_thrust(radius: Array, v_axial: Array, v_inplane: Array, inflow: Arra
     return 4.0 * np.pi * radius * inflow * mass_flow_speed  # Eq. (10)
 
 
+def annulus_thrust_slope(
+    radius: Array, v_axial: Array, v_inplane: Array, inflow: Array
+) -> tuple[Array, Array]:
+    """``annulus_thrust`` and its derivative by the inflow [m^2/s]; the same arguments."""
+    through = v_axial + inflow
+    speed = floored_norm(v_inplane, through)
+    per_radius = 4.0 * np.pi * radius
+    return per_radius * inflow * speed, per_radius * (speed + inflow * through / speed)
+
+
 def windmill_annulus_thrust(
     radius: Array, v_axial: Array, v_inplane: Array, inflow: Array
 ) -> Array:
-    """Eq. (10) made monotone in v_i for the windmill branch of descent [m^3/s^2].
+    """The first of ``windmill_annulus_thrust_slope``; the same arguments."""
+    return windmill_annulus_thrust_slope(radius, v_axial, v_inplane, inflow)[0]
+
+
+def windmill_annulus_thrust_slope(
+    radius: Array, v_axial: Array, v_inplane: Array, inflow: Array
+) -> tuple[Array, Array]:
+    """Eq. (10) made monotone in v_i for the windmill branch of descent [m^3/s^2]; and its slope.
 
     In descent steeper than 19.5 deg from the axis, (10) rises with v_i up to the load at
     which the far wake stands still (V cos(beta) + 2 v_i = 0 in axial flow), falls to where
@@ -49,16 +66,19 @@ def windmill_annulus_thrust(
     first, second = _turning_points(v_axial, v_inplane)
     at_first = annulus_thrust(radius, v_axial, v_inplane, first)
     at_second = annulus_thrust(radius, v_axial, v_inplane, second)
-    here = annulus_thrust(radius, v_axial, v_inplane, inflow)
-    mirrored = 2.0 * at_first - here
-    beyond = here + 2.0 * (at_first - at_second)
-    past = jnp.where(inflow <= second, mirrored, beyond)
+    here, slope = annulus_thrust_slope(radius, v_axial, v_inplane, inflow)
+    within = inflow <= second
+    past = xp.where(within, 2.0 * at_first - here, here + 2.0 * (at_first - at_second))
+    past_slope = xp.where(within, -slope, slope)
     # Oblique flow leaves (10) flat where the disk is becalmed, at ``second``; mirrored, that would
     # make a second hump in (11) and branches of its own.  The parabola has no such place.
     parabola = at_first + 4.0 * np.pi * radius * (inflow - first) ** 2
-    axial = 4.0 * (second - first) ** 2 / jnp.maximum(v_axial**2, SPEED_FLOOR**2)
+    parabola_slope = 8.0 * np.pi * radius * (inflow - first)
+    axial = 4.0 * (second - first) ** 2 / xp.maximum(v_axial**2, SPEED_FLOOR**2)
     past = axial * parabola + (1.0 - axial) * past
-    return jnp.where(inflow <= first, here, past)
+    past_slope = axial * parabola_slope + (1.0 - axial) * past_slope
+    valid = inflow <= first
+    return xp.where(valid, here, past), xp.where(valid, slope, past_slope)
 
 
 def is_mirrored(v_axial: Array, v_inplane: Array, inflow: Array) -> Array:
@@ -71,7 +91,7 @@ def _turning_points(v_axial: Array, v_inplane: Array) -> tuple[Array, Array]:
     """The v_i [m/s] between which (10) falls; equal where it does not."""
     square = v_axial**2 - 8.0 * v_inplane**2
     steep = square > 0.0
-    root = jnp.where(steep, jnp.sqrt(jnp.where(steep, square, 1.0)), 0.0)
+    root = xp.where(steep, xp.sqrt(xp.where(steep, square, 1.0)), 0.0)
     return 0.25 * (v_axial - root) - v_axial, 0.25 * (v_axial + root) - v_axial
 
 
@@ -83,4 +103,4 @@ def static_inflow(static_thrust: Array, density: Array, tip_radius: Array) -> Ar
     """
     square = static_thrust / (2.0 * density * np.pi * tip_radius**2)
     positive = square > 0.0
-    return jnp.where(positive, jnp.sqrt(jnp.where(positive, square, 1.0)), 0.0)  # Eq. (12)
+    return xp.where(positive, xp.sqrt(xp.where(positive, square, 1.0)), 0.0)  # Eq. (12)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import jax.numpy as jnp
 import numpy as np
 
+from propmap.theory.arrays import xp
 from propmap.theory.parameters import Array
 
 
@@ -47,4 +47,4 @@ def panel_nodes(edges: Array, counts: tuple[int, ...]) -> RadialNodes:
         s, w = crowded_rule(nodes, inner=len(counts) > 1)
         radii.append(start + (end - start) * s[:, None])
         weights.append((end - start) * w[:, None])
-    return RadialNodes(jnp.concatenate(radii), jnp.concatenate(weights))
+    return RadialNodes(xp.concatenate(radii), xp.concatenate(weights))

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import jax
-import jax.numpy as jnp
 import numpy as np
-from jax import lax
 
+from propmap.theory.arrays import along_first_axis, xp
 from propmap.theory.inflow import InflowQuestion, residual
 from propmap.theory.parameters import Array
 from propmap.theory.stall_hump import Angle, angles_about, inflow_at_angle, stall_side
@@ -32,11 +31,11 @@ def several_roots(solved: tuple[InflowQuestion, Array], azimuth: AzimuthNodes) -
     stall = stall_side(outer, ask.at.section.alpha_0)
     margin = 1e-4 * (ask.at.omega * ask.at.radius + ask.at.v_inplane)
 
-    def look(several: Array, angle: Angle) -> tuple[Array, None]:
+    def look(several: Array, angle: Angle) -> Array:
         v = inflow_at_angle(ask, angle)
         below = v < root - margin
-        return several | (below & (residual(ask, jnp.where(below, v, 0.0), azimuth) < 0.0)), None
+        return several | (below & (residual(ask, xp.where(below, v, 0.0), azimuth) < 0.0))
 
-    none = jnp.zeros(root.shape, bool)
-    several, _ = lax.scan(look, none, angles_about(stall, _PAST_STALL))
-    return jnp.any(several, axis=0)
+    none = xp.zeros(root.shape, bool)
+    several = along_first_axis(look, none, angles_about(stall, _PAST_STALL))
+    return xp.any(several, axis=0)

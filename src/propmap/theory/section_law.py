@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import jax.numpy as jnp
 import numpy as np
 
+from propmap.theory.arrays import xp
 from propmap.theory.parameters import Array, Medium, Section
 from propmap.theory.trigonometry import arctangent
 
@@ -28,12 +28,12 @@ def attached_share_slope(alpha: Array, share: Array, section: Section) -> Array:
     """Derivative of ``attached_share`` [1/rad] at alpha, given its value ``share`` there."""
     rise, both = _stall_rise(alpha, section)
     steepness = (rise * rise - both) / ((1.0 + rise) * (rise + both))
-    return -jnp.sign(alpha) * section.sharpness * share * steepness
+    return -xp.sign(alpha) * section.sharpness * share * steepness
 
 
 def _stall_rise(alpha: Array, section: Section) -> tuple[Array, Array]:
     m, a0 = section.sharpness, section.alpha_0
-    return jnp.exp(jnp.clip(m * (jnp.abs(alpha) - a0), -40.0, 40.0)), jnp.exp(-2.0 * m * a0)
+    return xp.exp(xp.clip(m * (xp.abs(alpha) - a0), -40.0, 40.0)), xp.exp(-2.0 * m * a0)
 
 
 def angle_of_attack(along: Array, across: Array, speed: Array) -> Array:
@@ -45,9 +45,9 @@ def angle_of_attack(along: Array, across: Array, speed: Array) -> Array:
     (9 ns); the half-angle form needs the arctangent between -1 and 1 alone, for which a ratio
     of polynomials does (1.2 ns).
     """
-    half = arctangent(across / (speed + jnp.abs(along)))
-    behind = jnp.where(across < 0.0, -np.pi, np.pi) - 2.0 * half
-    return jnp.where(along < 0.0, behind, 2.0 * half)
+    half = arctangent(across / (speed + xp.abs(along)))
+    behind = xp.where(across < 0.0, -np.pi, np.pi) - 2.0 * half
+    return xp.where(along < 0.0, behind, 2.0 * half)
 
 
 def lift_coefficient(alpha: Array, section: Section) -> Array:
@@ -59,10 +59,10 @@ def lift_coefficient(alpha: Array, section: Section) -> Array:
     C_L = c_l2 sin(a) cos(a).  The zero-lift angle is this project's one addition.
     """
     sine, cosine = (
-        jnp.sin(alpha - section.zero_lift_angle),
-        jnp.cos(alpha - section.zero_lift_angle),
+        xp.sin(alpha - section.zero_lift_angle),
+        xp.cos(alpha - section.zero_lift_angle),
     )
-    a = angle_of_attack(cosine, sine, jnp.ones_like(sine))
+    a = angle_of_attack(cosine, sine, xp.ones_like(sine))
     share = attached_share(a, section)
     return share * section.c_l1 * a + (1.0 - share) * section.c_l2 * sine * cosine  # Eq. (3)
 
@@ -73,8 +73,8 @@ def drag_coefficient(alpha: Array, reynolds: Array, section: Section) -> Array:
     alpha [rad], reynolds [-] : geometric angle of attack and Reynolds number; broadcast.
     section : parameters of the law.
     """
-    sine = jnp.sin(alpha - section.zero_lift_angle)
-    friction = 2.0 * 1.02 * section.c_p / jnp.sqrt(reynolds)
+    sine = xp.sin(alpha - section.zero_lift_angle)
+    friction = 2.0 * 1.02 * section.c_p / xp.sqrt(reynolds)
     return section.c_d * sine**2 + friction + section.c_d0  # Eq. (4)
 
 
@@ -84,13 +84,13 @@ def friction_chord(chord: Array, section: Section, medium: Medium) -> Array:
     With Re = rho U c / mu the chord's own root stays in the numerator, so the term goes to
     zero at a pointed tip, where Re does too and the coefficient itself is infinite.
     """
-    root = jnp.sqrt(jnp.maximum(medium.viscosity * chord / medium.density, 1e-30))
+    root = xp.sqrt(xp.maximum(medium.viscosity * chord / medium.density, 1e-30))
     return 2.0 * 1.02 * section.c_p * root
 
 
 def largest_lift(section: Section) -> Array:
     """An upper bound of |C_L| [-] over all angles of attack, eq. (3)."""
-    knee = jnp.maximum(section.alpha_0, 1.0 / section.sharpness)
+    knee = xp.maximum(section.alpha_0, 1.0 / section.sharpness)
     return section.attached * section.c_l1 * knee + 0.5 * section.c_l2
 
 
@@ -100,9 +100,9 @@ def steepest_lift(section: Section) -> Array:
     Where c_l1 >= c_l2 the blend only takes lift away, so the larger slope bounds it.
     Otherwise the blend adds at most M/4 times the difference at the knee.
     """
-    gain = jnp.maximum(section.c_l2 - section.attached * section.c_l1, 0.0)
+    gain = xp.maximum(section.c_l2 - section.attached * section.c_l1, 0.0)
     knee = section.alpha_0 + 3.0 / section.sharpness
-    return jnp.maximum(section.c_l1, section.c_l2) + 0.25 * section.sharpness * gain * knee
+    return xp.maximum(section.c_l1, section.c_l2) + 0.25 * section.sharpness * gain * knee
 
 
 def sharpest_lift(section: Section) -> Array:
@@ -114,5 +114,5 @@ def sharpest_lift(section: Section) -> Array:
     m = section.sharpness
     knee = section.alpha_0 + 3.0 / m
     attached, separated = section.attached * section.c_l1, section.c_l2
-    drop = jnp.abs(attached * knee - 0.5 * separated * jnp.sin(2.0 * knee))
-    return 0.0963 * m * m * drop + 0.5 * m * jnp.abs(attached + separated) + 2.0 * separated
+    drop = xp.abs(attached * knee - 0.5 * separated * xp.sin(2.0 * knee))
+    return 0.0963 * m * m * drop + 0.5 * m * xp.abs(attached + separated) + 2.0 * separated

@@ -11,9 +11,8 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import jax
-import jax.numpy as jnp
-from jax import lax
 
+from propmap.theory.arrays import held, while_loop, xp
 from propmap.theory.inflow import InflowQuestion, residual, residual_slope
 from propmap.theory.parameters import Array
 from propmap.theory.velocities import AzimuthNodes
@@ -64,7 +63,7 @@ def _repeated(ask: InflowQuestion, edges: int, times: int) -> InflowQuestion:
     which takes as long as the forces, is looked up once."""
 
     def rows(a: Array) -> Array:
-        return jnp.concatenate([a[:edges]] * times + [a[edges:]]) if jnp.ndim(a) == 2 else a
+        return xp.concatenate([a[:edges]] * times + [a[edges:]]) if xp.ndim(a) == 2 else a
 
     return jax.tree.map(rows, ask)
 
@@ -84,50 +83,50 @@ def find_folds(
     the blade.  azimuth : nodes.  Where nothing is found the radius is that of ``near``.
     """
     at = ask_at(near.radius).at
-    scale = jnp.abs(at.omega * near.radius) + jnp.abs(at.v_axial) + 1e-30
+    scale = xp.abs(at.omega * near.radius) + xp.abs(at.v_axial) + 1e-30
     dv, dy, wide = 1e-6 * scale, -1e-6 * near.radius, 0.008 * scale
 
     def sought(steps: Array, state: _FoldSearch) -> Array:
-        steps_left = jnp.where(state.folded, FOLD_STEPS, SHOULDER_STEPS) - steps
+        steps_left = xp.where(state.folded, FOLD_STEPS, SHOULDER_STEPS) - steps
         return ~state.small & (near.spacing > 0.0) & (steps_left > 0)
 
     def improve(counted: tuple[Array, _FoldSearch]) -> tuple[Array, _FoldSearch]:
         steps, before = counted
         y, v_s, v_t = before[:3]
-        inflows = jnp.concatenate([v_s - wide, v_s, v_s + wide, v_t, v_t + dv, v_t])
-        here = ask_at(jnp.concatenate([y, y + dy]))
+        inflows = xp.concatenate([v_s - wide, v_s, v_s + wide, v_t, v_t + dv, v_t])
+        here = ask_at(xp.concatenate([y, y + dy]))
         pair = residual_slope(_repeated(here, y.shape[0], 5), inflows, azimuth)
         g, slope = (a.reshape(6, *y.shape) for a in pair)
         bend = slope[0] - 2.0 * slope[1] + slope[2]
-        curved = jnp.where(bend < 0.0, bend, -jnp.inf)
-        shift = jnp.clip(0.5 * (slope[0] - slope[2]) / curved, -1.0, 1.0)
+        curved = xp.where(bend < 0.0, bend, -xp.inf)
+        shift = xp.clip(0.5 * (slope[0] - slope[2]) / curved, -1.0, 1.0)
         steepest = slope[1] + 0.5 * shift * (slope[2] - slope[0]) + 0.5 * shift**2 * bend
         v_s = v_s + wide * shift
         folded = steepest > 0.0
         # The top of the hump: Newton on the slope, above the steepest point.
-        width = wide * jnp.sqrt(jnp.where(folded, -2.0 * steepest / curved, 0.0))
+        width = wide * xp.sqrt(xp.where(folded, -2.0 * steepest / curved, 0.0))
         g_vv = (slope[4] - slope[3]) / dv
-        top = v_t - slope[3] / jnp.where(g_vv < 0.0, g_vv, -jnp.inf)
+        top = v_t - slope[3] / xp.where(g_vv < 0.0, g_vv, -xp.inf)
         good = (g_vv < 0.0) & (top > v_s) & (top < v_s + 3.0 * width)
-        goal = jnp.where(folded, jnp.where(good, top, v_s + width), v_s)
+        goal = xp.where(folded, xp.where(good, top, v_s + width), v_s)
         g_y = (g[5] - g[3]) / dy
-        down = g[3] / jnp.where(g_y == 0.0, jnp.inf, g_y)
-        down = jnp.clip(down, -0.5 * near.spacing, 0.5 * near.spacing)
-        close = jnp.where(folded, 1e-8, SHOULDER_TOLERANCE)
-        small = (jnp.abs(down) < close * y) & (jnp.abs(goal - v_t) < 1e3 * close * scale)
+        down = g[3] / xp.where(g_y == 0.0, xp.inf, g_y)
+        down = xp.clip(down, -0.5 * near.spacing, 0.5 * near.spacing)
+        close = xp.where(folded, 1e-8, SHOULDER_TOLERANCE)
+        small = (xp.abs(down) < close * y) & (xp.abs(goal - v_t) < 1e3 * close * scale)
         after = _FoldSearch(y - down, v_s, goal, folded, small)
         # Lanes that have ended stay, so that no result depends on what else is in the batch.
         going = sought(steps, before)
-        return steps + 1, jax.tree.map(functools.partial(jnp.where, going), after, before)
+        return steps + 1, jax.tree.map(functools.partial(xp.where, going), after, before)
 
-    no = jnp.zeros(near.radius.shape, bool)
+    no = xp.zeros(near.radius.shape, bool)
     begin = _FoldSearch(near.radius, near.inflow, near.inflow, no, no)
-    _, (y, _, v, folded, small) = lax.while_loop(
-        lambda counted: jnp.any(sought(*counted)), improve, (jnp.array(0), begin)
+    _, (y, _, v, folded, small) = while_loop(
+        lambda counted: xp.any(sought(*counted)), improve, (xp.array(0), begin)
     )
-    close = jnp.abs(y - near.radius) < 2.0 * near.spacing
+    close = xp.abs(y - near.radius) < 2.0 * near.spacing
     found = small & close & (y > root) & (y < tip)
-    return Fold(jnp.where(found, y, near.radius), v, found & folded, found)
+    return Fold(xp.where(found, y, near.radius), v, found & folded, found)
 
 
 def follow(fold: Fold, ask_at: AskAt, azimuth: AzimuthNodes) -> Array:
@@ -137,11 +136,11 @@ def follow(fold: Fold, ask_at: AskAt, azimuth: AzimuthNodes) -> Array:
     d(radius) = -(d residual) / (d residual/d radius).  At a shoulder the same is near enough,
     since the loads do not depend on where a smooth integrand is split.
     """
-    anchor, v = lax.stop_gradient((fold.radius, fold.inflow))
+    anchor, v = held((fold.radius, fold.inflow))
 
     def at_fold(radius: Array) -> Array:
         return residual(ask_at(radius), v, azimuth)
 
-    value, along = jax.jvp(at_fold, (anchor,), (jnp.ones_like(anchor),))
-    along = lax.stop_gradient(jnp.where(fold.found & (along != 0.0), along, jnp.inf))
-    return anchor - (value - lax.stop_gradient(value)) / along
+    value, along = jax.jvp(at_fold, (anchor,), (xp.ones_like(anchor),))
+    along = held(xp.where(fold.found & (along != 0.0), along, xp.inf))
+    return anchor - (value - held(value)) / along

@@ -9,14 +9,12 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import jax.numpy as jnp
 import numpy as np
-from jax import lax
 
+from propmap.theory.arrays import of_each, repeated, settled, xp
 from propmap.theory.inflow import InflowQuestion, residual, residual_slope
 from propmap.theory.parameters import Array
 from propmap.theory.section_law import angle_of_attack, attached_share
-from propmap.theory.settled import settled
 from propmap.theory.velocities import AzimuthNodes, floored_norm
 
 TOP_STEPS = 2
@@ -45,7 +43,7 @@ class Angle(NamedTuple):
 def angles_about(stall: Array, offsets: np.ndarray) -> Angle:
     """The angles ``stall`` (B,) + ``offsets`` (K,) [rad]; (K, B)."""
     angle = stall + offsets[:, None]
-    return Angle(jnp.sin(angle), jnp.cos(angle))
+    return Angle(xp.sin(angle), xp.cos(angle))
 
 
 def inflow_at_angle(ask: InflowQuestion, alpha: Angle) -> Array:
@@ -58,8 +56,8 @@ def inflow_at_angle(ask: InflowQuestion, alpha: Angle) -> Array:
     rise, run = at.sine * cosine - at.cosine * sine, at.cosine * cosine + at.sine * sine
     u_t = floored_norm(at.omega * at.radius, at.v_inplane / np.sqrt(2.0))
     possible = run > 0.05
-    v = u_t * rise / jnp.where(possible, run, 1.0) - at.v_axial
-    return jnp.where(possible, v, jnp.inf)
+    v = u_t * rise / xp.where(possible, run, 1.0) - at.v_axial
+    return xp.where(possible, v, xp.inf)
 
 
 class Hump(NamedTuple):
@@ -81,18 +79,18 @@ def hump_before_stall(ask: InflowQuestion, stall: Array, azimuth: AzimuthNodes) 
 
     def sample(angle: Angle) -> tuple[Array, Array]:
         v = inflow_at_angle(ask, angle)
-        known = jnp.isfinite(v)
-        v = jnp.where(known, v, 0.0)
-        return v, jnp.where(known, residual(ask, v, azimuth), jnp.nan)
+        known = xp.isfinite(v)
+        v = xp.where(known, v, 0.0)
+        return v, xp.where(known, residual(ask, v, azimuth), xp.nan)
 
-    v, height = lax.map(sample, angles_about(stall, HUMP_ANGLES))
+    v, height = of_each(sample, angles_about(stall, HUMP_ANGLES))
     seen = settled(lambda: _between_samples(v, height), ask.at.blades)
     # In descent the attached stretch ends in low humps; elsewhere the guess is as good, and
     # joins the shoulder's without a step.
     low = seen.peak & (ask.at.v_axial < 0.0)
     here, at = _refined_top(ask, seen.inflow, low, seen.around, azimuth)
     folded = seen.peak & (here > 0.0) & (seen.depth < 0.0)
-    return Hump(jnp.where(seen.known, here, jnp.nan), at, seen.behind, folded)
+    return Hump(xp.where(seen.known, here, xp.nan), at, seen.behind, folded)
 
 
 class _Around(NamedTuple):
@@ -114,32 +112,32 @@ class _Samples(NamedTuple):
 
 def _between_samples(v: Array, height: Array) -> _Samples:
     """From v_i [m/s], falling, and the residual there, NaN where unknown; both (K, S, B)."""
-    gap = jnp.diff(v, axis=0)
-    slope = jnp.diff(height, axis=0) / jnp.where(gap == 0.0, jnp.nan, gap)
+    gap = xp.diff(v, axis=0)
+    slope = xp.diff(height, axis=0) / xp.where(gap == 0.0, xp.nan, gap)
     middle = 0.5 * (v[:-1] + v[1:])
     peak = (slope[:-1] <= 0.0) & (slope[1:] > 0.0)
-    some = jnp.any(peak, axis=0)
-    first = jnp.argmax(peak, axis=0)
+    some = xp.any(peak, axis=0)
+    first = xp.argmax(peak, axis=0)
     top = _vertex(slope, middle, first, to_zero=True)
-    flattest = jnp.argmax(jnp.nan_to_num(slope[1:-1], nan=-jnp.inf), axis=0)
+    flattest = xp.argmax(xp.nan_to_num(slope[1:-1], nan=-xp.inf), axis=0)
     shoulder = _vertex(slope, middle, flattest, to_zero=False)
-    at = jnp.where(some, top, shoulder)
-    known = jnp.isfinite(at)
-    after = jnp.arange(len(HUMP_ANGLES))[:, None, None] > first + 1
-    depth = jnp.where(after & jnp.isfinite(height), height, jnp.inf)
-    valley = jnp.argmin(depth, axis=0)
-    behind = jnp.asarray(HUMP_ANGLES)[jnp.where(some, valley, flattest + 1)]
+    at = xp.where(some, top, shoulder)
+    known = xp.isfinite(at)
+    after = xp.arange(len(HUMP_ANGLES))[:, None, None] > first + 1
+    depth = xp.where(after & xp.isfinite(height), height, xp.inf)
+    valley = xp.argmin(depth, axis=0)
+    behind = xp.asarray(HUMP_ANGLES)[xp.where(some, valley, flattest + 1)]
     around = _around(slope, middle, v, first)
-    least = jnp.min(depth, axis=0)
-    return _Samples(jnp.where(known, at, 0.0), known, some, around, behind, least)
+    least = xp.min(depth, axis=0)
+    return _Samples(xp.where(known, at, 0.0), known, some, around, behind, least)
 
 
 def _around(slope: Array, middle: Array, v: Array, k: Array) -> _Around:
     def pick(a: Array, shift: int) -> Array:
-        return jnp.take_along_axis(a, k[None] + shift, axis=0)[0]
+        return xp.take_along_axis(a, k[None] + shift, axis=0)[0]
 
     run = pick(middle, 1) - pick(middle, 0)
-    bend = (pick(slope, 1) - pick(slope, 0)) / jnp.where(run == 0.0, jnp.nan, run)
+    bend = (pick(slope, 1) - pick(slope, 0)) / xp.where(run == 0.0, xp.nan, run)
     return _Around(bend, pick(v, 2), pick(v, 0))
 
 
@@ -152,39 +150,39 @@ def _refined_top(
     attached stretch of the blade is lost, and with it several per cent of thrust in descent.
     """
 
-    def improve(_: int, state: tuple[Array, ...]) -> tuple[Array, ...]:
+    def improve(state: tuple[Array, ...]) -> tuple[Array, ...]:
         x, bend, x_before, slope_before = state[:4]
         value, slope = residual_slope(ask, x, azimuth)
-        moved = jnp.abs(x - x_before) > 1e-9 * (jnp.abs(x) + 1e-9)
-        run = jnp.where(moved, x - x_before, 1.0)
-        secant = jnp.where(moved, (slope - slope_before) / run, bend)
+        moved = xp.abs(x - x_before) > 1e-9 * (xp.abs(x) + 1e-9)
+        run = xp.where(moved, x - x_before, 1.0)
+        secant = xp.where(moved, (slope - slope_before) / run, bend)
         # Next to an inflection the secant is no guide, and its step would leave the hump.
-        bend = jnp.where(secant < 0.0, jnp.minimum(secant, 0.5 * around.bend), bend)
-        step = -slope / jnp.where(bend < 0.0, bend, -jnp.inf)
-        after = jnp.where(peak, jnp.clip(x + step, around.low, around.high), x)
-        height = value + jnp.where(peak, 0.5 * slope * (after - x), 0.0)
+        bend = xp.where(secant < 0.0, xp.minimum(secant, 0.5 * around.bend), bend)
+        step = -slope / xp.where(bend < 0.0, bend, -xp.inf)
+        after = xp.where(peak, xp.clip(x + step, around.low, around.high), x)
+        height = value + xp.where(peak, 0.5 * slope * (after - x), 0.0)
         return after, bend, x, slope, height
 
-    nothing = jnp.zeros_like(at)
+    nothing = xp.zeros_like(at)
     begin = (at, around.bend + nothing, at, nothing, nothing)
-    top, _, _, _, height = lax.fori_loop(0, TOP_STEPS, improve, begin)
-    return height, jnp.where(peak, top, at)
+    top, _, _, _, height = repeated(TOP_STEPS, improve, begin)
+    return height, xp.where(peak, top, at)
 
 
 def _vertex(slope: Array, v: Array, k: Array, *, to_zero: bool) -> Array:
     """The v near entry k (S, B) at which the slope is zero, or else largest."""
     s, x = (
-        [jnp.take_along_axis(a, k[None] + i, axis=0)[0] for i in range(3 - to_zero)]
+        [xp.take_along_axis(a, k[None] + i, axis=0)[0] for i in range(3 - to_zero)]
         for a in (slope, v)
     )
     if to_zero:
-        share = s[0] / jnp.where(s[0] == s[1], 1.0, s[0] - s[1])
-        return x[0] + jnp.clip(share, 0.0, 1.0) * (x[1] - x[0])
+        share = s[0] / xp.where(s[0] == s[1], 1.0, s[0] - s[1])
+        return x[0] + xp.clip(share, 0.0, 1.0) * (x[1] - x[0])
     left = (s[0] - s[1]) / (x[0] - x[1])
     right = (s[1] - s[2]) / (x[1] - x[2])
     bend = (left - right) / (x[0] - x[2])
-    top = 0.5 * (x[0] + x[1]) - 0.5 * left / jnp.where(bend < 0.0, bend, -1.0)
-    return jnp.where(bend < 0.0, jnp.clip(top, x[2], x[0]), x[1])
+    top = 0.5 * (x[0] + x[1]) - 0.5 * left / xp.where(bend < 0.0, bend, -1.0)
+    return xp.where(bend < 0.0, xp.clip(top, x[2], x[0]), x[1])
 
 
 def stall_side(ask: InflowQuestion, alpha_0: Array) -> Array:
@@ -194,4 +192,4 @@ def stall_side(ask: InflowQuestion, alpha_0: Array) -> Array:
     """
     at = ask.at
     lifting = at.sine * at.omega * at.radius - at.cosine * at.v_axial
-    return jnp.where(lifting[0] < 0.0, -alpha_0, alpha_0)
+    return xp.where(lifting[0] < 0.0, -alpha_0, alpha_0)

@@ -12,9 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import NamedTuple
 
-import jax.numpy as jnp
-from jax import lax
-
+from propmap.theory.arrays import repeated, xp
 from propmap.theory.parameters import Array
 
 ROUNDS = 8
@@ -72,66 +70,66 @@ def look_closer(even: Sight, look: Callable[[Array], Sight], zeros: int) -> Sigh
     zeros : how many are followed, the first from the root.
     """
     more = zeros + EXTREMES
-    unused = jnp.full((ROUNDS * more, even.radius.shape[1]), jnp.inf)
-    blank = (unused, jnp.nan * unused, 0.0 / unused, 0.0 / unused)
-    begin = Sight(*(jnp.concatenate([a, b]) for a, b in zip(even, blank, strict=True)))
+    unused = xp.full((ROUNDS * more, even.radius.shape[1]), xp.inf)
+    blank = (unused, xp.nan * unused, 0.0 / unused, 0.0 / unused)
+    begin = Sight(*(xp.concatenate([a, b]) for a, b in zip(even, blank, strict=True)))
     size = begin.radius.shape[0]
 
-    def closer(_: int, sight: Sight) -> Sight:
-        radius = jnp.stack([*find_zeros(sight, zeros).further, *_hidden_extremes(sight)])
-        used = jnp.isfinite(radius)
-        seen = look(jnp.where(used, radius, even.radius[:1]))
-        seen = seen._replace(radius=radius, height=jnp.where(used, seen.height, jnp.nan))
-        both = [jnp.concatenate([a, b]) for a, b in zip(sight, seen, strict=True)]
-        order = jnp.argsort(both[0], axis=0)[:size]
-        return Sight(*(jnp.take_along_axis(a, order, axis=0) for a in both))
+    def closer(sight: Sight) -> Sight:
+        radius = xp.stack([*find_zeros(sight, zeros).further, *_hidden_extremes(sight)])
+        used = xp.isfinite(radius)
+        seen = look(xp.where(used, radius, even.radius[:1]))
+        seen = seen._replace(radius=radius, height=xp.where(used, seen.height, xp.nan))
+        both = [xp.concatenate([a, b]) for a, b in zip(sight, seen, strict=True)]
+        order = xp.argsort(both[0], axis=0)[:size]
+        return Sight(*(xp.take_along_axis(a, order, axis=0) for a in both))
 
-    return lax.fori_loop(0, ROUNDS, closer, begin)
+    return repeated(ROUNDS, closer, begin)
 
 
 def find_zeros(sight: Sight, count: int) -> Zeros:
     """The first ``count`` zeros of the height, by a parabola through three radii each."""
     h = sight.height
-    changes = ((h[:-1] < 0.0) != (h[1:] < 0.0)) & jnp.isfinite(h[:-1] + h[1:])
-    number = jnp.cumsum(changes, axis=0) * changes
+    changes = ((h[:-1] < 0.0) != (h[1:] < 0.0)) & xp.isfinite(h[:-1] + h[1:])
+    number = xp.cumsum(changes, axis=0) * changes
     which = [number == j for j in range(1, count + 1)]
-    some = jnp.stack([jnp.any(one, axis=0) for one in which])
-    k = jnp.stack([jnp.argmax(one, axis=0) for one in which])
+    some = xp.stack([xp.any(one, axis=0) for one in which])
+    k = xp.stack([xp.argmax(one, axis=0) for one in which])
     before, after = _entries(sight, k), _entries(sight, k + 1)
     left, right = _entries(sight, k - 1), _entries(sight, k + 2)
     width = after.radius - before.radius
     # The third radius: the nearer one of the two neighbours.
     nearer = before.radius - left.radius < right.radius - after.radius
-    nearer = (nearer & jnp.isfinite(left.height)) | ~jnp.isfinite(right.height)
-    third = Sight(*(jnp.where(nearer, a, b) for a, b in zip(left, right, strict=True)))
+    nearer = (nearer & xp.isfinite(left.height)) | ~xp.isfinite(right.height)
+    third = Sight(*(xp.where(nearer, a, b) for a, b in zip(left, right, strict=True)))
     rise = after.height - before.height
     reach = (third.radius - before.radius) / width
     bend = ((third.height - before.height) / reach - rise) / (reach - 1.0)
-    bend = jnp.where(jnp.isfinite(bend), bend, 0.0)
+    bend = xp.where(xp.isfinite(bend), bend, 0.0)
     # before + (rise - bend) t + bend t^2 has one zero between 0 and 1.
     slope = rise - bend
-    root = jnp.sqrt(jnp.maximum(slope * slope - 4.0 * bend * before.height, 0.0))
-    share = -2.0 * before.height / (slope + jnp.sign(rise) * root)
-    share = jnp.clip(jnp.where(jnp.isfinite(share), share, 0.5), 0.0, 1.0)
-    width = jnp.where(some, width, 0.0)
+    root = xp.sqrt(xp.maximum(slope * slope - 4.0 * bend * before.height, 0.0))
+    share = -2.0 * before.height / (slope + xp.sign(rise) * root)
+    share = xp.clip(xp.where(xp.isfinite(share), share, 0.5), 0.0, 1.0)
+    width = xp.where(some, width, 0.0)
     radius = before.radius + share * width
     inflow = before.inflow + share * (after.inflow - before.inflow)
-    known = jnp.minimum(share, 1.0 - share) * width < 0.1 * CLOSE * before.radius
+    known = xp.minimum(share, 1.0 - share) * width < 0.1 * CLOSE * before.radius
     # A zero that is known is closed in from its far side, so that no zeros hide there.
-    across = jnp.where(share < 0.5, CLOSE, -CLOSE) * radius
-    past = jnp.where(share < LOPSIDED, BEYOND * share, share)
-    past = jnp.where(share > 1.0 - LOPSIDED, 1.0 - BEYOND * (1.0 - share), past)
-    further = jnp.where(known, radius + across, before.radius + past * width)
+    across = xp.where(share < 0.5, CLOSE, -CLOSE) * radius
+    past = xp.where(share < LOPSIDED, BEYOND * share, share)
+    past = xp.where(share > 1.0 - LOPSIDED, 1.0 - BEYOND * (1.0 - share), past)
+    further = xp.where(known, radius + across, before.radius + past * width)
     left_over = some & (~known | (width > 2.0 * CLOSE * radius))
-    return Zeros(some, radius, inflow, known, jnp.where(left_over, further, jnp.inf))
+    return Zeros(some, radius, inflow, known, xp.where(left_over, further, xp.inf))
 
 
 def _entries(sight: Sight, k: Array) -> Sight:
     """Entries k (E, B) of the sight, (E, B); unknown outside."""
     last = sight.radius.shape[0] - 1
     inside = (k >= 0) & (k <= last)
-    found = Sight(*(jnp.take_along_axis(a, jnp.clip(k, 0, last), axis=0) for a in sight))
-    return found._replace(height=jnp.where(inside, found.height, jnp.nan))
+    found = Sight(*(xp.take_along_axis(a, xp.clip(k, 0, last), axis=0) for a in sight))
+    return found._replace(height=xp.where(inside, found.height, xp.nan))
 
 
 class _Extremes(NamedTuple):
@@ -150,36 +148,36 @@ def _extremes(sight: Sight) -> _Extremes:
     width = y[1:] - y[:-1]
     start, end, rise = slope[:-1] * width, slope[1:] * width, h[1:] - h[:-1]
     above = h[1:] > 0.0
-    some = ((h[:-1] > 0.0) == above) & jnp.isfinite(h[:-1] + h[1:])
+    some = ((h[:-1] > 0.0) == above) & xp.isfinite(h[:-1] + h[1:])
     # The cubic climbs by start + 2 b t + 3 c t^2; a minimum is where that has the slope +root.
     c, b = start + end - 2.0 * rise, 3.0 * rise - 2.0 * start - end
     square = b * b - 3.0 * c * start
-    root = jnp.sqrt(jnp.maximum(square, 0.0))
-    root = jnp.where(above, root, -root)
+    root = xp.sqrt(xp.maximum(square, 0.0))
+    root = xp.where(above, root, -root)
     same = b * root > 0.0
-    share = jnp.where(same, -start, root - b) / jnp.where(
-        some, jnp.where(same, b + root, 3.0 * c), 1.0
+    share = xp.where(same, -start, root - b) / xp.where(
+        some, xp.where(same, b + root, 3.0 * c), 1.0
     )
     some = some & (square > 0.0) & (share > 0.0) & (share < 1.0)
-    share = jnp.where(some, share, 0.5)
+    share = xp.where(some, share, 0.5)
     height = h[:-1] + share * (start + share * (b + share * c))
-    apart = jnp.minimum(share, 1.0 - share) * width > APART * y[:-1]
-    climb = jnp.where(share < 0.5, share * start, (1.0 - share) * end)
-    distance = jnp.where(some, jnp.where(above, height, -height), jnp.inf)
-    at = y[:-1] + share * jnp.where(some, width, 0.0)
-    return _Extremes(at, distance, some & apart & (jnp.abs(height) < UNSURE * jnp.abs(climb)))
+    apart = xp.minimum(share, 1.0 - share) * width > APART * y[:-1]
+    climb = xp.where(share < 0.5, share * start, (1.0 - share) * end)
+    distance = xp.where(some, xp.where(above, height, -height), xp.inf)
+    at = y[:-1] + share * xp.where(some, width, 0.0)
+    return _Extremes(at, distance, some & apart & (xp.abs(height) < UNSURE * xp.abs(climb)))
 
 
 def _hidden_extremes(sight: Sight) -> list[Array]:
     """Radii (B,) [m] of extremes that may hide two zeros; infinite if unused."""
     at, distance, unsure = _extremes(sight)
-    distance = jnp.where(unsure, distance, jnp.inf)
+    distance = xp.where(unsure, distance, xp.inf)
     found = []
     for _ in range(EXTREMES):
-        k = jnp.argmin(distance, axis=0)[None]
-        far, place = (jnp.take_along_axis(a, k, axis=0)[0] for a in (distance, at))
-        found.append(jnp.where(jnp.isfinite(far), place, jnp.inf))
-        distance = jnp.where(jnp.arange(at.shape[0])[:, None] == k, jnp.inf, distance)
+        k = xp.argmin(distance, axis=0)[None]
+        far, place = (xp.take_along_axis(a, k, axis=0)[0] for a in (distance, at))
+        found.append(xp.where(xp.isfinite(far), place, xp.inf))
+        distance = xp.where(xp.arange(at.shape[0])[:, None] == k, xp.inf, distance)
     return found
 
 
@@ -187,6 +185,6 @@ def nearest_extreme(sight: Sight) -> Array:
     """Radius (B,) [m] of the extreme nearest to zero, where two zeros have just met or are about
     to part; infinite if there is none."""
     at, distance, _ = _extremes(sight)
-    k = jnp.argmin(distance, axis=0)[None]
-    far, place = (jnp.take_along_axis(a, k, axis=0)[0] for a in (distance, at))
-    return jnp.where(jnp.isfinite(far), place, jnp.inf)
+    k = xp.argmin(distance, axis=0)[None]
+    far, place = (xp.take_along_axis(a, k, axis=0)[0] for a in (distance, at))
+    return xp.where(xp.isfinite(far), place, xp.inf)

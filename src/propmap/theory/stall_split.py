@@ -15,12 +15,10 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import jax.numpy as jnp
-
+from propmap.theory.arrays import settled, xp
 from propmap.theory.hump_by_slopes import hump_by_slopes
 from propmap.theory.inflow import InflowQuestion, residual
 from propmap.theory.parameters import Array
-from propmap.theory.settled import settled
 from propmap.theory.stall_folds import AskAt, Crossing
 from propmap.theory.stall_hump import (
     Angle,
@@ -48,14 +46,14 @@ def _at_extremes(t: Array, height: Array) -> tuple[Array, Array, Array]:
     """
     left, right = height[1:-1] - height[:-2], height[2:] - height[1:-1]
     extreme = left * right < 0.0
-    bend = jnp.where(extreme, left - right, 1.0)
-    shift = jnp.where(extreme, 0.5 * (left + right) / bend, 0.0)
-    top = height[1:-1] + jnp.where(extreme, 0.125 * (left + right) ** 2 / bend, 0.0)
+    bend = xp.where(extreme, left - right, 1.0)
+    shift = xp.where(extreme, 0.5 * (left + right) / bend, 0.0)
+    top = height[1:-1] + xp.where(extreme, 0.125 * (left + right) ** 2 / bend, 0.0)
     moved = t[1:-1] + shift * (t[2:] - t[:-2]) * 0.5
     return (
-        jnp.concatenate([t[:1], moved, t[-1:]]),
-        jnp.concatenate([height[:1], top, height[-1:]]),
-        jnp.pad(extreme, ((1, 1), (0, 0))),
+        xp.concatenate([t[:1], moved, t[-1:]]),
+        xp.concatenate([height[:1], top, height[-1:]]),
+        xp.pad(extreme, ((1, 1), (0, 0))),
     )
 
 
@@ -80,22 +78,22 @@ def _even_zeros(radius: Array, hump: Hump, count: int) -> tuple[Array, Array, Ar
     """
     root, span = radius[0], radius[-1] - radius[0]
     t = (radius - root) / span
-    place, height, extreme = _at_extremes(t * jnp.ones_like(hump.height), hump.height)
+    place, height, extreme = _at_extremes(t * xp.ones_like(hump.height), hump.height)
     v = hump.inflow
-    changes = jnp.sign(height[:-1]) * jnp.sign(height[1:]) < 0.0
-    gap = jnp.where(changes, height[:-1] - height[1:], 1.0)
-    share = jnp.where(changes, height[:-1] / gap, 0.5)
+    changes = xp.sign(height[:-1]) * xp.sign(height[1:]) < 0.0
+    gap = xp.where(changes, height[:-1] - height[1:], 1.0)
+    share = xp.where(changes, height[:-1] / gap, 0.5)
     # From an extreme the hump falls off like a parabola, elsewhere like a line.
-    share = jnp.where(extreme[:-1], jnp.sqrt(share), share)
-    share = jnp.where(extreme[1:] & ~extreme[:-1], 1.0 - jnp.sqrt(1.0 - share), share)
-    at = root + span * (place[:-1] + share * jnp.diff(place, axis=0))
-    inflow = v[:-1] + share * jnp.diff(v, axis=0)
+    share = xp.where(extreme[:-1], xp.sqrt(share), share)
+    share = xp.where(extreme[1:] & ~extreme[:-1], 1.0 - xp.sqrt(1.0 - share), share)
+    at = root + span * (place[:-1] + share * xp.diff(place, axis=0))
+    inflow = v[:-1] + share * xp.diff(v, axis=0)
     picked = []
     for _ in range(count):
-        k = jnp.argmax(changes, axis=0)[None]
-        picked.append([jnp.take_along_axis(a, k, axis=0)[0] for a in (changes, at, inflow)])
-        changes = changes & (jnp.arange(changes.shape[0])[:, None] != k)
-    some, y, v_i = (jnp.stack(parts) for parts in zip(*picked, strict=True))
+        k = xp.argmax(changes, axis=0)[None]
+        picked.append([xp.take_along_axis(a, k, axis=0)[0] for a in (changes, at, inflow)])
+        changes = changes & (xp.arange(changes.shape[0])[:, None] != k)
+    some, y, v_i = (xp.stack(parts) for parts in zip(*picked, strict=True))
     return some, y, v_i
 
 
@@ -105,17 +103,18 @@ def _spare_edges(some: Array, share: Array, first: Array) -> Array:
     some (E, B) : edges that have; share (E, B) : where they are.  first (B,) : for the first spare
     edge, or infinite.  Each other one halves the widest panel so far, by area.
     """
-    place = jnp.where(some, share, 1.0)
-    unused = jnp.isfinite(first)
+    place = xp.where(some, share, 1.0)
+    unused = xp.isfinite(first)
     # The two halves of a panel are equal but for rounding errors: the outer one is chosen.
-    outer = 1e-6 * jnp.arange(some.shape[0] + 1)[:, None]
+    outer = 1e-6 * xp.arange(some.shape[0] + 1)[:, None]
     for j in range(some.shape[0]):
-        area = jnp.sort(jnp.pad(place, ((1, 1), (0, 0)), constant_values=(0.0, 1.0)), axis=0) ** 2
-        k = jnp.argmax(jnp.diff(area, axis=0) + outer, axis=0)[None]
-        low, high = (jnp.take_along_axis(area, k + i, axis=0)[0] for i in (0, 1))
-        free = jnp.where(unused, first, jnp.sqrt(0.5 * (low + high)))
+        area = xp.sort(xp.pad(place, ((1, 1), (0, 0)), constant_values=(0.0, 1.0)), axis=0) ** 2
+        k = xp.argmax(xp.diff(area, axis=0) + outer, axis=0)[None]
+        low, high = (xp.take_along_axis(area, k + i, axis=0)[0] for i in (0, 1))
+        free = xp.where(unused, first, xp.sqrt(0.5 * (low + high)))
         unused = unused & some[j]
-        place = place.at[j].set(jnp.where(some[j], place[j], free))
+        here = xp.arange(some.shape[0])[:, None] == j
+        place = xp.where(here & ~some, free, place)
     return place
 
 
@@ -127,20 +126,20 @@ def hump_crossings(
     ask_at : equation (11) at radii (S, B) [m].  root, tip [m] : ends of the blade.  edges : 2, or 4
     where attached flow may be left on two stretches.  azimuth : nodes.
     """
-    radius = root + (tip - root) * jnp.linspace(0.0, 1.0 - 1e-6, GRID)[:, None]
+    radius = root + (tip - root) * xp.linspace(0.0, 1.0 - 1e-6, GRID)[:, None]
     ask = ask_at(radius)
     stall = stall_side(ask_at((root + 0.6 * (tip - root))[None, None]), ask.at.section.alpha_0)
     islands = edges > len(DEFAULT_EDGES)
     find_hump = hump_by_slopes if islands else hump_before_stall
     hump = settled(lambda: find_hump(ask, stall, azimuth), root)
-    survey = Survey(radius, hump.height, stall + hump.behind, jnp.any(hump.folded, axis=0))
+    survey = Survey(radius, hump.height, stall + hump.behind, xp.any(hump.folded, axis=0))
 
     def sight_of(radii: Array, found: Hump) -> Sight:
         # At the hump's top, by the envelope theorem, only the radius itself counts.
         step = -1e-6 * radii
         along = residual(ask_at(radii + step), found.inflow, azimuth)
         slope = (along - residual(ask_at(radii), found.inflow, azimuth)) / step
-        return Sight(radii * jnp.ones_like(slope), found.height, found.inflow, slope)
+        return Sight(radii * xp.ones_like(slope), found.height, found.inflow, slope)
 
     def look(radii: Array) -> Sight:
         return sight_of(radii, find_hump(ask_at(radii), stall, azimuth))
@@ -150,18 +149,16 @@ def hump_crossings(
         sight = look_closer(sight_of(radius, hump), look, edges)
         some, y, v, known, _ = find_zeros(sight, edges)
         # Half way to the next zero at most, lest the search for one ends at the other.
-        gap = jnp.where(some[:-1] & some[1:], jnp.diff(y, axis=0), jnp.inf)
-        gap = jnp.pad(gap, ((1, 1), (0, 0)), constant_values=jnp.inf)
-        spacing = jnp.minimum(spacing, 0.25 * jnp.minimum(gap[:-1], gap[1:]))
-        spacing = jnp.where(known, jnp.minimum(spacing, 1e-4 * y), spacing)
+        gap = xp.where(some[:-1] & some[1:], xp.diff(y, axis=0), xp.inf)
+        gap = xp.pad(gap, ((1, 1), (0, 0)), constant_values=xp.inf)
+        spacing = xp.minimum(spacing, 0.25 * xp.minimum(gap[:-1], gap[1:]))
+        spacing = xp.where(known, xp.minimum(spacing, 1e-4 * y), spacing)
         spare = (nearest_extreme(sight) - root) / (tip - root)
         home = root + (tip - root) * _spare_edges(some, (y - root) / (tip - root), spare)
     else:
         some, y, v = settled(lambda: _even_zeros(radius, hump, edges), root)
-        home = root + (tip - root) * jnp.asarray(DEFAULT_EDGES)[:, None]
-    near = Crossing(
-        jnp.where(some, y, home), jnp.where(some, v, 0.0), jnp.where(some, spacing, 0.0)
-    )
+        home = root + (tip - root) * xp.asarray(DEFAULT_EDGES)[:, None]
+    near = Crossing(xp.where(some, y, home), xp.where(some, v, 0.0), xp.where(some, spacing, 0.0))
     return near, survey
 
 
@@ -181,9 +178,9 @@ def start_below_hump(
     parts = []
     for start, end, nodes in zip(edges[:-1], edges[1:], counts, strict=True):
         inside = (survey.radius > start + margin) & (survey.radius < end - margin)
-        sunk = jnp.any(inside, axis=0) & jnp.all(below | ~inside, axis=0)
-        parts.append(jnp.broadcast_to(sunk, (nodes, *sunk.shape)))
+        sunk = xp.any(inside, axis=0) & xp.all(below | ~inside, axis=0)
+        parts.append(xp.broadcast_to(sunk, (nodes, *sunk.shape)))
     place = (ask.at.radius - survey.radius[0, 0]) / step
-    k = jnp.clip(jnp.round(place).astype(int), 0, GRID - 1)
-    angle = Angle(*sine_and_cosine(jnp.take_along_axis(survey.behind, k, axis=0)))
-    return jnp.where(jnp.concatenate(parts), inflow_at_angle(ask, angle), jnp.inf)
+    k = xp.clip(xp.round(place).astype(int), 0, GRID - 1)
+    angle = Angle(*sine_and_cosine(xp.take_along_axis(survey.behind, k, axis=0)))
+    return xp.where(xp.concatenate(parts), inflow_at_angle(ask, angle), xp.inf)

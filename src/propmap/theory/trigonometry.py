@@ -8,9 +8,7 @@ from __future__ import annotations
 
 import math
 
-import jax
-import jax.numpy as jnp
-
+from propmap.theory.arrays import DerivativeByRule, xp
 from propmap.theory.parameters import Array
 
 _ARCTAN_ABOVE = (
@@ -35,7 +33,7 @@ _ARCTAN_BELOW = (
 Fitted to it on [0, 1] at Chebyshev points, weighted towards the smallest largest error."""
 
 
-@jax.custom_jvp
+@DerivativeByRule
 def arctangent(t: Array) -> Array:
     """arctan(t) [rad] for |t| <= 1."""
     z = t * t
@@ -43,7 +41,7 @@ def arctangent(t: Array) -> Array:
 
 
 def _polynomial(coefficients: tuple[float, ...], z: Array) -> Array:
-    total = jnp.full_like(z, coefficients[-1])
+    total = xp.full_like(z, coefficients[-1])
     for c in coefficients[-2::-1]:
         total = total * z + c
     return total
@@ -60,7 +58,7 @@ _COSINE = tuple((-1.0) ** k / math.factorial(2 * k) for k in range(11))
 """Taylor's series in x^2: up to x = pi/2 what is left out is below 3e-16."""
 
 
-@jax.custom_jvp
+@DerivativeByRule
 def sine_and_cosine(angle: Array) -> tuple[Array, Array]:
     """sin and cos of ``angle`` [rad], any shape, for |angle| <= pi, to 2e-15.
 

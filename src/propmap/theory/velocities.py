@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 
+from propmap.theory.arrays import xp
 from propmap.theory.parameters import Array
 
 SPEED_FLOOR = 1e-9
@@ -76,4 +76,4 @@ def normal_velocity(v_axial: Array, inflow: Array) -> Array:
 
 def floored_norm(a: Array, b: Array) -> Array:
     """sqrt(a^2 + b^2) [m/s] with ``SPEED_FLOOR`` added in quadrature."""
-    return jnp.sqrt(a * a + b * b + SPEED_FLOOR**2)
+    return xp.sqrt(a * a + b * b + SPEED_FLOOR**2)

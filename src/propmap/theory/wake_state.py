@@ -16,8 +16,7 @@ the thrust in steep descent too high by a third.
 
 from __future__ import annotations
 
-import jax.numpy as jnp
-
+from propmap.theory.arrays import xp
 from propmap.theory.parameters import Array
 
 ONSET, FULL_FROM = -0.2, -0.45
@@ -39,7 +38,7 @@ V sin(beta) exceeds V cos(beta)/sqrt(8) and the two branches are one."""
 
 
 def _rise(t: Array) -> Array:
-    t = jnp.clip(t, 0.0, 1.0)
+    t = xp.clip(t, 0.0, 1.0)
     return t * t * t * (10.0 + t * (6.0 * t - 15.0))
 
 
@@ -48,7 +47,7 @@ def vortex_ring_weight(v_axial: Array, v_inplane: Array, v_hover: Array) -> Arra
 
     v_axial, v_inplane, v_hover [m/s] of one shape.  Zero outside the vortex-ring region.
     """
-    v_h = jnp.maximum(v_hover, 1e-9)
+    v_h = xp.maximum(v_hover, 1e-9)
     z, x = v_axial / v_h, v_inplane / v_h
     entered = _rise((ONSET - z) / (ONSET - FULL_FROM))
     not_left = _rise((z - EXIT) / (FULL_TO - EXIT))
@@ -68,11 +67,11 @@ def vortex_ring_inflow(v_axial: Array, v_hover: Array) -> Array:
     The fit holds for -2 <= V cos(beta)/v_h <= 0 and is held at its ends outside, where
     ``vortex_ring_weight`` gives it no weight.
     """
-    z = jnp.clip(v_axial / jnp.maximum(v_hover, 1e-9), EXIT, 0.0)
+    z = xp.clip(v_axial / xp.maximum(v_hover, 1e-9), EXIT, 0.0)
     k1, k2, k3, k4 = _MEASURED
     return v_hover * (1.0 + z * (k1 + z * (k2 + z * (k3 + z * k4))))
 
 
 def on_windmill_branch(v_axial: Array, v_hover: Array) -> Array:
     """1.0 where descent is past the middle of the vortex ring, else 0.0; shape of v_axial."""
-    return jnp.where(v_axial < jnp.minimum(WINDMILL_BELOW * v_hover, 0.0), 1.0, 0.0)
+    return xp.where(v_axial < xp.minimum(WINDMILL_BELOW * v_hover, 0.0), 1.0, 0.0)

@@ -1,0 +1,74 @@
+"""What is run for a block of operating points: a compiled program, or NumPy without compiling."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import jax
+import numpy as np
+
+from propmap.schedule import Floats
+from propmap.theory.arrays import by_numpy, xp
+from propmap.theory.disk_inflow import DiskSolution, solve_disk
+from propmap.theory.loads import case_of, loads_of_solution
+from propmap.theory.parameters import Blade, Medium, Section
+from propmap.theory.velocities import AzimuthNodes
+
+QUICK_COMPILATION = {"xla_cpu_use_fusion_emitters": False}
+"""Compiler options for half the compilation and twice the evaluation of blocks."""
+
+WIDE_VECTORS = {"xla_cpu_prefer_vector_width": 512}
+"""Compiler options that spare a third of the evaluation where a processor has such vectors.
+
+With them jaxlib 0.10.2 gives wrong values of ``jnp.arctan``, which the theory does not use; a test
+holds the programs to NumPy's results."""
+
+
+class Flow(NamedTuple):
+    """Operating points (N,): omega [rad/s]; velocity along the axis and in the disk plane, and
+    static inflow (12), read only in descent [m/s]."""
+
+    omega: Floats
+    v_axial: Floats
+    v_inplane: Floats
+    v_hover: Floats
+
+
+Program = Callable[[Blade, Section, Medium, Flow, AzimuthNodes], tuple[Any, DiskSolution]]
+"""From B points to the fields of ``RotorLoads``, one row each (F, B), and the solution."""
+
+
+def _search(
+    panels: tuple[int, ...],
+    blade: Blade,
+    section: Section,
+    medium: Medium,
+    flow: Any,
+    azimuth: AzimuthNodes,
+) -> tuple[Any, DiskSolution]:
+    case = case_of(blade, section, medium, *flow)
+    solution = solve_disk(case, panels, azimuth)
+    found = loads_of_solution(case, solution, flow.v_hover, panels, azimuth)
+    # One array, since every further one takes as long to hand over as some points to evaluate.
+    return xp.stack([values * 1.0 for values in found]), solution
+
+
+@functools.cache
+def compiled_search(panels: tuple[int, ...], *, quickly: bool) -> Any:
+    """The compiled ``Program``; compiled in half the time if ``quickly``, for the same speed on
+    single points and half of it on blocks."""
+    options: Any = QUICK_COMPILATION if quickly else WIDE_VECTORS
+    return jax.jit(functools.partial(_search, panels), compiler_options=options)
+
+
+def search_by_numpy(panels: tuple[int, ...]) -> Program:
+    """The same without compiling."""
+
+    def program(*arguments: Any) -> tuple[Any, DiskSolution]:
+        with by_numpy():
+            found, solution = _search(panels, *arguments)
+        return np.asarray(found), solution
+
+    return program

@@ -1,0 +1,162 @@
+"""What the theory is written in: array functions and loops of JAX, or of NumPy without compiling.
+
+One code serves both.  JAX traces and compiles it, which takes seconds and pays in batches, and
+differentiates it.  Within ``by_numpy`` NumPy runs it step by step, a hundred times slower but at
+once: for a few points the answer is there before the compiler would have begun.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import contextvars
+import functools
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import lax
+
+Value = TypeVar("Value")
+
+_BY_NUMPY = contextvars.ContextVar("_BY_NUMPY", default=False)
+
+
+@contextlib.contextmanager
+def by_numpy() -> Iterator[None]:
+    """Within it the theory runs on NumPy arrays (of float64), in this thread."""
+    token = _BY_NUMPY.set(True)
+    try:
+        # JAX says nothing of divisions by zero either; what they give is thrown away.
+        with np.errstate(all="ignore"):
+            yield
+    finally:
+        _BY_NUMPY.reset(token)
+
+
+def on_numpy() -> bool:
+    """Whether NumPy is at work."""
+    return _BY_NUMPY.get()
+
+
+class _Arrays:
+    """The functions of ``jax.numpy``, or of the same name in NumPy."""
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(np if on_numpy() else jnp, name)
+
+
+if TYPE_CHECKING:
+    xp = jnp
+else:
+    xp = _Arrays()
+
+
+def held(values: Value) -> Value:
+    """A tree of arrays as mere numbers: what they depend on does not move them."""
+    if on_numpy():
+        return values
+    stopped: Value = lax.stop_gradient(values)
+    return stopped
+
+
+def settled(function: Callable[[], Value], scalar: jax.Array) -> Value:
+    """What ``function`` gives, computed once for all that use it.
+
+    function : without arguments; its result is a tree of arrays.  scalar : any number at hand.
+
+    XLA on a CPU fuses a value into each of its users and evaluates it there again; an optimization
+    barrier is gone by then.  A branch that is always taken, as far as the compiler cannot tell, is
+    a barrier that stays: without it programs take up to twice as long.
+    """
+    if on_numpy():
+        return function()
+    shapes = jax.eval_shape(function)
+    taken = (scalar <= scalar) | (scalar != scalar)
+    nothing = jax.tree.map(lambda s: jnp.zeros(s.shape, s.dtype), shapes)
+    found: Value = lax.cond(taken, function, lambda: nothing)
+    return found
+
+
+def while_loop(
+    going: Callable[[Value], jax.Array], step: Callable[[Value], Value], state: Value
+) -> Value:
+    """``step`` taken from ``state`` on for as long as ``going``."""
+    if on_numpy():
+        while going(state):
+            state = step(state)
+        return state
+    ended: Value = lax.while_loop(going, step, state)
+    return ended
+
+
+def repeated(times: int, step: Callable[[Value], Value], state: Value) -> Value:
+    """``step`` taken ``times`` times from ``state`` on."""
+    if on_numpy():
+        for _ in range(times):
+            state = step(state)
+        return state
+    ended: Value = lax.fori_loop(0, times, lambda _, now: step(now), state)
+    return ended
+
+
+def along_first_axis(step: Callable[[Value, Any], Value], state: Value, values: Any) -> Value:
+    """``step(state, value)`` for each entry of ``values``, a tree, along its first axis."""
+    if on_numpy():
+        for entry in _entries(values):
+            state = step(state, entry)
+        return state
+    ended: Value
+    ended, _ = lax.scan(lambda now, entry: (step(now, entry), None), state, values)
+    return ended
+
+
+def of_each(function: Callable[[Any], Value], values: Any) -> Value:
+    """``function`` of each entry of ``values``, a tree, along its first axis; stacked."""
+    if on_numpy():
+        found = [function(entry) for entry in _entries(values)]
+        stacked: Value = jax.tree.map(lambda *parts: np.stack(parts), *found)
+        return stacked
+    mapped: Value = lax.map(function, values)
+    return mapped
+
+
+def _entries(values: Any) -> list[Any]:
+    count = jax.tree.leaves(values)[0].shape[0]
+    return [jax.tree.map(lambda a, k=k: a[k], values) for k in range(count)]
+
+
+def mean_of_each(term: Callable[[Any], Value], values: Any, count: Any) -> Value:
+    """The mean of term(v), a tree of arrays, over the first ``count`` of values (n,)."""
+    if on_numpy():
+        # All at once, along a new first axis.
+        terms = term(np.asarray(values)[: int(count), None, None])
+        return jax.tree.map(lambda a: np.mean(a, axis=0), terms)
+
+    def add(k: Any, total: Value) -> Value:
+        both: Value = jax.tree.map(jnp.add, total, term(values[k]))
+        return both
+
+    shapes = jax.eval_shape(term, values[0])
+    zero = jax.tree.map(lambda a: jnp.zeros(a.shape, a.dtype), shapes)
+    total = lax.fori_loop(0, count, add, zero)
+    mean: Value = jax.tree.map(lambda a: a / count, total)
+    return mean
+
+
+class DerivativeByRule:
+    """A function whose derivative is given by a rule, ``jax.custom_jvp``; a decorator."""
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        self._function, self._with_rule = function, jax.custom_jvp(function)
+        functools.update_wrapper(self, function)
+
+    def defjvp(self, rule: Callable[..., Any]) -> Callable[..., Any]:
+        """The rule, as for ``jax.custom_jvp``; a decorator."""
+        self._with_rule.defjvp(rule)
+        return rule
+
+    def __call__(self, *arguments: Any) -> Any:
+        """The function's value."""
+        return (self._function if on_numpy() else self._with_rule)(*arguments)
