@@ -141,6 +141,10 @@ def _around(slope: Array, middle: Array, v: Array, k: Array) -> _Around:
     return _Around(bend, pick(v, 2), pick(v, 0))
 
 
+_Search = tuple[Array, Array, Array, Array, Array]
+"""v_i, bend, v_i and slope before, height."""
+
+
 def _refined_top(
     ask: InflowQuestion, at: Array, peak: Array, around: _Around, azimuth: AzimuthNodes
 ) -> tuple[Array, Array]:
@@ -150,8 +154,8 @@ def _refined_top(
     attached stretch of the blade is lost, and with it several per cent of thrust in descent.
     """
 
-    def improve(state: tuple[Array, ...]) -> tuple[Array, ...]:
-        x, bend, x_before, slope_before = state[:4]
+    def improve(state: _Search) -> _Search:
+        x, bend, x_before, slope_before, _ = state
         value, slope = residual_slope(ask, x, azimuth)
         moved = xp.abs(x - x_before) > 1e-9 * (xp.abs(x) + 1e-9)
         run = xp.where(moved, x - x_before, 1.0)
