@@ -19,8 +19,8 @@ from propmap.theory.momentum import static_inflow as equation_12
 from propmap.theory.parameters import Blade, Medium, Section
 from propmap.theory.velocities import AzimuthNodes, azimuth_nodes
 
-QUICK_BELOW = 512
-"""Operating points below which a batch is not worth the longer compilation of faster programs."""
+FEW = 512
+"""Operating points below which a batch is not worth the compilation of programs of its own."""
 
 NUMPY_BLOCK = 32
 """Operating points per block where nothing is compiled."""
@@ -149,16 +149,14 @@ def _run(
     solved: Solved | None,
 ) -> None:
     """Evaluate blocks into ``results`` (F, N), a row per field of ``RotorLoads``."""
-    few = flow.omega.size < QUICK_BELOW
+    few = flow.omega.size < FEW
 
     def one(block: Block) -> None:
-        single = block.size == 1
         nodes = nodes_of(block, setting, few=few)
         which = block.padded
-        panels = block.job.panels
-        program = search_by_numpy(panels)
+        program = search_by_numpy(block.job.panels)
         if rotor.compiled:
-            program = compiled_search(panels, quickly=few or single)
+            program = compiled_search(block.job.panels)
         with jax.enable_x64(True):
             found, solution = program(*rotor.on_device, Flow(*(a[which] for a in flow)), nodes)
             results[:, block.points] = np.asarray(found)[:, : block.points.size]

@@ -12,7 +12,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from propmap.blocks import Block, padded_azimuths
-from propmap.evaluation import QUICK_BELOW, Prepared, evaluate_flow, nodes_of
+from propmap.evaluation import FEW, Prepared, evaluate_flow, nodes_of
 from propmap.programs import WIDE_VECTORS, Flow, compiled_search
 from propmap.schedule import Accuracy, Floats, alike_panels
 from propmap.theory.disk_inflow import DiskSolution
@@ -57,7 +57,7 @@ def load_gradients(
     The loads are those of ``evaluation.evaluate``; where it has found the inflow, nothing is
     searched for again.
     """
-    few = omega.size < QUICK_BELOW
+    few = omega.size < FEW
     ways = _directions(names)
     v_hover, v_hover_slope = np.zeros_like(omega), np.zeros((len(ways), omega.size))
     down = v_axial < 0.0
@@ -133,7 +133,7 @@ def _compiled_beside(
     panels, nodes = alike_panels(setting), padded_azimuths(1, setting.most_azimuths)
     flow, moving = Flow(*(4 * (np.zeros(BLOCK),))), np.zeros((directions, BLOCK))
     with jax.enable_x64(True):
-        search = compiled_search(panels, quickly=True)
+        search = compiled_search(panels)
         _, shapes = search.eval_shape(*rotor.on_device, flow, nodes)
     solution = jax.tree.map(lambda a: np.zeros(a.shape, a.dtype), shapes)
     ways = np.zeros((directions, len(MOVING)))

@@ -16,9 +16,6 @@ from propmap.theory.loads import case_of, loads_of_solution
 from propmap.theory.parameters import Blade, Medium, Section
 from propmap.theory.velocities import AzimuthNodes
 
-QUICK_COMPILATION = {"xla_cpu_use_fusion_emitters": False}
-"""Compiler options for half the compilation and twice the evaluation of blocks."""
-
 WIDE_VECTORS = {"xla_cpu_prefer_vector_width": 512}
 """Compiler options that spare a third of the evaluation where a processor has such vectors.
 
@@ -56,10 +53,9 @@ def _search(
 
 
 @functools.cache
-def compiled_search(panels: tuple[int, ...], *, quickly: bool) -> Any:
-    """The compiled ``Program``; compiled in half the time if ``quickly``, for the same speed on
-    single points and half of it on blocks."""
-    options: Any = QUICK_COMPILATION if quickly else WIDE_VECTORS
+def compiled_search(panels: tuple[int, ...]) -> Any:
+    """The compiled ``Program``."""
+    options: Any = WIDE_VECTORS
     return jax.jit(functools.partial(_search, panels), compiler_options=options)
 
 

@@ -72,6 +72,7 @@ def settled(function: Callable[[], Value], scalar: jax.Array) -> Value:
     """
     if on_numpy():
         return function()
+    function = jax.jit(function)  # lest it be traced twice
     shapes = jax.eval_shape(function)
     taken = (scalar <= scalar) | (scalar != scalar)
     nothing = jax.tree.map(lambda s: jnp.zeros(s.shape, s.dtype), shapes)
