@@ -6,6 +6,7 @@ within one run only: another run, or another machine, is another matter.
 
 from __future__ import annotations
 
+import resource
 import statistics
 import time
 from collections.abc import Callable
@@ -19,12 +20,22 @@ from numpy.typing import NDArray
 import propmap
 from benchmarks.results_file import machine, write_results
 from benchmarks.whole_process import whole_process
+from propmap.evaluation import prepare
+from propmap.load_gradients import load_gradients
+from propmap.programs import WIDE_VECTORS
 from propmap.rotor import Rotor
+from propmap.schedule import accuracy
 from propmap.theory.disk_inflow import Case, question
 from propmap.theory.inflow import residual, residual_slope
 from propmap.theory.velocities import AzimuthNodes, azimuth_nodes
 
 Floats = NDArray[np.float64]
+
+GRADIENT = ("omega", "v_axial", "v_inplane")
+GRADIENT += ("c_l1", "c_l2", "c_d", "alpha_0", "zero_lift_angle")
+
+GROWING = (1000, 10_000, 100_000, 1_000_000)
+"""Operating points."""
 
 SEED = 2017
 BATCH = 4096
@@ -61,6 +72,13 @@ def envelope(count: int) -> tuple[Floats, Floats, Floats]:
     return rpm * RPM, speed, beta
 
 
+def axial(count: int, slowest: float, fastest: float) -> tuple[Floats, Floats, Floats]:
+    """Points in climb."""
+    rng = np.random.default_rng(SEED + 2)
+    rpm, speed = rng.uniform(3000.0, 10000.0, count), rng.uniform(slowest, fastest, count)
+    return rpm * RPM, speed, np.zeros(count)
+
+
 def median_seconds(call: Callable[[], Any], repeats: int) -> float:
     """Median time of ``call`` after one that does not count."""
     call()
@@ -90,7 +108,8 @@ def element_nanoseconds(rotor: Rotor) -> dict[str, float]:
         turn = azimuth_nodes(AZIMUTHS)
         nodes = AzimuthNodes(jnp.asarray(turn.sines), jnp.asarray(AZIMUTHS // 2))
         for name, function in (("residual", residual), ("residual_slope", residual_slope)):
-            program: Callable[..., Any] = jax.jit(function)
+            options: Any = WIDE_VECTORS
+            program: Callable[..., Any] = jax.jit(function, compiler_options=options)
 
             def call(program: Callable[..., Any] = program) -> None:
                 for found in jax.tree.leaves(program(ask, v_i, nodes)):
@@ -100,13 +119,58 @@ def element_nanoseconds(rotor: Rotor) -> dict[str, float]:
     return cost
 
 
+def gradient_microseconds(rotor: Rotor, batch: tuple[Floats, Floats, Floats]) -> dict[str, float]:
+    """Loads with their derivatives by the flow and five section parameters; the same without."""
+    omega, speed, beta = batch
+    flow = (omega, speed * np.cos(beta), speed * np.sin(beta))
+    ready, setting = prepare(rotor.theory), accuracy("standard")
+    plain, with_slopes = [], []
+    for kept in (False, True, True, True, True, True):
+        start = time.perf_counter()
+        rotor.loads(*batch)
+        middle = time.perf_counter()
+        load_gradients(ready, setting, GRADIENT, *flow)
+        if kept:
+            plain.append(middle - start)
+            with_slopes.append(time.perf_counter() - middle)
+    both = [1e6 * statistics.median(seconds) / omega.size for seconds in (plain, with_slopes)]
+    return {"plain": both[0], "with_gradient": both[1], "ratio": both[1] / both[0]}
+
+
+def growth(rotor: Rotor) -> dict[str, Any]:
+    """Time per point of batches of a thousand to a million points, and the memory they take."""
+    per_point = {}
+    before = resident_megabytes()
+    for count in GROWING:
+        batch, repeats = oblique(count), 5 if count < 50_000 else 1
+        per_point[str(count)] = (
+            1e6 * median_seconds(lambda b=batch: rotor.loads(*b), repeats) / count
+        )  # type: ignore[misc]
+    return {
+        "microseconds_per_point": per_point,
+        "most_over_least": max(per_point.values()) / min(per_point.values()),
+        "peak_megabytes": resident_megabytes(),
+        "peak_megabytes_before": before,
+    }
+
+
+def resident_megabytes() -> float:
+    """Most memory that this process has held so far."""
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
+
+
 def measure() -> dict[str, Any]:
     """All figures."""
     place = machine()
     blade, section = propmap.propeller("apc-8x6e"), propmap.airfoil("paper-apc")
     rotor, fine = Rotor(blade, section), Rotor(blade, section, accuracy="fine")
     omega = 6000.0 * RPM
-    batches = {"oblique": oblique(BATCH), "envelope": envelope(BATCH)}
+    batches = {
+        "oblique": oblique(BATCH),
+        "envelope": envelope(BATCH),
+        "axial, 10 m/s": axial(BATCH, 10.0, 10.0),
+        "axial, 0-12 m/s": axial(BATCH, 0.0, 12.0),
+    }
     per_point = {
         name: 1e6 * median_seconds(lambda b=batch: rotor.loads(*b), 5) / BATCH  # type: ignore[misc]
         for name, batch in batches.items()
@@ -131,6 +195,8 @@ def measure() -> dict[str, Any]:
         "design_notes_ns_per_element_on_another_machine": DESIGN_NOTES,
         "process": whole_process(PREDICT, 3),
         "ratios": ratios,
+        "gradient": gradient_microseconds(rotor, batches["oblique"]),
+        "growth": growth(rotor),
     }
 
 
@@ -154,6 +220,11 @@ def main() -> None:
         print(f"propmap predict, whole process, {name}: {value:.2f}")
     for name, value in found["ratios"].items():
         print(f"{name}: {value:.1f}")
+    for name, value in found["gradient"].items():
+        print(f"gradient by {len(GRADIENT)} parameters, {name}: {value:.1f}")
+    for count, value in found["growth"]["microseconds_per_point"].items():
+        print(f"oblique batch of {count}: {value:.1f} us per point")
+    print(f"peak memory: {found['growth']['peak_megabytes']:.0f} MB")
     print(write_results("speed.json", found))
 
 

@@ -22,6 +22,10 @@ from propmap.theory.velocities import AzimuthNodes, azimuth_nodes
 FEW = 512
 """Operating points below which a batch is not worth the compilation of programs of its own."""
 
+CHUNK = 65536
+"""Operating points that are planned together: what the forecast of stall keeps for each of them
+bounds the memory."""
+
 NUMPY_BLOCK = 32
 """Operating points per block where nothing is compiled."""
 
@@ -78,7 +82,11 @@ def evaluate(
     if down.any():
         rates, where = np.unique(omega[down], return_inverse=True)
         v_hover[down] = static_inflow(rotor, setting, rates)[where]
-    return evaluate_flow(rotor, setting, Flow(omega, v_axial, v_inplane, v_hover))
+    flow = Flow(omega, v_axial, v_inplane, v_hover)
+    starts = range(0, max(omega.size, 1), CHUNK)
+    parts = [Flow(*(a[start : start + CHUNK] for a in flow)) for start in starts]
+    found = [evaluate_flow(rotor, setting, part) for part in parts]
+    return Evaluation(*(np.concatenate(fields) for fields in zip(*found, strict=True)))
 
 
 def evaluate_flow(

@@ -30,7 +30,10 @@ def annulus_thrust(radius: Array, v_axial: Array, v_inplane: Array, inflow: Arra
 def annulus_thrust_slope(
     radius: Array, v_axial: Array, v_inplane: Array, inflow: Array
 ) -> tuple[Array, Array]:
-    """``annulus_thrust`` and its derivative by the inflow [m^2/s]; the same arguments."""
+    """``annulus_thrust`` [m^3/s^2] and its derivative by the inflow [m^2/s].
+
+    radius, v_axial, v_inplane, inflow : as in ``annulus_thrust``.
+    """
     through = v_axial + inflow
     speed = floored_norm(v_inplane, through)
     per_radius = 4.0 * np.pi * radius
@@ -40,7 +43,10 @@ def annulus_thrust_slope(
 def windmill_annulus_thrust(
     radius: Array, v_axial: Array, v_inplane: Array, inflow: Array
 ) -> Array:
-    """The first of ``windmill_annulus_thrust_slope``; the same arguments."""
+    """Thrust per radius and density [m^3/s^2] on the windmill branch.
+
+    radius, v_axial, v_inplane, inflow : as in ``windmill_annulus_thrust_slope``, whose first it is.
+    """
     return windmill_annulus_thrust_slope(radius, v_axial, v_inplane, inflow)[0]
 
 
