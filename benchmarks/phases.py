@@ -22,7 +22,8 @@ import propmap
 from benchmarks.results_file import machine, write_results
 from benchmarks.speed import BATCH, oblique
 from propmap import evaluation
-from propmap.blocks import LARGE_BLOCK, padded_azimuths
+from propmap.blocks import large_block, padded_azimuths
+from propmap.programs import WIDE_VECTORS
 from propmap.rotor import Rotor
 from propmap.schedule import Job, Outlook, accuracy, may_leave_islands, may_stall, plan
 from propmap.theory.disk_inflow import Case, question, solve_disk
@@ -32,19 +33,21 @@ from propmap.theory.stall_split import hump_crossings
 from propmap.theory.velocities import AzimuthNodes, azimuth_nodes
 
 REPEATS = 9
+OPTIONS: Any = WIDE_VECTORS
+
 FOLLOWING = (12, 18, 18)
 """Radial nodes on the panels of a point that follows stall outside descent."""
 
 
-def least_microseconds(call: Callable[[], Any]) -> float:
-    """Least time of ``call`` per point of a block [us], after one that does not count."""
+def least_microseconds(call: Callable[[], Any], points: int) -> float:
+    """Least time of ``call`` per each of its ``points`` [us], after one that does not count."""
     jax.tree.map(np.asarray, call())
     seconds = []
     for _ in range(REPEATS):
         start = time.perf_counter()
         jax.tree.map(np.asarray, call())
         seconds.append(time.perf_counter() - start)
-    return min(seconds) / LARGE_BLOCK * 1e6
+    return min(seconds) / points * 1e6
 
 
 def jobs_of_the_batch(rotor: Rotor) -> tuple[list[Job], tuple[np.ndarray, ...]]:
@@ -65,9 +68,9 @@ def jobs_of_the_batch(rotor: Rotor) -> tuple[list[Job], tuple[np.ndarray, ...]]:
 
 def block(rotor: Rotor, job: Job, flow: tuple[np.ndarray, ...]) -> tuple[Case, AzimuthNodes]:
     """One block of a job: its case and azimuth nodes."""
-    which = np.resize(job.points, LARGE_BLOCK)
+    which = np.resize(job.points, large_block(job))
     ready = evaluation.prepare(rotor.theory)
-    still = np.zeros(LARGE_BLOCK)
+    still = np.zeros(which.size)
     blade, section, medium = ready.on_device
     omega, v_axial, v_inplane = (jnp.asarray(a[which]) for a in flow)
     case = Case(blade, section, medium, omega, v_axial, v_inplane, jnp.asarray(still))
@@ -79,27 +82,27 @@ def block(rotor: Rotor, job: Job, flow: tuple[np.ndarray, ...]) -> tuple[Case, A
     return case, nodes
 
 
-@functools.partial(jax.jit, static_argnums=1)
+@functools.partial(jax.jit, compiler_options=OPTIONS, static_argnums=1)
 def whole(case: Case, panels: tuple[int, ...], azimuth: AzimuthNodes) -> Any:
     """All of it."""
     return disk_loads(*case[:6], jnp.zeros_like(case.omega), panels, azimuth)
 
 
-@jax.jit
+@functools.partial(jax.jit, compiler_options=OPTIONS)
 def survey(case: Case, azimuth: AzimuthNodes) -> Any:
     """The look along the blade for where the hump passes zero."""
     ask = functools.partial(question, case)
     return hump_crossings(ask, case.blade.root, case.blade.tip, len(FOLLOWING) - 1, azimuth)
 
 
-@jax.jit
+@functools.partial(jax.jit, compiler_options=OPTIONS)
 def folds(case: Case, near: Any, azimuth: AzimuthNodes) -> Any:
     """The search for the folds from there."""
     ask = functools.partial(question, case)
     return find_folds(near, ask, case.blade.root, case.blade.tip, azimuth)
 
 
-@functools.partial(jax.jit, static_argnums=1)
+@functools.partial(jax.jit, compiler_options=OPTIONS, static_argnums=1)
 def inflow(case: Case, panels: tuple[int, ...], azimuth: AzimuthNodes) -> Any:
     """Survey, folds and the roots of (11)."""
     return solve_disk(case, panels, azimuth)
@@ -107,7 +110,7 @@ def inflow(case: Case, panels: tuple[int, ...], azimuth: AzimuthNodes) -> Any:
 
 def main() -> None:
     """Measure, print and write."""
-    found: dict[str, Any] = {"machine": machine(), "batch": BATCH, "block": LARGE_BLOCK}
+    found: dict[str, Any] = {"machine": machine(), "batch": BATCH}
     rotor = propmap.Rotor(propmap.propeller("apc-8x6e"), propmap.airfoil("paper-apc"))
     table = Table("panels", "azimuths", "share %", "nodes", "us per point", "of the batch, us")
     parts = Table("azimuths", "survey", "folds", "roots", "loads", "all [us]", title="following")
@@ -118,7 +121,8 @@ def main() -> None:
         for job in jobs:
             case, nodes = block(rotor, job, flow)
             run = functools.partial(whole, case, job.panels, nodes)
-            each = least_microseconds(run)
+            size = large_block(job)
+            each = least_microseconds(run, size)
             count = sum(job.panels) * max(job.azimuths // 2, 1)
             share = job.points.size / BATCH
             rows.append(
@@ -141,9 +145,9 @@ def main() -> None:
             if job.panels != FOLLOWING:
                 continue
             near, _ = survey(case, nodes)
-            first = least_microseconds(functools.partial(survey, case, nodes))
-            second = least_microseconds(functools.partial(folds, case, near, nodes))
-            third = least_microseconds(functools.partial(inflow, case, job.panels, nodes))
+            first = least_microseconds(functools.partial(survey, case, nodes), size)
+            second = least_microseconds(functools.partial(folds, case, near, nodes), size)
+            third = least_microseconds(functools.partial(inflow, case, job.panels, nodes), size)
             split: dict[str, float] = {
                 "survey": first,
                 "folds": second,

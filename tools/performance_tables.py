@@ -9,7 +9,7 @@ def jobs(found: dict[str, Any]) -> str:
     """How the mixed oblique batch is sorted, and what each job costs."""
     place = found["machine"]
     rows = [
-        f"{place['cpu']}, one core, blocks of {found['block']} points, after compilation; "
+        f"{place['cpu']}, one core, large blocks, after compilation; "
         f"{found['nodes_per_point']:.0f} nodes and {found['one_core_us']:.0f} µs per point on "
         "average.",
         "",

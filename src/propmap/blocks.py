@@ -17,8 +17,8 @@ BLOCK = 32
 """Operating points per call of a compiled program: enough to fill the vector units, few
 enough to stay in the processor's cache."""
 
-LARGE_BLOCK = 128
-"""The same in large batches, to spread what a step costs at any size."""
+LARGE_NODES = 6144
+"""Radial nodes per call in large batches, to spread what a step costs at any size."""
 
 LARGE_BATCH = 2048
 """Operating points from which on a batch is cut into large blocks.  A batch has one size, though
@@ -40,15 +40,20 @@ class Block(NamedTuple):
 
 def cut(jobs: Sequence[Job], size: int | None = None) -> list[Block]:
     """Jobs cut into blocks of ``size`` points; by default of one if there is but one point, else
-    ``BLOCK``, or ``LARGE_BLOCK`` in a large batch."""
+    ``BLOCK``, or ``large_block`` in a large batch."""
     points = sum(job.points.size for job in jobs)
-    if size is None:
-        size = 1 if points == 1 else BLOCK if points < LARGE_BATCH else LARGE_BLOCK
-    return [
-        Block(job, job.points[start : start + size], size)
-        for job in jobs
-        for start in range(0, job.points.size, size)
-    ]
+    blocks = []
+    for job in jobs:
+        wide = large_block(job) if points >= LARGE_BATCH else BLOCK
+        width = size or (1 if points == 1 else wide)
+        starts = range(0, job.points.size, width)
+        blocks += [Block(job, job.points[start : start + width], width) for start in starts]
+    return blocks
+
+
+def large_block(job: Job) -> int:
+    """Operating points per block of the job in a large batch."""
+    return max(LARGE_NODES // sum(job.panels) // BLOCK, 1) * BLOCK
 
 
 def run(blocks: list[Block], one: Callable[[Block], None], *, in_turn: bool = False) -> None:
