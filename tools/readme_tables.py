@@ -111,7 +111,7 @@ def speed(found: dict[str, Any]) -> str:
     place, point = found["machine"], found["microseconds_per_point"]
     single, process, ratio = found["single_call_ms"], found["process"], found["ratios"]
     cost, gradient = found["ns_per_element"], found["gradient"]
-    growth = found["growth"]["microseconds_per_point"]
+    growth = found["growth"]["cpu_microseconds_per_point"]
     rows = [
         f"{place['cpu']}, {place['cores']} cores, Python {place['python']}, "
         f"JAX {place['jax']}; medians; the machine's load was {place['load_before']} at the start.",
@@ -124,8 +124,9 @@ def speed(found: dict[str, Any]) -> str:
         f"| the same, 0 to 12 m/s | {point['axial, 0-12 m/s']:.1f} µs per point |",
         "| oblique points with derivatives by the flow and five section parameters "
         f"| {gradient['with_gradient']:.0f} µs per point, {gradient['ratio']:.1f} times |",
-        f"| a million oblique points | {growth['1000000']:.0f} µs per point, "
-        f"{found['growth']['peak_megabytes'] / 1e3:.1f} GB at most |",
+        "| a thousand oblique points, a million "
+        f"| {growth['1000']:.0f}, {growth['1000000']:.0f} µs of "
+        f"processor time per point; {found['growth']['peak_megabytes'] / 1e3:.1f} GB at most |",
         f"| one call, oblique | {single['oblique']:.2g} ms |",
         f"| one call, hover | {single['hover']:.2g} ms |",
         f"| one blade element | {cost['residual']:.0f} ns |",

@@ -41,7 +41,7 @@ LEFT_OVER = 1e-12
 NEWTON_STEPS = 4
 """Newton steps at most.  Only at a double root are they used up."""
 
-GATHER_FROM = 3000
+GATHER_FROM = 1000
 """Lanes, stations times operating points, from which it pays to gather the slow ones."""
 
 STEPS_TOGETHER = 3
