@@ -38,14 +38,14 @@ class Block(NamedTuple):
         return np.resize(self.points, self.size)
 
 
-def cut(jobs: Sequence[Job], size: int | None = None) -> list[Block]:
+def cut(jobs: Sequence[Job], size: int | None = None, *, large: bool = False) -> list[Block]:
     """Jobs cut into blocks of ``size`` points; by default of one if there is but one point, else
-    ``BLOCK``, or ``large_block`` in a large batch."""
+    ``BLOCK``, or ``large_block`` in a large batch; or always so if ``large``."""
     points = sum(job.points.size for job in jobs)
     blocks = []
     for job in jobs:
-        wide = large_block(job) if points >= LARGE_BATCH else BLOCK
-        width = size or (1 if points == 1 else wide)
+        wide = large_block(job) if large or points >= LARGE_BATCH else BLOCK
+        width = size or (1 if points == 1 and not large else wide)
         starts = range(0, job.points.size, width)
         blocks += [Block(job, job.points[start : start + width], width) for start in starts]
     return blocks

@@ -26,9 +26,6 @@ CHUNK = 65536
 """Operating points that are planned together: what the forecast of stall keeps for each of them
 bounds the memory."""
 
-NUMPY_BLOCK = 32
-"""Operating points per block where nothing is compiled."""
-
 ATTACHED = 0.9
 """Attached share below which a result from fixed panels is not accepted where following
 stall would have helped: the forecast was wrong."""
@@ -42,21 +39,22 @@ Solved = Callable[[Block, DiskSolution], None]
 
 class Prepared(NamedTuple):
     """A rotor ready for evaluation: its arrays, the same where programs run, the forecast's inputs,
-    and whether programs are compiled."""
+    whether programs are compiled, and whether the same serve batches of any size."""
 
     theory: Theory
     on_device: Theory
     forecast: tuple[Floats, Floats, Floats, tuple[float, float]]
     compiled: bool
+    uniform: bool
 
 
-def prepare(theory: Theory, *, compiled: bool = True) -> Prepared:
+def prepare(theory: Theory, *, compiled: bool = True, uniform: bool = False) -> Prepared:
     """Do once what every evaluation of a rotor needs; theory in NumPy float64."""
     on_device = theory
     if compiled:
         with jax.enable_x64(True):
             on_device = jax.device_put(theory)
-    return Prepared(theory, on_device, _forecast_inputs(theory), compiled)
+    return Prepared(theory, on_device, _forecast_inputs(theory), compiled, uniform)
 
 
 class Evaluation(NamedTuple):
@@ -111,19 +109,13 @@ def evaluate_flow(
     stalls = may_stall(*rotor.forecast, omega, v_axial, v_inplane) | alike
     outlook = Outlook(advance, stalls, down, may_leave_islands(v_axial, v_hover))
     results = np.full((len(RotorLoads._fields), omega.size), np.nan)
-    _run(
-        rotor,
-        cut(plan(setting, outlook, everyone, alike=alike), size),
-        setting,
-        flow,
-        results,
-        solved,
-    )
+    blocks = cut(plan(setting, outlook, everyone, alike=alike), size, large=rotor.uniform)
+    _run(rotor, blocks, setting, flow, results, solved)
     found = RotorLoads(*results)
     unforeseen = ~stalls & ~(found.attached > ATTACHED) & np.isfinite(found.thrust)
     if unforeseen.any():
         jobs = plan(setting, outlook.stalling(unforeseen), everyone[unforeseen])
-        blocks = cut([j for j in jobs if len(j.panels) > 1], size)
+        blocks = cut([j for j in jobs if len(j.panels) > 1], size, large=rotor.uniform)
         _run(rotor, blocks, setting, flow, results, solved)
     # Zero instead of what the speed floor leaves of a load at rest, 1e-45 and the like.
     results[np.abs(results) < 1e-30] = 0.0
@@ -157,7 +149,7 @@ def _run(
     solved: Solved | None,
 ) -> None:
     """Evaluate blocks into ``results`` (F, N), a row per field of ``RotorLoads``."""
-    few = flow.omega.size < FEW
+    few = flow.omega.size < FEW or rotor.uniform
 
     def one(block: Block) -> None:
         nodes = nodes_of(block, setting, few=few)

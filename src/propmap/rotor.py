@@ -98,13 +98,24 @@ class Rotor:
                 raise InputError(f"{name} is {value!r}: give a {kind.__name__}, from {maker}")
         self.propeller, self.airfoil, self.air = propeller, airfoil, air
         self.accuracy, self.compiled = accuracy, compiled
-        self._setting = accuracy_setting(accuracy)
+        self._setting, self._uniform = accuracy_setting(accuracy), False
 
     def __repr__(self) -> str:
         return (
             f"Rotor({self.propeller.name}, {self.airfoil.name}, rho={self.air.density} kg/m^3, "
             f"accuracy={self.accuracy})"
         )
+
+    def for_all_sizes(self) -> Rotor:
+        """This rotor, with one set of programs for batches of any size.
+
+        A small batch takes as long as one of some hundred points, but less is compiled in all.
+        """
+        rotor = Rotor(
+            self.propeller, self.airfoil, self.air, accuracy=self.accuracy, compiled=self.compiled
+        )
+        rotor._uniform = True
+        return rotor
 
     def loads(self, omega: ArrayLike, speed: ArrayLike, beta: ArrayLike) -> Loads:
         """Loads at operating points.
@@ -214,7 +225,7 @@ class Rotor:
 
     @functools.cached_property
     def _prepared(self) -> Prepared:
-        return prepare(self.theory, compiled=self.compiled)
+        return prepare(self.theory, compiled=self.compiled, uniform=self._uniform)
 
     def _loads(self, omega: Floats, v_axial: Floats, v_inplane: Floats) -> Loads:
         shape = omega.shape

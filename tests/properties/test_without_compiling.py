@@ -47,3 +47,15 @@ def test_inflow_over_the_disk_agrees() -> None:
         np.testing.assert_allclose(
             getattr(got, field), expected, atol=1e-9 * np.max(np.abs(expected))
         )
+
+
+def test_one_set_of_programs_gives_the_same_loads() -> None:
+    rotor = pm.Rotor(pm.propeller("apc-8x6e"), pm.airfoil("paper-soft"))
+    points = _points(150)
+    want, got = rotor.loads(*points), rotor.for_all_sizes().loads(*points)
+    assert (want.status == got.status).all()
+    for field in NUMBERS:
+        expected = getattr(want, field)
+        np.testing.assert_allclose(
+            getattr(got, field), expected, rtol=1e-9, atol=1e-9 * np.nanmax(np.abs(expected))
+        )

@@ -75,7 +75,12 @@ def build_table(
     """
     check_tolerance(tolerance, rotor.accuracy)
     ends = _envelope(omega, speed, beta)
-    model = Model(rotor, ends[0], leave_out_vortex_ring=leave_out_vortex_ring, progress=progress)
+    model = Model(
+        rotor.for_all_sizes(),
+        ends[0],
+        leave_out_vortex_ring=leave_out_vortex_ring,
+        progress=progress,
+    )
     radius = rotor.propeller.radius
     advance = (ends[1][0] / (ends[0][1] * radius), ends[1][1] / (ends[0][0] * radius))
     axes = starting_axes(model, advance, (float(ends[2][0]), float(ends[2][1])))
