@@ -11,14 +11,19 @@ import pytest
 
 from propmap.theory.momentum import (
     annulus_thrust,
+    annulus_thrust_slope,
     is_mirrored,
     static_inflow,
-    windmill_annulus_thrust,
+    windmill_annulus_thrust_slope,
 )
 
 Y = 0.06
 STEEP = (0.0, 1.0, 2.5, 3.5)  # V sin(beta) [m/s], at 10 m/s of descent: less than 10/sqrt(8)
 SHALLOW = (3.6, 5.0, 12.0)
+
+
+def windmill_annulus_thrust(*flow: jax.Array) -> jax.Array:
+    return windmill_annulus_thrust_slope(*flow)[0]
 
 
 def wake(
@@ -163,3 +168,22 @@ def test_static_inflow_is_zero_without_thrust_with_a_finite_gradient(thrust: flo
     )
     assert float(value) == 0.0
     np.testing.assert_array_equal(slopes, [0.0, 0.0, 0.0])
+
+
+@pytest.mark.parametrize("v_inplane", [*STEEP, *SHALLOW])
+@pytest.mark.parametrize(
+    ("both", "v_axial"),
+    [(annulus_thrust_slope, 6.0), (annulus_thrust_slope, -9.0)]
+    + [(windmill_annulus_thrust_slope, -10.0)],
+)
+def test_slopes_are_the_derivatives(
+    both: Callable[..., tuple[jax.Array, jax.Array]], v_axial: float, v_inplane: float
+) -> None:
+    # Away from where the parts of the windmill curve meet.
+    inflow = np.linspace(-3.0, 20.0, 47) + 0.0137
+    at = jnp.asarray(Y), jnp.asarray(v_axial), jnp.asarray(v_inplane)
+    v = jnp.asarray(inflow)
+    (thrust, slope), (derivative, _) = jax.jvp(lambda v: both(*at, v), (v,), (jnp.ones_like(v),))
+    np.testing.assert_allclose(slope, derivative, rtol=1e-9, atol=1e-9)
+    if both is annulus_thrust_slope:
+        np.testing.assert_allclose(thrust, annulus_thrust(*at, v), rtol=1e-15)

@@ -40,16 +40,6 @@ def annulus_thrust_slope(
     return per_radius * inflow * speed, per_radius * (speed + inflow * through / speed)
 
 
-def windmill_annulus_thrust(
-    radius: Array, v_axial: Array, v_inplane: Array, inflow: Array
-) -> Array:
-    """Thrust per radius and density [m^3/s^2] on the windmill branch.
-
-    radius, v_axial, v_inplane, inflow : as in ``windmill_annulus_thrust_slope``, whose first it is.
-    """
-    return windmill_annulus_thrust_slope(radius, v_axial, v_inplane, inflow)[0]
-
-
 def windmill_annulus_thrust_slope(
     radius: Array, v_axial: Array, v_inplane: Array, inflow: Array
 ) -> tuple[Array, Array]:
