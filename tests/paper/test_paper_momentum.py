@@ -173,8 +173,11 @@ def test_static_inflow_is_zero_without_thrust_with_a_finite_gradient(thrust: flo
 @pytest.mark.parametrize("v_inplane", [*STEEP, *SHALLOW])
 @pytest.mark.parametrize(
     ("both", "v_axial"),
-    [(annulus_thrust_slope, 6.0), (annulus_thrust_slope, -9.0)]
-    + [(windmill_annulus_thrust_slope, -10.0)],
+    [
+        (annulus_thrust_slope, 6.0),
+        (annulus_thrust_slope, -9.0),
+        (windmill_annulus_thrust_slope, -10.0),
+    ],
 )
 def test_slopes_are_the_derivatives(
     both: Callable[..., tuple[jax.Array, jax.Array]], v_axial: float, v_inplane: float
