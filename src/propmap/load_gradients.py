@@ -54,8 +54,9 @@ def load_gradients(
     """Loads at N operating points and their derivatives by P of ``MOVING``.
 
     names : the parameters.  omega [rad/s], velocities [m/s] : (N,), v_inplane >= 0.
-    The loads are those of ``evaluation.evaluate``; where it has found the inflow, nothing is
-    searched for again.
+    The derivatives are taken where the inflow was found, by the implicit function theorem: nothing
+    is searched for again.  Below ``FEW`` points all get the same nodes, see ``schedule.plan``, so
+    that the loads differ from ``evaluation.evaluate``'s within the accuracy asked for.
     """
     few = omega.size < FEW
     ways = _directions(names)
