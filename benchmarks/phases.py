@@ -23,7 +23,7 @@ from benchmarks.results_file import machine, write_results
 from benchmarks.speed import BATCH, oblique
 from propmap import evaluation
 from propmap.blocks import large_block, padded_azimuths
-from propmap.programs import WIDE_VECTORS
+from propmap.programs import COMPILER_OPTIONS
 from propmap.rotor import Rotor
 from propmap.schedule import Job, Outlook, accuracy, may_leave_islands, may_stall, plan
 from propmap.theory.disk_inflow import Case, question, solve_disk
@@ -33,7 +33,7 @@ from propmap.theory.stall_split import hump_crossings
 from propmap.theory.velocities import AzimuthNodes, azimuth_nodes
 
 REPEATS = 9
-OPTIONS: Any = WIDE_VECTORS
+OPTIONS: Any = COMPILER_OPTIONS
 
 FOLLOWING = (12, 18, 18)
 """Radial nodes on the panels of a point that follows stall outside descent."""

@@ -22,7 +22,7 @@ from benchmarks.results_file import machine, write_results
 from benchmarks.whole_process import whole_process
 from propmap.evaluation import prepare
 from propmap.load_gradients import load_gradients
-from propmap.programs import WIDE_VECTORS
+from propmap.programs import COMPILER_OPTIONS
 from propmap.rotor import Rotor
 from propmap.schedule import accuracy
 from propmap.theory.disk_inflow import Case, question
@@ -108,7 +108,7 @@ def element_nanoseconds(rotor: Rotor) -> dict[str, float]:
         turn = azimuth_nodes(AZIMUTHS)
         nodes = AzimuthNodes(jnp.asarray(turn.sines), jnp.asarray(AZIMUTHS // 2))
         for name, function in (("residual", residual), ("residual_slope", residual_slope)):
-            options: Any = WIDE_VECTORS
+            options: Any = COMPILER_OPTIONS
             program: Callable[..., Any] = jax.jit(function, compiler_options=options)
 
             def call(program: Callable[..., Any] = program) -> None:

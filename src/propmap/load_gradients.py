@@ -13,7 +13,7 @@ import numpy as np
 
 from propmap.blocks import Block, padded_azimuths
 from propmap.evaluation import FEW, Prepared, evaluate_flow, nodes_of
-from propmap.programs import WIDE_VECTORS, Flow, compiled_search
+from propmap.programs import COMPILER_OPTIONS, Flow, compiled_search
 from propmap.schedule import Accuracy, Floats, alike_panels
 from propmap.theory.disk_inflow import DiskSolution
 from propmap.theory.loads import case_of, loads_of_solution
@@ -175,5 +175,5 @@ def _program(panels: tuple[int, ...]) -> Callable[..., Any]:
 
         return jax.vmap(along)(directions, v_hover_slope)
 
-    options: Any = WIDE_VECTORS
+    options: Any = COMPILER_OPTIONS
     return jax.jit(slopes, compiler_options=options)

@@ -55,7 +55,7 @@ def uncertainty(rows: Rows, choice: Choice, found: Minimum) -> Uncertainty:
     take the place of sums over rows (the cluster-robust covariance), or correlated samples
     would count as independent ones.
     """
-    from scipy.stats import t as student
+    from scipy.special import stdtrit  # scipy.stats takes half a second to import
 
     x, names = found.x, choice.free
     spread, lower, upper = (choice.column(a) for a in ("spread", "lower", "upper"))
@@ -91,7 +91,7 @@ def uncertainty(rows: Rows, choice: Choice, found: Minimum) -> Uncertainty:
     mean = np.array([choice.priors[n].mean if n in choice.priors else 0.0 for n in names])
     uphill = slopes.T @ found.residual + held_by_prior * (x - mean) / spread
     centre = x / spread - known.inverse @ np.where(held, uphill, 0.0)
-    quantile = float(student.ppf(0.975, freedom))
+    quantile = float(stdtrit(freedom, 0.975))
     low, high = bounded_intervals(centre, known.root, lower / spread, upper / spread, quantile)
     ends = np.stack([np.minimum(low, x / spread), np.maximum(high, x / spread)])
     narrow = np.flatnonzero(~held & (ends[1] - ends[0] <= 1.0))
