@@ -105,7 +105,7 @@ def folds(case: Case, near: Any, azimuth: AzimuthNodes) -> Any:
 @functools.partial(jax.jit, compiler_options=OPTIONS, static_argnums=1)
 def inflow(case: Case, panels: tuple[int, ...], azimuth: AzimuthNodes) -> Any:
     """Survey, folds and the roots of (11)."""
-    return solve_disk(case, panels, azimuth)
+    return solve_disk(case, panels, azimuth)[0]
 
 
 def main() -> None:

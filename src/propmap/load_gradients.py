@@ -16,15 +16,11 @@ from propmap.evaluation import FEW, Prepared, evaluate_flow, nodes_of
 from propmap.programs import COMPILER_OPTIONS, Flow, compiled_search
 from propmap.schedule import Accuracy, Floats, alike_panels
 from propmap.theory.disk_inflow import DiskSolution
-from propmap.theory.loads import case_of, loads_of_solution
+from propmap.theory.load_slopes import LOADS, Directions, directions_of, load_slopes
+from propmap.theory.loads import case_of
 from propmap.theory.momentum import static_inflow
 from propmap.theory.parameters import Blade, Medium, Section
 from propmap.theory.velocities import AzimuthNodes
-
-LOADS = ("thrust", "drag", "torque", "roll_moment")
-
-MOVING = (*Section._fields, "omega", "v_axial", "v_inplane")
-"""By what the loads can be differentiated."""
 
 BLOCK = 8
 """Operating points per call of a compiled program: with their derivatives they fill the vector
@@ -51,7 +47,7 @@ def load_gradients(
     v_axial: Floats,
     v_inplane: Floats,
 ) -> LoadGradients:
-    """Loads at N operating points and their derivatives by P of ``MOVING``.
+    """Loads at N operating points and their derivatives by P of ``load_slopes.MOVING``.
 
     names : the parameters.  omega [rad/s], velocities [m/s] : (N,), v_inplane >= 0.
     The derivatives are taken where the inflow was found, by the implicit function theorem: nothing
@@ -59,8 +55,10 @@ def load_gradients(
     that the loads differ from ``evaluation.evaluate``'s within the accuracy asked for.
     """
     few = omega.size < FEW
-    ways = _directions(names)
-    v_hover, v_hover_slope = np.zeros_like(omega), np.zeros((len(ways), omega.size))
+    count = DIRECTIONS * max(1, -(-len(names) // DIRECTIONS))
+    with jax.enable_x64(True):
+        ways = jax.device_put(directions_of(names, count))
+    v_hover, v_hover_slope = np.zeros_like(omega), np.zeros((count, omega.size))
     down = v_axial < 0.0
     if down.any():
         rates, where = np.unique(omega[down], return_inverse=True)
@@ -86,7 +84,7 @@ def load_gradients(
 
     size = BLOCK if few else None
     with ThreadPoolExecutor(1) as beside:
-        compiled = _compiled_beside(rotor, setting, len(ways), beside) if few else None
+        compiled = _compiled_beside(rotor, setting, count, beside) if few else None
         flat = evaluate_flow(rotor, setting, flow, alike=few, size=size, solved=differentiate)
         if compiled is not None:
             compiled.result()
@@ -111,33 +109,25 @@ def _static_inflow(rotor: Prepared, static: LoadGradients) -> tuple[Floats, Floa
     return v, per_thrust * slope
 
 
-def _directions(names: tuple[str, ...]) -> Floats:
-    """One row per parameter, 1 at its place in ``MOVING``; then idle rows of zeros."""
-    ways = np.zeros((DIRECTIONS * max(1, -(-len(names) // DIRECTIONS)), len(MOVING)))
-    for row, name in enumerate(names):
-        ways[row, MOVING.index(name)] = 1.0
-    return ways
-
-
 _COMPILED: set[tuple[Accuracy, int, int]] = set()
 
 
 def _compiled_beside(
-    rotor: Prepared, setting: Accuracy, directions: int, beside: ThreadPoolExecutor
+    rotor: Prepared, setting: Accuracy, count: int, beside: ThreadPoolExecutor
 ) -> Future[None] | None:
     """Begin to compile the derivatives of a few points, while the search for their inflow is
     compiled, too; None where that is done."""
-    key = (setting, rotor.theory[0].station.size, directions)
+    key = (setting, rotor.theory[0].station.size, count)
     if key in _COMPILED:
         return None
     _COMPILED.add(key)
     panels, nodes = alike_panels(setting), padded_azimuths(1, setting.most_azimuths)
-    flow, moving = Flow(*(4 * (np.zeros(BLOCK),))), np.zeros((directions, BLOCK))
+    flow, moving = Flow(*(4 * (np.zeros(BLOCK),))), np.zeros((count, BLOCK))
     with jax.enable_x64(True):
         search = compiled_search(panels)
         _, shapes = search.eval_shape(*rotor.on_device, flow, nodes)
     solution = jax.tree.map(lambda a: np.zeros(a.shape, a.dtype), shapes)
-    ways = np.zeros((directions, len(MOVING)))
+    ways = directions_of((), count)
 
     def compile_now() -> None:
         with jax.enable_x64(True):
@@ -156,24 +146,14 @@ def _program(panels: tuple[int, ...]) -> Callable[..., Any]:
         medium: Medium,
         flow: Flow,
         solution: DiskSolution,
-        directions: Any,
-        v_hover_slope: Any,
+        directions: Directions,
+        v_hover_slopes: Any,
         azimuth: AzimuthNodes,
     ) -> Any:
-        law = jnp.stack([jnp.asarray(value) for value in section])
-        still = jnp.concatenate([law, jnp.zeros(3)])
-
-        def loads(moving: Any, v_hover: Any) -> Any:
-            values, (w, v_axial, v_inplane) = moving[: law.size], moving[law.size :]
-            velocity = (flow.omega + w, flow.v_axial + v_axial, flow.v_inplane + v_inplane)
-            case = case_of(blade, Section(*values), medium, *velocity, v_hover)
-            found = loads_of_solution(case, solution, v_hover, panels, azimuth)
-            return jnp.stack([getattr(found, name) for name in LOADS])
-
-        def along(direction: Any, v_hover_change: Any) -> Any:
-            return jax.jvp(loads, (still, flow.v_hover), (direction, v_hover_change))[1]
-
-        return jax.vmap(along)(directions, v_hover_slope)
+        case = case_of(blade, section, medium, *flow)
+        return load_slopes(
+            case, solution, flow.v_hover, panels, azimuth, directions, v_hover_slopes
+        )
 
     options: Any = COMPILER_OPTIONS
     return jax.jit(slopes, compiler_options=options)

@@ -12,7 +12,7 @@ import numpy as np
 from propmap.schedule import Floats
 from propmap.theory.arrays import by_numpy, xp
 from propmap.theory.disk_inflow import DiskSolution, solve_disk
-from propmap.theory.loads import case_of, loads_of_solution
+from propmap.theory.loads import case_of, loads_over_disk
 from propmap.theory.parameters import Blade, Medium, Section
 from propmap.theory.velocities import AzimuthNodes
 
@@ -52,8 +52,8 @@ def _search(
     azimuth: AzimuthNodes,
 ) -> tuple[Any, DiskSolution]:
     case = case_of(blade, section, medium, *flow)
-    solution = solve_disk(case, panels, azimuth)
-    found = loads_of_solution(case, solution, flow.v_hover, panels, azimuth)
+    solution, disk = solve_disk(case, panels, azimuth)
+    found = loads_over_disk(case, disk, solution.several, flow.v_hover, azimuth)
     # One array, since every further one takes as long to hand over as some points to evaluate.
     return xp.stack([values * 1.0 for values in found]), solution
 

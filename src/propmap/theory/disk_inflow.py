@@ -65,7 +65,9 @@ def question(case: Case, radius: Array) -> InflowQuestion:
     return InflowQuestion(at, case.windmill)
 
 
-def solve_disk(case: Case, panels: tuple[int, ...], azimuth: AzimuthNodes) -> DiskSolution:
+def solve_disk(
+    case: Case, panels: tuple[int, ...], azimuth: AzimuthNodes
+) -> tuple[DiskSolution, DiskInflow]:
     """Solve (11) over the disk; differentiable nowhere, for that see ``disk_inflow``.
 
     panels : radial nodes on each panel, static.  One panel is the whole blade; with more,
@@ -81,7 +83,8 @@ def solve_disk(case: Case, panels: tuple[int, ...], azimuth: AzimuthNodes) -> Di
         fold = stall_folds.find_folds(near, still, root, tip, azimuth)
         spare = (near.radius - root) / (tip - root)
     edges = _edges(case, fold, spare, azimuth)
-    ask = question(case, panel_nodes(edges, panels).radius)
+    nodes = panel_nodes(edges, panels)
+    ask = question(case, nodes.radius)
     if fold is None:
         start = xp.full(case.omega.shape, xp.inf)
         several = xp.zeros(case.omega.shape, bool)
@@ -91,7 +94,7 @@ def solve_disk(case: Case, panels: tuple[int, ...], azimuth: AzimuthNodes) -> Di
     inflow = find_root(ask, start, xp.asarray(MAX_STEPS), azimuth)
     if fold is None:
         several = several_roots((ask, inflow), azimuth)
-    return DiskSolution(fold, spare, inflow, several)
+    return DiskSolution(fold, spare, inflow, several), DiskInflow(nodes, ask, inflow)
 
 
 def disk_inflow(
@@ -112,10 +115,14 @@ def _edges(
     """Radii [m] of the panels' edges, rising; (P + 1, B), or (2, 1) of a single panel."""
     root, tip = case.blade.root, case.blade.tip
     if fold is None or spare is None:
-        return xp.stack([root, tip])[:, None]
-    inner = _moving_edges(case, fold, root + (tip - root) * spare, azimuth)
+        return edges_about(case.blade, xp.zeros((0, 1)))
+    return edges_about(case.blade, _moving_edges(case, fold, root + (tip - root) * spare, azimuth))
+
+
+def edges_about(blade: Blade, inner: Array) -> Array:
+    """The panels' edges (E + 2, B) [m], rising, from the inner ones (E, B) in any order."""
     ends = xp.ones((1, inner.shape[1]))
-    return xp.concatenate([root * ends, xp.sort(inner, axis=0), tip * ends])
+    return xp.concatenate([blade.root * ends, xp.sort(inner, axis=0), blade.tip * ends])
 
 
 @DerivativeByRule

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from propmap.theory import blade_element, momentum, wake_state
 from propmap.theory.arrays import settled, xp
-from propmap.theory.disk_inflow import Case, DiskSolution, disk_inflow, solve_disk
+from propmap.theory.disk_inflow import Case, DiskInflow, disk_inflow, solve_disk
 from propmap.theory.parameters import Array, Blade, Medium, Resolution, Section
 from propmap.theory.stall_hump import mean_attached_share
 from propmap.theory.velocities import AzimuthNodes, azimuth_nodes
@@ -54,8 +54,9 @@ def disk_loads(
     panels, azimuth : see ``solve_disk``.
     """
     case = case_of(blade, section, medium, omega, v_axial, v_inplane, v_hover)
-    solution = solve_disk(case, panels, azimuth)
-    return loads_of_solution(case, solution, v_hover, panels, azimuth)
+    solution, _ = solve_disk(case, panels, azimuth)
+    disk = disk_inflow(case, solution, panels, azimuth)
+    return loads_over_disk(case, disk, solution.several, v_hover, azimuth)
 
 
 def case_of(
@@ -72,28 +73,23 @@ def case_of(
     return Case(blade, section, medium, omega, v_axial, v_inplane, windmill)
 
 
-def loads_of_solution(
-    case: Case,
-    solution: DiskSolution,
-    v_hover: Array,
-    panels: tuple[int, ...],
-    azimuth: AzimuthNodes,
+def loads_over_disk(
+    case: Case, disk: DiskInflow, several: Array, v_hover: Array, azimuth: AzimuthNodes
 ) -> RotorLoads:
-    """Loads, eqs. (13)-(15), where (11) is solved; differentiable by ``case`` and ``v_hover``.
+    """Loads, eqs. (13)-(15), where (11) is solved; differentiable by all but ``several``.
 
-    case : the question.  solution : its answer by ``solve_disk`` with these panels and nodes.
-    v_hover, panels, azimuth : as in ``disk_loads``.
+    case : the question.  disk : its answer.  several (B,) : whether (11) has several roots.
+    v_hover, azimuth : as in ``disk_loads``.
     """
     medium, v_axial, v_inplane = case.medium, case.v_axial, case.v_inplane
-    disk = disk_inflow(case, solution, panels, azimuth)
     ring = wake_state.vortex_ring_weight(v_axial, v_inplane, v_hover)
     inflow = (1.0 - ring) * disk.inflow + ring * wake_state.vortex_ring_inflow(v_axial, v_hover)
     per_radius = settled(
         lambda: blade_element.annulus_loads(disk.ask.at, inflow, azimuth), case.blade.root
     )
     weight = disk.nodes.weight
-    thrust, drag, torque, roll_moment = (
-        medium.density * xp.sum(weight * part, axis=0) for part in per_radius
+    thrust, drag, torque, roll_moment = medium.density * xp.sum(
+        weight * xp.stack(per_radius), axis=1
     )
     area = weight * disk.nodes.radius
     mean_inflow = xp.sum(area * inflow, axis=0) / xp.sum(area, axis=0)
@@ -103,7 +99,7 @@ def loads_of_solution(
         drag=drag,  # Eq. (14)
         torque=torque,  # Eq. (15)
         roll_moment=roll_moment,
-        roots=xp.where(solution.several, 3, 1),
+        roots=xp.where(several, 3, 1),
         ring=ring,
         mean_inflow=mean_inflow,
         attached=xp.min(mean_attached_share(disk.ask, inflow), axis=0),

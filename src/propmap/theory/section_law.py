@@ -33,7 +33,10 @@ def attached_share_slope(alpha: Array, share: Array, section: Section) -> Array:
 
 def _stall_rise(alpha: Array, section: Section) -> tuple[Array, Array]:
     m, a0 = section.sharpness, section.alpha_0
-    return xp.exp(xp.clip(m * (xp.abs(alpha) - a0), -40.0, 40.0)), xp.exp(-2.0 * m * a0)
+    angle = m * (xp.abs(alpha) - a0)
+    # Not ``clip``, whose derivative divides.
+    angle = xp.where(angle > -40.0, xp.where(angle < 40.0, angle, 40.0), -40.0)
+    return xp.exp(angle), xp.exp(-2.0 * m * a0)
 
 
 def angle_of_attack(along: Array, across: Array, speed: Array) -> Array:

@@ -16,7 +16,7 @@ the thrust in steep descent too high by a third.
 
 from __future__ import annotations
 
-from propmap.theory.arrays import xp
+from propmap.theory.arrays import DerivativeByRule, xp
 from propmap.theory.parameters import Array
 
 ONSET, FULL_FROM = -0.2, -0.45
@@ -37,9 +37,18 @@ Halfway through the region where (12) has replaced both.  Where the fade has beg
 V sin(beta) exceeds V cos(beta)/sqrt(8) and the two branches are one."""
 
 
+@DerivativeByRule
 def _rise(t: Array) -> Array:
     t = xp.clip(t, 0.0, 1.0)
     return t * t * t * (10.0 + t * (6.0 * t - 15.0))
+
+
+@_rise.defjvp
+def _rise_jvp(primals, tangents):  # type: ignore[no-untyped-def]
+    (t,), (t_dot,) = primals, tangents
+    within = xp.clip(t, 0.0, 1.0)
+    slope = within * (1.0 - within)
+    return _rise(t), 30.0 * slope * slope * t_dot
 
 
 def vortex_ring_weight(v_axial: Array, v_inplane: Array, v_hover: Array) -> Array:
