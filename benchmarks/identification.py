@@ -31,8 +31,8 @@ from propmap.identify.flight import ForceModel, level_rows
 from propmap.identify.parameters import PAPER_FOUR, Choice
 from propmap.identify.rows import Rows
 from propmap.identify.tunnel import TunnelData, first_guess, rotor_with, tunnel_rows
-from propmap.load_gradients import LOADS
 from propmap.simulate.trim import trim
+from propmap.theory.load_slopes import LOADS
 from propmap.vehicle import Mount, Vehicle
 
 SETS = ("paper-soft", "paper-stiff", "paper-apc")

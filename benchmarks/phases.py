@@ -22,7 +22,7 @@ import propmap
 from benchmarks.results_file import machine, write_results
 from benchmarks.speed import BATCH, oblique
 from propmap import evaluation
-from propmap.blocks import large_block, padded_azimuths
+from propmap.blocks import large_block, nodes_of_each
 from propmap.programs import COMPILER_OPTIONS
 from propmap.rotor import Rotor
 from propmap.schedule import Job, Outlook, accuracy, may_leave_islands, may_stall, plan
@@ -51,7 +51,10 @@ def least_microseconds(call: Callable[[], Any], points: int) -> float:
 
 
 def jobs_of_the_batch(rotor: Rotor) -> tuple[list[Job], tuple[np.ndarray, ...]]:
-    """The jobs into which the batch is sorted, and its omega, v_axial and v_inplane."""
+    """The jobs into which the batch is sorted, and its omega, v_axial and v_inplane.
+
+    The points of each job here have one number of azimuth nodes, to be told apart.
+    """
     omega, speed, beta = oblique(BATCH)
     flow = (omega, speed * np.cos(beta), speed * np.sin(beta))
     ready = evaluation.prepare(rotor.theory)
@@ -63,7 +66,12 @@ def jobs_of_the_batch(rotor: Rotor) -> tuple[list[Job], tuple[np.ndarray, ...]]:
         down,
         may_leave_islands(flow[1], np.zeros_like(omega)),
     )
-    return plan(accuracy("standard"), outlook, np.arange(BATCH)), flow
+    jobs = [
+        Job(job.points[mine], job.panels, job.azimuths[mine])
+        for job in plan(accuracy("standard"), outlook, np.arange(BATCH))
+        for mine in (job.azimuths == count for count in np.unique(job.azimuths))
+    ]
+    return jobs, flow
 
 
 def block(rotor: Rotor, job: Job, flow: tuple[np.ndarray, ...]) -> tuple[Case, AzimuthNodes]:
@@ -76,8 +84,8 @@ def block(rotor: Rotor, job: Job, flow: tuple[np.ndarray, ...]) -> tuple[Case, A
     case = Case(blade, section, medium, omega, v_axial, v_inplane, jnp.asarray(still))
     nodes = (
         azimuth_nodes(1)
-        if job.azimuths == 1
-        else padded_azimuths(job.azimuths, accuracy("standard").most_azimuths)
+        if job.azimuths[0] == 1
+        else nodes_of_each(np.resize(job.azimuths, which.size), accuracy("standard").most_azimuths)
     )
     return case, nodes
 
@@ -123,12 +131,13 @@ def main() -> None:
             run = functools.partial(whole, case, job.panels, nodes)
             size = large_block(job)
             each = least_microseconds(run, size)
-            count = sum(job.panels) * max(job.azimuths // 2, 1)
+            azimuths = int(job.azimuths[0])
+            count = sum(job.panels) * max(azimuths // 2, 1)
             share = job.points.size / BATCH
             rows.append(
                 {
                     "panels": list(job.panels),
-                    "azimuths": job.azimuths,
+                    "azimuths": azimuths,
                     "share": share,
                     "nodes": count,
                     "microseconds": each,
@@ -136,7 +145,7 @@ def main() -> None:
             )
             table.add_row(
                 "+".join(map(str, job.panels)),
-                str(job.azimuths),
+                str(azimuths),
                 f"{100 * share:.1f}",
                 str(count),
                 f"{each:.1f}",
@@ -154,9 +163,9 @@ def main() -> None:
                 "roots": max(third - first - second, 0.0),
                 "loads": max(each - third, 0.0),
             }
-            phases.append({"azimuths": job.azimuths, **split})
+            phases.append({"azimuths": azimuths, **split})
             cells = [f"{value:.1f}" for value in (*split.values(), each)]
-            parts.add_row(str(job.azimuths), *cells)
+            parts.add_row(str(azimuths), *cells)
     found |= {"jobs": rows, "following": phases}
     found["one_core_us"] = sum(row["share"] * row["microseconds"] for row in rows)
     found["nodes_per_point"] = sum(row["share"] * row["nodes"] for row in rows)

@@ -17,25 +17,35 @@ BLOCK = 32
 """Operating points per call of a compiled program: enough to fill the vector units, few
 enough to stay in the processor's cache."""
 
-LARGE_NODES = 6144
+LARGE_NODES = 3072
 """Radial nodes per call in large batches, to spread what a step costs at any size."""
 
-LARGE_BATCH = 2048
+AXIAL_NODES = 6144
+"""The same where there is a single azimuth, and a step costs less."""
+
+LARGE_BATCH = 512
 """Operating points from which on a batch is cut into large blocks.  A batch has one size, though
 its last points would fill a small block better: every size is another program to compile."""
 
 
 class Block(NamedTuple):
-    """Points of a job, as indices into the batch, and the size that they are filled up to."""
+    """Points of a job, as indices into the batch, the azimuths of each, the radial nodes per panel,
+    and the size that they are filled up to."""
 
-    job: Job
     points: NDArray[np.intp]
+    azimuths: NDArray[np.int64]
+    panels: tuple[int, ...]
     size: int
 
     @property
     def padded(self) -> NDArray[np.intp]:
         """The points, repeated up to ``size``."""
         return np.resize(self.points, self.size)
+
+    @property
+    def work(self) -> int:
+        """Nodes that are visited."""
+        return self.size * sum(self.panels) * int(self.azimuths.max())
 
 
 def cut(jobs: Sequence[Job], size: int | None = None, *, large: bool = False) -> list[Block]:
@@ -46,20 +56,22 @@ def cut(jobs: Sequence[Job], size: int | None = None, *, large: bool = False) ->
     for job in jobs:
         wide = large_block(job) if large or points >= LARGE_BATCH else BLOCK
         width = size or (1 if points == 1 and not large else wide)
-        starts = range(0, job.points.size, width)
-        blocks += [Block(job, job.points[start : start + width], width) for start in starts]
+        for start in range(0, job.points.size, width):
+            part = slice(start, start + width)
+            blocks.append(Block(job.points[part], job.azimuths[part], job.panels, width))
     return blocks
 
 
 def large_block(job: Job) -> int:
     """Operating points per block of the job in a large batch."""
-    return max(LARGE_NODES // sum(job.panels) // BLOCK, 1) * BLOCK
+    nodes = AXIAL_NODES if int(job.azimuths.max()) == 1 else LARGE_NODES
+    return max(nodes // sum(job.panels) // BLOCK, 1) * BLOCK
 
 
 def run(blocks: list[Block], one: Callable[[Block], None], *, in_turn: bool = False) -> None:
     """Call ``one`` for every block, on all cores, the longest first so that all end together; or
     ``in_turn``, as suits NumPy, whose threads wait for each other."""
-    longest_first = sorted(blocks, key=lambda b: -b.size * sum(b.job.panels) * b.job.azimuths)
+    longest_first = sorted(blocks, key=lambda block: -block.work)
     if in_turn or len(blocks) <= 1:
         for block in longest_first:
             one(block)
@@ -68,10 +80,13 @@ def run(blocks: list[Block], one: Callable[[Block], None], *, in_turn: bool = Fa
         list(pool.map(one, longest_first))
 
 
-def padded_azimuths(count: int, most: int) -> AzimuthNodes:
-    """Nodes padded to one length, so that one program serves every count."""
-    nodes = azimuth_nodes(count)
-    sines = np.zeros(most // 2)
-    sines[: nodes.sines.size] = nodes.sines
-    used: Any = np.array(nodes.sines.size)
-    return AzimuthNodes(sines, used)
+def nodes_of_each(azimuths: NDArray[np.int64], most: int) -> AzimuthNodes:
+    """The nodes of points with ``azimuths`` (B,) over a full turn each, padded to ``most``, so that
+    one program serves any mixture."""
+    sines, count = np.zeros((most // 2, azimuths.size)), np.empty(azimuths.size, np.int64)
+    for number in np.unique(azimuths):
+        nodes, mine = azimuth_nodes(int(number)), azimuths == number
+        sines[: nodes.sines.size, mine] = np.asarray(nodes.sines)[:, None]
+        count[mine] = nodes.sines.size
+    each: Any = count
+    return AzimuthNodes(sines, each)

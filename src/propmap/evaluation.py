@@ -9,7 +9,7 @@ import jax
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.blocks import Block, cut, padded_azimuths, run
+from propmap.blocks import Block, cut, nodes_of_each, run
 from propmap.programs import Flow, compiled_search, search_by_numpy
 from propmap.schedule import Accuracy, Floats, Outlook, may_leave_islands, may_stall, plan
 from propmap.theory.arrays import by_numpy
@@ -109,12 +109,15 @@ def evaluate_flow(
     stalls = may_stall(*rotor.forecast, omega, v_axial, v_inplane) | alike
     outlook = Outlook(advance, stalls, down, may_leave_islands(v_axial, v_hover))
     results = np.full((len(RotorLoads._fields), omega.size), np.nan)
-    blocks = cut(plan(setting, outlook, everyone, alike=alike), size, large=rotor.uniform)
+    apart = not _few(rotor, flow)
+    jobs = plan(setting, outlook, everyone, alike=alike, axial_apart=apart)
+    blocks = cut(jobs, size, large=rotor.uniform)
     _run(rotor, blocks, setting, flow, results, solved)
     found = RotorLoads(*results)
     unforeseen = ~stalls & ~(found.attached > ATTACHED) & np.isfinite(found.thrust)
     if unforeseen.any():
-        jobs = plan(setting, outlook.stalling(unforeseen), everyone[unforeseen])
+        again = outlook.stalling(unforeseen)
+        jobs = plan(setting, again, everyone[unforeseen], axial_apart=apart)
         blocks = cut([j for j in jobs if len(j.panels) > 1], size, large=rotor.uniform)
         _run(rotor, blocks, setting, flow, results, solved)
     # Zero instead of what the speed floor leaves of a load at rest, 1e-45 and the like.
@@ -149,14 +152,14 @@ def _run(
     solved: Solved | None,
 ) -> None:
     """Evaluate blocks into ``results`` (F, N), a row per field of ``RotorLoads``."""
-    few = flow.omega.size < FEW or rotor.uniform
+    few = _few(rotor, flow)
 
     def one(block: Block) -> None:
         nodes = nodes_of(block, setting, few=few)
         which = block.padded
-        program = search_by_numpy(block.job.panels)
+        program = search_by_numpy(block.panels)
         if rotor.compiled:
-            program = compiled_search(block.job.panels)
+            program = compiled_search(block.panels)
         with jax.enable_x64(True):
             found, solution = program(*rotor.on_device, Flow(*(a[which] for a in flow)), nodes)
             results[:, block.points] = np.asarray(found)[:, : block.points.size]
@@ -169,9 +172,13 @@ def _run(
 def nodes_of(block: Block, setting: Accuracy, *, few: bool) -> AzimuthNodes:
     """Azimuth nodes of a block: axial flow has programs of its own, but for a few points, to
     compile less."""
-    if block.job.azimuths == 1 and not few:
+    if block.azimuths[0] == 1 and not few:
         return azimuth_nodes(1)
-    return padded_azimuths(block.job.azimuths, setting.most_azimuths)
+    return nodes_of_each(np.resize(block.azimuths, block.size), setting.most_azimuths)
+
+
+def _few(rotor: Prepared, flow: Flow) -> bool:
+    return flow.omega.size < FEW or rotor.uniform
 
 
 def _forecast_inputs(theory: Theory) -> tuple[Floats, Floats, Floats, tuple[float, float]]:

@@ -11,7 +11,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from propmap.blocks import Block, padded_azimuths
+from propmap.blocks import BLOCK, Block, nodes_of_each
 from propmap.evaluation import FEW, Prepared, evaluate_flow, nodes_of
 from propmap.programs import COMPILER_OPTIONS, Flow, compiled_search
 from propmap.schedule import Accuracy, Floats, alike_panels
@@ -22,9 +22,8 @@ from propmap.theory.momentum import static_inflow
 from propmap.theory.parameters import Blade, Medium, Section
 from propmap.theory.velocities import AzimuthNodes
 
-BLOCK = 8
-"""Operating points per call of a compiled program: with their derivatives they fill the vector
-units, and a fit's few points per number of azimuth nodes leave less of a block unused."""
+FIT_BLOCK = 16
+"""Operating points per call where there are few."""
 
 DIRECTIONS = 4
 """Programs are compiled for multiples of so many parameters; directions without one go along
@@ -71,18 +70,20 @@ def load_gradients(
     slopes = np.full((len(LOADS), len(names), omega.size), np.nan)
 
     def differentiate(block: Block, solution: DiskSolution) -> None:
-        nodes, program = nodes_of(block, setting, few=few), _program(block.job.panels)
-        solution = jax.tree.map(np.asarray, solution)
-        for start in range(0, block.points.size, BLOCK):
-            part = slice(start, start + BLOCK)
-            which, kept = block.padded[part], block.points[part]
+        program, solution = _program(block.panels), jax.tree.map(np.asarray, solution)
+        width = min(BLOCK, block.size)
+        for start in range(0, block.points.size, width):
+            part = slice(start, start + width)
+            piece = Block(block.points[part], block.azimuths[part], block.panels, width)
+            which, kept = piece.padded, piece.points
             mine = jax.tree.map(functools.partial(_some, part), solution)
             here, moving = Flow(*(a[which] for a in flow)), v_hover_slope[:, which]
+            nodes = nodes_of(piece, setting, few=few)
             found = np.asarray(program(*rotor.on_device, here, mine, ways, moving, nodes))
             by_name = found[: len(names)].transpose(1, 0, 2)
             slopes[:, :, kept] = by_name[:, :, : kept.size]
 
-    size = BLOCK if few else None
+    size = FIT_BLOCK if few else None
     with ThreadPoolExecutor(1) as beside:
         compiled = _compiled_beside(rotor, setting, count, beside) if few else None
         flat = evaluate_flow(rotor, setting, flow, alike=few, size=size, solved=differentiate)
@@ -121,8 +122,11 @@ def _compiled_beside(
     if key in _COMPILED:
         return None
     _COMPILED.add(key)
-    panels, nodes = alike_panels(setting), padded_azimuths(1, setting.most_azimuths)
-    flow, moving = Flow(*(4 * (np.zeros(BLOCK),))), np.zeros((count, BLOCK))
+    panels, nodes = (
+        alike_panels(setting),
+        nodes_of_each(np.ones(FIT_BLOCK, int), setting.most_azimuths),
+    )
+    flow, moving = Flow(*(4 * (np.zeros(FIT_BLOCK),))), np.zeros((count, FIT_BLOCK))
     with jax.enable_x64(True):
         search = compiled_search(panels)
         _, shapes = search.eval_shape(*rotor.on_device, flow, nodes)
@@ -144,7 +148,7 @@ def _program(panels: tuple[int, ...]) -> Callable[..., Any]:
         blade: Blade,
         section: Section,
         medium: Medium,
-        flow: Flow,
+        flow: Any,
         solution: DiskSolution,
         directions: Directions,
         v_hover_slopes: Any,

@@ -93,13 +93,13 @@ def accuracy(name: str) -> Accuracy:
 class Job:
     """Operating points that are evaluated alike.
 
-    points : indices into the batch.  panels : radial nodes per panel.  azimuths : nodes over
-    a full turn, 1 for axial flow.
+    points : indices into the batch (n,), those with most azimuths first.  panels : radial nodes
+    per panel.  azimuths : of each point, nodes over a full turn (n,), 1 for axial flow.
     """
 
     points: NDArray[np.intp]
     panels: tuple[int, ...]
-    azimuths: int
+    azimuths: NDArray[np.int64]
 
 
 class Outlook(NamedTuple):
@@ -122,13 +122,19 @@ class Outlook(NamedTuple):
 
 
 def plan(
-    setting: Accuracy, outlook: Outlook, points: NDArray[np.intp], *, alike: bool = False
+    setting: Accuracy,
+    outlook: Outlook,
+    points: NDArray[np.intp],
+    *,
+    alike: bool = False,
+    axial_apart: bool = True,
 ) -> list[Job]:
     """Sort points into jobs.
 
     setting : nodes by advance ratio.  outlook : of these points, all (N,).  points : their
     indices in the batch (N,).  alike : whether all get the nodes that any may need and stall is
     followed everywhere: one program for all but islands, at a higher cost per point.
+    axial_apart : whether axial flow, which needs a single azimuth, gets jobs of its own.
     """
     advance, stalls, descends, islands = outlook
     limits = np.array([limit for limit, _ in setting.azimuths])
@@ -142,15 +148,18 @@ def plan(
         stations = np.full_like(stations, sum(alike_panels(setting)))
     jobs = []
     # As one number: NumPy is slow to find the distinct rows of a table.
-    sizes = (setting.most_azimuths + 1, 2, int(stations.max(initial=0)) + 1, 2)
-    kinds = np.ravel_multi_index((azimuths, follow * 1, stations, (follow & islands) * 1), sizes)
+    sizes = (2, 2, int(stations.max(initial=0)) + 1, 2)
+    apart = (azimuths == 1) & axial_apart
+    each = (apart * 1, follow * 1, stations, (follow & islands) * 1)
+    kinds = np.ravel_multi_index(each, sizes)
+    most_first = np.argsort(-azimuths, kind="stable")
     for kind in np.unique(kinds):
-        count, followed, nodes, four = (int(k) for k in np.unravel_index(kind, sizes))
-        mine = kinds == kind
+        _, followed, nodes, four = (int(k) for k in np.unravel_index(kind, sizes))
+        mine = most_first[kinds[most_first] == kind]
         panels = Resolution(stations=nodes, follow_stall=bool(followed)).panels
         if four:
             panels = (nodes // ISLAND_PANELS + 2,) * ISLAND_PANELS
-        jobs.append(Job(points[mine], panels, count))
+        jobs.append(Job(points[mine], panels, azimuths[mine]))
     return jobs
 
 

@@ -8,8 +8,9 @@ import pytest
 import propmap
 from propmap.evaluation import prepare
 from propmap.identify.tunnel import rotor_with
-from propmap.load_gradients import LOADS, LoadGradients, load_gradients
+from propmap.load_gradients import LoadGradients, load_gradients
 from propmap.schedule import accuracy
+from propmap.theory.load_slopes import LOADS
 
 PROPELLER, AIR = propmap.propeller("apc-8x6e"), propmap.Air()
 BASE = propmap.airfoil("paper-apc")

@@ -24,7 +24,7 @@ from propmap.identify.tunnel import (
     rotor_with,
     tunnel_rows,
 )
-from propmap.load_gradients import LOADS
+from propmap.theory.load_slopes import LOADS
 
 PROPELLER, AIR = propmap.propeller("apc-8x6e"), propmap.Air()
 FIVE = (*PAPER_FOUR, "zero_lift_angle")

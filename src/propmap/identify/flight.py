@@ -20,8 +20,9 @@ from propmap.identify.hover_baseline import hover_after_fit, hover_force
 from propmap.identify.parameters import BODY, SECTION, WING, Choice
 from propmap.identify.rows import Rows
 from propmap.identify.tunnel import rotor_with
-from propmap.load_gradients import LOADS, load_gradients
+from propmap.load_gradients import load_gradients
 from propmap.schedule import accuracy
+from propmap.theory.load_slopes import LOADS
 from propmap.vehicle import Vehicle
 
 Floats = NDArray[np.float64]

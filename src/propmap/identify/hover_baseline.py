@@ -8,9 +8,10 @@ from numpy.typing import NDArray
 from propmap.evaluation import prepare
 from propmap.hover import REFERENCE_TIP_SPEED, HoverModel
 from propmap.hub_flow import HubFlow, rotor_forces
-from propmap.load_gradients import LOADS, load_gradients
+from propmap.load_gradients import load_gradients
 from propmap.rotor import Rotor
 from propmap.schedule import accuracy
+from propmap.theory.load_slopes import LOADS
 
 Floats = NDArray[np.float64]
 

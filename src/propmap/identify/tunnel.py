@@ -16,10 +16,11 @@ from propmap.evaluation import prepare
 from propmap.identify.hover_baseline import hover_after_fit, hover_loads
 from propmap.identify.parameters import BODY, SECTION, WING, Choice
 from propmap.identify.rows import Rows
-from propmap.load_gradients import LOADS, load_gradients
+from propmap.load_gradients import load_gradients
 from propmap.propeller import Propeller
 from propmap.rotor import Rotor
 from propmap.schedule import accuracy
+from propmap.theory.load_slopes import LOADS
 
 Floats = NDArray[np.float64]
 

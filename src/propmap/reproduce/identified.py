@@ -10,8 +10,8 @@ from propmap.catalogue.measurements import measurement
 from propmap.identify.fitted import Fitted, Settings, fit
 from propmap.identify.parameters import PAPER_FOUR, Choice
 from propmap.identify.tunnel import TunnelData, first_guess, rotor_with, tunnel_rows
-from propmap.load_gradients import LOADS
 from propmap.reproduce.blades import TUNNEL_PROPELLER, blade
+from propmap.theory.load_slopes import LOADS
 
 AXIAL, OBLIQUE = "uiuc-8x6e", "gill-dandrea-2019-8x6e-fit"
 FITTED_LOADS = ("thrust", "torque")

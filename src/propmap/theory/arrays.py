@@ -129,19 +129,28 @@ def _entries(values: Any) -> list[Any]:
 
 
 def mean_of_each(term: Callable[[Any], Value], values: Any, count: Any) -> Value:
-    """The mean of term(v), a tree of arrays, over the first ``count`` of values (n,)."""
+    """The mean of term(v), a tree of arrays, over the first ``count`` of values.
+
+    values : (n,), and count an integer; or (n, B), and count (B,): each column has its own.
+    """
     if on_numpy():
         # All at once, along a new first axis.
-        terms = term(np.asarray(values)[: int(count), None, None])
-        return jax.tree.map(lambda a: np.mean(a, axis=0), terms)
+        used = np.asarray(values)[: int(np.max(count)), None]
+        terms = term(used if used.ndim > 2 else used[..., None])
+        among = np.arange(used.shape[0])[:, None, None] < count
+        return jax.tree.map(lambda a: np.sum(np.where(among, a, 0.0), axis=0) / count, terms)
+    own = jnp.ndim(count) > 0
 
     def add(k: Any, total: Value) -> Value:
-        both: Value = jax.tree.map(jnp.add, total, term(values[k]))
+        terms = term(values[k])
+        if own:
+            terms = jax.tree.map(lambda a: jnp.where(k < count, a, 0.0), terms)
+        both: Value = jax.tree.map(jnp.add, total, terms)
         return both
 
     shapes = jax.eval_shape(term, values[0])
     zero = jax.tree.map(lambda a: jnp.zeros(a.shape, a.dtype), shapes)
-    total = lax.fori_loop(0, count, add, zero)
+    total = lax.fori_loop(0, jnp.max(count) if own else count, add, zero)
     mean: Value = jax.tree.map(lambda a: a / count, total)
     return mean
 

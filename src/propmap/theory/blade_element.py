@@ -145,10 +145,14 @@ def element_thrust_slope(at: Annulus, inflow: Array, sine: Array) -> tuple[Array
 
 def _over_azimuth(term: Callable[[Array], Any], azimuth: AzimuthNodes) -> Any:
     """Mean over the azimuth nodes of term(sin(psi)), an array or a tree of arrays."""
-    sines = xp.asarray(azimuth.sines)
+    sines, column = xp.asarray(azimuth.sines), azimuth.column
     if isinstance(azimuth.count, int) and azimuth.count == 1:
         return term(sines[0])
-    return mean_of_each(term, sines, azimuth.count)
+    if column is None:
+        return mean_of_each(term, sines, azimuth.count)
+    return mean_of_each(
+        lambda row: term(settled(lambda: row[column], column[0])), sines, azimuth.count
+    )
 
 
 def annulus_thrust(at: Annulus, inflow: Array, azimuth: AzimuthNodes) -> Array:

@@ -41,8 +41,9 @@ LEFT_OVER = 1e-12
 NEWTON_STEPS = 4
 """Newton steps at most.  Only at a double root are they used up."""
 
-GATHER_FROM = 1000
-"""Lanes, stations times operating points, from which it pays to gather the slow ones."""
+GATHER_FROM = 2000
+"""Lanes, stations times operating points, from which it pays to gather the slow ones: fewer, and
+a second loop takes longer to compile than it spares."""
 
 STEPS_TOGETHER = 3
 """Steps that all lanes of a large batch take before the unfinished go on by themselves."""
@@ -166,7 +167,8 @@ def _search(
             (pick,) = xp.nonzero(walk.newtons > 0, size=few, fill_value=0)
             mine = jax.tree.map(lambda a: a[pick] if xp.ndim(a) else a, flat)
             part = _Walk(*(a[pick] for a in walk))
-            part, steps = _walk_on(mine, part, steps, steps + STEPS_TOGETHER, azimuth)
+            nodes = azimuth.of_lanes(pick % shape[-1])
+            part, steps = _walk_on(mine, part, steps, steps + STEPS_TOGETHER, nodes)
             return _Walk(*(a.at[pick].set(b) for a, b in zip(walk, part, strict=True))), steps
 
         walk = _Walk(*(a.ravel() for a in walk))

@@ -21,20 +21,29 @@ edge of the reverse-flow circle) and changes no load by more than a rounding err
 @jax.tree_util.register_pytree_node_class
 @dataclass(frozen=True)
 class AzimuthNodes:
-    """Azimuth nodes, a pytree: the first ``count`` entries of sines (n,) [-] are used.
+    """Azimuth nodes, a pytree: the first ``count`` rows of sines [-] are used.
 
-    As a Python integer, count is static, which reverse-mode differentiation needs.  As an
-    integer array it lets one compiled program serve several numbers of nodes.
+    For one number of nodes sines is (n,) and count a Python integer: static, which reverse-mode
+    differentiation needs.  For a number of its own per operating point sines is (n, B) and count
+    an integer array (B,).
+    column : of B, for each lane, where lanes are other than the operating points; else None.
     """
 
     sines: Array | np.ndarray
     count: Array | int
+    column: Array | None = None
+
+    def of_lanes(self, column: Array) -> AzimuthNodes:
+        """The nodes of lanes (L,), each of which belongs to the operating point ``column``."""
+        if isinstance(self.count, int):
+            return self
+        return AzimuthNodes(self.sines, self.count[column], column)
 
     def tree_flatten(self) -> tuple[tuple[Any, ...], int | None]:
         """Children and static part, for JAX."""
         if isinstance(self.count, int):
             return (self.sines,), self.count
-        return (self.sines, self.count), None
+        return (self.sines, self.count, self.column), None
 
     @classmethod
     def tree_unflatten(cls, static: int | None, children: tuple[Any, ...]) -> AzimuthNodes:

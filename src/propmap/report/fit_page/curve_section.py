@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 from propmap.identify.fit_record import FitRecord
 from propmap.identify.tunnel import TunnelData
-from propmap.load_gradients import LOADS
 from propmap.report.fit_page.curves import RPM, Curve, Curves
 from propmap.report.fit_page.parameter_draws import held
 from propmap.report.load_curves import PANELS
@@ -21,6 +20,7 @@ from propmap.report.page import Section, Text
 from propmap.report.part import Part, files_of, picture
 from propmap.report.sheet import csv_of_rows
 from propmap.report.style import COLOURS, HOVER, MEASURED, MODEL, new_figure, style
+from propmap.theory.load_slopes import LOADS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

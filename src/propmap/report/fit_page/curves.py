@@ -12,10 +12,11 @@ from propmap.evaluation import prepare
 from propmap.hover import HoverModel
 from propmap.identify.fit_record import Covered, FitRecord
 from propmap.identify.result_file import FitFile
-from propmap.load_gradients import LOADS, load_gradients
+from propmap.load_gradients import load_gradients
 from propmap.report.fit_page.parameter_draws import drawn_changes
 from propmap.rotor import Rotor
 from propmap.schedule import accuracy
+from propmap.theory.load_slopes import LOADS
 
 Floats = NDArray[np.float64]
 
