@@ -123,6 +123,20 @@ def of_each(function: Callable[[Any], Value], values: Any) -> Value:
     return mapped
 
 
+def entry(values: jax.Array, k: jax.Array) -> jax.Array:
+    """values[k] along the first axis: values (n, ...), k of its other axes' shape, 0 <= k < n.
+
+    Not a gather, which takes three kernels and keeps the values from being computed on the way.
+    """
+    if on_numpy():
+        found: Any = np.take_along_axis(np.asarray(values), np.asarray(k)[None], axis=0)[0]
+        return found
+    mine = jnp.arange(values.shape[0]).reshape(-1, *(1,) * jnp.ndim(k)) == k
+    if values.dtype == bool:
+        return jnp.any(mine & values, axis=0)
+    return jnp.sum(jnp.where(mine, values, 0.0), axis=0)
+
+
 def _entries(values: Any) -> list[Any]:
     count = jax.tree.leaves(values)[0].shape[0]
     return [jax.tree.map(lambda a, k=k: a[k], values) for k in range(count)]
@@ -138,7 +152,8 @@ def mean_of_each(term: Callable[[Any], Value], values: Any, count: Any) -> Value
         used = np.asarray(values)[: int(np.max(count)), None]
         terms = term(used if used.ndim > 2 else used[..., None])
         among = np.arange(used.shape[0])[:, None, None] < count
-        return jax.tree.map(lambda a: np.sum(np.where(among, a, 0.0), axis=0) / count, terms)
+        share = 1.0 / count
+        return jax.tree.map(lambda a: np.sum(np.where(among, a, 0.0), axis=0) * share, terms)
     own = jnp.ndim(count) > 0
 
     def add(k: Any, total: Value) -> Value:
@@ -151,7 +166,8 @@ def mean_of_each(term: Callable[[Any], Value], values: Any, count: Any) -> Value
     shapes = jax.eval_shape(term, values[0])
     zero = jax.tree.map(lambda a: jnp.zeros(a.shape, a.dtype), shapes)
     total = lax.fori_loop(0, jnp.max(count) if own else count, add, zero)
-    mean: Value = jax.tree.map(lambda a: a / count, total)
+    share = 1.0 / jnp.asarray(count)  # once, not a division for each array
+    mean: Value = jax.tree.map(lambda a: a * share, total)
     return mean
 
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import functools
 
-from propmap.theory.arrays import along_first_axis, of_each, xp
+from propmap.theory.arrays import along_first_axis, entry, of_each, xp
 from propmap.theory.inflow import InflowQuestion, residual_slope
 from propmap.theory.parameters import Array
 from propmap.theory.stall_hump import HUMP_ANGLES, Hump, angles_about, inflow_at_angle
@@ -68,9 +68,9 @@ def _first_top(v: Array, value: Array, slope: Array) -> Top:
     root = xp.sqrt(xp.maximum(b * b - 4.0 * a * c, 0.0))
     zero = 2.0 * a / xp.where(root > b, root - b, xp.inf)
     gentlest = xp.nan_to_num(least / run, nan=xp.inf)
-    k = xp.where(some, xp.argmax(falls, axis=0), xp.argmin(gentlest, axis=0))[None]
+    k = xp.where(some, xp.argmax(falls, axis=0), xp.argmin(gentlest, axis=0))
     t = xp.where(falls, xp.clip(zero, 0.0, 1.0), lowest)
     height = value[:-1] + t * (a + t * (0.5 * b + t * c / 3.0))
     at = v[:-1] - t * run
-    at, height = (xp.take_along_axis(x, k, axis=0)[0] for x in (at, height))
+    at, height = (entry(x, k) for x in (at, height))
     return at, height, some

@@ -58,6 +58,10 @@ class InflowQuestion(NamedTuple):
     at: Annulus
     windmill: Array
 
+    def stations(self, part: slice) -> InflowQuestion:
+        """The same at some of the stations."""
+        return jax.tree.map(lambda a: a[part] if xp.ndim(a) == 2 else a, self)
+
 
 def residual(ask: InflowQuestion, inflow: Array, azimuth: AzimuthNodes) -> Array:
     """Blade-element thrust (5) minus momentum thrust (10), per radius and density [m^3/s^2].

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import jax
 import numpy as np
 
 from propmap.theory.arrays import along_first_axis, xp
@@ -26,9 +25,8 @@ def several_roots(solved: tuple[InflowQuestion, Array], azimuth: AzimuthNodes) -
     stall: so a negative residual there tells of three.  It is sampled at four angles of every
     third station: a diagnosis, on which the largest root does not depend.
     """
-    ask, root = jax.tree.map(lambda a: a[::EVERY] if a.ndim == 2 else a, solved)
-    outer = jax.tree.map(lambda a: a[-2:-1] if a.ndim == 2 else a, ask)
-    stall = stall_side(outer, ask.at.section.alpha_0)
+    ask, root = solved[0].stations(slice(None, None, EVERY)), solved[1][::EVERY]
+    stall = stall_side(ask.stations(slice(-2, -1)), ask.at.section.alpha_0)
     margin = 1e-4 * (ask.at.omega * ask.at.radius + ask.at.v_inplane)
 
     def look(several: Array, angle: Angle) -> Array:

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from propmap.theory.arrays import of_each, repeated, settled, xp
+from propmap.theory.arrays import entry, of_each, repeated, settled, xp
 from propmap.theory.inflow import InflowQuestion, residual, residual_slope
 from propmap.theory.parameters import Array
 from propmap.theory.section_law import angle_of_attack, attached_share
@@ -118,27 +118,19 @@ def _between_samples(v: Array, height: Array) -> _Samples:
     peak = (slope[:-1] <= 0.0) & (slope[1:] > 0.0)
     some = xp.any(peak, axis=0)
     first = xp.argmax(peak, axis=0)
-    top = _vertex(slope, middle, first, to_zero=True)
     flattest = xp.argmax(xp.nan_to_num(slope[1:-1], nan=-xp.inf), axis=0)
-    shoulder = _vertex(slope, middle, flattest, to_zero=False)
+    top, shoulder = entry(_zeros(slope, middle), first), entry(_tops(slope, middle), flattest)
     at = xp.where(some, top, shoulder)
     known = xp.isfinite(at)
     after = xp.arange(len(HUMP_ANGLES))[:, None, None] > first + 1
     depth = xp.where(after & xp.isfinite(height), height, xp.inf)
     valley = xp.argmin(depth, axis=0)
     behind = xp.asarray(HUMP_ANGLES)[xp.where(some, valley, flattest + 1)]
-    around = _around(slope, middle, v, first)
+    run = xp.diff(middle, axis=0)
+    bend = xp.diff(slope, axis=0) / xp.where(run == 0.0, xp.nan, run)
+    around = _Around(*(entry(a, first) for a in (bend, v[2:], v[:-2])))
     least = xp.min(depth, axis=0)
     return _Samples(xp.where(known, at, 0.0), known, some, around, behind, least)
-
-
-def _around(slope: Array, middle: Array, v: Array, k: Array) -> _Around:
-    def pick(a: Array, shift: int) -> Array:
-        return xp.take_along_axis(a, k[None] + shift, axis=0)[0]
-
-    run = pick(middle, 1) - pick(middle, 0)
-    bend = (pick(slope, 1) - pick(slope, 0)) / xp.where(run == 0.0, xp.nan, run)
-    return _Around(bend, pick(v, 2), pick(v, 0))
 
 
 _Search = tuple[Array, Array, Array, Array, Array]
@@ -173,20 +165,18 @@ def _refined_top(
     return height, xp.where(peak, top, at)
 
 
-def _vertex(slope: Array, v: Array, k: Array, *, to_zero: bool) -> Array:
-    """The v near entry k (S, B) at which the slope is zero, or else largest."""
-    s, x = (
-        [xp.take_along_axis(a, k[None] + i, axis=0)[0] for i in range(3 - to_zero)]
-        for a in (slope, v)
-    )
-    if to_zero:
-        share = s[0] / xp.where(s[0] == s[1], 1.0, s[0] - s[1])
-        return x[0] + xp.clip(share, 0.0, 1.0) * (x[1] - x[0])
-    left = (s[0] - s[1]) / (x[0] - x[1])
-    right = (s[1] - s[2]) / (x[1] - x[2])
-    bend = (left - right) / (x[0] - x[2])
-    top = 0.5 * (x[0] + x[1]) - 0.5 * left / xp.where(bend < 0.0, bend, -1.0)
-    return xp.where(bend < 0.0, xp.clip(top, x[2], x[0]), x[1])
+def _zeros(slope: Array, v: Array) -> Array:
+    """The v between each two of (K, S, B) at which the slope passes zero if it does."""
+    steep = xp.where(slope[:-1] == slope[1:], 1.0, slope[:-1] - slope[1:])
+    return v[:-1] + xp.clip(slope[:-1] / steep, 0.0, 1.0) * xp.diff(v, axis=0)
+
+
+def _tops(slope: Array, v: Array) -> Array:
+    """The v between each three of (K, S, B) at which the slope is largest if the middle one is."""
+    chord = xp.diff(slope, axis=0) / xp.diff(v, axis=0)
+    bend = (chord[:-1] - chord[1:]) / (v[:-2] - v[2:])
+    top = 0.5 * (v[:-2] + v[1:-1]) - 0.5 * chord[:-1] / xp.where(bend < 0.0, bend, -1.0)
+    return xp.where(bend < 0.0, xp.clip(top, v[2:], v[:-2]), v[1:-1])
 
 
 def stall_side(ask: InflowQuestion, alpha_0: Array) -> Array:

@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import NamedTuple
 
-from propmap.theory.arrays import repeated, xp
+from propmap.theory.arrays import entry, repeated, xp
 from propmap.theory.parameters import Array
 
 ROUNDS = 8
@@ -174,8 +174,8 @@ def _hidden_extremes(sight: Sight) -> list[Array]:
     distance = xp.where(unsure, distance, xp.inf)
     found = []
     for _ in range(EXTREMES):
-        k = xp.argmin(distance, axis=0)[None]
-        far, place = (xp.take_along_axis(a, k, axis=0)[0] for a in (distance, at))
+        k = xp.argmin(distance, axis=0)
+        far, place = entry(distance, k), entry(at, k)
         found.append(xp.where(xp.isfinite(far), place, xp.inf))
         distance = xp.where(xp.arange(at.shape[0])[:, None] == k, xp.inf, distance)
     return found
@@ -185,6 +185,6 @@ def nearest_extreme(sight: Sight) -> Array:
     """Radius (B,) [m] of the extreme nearest to zero, where two zeros have just met or are about
     to part; infinite if there is none."""
     at, distance, _ = _extremes(sight)
-    k = xp.argmin(distance, axis=0)[None]
-    far, place = (xp.take_along_axis(a, k, axis=0)[0] for a in (distance, at))
+    k = xp.argmin(distance, axis=0)
+    far, place = entry(distance, k), entry(at, k)
     return xp.where(xp.isfinite(far), place, xp.inf)

@@ -15,7 +15,9 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from propmap.theory.arrays import settled, xp
+import numpy as np
+
+from propmap.theory.arrays import entry, settled, xp
 from propmap.theory.hump_by_slopes import hump_by_slopes
 from propmap.theory.inflow import InflowQuestion, residual
 from propmap.theory.parameters import Array
@@ -90,8 +92,8 @@ def _even_zeros(radius: Array, hump: Hump, count: int) -> tuple[Array, Array, Ar
     inflow = v[:-1] + share * xp.diff(v, axis=0)
     picked = []
     for _ in range(count):
-        k = xp.argmax(changes, axis=0)[None]
-        picked.append([xp.take_along_axis(a, k, axis=0)[0] for a in (changes, at, inflow)])
+        k = xp.argmax(changes, axis=0)
+        picked.append([entry(a, k) for a in (changes, at, inflow)])
         changes = changes & (xp.arange(changes.shape[0])[:, None] != k)
     some, y, v_i = (xp.stack(parts) for parts in zip(*picked, strict=True))
     return some, y, v_i
@@ -109,8 +111,8 @@ def _spare_edges(some: Array, share: Array, first: Array) -> Array:
     outer = 1e-6 * xp.arange(some.shape[0] + 1)[:, None]
     for j in range(some.shape[0]):
         area = xp.sort(xp.pad(place, ((1, 1), (0, 0)), constant_values=(0.0, 1.0)), axis=0) ** 2
-        k = xp.argmax(xp.diff(area, axis=0) + outer, axis=0)[None]
-        low, high = (xp.take_along_axis(area, k + i, axis=0)[0] for i in (0, 1))
+        k = xp.argmax(xp.diff(area, axis=0) + outer, axis=0)
+        low, high = entry(area, k), entry(area[1:], k)
         free = xp.where(unused, first, xp.sqrt(0.5 * (low + high)))
         unused = unused & some[j]
         here = xp.arange(some.shape[0])[:, None] == j
@@ -127,8 +129,11 @@ def hump_crossings(
     where attached flow may be left on two stretches.  azimuth : nodes.
     """
     radius = root + (tip - root) * xp.linspace(0.0, 1.0 - 1e-6, GRID)[:, None]
-    ask = ask_at(radius)
-    stall = stall_side(ask_at((root + 0.6 * (tip - root))[None, None]), ask.at.section.alpha_0)
+    # One look-up of the blade's shape for both.
+    outer = (root + 0.6 * (tip - root))[None, None]
+    both = ask_at(xp.concatenate([radius, outer]))
+    ask, beside = both.stations(slice(GRID)), both.stations(slice(GRID, None))
+    stall = stall_side(beside, ask.at.section.alpha_0)
     islands = edges > len(DEFAULT_EDGES)
     find_hump = hump_by_slopes if islands else hump_before_stall
     hump = settled(lambda: find_hump(ask, stall, azimuth), root)
@@ -175,12 +180,12 @@ def start_below_hump(
     step = survey.radius[1, 0] - survey.radius[0, 0]
     # Heights are known to within the samples over v_i, so that next to a fold their sign is not.
     margin = 0.5 * step
-    parts = []
-    for start, end, nodes in zip(edges[:-1], edges[1:], counts, strict=True):
-        inside = (survey.radius > start + margin) & (survey.radius < end - margin)
-        sunk = xp.any(inside, axis=0) & xp.all(below | ~inside, axis=0)
-        parts.append(xp.broadcast_to(sunk, (nodes, *sunk.shape)))
+    inside = (survey.radius > edges[:-1, None] + margin) & (
+        survey.radius < edges[1:, None] - margin
+    )
+    sunk = xp.any(inside, axis=1) & xp.all(below | ~inside, axis=1)
+    sunk = sunk[np.repeat(np.arange(len(counts)), counts)]
     place = (ask.at.radius - survey.radius[0, 0]) / step
     k = xp.clip(xp.round(place).astype(int), 0, GRID - 1)
     angle = Angle(*sine_and_cosine(xp.take_along_axis(survey.behind, k, axis=0)))
-    return xp.where(xp.concatenate(parts), inflow_at_angle(ask, angle), xp.inf)
+    return xp.where(sunk, inflow_at_angle(ask, angle), xp.inf)
