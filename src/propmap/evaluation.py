@@ -75,14 +75,14 @@ def evaluate(
     rotor: Prepared, setting: Accuracy, omega: Floats, v_axial: Floats, v_inplane: Floats
 ) -> Evaluation:
     """Loads at N operating points; omega [rad/s], velocities [m/s], all (N,), v_inplane >= 0."""
-    v_hover = np.zeros_like(omega)
     down = v_axial < 0.0
-    if down.any():
+    v_hover = np.zeros_like(omega) if rotor.uniform or down.any() else None
+    if v_hover is not None and down.any():
         rates, where = np.unique(omega[down], return_inverse=True)
         v_hover[down] = static_inflow(rotor, setting, rates)[where]
     flow = Flow(omega, v_axial, v_inplane, v_hover)
     starts = range(0, max(omega.size, 1), CHUNK)
-    parts = [Flow(*(a[start : start + CHUNK] for a in flow)) for start in starts]
+    parts = [flow.part(slice(start, start + CHUNK)) for start in starts]
     found = [evaluate_flow(rotor, setting, part) for part in parts]
     return Evaluation(*(np.concatenate(fields) for fields in zip(*found, strict=True)))
 
@@ -107,7 +107,8 @@ def evaluate_flow(
     down = v_axial < 0.0
     everyone = np.arange(omega.size)
     stalls = may_stall(*rotor.forecast, omega, v_axial, v_inplane) | alike
-    outlook = Outlook(advance, stalls, down, may_leave_islands(v_axial, v_hover))
+    islands = may_leave_islands(v_axial, 0.0 if v_hover is None else v_hover)
+    outlook = Outlook(advance, stalls, down, islands)
     results = np.full((len(RotorLoads._fields), omega.size), np.nan)
     apart = not _few(rotor, flow)
     jobs = plan(setting, outlook, everyone, alike=alike, axial_apart=apart)
@@ -138,7 +139,8 @@ def advance_ratio(rotor: Prepared, omega: Floats, v_inplane: Floats) -> Floats:
 def static_inflow(rotor: Prepared, setting: Accuracy, omega: Floats) -> Floats:
     """Static inflow (12) [m/s] at omega (N,) [rad/s]."""
     still = np.zeros_like(omega)
-    thrust: Any = evaluate(rotor, setting, omega, still, still).thrust
+    # With the programs of the descent that asks for it.
+    thrust: Any = evaluate_flow(rotor, setting, Flow(omega, still, still, still)).thrust
     with by_numpy():
         return np.asarray(equation_12(thrust, rotor.theory[2].density, rotor.theory[0].station[-1]))
 
@@ -161,7 +163,7 @@ def _run(
         if rotor.compiled:
             program = compiled_search(block.panels)
         with jax.enable_x64(True):
-            found, solution = program(*rotor.on_device, Flow(*(a[which] for a in flow)), nodes)
+            found, solution = program(*rotor.on_device, flow.part(which), nodes)
             results[:, block.points] = np.asarray(found)[:, : block.points.size]
             if solved is not None:
                 solved(block, solution)

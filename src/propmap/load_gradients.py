@@ -54,21 +54,38 @@ def load_gradients(
     is searched for again.  Below ``FEW`` points all get the same nodes, see ``schedule.plan``, so
     that the loads differ from ``evaluation.evaluate``'s within the accuracy asked for.
     """
-    few = omega.size < FEW
-    count = DIRECTIONS * max(1, -(-len(names) // DIRECTIONS))
+    down = v_axial < 0.0
+    if not down.any():
+        return _gradients(rotor, setting, names, Flow(omega, v_axial, v_inplane, None), None)
+    v_hover, v_hover_slope = np.zeros_like(omega), np.zeros((_count(names), omega.size))
+    rates, where = np.unique(omega[down], return_inverse=True)
+    still, no = np.zeros_like(rates), np.zeros((_count(names), rates.size))
+    static = _gradients(rotor, setting, names, Flow(rates, still, still, still), no)
+    v, slope = _static_inflow(rotor, static)
+    v_hover[down] = v[where]
+    v_hover_slope[: len(names), down] = slope[:, where]
+    flow = Flow(omega, v_axial, v_inplane, v_hover)
+    return _gradients(rotor, setting, names, flow, v_hover_slope)
+
+
+def _count(names: tuple[str, ...]) -> int:
+    """Of the directions, idle ones included."""
+    return DIRECTIONS * max(1, -(-len(names) // DIRECTIONS))
+
+
+def _gradients(
+    rotor: Prepared,
+    setting: Accuracy,
+    names: tuple[str, ...],
+    flow: Flow,
+    v_hover_slope: Floats | None,
+) -> LoadGradients:
+    """The same where the static inflow and its derivatives (D, N), idle ones too, are known."""
+    count, points = _count(names), flow.omega.size
+    few = points < FEW
+    slopes = np.full((len(LOADS), len(names), points), np.nan)
     with jax.enable_x64(True):
         ways = jax.device_put(directions_of(names, count))
-    v_hover, v_hover_slope = np.zeros_like(omega), np.zeros((count, omega.size))
-    down = v_axial < 0.0
-    if down.any():
-        rates, where = np.unique(omega[down], return_inverse=True)
-        still = np.zeros_like(rates)
-        static = load_gradients(rotor, setting, names, rates, still, still)
-        v, slope = _static_inflow(rotor, static)
-        v_hover[down] = v[where]
-        v_hover_slope[: len(names), down] = slope[:, where]
-    flow = Flow(omega, v_axial, v_inplane, v_hover)
-    slopes = np.full((len(LOADS), len(names), omega.size), np.nan)
 
     def differentiate(block: Block, solution: DiskSolution) -> None:
         program, solution = _program(block.panels), jax.tree.map(np.asarray, solution)
@@ -78,15 +95,16 @@ def load_gradients(
             piece = Block(block.points[part], block.azimuths[part], block.panels, width)
             which, kept = piece.padded, piece.points
             mine = jax.tree.map(functools.partial(_some, part), solution)
-            here, moving = Flow(*(a[which] for a in flow)), v_hover_slope[:, which]
+            moving = None if v_hover_slope is None else v_hover_slope[:, which]
             nodes = nodes_of(piece, setting, few=few)
-            found = np.asarray(program(*rotor.on_device, here, mine, ways, moving, nodes))
-            by_name = found[: len(names)].transpose(1, 0, 2)
+            found = program(*rotor.on_device, flow.part(which), mine, ways, moving, nodes)
+            by_name = np.asarray(found)[: len(names)].transpose(1, 0, 2)
             slopes[:, :, kept] = by_name[:, :, : kept.size]
 
     size = FIT_BLOCK if few else None
+    descends = flow.v_hover is not None
     with ThreadPoolExecutor(1) as beside:
-        compiled = _compiled_beside(rotor, setting, count, beside) if few else None
+        compiled = _compiled_beside(rotor, setting, count, descends, beside) if few else None
         flat = evaluate_flow(rotor, setting, flow, alike=few, size=size, solved=differentiate)
         if compiled is not None:
             compiled.result()
@@ -111,23 +129,22 @@ def _static_inflow(rotor: Prepared, static: LoadGradients) -> tuple[Floats, Floa
     return v, per_thrust * slope
 
 
-_COMPILED: set[tuple[Accuracy, int, int]] = set()
+_COMPILED: set[tuple[Accuracy, int, int, bool]] = set()
 
 
 def _compiled_beside(
-    rotor: Prepared, setting: Accuracy, count: int, beside: ThreadPoolExecutor
+    rotor: Prepared, setting: Accuracy, count: int, descends: bool, beside: ThreadPoolExecutor
 ) -> Future[None] | None:
     """Begin to compile the derivatives of a few points, while the search for their inflow is
     compiled, too; None where that is done."""
-    key = (setting, rotor.theory[0].station.size, count)
+    key = (setting, rotor.theory[0].station.size, count, descends)
     if key in _COMPILED:
         return None
     _COMPILED.add(key)
-    panels, nodes = (
-        alike_panels(setting),
-        nodes_of_each(np.ones(FIT_BLOCK, int), setting.most_azimuths),
-    )
-    flow, moving = Flow(*(4 * (np.zeros(FIT_BLOCK),))), np.zeros((count, FIT_BLOCK))
+    panels, still = alike_panels(setting), np.zeros(FIT_BLOCK)
+    nodes = nodes_of_each(np.ones(FIT_BLOCK, int), setting.most_azimuths)
+    flow = Flow(still, still, still, still if descends else None)
+    moving = np.zeros((count, FIT_BLOCK)) if descends else None
     with jax.enable_x64(True):
         search = compiled_search(panels)
         _, shapes = search.eval_shape(*rotor.on_device, flow, nodes)

@@ -31,12 +31,17 @@ a test holds the programs to NumPy's results."""
 
 class Flow(NamedTuple):
     """Operating points (N,): omega [rad/s]; velocity along the axis and in the disk plane, and
-    static inflow (12), read only in descent [m/s]."""
+    static inflow (12), read only in descent, None if there is none [m/s]: then programs are made
+    without the wake states of descent."""
 
     omega: Floats
     v_axial: Floats
     v_inplane: Floats
-    v_hover: Floats
+    v_hover: Floats | None
+
+    def part(self, which: Any) -> Flow:
+        """Some of the points."""
+        return jax.tree.map(lambda a: a[which], self)
 
 
 Program = Callable[[Blade, Section, Medium, Flow, AzimuthNodes], tuple[Any, DiskSolution]]

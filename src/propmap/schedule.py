@@ -168,7 +168,7 @@ def alike_panels(setting: Accuracy) -> tuple[int, ...]:
     return Resolution(stations=max(setting.stalled, setting.fast)).panels
 
 
-def may_leave_islands(v_axial: Floats, v_hover: Floats) -> NDArray[np.bool_]:
+def may_leave_islands(v_axial: Floats, v_hover: Floats | float) -> NDArray[np.bool_]:
     """Where attached flow may be left on two stretches of the blade, (N,): the windmill branch.
 
     v_axial = V cos(beta), v_hover : static inflow (12), (N,) [m/s].  In slower descent the

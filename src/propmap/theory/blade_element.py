@@ -177,7 +177,7 @@ def annulus_loads(at: Annulus, inflow: Array, azimuth: AzimuthNodes) -> AnnulusL
     """
 
     def terms(sine: Array) -> tuple[Array, ...]:
-        normal, tangential = element_forces(at, inflow, sine)
+        normal, tangential = settled(lambda: element_forces(at, inflow, sine), at.blades)
         return normal, tangential * sine, tangential, normal * sine
 
     thrust, drag, turning, rolling = _over_azimuth(terms, azimuth)

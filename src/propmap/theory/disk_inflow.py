@@ -21,7 +21,8 @@ class Case(NamedTuple):
     """Everything that the inflow depends on; a pytree.
 
     blade, section, medium : see ``parameters``.  omega [rad/s], v_axial = V cos(beta),
-    v_inplane = V sin(beta) [m/s], windmill : 1 on the windmill branch, else 0; all (B,).
+    v_inplane = V sin(beta) [m/s], windmill : 1 on the windmill branch, else 0; all (B,).  windmill
+    is None where nothing descends.
     """
 
     blade: Blade
@@ -30,7 +31,7 @@ class Case(NamedTuple):
     omega: Array
     v_axial: Array
     v_inplane: Array
-    windmill: Array
+    windmill: Array | None
 
 
 class DiskSolution(NamedTuple):

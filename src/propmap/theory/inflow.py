@@ -53,10 +53,11 @@ RESIDUAL_TOLERANCE = 1e-9
 
 
 class InflowQuestion(NamedTuple):
-    """One equation (11): the annulus, and 1 where it is on the windmill branch, else 0."""
+    """One equation (11): the annulus, and 1 where it is on the windmill branch, else 0; None
+    where nothing descends."""
 
     at: Annulus
-    windmill: Array
+    windmill: Array | None
 
     def stations(self, part: slice) -> InflowQuestion:
         """The same at some of the stations."""
@@ -74,9 +75,12 @@ def residual(ask: InflowQuestion, inflow: Array, azimuth: AzimuthNodes) -> Array
 
 def _wake_thrust(ask: InflowQuestion, inflow: Array) -> tuple[Array, Array]:
     """The momentum's thrust (10) and its derivative by v_i."""
-    at, down = ask.at, ask.windmill > 0.0
+    at = ask.at
     flow = (at.radius, at.v_axial, at.v_inplane, inflow)
     climb = momentum.annulus_thrust_slope(*flow)
+    if ask.windmill is None:
+        return climb
+    down = ask.windmill > 0.0
     windmill = momentum.windmill_annulus_thrust_slope(*flow)
     return xp.where(down, windmill[0], climb[0]), xp.where(down, windmill[1], climb[1])
 
@@ -152,7 +156,9 @@ def _search(
     """
     shape = xp.broadcast_shapes(*(xp.shape(a) for a in jax.tree.leaves(ask)))
     bound = find_bounds(ask.at)
-    proved = xp.where(ask.windmill > 0.0, bound.start, xp.minimum(bound.start, bound.guess))
+    proved = xp.minimum(bound.start, bound.guess)
+    if ask.windmill is not None:
+        proved = xp.where(ask.windmill > 0.0, bound.start, proved)
     start = xp.broadcast_to(xp.minimum(proved, hint), shape)
     begin = _Walk(start, xp.full(shape, NEWTON_STEPS), xp.zeros(shape, bool))
     lanes = math.prod(shape)

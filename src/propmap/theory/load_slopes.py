@@ -61,18 +61,18 @@ def directions_of(names: Sequence[str], count: int) -> Directions:
 def load_slopes(
     case: Case,
     solution: DiskSolution,
-    v_hover: Array,
+    v_hover: Array | None,
     panels: tuple[int, ...],
     azimuth: AzimuthNodes,
     directions: Directions,
-    v_hover_slopes: Array,
+    v_hover_slopes: Array | None,
 ) -> Array:
     """Derivatives (D, 4, B) of ``LOADS`` along D directions.
 
     case : the question, at B points.  solution : its answer by ``disk_inflow.solve_disk`` with
-    these panels and nodes.  v_hover : static inflow (12) (B,) [m/s].
+    these panels and nodes.  v_hover : static inflow (12) (B,) [m/s], None where nothing descends.
     directions : D of them.
-    v_hover_slopes (D, B) : how far ``v_hover`` goes along with it.
+    v_hover_slopes (D, B) : how far ``v_hover`` goes along with it; or None.
     """
     inner = _inner_edges(case, solution)
     own = inner.shape[0]
@@ -88,13 +88,13 @@ def load_slopes(
         change: RadialNodes = jax.jvp(place, (inner,), (inner_slope,))[1]
         return change
 
-    def loads(change: Change, here: RadialNodes, inflow: Array, v_hover: Array) -> Array:
+    def loads(change: Change, here: RadialNodes, inflow: Array, v_hover: Array | None) -> Array:
         now = _moved(case, change)
         disk = DiskInflow(here, question(now, here.radius), inflow)
         found = loads_over_disk(now, disk, solution.several, v_hover, azimuth)
         return jnp.stack([getattr(found, name) for name in LOADS])
 
-    def along(direction: Change, v_hover_slope: Array, by_case: Array) -> Array:
+    def along(direction: Change, v_hover_slope: Array | None, by_case: Array) -> Array:
         change = follow(_edge_slope(solution, by_case[:own], by_radius[:own]))
         drift = by_case[own:] + by_radius[own:] * change.radius
         fixed = by_inflow[own:] == 0.0

@@ -42,7 +42,7 @@ def disk_loads(
     omega: Array,
     v_axial: Array,
     v_inplane: Array,
-    v_hover: Array,
+    v_hover: Array | None,
     panels: tuple[int, ...],
     azimuth: AzimuthNodes,
 ) -> RotorLoads:
@@ -50,7 +50,8 @@ def disk_loads(
 
     blade, section, medium : see ``parameters``.
     omega [rad/s] >= 0; v_axial = V cos(beta), v_inplane = V sin(beta) >= 0 [m/s];
-    v_hover : static inflow (12) at the same omega [m/s], read only where v_axial < 0.
+    v_hover : static inflow (12) at the same omega [m/s], read only where v_axial < 0; None where
+    nothing descends.
     panels, azimuth : see ``solve_disk``.
     """
     case = case_of(blade, section, medium, omega, v_axial, v_inplane, v_hover)
@@ -66,15 +67,15 @@ def case_of(
     omega: Array,
     v_axial: Array,
     v_inplane: Array,
-    v_hover: Array,
+    v_hover: Array | None,
 ) -> Case:
     """The case to be solved; arguments as in ``disk_loads``."""
-    windmill = wake_state.on_windmill_branch(v_axial, v_hover)
+    windmill = None if v_hover is None else wake_state.on_windmill_branch(v_axial, v_hover)
     return Case(blade, section, medium, omega, v_axial, v_inplane, windmill)
 
 
 def loads_over_disk(
-    case: Case, disk: DiskInflow, several: Array, v_hover: Array, azimuth: AzimuthNodes
+    case: Case, disk: DiskInflow, several: Array, v_hover: Array | None, azimuth: AzimuthNodes
 ) -> RotorLoads:
     """Loads, eqs. (13)-(15), where (11) is solved; differentiable by all but ``several``.
 
@@ -82,8 +83,10 @@ def loads_over_disk(
     v_hover, azimuth : as in ``disk_loads``.
     """
     medium, v_axial, v_inplane = case.medium, case.v_axial, case.v_inplane
-    ring = wake_state.vortex_ring_weight(v_axial, v_inplane, v_hover)
-    inflow = (1.0 - ring) * disk.inflow + ring * wake_state.vortex_ring_inflow(v_axial, v_hover)
+    ring, inflow = xp.zeros_like(v_axial), disk.inflow
+    if v_hover is not None:
+        ring = wake_state.vortex_ring_weight(v_axial, v_inplane, v_hover)
+        inflow = (1.0 - ring) * inflow + ring * wake_state.vortex_ring_inflow(v_axial, v_hover)
     per_radius = settled(
         lambda: blade_element.annulus_loads(disk.ask.at, inflow, azimuth), case.blade.root
     )
@@ -93,7 +96,10 @@ def loads_over_disk(
     )
     area = weight * disk.nodes.radius
     mean_inflow = xp.sum(area * inflow, axis=0) / xp.sum(area, axis=0)
-    past_limit = momentum.is_mirrored(v_axial, v_inplane, mean_inflow)
+    mirrored = xp.zeros_like(v_axial) > 0.0
+    if case.windmill is not None:
+        past_limit = momentum.is_mirrored(v_axial, v_inplane, mean_inflow)
+        mirrored = (case.windmill > 0.0) & past_limit
     return RotorLoads(
         thrust=thrust,  # Eq. (13)
         drag=drag,  # Eq. (14)
@@ -103,7 +109,7 @@ def loads_over_disk(
         ring=ring,
         mean_inflow=mean_inflow,
         attached=xp.min(mean_attached_share(disk.ask, inflow), axis=0),
-        mirrored=(case.windmill > 0.0) & past_limit,
+        mirrored=mirrored,
     )
 
 
