@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any, NamedTuple
 
 import jax
@@ -102,12 +102,9 @@ def _gradients(
             slopes[:, :, kept] = by_name[:, :, : kept.size]
 
     size = FIT_BLOCK if few else None
-    descends = flow.v_hover is not None
-    with ThreadPoolExecutor(1) as beside:
-        compiled = _compiled_beside(rotor, setting, count, descends, beside) if few else None
-        flat = evaluate_flow(rotor, setting, flow, alike=few, size=size, solved=differentiate)
-        if compiled is not None:
-            compiled.result()
+    if few:
+        _compile_both(rotor, setting, count, descends=flow.v_hover is not None)
+    flat = evaluate_flow(rotor, setting, flow, alike=few, size=size, solved=differentiate)
     return LoadGradients(np.stack([getattr(flat, name) for name in LOADS]), slopes)
 
 
@@ -132,30 +129,32 @@ def _static_inflow(rotor: Prepared, static: LoadGradients) -> tuple[Floats, Floa
 _COMPILED: set[tuple[Accuracy, int, int, bool]] = set()
 
 
-def _compiled_beside(
-    rotor: Prepared, setting: Accuracy, count: int, descends: bool, beside: ThreadPoolExecutor
-) -> Future[None] | None:
-    """Begin to compile the derivatives of a few points, while the search for their inflow is
-    compiled, too; None where that is done."""
+def _compile_both(rotor: Prepared, setting: Accuracy, count: int, *, descends: bool) -> None:
+    """Compile the two programs of a few points side by side, which otherwise would follow each
+    other."""
     key = (setting, rotor.theory[0].station.size, count, descends)
     if key in _COMPILED:
-        return None
+        return
     _COMPILED.add(key)
     panels, still = alike_panels(setting), np.zeros(FIT_BLOCK)
     nodes = nodes_of_each(np.ones(FIT_BLOCK, int), setting.most_azimuths)
     flow = Flow(still, still, still, still if descends else None)
     moving = np.zeros((count, FIT_BLOCK)) if descends else None
-    with jax.enable_x64(True):
-        search = compiled_search(panels)
-        _, shapes = search.eval_shape(*rotor.on_device, flow, nodes)
-    solution = jax.tree.map(lambda a: np.zeros(a.shape, a.dtype), shapes)
-    ways = directions_of((), count)
+    search, arguments = compiled_search(panels), (*rotor.on_device, flow, nodes)
 
-    def compile_now() -> None:
+    def run_search() -> None:
         with jax.enable_x64(True):
-            _program(panels)(*rotor.on_device, flow, solution, ways, moving, nodes)
+            search(*arguments)
 
-    return beside.submit(compile_now)
+    with jax.enable_x64(True), ThreadPoolExecutor(1) as beside:
+        # Until here Python is at work, in one thread; XLA, which takes longer, needs none.
+        search.lower(*arguments)
+        searched = beside.submit(run_search)
+        _, shapes = search.eval_shape(*arguments)
+        solution = jax.tree.map(lambda a: np.zeros(a.shape, a.dtype), shapes)
+        here = (*rotor.on_device, flow, solution, directions_of((), count), moving, nodes)
+        _program(panels)(*here)
+        searched.result()
 
 
 @functools.cache
