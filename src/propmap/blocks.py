@@ -23,6 +23,10 @@ LARGE_NODES = 3072
 AXIAL_NODES = 6144
 """The same where there is a single azimuth, and a step costs less."""
 
+ACCELERATOR_POINTS = (1024, 32768)
+"""Operating points per call on an accelerator, at least and at most: it takes some hundred thousand
+nodes to fill one, and memory in proportion."""
+
 LARGE_BATCH = 512
 """Operating points from which on a batch is cut into large blocks.  A batch has one size, though
 its last points would fill a small block better: every size is another program to compile."""
@@ -48,13 +52,23 @@ class Block(NamedTuple):
         return self.size * sum(self.panels) * int(self.azimuths.max())
 
 
-def cut(jobs: Sequence[Job], size: int | None = None, *, large: bool = False) -> list[Block]:
+def cut(
+    jobs: Sequence[Job],
+    size: int | None = None,
+    *,
+    large: bool = False,
+    accelerator: bool = False,
+) -> list[Block]:
     """Jobs cut into blocks of ``size`` points; by default of one if there is but one point, else
-    ``BLOCK``, or ``large_block`` in a large batch; or always so if ``large``."""
+    ``BLOCK``, or ``large_block`` in a large batch; or always so if ``large``.
+
+    accelerator : whether the programs run on one: then blocks of a large batch are a power of two.
+    """
     points = sum(job.points.size for job in jobs)
     blocks = []
     for job in jobs:
-        wide = large_block(job) if large or points >= LARGE_BATCH else BLOCK
+        large_size = accelerator_block(job) if accelerator else large_block(job)
+        wide = large_size if large or points >= LARGE_BATCH else BLOCK
         width = size or (1 if points == 1 and not large else wide)
         for start in range(0, job.points.size, width):
             part = slice(start, start + width)
@@ -66,6 +80,12 @@ def large_block(job: Job) -> int:
     """Operating points per block of the job in a large batch."""
     nodes = AXIAL_NODES if int(job.azimuths.max()) == 1 else LARGE_NODES
     return max(nodes // sum(job.panels) // BLOCK, 1) * BLOCK
+
+
+def accelerator_block(job: Job) -> int:
+    """The same on an accelerator."""
+    least, most = ACCELERATOR_POINTS
+    return int(np.clip(1 << (job.points.size - 1).bit_length(), least, most))
 
 
 def run(blocks: list[Block], one: Callable[[Block], None], *, in_turn: bool = False) -> None:

@@ -1,4 +1,4 @@
-"""Batches through the theory: blocks of equal size on all cores, in float64."""
+"""Batches through the theory: blocks of equal size on all cores."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from propmap.blocks import Block, cut, nodes_of_each, run
 from propmap.programs import Flow, compiled_search, search_by_numpy
 from propmap.schedule import Accuracy, Floats, Outlook, may_leave_islands, may_stall, plan
-from propmap.theory.arrays import by_numpy
+from propmap.theory.arrays import by_numpy, on_accelerator
 from propmap.theory.disk_inflow import DiskSolution
 from propmap.theory.loads import RotorLoads
 from propmap.theory.momentum import static_inflow as equation_12
@@ -39,22 +39,26 @@ Solved = Callable[[Block, DiskSolution], None]
 
 class Prepared(NamedTuple):
     """A rotor ready for evaluation: its arrays, the same where programs run, the forecast's inputs,
-    whether programs are compiled, and whether the same serve batches of any size."""
+    whether programs are compiled, whether the same serve batches of any size, and whether they
+    work in float64 or else float32."""
 
     theory: Theory
     on_device: Theory
     forecast: tuple[Floats, Floats, Floats, tuple[float, float]]
     compiled: bool
     uniform: bool
+    double: bool
 
 
-def prepare(theory: Theory, *, compiled: bool = True, uniform: bool = False) -> Prepared:
+def prepare(
+    theory: Theory, *, compiled: bool = True, uniform: bool = False, double: bool = True
+) -> Prepared:
     """Do once what every evaluation of a rotor needs; theory in NumPy float64."""
     on_device = theory
     if compiled:
-        with jax.enable_x64(True):
+        with jax.enable_x64(double):
             on_device = jax.device_put(theory)
-    return Prepared(theory, on_device, _forecast_inputs(theory), compiled, uniform)
+    return Prepared(theory, on_device, _forecast_inputs(theory), compiled, uniform, double)
 
 
 class Evaluation(NamedTuple):
@@ -112,14 +116,15 @@ def evaluate_flow(
     results = np.full((len(RotorLoads._fields), omega.size), np.nan)
     apart = not _few(rotor, flow)
     jobs = plan(setting, outlook, everyone, alike=alike, axial_apart=apart)
-    blocks = cut(jobs, size, large=rotor.uniform)
+    sizes = {"large": rotor.uniform, "accelerator": rotor.compiled and on_accelerator()}
+    blocks = cut(jobs, size, **sizes)
     _run(rotor, blocks, setting, flow, results, solved)
     found = RotorLoads(*results)
     unforeseen = ~stalls & ~(found.attached > ATTACHED) & np.isfinite(found.thrust)
     if unforeseen.any():
         again = outlook.stalling(unforeseen)
         jobs = plan(setting, again, everyone[unforeseen], axial_apart=apart)
-        blocks = cut([j for j in jobs if len(j.panels) > 1], size, large=rotor.uniform)
+        blocks = cut([j for j in jobs if len(j.panels) > 1], size, **sizes)
         _run(rotor, blocks, setting, flow, results, solved)
     # Zero instead of what the speed floor leaves of a load at rest, 1e-45 and the like.
     results[np.abs(results) < 1e-30] = 0.0
@@ -162,7 +167,8 @@ def _run(
         program = search_by_numpy(block.panels)
         if rotor.compiled:
             program = compiled_search(block.panels)
-        with jax.enable_x64(True):
+        # Without x64 JAX takes what is float64 for float32.
+        with jax.enable_x64(rotor.double):
             found, solution = program(*rotor.on_device, flow.part(which), nodes)
             results[:, block.points] = np.asarray(found)[:, : block.points.size]
             if solved is not None:

@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
+PRECISIONS = ("float64", "float32")
+
 STATUSES = ("ok", "multiple_roots", "windmill", "vortex_ring", "not_converged")
 """From harmless to fatal; where several apply, the last is given."""
 
@@ -76,6 +78,8 @@ class Rotor:
     compiled : whether the first call waits some seconds for the compiler, so that all others take a
         hundredth of the time.  For a few points in a short process it is not worth it: NumPy then
         gives the same loads, but for rounding, in some hundredths of a second each.
+    precision : "float64", or "float32" for large batches of loads in less time, with errors below
+        0.3 % of static thrust and torque where "standard" promises 0.1 %; compiled only.
     Raises ``InputError`` for arguments of another kind.
     """
 
@@ -87,6 +91,7 @@ class Rotor:
         *,
         accuracy: str = "standard",
         compiled: bool = True,
+        precision: str = "float64",
     ) -> None:
         air = air or Air()
         for name, value, kind, maker in (
@@ -97,7 +102,16 @@ class Rotor:
             if not isinstance(value, kind):
                 raise InputError(f"{name} is {value!r}: give a {kind.__name__}, from {maker}")
         self.propeller, self.airfoil, self.air = propeller, airfoil, air
-        self.accuracy, self.compiled = accuracy, compiled
+        if precision not in PRECISIONS:
+            raise InputError(
+                f"precision is {precision!r}: it must be one of {', '.join(PRECISIONS)}"
+            )
+        if precision != PRECISIONS[0] and not (compiled and accuracy == "standard"):
+            raise InputError(
+                f"{precision} with accuracy {accuracy!r} and compiled={compiled}",
+                "it serves compiled programs of accuracy 'standard' alone",
+            )
+        self.accuracy, self.compiled, self.precision = accuracy, compiled, precision
         self._setting, self._uniform = accuracy_setting(accuracy), False
 
     def __repr__(self) -> str:
@@ -112,7 +126,12 @@ class Rotor:
         A small batch takes as long as one of some hundred points, but less is compiled in all.
         """
         rotor = Rotor(
-            self.propeller, self.airfoil, self.air, accuracy=self.accuracy, compiled=self.compiled
+            self.propeller,
+            self.airfoil,
+            self.air,
+            accuracy=self.accuracy,
+            compiled=self.compiled,
+            precision=self.precision,
         )
         rotor._uniform = True
         return rotor
@@ -225,7 +244,8 @@ class Rotor:
 
     @functools.cached_property
     def _prepared(self) -> Prepared:
-        return prepare(self.theory, compiled=self.compiled, uniform=self._uniform)
+        double = self.precision == PRECISIONS[0]
+        return prepare(self.theory, compiled=self.compiled, uniform=self._uniform, double=double)
 
     def _loads(self, omega: Floats, v_axial: Floats, v_inplane: Floats) -> Loads:
         shape = omega.shape

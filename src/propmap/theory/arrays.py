@@ -40,6 +40,11 @@ def on_numpy() -> bool:
     return _BY_NUMPY.get()
 
 
+def on_accelerator() -> bool:
+    """Whether JAX computes elsewhere than on a CPU."""
+    return not on_numpy() and jax.default_backend() != "cpu"
+
+
 class _Arrays:
     """The functions of ``jax.numpy``, or of the same name in NumPy."""
 
@@ -68,9 +73,10 @@ def settled(function: Callable[[], Value], scalar: jax.Array) -> Value:
 
     XLA on a CPU fuses a value into each of its users and evaluates it there again; an optimization
     barrier is gone by then.  A branch that is always taken, as far as the compiler cannot tell, is
-    a barrier that stays: without it programs take up to twice as long.
+    a barrier that stays: without it programs take up to twice as long.  An accelerator would have
+    to ask the host which branch to take: none there.
     """
-    if on_numpy():
+    if on_numpy() or on_accelerator():
         return function()
     function = jax.jit(function)  # lest it be traced twice
     shapes = jax.eval_shape(function)

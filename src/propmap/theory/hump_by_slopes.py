@@ -45,7 +45,12 @@ def hump_by_slopes(ask: InflowQuestion, stall: Array, azimuth: AzimuthNodes) -> 
 
     at, height, top = along_first_axis(closer, (at, height, top), xp.asarray(CLOSER))
     folded = top & (height > 0.0) & (xp.min(depth, axis=0) < 0.0)
-    return Hump(height, xp.where(xp.isfinite(at), at, 0.0), xp.asarray(HUMP_ANGLES)[valley], folded)
+    return Hump(
+        height,
+        xp.where(xp.isfinite(at), at, 0.0),
+        xp.asarray(HUMP_ANGLES, at.dtype)[valley],
+        folded,
+    )
 
 
 def _first_top(v: Array, value: Array, slope: Array) -> Top:

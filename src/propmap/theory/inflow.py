@@ -19,24 +19,18 @@ from propmap.theory import blade_element, momentum
 from propmap.theory.arrays import DerivativeByRule, held, on_numpy, settled, while_loop, xp
 from propmap.theory.blade_element import Annulus
 from propmap.theory.inflow_bounds import (
-    SAFE_TOLERANCE,
     find_bounds,
     largest_curvature,
     safe_step,
 )
 from propmap.theory.parameters import Array
+from propmap.theory.precision import precision_of
 from propmap.theory.section_law import largest_lift
 from propmap.theory.velocities import AzimuthNodes
 
 MAX_STEPS = 1000
 """Steps after which an unfinished root is given up; ordinary roots take about seven, roots
 beside a fold up to thirty, beside the kink of (10) in slow axial descent some hundreds."""
-
-NEWTON_TOLERANCE = 1e-9
-"""Size of a Newton step, relative to the speeds at hand, after which the root is taken as found."""
-
-LEFT_OVER = 1e-12
-"""The same for what a Newton step leaves, by the curvature: most steps of 1e-7 are the last."""
 
 NEWTON_STEPS = 4
 """Newton steps at most.  Only at a double root are they used up."""
@@ -47,9 +41,6 @@ a second loop takes longer to compile than it spares."""
 
 STEPS_TOGETHER = 3
 """Steps that all lanes of a large batch take before the unfinished go on by themselves."""
-
-RESIDUAL_TOLERANCE = 1e-9
-"""Largest accepted residual, relative to the sizes of the terms of (11)."""
 
 
 class InflowQuestion(NamedTuple):
@@ -109,8 +100,8 @@ def _walk_on(
     steps until these are tiny, then takes Newton steps and stays.
     """
     at = ask.at
-    bound = find_bounds(at)
-    scale = bound.speed + xp.abs(at.v_axial) + 1e-300
+    bound, within = find_bounds(at), precision_of(at.v_axial)
+    scale = bound.speed + xp.abs(at.v_axial) + 1e-30
 
     def unfinished(state: tuple[_Walk, Array]) -> Array:
         walk, steps = state
@@ -123,8 +114,8 @@ def _walk_on(
         safe = settled(lambda: safe_step(at, bound, v, value, slope), at.blades)
         # At a simple root the two steps agree; at a double one Newton's is not to be trusted.
         limit = 4.0 * xp.abs(safe)
-        newton = xp.clip(value / xp.where(slope < 0.0, slope, -1e-300), -limit, limit)
-        near = (value >= 0.0) | (safe <= SAFE_TOLERANCE * scale) | (walk.newtons < NEWTON_STEPS)
+        newton = xp.clip(value / xp.where(slope < 0.0, slope, -1e-30), -limit, limit)
+        near = (value >= 0.0) | (safe <= within.safe_step * scale) | (walk.newtons < NEWTON_STEPS)
         sizes = bound.half * largest_lift(
             at.section
         ) * scale * scale + 4.0 * np.pi * at.radius * xp.abs(v) * (scale + xp.abs(v))
@@ -133,13 +124,13 @@ def _walk_on(
         near = near & ~back
         active = walk.newtons > 0
         curvature = largest_curvature(at, bound, v, newton)
-        ends = 0.5 * curvature * newton * newton <= LEFT_OVER * scale * xp.abs(slope)
-        last = near & (ends | (xp.abs(newton) <= NEWTON_TOLERANCE * scale))
+        ends = 0.5 * curvature * newton * newton <= within.left_over * scale * xp.abs(slope)
+        last = near & (ends | (xp.abs(newton) <= within.newton_step * scale))
         left = xp.where(last, 0, walk.newtons - near)
         after = _Walk(
             xp.where(back, bound.start, xp.where(active, v - xp.where(near, newton, safe), v)),
             xp.where(active, left, walk.newtons),
-            xp.where(active, last | (xp.abs(value) <= RESIDUAL_TOLERANCE * sizes), walk.good),
+            xp.where(active, last | (xp.abs(value) <= within.residual * sizes), walk.good),
         )
         return after, steps + 1
 

@@ -9,11 +9,9 @@ import numpy as np
 from propmap.theory.arrays import xp
 from propmap.theory.blade_element import Annulus
 from propmap.theory.parameters import Array
+from propmap.theory.precision import precision_of
 from propmap.theory.section_law import largest_lift, sharpest_lift, steepest_lift
 from propmap.theory.velocities import floored_norm
-
-SAFE_TOLERANCE = 1e-7
-"""Size of a safe step, relative to the speeds at hand, after which Newton's steps follow."""
 
 GUESS_MARGIN = 1.03
 """Factor on the lift in the guess, so that it lies above the root as a rule: alpha exceeds
@@ -49,7 +47,8 @@ def find_bounds(at: Annulus) -> Bounds:
     k = half * lift / (4.0 * np.pi * at.radius)
     b = at.v_axial + k * speed
     start = 0.5 * (b + xp.sqrt(b * b + 4.0 * k * speed**2)) - at.v_axial
-    start = start * (1.0 + 1e-9) + 1e-9 * (speed + xp.abs(at.v_axial)) * (at.chord > 0.0)
+    margin = precision_of(at.v_axial).newton_step  # for what rounding may take from the bound
+    start = start * (1.0 + margin) + margin * (speed + xp.abs(at.v_axial)) * (at.chord > 0.0)
     mild_from, mild_to = _unstalled_stretch(at)
     mild = lift + 5.0 * law.c_d + 3.0 * law.c_d0
     bend = mild + sharpest_lift(law)
@@ -140,7 +139,7 @@ def safe_step(at: Annulus, bound: Bounds, v: Array, value: Array, slope: Array) 
     # flow; so the parabola is not carried past u = 0.
     u_end = xp.where(u > 0.0, xp.maximum(u_low, 0.0), u_low)
     # ... or only by so little that the walk does not take it for its end.
-    to_kink = u - u_end + 2.0 * SAFE_TOLERANCE * (bound.speed + xp.abs(at.v_axial))
+    to_kink = u - u_end + 2.0 * precision_of(v).safe_step * (bound.speed + xp.abs(at.v_axial))
     nearest = floored_norm(at.v_inplane, xp.where(u > 0.0, u_end, u))
     turn = at.v_inplane**2 / nearest**3
     v_max = xp.maximum(xp.abs(v), xp.abs(v_low))
@@ -150,7 +149,7 @@ def safe_step(at: Annulus, bound: Bounds, v: Array, value: Array, slope: Array) 
     def by_bend(bend: Array) -> Array:
         bend = wake_bend + bound.half * bend
         root = xp.sqrt(xp.maximum(slope * slope - 2.0 * bend * value, 0.0))
-        return xp.minimum(-2.0 * value / xp.maximum(root - slope, 1e-300), to_kink)
+        return xp.minimum(-2.0 * value / xp.maximum(root - slope, 1e-30), to_kink)
 
     anywhere = by_bend(bound.bend)
     mild = xp.minimum(by_bend(bound.mild_bend), v - bound.mild_from)

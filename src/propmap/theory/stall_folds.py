@@ -15,14 +15,14 @@ import jax
 from propmap.theory.arrays import held, while_loop, xp
 from propmap.theory.inflow import InflowQuestion, residual, residual_slope
 from propmap.theory.parameters import Array
+from propmap.theory.precision import precision_of
 from propmap.theory.velocities import AzimuthNodes
 
 FOLD_STEPS = 14
 """Newton steps on a fold, at most."""
 
-SHOULDER_STEPS, SHOULDER_TOLERANCE = 6, 1e-5
-"""The same on a shoulder, and how well it is located, relative to the radius: where a smooth
-integrand is split hardly matters."""
+SHOULDER_STEPS = 6
+"""The same on a shoulder: where a smooth integrand is split hardly matters."""
 
 AskAt = Callable[[Array], InflowQuestion]
 """Equation (11) at radii of shape (S, B) [m]."""
@@ -84,7 +84,8 @@ def find_folds(
     """
     at = ask_at(near.radius).at
     scale = xp.abs(at.omega * near.radius) + xp.abs(at.v_axial) + 1e-30
-    dv, dy, wide = 1e-6 * scale, -1e-6 * near.radius, 0.008 * scale
+    within = precision_of(near.radius)
+    dv, dy, wide = within.difference * scale, -within.difference * near.radius, 0.008 * scale
 
     def sought(steps: Array, state: _FoldSearch) -> Array:
         steps_left = xp.where(state.folded, FOLD_STEPS, SHOULDER_STEPS) - steps
@@ -112,7 +113,7 @@ def find_folds(
         g_y = (g[5] - g[3]) / dy
         down = g[3] / xp.where(g_y == 0.0, xp.inf, g_y)
         down = xp.clip(down, -0.5 * near.spacing, 0.5 * near.spacing)
-        close = xp.where(folded, 1e-8, SHOULDER_TOLERANCE)
+        close = xp.where(folded, within.fold, within.shoulder)
         small = (xp.abs(down) < close * y) & (xp.abs(goal - v_t) < 1e3 * close * scale)
         after = _FoldSearch(y - down, v_s, goal, folded, small)
         # Lanes that have ended stay, so that no result depends on what else is in the batch.

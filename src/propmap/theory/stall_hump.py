@@ -14,6 +14,7 @@ import numpy as np
 from propmap.theory.arrays import entry, of_each, repeated, settled, xp
 from propmap.theory.inflow import InflowQuestion, residual, residual_slope
 from propmap.theory.parameters import Array
+from propmap.theory.precision import precision_of
 from propmap.theory.section_law import angle_of_attack, attached_share
 from propmap.theory.velocities import AzimuthNodes, floored_norm
 
@@ -125,7 +126,7 @@ def _between_samples(v: Array, height: Array) -> _Samples:
     after = xp.arange(len(HUMP_ANGLES))[:, None, None] > first + 1
     depth = xp.where(after & xp.isfinite(height), height, xp.inf)
     valley = xp.argmin(depth, axis=0)
-    behind = xp.asarray(HUMP_ANGLES)[xp.where(some, valley, flattest + 1)]
+    behind = xp.asarray(HUMP_ANGLES, v.dtype)[xp.where(some, valley, flattest + 1)]
     run = xp.diff(middle, axis=0)
     bend = xp.diff(slope, axis=0) / xp.where(run == 0.0, xp.nan, run)
     around = _Around(*(entry(a, first) for a in (bend, v[2:], v[:-2])))
@@ -149,7 +150,7 @@ def _refined_top(
     def improve(state: _Search) -> _Search:
         x, bend, x_before, slope_before, _ = state
         value, slope = residual_slope(ask, x, azimuth)
-        moved = xp.abs(x - x_before) > 1e-9 * (xp.abs(x) + 1e-9)
+        moved = xp.abs(x - x_before) > precision_of(x).newton_step * (xp.abs(x) + 1e-9)
         run = xp.where(moved, x - x_before, 1.0)
         secant = xp.where(moved, (slope - slope_before) / run, bend)
         # Next to an inflection the secant is no guide, and its step would leave the hump.

@@ -14,17 +14,13 @@ from typing import NamedTuple
 
 from propmap.theory.arrays import entry, repeated, xp
 from propmap.theory.parameters import Array
+from propmap.theory.precision import precision_of
 
 ROUNDS = 8
 """Rounds of further radii."""
 
 EXTREMES = 3
 """Extremes that are followed, those nearest to zero."""
-
-APART = 1e-6
-"""Distance, relative to the radius, from one already known within which a further radius tells
-nothing: differences over less are rounding errors."""
-
 
 CLOSE = 1e-4
 """Distance, relative to the radius, at which a zero that is known is closed in from both sides."""
@@ -161,7 +157,8 @@ def _extremes(sight: Sight) -> _Extremes:
     some = some & (square > 0.0) & (share > 0.0) & (share < 1.0)
     share = xp.where(some, share, 0.5)
     height = h[:-1] + share * (start + share * (b + share * c))
-    apart = xp.minimum(share, 1.0 - share) * width > APART * y[:-1]
+    # Differences over less are rounding errors.
+    apart = xp.minimum(share, 1.0 - share) * width > precision_of(y).difference * y[:-1]
     climb = xp.where(share < 0.5, share * start, (1.0 - share) * end)
     distance = xp.where(some, xp.where(above, height, -height), xp.inf)
     at = y[:-1] + share * xp.where(some, width, 0.0)

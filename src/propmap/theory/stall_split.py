@@ -21,6 +21,7 @@ from propmap.theory.arrays import entry, settled, xp
 from propmap.theory.hump_by_slopes import hump_by_slopes
 from propmap.theory.inflow import InflowQuestion, residual
 from propmap.theory.parameters import Array
+from propmap.theory.precision import precision_of
 from propmap.theory.stall_folds import AskAt, Crossing
 from propmap.theory.stall_hump import (
     Angle,
@@ -141,7 +142,7 @@ def hump_crossings(
 
     def sight_of(radii: Array, found: Hump) -> Sight:
         # At the hump's top, by the envelope theorem, only the radius itself counts.
-        step = -1e-6 * radii
+        step = -precision_of(radii).difference * radii
         along = residual(ask_at(radii + step), found.inflow, azimuth)
         slope = (along - residual(ask_at(radii), found.inflow, azimuth)) / step
         return Sight(radii * xp.ones_like(slope), found.height, found.inflow, slope)
