@@ -21,7 +21,7 @@ def _points(count: int) -> tuple[NDArray[np.float64], ...]:
     return omega, speed, beta
 
 
-@pytest.mark.parametrize("count", [300, 600], ids=["quickly compiled", "wide vectors"])
+@pytest.mark.parametrize("count", [300, 600], ids=["small blocks", "large blocks"])
 @pytest.mark.parametrize("name", SETS)
 def test_numpy_and_the_compiler_agree(name: str, count: int) -> None:
     """Also guards the compiler's options: jaxlib miscompiles one function for wide vectors."""
