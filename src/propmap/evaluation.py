@@ -84,8 +84,11 @@ def evaluate(
     if v_hover is not None and down.any():
         rates, where = np.unique(omega[down], return_inverse=True)
         v_hover[down] = static_inflow(rotor, setting, rates)[where]
-    flow = Flow(omega, v_axial, v_inplane, v_hover)
-    starts = range(0, max(omega.size, 1), CHUNK)
+    return _in_parts(rotor, setting, Flow(omega, v_axial, v_inplane, v_hover))
+
+
+def _in_parts(rotor: Prepared, setting: Accuracy, flow: Flow) -> Evaluation:
+    starts = range(0, max(flow.omega.size, 1), CHUNK)
     parts = [flow.part(slice(start, start + CHUNK)) for start in starts]
     found = [evaluate_flow(rotor, setting, part) for part in parts]
     return Evaluation(*(np.concatenate(fields) for fields in zip(*found, strict=True)))
@@ -145,7 +148,7 @@ def static_inflow(rotor: Prepared, setting: Accuracy, omega: Floats) -> Floats:
     """Static inflow (12) [m/s] at omega (N,) [rad/s]."""
     still = np.zeros_like(omega)
     # With the programs of the descent that asks for it.
-    thrust: Any = evaluate_flow(rotor, setting, Flow(omega, still, still, still)).thrust
+    thrust: Any = _in_parts(rotor, setting, Flow(omega, still, still, still)).thrust
     with by_numpy():
         return np.asarray(equation_12(thrust, rotor.theory[2].density, rotor.theory[0].station[-1]))
 

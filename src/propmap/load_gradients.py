@@ -147,7 +147,7 @@ def _compile_both(rotor: Prepared, setting: Accuracy, count: int, *, descends: b
             search(*arguments)
 
     with jax.enable_x64(True), ThreadPoolExecutor(1) as beside:
-        # Until here Python is at work, in one thread; XLA, which takes longer, needs none.
+        # The search first: XLA takes longest for it, in threads of its own, while Python goes on.
         search.lower(*arguments)
         searched = beside.submit(run_search)
         _, shapes = search.eval_shape(*arguments)
