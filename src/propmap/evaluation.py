@@ -23,7 +23,7 @@ FEW = 512
 """Operating points below which a batch is not worth the compilation of programs of its own."""
 
 CHUNK = 65536
-"""Operating points that are planned together: what the forecast of stall keeps for each of them
+"""Operating points that are planned together, at most: what the forecast of stall keeps for each of them
 bounds the memory."""
 
 ATTACHED = 0.9
@@ -88,9 +88,10 @@ def evaluate(
 
 
 def _in_parts(rotor: Prepared, setting: Accuracy, flow: Flow) -> Evaluation:
-    starts = range(0, max(flow.omega.size, 1), CHUNK)
-    parts = [flow.part(slice(start, start + CHUNK)) for start in starts]
-    found = [evaluate_flow(rotor, setting, part) for part in parts]
+    # Of one size, lest a few left over ask for programs of their own.
+    points = np.arange(flow.omega.size)
+    which = np.array_split(points, max(1, -(-points.size // CHUNK)))
+    found = [evaluate_flow(rotor, setting, flow.part(part)) for part in which]
     return Evaluation(*(np.concatenate(fields) for fields in zip(*found, strict=True)))
 
 
