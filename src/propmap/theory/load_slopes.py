@@ -69,8 +69,9 @@ def load_slopes(
 ) -> Array:
     """Derivatives (D, 4, B) of ``LOADS`` along D directions.
 
-    case : the question, at B points.  solution : its answer by ``disk_inflow.solve_disk`` with
-    these panels and nodes.  v_hover : static inflow (12) (B,) [m/s], None where nothing descends.
+    case : the question, at B points.  solution : its answer by ``disk_inflow.solve_disk``.
+    panels, azimuth : radial nodes per panel and azimuth nodes, those that it was solved with.
+    v_hover : static inflow (12) (B,) [m/s], None where nothing descends.
     directions : D of them.
     v_hover_slopes (D, B) : how far ``v_hover`` goes along with it; or None.
     """
