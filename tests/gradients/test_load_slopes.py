@@ -7,6 +7,7 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import numpy as np
+import pytest
 
 import propmap as pm
 from propmap.blocks import nodes_of_each
@@ -26,6 +27,7 @@ V_INPLANE = np.array([0.0, 0.0, 9.0, 5.0, 1.0, 0.5])
 AZIMUTHS = np.array([8, 8, 24, 16, 8, 8])
 
 
+@pytest.mark.slow
 def test_two_passes_give_what_differentiation_of_the_whole_does() -> None:
     rotor = pm.Rotor(pm.propeller("apc-8x6e"), pm.airfoil("paper-soft"))
     blade, section, medium = rotor.theory
