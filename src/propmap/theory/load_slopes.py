@@ -67,8 +67,10 @@ def load_slopes(
     directions: Directions,
     v_hover_slopes: Array | None,
 ) -> Array:
-    """Derivatives (D, 4, B) of ``LOADS`` along D directions.
+    """Derivatives (D, 4, B) of ``LOADS``, eqs. (13)-(15), along D directions.
 
+    In N for thrust and drag, in N m for torque and rolling moment, for each whole step along a
+    direction; by the implicit function theorem on (11).
     case : the question, at B points.  solution : its answer by ``disk_inflow.solve_disk``.
     panels, azimuth : radial nodes per panel and azimuth nodes, those that it was solved with.
     v_hover : static inflow (12) (B,) [m/s], None where nothing descends.
