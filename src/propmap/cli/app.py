@@ -25,6 +25,7 @@ from propmap.cli.show import show_table
 from propmap.cli.simulate import simulate_app
 from propmap.cli.sweep import sweep
 from propmap.cli.table import table
+from propmap.compilation import compile_quickly
 from propmap.errors import InputError
 
 INTERRUPTED = 130
@@ -72,6 +73,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
     arguments : without the program's name; by default those of the process.
     """
+    if arguments is None:
+        compile_quickly()  # the process is this command's
     given = list(sys.argv[1:] if arguments is None else arguments)
     if isinstance(sys.stdout, io.TextIOWrapper):
         # A terminal without the characters of a table shows "?" rather than a traceback.
