@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import importlib
 import warnings
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
@@ -144,8 +146,6 @@ def search(
     Raises ``InputError`` where there are fewer numbers than parameters, or where the model has
     no solution for more than one row in twenty.
     """
-    from scipy.optimize import least_squares
-
     used = int(np.count_nonzero(rows.weight))
     if used + len(choice.priors) < len(choice.free):
         raise InputError(
@@ -154,9 +154,18 @@ def search(
         )
     evaluator = Evaluator(rows, choice, error)
     bounds = (choice.column("lower"), choice.column("upper"))
+    with ThreadPoolExecutor(1) as beside:
+        # A quarter of a second, spent while the model's programs are compiled.
+        importing = beside.submit(importlib.import_module, "scipy.optimize")
+        evaluator.at(np.clip(begin[0], *bounds))
+    least_squares = importing.result().least_squares
 
     def run(
-        x0: Floats, evaluations: int, tolerance: float, jacobian: Jacobian = evaluator.jacobian
+        x0: Floats,
+        evaluations: int,
+        step: float,
+        gain: float,
+        jacobian: Jacobian = evaluator.jacobian,
     ) -> tuple[Floats, float]:
         inside = np.clip(x0, *bounds)
         with warnings.catch_warnings():
@@ -170,27 +179,30 @@ def search(
                 x_scale=choice.column("spread"),
                 loss=loss,
                 f_scale=2.0 * error,
-                ftol=tolerance,
-                xtol=tolerance,
+                ftol=gain,
+                xtol=step,
                 gtol=1e-15,
                 max_nfev=evaluations,
             )
         return np.asarray(found.x), float(found.cost)
 
-    ends = []
+    allowance = (REFIT_EVALUATIONS, 1e-4, 1e-4) if follow else (EVALUATIONS, 1e-5, 1e-5)
+    ends, before = [], 0
     for x0 in begin:
-        before = evaluator.count
-        x, cost = run(x0, *((REFIT_EVALUATIONS, 1e-4) if follow else (EVALUATIONS, 1e-5)))
+        x, cost = run(x0, *allowance)
         ends.append(End(x0, x, cost, evaluator.count - before))
+        before = evaluator.count
     ends.sort(key=lambda end: end.cost)
     x = ends[0].x
     if not follow:
         best = ends[0].cost
-        polished, cost = run(x, FINAL_EVALUATIONS, 1e-9)
+        polished, cost = run(x, FINAL_EVALUATIONS, 1e-9, 1e-9)
         x, best = (polished, cost) if cost <= best else (x, best)
         if np.sqrt(2.0 * best / used) < NOISE_FLOOR:
             # So near to a perfect fit the errors of the derivatives would end the search early.
-            polished, cost = run(x, FINAL_EVALUATIONS, 1e-12, evaluator.difference_quotients)
+            # Where priors or noise leave more than those errors, the first step gains little.
+            exact = evaluator.difference_quotients
+            polished, cost = run(x, FINAL_EVALUATIONS, 1e-12, 1e-4, exact)
             x = polished if cost <= best else x
     for bound in bounds:
         x = np.where(np.abs(x - bound) < ON_BOUND * choice.column("spread"), bound, x)
