@@ -68,6 +68,13 @@ def load_gradients(
     return _gradients(rotor, setting, names, flow, v_hover_slope)
 
 
+@functools.cache
+def _directions(names: tuple[str, ...], count: int) -> Directions:
+    """Where programs run, once and not in each of a fit's evaluations."""
+    with jax.enable_x64(True):
+        return jax.device_put(directions_of(names, count))
+
+
 def _count(names: tuple[str, ...]) -> int:
     """Of the directions, idle ones included."""
     return DIRECTIONS * max(1, -(-len(names) // DIRECTIONS))
@@ -84,8 +91,7 @@ def _gradients(
     count, points = _count(names), flow.omega.size
     few = points < FEW
     slopes = np.full((len(LOADS), len(names), points), np.nan)
-    with jax.enable_x64(True):
-        ways = jax.device_put(directions_of(names, count))
+    ways = _directions(names, count)
 
     def differentiate(block: Block, solution: DiskSolution) -> None:
         program, solution = _program(block.panels), jax.tree.map(np.asarray, solution)
