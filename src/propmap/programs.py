@@ -20,8 +20,11 @@ COMPILER_OPTIONS = {
     # Spares a third of the evaluation where a processor has such vectors.
     "xla_cpu_prefer_vector_width": 512,
     # The first moves constants of a loop out of it, each into a kernel of its own; the second turns
-    # the sums along the blade into trees of kernels.  Without them: a third less to compile.
-    "xla_disable_hlo_passes": "while-loop-invariant-code-motion,tree_reduction_rewriter",
+    # the sums along the blade into trees of kernels.  Without them: a third less to compile.  The
+    # third divides a kernel among threads, where each block of points has a thread already.
+    "xla_disable_hlo_passes": (
+        "while-loop-invariant-code-motion,tree_reduction_rewriter,cpu-parallel-task-assigner"
+    ),
 }
 """How XLA compiles the theory on a CPU.
 

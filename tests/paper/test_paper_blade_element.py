@@ -47,7 +47,7 @@ ELEMENT, FLOW = (RADIUS, CHORD, TWIST), (OMEGA, AXIAL, INPLANE)
 
 def make(law: Law, element: tuple = ELEMENT, flow: tuple = FLOW) -> Annulus:
     nothing = jnp.zeros(3)
-    blade = Blade(*[nothing] * 5, blades=jnp.asarray(N_B), root=jnp.asarray(0.0))
+    blade = Blade(*[nothing] * 4, blades=jnp.asarray(N_B), root=jnp.asarray(0.0))
     shape = StationShape(*(jnp.asarray(a) for a in element))
     return annulus(shape, blade, law.section(), medium(), *(jnp.asarray(a) for a in flow))
 

@@ -92,7 +92,7 @@ def all_roots(law: Law, element: Any, flow: Any, windmill: bool = False) -> list
 
 
 def ask(section: Section, element: Any, flow: Any) -> InflowQuestion:
-    blade = Blade(*[jnp.zeros(3)] * 5, blades=jnp.asarray(2.0), root=jnp.asarray(0.0))
+    blade = Blade(*[jnp.zeros(3)] * 4, blades=jnp.asarray(2.0), root=jnp.asarray(0.0))
     at = annulus(StationShape(*element), blade, section, medium(), *flow)
     return InflowQuestion(at, jnp.where(flow[1] < WINDMILL_BELOW, 1.0, 0.0))
 

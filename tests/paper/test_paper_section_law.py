@@ -16,12 +16,13 @@ from propmap.theory.parameters import Medium
 from propmap.theory.section_law import (
     angle_of_attack,
     attached_share,
-    attached_share_slope,
+    attached_share_and_slope,
     drag_coefficient,
     friction_chord,
     largest_lift,
     lift_coefficient,
     sharpest_lift,
+    stall_blend,
     steepest_lift,
 )
 
@@ -97,19 +98,17 @@ def test_single_precision_is_finite_up_to_reversed_flow(law: Law) -> None:
 
 def test_attached_share_slope_is_the_derivative() -> None:
     for law in (*TABLE_I.values(), Law(5.0, 1.0, 1.0, 0.15, sharpness=20.0)):
-        section = law.section()
+        blend = stall_blend(law.section())
         alpha = jnp.asarray(np.concatenate([ALPHA, [0.0, law.alpha_0, -law.alpha_0]]))
-        share, slope = jax.jvp(
-            lambda a, s=section: attached_share(a, s), (alpha,), (jnp.ones_like(alpha),)
-        )
+        want = jax.jvp(lambda a, b=blend: attached_share(a, b), (alpha,), (jnp.ones_like(alpha),))
         # Same terms in another order; the slope's scale is M/4.
-        got = attached_share_slope(alpha, share, section)
-        np.testing.assert_allclose(got, slope, rtol=1e-11, atol=1e-13)
+        for got, value in zip(attached_share_and_slope(alpha, blend), want, strict=True):
+            np.testing.assert_allclose(got, value, rtol=1e-11, atol=1e-13)
 
 
 def test_attached_share_is_half_at_alpha_0_and_gone_in_reversed_flow() -> None:
     law = TABLE_I["soft"].section()
-    share = attached_share(jnp.asarray([0.0, law.alpha_0, -law.alpha_0, np.pi]), law)
+    share = attached_share(jnp.asarray([0.0, law.alpha_0, -law.alpha_0, np.pi]), stall_blend(law))
     # exp(-M alpha_0) = 2e-8 is what the other side's stall leaves at alpha = 0.
     np.testing.assert_allclose(share, [1.0, 0.5, 0.5, 0.0], atol=1e-7)
 

@@ -78,12 +78,40 @@ def settled(function: Callable[[], Value], scalar: jax.Array) -> Value:
     """
     if on_numpy() or on_accelerator():
         return function()
-    function = jax.jit(function)  # lest it be traced twice
-    shapes = jax.eval_shape(function)
+    function = jax.jit(function)  # lest it be traced again
+
+    def packed() -> list[Any]:
+        return _in_pairs(function())
+
     taken = (scalar <= scalar) | (scalar != scalar)
-    nothing = jax.tree.map(lambda s: jnp.zeros(s.shape, s.dtype), shapes)
-    found: Value = lax.cond(taken, function, lambda: nothing)
-    return found
+    nothing = jax.tree.map(lambda s: jnp.zeros(s.shape, s.dtype), jax.eval_shape(packed))
+    return _apart(lax.cond(taken, packed, lambda: nothing), jax.eval_shape(function))
+
+
+def _in_pairs(values: Any) -> list[Any]:
+    """The arrays of a tree in order, neighbours of one kind together as complex numbers.
+
+    XLA on a CPU makes one kernel of all that leads to a single array.  Of two arrays that have
+    intermediate values in common it makes ten, each of which writes what the next one reads, and
+    so many that it hands them to several threads, at a greater cost than they take.
+    """
+    left, packed = jax.tree.leaves(values), []
+    if on_accelerator():
+        return left
+    while left:
+        a = left.pop(0)
+        alike = left and a.shape == left[0].shape and a.dtype == left[0].dtype
+        if alike and jnp.issubdtype(a.dtype, jnp.floating):
+            a = lax.complex(a, left.pop(0))
+        packed.append(a)
+    return packed
+
+
+def _apart(packed: list[Any], like: Value) -> Value:
+    """What was given to ``_in_pairs``, a tree ``like`` this one."""
+    parts = [b for a in packed for b in ((a.real, a.imag) if jnp.iscomplexobj(a) else (a,))]
+    values: Value = jax.tree.unflatten(jax.tree.structure(like), parts)
+    return values
 
 
 def while_loop(
@@ -94,8 +122,12 @@ def while_loop(
         while going(state):
             state = step(state)
         return state
-    ended: Value = lax.while_loop(going, step, state)
-    return ended
+    ended = lax.while_loop(
+        lambda packed: going(_apart(packed, state)),
+        lambda packed: _in_pairs(step(_apart(packed, state))),
+        _in_pairs(state),
+    )
+    return _apart(ended, state)
 
 
 def repeated(times: int, step: Callable[[Value], Value], state: Value) -> Value:
@@ -162,19 +194,17 @@ def mean_of_each(term: Callable[[Any], Value], values: Any, count: Any) -> Value
         return jax.tree.map(lambda a: np.sum(np.where(among, a, 0.0), axis=0) * share, terms)
     own = jnp.ndim(count) > 0
 
-    def add(k: Any, total: Value) -> Value:
-        terms = term(values[k])
+    def add(k: Any, total: list[Any]) -> list[Any]:
+        terms = _in_pairs(term(values[k]))
         if own:
-            terms = jax.tree.map(lambda a: jnp.where(k < count, a, 0.0), terms)
-        both: Value = jax.tree.map(jnp.add, total, terms)
-        return both
+            terms = [jnp.where(k < count, a, 0.0) for a in terms]
+        return [a + b for a, b in zip(total, terms, strict=True)]
 
-    shapes = jax.eval_shape(term, values[0])
-    zero = jax.tree.map(lambda a: jnp.zeros(a.shape, a.dtype), shapes)
+    like = jax.eval_shape(term, values[0])
+    zero = _in_pairs(jax.tree.map(lambda a: jnp.zeros(a.shape, a.dtype), like))
     total = lax.fori_loop(0, jnp.max(count) if own else count, add, zero)
     share = 1.0 / jnp.asarray(count)  # once, not a division for each array
-    mean: Value = jax.tree.map(lambda a: a * share, total)
-    return mean
+    return _apart([a * share for a in total], like)
 
 
 class DerivativeByRule:

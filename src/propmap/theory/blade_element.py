@@ -9,10 +9,12 @@ from propmap.theory.arrays import mean_of_each, settled, xp
 from propmap.theory.blade_shape import StationShape
 from propmap.theory.parameters import Array, Blade, Medium, Section
 from propmap.theory.section_law import (
+    StallBlend,
     angle_of_attack,
     attached_share,
-    attached_share_slope,
+    attached_share_and_slope,
     friction_chord,
+    stall_blend,
 )
 from propmap.theory.trigonometry import sine_and_cosine
 from propmap.theory.velocities import (
@@ -28,7 +30,7 @@ class Annulus(NamedTuple):
 
     radius [m], chord [m], friction_chord (``section_law``), sine and cosine of the angle of
     the zero-lift line to the disk plane [-], omega [rad/s], v_axial and v_inplane [m/s],
-    blades [-], section.
+    blades [-], section, blend (``section_law``).
     """
 
     radius: Array
@@ -41,6 +43,7 @@ class Annulus(NamedTuple):
     v_inplane: Array
     blades: Array
     section: Section
+    blend: StallBlend
 
 
 class AnnulusLoads(NamedTuple):
@@ -79,6 +82,7 @@ def annulus(
         v_inplane=v_inplane,
         blades=blade.blades,
         section=section,
+        blend=stall_blend(section),
     )
 
 
@@ -96,7 +100,7 @@ def element_forces(at: Annulus, inflow: Array, sine: Array) -> tuple[Array, Arra
     along = at.cosine * u_t + at.sine * u_p  # U cos(alpha)
     alpha = angle_of_attack(along, across, u)
     law = at.section
-    share = attached_share(alpha, law)
+    share = attached_share(alpha, at.blend)
     # U C_L and U C_D times the chord, eqs. (3)(4): sin and cos of alpha come without
     # trigonometry from the velocities.
     per_u = 1.0 / u
@@ -123,7 +127,7 @@ def element_thrust_slope(at: Annulus, inflow: Array, sine: Array) -> tuple[Array
     across = at.sine * u_t - at.cosine * u_p
     along = at.cosine * u_t + at.sine * u_p
     alpha = angle_of_attack(along, across, u)
-    share = attached_share(alpha, law)
+    share, share_slope = attached_share_and_slope(alpha, at.blend)
     root = xp.sqrt(u)
 
     d_u = u_p * per_u
@@ -132,7 +136,7 @@ def element_thrust_slope(at: Annulus, inflow: Array, sine: Array) -> tuple[Array
     d_attached = law.c_l1 * (d_alpha * u + alpha * d_u)
     separated = law.c_l2 * across * along * per_u
     d_separated = (law.c_l2 * (across * at.sine - at.cosine * along) - separated * d_u) * per_u
-    d_share = attached_share_slope(alpha, share, law) * d_alpha
+    d_share = share_slope * d_alpha
     lift = share * attached + (1.0 - share) * separated
     d_lift = share * d_attached + (1.0 - share) * d_separated + d_share * (attached - separated)
     pressure = law.c_d * across * across * per_u
@@ -147,7 +151,7 @@ def _over_azimuth(term: Callable[[Array], Any], azimuth: AzimuthNodes) -> Any:
     """Mean over the azimuth nodes of term(sin(psi)), an array or a tree of arrays."""
     sines, column = xp.asarray(azimuth.sines), azimuth.column
     if isinstance(azimuth.count, int) and azimuth.count == 1:
-        return term(sines[0])
+        return settled(lambda: term(sines[0]), sines[0])
     if column is None:
         return mean_of_each(term, sines, azimuth.count)
     return mean_of_each(

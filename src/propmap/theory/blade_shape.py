@@ -17,12 +17,18 @@ class StationShape(NamedTuple):
 
 
 def make_blade(station: Any, chord: Any, twist: Any, blades: Any, root: Any) -> Blade:
-    """A ``Blade`` from its measured stations, with the slopes of the curves between them.
+    """A ``Blade`` from its measured stations, with the curves between them.
 
     station, chord : shape (n,) [m]; twist : shape (n,) [rad]; blades [-] and root [m] : scalars.
     """
-    chord_slope, twist_slope = pchip_slopes(station, chord), pchip_slopes(station, twist)
-    return Blade(station, chord, twist, chord_slope, twist_slope, blades, root)
+    # One row per interval, so that a radius gathers once: on a CPU that is what costs.
+    h = xp.diff(station)
+    rows = [station[:-1], h]
+    for y in (chord, twist):
+        slope = pchip_slopes(station, y)
+        y0, y1, m0, m1 = y[:-1], y[1:], slope[:-1] * h, slope[1:] * h
+        rows += [y0, m0, 3.0 * (y1 - y0) - 2.0 * m0 - m1, 2.0 * (y0 - y1) + m0 + m1]
+    return Blade(station, chord, twist, xp.stack(rows, axis=1), blades, root)
 
 
 def pchip_slopes(x: Any, y: Any) -> Any:
@@ -53,15 +59,8 @@ def _end_slope(h0: Any, h1: Any, d0: Any, d1: Any) -> Any:
 
 def blade_shape(blade: Blade, radius: Array) -> StationShape:
     """Chord [m] and twist [rad] by PCHIP at radius [m], any shape, inside the measured span."""
-    x = blade.station
-    h = xp.diff(x)
-    # One row per interval, so that a radius gathers once: on a CPU that is what costs.
-    rows = [x[:-1], h]
-    for y, slope in ((blade.chord, blade.chord_slope), (blade.twist, blade.twist_slope)):
-        y0, y1, m0, m1 = y[:-1], y[1:], slope[:-1] * h, slope[1:] * h
-        rows += [y0, m0, 3.0 * (y1 - y0) - 2.0 * m0 - m1, 2.0 * (y0 - y1) + m0 + m1]
-    k = xp.sum(radius[..., None] >= x[1:-1], axis=-1)
-    row = xp.moveaxis(xp.stack(rows, axis=1)[k], -1, 0)
+    k = xp.sum(radius[..., None] >= blade.station[1:-1], axis=-1)
+    row = xp.moveaxis(xp.asarray(blade.cubics)[k], -1, 0)
     t = (radius - row[0]) / row[1]
     chord = row[2] + t * (row[3] + t * (row[4] + t * row[5]))
     twist = row[6] + t * (row[7] + t * (row[8] + t * row[9]))

@@ -35,6 +35,9 @@ beside a fold up to thirty, beside the kink of (10) in slow axial descent some h
 NEWTON_STEPS = 4
 """Newton steps at most.  Only at a double root are they used up."""
 
+FOUND = -1.0
+"""Instead of Newton steps left: the last one was tiny, or the residual within tolerance."""
+
 GATHER_FROM = 2000
 """Lanes, stations times operating points, from which it pays to gather the slow ones: fewer, and
 a second loop takes longer to compile than it spares."""
@@ -87,8 +90,7 @@ def residual_slope(
 
 class _Walk(NamedTuple):
     v: Array
-    newtons: Array  # Newton steps left; none where the search has ended
-    good: Array  # whether the last step was tiny or the residual within tolerance
+    newtons: Array  # Newton steps left, a real number like v; FOUND or 0 where the search has ended
 
 
 def _walk_on(
@@ -110,8 +112,12 @@ def _walk_on(
     def step(state: tuple[_Walk, Array]) -> tuple[_Walk, Array]:
         walk, steps = state
         v = walk.v
-        value, slope = settled(lambda: residual_slope(ask, v, azimuth), at.blades)
-        safe = settled(lambda: safe_step(at, bound, v, value, slope), at.blades)
+
+        def look() -> tuple[Array, Array, Array]:
+            value, slope = residual_slope(ask, v, azimuth)
+            return value, slope, safe_step(at, bound, v, value, slope)
+
+        value, slope, safe = settled(look, at.blades)
         # At a simple root the two steps agree; at a double one Newton's is not to be trusted.
         limit = 4.0 * xp.abs(safe)
         newton = xp.clip(value / xp.where(slope < 0.0, slope, -1e-30), -limit, limit)
@@ -126,11 +132,11 @@ def _walk_on(
         curvature = largest_curvature(at, bound, v, newton)
         ends = 0.5 * curvature * newton * newton <= within.left_over * scale * xp.abs(slope)
         last = near & (ends | (xp.abs(newton) <= within.newton_step * scale))
-        left = xp.where(last, 0, walk.newtons - near)
+        left = walk.newtons - xp.where(near, 1.0, 0.0)
+        solved = last | ((left <= 0.0) & (xp.abs(value) <= within.residual * sizes))
         after = _Walk(
             xp.where(back, bound.start, xp.where(active, v - xp.where(near, newton, safe), v)),
-            xp.where(active, left, walk.newtons),
-            xp.where(active, last | (xp.abs(value) <= within.residual * sizes), walk.good),
+            xp.where(active, xp.where(solved, FOUND, left), walk.newtons),
         )
         return after, steps + 1
 
@@ -151,7 +157,7 @@ def _search(
     if ask.windmill is not None:
         proved = xp.where(ask.windmill > 0.0, bound.start, proved)
     start = xp.broadcast_to(xp.minimum(proved, hint), shape)
-    begin = _Walk(start, xp.full(shape, NEWTON_STEPS), xp.zeros(shape, bool))
+    begin = _Walk(start, xp.full_like(start, NEWTON_STEPS))
     lanes = math.prod(shape)
     few = lanes // 8 if lanes >= GATHER_FROM and not on_numpy() else lanes
     together = xp.minimum(STEPS_TOGETHER, max_steps) if few < lanes else max_steps
@@ -175,7 +181,7 @@ def _search(
         walk = _Walk(*(a.ravel() for a in walk))
         walk, _ = while_loop(some_left, slow_ones, (walk, steps))
         walk = _Walk(*(a.reshape(shape) for a in walk))
-    return walk.v, (walk.newtons <= 0) & walk.good
+    return walk.v, walk.newtons == FOUND
 
 
 def inflow_root(

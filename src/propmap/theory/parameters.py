@@ -16,8 +16,7 @@ class Blade(NamedTuple):
     station : shape (n,) [m], radii of the measured stations, rising.
     chord : shape (n,) [m], chord at the stations.
     twist : shape (n,) [rad], angle of the chord line to the disk plane at the stations.
-    chord_slope [-], twist_slope [rad/m] : shape (n,), derivatives along the radius there
-        (``blade_shape.make_blade`` finds them).
+    cubics : shape (n - 1, 10), the curves between them, a row per interval (``blade_shape``).
     blades : scalar [-], number of blades N_b.
     root : scalar [m], radius at which integration starts (first station or root cut-out).
     """
@@ -25,8 +24,7 @@ class Blade(NamedTuple):
     station: Array
     chord: Array
     twist: Array
-    chord_slope: Array
-    twist_slope: Array
+    cubics: Array
     blades: Array
     root: Array
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from propmap.theory.arrays import xp
@@ -9,34 +11,54 @@ from propmap.theory.parameters import Array, Medium, Section
 from propmap.theory.trigonometry import arctangent
 
 
-def attached_share(alpha: Array, section: Section) -> Array:
+class StallBlend(NamedTuple):
+    """What the blend of eq. (3) takes from the section; all scalars.
+
+    attached [-], sharpness [1/rad], alpha_0 [rad] : see ``Section``.
+    far : exp(-2 M alpha_0) [-], once and not for each blade element.
+    """
+
+    attached: Array
+    sharpness: Array
+    alpha_0: Array
+    far: Array
+
+
+def stall_blend(section: Section) -> StallBlend:
+    """The blend of a section."""
+    far = xp.exp(-2.0 * section.sharpness * section.alpha_0)
+    return StallBlend(section.attached, section.sharpness, section.alpha_0, far)
+
+
+def attached_share(alpha: Array, blend: StallBlend) -> Array:
     """1 - sigma(alpha) [-]: the share of attached flow in the blend of eq. (3).
 
     alpha : any shape [rad], angle of attack from zero lift, in [-pi, pi].
-    section : parameters of the law.
+    blend : of the section, by ``stall_blend``.
 
     The paper writes sigma as (1 + A + B) / ((1 + A)(1 + B)) with A = exp(-M (a - a0)) and
     B = exp(M (a + a0)), which overflows in float32 near 1.4 rad.  For a >= 0 the same
     function, which is even, is 1 - x / ((1 + x)(x + e)) with x = 1/A and e = exp(-2 M a0):
     one exponential, and with a cap on its argument no overflow and no lost derivative.
     """
-    rise, both = _stall_rise(alpha, section)
-    return section.attached * rise / ((1.0 + rise) * (rise + both))
+    rise, inverse = _stall_rise(alpha, blend)
+    return blend.attached * rise * inverse
 
 
-def attached_share_slope(alpha: Array, share: Array, section: Section) -> Array:
-    """Derivative of ``attached_share`` [1/rad] at alpha, given its value ``share`` there."""
-    rise, both = _stall_rise(alpha, section)
-    steepness = (rise * rise - both) / ((1.0 + rise) * (rise + both))
-    return -xp.sign(alpha) * section.sharpness * share * steepness
+def attached_share_and_slope(alpha: Array, blend: StallBlend) -> tuple[Array, Array]:
+    """``attached_share`` [-] and its derivative [1/rad]; shape of alpha."""
+    rise, inverse = _stall_rise(alpha, blend)
+    share = blend.attached * rise * inverse
+    steepness = (rise * rise - blend.far) * inverse
+    return share, -xp.sign(alpha) * blend.sharpness * share * steepness
 
 
-def _stall_rise(alpha: Array, section: Section) -> tuple[Array, Array]:
-    m, a0 = section.sharpness, section.alpha_0
-    angle = m * (xp.abs(alpha) - a0)
+def _stall_rise(alpha: Array, blend: StallBlend) -> tuple[Array, Array]:
+    """x and 1 / ((1 + x)(x + e)), see ``attached_share``."""
+    angle = blend.sharpness * (xp.abs(alpha) - blend.alpha_0)
     # Not ``clip``, whose derivative divides.
-    angle = xp.where(angle > -40.0, xp.where(angle < 40.0, angle, 40.0), -40.0)
-    return xp.exp(angle), xp.exp(-2.0 * m * a0)
+    rise = xp.exp(xp.where(angle > -40.0, xp.where(angle < 40.0, angle, 40.0), -40.0))
+    return rise, 1.0 / ((1.0 + rise) * (rise + blend.far))
 
 
 def angle_of_attack(along: Array, across: Array, speed: Array) -> Array:
@@ -66,7 +88,7 @@ def lift_coefficient(alpha: Array, section: Section) -> Array:
         xp.cos(alpha - section.zero_lift_angle),
     )
     a = angle_of_attack(cosine, sine, xp.ones_like(sine))
-    share = attached_share(a, section)
+    share = attached_share(a, stall_blend(section))
     return share * section.c_l1 * a + (1.0 - share) * section.c_l2 * sine * cosine  # Eq. (3)
 
 

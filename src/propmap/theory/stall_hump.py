@@ -31,7 +31,7 @@ def mean_attached_share(ask: InflowQuestion, inflow: Array) -> Array:
     u_t, u_p = at.omega * at.radius, at.v_axial + inflow
     across, along = at.sine * u_t - at.cosine * u_p, at.cosine * u_t + at.sine * u_p
     alpha = angle_of_attack(along, across, floored_norm(u_t, u_p))
-    return attached_share(alpha, at.section)
+    return attached_share(alpha, at.blend)
 
 
 class Angle(NamedTuple):
