@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import importlib
 import warnings
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
@@ -146,6 +144,8 @@ def search(
     Raises ``InputError`` where there are fewer numbers than parameters, or where the model has
     no solution for more than one row in twenty.
     """
+    from scipy.optimize import least_squares
+
     used = int(np.count_nonzero(rows.weight))
     if used + len(choice.priors) < len(choice.free):
         raise InputError(
@@ -154,11 +154,6 @@ def search(
         )
     evaluator = Evaluator(rows, choice, error)
     bounds = (choice.column("lower"), choice.column("upper"))
-    with ThreadPoolExecutor(1) as beside:
-        # A quarter of a second, spent while the model's programs are compiled.
-        importing = beside.submit(importlib.import_module, "scipy.optimize")
-        evaluator.at(np.clip(begin[0], *bounds))
-    least_squares = importing.result().least_squares
 
     def run(
         x0: Floats,
@@ -187,11 +182,11 @@ def search(
         return np.asarray(found.x), float(found.cost)
 
     allowance = (REFIT_EVALUATIONS, 1e-4, 1e-4) if follow else (EVALUATIONS, 1e-5, 1e-5)
-    ends, before = [], 0
+    ends = []
     for x0 in begin:
+        before = evaluator.count
         x, cost = run(x0, *allowance)
         ends.append(End(x0, x, cost, evaluator.count - before))
-        before = evaluator.count
     ends.sort(key=lambda end: end.cost)
     x = ends[0].x
     if not follow:
