@@ -204,7 +204,8 @@ def mean_of_each(term: Callable[[Any], Value], values: Any, count: Any) -> Value
     zero = _in_pairs(jax.tree.map(lambda a: jnp.zeros(a.shape, a.dtype), like))
     total = lax.fori_loop(0, jnp.max(count) if own else count, add, zero)
     share = 1.0 / jnp.asarray(count)  # once, not a division for each array
-    return _apart([a * share for a in total], like)
+    mean: Value = jax.tree.map(lambda a: a * share, _apart(total, like))
+    return mean
 
 
 class DerivativeByRule:
