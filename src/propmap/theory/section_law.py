@@ -25,7 +25,7 @@ class StallBlend(NamedTuple):
 
 
 def stall_blend(section: Section) -> StallBlend:
-    """The blend of a section."""
+    """The blend of eq. (3) for a section's parameters."""
     far = xp.exp(-2.0 * section.sharpness * section.alpha_0)
     return StallBlend(section.attached, section.sharpness, section.alpha_0, far)
 
@@ -46,7 +46,10 @@ def attached_share(alpha: Array, blend: StallBlend) -> Array:
 
 
 def attached_share_and_slope(alpha: Array, blend: StallBlend) -> tuple[Array, Array]:
-    """``attached_share`` [-] and its derivative [1/rad]; shape of alpha."""
+    """``attached_share`` [-], eq. (3), and its derivative by the angle [1/rad]; shape of alpha.
+
+    alpha [rad], blend : as in ``attached_share``.
+    """
     rise, inverse = _stall_rise(alpha, blend)
     share = blend.attached * rise * inverse
     steepness = (rise * rise - blend.far) * inverse
