@@ -90,7 +90,7 @@ def solve_disk(
         start = xp.full(case.omega.shape, xp.inf)
         several = xp.zeros(case.omega.shape, bool)
     else:
-        start = stall_split.start_below_hump(survey, edges, panels, ask)
+        start = stall_split.start_below_hump(survey, fold, edges, panels, ask)
         several = survey.several | xp.any(fold.folded, axis=0)
     inflow = find_root(ask, start, xp.asarray(MAX_STEPS), azimuth)
     if fold is None:

@@ -125,8 +125,11 @@ def _walk_on(
         sizes = bound.half * largest_lift(
             at.section
         ) * scale * scale + 4.0 * np.pi * at.radius * xp.abs(v) * (scale + xp.abs(v))
-        # A start that turns out to prove nothing is dropped.
-        back = (steps == 0) & ((value >= 0.0) | (slope >= 0.0)) & (v < bound.start)
+        # A start that turns out to prove nothing is dropped; one past a sunk hump that lies a
+        # little below the root is lifted first.
+        begun = (steps <= 1) & (walk.newtons >= NEWTON_STEPS)
+        back = begun & ((value >= 0.0) | (slope >= 0.0)) & (v < bound.start)
+        lift = (steps == 0) & (slope < 0.0) & (v < bound.guess)
         near = near & ~back
         active = walk.newtons > 0
         curvature = largest_curvature(at, bound, v, newton)
@@ -134,8 +137,9 @@ def _walk_on(
         last = near & (ends | (xp.abs(newton) <= within.newton_step * scale))
         left = walk.newtons - xp.where(near, 1.0, 0.0)
         solved = last | ((left <= 0.0) & (xp.abs(value) <= within.residual * sizes))
+        again = xp.where(lift, xp.minimum(v - 2.5 * newton, bound.start), bound.start)
         after = _Walk(
-            xp.where(back, bound.start, xp.where(active, v - xp.where(near, newton, safe), v)),
+            xp.where(back, again, xp.where(active, v - xp.where(near, newton, safe), v)),
             xp.where(active, xp.where(solved, FOUND, left), walk.newtons),
         )
         return after, steps + 1

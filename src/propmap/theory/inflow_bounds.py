@@ -65,23 +65,31 @@ def _attached_guess(
     """A v_i [m/s] a little above the root of attached flow; infinite where it proves nothing.
 
     Without drag and stall and with sin(alpha) for alpha, the blade's thrust is linear in v_i,
-    and Newton's steps from ``start`` come down to the root without passing it.  Where no
+    and Newton's steps from ``start`` come down to the root without passing it.  Where that is
+    past ``mild_from``, some element being stalled there, ``mild_from`` takes its place.  Where no
     element is near stall (11) is concave in v_i, so if it is negative and falls at this v_i,
-    which the walk checks, it has no root between there and ``mild_to``.  Above that no
-    element lifts (the condition on the advancing side), so there is no root either.
+    which the walk checks, it has no root between there and ``mild_to``.  There is none above that
+    either, if it is past ``start`` or no element lifts there (the condition on the advancing side).
     """
-    k = GUESS_MARGIN * 0.5 * at.blades * at.chord * at.section.c_l1 / (4.0 * np.pi * at.radius)
+    # alpha exceeds sin(alpha) whatever its sign.
+    lifting = speed * speed * at.sine > at.omega * at.radius * at.cosine * at.v_axial
+    margin = xp.where(lifting, GUESS_MARGIN, 1.0)
+    k = margin * 0.5 * at.blades * at.chord * at.section.c_l1 / (4.0 * np.pi * at.radius)
     lift, loss = k * speed * speed * at.sine, k * at.omega * at.radius * at.cosine
     v = start
     for _ in range(GUESS_STEPS):
         u = at.v_axial + v
         along = floored_norm(at.v_inplane, u)
         v = v - (lift - loss * u - v * along) / -(loss + along + v * u / along)
+    v = xp.maximum(v, mild_from)
     advancing = at.omega * at.radius + at.v_inplane
     u_end = at.v_axial + mild_to
     no_lift = (u_end >= 0.0) & (u_end * at.cosine >= advancing * at.sine)
-    concave = (v >= mild_from) & (v < mild_to) & (v >= 0.0) & (at.v_axial + v >= 0.0)
-    return xp.where(no_lift & concave & (at.section.attached > 0.0), v, xp.inf)
+    # Of the momentum's part as well: 2 u/W + v (V sin(beta))^2 / W^3 >= 0 from there on.
+    rootless = no_lift | (mild_to >= start)
+    # Of the momentum's part too, 2 u/W + v (V sin(beta))^2 / W^3 being positive from there on.
+    concave = (v < mild_to) & (at.v_axial + v >= xp.maximum(-0.5 * v, 0.0))
+    return xp.where(rootless & concave & (at.section.attached > 0.0), v, xp.inf)
 
 
 def _unstalled_stretch(at: Annulus) -> tuple[Array, Array]:

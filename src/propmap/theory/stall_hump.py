@@ -21,6 +21,9 @@ from propmap.theory.velocities import AzimuthNodes, floored_norm
 TOP_STEPS = 2
 """Newton steps to the top of a hump."""
 
+LONGEST_REACH = 3.0
+"""Multiples of the last two samples' distance over which the residual's rise is carried on."""
+
 HUMP_ANGLES = np.array([-0.2, -0.13, -0.08, -0.045, -0.01, 0.03, 0.08, 0.13])
 """[rad] from the stall angle, where the hump may be, in the order of falling v_i."""
 
@@ -66,7 +69,7 @@ class Hump(NamedTuple):
 
     height: Array  # of the hump or shoulder [m^3/s^2], NaN where unknown; (S, B)
     inflow: Array  # v_i there [m/s]
-    behind: Array  # angle [rad] from the stall angle at which v_i is past the hump
+    next_zero: Array  # angle [rad] from the stall angle of the root past it, if it is below zero
     folded: Array  # whether the residual has three zeros about it
 
 
@@ -91,7 +94,7 @@ def hump_before_stall(ask: InflowQuestion, stall: Array, azimuth: AzimuthNodes) 
     low = seen.peak & (ask.at.v_axial < 0.0)
     here, at = _refined_top(ask, seen.inflow, low, seen.around, azimuth)
     folded = seen.peak & (here > 0.0) & (seen.depth < 0.0)
-    return Hump(xp.where(seen.known, here, xp.nan), at, seen.behind, folded)
+    return Hump(xp.where(seen.known, here, xp.nan), at, seen.next_zero, folded)
 
 
 class _Around(NamedTuple):
@@ -107,7 +110,7 @@ class _Samples(NamedTuple):
     known: Array  # whether it is
     peak: Array  # whether it is a top
     around: _Around  # if it is
-    behind: Array  # angle [rad] from the stall angle at which v_i is past the hump
+    next_zero: Array  # angle [rad] from the stall angle of the root past it, if it is below zero
     depth: Array  # of the residual there
 
 
@@ -123,15 +126,29 @@ def _between_samples(v: Array, height: Array) -> _Samples:
     top, shoulder = entry(_zeros(slope, middle), first), entry(_tops(slope, middle), flattest)
     at = xp.where(some, top, shoulder)
     known = xp.isfinite(at)
-    after = xp.arange(len(HUMP_ANGLES))[:, None, None] > first + 1
-    depth = xp.where(after & xp.isfinite(height), height, xp.inf)
-    valley = xp.argmin(depth, axis=0)
-    behind = xp.asarray(HUMP_ANGLES, v.dtype)[xp.where(some, valley, flattest + 1)]
+    past = xp.arange(len(HUMP_ANGLES))[:, None, None] > xp.where(some, first + 1, flattest)
+    least = xp.min(xp.where(past & xp.isfinite(height), height, xp.inf), axis=0)
+    next_zero = angle_of_next_zero(past, height)
     run = xp.diff(middle, axis=0)
     bend = xp.diff(slope, axis=0) / xp.where(run == 0.0, xp.nan, run)
     around = _Around(*(entry(a, first) for a in (bend, v[2:], v[:-2])))
-    least = xp.min(depth, axis=0)
-    return _Samples(xp.where(known, at, 0.0), known, some, around, behind, least)
+    return _Samples(xp.where(known, at, 0.0), known, some, around, next_zero, least)
+
+
+def angle_of_next_zero(past: Array, height: Array) -> Array:
+    """Angle [rad] from the stall angle up to which the residual stays negative past the hump.
+
+    past : which of the samples at ``HUMP_ANGLES`` are past the hump's top.  height : the residual
+    there [m^3/s^2]; both (K, S, B).  Of use only where the hump is below zero.
+    """
+    angles = xp.asarray(HUMP_ANGLES, height.dtype)[:, None, None]
+    rise = height[1:] - height[:-1]
+    share = -height[:-1] / xp.where(rise > 0.0, rise, xp.inf)
+    ends = past[:-1] & (height[:-1] < 0.0) & (height[1:] >= 0.0)
+    # Where the last sample is negative still, the residual goes on rising, but ever slower.
+    k = xp.where(xp.any(ends, axis=0), xp.argmax(ends, axis=0), len(HUMP_ANGLES) - 2)
+    share = xp.clip(share, 0.0, LONGEST_REACH)
+    return entry(angles[:-1] + share * xp.diff(angles, axis=0), k)
 
 
 _Search = tuple[Array, Array, Array, Array, Array]

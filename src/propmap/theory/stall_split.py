@@ -22,7 +22,7 @@ from propmap.theory.hump_by_slopes import hump_by_slopes
 from propmap.theory.inflow import InflowQuestion, residual
 from propmap.theory.parameters import Array
 from propmap.theory.precision import precision_of
-from propmap.theory.stall_folds import AskAt, Crossing
+from propmap.theory.stall_folds import AskAt, Crossing, Fold
 from propmap.theory.stall_hump import (
     Angle,
     Hump,
@@ -36,6 +36,9 @@ from propmap.theory.velocities import AzimuthNodes
 
 GRID = 20
 """Radii at which the hump is looked for."""
+
+START_MARGIN = 0.01
+"""[rad] by which the search past a sunk hump starts before the root is expected."""
 
 DEFAULT_EDGES = (0.25, 0.6)
 """Shares of the span at which panels meet where there is nothing to follow, for two edges."""
@@ -63,14 +66,14 @@ def _at_extremes(t: Array, height: Array) -> tuple[Array, Array, Array]:
 class Survey(NamedTuple):
     """What the look along the blade gave.
 
-    radius (GRID, 1) [m]; height (GRID, B) of the hump; behind (GRID, B) [rad], an angle of
-    attack from zero lift past the hump; several (B,): whether (11) was seen to have three
-    roots.
+    radius (GRID, 1) [m]; height (GRID, B) of the hump; next_zero (GRID, B) [rad], the angle of
+    attack from zero lift at which (11) has its root past a hump below zero; several (B,): whether
+    (11) was seen to have three roots.
     """
 
     radius: Array
     height: Array
-    behind: Array
+    next_zero: Array
     several: Array
 
 
@@ -138,7 +141,7 @@ def hump_crossings(
     islands = edges > len(DEFAULT_EDGES)
     find_hump = hump_by_slopes if islands else hump_before_stall
     hump = settled(lambda: find_hump(ask, stall, azimuth), root)
-    survey = Survey(radius, hump.height, stall + hump.behind, xp.any(hump.folded, axis=0))
+    survey = Survey(radius, hump.height, stall + hump.next_zero, xp.any(hump.folded, axis=0))
 
     def sight_of(radii: Array, found: Hump) -> Sight:
         # At the hump's top, by the envelope theorem, only the radius itself counts.
@@ -169,24 +172,33 @@ def hump_crossings(
 
 
 def start_below_hump(
-    survey: Survey, edges: Array, counts: tuple[int, ...], ask: InflowQuestion
+    survey: Survey, fold: Fold, edges: Array, counts: tuple[int, ...], ask: InflowQuestion
 ) -> Array:
     """Where the search for the root may start instead of from above [m/s]; (S, B).
 
     On panels along which the hump stays below zero there is no root above it, and v_i just
-    past it is a start that spares creeping over the hump.  Infinite elsewhere.
-    edges (P + 1, B) [m] : of panels with ``counts`` nodes; ask : equation (11) at the nodes.
+    above the one past it is a start that spares creeping over the hump.  Infinite elsewhere.
+    fold : the folds found.  edges (P + 1, B) [m] : of panels with ``counts`` nodes; ask :
+    equation (11) at the nodes.
     """
     below = survey.height < 0.0
     step = survey.radius[1, 0] - survey.radius[0, 0]
     # Heights are known to within the samples over v_i, so that next to a fold their sign is not.
-    margin = 0.5 * step
-    inside = (survey.radius > edges[:-1, None] + margin) & (
-        survey.radius < edges[1:, None] - margin
-    )
+    # The blade's ends are no folds: up to one that was found the shortest panel there has a sign.
+    found = xp.any(fold.found[:, None] & (fold.radius[:, None] == edges), axis=0)
+    width = xp.diff(edges, axis=0)
+    beyond = xp.full((1, edges.shape[1]), xp.inf)
+
+    def margin(found: Array) -> Array:
+        return 0.5 * xp.where(found, xp.minimum(step, width), step)
+
+    low = xp.concatenate([-beyond, (edges[:-1] + margin(found[:-1]))[1:]])
+    high = xp.concatenate([(edges[1:] - margin(found[1:]))[:-1], beyond])
+    inside = (survey.radius > low[:, None]) & (survey.radius < high[:, None])
     sunk = xp.any(inside, axis=1) & xp.all(below | ~inside, axis=1)
     sunk = sunk[np.repeat(np.arange(len(counts)), counts)]
     place = (ask.at.radius - survey.radius[0, 0]) / step
-    k = xp.clip(xp.round(place).astype(int), 0, GRID - 1)
-    angle = Angle(*sine_and_cosine(xp.take_along_axis(survey.behind, k, axis=0)))
+    k = xp.clip(place.astype(int), 0, GRID - 2)
+    one, other = (xp.take_along_axis(survey.next_zero, i, axis=0) for i in (k, k + 1))
+    angle = Angle(*sine_and_cosine(one + (place - k) * (other - one) - START_MARGIN))
     return xp.where(sunk, inflow_at_angle(ask, angle), xp.inf)
