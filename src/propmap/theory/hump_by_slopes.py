@@ -13,13 +13,7 @@ import functools
 from propmap.theory.arrays import along_first_axis, entry, of_each, xp
 from propmap.theory.inflow import InflowQuestion, residual_slope
 from propmap.theory.parameters import Array
-from propmap.theory.stall_hump import (
-    HUMP_ANGLES,
-    Hump,
-    angle_of_next_zero,
-    angles_about,
-    inflow_at_angle,
-)
+from propmap.theory.stall_hump import HUMP_ANGLES, Hump, angles_about, inflow_at_angle
 from propmap.theory.velocities import AzimuthNodes, floored_norm
 
 CLOSER = (0.012, 0.003)
@@ -42,6 +36,7 @@ def hump_by_slopes(ask: InflowQuestion, stall: Array, azimuth: AzimuthNodes) -> 
     value, slope = of_each(sample, v)
     at, height, top = _first_top(v, value, slope)
     depth = xp.where((v < at) & xp.isfinite(value), value, xp.inf)
+    valley = xp.argmin(depth, axis=0)
     speed = floored_norm(ask.at.omega * ask.at.radius, ask.at.v_inplane)
 
     def closer(best: Top, half: Array) -> Top:
@@ -53,7 +48,7 @@ def hump_by_slopes(ask: InflowQuestion, stall: Array, azimuth: AzimuthNodes) -> 
     return Hump(
         height,
         xp.where(xp.isfinite(at), at, 0.0),
-        angle_of_next_zero(v < at, value),
+        xp.asarray(HUMP_ANGLES, at.dtype)[valley],
         folded,
     )
 

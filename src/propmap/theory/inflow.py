@@ -38,6 +38,9 @@ NEWTON_STEPS = 4
 FOUND = -1.0
 """Instead of Newton steps left: the last one was tiny, or the residual within tolerance."""
 
+LIFTS, LIFT = 2, 1.5
+"""How often a start below the root is lifted, and by how many Newton steps the first time."""
+
 GATHER_FROM = 2000
 """Lanes, stations times operating points, from which it pays to gather the slow ones: fewer, and
 a second loop takes longer to compile than it spares."""
@@ -125,11 +128,12 @@ def _walk_on(
         sizes = bound.half * largest_lift(
             at.section
         ) * scale * scale + 4.0 * np.pi * at.radius * xp.abs(v) * (scale + xp.abs(v))
-        # A start that turns out to prove nothing is dropped; one past a sunk hump that lies a
-        # little below the root is lifted first.
-        begun = (steps <= 1) & (walk.newtons >= NEWTON_STEPS)
-        back = begun & ((value >= 0.0) | (slope >= 0.0)) & (v < bound.start)
-        lift = (steps == 0) & (slope < 0.0) & (v < bound.guess)
+        # A start that turns out to prove nothing is dropped.  One past a sunk hump in climb proves
+        # itself by its sign, and is lifted if it lies a little below the root.
+        expected = (v < bound.guess) & (at.v_axial >= 0.0)
+        wrong = (value >= 0.0) | ((slope >= 0.0) & ~expected)
+        back = (steps <= LIFTS) & (walk.newtons >= NEWTON_STEPS) & wrong & (v < bound.start)
+        lift = (steps < LIFTS) & (slope < 0.0) & expected
         near = near & ~back
         active = walk.newtons > 0
         curvature = largest_curvature(at, bound, v, newton)
@@ -137,7 +141,9 @@ def _walk_on(
         last = near & (ends | (xp.abs(newton) <= within.newton_step * scale))
         left = walk.newtons - xp.where(near, 1.0, 0.0)
         solved = last | ((left <= 0.0) & (xp.abs(value) <= within.residual * sizes))
-        again = xp.where(lift, xp.minimum(v - 2.5 * newton, bound.start), bound.start)
+        again = xp.where(
+            lift, xp.minimum(v - LIFT * (1 + steps) * newton, bound.start), bound.start
+        )
         after = _Walk(
             xp.where(back, again, xp.where(active, v - xp.where(near, newton, safe), v)),
             xp.where(active, xp.where(solved, FOUND, left), walk.newtons),
@@ -179,7 +185,10 @@ def _search(
             mine = jax.tree.map(lambda a: a[pick] if xp.ndim(a) else a, flat)
             part = _Walk(*(a[pick] for a in walk))
             nodes = azimuth.of_lanes(pick % shape[-1])
-            part, steps = _walk_on(mine, part, steps, steps + STEPS_TOGETHER, nodes)
+            # Those that are left go all the way, if there is room for all of them.
+            all_here = xp.sum(walk.newtons > 0) <= few
+            until = xp.where(all_here, max_steps, steps + STEPS_TOGETHER)
+            part, steps = _walk_on(mine, part, steps, until, nodes)
             return _Walk(*(a.at[pick].set(b) for a, b in zip(walk, part, strict=True))), steps
 
         walk = _Walk(*(a.ravel() for a in walk))

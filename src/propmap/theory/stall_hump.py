@@ -69,7 +69,7 @@ class Hump(NamedTuple):
 
     height: Array  # of the hump or shoulder [m^3/s^2], NaN where unknown; (S, B)
     inflow: Array  # v_i there [m/s]
-    next_zero: Array  # angle [rad] from the stall angle of the root past it, if it is below zero
+    behind: Array  # angle [rad] from the stall angle down to which, past it, there is no root
     folded: Array  # whether the residual has three zeros about it
 
 
@@ -88,13 +88,14 @@ def hump_before_stall(ask: InflowQuestion, stall: Array, azimuth: AzimuthNodes) 
         return v, xp.where(known, residual(ask, v, azimuth), xp.nan)
 
     v, height = of_each(sample, angles_about(stall, HUMP_ANGLES))
-    seen = settled(lambda: _between_samples(v, height), ask.at.blades)
+    descends = ask.at.v_axial < 0.0
+    seen = settled(lambda: _between_samples(v, height, descends), ask.at.blades)
     # In descent the attached stretch ends in low humps; elsewhere the guess is as good, and
     # joins the shoulder's without a step.
-    low = seen.peak & (ask.at.v_axial < 0.0)
+    low = seen.peak & descends
     here, at = _refined_top(ask, seen.inflow, low, seen.around, azimuth)
     folded = seen.peak & (here > 0.0) & (seen.depth < 0.0)
-    return Hump(xp.where(seen.known, here, xp.nan), at, seen.next_zero, folded)
+    return Hump(xp.where(seen.known, here, xp.nan), at, seen.behind, folded)
 
 
 class _Around(NamedTuple):
@@ -110,12 +111,16 @@ class _Samples(NamedTuple):
     known: Array  # whether it is
     peak: Array  # whether it is a top
     around: _Around  # if it is
-    next_zero: Array  # angle [rad] from the stall angle of the root past it, if it is below zero
+    behind: Array  # angle [rad] from the stall angle down to which, past it, there is no root
     depth: Array  # of the residual there
 
 
-def _between_samples(v: Array, height: Array) -> _Samples:
-    """From v_i [m/s], falling, and the residual there, NaN where unknown; both (K, S, B)."""
+def _between_samples(v: Array, height: Array, descends: Array) -> _Samples:
+    """From v_i [m/s], falling, and the residual there, NaN where unknown; both (K, S, B).
+
+    descends (B,) : V cos(beta) < 0.  There the momentum's thrust vanishes where the disk is
+    becalmed, with roots on both sides that no sample need show, so no zero is foretold.
+    """
     gap = xp.diff(v, axis=0)
     slope = xp.diff(height, axis=0) / xp.where(gap == 0.0, xp.nan, gap)
     middle = 0.5 * (v[:-1] + v[1:])
@@ -127,19 +132,21 @@ def _between_samples(v: Array, height: Array) -> _Samples:
     at = xp.where(some, top, shoulder)
     known = xp.isfinite(at)
     past = xp.arange(len(HUMP_ANGLES))[:, None, None] > xp.where(some, first + 1, flattest)
-    least = xp.min(xp.where(past & xp.isfinite(height), height, xp.inf), axis=0)
-    next_zero = angle_of_next_zero(past, height)
+    depth = xp.where(past & xp.isfinite(height), height, xp.inf)
+    valley = xp.asarray(HUMP_ANGLES, v.dtype)[xp.argmin(depth, axis=0)]
+    behind = xp.where(descends, valley, _next_zero(past, height))
     run = xp.diff(middle, axis=0)
     bend = xp.diff(slope, axis=0) / xp.where(run == 0.0, xp.nan, run)
     around = _Around(*(entry(a, first) for a in (bend, v[2:], v[:-2])))
-    return _Samples(xp.where(known, at, 0.0), known, some, around, next_zero, least)
+    least = xp.min(depth, axis=0)
+    return _Samples(xp.where(known, at, 0.0), known, some, around, behind, least)
 
 
-def angle_of_next_zero(past: Array, height: Array) -> Array:
-    """Angle [rad] from the stall angle up to which the residual stays negative past the hump.
+def _next_zero(past: Array, height: Array) -> Array:
+    """Angle [rad] from the stall angle of the residual's zero past a hump below zero, (S, B).
 
     past : which of the samples at ``HUMP_ANGLES`` are past the hump's top.  height : the residual
-    there [m^3/s^2]; both (K, S, B).  Of use only where the hump is below zero.
+    there [m^3/s^2]; both (K, S, B).
     """
     angles = xp.asarray(HUMP_ANGLES, height.dtype)[:, None, None]
     rise = height[1:] - height[:-1]

@@ -66,14 +66,14 @@ def _at_extremes(t: Array, height: Array) -> tuple[Array, Array, Array]:
 class Survey(NamedTuple):
     """What the look along the blade gave.
 
-    radius (GRID, 1) [m]; height (GRID, B) of the hump; next_zero (GRID, B) [rad], the angle of
-    attack from zero lift at which (11) has its root past a hump below zero; several (B,): whether
+    radius (GRID, 1) [m]; height (GRID, B) of the hump; behind (GRID, B) [rad], the angle of attack
+    from zero lift down to which (11) has no root past a hump below zero; several (B,): whether
     (11) was seen to have three roots.
     """
 
     radius: Array
     height: Array
-    next_zero: Array
+    behind: Array
     several: Array
 
 
@@ -141,7 +141,7 @@ def hump_crossings(
     islands = edges > len(DEFAULT_EDGES)
     find_hump = hump_by_slopes if islands else hump_before_stall
     hump = settled(lambda: find_hump(ask, stall, azimuth), root)
-    survey = Survey(radius, hump.height, stall + hump.next_zero, xp.any(hump.folded, axis=0))
+    survey = Survey(radius, hump.height, stall + hump.behind, xp.any(hump.folded, axis=0))
 
     def sight_of(radii: Array, found: Hump) -> Sight:
         # At the hump's top, by the envelope theorem, only the radius itself counts.
@@ -199,6 +199,10 @@ def start_below_hump(
     sunk = sunk[np.repeat(np.arange(len(counts)), counts)]
     place = (ask.at.radius - survey.radius[0, 0]) / step
     k = xp.clip(place.astype(int), 0, GRID - 2)
-    one, other = (xp.take_along_axis(survey.next_zero, i, axis=0) for i in (k, k + 1))
-    angle = Angle(*sine_and_cosine(one + (place - k) * (other - one) - START_MARGIN))
+    one, other = (xp.take_along_axis(survey.behind, i, axis=0) for i in (k, k + 1))
+    # In descent it is a mere sample, in climb where a root is expected.
+    descends = ask.at.v_axial < 0.0
+    share = xp.where(descends, xp.round(place - k), place - k)
+    expected = one + share * (other - one) - xp.where(descends, 0.0, START_MARGIN)
+    angle = Angle(*sine_and_cosine(expected))
     return xp.where(sunk, inflow_at_angle(ask, angle), xp.inf)
