@@ -32,6 +32,9 @@ REVERSED_ABOVE = 0.3
 """Advance ratio above which the reversed flow on the retreating side asks for as many nodes as
 spread stall does."""
 
+FORECAST_TOGETHER = 1024
+"""Points whose stall is forecast at once: more, and NumPy waits for memory."""
+
 STALL_MARGIN = (2.9, 12.0)
 """Distance from the stall angle, in units of 1/M, within which stall is expected: in axial flow,
 and by how much it grows with the advance ratio.  The forecast errs more where flow is faster: of
@@ -194,19 +197,38 @@ def may_stall(
     solidity_slope : N_b c c_l1 / (8 pi y) (S,) [-].  stall : alpha_0 [rad] and M [1/rad].
     A wrong forecast costs time or is found out from the result, never accuracy.
     """
+    forecast = np.empty(omega.size, bool)
+    for start in range(0, omega.size, FORECAST_TOGETHER):
+        part = slice(start, start + FORECAST_TOGETHER)
+        nearest = _nearest_to_stall(
+            radius, solidity_slope, pitch, omega[part], v_axial[part], v_inplane[part]
+        )
+        advance = v_inplane[part] / np.maximum(omega[part] * radius[-1], 1e-9)
+        margin = (STALL_MARGIN[0] + STALL_MARGIN[1] * advance) / stall[1]
+        forecast[part] = (nearest > stall[0] - margin) | (v_axial[part] < 0.0)
+    return forecast
+
+
+def _nearest_to_stall(
+    radius: Floats,
+    solidity_slope: Floats,
+    pitch: Floats,
+    omega: Floats,
+    v_axial: Floats,
+    v_inplane: Floats,
+) -> Floats:
+    """The largest angle of attack from zero lift along the blade, of either sign (N,) [rad]."""
     r, k, theta = radius[:, None], solidity_slope[:, None], pitch[:, None]
     turning = omega * r
     speed = np.sqrt(turning**2 + 0.5 * v_inplane**2)
-    inflow = np.zeros_like(turning)
-    through = np.full_like(turning, 0.0) + v_axial
+    pull = k * speed
+    push = pull * (speed * theta - v_axial)
+    least_wake = 0.5 * np.sqrt(np.maximum(k * theta, 0.0)) * turning
+    through = np.zeros_like(turning) + v_axial
     for _ in range(4):
         # k U_T (U_T theta - through) = v_i W: blade elements and momentum, small angles.
-        wake = np.sqrt(v_inplane**2 + through**2) + 1e-9
-        wake = np.maximum(wake, 0.5 * np.sqrt(np.maximum(k * theta, 0.0)) * turning)
-        inflow = k * speed * (speed * theta - v_axial) / (wake + k * speed)
-        through = v_axial + inflow
+        wake = np.maximum(np.sqrt(v_inplane**2 + through**2) + 1e-9, least_wake)
+        through = v_axial + push / (wake + pull)
     alpha = theta - np.arctan2(through, turning)
-    advance = v_inplane / np.maximum(omega * radius[-1], 1e-9)
-    margin = (STALL_MARGIN[0] + STALL_MARGIN[1] * advance) / stall[1]
-    near = np.abs(alpha) > stall[0] - margin
-    return np.asarray(near.any(axis=0) | (v_axial < 0.0))
+    nearest: Floats = np.abs(alpha).max(axis=0)
+    return nearest
