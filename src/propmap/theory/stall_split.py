@@ -183,23 +183,26 @@ def start_below_hump(
     """
     below = survey.height < 0.0
     step = survey.radius[1, 0] - survey.radius[0, 0]
-    # Heights are known to within the samples over v_i, so that next to a fold their sign is not.
-    # The blade's ends are no folds: up to one that was found the shortest panel there has a sign.
-    found = xp.any(fold.found[:, None] & (fold.radius[:, None] == edges), axis=0)
-    width = xp.diff(edges, axis=0)
-    beyond = xp.full((1, edges.shape[1]), xp.inf)
-
-    def margin(found: Array) -> Array:
-        return 0.5 * xp.where(found, xp.minimum(step, width), step)
-
-    low = xp.concatenate([-beyond, (edges[:-1] + margin(found[:-1]))[1:]])
-    high = xp.concatenate([(edges[1:] - margin(found[1:]))[:-1], beyond])
+    # Heights are known to within the samples over v_i, so that next to an edge their sign is not.
+    # Next to a fold the hump has but one, and the blade's end is as good as far from it.
+    folds = xp.any(fold.folded[:, None] & (fold.radius[:, None] == edges), axis=0)
+    inner, outer = folds[:-1], folds[1:]
+    short = xp.minimum(step, xp.diff(edges, axis=0))
+    low = edges[:-1] + 0.5 * xp.where(inner, short, step)
+    high = edges[1:] - 0.5 * xp.where(outer, short, step)
+    number = np.arange(len(counts))[:, None]
+    low = xp.where((number == 0) & outer, -xp.inf, low)
+    high = xp.where((number == len(counts) - 1) & inner, xp.inf, high)
     inside = (survey.radius > low[:, None]) & (survey.radius < high[:, None])
     sunk = xp.any(inside, axis=1) & xp.all(below | ~inside, axis=1)
-    sunk = sunk[np.repeat(np.arange(len(counts)), counts)]
     place = (ask.at.radius - survey.radius[0, 0]) / step
     k = xp.clip(place.astype(int), 0, GRID - 2)
+    panel = np.repeat(np.arange(len(counts)), counts)
     one, other = (xp.take_along_axis(survey.behind, i, axis=0) for i in (k, k + 1))
+    one_below, other_below = (xp.take_along_axis(below, i, axis=0) for i in (k, k + 1))
+    # Of the radii on both sides one may be beyond the panel, but only past a fold that was found.
+    sunk = sunk[panel] & (one_below | inner[panel]) & (other_below | outer[panel])
+    one, other = xp.where(one_below, one, other), xp.where(other_below, other, one)
     # In descent it is a mere sample, in climb where a root is expected.
     descends = ask.at.v_axial < 0.0
     share = xp.where(descends, xp.round(place - k), place - k)
