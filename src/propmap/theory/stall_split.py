@@ -198,14 +198,22 @@ def start_below_hump(
     place = (ask.at.radius - survey.radius[0, 0]) / step
     k = xp.clip(place.astype(int), 0, GRID - 2)
     panel = np.repeat(np.arange(len(counts)), counts)
-    one, other = (xp.take_along_axis(survey.behind, i, axis=0) for i in (k, k + 1))
-    one_below, other_below = (xp.take_along_axis(below, i, axis=0) for i in (k, k + 1))
-    # Of the radii on both sides one may be beyond the panel, but only past a fold that was found.
-    sunk = sunk[panel] & (one_below | inner[panel]) & (other_below | outer[panel])
-    one, other = xp.where(one_below, one, other), xp.where(other_below, other, one)
+    behind = xp.where(below, survey.behind, xp.inf)
+
+    def beside() -> tuple[Array, Array]:
+        return xp.take_along_axis(behind, k, axis=0), xp.take_along_axis(behind, k + 1, axis=0)
+
+    one, other = settled(beside, step)
+    # Of the radii on both sides one may be beyond the panel, but only past a fold.
+    sunk = sunk[panel] & ((one < xp.inf) | inner[panel]) & ((other < xp.inf) | outer[panel])
+    one, other = xp.where(one < xp.inf, one, other), xp.where(other < xp.inf, other, one)
     # In descent it is a mere sample, in climb where a root is expected.
     descends = ask.at.v_axial < 0.0
     share = xp.where(descends, xp.round(place - k), place - k)
     expected = one + share * (other - one) - xp.where(descends, 0.0, START_MARGIN)
-    angle = Angle(*sine_and_cosine(expected))
-    return xp.where(sunk, inflow_at_angle(ask, angle), xp.inf)
+
+    def start() -> Array:
+        angle = Angle(*sine_and_cosine(expected))
+        return xp.where(sunk, inflow_at_angle(ask, angle), xp.inf)
+
+    return settled(start, step)
