@@ -203,7 +203,8 @@ def inflow_root(
     """The largest root v_i [m/s] of eq. (11), NaN where it was not found.
 
     ask : arrays that broadcast, stations first, operating points last.
-    start : v_i [m/s] above which there is known to be no root; infinite where it is not.
+    start : v_i [m/s] above which there is known to be no root, but for a little in climb; infinite
+    where it is not.
     max_steps : evaluations of the residual after which the search is given up.
     azimuth : nodes; not differentiated.
     Differentiable with respect to everything in ``ask``, see ``moving_root``.

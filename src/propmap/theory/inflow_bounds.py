@@ -85,7 +85,6 @@ def _attached_guess(
     advancing = at.omega * at.radius + at.v_inplane
     u_end = at.v_axial + mild_to
     no_lift = (u_end >= 0.0) & (u_end * at.cosine >= advancing * at.sine)
-    # Of the momentum's part as well: 2 u/W + v (V sin(beta))^2 / W^3 >= 0 from there on.
     rootless = no_lift | (mild_to >= start)
     # Of the momentum's part too, 2 u/W + v (V sin(beta))^2 / W^3 being positive from there on.
     concave = (v < mild_to) & (at.v_axial + v >= xp.maximum(-0.5 * v, 0.0))
