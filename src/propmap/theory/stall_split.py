@@ -171,42 +171,52 @@ def hump_crossings(
     return near, survey
 
 
+def _sunk_panels(survey: Survey, edges: Array, at_fold: Array) -> Array:
+    """Whether the hump stays below zero along each panel; (P, B).
+
+    edges (P + 1, B) [m] : of the panels, rising.  at_fold (P + 1, B) : which of them are folds.
+    """
+    # Heights are known to within the samples over v_i, so that next to an edge their sign is not.
+    # Next to a fold the hump has but one, and the blade's end is as good as far from it.
+    step = survey.radius[1, 0] - survey.radius[0, 0]
+    inner, outer = at_fold[:-1], at_fold[1:]
+    short = xp.minimum(step, xp.diff(edges, axis=0))
+    low = edges[:-1] + 0.5 * xp.where(inner, short, step)
+    high = edges[1:] - 0.5 * xp.where(outer, short, step)
+    number = np.arange(edges.shape[0] - 1)[:, None]
+    low = xp.where((number == 0) & outer, -xp.inf, low)
+    high = xp.where((number == number[-1]) & inner, xp.inf, high)
+    inside = (survey.radius > low[:, None]) & (survey.radius < high[:, None])
+    return xp.any(inside, axis=1) & xp.all((survey.height < 0.0) | ~inside, axis=1)
+
+
 def start_below_hump(
     survey: Survey, fold: Fold, edges: Array, counts: tuple[int, ...], ask: InflowQuestion
 ) -> Array:
     """Where the search for the root may start instead of from above [m/s]; (S, B).
 
     On panels along which the hump stays below zero there is no root above it, and v_i just
-    above the one past it is a start that spares creeping over the hump.  Infinite elsewhere.
-    fold : the folds found.  edges (P + 1, B) [m] : of panels with ``counts`` nodes; ask :
-    equation (11) at the nodes.
+    above the one past it is a start that spares creeping over the hump.  In climb, where that
+    root is foretold, the start may lie a little below it.  Infinite elsewhere.
+    survey : of the hump.  fold : the folds found.  edges (P + 1, B) [m] : of panels with
+    ``counts`` nodes.  ask : equation (11) at the nodes (S, B).
     """
-    below = survey.height < 0.0
+    at_fold = xp.any(fold.folded[:, None] & (fold.radius[:, None] == edges), axis=0)
+    panel = np.repeat(np.arange(len(counts)), counts)
     step = survey.radius[1, 0] - survey.radius[0, 0]
-    # Heights are known to within the samples over v_i, so that next to an edge their sign is not.
-    # Next to a fold the hump has but one, and the blade's end is as good as far from it.
-    folds = xp.any(fold.folded[:, None] & (fold.radius[:, None] == edges), axis=0)
-    inner, outer = folds[:-1], folds[1:]
-    short = xp.minimum(step, xp.diff(edges, axis=0))
-    low = edges[:-1] + 0.5 * xp.where(inner, short, step)
-    high = edges[1:] - 0.5 * xp.where(outer, short, step)
-    number = np.arange(len(counts))[:, None]
-    low = xp.where((number == 0) & outer, -xp.inf, low)
-    high = xp.where((number == len(counts) - 1) & inner, xp.inf, high)
-    inside = (survey.radius > low[:, None]) & (survey.radius < high[:, None])
-    sunk = xp.any(inside, axis=1) & xp.all(below | ~inside, axis=1)
     place = (ask.at.radius - survey.radius[0, 0]) / step
     k = xp.clip(place.astype(int), 0, GRID - 2)
-    panel = np.repeat(np.arange(len(counts)), counts)
-    behind = xp.where(below, survey.behind, xp.inf)
+    behind = xp.where(survey.height < 0.0, survey.behind, xp.inf)
 
     def beside() -> tuple[Array, Array]:
         return xp.take_along_axis(behind, k, axis=0), xp.take_along_axis(behind, k + 1, axis=0)
 
     one, other = settled(beside, step)
+    one_sunk, other_sunk = one < xp.inf, other < xp.inf
     # Of the radii on both sides one may be beyond the panel, but only past a fold.
-    sunk = sunk[panel] & ((one < xp.inf) | inner[panel]) & ((other < xp.inf) | outer[panel])
-    one, other = xp.where(one < xp.inf, one, other), xp.where(other < xp.inf, other, one)
+    sunk = _sunk_panels(survey, edges, at_fold)[panel]
+    sunk = sunk & (one_sunk | at_fold[:-1][panel]) & (other_sunk | at_fold[1:][panel])
+    one, other = xp.where(one_sunk, one, other), xp.where(other_sunk, other, one)
     # In descent it is a mere sample, in climb where a root is expected.
     descends = ask.at.v_axial < 0.0
     share = xp.where(descends, xp.round(place - k), place - k)
