@@ -20,6 +20,10 @@ from jax import lax
 
 Value = TypeVar("Value")
 
+TOGETHER = 2
+"""Terms of a mean that are computed at a time: a processor waits for the results of a long chain of
+operations, and has another to go on with meanwhile."""
+
 _BY_NUMPY = contextvars.ContextVar("_BY_NUMPY", default=False)
 
 
@@ -114,6 +118,20 @@ def _apart(packed: list[Any], like: Value) -> Value:
     return values
 
 
+def in_one_kernel(value: jax.Array, scalar: jax.Array) -> jax.Array:
+    """The value itself, to be computed in each kernel that uses it.
+
+    value : a sum or product of two arrays, of which many others follow.  scalar : any number at
+    hand.
+
+    Where roots or quotients with several users follow, XLA on a CPU makes such a value a kernel of
+    its own, but not what is made of one array and a number.
+    """
+    if on_numpy() or on_accelerator():
+        return value
+    return value * ((scalar <= scalar) | (scalar != scalar)).astype(value.dtype)
+
+
 def while_loop(
     going: Callable[[Value], jax.Array], step: Callable[[Value], Value], state: Value
 ) -> Value:
@@ -161,6 +179,17 @@ def of_each(function: Callable[[Any], Value], values: Any) -> Value:
     return mapped
 
 
+def by_bits(function: Callable[..., Any], *values: jax.Array) -> jax.Array:
+    """The number whose bits are those that ``function`` gives, as integers, of those of values."""
+    real = values[0].dtype
+    whole = np.int64 if real == np.float64 else np.int32
+    if on_numpy():
+        found: Any = function(*(np.asarray(a).view(whole) for a in values))
+        return np.asarray(found).view(real)  # type: ignore[return-value]
+    bits = function(*(lax.bitcast_convert_type(a, whole) for a in values))
+    return lax.bitcast_convert_type(bits, real)
+
+
 def entry(values: jax.Array, k: jax.Array) -> jax.Array:
     """values[k] along the first axis: values (n, ...), k of its other axes' shape, 0 <= k < n.
 
@@ -193,16 +222,21 @@ def mean_of_each(term: Callable[[Any], Value], values: Any, count: Any) -> Value
         share = 1.0 / count
         return jax.tree.map(lambda a: np.sum(np.where(among, a, 0.0), axis=0) * share, terms)
     own = jnp.ndim(count) > 0
+    masked = own or count % TOGETHER > 0
 
-    def add(k: Any, total: list[Any]) -> list[Any]:
-        terms = _in_pairs(term(values[k]))
-        if own:
-            terms = [jnp.where(k < count, a, 0.0) for a in terms]
-        return [a + b for a, b in zip(total, terms, strict=True)]
+    def one(k: Any) -> Any:
+        terms = term(values[k])
+        return jax.tree.map(lambda a: jnp.where(k < count, a, 0.0), terms) if masked else terms
+
+    def add(turn: Any, total: list[Any]) -> list[Any]:
+        some = [one(TOGETHER * turn + k) for k in range(TOGETHER)]
+        terms = jax.tree.map(lambda *each: sum(each[1:], each[0]), *some)
+        return [a + b for a, b in zip(total, _in_pairs(terms), strict=True)]
 
     like = jax.eval_shape(term, values[0])
     zero = _in_pairs(jax.tree.map(lambda a: jnp.zeros(a.shape, a.dtype), like))
-    total = lax.fori_loop(0, jnp.max(count) if own else count, add, zero)
+    most = jnp.max(count) if own else count
+    total = lax.fori_loop(0, -(-most // TOGETHER), add, zero)
     share = 1.0 / jnp.asarray(count)  # once, not a division for each array
     mean: Value = jax.tree.map(lambda a: a * share, _apart(total, like))
     return mean

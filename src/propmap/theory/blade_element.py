@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from propmap.theory.arrays import mean_of_each, settled, xp
+from propmap.theory.arrays import in_one_kernel, mean_of_each, settled, xp
 from propmap.theory.blade_shape import StationShape
+from propmap.theory.elementary import sine_and_cosine
 from propmap.theory.parameters import Array, Blade, Medium, Section
 from propmap.theory.section_law import (
     StallBlend,
@@ -16,7 +17,6 @@ from propmap.theory.section_law import (
     friction_chord,
     stall_blend,
 )
-from propmap.theory.trigonometry import sine_and_cosine
 from propmap.theory.velocities import (
     AzimuthNodes,
     floored_norm,
@@ -86,6 +86,12 @@ def annulus(
     )
 
 
+def _velocities(at: Annulus, inflow: Array, sine: Array) -> tuple[Array, Array]:
+    u_t = tangential_velocity(at.omega, at.radius, at.v_inplane, sine)
+    u_p = normal_velocity(at.v_axial, inflow)
+    return in_one_kernel(u_t, at.blades), in_one_kernel(u_p, at.blades)
+
+
 def element_forces(at: Annulus, inflow: Array, sine: Array) -> tuple[Array, Array]:
     """Normal and tangential force of one blade element per radius and density [m^3/s^2].
 
@@ -93,8 +99,7 @@ def element_forces(at: Annulus, inflow: Array, sine: Array) -> tuple[Array, Arra
     Normal is along the thrust, tangential against the rotation (dL sin(phi) + dD cos(phi)).
     sin(phi) = U_P/U and cos(phi) = U_T/U, so that reverse flow needs no case of its own.
     """
-    u_t = tangential_velocity(at.omega, at.radius, at.v_inplane, sine)
-    u_p = normal_velocity(at.v_axial, inflow)
+    u_t, u_p = _velocities(at, inflow, sine)
     u = floored_norm(u_t, u_p)
     across = at.sine * u_t - at.cosine * u_p  # U sin(alpha)
     along = at.cosine * u_t + at.sine * u_p  # U cos(alpha)
@@ -120,8 +125,7 @@ def element_thrust_slope(at: Annulus, inflow: Array, sine: Array) -> tuple[Array
     to ``element_forces`` and its derivative.
     """
     law = at.section
-    u_t = tangential_velocity(at.omega, at.radius, at.v_inplane, sine)
-    u_p = normal_velocity(at.v_axial, inflow)
+    u_t, u_p = _velocities(at, inflow, sine)
     u = floored_norm(u_t, u_p)
     per_u = 1.0 / u
     across = at.sine * u_t - at.cosine * u_p
@@ -130,33 +134,36 @@ def element_thrust_slope(at: Annulus, inflow: Array, sine: Array) -> tuple[Array
     share, share_slope = attached_share_and_slope(alpha, at.blend)
     root = xp.sqrt(u)
 
-    d_u = u_p * per_u
-    d_alpha = -u_t * per_u * per_u
+    # Sine and cosine of the inflow angle, of which the sine is dU/dv, and of the angle of attack.
+    rising, turning = u_p * per_u, u_t * per_u
+    sine_alpha, cosine_alpha = across * per_u, along * per_u
     attached = law.c_l1 * alpha * u
-    d_attached = law.c_l1 * (d_alpha * u + alpha * d_u)
-    separated = law.c_l2 * across * along * per_u
-    d_separated = (law.c_l2 * (across * at.sine - at.cosine * along) - separated * d_u) * per_u
-    d_share = share_slope * d_alpha
-    lift = share * attached + (1.0 - share) * separated
-    d_lift = share * d_attached + (1.0 - share) * d_separated + d_share * (attached - separated)
-    pressure = law.c_d * across * across * per_u
-    d_pressure = -(2.0 * law.c_d * across * at.cosine + pressure * d_u) * per_u
-    drag = at.chord * (pressure + law.c_d0 * u) + at.friction_chord * root
-    d_drag = at.chord * (d_pressure + law.c_d0 * d_u) + 0.5 * at.friction_chord * root * per_u * d_u
+    d_attached = law.c_l1 * (alpha * rising - turning)
+    separated = law.c_l2 * sine_alpha * along
+    d_separated = law.c_l2 * (
+        sine_alpha * (at.sine - cosine_alpha * rising) - at.cosine * cosine_alpha
+    )
+    excess = attached - separated
+    lift = separated + share * excess
+    d_lift = (
+        d_separated + share * (d_attached - d_separated) - share_slope * turning * per_u * excess
+    )
+    pressure = law.c_d * sine_alpha
+    drag = at.chord * (pressure * across + law.c_d0 * u) + at.friction_chord * root
+    d_drag = (
+        at.chord * (law.c_d0 * rising - pressure * (2.0 * at.cosine + sine_alpha * rising))
+        + 0.5 * at.friction_chord * root * per_u * rising
+    )
     normal = 0.5 * (at.chord * lift * u_t - drag * u_p)
     return normal, 0.5 * (at.chord * d_lift * u_t - d_drag * u_p - drag)
 
 
 def _over_azimuth(term: Callable[[Array], Any], azimuth: AzimuthNodes) -> Any:
     """Mean over the azimuth nodes of term(sin(psi)), an array or a tree of arrays."""
-    sines, column = xp.asarray(azimuth.sines), azimuth.column
+    sines = xp.asarray(azimuth.sines)
     if isinstance(azimuth.count, int) and azimuth.count == 1:
         return settled(lambda: term(sines[0]), sines[0])
-    if column is None:
-        return mean_of_each(term, sines, azimuth.count)
-    return mean_of_each(
-        lambda row: term(settled(lambda: row[column], column[0])), sines, azimuth.count
-    )
+    return mean_of_each(term, sines, azimuth.count)
 
 
 def annulus_thrust(at: Annulus, inflow: Array, azimuth: AzimuthNodes) -> Array:

@@ -2,32 +2,35 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 
 from propmap.theory.arrays import xp
+from propmap.theory.elementary import arctangent, power_of_two
 from propmap.theory.parameters import Array, Medium, Section
-from propmap.theory.trigonometry import arctangent
 
 
 class StallBlend(NamedTuple):
     """What the blend of eq. (3) takes from the section; all scalars.
 
     attached [-], sharpness [1/rad], alpha_0 [rad] : see ``Section``.
-    far : exp(-2 M alpha_0) [-], once and not for each blade element.
+    doublings : M / ln 2 [1/rad].  far : exp(-2 M alpha_0) [-].  Once and not for each element.
     """
 
     attached: Array
     sharpness: Array
     alpha_0: Array
+    doublings: Array
     far: Array
 
 
 def stall_blend(section: Section) -> StallBlend:
     """The blend of eq. (3) for a section's parameters."""
     far = xp.exp(-2.0 * section.sharpness * section.alpha_0)
-    return StallBlend(section.attached, section.sharpness, section.alpha_0, far)
+    doublings = section.sharpness * (1.0 / math.log(2.0))
+    return StallBlend(section.attached, section.sharpness, section.alpha_0, doublings, far)
 
 
 def attached_share(alpha: Array, blend: StallBlend) -> Array:
@@ -53,14 +56,14 @@ def attached_share_and_slope(alpha: Array, blend: StallBlend) -> tuple[Array, Ar
     rise, inverse = _stall_rise(alpha, blend)
     share = blend.attached * rise * inverse
     steepness = (rise * rise - blend.far) * inverse
-    return share, -xp.sign(alpha) * blend.sharpness * share * steepness
+    return share, xp.where(alpha < 0.0, blend.sharpness, -blend.sharpness) * share * steepness
 
 
 def _stall_rise(alpha: Array, blend: StallBlend) -> tuple[Array, Array]:
     """x and 1 / ((1 + x)(x + e)), see ``attached_share``."""
-    angle = blend.sharpness * (xp.abs(alpha) - blend.alpha_0)
+    angle = blend.doublings * (xp.abs(alpha) - blend.alpha_0)
     # Not ``clip``, whose derivative divides.
-    rise = xp.exp(xp.where(angle > -40.0, xp.where(angle < 40.0, angle, 40.0), -40.0))
+    rise = power_of_two(xp.where(angle > -58.0, xp.where(angle < 58.0, angle, 58.0), -58.0))
     return rise, 1.0 / ((1.0 + rise) * (rise + blend.far))
 
 
@@ -73,7 +76,8 @@ def angle_of_attack(along: Array, across: Array, speed: Array) -> Array:
     (9 ns); the half-angle form needs the arctangent between -1 and 1 alone, for which a ratio
     of polynomials does (1.2 ns).
     """
-    half = arctangent(across / (speed + xp.abs(along)))
+    # Not a quotient of two arrays: XLA would make a kernel of its own of that, and of ``speed``.
+    half = arctangent(across * (1.0 / (speed + xp.abs(along))))
     behind = xp.where(across < 0.0, -np.pi, np.pi) - 2.0 * half
     return xp.where(along < 0.0, behind, 2.0 * half)
 

@@ -18,6 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from propmap.theory.arrays import entry, settled, xp
+from propmap.theory.elementary import sine_and_cosine
 from propmap.theory.hump_by_slopes import hump_by_slopes
 from propmap.theory.inflow import InflowQuestion, residual
 from propmap.theory.parameters import Array
@@ -31,7 +32,6 @@ from propmap.theory.stall_hump import (
     stall_side,
 )
 from propmap.theory.stall_islands import Sight, find_zeros, look_closer, nearest_extreme
-from propmap.theory.trigonometry import sine_and_cosine
 from propmap.theory.velocities import AzimuthNodes
 
 GRID = 20

@@ -26,24 +26,22 @@ class AzimuthNodes:
     For one number of nodes sines is (n,) and count a Python integer: static, which reverse-mode
     differentiation needs.  For a number of its own per operating point sines is (n, B) and count
     an integer array (B,).
-    column : of B, for each lane, where lanes are other than the operating points; else None.
     """
 
     sines: Array | np.ndarray
     count: Array | int
-    column: Array | None = None
 
     def of_lanes(self, column: Array) -> AzimuthNodes:
         """The nodes of lanes (L,), each of which belongs to the operating point ``column``."""
         if isinstance(self.count, int):
             return self
-        return AzimuthNodes(self.sines, self.count[column], column)
+        return AzimuthNodes(self.sines[:, column], self.count[column])
 
     def tree_flatten(self) -> tuple[tuple[Any, ...], int | None]:
         """Children and static part, for JAX."""
         if isinstance(self.count, int):
             return (self.sines,), self.count
-        return (self.sines, self.count, self.column), None
+        return (self.sines, self.count), None
 
     @classmethod
     def tree_unflatten(cls, static: int | None, children: tuple[Any, ...]) -> AzimuthNodes:
