@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -44,7 +45,7 @@ class Block(NamedTuple):
     @property
     def padded(self) -> NDArray[np.intp]:
         """The points, repeated up to ``size``."""
-        return np.resize(self.points, self.size)
+        return repeated(self.points, self.size)
 
     @property
     def work(self) -> int:
@@ -100,13 +101,25 @@ def run(blocks: list[Block], one: Callable[[Block], None], *, in_turn: bool = Fa
         list(pool.map(one, longest_first))
 
 
+def repeated(values: NDArray[Any], size: int) -> NDArray[Any]:
+    """The values (n,), from the first on again, up to ``size``."""
+    # In a tenth of the time of ``np.resize``, twice per block.
+    return values.take(np.arange(size), mode="wrap")
+
+
 def nodes_of_each(azimuths: NDArray[np.int64], most: int) -> AzimuthNodes:
     """The nodes of points with ``azimuths`` (B,) over a full turn each, padded to ``most``, so that
     one program serves any mixture."""
-    sines, count = np.zeros((most // 2, azimuths.size)), np.empty(azimuths.size, np.int64)
-    for number in np.unique(azimuths):
-        nodes, mine = azimuth_nodes(int(number)), azimuths == number
-        sines[: nodes.sines.size, mine] = np.asarray(nodes.sines)[:, None]
-        count[mine] = nodes.sines.size
-    each: Any = count
-    return AzimuthNodes(sines, each)
+    half = azimuths // 2
+    count: Any = np.maximum(half, 1)
+    return AzimuthNodes(_sines_of_all(most)[:, half], count)
+
+
+@functools.cache
+def _sines_of_all(most: int) -> NDArray[np.float64]:
+    """sin(psi) of every number of nodes up to ``most``, a column for each half of it; the first,
+    of zeros, for axial flow."""
+    sines = np.zeros((most // 2, most // 2 + 1))
+    for half in range(1, most // 2 + 1):
+        sines[:half, half] = azimuth_nodes(2 * half).sines
+    return sines

@@ -44,7 +44,7 @@ class Flow(NamedTuple):
 
     def part(self, which: Any) -> Flow:
         """Some of the points."""
-        return jax.tree.map(lambda a: a[which], self)
+        return Flow(*(None if a is None else a[which] for a in self))  # type: ignore[arg-type]
 
 
 Program = Callable[[Blade, Section, Medium, Flow, AzimuthNodes], tuple[Any, DiskSolution]]

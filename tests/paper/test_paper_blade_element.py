@@ -127,7 +127,7 @@ def test_friction_in_an_annulus_is_that_of_equation_4() -> None:
     assert float(tangential[0]) == pytest.approx(0.5 * 40.0**2 * 0.015 * c_d, rel=1e-12)
 
 
-@pytest.mark.parametrize("azimuths", [1, 12])
+@pytest.mark.parametrize("azimuths", [1, 2, 6, 12])
 def test_annulus_loads_are_equations_5_to_7(azimuths: int) -> None:
     # Averages over a whole turn, written out; with one node only the axial flow counts.
     sines = turn(azimuths) if azimuths > 1 else np.zeros(1)

@@ -222,7 +222,7 @@ def mean_of_each(term: Callable[[Any], Value], values: Any, count: Any) -> Value
         share = 1.0 / count
         return jax.tree.map(lambda a: np.sum(np.where(among, a, 0.0), axis=0) * share, terms)
     own = jnp.ndim(count) > 0
-    masked = own or count % TOGETHER > 0
+    masked = not isinstance(count, int) or count % TOGETHER > 0
 
     def one(k: Any) -> Any:
         terms = term(values[k])
