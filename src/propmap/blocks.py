@@ -45,7 +45,7 @@ class Block(NamedTuple):
     @property
     def padded(self) -> NDArray[np.intp]:
         """The points, repeated up to ``size``."""
-        return repeated(self.points, self.size)
+        return filled_up(self.points, self.size)
 
     @property
     def work(self) -> int:
@@ -101,7 +101,7 @@ def run(blocks: list[Block], one: Callable[[Block], None], *, in_turn: bool = Fa
         list(pool.map(one, longest_first))
 
 
-def repeated(values: NDArray[Any], size: int) -> NDArray[Any]:
+def filled_up(values: NDArray[Any], size: int) -> NDArray[Any]:
     """The values (n,), from the first on again, up to ``size``."""
     # In a tenth of the time of ``np.resize``, twice per block.
     return values.take(np.arange(size), mode="wrap")

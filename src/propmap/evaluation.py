@@ -9,7 +9,7 @@ import jax
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.blocks import Block, cut, nodes_of_each, repeated, run
+from propmap.blocks import Block, cut, filled_up, nodes_of_each, run
 from propmap.programs import Flow, compiled_search, search_by_numpy
 from propmap.schedule import Accuracy, Floats, Outlook, may_leave_islands, may_stall, plan
 from propmap.theory.arrays import by_numpy, on_accelerator
@@ -186,7 +186,7 @@ def nodes_of(block: Block, setting: Accuracy, *, few: bool) -> AzimuthNodes:
     compile less."""
     if block.azimuths[0] == 1 and not few:
         return azimuth_nodes(1)
-    return nodes_of_each(repeated(block.azimuths, block.size), setting.most_azimuths)
+    return nodes_of_each(filled_up(block.azimuths, block.size), setting.most_azimuths)
 
 
 def _few(rotor: Prepared, flow: Flow) -> bool:

@@ -180,7 +180,10 @@ def of_each(function: Callable[[Any], Value], values: Any) -> Value:
 
 
 def by_bits(function: Callable[..., Any], *values: jax.Array) -> jax.Array:
-    """The number whose bits are those that ``function`` gives, as integers, of those of values."""
+    """The number whose bits are those that ``function`` gives, as integers, of those of values.
+
+    values : of one shape and of one kind, float64 or float32; the result is like them.
+    """
     real = values[0].dtype
     whole = np.int64 if real == np.float64 else np.int32
     if on_numpy():

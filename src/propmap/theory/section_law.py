@@ -62,7 +62,7 @@ def attached_share_and_slope(alpha: Array, blend: StallBlend) -> tuple[Array, Ar
 def _stall_rise(alpha: Array, blend: StallBlend) -> tuple[Array, Array]:
     """x and 1 / ((1 + x)(x + e)), see ``attached_share``."""
     angle = blend.doublings * (xp.abs(alpha) - blend.alpha_0)
-    # Not ``clip``, whose derivative divides.
+    # Not ``clip``, whose derivative divides; at 2^58 the square does not overflow in float32.
     rise = power_of_two(xp.where(angle > -58.0, xp.where(angle < 58.0, angle, 58.0), -58.0))
     return rise, 1.0 / ((1.0 + rise) * (rise + blend.far))
 
