@@ -25,7 +25,6 @@ from propmap.theory.inflow_bounds import (
 )
 from propmap.theory.parameters import Array
 from propmap.theory.precision import precision_of
-from propmap.theory.section_law import largest_lift
 from propmap.theory.velocities import AzimuthNodes
 
 MAX_STEPS = 1000
@@ -45,8 +44,17 @@ GATHER_FROM = 2000
 """Lanes, stations times operating points, from which it pays to gather the slow ones: fewer, and
 a second loop takes longer to compile than it spares."""
 
-STEPS_TOGETHER = 3
-"""Steps that all lanes of a large batch take before the unfinished go on by themselves."""
+STEPS_TOGETHER, STEPS_APART = 2, 3
+"""Steps that all lanes of a large batch take before the unfinished go on by themselves, and that
+these take before they are gathered again."""
+
+SURE = 0.25
+"""Share of its slope by which the residual's may change along a Newton step that is taken for
+safe: then there is one root about it (Newton and Kantorovich ask for half)."""
+
+CUBIC_FROM = (0.02, 1e-4)
+"""Distances [-], of the last two places from each other and of the next Newton step, of the
+speed, from which on the cubic through both is trusted."""
 
 
 class InflowQuestion(NamedTuple):
@@ -91,9 +99,32 @@ def residual_slope(
     return thrust - wake, slope - wake_slope
 
 
+class _Seen(NamedTuple):
+    v: Array  # where the residual was evaluated last, infinite if it was not
+    value: Array
+    per_slope: Array  # one over its slope
+
+
 class _Walk(NamedTuple):
     v: Array
     newtons: Array  # Newton steps left, a real number like v; FOUND or 0 where the search has ended
+    before: _Seen
+
+
+def _start_at(v: Array, newtons: Array) -> _Walk:
+    nowhere = xp.full_like(v, xp.inf)
+    return _Walk(v, newtons, _Seen(nowhere, nowhere, nowhere))
+
+
+def _beyond_newton(before: _Seen, here: _Seen) -> tuple[Array, Array]:
+    """How much further down than Newton's step from ``here`` the root lies [m/s], taking v_i for a
+    cubic in the residual; and the cubic's own share of that."""
+    rise, apart = before.value - here.value, before.v - here.v
+    share = -here.value / rise
+    at_here, at_before = rise * here.per_slope, rise * before.per_slope
+    square = share * share
+    cubic = square * (1.0 - share) * (at_here + at_before - 2.0 * apart)
+    return square * (at_here - apart) + cubic, xp.abs(cubic)
 
 
 def _walk_on(
@@ -102,7 +133,9 @@ def _walk_on(
     """Take steps ``first`` to ``most``, or until all lanes have ended; and the next step's number.
 
     One loop, so that the blade elements are compiled once: each lane walks down by safe
-    steps until these are tiny, then takes Newton steps and stays.
+    steps until these are tiny, then takes Newton steps and stays.  Where a Newton step is safe by
+    the bounds it takes that instead.  The last step also uses the place before, with an error of
+    the fourth order in the steps instead of the second.
     """
     at = ask.at
     bound, within = find_bounds(at), precision_of(at.v_axial)
@@ -123,11 +156,13 @@ def _walk_on(
         value, slope, safe = settled(look, at.blades)
         # At a simple root the two steps agree; at a double one Newton's is not to be trusted.
         limit = 4.0 * xp.abs(safe)
-        newton = xp.clip(value / xp.where(slope < 0.0, slope, -1e-30), -limit, limit)
+        here = _Seen(v, value, 1.0 / xp.where(slope < 0.0, slope, -1e-30))
+        newton = xp.clip(value * here.per_slope, -limit, limit)
         near = (value >= 0.0) | (safe <= within.safe_step * scale) | (walk.newtons < NEWTON_STEPS)
-        sizes = bound.half * largest_lift(
-            at.section
-        ) * scale * scale + 4.0 * np.pi * at.radius * xp.abs(v) * (scale + xp.abs(v))
+        curvature = largest_curvature(at, bound, v, newton)
+        sizes = bound.half * bound.lift * scale * scale + 4.0 * np.pi * at.radius * xp.abs(v) * (
+            scale + xp.abs(v)
+        )
         # A start that turns out to prove nothing is dropped.  One past a sunk hump in climb proves
         # itself by its sign, and is lifted if it lies a little below the root.
         expected = (v < bound.guess) & (at.v_axial >= 0.0)
@@ -135,18 +170,26 @@ def _walk_on(
         back = (steps <= LIFTS) & (walk.newtons >= NEWTON_STEPS) & wrong & (v < bound.start)
         lift = (steps < LIFTS) & (slope < 0.0) & expected
         near = near & ~back
+        sure = near | ((curvature * xp.abs(newton) <= -SURE * slope) & ~back)
         active = walk.newtons > 0
-        curvature = largest_curvature(at, bound, v, newton)
         ends = 0.5 * curvature * newton * newton <= within.left_over * scale * xp.abs(slope)
-        last = near & (ends | (xp.abs(newton) <= within.newton_step * scale))
+        beyond, cubic = _beyond_newton(walk.before, here)
+        closes = (xp.abs(walk.before.v - v) <= CUBIC_FROM[0] * scale) & (
+            xp.abs(newton) <= CUBIC_FROM[1] * scale
+        )
+        # The terms of the series fall off: what is left of it is far less than its last one.
+        closes = closes & (cubic <= 10.0 * within.left_over * scale)
+        last = sure & (ends | closes | (xp.abs(newton) <= within.newton_step * scale))
         left = walk.newtons - xp.where(near, 1.0, 0.0)
         solved = last | ((left <= 0.0) & (xp.abs(value) <= within.residual * sizes))
         again = xp.where(
             lift, xp.minimum(v - LIFT * (1 + steps) * newton, bound.start), bound.start
         )
+        down = xp.where(sure, newton + xp.where(closes, beyond, 0.0), safe)
         after = _Walk(
-            xp.where(back, again, xp.where(active, v - xp.where(near, newton, safe), v)),
+            xp.where(back, again, xp.where(active, v - down, v)),
             xp.where(active, xp.where(solved, FOUND, left), walk.newtons),
+            here,
         )
         return after, steps + 1
 
@@ -158,8 +201,8 @@ def _search(
 ) -> tuple[Array, Array]:
     """The largest root [m/s], and whether it was reached and satisfies (11).
 
-    Three lanes in four end within ``STEPS_TOGETHER`` steps.  In a large batch the others are
-    then gathered and go on by themselves, or all would wait for the slowest.
+    Most lanes end within ``STEPS_TOGETHER`` steps.  In a large batch the others are then gathered
+    and go on by themselves, or all would wait for the slowest.
     """
     shape = xp.broadcast_shapes(*(xp.shape(a) for a in jax.tree.leaves(ask)))
     bound = find_bounds(ask.at)
@@ -167,7 +210,7 @@ def _search(
     if ask.windmill is not None:
         proved = xp.where(ask.windmill > 0.0, bound.start, proved)
     start = xp.broadcast_to(xp.minimum(proved, hint), shape)
-    begin = _Walk(start, xp.full_like(start, NEWTON_STEPS))
+    begin = _start_at(start, xp.full_like(start, NEWTON_STEPS))
     lanes = math.prod(shape)
     few = lanes // 8 if lanes >= GATHER_FROM and not on_numpy() else lanes
     together = xp.minimum(STEPS_TOGETHER, max_steps) if few < lanes else max_steps
@@ -175,25 +218,25 @@ def _search(
     if few < lanes:
         flat = jax.tree.map(lambda a: xp.broadcast_to(a, shape).ravel() if xp.ndim(a) else a, ask)
 
-        def some_left(state: tuple[_Walk, Array]) -> Array:
-            walk, steps = state
-            return xp.any(walk.newtons > 0) & (steps < max_steps)
+        def some_left(state: tuple[Array, Array, Array]) -> Array:
+            _, newtons, steps = state
+            return xp.any(newtons > 0) & (steps < max_steps)
 
-        def slow_ones(state: tuple[_Walk, Array]) -> tuple[_Walk, Array]:
-            walk, steps = state
-            (pick,) = xp.nonzero(walk.newtons > 0, size=few, fill_value=0)
+        def slow_ones(state: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:
+            v, newtons, steps = state
+            (pick,) = xp.nonzero(newtons > 0, size=few, fill_value=0)
             mine = jax.tree.map(lambda a: a[pick] if xp.ndim(a) else a, flat)
-            part = _Walk(*(a[pick] for a in walk))
             nodes = azimuth.of_lanes(pick % shape[-1])
             # Those that are left go all the way, if there is room for all of them.
-            all_here = xp.sum(walk.newtons > 0) <= few
-            until = xp.where(all_here, max_steps, steps + STEPS_TOGETHER)
+            all_here = xp.sum(newtons > 0) <= few
+            until = xp.where(all_here, max_steps, steps + STEPS_APART)
+            # What was seen before is not taken along: it would take longer than it spares.
+            part = _start_at(v[pick], newtons[pick])
             part, steps = _walk_on(mine, part, steps, until, nodes)
-            return _Walk(*(a.at[pick].set(b) for a, b in zip(walk, part, strict=True))), steps
+            return v.at[pick].set(part.v), newtons.at[pick].set(part.newtons), steps
 
-        walk = _Walk(*(a.ravel() for a in walk))
-        walk, _ = while_loop(some_left, slow_ones, (walk, steps))
-        walk = _Walk(*(a.reshape(shape) for a in walk))
+        ended = while_loop(some_left, slow_ones, (walk.v.ravel(), walk.newtons.ravel(), steps))
+        return ended[0].reshape(shape), ended[1].reshape(shape) == FOUND
     return walk.v, walk.newtons == FOUND
 
 

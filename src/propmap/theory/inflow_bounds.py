@@ -10,7 +10,12 @@ from propmap.theory.arrays import xp
 from propmap.theory.blade_element import Annulus
 from propmap.theory.parameters import Array
 from propmap.theory.precision import precision_of
-from propmap.theory.section_law import largest_lift, sharpest_lift, steepest_lift
+from propmap.theory.section_law import (
+    largest_lift,
+    sharpest_foot,
+    sharpest_lift,
+    steepest_lift,
+)
 from propmap.theory.velocities import floored_norm
 
 GUESS_MARGIN = 1.03
@@ -28,8 +33,10 @@ class Bounds(NamedTuple):
     friction: Array
     speed: Array  # root mean square of U_T over azimuth [m/s]
     start: Array  # v_i above which there is no root [m/s]
+    lift: Array  # largest lift coefficient [-]
     fall: Array  # of the lift, per U [-]
     bend: Array  # of lift and drag, anywhere [-]
+    foot_bend: Array  # of lift and drag, where no element is near negative stall [-]
     mild_bend: Array  # of lift and drag, where no element is near stall [-]
     mild_from: Array  # the stretch of v_i where none is [m/s]
     mild_to: Array
@@ -48,15 +55,46 @@ def find_bounds(at: Annulus) -> Bounds:
     b = at.v_axial + k * speed
     start = 0.5 * (b + xp.sqrt(b * b + 4.0 * k * speed**2)) - at.v_axial
     margin = precision_of(at.v_axial).newton_step  # for what rounding may take from the bound
+    start = xp.minimum(start, _oblique_start(at, speed, k, start))
     start = start * (1.0 + margin) + margin * (speed + xp.abs(at.v_axial)) * (at.chord > 0.0)
     mild_from, mild_to = _unstalled_stretch(at)
     mild = lift + 5.0 * law.c_d + 3.0 * law.c_d0
-    bend = mild + sharpest_lift(law)
+    bend, foot_bend = mild + sharpest_lift(law), mild + sharpest_foot(law)
     friction = 0.5 * at.blades * at.friction_chord
     guess = _attached_guess(at, speed, start, mild_from, mild_to)
     return Bounds(
-        half, friction, speed, start, steepest_lift(law), bend, mild, mild_from, mild_to, guess
+        half,
+        friction,
+        speed,
+        start,
+        lift,
+        steepest_lift(law),
+        bend,
+        foot_bend,
+        mild,
+        mild_from,
+        mild_to,
+        guess,
     )
+
+
+def _oblique_start(at: Annulus, speed: Array, k: Array, above: Array) -> Array:
+    """A v_i [m/s] above which there is no root in climb, nearer to it in fast oblique flow than
+    ``above``, which is another; infinite in descent.
+
+    k : half*C_L over 4 pi y [-].  The blade gives at most half*C_L times the mean of U U_T, which
+    is at most speed*sqrt(speed^2 + u^2), and the momentum 4 pi y v_i sqrt(p^2 + u^2) with
+    p = V sin(beta).  So a root has v_i <= k speed sqrt((speed^2 + u^2)/(p^2 + u^2)), which falls
+    with v_i where p is at most ``speed``: of ``above`` it is below the v_i at which the two meet,
+    and of that above it.
+    """
+    p = xp.minimum(at.v_inplane, speed)
+
+    def most(v: Array) -> Array:
+        u = at.v_axial + v
+        return k * speed * floored_norm(speed, u) / floored_norm(p, u)
+
+    return xp.where(at.v_axial >= 0.0, most(most(above)), xp.inf)
 
 
 def _attached_guess(
@@ -134,7 +172,7 @@ def safe_step(at: Annulus, bound: Bounds, v: Array, value: Array, slope: Array) 
     total = bound.speed + u_max
     blade_fall = bound.half * (
         bound.fall * bound.speed
-        + (largest_lift(law) + law.c_d) * cross
+        + (bound.lift + law.c_d) * cross
         + (law.c_d + law.c_d0) * (total + u_max)
     ) + bound.friction * 1.5 * xp.sqrt(total)
     along = floored_norm(at.v_inplane, u_max)
@@ -158,7 +196,8 @@ def safe_step(at: Annulus, bound: Bounds, v: Array, value: Array, slope: Array) 
         root = xp.sqrt(xp.maximum(slope * slope - 2.0 * bend * value, 0.0))
         return xp.minimum(-2.0 * value / xp.maximum(root - slope, 1e-30), to_kink)
 
-    anywhere = by_bend(bound.bend)
+    rising = (v < bound.mild_to) & (bound.mild_from < xp.inf)
+    anywhere = by_bend(xp.where(rising, bound.foot_bend, bound.bend))
     mild = xp.minimum(by_bend(bound.mild_bend), v - bound.mild_from)
     mild = xp.where(v < bound.mild_to, mild, 0.0)
     step = xp.maximum(xp.maximum(anywhere, mild), -value / fall)

@@ -122,7 +122,13 @@ def friction_chord(chord: Array, section: Section, medium: Medium) -> Array:
 
 def largest_lift(section: Section) -> Array:
     """An upper bound of |C_L| [-] over all angles of attack, eq. (3)."""
-    knee = xp.maximum(section.alpha_0, 1.0 / section.sharpness)
+    # alpha (1 - sigma) <= alpha / (1 + exp(M (alpha - a0))), whose largest value is w/M, where
+    # w + ln(w) = M a0 - 1.  Newton's steps stay below w, and z - ln of what is below is above it.
+    z = section.sharpness * section.alpha_0 - 1.0
+    below = xp.maximum(z, 1.0)
+    for _ in range(2):
+        below = xp.maximum(below * (1.0 + z - xp.log(below)) / (1.0 + below), 1.0)
+    knee = xp.where(z > 1.0, z - xp.log(below), 1.0) / section.sharpness
     return section.attached * section.c_l1 * knee + 0.5 * section.c_l2
 
 
@@ -143,8 +149,24 @@ def sharpest_lift(section: Section) -> Array:
     The logistic blend has a second derivative of at most 0.0963 M^2 and a slope of at most
     M/4; they act on the difference of the attached and the separated lift about the knee.
     """
-    m = section.sharpness
-    knee = section.alpha_0 + 3.0 / m
-    attached, separated = section.attached * section.c_l1, section.c_l2
-    drop = xp.abs(attached * knee - 0.5 * separated * xp.sin(2.0 * knee))
-    return 0.0963 * m * m * drop + 0.5 * m * xp.abs(attached + separated) + 2.0 * separated
+    m, attached, separated = section.sharpness, section.attached * section.c_l1, section.c_l2
+    by_slope = 0.5 * m * xp.abs(attached + separated)
+    return 0.0963 * m * m * _drop_at_knee(section) + by_slope + 2.0 * separated
+
+
+def sharpest_foot(section: Section) -> Array:
+    """An upper bound of d^2 C_L/dalpha^2 [1/rad^2], eq. (3), where alpha > -alpha_0 + 6/M.
+
+    There the lift bends upwards only at the foot of its fall at positive stall, and the blend's
+    slope, by which it falls, makes it bend downwards unless c_l2 exceeds c_l1.
+    """
+    m, attached, separated = section.sharpness, section.attached * section.c_l1, section.c_l2
+    gain = xp.maximum(separated - attached, 0.0)
+    return 0.0963 * m * m * _drop_at_knee(section) + 0.5 * m * gain + 2.0 * separated
+
+
+def _drop_at_knee(section: Section) -> Array:
+    """The attached lift coefficient less the separated one a little past stall [-], its size."""
+    knee = section.alpha_0 + 3.0 / section.sharpness
+    attached = section.attached * section.c_l1 * knee
+    return xp.abs(attached - 0.5 * section.c_l2 * xp.sin(2.0 * knee))
