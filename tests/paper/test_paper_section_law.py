@@ -20,6 +20,7 @@ from propmap.theory.section_law import (
     drag_coefficient,
     friction_chord,
     largest_lift,
+    sharpest_foot,
     lift_coefficient,
     sharpest_lift,
     stall_blend,
@@ -189,3 +190,5 @@ def test_bounds_of_the_lift_curve_hold(law: Law) -> None:
     assert np.max(np.abs(curve)) <= float(largest_lift(section)) * (1.0 + 1e-12)
     assert np.max(slope) <= float(steepest_lift(section)) + 1e-10
     assert np.max(np.abs(bend)) <= float(sharpest_lift(section)) + 1e-6
+    past_negative_stall = FINE[1:-1] > -law.alpha_0 + 6.0 / law.sharpness
+    assert np.max(bend[past_negative_stall]) <= float(sharpest_foot(section)) + 1e-6
