@@ -67,7 +67,7 @@ def jobs_of_the_batch(rotor: Rotor) -> tuple[list[Job], tuple[np.ndarray, ...]]:
         may_leave_islands(flow[1], np.zeros_like(omega)),
     )
     jobs = [
-        Job(job.points[mine], job.panels, job.azimuths[mine])
+        Job(job.points[mine], job.panels, job.azimuths[mine], job.most_azimuths)
         for job in plan(accuracy("standard"), outlook, np.arange(BATCH))
         for mine in (job.azimuths == count for count in np.unique(job.azimuths))
     ]
@@ -85,7 +85,7 @@ def block(rotor: Rotor, job: Job, flow: tuple[np.ndarray, ...]) -> tuple[Case, A
     nodes = (
         azimuth_nodes(1)
         if job.azimuths[0] == 1
-        else nodes_of_each(np.resize(job.azimuths, which.size), accuracy("standard").most_azimuths)
+        else nodes_of_each(np.resize(job.azimuths, which.size), job.most_azimuths)
     )
     return case, nodes
 

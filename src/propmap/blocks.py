@@ -34,11 +34,12 @@ its last points would fill a small block better: every size is another program t
 
 
 class Block(NamedTuple):
-    """Points of a job, as indices into the batch, the azimuths of each, the radial nodes per panel,
-    and the size that they are filled up to."""
+    """Points of a job, as indices into the batch, the azimuths of each, the largest number of them
+    in such jobs, the radial nodes per panel, and the size that they are filled up to."""
 
     points: NDArray[np.intp]
     azimuths: NDArray[np.int64]
+    most_azimuths: int
     panels: tuple[int, ...]
     size: int
 
@@ -73,7 +74,8 @@ def cut(
         width = size or (1 if points == 1 and not large else wide)
         for start in range(0, job.points.size, width):
             part = slice(start, start + width)
-            blocks.append(Block(job.points[part], job.azimuths[part], job.panels, width))
+            mine = (job.points[part], job.azimuths[part], job.most_azimuths)
+            blocks.append(Block(*mine, job.panels, width))
     return blocks
 
 

@@ -119,17 +119,18 @@ def evaluate_flow(
     outlook = Outlook(advance, stalls, down, islands)
     results = np.full((len(RotorLoads._fields), omega.size), np.nan)
     apart = not _few(rotor, flow)
-    jobs = plan(setting, outlook, everyone, alike=alike, axial_apart=apart)
+    kinds = {"axial_apart": apart, "descent": v_hover is not None}
+    jobs = plan(setting, outlook, everyone, alike=alike, **kinds)
     sizes = {"large": rotor.uniform, "accelerator": rotor.compiled and on_accelerator()}
     blocks = cut(jobs, size, **sizes)
-    _run(rotor, blocks, setting, flow, results, solved)
+    _run(rotor, blocks, flow, results, solved)
     found = RotorLoads(*results)
     unforeseen = ~stalls & ~(found.attached > ATTACHED) & np.isfinite(found.thrust)
     if unforeseen.any():
         again = outlook.stalling(unforeseen)
-        jobs = plan(setting, again, everyone[unforeseen], axial_apart=apart)
+        jobs = plan(setting, again, everyone[unforeseen], **kinds)
         blocks = cut([j for j in jobs if len(j.panels) > 1], size, **sizes)
-        _run(rotor, blocks, setting, flow, results, solved)
+        _run(rotor, blocks, flow, results, solved)
     # Zero instead of what the speed floor leaves of a load at rest, 1e-45 and the like.
     results[np.abs(results) < 1e-30] = 0.0
     found = RotorLoads(*results)
@@ -157,7 +158,6 @@ def static_inflow(rotor: Prepared, setting: Accuracy, omega: Floats) -> Floats:
 def _run(
     rotor: Prepared,
     blocks: list[Block],
-    setting: Accuracy,
     flow: Flow,
     results: Floats,
     solved: Solved | None,
@@ -166,7 +166,7 @@ def _run(
     few = _few(rotor, flow)
 
     def one(block: Block) -> None:
-        nodes = nodes_of(block, setting, few=few)
+        nodes = nodes_of(block, few=few)
         which = block.padded
         program = search_by_numpy(block.panels)
         if rotor.compiled:
@@ -181,12 +181,12 @@ def _run(
     run(blocks, one, in_turn=not rotor.compiled)
 
 
-def nodes_of(block: Block, setting: Accuracy, *, few: bool) -> AzimuthNodes:
+def nodes_of(block: Block, *, few: bool) -> AzimuthNodes:
     """Azimuth nodes of a block: axial flow has programs of its own, but for a few points, to
     compile less."""
     if block.azimuths[0] == 1 and not few:
         return azimuth_nodes(1)
-    return nodes_of_each(filled_up(block.azimuths, block.size), setting.most_azimuths)
+    return nodes_of_each(filled_up(block.azimuths, block.size), block.most_azimuths)
 
 
 def _few(rotor: Prepared, flow: Flow) -> bool:

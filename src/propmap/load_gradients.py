@@ -98,11 +98,12 @@ def _gradients(
         width = min(BLOCK, block.size)
         for start in range(0, block.points.size, width):
             part = slice(start, start + width)
-            piece = Block(block.points[part], block.azimuths[part], block.panels, width)
+            points, azimuths = block.points[part], block.azimuths[part]
+            piece = block._replace(points=points, azimuths=azimuths, size=width)
             which, kept = piece.padded, piece.points
             mine = jax.tree.map(functools.partial(_some, part), solution)
             moving = None if v_hover_slope is None else v_hover_slope[:, which]
-            nodes = nodes_of(piece, setting, few=few)
+            nodes = nodes_of(piece, few=few)
             found = program(*rotor.on_device, flow.part(which), mine, ways, moving, nodes)
             by_name = np.asarray(found)[: len(names)].transpose(1, 0, 2)
             slopes[:, :, kept] = by_name[:, :, : kept.size]

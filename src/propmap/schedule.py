@@ -55,6 +55,12 @@ class Accuracy:
     stalled: int
     fast: int
 
+    def azimuths_at(self, advance: Floats | float) -> NDArray[np.int64]:
+        """Azimuth nodes over a full turn at advance ratios above 0, of their shape."""
+        limits, counts = (np.array(column) for column in zip(*self.azimuths, strict=True))
+        found: NDArray[np.int64] = counts[np.searchsorted(limits, advance)]
+        return found
+
     @property
     def most_azimuths(self) -> int:
         """Largest number of azimuth nodes that may occur."""
@@ -100,11 +106,13 @@ class Job:
 
     points : indices into the batch (n,), those with most azimuths first.  panels : radial nodes
     per panel.  azimuths : of each point, nodes over a full turn (n,), 1 for axial flow.
+    most_azimuths : the largest number of them in any such job, for which programs are made.
     """
 
     points: NDArray[np.intp]
     panels: tuple[int, ...]
     azimuths: NDArray[np.int64]
+    most_azimuths: int
 
 
 class Outlook(NamedTuple):
@@ -133,6 +141,7 @@ def plan(
     *,
     alike: bool = False,
     axial_apart: bool = True,
+    descent: bool = True,
 ) -> list[Job]:
     """Sort points into jobs.
 
@@ -140,11 +149,10 @@ def plan(
     indices in the batch (N,).  alike : whether all get the nodes that any may need and stall is
     followed everywhere: one program for all but islands, at a higher cost per point.
     axial_apart : whether axial flow, which needs a single azimuth, gets jobs of its own.
+    descent : whether the programs are those that also serve descent.
     """
     advance, stalls, descends, islands = outlook
-    limits = np.array([limit for limit, _ in setting.azimuths])
-    counts = np.array([count for _, count in setting.azimuths])
-    azimuths = np.where(advance == 0.0, 1, counts[np.searchsorted(limits, advance)])
+    azimuths = np.where(advance == 0.0, 1, setting.azimuths_at(advance))
     follow = stalls & (advance <= np.where(descends, FOLLOW_DESCENT_BELOW, FOLLOW_BELOW))
     spread = (stalls & ~follow) | (advance > REVERSED_ABOVE)
     stations = np.where(follow, setting.stalled, np.where(spread, setting.fast, setting.free))
@@ -164,7 +172,13 @@ def plan(
         panels = Resolution(stations=nodes, follow_stall=bool(followed)).panels
         if four:
             panels = (nodes // ISLAND_PANELS + 2,) * ISLAND_PANELS
-        jobs.append(Job(points[mine], panels, azimuths[mine]))
+        highest = np.inf
+        if followed and not alike:
+            highest = FOLLOW_DESCENT_BELOW if descent else FOLLOW_BELOW
+        elif not followed and not spread[mine[0]]:
+            highest = REVERSED_ABOVE
+        most = int(setting.azimuths_at(highest))
+        jobs.append(Job(points[mine], panels, azimuths[mine], most))
     return jobs
 
 
