@@ -80,6 +80,12 @@ def settled(function: Callable[[], Value], scalar: jax.Array) -> Value:
     a barrier that stays: without it programs take up to twice as long.  An accelerator would have
     to ask the host which branch to take: none there.
     """
+    return if_needed(function, (scalar <= scalar) | (scalar != scalar))
+
+
+def if_needed(function: Callable[[], Value], needed: jax.Array) -> Value:
+    """``settled``, or zeros where ``needed``, a single boolean, is false; on an accelerator always
+    what ``function`` gives."""
     if on_numpy() or on_accelerator():
         return function()
     function = jax.jit(function)  # lest it be traced again
@@ -87,9 +93,8 @@ def settled(function: Callable[[], Value], scalar: jax.Array) -> Value:
     def packed() -> list[Any]:
         return _in_pairs(function())
 
-    taken = (scalar <= scalar) | (scalar != scalar)
     nothing = jax.tree.map(lambda s: jnp.zeros(s.shape, s.dtype), jax.eval_shape(packed))
-    return _apart(lax.cond(taken, packed, lambda: nothing), jax.eval_shape(function))
+    return _apart(lax.cond(needed, packed, lambda: nothing), jax.eval_shape(function))
 
 
 def _in_pairs(values: Any) -> list[Any]:

@@ -16,7 +16,15 @@ import jax
 import numpy as np
 
 from propmap.theory import blade_element, momentum
-from propmap.theory.arrays import DerivativeByRule, held, on_numpy, settled, while_loop, xp
+from propmap.theory.arrays import (
+    DerivativeByRule,
+    held,
+    if_needed,
+    on_numpy,
+    settled,
+    while_loop,
+    xp,
+)
 from propmap.theory.blade_element import Annulus
 from propmap.theory.inflow_bounds import (
     find_bounds,
@@ -149,17 +157,17 @@ def _walk_on(
         walk, steps = state
         v = walk.v
 
-        def look() -> tuple[Array, Array, Array]:
-            value, slope = residual_slope(ask, v, azimuth)
-            return value, slope, safe_step(at, bound, v, value, slope)
-
-        value, slope, safe = settled(look, at.blades)
-        # At a simple root the two steps agree; at a double one Newton's is not to be trusted.
-        limit = 4.0 * xp.abs(safe)
+        active = walk.newtons > 0
+        value, slope = settled(lambda: residual_slope(ask, v, azimuth), at.blades)
         here = _Seen(v, value, 1.0 / xp.where(slope < 0.0, slope, -1e-30))
-        newton = xp.clip(value * here.per_slope, -limit, limit)
-        near = (value >= 0.0) | (safe <= within.safe_step * scale) | (walk.newtons < NEWTON_STEPS)
+        newton = value * here.per_slope
         curvature = largest_curvature(at, bound, v, newton)
+        sure = curvature * xp.abs(newton) <= -SURE * slope
+        safe = if_needed(lambda: safe_step(at, bound, v, value, slope), xp.any(active & ~sure))
+        # At a simple root the two steps agree; at a double one Newton's is not to be trusted.
+        limit = xp.where(sure, xp.inf, 4.0 * xp.abs(safe))
+        newton = xp.clip(newton, -limit, limit)
+        near = (value >= 0.0) | (safe <= within.safe_step * scale) | (walk.newtons < NEWTON_STEPS)
         sizes = bound.half * bound.lift * scale * scale + 4.0 * np.pi * at.radius * xp.abs(v) * (
             scale + xp.abs(v)
         )
@@ -169,9 +177,7 @@ def _walk_on(
         wrong = (value >= 0.0) | ((slope >= 0.0) & ~expected)
         back = (steps <= LIFTS) & (walk.newtons >= NEWTON_STEPS) & wrong & (v < bound.start)
         lift = (steps < LIFTS) & (slope < 0.0) & expected
-        near = near & ~back
-        sure = near | ((curvature * xp.abs(newton) <= -SURE * slope) & ~back)
-        active = walk.newtons > 0
+        near, sure = near & ~sure & ~back, (near | sure) & ~back
         ends = 0.5 * curvature * newton * newton <= within.left_over * scale * xp.abs(slope)
         beyond, cubic = _beyond_newton(walk.before, here)
         closes = (xp.abs(walk.before.v - v) <= CUBIC_FROM[0] * scale) & (
