@@ -56,7 +56,8 @@ class Accuracy:
     fast: int
 
     def azimuths_at(self, advance: Floats | float) -> NDArray[np.int64]:
-        """Azimuth nodes over a full turn at advance ratios above 0, of their shape."""
+        """Azimuth nodes over a full turn; ``advance`` : V sin(beta)/(Omega R) > 0 [-], any shape,
+        which the result has too."""
         limits, counts = (np.array(column) for column in zip(*self.azimuths, strict=True))
         found: NDArray[np.int64] = counts[np.searchsorted(limits, advance)]
         return found

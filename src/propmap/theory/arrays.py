@@ -84,8 +84,11 @@ def settled(function: Callable[[], Value], scalar: jax.Array) -> Value:
 
 
 def if_needed(function: Callable[[], Value], needed: jax.Array) -> Value:
-    """``settled``, or zeros where ``needed``, a single boolean, is false; on an accelerator always
-    what ``function`` gives."""
+    """``settled``, or zeros where it is not needed.
+
+    function : as for ``settled``.  needed : a single boolean; where it is false and the loop is
+    compiled for a CPU the result is zeros, elsewhere what ``function`` gives: not to be read then.
+    """
     if on_numpy() or on_accelerator():
         return function()
     function = jax.jit(function)  # lest it be traced again

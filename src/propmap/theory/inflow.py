@@ -58,7 +58,9 @@ these take before they are gathered again."""
 
 SURE = 0.25
 """Share of its slope by which the residual's may change along a Newton step that is taken for
-safe: then there is one root about it (Newton and Kantorovich ask for half)."""
+safe: then there is one root about it (Newton and Kantorovich ask for half).  Where no element is
+near stall the bound is of upward bends alone: there the residual is concave, and no Newton step
+from above a root passes it."""
 
 CUBIC_FROM = (0.02, 1e-4)
 """Distances [-], of the last two places from each other and of the next Newton step, of the
