@@ -8,13 +8,16 @@ from propmap.theory.arrays import along_first_axis, xp
 from propmap.theory.inflow import InflowQuestion, residual
 from propmap.theory.parameters import Array
 from propmap.theory.stall_hump import Angle, angles_about, inflow_at_angle, stall_side
-from propmap.theory.velocities import AzimuthNodes
+from propmap.theory.velocities import AzimuthNodes, azimuth_nodes
 
 _PAST_STALL = np.array([0.0, 0.04, 0.1, 0.2])
 """[rad] from the stall angle at which the residual is sampled."""
 
 EVERY = 3
 """Every how many stations."""
+
+AZIMUTHS = 8
+"""Azimuth nodes over a full turn, where there are several."""
 
 
 def several_roots(solved: tuple[InflowQuestion, Array], azimuth: AzimuthNodes) -> Array:
@@ -23,8 +26,10 @@ def several_roots(solved: tuple[InflowQuestion, Array], azimuth: AzimuthNodes) -
     solved : equation (11) at the stations, and its largest root (S, B) [m/s].  Below it the
     residual is positive, unless there are further roots, which come in pairs and arise past
     stall: so a negative residual there tells of three.  It is sampled at four angles of every
-    third station: a diagnosis, on which the largest root does not depend.
+    third station, with few azimuth nodes: a diagnosis, on which the largest root does not depend.
     """
+    axial = isinstance(azimuth.count, int) and azimuth.count == 1
+    some = azimuth if axial else azimuth_nodes(AZIMUTHS)
     ask, root = solved[0].stations(slice(None, None, EVERY)), solved[1][::EVERY]
     stall = stall_side(ask.stations(slice(-2, -1)), ask.at.section.alpha_0)
     margin = 1e-4 * (ask.at.omega * ask.at.radius + ask.at.v_inplane)
@@ -32,7 +37,7 @@ def several_roots(solved: tuple[InflowQuestion, Array], azimuth: AzimuthNodes) -
     def look(several: Array, angle: Angle) -> Array:
         v = inflow_at_angle(ask, angle)
         below = v < root - margin
-        return several | (below & (residual(ask, xp.where(below, v, 0.0), azimuth) < 0.0))
+        return several | (below & (residual(ask, xp.where(below, v, 0.0), some) < 0.0))
 
     none = xp.zeros(root.shape, bool)
     several = along_first_axis(look, none, angles_about(stall, _PAST_STALL))
