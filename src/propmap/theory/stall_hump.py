@@ -92,8 +92,11 @@ def hump_before_stall(ask: InflowQuestion, stall: Array, azimuth: AzimuthNodes) 
     seen = settled(lambda: _between_samples(v, height, descends), ask.at.blades)
     # In descent the attached stretch ends in low humps; elsewhere the guess is as good, and
     # joins the shoulder's without a step.
-    low = seen.peak & descends
-    here, at = _refined_top(ask, seen.inflow, low, seen.around, azimuth)
+    if ask.windmill is None:
+        here, at = residual(ask, seen.inflow, azimuth), seen.inflow
+    else:
+        low = seen.peak & descends
+        here, at = _refined_top(ask, seen.inflow, low, seen.around, azimuth)
     folded = seen.peak & (here > 0.0) & (seen.depth < 0.0)
     return Hump(xp.where(seen.known, here, xp.nan), at, seen.behind, folded)
 
