@@ -59,11 +59,10 @@ def jobs_of_the_batch(rotor: Rotor) -> tuple[list[Job], tuple[np.ndarray, ...]]:
     flow = (omega, speed * np.cos(beta), speed * np.sin(beta))
     ready = evaluation.prepare(rotor.theory)
     stalls = may_stall(*ready.forecast, *flow)
-    down = flow[1] < 0.0
     outlook = Outlook(
         evaluation.advance_ratio(ready, omega, flow[2]),
+        evaluation.advance_ratio(ready, omega, flow[1]),
         stalls,
-        down,
         may_leave_islands(flow[1], np.zeros_like(omega)),
     )
     jobs = [

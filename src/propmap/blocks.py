@@ -18,10 +18,10 @@ BLOCK = 32
 """Operating points per call of a compiled program: enough to fill the vector units, few
 enough to stay in the processor's cache."""
 
-LARGE_NODES = 3072
+LARGE_NODES = 6144
 """Radial nodes per call in large batches, to spread what a step costs at any size."""
 
-AXIAL_NODES = 6144
+AXIAL_NODES = 12288
 """The same where there is a single azimuth, and a step costs less."""
 
 ACCELERATOR_POINTS = (1024, 32768)

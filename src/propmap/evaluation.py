@@ -112,11 +112,11 @@ def evaluate_flow(
     """
     omega, v_axial, v_inplane, v_hover = flow
     advance = advance_ratio(rotor, omega, v_inplane)
-    down = v_axial < 0.0
+    climb = advance_ratio(rotor, omega, v_axial)
     everyone = np.arange(omega.size)
     stalls = may_stall(*rotor.forecast, omega, v_axial, v_inplane) | alike
     islands = may_leave_islands(v_axial, 0.0 if v_hover is None else v_hover)
-    outlook = Outlook(advance, stalls, down, islands)
+    outlook = Outlook(advance, climb, stalls, islands)
     results = np.full((len(RotorLoads._fields), omega.size), np.nan)
     apart = not _few(rotor, flow)
     kinds = {"axial_apart": apart, "descent": v_hover is not None}
@@ -139,11 +139,11 @@ def evaluate_flow(
     )
 
 
-def advance_ratio(rotor: Prepared, omega: Floats, v_inplane: Floats) -> Floats:
-    """V sin(beta)/(Omega R) [-], (N,); infinite for a rotor at rest in a wind."""
+def advance_ratio(rotor: Prepared, omega: Floats, velocity: Floats) -> Floats:
+    """A component of V over Omega R [-], (N,); infinite for a rotor at rest in a wind."""
     tip = float(rotor.theory[0].station[-1])
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.where(v_inplane > 0.0, v_inplane / (omega * tip), 0.0)
+        return np.where(velocity != 0.0, velocity / (omega * tip), 0.0)
 
 
 def static_inflow(rotor: Prepared, setting: Accuracy, omega: Floats) -> Floats:

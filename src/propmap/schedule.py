@@ -105,9 +105,9 @@ def accuracy(name: str) -> Accuracy:
 class Job:
     """Operating points that are evaluated alike.
 
-    points : indices into the batch (n,), those with most azimuths first.  panels : radial nodes
-    per panel.  azimuths : of each point, nodes over a full turn (n,), 1 for axial flow.
-    most_azimuths : the largest number of them in any such job, for which programs are made.
+    points : indices into the batch (n,), those with most azimuths first, then by climb.  panels :
+    radial nodes per panel.  azimuths : of each point, nodes over a full turn (n,), 1 for axial
+    flow.  most_azimuths : the largest number of them in any such job, for which programs are made.
     """
 
     points: NDArray[np.intp]
@@ -119,20 +119,20 @@ class Job:
 class Outlook(NamedTuple):
     """What decides how stall is followed, all (N,).
 
-    advance : V sin(beta)/(Omega R) [-], infinite at rest.  stalls : where some of the blade may
-    stall.  descends : V cos(beta) < 0.  islands : ``may_leave_islands``: two stretches of
+    advance, climb : V sin(beta)/(Omega R) and V cos(beta)/(Omega R) [-], infinite at rest.
+    stalls : where some of the blade may stall.  islands : ``may_leave_islands``: two stretches of
     attached flow have four edges to follow.
     """
 
     advance: Floats
+    climb: Floats
     stalls: NDArray[np.bool_]
-    descends: NDArray[np.bool_]
     islands: NDArray[np.bool_]
 
     def stalling(self, points: NDArray[np.bool_]) -> Outlook:
         """The outlook on some of the points, stall now being known."""
         stalls = np.ones(int(points.sum()), bool)
-        return Outlook(self.advance[points], stalls, self.descends[points], self.islands[points])
+        return Outlook(self.advance[points], self.climb[points], stalls, self.islands[points])
 
 
 def plan(
@@ -152,9 +152,9 @@ def plan(
     axial_apart : whether axial flow, which needs a single azimuth, gets jobs of its own.
     descent : whether the programs are those that also serve descent.
     """
-    advance, stalls, descends, islands = outlook
+    advance, climb, stalls, islands = outlook
     azimuths = np.where(advance == 0.0, 1, setting.azimuths_at(advance))
-    follow = stalls & (advance <= np.where(descends, FOLLOW_DESCENT_BELOW, FOLLOW_BELOW))
+    follow = stalls & (advance <= np.where(climb < 0.0, FOLLOW_DESCENT_BELOW, FOLLOW_BELOW))
     spread = (stalls & ~follow) | (advance > REVERSED_ABOVE)
     stations = np.where(follow, setting.stalled, np.where(spread, setting.fast, setting.free))
     if alike:
@@ -166,7 +166,8 @@ def plan(
     apart = (azimuths == 1) & axial_apart
     each = (apart * 1, follow * 1, stations, (follow & islands) * 1)
     kinds = np.ravel_multi_index(each, sizes)
-    most_first = np.argsort(-azimuths, kind="stable")
+    # Blocks of points that are alike in climb too: there slow roots are at the same stations.
+    most_first = np.lexsort((climb, -azimuths))
     for kind in np.unique(kinds):
         _, followed, nodes, four = (int(k) for k in np.unravel_index(kind, sizes))
         mine = most_first[kinds[most_first] == kind]

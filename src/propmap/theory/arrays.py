@@ -80,15 +80,6 @@ def settled(function: Callable[[], Value], scalar: jax.Array) -> Value:
     a barrier that stays: without it programs take up to twice as long.  An accelerator would have
     to ask the host which branch to take: none there.
     """
-    return if_needed(function, (scalar <= scalar) | (scalar != scalar))
-
-
-def if_needed(function: Callable[[], Value], needed: jax.Array) -> Value:
-    """``settled``, or zeros where it is not needed.
-
-    function : as for ``settled``.  needed : a single boolean; where it is false and the loop is
-    compiled for a CPU the result is zeros, elsewhere what ``function`` gives: not to be read then.
-    """
     if on_numpy() or on_accelerator():
         return function()
     function = jax.jit(function)  # lest it be traced again
@@ -97,7 +88,8 @@ def if_needed(function: Callable[[], Value], needed: jax.Array) -> Value:
         return _in_pairs(function())
 
     nothing = jax.tree.map(lambda s: jnp.zeros(s.shape, s.dtype), jax.eval_shape(packed))
-    return _apart(lax.cond(needed, packed, lambda: nothing), jax.eval_shape(function))
+    always = (scalar <= scalar) | (scalar != scalar)
+    return _apart(lax.cond(always, packed, lambda: nothing), jax.eval_shape(function))
 
 
 def _in_pairs(values: Any) -> list[Any]:

@@ -9,7 +9,6 @@ bounds on the slope and on the curvature of the residual.
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
 import jax
@@ -19,18 +18,14 @@ from propmap.theory import blade_element, momentum
 from propmap.theory.arrays import (
     DerivativeByRule,
     held,
-    if_needed,
+    of_each,
     on_numpy,
     settled,
     while_loop,
     xp,
 )
 from propmap.theory.blade_element import Annulus
-from propmap.theory.inflow_bounds import (
-    find_bounds,
-    largest_curvature,
-    safe_step,
-)
+from propmap.theory.inflow_bounds import Bounds, find_bounds, largest_curvature, safe_step
 from propmap.theory.parameters import Array
 from propmap.theory.precision import precision_of
 from propmap.theory.velocities import AzimuthNodes
@@ -48,13 +43,9 @@ FOUND = -1.0
 LIFTS, LIFT = 2, 1.5
 """How often a start below the root is lifted, and by how many Newton steps the first time."""
 
-GATHER_FROM = 2000
-"""Lanes, stations times operating points, from which it pays to gather the slow ones: fewer, and
-a second loop takes longer to compile than it spares."""
-
-STEPS_TOGETHER, STEPS_APART = 2, 3
-"""Steps that all lanes of a large batch take before the unfinished go on by themselves, and that
-these take before they are gathered again."""
+STATIONS_TOGETHER, LANES_TOGETHER = 4, 256
+"""Stations whose roots are searched for together, and stations times operating points, at least.
+All wait for the slowest, and slow roots are beside each other; but every step has its price."""
 
 SURE = 0.25
 """Share of its slope by which the residual's may change along a Newton step that is taken for
@@ -138,17 +129,16 @@ def _beyond_newton(before: _Seen, here: _Seen) -> tuple[Array, Array]:
 
 
 def _walk_on(
-    ask: InflowQuestion, begin: _Walk, first: Array, most: Array, azimuth: AzimuthNodes
-) -> tuple[_Walk, Array]:
-    """Take steps ``first`` to ``most``, or until all lanes have ended; and the next step's number.
+    ask: InflowQuestion, bound: Bounds, begin: _Walk, most: Array, azimuth: AzimuthNodes
+) -> _Walk:
+    """Take up to ``most`` steps, until all lanes have ended.
 
-    One loop, so that the blade elements are compiled once: each lane walks down by safe
-    steps until these are tiny, then takes Newton steps and stays.  Where a Newton step is safe by
-    the bounds it takes that instead.  The last step also uses the place before, with an error of
-    the fourth order in the steps instead of the second.
+    Each lane walks down by safe steps until these are tiny, then takes Newton steps and stays.
+    Where a Newton step is safe by the bounds it takes that instead.  The last step also uses the
+    place before, with an error of the fourth order in the steps instead of the second.
     """
     at = ask.at
-    bound, within = find_bounds(at), precision_of(at.v_axial)
+    within = precision_of(at.v_axial)
     scale = bound.speed + xp.abs(at.v_axial) + 1e-30
 
     def unfinished(state: tuple[_Walk, Array]) -> Array:
@@ -165,7 +155,7 @@ def _walk_on(
         newton = value * here.per_slope
         curvature = largest_curvature(at, bound, v, newton)
         sure = curvature * xp.abs(newton) <= -SURE * slope
-        safe = if_needed(lambda: safe_step(at, bound, v, value, slope), xp.any(active & ~sure))
+        safe = safe_step(at, bound, v, value, slope)
         # At a simple root the two steps agree; at a double one Newton's is not to be trusted.
         limit = xp.where(sure, xp.inf, 4.0 * xp.abs(safe))
         newton = xp.clip(newton, -limit, limit)
@@ -201,17 +191,12 @@ def _walk_on(
         )
         return after, steps + 1
 
-    return while_loop(unfinished, step, (begin, first))
+    walk, _ = while_loop(unfinished, step, (begin, xp.array(0)))
+    return walk
 
 
-def _search(
-    ask: InflowQuestion, hint: Array, max_steps: Array, azimuth: AzimuthNodes
-) -> tuple[Array, Array]:
-    """The largest root [m/s], and whether it was reached and satisfies (11).
-
-    Most lanes end within ``STEPS_TOGETHER`` steps.  In a large batch the others are then gathered
-    and go on by themselves, or all would wait for the slowest.
-    """
+def _search(ask: InflowQuestion, hint: Array, max_steps: Array, azimuth: AzimuthNodes) -> Array:
+    """The largest root [m/s]; NaN where it was not reached or does not satisfy (11)."""
     shape = xp.broadcast_shapes(*(xp.shape(a) for a in jax.tree.leaves(ask)))
     bound = find_bounds(ask.at)
     proved = xp.minimum(bound.start, bound.guess)
@@ -219,33 +204,8 @@ def _search(
         proved = xp.where(ask.windmill > 0.0, bound.start, proved)
     start = xp.broadcast_to(xp.minimum(proved, hint), shape)
     begin = _start_at(start, xp.full_like(start, NEWTON_STEPS))
-    lanes = math.prod(shape)
-    few = lanes // 8 if lanes >= GATHER_FROM and not on_numpy() else lanes
-    together = xp.minimum(STEPS_TOGETHER, max_steps) if few < lanes else max_steps
-    walk, steps = _walk_on(ask, begin, xp.array(0), together, azimuth)
-    if few < lanes:
-        flat = jax.tree.map(lambda a: xp.broadcast_to(a, shape).ravel() if xp.ndim(a) else a, ask)
-
-        def some_left(state: tuple[Array, Array, Array]) -> Array:
-            _, newtons, steps = state
-            return xp.any(newtons > 0) & (steps < max_steps)
-
-        def slow_ones(state: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:
-            v, newtons, steps = state
-            (pick,) = xp.nonzero(newtons > 0, size=few, fill_value=0)
-            mine = jax.tree.map(lambda a: a[pick] if xp.ndim(a) else a, flat)
-            nodes = azimuth.of_lanes(pick % shape[-1])
-            # Those that are left go all the way, if there is room for all of them.
-            all_here = xp.sum(newtons > 0) <= few
-            until = xp.where(all_here, max_steps, steps + STEPS_APART)
-            # What was seen before is not taken along: it would take longer than it spares.
-            part = _start_at(v[pick], newtons[pick])
-            part, steps = _walk_on(mine, part, steps, until, nodes)
-            return v.at[pick].set(part.v), newtons.at[pick].set(part.newtons), steps
-
-        ended = while_loop(some_left, slow_ones, (walk.v.ravel(), walk.newtons.ravel(), steps))
-        return ended[0].reshape(shape), ended[1].reshape(shape) == FOUND
-    return walk.v, walk.newtons == FOUND
+    walk = _walk_on(ask, bound, begin, max_steps, azimuth)
+    return xp.where(walk.newtons == FOUND, walk.v, xp.nan)
 
 
 def inflow_root(
@@ -265,8 +225,26 @@ def inflow_root(
 
 def find_root(ask: InflowQuestion, start: Array, max_steps: Array, azimuth: AzimuthNodes) -> Array:
     """``inflow_root`` as a mere number: its derivative is zero."""
-    v, found = _search(*held((ask, start)), max_steps, azimuth)
-    return xp.where(found, v, xp.nan)
+    whole, form = jax.tree.flatten(held((ask, start)))
+    by_station = [a for a in whole if xp.ndim(a) == 2]
+
+    def search(stations: list[Array]) -> Array:
+        mine = iter(stations)
+        parts = [next(mine) if xp.ndim(a) == 2 else a for a in whole]
+        some, above = jax.tree.unflatten(form, parts)
+        return _search(some, above, max_steps, azimuth)
+
+    count, points = xp.broadcast_shapes((1, 1), *(xp.shape(a) for a in whole))
+    together = max(STATIONS_TOGETHER, -(-count // max(count * points // LANES_TOGETHER, 1)))
+    if on_numpy() or count <= together:
+        return search(by_station)
+
+    def grouped(a: Array) -> Array:
+        filled = xp.concatenate([a, xp.repeat(a[-1:], -count % together, axis=0)])
+        return filled.reshape(-1, together, a.shape[1])
+
+    found = of_each(search, [grouped(a) for a in by_station])
+    return found.reshape(-1, points)[:count]
 
 
 @DerivativeByRule

@@ -16,8 +16,9 @@ _PAST_STALL = np.array([0.0, 0.04, 0.1, 0.2])
 EVERY = 3
 """Every how many stations."""
 
-AZIMUTHS = 8
-"""Azimuth nodes over a full turn, where there are several."""
+AZIMUTHS = 32
+"""Azimuth nodes over a full turn, at most.  With 24 of them, one fast point in five hundred is told
+to have several roots that has one; with 8, one in twenty."""
 
 
 def several_roots(solved: tuple[InflowQuestion, Array], azimuth: AzimuthNodes) -> Array:
@@ -26,10 +27,10 @@ def several_roots(solved: tuple[InflowQuestion, Array], azimuth: AzimuthNodes) -
     solved : equation (11) at the stations, and its largest root (S, B) [m/s].  Below it the
     residual is positive, unless there are further roots, which come in pairs and arise past
     stall: so a negative residual there tells of three.  It is sampled at four angles of every
-    third station, with few azimuth nodes: a diagnosis, on which the largest root does not depend.
+    third station, with no more azimuth nodes than it takes: a diagnosis, on which the largest
+    root does not depend.
     """
-    axial = isinstance(azimuth.count, int) and azimuth.count == 1
-    some = azimuth if axial else azimuth_nodes(AZIMUTHS)
+    some = azimuth if 2 * len(azimuth.sines) <= AZIMUTHS else azimuth_nodes(AZIMUTHS)
     ask, root = solved[0].stations(slice(None, None, EVERY)), solved[1][::EVERY]
     stall = stall_side(ask.stations(slice(-2, -1)), ask.at.section.alpha_0)
     margin = 1e-4 * (ask.at.omega * ask.at.radius + ask.at.v_inplane)

@@ -31,12 +31,6 @@ class AzimuthNodes:
     sines: Array | np.ndarray
     count: Array | int
 
-    def of_lanes(self, column: Array) -> AzimuthNodes:
-        """The nodes of lanes (L,), each of which belongs to the operating point ``column``."""
-        if isinstance(self.count, int):
-            return self
-        return AzimuthNodes(self.sines[:, column], self.count[column])
-
     def tree_flatten(self) -> tuple[tuple[Any, ...], int | None]:
         """Children and static part, for JAX."""
         if isinstance(self.count, int):
