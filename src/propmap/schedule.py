@@ -6,6 +6,8 @@ The counts come from a convergence study of 1000 random points (2000-10000 rpm, 
 
 from __future__ import annotations
 
+import os
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -214,7 +216,8 @@ def may_stall(
     A wrong forecast costs time or is found out from the result, never accuracy.
     """
     forecast = np.empty(omega.size, bool)
-    for start in range(0, omega.size, FORECAST_TOGETHER):
+
+    def look(start: int) -> None:
         part = slice(start, start + FORECAST_TOGETHER)
         nearest = _nearest_to_stall(
             radius, solidity_slope, pitch, omega[part], v_axial[part], v_inplane[part]
@@ -222,6 +225,13 @@ def may_stall(
         advance = v_inplane[part] / np.maximum(omega[part] * radius[-1], 1e-9)
         margin = (STALL_MARGIN[0] + STALL_MARGIN[1] * advance) / stall[1]
         forecast[part] = (nearest > stall[0] - margin) | (v_axial[part] < 0.0)
+
+    starts = range(0, omega.size, FORECAST_TOGETHER)
+    if len(starts) <= 1:
+        look(0)  # a thread takes as long to start as a single point to evaluate
+    else:
+        with ThreadPoolExecutor(os.cpu_count()) as pool:
+            list(pool.map(look, starts))
     return forecast
 
 
