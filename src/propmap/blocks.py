@@ -18,7 +18,7 @@ BLOCK = 32
 """Operating points per call of a compiled program: enough to fill the vector units, few
 enough to stay in the processor's cache."""
 
-LARGE_NODES = 6144
+LARGE_NODES = 3072
 """Radial nodes per call in large batches, to spread what a step costs at any size."""
 
 AXIAL_NODES = 12288
