@@ -2,6 +2,7 @@
 
 import functools
 
+import jax
 import numpy as np
 import pytest
 
@@ -10,7 +11,7 @@ from propmap.evaluation import prepare
 from propmap.schedule import may_stall
 from propmap.theory.arrays import by_numpy
 from propmap.theory.disk_inflow import DiskInflow, question, solve_disk
-from propmap.theory.inflow import MAX_STEPS, find_root, residual
+from propmap.theory.inflow import LANES_TOGETHER, MAX_STEPS, find_root, residual
 from propmap.theory.inflow_bounds import find_bounds
 from propmap.theory.loads import case_of
 from propmap.theory.quadrature import panel_nodes
@@ -64,6 +65,22 @@ def test_no_root_lies_above(name, azimuths):
             v = disk.inflow + share * (highest - disk.inflow)
             value = residual(disk.ask, v, azimuth_nodes(azimuths))
             assert (value <= 1e-9 * np.abs(value).max()).all()
+
+
+@pytest.mark.parametrize("count", [17, 20])
+def test_groups_of_stations_find_what_all_together_find(count):
+    """Compiled, stations search four at a time; NumPy searches at all at once."""
+    rotor = propmap.Rotor(propmap.propeller("apc-8x6e"), propmap.airfoil("paper-stiff"))
+    flow = climb(rotor, axial=False, seed=9)
+    some = followed(rotor, flow, 16).ask.stations(slice(count))
+    nodes, nowhere = azimuth_nodes(16), np.full(POINTS, np.inf)
+    assert some.at.radius.shape == (count, POINTS)
+    assert count * POINTS > 2 * LANES_TOGETHER
+    with by_numpy():
+        together = find_root(some, nowhere, STEPS, nodes)
+    with jax.enable_x64():
+        in_groups = jax.jit(find_root)(some, nowhere, STEPS, nodes)
+    np.testing.assert_allclose(in_groups, together, rtol=1e-9, atol=1e-9)
 
 
 def attached(rotor, flow):
