@@ -107,9 +107,10 @@ def accuracy(name: str) -> Accuracy:
 class Job:
     """Operating points that are evaluated alike.
 
-    points : indices into the batch (n,), those with most azimuths first, then by climb.  panels :
-    radial nodes per panel.  azimuths : of each point, nodes over a full turn (n,), 1 for axial
-    flow.  most_azimuths : the largest number of them in any such job, for which programs are made.
+    points : indices into the batch (n,), those with most azimuths first, then by climb, down and up
+    by turns.  panels : radial nodes per panel.  azimuths : of each point, nodes over a full turn
+    (n,), 1 for axial flow.  most_azimuths : the largest number of them in any such job, for which
+    programs are made.
     """
 
     points: NDArray[np.intp]
@@ -168,8 +169,10 @@ def plan(
     apart = (azimuths == 1) & axial_apart
     each = (apart * 1, follow * 1, stations, (follow & islands) * 1)
     kinds = np.ravel_multi_index(each, sizes)
-    # Blocks of points that are alike in climb too: there slow roots are at the same stations.
-    most_first = np.lexsort((climb, -azimuths))
+    # Blocks of points that are alike in climb too: there slow roots are at the same stations.  Down
+    # and up by turns, for the blocks in which one number of azimuths follows another.
+    rising = np.searchsorted([count for _, count in setting.azimuths], azimuths) % 2
+    most_first = np.lexsort((np.where(rising, climb, -climb), -azimuths))
     for kind in np.unique(kinds):
         _, followed, nodes, four = (int(k) for k in np.unravel_index(kind, sizes))
         mine = most_first[kinds[most_first] == kind]
