@@ -33,21 +33,34 @@ from propmap.theory.stall_split import hump_crossings
 from propmap.theory.velocities import AzimuthNodes, azimuth_nodes
 
 REPEATS = 9
+BLOCKS = 5
+"""At most so many of a job's, from one end to the other: they are sorted by climb, and with it goes
+what they cost."""
+
 OPTIONS: Any = COMPILER_OPTIONS
 
 FOLLOWING = (12, 18, 18)
 """Radial nodes on the panels of a point that follows stall outside descent."""
 
 
-def least_microseconds(call: Callable[[], Any], points: int) -> float:
-    """Least time of ``call`` per each of its ``points`` [us], after one that does not count."""
-    jax.tree.map(np.asarray, call())
-    seconds = []
-    for _ in range(REPEATS):
-        start = time.perf_counter()
-        jax.tree.map(np.asarray, call())
-        seconds.append(time.perf_counter() - start)
-    return min(seconds) / points * 1e6
+Block = tuple[Case, AzimuthNodes]
+
+
+def microseconds(blocks: list[Block], *calls: Callable[[Block], Any]) -> list[float]:
+    """Time of each call per point [us], the mean over the blocks of each one's least.
+
+    By turns, lest a slow moment of the machine strike one of them.
+    """
+    least = np.full((len(calls), len(blocks)), np.inf)
+    for j, block in enumerate(blocks):
+        for turn in range(REPEATS + 1):
+            for i, call in enumerate(calls):
+                start = time.perf_counter()
+                jax.tree.map(np.asarray, call(block))
+                if turn:  # the first compiles
+                    least[i, j] = min(least[i, j], time.perf_counter() - start)
+    points = blocks[0][0].omega.size
+    return [float(mean) for mean in 1e6 * least.mean(axis=1) / points]
 
 
 def jobs_of_the_batch(rotor: Rotor) -> tuple[list[Job], tuple[np.ndarray, ...]]:
@@ -73,9 +86,17 @@ def jobs_of_the_batch(rotor: Rotor) -> tuple[list[Job], tuple[np.ndarray, ...]]:
     return jobs, flow
 
 
-def block(rotor: Rotor, job: Job, flow: tuple[np.ndarray, ...]) -> tuple[Case, AzimuthNodes]:
-    """One block of a job: its case and azimuth nodes."""
-    which = np.resize(job.points, large_block(job))
+def blocks_of(rotor: Rotor, job: Job, flow: tuple[np.ndarray, ...]) -> list[Block]:
+    """Some blocks of a job: their cases and azimuth nodes."""
+    size = large_block(job)
+    last = max(job.points.size - size, 0)
+    count = min(BLOCKS, -(-job.points.size // size))
+    starts = np.linspace(0, last, count).astype(int)
+    return [block(rotor, job, np.resize(job.points[i : i + size], size), flow) for i in starts]
+
+
+def block(rotor: Rotor, job: Job, which: np.ndarray, flow: tuple[np.ndarray, ...]) -> Block:
+    """The block of these points of the job."""
     ready = evaluation.prepare(rotor.theory)
     still = np.zeros(which.size)
     blade, section, medium = ready.on_device
@@ -89,10 +110,34 @@ def block(rotor: Rotor, job: Job, flow: tuple[np.ndarray, ...]) -> tuple[Case, A
     return case, nodes
 
 
+def phases_of(blocks: list[Block], panels: tuple[int, ...]) -> dict[str, float]:
+    """What each phase costs where stall is followed, and all of them [us]."""
+    near = {id(block): survey(*block)[0] for block in blocks}
+    first, second, third, every = microseconds(
+        blocks,
+        lambda block: survey(*block),
+        lambda block: folds(block[0], near[id(block)], block[1]),
+        lambda block: inflow(block[0], panels, block[1]),
+        whole_with(panels),
+    )
+    return {
+        "survey": first,
+        "folds": second,
+        "roots": third - first - second,
+        "loads": every - third,
+        "all": every,
+    }
+
+
 @functools.partial(jax.jit, compiler_options=OPTIONS, static_argnums=1)
 def whole(case: Case, panels: tuple[int, ...], azimuth: AzimuthNodes) -> Any:
     """All of it."""
     return disk_loads(*case[:6], jnp.zeros_like(case.omega), panels, azimuth)
+
+
+def whole_with(panels: tuple[int, ...]) -> Callable[[Block], Any]:
+    """The same for a block."""
+    return lambda block: whole(block[0], panels, block[1])
 
 
 @functools.partial(jax.jit, compiler_options=OPTIONS)
@@ -126,10 +171,12 @@ def main() -> None:
         rows: list[dict[str, Any]] = []
         phases: list[dict[str, Any]] = []
         for job in jobs:
-            case, nodes = block(rotor, job, flow)
-            run = functools.partial(whole, case, job.panels, nodes)
-            size = large_block(job)
-            each = least_microseconds(run, size)
+            blocks = blocks_of(rotor, job, flow)
+            if job.panels == FOLLOWING:
+                split = phases_of(blocks, job.panels)
+                each = split.pop("all")
+            else:
+                (each,) = microseconds(blocks, whole_with(job.panels))
             azimuths = int(job.azimuths[0])
             count = sum(job.panels) * max(azimuths // 2, 1)
             share = job.points.size / BATCH
@@ -150,21 +197,10 @@ def main() -> None:
                 f"{each:.1f}",
                 f"{share * each:.1f}",
             )
-            if job.panels != FOLLOWING:
-                continue
-            near, _ = survey(case, nodes)
-            first = least_microseconds(functools.partial(survey, case, nodes), size)
-            second = least_microseconds(functools.partial(folds, case, near, nodes), size)
-            third = least_microseconds(functools.partial(inflow, case, job.panels, nodes), size)
-            split: dict[str, float] = {
-                "survey": first,
-                "folds": second,
-                "roots": max(third - first - second, 0.0),
-                "loads": max(each - third, 0.0),
-            }
-            phases.append({"azimuths": azimuths, **split})
-            cells = [f"{value:.1f}" for value in (*split.values(), each)]
-            parts.add_row(str(azimuths), *cells)
+            if job.panels == FOLLOWING:
+                phases.append({"azimuths": azimuths, **split})
+                cells = [f"{value:.1f}" for value in (*split.values(), each)]
+                parts.add_row(str(azimuths), *cells)
     found |= {"jobs": rows, "following": phases}
     found["one_core_us"] = sum(row["share"] * row["microseconds"] for row in rows)
     found["nodes_per_point"] = sum(row["share"] * row["nodes"] for row in rows)
