@@ -1,9 +1,9 @@
 """How accurate numerically: `make convergence`.  Writes results/convergence.json.
 
 Two comparisons, for the three parameter sets of Table I on the APC 8x6E.  The settings
-against about twice the nodes of "fine", at random points; and against the frozen loads of the
-independent, literal reference in tests/oracle.  Errors are shares of the static thrust (T, D)
-or torque (tau) at the same rotational speed.
+against about twice the nodes of "fine", at random points from climb to descent; and against the
+frozen loads of the independent, literal reference in tests/oracle.  Errors are shares of the static
+thrust (T, D) or torque (tau, rolling moment) at the same rotational speed.
 """
 
 from __future__ import annotations
@@ -26,14 +26,20 @@ from propmap.schedule import ACCURACIES, Accuracy
 Floats = NDArray[np.float64]
 
 SEED = 2017
-POINTS = 300
+POINTS = 3000
 RPM = np.pi / 30.0
 SETS = ("paper-soft", "paper-stiff", "paper-apc")
 BANDS = (0.0, 0.1, 0.2, 0.3, 0.5, 1.0, np.inf)
 """Edges of the bands of advance ratio V sin(beta)/(Omega R)."""
 
 REFERENCE = Path(__file__).parents[1] / "tests" / "oracle" / "reference_loads.csv"
-LOADS = ("thrust", "drag", "torque")
+SHARE_OF = {
+    "thrust": "static_thrust",
+    "drag": "static_thrust",
+    "torque": "static_torque",
+    "roll_moment": "static_torque",
+}
+"""The static load that each load's error is a share of."""
 
 
 def dense() -> Accuracy:
@@ -44,16 +50,17 @@ def dense() -> Accuracy:
 
 
 def random_flow() -> tuple[Floats, Floats, Floats]:
-    """omega [rad/s], v_axial and v_inplane [m/s], (POINTS,): 2000-10000 rpm, 0-20 m/s, 0-90 deg."""
+    """omega [rad/s], v_axial, v_inplane [m/s], (POINTS,): 2000-10000 rpm, 0-20 m/s, 0-180 deg."""
     rng = np.random.default_rng(SEED)
     rpm, speed = rng.uniform(2000.0, 10000.0, POINTS), rng.uniform(0.0, 20.0, POINTS)
-    beta = np.radians(rng.uniform(0.0, 90.0, POINTS))
+    beta = np.radians(rng.uniform(0.0, 180.0, POINTS))
     return rpm * RPM, speed * np.cos(beta), speed * np.sin(beta)
 
 
-def shares(found: Evaluation, truth: dict[str, Floats], scale: dict[str, Floats]) -> Floats:
-    """Errors (loads, N) [-]."""
-    return np.array([np.abs(getattr(found, k) - truth[k]) / np.abs(scale[k]) for k in LOADS])
+def shares(found: Evaluation, truth: dict[str, Floats]) -> Floats:
+    """Errors (loads, N) [-]; truth : loads and static loads, (N,) each."""
+    errors = [np.abs((getattr(found, k) - truth[k]) / truth[of]) for k, of in SHARE_OF.items()]
+    return np.array(errors)
 
 
 def summary(errors: Floats, advance: Floats) -> list[dict[str, Any]]:
@@ -67,7 +74,7 @@ def summary(errors: Floats, advance: Floats) -> list[dict[str, Any]]:
             "advance_ratio": [low, None if np.isinf(high) else high],
             "points": int(mine.sum()),
         }
-        for load, values in zip(LOADS, errors[:, mine], strict=True):
+        for load, values in zip(SHARE_OF, errors[:, mine], strict=True):
             row[load] = {
                 "largest": float(values.max()),
                 "percentile_95": float(np.percentile(values, 95)),
@@ -84,11 +91,11 @@ def against_dense(rotors: dict[str, Rotor]) -> dict[str, Any]:
     for rotor in rotors.values():
         reference = evaluate(prepare(rotor.theory), dense(), omega, axial, inplane)
         hover = evaluate(prepare(rotor.theory), ACCURACIES["fine"], omega, still, still)
-        truth = {load: getattr(reference, load) for load in LOADS}
-        scale = {"thrust": hover.thrust, "drag": hover.thrust, "torque": hover.torque}
+        truth = {load: getattr(reference, load) for load in SHARE_OF}
+        truth |= {"static_thrust": hover.thrust, "static_torque": hover.torque}
         for name, setting in ACCURACIES.items():
             loads = evaluate(prepare(rotor.theory), setting, omega, axial, inplane)
-            found[name].append(shares(loads, truth, scale))
+            found[name].append(shares(loads, truth))
     tip = float(next(iter(rotors.values())).propeller.radius)
     advance = np.tile(inplane / (omega * tip), len(rotors))
     return {name: summary(np.hstack(parts), advance) for name, parts in found.items()}
@@ -104,11 +111,9 @@ def against_reference(rotors: dict[str, Rotor]) -> dict[str, Any]:
         mine = [row for row in rows if row["set"] == name.removeprefix("paper-")]
         column = {k: np.array([float(row[k]) for row in mine]) for k in rows[0] if k != "set"}
         flow = (column["rpm"] * RPM, column["v_axial"], column["v_inplane"])
-        static = column["static_thrust"]
-        scale = {"thrust": static, "drag": static, "torque": column["static_torque"]}
         for accuracy, setting in ACCURACIES.items():
             loads = evaluate(prepare(rotor.theory), setting, *flow)
-            found[accuracy].append(shares(loads, column, scale))
+            found[accuracy].append(shares(loads, column))
         advance.append(flow[2] / (flow[0] * rotor.propeller.radius))
     everywhere = np.concatenate(advance)
     return {name: summary(np.hstack(parts), everywhere) for name, parts in found.items()}
@@ -118,7 +123,7 @@ def table(title: str, found: dict[str, Any]) -> None:
     """Print errors in per cent of the static load."""
     print(title)
     print(f"{'setting':9} {'advance ratio':>13} {'points':>6}", end="")
-    print("".join(f"{load + ' 95 %':>15}{'largest':>10}" for load in LOADS))
+    print("".join(f"{load + ' 95 %':>17}{'largest':>10}" for load in SHARE_OF))
     for name, rows in found.items():
         for row in rows:
             low, high = row["advance_ratio"]
@@ -126,8 +131,8 @@ def table(title: str, found: dict[str, Any]) -> None:
             print(f"{name:9} {band:>13} {row['points']:>6}", end="")
             print(
                 "".join(
-                    f"{100.0 * row[k]['percentile_95']:15.5f}{100.0 * row[k]['largest']:10.5f}"
-                    for k in LOADS
+                    f"{100.0 * row[k]['percentile_95']:17.5f}{100.0 * row[k]['largest']:10.5f}"
+                    for k in SHARE_OF
                 )
             )
 

@@ -67,8 +67,8 @@ def fits(found: dict[str, Any]) -> str:
 def numerical_accuracy(found: dict[str, Any]) -> str:
     """Settings against both references, in per cent of the static load."""
     rows = [
-        "| setting | against | points | thrust | rotor drag | torque |",
-        "|---|---|---:|---:|---:|---:|",
+        "| setting | against | points | thrust | rotor drag | torque | rolling moment |",
+        "|---|---|---:|---:|---:|---:|---:|",
     ]
     for key, title in (
         ("against_reference", "independent reference"),
@@ -78,7 +78,7 @@ def numerical_accuracy(found: dict[str, Any]) -> str:
             overall = bands[-1]
             cells = [
                 f"{percent(overall[k]['percentile_95'])} / {percent(overall[k]['largest'])}"
-                for k in ("thrust", "drag", "torque")
+                for k in ("thrust", "drag", "torque", "roll_moment")
             ]
             rows.append(f"| `{setting}` | {title} | {overall['points']} | {' | '.join(cells)} |")
     return "\n".join(rows)
