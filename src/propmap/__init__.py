@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Any
 from propmap.air import Air
 from propmap.airfoil import Airfoil, airfoil, airfoil_names
 from propmap.errors import InputError
-from propmap.propeller import Propeller, propeller
+from propmap.propeller import Propeller
+from propmap.propeller_lookup import propeller
 
 if TYPE_CHECKING:
     from propmap.hover import HoverModel

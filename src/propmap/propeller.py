@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import difflib
-import os
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -80,61 +77,6 @@ class Propeller:
     def _key(self) -> tuple[object, ...]:
         arrays = (self.station.tobytes(), self.chord.tobytes(), self.twist.tobytes())
         return (self.name, self.blades, *arrays, self.root_cutout, self.source, self.citation)
-
-
-def propeller(
-    name_or_path: str | os.PathLike[str],
-    blades: int | None = None,
-    radius: float | None = None,
-    root_cutout: float | None = None,
-) -> Propeller:
-    """A propeller from the catalogue, or from a geometry file of any format propmap reads.
-
-    name_or_path : a name that ``propmap props`` lists, in upper or lower case, or a path.
-    blades : number of blades, where the file gives none or another number is wanted.
-    radius : tip radius [m], where the file gives fractions of it; where the geometry has a
-        radius of its own, the two must agree.
-    root_cutout : where the loaded part of the blade begins [m].
-    Raises ``InputError``; for an unknown name it proposes close ones.
-    """
-    # Imported here because the readers and the catalogue are built on Propeller.
-    from propmap import catalogue
-    from propmap.readers.blade_table import check_radius
-    from propmap.readers.geometry_file import read_geometry_file
-
-    text = os.fspath(name_or_path)
-    if text.strip().lower() in catalogue.names():
-        found = catalogue.load(text)
-        if radius is not None:
-            check_radius(found.radius, radius, where=found.name)
-        if blades is not None:
-            found = replace(found, blades=blades)
-    elif _looks_like_path(name_or_path):
-        found = read_geometry_file(text, blades=blades, radius=radius)
-    else:
-        raise unknown_name(text, catalogue.names())
-    return found if root_cutout is None else found.with_root_cutout(root_cutout)
-
-
-def unknown_name(name: str, known: list[str]) -> InputError:
-    """The error for a name that is not among the ``known`` ones, with those close to it."""
-    close = difflib.get_close_matches(name.strip().lower(), known, n=3, cutoff=0.5)
-    hint = f"did you mean {', '.join(close)}? " if close else ""
-    return InputError(
-        f"{quoted(name)} is neither a propeller of the catalogue nor a file",
-        f"{hint}see `propmap props`",
-    )
-
-
-def _looks_like_path(name_or_path: str | os.PathLike[str]) -> bool:
-    if not isinstance(name_or_path, str) or "/" in name_or_path or os.sep in name_or_path:
-        return True
-    try:
-        path = Path(name_or_path)
-        # A pitch such as 8x4.5 ends like a suffix, so a suffix counts only if it has a letter.
-        return path.exists() or path.suffix[1:2].isalpha()
-    except (OSError, ValueError):
-        return True
 
 
 def _frozen_array(values: Any, field: str) -> Floats:

@@ -13,7 +13,7 @@ import pytest
 
 from propmap import catalogue
 from propmap.errors import InputError
-from propmap.propeller import propeller
+from propmap.propeller_lookup import propeller
 
 ROOT = Path(__file__).resolve().parents[2]
 DATA = ROOT.parent / "shared" / "data"

@@ -70,7 +70,7 @@ def write_table(path: Path, solve: Solve) -> None:
 
 def main() -> None:
     """Compute the table for the catalogue's propeller."""
-    from propmap.propeller import propeller
+    from propmap.propeller_lookup import propeller
 
     blade = propeller(PROPELLER)
     write_table(TABLE, solver(blade.station, blade.chord, blade.twist, blade.blades))

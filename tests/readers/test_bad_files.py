@@ -12,7 +12,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from propmap.errors import InputError
-from propmap.propeller import propeller
+from propmap.propeller_lookup import propeller
 from propmap.readers.apc_pe0 import read_apc_pe0
 from propmap.readers.geometry_file import read_geometry_file
 from propmap.readers.propeller_csv import read_propeller_csv

@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from propmap.propeller import Propeller, propeller
+from propmap.propeller import Propeller
+from propmap.propeller_lookup import propeller
 from propmap.readers.apc_pe0 import read_apc_pe0
 from propmap.readers.geometry_file import read_geometry_file
 from propmap.readers.propeller_csv import read_propeller_csv

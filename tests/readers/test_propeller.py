@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from propmap.errors import InputError
-from propmap.propeller import Propeller, propeller
+from propmap.propeller import Propeller
+from propmap.propeller_lookup import propeller
 
 GOOD: dict[str, Any] = {
     "name": "p",

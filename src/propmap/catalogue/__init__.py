@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import difflib
 import os
 from dataclasses import dataclass
 from functools import lru_cache
 from importlib.resources import files
 from importlib.resources.abc import Traversable
 
-from propmap.propeller import Propeller, unknown_name
+from propmap.errors import InputError, quoted
+from propmap.propeller import Propeller
 from propmap.readers.propeller_toml import (
     SCHEMA,
     parse_propeller_toml,
@@ -59,7 +61,7 @@ def load(name: str) -> Propeller:
     """The propeller called ``name``, in upper or lower case; ``InputError`` if there is none."""
     key = name.strip().lower()
     if key not in _files():
-        raise unknown_name(name, names())
+        raise unknown_name(name)
     return parse_propeller_toml(_files()[key].read_text(encoding="utf-8"), f"catalogue {key}")
 
 
@@ -69,6 +71,16 @@ def load_file(path: str | os.PathLike[str]) -> Propeller:
     Raises ``InputError``.
     """
     return read_propeller_toml(path)
+
+
+def unknown_name(name: str) -> InputError:
+    """The error for a name that the catalogue does not have, with those close to it."""
+    close = difflib.get_close_matches(name.strip().lower(), names(), n=3, cutoff=0.5)
+    hint = f"did you mean {', '.join(close)}? " if close else ""
+    return InputError(
+        f"{quoted(name)} is neither a propeller of the catalogue nor a file",
+        f"{hint}see `propmap props`",
+    )
 
 
 @lru_cache(maxsize=1)

@@ -71,7 +71,7 @@ def _compare(
     from propmap.air import Air
     from propmap.identify.comparison import compare_flight, compare_tunnel
     from propmap.identify.result_file import is_fit, read_fit
-    from propmap.propeller import propeller
+    from propmap.propeller_lookup import propeller
 
     if vehicle is not None:
         from propmap.cli.flight_files import read_flights

@@ -15,7 +15,7 @@ from propmap.airfoil import airfoil
 from propmap.catalogue.measurements import measurement
 from propmap.cli.operating_points import RPM, Floats
 from propmap.cli.output import csv_text, json_text, write_text
-from propmap.propeller import propeller
+from propmap.propeller_lookup import propeller
 from propmap.report.comparison import LOADS, Comparison, LoadErrors, compare
 from propmap.rotor import Rotor
 

@@ -76,7 +76,7 @@ def _rotor(source: Path, prop: str | None) -> tuple[Rotor, SectionCovariance | N
     from propmap.airfoil import read_airfoil
     from propmap.compilation import keep_compiled
     from propmap.identify.result_file import is_fit, read_fit
-    from propmap.propeller import propeller
+    from propmap.propeller_lookup import propeller
     from propmap.rotor import Rotor
 
     keep_compiled()

@@ -20,7 +20,7 @@ from propmap.cli.rotor_options import (
     takes_rotor,
 )
 from propmap.errors import InputError
-from propmap.propeller import propeller
+from propmap.propeller_lookup import propeller
 
 if TYPE_CHECKING:
     from propmap.report.load_curves import MeasuredLoads

@@ -24,7 +24,7 @@ from propmap.cli.output import (
     show,
 )
 from propmap.cli.rotor_options import Blades, PropArgument, Radius
-from propmap.propeller import propeller
+from propmap.propeller_lookup import propeller
 
 if TYPE_CHECKING:
     from rich.console import Console

@@ -14,7 +14,8 @@ import typer
 from propmap.air import PAPER_DENSITY, PAPER_VISCOSITY, Air
 from propmap.airfoil import airfoil, airfoil_names
 from propmap.errors import InputError
-from propmap.propeller import Propeller, propeller
+from propmap.propeller import Propeller
+from propmap.propeller_lookup import propeller
 
 if TYPE_CHECKING:
     from propmap.rotor import Rotor

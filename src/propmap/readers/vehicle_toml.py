@@ -11,7 +11,8 @@ from typing import Any, TypeVar
 from propmap import catalogue
 from propmap.air import PAPER_DENSITY, PAPER_VISCOSITY, Air
 from propmap.errors import InputError, quoted
-from propmap.propeller import Propeller, propeller, unknown_name
+from propmap.propeller import Propeller
+from propmap.propeller_lookup import propeller
 from propmap.readers import log_map
 from propmap.readers.log_map import BODY_FRAMES, LogMap, read_log_map
 from propmap.readers.propeller_toml import parse_toml
@@ -108,13 +109,12 @@ def _propeller(top: TomlTable, folder: Path) -> Propeller:
     options: dict[str, Any] = {
         key: table.number(key, "a length in m") for key in ("radius", "root_cutout") if key in table
     }
-    known = catalogue.names()
-    if name.strip().lower() in known:
+    if name.strip().lower() in catalogue.names():
         return _located(table.where, lambda: propeller(name, entries.get("blades"), **options))
     # Relative to the vehicle file alone: what lies in the current folder plays no part.
     beside = folder / name
     if not ("/" in name or os.sep in name or beside.exists() or beside.suffix[1:2].isalpha()):
-        raise _located_error(unknown_name(name, known), table.where)
+        raise _located_error(catalogue.unknown_name(name), table.where)
     return _located(table.where, lambda: propeller(beside, entries.get("blades"), **options))
 
 

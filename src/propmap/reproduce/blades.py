@@ -9,7 +9,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from propmap.propeller import Propeller, propeller
+from propmap.propeller import Propeller
+from propmap.propeller_lookup import propeller
 
 TUNNEL_PROPELLER = "apc-8x6e"
 

@@ -7,7 +7,8 @@ import numpy as np
 from propmap.airfoil import airfoil
 from propmap.identify.fitted import Fitted
 from propmap.identify.parameters import PAPER_FOUR
-from propmap.propeller import Propeller, propeller
+from propmap.propeller import Propeller
+from propmap.propeller_lookup import propeller
 from propmap.report.page import Section, Table, Text, number
 from propmap.report.part import Part
 from propmap.report.sheet import csv_of_rows
