@@ -3,7 +3,8 @@
 Two comparisons, for the three parameter sets of Table I on the APC 8x6E.  The settings
 against about twice the nodes of "fine", at random points from climb to descent; and against the
 frozen loads of the independent, literal reference in tests/oracle.  Errors are shares of the static
-thrust (T, D) or torque (tau, rolling moment) at the same rotational speed.
+thrust (T, D), torque (tau) or thrust times radius (rolling moment) at the same rotational speed, as
+in a table's certificate.
 """
 
 from __future__ import annotations
@@ -37,9 +38,9 @@ SHARE_OF = {
     "thrust": "static_thrust",
     "drag": "static_thrust",
     "torque": "static_torque",
-    "roll_moment": "static_torque",
+    "roll_moment": "static_moment",
 }
-"""The static load that each load's error is a share of."""
+"""The static load that each load's error is a share of; the moment is thrust times radius."""
 
 
 def dense() -> Accuracy:
@@ -86,6 +87,7 @@ def summary(errors: Floats, advance: Floats) -> list[dict[str, Any]]:
 def against_dense(rotors: dict[str, Rotor]) -> dict[str, Any]:
     """Each setting against the dense one at random points, all sets together."""
     omega, axial, inplane = random_flow()
+    tip = next(iter(rotors.values())).propeller.radius
     still = np.zeros_like(omega)
     found: dict[str, list[Floats]] = {name: [] for name in ACCURACIES}
     for rotor in rotors.values():
@@ -93,10 +95,10 @@ def against_dense(rotors: dict[str, Rotor]) -> dict[str, Any]:
         hover = evaluate(prepare(rotor.theory), ACCURACIES["fine"], omega, still, still)
         truth = {load: getattr(reference, load) for load in SHARE_OF}
         truth |= {"static_thrust": hover.thrust, "static_torque": hover.torque}
+        truth |= {"static_moment": hover.thrust * tip}
         for name, setting in ACCURACIES.items():
             loads = evaluate(prepare(rotor.theory), setting, omega, axial, inplane)
             found[name].append(shares(loads, truth))
-    tip = float(next(iter(rotors.values())).propeller.radius)
     advance = np.tile(inplane / (omega * tip), len(rotors))
     return {name: summary(np.hstack(parts), advance) for name, parts in found.items()}
 
@@ -110,6 +112,7 @@ def against_reference(rotors: dict[str, Rotor]) -> dict[str, Any]:
     for name, rotor in rotors.items():
         mine = [row for row in rows if row["set"] == name.removeprefix("paper-")]
         column = {k: np.array([float(row[k]) for row in mine]) for k in rows[0] if k != "set"}
+        column["static_moment"] = column["static_thrust"] * rotor.propeller.radius
         flow = (column["rpm"] * RPM, column["v_axial"], column["v_inplane"])
         for accuracy, setting in ACCURACIES.items():
             loads = evaluate(prepare(rotor.theory), setting, *flow)

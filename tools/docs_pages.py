@@ -54,13 +54,14 @@ def write(folder: Path) -> None:
 def twins(found: dict[str, Any]) -> str:
     """Noise-free twin experiments: how well x is found again."""
     rows = [
-        "| truth | largest residual | c_l1 | c_l2 | c_d | alpha_0 |",
-        "|---|---:|---:|---:|---:|---:|",
+        "| truth | largest residual | c_l1 | c_l2 | c_d | alpha_0 | ends near it |",
+        "|---|---:|---:|---:|---:|---:|---:|",
     ]
     for name, twin in found["noise_free"].items():
         errors = twin["relative_errors"]
         cells = [f"{abs(errors[n]):.0e}" for n in ("c_l1", "c_l2", "c_d", "alpha_0")]
         residual = f"{twin['largest_residual_share_of_weight']:.0e} of the weight"
+        cells.append(f"{twin['starts_within_1e-3_of_the_truth']} of {twin['starts']}")
         rows.append(f"| `{name}` | {residual} | {' | '.join(cells)} |")
     return "\n".join(rows)
 

@@ -23,8 +23,8 @@ FEW = 512
 """Operating points below which a batch is not worth the compilation of programs of its own."""
 
 CHUNK = 65536
-"""Operating points that are planned together, at most: what the forecast of stall keeps for each
-of them bounds the memory."""
+"""Operating points that are planned and run together, at most, so that only what the loads take
+grows with the batch."""
 
 ATTACHED = 0.9
 """Attached share below which a result from fixed panels is not accepted where following

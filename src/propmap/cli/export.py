@@ -96,7 +96,7 @@ def _built(rotor: Rotor, covariance: SectionCovariance | None) -> LoadTable:
     rpm = [30.0 / math.pi * w for w in omega]
     typer.echo(
         f"building a map of {rotor.propeller.name} at {rpm[0]:.0f} to {rpm[1]:.0f} rpm, "
-        f"{SPEED[0]:g} to {SPEED[1]:g} m/s, beta 0 to 180 deg, which takes minutes; "
+        f"{SPEED[0]:g} to {SPEED[1]:g} m/s, beta 0 to 180 deg, which takes a minute or so; "
         "for another range, build it with propmap table",
         err=True,
     )

@@ -21,7 +21,7 @@ def claims(found: Mapping[str, Any]) -> Iterator[str]:
         worst = max(found["unresolved_max_error"].values())
         yield (
             f"unresolved: {_cells(found)} cells, {found['unresolved_volume']:.2%} of the envelope, "
-            f"where the model's loads jump; there errors reach {worst:.2%} on "
+            f"where the loads change too steeply for a table; there errors reach {worst:.2%} on "
             f"{found['unresolved_points']} points"
         )
     yield (

@@ -40,7 +40,8 @@ class Certificate:
     tolerance : what was asked for.  points, seed : how many, and of which scrambled Sobol
     sequence over (omega, speed, beta).
     max_error, rms_error : over the points that have a value and are not "unresolved".
-    unresolved : points with that status, in cells where the model's loads jump.
+    unresolved : points with that status, in cells where the model's loads jump or
+    nearly so.
     unresolved_cells : how many there are.  unresolved_volume : their share of the envelope.
     unresolved_points : on how many points inside them, spread evenly over what they take of
     the envelope, unresolved_max_error and unresolved_rms_error were measured.

@@ -1,4 +1,4 @@
-"""Cells in which the model's loads jump, found and marked as unresolved."""
+"""Cells in which the model's loads jump or nearly so, found and marked as unresolved."""
 
 from __future__ import annotations
 

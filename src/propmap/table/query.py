@@ -52,7 +52,7 @@ class TableLoads(NamedTuple):
         """A word of ``STATUSES`` per point.
 
         "vortex_ring": the model's momentum theory does not hold nearby.  "unresolved": the
-        model's loads jump nearby, and the table's error may exceed its tolerance.  "clamped":
+        model's loads jump or nearly so, and the table's error may exceed its tolerance.  "clamped":
         outside the envelope, the loads are those of the nearest point of it.  "no_value":
         the model found no loads nearby, or they were left out; NaN.  "outside": outside the
         envelope; NaN.
