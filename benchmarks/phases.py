@@ -23,14 +23,15 @@ from benchmarks.results_file import machine, write_results
 from benchmarks.speed import BATCH, oblique
 from propmap import evaluation
 from propmap.blocks import large_block, nodes_of_each
+from propmap.lanes import in_lanes
 from propmap.programs import COMPILER_OPTIONS
 from propmap.rotor import Rotor
 from propmap.schedule import Job, Outlook, accuracy, may_leave_islands, may_stall, plan
 from propmap.theory.disk_inflow import Case, question, solve_disk
-from propmap.theory.loads import disk_loads
+from propmap.theory.loads import case_of, disk_loads
 from propmap.theory.stall_folds import find_folds
 from propmap.theory.stall_split import hump_crossings
-from propmap.theory.velocities import AzimuthNodes, azimuth_nodes
+from propmap.theory.velocities import AzimuthNodes
 
 REPEATS = 9
 BLOCKS = 5
@@ -43,7 +44,8 @@ FOLLOWING = (12, 18, 18)
 """Radial nodes on the panels of a point that follows stall outside descent."""
 
 
-Block = tuple[Case, AzimuthNodes]
+Block = tuple[Any, tuple[Any, ...], AzimuthNodes]
+"""The rotor's theory, omega, v_axial and v_inplane of the points, and their azimuth nodes."""
 
 
 def microseconds(blocks: list[Block], *calls: Callable[[Block], Any]) -> list[float]:
@@ -59,7 +61,7 @@ def microseconds(blocks: list[Block], *calls: Callable[[Block], Any]) -> list[fl
                 jax.tree.map(np.asarray, call(block))
                 if turn:  # the first compiles
                     least[i, j] = min(least[i, j], time.perf_counter() - start)
-    points = blocks[0][0].omega.size
+    points = blocks[0][1][0].size
     return [float(mean) for mean in 1e6 * least.mean(axis=1) / points]
 
 
@@ -87,7 +89,7 @@ def jobs_of_the_batch(rotor: Rotor) -> tuple[list[Job], tuple[np.ndarray, ...]]:
 
 
 def blocks_of(rotor: Rotor, job: Job, flow: tuple[np.ndarray, ...]) -> list[Block]:
-    """Some blocks of a job: their cases and azimuth nodes."""
+    """Some blocks of a job."""
     size = large_block(job)
     last = max(job.points.size - size, 0)
     count = min(BLOCKS, -(-job.points.size // size))
@@ -97,28 +99,37 @@ def blocks_of(rotor: Rotor, job: Job, flow: tuple[np.ndarray, ...]) -> list[Bloc
 
 def block(rotor: Rotor, job: Job, which: np.ndarray, flow: tuple[np.ndarray, ...]) -> Block:
     """The block of these points of the job."""
-    ready = evaluation.prepare(rotor.theory)
-    still = np.zeros(which.size)
-    blade, section, medium = ready.on_device
     omega, v_axial, v_inplane = (jnp.asarray(a[which]) for a in flow)
-    case = Case(blade, section, medium, omega, v_axial, v_inplane, jnp.asarray(still))
-    nodes = (
-        azimuth_nodes(1)
-        if job.azimuths[0] == 1
-        else nodes_of_each(np.resize(job.azimuths, which.size), job.most_azimuths)
-    )
-    return case, nodes
+    azimuths = np.resize(job.azimuths, which.size)
+    return rotor.theory, (omega, v_axial, v_inplane), nodes_of_each(azimuths, job.most_azimuths)
 
 
-def phases_of(blocks: list[Block], panels: tuple[int, ...]) -> dict[str, float]:
+def in_groups(phase: Callable[..., Any], *panels: tuple[int, ...]) -> Callable[..., Any]:
+    """The phase compiled as the whole is, for a few points at a time; of a block, and of arrays
+    that the phase takes beside."""
+
+    def some(theory: Any, each: Any) -> Any:
+        (omega, v_axial, v_inplane), azimuth, *beside = each
+        blade, section, medium = theory
+        case = case_of(blade, section, medium, omega, v_axial, v_inplane, None)
+        return phase(case, azimuth, *beside, *panels)
+
+    @functools.partial(jax.jit, compiler_options=OPTIONS)
+    def program(theory: Any, *each: Any) -> Any:
+        return in_lanes(some, theory, each, jnp.asarray(each[0][0].size))
+
+    return lambda block, *beside: program(*block, *beside)
+
+
+def phases_of(blocks: list[Block], programs: dict[str, Callable[..., Any]]) -> dict[str, float]:
     """What each phase costs where stall is followed, and all of them [us]."""
-    near = {id(block): survey(*block)[0] for block in blocks}
+    near = {id(block): programs["survey"](block)[0] for block in blocks}
     first, second, third, every = microseconds(
         blocks,
-        lambda block: survey(*block),
-        lambda block: folds(block[0], near[id(block)], block[1]),
-        lambda block: inflow(block[0], panels, block[1]),
-        whole_with(panels),
+        programs["survey"],
+        lambda block: programs["folds"](block, near[id(block)]),
+        programs["roots"],
+        programs["all"],
     )
     return {
         "survey": first,
@@ -129,33 +140,26 @@ def phases_of(blocks: list[Block], panels: tuple[int, ...]) -> dict[str, float]:
     }
 
 
-@functools.partial(jax.jit, compiler_options=OPTIONS, static_argnums=1)
-def whole(case: Case, panels: tuple[int, ...], azimuth: AzimuthNodes) -> Any:
+def whole(case: Case, azimuth: AzimuthNodes, panels: tuple[int, ...]) -> Any:
     """All of it."""
-    return disk_loads(*case[:6], jnp.zeros_like(case.omega), panels, azimuth)
+    return disk_loads(*case[:6], None, panels, azimuth)
 
 
-def whole_with(panels: tuple[int, ...]) -> Callable[[Block], Any]:
-    """The same for a block."""
-    return lambda block: whole(block[0], panels, block[1])
-
-
-@functools.partial(jax.jit, compiler_options=OPTIONS)
 def survey(case: Case, azimuth: AzimuthNodes) -> Any:
-    """The look along the blade for where the hump passes zero."""
+    """The look along the blade for where the hump passes zero, and what the starts come from."""
     ask = functools.partial(question, case)
-    return hump_crossings(ask, case.blade.root, case.blade.tip, len(FOLLOWING) - 1, azimuth)
+    edges = len(FOLLOWING) - 1
+    near, seen = hump_crossings(ask, case.blade.root, case.blade.tip, edges, azimuth)
+    return near, (seen.height, seen.behind)
 
 
-@functools.partial(jax.jit, compiler_options=OPTIONS)
-def folds(case: Case, near: Any, azimuth: AzimuthNodes) -> Any:
+def folds(case: Case, azimuth: AzimuthNodes, near: Any) -> Any:
     """The search for the folds from there."""
     ask = functools.partial(question, case)
     return find_folds(near, ask, case.blade.root, case.blade.tip, azimuth)
 
 
-@functools.partial(jax.jit, compiler_options=OPTIONS, static_argnums=1)
-def inflow(case: Case, panels: tuple[int, ...], azimuth: AzimuthNodes) -> Any:
+def inflow(case: Case, azimuth: AzimuthNodes, panels: tuple[int, ...]) -> Any:
     """Survey, folds and the roots of (11)."""
     return solve_disk(case, panels, azimuth)[0]
 
@@ -168,15 +172,17 @@ def main() -> None:
     parts = Table("azimuths", "survey", "folds", "roots", "loads", "all [us]", title="following")
     with jax.enable_x64(True):
         jobs, flow = jobs_of_the_batch(rotor)
+        programs = {"survey": in_groups(survey), "folds": in_groups(folds)}
+        programs |= {"roots": in_groups(inflow, FOLLOWING), "all": in_groups(whole, FOLLOWING)}
         rows: list[dict[str, Any]] = []
         phases: list[dict[str, Any]] = []
         for job in jobs:
             blocks = blocks_of(rotor, job, flow)
             if job.panels == FOLLOWING:
-                split = phases_of(blocks, job.panels)
+                split = phases_of(blocks, programs)
                 each = split.pop("all")
             else:
-                (each,) = microseconds(blocks, whole_with(job.panels))
+                (each,) = microseconds(blocks, in_groups(whole, job.panels))
             azimuths = int(job.azimuths[0])
             count = sum(job.panels) * max(azimuths // 2, 1)
             share = job.points.size / BATCH

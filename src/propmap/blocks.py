@@ -11,18 +11,26 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from propmap.lanes import LANES, serve
 from propmap.schedule import Job
 from propmap.theory.velocities import AzimuthNodes, azimuth_nodes
 
 BLOCK = 32
-"""Operating points per call of a compiled program: enough to fill the vector units, few
-enough to stay in the processor's cache."""
+"""Operating points per call of a compiled program."""
 
-LARGE_NODES = 3072
-"""Radial nodes per call in large batches, to spread what a step costs at any size."""
+LARGE_NODES = 12288
+"""Radial nodes per call in large batches, at most: a call has its price at any size."""
 
-AXIAL_NODES = 12288
-"""The same where there is a single azimuth, and a step costs less."""
+SHARES = 2
+"""Parts per core that a job of a large batch is cut into, at least, so that all cores end
+together; where a program's time goes with the points that are asked for."""
+
+KERNEL_NODES = 3072
+"""Radial nodes per call of a large batch whose program is made of kernels: more, and what one hands
+on to the next leaves the processor's cache."""
+
+KERNEL_NODES_AXIAL = 12288
+"""The same where there is a single azimuth, and a kernel has less to do."""
 
 ACCELERATOR_POINTS = (1024, 32768)
 """Operating points per call on an accelerator, at least and at most: it takes some hundred thousand
@@ -50,8 +58,8 @@ class Block(NamedTuple):
 
     @property
     def work(self) -> int:
-        """Nodes that are visited."""
-        return self.size * sum(self.panels) * int(self.azimuths.max())
+        """About how many nodes are visited."""
+        return self.points.size * sum(self.panels) * int(self.azimuths.max())
 
 
 def cut(
@@ -71,17 +79,27 @@ def cut(
     for job in jobs:
         large_size = accelerator_block(job) if accelerator else large_block(job)
         wide = large_size if large or points >= LARGE_BATCH else BLOCK
-        width = size or (1 if points == 1 and not large else wide)
+        width = wide = size or (1 if points == 1 and not large else wide)
+        if wide == large_size and serve(job.panels) and not accelerator:
+            share = -(-job.points.size // (SHARES * cores()))
+            width = min(wide, -(-share // LANES) * LANES)
         for start in range(0, job.points.size, width):
             part = slice(start, start + width)
             mine = (job.points[part], job.azimuths[part], job.most_azimuths)
-            blocks.append(Block(*mine, job.panels, width))
+            blocks.append(Block(*mine, job.panels, wide))
     return blocks
 
 
+def cores() -> int:
+    """Of this machine."""
+    return os.cpu_count() or 1
+
+
 def large_block(job: Job) -> int:
-    """Operating points per block of the job in a large batch."""
-    nodes = AXIAL_NODES if int(job.azimuths.max()) == 1 else LARGE_NODES
+    """Operating points per block of the job in a large batch, at most."""
+    nodes = LARGE_NODES
+    if not serve(job.panels):
+        nodes = KERNEL_NODES_AXIAL if int(job.azimuths.max()) == 1 else KERNEL_NODES
     return max(nodes // sum(job.panels) // BLOCK, 1) * BLOCK
 
 
@@ -99,7 +117,7 @@ def run(blocks: list[Block], one: Callable[[Block], None], *, in_turn: bool = Fa
         for block in longest_first:
             one(block)
         return
-    with ThreadPoolExecutor(min(len(blocks), os.cpu_count() or 1)) as pool:
+    with ThreadPoolExecutor(min(len(blocks), cores())) as pool:
         list(pool.map(one, longest_first))
 
 

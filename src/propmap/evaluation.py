@@ -173,7 +173,8 @@ def _run(
             program = compiled_search(block.panels)
         # Without x64 JAX takes what is float64 for float32.
         with jax.enable_x64(rotor.double):
-            found, solution = program(*rotor.on_device, flow.part(which), nodes)
+            asked = (flow.part(which), nodes, block.points.size)
+            found, solution = program(*rotor.on_device, *asked)
             results[:, block.points] = np.asarray(found)[:, : block.points.size]
             if solved is not None:
                 solved(block, solution)

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import jax
 import numpy as np
 
+from propmap.lanes import LANES, in_lanes, serve
 from propmap.schedule import Floats
 from propmap.theory.arrays import by_numpy, xp
 from propmap.theory.disk_inflow import DiskSolution, solve_disk
@@ -21,9 +22,11 @@ COMPILER_OPTIONS = {
     "xla_cpu_prefer_vector_width": 512,
     # The first moves constants of a loop out of it, each into a kernel of its own; the second turns
     # the sums along the blade into trees of kernels.  Without them: a third less to compile.  The
-    # third divides a kernel among threads, where each block of points has a thread already.
+    # third divides a kernel among threads, where each block of points has a thread already, and the
+    # fourth leaves sums to a library, which ``lanes`` cannot.
     "xla_disable_hlo_passes": (
-        "while-loop-invariant-code-motion,tree_reduction_rewriter,cpu-parallel-task-assigner"
+        "while-loop-invariant-code-motion,tree_reduction_rewriter,cpu-parallel-task-assigner,"
+        "dot-library-rewriter"
     ),
 }
 """How XLA compiles the theory on a CPU.
@@ -47,8 +50,9 @@ class Flow(NamedTuple):
         return Flow(*(None if a is None else a[which] for a in self))  # type: ignore[arg-type]
 
 
-Program = Callable[[Blade, Section, Medium, Flow, AzimuthNodes], tuple[Any, DiskSolution]]
-"""From B points to the fields of ``RotorLoads``, one row each (F, B), and the solution."""
+Program = Callable[[Blade, Section, Medium, Flow, AzimuthNodes, int], tuple[Any, DiskSolution]]
+"""From B points to the fields of ``RotorLoads``, one row each (F, B), and the solution; the last
+argument tells how many of the points are asked for, from the first on."""
 
 
 def _search(
@@ -66,19 +70,45 @@ def _search(
     return xp.stack([values * 1.0 for values in found]), solution
 
 
+def _search_in_lanes(
+    panels: tuple[int, ...],
+    blade: Blade,
+    section: Section,
+    medium: Medium,
+    flow: Any,
+    azimuth: AzimuthNodes,
+    used: Any,
+) -> tuple[Any, DiskSolution]:
+    points = flow.omega.shape[0]
+    # A fit's few points are one such group: made of kernels, its programs compile sooner.
+    if points <= LANES or points % LANES > 0 or not serve(panels):
+        return _search(panels, blade, section, medium, flow, azimuth)
+    same = isinstance(azimuth.count, int)
+
+    def search(theory: Any, some: Any) -> tuple[Any, DiskSolution]:
+        (here, own), (props, law, air) = some, theory
+        return _search(panels, props, law, air, here, azimuth if same else own)
+
+    found: tuple[Any, DiskSolution]
+    each = (flow, None if same else azimuth)
+    found = in_lanes(search, (blade, section, medium), each, used)
+    return found
+
+
 @functools.cache
 def compiled_search(panels: tuple[int, ...]) -> Any:
     """The compiled ``Program``."""
     options: Any = COMPILER_OPTIONS
-    return jax.jit(functools.partial(_search, panels), compiler_options=options)
+    return jax.jit(functools.partial(_search_in_lanes, panels), compiler_options=options)
 
 
 def search_by_numpy(panels: tuple[int, ...]) -> Program:
     """The same without compiling."""
 
     def program(*arguments: Any) -> tuple[Any, DiskSolution]:
+        *asked, _ = arguments
         with by_numpy():
-            found, solution = _search(panels, *arguments)
+            found, solution = _search(panels, *asked)
         return np.asarray(found), solution
 
     return program

@@ -64,9 +64,9 @@ def test_blocks_and_programs_of_an_accelerator_give_the_same_loads(
     program = evaluation.compiled_search
 
     def noted(panels: tuple[int, ...]):  # type: ignore[no-untyped-def]
-        def call(blade, section, medium, flow, nodes):  # type: ignore[no-untyped-def]
+        def call(blade, section, medium, flow, nodes, used):  # type: ignore[no-untyped-def]
             sizes.append(flow.omega.size)
-            return program.__wrapped__(panels)(blade, section, medium, flow, nodes)
+            return program.__wrapped__(panels)(blade, section, medium, flow, nodes, used)
 
         return call
 

@@ -25,6 +25,7 @@ TOGETHER = 2
 operations, and has another to go on with meanwhile."""
 
 _BY_NUMPY = contextvars.ContextVar("_BY_NUMPY", default=False)
+_AS_ONE_FUNCTION = contextvars.ContextVar("_AS_ONE_FUNCTION", default=False)
 
 
 @contextlib.contextmanager
@@ -42,6 +43,22 @@ def by_numpy() -> Iterator[None]:
 def on_numpy() -> bool:
     """Whether NumPy is at work."""
     return _BY_NUMPY.get()
+
+
+@contextlib.contextmanager
+def as_one_function() -> Iterator[None]:
+    """Within it the theory is traced to be compiled as one function, see ``propmap.lanes``."""
+    token = _AS_ONE_FUNCTION.set(True)
+    try:
+        yield
+    finally:
+        _AS_ONE_FUNCTION.reset(token)
+
+
+def steps_are_free() -> bool:
+    """Whether a step of a loop costs what it computes and no more: not where it is made of kernels
+    that are called one after the other."""
+    return _AS_ONE_FUNCTION.get()
 
 
 def on_accelerator() -> bool:

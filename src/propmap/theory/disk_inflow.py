@@ -123,7 +123,11 @@ def _edges(
 def edges_about(blade: Blade, inner: Array) -> Array:
     """The panels' edges (E + 2, B) [m], rising, from the inner ones (E, B) in any order."""
     ends = xp.ones((1, inner.shape[1]))
-    return xp.concatenate([blade.root * ends, xp.sort(inner, axis=0), blade.tip * ends])
+    if inner.shape[0] == 2:  # as most have, without a sort, see ``propmap.lanes``
+        inner = xp.stack([xp.min(inner, axis=0), xp.max(inner, axis=0)])
+    else:
+        inner = xp.sort(inner, axis=0)
+    return xp.concatenate([blade.root * ends, inner, blade.tip * ends])
 
 
 @DerivativeByRule

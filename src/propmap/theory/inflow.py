@@ -21,6 +21,7 @@ from propmap.theory.arrays import (
     of_each,
     on_numpy,
     settled,
+    steps_are_free,
     while_loop,
     xp,
 )
@@ -44,8 +45,8 @@ LIFTS, LIFT = 2, 1.5
 """How often a start below the root is lifted, and by how many Newton steps the first time."""
 
 STATIONS_TOGETHER, LANES_TOGETHER = 4, 256
-"""Stations whose roots are searched for together, and stations times operating points, at least.
-All wait for the slowest, and slow roots are beside each other; but every step has its price."""
+"""Stations whose roots are searched for together, and stations times operating points, at least,
+unless steps are free.  All wait for the slowest, and slow roots are beside each other."""
 
 SURE = 0.25
 """Share of its slope by which the residual's may change along a Newton step that is taken for
@@ -235,7 +236,9 @@ def find_root(ask: InflowQuestion, start: Array, max_steps: Array, azimuth: Azim
         return _search(some, above, max_steps, azimuth)
 
     count, points = xp.broadcast_shapes((1, 1), *(xp.shape(a) for a in whole))
-    together = max(STATIONS_TOGETHER, -(-count // max(count * points // LANES_TOGETHER, 1)))
+    together = STATIONS_TOGETHER
+    if not steps_are_free():
+        together = max(together, -(-count // max(count * points // LANES_TOGETHER, 1)))
     if on_numpy() or count <= together:
         return search(by_station)
 
