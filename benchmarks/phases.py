@@ -24,7 +24,7 @@ from benchmarks.speed import BATCH, oblique
 from propmap import evaluation
 from propmap.blocks import large_block, nodes_of_each
 from propmap.lanes import in_lanes
-from propmap.programs import COMPILER_OPTIONS
+from propmap.programs import OBLIQUE_OPTIONS
 from propmap.rotor import Rotor
 from propmap.schedule import Job, Outlook, accuracy, may_leave_islands, may_stall, plan
 from propmap.theory.disk_inflow import Case, question, solve_disk
@@ -38,7 +38,7 @@ BLOCKS = 5
 """At most so many of a job's, from one end to the other: they are sorted by climb, and with it goes
 what they cost."""
 
-OPTIONS: Any = COMPILER_OPTIONS
+OPTIONS: Any = OBLIQUE_OPTIONS
 
 FOLLOWING = (12, 18, 18)
 """Radial nodes on the panels of a point that follows stall outside descent."""

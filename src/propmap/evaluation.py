@@ -170,7 +170,7 @@ def _run(
         which = block.padded
         program = search_by_numpy(block.panels)
         if rotor.compiled:
-            program = compiled_search(block.panels)
+            program = compiled_search(block.panels, axial=isinstance(nodes.count, int))
         # Without x64 JAX takes what is float64 for float32.
         with jax.enable_x64(rotor.double):
             asked = (flow.part(which), nodes, block.points.size)

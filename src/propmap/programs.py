@@ -29,10 +29,14 @@ COMPILER_OPTIONS = {
         "dot-library-rewriter"
     ),
 }
-"""How XLA compiles the theory on a CPU.
+"""How XLA compiles the theory on a CPU, for a single azimuth.
 
 With wide vectors jaxlib 0.10.2 gives wrong values of ``jnp.arctan``, which the theory does not use;
 a test holds the programs to NumPy's results."""
+
+OBLIQUE_OPTIONS = COMPILER_OPTIONS | {"xla_backend_optimization_level": 2}
+"""The same for several azimuths: a quarter less to compile, and as fast.  Axial flow would take a
+fifth longer."""
 
 
 class Flow(NamedTuple):
@@ -96,9 +100,9 @@ def _search_in_lanes(
 
 
 @functools.cache
-def compiled_search(panels: tuple[int, ...]) -> Any:
-    """The compiled ``Program``."""
-    options: Any = COMPILER_OPTIONS
+def compiled_search(panels: tuple[int, ...], *, axial: bool = False) -> Any:
+    """The compiled ``Program``; ``axial`` : whether there is a single azimuth."""
+    options: Any = COMPILER_OPTIONS if axial else OBLIQUE_OPTIONS
     return jax.jit(functools.partial(_search_in_lanes, panels), compiler_options=options)
 
 

@@ -63,10 +63,12 @@ def test_blocks_and_programs_of_an_accelerator_give_the_same_loads(
     sizes = []
     program = evaluation.compiled_search
 
-    def noted(panels: tuple[int, ...]):  # type: ignore[no-untyped-def]
+    def noted(panels: tuple[int, ...], *, axial: bool):  # type: ignore[no-untyped-def]
         def call(blade, section, medium, flow, nodes, used):  # type: ignore[no-untyped-def]
             sizes.append(flow.omega.size)
-            return program.__wrapped__(panels)(blade, section, medium, flow, nodes, used)
+            return program.__wrapped__(panels, axial=axial)(
+                blade, section, medium, flow, nodes, used
+            )
 
         return call
 
