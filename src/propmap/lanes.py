@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import functools
 import importlib.metadata
+import math
 from collections.abc import Callable
 from typing import Any, TypeVar
 
@@ -40,6 +41,12 @@ def serve(panels: tuple[int, ...]) -> bool:
     return _known() and not on_accelerator() and len(panels) < ISLAND_PANELS
 
 
+def in_groups(points: int, panels: tuple[int, ...]) -> bool:
+    """Whether a program for so many points does."""
+    # A fit's few points are one such group: made of kernels, its programs compile sooner.
+    return points > LANES and points % LANES == 0 and serve(panels)
+
+
 @functools.cache
 def _known() -> bool:
     return importlib.metadata.version("jaxlib").startswith(KNOWN_JAXLIB)
@@ -50,34 +57,42 @@ def in_lanes(
 ) -> Any:
     """``function(shared, each)``, computed for ``LANES`` points at a time; traceable.
 
-    shared : tree of arrays of one kind.  each : tree of arrays whose last axis is the points (B,),
-    a multiple of ``LANES``, as it is of the results.  Function has to use every array of it.
+    shared : tree of real arrays.  each : tree of arrays whose last axis is the points (B,),
+    a multiple of ``LANES``, as it is of the results.
     used : how many points are asked for, from the first on; the results of others are zero.
     """
-    # As one array: XLA takes no argument that is not used, as some of a tree may be.
+    # As one array each: XLA ends the process over an argument that is not used, as some may be.
     flat, shared_of = ravel_pytree(shared)
-    points = jax.tree.leaves(each)[0].shape[-1]
+    leaves, form = jax.tree.flatten(each)
+    points = leaves[0].shape[-1]
+    rows = jnp.concatenate([a.reshape(-1, points).astype(flat.dtype) for a in leaves])
 
-    def some(values: jax.Array, all_points: Each, start: Any) -> Any:
-        def part(a: jax.Array) -> jax.Array:
-            return lax.dynamic_slice_in_dim(a, start, LANES, axis=-1)
+    def some(values: jax.Array, few: jax.Array) -> Any:
+        parts, at = [], 0
+        for a in leaves:
+            height = math.prod(a.shape[:-1])
+            part = few[at : at + height].reshape(*a.shape[:-1], LANES)
+            parts.append(part.astype(a.dtype))
+            at += height
+        return function(shared_of(values), jax.tree.unflatten(form, parts))
 
-        return function(shared_of(values), jax.tree.map(part, all_points))
-
-    def whole(values: jax.Array, all_points: Each, count: jax.Array) -> Any:
-        like = jax.eval_shape(some, values, all_points, 0)
+    def whole(values: jax.Array, rows: jax.Array, count: jax.Array) -> Any:
+        def group(turn: Any) -> Any:
+            few = lax.dynamic_slice_in_dim(rows, LANES * turn, LANES, axis=-1)
+            return some(values, few)
 
         def add(turn: Any, found: Any) -> Any:
             def put(among: jax.Array, few: jax.Array) -> jax.Array:
                 return lax.dynamic_update_slice_in_dim(among, few, LANES * turn, axis=-1)
 
-            return jax.tree.map(put, found, some(values, all_points, LANES * turn))
+            return jax.tree.map(put, found, group(turn))
 
+        like = jax.eval_shape(group, 0)
         nothing = jax.tree.map(lambda a: jnp.zeros((*a.shape[:-1], points), a.dtype), like)
         return lax.fori_loop(0, -(-count // LANES), add, nothing)
 
     with as_one_function():
-        found = jax.jit(whole)(flat, each, used)
+        found = jax.jit(whole)(flat, rows, used)
     # A mark on what the call gives is one on the call; within a context it would be on all in it.
     mark: Any = set_xla_metadata  # untyped in JAX
     return mark(found, xla_cpu_small_call="true", inlineable="false")

@@ -13,6 +13,7 @@ import numpy as np
 
 from propmap.blocks import BLOCK, Block, nodes_of_each
 from propmap.evaluation import FEW, Prepared, evaluate_flow, nodes_of
+from propmap.lanes import in_groups, in_lanes, serve
 from propmap.programs import COMPILER_OPTIONS, Flow, compiled_search
 from propmap.schedule import Accuracy, Floats, alike_panels
 from propmap.theory.disk_inflow import DiskSolution
@@ -95,7 +96,8 @@ def _gradients(
 
     def differentiate(block: Block, solution: DiskSolution) -> None:
         program, solution = _program(block.panels), jax.tree.map(np.asarray, solution)
-        width = min(BLOCK, block.size)
+        # Programs made of kernels are for few points, lest their derivatives leave the cache.
+        width = block.size if serve(block.panels) else min(BLOCK, block.size)
         for start in range(0, block.points.size, width):
             part = slice(start, start + width)
             points, azimuths = block.points[part], block.azimuths[part]
@@ -104,7 +106,8 @@ def _gradients(
             mine = jax.tree.map(functools.partial(_some, part), solution)
             moving = None if v_hover_slope is None else v_hover_slope[:, which]
             nodes = nodes_of(piece, few=few)
-            found = program(*rotor.on_device, flow.part(which), mine, ways, moving, nodes)
+            asked = (flow.part(which), mine, ways, moving, nodes, kept.size)
+            found = program(*rotor.on_device, *asked)
             by_name = np.asarray(found)[: len(names)].transpose(1, 0, 2)
             slopes[:, :, kept] = by_name[:, :, : kept.size]
 
@@ -159,8 +162,8 @@ def _compile_both(rotor: Prepared, setting: Accuracy, count: int, *, descends: b
         searched = beside.submit(run_search)
         _, shapes = search.eval_shape(*arguments)
         solution = jax.tree.map(lambda a: np.zeros(a.shape, a.dtype), shapes)
-        here = (*rotor.on_device, flow, solution, directions_of((), count), moving, nodes)
-        _program(panels)(*here)
+        here = (flow, solution, directions_of((), count), moving, nodes, FIT_BLOCK)
+        _program(panels)(*rotor.on_device, *here)
         searched.result()
 
 
@@ -177,11 +180,22 @@ def _program(panels: tuple[int, ...]) -> Callable[..., Any]:
         directions: Directions,
         v_hover_slopes: Any,
         azimuth: AzimuthNodes,
+        used: Any,
     ) -> Any:
-        case = case_of(blade, section, medium, *flow)
-        return load_slopes(
-            case, solution, flow.v_hover, panels, azimuth, directions, v_hover_slopes
-        )
+        same = isinstance(azimuth.count, int)
+
+        def few(shared: Any, each: Any) -> Any:
+            (props, law, air), ways = shared
+            here, found, moving, own = each
+            nodes = azimuth if same else own
+            case = case_of(props, law, air, *here)
+            return load_slopes(case, found, here.v_hover, panels, nodes, ways, moving)
+
+        shared = ((blade, section, medium), directions)
+        each = (flow, solution, v_hover_slopes, None if same else azimuth)
+        if in_groups(flow.omega.size, panels):
+            return in_lanes(few, shared, each, used)
+        return few(shared, each)
 
     options: Any = COMPILER_OPTIONS
     return jax.jit(slopes, compiler_options=options)

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import jax
 import numpy as np
 
-from propmap.lanes import LANES, in_lanes, serve
+from propmap.lanes import in_groups, in_lanes
 from propmap.schedule import Floats
 from propmap.theory.arrays import by_numpy, xp
 from propmap.theory.disk_inflow import DiskSolution, solve_disk
@@ -83,9 +83,7 @@ def _search_in_lanes(
     azimuth: AzimuthNodes,
     used: Any,
 ) -> tuple[Any, DiskSolution]:
-    points = flow.omega.shape[0]
-    # A fit's few points are one such group: made of kernels, its programs compile sooner.
-    if points <= LANES or points % LANES > 0 or not serve(panels):
+    if not in_groups(flow.omega.size, panels):
         return _search(panels, blade, section, medium, flow, azimuth)
     same = isinstance(azimuth.count, int)
 
