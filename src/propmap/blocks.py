@@ -37,8 +37,8 @@ ACCELERATOR_POINTS = (1024, 32768)
 nodes to fill one, and memory in proportion."""
 
 LARGE_BATCH = 512
-"""Operating points from which on a batch is cut into large blocks.  A batch has one size, though
-its last points would fill a small block better: every size is another program to compile."""
+"""Operating points from which on a batch is cut into large blocks: every size is another program
+to compile."""
 
 
 class Block(NamedTuple):

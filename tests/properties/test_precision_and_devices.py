@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 import propmap as pm
-from propmap import evaluation
+from propmap import evaluation, lanes
 from propmap.theory import arrays
 
 SETS = ("paper-soft", "paper-stiff", "paper-apc")
@@ -73,7 +73,7 @@ def test_blocks_and_programs_of_an_accelerator_give_the_same_loads(
         return call
 
     monkeypatch.setattr(evaluation, "compiled_search", noted)
-    for module in (evaluation, arrays):
+    for module in (evaluation, arrays, lanes):
         monkeypatch.setattr(module, "on_accelerator", lambda: True)
     got = pm.Rotor(blade, law).loads(*points)
     assert min(sizes) >= 1024
