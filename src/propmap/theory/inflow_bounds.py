@@ -16,7 +16,7 @@ from propmap.theory.section_law import (
     sharpest_lift,
     steepest_lift,
 )
-from propmap.theory.velocities import floored_norm
+from propmap.theory.velocities import floored_norm, floored_square
 
 GUESS_MARGIN = 1.03
 """Factor on the lift in the guess, so that it lies above the root as a rule: alpha exceeds
@@ -92,7 +92,7 @@ def _oblique_start(at: Annulus, speed: Array, k: Array, above: Array) -> Array:
 
     def most(v: Array) -> Array:
         u = at.v_axial + v
-        return k * speed * floored_norm(speed, u) / floored_norm(p, u)
+        return k * speed * xp.sqrt(floored_square(speed, u) / floored_square(p, u))
 
     return xp.where(at.v_axial >= 0.0, most(most(above)), xp.inf)
 
@@ -189,7 +189,7 @@ def safe_step(at: Annulus, bound: Bounds, v: Array, value: Array, slope: Array) 
     turn = at.v_inplane**2 / nearest**3
     v_max = xp.maximum(xp.abs(v), xp.abs(v_low))
     wake_bend = xp.where(u > 0.0, xp.maximum(-v_low, 0.0) * turn, 2.0 + v_max * turn)
-    wake_bend = 4.0 * np.pi * at.radius * wake_bend + 2.0 * bound.friction / xp.sqrt(bound.speed)
+    wake_bend = 4.0 * np.pi * at.radius * wake_bend + 2.0 * bound.friction * xp.sqrt(bound.speed) / bound.speed
 
     def by_bend(bend: Array) -> Array:
         bend = wake_bend + bound.half * bend
@@ -209,5 +209,5 @@ def largest_curvature(at: Annulus, bound: Bounds, v: Array, step: Array) -> Arra
     """About how much the residual bends, up or down, within ``step`` of v_i [m]."""
     gentle = (v - xp.abs(step) > bound.mild_from) & (v + xp.abs(step) < bound.mild_to)
     blade = 2.0 * bound.half * xp.where(gentle, bound.mild_bend, bound.bend)
-    along = floored_norm(at.v_inplane, at.v_axial + v)
-    return blade + 4.0 * np.pi * at.radius * (2.0 + xp.abs(v) / along)
+    share = xp.sqrt(v * v / floored_square(at.v_inplane, at.v_axial + v))
+    return blade + 4.0 * np.pi * at.radius * (2.0 + share)

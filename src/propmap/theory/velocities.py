@@ -77,4 +77,9 @@ def normal_velocity(v_axial: Array, inflow: Array) -> Array:
 
 def floored_norm(a: Array, b: Array) -> Array:
     """sqrt(a^2 + b^2) [m/s] with ``SPEED_FLOOR`` added in quadrature."""
-    return xp.sqrt(a * a + b * b + SPEED_FLOOR**2)
+    return xp.sqrt(floored_square(a, b))
+
+
+def floored_square(a: Array, b: Array) -> Array:
+    """a^2 + b^2 [m^2/s^2] with the square of ``SPEED_FLOOR`` added."""
+    return a * a + b * b + SPEED_FLOOR**2
