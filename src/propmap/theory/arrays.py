@@ -20,9 +20,10 @@ from jax import lax
 
 Value = TypeVar("Value")
 
-TOGETHER = 2
+TOGETHER = (2, 4)
 """Terms of a mean that are computed at a time: a processor waits for the results of a long chain of
-operations, and has another to go on with meanwhile."""
+operations, and has another to go on with meanwhile.  As many as the second says where
+``steps_are_free``, else they are not worth the compilation."""
 
 _BY_NUMPY = contextvars.ContextVar("_BY_NUMPY", default=False)
 _AS_ONE_FUNCTION = contextvars.ContextVar("_AS_ONE_FUNCTION", default=False)
@@ -242,21 +243,22 @@ def mean_of_each(term: Callable[[Any], Value], values: Any, count: Any) -> Value
         share = 1.0 / count
         return jax.tree.map(lambda a: np.sum(np.where(among, a, 0.0), axis=0) * share, terms)
     own = jnp.ndim(count) > 0
-    masked = not isinstance(count, int) or count % TOGETHER > 0
+    together = TOGETHER[steps_are_free()]
+    masked = not isinstance(count, int) or count % together > 0
 
     def one(k: Any) -> Any:
         terms = term(values[k])
         return jax.tree.map(lambda a: jnp.where(k < count, a, 0.0), terms) if masked else terms
 
     def add(turn: Any, total: list[Any]) -> list[Any]:
-        some = [one(TOGETHER * turn + k) for k in range(TOGETHER)]
+        some = [one(together * turn + k) for k in range(together)]
         terms = jax.tree.map(lambda *each: sum(each[1:], each[0]), *some)
         return [a + b for a, b in zip(total, _in_pairs(terms), strict=True)]
 
     like = jax.eval_shape(term, values[0])
     zero = _in_pairs(jax.tree.map(lambda a: jnp.zeros(a.shape, a.dtype), like))
     most = jnp.max(count) if own else count
-    total = lax.fori_loop(0, -(-most // TOGETHER), add, zero)
+    total = lax.fori_loop(0, -(-most // together), add, zero)
     share = 1.0 / jnp.asarray(count)  # once, not a division for each array
     mean: Value = jax.tree.map(lambda a: a * share, _apart(total, like))
     return mean
