@@ -6,8 +6,6 @@ The counts were chosen by a convergence study; `make convergence` checks them at
 
 from __future__ import annotations
 
-import os
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -219,45 +217,41 @@ def may_stall(
     A wrong forecast costs time or is found out from the result, never accuracy.
     """
     forecast = np.empty(omega.size, bool)
-
-    def look(start: int) -> None:
+    for start in range(0, omega.size, FORECAST_TOGETHER):
         part = slice(start, start + FORECAST_TOGETHER)
-        nearest = _nearest_to_stall(
-            radius, solidity_slope, pitch, omega[part], v_axial[part], v_inplane[part]
-        )
-        advance = v_inplane[part] / np.maximum(omega[part] * radius[-1], 1e-9)
+        flow = (omega[part], v_axial[part], v_inplane[part])
+        advance = flow[2] / np.maximum(flow[0] * radius[-1], 1e-9)
         margin = (STALL_MARGIN[0] + STALL_MARGIN[1] * advance) / stall[1]
-        forecast[part] = (nearest > stall[0] - margin) | (v_axial[part] < 0.0)
-
-    starts = range(0, omega.size, FORECAST_TOGETHER)
-    if len(starts) <= 1:
-        look(0)  # a thread takes as long to start as a single point to evaluate
-    else:
-        with ThreadPoolExecutor(os.cpu_count()) as pool:
-            list(pool.map(look, starts))
+        limit = np.clip(stall[0] - margin, 0.0, np.pi)
+        forecast[part] = _exceeds(limit, radius, solidity_slope, pitch, *flow) | (flow[1] < 0.0)
     return forecast
 
 
-def _nearest_to_stall(
+def _exceeds(
+    limit: Floats,
     radius: Floats,
     solidity_slope: Floats,
     pitch: Floats,
     omega: Floats,
     v_axial: Floats,
     v_inplane: Floats,
-) -> Floats:
-    """The largest angle of attack from zero lift along the blade, of either sign (N,) [rad]."""
+) -> NDArray[np.bool_]:
+    """Whether somewhere along the blade the angle of attack from zero lift, of either sign, is
+    larger than ``limit`` (N,) [rad], between 0 and pi."""
     r, k, theta = radius[:, None], solidity_slope[:, None], pitch[:, None]
     turning = omega * r
-    speed = np.sqrt(turning**2 + 0.5 * v_inplane**2)
+    edgewise = v_inplane**2
+    speed = np.sqrt(turning**2 + 0.5 * edgewise)
     pull = k * speed
     push = pull * (speed * theta - v_axial)
     least_wake = 0.5 * np.sqrt(np.maximum(k * theta, 0.0)) * turning
     through = np.zeros_like(turning) + v_axial
     for _ in range(4):
         # k U_T (U_T theta - through) = v_i W: blade elements and momentum, small angles.
-        wake = np.maximum(np.sqrt(v_inplane**2 + through**2) + 1e-9, least_wake)
+        wake = np.maximum(np.sqrt(edgewise + through**2) + 1e-9, least_wake)
         through = v_axial + push / (wake + pull)
-    alpha = theta - np.arctan2(through, turning)
-    nearest: Floats = np.abs(alpha).max(axis=0)
-    return nearest
+    # The cosine of an angle from 0 to pi falls with it: no arctangent, which is half of the time.
+    along = np.cos(theta) * turning + np.sin(theta) * through
+    past = along <= np.cos(limit) * np.sqrt(turning**2 + through**2)
+    found: NDArray[np.bool_] = past.any(axis=0)
+    return found

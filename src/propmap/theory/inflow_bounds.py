@@ -1,4 +1,8 @@
-"""Bounds on eq. (11) from which steps towards its largest root follow that cannot pass it."""
+"""Bounds on eq. (11) from which steps towards its largest root follow that cannot pass it.
+
+No quotient here is by a square root that nothing else needs: XLA on a CPU makes a product with a
+reciprocal root of it, which no vector unit evaluates, and with it nothing else in the loop.
+"""
 
 from __future__ import annotations
 
@@ -189,7 +193,8 @@ def safe_step(at: Annulus, bound: Bounds, v: Array, value: Array, slope: Array) 
     turn = at.v_inplane**2 / nearest**3
     v_max = xp.maximum(xp.abs(v), xp.abs(v_low))
     wake_bend = xp.where(u > 0.0, xp.maximum(-v_low, 0.0) * turn, 2.0 + v_max * turn)
-    wake_bend = 4.0 * np.pi * at.radius * wake_bend + 2.0 * bound.friction * xp.sqrt(bound.speed) / bound.speed
+    friction_bend = 2.0 * bound.friction * xp.sqrt(bound.speed) / bound.speed
+    wake_bend = 4.0 * np.pi * at.radius * wake_bend + friction_bend
 
     def by_bend(bend: Array) -> Array:
         bend = wake_bend + bound.half * bend
