@@ -24,7 +24,7 @@ from benchmarks.speed import BATCH, oblique
 from propmap import evaluation
 from propmap.blocks import large_block, nodes_of_each
 from propmap.lanes import in_lanes
-from propmap.programs import OBLIQUE_OPTIONS
+from propmap.programs import AZIMUTHS_TOGETHER, OBLIQUE_OPTIONS
 from propmap.rotor import Rotor
 from propmap.schedule import Job, Outlook, accuracy, may_leave_islands, may_stall, plan
 from propmap.theory.disk_inflow import Case, question, solve_disk
@@ -116,7 +116,7 @@ def in_groups(phase: Callable[..., Any], *panels: tuple[int, ...]) -> Callable[.
 
     @functools.partial(jax.jit, compiler_options=OPTIONS)
     def program(theory: Any, *each: Any) -> Any:
-        return in_lanes(some, theory, each, jnp.asarray(each[0][0].size))
+        return in_lanes(some, theory, each, jnp.asarray(each[0][0].size), AZIMUTHS_TOGETHER)
 
     return lambda block, *beside: program(*block, *beside)
 

@@ -18,7 +18,7 @@ from propmap.theory.velocities import AzimuthNodes, azimuth_nodes
 BLOCK = 32
 """Operating points per call of a compiled program."""
 
-LARGE_NODES = 12288
+LARGE_NODES = 24576
 """Radial nodes per call in large batches, at most: a call has its price at any size."""
 
 SHARES = 2

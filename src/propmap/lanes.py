@@ -53,13 +53,18 @@ def _known() -> bool:
 
 
 def in_lanes(
-    function: Callable[[Shared, Each], Any], shared: Shared, each: Each, used: jax.Array
+    function: Callable[[Shared, Each], Any],
+    shared: Shared,
+    each: Each,
+    used: jax.Array,
+    together: int,
 ) -> Any:
     """``function(shared, each)``, computed for ``LANES`` points at a time; traceable.
 
     shared : tree of real arrays.  each : tree of arrays whose last axis is the points (B,),
     a multiple of ``LANES``, as it is of the results.
     used : how many points are asked for, from the first on; the results of others are zero.
+    together : azimuths at a time, see ``theory.arrays.TOGETHER``.
     """
     # As one array each: XLA ends the process over an argument that is not used, as some may be.
     flat, shared_of = ravel_pytree(shared)
@@ -91,7 +96,7 @@ def in_lanes(
         nothing = jax.tree.map(lambda a: jnp.zeros((*a.shape[:-1], points), a.dtype), like)
         return lax.fori_loop(0, -(-count // LANES), add, nothing)
 
-    with as_one_function():
+    with as_one_function(together):
         found = jax.jit(whole)(flat, rows, used)
     # A mark on what the call gives is one on the call; within a context it would be on all in it.
     mark: Any = set_xla_metadata  # untyped in JAX

@@ -16,6 +16,7 @@ from propmap.evaluation import FEW, Prepared, evaluate_flow, nodes_of
 from propmap.lanes import in_groups, in_lanes, serve
 from propmap.programs import COMPILER_OPTIONS, Flow, compiled_search
 from propmap.schedule import Accuracy, Floats, alike_panels
+from propmap.theory.arrays import TOGETHER
 from propmap.theory.disk_inflow import DiskSolution
 from propmap.theory.load_slopes import LOADS, Directions, directions_of, load_slopes
 from propmap.theory.loads import case_of
@@ -194,7 +195,7 @@ def _program(panels: tuple[int, ...]) -> Callable[..., Any]:
         shared = ((blade, section, medium), directions)
         each = (flow, solution, v_hover_slopes, None if same else azimuth)
         if in_groups(flow.omega.size, panels):
-            return in_lanes(few, shared, each, used)
+            return in_lanes(few, shared, each, used, TOGETHER)
         return few(shared, each)
 
     options: Any = COMPILER_OPTIONS

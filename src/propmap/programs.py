@@ -38,6 +38,11 @@ OBLIQUE_OPTIONS = COMPILER_OPTIONS | {"xla_backend_optimization_level": 2}
 """The same for several azimuths: a quarter less to compile, and as fast.  Axial flow would take a
 fifth longer."""
 
+AZIMUTHS_TOGETHER = 4
+"""Azimuths that are computed at a time where a program takes a few points at a time: more chains of
+operations for a processor to go on with.  For programs made of kernels it is not worth the
+compilation, nor for derivatives, where each direction is a chain of its own."""
+
 
 class Flow(NamedTuple):
     """Operating points (N,): omega [rad/s]; velocity along the axis and in the disk plane, and
@@ -93,7 +98,7 @@ def _search_in_lanes(
 
     found: tuple[Any, DiskSolution]
     each = (flow, None if same else azimuth)
-    found = in_lanes(search, (blade, section, medium), each, used)
+    found = in_lanes(search, (blade, section, medium), each, used, AZIMUTHS_TOGETHER)
     return found
 
 

@@ -84,7 +84,7 @@ def test_only_groups_that_are_asked_for_are_computed() -> None:
     seen = jnp.arange(32.0)
     with jax.enable_x64(True):
         program = jax.jit(
-            lambda some, used: lanes.in_lanes(lambda two, a: a * two[0] + 1.0, [2.0], some, used)
+            lambda some, used: lanes.in_lanes(lambda two, a: a * two[0] + 1.0, [2.0], some, used, 1)
         )
         for used in (0, 1, 8, 9, 32):
             groups = -(-used // lanes.LANES) * lanes.LANES

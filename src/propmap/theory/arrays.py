@@ -20,13 +20,15 @@ from jax import lax
 
 Value = TypeVar("Value")
 
-TOGETHER = (2, 4)
-"""Terms of a mean that are computed at a time: a processor waits for the results of a long chain of
-operations, and has another to go on with meanwhile.  As many as the second says where
-``steps_are_free``, else they are not worth the compilation."""
+TOGETHER = 2
+"""Terms of a mean that are computed at a time, unless ``as_one_function`` is told otherwise: a
+processor waits for the results of a long chain of operations, and has another to go on with."""
 
 _BY_NUMPY = contextvars.ContextVar("_BY_NUMPY", default=False)
-_AS_ONE_FUNCTION = contextvars.ContextVar("_AS_ONE_FUNCTION", default=False)
+# What ``as_one_function`` was told, None outside of it.
+_AS_ONE_FUNCTION: contextvars.ContextVar[int | None] = contextvars.ContextVar(
+    "_AS_ONE_FUNCTION", default=None
+)
 
 
 @contextlib.contextmanager
@@ -47,9 +49,12 @@ def on_numpy() -> bool:
 
 
 @contextlib.contextmanager
-def as_one_function() -> Iterator[None]:
-    """Within it the theory is traced to be compiled as one function, see ``propmap.lanes``."""
-    token = _AS_ONE_FUNCTION.set(True)
+def as_one_function(together: int) -> Iterator[None]:
+    """Within it the theory is traced to be compiled as one function, see ``propmap.lanes``.
+
+    together : terms of a mean that are computed at a time, see ``TOGETHER``.
+    """
+    token = _AS_ONE_FUNCTION.set(together)
     try:
         yield
     finally:
@@ -59,7 +64,7 @@ def as_one_function() -> Iterator[None]:
 def steps_are_free() -> bool:
     """Whether a step of a loop costs what it computes and no more: not where it is made of kernels
     that are called one after the other."""
-    return _AS_ONE_FUNCTION.get()
+    return _AS_ONE_FUNCTION.get() is not None
 
 
 def on_accelerator() -> bool:
@@ -243,7 +248,7 @@ def mean_of_each(term: Callable[[Any], Value], values: Any, count: Any) -> Value
         share = 1.0 / count
         return jax.tree.map(lambda a: np.sum(np.where(among, a, 0.0), axis=0) * share, terms)
     own = jnp.ndim(count) > 0
-    together = TOGETHER[steps_are_free()]
+    together = _AS_ONE_FUNCTION.get() or TOGETHER
     masked = not isinstance(count, int) or count % together > 0
 
     def one(k: Any) -> Any:
