@@ -253,5 +253,4 @@ def _exceeds(
     # The cosine of an angle from 0 to pi falls with it: no arctangent, which is half of the time.
     along = np.cos(theta) * turning + np.sin(theta) * through
     past = along <= np.cos(limit) * np.sqrt(turning**2 + through**2)
-    found: NDArray[np.bool_] = past.any(axis=0)
-    return found
+    return np.asarray(past.any(axis=0))

@@ -90,3 +90,18 @@ def test_only_groups_that_are_asked_for_are_computed() -> None:
             groups = -(-used // lanes.LANES) * lanes.LANES
             want = np.where(np.arange(32) < groups, 2.0 * np.arange(32) + 1.0, 0.0)
             np.testing.assert_array_equal(program(seen, used), want)
+
+
+@pytest.mark.slow
+def test_nothing_in_a_program_keeps_its_loops_from_vectors() -> None:
+    """XLA on a CPU has no reciprocal root of a vector, and one keeps the whole loop from them."""
+    import jax
+
+    rotor, points = _rotor(), 16
+    flow = programs.Flow(*(np.full(points, value) for value in (500.0, -1.0, 5.0, 4.0)))
+    nodes = blocks.nodes_of_each(np.full(points, 8), 8)
+    with jax.enable_x64(True):
+        search = programs.compiled_search((6, 6, 6)).lower(*rotor.theory, flow, nodes, points)
+        text = search.compile().as_text()
+    assert "sqrt(" in text
+    assert "rsqrt(" not in text
