@@ -132,7 +132,8 @@ def nodes_of_each(azimuths: NDArray[np.int64], most: int) -> AzimuthNodes:
     one program serves any mixture."""
     half = azimuths // 2
     count: Any = np.maximum(half, 1)
-    return AzimuthNodes(_sines_of_all(most)[:, half], count)
+    # By rows in memory, unlike what indexing gives: XLA would have to turn it round.
+    return AzimuthNodes(_sines_of_all(most).take(half, axis=1), count)
 
 
 @functools.cache
