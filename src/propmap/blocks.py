@@ -21,10 +21,6 @@ BLOCK = 32
 LARGE_NODES = 24576
 """Radial nodes per call in large batches, at most: a call has its price at any size."""
 
-SHARES = 2
-"""Parts per core that a job of a large batch is cut into, at least, so that all cores end
-together; where a program's time goes with the points that are asked for."""
-
 KERNEL_NODES = 3072
 """Radial nodes per call of a large batch whose program is made of kernels: more, and what one hands
 on to the next leaves the processor's cache."""
@@ -35,6 +31,9 @@ KERNEL_NODES_AXIAL = 12288
 ACCELERATOR_POINTS = (1024, 32768)
 """Operating points per call on an accelerator, at least and at most: it takes some hundred thousand
 nodes to fill one, and memory in proportion."""
+
+FOLLOWED = 2
+"""How much longer a node takes where stall is followed, `make bench-phases`."""
 
 LARGE_BATCH = 512
 """Operating points from which on a batch is cut into large blocks: every size is another program
@@ -58,8 +57,9 @@ class Block(NamedTuple):
 
     @property
     def work(self) -> int:
-        """About how many nodes are visited."""
-        return self.points.size * sum(self.panels) * int(self.azimuths.max())
+        """About how long it takes, in nodes at which no stall is followed."""
+        nodes = sum(self.panels) * int(self.azimuths.sum())
+        return nodes if len(self.panels) == 1 else FOLLOWED * nodes
 
 
 def cut(
@@ -81,7 +81,8 @@ def cut(
         wide = large_size if large or points >= LARGE_BATCH else BLOCK
         width = wide = size or (1 if points == 1 and not large else wide)
         if wide == large_size and serve(job.panels) and not accelerator:
-            share = -(-job.points.size // (SHARES * cores()))
+            # A part for each core: each call costs as much as ten points or more.
+            share = -(-job.points.size // cores())
             width = min(wide, -(-share // LANES) * LANES)
         for start in range(0, job.points.size, width):
             part = slice(start, start + width)
