@@ -16,7 +16,7 @@ from propmap.schedule import Job
 from propmap.theory.velocities import AzimuthNodes, azimuth_nodes
 
 BLOCK = 32
-"""Operating points per call of a compiled program."""
+"""Operating points per call of a program."""
 
 LARGE_NODES = 24576
 """Radial nodes per call in large batches, at most: a call has its price at any size."""
@@ -68,11 +68,13 @@ def cut(
     *,
     large: bool = False,
     accelerator: bool = False,
+    compiled: bool = True,
 ) -> list[Block]:
     """Jobs cut into blocks of ``size`` points; by default of one if there is but one point, else
     ``BLOCK``, or ``large_block`` in a large batch; or always so if ``large``.
 
     accelerator : whether the programs run on one: then blocks of a large batch are a power of two.
+    compiled : whether programs are, each for one size; else blocks are small and not filled up.
     """
     points = sum(job.points.size for job in jobs)
     blocks = []
@@ -84,10 +86,12 @@ def cut(
             # A part for each core: each call costs as much as ten points or more.
             share = -(-job.points.size // cores())
             width = min(wide, -(-share // LANES) * LANES)
+        if not compiled:
+            width, wide = size or BLOCK, 0
         for start in range(0, job.points.size, width):
             part = slice(start, start + width)
             mine = (job.points[part], job.azimuths[part], job.most_azimuths)
-            blocks.append(Block(*mine, job.panels, wide))
+            blocks.append(Block(*mine, job.panels, max(wide, mine[0].size)))
     return blocks
 
 

@@ -18,10 +18,11 @@ KNOWN_JAXLIB = "0.10."
 
 
 def compile_quickly() -> None:
-    """Have XLA spend two thirds of the time on compiling.
+    """Have XLA spend less time on compiling.
 
-    Programs for few points also run faster, those of large batches by up to a fifth slower in axial
-    flow and faster elsewhere, see docs/performance.md.  It is a setting of the whole process, other
+    A third less on programs for few points and those of axial flow, a seventh less on those of
+    oblique batches.  Programs for few points also run faster, large batches as fast, see
+    docs/performance.md.  It is a setting of the whole process, other
     programs than propmap's included, read when JAX first computes something: call it before, and
     only where the process is yours; the command line does.  The environment's own
     ``xla_backend_extra_options`` in ``XLA_FLAGS`` take precedence, and other jaxlib than

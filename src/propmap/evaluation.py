@@ -121,7 +121,8 @@ def evaluate_flow(
     apart = not _few(rotor, flow)
     kinds = {"axial_apart": apart, "descent": v_hover is not None}
     jobs = plan(setting, outlook, everyone, alike=alike, **kinds)
-    sizes = {"large": rotor.uniform, "accelerator": rotor.compiled and on_accelerator()}
+    here = {"accelerator": rotor.compiled and on_accelerator(), "compiled": rotor.compiled}
+    sizes = {"large": rotor.uniform, **here}
     blocks = cut(jobs, size, **sizes)
     _run(rotor, blocks, flow, results, solved)
     found = RotorLoads(*results)

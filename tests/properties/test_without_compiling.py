@@ -7,6 +7,8 @@ import pytest
 from numpy.typing import NDArray
 
 import propmap as pm
+from propmap.blocks import cut
+from propmap.schedule import Job
 
 SETS = ("paper-soft", "paper-stiff", "paper-apc")
 NUMBERS = ("thrust", "drag", "torque", "roll_moment", "mean_inflow")
@@ -59,3 +61,11 @@ def test_one_set_of_programs_gives_the_same_loads() -> None:
         np.testing.assert_allclose(
             getattr(got, field), expected, rtol=1e-9, atol=1e-9 * np.nanmax(np.abs(expected))
         )
+
+
+def test_blocks_are_not_filled_up_where_no_program_asks_for_it() -> None:
+    """What a block is filled up with NumPy would compute too."""
+    points = np.arange(700)
+    job = Job(points, (24,), np.full(points.size, 8), 8)
+    blocks = cut([job], compiled=False)
+    np.testing.assert_array_equal(np.concatenate([b.padded for b in blocks]), points)

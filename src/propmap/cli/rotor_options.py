@@ -41,7 +41,7 @@ class AccuracyName(StrEnum):
     fine = "fine"
 
 
-FEW_POINTS = {AccuracyName.standard: 500, AccuracyName.fine: 50}
+FEW_POINTS = {AccuracyName.standard: 2000, AccuracyName.fine: 200}
 """Operating points up to which NumPy is done before the compiler would be."""
 
 
