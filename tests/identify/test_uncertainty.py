@@ -119,6 +119,7 @@ def correlated(group: bool) -> tuple[Rows, Noise]:
     return rows, lambda r: 0.05 * r.normal(size=GROUPS)[index] + 0.01 * r.normal(size=index.size)
 
 
+@pytest.mark.slow
 def test_errors_alike_within_groups_need_the_groups() -> None:
     assert_promised(coverage(*_with_choice(correlated(group=True))))
     # Twelve times the rows there are: intervals too short by a factor of about 3.4.

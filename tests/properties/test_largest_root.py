@@ -51,7 +51,13 @@ def test_where_the_search_starts_makes_no_difference(law, axial):
     np.testing.assert_allclose(disk.inflow, from_above, rtol=0, atol=1e-7)
 
 
-@pytest.mark.parametrize("name", ["apc-8x6e", "uiuc-apce-19x12", "uiuc-grcp-11x8"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "apc-8x6e",
+        *(pytest.param(n, marks=pytest.mark.slow) for n in ("uiuc-apce-19x12", "uiuc-grcp-11x8")),
+    ],
+)
 @pytest.mark.parametrize("azimuths", [1, 24])
 def test_no_root_lies_above(name, azimuths):
     rotor = propmap.Rotor(propmap.propeller(name), propmap.airfoil("paper-stiff"))

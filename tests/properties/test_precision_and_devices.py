@@ -22,6 +22,7 @@ def _points(count: int, steepest: float) -> tuple[NDArray[np.float64], ...]:
     return omega, speed, beta
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SETS)
 def test_float32_keeps_its_promise(name: str) -> None:
     """0.3 % of static loads against "standard" in float64, at nearly all points 0.05 %; no point
