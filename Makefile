@@ -5,7 +5,7 @@ READY := $(VENV)/ready
 DOCS_READY := $(VENV)/docs-ready
 PEERS_READY := $(VENV)/peers-ready
 
-.PHONY: demo reproduce test test-slow lint types bench bench-table bench-fine-table bench-choice bench-identification bench-peers bench-phases bench-accelerator convergence docs clean
+.PHONY: demo reproduce test test-slow lint types bench bench-table bench-fine-table bench-choice bench-identification bench-peers bench-phases bench-roofline bench-accelerator convergence docs clean
 
 $(READY): pyproject.toml constraints.txt
 	python3 -m venv $(VENV)
@@ -45,6 +45,9 @@ bench-identification: $(READY)
 
 bench-choice: $(READY)
 	$(BIN)/python -m benchmarks.choice
+
+bench-roofline: $(READY)
+	$(BIN)/python -m benchmarks.roofline
 
 # Needs JAX's plugin for the accelerator in $(VENV); without one it says so.
 bench-accelerator: $(READY)

@@ -3,7 +3,8 @@
 Needs JAX with the accelerator's plugin, for NVIDIA `pip install 'jax[cuda12]'` in the same
 environment; without one it says so and measures nothing.  The mixed oblique batch of
 `benchmarks.speed`, in float64 and float32; errors against twice the nodes of "fine" in float64, at
-random points that are fresh in each run.
+random points that are fresh in each run; and the share of the device's peak that blade elements
+reach in the largest batch, see `benchmarks.roofline`.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ import numpy as np
 import propmap
 from benchmarks.convergence import dense
 from benchmarks.results_file import machine, write_results
+from benchmarks.roofline import operations_per_point, share_of_peak
 from benchmarks.speed import median_seconds, oblique
 from propmap.evaluation import evaluate, prepare
 from propmap.rotor import PRECISIONS, Rotor
@@ -39,6 +41,8 @@ def measure(sizes: tuple[int, ...] = SIZES, checked: int = CHECKED) -> dict[str,
     seed = time.time_ns() % 2**32
     found: dict[str, Any] = {"machine": machine(), "device": device.device_kind, "seed": seed}
     flow, truth, scale = reference(Rotor(blade, section), seed, checked)
+    asked = operations_per_point(Rotor(blade, section), checked)
+    found |= asked
     for precision in PRECISIONS:
         rotor = Rotor(blade, section, precision=precision)
         loads = rotor.loads(*flow)
@@ -55,6 +59,7 @@ def measure(sizes: tuple[int, ...] = SIZES, checked: int = CHECKED) -> dict[str,
             "points_per_second": per_second,
             "largest_error_of_static": errors,
             "not_found": lost,
+            **share_of_peak(precision, per_second[str(sizes[-1])], asked["operations_per_point"]),
         }
     memory = device.memory_stats() or {}
     found["peak_megabytes"] = memory.get("peak_bytes_in_use", 0) / 2**20
@@ -83,6 +88,7 @@ def main() -> None:
         for size, rate in found[precision]["points_per_second"].items():
             print(f"{precision}, batch of {size}: {rate:.3g} points per second")
         print(f"{precision}: largest errors {found[precision]['largest_error_of_static']}")
+        print(f"{precision}: {found[precision]['share']:.1%} of the device's peak")
     print(f"peak memory of the device: {found['peak_megabytes']:.0f} MB")
     print(write_results("accelerator.json", found))
 
