@@ -151,7 +151,8 @@ def _compile_both(rotor: Prepared, setting: Accuracy, count: int, *, descends: b
     nodes = nodes_of_each(np.ones(FIT_BLOCK, int), setting.most_azimuths)
     flow = Flow(still, still, still, still if descends else None)
     moving = np.zeros((count, FIT_BLOCK)) if descends else None
-    search, arguments = compiled_search(panels), (*rotor.on_device, flow, nodes, FIT_BLOCK)
+    search = compiled_search(panels, axial=False)
+    arguments = (*rotor.on_device, flow, nodes, FIT_BLOCK)
 
     def run_search() -> None:
         with jax.enable_x64(True):

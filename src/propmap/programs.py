@@ -103,8 +103,11 @@ def _search_in_lanes(
 
 
 @functools.cache
-def compiled_search(panels: tuple[int, ...], *, axial: bool = False) -> Any:
-    """The compiled ``Program``; ``axial`` : whether there is a single azimuth."""
+def compiled_search(panels: tuple[int, ...], *, axial: bool) -> Any:
+    """The compiled ``Program``; ``axial`` : whether there is a single azimuth.
+
+    Without a default, which this cache would keep apart from the same value given.
+    """
     options: Any = COMPILER_OPTIONS if axial else OBLIQUE_OPTIONS
     return jax.jit(functools.partial(_search_in_lanes, panels), compiler_options=options)
 

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -118,3 +121,27 @@ def test_a_point_without_a_solution_is_lost_with_its_derivatives() -> None:
     lost = load_gradients(prepare(rotor.theory), SETTING, NAMES, omega, bad, np.zeros(4))
     assert np.isnan(lost.loads[:, 2]).all()
     assert np.isfinite(lost.loads[:, [0, 1, 3]]).all()
+
+
+@pytest.mark.slow
+def test_each_program_of_a_few_points_is_traced_once() -> None:
+    """One is compiled ahead, beside the other; were it not the one that is run afterwards, all
+    fits would start that much later."""
+    import jax.monitoring
+
+    traced: list[str] = []
+
+    def note(event: str, _: float, **of: Any) -> None:
+        if event == "/jax/core/compile/jaxpr_to_mlir_module_duration":
+            traced.append(of["fun_name"])
+
+    # A number of stations that no other test has, so that nothing is compiled yet.
+    one_less = {a: getattr(PROPELLER, a)[1:] for a in ("station", "chord", "twist")}
+    rotor = rotor_with(replace(PROPELLER, **one_less), AIR, BASE, VALUES, "standard")
+    jax.monitoring.register_event_duration_secs_listener(note)
+    try:
+        load_gradients(prepare(rotor.theory), SETTING, NAMES, OMEGA, *FLOWS["axial, 10 m/s"])
+    finally:
+        jax.monitoring.unregister_event_duration_listener(note)
+    assert traced.count("jit(_search_in_lanes)") == 1
+    assert traced.count("jit(slopes)") == 1
