@@ -22,7 +22,7 @@ from benchmarks.convergence import dense
 from benchmarks.results_file import machine, write_results
 from benchmarks.roofline import operations_per_point, share_of_peak
 from benchmarks.speed import median_seconds, oblique
-from propmap.evaluation import evaluate, prepare
+from propmap.engine.evaluation import evaluate, prepare
 from propmap.rotor import PRECISIONS, Rotor
 
 SIZES = (10_000, 100_000, 1_000_000)

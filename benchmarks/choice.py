@@ -25,9 +25,9 @@ from numpy.typing import NDArray
 import propmap
 from benchmarks.c_header import c_nanoseconds
 from benchmarks.results_file import RESULTS, machine, write_results
+from propmap.baselines.hover import HoverModel
 from propmap.catalogue.measurements import measurement
 from propmap.export import export_table
-from propmap.hover import HoverModel
 from propmap.rotor import Rotor
 from propmap.table import LoadTable, build_table
 

@@ -20,9 +20,9 @@ from numpy.typing import NDArray
 
 import propmap
 from benchmarks.results_file import write_results
-from propmap.evaluation import Evaluation, evaluate, prepare
+from propmap.engine.evaluation import Evaluation, evaluate, prepare
+from propmap.engine.plan import ACCURACIES, Accuracy
 from propmap.rotor import Rotor
-from propmap.schedule import ACCURACIES, Accuracy
 
 Floats = NDArray[np.float64]
 

@@ -23,17 +23,17 @@ import propmap
 from benchmarks.results_file import RESULTS, machine, write_results
 from benchmarks.whole_process import whole_process
 from propmap.catalogue.measurements import measurement
+from propmap.fit.comparison import compare_tunnel
+from propmap.fit.fitted import Settings, fit
+from propmap.fit.flight import ForceModel, level_rows
+from propmap.fit.parameters import PAPER_FOUR, Choice
+from propmap.fit.rows import Rows
+from propmap.fit.tunnel import TunnelData, first_guess, rotor_with, tunnel_rows
 from propmap.flight.leaning import lean
-from propmap.flight_log import FlightLog
-from propmap.identify.comparison import compare_tunnel
-from propmap.identify.fitted import Settings, fit
-from propmap.identify.flight import ForceModel, level_rows
-from propmap.identify.parameters import PAPER_FOUR, Choice
-from propmap.identify.rows import Rows
-from propmap.identify.tunnel import TunnelData, first_guess, rotor_with, tunnel_rows
-from propmap.simulate.trim import trim
-from propmap.theory.load_slopes import LOADS
-from propmap.vehicle import Mount, Vehicle
+from propmap.flight.trim import trim
+from propmap.solve.load_slopes import LOADS
+from propmap.vehicle.flight_log import FlightLog
+from propmap.vehicle.vehicle import Mount, Vehicle
 
 SETS = ("paper-soft", "paper-stiff", "paper-apc")
 ARM, MASS = 0.2, 1.0

@@ -24,9 +24,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.speed import RPM, median_seconds
+from propmap.physics.geometry import blade_shape
+from propmap.physics.sections.blended import drag_coefficient, lift_coefficient
 from propmap.rotor import Rotor
-from propmap.theory.blade_shape import blade_shape
-from propmap.theory.section_law import drag_coefficient, lift_coefficient
 
 Floats = NDArray[np.float64]
 Point = tuple[float, float, float]

@@ -45,10 +45,10 @@ from benchmarks.peer_ccblade import (
 from benchmarks.results_file import machine, write_results
 from benchmarks.speed import BATCH, RPM, median_seconds, oblique
 from benchmarks.table import rotorpy_microseconds
-from propmap.evaluation import evaluate, prepare
+from propmap.engine.evaluation import evaluate, prepare
 from propmap.rotor import Rotor
+from propmap.solve.rotor_loads import rotor_loads
 from propmap.table import LoadTable, build_table
-from propmap.theory.loads import rotor_loads
 
 Floats = NDArray[np.float64]
 

@@ -21,17 +21,17 @@ from rich.table import Table
 import propmap
 from benchmarks.results_file import machine, write_results
 from benchmarks.speed import BATCH, oblique
-from propmap import evaluation
-from propmap.blocks import large_block, nodes_of_each
-from propmap.lanes import in_lanes
-from propmap.programs import AZIMUTHS_TOGETHER, OBLIQUE_OPTIONS
+from propmap.engine import evaluation
+from propmap.engine.batch import large_block, nodes_of_each
+from propmap.engine.lanes import in_lanes
+from propmap.engine.plan import Job, Outlook, accuracy, may_leave_islands, may_stall, plan
+from propmap.engine.programs import AZIMUTHS_TOGETHER, OBLIQUE_OPTIONS
+from propmap.physics.velocities import AzimuthNodes
 from propmap.rotor import Rotor
-from propmap.schedule import Job, Outlook, accuracy, may_leave_islands, may_stall, plan
-from propmap.theory.disk_inflow import Case, question, solve_disk
-from propmap.theory.loads import case_of, disk_loads
-from propmap.theory.stall_folds import find_folds
-from propmap.theory.stall_split import hump_crossings
-from propmap.theory.velocities import AzimuthNodes
+from propmap.solve.disk import Case, question, solve_disk
+from propmap.solve.folds import find_folds
+from propmap.solve.rotor_loads import case_of, disk_loads
+from propmap.solve.split import hump_crossings
 
 REPEATS = 9
 BLOCKS = 5

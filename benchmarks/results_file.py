@@ -12,7 +12,7 @@ import jax
 import numpy as np
 
 import propmap
-from propmap.atomic_file import replacing
+from propmap.io.atomic_file import replacing
 
 RESULTS = Path(__file__).with_name("results")
 

@@ -20,16 +20,16 @@ import numpy as np
 import propmap
 from benchmarks.results_file import machine, write_results
 from benchmarks.speed import BATCH, Floats, median_seconds, oblique
-from propmap.blocks import Block
-from propmap.evaluation import evaluate_flow, prepare
-from propmap.programs import Flow
+from propmap.arrays.namespace import by_numpy
+from propmap.engine.batch import Block
+from propmap.engine.evaluation import evaluate_flow, prepare
+from propmap.engine.plan import accuracy
+from propmap.engine.programs import Flow
+from propmap.physics.element import annulus, element_forces, element_thrust_slope
+from propmap.physics.geometry import StationShape
 from propmap.rotor import PRECISIONS, Rotor
-from propmap.schedule import accuracy
-from propmap.theory import disk_inflow
-from propmap.theory.arrays import by_numpy
-from propmap.theory.blade_element import annulus, element_forces, element_thrust_slope
-from propmap.theory.blade_shape import StationShape
-from propmap.theory.disk_inflow import DiskSolution
+from propmap.solve import disk
+from propmap.solve.disk import DiskSolution
 
 CHAINS, LINKS = 8, 32
 """Chains of operations per number that do not wait for each other, and operations in each."""
@@ -101,7 +101,7 @@ def elements_per_point(rotor: Rotor, batch: tuple[Floats, ...]) -> dict[str, flo
             ):
                 left[int(point)] = (int(nodes), int(elements))
 
-        with mock.patch.object(disk_inflow, "MAX_STEPS", most):
+        with mock.patch.object(disk, "MAX_STEPS", most):
             evaluate_flow(ready, accuracy("standard"), flow, solved=count)
         nodes, elements = zip(*left.values(), strict=True)
         return sum(nodes), sum(elements)

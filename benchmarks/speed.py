@@ -20,14 +20,14 @@ from numpy.typing import NDArray
 import propmap
 from benchmarks.results_file import machine, write_results
 from benchmarks.whole_process import whole_process
-from propmap.evaluation import prepare
-from propmap.load_gradients import load_gradients
-from propmap.programs import COMPILER_OPTIONS
+from propmap.engine.evaluation import prepare
+from propmap.engine.gradients import load_gradients
+from propmap.engine.plan import accuracy
+from propmap.engine.programs import COMPILER_OPTIONS
+from propmap.physics.velocities import AzimuthNodes, azimuth_nodes
 from propmap.rotor import Rotor
-from propmap.schedule import accuracy
-from propmap.theory.disk_inflow import Case, question
-from propmap.theory.inflow import residual, residual_slope
-from propmap.theory.velocities import AzimuthNodes, azimuth_nodes
+from propmap.solve.disk import Case, question
+from propmap.solve.inflow import residual, residual_slope
 
 Floats = NDArray[np.float64]
 

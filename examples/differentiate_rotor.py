@@ -5,7 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 
 import propmap
-from propmap.theory.loads import rotor_loads
+from propmap.solve.rotor_loads import rotor_loads
 
 rotor = propmap.Rotor(propmap.propeller("apc-8x6e"), propmap.airfoil("paper-apc"))
 omega = 6000 * np.pi / 30  # rad/s

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from propmap.compilation import compile_quickly
+from propmap.engine.compilation import compile_quickly
 
 
 def pytest_configure(config: pytest.Config) -> None:

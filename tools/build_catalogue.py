@@ -16,9 +16,9 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
-from propmap.readers.apc_pe0 import read_apc_pe0
-from propmap.readers.blade_table import INCH
-from propmap.readers.uiuc_geometry import CITATION as UIUC_CITATION
+from propmap.io.apc_pe0 import read_apc_pe0
+from propmap.io.blade_table import INCH
+from propmap.io.uiuc_geometry import CITATION as UIUC_CITATION
 
 CATALOGUE = Path(__file__).resolve().parent.parent / "src" / "propmap" / "catalogue"
 PER_LINE = 6

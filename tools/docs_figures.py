@@ -19,7 +19,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Arc, Circle, Polygon
 
-from propmap.atomic_file import replacing
+from propmap.io.atomic_file import replacing
 from propmap.report.style import COLOURS, MARKERS, new_figure, style
 
 RESULTS = Path(__file__).resolve().parent.parent / "benchmarks" / "results"

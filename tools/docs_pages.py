@@ -15,7 +15,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from propmap.atomic_file import replacing
+from propmap.io.atomic_file import replacing
 from tools import performance_tables, readme_tables
 
 RESULTS = Path(__file__).resolve().parent.parent / "benchmarks" / "results"

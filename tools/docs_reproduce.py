@@ -14,7 +14,7 @@ import sys
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from propmap.atomic_file import replacing
+from propmap.io.atomic_file import replacing
 
 Rows = list[dict[str, str]]
 

@@ -8,16 +8,17 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
+from propmap.catalogue.lookup import propeller
+from propmap.errors import InputError
+
 # The functions share their names with the modules they come from; importing them here, once,
 # makes the package's attribute the function.
-from propmap.air import Air
-from propmap.airfoil import Airfoil, airfoil, airfoil_names
-from propmap.errors import InputError
-from propmap.propeller import Propeller
-from propmap.propeller_lookup import propeller
+from propmap.model.air import Air
+from propmap.model.airfoil import Airfoil, airfoil, airfoil_names
+from propmap.model.propeller import Propeller
 
 if TYPE_CHECKING:
-    from propmap.hover import HoverModel
+    from propmap.baselines.hover import HoverModel
     from propmap.rotor import Loads, Rotor, Wrench
 
 __version__ = "0.1.0"
@@ -36,7 +37,7 @@ __all__ = [
     "propeller",
 ]
 
-_LAZY = {"HoverModel": "hover", "Loads": "rotor", "Rotor": "rotor", "Wrench": "rotor"}
+_LAZY = {"HoverModel": "baselines.hover", "Loads": "rotor", "Rotor": "rotor", "Wrench": "rotor"}
 
 
 def __getattr__(name: str) -> Any:

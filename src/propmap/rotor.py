@@ -9,15 +9,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from propmap.air import Air
-from propmap.airfoil import Airfoil
+from propmap.engine.evaluation import Evaluation, Prepared, evaluate, prepare
+from propmap.engine.plan import accuracy as accuracy_setting
 from propmap.errors import InputError
-from propmap.evaluation import Evaluation, Prepared, evaluate, prepare
-from propmap.propeller import Propeller
-from propmap.schedule import accuracy as accuracy_setting
+from propmap.model.air import Air
+from propmap.model.airfoil import Airfoil
+from propmap.model.propeller import Propeller
 
 if TYPE_CHECKING:
-    from propmap.disk import Inflow
+    from propmap.engine.disk_field import Inflow
 
 Floats = NDArray[np.float64]
 
@@ -182,7 +182,7 @@ class Rotor:
 
         omega : [rad/s] >= 0, any shape.
         """
-        from propmap.evaluation import static_inflow
+        from propmap.engine.evaluation import static_inflow
 
         (w,) = _broadcast(omega=omega)
         _refuse_negative("omega", w, "give the spin by its direction, not by a sign [rad/s]")
@@ -204,7 +204,7 @@ class Rotor:
         azimuth : psi [rad], by default every 5 degrees of a full turn.
         What a wing behind the rotor sees is v_i (the paper's footnote 3).
         """
-        from propmap.disk import look_at_disk
+        from propmap.engine.disk_field import look_at_disk
 
         w, v, b = _broadcast(omega=omega, speed=speed, beta=beta)
         if w.ndim:
@@ -228,9 +228,9 @@ class Rotor:
 
         NumPy float64; JAX turns them into arrays of the caller's own setting.
         """
-        from propmap.theory.arrays import by_numpy
-        from propmap.theory.blade_shape import make_blade
-        from propmap.theory.parameters import Medium, Section
+        from propmap.arrays.namespace import by_numpy
+        from propmap.physics.geometry import make_blade
+        from propmap.physics.parameters import Medium, Section
 
         p, a = self.propeller, self.airfoil
         n: Any = np.float64

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 from propmap import catalogue
+from propmap.catalogue.lookup import propeller
 from propmap.errors import InputError
-from propmap.propeller_lookup import propeller
 
 ROOT = Path(__file__).resolve().parents[2]
 DATA = ROOT.parent / "shared" / "data"
@@ -77,7 +77,7 @@ def test_listing_is_fast() -> None:
 
 def test_import_is_light() -> None:
     script = (
-        "import sys, propmap.catalogue, propmap.readers.geometry_file as g;"
+        "import sys, propmap.catalogue, propmap.io.geometry_file as g;"
         "print(sorted({'jax', 'scipy', 'pandas', 'matplotlib'} & set(sys.modules)))"
     )
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, check=True)

@@ -33,14 +33,14 @@ Run = Callable[..., Outcome]
 def _workplace(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """An empty folder, and no compiled programs in the user's cache."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("propmap.compilation.keep_compiled", lambda: None)
+    monkeypatch.setattr("propmap.engine.compilation.keep_compiled", lambda: None)
 
 
 @pytest.fixture(scope="session")
 def no_cache() -> Iterator[None]:
     """The same for what tests share."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("propmap.compilation.keep_compiled", lambda: None)
+        patch.setattr("propmap.engine.compilation.keep_compiled", lambda: None)
         yield
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from propmap.compilation import KNOWN_JAXLIB, compile_quickly
+from propmap.engine.compilation import KNOWN_JAXLIB, compile_quickly
 
 TESTS = Path(__file__).parents[1]
 COMPARISONS = ("properties/test_without_compiling.py", "gradients/test_load_slopes.py")

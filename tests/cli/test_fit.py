@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import propmap
-from propmap.airfoil import airfoil
+from propmap.model.airfoil import airfoil
 
 from .conftest import Run
 from .fit_inputs import (

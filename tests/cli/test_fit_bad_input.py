@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from propmap.airfoil import airfoil
+from propmap.model.airfoil import airfoil
 
 from .conftest import Run
 from .fit_inputs import LEVEL, VEHICLE, picked, tunnel_table

@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 
 import propmap
-from propmap.airfoil import airfoil
-from propmap.identify.coverage import coverage
+from propmap.fit.coverage import coverage
+from propmap.model.airfoil import airfoil
 from propmap.report.report_files import FILES, PAGE
 from propmap.table import LoadTable
 

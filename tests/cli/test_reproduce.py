@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from propmap.reproduce.files import FIGURES, FILES, PAGE
+from propmap.papers.gill_dandrea_2017.files import FIGURES, FILES, PAGE
 
 from .conftest import Run
 

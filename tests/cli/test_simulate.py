@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from propmap.flight.steady import operating_points, steady_stretches
-from propmap.readers.flight_log import read_flight_log
-from propmap.readers.vehicle_toml import read_vehicle
-from propmap.simulate.trim import trim
+from propmap.flight.trim import trim
+from propmap.vehicle.logs import read_flight_log
+from propmap.vehicle.vehicle_toml import read_vehicle
 
 from .conftest import Run
 

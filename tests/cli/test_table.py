@@ -13,7 +13,7 @@ import pytest
 import xarray
 
 import propmap
-from propmap.section_covariance import SectionCovariance
+from propmap.model.section_covariance import SectionCovariance
 from propmap.table import LoadTable, build_table
 
 from .conftest import ROTOR, Run

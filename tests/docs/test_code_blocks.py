@@ -21,9 +21,9 @@ from flight.write_logs import write_ulog
 import propmap
 from propmap import catalogue
 from propmap.catalogue.measurements import measurement
-from propmap.readers.vehicle_toml import read_vehicle
-from propmap.simulate.flight import SensorNoise, fly
-from propmap.simulate.trim import trim
+from propmap.flight.simulated import SensorNoise, fly
+from propmap.flight.trim import trim
+from propmap.vehicle.vehicle_toml import read_vehicle
 
 from .pages import ROOT, Step, steps
 

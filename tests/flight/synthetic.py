@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from propmap.flight_log import GRAVITY, FlightLog, Floats
-from propmap.readers.vehicle_toml import VehicleFile, read_vehicle
+from propmap.vehicle.flight_log import GRAVITY, FlightLog, Floats
+from propmap.vehicle.vehicle_toml import VehicleFile, read_vehicle
 
 ROOT = Path(__file__).parents[2]
 NEUROBEM = ROOT / "examples" / "neurobem" / "vehicle.toml"

@@ -10,8 +10,8 @@ from scipy.spatial.transform import Rotation
 
 from propmap.errors import InputError
 from propmap.flight.level_table import read_level_table
-from propmap.flight_log import FlightLog
-from propmap.readers.vehicle_toml import read_vehicle
+from propmap.vehicle.flight_log import FlightLog
+from propmap.vehicle.vehicle_toml import read_vehicle
 
 from .synthetic import NEUROBEM
 

@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from propmap.airfoil import airfoil
 from propmap.errors import InputError
 from propmap.flight.plausible_rpm import check_rotor_speed
 from propmap.flight.steady import steady_stretches
-from propmap.flight_log import GRAVITY, FlightLog
-from propmap.readers.flight_log import read_flight_log
-from propmap.readers.vehicle_toml import read_vehicle
+from propmap.model.airfoil import airfoil
 from propmap.rotor import Rotor
+from propmap.vehicle.flight_log import GRAVITY, FlightLog
+from propmap.vehicle.logs import read_flight_log
+from propmap.vehicle.vehicle_toml import read_vehicle
 
 from .synthetic import FLIGHTS, NEUROBEM
 

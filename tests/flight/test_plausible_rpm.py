@@ -7,11 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from propmap.airfoil import airfoil
 from propmap.errors import InputError
 from propmap.flight.plausible_rpm import check_rotor_speed
-from propmap.readers.vehicle_toml import read_vehicle
+from propmap.model.airfoil import airfoil
 from propmap.rotor import Rotor
+from propmap.vehicle.vehicle_toml import read_vehicle
 
 from .synthetic import NEUROBEM, flight
 

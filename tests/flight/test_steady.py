@@ -11,7 +11,7 @@ import pytest
 from propmap.errors import InputError
 from propmap.flight.airborne import airborne
 from propmap.flight.steady import operating_points, steady_stretches
-from propmap.flight_log import FlightLog
+from propmap.vehicle.flight_log import FlightLog
 
 from .synthetic import CHANGE, HOLD, SPEEDS, flight
 

@@ -15,10 +15,11 @@ from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
-from literal_section import Array, drag_coefficient, lift_coefficient, wrap
 from numpy.typing import ArrayLike
 from scipy.interpolate import PchipInterpolator
 from scipy.optimize import brentq, minimize_scalar
+
+from tests.oracle.literal_section import Array, drag_coefficient, lift_coefficient, wrap
 
 SCAN_STEP = 0.004  # [rad] of inflow angle; the stall blend is about 1/M = 0.02 rad wide
 SCAN_AZIMUTHS = 120  # the scan only brackets roots; they are refined with all azimuth nodes

@@ -14,10 +14,11 @@ from collections.abc import Callable, Iterator
 from functools import cache, partial
 from pathlib import Path
 
-from frozen import COLUMNS, TABLE, ReferenceLoads
-from literal_rotor import literal_loads
 from numpy.typing import ArrayLike
-from points import MU, RHO, SECTIONS, Point, reference_points
+
+from tests.oracle.frozen import COLUMNS, TABLE, ReferenceLoads
+from tests.oracle.literal_rotor import literal_loads
+from tests.oracle.points import MU, RHO, SECTIONS, Point, reference_points
 
 PROPELLER = "apc-8x6e"
 
@@ -70,7 +71,7 @@ def write_table(path: Path, solve: Solve) -> None:
 
 def main() -> None:
     """Compute the table for the catalogue's propeller."""
-    from propmap.propeller_lookup import propeller
+    from propmap.catalogue.lookup import propeller
 
     blade = propeller(PROPELLER)
     write_table(TABLE, solver(blade.station, blade.chord, blade.twist, blade.blades))

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from frozen import ReferenceLoads, frozen_loads
 from numpy.typing import NDArray
 
 import propmap as pm
 from propmap.rotor import Loads, Rotor
+from tests.oracle.frozen import ReferenceLoads, frozen_loads
 
 SETS = ("soft", "stiff", "apc")
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from propmap.identify.fit_record import (
+from propmap.fit.fit_record import (
     Covered,
     FitErrors,
     FitRecord,

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import propmap
-from propmap.identify.fit_record import FitRecord
-from propmap.identify.result_file import FitFile
+from propmap.fit.fit_record import FitRecord
+from propmap.fit.result_file import FitFile
 from propmap.report.fit_page.curves import load_curves
 from propmap.report.fit_page.data import data_section
 from propmap.report.fit_page.judgement import lead

@@ -11,14 +11,14 @@ import pytest
 from matplotlib.figure import Figure
 
 import propmap
+from propmap.baselines.hover import HoverModel
 from propmap.errors import InputError
+from propmap.fit.tunnel import TunnelData
 from propmap.flight.leaning import in_leaning_frame
-from propmap.flight_log import GRAVITY, FlightLog
-from propmap.hover import HoverModel
-from propmap.identify.tunnel import TunnelData
 from propmap.report.fit_pictures import level_flight, steady_parts, tunnel_fit
 from propmap.report.style import COLOURS, HOVER, save
-from propmap.vehicle import Mount, Vehicle
+from propmap.vehicle.flight_log import GRAVITY, FlightLog
+from propmap.vehicle.vehicle import Mount, Vehicle
 
 MASS = 0.7
 

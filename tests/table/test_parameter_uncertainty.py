@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import propmap
-from propmap.section_covariance import SectionCovariance
+from propmap.model.section_covariance import SectionCovariance
 from propmap.table import build_table
 from propmap.table.content import LOADS
 from propmap.table.parameter_uncertainty import load_deviations

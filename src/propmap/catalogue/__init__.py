@@ -10,13 +10,13 @@ from importlib.resources import files
 from importlib.resources.abc import Traversable
 
 from propmap.errors import InputError, quoted
-from propmap.propeller import Propeller
-from propmap.readers.propeller_toml import (
+from propmap.io.propeller_toml import (
     SCHEMA,
     parse_propeller_toml,
     parse_toml,
     read_propeller_toml,
 )
+from propmap.model.propeller import Propeller
 
 SUFFIX = ".toml"
 

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 import typer
 
-from propmap.airfoil import airfoil, airfoil_names
 from propmap.cli.listing import ListByDefault
 from propmap.cli.output import (
     Format,
@@ -21,6 +20,7 @@ from propmap.cli.output import (
     json_text,
     show,
 )
+from propmap.model.airfoil import airfoil, airfoil_names
 
 if TYPE_CHECKING:
     from rich.console import Console

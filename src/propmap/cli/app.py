@@ -25,7 +25,7 @@ from propmap.cli.show import show_table
 from propmap.cli.simulate import simulate_app
 from propmap.cli.sweep import sweep
 from propmap.cli.table import table
-from propmap.compilation import compile_quickly
+from propmap.engine.compilation import compile_quickly
 from propmap.errors import InputError
 
 INTERRUPTED = 130

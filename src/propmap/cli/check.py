@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 import numpy as np
 import typer
 
-from propmap.airfoil import read_airfoil
 from propmap.cli.output import (
     Format,
     FormatOption,
@@ -22,11 +21,12 @@ from propmap.cli.output import (
     show,
 )
 from propmap.errors import InputError
+from propmap.model.airfoil import read_airfoil
 
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from propmap.identify.comparison import Comparison
+    from propmap.fit.comparison import Comparison
 
 
 def check(
@@ -68,15 +68,15 @@ def check(
 def _compare(
     fit: Path, data: list[str], vehicle: Path | None, prop: str | None
 ) -> dict[str, Comparison]:
-    from propmap.air import Air
-    from propmap.identify.comparison import compare_flight, compare_tunnel
-    from propmap.identify.result_file import is_fit, read_fit
-    from propmap.propeller_lookup import propeller
+    from propmap.catalogue.lookup import propeller
+    from propmap.fit.comparison import compare_flight, compare_tunnel
+    from propmap.fit.result_file import is_fit, read_fit
+    from propmap.model.air import Air
 
     if vehicle is not None:
         from propmap.cli.flight_files import read_flights
-        from propmap.identify.body_study import wing_values
-        from propmap.readers.vehicle_toml import read_vehicle
+        from propmap.fit.body_study import wing_values
+        from propmap.vehicle.vehicle_toml import read_vehicle
 
         file = read_vehicle(vehicle)
         law = read_airfoil(fit)
@@ -104,7 +104,7 @@ def _compare(
 
 
 def _keep() -> None:
-    from propmap.compilation import keep_compiled
+    from propmap.engine.compilation import keep_compiled
 
     keep_compiled()
 

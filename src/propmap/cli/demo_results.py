@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 
 import propmap
-from propmap.airfoil import airfoil
+from propmap.catalogue.lookup import propeller
 from propmap.catalogue.measurements import measurement
 from propmap.cli.operating_points import RPM, Floats
 from propmap.cli.output import csv_text, json_text, write_text
-from propmap.propeller_lookup import propeller
+from propmap.model.airfoil import airfoil
 from propmap.report.comparison import LOADS, Comparison, LoadErrors, compare
 from propmap.rotor import Rotor
 

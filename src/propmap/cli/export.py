@@ -13,8 +13,8 @@ from propmap.cli.table_report import building
 from propmap.errors import InputError
 
 if TYPE_CHECKING:
+    from propmap.model.section_covariance import SectionCovariance
     from propmap.rotor import Rotor
-    from propmap.section_covariance import SectionCovariance
     from propmap.table import LoadTable
 
 TIP_SPEED = (20.0, 105.0)
@@ -73,10 +73,10 @@ def _table(source: Path, prop: str | None) -> LoadTable:
 
 
 def _rotor(source: Path, prop: str | None) -> tuple[Rotor, SectionCovariance | None]:
-    from propmap.airfoil import read_airfoil
-    from propmap.compilation import keep_compiled
-    from propmap.identify.result_file import is_fit, read_fit
-    from propmap.propeller_lookup import propeller
+    from propmap.catalogue.lookup import propeller
+    from propmap.engine.compilation import keep_compiled
+    from propmap.fit.result_file import is_fit, read_fit
+    from propmap.model.airfoil import read_airfoil
     from propmap.rotor import Rotor
 
     keep_compiled()

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from propmap.airfoil import airfoil
 from propmap.cli.fit_options import (
     Bootstrap,
     Fix,
@@ -25,13 +24,14 @@ from propmap.cli.fit_options import (
 from propmap.cli.output import PICTURES, check_output, show, write_text
 from propmap.cli.rotor_options import RotorChoice, takes_rotor
 from propmap.errors import InputError
+from propmap.model.airfoil import airfoil
 
 if TYPE_CHECKING:
-    from propmap.flight_log import FlightLog
-    from propmap.identify.fitted import Fitted
-    from propmap.identify.flight import ForceModel
-    from propmap.identify.parameters import Choice
-    from propmap.identify.rows import Rows
+    from propmap.fit.fitted import Fitted
+    from propmap.fit.flight import ForceModel
+    from propmap.fit.parameters import Choice
+    from propmap.fit.rows import Rows
+    from propmap.vehicle.flight_log import FlightLog
 
 fit_app = typer.Typer(
     name="fit", help="Identify section parameters.", no_args_is_help=True, rich_markup_mode=None
@@ -91,13 +91,13 @@ def fit_tunnel(
     blade, air = choice.blade(), choice.medium()
     measured = read_tunnel(data, blade, air)
 
-    from propmap.compilation import keep_compiled
-    from propmap.identify.assumptions import failing_assumptions
-    from propmap.identify.coverage import coverage
-    from propmap.identify.data_range import range_warnings
-    from propmap.identify.fitted import fit
-    from propmap.identify.result_file import fit_text
-    from propmap.identify.tunnel import first_guess, hover_rows, rotor_with, tunnel_rows
+    from propmap.engine.compilation import keep_compiled
+    from propmap.fit.assumptions import failing_assumptions
+    from propmap.fit.coverage import coverage
+    from propmap.fit.data_range import range_warnings
+    from propmap.fit.fitted import fit
+    from propmap.fit.result_file import fit_text
+    from propmap.fit.tunnel import first_guess, hover_rows, rotor_with, tunnel_rows
 
     keep_compiled()
     base = base or first_guess()
@@ -179,20 +179,20 @@ def fit_flight(
 ) -> None:
     """Fit flight logs of a vehicle."""
     from propmap.cli.flight_files import read_flights
-    from propmap.readers.vehicle_toml import read_vehicle
+    from propmap.vehicle.vehicle_toml import read_vehicle
 
     _check_outputs(output, picture, stretches_picture)
     base = airfoil(name_or_file) if name_or_file else None
     file = read_vehicle(vehicle)
 
-    from propmap.compilation import keep_compiled
-    from propmap.identify.body_study import body_terms_verdict, wing_values
-    from propmap.identify.data_range import range_warnings
-    from propmap.identify.fitted import fit
-    from propmap.identify.flight import ForceModel, balance_rows, hover_rows, level_rows
-    from propmap.identify.parameters import BODY, PAPER_FOUR
-    from propmap.identify.result_file import fit_text
-    from propmap.identify.tunnel import first_guess
+    from propmap.engine.compilation import keep_compiled
+    from propmap.fit.body_study import body_terms_verdict, wing_values
+    from propmap.fit.data_range import range_warnings
+    from propmap.fit.fitted import fit
+    from propmap.fit.flight import ForceModel, balance_rows, hover_rows, level_rows
+    from propmap.fit.parameters import BODY, PAPER_FOUR
+    from propmap.fit.result_file import fit_text
+    from propmap.fit.tunnel import first_guess
 
     keep_compiled()
     flights = read_flights(
@@ -227,7 +227,7 @@ def fit_flight(
 
 
 def _picture_of_flight(picture: Path, fitted: Fitted, model: ForceModel, log: FlightLog) -> None:
-    from propmap.identify.tunnel import rotor_with
+    from propmap.fit.tunnel import rotor_with
     from propmap.report.fit_pictures import level_flight
     from propmap.report.style import save
 

@@ -7,10 +7,10 @@ from typing import Annotated
 
 import typer
 
-from propmap.airfoil import Airfoil
 from propmap.errors import InputError, quoted
-from propmap.identify.fitted import Settings
-from propmap.identify.parameters import EVERY, SECTION, Choice, Prior, known
+from propmap.fit.fitted import Settings
+from propmap.fit.parameters import EVERY, SECTION, Choice, Prior, known
+from propmap.model.airfoil import Airfoil
 
 Free = Annotated[
     str | None,

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from propmap.identify.fitted import Fitted
-from propmap.identify.parameters import EVERY
-from propmap.identify.residuals import errors
-from propmap.identify.search import minima
+from propmap.fit.fitted import Fitted
+from propmap.fit.parameters import EVERY
+from propmap.fit.residuals import errors
+from propmap.fit.search import minima
 
 if TYPE_CHECKING:
     from rich.console import Console

@@ -13,9 +13,9 @@ from propmap.flight.airborne import airborne
 from propmap.flight.level_table import read_level_table
 from propmap.flight.plausible_rpm import check_rotor_speed
 from propmap.flight.steady import operating_points, steady_stretches
-from propmap.flight_log import FlightLog, joined
-from propmap.readers.flight_log import read_flight_log
-from propmap.readers.vehicle_toml import VehicleFile
+from propmap.vehicle.flight_log import FlightLog, joined
+from propmap.vehicle.logs import read_flight_log
+from propmap.vehicle.vehicle_toml import VehicleFile
 
 ENOUGH_STRETCHES = 4
 
@@ -96,7 +96,7 @@ def _draw(log: FlightLog, stretches: list[slice], picture: Path) -> None:
 
 
 def _rpm_remarks(log: FlightLog, file: VehicleFile) -> list[str]:
-    from propmap.airfoil import airfoil
+    from propmap.model.airfoil import airfoil
     from propmap.rotor import Rotor
 
     rotor = Rotor(file.vehicle.propeller, airfoil("paper-apc"), file.vehicle.air)

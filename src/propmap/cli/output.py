@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from propmap.atomic_file import replacing
 from propmap.errors import InputError
+from propmap.io.atomic_file import replacing
 
 if TYPE_CHECKING:
     from rich.console import Console

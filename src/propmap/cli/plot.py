@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 import typer
 
+from propmap.catalogue.lookup import propeller
 from propmap.cli.operating_points import RPM, parse_axis, single_point
 from propmap.cli.output import PICTURES, PictureOutput, check_output
 from propmap.cli.points_file import LOAD_COLUMNS, read_points
@@ -20,7 +21,6 @@ from propmap.cli.rotor_options import (
     takes_rotor,
 )
 from propmap.errors import InputError
-from propmap.propeller_lookup import propeller
 
 if TYPE_CHECKING:
     from propmap.report.load_curves import MeasuredLoads

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from rich.console import Console
     from rich.table import Table
 
-    from propmap.hover import HoverModel
+    from propmap.baselines.hover import HoverModel
     from propmap.rotor import Loads, Rotor
 
 
@@ -84,7 +84,7 @@ def _points(
 def _show_table(
     output: Path | None, rotor: Rotor, where: OperatingPoints, loads: Loads, *, one: bool
 ) -> None:
-    from propmap.hover import HoverModel
+    from propmap.baselines.hover import HoverModel
 
     hover = HoverModel.of(rotor)
     table = _one_point(where, loads, hover) if one else _many_points(where, loads, hover)

@@ -10,6 +10,7 @@ import numpy as np
 import typer
 
 from propmap import catalogue
+from propmap.catalogue.lookup import propeller
 from propmap.cli.listing import ListByDefault
 from propmap.cli.output import (
     PICTURES,
@@ -24,12 +25,11 @@ from propmap.cli.output import (
     show,
 )
 from propmap.cli.rotor_options import Blades, PropArgument, Radius
-from propmap.propeller_lookup import propeller
 
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from propmap.propeller import Propeller
+    from propmap.model.propeller import Propeller
 
 ENTRY = ("name", "title", "family", "blades", "diameter_m", "source")
 OUTLINE_WIDTH = 72

@@ -12,7 +12,7 @@ import typer
 from propmap.errors import InputError
 
 if TYPE_CHECKING:
-    from propmap.identify.result_file import FitFile
+    from propmap.fit.result_file import FitFile
     from propmap.report.fit_page.given_data import GivenData
 
 
@@ -60,8 +60,8 @@ def report(
 
 
 def _fit_files(source: Path, data: Sequence[str], vehicle: Path | None) -> dict[str, str | bytes]:
-    from propmap.identify.fit_record import read_record
-    from propmap.identify.result_file import read_fit
+    from propmap.fit.fit_record import read_record
+    from propmap.fit.result_file import read_fit
 
     file = read_fit(source)
     fit = read_record(file.record, str(source))
@@ -70,7 +70,7 @@ def _fit_files(source: Path, data: Sequence[str], vehicle: Path | None) -> dict[
     if fit.kind != "tunnel" and data and vehicle is None:
         raise InputError("--data with a fit of flights needs the vehicle", "add --vehicle FILE")
 
-    from propmap.compilation import keep_compiled
+    from propmap.engine.compilation import keep_compiled
     from propmap.report.fit_page.page import fit_pages
 
     keep_compiled()
@@ -80,7 +80,7 @@ def _fit_files(source: Path, data: Sequence[str], vehicle: Path | None) -> dict[
 
 
 def _given(file: FitFile, data: Sequence[str], vehicle: Path | None) -> GivenData:
-    from propmap.identify.comparison import compare_flight, compare_level, compare_tunnel
+    from propmap.fit.comparison import compare_flight, compare_level, compare_tunnel
     from propmap.report.fit_page.given_data import GivenData
 
     if vehicle is None:
@@ -90,7 +90,7 @@ def _given(file: FitFile, data: Sequence[str], vehicle: Path | None) -> GivenDat
         found = compare_tunnel(file.propeller, file.air, file.airfoil, measured)
         return GivenData(_hashes(sources(data)), found, tunnel=measured)
     from propmap.cli.flight_files import all_level_tables, read_flights
-    from propmap.readers.vehicle_toml import read_vehicle
+    from propmap.vehicle.vehicle_toml import read_vehicle
 
     described, paths = read_vehicle(vehicle), [Path(item) for item in data]
     level = all_level_tables(paths)
@@ -103,8 +103,8 @@ def _given(file: FitFile, data: Sequence[str], vehicle: Path | None) -> GivenDat
 
 
 def _hashes(items: Sequence[Path | str]) -> list[tuple[str, str]]:
-    from propmap.identify.fit_record import source_name
-    from propmap.identify.result_file import source_entry
+    from propmap.fit.fit_record import source_name
+    from propmap.fit.result_file import source_entry
 
     return [source_name(source_entry(item)) for item in items]
 

@@ -21,14 +21,14 @@ def reproduce(
     Takes about two minutes on two cores.  FOLDER gets index.html with all figures inside, and
     every figure and table as SVG and CSV; the files are there all at once or not at all.
     """
+    from propmap.papers.gill_dandrea_2017.files import FILES, PAGE
     from propmap.report.folder import check_folder, write_folder
-    from propmap.reproduce.files import FILES, PAGE
 
     check_folder(output, FILES)
 
-    from propmap.compilation import keep_compiled
-    from propmap.reproduce.numbers import compute
-    from propmap.reproduce.pages.page import pages
+    from propmap.engine.compilation import keep_compiled
+    from propmap.papers.gill_dandrea_2017.numbers import compute
+    from propmap.papers.gill_dandrea_2017.pages.page import pages
 
     keep_compiled()
     typer.echo("computing: about two minutes, less from the second time on", err=True)

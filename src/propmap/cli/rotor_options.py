@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, Annotated, Any, Concatenate, ParamSpec, get_ty
 
 import typer
 
-from propmap.air import PAPER_DENSITY, PAPER_VISCOSITY, Air
-from propmap.airfoil import airfoil, airfoil_names
+from propmap.catalogue.lookup import propeller
 from propmap.errors import InputError
-from propmap.propeller import Propeller
-from propmap.propeller_lookup import propeller
+from propmap.model.air import PAPER_DENSITY, PAPER_VISCOSITY, Air
+from propmap.model.airfoil import airfoil, airfoil_names
+from propmap.model.propeller import Propeller
 
 if TYPE_CHECKING:
     from propmap.rotor import Rotor
@@ -86,7 +86,7 @@ class RotorChoice:
             )
         blade, section, air = self.blade(), airfoil(self.airfoil), self.medium()
 
-        from propmap.compilation import keep_compiled
+        from propmap.engine.compilation import keep_compiled
         from propmap.rotor import Rotor
 
         keep_compiled()

@@ -10,16 +10,16 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 import typer
 
-from propmap.airfoil import airfoil
 from propmap.cli.operating_points import RPM, parse_axis
 from propmap.cli.output import Force, check_output, show, write_text
 from propmap.errors import InputError
+from propmap.model.airfoil import airfoil
 
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from propmap.readers.vehicle_toml import VehicleFile
-    from propmap.simulate.expectation import Expectation
+    from propmap.flight.expectation import Expectation
+    from propmap.vehicle.vehicle_toml import VehicleFile
 
 LARGEST_ERROR = 0.2
 """Of the vertical force, as a share of the weight; with more, some draw leaves none to carry."""
@@ -104,18 +104,18 @@ def simulate_flight(
     check_output(output, (".csv",), keep_existing=not force)
     law = airfoil(section)
 
-    from propmap.identify.parameters import Choice
-    from propmap.readers.vehicle_toml import read_vehicle
-    from propmap.simulate.flight import SensorNoise, check_sampling, fly
+    from propmap.fit.parameters import Choice
+    from propmap.flight.simulated import SensorNoise, check_sampling, fly
+    from propmap.vehicle.vehicle_toml import read_vehicle
 
     check_sampling(dwell, rate)
     names = Choice(tuple(name.strip() for name in free.split(","))).free
     read = read_vehicle(vehicle)
 
-    from propmap.compilation import keep_compiled
-    from propmap.simulate.expectation import expectation
-    from propmap.simulate.log_file import log_csv
-    from propmap.simulate.trim import trim
+    from propmap.engine.compilation import keep_compiled
+    from propmap.flight.expectation import expectation
+    from propmap.flight.log_file import log_csv
+    from propmap.flight.trim import trim
 
     keep_compiled()
     # Another stream than that of the sensors.
@@ -139,7 +139,7 @@ def simulate_flight(
 def _expected(console: Console, expected: Expectation, flights: int) -> None:
     from rich.table import Table
 
-    from propmap.identify.parameters import EVERY
+    from propmap.fit.parameters import EVERY
 
     found = expected.uncertainty
     table = Table(
@@ -160,7 +160,7 @@ def _expected(console: Console, expected: Expectation, flights: int) -> None:
 
 def _how_to_read(read: VehicleFile, name: str) -> None:
     """Say how the log is read back, unless the vehicle file already does."""
-    from propmap.simulate.log_file import log_map, log_table
+    from propmap.flight.log_file import log_map, log_table
 
     rotors = len(read.vehicle.mounts)
     if replace(log_map(rotors), file=read.log.file) == read.log:

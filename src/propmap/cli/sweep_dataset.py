@@ -10,12 +10,12 @@ import numpy as np
 import xarray
 
 import propmap
-from propmap.fingerprint import propeller_sha256
+from propmap.model.fingerprint import propeller_sha256
 from propmap.rotor import STATUSES, Loads
 
 if TYPE_CHECKING:
     from propmap.cli.operating_points import Floats
-    from propmap.fingerprint import propeller_sha256
+    from propmap.model.fingerprint import propeller_sha256
 from propmap.rotor import Rotor
 
 AXES = {

@@ -17,7 +17,7 @@ from propmap.cli.table_report import building, draw_certificate
 from propmap.errors import InputError, quoted
 
 if TYPE_CHECKING:
-    from propmap.section_covariance import SectionCovariance
+    from propmap.model.section_covariance import SectionCovariance
     from propmap.table import LoadTable
 
 
@@ -103,8 +103,8 @@ def _save(built: LoadTable, output: Path, command: str) -> None:
 
 def _covariance(section: str) -> SectionCovariance | None:
     """The covariance in a fit's file; section : what ``--airfoil`` was given."""
-    from propmap.airfoil import airfoil_names
-    from propmap.identify.result_file import is_fit, read_fit
+    from propmap.fit.result_file import is_fit, read_fit
+    from propmap.model.airfoil import airfoil_names
 
     path = Path(section)
     if section.lower() in airfoil_names() or not is_fit(path):

@@ -7,14 +7,14 @@ from pathlib import Path
 
 import numpy as np
 
-from propmap.air import Air
 from propmap.catalogue.measurements import measurement, measurement_names
 from propmap.cli.operating_points import RPM
 from propmap.cli.points_file import LOAD_COLUMNS, read_points
 from propmap.errors import InputError, quoted
-from propmap.identify.tunnel import TunnelData, merged
-from propmap.propeller import Propeller
-from propmap.readers.uiuc_loads import looks_like_uiuc_loads, read_uiuc_loads
+from propmap.fit.tunnel import TunnelData, merged
+from propmap.io.uiuc_loads import looks_like_uiuc_loads, read_uiuc_loads
+from propmap.model.air import Air
+from propmap.model.propeller import Propeller
 
 LOADS = dict(zip(LOAD_COLUMNS, ("thrust", "drag", "torque", "roll_moment"), strict=True))
 """Names of loads by their column."""

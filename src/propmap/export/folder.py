@@ -7,8 +7,8 @@ from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from pathlib import Path
 
-from propmap.atomic_file import replacing
 from propmap.errors import InputError
+from propmap.io.atomic_file import replacing
 
 Files = Mapping[str, str | Callable[[Path], None]]
 """What to write: by name, a text or a function that writes to the path that it is given."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.flight_log import FlightLog
+from propmap.vehicle.flight_log import FlightLog
 
 MOVING = 1.0
 """[m/s] above which a vehicle is certainly not on the ground."""

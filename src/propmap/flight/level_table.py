@@ -10,11 +10,11 @@ import numpy as np
 
 from propmap.errors import InputError
 from propmap.flight.leaning import in_leaning_frame
-from propmap.flight_log import FlightLog
-from propmap.readers.blade_table import parse_number
-from propmap.readers.log_map import RPM
-from propmap.readers.text_file import read_lines
-from propmap.vehicle import Vehicle
+from propmap.io.blade_table import parse_number
+from propmap.io.text_file import read_lines
+from propmap.vehicle.flight_log import FlightLog
+from propmap.vehicle.log_map import RPM
+from propmap.vehicle.vehicle import Vehicle
 
 REQUIRED = ("speed_mps", "pitch_deg")
 OPTIONAL = ("roll_deg", "climb_mps", "yaw_rate_dps")

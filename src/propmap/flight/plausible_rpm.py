@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from propmap.baselines.hover import HoverModel
 from propmap.errors import InputError
 from propmap.flight.airborne import airborne
-from propmap.flight_log import GRAVITY, FlightLog
-from propmap.hover import HoverModel
-from propmap.readers.log_map import RPM
-from propmap.vehicle import Vehicle
+from propmap.vehicle.flight_log import GRAVITY, FlightLog
+from propmap.vehicle.log_map import RPM
+from propmap.vehicle.vehicle import Vehicle
 
 if TYPE_CHECKING:
     from propmap.rotor import Rotor

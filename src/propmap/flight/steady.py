@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from propmap.errors import InputError
 from propmap.flight.airborne import airborne
-from propmap.flight_log import FlightLog, Floats
-from propmap.readers.flight_log.resampling import LONGEST_GAP
+from propmap.vehicle.flight_log import FlightLog, Floats
+from propmap.vehicle.logs.resampling import LONGEST_GAP
 
 SMOOTHING = 0.25
 """[s] over which signals are averaged before their range is taken: noise is not a change."""

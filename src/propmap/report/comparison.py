@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.hover import HoverModel
+from propmap.baselines.hover import HoverModel
 
 if TYPE_CHECKING:
     from propmap.catalogue.measurements import Measurement

@@ -13,8 +13,8 @@ from propmap.errors import InputError
 from propmap.report.style import COLOURS, style
 
 if TYPE_CHECKING:
-    from propmap.airfoil import Airfoil
-    from propmap.disk import Inflow
+    from propmap.engine.disk_field import Inflow
+    from propmap.model.airfoil import Airfoil
     from propmap.rotor import Rotor
 
 Floats = NDArray[np.float64]

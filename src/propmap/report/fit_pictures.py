@@ -10,21 +10,21 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
+from propmap.baselines.hover import HoverModel
 from propmap.errors import InputError
-from propmap.flight_log import GRAVITY, FlightLog
-from propmap.hover import HoverModel
-from propmap.hub_flow import hub_flow, rotor_forces
 from propmap.report.style import COLOURS, HOVER, MEASURED, MODEL, new_figure, style
+from propmap.vehicle.flight_log import GRAVITY, FlightLog
+from propmap.vehicle.hub_flow import hub_flow, rotor_forces
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from matplotlib.axes import Axes
 
-    from propmap.airfoil import Airfoil
-    from propmap.identify.tunnel import TunnelData
+    from propmap.fit.tunnel import TunnelData
+    from propmap.model.airfoil import Airfoil
     from propmap.rotor import Rotor
-    from propmap.vehicle import Vehicle
+    from propmap.vehicle.vehicle import Vehicle
 
 Floats = NDArray[np.float64]
 
@@ -101,8 +101,8 @@ class _Curves:
     def __init__(
         self, vehicle: Vehicle, points: FlightLog, airfoil: Airfoil, accuracy: str
     ) -> None:
-        from propmap.identify.body_forces import body_force
-        from propmap.identify.parameters import EVERY
+        from propmap.fit.body_forces import body_force
+        from propmap.fit.parameters import EVERY
         from propmap.rotor import Rotor
 
         rotor = Rotor(vehicle.propeller, airfoil, vehicle.air, accuracy=accuracy)

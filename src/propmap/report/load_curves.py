@@ -11,8 +11,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
+from propmap.baselines.hover import HoverModel
 from propmap.errors import InputError
-from propmap.hover import HoverModel
 from propmap.report.style import COLOURS, HOVER, MARKERS, MEASURED, MODEL, new_figure, style
 
 if TYPE_CHECKING:

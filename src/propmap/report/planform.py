@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from propmap.report.style import COLOURS, new_figure, style
 
 if TYPE_CHECKING:
-    from propmap.propeller import Propeller
+    from propmap.model.propeller import Propeller
 
 WIDTH = 7.2
 """Of the picture [inches]."""

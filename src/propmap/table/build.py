@@ -10,7 +10,7 @@ import numpy as np
 
 import propmap
 from propmap.errors import InputError
-from propmap.fingerprint import airfoil_sha256, propeller_sha256
+from propmap.model.fingerprint import airfoil_sha256, propeller_sha256
 from propmap.table.axis import Floats
 from propmap.table.certificate import POINTS, certify, unresolved_share
 from propmap.table.content import LOADS, UNRESOLVED, VORTEX_RING, TableContent
@@ -20,8 +20,8 @@ from propmap.table.query import LoadTable
 from propmap.table.refine import CELL_SHARE, Refined, refine, starting_axes
 
 if TYPE_CHECKING:
+    from propmap.model.section_covariance import SectionCovariance
     from propmap.rotor import Rotor
-    from propmap.section_covariance import SectionCovariance
 
 Range = tuple[float, float]
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import xarray
 
-from propmap.netcdf_file import write_dataset
+from propmap.io.netcdf_file import write_dataset
 from propmap.table.content import LOADS
 
 if TYPE_CHECKING:

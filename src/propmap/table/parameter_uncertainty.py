@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.evaluation import prepare
-from propmap.load_gradients import load_gradients
-from propmap.schedule import accuracy
+from propmap.engine.evaluation import prepare
+from propmap.engine.gradients import load_gradients
+from propmap.engine.plan import accuracy
 from propmap.table.certificate import by_load, quasi_random, static_loads
 
 if TYPE_CHECKING:
+    from propmap.model.section_covariance import SectionCovariance
     from propmap.rotor import Rotor
-    from propmap.section_covariance import SectionCovariance
     from propmap.table.model import Model
     from propmap.table.query import LoadTable
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from propmap.errors import InputError
-from propmap.fingerprint import propeller_sha256
+from propmap.model.fingerprint import propeller_sha256
 from propmap.table.arguments import broadcast, fold, split_velocity
 from propmap.table.content import TableContent
 from propmap.table.gradient import Gradient, polar_gradient, velocity_gradient
@@ -18,7 +18,7 @@ from propmap.table.lookup import CLAMPED, NO_VALUE, OUTSIDE, STATUSES, Lookup
 from propmap.table.table_file import read_table, write_table
 
 if TYPE_CHECKING:
-    from propmap.propeller import Propeller
+    from propmap.model.propeller import Propeller
     from propmap.table.inverse import Inverse
 
 Floats = NDArray[np.float64]

@@ -12,8 +12,8 @@ from typing import Any, BinaryIO
 
 import numpy as np
 
-from propmap.atomic_file import replacing
 from propmap.errors import InputError, quoted
+from propmap.io.atomic_file import replacing
 from propmap.table.certificate import Certificate
 from propmap.table.content import LOADS, TableContent
 

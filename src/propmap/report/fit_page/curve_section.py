@@ -11,8 +11,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from propmap.identify.fit_record import FitRecord
-from propmap.identify.tunnel import TunnelData
+from propmap.fit.fit_record import FitRecord
+from propmap.fit.tunnel import TunnelData
 from propmap.report.fit_page.curves import RPM, Curve, Curves
 from propmap.report.fit_page.parameter_draws import held
 from propmap.report.load_curves import PANELS
@@ -20,7 +20,7 @@ from propmap.report.page import Section, Text
 from propmap.report.part import Part, files_of, picture
 from propmap.report.sheet import csv_of_rows
 from propmap.report.style import COLOURS, HOVER, MEASURED, MODEL, new_figure, style
-from propmap.theory.load_slopes import LOADS
+from propmap.solve.load_slopes import LOADS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -8,15 +8,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.evaluation import prepare
-from propmap.hover import HoverModel
-from propmap.identify.fit_record import Covered, FitRecord
-from propmap.identify.result_file import FitFile
-from propmap.load_gradients import load_gradients
+from propmap.baselines.hover import HoverModel
+from propmap.engine.evaluation import prepare
+from propmap.engine.gradients import load_gradients
+from propmap.engine.plan import accuracy
+from propmap.fit.fit_record import Covered, FitRecord
+from propmap.fit.result_file import FitFile
 from propmap.report.fit_page.parameter_draws import drawn_changes
 from propmap.rotor import Rotor
-from propmap.schedule import accuracy
-from propmap.theory.load_slopes import LOADS
+from propmap.solve.load_slopes import LOADS
 
 Floats = NDArray[np.float64]
 

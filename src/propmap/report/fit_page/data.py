@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.figure import Figure
 
-from propmap.identify.fit_record import Covered, FitRecord
+from propmap.fit.fit_record import Covered, FitRecord
 from propmap.report.page import Section, Table, Text, number
 from propmap.report.part import Part, files_of, picture
 from propmap.report.sheet import csv_of_rows

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from matplotlib.figure import Figure
 
-from propmap.identify.fit_record import FitRecord
+from propmap.fit.fit_record import FitRecord
 from propmap.report.fit_page.judgement import NAMES, Judged, judged, shown_band
 from propmap.report.page import Section, Table, number
 from propmap.report.part import Part, files_of, picture

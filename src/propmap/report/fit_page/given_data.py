@@ -8,13 +8,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from propmap.flight_log import GRAVITY, FlightLog
-from propmap.hover import HoverModel
-from propmap.identify.comparison import Comparison, level_forces
-from propmap.identify.fit_record import FitRecord
-from propmap.identify.hover_baseline import hover_loads
-from propmap.identify.result_file import FitFile
-from propmap.identify.tunnel import TunnelData
+from propmap.baselines.hover import HoverModel
+from propmap.fit.comparison import Comparison, level_forces
+from propmap.fit.fit_record import FitRecord
+from propmap.fit.hover_baseline import hover_loads
+from propmap.fit.result_file import FitFile
+from propmap.fit.tunnel import TunnelData
 from propmap.report.fit_page.curves import RPM
 from propmap.report.fit_page.errors import BandErrors, band_csv, band_figure, band_table
 from propmap.report.fit_page.judgement import NAMES, WORDS, level_of, worst_of
@@ -23,7 +22,8 @@ from propmap.report.page import Section, Text, Verdict, percent
 from propmap.report.part import Part, files_of, picture
 from propmap.report.sheet import csv_of_rows
 from propmap.rotor import Rotor
-from propmap.vehicle import Vehicle
+from propmap.vehicle.flight_log import GRAVITY, FlightLog
+from propmap.vehicle.vehicle import Vehicle
 
 WITHOUT_UNIT = ("_Nm", "_N")
 LOAD_UNITS = {"thrust": "N", "drag": "N", "torque": "Nm", "roll_moment": "Nm"}

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from propmap.identify.fit_record import FitErrors, FitRecord, FittedLoad
+from propmap.fit.fit_record import FitErrors, FitRecord, FittedLoad
 from propmap.report.page import Points, Table, Verdict, number, percent
 
 GOOD, CARE = 0.05, 0.15

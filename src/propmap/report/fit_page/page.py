@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import propmap
-from propmap.identify.fit_record import FitRecord, read_record
-from propmap.identify.result_file import FitFile
+from propmap.fit.fit_record import FitRecord, read_record
+from propmap.fit.result_file import FitFile
 from propmap.report.fit_page.curve_section import curve_section
 from propmap.report.fit_page.curves import load_curves
 from propmap.report.fit_page.data import data_section

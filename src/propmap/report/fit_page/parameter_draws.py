@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.identify.fit_record import FitRecord, FreeParameter
-from propmap.identify.parameters import SECTION
+from propmap.fit.fit_record import FitRecord, FreeParameter
+from propmap.fit.parameters import SECTION
 
 Floats = NDArray[np.float64]
 

@@ -7,8 +7,8 @@ import itertools
 import numpy as np
 from matplotlib.figure import Figure
 
-from propmap.identify.fit_record import FitRecord, FreeParameter
-from propmap.identify.parameters import EVERY
+from propmap.fit.fit_record import FitRecord, FreeParameter
+from propmap.fit.parameters import EVERY
 from propmap.report.page import MINUS, Section, Table, Text, number
 from propmap.report.part import Part, files_of, picture
 from propmap.report.sheet import csv_of_rows

@@ -1,0 +1,1 @@
+"""Simpler models of a propeller, to compare with."""

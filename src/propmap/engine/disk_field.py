@@ -1,0 +1,90 @@
+"""The inflow and the angle of attack over the disk at one operating point."""
+
+from __future__ import annotations
+
+import contextlib
+import functools
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import jax
+import numpy as np
+from numpy.typing import NDArray
+
+from propmap.arrays.namespace import by_numpy
+from propmap.physics.velocities import azimuth_nodes
+from propmap.solve.disk_field import DiskField, disk_field
+
+if TYPE_CHECKING:
+    from propmap.engine.evaluation import Theory
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Inflow:
+    """Fields over the disk; S stations and P azimuths.
+
+    radius (S,) [m]; azimuth psi (P,) [rad], pi/2 on the advancing side, 0 at the side away
+    from which the hub moves (downstream).
+    inflow : v_i(y) (S,) [m/s], positive against the thrust; the same at every azimuth.
+    thrust_per_radius, drag_per_radius [N/m], torque_per_radius [N] : azimuth means (S,).
+    alpha : geometric angle of attack (S, P) [rad], in (-pi, pi].
+    u_tangential, u_normal : the section velocities (1) and (2), (S, P) [m/s].
+    stalled : where alpha is further than alpha_0 from zero lift; reverse : where the air
+    meets the section from behind; both (S, P).
+    """
+
+    radius: Floats
+    azimuth: Floats
+    inflow: Floats
+    thrust_per_radius: Floats
+    drag_per_radius: Floats
+    torque_per_radius: Floats
+    alpha: Floats
+    u_tangential: Floats
+    u_normal: Floats
+    stalled: NDArray[np.bool_]
+    reverse: NDArray[np.bool_]
+
+
+def look_at_disk(
+    theory: Theory,
+    flow: tuple[float, float, float, float],
+    radius: Floats,
+    azimuth: Floats,
+    *,
+    compiled: bool,
+) -> Inflow:
+    """Solve one operating point for its fields.
+
+    flow : omega [rad/s], v_axial, v_inplane, v_hover [m/s]; radius (S,) [m]; azimuth (P,) [rad].
+    compiled : as for ``Rotor``.
+    """
+    nodes = azimuth_nodes(1 if flow[2] == 0.0 else 128)
+    arrays = tuple(np.array([value]) for value in flow)
+    with jax.enable_x64(True), contextlib.nullcontext() if compiled else by_numpy():
+        solve: Callable[..., DiskField] = _program() if compiled else disk_field
+        found = solve(*theory, arrays, radius, np.sin(azimuth), nodes)
+        fields = jax.tree.map(np.asarray, found)
+    section = theory[1]
+    lift_angle = (fields.alpha - section.zero_lift_angle + np.pi) % (2.0 * np.pi) - np.pi
+    return Inflow(
+        radius=radius,
+        azimuth=azimuth,
+        inflow=fields.inflow,
+        thrust_per_radius=fields.per_radius.thrust,
+        drag_per_radius=fields.per_radius.drag,
+        torque_per_radius=fields.per_radius.torque,
+        alpha=(fields.alpha + np.pi) % (2.0 * np.pi) - np.pi,
+        u_tangential=fields.u_t,
+        u_normal=fields.u_p,
+        stalled=np.abs(lift_angle) > float(section.alpha_0),
+        reverse=fields.u_t < 0.0,
+    )
+
+
+@functools.cache
+def _program() -> Callable[..., DiskField]:
+    return jax.jit(disk_field)

@@ -1,0 +1,203 @@
+"""Loads with their derivatives by section parameters and flow, for batches."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from propmap.arrays.namespace import TOGETHER
+from propmap.engine.batch import BLOCK, Block, nodes_of_each
+from propmap.engine.evaluation import FEW, Prepared, evaluate_flow, nodes_of
+from propmap.engine.lanes import in_groups, in_lanes, serve
+from propmap.engine.plan import Accuracy, Floats, alike_panels
+from propmap.engine.programs import COMPILER_OPTIONS, Flow, compiled_search
+from propmap.physics.momentum import static_inflow
+from propmap.physics.parameters import Blade, Medium, Section
+from propmap.physics.velocities import AzimuthNodes
+from propmap.solve.disk import DiskSolution
+from propmap.solve.load_slopes import LOADS, Directions, directions_of, load_slopes
+from propmap.solve.rotor_loads import case_of
+
+FIT_BLOCK = 8
+"""Operating points per call where there are few: one vector's worth, which takes a third less to
+compile than 32."""
+
+DIRECTIONS = 4
+"""Programs are compiled for multiples of so many parameters; directions without one go along
+idle, so that other parameters seldom need another program."""
+
+
+class LoadGradients(NamedTuple):
+    """Loads (4, N) in the order of ``LOADS`` [N], [N], [N m], [N m], NaN where not found, and
+    their derivatives (4, P, N) per unit of each parameter."""
+
+    loads: Floats
+    slopes: Floats
+
+
+def load_gradients(
+    rotor: Prepared,
+    setting: Accuracy,
+    names: tuple[str, ...],
+    omega: Floats,
+    v_axial: Floats,
+    v_inplane: Floats,
+) -> LoadGradients:
+    """Loads at N operating points and their derivatives by P of ``load_slopes.MOVING``.
+
+    names : the parameters.  omega [rad/s], velocities [m/s] : (N,), v_inplane >= 0.
+    The derivatives are taken where the inflow was found, by the implicit function theorem: nothing
+    is searched for again.  Below ``FEW`` points all get the same nodes, see ``schedule.plan``, so
+    that the loads differ from ``evaluation.evaluate``'s within the accuracy asked for.
+    """
+    down = v_axial < 0.0
+    if not down.any():
+        return _gradients(rotor, setting, names, Flow(omega, v_axial, v_inplane, None), None)
+    v_hover, v_hover_slope = np.zeros_like(omega), np.zeros((_count(names), omega.size))
+    rates, where = np.unique(omega[down], return_inverse=True)
+    still, no = np.zeros_like(rates), np.zeros((_count(names), rates.size))
+    static = _gradients(rotor, setting, names, Flow(rates, still, still, still), no)
+    v, slope = _static_inflow(rotor, static)
+    v_hover[down] = v[where]
+    v_hover_slope[: len(names), down] = slope[:, where]
+    flow = Flow(omega, v_axial, v_inplane, v_hover)
+    return _gradients(rotor, setting, names, flow, v_hover_slope)
+
+
+@functools.cache
+def _directions(names: tuple[str, ...], count: int) -> Directions:
+    """Where programs run, once and not in each of a fit's evaluations."""
+    with jax.enable_x64(True):
+        return jax.device_put(directions_of(names, count))
+
+
+def _count(names: tuple[str, ...]) -> int:
+    """Of the directions, idle ones included."""
+    return DIRECTIONS * max(1, -(-len(names) // DIRECTIONS))
+
+
+def _gradients(
+    rotor: Prepared,
+    setting: Accuracy,
+    names: tuple[str, ...],
+    flow: Flow,
+    v_hover_slope: Floats | None,
+) -> LoadGradients:
+    """The same where the static inflow and its derivatives (D, N), idle ones too, are known."""
+    count, points = _count(names), flow.omega.size
+    few = points < FEW
+    slopes = np.full((len(LOADS), len(names), points), np.nan)
+    ways = _directions(names, count)
+
+    def differentiate(block: Block, solution: DiskSolution) -> None:
+        program, solution = _program(block.panels), jax.tree.map(np.asarray, solution)
+        # Programs made of kernels are for few points, lest their derivatives leave the cache.
+        width = block.size if serve(block.panels) else min(BLOCK, block.size)
+        for start in range(0, block.points.size, width):
+            part = slice(start, start + width)
+            points, azimuths = block.points[part], block.azimuths[part]
+            piece = block._replace(points=points, azimuths=azimuths, size=width)
+            which, kept = piece.padded, piece.points
+            mine = jax.tree.map(functools.partial(_some, part), solution)
+            moving = None if v_hover_slope is None else v_hover_slope[:, which]
+            nodes = nodes_of(piece, few=few)
+            asked = (flow.part(which), mine, ways, moving, nodes, kept.size)
+            found = program(*rotor.on_device, *asked)
+            by_name = np.asarray(found)[: len(names)].transpose(1, 0, 2)
+            slopes[:, :, kept] = by_name[:, :, : kept.size]
+
+    size = FIT_BLOCK if few else None
+    if few:
+        _compile_both(rotor, setting, count, descends=flow.v_hover is not None)
+    flat = evaluate_flow(rotor, setting, flow, alike=few, size=size, solved=differentiate)
+    return LoadGradients(np.stack([getattr(flat, name) for name in LOADS]), slopes)
+
+
+def _some(points: slice, values: Any) -> Any:
+    return values[..., points]
+
+
+def _static_inflow(rotor: Prepared, static: LoadGradients) -> tuple[Floats, Floats]:
+    """v_h (N,) [m/s], eq. (12), and its derivatives (P, N)."""
+    thrust, slope = static.loads[0], static.slopes[0]
+    density, tip = rotor.theory[2].density, rotor.theory[0].station[-1]
+    with jax.enable_x64(True):
+        found: Any = jax.jvp(
+            lambda t: static_inflow(t, density, tip),
+            (jnp.asarray(thrust),),
+            (jnp.ones_like(thrust),),
+        )
+    v, per_thrust = (np.asarray(a) for a in found)
+    return v, per_thrust * slope
+
+
+_COMPILED: set[tuple[Accuracy, int, int, bool]] = set()
+
+
+def _compile_both(rotor: Prepared, setting: Accuracy, count: int, *, descends: bool) -> None:
+    """Compile the two programs of a few points side by side, which otherwise would follow each
+    other."""
+    key = (setting, rotor.theory[0].station.size, count, descends)
+    if key in _COMPILED:
+        return
+    _COMPILED.add(key)
+    panels, still = alike_panels(setting), np.zeros(FIT_BLOCK)
+    nodes = nodes_of_each(np.ones(FIT_BLOCK, int), setting.most_azimuths)
+    flow = Flow(still, still, still, still if descends else None)
+    moving = np.zeros((count, FIT_BLOCK)) if descends else None
+    search = compiled_search(panels, axial=False)
+    arguments = (*rotor.on_device, flow, nodes, FIT_BLOCK)
+
+    def run_search() -> None:
+        with jax.enable_x64(True):
+            search(*arguments)
+
+    with jax.enable_x64(True), ThreadPoolExecutor(1) as beside:
+        # The search first: XLA takes longest for it, in threads of its own, while Python goes on.
+        search.lower(*arguments)
+        searched = beside.submit(run_search)
+        _, shapes = search.eval_shape(*arguments)
+        solution = jax.tree.map(lambda a: np.zeros(a.shape, a.dtype), shapes)
+        here = (flow, solution, directions_of((), count), moving, nodes, FIT_BLOCK)
+        _program(panels)(*rotor.on_device, *here)
+        searched.result()
+
+
+@functools.cache
+def _program(panels: tuple[int, ...]) -> Callable[..., Any]:
+    """Derivatives (D, 4, B) along directions, where (11) is solved."""
+
+    def slopes(
+        blade: Blade,
+        section: Section,
+        medium: Medium,
+        flow: Any,
+        solution: DiskSolution,
+        directions: Directions,
+        v_hover_slopes: Any,
+        azimuth: AzimuthNodes,
+        used: Any,
+    ) -> Any:
+        same = isinstance(azimuth.count, int)
+
+        def few(shared: Any, each: Any) -> Any:
+            (props, law, air), ways = shared
+            here, found, moving, own = each
+            nodes = azimuth if same else own
+            case = case_of(props, law, air, *here)
+            return load_slopes(case, found, here.v_hover, panels, nodes, ways, moving)
+
+        shared = ((blade, section, medium), directions)
+        each = (flow, solution, v_hover_slopes, None if same else azimuth)
+        if in_groups(flow.omega.size, panels):
+            return in_lanes(few, shared, each, used, TOGETHER)
+        return few(shared, each)
+
+    options: Any = COMPILER_OPTIONS
+    return jax.jit(slopes, compiler_options=options)

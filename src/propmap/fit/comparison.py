@@ -1,0 +1,120 @@
+"""A parameter set against measurements, beside the hover model of the same rotor."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from propmap.baselines.hover import HoverModel
+from propmap.errors import InputError
+from propmap.fit.body_forces import body_force
+from propmap.fit.hover_baseline import hover_force, hover_loads
+from propmap.fit.parameters import EVERY
+from propmap.fit.residuals import Errors, by_band, errors
+from propmap.fit.tunnel import TunnelData
+from propmap.model.air import Air
+from propmap.model.airfoil import Airfoil
+from propmap.model.propeller import Propeller
+from propmap.rotor import Rotor
+from propmap.vehicle.flight_log import GRAVITY, FlightLog
+from propmap.vehicle.hub_flow import hub_flow, rotor_forces
+from propmap.vehicle.vehicle import Vehicle
+
+Floats = NDArray[np.float64]
+
+TUNNEL_NAMES = {
+    "thrust": "thrust_N",
+    "drag": "drag_N",
+    "torque": "torque_Nm",
+    "roll_moment": "roll_moment_Nm",
+}
+FORCE_NAMES = ("force_x_N", "force_y_N", "force_z_N")
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Errors of one load: over all rows and per band of speed."""
+
+    all: Errors
+    by_speed: Mapping[str, Errors]
+
+
+def compare_tunnel(
+    propeller: Propeller, air: Air, law: Airfoil, data: TunnelData
+) -> dict[str, Comparison]:
+    """Every measured load by its name with unit.
+
+    propeller, air : of the test.  law : the section law to judge.  data : what was measured.
+    The hover model beside it has neither drag nor rolling moment.
+    """
+    rotor = Rotor(propeller, law, air)
+    loads = rotor.loads(data.omega, data.speed, data.beta)
+    hovers = hover_loads(HoverModel.of(rotor), data.omega)
+    return {
+        TUNNEL_NAMES[name]: _compared(getattr(loads, name), measured, data.speed, hovers[name])
+        for name, measured in data.loads.items()
+    }
+
+
+def compare_flight(
+    vehicle: Vehicle, log: FlightLog, law: Airfoil, values: Mapping[str, float]
+) -> dict[str, Comparison]:
+    """Forces on the vehicle per axis of its frame, against mass times specific force.
+
+    law : the section law to judge.
+    values : of the body's and the wing's parameters, by name; first guesses otherwise.
+    Raises ``InputError`` where the log has no specific force.
+    """
+    measured = vehicle.mass * log.specific_force
+    if not np.isfinite(measured).any():
+        raise InputError("there is no specific force to compare with", "log it", log.source)
+    model, hover = _forces(vehicle, log, law, values)
+    return {
+        name: _compared(model[:, k], measured[:, k], log.speed, hover[:, k])
+        for k, name in enumerate(FORCE_NAMES)
+    }
+
+
+def compare_level(
+    vehicle: Vehicle, log: FlightLog, law: Airfoil, values: Mapping[str, float]
+) -> dict[str, Comparison]:
+    """The vertical force of steady level flights against the weight, eqs. (16)(17).
+
+    Arguments as in ``compare_flight``; no specific force is needed.
+    """
+    model, hover = level_forces(vehicle, log, law, values)
+    weight = np.full(len(log), vehicle.mass * GRAVITY)
+    return {"vertical_force_N": _compared(model, weight, log.speed, hover)}
+
+
+def level_forces(
+    vehicle: Vehicle, log: FlightLog, law: Airfoil, values: Mapping[str, float]
+) -> tuple[Floats, Floats]:
+    """Vertical forces [N] (n,) by this model and by the hover model.
+
+    Arguments as in ``compare_flight``.
+    """
+    model, hover = (np.sum(f * log.up, axis=1) for f in _forces(vehicle, log, law, values))
+    return model, hover
+
+
+def _forces(
+    vehicle: Vehicle, log: FlightLog, law: Airfoil, values: Mapping[str, float]
+) -> tuple[Floats, Floats]:
+    """All forces but gravity (n, 3) [N] by this model, and those of the hover model."""
+    rotor = Rotor(vehicle.propeller, law, vehicle.air)
+    flow = hub_flow(vehicle, log)
+    velocity = np.stack([flow.inplane, np.zeros_like(flow.inplane), flow.axial], axis=-1)
+    loads = rotor.loads_at_velocity(flow.omega, velocity)
+    whole = {name: p.start for name, p in EVERY.items()} | dict(values)
+    body, _ = body_force(vehicle, log, whole, ())
+    return rotor_forces(flow, loads.thrust, loads.drag) + body, hover_force(
+        HoverModel.of(rotor), flow
+    )
+
+
+def _compared(model: Floats, measured: Floats, speed: Floats, hover: Floats) -> Comparison:
+    return Comparison(errors(model, measured, hover), by_band(model, measured, speed, hover))

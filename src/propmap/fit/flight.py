@@ -1,0 +1,190 @@
+"""Force balances of a flying vehicle as rows to fit, eqs. (16) and (17) and past them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from propmap.engine.evaluation import Prepared, prepare
+from propmap.engine.gradients import load_gradients
+from propmap.engine.plan import accuracy
+from propmap.errors import InputError
+from propmap.fit.body_forces import body_force
+from propmap.fit.coverage import coverage
+from propmap.fit.hover_baseline import hover_after_fit, hover_force
+from propmap.fit.parameters import BODY, SECTION, WING, Choice
+from propmap.fit.rows import Rows
+from propmap.fit.tunnel import rotor_with
+from propmap.model.airfoil import Airfoil
+from propmap.solve.load_slopes import LOADS
+from propmap.vehicle.flight_log import GRAVITY, FlightLog
+from propmap.vehicle.hub_flow import hub_flow, rotor_forces
+from propmap.vehicle.vehicle import Vehicle
+
+Floats = NDArray[np.float64]
+
+
+AXES = ("force_x", "force_y", "force_z")
+
+
+@dataclass(frozen=True)
+class Balance:
+    """Aerodynamic force on the vehicle at n samples.
+
+    force : (n, 3) [N], in its frame, NaN where the loads were not found.
+    slopes : (P, n, 3), by the parameters asked for.
+    """
+
+    force: Floats
+    slopes: Floats
+
+
+class ForceModel:
+    """All forces but gravity on a vehicle, at the samples of a log.
+
+    base : section law that gives what no parameter of a fit does.
+    setting : accuracy of the loads, as in ``Rotor``.
+    Raises ``InputError`` where the log has not one rotor speed per rotor.
+    """
+
+    def __init__(
+        self, vehicle: Vehicle, log: FlightLog, base: Airfoil, setting: str = "standard"
+    ) -> None:
+        if log.rotor_speed.shape[1] != len(vehicle.mounts):
+            raise InputError(
+                f"{log.rotor_speed.shape[1]} rotor speeds for {len(vehicle.mounts)} rotors",
+                "give the vehicle file one [[rotors]] table per rotor of the log",
+                log.source,
+            )
+        self.vehicle, self.log, self.base, self.setting = vehicle, log, base, setting
+        self.flow = hub_flow(vehicle, log)
+        self._law = accuracy(setting)
+
+    def at(self, values: Mapping[str, float], free: tuple[str, ...]) -> Balance:
+        """Forces and their derivatives.
+
+        values : all parameters by name.  free : names of the P by which to differentiate.
+        """
+        section = tuple(name for name in free if name in SECTION)
+        flow, shape = self.flow, self.flow.omega.shape
+        vehicle = self.vehicle
+        rotor = rotor_with(vehicle.propeller, vehicle.air, self.base, values, self.setting)
+        prepared: Prepared = prepare(rotor.theory)
+        points = (flow.omega.ravel(), flow.axial.ravel(), flow.inplane.ravel())
+        found = load_gradients(prepared, self._law, section, *points)
+        loads = found.loads.reshape(len(LOADS), *shape)
+        slopes = found.slopes.reshape(len(LOADS), len(section), *shape)
+        force = rotor_forces(flow, loads[0], loads[1])
+        by_section = rotor_forces(flow, slopes[0], slopes[1])
+        body, by_body = body_force(vehicle, self.log, values, free)
+        slope = np.zeros((len(free), *force.shape))
+        for k, name in enumerate(free):
+            slope[k] = by_section[section.index(name)] if name in section else by_body[k]
+        return Balance(force + body, slope)
+
+    def coverage(self) -> dict[str, Any]:
+        """What ``coverage`` says of the flow at all rotors."""
+        flow = self.flow
+        speed, beta = np.hypot(flow.axial, flow.inplane), np.arctan2(flow.inplane, flow.axial)
+        radius = self.vehicle.propeller.radius
+        return coverage(flow.omega.ravel(), speed.ravel(), beta.ravel(), radius)
+
+
+def level_rows(model: ForceModel, choice: Choice) -> Rows:
+    """Eqs. (16)(17): in steady level flight the vertical forces sum up to m g; a row per flight.
+
+    With V horizontal, the vertical parts of a rotor's forces are T sin(beta) and D cos(beta);
+    here they come from the attitude, so that a trace of climb or of bank is no error.
+
+    model : of the vehicle, at its steady operating points.  choice : what is free.
+    Raises ``InputError`` for free parameters that do not act.
+    """
+    _acts(model, choice)
+    log = model.log
+    weight = model.vehicle.mass * GRAVITY
+    n = len(log)
+
+    def vertical(values: Mapping[str, float], free: tuple[str, ...]) -> tuple[Floats, Floats]:
+        balance = model.at(values, free)
+        along = np.sum(balance.force * log.up, axis=-1)
+        return along, np.sum(balance.slopes * log.up, axis=-1).T
+
+    return Rows(
+        names=("vertical_force",),
+        units=("N",),
+        measured=np.full(n, weight),
+        load=np.zeros(n, np.intp),
+        scale=np.full(n, weight),
+        speed=log.speed,
+        point=np.arange(n),
+        group=None,
+        model=vertical,
+        weight=np.ones(n),
+    )
+
+
+def balance_rows(model: ForceModel, choice: Choice, *, stretch: float = 1.0) -> Rows:
+    """m times the specific force against all forces but gravity, three rows per sample.
+
+    model : of the vehicle, at the samples of its log.  choice : what is free.
+    stretch : [s], within which errors are taken to be alike.
+    Raises ``InputError`` where the log has no specific force.
+    """
+    _acts(model, choice)
+    log = model.log
+    mass = model.vehicle.mass
+    measured = mass * log.specific_force
+    if not np.isfinite(measured).all():
+        raise InputError(
+            "there is no specific force (accelerometer) for all samples",
+            "add it to the log, or fit steady stretches with --method level",
+            log.source,
+        )
+    n = len(log)
+    sample, axis = np.divmod(np.arange(3 * n), 3)
+
+    def forces(values: Mapping[str, float], free: tuple[str, ...]) -> tuple[Floats, Floats]:
+        balance = model.at(values, free)
+        return balance.force.ravel(), balance.slopes.reshape(len(free), -1).T
+
+    return Rows(
+        names=AXES,
+        units=("N",) * 3,
+        measured=measured.ravel(),
+        load=axis,
+        scale=np.full(3 * n, mass * GRAVITY),
+        speed=log.speed[sample],
+        point=sample,
+        group=np.floor((log.time - log.time[0]) / stretch).astype(int)[sample],
+        model=forces,
+        weight=np.ones(3 * n),
+    )
+
+
+def hover_rows(model: ForceModel, values: Mapping[str, float], rows: Rows) -> Floats:
+    """What the hover model says of the rows; (M,).
+
+    model : what the rows were made of.  values : all parameters by name; they give the rotor
+    whose constants are taken.
+    """
+    vehicle = model.vehicle
+    rotor = rotor_with(vehicle.propeller, vehicle.air, model.base, values, model.setting)
+    force = hover_force(hover_after_fit(rotor), model.flow)
+    if rows.names == AXES:
+        return np.asarray(force.ravel())
+    return np.asarray(np.sum(force * model.log.up, axis=-1))
+
+
+def _acts(model: ForceModel, choice: Choice) -> None:
+    if model.vehicle.wing is None:
+        useless = [name for name in choice.free if name in WING]
+        if useless:
+            raise InputError(
+                f"{useless[0]} is free but the vehicle has no wing", "add a [wing] table"
+            )
+    if not any(name in SECTION or name in BODY or name in WING for name in choice.free):
+        raise InputError("no free parameter acts on the forces", "free some of the section's")

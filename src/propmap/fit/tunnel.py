@@ -1,0 +1,165 @@
+"""Loads measured on a bench or in a tunnel, as rows to fit."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from propmap.engine.evaluation import prepare
+from propmap.engine.gradients import load_gradients
+from propmap.engine.plan import accuracy
+from propmap.errors import InputError
+from propmap.fit.hover_baseline import hover_after_fit, hover_loads
+from propmap.fit.parameters import BODY, SECTION, WING, Choice
+from propmap.fit.rows import Rows
+from propmap.model.air import Air
+from propmap.model.airfoil import Airfoil
+from propmap.model.propeller import Propeller
+from propmap.rotor import Rotor
+from propmap.solve.load_slopes import LOADS
+
+Floats = NDArray[np.float64]
+
+UNITS = {"thrust": "N", "drag": "N", "torque": "N m", "roll_moment": "N m"}
+
+
+@dataclass(frozen=True, eq=False)
+class TunnelData:
+    """Loads of one propeller at n operating points.
+
+    source : for reports.  omega [rad/s], speed [m/s], beta [rad] : (n,).
+    loads : by name ("thrust", "drag" [N], "torque", "roll_moment" [N m]), (n,), NaN where not
+    measured.
+    """
+
+    source: str
+    omega: Floats
+    speed: Floats
+    beta: Floats
+    loads: Mapping[str, Floats] = field(default_factory=dict)
+
+    def __len__(self) -> int:
+        return int(self.omega.size)
+
+    @property
+    def folded_beta(self) -> Floats:
+        """beta brought to 0...pi [rad] (n,): beta and 2 pi - beta have the same loads."""
+        return np.abs(np.remainder(self.beta + np.pi, 2.0 * np.pi) - np.pi)
+
+
+def merged(parts: Sequence[TunnelData]) -> TunnelData:
+    """Several sets as one."""
+    names = [name for name in LOADS if any(name in part.loads for part in parts)]
+
+    def column(part: TunnelData, name: str) -> Floats:
+        return part.loads.get(name, np.full(len(part), np.nan))
+
+    loads = {n: np.concatenate([column(part, n) for part in parts]) for n in names}
+    flow = {a: np.concatenate([getattr(p, a) for p in parts]) for a in ("omega", "speed", "beta")}
+    return TunnelData(source=", ".join(p.source for p in parts), loads=loads, **flow)
+
+
+def rotor_with(
+    propeller: Propeller, air: Air, base: Airfoil, values: Mapping[str, float], setting: str
+) -> Rotor:
+    """A rotor with the section parameters among ``values``."""
+    law = base.with_parameters(**{name: values[name] for name in SECTION})
+    return Rotor(propeller, law, air, accuracy=setting)
+
+
+def tunnel_rows(
+    propeller: Propeller,
+    air: Air,
+    data: TunnelData,
+    choice: Choice,
+    *,
+    loads: Sequence[str] = (),
+    weights: Mapping[str, float] | None = None,
+    base: Airfoil | None = None,
+    setting: str = "standard",
+) -> Rows:
+    """Rows of the loads named, by default of all that were measured.
+
+    propeller, air : of the test.  data : what was measured.  choice : what is free.
+    loads : names of those to fit.  weights : by load, how often its residuals count, else once.
+    base : section law that gives what no parameter of a fit does, by default ``first_guess``.
+    setting : accuracy of the loads, as in ``Rotor``.
+
+    Residuals are compared as coefficients, relative to rho Omega^2 R^4 (R^5 for moments),
+    because that is how measurement errors scale over a sweep of rotational speed; each load by
+    the root mean square of its own measured coefficient, divided by its weight.
+    Raises ``InputError`` for a load that was not measured and a parameter that does not act.
+    """
+    useless = [n for n in choice.free if n in BODY or n in WING]
+    if useless:
+        raise InputError(f"{useless[0]} has no part in a tunnel test", "fit it from flight")
+    names = tuple(loads) or tuple(n for n in LOADS if n in data.loads)
+    for name in names:
+        if name not in LOADS:
+            raise InputError(f"{name!r} is not a load", f"choose from {', '.join(LOADS)}")
+        if name not in data.loads or not np.isfinite(data.loads[name]).any():
+            raise InputError(
+                f"{data.source} has no {name}", f"fit {', '.join(data.loads) or 'other data'}"
+            )
+        if names.count(name) > 1:
+            raise InputError(f"{name} is named twice", "name it once, or give it a weight")
+    for name, weight in (weights or {}).items():
+        if name not in names:
+            raise InputError(f"{name!r} has a weight but is not fitted", f"fit {', '.join(names)}")
+        if not 0.0 < weight < np.inf:
+            raise InputError(f"the weight of {name} is {weight:g}", "give a number above 0")
+    if "drag_factor" in choice.free and "drag" not in names:
+        raise InputError("drag_factor is free but drag is not fitted", "add drag to the loads")
+    base = base or first_guess()
+    law = accuracy(setting)
+    axial, inplane = data.speed * np.cos(data.beta), data.speed * np.abs(np.sin(data.beta))
+    inplane = np.where(inplane < 1e-12 * np.maximum(data.speed, 1.0), 0.0, inplane)
+    measured = np.array([data.loads[name] for name in names])
+    load, point = np.nonzero(np.isfinite(measured))
+    size = air.density * data.omega**2 * propeller.radius**4
+    moment = np.array([UNITS[name] == "N m" for name in names])
+    dimension = np.where(moment[:, None], propeller.radius, 1.0) * np.maximum(size, 1e-12)
+    coefficient = measured / dimension
+    typical = np.sqrt(np.nanmean(coefficient**2, axis=1))
+    typical = typical / np.array([(weights or {}).get(name, 1.0) for name in names])
+    rows_of = [LOADS.index(name) for name in names]
+
+    def model(values: Mapping[str, float], free: tuple[str, ...]) -> tuple[Floats, Floats]:
+        rotor = rotor_with(propeller, air, base, values, setting)
+        prepared = prepare(rotor.theory)
+        found = load_gradients(prepared, law, free, data.omega, axial, inplane)
+        value, slope = found.loads[rows_of], found.slopes[rows_of].transpose(0, 2, 1)
+        return value[load, point], slope[load, point]
+
+    return Rows(
+        names=names,
+        units=tuple(UNITS[name] for name in names),
+        measured=measured[load, point],
+        load=load,
+        scale=(typical[:, None] * dimension)[load, point],
+        speed=data.speed[point],
+        point=point,
+        group=None,
+        model=model,
+        weight=np.ones(load.size),
+    )
+
+
+def hover_rows(rotor: Rotor, data: TunnelData, rows: Rows) -> Floats:
+    """What the hover model with this rotor's constants says of the rows; (M,).
+
+    data : what the rows were made of.
+    """
+    loads = hover_loads(hover_after_fit(rotor), data.omega)
+    each = np.array([loads[name] for name in rows.names])
+    return np.asarray(each[rows.load, rows.point])
+
+
+def first_guess() -> Airfoil:
+    """The section law at x0 of (18)."""
+    start: dict[str, Any] = {name: parameter.start for name, parameter in SECTION.items()}
+    return Airfoil(**start)

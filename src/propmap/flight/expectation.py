@@ -1,0 +1,65 @@
+"""What a planned flight would tell of the parameters, before it is flown."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from propmap.errors import InputError
+from propmap.fit.flight import ForceModel, level_rows
+from propmap.fit.parameters import EVERY, PAPER_FOUR, Choice
+from propmap.fit.search import NOISE_FLOOR, Minimum
+from propmap.fit.uncertainty import AT_BOUND, Uncertainty, uncertainty
+from propmap.flight.trim import true_values
+from propmap.model.airfoil import Airfoil
+from propmap.vehicle.flight_log import FlightLog, Floats
+from propmap.vehicle.vehicle import Vehicle
+
+
+@dataclass(frozen=True)
+class Expectation:
+    """truth : (P,), the free parameters.  uncertainty : of a fit, intervals about the truth.
+    error : force error of a flight that was reckoned with, as a share of the weight."""
+
+    choice: Choice
+    truth: Floats
+    uncertainty: Uncertainty
+    error: float
+
+
+def expectation(
+    vehicle: Vehicle,
+    airfoil: Airfoil,
+    points: FlightLog,
+    *,
+    free: tuple[str, ...] = PAPER_FOUR,
+    error: float = 0.01,
+) -> Expectation:
+    """Gauss-Newton intervals at the truth for a fit of level flights, eq. (18).
+
+    points : of ``trim``.  free : parameters of the fit.  error : standard deviation of the
+    vertical force of a flight, as a share of the weight; at least the error of the loads
+    themselves is reckoned with.
+    """
+    truth = true_values(vehicle, airfoil)
+    known = [name for name in free if name in EVERY]
+    for name in known:
+        low, high = EVERY[name].lower, EVERY[name].upper
+        if not low <= truth[name] <= high:
+            raise InputError(
+                f"{name} is {truth[name]:g}, a fit looks from {low:g} to {high:g}",
+                "simulate another airfoil or leave it out of the free ones",
+            )
+    choice = Choice(free, start={name: truth[name] for name in known})
+    rows = level_rows(ForceModel(vehicle, points, airfoil), choice)
+    _, slopes = rows.model(truth, free)
+    x, error = choice.first, max(error, NOISE_FLOOR)
+    # Residuals that give this standard error again, once the fitted ones are discounted.
+    margin = AT_BOUND * choice.column("spread")
+    inside = np.minimum(x - choice.column("lower"), choice.column("upper") - x) >= margin
+    discount = max(len(rows.measured) - int(inside.sum()), 1) / len(rows.measured)
+    residual = np.full(len(rows.measured), error * math.sqrt(discount))
+    found = Minimum(x, residual, slopes / rows.scale[:, None], (), 0)
+    return Expectation(choice, x, uncertainty(rows, choice, found), error)

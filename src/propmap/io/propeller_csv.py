@@ -1,0 +1,175 @@
+"""Blade geometry as CSV with the unit in each column's name."""
+
+from __future__ import annotations
+
+import csv
+import os
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from propmap.errors import InputError, quoted
+from propmap.io.blade_table import (
+    INCH,
+    build_propeller,
+    check_fractions,
+    check_radius,
+    parse_blades,
+    parse_number,
+    usable_radius,
+)
+from propmap.io.text_file import read_lines
+from propmap.model.blade_check import Floats, twist_from_degrees
+from propmap.model.propeller import Propeller
+
+LENGTH_UNITS = {"m": 1.0, "mm": 1e-3, "in": INCH}
+STATION_COLUMNS = ("radius_m", "radius_mm", "radius_in", "r_over_R")
+CHORD_COLUMNS = ("chord_m", "chord_mm", "chord_in", "c_over_R")
+TWIST_COLUMNS = ("twist_deg", "twist_rad")
+QUANTITIES = {"station": STATION_COLUMNS, "chord": CHORD_COLUMNS, "twist": TWIST_COLUMNS}
+COMMENT_KEYS = ("name", "blades", "radius_m", "source", "citation")
+
+
+def read_propeller_csv(
+    path: str | os.PathLike[str], blades: int | None = None, radius: float | None = None
+) -> Propeller:
+    """A propeller from a CSV file with one row per station, from root to tip.
+
+    One column each of radius_m, radius_mm, radius_in or r_over_R; chord_m, chord_mm, chord_in
+    or c_over_R; twist_deg or twist_rad.  Lines that start with # are comments, in which
+    ``# blades: 3``, ``# radius_m: 0.1``, ``# name:``, ``# source:`` and ``# citation:`` count.
+    blades : replaces the file's; radius [m] : needed for r_over_R where the file gives none.
+    Raises ``InputError``.
+    """
+    where = os.fspath(path)
+    numbered = [(n, line) for n, line in enumerate(read_lines(path), 1) if line.strip()]
+    stated = _comments([line for _, line in numbered])
+    body = [(n, line) for n, line in numbered if not line.lstrip().startswith("#")]
+    if not body:
+        raise InputError("found comments only", _columns_remedy(), where)
+    header = _cells(body[0][1], f"{where}: line {body[0][0]}")
+    columns = _choose_columns(header, f"{where}: line {body[0][0]}")
+    labels, table = _rows(body[1:], header, columns, where)
+    if "radius_m" in stated:
+        place = f"{where}: # radius_m"
+        in_file = usable_radius(parse_number(stated["radius_m"], "the radius", place), place)
+        if radius is not None:
+            check_radius(in_file, radius, place)
+        radius = in_file
+    station, chord = _lengths(columns, table, radius, labels, where)
+    if radius is not None:
+        check_radius(float(station[-1]), radius, f"{where}: {labels[-1]}")
+    twist = table[:, 2]
+    if columns["twist"] == "twist_deg":
+        twist = twist_from_degrees(twist, f"{where}: twist_deg")
+    if blades is None and "blades" in stated:
+        blades = parse_blades(stated["blades"], f"{where}: # blades")
+    return build_propeller(
+        where,
+        labels,
+        stated.get("name", Path(where).stem),
+        blades,
+        station,
+        chord,
+        twist,
+        source=stated.get("source", f"file {Path(where).name}"),
+        citation=stated.get("citation", ""),
+    )
+
+
+def _cells(line: str, where: str) -> list[str]:
+    try:
+        return [cell.strip() for cell in next(csv.reader([line]), [])]
+    except csv.Error as error:
+        raise InputError(f"not CSV: {error}", "separate columns by commas", where) from None
+
+
+def _comments(lines: Sequence[str]) -> dict[str, str]:
+    """What the comments state, first statement first."""
+    stated: dict[str, str] = {}
+    for line in lines:
+        if not line.lstrip().startswith("#"):
+            continue
+        key, _, value = line.lstrip().removeprefix("#").partition(":")
+        if key.strip().lower() in COMMENT_KEYS and value.strip():
+            stated.setdefault(key.strip().lower(), value.strip())
+    return stated
+
+
+def _choose_columns(header: Sequence[str], where: str) -> dict[str, str]:
+    """Which column gives station, chord and twist."""
+    known = [name for names in QUANTITIES.values() for name in names]
+    for cell in header:
+        if cell not in known:
+            separator = ";" in cell or "\t" in cell
+            raise InputError(
+                f"found column {quoted(cell)}, expected one of {', '.join(known)}",
+                "separate columns by commas" if separator else "rename, comment or remove it",
+                where,
+            )
+    chosen: dict[str, str] = {}
+    for quantity, names in QUANTITIES.items():
+        found = [cell for cell in header if cell in names]
+        if not found:
+            raise InputError(f"no column gives the {quantity}", f"add {_one_of(names)}", where)
+        if len(found) > 1:
+            raise InputError(
+                f"{' and '.join(found)} both give the {quantity}", "keep one of them", where
+            )
+        chosen[quantity] = found[0]
+    return chosen
+
+
+def _rows(
+    body: Sequence[tuple[int, str]], header: Sequence[str], columns: dict[str, str], where: str
+) -> tuple[list[str], Floats]:
+    """Labels of the rows, and station, chord, twist as written, shape (n, 3)."""
+    if not body:
+        raise InputError(
+            "found a header and no rows", "give one row per station of the blade", where
+        )
+    places = [(name, header.index(name)) for name in columns.values()]
+    rows: list[list[float]] = []
+    for number, line in body:
+        place = f"{where}: line {number}"
+        cells = _cells(line, place)
+        if len(cells) != len(header):
+            decimal = "use a decimal point, and " if len(cells) == 2 * len(header) else ""
+            raise InputError(
+                f"found {len(cells)} cells, expected {len(header)}",
+                f"{decimal}complete the row or remove it",
+                place,
+            )
+        rows.append([parse_number(cells[i], name, place) for name, i in places])
+    return [f"line {number}" for number, _ in body], np.array(rows, dtype=np.float64)
+
+
+def _lengths(
+    columns: dict[str, str],
+    table: Floats,
+    radius: float | None,
+    labels: Sequence[str],
+    where: str,
+) -> tuple[Floats, Floats]:
+    """Station and chord [m]."""
+    if columns["station"] == "r_over_R":
+        tip = usable_radius(radius, where)
+        check_fractions(table[:, 0], where, labels)
+        station = table[:, 0] * tip
+    else:
+        station = table[:, 0] * LENGTH_UNITS[columns["station"].removeprefix("radius_")]
+        tip = float(station[-1])
+    if columns["chord"] == "c_over_R":
+        # A figure too large for a float becomes inf, which the check of the blade reports.
+        with np.errstate(over="ignore"):
+            return station, table[:, 1] * tip
+    return station, table[:, 1] * LENGTH_UNITS[columns["chord"].removeprefix("chord_")]
+
+
+def _one_of(names: Sequence[str]) -> str:
+    return f"{', '.join(names[:-1])} or {names[-1]}"
+
+
+def _columns_remedy() -> str:
+    return "name the columns, for example radius_m,chord_m,twist_deg"

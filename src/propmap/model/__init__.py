@@ -1,0 +1,1 @@
+"""What is modelled: propeller, blade section, air."""

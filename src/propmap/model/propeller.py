@@ -1,0 +1,91 @@
+"""The geometry of a propeller: chord and twist along the blade."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from propmap.errors import InputError, quoted
+from propmap.model.blade_check import Floats, check_blade, check_blades, check_root_cutout
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Propeller:
+    """Chord and twist of a blade at its measured stations, and how many blades there are.
+
+    name : what the propeller is called.
+    blades : number of blades, 1 to 12.
+    station : shape (n,) [m], n >= 4, rising from the first measured section to the tip.
+    chord : shape (n,) [m]; twist : shape (n,) [rad], the chord line against the disk plane.
+    root_cutout : where the loaded part of the blade begins [m]; None is the first station.
+    source : where the figures are from and what was done to them; citation : whom to cite.
+    The arrays are kept as read-only float64 copies.  Raises ``InputError`` for a blade that
+    cannot be: see ``propmap.model.blade_check``.
+    """
+
+    name: str
+    blades: int
+    station: Floats
+    chord: Floats
+    twist: Floats
+    root_cutout: float | None = None
+    source: str = ""
+    citation: str = ""
+
+    def __post_init__(self) -> None:
+        for field in ("station", "chord", "twist"):
+            object.__setattr__(self, field, _frozen_array(getattr(self, field), field))
+        check_blade(self.station, self.chord, self.twist)
+        object.__setattr__(self, "blades", check_blades(self.blades))
+        if self.root_cutout is not None:
+            root = check_root_cutout(self.root_cutout, self.station)
+            object.__setattr__(self, "root_cutout", root)
+
+    @property
+    def radius(self) -> float:
+        """Tip radius [m], the last station."""
+        return float(self.station[-1])
+
+    @property
+    def diameter(self) -> float:
+        """Diameter [m]."""
+        return 2.0 * self.radius
+
+    @property
+    def root(self) -> float:
+        """Where the loaded part of the blade begins [m]."""
+        return float(self.station[0]) if self.root_cutout is None else self.root_cutout
+
+    def with_root_cutout(self, radius_m: float) -> Propeller:
+        """The same propeller, loaded from ``radius_m`` [m] outwards."""
+        return replace(self, root_cutout=radius_m)
+
+    def __eq__(self, other: object) -> bool:
+        return self._key() == other._key() if isinstance(other, Propeller) else NotImplemented
+
+    def __hash__(self) -> int:
+        return hash(self._key())
+
+    def __repr__(self) -> str:
+        return (
+            f"Propeller({self.name!r}, {self.blades} blades, diameter {self.diameter:.4g} m, "
+            f"{self.station.size} stations)"
+        )
+
+    def _key(self) -> tuple[object, ...]:
+        arrays = (self.station.tobytes(), self.chord.tobytes(), self.twist.tobytes())
+        return (self.name, self.blades, *arrays, self.root_cutout, self.source, self.citation)
+
+
+def _frozen_array(values: Any, field: str) -> Floats:
+    try:
+        array = np.array(values, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise InputError(
+            f"{field} is {quoted(values)}, expected a list of numbers",
+            f"give {field} as one number per station",
+        ) from None
+    array.flags.writeable = False
+    return array

@@ -1,0 +1,1 @@
+"""Publications computed again, one folder each."""

@@ -1,0 +1,72 @@
+"""What a map call and an identification cost on the machine at hand."""
+
+from __future__ import annotations
+
+import os
+import platform
+import statistics
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from propmap.fit.fitted import Fitted, fit
+from propmap.model.airfoil import airfoil
+from propmap.papers.gill_dandrea_2017.blades import TUNNEL_PROPELLER, blade
+from propmap.papers.gill_dandrea_2017.identified import Identified
+from propmap.papers.gill_dandrea_2017.level_circles import Twin
+from propmap.rotor import Rotor
+
+POINT = (6000.0 * np.pi / 30.0, 10.0, np.radians(60.0))
+"""[rad/s], [m/s], [rad] of the call that is timed."""
+
+REPEATS = 21
+BATCH = 256
+
+
+@dataclass(frozen=True)
+class Times:
+    """Seconds; they differ from run to run and from machine to machine.
+
+    one_point : a call for one operating point, median.  per_point : the same of a batch.
+    level, tunnel : identifications from 20 level flights and from the tunnel rows, compiled.
+    tunnel_first : the latter as it ran first, compilation and other work beside it included.
+    """
+
+    one_point: float
+    per_point: float
+    level: float
+    tunnel: float
+    tunnel_first: float
+    machine: str
+    cores: int
+
+
+def measured_times(twin: Twin, tunnel: Identified) -> Times:
+    """Time the calls and the identifications, which have run before and are compiled."""
+    rotor = Rotor(blade(TUNNEL_PROPELLER), airfoil("paper-apc"))
+    batch = [np.full(BATCH, value) for value in POINT]
+    return Times(
+        one_point=_median(lambda: rotor.loads(*POINT)),
+        per_point=_median(lambda: rotor.loads(*batch)) / BATCH,
+        level=_again(twin.fitted),
+        tunnel=_again(tunnel.fitted),
+        tunnel_first=tunnel.fitted.seconds,
+        machine=f"{platform.system()} {platform.machine()}, Python {platform.python_version()}",
+        cores=os.cpu_count() or 1,
+    )
+
+
+def _again(fitted: Fitted) -> float:
+    return fit(fitted.rows, fitted.choice, fitted.settings).seconds
+
+
+def _median(call: Callable[[], object]) -> float:
+    call()
+    seconds = []
+    for _ in range(REPEATS):
+        begin = time.perf_counter()
+        call()
+        seconds.append(time.perf_counter() - begin)
+    return statistics.median(seconds)

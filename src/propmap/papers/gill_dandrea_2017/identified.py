@@ -1,0 +1,65 @@
+"""Section parameters of the APC 8x6E, identified from the public tunnel data."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from propmap.catalogue.measurements import measurement
+from propmap.fit.fitted import Fitted, Settings, fit
+from propmap.fit.parameters import PAPER_FOUR, Choice
+from propmap.fit.tunnel import TunnelData, first_guess, rotor_with, tunnel_rows
+from propmap.model.air import Air
+from propmap.model.airfoil import Airfoil
+from propmap.papers.gill_dandrea_2017.blades import TUNNEL_PROPELLER, blade
+from propmap.solve.load_slopes import LOADS
+
+AXIAL, OBLIQUE = "uiuc-8x6e", "gill-dandrea-2019-8x6e-fit"
+FITTED_LOADS = ("thrust", "torque")
+"""Rotor drag is left out of every fit: it is the load in dispute."""
+
+FIVE = (*PAPER_FOUR, "zero_lift_angle")
+STARTS = 4
+
+
+@dataclass(frozen=True)
+class Identified:
+    """One identification: what it was fitted to, how it went, and the law that came out."""
+
+    label: str
+    data: str
+    fitted: Fitted
+    law: Airfoil
+
+
+@dataclass(frozen=True)
+class TunnelFits:
+    """axial_four : the paper's four parameters to the UIUC rows.  axial, oblique : with a
+    zero-lift angle, to the UIUC rows and to the published fit of 2019."""
+
+    axial_four: Identified
+    axial: Identified
+    oblique: Identified
+
+
+def tunnel_fits() -> TunnelFits:
+    """All three, to thrust and torque, from the paper's first guess and three random ones."""
+    return TunnelFits(
+        axial_four=_identify("four parameters, UIUC", AXIAL, PAPER_FOUR),
+        axial=_identify("with camber, UIUC", AXIAL, FIVE),
+        oblique=_identify("with camber, 2019 fit", OBLIQUE, FIVE),
+    )
+
+
+def tunnel_data(name: str) -> TunnelData:
+    """Measured loads of the catalogue, as a fit takes them."""
+    m = measurement(name)
+    loads = {load: getattr(m, load) for load in LOADS if getattr(m, load) is not None}
+    return TunnelData(m.name, m.omega, m.speed, m.beta, loads)
+
+
+def _identify(label: str, data: str, free: tuple[str, ...]) -> Identified:
+    shape, air, choice = blade(TUNNEL_PROPELLER), Air(), Choice(free)
+    rows = tunnel_rows(shape, air, tunnel_data(data), choice, loads=FITTED_LOADS)
+    fitted = fit(rows, choice, Settings(starts=STARTS, folds=0))
+    law = rotor_with(shape, air, first_guess(), fitted.values, "standard").airfoil
+    return Identified(label, data, fitted, law.with_parameters(name=label, source=data))

@@ -1,0 +1,67 @@
+"""Chord and twist between the measured stations."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from propmap.arrays.namespace import Array, xp
+from propmap.physics.parameters import Blade
+
+
+class StationShape(NamedTuple):
+    """Chord [m] and twist [rad] at some radii [m], all of one shape."""
+
+    radius: Array
+    chord: Array
+    twist: Array
+
+
+def make_blade(station: Any, chord: Any, twist: Any, blades: Any, root: Any) -> Blade:
+    """A ``Blade`` from its measured stations, with the curves between them.
+
+    station, chord : shape (n,) [m]; twist : shape (n,) [rad]; blades [-] and root [m] : scalars.
+    """
+    # One row per interval, so that a radius gathers once: on a CPU that is what costs.
+    h = xp.diff(station)
+    rows = [station[:-1], h]
+    for y in (chord, twist):
+        slope = pchip_slopes(station, y)
+        y0, y1, m0, m1 = y[:-1], y[1:], slope[:-1] * h, slope[1:] * h
+        rows += [y0, m0, 3.0 * (y1 - y0) - 2.0 * m0 - m1, 2.0 * (y0 - y1) + m0 + m1]
+    return Blade(station, chord, twist, xp.stack(rows, axis=1), blades, root)
+
+
+def pchip_slopes(x: Any, y: Any) -> Any:
+    """Derivatives at the knots of the monotone piecewise cubic through (x, y).
+
+    x : shape (n,), rising; y : shape (n,); n >= 3.  Returns shape (n,), in units of y/x.
+    Fritsch & Butland, SIAM J. Sci. Stat. Comput. 5(2), 1984, doi 10.1137/0905021, with the
+    three-point ends of SciPy's ``PchipInterpolator``, against which it is tested.  Written
+    here because chord and twist are differentiated, and the JAX interpolation packages and
+    SciPy each add more than half a second of imports.
+    """
+    h = xp.diff(x)
+    d = xp.diff(y) / h
+    w1, w2 = 2.0 * h[1:] + h[:-1], h[1:] + 2.0 * h[:-1]
+    same = d[:-1] * d[1:] > 0.0
+    left, right = xp.where(same, d[:-1], 1.0), xp.where(same, d[1:], 1.0)
+    inner = xp.where(same, (w1 + w2) / (w1 / left + w2 / right), 0.0)
+    first = _end_slope(h[0], h[1], d[0], d[1])
+    last = _end_slope(h[-1], h[-2], d[-1], d[-2])
+    return xp.concatenate([first[None], inner, last[None]])
+
+
+def _end_slope(h0: Any, h1: Any, d0: Any, d1: Any) -> Any:
+    slope = ((2.0 * h0 + h1) * d0 - h0 * d1) / (h0 + h1)
+    slope = xp.where(slope * d0 <= 0.0, 0.0, slope)
+    return xp.where((d0 * d1 < 0.0) & (xp.abs(slope) > 3.0 * xp.abs(d0)), 3.0 * d0, slope)
+
+
+def blade_shape(blade: Blade, radius: Array) -> StationShape:
+    """Chord [m] and twist [rad] by PCHIP at radius [m], any shape, inside the measured span."""
+    k = xp.sum(radius[..., None] >= blade.station[1:-1], axis=-1)
+    row = xp.moveaxis(xp.asarray(blade.cubics)[k], -1, 0)
+    t = (radius - row[0]) / row[1]
+    chord = row[2] + t * (row[3] + t * (row[4] + t * row[5]))
+    twist = row[6] + t * (row[7] + t * (row[8] + t * row[9]))
+    return StationShape(radius, chord, twist)

@@ -1,7 +1,0 @@
-"""Readers of propeller geometry, one file per format.
-
-Each is ``read_X(path, blades=None, radius=None) -> Propeller``.  ``blades`` replaces the number
-of blades in the file; ``radius`` [m] scales a file that gives fractions of it, and must agree
-with a file that has a radius of its own.  Whatever is wrong with the file, the readers raise
-``propmap.errors.InputError`` and nothing else.
-"""

@@ -1,1 +1,0 @@
-"""Flights that were not flown: twins for tests, and what a planned flight would tell."""

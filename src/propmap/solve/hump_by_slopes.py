@@ -1,0 +1,80 @@
+"""The hump of ``hump``, well enough that an attached stretch of any length is seen.
+
+Residual and slope at a few v_i make the slope a parabola between each two of them.  The hump's
+top is where, coming from above, the slope changes sign; where it does not, the shoulder is where
+the slope comes closest to it.  In the cusp between the two both are one point, so that the
+height has no step along the blade.
+"""
+
+from __future__ import annotations
+
+import functools
+
+from propmap.arrays.namespace import Array, along_first_axis, entry, of_each, xp
+from propmap.physics.velocities import AzimuthNodes, floored_norm
+from propmap.solve.hump import HUMP_ANGLES, Hump, angles_about, inflow_at_angle
+from propmap.solve.inflow import InflowQuestion, residual_slope
+
+CLOSER = (0.012, 0.003)
+"""Halves of the ranges [rad] about the best place so far that are looked at next."""
+
+Top = tuple[Array, Array, Array]
+"""v_i [m/s] and height [m^3/s^2] of a hump's top or shoulder, and whether it is a top; (S, B)."""
+
+
+def hump_by_slopes(ask: InflowQuestion, stall: Array, azimuth: AzimuthNodes) -> Hump:
+    """The residual's hump about the angle ``stall`` (B,); see ``stall_hump.hump_before_stall``."""
+
+    def sample(v: Array) -> tuple[Array, Array]:
+        known = xp.isfinite(v)
+        pair = residual_slope(ask, xp.where(known, v, 0.0), azimuth)
+        value, slope = (xp.where(known, a, xp.nan) for a in pair)
+        return value, slope
+
+    v = of_each(functools.partial(inflow_at_angle, ask), angles_about(stall, HUMP_ANGLES))
+    value, slope = of_each(sample, v)
+    at, height, top = _first_top(v, value, slope)
+    depth = xp.where((v < at) & xp.isfinite(value), value, xp.inf)
+    valley = xp.argmin(depth, axis=0)
+    speed = floored_norm(ask.at.omega * ask.at.radius, ask.at.v_inplane)
+
+    def closer(best: Top, half: Array) -> Top:
+        v = best[0] + half * speed * xp.asarray([1.0, 0.0, -1.0])[:, None, None]
+        return _first_top(v, *of_each(sample, v))
+
+    at, height, top = along_first_axis(closer, (at, height, top), xp.asarray(CLOSER))
+    folded = top & (height > 0.0) & (xp.min(depth, axis=0) < 0.0)
+    return Hump(
+        height,
+        xp.where(xp.isfinite(at), at, 0.0),
+        xp.asarray(HUMP_ANGLES, at.dtype)[valley],
+        folded,
+    )
+
+
+def _first_top(v: Array, value: Array, slope: Array) -> Top:
+    """v_i and height of the hump's top or else of the shoulder, and whether it is a top; (S, B).
+
+    v, value, slope : (K, S, B), with v falling.
+    """
+    run = v[:-1] - v[1:]
+    # Along t, from 0 at entry k to 1 at k + 1, the value climbs by a + (b + c t) t.
+    a, end = -slope[:-1] * run, -slope[1:] * run
+    climb = value[1:] - value[:-1]
+    c = 3.0 * (a + end - 2.0 * climb)
+    b = end - a - c
+    lowest = xp.clip(xp.where(c > 0.0, -0.5 * b / xp.where(c > 0.0, c, 1.0), 1.0), 0.0, 1.0)
+    lowest = xp.where((c <= 0.0) & (a < end), 0.0, lowest)
+    least = a + (b + c * lowest) * lowest
+    falls = (a > 0.0) & (least < 0.0)
+    some = xp.any(falls, axis=0)
+    # The zero between 0 and ``lowest``.
+    root = xp.sqrt(xp.maximum(b * b - 4.0 * a * c, 0.0))
+    zero = 2.0 * a / xp.where(root > b, root - b, xp.inf)
+    gentlest = xp.nan_to_num(least / run, nan=xp.inf)
+    k = xp.where(some, xp.argmax(falls, axis=0), xp.argmin(gentlest, axis=0))
+    t = xp.where(falls, xp.clip(zero, 0.0, 1.0), lowest)
+    height = value[:-1] + t * (a + t * (0.5 * b + t * c / 3.0))
+    at = v[:-1] - t * run
+    at, height = (entry(x, k) for x in (at, height))
+    return at, height, some

@@ -1,0 +1,165 @@
+"""Derivatives of the loads by section parameters and flow, where equation (11) is solved.
+
+The edges of the radial panels and the inflow at the nodes are both zeros of the residual g of
+(11), so that both move by the implicit function theorem.  All that they need of g, its partial
+derivatives by the parameters, the radius and the inflow, comes from one pass over the azimuth, and
+the loads' derivatives from a second.  Differentiating ``loads.disk_loads`` as it stands gives the
+same in five passes, which take twice as long to compile.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from propmap.arrays.namespace import Array
+from propmap.physics.parameters import Section
+from propmap.physics.velocities import AzimuthNodes
+from propmap.solve.disk import Case, DiskInflow, DiskSolution, edges_about, question
+from propmap.solve.inflow import residual
+from propmap.solve.quadrature import RadialNodes, panel_nodes
+from propmap.solve.rotor_loads import loads_over_disk
+
+LOADS = ("thrust", "drag", "torque", "roll_moment")
+"""The fields of ``loads.RotorLoads`` that are differentiated."""
+
+MOVING = (*Section._fields, "omega", "v_axial", "v_inplane")
+"""By what they can be."""
+
+
+Change = tuple[Array, ...]
+"""How far each of ``MOVING`` goes, or of these and more."""
+
+
+class Directions(NamedTuple):
+    """Along what derivatives are taken: one array for each of ``MOVING``, how far it goes along
+    each direction, in its own unit.  Not one table, whose columns take a kernel each to cut out.
+
+    loads : of D directions, (D,) each.
+    residual : the same, and after them that of the radius and that of the inflow, which nothing
+    else goes along with; (D + 2,) each, for ``MOVING``, the radius and the inflow.
+    """
+
+    loads: tuple[Array, ...]
+    residual: tuple[Array, ...]
+
+
+def directions_of(names: Sequence[str], count: int) -> Directions:
+    """``count`` directions: one for each of ``names``, which are of ``MOVING``, then idle ones."""
+    ways = np.zeros((count, len(MOVING)))
+    for row, name in enumerate(names):
+        ways[row, MOVING.index(name)] = 1.0
+    own = np.zeros((count + 2, len(MOVING) + 2))
+    own[:count, : len(MOVING)] = ways
+    own[count:, len(MOVING) :] = np.eye(2)
+    return Directions(tuple(ways.T.copy()), tuple(own.T.copy()))
+
+
+def load_slopes(
+    case: Case,
+    solution: DiskSolution,
+    v_hover: Array | None,
+    panels: tuple[int, ...],
+    azimuth: AzimuthNodes,
+    directions: Directions,
+    v_hover_slopes: Array | None,
+) -> Array:
+    """Derivatives (D, 4, B) of ``LOADS``, eqs. (13)-(15), along D directions.
+
+    In N for thrust and drag, in N m for torque and rolling moment, for each whole step along a
+    direction; by the implicit function theorem on (11).
+    case : the question, at B points.  solution : its answer by ``disk_inflow.solve_disk``.
+    panels, azimuth : radial nodes per panel and azimuth nodes, those that it was solved with.
+    v_hover : static inflow (12) (B,) [m/s], None where nothing descends.
+    directions : D of them.
+    v_hover_slopes (D, B) : how far ``v_hover`` goes along with it; or None.
+    """
+    inner = _inner_edges(case, solution)
+    own = inner.shape[0]
+    nodes = panel_nodes(edges_about(case.blade, inner), panels)
+    by_case, by_radius, by_inflow = _residual_slopes(
+        case, solution, nodes, azimuth, directions.residual
+    )
+
+    def follow(inner_slope: Array) -> RadialNodes:
+        def place(edges: Array) -> RadialNodes:
+            return panel_nodes(edges_about(case.blade, edges), panels)
+
+        change: RadialNodes = jax.jvp(place, (inner,), (inner_slope,))[1]
+        return change
+
+    def loads(change: Change, here: RadialNodes, inflow: Array, v_hover: Array | None) -> Array:
+        now = _moved(case, change)
+        disk = DiskInflow(here, question(now, here.radius), inflow)
+        found = loads_over_disk(now, disk, solution.several, v_hover, azimuth)
+        return jnp.stack([getattr(found, name) for name in LOADS])
+
+    def along(direction: Change, v_hover_slope: Array | None, by_case: Array) -> Array:
+        change = follow(_edge_slope(solution, by_case[:own], by_radius[:own]))
+        drift = by_case[own:] + by_radius[own:] * change.radius
+        fixed = by_inflow[own:] == 0.0
+        inflow_slope = jnp.where(fixed, 0.0, -drift / jnp.where(fixed, 1.0, by_inflow[own:]))
+        here = (len(MOVING) * (jnp.zeros(()),), nodes, solution.inflow, v_hover)
+        return jax.jvp(loads, here, (direction, change, inflow_slope, v_hover_slope))[1]
+
+    return jax.vmap(along)(directions.loads, v_hover_slopes, by_case)
+
+
+def _inner_edges(case: Case, solution: DiskSolution) -> Array:
+    """The panels' inner edges (E, B) [m] in the order of the folds; none of a single panel."""
+    root, tip = case.blade.root, case.blade.tip
+    if solution.fold is None or solution.spare is None:
+        return jnp.zeros((0, 1))
+    spare = root + (tip - root) * solution.spare
+    return jnp.where(solution.fold.found, solution.fold.radius, spare)
+
+
+def _edge_slope(solution: DiskSolution, by_case: Array, by_radius: Array) -> Array:
+    """How an edge moves along one direction, (E, B) or (0, 1).
+
+    At a fold the residual's slope by the inflow vanishes, so that it stays zero if the radius goes
+    by -(change of g)/(slope of g by the radius); see ``folds.follow``.
+    """
+    if solution.fold is None:
+        return jnp.zeros((0, 1))
+    moves = solution.fold.found & (by_radius != 0.0)
+    return jnp.where(moves, -by_case / jnp.where(moves, by_radius, 1.0), 0.0)
+
+
+def _moved(case: Case, change: Change) -> Case:
+    """The case with ``change`` added to what may move."""
+    *law, w, v_axial, v_inplane = change
+    return case._replace(
+        section=Section(*(a + b for a, b in zip(case.section, law, strict=True))),
+        omega=case.omega + w,
+        v_axial=case.v_axial + v_axial,
+        v_inplane=case.v_inplane + v_inplane,
+    )
+
+
+def _residual_slopes(
+    case: Case,
+    solution: DiskSolution,
+    nodes: RadialNodes,
+    azimuth: AzimuthNodes,
+    directions: Change,
+) -> tuple[Array, Array, Array]:
+    """Partial derivatives of the residual of (11) at the folds and, below them, at the nodes:
+    along the directions (D, E + S, B), by the radius and by the inflow (E + S, B)."""
+    radius, inflow = nodes.radius, solution.inflow
+    if solution.fold is not None:
+        radius = jnp.concatenate([solution.fold.radius, radius])
+        inflow = jnp.concatenate([solution.fold.inflow, inflow])
+
+    def at(change: Change) -> Array:
+        *moved, outwards, more_inflow = change
+        here = question(_moved(case, tuple(moved)), radius + outwards)
+        return residual(here, inflow + more_inflow, azimuth)
+
+    still = len(directions) * (jnp.zeros(()),)
+    slopes = jax.vmap(lambda way: jax.jvp(at, (still,), (way,))[1])(directions)
+    return slopes[:-2], slopes[-2], slopes[-1]

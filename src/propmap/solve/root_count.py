@@ -1,0 +1,44 @@
+"""Whether equation (11) has further roots below the largest, where stall is not followed."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from propmap.arrays.namespace import Array, along_first_axis, xp
+from propmap.physics.velocities import AzimuthNodes, azimuth_nodes
+from propmap.solve.hump import Angle, angles_about, inflow_at_angle, stall_side
+from propmap.solve.inflow import InflowQuestion, residual
+
+_PAST_STALL = np.array([0.0, 0.04, 0.1, 0.2])
+"""[rad] from the stall angle at which the residual is sampled."""
+
+EVERY = 3
+"""Every how many stations."""
+
+AZIMUTHS = 32
+"""Azimuth nodes over a full turn, at most.  With 24 of them, one fast point in five hundred is told
+to have several roots that has one; with 8, one in twenty."""
+
+
+def several_roots(solved: tuple[InflowQuestion, Array], azimuth: AzimuthNodes) -> Array:
+    """Whether (11) has more than one root at a station; bool (B,).
+
+    solved : equation (11) at the stations, and its largest root (S, B) [m/s].  Below it the
+    residual is positive, unless there are further roots, which come in pairs and arise past
+    stall: so a negative residual there tells of three.  It is sampled at four angles of every
+    third station, with no more azimuth nodes than it takes: a diagnosis, on which the largest
+    root does not depend.
+    """
+    some = azimuth if 2 * len(azimuth.sines) <= AZIMUTHS else azimuth_nodes(AZIMUTHS)
+    ask, root = solved[0].stations(slice(None, None, EVERY)), solved[1][::EVERY]
+    stall = stall_side(ask.stations(slice(-2, -1)), ask.at.section.alpha_0)
+    margin = 1e-4 * (ask.at.omega * ask.at.radius + ask.at.v_inplane)
+
+    def look(several: Array, angle: Angle) -> Array:
+        v = inflow_at_angle(ask, angle)
+        below = v < root - margin
+        return several | (below & (residual(ask, xp.where(below, v, 0.0), some) < 0.0))
+
+    none = xp.zeros(root.shape, bool)
+    several = along_first_axis(look, none, angles_about(stall, _PAST_STALL))
+    return xp.any(several, axis=0)

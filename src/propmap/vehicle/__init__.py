@@ -1,0 +1,1 @@
+"""A vehicle, its rotors, and logs of its flights."""

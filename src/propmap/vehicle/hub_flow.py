@@ -1,0 +1,50 @@
+"""The flow at each rotor of a moving vehicle, and the rotors' forces back on it."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from propmap.vehicle.flight_log import FlightLog
+from propmap.vehicle.vehicle import Vehicle
+
+Floats = NDArray[np.float64]
+
+
+class HubFlow(NamedTuple):
+    """Operating points of n samples of m rotors, in the vehicle's frame.
+
+    omega [rad/s], axial = V_i cos(beta_i), inplane = V_i sin(beta_i) >= 0 [m/s] : (n, m).
+    axis : (m, 3), along the thrust.  downstream : (n, m, 3), unit vectors against the in-plane
+    velocity, along which the rotor drag acts.
+    """
+
+    omega: Floats
+    axial: Floats
+    inplane: Floats
+    axis: Floats
+    downstream: Floats
+
+
+def hub_flow(vehicle: Vehicle, log: FlightLog) -> HubFlow:
+    """The flow at the hubs: V_i = V_vehicle + omega x r_i.
+
+    vehicle : where its rotors are.  log : n samples of its motion.
+    """
+    position = np.array([mount.position for mount in vehicle.mounts])
+    axis = np.array([mount.axis for mount in vehicle.mounts])
+    velocity = log.velocity[:, None, :] + np.cross(log.rates[:, None, :], position[None])
+    axial = np.sum(velocity * axis, axis=-1)
+    across = velocity - axial[..., None] * axis
+    inplane = np.linalg.norm(across, axis=-1)
+    still = inplane < 1e-12
+    downstream = -across / np.where(still, 1.0, inplane)[..., None]
+    return HubFlow(log.rotor_speed, axial, np.where(still, 0.0, inplane), axis, downstream)
+
+
+def rotor_forces(flow: HubFlow, thrust: Floats, drag: Floats) -> Floats:
+    """Sum of the rotors' forces on the vehicle [N], (..., n, 3), from loads (..., n, m) [N]."""
+    along = np.einsum("...nm,mk->...nk", thrust, flow.axis)
+    return along + np.einsum("...nm,nmk->...nk", drag, flow.downstream)

@@ -1,0 +1,68 @@
+"""Readers of flight logs, one file per format."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+
+from propmap.errors import InputError
+from propmap.vehicle.flight_log import FlightLog
+from propmap.vehicle.log_map import LogMap
+from propmap.vehicle.logs.assembly import flight_log
+from propmap.vehicle.logs.csv_log import read_csv_log
+from propmap.vehicle.logs.recording import Recording
+from propmap.vehicle.logs.rosbag import read_rosbag
+from propmap.vehicle.logs.ulog import read_ulog
+from propmap.vehicle.vehicle_toml import VehicleFile
+
+READERS: dict[str, Callable[[Path, LogMap], Recording]] = {
+    ".csv": read_csv_log,
+    ".parquet": read_csv_log,
+    ".pq": read_csv_log,
+    ".ulg": read_ulog,
+    ".bag": read_rosbag,
+    ".db3": read_rosbag,
+    ".mcap": read_rosbag,
+}
+"""By the file's ending; a folder is a bag of ROS 2."""
+
+
+def read_flight_log(
+    path: str | os.PathLike[str], vehicle_file: VehicleFile, *, rate: float | None = None
+) -> FlightLog:
+    """A flight log of any kind: CSV, Parquet, PX4's ULog, bags of ROS 1 and ROS 2.
+
+    path : of the file, or the folder of a ROS 2 bag.
+    vehicle_file : the vehicle and the map of the log.
+    rate : samples per second; by default the sample times of the slowest of attitude, velocity
+    and rotor speed.
+
+    Other signals are interpolated linearly; gaps above 0.25 s are cut out.  Samples that cannot
+    be used are dropped, which ``source`` then tells, or refused where they are many.
+    Raises ``InputError``.
+    """
+    file = Path(path)
+    where = str(file)
+    try:
+        folder, there = file.is_dir(), file.exists()
+        empty = file.is_file() and file.stat().st_size == 0
+    except (OSError, ValueError) as error:
+        raise InputError(f"cannot be read: {error}", "check the path", where) from None
+    if not there:
+        raise InputError("no such file", "check the path", where)
+    if empty:
+        raise InputError("the file is empty", "give the log of a flight", where)
+    kind = file.suffix.lower()
+    if not folder and kind not in READERS:
+        raise InputError(
+            f"the file's ending is {kind!r}, expected one of {', '.join(READERS)}",
+            "give a log of one of these kinds, or the folder of a ROS 2 bag",
+            where,
+        )
+    if folder and not (file / "metadata.yaml").exists():
+        raise InputError(
+            "this folder has no metadata.yaml, expected a ROS 2 bag", "name a file inside it", where
+        )
+    reader = read_rosbag if folder else READERS[kind]
+    return flight_log(reader(file, vehicle_file.log), vehicle_file, rate)

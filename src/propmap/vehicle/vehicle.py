@@ -1,0 +1,88 @@
+"""A vehicle: rotors on a frame, its mass, and what its body and wing add to their forces."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from propmap.errors import InputError
+from propmap.model.air import Air
+from propmap.model.propeller import Propeller
+
+SPINS = ("ccw", "cw")
+Vector = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Mount:
+    """Where a rotor sits, in the vehicle's frame: x forward, y left, z up.
+
+    position : of the hub relative to the centre of mass [m].
+    axis : unit vector along the thrust.
+    spin : "ccw" or "cw", seen from above with the thrust up.
+    """
+
+    position: Vector
+    axis: Vector = (0.0, 0.0, 1.0)
+    spin: str = "ccw"
+
+
+@dataclass(frozen=True)
+class Body:
+    """Forces of the body itself (the paper's section III.A), in the vehicle's frame.
+
+    drag_area : per axis [m^2]; F_k = -1/2 rho drag_area_k |v_k| v_k.
+    lift_area : [m^2]; lift 1/2 rho V^2 lift_area sin(a) cos(a) across the flow, a the angle of
+        attack of the body in its plane of symmetry.
+    """
+
+    drag_area: Vector = (0.0, 0.0, 0.0)
+    lift_area: float = 0.0
+
+
+@dataclass(frozen=True)
+class Wing:
+    """A wing whose lift follows eq. (3) (the paper's footnote 4), in the free stream.
+
+    area : [m^2].  incidence : of its zero-lift line to the vehicle's x axis [rad], positive
+    leading edge up.  c_l1 [1/rad], c_l2 [-], alpha_0 [rad] : as for a blade section.
+    """
+
+    area: float
+    incidence: float = 0.0
+    c_l1: float = 5.0
+    c_l2: float = 1.0
+    alpha_0: float = 0.3
+
+
+@dataclass(frozen=True, eq=False)
+class Vehicle:
+    """Rotors of one kind on a frame; raises ``InputError`` where it cannot be.
+
+    name : what it is called.  mass : [kg].  propeller : of every rotor.  air : by default the
+    paper's.  mounts : one per rotor, in the order of the
+    rotor speeds.  body, wing : what else carries or drags.
+    """
+
+    name: str
+    mass: float
+    propeller: Propeller
+    mounts: tuple[Mount, ...]
+    air: Air = field(default_factory=Air)
+    body: Body = Body()
+    wing: Wing | None = None
+
+    def __post_init__(self) -> None:
+        if not 0.001 <= self.mass <= 1000.0:
+            raise InputError(f"mass is {self.mass} kg", "give the take-off mass in kg")
+        if not self.mounts:
+            raise InputError("the vehicle has no rotor", "add a [[rotors]] table per rotor")
+        for k, mount in enumerate(self.mounts, start=1):
+            if mount.spin not in SPINS:
+                raise InputError(
+                    f"rotor {k}: spin is {mount.spin!r}", "give 'ccw' or 'cw', seen from above"
+                )
+            length = sum(a * a for a in mount.axis) ** 0.5
+            if abs(length - 1.0) > 1e-6:
+                raise InputError(
+                    f"rotor {k}: the axis has length {length:g}", "give a unit vector, [0, 0, 1]"
+                )

@@ -1,0 +1,148 @@
+"""A vehicle and how to read its logs, from one TOML file."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TypeVar
+
+from propmap import catalogue
+from propmap.catalogue.lookup import propeller
+from propmap.errors import InputError, quoted
+from propmap.io.propeller_toml import parse_toml
+from propmap.io.text_file import read_lines
+from propmap.io.toml_table import TomlTable
+from propmap.model.air import PAPER_DENSITY, PAPER_VISCOSITY, Air
+from propmap.model.propeller import Propeller
+from propmap.vehicle import log_map
+from propmap.vehicle.log_map import BODY_FRAMES, LogMap, read_log_map
+from propmap.vehicle.vehicle import SPINS, Body, Mount, Vector, Vehicle, Wing
+
+SCHEMA = 1
+KEYS = ("schema", "name", "frame", "mass", "propeller", "air", "rotors", "body", "wing", "log")
+PROPELLER_KEYS = ("geometry", "blades", "radius", "root_cutout")
+WING_KEYS = ("area", "incidence", "c_l1", "c_l2", "alpha_0")
+GEOMETRY = '"apc-8x6e", a name of `propmap props` or a geometry file beside this file'
+
+Made = TypeVar("Made")
+
+
+@dataclass(frozen=True)
+class VehicleFile:
+    """vehicle : in FLU, whatever the file's frame.  log : how to read the vehicle's logs."""
+
+    vehicle: Vehicle
+    log: LogMap
+
+
+def read_vehicle(path: str | os.PathLike[str]) -> VehicleFile:
+    """Read a vehicle file.  SI units and radians throughout.
+
+    ``schema = 1``, ``name``, ``frame`` ("flu" or "frd", of ``position`` and ``axis``), ``mass``
+    [kg] and ``propeller``: a name of the catalogue, the path of a geometry file relative to the
+    vehicle file, or a table with ``geometry`` (either of these) and, where the geometry lacks
+    them, ``blades``, ``radius`` [m], ``root_cutout`` [m].
+    ``[[rotors]]``, one per rotor: ``position`` [m], ``spin`` ("ccw" or "cw", seen from above),
+    ``axis`` (unit vector along the thrust, by default up).
+    Optional: ``[air]`` ``density``, ``viscosity`` (by default the paper's); ``[body]``
+    ``drag_area`` (3 numbers [m^2]), ``lift_area`` [m^2]; ``[wing]`` ``area`` [m^2],
+    ``incidence`` [rad], ``c_l1``, ``c_l2``, ``alpha_0`` [rad]; ``[log]``, see ``LogMap``.
+    Raises ``InputError`` naming the file, the table and the key.
+    """
+    where = os.fspath(path)
+    fields = parse_toml("\n".join(read_lines(path, "vehicle description")), where, SCHEMA)
+    top = TomlTable(fields, where, KEYS)
+    flip = top.choice("frame", BODY_FRAMES) == "frd"
+    mounts = tuple(
+        _mount(rotor, flip) for rotor in top.tables("rotors", ("position", "axis", "spin"))
+    )
+    mass = top.number("mass", "the take-off mass in kg, battery included")
+    vehicle = _located(
+        where,
+        lambda: Vehicle(
+            name=top.text("name", '"what the vehicle is called"'),
+            mass=mass,
+            propeller=_propeller(top, Path(where).parent),
+            mounts=mounts,
+            air=_air(top),
+            body=_body(top),
+            wing=_wing(top),
+        ),
+    )
+    return VehicleFile(vehicle, read_log_map(top.table("log", log_map.KEYS), len(mounts)))
+
+
+def _located(where: str, make: Callable[[], Made]) -> Made:
+    """What ``make`` gives; an error that does not say where it is gets ``where``."""
+    try:
+        return make()
+    except InputError as error:
+        raise _located_error(error, where) from None
+
+
+def _located_error(error: InputError, where: str) -> InputError:
+    return error if error.where else InputError(error.found, error.remedy, where)
+
+
+def _mount(table: TomlTable, flip: bool) -> Mount:
+    position = table.vector("position", "[x, y, z], in m from the centre of mass")
+    spin = table.choice("spin", SPINS)
+    if "axis" not in table:
+        return Mount(_flu(position, flip), spin=spin)
+    axis = _flu(table.vector("axis", "a unit vector along the thrust"), flip)
+    return Mount(_flu(position, flip), axis, spin)
+
+
+def _flu(vector: Vector, flip: bool) -> Vector:
+    x, y, z = vector
+    # Adding zero keeps -0.0 out of what is shown.
+    return (x, 0.0 - y, 0.0 - z) if flip else vector
+
+
+def _propeller(top: TomlTable, folder: Path) -> Propeller:
+    value = top.need("propeller", GEOMETRY)
+    entries = value if isinstance(value, dict) else {"geometry": value}
+    table = TomlTable(entries, f"{top.where}: propeller", PROPELLER_KEYS)
+    name = table.text("geometry", GEOMETRY)
+    options: dict[str, Any] = {
+        key: table.number(key, "a length in m") for key in ("radius", "root_cutout") if key in table
+    }
+    if name.strip().lower() in catalogue.names():
+        return _located(table.where, lambda: propeller(name, entries.get("blades"), **options))
+    # Relative to the vehicle file alone: what lies in the current folder plays no part.
+    beside = folder / name
+    if not ("/" in name or os.sep in name or beside.exists() or beside.suffix[1:2].isalpha()):
+        raise _located_error(catalogue.unknown_name(name), table.where)
+    return _located(table.where, lambda: propeller(beside, entries.get("blades"), **options))
+
+
+def _air(top: TomlTable) -> Air:
+    table = top.table("air", ("density", "viscosity"))
+    density = table.number("density", "the density in kg/m^3", PAPER_DENSITY)
+    viscosity = table.number("viscosity", "the viscosity in Pa s", PAPER_VISCOSITY)
+    return _located(table.where, lambda: Air(density, viscosity))
+
+
+def _body(top: TomlTable) -> Body:
+    table = top.table("body", ("drag_area", "lift_area"))
+    example = "[front, side, top], areas in m^2"
+    drag_area = table.vector("drag_area", example) if "drag_area" in table else Body.drag_area
+    lift_area = table.number("lift_area", "an area in m^2", Body.lift_area)
+    for area in (*drag_area, lift_area):
+        if area < 0.0:
+            raise InputError(f"found {quoted(area)} m^2", "give areas of 0 or more", table.where)
+    return Body(drag_area, lift_area)
+
+
+def _wing(top: TomlTable) -> Wing | None:
+    if "wing" not in top:
+        return None
+    table = top.table("wing", WING_KEYS)
+    given = {key: table.number(key, "a number") for key in WING_KEYS if key in table}
+    if not table.number("area", "the wing's area in m^2") > 0.0:
+        raise InputError(
+            f"area is {given['area']} m^2", "give the area, or remove [wing]", table.where
+        )
+    return Wing(**given)

@@ -1,0 +1,291 @@
+"""Force balances of a vehicle: signs, geometry, body, wing, derivatives, and real flights."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import propmap
+from propmap.errors import InputError
+from propmap.fit.body_forces import body_force
+from propmap.fit.body_study import wing_values
+from propmap.fit.comparison import compare_flight
+from propmap.fit.data_range import range_warnings
+from propmap.fit.flight import ForceModel, balance_rows, level_rows
+from propmap.fit.parameters import EVERY, SECTION, Choice
+from propmap.physics.parameters import Section
+from propmap.physics.sections.blended import lift_coefficient
+from propmap.vehicle.flight_log import GRAVITY, FlightLog
+from propmap.vehicle.hub_flow import hub_flow, rotor_forces
+from propmap.vehicle.vehicle import Body, Mount, Vehicle, Wing
+
+PROPELLER = propmap.propeller("apc-8x6e")
+LAW = propmap.airfoil("paper-apc")
+LAW_VALUES = {name: getattr(LAW, name) for name in SECTION}
+VALUES = {name: p.start for name, p in EVERY.items()} | LAW_VALUES
+TWO = Choice(("c_l1", "alpha_0"))
+"""One choice for all, so that few programs serve."""
+
+ARM = 0.2
+MOUNTS = tuple(
+    Mount((x, y, 0.0), spin=spin)
+    for x, y, spin in ((ARM, ARM, "cw"), (ARM, -ARM, "ccw"), (-ARM, ARM, "ccw"), (-ARM, -ARM, "cw"))
+)
+OMEGA = 600.0
+
+
+def vehicle(**changes: object) -> Vehicle:
+    made = Vehicle("test", 1.0, PROPELLER, MOUNTS)
+    return replace(made, **changes)  # type: ignore[arg-type]
+
+
+def log(
+    velocity: object = ((0.0, 0.0, 0.0),),
+    rates: object = (0.0, 0.0, 0.0),
+    up: object = (0.0, 0.0, 1.0),
+    rotors: int = 4,
+) -> FlightLog:
+    """Samples, one second apart, of one attitude; up is what an accelerometer at rest reads."""
+    v = np.array(velocity, float)
+    one = np.ones((len(v), 1))
+    return FlightLog(
+        "test",
+        np.arange(len(v), dtype=float),
+        v,
+        one * np.array(rates, float),
+        one * np.array(up, float),
+        GRAVITY * one * np.array(up, float),
+        np.full((len(v), rotors), OMEGA),
+    )
+
+
+def model(log: FlightLog, **changes: object) -> ForceModel:
+    return ForceModel(vehicle(**changes), log, LAW)
+
+
+@pytest.fixture(scope="module")
+def static_thrust() -> float:
+    """Of one rotor at ``OMEGA`` [N]."""
+    return float(propmap.Rotor(PROPELLER, LAW).loads(OMEGA, 0.0, 0.0).thrust)
+
+
+CLOSE = 2e-3  # Twice the accuracy of the loads.
+
+
+def test_hovering_with_thrust_as_weight_leaves_nothing(static_thrust: float) -> None:
+    still = model(log(((0, 0, 0), (0, 0, 0))), mass=4.0 * static_thrust / GRAVITY)
+    for rows in (level_rows(still, TWO), balance_rows(still, TWO)):
+        value, _ = rows.model(VALUES, TWO.free)
+        np.testing.assert_allclose((value - rows.measured) / rows.scale, 0.0, atol=CLOSE)
+        np.testing.assert_allclose(rows.scale, 4.0 * static_thrust)
+
+
+def test_a_tilted_axis_shares_its_thrust(static_thrust: float) -> None:
+    s, c = np.sin(0.3), np.cos(0.3)
+    mounts = tuple(replace(mount, axis=(s, 0.0, c)) for mount in MOUNTS)
+    force = model(log(), mounts=mounts).at(VALUES, TWO.free).force[0]
+    np.testing.assert_allclose(force, 4.0 * static_thrust * np.array([s, 0, c]), atol=CLOSE * 10)
+
+
+def test_level_rows_take_the_part_along_the_vertical(static_thrust: float) -> None:
+    """Eq. (16): leaning by 0.3 rad, T cos(0.3) carries."""
+    leaning = log(up=(-np.sin(0.3), 0.0, np.cos(0.3)))
+    rows = level_rows(model(leaning), TWO)
+    value, _ = rows.model(VALUES, TWO.free)
+    assert value[0] == pytest.approx(4.0 * static_thrust * np.cos(0.3), rel=CLOSE)
+    assert rows.measured[0] == pytest.approx(GRAVITY)
+    assert rows.names == ("vertical_force",) and rows.group is None
+
+
+# Climbing, so that few programs serve.
+VELOCITIES = ((8.0, 0.0, 1.0), (0.0, -8.0, 1.0), (-4.0, 3.0, 1.0), (5.0, 5.0, 1.0))
+
+
+@pytest.fixture(scope="module")
+def moving() -> ForceModel:
+    return model(log(VELOCITIES, rates=(0.4, -0.3, 2.0)))
+
+
+def test_forces_are_the_sum_of_the_rotors_wrenches(moving: ForceModel) -> None:
+    """Against ``Rotor.wrench``, hub by hub: omega x r and the direction of the drag."""
+    rotor = propmap.Rotor(PROPELLER, LAW)
+    total = np.zeros((4, 3))
+    for mount in MOUNTS:
+        hub = moving.log.velocity + np.cross(moving.log.rates, np.array(mount.position))
+        total += rotor.wrench(OMEGA, hub, mount.spin).force
+    np.testing.assert_allclose(moving.at(VALUES, TWO.free).force, total, atol=CLOSE * 10)
+
+
+def test_rotor_drag_acts_against_the_velocity(moving: ForceModel) -> None:
+    force = moving.at(VALUES, TWO.free).force
+    assert force[0, 0] < -0.1 and abs(force[0, 1]) < 0.2 * -force[0, 0]
+    assert force[1, 1] > 0.1 and abs(force[1, 0]) < 0.2 * force[1, 1]
+    assert np.sum(force[:, :2] * moving.log.velocity[:, :2], axis=1).max() < 0.0
+
+
+def test_hubs_move_with_the_turning_vehicle() -> None:
+    flow = hub_flow(vehicle(), log(((0.0, 0.0, 0.0),), rates=(0.0, 0.0, 3.0)))
+    np.testing.assert_allclose(flow.inplane, 3.0 * ARM * np.sqrt(2.0) * np.ones((1, 4)))
+    np.testing.assert_allclose(flow.axial, 0.0)
+    # Turning to the left, the hub ahead on the left moves backwards on the left: (-1, 1).
+    np.testing.assert_allclose(flow.downstream[0, 0], np.array([1, -1, 0]) / np.sqrt(2.0))
+    rolling = hub_flow(vehicle(), log(((0.0, 0.0, 0.0),), rates=(2.0, 0.0, 0.0)))
+    # Rolling to the right lifts the left side.
+    np.testing.assert_allclose(rolling.axial, [[2 * ARM, -2 * ARM, 2 * ARM, -2 * ARM]])
+
+
+def test_rotors_at_rest_in_still_air_have_no_drag_s_direction() -> None:
+    flow = hub_flow(vehicle(), log())
+    np.testing.assert_array_equal(flow.inplane, 0.0)
+    assert np.isfinite(flow.downstream).all()
+    force = rotor_forces(flow, np.ones((1, 4)), np.ones((1, 4)))
+    np.testing.assert_array_equal(force, [[0.0, 0.0, 4.0]])
+
+
+def test_all_parameters_slopes_against_differences(moving: ForceModel) -> None:
+    wing = Wing(0.1, 0.05)
+    winged = ForceModel(replace(moving.vehicle, wing=wing), moving.log, LAW)
+    free = (*TWO.free, "drag_area_x", "lift_area", "wing_c_l1", "wing_c_l2", "wing_alpha_0")
+    values = VALUES | {"drag_area_x": 0.02, "lift_area": 0.01, "wing_alpha_0": 0.2}
+    found = winged.at(values, free)
+    assert found.slopes.shape == (7, 4, 3)
+    for k, name in enumerate(free):
+        step = 1e-4
+        up, down = (winged.at({**values, name: values[name] + h}, free) for h in (step, -step))
+        difference = (up.force - down.force) / (2.0 * step)
+        size = np.max(np.abs(difference))
+        assert size > 0.0, name
+        np.testing.assert_allclose(
+            found.slopes[k] / size, difference / size, atol=2e-3, err_msg=name
+        )
+
+
+def body(
+    velocity: object, changes: Mapping[str, float] | None = None, **vehicle_changes: object
+) -> np.ndarray:
+    values = VALUES | dict(changes or {})
+    return body_force(vehicle(**vehicle_changes), log(velocity), values, ())[0]
+
+
+def test_body_drag_per_axis() -> None:
+    density = propmap.Air().density
+    areas = {"drag_area_x": 0.01, "drag_area_y": 0.02, "drag_area_z": 0.03}
+    found = body(((4, 0, 0), (0, -4, 0), (0, 0, 4), (3, 4, -5)), areas)
+    per = 0.5 * density * np.array([0.01, 0.02, 0.03])
+    np.testing.assert_allclose(found[0], [-16 * per[0], 0, 0], atol=1e-12)
+    np.testing.assert_allclose(found[1], [0, 16 * per[1], 0], atol=1e-12)
+    np.testing.assert_allclose(found[2], [0, 0, -16 * per[2]], atol=1e-12)
+    np.testing.assert_allclose(found[3], [-9 * per[0], -16 * per[1], 25 * per[2]])
+    # What the vehicle file gives adds up.
+    both = body(((4, 0, 0),), areas, body=Body(drag_area=(0.02, 0.0, 0.0)))
+    np.testing.assert_allclose(both[0], 3.0 * found[0])
+
+
+def test_body_lift_is_across_the_flow() -> None:
+    """1/2 rho V^2 A sin(a) cos(a), upwards where the air comes from below."""
+    sinking = body(((6.0, 0.0, -2.0),), {"lift_area": 0.05})[0]
+    angle, speed2 = np.arctan2(2.0, 6.0), 40.0
+    expected = 0.5 * propmap.Air().density * speed2 * 0.05 * np.sin(angle) * np.cos(angle)
+    assert np.linalg.norm(sinking) == pytest.approx(expected)
+    assert sinking @ [6.0, 0.0, -2.0] == pytest.approx(0.0, abs=1e-12)
+    assert sinking[2] > 0.0
+    climbing = body(((6.0, 0.0, 2.0),), {"lift_area": 0.05})[0]
+    assert climbing[2] < 0.0
+    np.testing.assert_allclose(body(((6.0, 0.0, 0.0),), {"lift_area": 0.05}), 0.0, atol=1e-12)
+    by_file = body(((6.0, 0.0, -2.0),), body=Body(lift_area=0.05))[0]
+    np.testing.assert_allclose(by_file, sinking)
+
+
+@pytest.mark.parametrize("incidence", [0.0, 0.15])
+def test_a_wing_s_lift_is_equation_3(incidence: float) -> None:
+    angle = np.radians([-60.0, -12.0, 3.0, 12.0, 18.0, 40.0])
+    speed, area = 9.0, 0.12
+    velocity = np.stack([np.cos(angle), 0.0 * angle, -np.sin(angle)], axis=1) * speed
+    parameters = {"wing_c_l1": 4.5, "wing_c_l2": 1.1, "wing_alpha_0": 0.28}
+    found = body(velocity, parameters, wing=Wing(area, incidence))
+    law = Section(*(np.float64(0.0) for _ in Section._fields))._replace(
+        c_l1=np.float64(4.5),
+        c_l2=np.float64(1.1),
+        alpha_0=np.float64(0.28),
+        sharpness=np.float64(50.0),
+        attached=np.float64(1.0),
+        zero_lift_angle=np.float64(0.0),
+    )
+    a = angle + incidence
+    c_l = np.array(lift_coefficient(a, law))
+    across = np.stack([np.sin(angle), 0.0 * angle, np.cos(angle)], axis=1)
+    expected = 0.5 * propmap.Air().density * speed**2 * area * c_l[:, None] * across
+    np.testing.assert_allclose(found, expected, rtol=1e-5, atol=1e-5)
+    assert body(((9.0, 0.0, -1.0),), wing=Wing(area))[0, 2] > 0.0
+
+
+def test_the_wing_s_values_come_from_the_vehicle() -> None:
+    assert wing_values(vehicle()) == {}
+    assert wing_values(vehicle(wing=Wing(0.1, c_l1=4.0, c_l2=0.9, alpha_0=0.25))) == {
+        "wing_c_l1": 4.0,
+        "wing_c_l2": 0.9,
+        "wing_alpha_0": 0.25,
+    }
+
+
+def test_balance_rows_are_three_per_sample(moving: ForceModel) -> None:
+    rows = balance_rows(moving, TWO, stretch=2.0)
+    assert rows.names == ("force_x", "force_y", "force_z")
+    np.testing.assert_array_equal(rows.load, np.tile([0, 1, 2], 4))
+    np.testing.assert_array_equal(rows.point, np.repeat([0, 1, 2, 3], 3))
+    np.testing.assert_array_equal(rows.group, np.repeat([0, 0, 1, 1], 3))
+    np.testing.assert_allclose(rows.measured.reshape(4, 3)[:, 2], GRAVITY)
+    np.testing.assert_allclose(rows.speed, np.repeat(moving.log.speed, 3))
+    value, slope = rows.model(VALUES, TWO.free)
+    balance = moving.at(VALUES, TWO.free)
+    np.testing.assert_array_equal(value, balance.force.ravel())
+    np.testing.assert_array_equal(slope[5], balance.slopes[:, 1, 2])
+
+
+def test_the_comparison_sees_what_the_rows_see(moving: ForceModel) -> None:
+    found = compare_flight(moving.vehicle, moving.log, LAW, {"drag_area_x": 0.02})
+    assert tuple(found) == ("force_x_N", "force_y_N", "force_z_N")
+    values = VALUES | {"drag_area_x": 0.02}
+    off = moving.at(values, TWO.free).force - moving.log.specific_force * moving.vehicle.mass
+    for k, name in enumerate(found):
+        rms = float(np.sqrt(np.mean(off[:, k] ** 2)))
+        assert found[name].all.rms == pytest.approx(rms, abs=0.02), name
+        assert found[name].all.rows == 4
+    # The hover model has no force in the plane of the rotors.
+    measured = moving.log.specific_force[:, 0]
+    assert found["force_x_N"].all.hover_rms == pytest.approx(np.sqrt(np.mean(measured**2)))
+
+
+def test_refusals() -> None:
+    still = log(((0, 0, 0), (0, 0, 0)))
+    unmeasured = replace(still, specific_force=np.full((2, 3), np.nan))
+    with pytest.raises(InputError, match=r"test: there is no specific force .* --method level"):
+        balance_rows(model(unmeasured), TWO)
+    with pytest.raises(InputError, match="no specific force to compare with"):
+        compare_flight(vehicle(), unmeasured, LAW, {})
+    # A table of operating points has none, and needs none.
+    assert level_rows(model(unmeasured), TWO).measured.size == 2
+    for rows in (level_rows, balance_rows):
+        with pytest.raises(InputError, match="wing_c_l1 is free but the vehicle has no wing"):
+            rows(model(still), Choice(("c_l1", "wing_c_l1")))
+    with pytest.raises(InputError, match=r"6 rotor speeds for 4 rotors; .*\[\[rotors\]\]"):
+        model(log(rotors=6))
+    winged = model(still, wing=Wing(0.1))
+    assert level_rows(winged, Choice(("wing_c_l1",))).measured.size == 2
+
+
+@pytest.mark.parametrize(
+    ("speeds", "says"),
+    [
+        ((0.0, 0.3, 0.5), "all data are from hover"),
+        ((7.0, 7.5, 8.0), "all data are from one speed, 7.0 to 8.0 m/s"),
+        ((0.0, 5.0, 9.0), None),
+    ],
+)
+def test_what_the_range_of_speeds_cannot_tell(speeds: tuple[float, ...], says: str | None) -> None:
+    rows = level_rows(model(log([(v, 0.0, 0.0) for v in speeds])), TWO)
+    told = range_warnings(rows)
+    assert (told == []) if says is None else (len(told) == 1 and says in told[0])

@@ -1,0 +1,37 @@
+"""Fitted on one real flight and checked on another, through the command line."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from propmap.cli import main
+
+ROOT = Path(__file__).parents[2]
+VEHICLE = ROOT / "examples" / "neurobem" / "vehicle.toml"
+FLIGHTS = ROOT.parent / "shared" / "data" / "flight"
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(not FLIGHTS.is_dir(), reason="the flights are not here"),
+]
+
+
+def test_half_the_hover_model_s_vertical_error_on_a_flight_not_seen(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("propmap.engine.compilation.keep_compiled", lambda: None)
+    fit, vehicle = tmp_path / "fit.toml", ["--vehicle", str(VEHICLE)]
+    seen = str(FLIGHTS / "neurobem_20210218171908.csv")
+    unseen = str(FLIGHTS / "neurobem_20210218172600.csv")
+    assert main(["fit", "flight", seen, *vehicle, "-o", str(fit)]) == 0
+    assert "balance of all forces at all times is fitted instead" in capsys.readouterr().out
+    assert main(["check", str(fit), unseen, *vehicle, "--format", "json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert set(found["loads"]) == {"force_x_N", "force_y_N", "force_z_N"}
+    assert found["rows"] > 1000
+    vertical = found["loads"]["force_z_N"]
+    assert vertical["rms"] <= 0.55 * vertical["hover_rms"]
+    for name in ("force_x_N", "force_y_N"):
+        assert found["loads"][name]["rms"] < found["loads"][name]["hover_rms"]

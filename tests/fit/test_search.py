@@ -1,0 +1,243 @@
+"""The search, its refusals, cross-validation and the bootstrap."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from propmap.errors import InputError
+from propmap.fit import fitted as module
+from propmap.fit.fitted import Settings, fit
+from propmap.fit.parameters import EVERY, Choice
+from propmap.fit.rows import Rows
+from propmap.fit.search import Minimum, minima, search, starts
+
+from .synthetic_rows import (
+    Floats,
+    decay_model,
+    linear_model,
+    noisy,
+    rows_of,
+    true_values,
+    truth_of,
+)
+
+THREE = Choice(("c_l1", "c_l2", "c_d"))
+TIME = np.linspace(0.0, 2.0, 60)
+
+
+def decaying(noise: float = 0.0) -> Rows:
+    model = decay_model(TIME)
+    added = noise * np.random.default_rng(7).normal(size=TIME.size)
+    return noisy(rows_of(model, true_values(model)), added)
+
+
+def test_a_known_minimum_from_several_starts() -> None:
+    begin = starts(THREE, 8, seed=1)
+    found = search(decaying(), THREE, begin)
+    np.testing.assert_allclose(found.x, truth_of(THREE), rtol=1e-6)
+    assert np.max(np.abs(found.residual)) < 1e-6
+    assert len(found.ends) == 8
+    assert len(minima(found.ends, THREE.column("spread"))[0]) >= 6
+    assert [end.cost for end in found.ends] == sorted(end.cost for end in found.ends)
+    begun = sorted(tuple(end.start) for end in found.ends)
+    assert begun == sorted(tuple(x0) for x0 in begin)
+    assert found.unsolved == 0
+
+
+def test_residuals_are_shares_of_the_scales_and_weights_leave_out() -> None:
+    rows = replace(decaying(0.1), scale=np.full(TIME.size, 4.0))
+    kept = np.arange(TIME.size) % 3 != 0
+    found = search(rows.left(kept), THREE, [THREE.first])
+    value, slope = rows.model(THREE.values(found.x), THREE.free)
+    np.testing.assert_allclose(found.residual[kept], ((value - rows.measured) / 4.0)[kept])
+    np.testing.assert_array_equal(found.residual[~kept], 0.0)
+    np.testing.assert_allclose(found.slopes[kept], slope[kept] / 4.0)
+    np.testing.assert_allclose(found.slopes.T @ found.residual, 0.0, atol=1e-6)
+
+
+def two_valleys(values: Mapping[str, float], free: tuple[str, ...]) -> tuple[Floats, Floats]:
+    """At c_l1 = 5 and 7 the first number is met, at 7 alone the second too."""
+    x = values["c_l1"] - 6.0
+    slopes = np.array([[2.0 * x], [0.1]])
+    return np.array([x**2, 0.1 * x]), slopes if free == ("c_l1",) else np.zeros((2, len(free)))
+
+
+def test_two_minima_are_told_apart() -> None:
+    choice = Choice(("c_l1",))
+    rows = rows_of(two_valleys, np.array([1.0, 0.1]))
+    begin = [np.array([x]) for x in (4.0, 4.5, 7.5, 8.0, 9.0)]
+    found = search(rows, choice, begin)
+    assert found.x[0] == pytest.approx(7.0, abs=1e-6)
+    groups = minima(found.ends, choice.column("spread"))
+    assert [len(group) for group in groups] == [3, 2]
+    best, other = (found.ends[group[0]] for group in groups)
+    assert other.x[0] == pytest.approx(5.01, abs=0.02)
+    assert best.cost < 1e-10 < other.cost
+    assert {float(found.ends[k].start[0]) for k in groups[1]} == {4.0, 4.5}
+
+
+def test_the_search_stays_within_bounds() -> None:
+    model = linear_model({"c_l2": np.ones(20)})
+    choice = Choice(("c_l2",))
+    x = search(rows_of(model, np.full(20, 9.0)), choice, [choice.first]).x
+    assert x[0] == EVERY["c_l2"].upper
+
+
+def with_lost(count: int) -> Rows:
+    """Rows of which the model gives ``count`` no value."""
+    rows = decaying(0.02)
+
+    def model(values: Mapping[str, float], free: tuple[str, ...]) -> tuple[Floats, Floats]:
+        value, slope = rows.model(values, free)
+        value[:count] = np.nan
+        return value, slope
+
+    return replace(rows, model=model)
+
+
+def test_rows_without_a_value_are_counted_and_left_out() -> None:
+    found = search(with_lost(3), THREE, [THREE.first])
+    assert found.unsolved == 3
+    np.testing.assert_array_equal(found.residual[:3], 0.0)
+    kept = np.arange(TIME.size) >= 3
+    without = search(decaying(0.02).left(kept), THREE, [THREE.first])
+    np.testing.assert_allclose(found.x, without.x, rtol=1e-5)
+
+
+def test_more_than_five_per_cent_of_them_are_refused() -> None:
+    with pytest.raises(InputError, match="no solution at 4 of 60 rows; check the units"):
+        search(with_lost(4), THREE, [THREE.first])
+
+
+def test_fewer_rows_than_parameters_are_refused() -> None:
+    rows = decaying()
+    few = rows.left(np.arange(TIME.size) < 2)
+    with pytest.raises(InputError, match="2 measured numbers for 3 free parameters; give more"):
+        fit(few, THREE)
+
+
+def test_a_robust_loss_resists_outliers() -> None:
+    rows = decaying(0.01)
+    outliers = np.zeros(TIME.size)
+    outliers[[10, 30, 50]] = 1.0
+    bad = noisy(rows, outliers)
+    quick = Settings(starts=1, folds=0)
+    clean = fit(rows, THREE, quick)
+    deviation = np.sqrt(np.diag(clean.uncertainty.covariance))
+    plain = fit(bad, THREE, quick)
+    robust = fit(bad, THREE, replace(quick, loss="soft_l1"))
+    off_plain = np.abs(plain.x - clean.x) / deviation
+    off_robust = np.abs(robust.x - clean.x) / deviation
+    assert off_plain.max() > 10.0
+    # They still pull, as three numbers of twice the usual error would, all upwards.
+    assert off_robust.max() < 0.25 * off_plain.max()
+    np.testing.assert_allclose(robust.residual[[10, 30, 50]], -1.0, atol=0.05)
+
+
+def test_a_robust_loss_costs_little_where_there_is_no_outlier() -> None:
+    quick = Settings(starts=1, folds=0)
+    clean = fit(decaying(0.01), THREE, quick)
+    robust = fit(decaying(0.01), THREE, replace(quick, loss="soft_l1"))
+    deviation = np.sqrt(np.diag(clean.uncertainty.covariance))
+    assert (np.abs(robust.x - clean.x) < deviation).all()
+
+
+def test_residuals_come_in_the_unit_of_the_measurement() -> None:
+    rows = replace(decaying(0.1), scale=np.linspace(1.0, 3.0, TIME.size))
+    found = fit(rows, THREE, Settings(starts=1, folds=0))
+    value, _ = rows.model(found.values, THREE.free)
+    np.testing.assert_allclose(found.residual, value - rows.measured)
+    assert found.rms(0) == pytest.approx(float(np.sqrt(np.mean((value - rows.measured) ** 2))))
+    assert np.isnan(found.cross_validated).all() and found.bootstrapped.shape == (0, 3)
+
+
+def kept_points(
+    monkeypatch: pytest.MonkeyPatch, rows: Rows, settings: Settings
+) -> list[np.ndarray]:
+    """The weights with which every refit is done."""
+    seen = []
+
+    def watched(part: Rows, *arguments: object, **options: object) -> Minimum:
+        seen.append(part.weight)
+        return search(part, *arguments, **options)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(module, "search", watched)
+    fit(rows, THREE, settings)
+    return seen[1:]
+
+
+def test_cross_validation_leaves_out_whole_points(monkeypatch: pytest.MonkeyPatch) -> None:
+    point = np.repeat(np.arange(20), 3)
+    rows = replace(decaying(0.02), point=point)
+    weights = kept_points(monkeypatch, rows, Settings(starts=1, folds=5))
+    assert len(weights) == 5
+    left_out = np.array([weight.reshape(20, 3) == 0.0 for weight in weights])
+    np.testing.assert_array_equal(left_out.all(axis=2), left_out.any(axis=2))
+    np.testing.assert_array_equal(left_out[:, :, 0].sum(axis=0), 1)
+    np.testing.assert_array_equal(left_out[:, :, 0].sum(axis=1), 4)
+
+
+def test_cross_validation_leaves_out_whole_groups(monkeypatch: pytest.MonkeyPatch) -> None:
+    point, group = np.repeat(np.arange(30), 2), np.repeat(np.arange(10), 6)
+    rows = replace(decaying(0.02), point=point, group=group)
+    weights = kept_points(monkeypatch, rows, Settings(starts=1, folds=5))
+    left_out = np.array([weight.reshape(10, 6) == 0.0 for weight in weights])
+    np.testing.assert_array_equal(left_out.all(axis=2), left_out.any(axis=2))
+    np.testing.assert_array_equal(left_out[:, :, 0].sum(axis=0), 1)
+
+
+def test_the_bootstrap_draws_whole_groups(monkeypatch: pytest.MonkeyPatch) -> None:
+    rows = replace(decaying(0.02), group=np.repeat(np.arange(10), 6))
+    weights = kept_points(monkeypatch, rows, Settings(starts=1, folds=0, bootstrap=4))
+    assert len(weights) == 4
+    for weight in weights:
+        drawn = weight.reshape(10, 6) ** 2
+        np.testing.assert_array_equal(drawn, drawn[:, :1] * np.ones(6))
+        assert drawn[:, 0].sum() == pytest.approx(10.0)
+
+
+def test_cross_validated_error_is_the_noise_and_above_the_residual() -> None:
+    count = 400
+    rng = np.random.default_rng(8)
+    model = linear_model({name: rng.normal(size=count) for name in THREE.free})
+    load = np.arange(count) % 2
+    deviation = np.where(load == 0, 0.2, 0.05)
+    rows = rows_of(model, true_values(model), load=load)
+    found = fit(noisy(rows, deviation * rng.normal(size=count)), THREE, Settings(starts=1))
+    np.testing.assert_allclose(found.cross_validated, [0.2, 0.05], rtol=0.2)
+    assert found.cross_validated[0] > found.rms(0)
+
+
+def test_cross_validation_tells_an_overfit() -> None:
+    """Three parameters for twelve numbers of noise: worse on what was left out."""
+    rng = np.random.default_rng(9)
+    model = linear_model({name: rng.normal(size=12) for name in THREE.free})
+    rows = noisy(rows_of(model, true_values(model)), rng.normal(0.0, 0.05, 12))
+    found = fit(rows, THREE, Settings(starts=1, folds=6))
+    assert found.cross_validated[0] > 1.2 * found.rms(0)
+    few = fit(rows, THREE, Settings(starts=1, folds=7))
+    assert np.isnan(few.cross_validated).all()
+
+
+def test_the_bootstrap_agrees_with_the_gauss_newton_deviation() -> None:
+    found = fit(decaying(0.03), THREE, Settings(starts=1, folds=0, bootstrap=200))
+    assert found.bootstrapped.shape == (200, 3)
+    deviation = np.sqrt(np.diag(found.uncertainty.covariance))
+    # 200 repeats know a deviation to 5 %; 60 rows are few for a bootstrap.
+    np.testing.assert_allclose(np.std(found.bootstrapped, axis=0), deviation, rtol=0.3)
+    np.testing.assert_allclose(np.mean(found.bootstrapped, axis=0), found.x, atol=0.2)
+
+
+def test_a_fit_repeats_itself_by_its_seed() -> None:
+    settings = Settings(starts=3, folds=5, bootstrap=5, seed=4)
+    first, second = (fit(decaying(0.03), THREE, settings) for _ in range(2))
+    np.testing.assert_array_equal(first.x, second.x)
+    np.testing.assert_array_equal(first.bootstrapped, second.bootstrapped)
+    np.testing.assert_array_equal(first.cross_validated, second.cross_validated)
+    other = fit(decaying(0.03), THREE, replace(settings, seed=5))
+    assert (other.bootstrapped != first.bootstrapped).any()
+    np.testing.assert_allclose(other.x, first.x, rtol=1e-4)

@@ -1,0 +1,225 @@
+"""Fits to tunnel data: a twin, UIUC's axial rows and the published oblique loads."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import propmap
+from propmap.cli.tunnel_files import read_tunnel
+from propmap.errors import InputError
+from propmap.fit.assumptions import failing_assumptions
+from propmap.fit.comparison import compare_tunnel
+from propmap.fit.fitted import Fitted, Settings, fit
+from propmap.fit.parameters import PAPER_FOUR, SECTION, Choice
+from propmap.fit.rows import Rows
+from propmap.fit.tunnel import (
+    TunnelData,
+    first_guess,
+    merged,
+    rotor_with,
+    tunnel_rows,
+)
+from propmap.solve.load_slopes import LOADS
+
+PROPELLER, AIR = propmap.propeller("apc-8x6e"), propmap.Air()
+FIVE = (*PAPER_FOUR, "zero_lift_angle")
+TRUTH = {"c_l1": 5.2, "c_l2": 1.5, "c_d": 1.6, "alpha_0": 0.36, "zero_lift_angle": -0.06}
+LAW = first_guess().with_parameters(**TRUTH)
+
+
+@dataclass(frozen=True)
+class Done:
+    data: TunnelData
+    loads: tuple[str, ...]
+    fitted: Fitted
+
+    def rows(self, choice: Choice) -> Rows:
+        return tunnel_rows(PROPELLER, AIR, self.data, choice, loads=self.loads)
+
+    def coefficient_rms(self, name: str) -> float:
+        """Of C_T = T/(rho n^2 D^4), or C_P = 2 pi Q/(rho n^2 D^5)."""
+        rows, turns = self.fitted.rows, self.data.omega / (2.0 * np.pi)
+        mine = rows.load == rows.names.index(name)
+        size = AIR.density * turns**2 * PROPELLER.diameter**4
+        if name == "torque":
+            size = size * PROPELLER.diameter / (2.0 * np.pi)
+        return float(np.sqrt(np.mean((self.fitted.residual[mine] / size[rows.point[mine]]) ** 2)))
+
+    def predicted(self) -> dict[str, NDArray[np.float64]]:
+        rotor = rotor_with(PROPELLER, AIR, first_guess(), self.fitted.values, "standard")
+        found = rotor.loads(self.data.omega, self.data.speed, self.data.beta)
+        return {name: getattr(found, name) for name in LOADS}
+
+    def relative_rms(self, name: str) -> float:
+        measured = self.data.loads[name]
+        off = self.predicted()[name] - measured
+        return float(np.sqrt(np.mean(off**2) / np.mean(measured**2)))
+
+
+def done(
+    data: TunnelData, free: Sequence[str], loads: tuple[str, ...] = (), starts: int = 1
+) -> Done:
+    choice = Choice(tuple(free))
+    rows = tunnel_rows(PROPELLER, AIR, data, choice, loads=loads)
+    return Done(data, loads, fit(rows, choice, Settings(starts=starts)))
+
+
+@pytest.fixture(scope="module")
+def twin() -> TunnelData:
+    """Loads of a known section law, climbing, static and oblique."""
+    # Advance ratios up to 0.24, so that few programs serve.
+    speed = np.concatenate([np.linspace(0.0, 14.0, 12), np.linspace(2.0, 10.0, 14)])
+    beta = np.radians(np.concatenate([np.zeros(12), np.resize([20.0, 40.0, 60.0, 85.0], 14)]))
+    omega = np.resize([450.0, 550.0, 650.0], 26)
+    found = propmap.Rotor(PROPELLER, LAW, AIR).loads(omega, speed, beta)
+    return TunnelData("twin", omega, speed, beta, {n: getattr(found, n) for n in LOADS})
+
+
+@pytest.fixture(scope="module")
+def twin_fit(twin: TunnelData) -> Done:
+    return done(twin, FIVE, starts=2)
+
+
+@pytest.fixture(scope="module")
+def uiuc() -> TunnelData:
+    return read_tunnel(["uiuc-8x6e"], PROPELLER, AIR)
+
+
+@pytest.fixture(scope="module")
+def uiuc_fit(uiuc: TunnelData) -> Done:
+    return done(uiuc, FIVE)
+
+
+def test_a_noise_free_twin_gives_back_its_parameters(twin_fit: Done) -> None:
+    fitted = twin_fit.fitted
+    for name, value in TRUTH.items():
+        # The search computes stall along the blade wherever it may occur, the rotor where it is
+        # foreseen: they agree to 0.1 % of the static loads.
+        assert fitted.values[name] == pytest.approx(value, rel=5e-3), name
+    for k, name in enumerate(fitted.rows.names):
+        size = np.sqrt(np.mean(twin_fit.data.loads[name] ** 2))
+        assert fitted.rms(k) < 1e-3 * size
+    assert all(fitted.uncertainty.identified)
+    truth = np.array([TRUTH[name] for name in FIVE])
+    assert (fitted.uncertainty.low <= truth).all() and (truth <= fitted.uncertainty.high).all()
+
+
+def test_a_good_fit_blames_no_assumption(twin_fit: Done) -> None:
+    assert failing_assumptions(twin_fit.fitted, twin_fit.rows) == []
+
+
+def test_cambered_uiuc_within_the_project_s_limits(uiuc_fit: Done) -> None:
+    assert uiuc_fit.coefficient_rms("thrust") <= 0.006
+    assert uiuc_fit.coefficient_rms("torque") <= 0.005
+    fitted = uiuc_fit.fitted
+    for k in range(2):
+        assert fitted.rms(k) <= fitted.cross_validated[k] <= 1.15 * fitted.rms(k)
+    assert fitted.values["zero_lift_angle"] == pytest.approx(-0.09, abs=0.02)
+    verdicts = dict(zip(FIVE, fitted.uncertainty.identified, strict=True))
+    assert verdicts["c_l1"] and verdicts["zero_lift_angle"]
+
+
+def test_the_comparison_gives_the_fit_s_own_residuals(uiuc_fit: Done) -> None:
+    law = first_guess().with_parameters(**{n: uiuc_fit.fitted.values[n] for n in SECTION})
+    found = compare_tunnel(PROPELLER, AIR, law, uiuc_fit.data)
+    assert set(found) == {"thrust_N", "torque_Nm"}
+    for k, name in enumerate(("thrust_N", "torque_Nm")):
+        whole = found[name].all
+        assert whole.rows == len(uiuc_fit.data)
+        assert whole.rms == pytest.approx(uiuc_fit.fitted.rms(k), rel=0.02)
+        assert whole.hover_rms > 3.0 * whole.rms
+        assert sum(e.rows for e in found[name].by_speed.values()) == whole.rows
+
+
+@pytest.mark.slow
+def test_without_camber_the_fit_fails_and_says_why(uiuc: TunnelData) -> None:
+    four = done(uiuc, PAPER_FOUR)
+    assert four.coefficient_rms("thrust") > 0.02
+    told = failing_assumptions(four.fitted, four.rows)
+    assert told and "C_L(0) = 0, an uncambered section, does not hold" in told[0]
+    assert "zero_lift_angle" in told[0]
+    assert not any("drag_factor" in sentence for sentence in told)
+
+
+@pytest.fixture(scope="module")
+def published() -> TunnelData:
+    return read_tunnel(["gill-dandrea-2019-8x6e-fit"], PROPELLER, AIR)
+
+
+@pytest.mark.slow
+def test_oblique_thrust_and_torque_predict_the_roll_moment(published: TunnelData) -> None:
+    fitted = done(published, FIVE, ("thrust", "torque"))
+    assert fitted.relative_rms("thrust") <= 0.02
+    assert fitted.relative_rms("torque") <= 0.02
+    assert fitted.relative_rms("roll_moment") <= 0.03
+    model, measured = fitted.predicted()["drag"], published.loads["drag"]
+    # Published drag is in dispute: see the documents on rotor drag.
+    assert 2.0 <= np.sum(model * measured) / np.sum(model**2) <= 2.5
+
+
+@pytest.mark.slow
+def test_a_drag_factor_takes_up_the_drag(published: TunnelData) -> None:
+    fitted = done(published, (*FIVE, "drag_factor"), ("thrust", "torque", "drag"))
+    assert fitted.relative_rms("drag") <= 0.06
+    assert fitted.relative_rms("thrust") <= 0.04 and fitted.relative_rms("torque") <= 0.04
+    assert 2.0 <= fitted.fitted.values["drag_factor"] <= 2.5
+
+
+def rows_for(data: TunnelData, **options: object) -> Rows:
+    choice = options.pop("choice", Choice(FIVE))
+    return tunnel_rows(PROPELLER, AIR, data, choice, **options)  # type: ignore[arg-type]
+
+
+def test_rows_leave_out_what_was_not_measured(twin: TunnelData) -> None:
+    thrust = twin.loads["thrust"].copy()
+    thrust[[2, 5]] = np.nan
+    data = replace(twin, loads={"thrust": thrust, "drag": twin.loads["drag"]})
+    rows = rows_for(data)
+    assert rows.names == ("thrust", "drag") and rows.units == ("N", "N")
+    assert np.count_nonzero(rows.load == 0) == 24 and np.count_nonzero(rows.load == 1) == 26
+    assert not {2, 5} & set(rows.point[rows.load == 0].tolist())
+    np.testing.assert_array_equal(rows.speed, data.speed[rows.point])
+
+
+def test_residuals_are_compared_as_coefficients(twin: TunnelData) -> None:
+    rows = rows_for(twin)
+    scaled = rows.measured / rows.scale
+    for k in range(4):
+        assert np.sqrt(np.mean(scaled[rows.load == k] ** 2)) == pytest.approx(1.0)
+        per_speed = rows.scale[rows.load == k] / twin.omega[rows.point[rows.load == k]] ** 2
+        np.testing.assert_allclose(per_speed, per_speed[0])
+    heavy = rows_for(twin, weights={"torque": 3.0})
+    ratio = rows.scale / heavy.scale
+    np.testing.assert_allclose(ratio, np.where(rows.load == LOADS.index("torque"), 3.0, 1.0))
+
+
+def test_sets_with_different_loads_are_merged() -> None:
+    one = np.ones(2)
+    first = TunnelData("a", 400 * one, one, 0 * one, {"thrust": one})
+    second = TunnelData("b", 500 * one, 2 * one, one, {"torque": 2 * one, "thrust": 3 * one})
+    both = merged([first, second])
+    assert both.source == "a, b" and len(both) == 4
+    assert tuple(both.loads) == ("thrust", "torque")
+    np.testing.assert_array_equal(both.loads["thrust"], [1, 1, 3, 3])
+    np.testing.assert_array_equal(both.loads["torque"], [np.nan, np.nan, 2, 2])
+    np.testing.assert_array_equal(both.omega, [400, 400, 500, 500])
+
+
+def test_refusals(twin: TunnelData) -> None:
+    thrust = replace(twin, loads={"thrust": twin.loads["thrust"]})
+    for options, says in (
+        ({"loads": ("lift",)}, "'lift' is not a load; choose from thrust"),
+        ({"loads": ("drag",)}, "twin has no drag; fit thrust"),
+        ({"choice": Choice(("lift_area",))}, "lift_area has no part in a tunnel test"),
+        ({"choice": Choice(("c_l1", "wing_c_l1"))}, "wing_c_l1 has no part in a tunnel test"),
+        ({"choice": Choice(("drag_factor",))}, "drag_factor is free but drag is not fitted"),
+    ):
+        with pytest.raises(InputError, match=says):
+            rows_for(thrust, **options)
+    with pytest.raises(InputError, match="has no thrust"):
+        rows_for(replace(twin, loads={"thrust": np.full(26, np.nan)}), loads=("thrust",))

@@ -1,0 +1,123 @@
+"""A simulated log goes through the readers and gives its operating points again."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import propmap
+from propmap.errors import InputError
+from propmap.flight.expectation import expectation
+from propmap.flight.log_file import log_csv, log_map, log_table
+from propmap.flight.simulated import NOISELESS, SensorNoise, fly
+from propmap.flight.steady import operating_points, steady_stretches
+from propmap.flight.trim import trim
+from propmap.vehicle.flight_log import GRAVITY, FlightLog
+from propmap.vehicle.log_map import LogMap
+from propmap.vehicle.logs import read_flight_log
+from propmap.vehicle.vehicle import Vehicle
+from propmap.vehicle.vehicle_toml import VehicleFile, read_vehicle
+
+from .conftest import SPEEDS
+
+
+def _read_back(log: FlightLog, vehicle: Vehicle, folder: Path) -> FlightLog:
+    path = folder / "flight.csv"
+    path.write_text(log_csv(log))
+    return read_flight_log(path, VehicleFile(vehicle, log_map(len(vehicle.mounts))))
+
+
+def test_the_points_come_back(vehicle: Vehicle, points: FlightLog, tmp_path: Path) -> None:
+    noise = SensorNoise()
+    log = _read_back(fly(points, noise=noise, seed=3), vehicle, tmp_path)
+    stretches = steady_stretches(log)
+    assert len(stretches) == SPEEDS.size
+    found = operating_points(log, stretches)
+    # Of 600 samples, with a margin for the moments around each stretch that are not steady.
+    mean = 5.0 / np.sqrt(600.0)
+    assert found.velocity == pytest.approx(points.velocity, abs=mean * noise.velocity + 0.01)
+    assert found.up == pytest.approx(points.up, abs=mean * noise.attitude + 0.002)
+    allowed = mean * noise.specific_force + 0.03
+    assert found.specific_force == pytest.approx(points.specific_force, abs=allowed)
+    assert found.rotor_speed == pytest.approx(points.rotor_speed, rel=mean * noise.rotor_speed)
+    assert found.rates == pytest.approx(points.rates, abs=0.02)
+
+
+def test_without_noise(vehicle: Vehicle, points: FlightLog, tmp_path: Path) -> None:
+    flown = fly(points, noise=NOISELESS)
+    log = _read_back(flown, vehicle, tmp_path)
+    for name in ("time", "velocity", "rates", "up", "specific_force", "rotor_speed"):
+        # The file has nine digits.
+        assert getattr(log, name) == pytest.approx(getattr(flown, name), rel=1e-8, abs=1e-7), name
+    held = log.picked(log.time < 6.0)
+    assert held.velocity == pytest.approx(np.tile(points.velocity[0], (len(held), 1)), abs=1e-7)
+    # What the accelerometer reads between two speeds is their difference.
+    forward = log.velocity / log.speed[:, None]
+    push = np.sum(log.specific_force * forward, axis=1)
+    assert np.sum(push[1:] * np.diff(log.time)) == pytest.approx(14.0, rel=1e-3)
+    assert np.abs(push).max() <= 2.0 + 1e-6
+
+
+def test_the_seed_decides(points: FlightLog) -> None:
+    two = points.picked(slice(0, 2))
+    one, same, other = (fly(two, noise=SensorNoise(), seed=s) for s in (1, 1, 2))
+    assert np.array_equal(one.velocity, same.velocity)
+    assert not np.array_equal(one.velocity, other.velocity)
+    spread = np.std(one.rotor_speed[:600] / two.rotor_speed[0])
+    assert spread == pytest.approx(SensorNoise().rotor_speed, rel=0.1)
+
+
+def test_the_log_table_is_the_log_map(tmp_path: Path) -> None:
+    text = (
+        'schema = 1\nname = "v"\nframe = "flu"\nmass = 1.0\npropeller = "apc-8x6e"\n'
+        '[[rotors]]\nposition = [0.1, 0.0, 0.0]\nspin = "cw"\n'
+        '[[rotors]]\nposition = [-0.1, 0.0, 0.0]\nspin = "ccw"\n\n'
+    )
+    path = tmp_path / "vehicle.toml"
+    path.write_text(text + log_table(2))
+    found: LogMap = read_vehicle(path).log
+    assert found.columns == log_map(2).columns
+    assert (found.body_frame, found.world_frame, found.rotor_unit) == ("flu", "enu", "rad/s")
+
+
+@pytest.mark.parametrize(("dwell", "rate"), [(0.5, 100.0), (6.0, 1.0), (3600.0, 10_000.0)])
+def test_bad_sampling(points: FlightLog, dwell: float, rate: float) -> None:
+    with pytest.raises(InputError):
+        fly(points, dwell=dwell, rate=rate)
+
+
+def test_deviations_shrink_with_flights_and_precision(
+    vehicle: Vehicle, airfoil: propmap.Airfoil, points: FlightLog
+) -> None:
+    def deviation(log: FlightLog, error: float) -> np.ndarray:
+        found = expectation(vehicle, airfoil, log, error=error).uncertainty
+        return np.sqrt(np.diag(found.covariance))
+
+    once = deviation(points, 0.01)
+    many = trim(vehicle, airfoil, np.linspace(0.5, 14.5, 48))
+    ratio = deviation(many, 0.01) / once
+    # The square root of four times as many, and less as fewer degrees of freedom are lost.
+    assert (ratio < 0.75).all()
+    assert deviation(points, 0.02) == pytest.approx(2.0 * once)
+    # Loads are not known better than to 0.1 %.
+    assert deviation(points, 0.0) == pytest.approx(0.1 * once)
+
+
+def test_verdicts(vehicle: Vehicle, airfoil: propmap.Airfoil, points: FlightLog) -> None:
+    precise = expectation(vehicle, airfoil, points, error=0.001)
+    verdicts = dict(zip(precise.choice.free, precise.uncertainty.verdicts, strict=True))
+    assert verdicts["c_l1"] == "identified"
+    assert "the data leave it" in verdicts["c_d"]
+    assert precise.truth[0] == airfoil.c_l1
+    blind = expectation(vehicle, airfoil, points.picked(slice(0, 2)))
+    assert not any(blind.uncertainty.identified)
+    outside = airfoil.with_parameters(alpha_0=0.95)
+    with pytest.raises(InputError, match="a fit looks from"):
+        expectation(vehicle, outside, points)
+
+
+def test_hover_reads_gravity(points: FlightLog) -> None:
+    log = fly(points.picked(slice(0, 1)))
+    assert np.sum(log.specific_force * log.up, axis=1) == pytest.approx(GRAVITY)

@@ -1,0 +1,316 @@
+"""Whatever is wrong with a file, the reader says so in one line with a remedy."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from propmap.catalogue.lookup import propeller
+from propmap.errors import InputError
+from propmap.io.apc_pe0 import read_apc_pe0
+from propmap.io.geometry_file import read_geometry_file
+from propmap.io.propeller_csv import read_propeller_csv
+from propmap.io.propeller_toml import read_propeller_toml
+from propmap.io.uiuc_geometry import read_uiuc_geometry
+
+from . import samples
+
+Writer = Callable[[str | bytes], Path]
+READERS = [
+    read_apc_pe0,
+    read_uiuc_geometry,
+    read_propeller_csv,
+    read_propeller_toml,
+    read_geometry_file,
+]
+
+
+def message_of(read: Callable[[], Any]) -> str:
+    with pytest.raises(InputError) as caught:
+        read()
+    message = str(caught.value)
+    assert message.isprintable(), "one line, no control characters"
+    return message
+
+
+def edited(text: str, *pairs: str) -> str:
+    """``text`` with each old part replaced by the new one that follows it."""
+    for old, new in zip(pairs[::2], pairs[1::2], strict=True):
+        assert old in text
+        text = text.replace(old, new)
+    return text
+
+
+CSV, UIUC, PE0, TOML = samples.CSV, samples.UIUC, samples.PE0, samples.TOML
+HALF_DEGREES = "# blades: 2\nradius_m,chord_m,twist_deg\n" + "".join(
+    f"{r},0.01,{t}\n" for r, t in [(0.02, 0.6), (0.04, 0.5), (0.06, 0.4), (0.1, 0.2)]
+)
+
+CSV_CASES = {
+    "missing column": (edited(CSV, ",twist_deg", ",chord_mm"), "both give the chord"),
+    "no twist": ("radius_m,chord_m\n0.1,0.01\n", "add twist_deg or twist_rad"),
+    "no chord": ("radius_m,twist_deg\n0.1,20\n", "add chord_m"),
+    "no station": ("chord_m,twist_deg\n0.1,20\n", "add radius_m"),
+    "unknown unit": (edited(CSV, "chord_m", "chord_cm"), "expected one of radius_m"),
+    "unknown column": (edited(CSV, "twist_deg", "twist_deg,colour"), "remove it"),
+    "no unit": (edited(CSV, "radius_m", "radius"), "'radius'"),
+    "empty column name": (edited(CSV, "twist_deg", "twist_deg,"), "''"),
+    "two radius columns": (edited(CSV, "chord_m", "radius_mm"), "keep one of them"),
+    "one column twice": (edited(CSV, "chord_m,", "chord_m,chord_m,"), "keep one of them"),
+    "semicolons": (edited(CSV, ",", ";"), "separate columns by commas"),
+    "decimal commas": (edited(CSV, "0.02,0.015,38", "0,02,0,015,38,0"), "use a decimal point"),
+    "quoted decimal comma": (edited(CSV, "0.015", '"0,015"'), "use a decimal point"),
+    "unsorted": (edited(CSV, "0.06,", "0.03,"), "line 6", "unsorted", "sort the rows"),
+    "repeated station": (edited(CSV, "0.06,", "0.04,"), "line 6", "repeated", "one row per"),
+    "tip first": (edited(CSV, "0.02,0.015,38", "0.2,0.015,38"), "sort the rows"),
+    "first station at 0": (edited(CSV, "0.02,", "0,"), "start at the hub radius"),
+    "negative station": (edited(CSV, "0.02,", "-0.02,"), "start at the hub radius"),
+    "negative chord": (edited(CSV, "0.022", "-0.022"), "line 6", "negative chord"),
+    "chord all zero": (
+        edited(CSV, "0.015", "0", "0.021", "0", "0.022", "0", "0.017", "0", "0.004", "0"),
+        "give the chord",
+    ),
+    "chord in mm": (edited(CSV, "0.022", "22"), "check the units"),
+    "NaN": (edited(CSV, "0.022", "nan"), "line 6: chord_m", "finite", "correct it"),
+    "infinite": (edited(CSV, ",21", ",inf"), "line 6: twist_deg", "finite"),
+    "text in a number": (edited(CSV, "0.022", "wide"), "'wide'", "correct it"),
+    "underscore": (edited(CSV, "0.022", "0.0_22"), "finite number"),
+    "empty cell": (edited(CSV, "0.022", ""), "nothing", "correct it"),
+    "ragged row": (edited(CSV, "0.06,0.022,21", "0.06,0.022"), "line 6", "complete the row"),
+    "too few stations": (CSV[: CSV.index("0.08")], "found 3 stations", "add stations"),
+    "header only": (CSV[: CSV.index("0.02")], "one row per station"),
+    "comments only": ("# blades: 2\n", "name the columns"),
+    "degrees that look like radians": (HALF_DEGREES, "looks like radians", "named twist_rad"),
+    "radians that look like degrees": (
+        edited(CSV, "twist_deg", "twist_rad"),
+        "looks like degrees",
+        "named twist_deg",
+    ),
+    "no blades": (edited(CSV, "# blades: 3\n", ""), "pass --blades 2"),
+    "no blades at all": (edited(CSV, "blades: 3", "blades: 0"), "pass --blades 2"),
+    "half a blade": (edited(CSV, "blades: 3", "blades: 2.5"), "whole number"),
+    "many blades": (edited(CSV, "blades: 3", "blades: 300"), "from 1 to 12"),
+    "no radius": (edited(CSV, "radius_m", "r_over_R"), "pass --radius"),
+    "radius disagrees": (edited(CSV, "# blades", "# radius_m: 0.2\n# blades"), "correct it"),
+    "radius not a number": (edited(CSV, "# blades", "# radius_m: wide\n# blades"), "'wide'"),
+    "radius negative": (edited(CSV, "# blades", "# radius_m: -1\n# blades"), "above 0"),
+    "r_over_R above 1": (
+        edited(
+            CSV, "radius_m", "r_over_R", "# blades", "# radius_m: 0.1\n# blades", "0.10,", "10,"
+        ),
+        "line 9: r/R is 10",
+        "divide by the tip radius",
+    ),
+    "r_over_R without tip": (
+        edited(CSV, "radius_m", "r_over_R", "# blades", "# radius_m: 0.1\n# blades"),
+        "add the tip station",
+    ),
+    "millimetres as metres": (
+        edited(
+            CSV, "0.02,", "20,", "0.04,", "40,", "0.06,", "60,", "0.08,", "80,", "0.10,", "100,"
+        ),
+        "check the units",
+    ),
+    "endless cell": (edited(CSV, "0.022", "2" * 200_000), "not CSV"),
+    "product too large": (
+        edited(CSV, "0.10,", "1e308,", "0.022", "1e9", "chord_m", "c_over_R"),
+        "line 6: chord is inf",
+    ),
+    "far below 0": (edited(CSV, "0.02,", "1e308,", "0.04,", "-1e308,"), "sort the rows"),
+    "huge number": (edited(CSV, "0.022", "1e999"), "finite number"),
+}
+
+UIUC_CASES = {
+    "another header": (edited(UIUC, "r/R    c/R     beta", "J CT CP eta"), "*_geom.txt"),
+    "header only": ("r/R c/R beta\n", "one row per station"),
+    "ragged": (edited(UIUC, "0.220   21.00", "0.220"), "line 4", "complete the row"),
+    "text": (edited(UIUC, "0.220", "x"), "line 4: c/R", "correct it"),
+    "NaN": (edited(UIUC, "0.220", "NaN"), "line 4: c/R", "finite"),
+    "unsorted": (edited(UIUC, "0.60 ", "0.30 "), "line 4", "sort the rows"),
+    "repeated": (edited(UIUC, "0.60 ", "0.40 "), "line 4", "one row per"),
+    "beyond the tip": (edited(UIUC, "1.00 ", "1.05 "), "line 6", "divide by"),
+    "no tip": (edited(UIUC, "1.00   0.040   10.00\n", ""), "add the tip"),
+    "too few": (UIUC[:20] + "\n0.2 0.1 30\n1.0 0.1 10\n", "found 2 stations"),
+    "radians": (
+        edited(UIUC, "38.", ".6", "30.", ".5", "21.", ".4", "15.", ".3", "10.", ".1"),
+        "looks like radians",
+    ),
+    "negative chord": (edited(UIUC, "0.220", "-0.22"), "line 4", "negative chord"),
+}
+
+PE0_CASES = {
+    "no table": (edited(PE0, "STATION", "WHERE"), "as APC publishes it"),
+    "no twist": (edited(PE0, "TWIST", "ANGLE"), "no column TWIST"),
+    "other unit": (edited(PE0, "(IN)       (IN)   ", "(MM)       (MM)   "), "convert"),
+    "header at the end": (PE0[: PE0.index("       (IN)  ")], "unit"),
+    "no rows": (samples.PE0_HEADER + samples.PE0_TRAILER, "found 0 stations"),
+    "ragged": (edited(PE0, "23.0000     -0.0100", "23.0000-0.0100"), "found 6 figures"),
+    "stars": (edited(PE0, "23.0000", "*******"), "line 14: TWIST", "correct it"),
+    "unsorted": (edited(PE0, "1.5000 ", "0.7000 "), "line 14", "sort the rows"),
+    "repeated": (edited(PE0, "1.5000 ", "1.0000 "), "line 14", "one row per"),
+    "cut off": (edited(PE0, "RADIUS:  2.50", "RADIUS:  3.50"), "RADIUS", "correct it"),
+    "no blades": (edited(PE0, "BLADES:", "PARTS:"), "pass --blades 2"),
+    "blades not a number": (edited(PE0, "BLADES:  2 ", "BLADES:  two"), "whole number"),
+    "hub beyond the tip": (edited(PE0, "HUBTRA:  0.50", "HUBTRA:  2.45"), "root cut-out"),
+    "radians": (
+        edited(PE0, "44.", "0.", "32.", "0.", "23.", "0.", "17.", "0.", "14.0000", "0.2"),
+        "looks like radians",
+    ),
+}
+
+TOML_CASES = {
+    "not TOML": (edited(TOML, "blades = 2", "blades = "), "not TOML", "syntax"),
+    "newer schema": (edited(TOML, "schema = 1", "schema = 2"), "update propmap"),
+    "no schema": (edited(TOML, "schema = 1", ""), "write schema = 1"),
+    "no chord": (edited(TOML, "chord_m", "# chord_m"), "add chord_m"),
+    "unknown field": (edited(TOML, "family", "famly"), "'famly'", "rename"),
+    "text in an array": (edited(TOML, "0.022", '"wide"'), "chord_m", "write a number"),
+    "no array": (edited(TOML, "chord_m = [", "chord_m = 1 # ["), "write chord_m = [...]"),
+    "NaN": (edited(TOML, "0.022", "nan"), "entry 2: chord", "finite"),
+    "lengths differ": (edited(TOML, "0.015, ", ""), "lists of one length"),
+    "degrees": (edited(TOML, "[0.6", "[30.6"), "looks like degrees"),
+    "blades as text": (edited(TOML, "blades = 2", 'blades = "2"'), "pass --blades"),
+    "blades as truth": (edited(TOML, "blades = 2", "blades = true"), "pass --blades"),
+    "radius disagrees": (edited(TOML, "radius_m = 0.1", "radius_m = 4"), "correct it"),
+    "name not text": (edited(TOML, '"hand-made"', "3"), "use quotes"),
+    "cut-out inside": (TOML + "root_cutout_m = 0.01\n", "between 0.02 m"),
+    "cut-out outside": (TOML + "root_cutout_m = 0.2\n", "0.09 m"),
+    "long integer": (edited(TOML, "0.022", "9" * 400), "write a number"),
+    "very long integer": (edited(TOML, "0.022", "9" * 5000), "not TOML"),
+    "deep nesting": ("schema = " + "[" * 100_000, "not TOML"),
+}
+
+
+@pytest.mark.parametrize("case", CSV_CASES)
+def test_bad_csv(written: Writer, case: str) -> None:
+    content, *words = CSV_CASES[case]
+    path = written(content)
+    message = message_of(lambda: read_propeller_csv(path))
+    assert str(path) in message
+    for word in words:
+        assert word in message
+
+
+@pytest.mark.parametrize("case", UIUC_CASES)
+def test_bad_uiuc(written: Writer, case: str) -> None:
+    content, *words = UIUC_CASES[case]
+    path = written(content)
+    message = message_of(lambda: read_uiuc_geometry(path, radius=0.1))
+    assert str(path) in message
+    for word in words:
+        assert word in message
+
+
+@pytest.mark.parametrize("case", PE0_CASES)
+def test_bad_pe0(written: Writer, case: str) -> None:
+    content, *words = PE0_CASES[case]
+    path = written(content)
+    message = message_of(lambda: read_apc_pe0(path))
+    assert str(path) in message
+    for word in words:
+        assert word in message
+
+
+@pytest.mark.parametrize("case", TOML_CASES)
+def test_bad_toml(written: Writer, case: str) -> None:
+    content, *words = TOML_CASES[case]
+    path = written(content)
+    message = message_of(lambda: read_propeller_toml(path))
+    assert str(path) in message
+    for word in words:
+        assert word in message
+
+
+NO_TEXT: dict[str, tuple[bytes, str]] = {
+    "empty": (b"", "give a geometry file"),
+    "blank": (b" \n\n\t\n", "give a geometry file"),
+    "binary": (b"\x7fELF\x00\x01\x02\x00", "give a text file"),
+    "latin-1": ("# name: h\xe9lice\n".encode("latin-1") + CSV.encode(), "save the file as UTF-8"),
+    "utf-16": (CSV.encode("utf-16"), "save it as UTF-8"),
+    "huge": (b"0.1,0.2\n" * 700_000, "not a geometry file"),
+}
+
+
+@pytest.mark.parametrize("case", NO_TEXT)
+@pytest.mark.parametrize("read", READERS)
+def test_no_text(written: Writer, read: Callable[..., Any], case: str) -> None:
+    content, remedy = NO_TEXT[case]
+    path = written(content)
+    assert remedy in message_of(lambda: read(path))
+
+
+@pytest.mark.parametrize("read", [*READERS, propeller])
+def test_no_file(tmp_path: Path, read: Callable[..., Any]) -> None:
+    assert "name a file inside it" in message_of(lambda: read(tmp_path))
+    assert "check the path" in message_of(lambda: read(tmp_path / "none.csv"))
+    assert "check the path" in message_of(lambda: read(f"{tmp_path}/nu\0ll"))
+    assert "check the path" in message_of(lambda: read(f"{tmp_path}/" + "long" * 2000))
+    assert "check the path" in message_of(lambda: read(tmp_path / "two\nlines"))
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no named pipes here")
+def test_a_pipe_is_refused_and_not_waited_for(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe")
+    assert "save the data to a file" in message_of(lambda: read_geometry_file(tmp_path / "pipe"))
+
+
+def test_links_in_a_circle(tmp_path: Path) -> None:
+    (tmp_path / "a").symlink_to(tmp_path / "b")
+    (tmp_path / "b").symlink_to(tmp_path / "a")
+    assert "check the path" in message_of(lambda: read_geometry_file(tmp_path / "a"))
+
+
+@pytest.mark.parametrize("content", [UIUC, CSV, PE0, TOML], ids=["uiuc", "csv", "pe0", "toml"])
+@pytest.mark.parametrize("blades", [0, -2, 13, 2.5, "two", True])
+def test_bad_blades_argument(written: Writer, content: str, blades: Any) -> None:
+    path, radius = written(content), 0.1 if content == UIUC else None
+    message = message_of(lambda: read_geometry_file(path, blades=blades, radius=radius))
+    assert "pass --blades 2" in message
+
+
+@pytest.mark.parametrize("radius", [0.0, -0.1, float("nan"), float("inf"), None])
+def test_bad_radius_argument(written: Writer, radius: float | None) -> None:
+    path = written(UIUC)
+    assert "pass --radius" in message_of(lambda: read_geometry_file(path, radius=radius))
+
+
+@pytest.mark.parametrize("content", [CSV, PE0, TOML], ids=["csv", "pe0", "toml"])
+@pytest.mark.parametrize("radius", [0.5, -0.1, float("nan")])
+def test_radius_argument_must_agree(written: Writer, content: str, radius: float) -> None:
+    path = written(content)
+    assert "leave the radius out" in message_of(lambda: read_geometry_file(path, radius=radius))
+
+
+@pytest.mark.parametrize(
+    "content", ["hello\n", "J CT CP eta\n0.1 0.2 0.3 0.4\n", "t,x,y\n1,2,3\n", "{}\n", "# only\n"]
+)
+def test_unknown_format(written: Writer, content: str) -> None:
+    path = written(content)
+    assert "give an APC PE0 file, a UIUC geometry file" in message_of(lambda: propeller(path))
+
+
+@settings(
+    max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
+@given(
+    content=st.sampled_from([CSV, UIUC, PE0, TOML]),
+    where=st.floats(0.0, 1.0),
+    cut=st.integers(0, 12),
+    junk=st.text(max_size=8) | st.sampled_from(["-", "1e9", ",", "\n", "nan", '"', "\x0c", "#"]),
+)
+def test_damage_gives_a_blade_or_an_input_error(
+    written: Writer, content: str, where: float, cut: int, junk: str
+) -> None:
+    start = int(where * len(content))
+    path = written((content[:start] + junk + content[start + cut :]).encode("utf-8", "ignore"))
+    for radius in (None, 0.1):
+        try:
+            assert read_geometry_file(path, radius=radius).radius > 0.0
+        except InputError as error:
+            assert str(error).isprintable()

@@ -1,0 +1,120 @@
+"""Each format is read to the numbers that are in it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from propmap.catalogue.lookup import propeller
+from propmap.io.apc_pe0 import read_apc_pe0
+from propmap.io.geometry_file import read_geometry_file
+from propmap.io.propeller_csv import read_propeller_csv
+from propmap.io.propeller_toml import read_propeller_toml
+from propmap.io.uiuc_geometry import read_uiuc_geometry
+from propmap.model.propeller import Propeller
+
+from . import samples
+
+Writer = Callable[[str | bytes], Path]
+ORIGINALS = Path(__file__).resolve().parents[3] / "shared" / "data"
+
+
+def same_blade(one: Propeller, other: Propeller) -> bool:
+    return all(
+        np.allclose(getattr(one, field), getattr(other, field), rtol=1e-12, atol=0.0)
+        for field in ("station", "chord", "twist")
+    )
+
+
+def test_pe0_columns_and_units(written: Writer) -> None:
+    blade = read_apc_pe0(written(samples.PE0))
+    assert (blade.name, blade.blades) == ("apc-5x4t", 2)
+    np.testing.assert_allclose(blade.station, np.array([0.5, 1.0, 1.5, 2.0, 2.5]) * 0.0254)
+    np.testing.assert_allclose(blade.chord, np.array([0.4, 0.6, 0.65, 0.5, 0.01]) * 0.0254)
+    np.testing.assert_allclose(np.rad2deg(blade.twist), [44.0, 32.0, 23.0, 17.0, 14.0])
+    assert blade.root == pytest.approx(0.5 * 0.0254)
+    assert blade.diameter == pytest.approx(5.0 * 0.0254)
+
+
+def test_pe0_loads_from_the_hub_transition_where_that_is_further_out(written: Writer) -> None:
+    blade = read_apc_pe0(written(samples.PE0.replace("HUBTRA:  0.50", "HUBTRA:  0.80")))
+    assert blade.root == pytest.approx(0.8 * 0.0254)
+    assert blade.station[0] == pytest.approx(0.5 * 0.0254)
+
+
+def test_pe0_line_ends_do_not_matter(written: Writer) -> None:
+    unix = read_apc_pe0(written(samples.PE0))
+    assert read_apc_pe0(written(samples.PE0.replace("\n", "\r\n"))) == unix
+
+
+def test_uiuc_scales_with_radius_and_has_two_blades_by_default(written: Writer) -> None:
+    blade = read_uiuc_geometry(written(samples.UIUC), radius=0.15)
+    assert blade.blades == 2
+    np.testing.assert_allclose(blade.station, np.array([0.2, 0.4, 0.6, 0.8, 1.0]) * 0.15)
+    np.testing.assert_allclose(blade.chord, np.array([0.15, 0.21, 0.22, 0.17, 0.04]) * 0.15)
+    np.testing.assert_allclose(np.rad2deg(blade.twist), [38.0, 30.0, 21.0, 15.0, 10.0])
+    assert read_uiuc_geometry(written(samples.UIUC), blades=4, radius=0.15).blades == 4
+
+
+def test_csv_comments_are_read(written: Writer) -> None:
+    blade = read_propeller_csv(written(samples.CSV))
+    assert (blade.name, blade.blades, blade.radius) == ("hand-made", 3, 0.1)
+
+
+@pytest.mark.parametrize(
+    ("column", "per_metre"), [("m", 1.0), ("mm", 1000.0), ("in", 1.0 / 0.0254), ("_over_R", 10.0)]
+)
+@pytest.mark.parametrize("twist", ["deg", "rad"])
+def test_csv_units_give_one_blade(
+    written: Writer, column: str, per_metre: float, twist: str
+) -> None:
+    expected = read_propeller_csv(written(samples.CSV))
+    stem = column.startswith("_")
+    names = (f"r{column}", f"c{column}") if stem else (f"radius_{column}", f"chord_{column}")
+    angles = np.rad2deg(expected.twist) if twist == "deg" else expected.twist
+    rows = zip(angles, expected.chord * per_metre, expected.station * per_metre, strict=True)
+    text = f"# radius_m: 0.1\ntwist_{twist},{names[1]},{names[0]}\n" + "".join(
+        f"{float(a)!r},{float(c)!r},{float(r)!r}\n" for a, c, r in rows
+    )
+    assert same_blade(read_propeller_csv(written(text), blades=2), expected)
+
+
+def test_csv_chord_as_a_fraction_of_stations_in_metres(written: Writer) -> None:
+    blade = read_propeller_csv(written(samples.CSV.replace("chord_m", "c_over_R")))
+    assert blade.chord[0] == pytest.approx(0.015 * 0.1)
+
+
+def test_csv_with_byte_order_mark_blank_lines_and_quotes(written: Writer) -> None:
+    text = "\ufeff" + samples.CSV.replace("radius_m,", '"radius_m", ').replace("\n", "\n\n")
+    assert same_blade(read_propeller_csv(written(text)), read_propeller_csv(written(samples.CSV)))
+
+
+def test_toml_fields(written: Writer) -> None:
+    blade = read_propeller_toml(written(samples.TOML + "root_cutout_m = 0.03\n"))
+    assert (blade.name, blade.blades, blade.root) == ("hand-made", 2, 0.03)
+    assert blade.source == "written for a test"
+
+
+@pytest.mark.parametrize(
+    ("content", "radius"),
+    [(samples.PE0, None), (samples.UIUC, 0.1), (samples.CSV, None), (samples.TOML, None)],
+    ids=["pe0", "uiuc", "csv", "toml"],
+)
+def test_content_tells_the_format(written: Writer, content: str, radius: float | None) -> None:
+    path = written(content)
+    blade = read_geometry_file(path, blades=5, radius=radius)
+    assert blade.blades == 5
+    assert propeller(path, blades=5, radius=radius) == blade
+    assert propeller(str(path), blades=5, radius=radius) == blade
+
+
+@pytest.mark.skipif(not ORIGINALS.is_dir(), reason="the published data are not here")
+def test_original_uiuc_layout() -> None:
+    folder = ORIGINALS / "uiuc" / "raw" / "apcsf_10x7" / "uiuc_data"
+    blade = propeller(folder / "apcsf_10x7_geom.txt", radius=0.127)
+    table = np.loadtxt(folder / "apcsf_10x7_geom.txt", skiprows=1)
+    np.testing.assert_allclose(blade.chord, table[:, 1] * 0.127)
+    np.testing.assert_allclose(np.rad2deg(blade.twist), table[:, 2])

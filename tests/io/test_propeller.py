@@ -1,0 +1,130 @@
+"""The blade object: its defaults, its checks, and finding one by name."""
+
+from __future__ import annotations
+
+import pickle
+from dataclasses import FrozenInstanceError
+from typing import Any
+
+import numpy as np
+import pytest
+
+from propmap.catalogue.lookup import propeller
+from propmap.errors import InputError
+from propmap.model.propeller import Propeller
+
+GOOD: dict[str, Any] = {
+    "name": "p",
+    "blades": 2,
+    "station": [0.02, 0.04, 0.07, 0.1],
+    "chord": [0.01, 0.02, 0.02, 0.0],
+    "twist": [0.6, 0.4, 0.3, 0.2],
+}
+
+
+def test_radius_root_and_diameter() -> None:
+    blade = Propeller(**GOOD)
+    assert (blade.radius, blade.diameter, blade.root) == (0.1, 0.2, 0.02)
+    assert blade.with_root_cutout(0.03).root == 0.03
+    assert blade.root_cutout is None
+
+
+def test_arrays_are_read_only_copies() -> None:
+    station = np.array(GOOD["station"])
+    blade = Propeller(**{**GOOD, "station": station})
+    station[0] = 5.0
+    assert blade.station[0] == 0.02
+    assert blade.chord.dtype == np.float64
+    with pytest.raises(ValueError, match="read-only"):
+        blade.chord[0] = 1.0
+    with pytest.raises(FrozenInstanceError):
+        blade.blades = 3  # type: ignore[misc]
+
+
+def test_equal_blades_are_equal_and_hash_alike() -> None:
+    assert Propeller(**GOOD) == Propeller(**GOOD)
+    assert hash(Propeller(**GOOD)) == hash(Propeller(**GOOD))
+    for field, value in {
+        "name": "q",
+        "blades": 3,
+        "chord": [0.01, 0.02, 0.021, 0.0],
+        "root_cutout": 0.03,
+    }.items():
+        assert Propeller(**{**GOOD, field: value}) != Propeller(**GOOD)
+    assert Propeller(**GOOD) != "p"
+    assert pickle.loads(pickle.dumps(Propeller(**GOOD))) == Propeller(**GOOD)
+
+
+@pytest.mark.parametrize(
+    ("field", "value", "words"),
+    [
+        ("station", [0.02, 0.04, 0.04, 0.1], ["station 2", "repeated", "one row per station"]),
+        ("station", [0.02, 0.07, 0.04, 0.1], ["station 2", "unsorted", "sort the rows"]),
+        ("station", [0.0, 0.04, 0.07, 0.1], ["station 0", "hub radius"]),
+        ("station", [0.02, 0.04, np.nan, 0.1], ["station 2", "finite"]),
+        ("station", [0.02, 0.04, 0.1], ["one length"]),
+        ("station", [[0.02, 0.04], [0.07, 0.1]], ["one length"]),
+        ("station", "wide", ["list of numbers"]),
+        ("station", None, ["one length"]),
+        ("station", [20.0, 40.0, 70.0, 100.0], ["at most 20 m", "check the units"]),
+        ("chord", [0.01, -0.02, 0.02, 0.0], ["station 1", "negative chord"]),
+        ("chord", [0.0] * 4, ["give the chord"]),
+        ("chord", [0.01, 0.2, 0.02, 0.0], ["station 1", "units"]),
+        ("chord", [0.01, np.inf, 0.02, 0.0], ["station 1", "finite"]),
+        ("twist", [35.0, 30.0, 20.0, 10.0], ["station 0", "looks like degrees", "twist_deg"]),
+        ("twist", [0.6, -1.7, 0.2, 0.1], ["station 1", "looks like degrees"]),
+        ("blades", 0, ["from 1 to 12"]),
+        ("blades", 13, ["from 1 to 12"]),
+        ("blades", 2.0, ["whole number"]),
+        ("blades", True, ["whole number"]),
+        ("root_cutout", 0.01, ["between 0.02 m", "first station"]),
+        ("root_cutout", 0.095, ["0.09 m"]),
+        ("root_cutout", np.nan, ["root cut-out"]),
+        ("root_cutout", "wide", ["in metres"]),
+    ],
+)
+def test_impossible_blades(field: str, value: object, words: list[str]) -> None:
+    with pytest.raises(InputError) as caught:
+        Propeller(**{**GOOD, field: value})
+    assert str(caught.value).isprintable()
+    for word in words:
+        assert word in str(caught.value)
+
+
+def test_too_few_stations() -> None:
+    with pytest.raises(InputError, match="found 3 stations, expected at least 4"):
+        Propeller("p", 2, [0.1, 0.2, 0.3], [0.1] * 3, [0.1] * 3)  # type: ignore[arg-type]
+
+
+def test_error_keeps_its_parts_and_survives_pickling() -> None:
+    error = InputError("found x, expected y", "do z", "file")
+    assert str(error) == "file: found x, expected y; do z"
+    assert (error.found, error.remedy, error.where) == ("found x, expected y", "do z", "file")
+    copy = pickle.loads(pickle.dumps(error))
+    assert (str(copy), copy.remedy) == (str(error), "do z")
+
+
+def test_a_catalogue_name_in_any_case() -> None:
+    assert propeller("APC-8x6E") == propeller("apc-8x6e")
+    changed = propeller("apc-8x6e", blades=3, root_cutout=0.03, radius=0.1016)
+    assert (changed.blades, changed.root) == (3, 0.03)
+
+
+def test_a_catalogue_propeller_has_its_own_radius() -> None:
+    with pytest.raises(InputError, match="leave the radius out"):
+        propeller("apc-8x6e", radius=0.2)
+
+
+@pytest.mark.parametrize(
+    ("name", "close"), [("apc-8x6", "apc-8x6e"), ("uiuc-apce-9x7", "uiuc-apce-9x6")]
+)
+def test_an_unknown_name_brings_close_ones(name: str, close: str) -> None:
+    with pytest.raises(InputError, match=f"did you mean .*{close}.*see `propmap props`"):
+        propeller(name)
+
+
+@pytest.mark.parametrize("name", ["zzz", "", "8x4.5", "two\nlines", "nu\0ll"])
+def test_a_hopeless_name(name: str) -> None:
+    with pytest.raises(InputError) as caught:
+        propeller(name)
+    assert str(caught.value).isprintable()

@@ -1,0 +1,52 @@
+"""Errors are what they are called, and the hover model is that of a static test."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from propmap.catalogue.measurements import Measurement, measurement
+from propmap.papers.gill_dandrea_2017.tunnel import Compared, errors, static_constants
+from propmap.report.sheet import csv_of_rows
+
+
+def _data(thrust: np.ndarray, torque: np.ndarray | None) -> Measurement:
+    omega, speed = np.array([100.0, 200.0, 300.0]), np.array([0.0, 0.0, 5.0])
+    nothing = np.zeros(3)
+    return Measurement(
+        "d", "apc-8x6e", "measured", 1.2, "", "", omega, speed, nothing, thrust, torque, None, None
+    )
+
+
+def test_hover_constants_come_from_the_rows_at_rest() -> None:
+    still = static_constants(_data(np.array([1.0, 4.0, -7.0]), None))
+    assert still.k_thrust == pytest.approx(1e-4)
+    assert np.isnan(still.k_torque)
+
+
+def test_errors_of_a_load() -> None:
+    truth = np.array([1.0, -4.0, 2.0])
+    found = {"thrust": np.array([1.0, -3.7, 3.0])}
+    one = Compared(_data(truth, None), {}, {"thrust": truth}, {"m": found})
+    (error,) = errors({"set": one})
+    assert (error.data_set, error.load, error.unit, error.points) == ("set", "thrust", "N", 3)
+    assert error.rms == pytest.approx(np.sqrt((0.3**2 + 1.0) / 3.0))
+    assert error.worst == pytest.approx(1.0)
+    assert error.rms_share == pytest.approx(error.rms / np.sqrt(7.0))
+    assert error.worst_share == pytest.approx(0.25)
+    assert error.within_nine == pytest.approx(2.0 / 3.0)
+
+
+def test_every_data_set_has_a_static_test() -> None:
+    for name in ("uiuc-8x6e", "gill-dandrea-2019-8x6e-fit", "davoudi-8x4.5mr-thrust"):
+        data = measurement(name)
+        still = data.speed == 0.0
+        assert still.any()
+        assert data.thrust is not None
+        model = static_constants(data).thrust(data.omega[still])
+        assert model == pytest.approx(data.thrust[still], rel=0.1, abs=0.1)
+
+
+def test_sheets() -> None:
+    text = csv_of_rows(("set", "a_N", "b_N"), [("x", 1.0 / 3.0, float("nan")), ("y", 1e-20, None)])
+    assert text == "set,a_N,b_N\nx,0.333333,\ny,0,\n"

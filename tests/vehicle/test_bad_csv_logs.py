@@ -1,0 +1,187 @@
+"""Whatever is wrong with a CSV log or its column map, the reader says so in one line."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from propmap.vehicle.logs import read_flight_log
+from tests.flight.synthetic import vehicle_with
+
+from .refusals import LOG, message_of
+from .write_logs import write_csv
+
+
+@dataclass
+class Table:
+    """A CSV log as cells, and its ``[log]`` table, to be damaged."""
+
+    header: list[str]
+    rows: list[list[str]]
+    log: str
+
+    def put(self, row: int, column: str, value: str) -> None:
+        self.rows[row][self.header.index(column)] = value
+
+    def column(self, name: str, change: Callable[[float], float]) -> None:
+        place = self.header.index(name)
+        for row in self.rows:
+            row[place] = repr(change(float(row[place])))
+
+
+def _edit(old: str, new: str) -> Callable[[Table], None]:
+    def change(table: Table) -> None:
+        assert old in table.log
+        table.log = table.log.replace(old, new)
+
+    return change
+
+
+def _many(column: str, value: str) -> Callable[[Table], None]:
+    return lambda table: [table.put(row, column, value) for row in range(20, 40)] and None
+
+
+def _swap_halves(table: Table) -> None:
+    table.rows = table.rows[60:] + table.rows[:60]
+
+
+def _mixed_quaternion(table: Table) -> None:
+    table.log = table.log.replace('qw = "qw"', 'qw = "vx"')
+
+
+def _degrees(table: Table) -> None:
+    for name, cell in (("roll", "10.0"), ("pitch", "20.0"), ("yaw", "30.0")):
+        table.header.append(name)
+        for row in table.rows:
+            row.append(cell)
+    lines = [line for line in table.log.splitlines() if not line.startswith("q")]
+    table.log = "\n".join([*lines, 'roll = "roll"', 'pitch = "pitch"', 'yaw = "yaw"', ""])
+
+
+CSV_CASES: dict[str, tuple[Callable[[Table], object], list[str]]] = {
+    "a column is missing": (
+        lambda t: t.header.__setitem__(t.header.index("vy"), "v_y"),
+        ["log.csv", "column 'vy' is missing", "time_s, vx, v_y", "did you mean 'v_y'", "velocity"],
+    ),
+    "a column twice": (
+        lambda t: t.header.__setitem__(t.header.index("ax"), "vy"),
+        ["column 'vy' occurs more than once", "velocity in [log.columns]"],
+    ),
+    "no column map": (
+        lambda t: setattr(t, "log", t.log.partition("[log.columns]")[0]),
+        ["vehicle.toml: [log.columns]: no time; add time ="],
+    ),
+    "attitude twice": (
+        lambda t: setattr(t, "log", t.log + 'roll = "roll"\n'),
+        ["the attitude is given twice", "keep one"],
+    ),
+    "text in a number": (
+        lambda t: t.put(4, "vx", "fast"),
+        ["log.csv, line 6, column vx", "'fast' is not a number", "decimal point"],
+    ),
+    "decimal comma": (
+        lambda t: t.put(4, "vx", '"1,5"'),
+        ["line 6, column vx", "'1,5'", "decimal point"],
+    ),
+    "many samples are NaN": (
+        _many("q", "nan"),
+        ["20 of 120 samples of rates (p, q, r) are not finite", "export the log again"],
+    ),
+    "a wrong quaternion": (
+        _mixed_quaternion,
+        ["samples of attitude (qw, qx, qy, qz) are no unit quaternion", "qw, qx, qy, qz"],
+    ),
+    "time runs back": (
+        _swap_halves,
+        ["60 of 120 samples", "a time that does not rise", "sort by time"],
+    ),
+    "time stands still": (
+        lambda t: t.column("time_s", lambda _: 1.0),
+        ["119 of 120", "a time that does not rise"],
+    ),
+    "time in ms": (
+        lambda t: t.column("time_s", lambda time: 1000.0 * time),
+        ["comes every 20 s", "give times in seconds"],
+    ),
+    "two rows": (
+        lambda t: setattr(t, "rows", t.rows[:2]),
+        ["has 2 samples, expected at least 10", "some seconds of flight"],
+    ),
+    "header only": (lambda t: setattr(t, "rows", []), ["has 0 samples", "some seconds"]),
+    "another body frame": (
+        _edit('body_frame = "flu"', 'body_frame = "frd"'),
+        ["on average the rotors point down", "check body_frame, world_frame", "vehicle.toml"],
+    ),
+    "another world frame": (
+        _edit('world_frame = "enu"', 'world_frame = "ned"'),
+        ["on average the rotors point down", "check body_frame, world_frame", "vehicle.toml"],
+    ),
+    "both frames confused": (
+        _edit('body_frame = "flu"\nworld_frame = "enu"', 'body_frame = "frd"\nworld_frame = "ned"'),
+        ["averages -9.8", "expected about 9.81", "check body_frame, world_frame", "vehicle.toml"],
+    ),
+    "in units of g": (
+        lambda t: [t.column(name, lambda a: a / 9.80665) for name in ("ax", "ay", "az")],
+        ["averages 1 m/s^2", "give it in m/s^2, not in units of g"],
+    ),
+    "angles in degrees": (_degrees, ["reach 30", "looks like degrees", "to radians"]),
+    "no frame stated": (
+        _edit('body_frame = "flu"\n', ""),
+        ["vehicle.toml: [log]: no body_frame", 'add body_frame = "flu" or "frd"'],
+    ),
+    "no velocity frame stated": (
+        _edit('velocity_in = "body"\n', ""),
+        ["no velocity_in", 'add velocity_in = "body" or "world"'],
+    ),
+    "no rotor unit stated": (
+        _edit('rotor_unit = "rad/s"\n', ""),
+        ["no rotor_unit", '"rad/s" or "rpm" or "erpm"'],
+    ),
+    "erpm without pole pairs": (
+        _edit('"rad/s"', '"erpm"'),
+        ["there is no pole_pairs", "half the number of the motor's magnets"],
+    ),
+}
+
+
+@pytest.mark.parametrize("name", CSV_CASES)
+def test_bad_csv(name: str, tmp_path: Path) -> None:
+    path = tmp_path / "log.csv"
+    log = write_csv(LOG, path)
+    lines = path.read_text(encoding="utf-8").splitlines()
+    table = Table(lines[0].split(","), [line.split(",") for line in lines[1:]], log)
+    damage, parts = CSV_CASES[name]
+    damage(table)
+    text = "\n".join(",".join(cells) for cells in [table.header, *table.rows])
+    path.write_text(text, encoding="utf-8")
+    message = message_of(path, vehicle_with(table.log, tmp_path))
+    for part in parts:
+        assert part in message
+
+
+def test_a_ragged_csv_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "log.csv"
+    log = write_csv(LOG, path)
+    path.write_text(path.read_text(encoding="utf-8") + "1" + ",2" * 40, encoding="utf-8")
+    message = message_of(path, vehicle_with(log, tmp_path))
+    assert "log.csv: cannot be read" in message and "export the log again" in message
+
+
+def test_a_few_bad_samples_are_dropped_and_counted(tmp_path: Path) -> None:
+    path = tmp_path / "log.csv"
+    log = write_csv(LOG, path)
+    lines = path.read_text(encoding="utf-8").splitlines()
+    lines[10] = lines[9]
+    lines[20] = lines[20].replace(lines[20].split(",")[1], "", 1)
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    read = read_flight_log(path, vehicle_with(log, tmp_path))
+    assert read.source.endswith(
+        "(dropped: 1 samples with a time that does not rise, 1 samples not finite)"
+    ) or read.source.endswith(
+        "(dropped: 1 samples not finite, 1 samples with a time that does not rise)"
+    )
+    assert np.all(np.diff(read.time) > 0.0)

@@ -1,0 +1,172 @@
+"""Vehicle files: what they say, and what is wrong with them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from propmap.errors import InputError
+from propmap.vehicle.vehicle import Body, Wing
+from propmap.vehicle.vehicle_toml import VehicleFile, read_vehicle
+from tests.io import samples
+
+VEHICLE = """schema = 1
+name = "test"
+frame = "frd"
+mass = 1.5
+propeller = "apc-8x6e"
+
+[air]
+density = 1.1
+
+[[rotors]]
+position = [0.1, 0.2, 0.05]
+spin = "ccw"
+
+[[rotors]]
+position = [-0.1, -0.2, 0.0]
+axis = [0.6, 0.0, -0.8]
+spin = "cw"
+
+[body]
+drag_area = [0.01, 0.01, 0.02]
+
+[wing]
+area = 0.2
+incidence = 0.05
+
+[log]
+body_frame = "frd"
+world_frame = "ned"
+velocity_in = "world"
+rotor_unit = "erpm"
+pole_pairs = 7
+rotor_order = [2, 1]
+wind = [1.0, 2, 0]
+
+[log.columns]
+time = "t"
+velocity = ["u", "v", "w"]
+rotor_speed = ["a", "b"]
+
+[log.topics]
+imu = "/imu"
+"""
+
+
+def read(text: str, folder: Path) -> VehicleFile:
+    path = folder / "vehicle.toml"
+    path.write_text(text, encoding="utf-8")
+    return read_vehicle(path)
+
+
+def test_a_vehicle_file(tmp_path: Path) -> None:
+    found = read(VEHICLE, tmp_path)
+    vehicle, log = found.vehicle, found.log
+    assert (vehicle.name, vehicle.mass, vehicle.propeller.name) == ("test", 1.5, "apc-8x6e")
+    assert (vehicle.air.density, vehicle.air.viscosity) == (1.1, 1.983e-5)
+    first, second = vehicle.mounts
+    # From forward, right, down to forward, left, up.
+    assert first.position == (0.1, -0.2, -0.05) and first.axis == (0.0, 0.0, 1.0)
+    assert second.position == (-0.1, 0.2, 0.0) and second.axis == (0.6, 0.0, 0.8)
+    assert (first.spin, second.spin) == ("ccw", "cw")
+    assert vehicle.body == Body(drag_area=(0.01, 0.01, 0.02))
+    assert vehicle.wing == Wing(area=0.2, incidence=0.05)
+    assert (log.body_frame, log.world_frame, log.velocity_in) == ("frd", "ned", "world")
+    np.testing.assert_allclose(log.rotor_factor(log.stated("rotor_unit")), np.pi / 210.0)
+    assert log.rotor_order == (2, 1) and log.wind == (1.0, 2.0, 0.0)
+    assert log.columns == {"time": ("t",), "velocity": ("u", "v", "w"), "rotor_speed": ("a", "b")}
+    assert log.topics == {"imu": "/imu"}
+
+
+def test_in_flu_nothing_is_turned(tmp_path: Path) -> None:
+    mounts = read(VEHICLE.replace('frame = "frd"\nmass', 'frame = "flu"\nmass'), tmp_path).vehicle
+    assert mounts.mounts[1].position == (-0.1, -0.2, 0.0)
+    assert mounts.mounts[1].axis == (0.6, 0.0, -0.8)
+
+
+def test_what_may_be_left_out(tmp_path: Path) -> None:
+    found = read(VEHICLE.partition("[body]")[0].replace("[air]\ndensity = 1.1\n", ""), tmp_path)
+    assert found.vehicle.body == Body() and found.vehicle.wing is None
+    assert found.vehicle.air.density == 1.225
+    assert found.log.body_frame is None and found.log.columns == {}
+
+
+def test_a_geometry_beside_the_vehicle_file(tmp_path: Path) -> None:
+    (tmp_path / "blade.txt").write_text(samples.UIUC, encoding="utf-8")
+    text = VEHICLE.replace('propeller = "apc-8x6e"\n', "").replace(
+        "[air]", '[propeller]\ngeometry = "blade.txt"\nblades = 2\nradius = 0.1\n\n[air]'
+    )
+    blade = read(text, tmp_path).vehicle.propeller
+    assert blade.blades == 2 and blade.radius == pytest.approx(0.1)
+    (tmp_path / "blade.csv").write_text(samples.CSV, encoding="utf-8")
+    text = VEHICLE.replace("apc-8x6e", "blade.csv")
+    assert read(text, tmp_path).vehicle.propeller.name == "hand-made"
+
+
+CASES = {
+    "mass forgotten": ("mass = 1.5\n", "", "no mass", "add mass = the take-off mass in kg"),
+    "mass as text": ("mass = 1.5", 'mass = "1.5"', "mass has '1.5'", "take-off mass in kg"),
+    "mass of 0": ("mass = 1.5", "mass = 0.0", "mass is 0.0 kg", "take-off mass"),
+    "mass in g": ("mass = 1.5", "mass = 1500.0", "mass is 1500.0 kg", "take-off mass in kg"),
+    "no frame": ('frame = "frd"\nmass', "mass", "no frame", 'add frame = "flu" or "frd"'),
+    "unknown frame": ('= "frd"\nmass', '= "fru"\nmass', "frame is 'fru'", '"flu" or "frd"'),
+    "unknown key": ("mass = 1.5", "mas = 1.5", "unknown key 'mas'", "did you mean mass?"),
+    "key of a newer file": ("schema = 1", "schema = 2", "schema is '2'", "update propmap"),
+    "unknown key in a table": ("density", "densty", "[air]", "did you mean density?"),
+    "unknown propeller": ("apc-8x6e", "apc-8x6q", "propeller", "apc-8x6e", "propmap props"),
+    "no geometry file beside": ("apc-8x6e", "nothing.csv", "/nothing.csv: no such file"),
+    "no geometry file": ("apc-8x6e", "./nothing.csv", "nothing.csv", "no such file", "path"),
+    "no propeller": ('propeller = "apc-8x6e"\n', "", "no propeller", "add propeller ="),
+    "unit vector wrong": ("0.6, 0.0, -0.8", "0.6, 0.0, -0.9", "rotor 2", "unit vector, [0, 0, 1]"),
+    "two numbers": ("[0.1, 0.2, 0.05]", "[0.1, 0.2]", "[[rotors]] 1", "3 numbers", "position ="),
+    "text in a vector": ("[0.1, 0.2, 0.05]", '[0.1, "x", 0]', "[[rotors]] 1", "'x'", "in m"),
+    "NaN in a vector": ("0.2, 0.05]", "0.2, nan]", "[[rotors]] 1", "expected a finite number"),
+    "spin": ('"ccw"', '"left"', "[[rotors]] 1: spin is 'left'", '"ccw" or "cw"'),
+    "no rotors": ("[[rotors]]", "[[body2]]", "unknown key 'body2'", "known are"),
+    "rotors is a table": ("[air]", "[wing2]", "unknown key 'wing2'", "did you mean wing?"),
+    "negative density": ("density = 1.1", "density = -1.1", "vehicle.toml: [air]", "positive"),
+    "negative drag": ("[0.01, 0.01, 0.02]", "[0.01, -1, 0]", "[body]", "areas of 0 or more"),
+    "no wing area": ("area = 0.2\n", "", "[wing]: no area", "add area ="),
+    "zero wing area": ("area = 0.2", "area = 0", "[wing]: area is 0.0 m^2", "remove [wing]"),
+    "unknown world": ('"ned"', '"nwu"', "[log]: world_frame is 'nwu'", '"enu" or "ned"'),
+    "unknown unit": ('"erpm"', '"Hz"', "[log]: rotor_unit is 'Hz'", '"rad/s" or "rpm" or "erpm"'),
+    "half a pole": ("pole_pairs = 7", "pole_pairs = 7.5", "pole_pairs is '7.5'", "whole number"),
+    "rotor 0": ("[2, 1]", "[1, 0]", "rotor_order is '[1, 0]'", "each number from 1 to 2 once"),
+    "three columns": ('["a", "b"]', '["a", "b", "c"]', "names 3 columns, the vehicle has 2 rotors"),
+    "two velocities": ('["u", "v", "w"]', '["u", "v"]', "[log.columns]", "expected 3 names"),
+    "column no text": ('time = "t"', "time = 1", "time is '1'", "the name of a column"),
+    "unknown column": ('time = "t"', 'tme = "t"', "unknown key 'tme'", "did you mean time?"),
+    "unknown topic": ('imu = "/imu"', 'imo = "/imu"', "[log.topics]", "did you mean imu?"),
+    "not TOML": ("mass = 1.5", "mass: 1.5", "not TOML", "correct the syntax"),
+}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_bad_vehicle_files(name: str, tmp_path: Path) -> None:
+    old, new, *parts = CASES[name]
+    assert old in VEHICLE
+    with pytest.raises(InputError) as caught:
+        read(VEHICLE.replace(old, new), tmp_path)
+    message = str(caught.value)
+    assert message.isprintable(), "one line, no control characters"
+    if not name.startswith("no geometry file"):
+        assert "vehicle.toml" in message
+    for part in parts:
+        assert part in message
+
+
+def test_no_rotor_and_no_file(tmp_path: Path) -> None:
+    top = VEHICLE.partition("[air]")[0]
+    with pytest.raises(InputError, match=r"the vehicle has no rotor; add a \[\[rotors\]\] table"):
+        read(top, tmp_path)
+    with pytest.raises(InputError, match="rotors is '3', expected tables"):
+        read(top + "rotors = 3\n", tmp_path)
+    with pytest.raises(InputError, match="body is '3', expected a table"):
+        read(VEHICLE.partition("[body]")[0].replace("mass", "body = 3\nmass"), tmp_path)
+    with pytest.raises(InputError, match="give a vehicle description file"):
+        read("", tmp_path)
+    with pytest.raises(InputError, match="no such file"):
+        read_vehicle(tmp_path / "nowhere.toml")
