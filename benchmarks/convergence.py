@@ -16,15 +16,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 import propmap
 from benchmarks.results_file import write_results
+from propmap.arrays.types import Floats
 from propmap.engine.evaluation import Evaluation, evaluate, prepare
 from propmap.engine.plan import ACCURACIES, Accuracy
 from propmap.rotor import Rotor
-
-Floats = NDArray[np.float64]
 
 SEED = 2017
 POINTS = 3000

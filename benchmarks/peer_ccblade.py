@@ -21,14 +21,13 @@ from typing import Any, NamedTuple
 
 import jax
 import numpy as np
-from numpy.typing import NDArray
 
 from benchmarks.speed import RPM, median_seconds
+from propmap.arrays.types import Floats
 from propmap.physics.geometry import blade_shape
 from propmap.physics.sections.blended import drag_coefficient, lift_coefficient
 from propmap.rotor import Rotor
 
-Floats = NDArray[np.float64]
 Point = tuple[float, float, float]
 """omega [rad/s], speed [m/s], beta [rad]."""
 

@@ -24,7 +24,6 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import numpy as np
-from numpy.typing import NDArray
 from rich.console import Console
 from rich.table import Table
 
@@ -45,12 +44,11 @@ from benchmarks.peer_ccblade import (
 from benchmarks.results_file import machine, write_results
 from benchmarks.speed import BATCH, RPM, median_seconds, oblique
 from benchmarks.table import rotorpy_microseconds
+from propmap.arrays.types import Floats
 from propmap.engine.evaluation import evaluate, prepare
 from propmap.rotor import Rotor
 from propmap.solve.rotor_loads import rotor_loads
 from propmap.table import LoadTable, build_table
-
-Floats = NDArray[np.float64]
 
 OMEGA = 6000.0 * RPM
 CASES: dict[str, Point] = {

@@ -19,8 +19,9 @@ import numpy as np
 
 import propmap
 from benchmarks.results_file import machine, write_results
-from benchmarks.speed import BATCH, Floats, median_seconds, oblique
+from benchmarks.speed import BATCH, median_seconds, oblique
 from propmap.arrays.namespace import by_numpy
+from propmap.arrays.types import Floats
 from propmap.engine.batch import Block
 from propmap.engine.evaluation import evaluate_flow, prepare
 from propmap.engine.plan import accuracy

@@ -15,11 +15,11 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import numpy as np
-from numpy.typing import NDArray
 
 import propmap
 from benchmarks.results_file import machine, write_results
 from benchmarks.whole_process import whole_process
+from propmap.arrays.types import Floats
 from propmap.engine.evaluation import prepare
 from propmap.engine.gradients import load_gradients
 from propmap.engine.plan import accuracy
@@ -28,8 +28,6 @@ from propmap.physics.velocities import AzimuthNodes, azimuth_nodes
 from propmap.rotor import Rotor
 from propmap.solve.disk import Case, question
 from propmap.solve.inflow import residual, residual_slope
-
-Floats = NDArray[np.float64]
 
 FLOW, LAW = ("omega", "v_axial", "v_inplane"), ("c_l1", "c_l2", "c_d", "alpha_0", "zero_lift_angle")
 GRADIENT = (*FLOW, *LAW)

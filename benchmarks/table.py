@@ -19,15 +19,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 import propmap
 from benchmarks.c_header import c_nanoseconds
 from benchmarks.results_file import machine, write_results
+from propmap.arrays.types import Floats
 from propmap.rotor import Rotor
 from propmap.table import LoadTable, build_table
-
-Floats = NDArray[np.float64]
 
 RPM = np.pi / 30.0
 ENVELOPE = {

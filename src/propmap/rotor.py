@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from propmap.arrays.types import Floats
 from propmap.engine.evaluation import Evaluation, Prepared, evaluate, prepare
 from propmap.engine.plan import accuracy as accuracy_setting
 from propmap.errors import InputError
@@ -18,8 +19,6 @@ from propmap.model.propeller import Propeller
 
 if TYPE_CHECKING:
     from propmap.engine.disk_field import Inflow
-
-Floats = NDArray[np.float64]
 
 PRECISIONS = ("float64", "float32")
 

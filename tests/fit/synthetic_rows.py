@@ -8,10 +8,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from propmap.arrays.types import Floats
 from propmap.fit.parameters import EVERY, Choice
 from propmap.fit.rows import Model, Rows
 
-Floats = NDArray[np.float64]
 TRUTH = {"c_l1": 5.0, "c_l2": 2.5, "c_d": 1.5}
 
 

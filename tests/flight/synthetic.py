@@ -7,7 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from propmap.vehicle.flight_log import GRAVITY, FlightLog, Floats
+from propmap.arrays.types import Floats
+from propmap.vehicle.flight_log import GRAVITY, FlightLog
 from propmap.vehicle.vehicle_toml import VehicleFile, read_vehicle
 
 ROOT = Path(__file__).parents[2]

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 import propmap as pm
+from propmap.arrays.types import Floats
 from propmap.rotor import Rotor
 
-Floats = NDArray[np.float64]
 STEPS = 1201
 BLADE = pm.propeller("apc-8x6e")
 

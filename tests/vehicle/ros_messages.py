@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from propmap.vehicle.flight_log import Floats
+from propmap.arrays.types import Floats
 
 
 class Messages:

@@ -14,7 +14,8 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from propmap.vehicle.flight_log import FlightLog, Floats
+from propmap.arrays.types import Floats
+from propmap.vehicle.flight_log import FlightLog
 from propmap.vehicle.vehicle import Vehicle
 
 from .ros_messages import Messages

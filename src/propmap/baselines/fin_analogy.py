@@ -6,12 +6,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.model.propeller import Propeller
-
-Floats = NDArray[np.float64]
 
 ASPECT_RATIO = 8.0
 """Effective aspect ratio of the fin; the reports say "of the order of 8"."""

@@ -6,9 +6,9 @@ import difflib
 from dataclasses import dataclass
 from importlib.resources import files
 
+from propmap.arrays.types import Floats
 from propmap.errors import InputError, quoted
 from propmap.io.propeller_toml import float_array, parse_toml
-from propmap.model.blade_check import Floats
 
 SCHEMA = 1
 SUFFIX = ".toml"

@@ -11,9 +11,10 @@ from typing import Any
 import numpy as np
 
 import propmap
+from propmap.arrays.types import Floats
 from propmap.catalogue.lookup import propeller
 from propmap.catalogue.measurements import measurement
-from propmap.cli.operating_points import RPM, Floats
+from propmap.cli.operating_points import RPM
 from propmap.cli.output import csv_text, json_text, write_text
 from propmap.model.airfoil import airfoil
 from propmap.report.comparison import LOADS, Comparison, LoadErrors, compare

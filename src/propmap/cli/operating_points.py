@@ -7,14 +7,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from propmap.arrays.types import Floats
 from propmap.errors import InputError
 
 if TYPE_CHECKING:
     from propmap.rotor import Loads, Rotor
-
-Floats = NDArray[np.float64]
 
 RPM = np.pi / 30.0
 """[rad/s] per revolution per minute."""

@@ -14,7 +14,7 @@ from propmap.model.fingerprint import propeller_sha256
 from propmap.rotor import STATUSES, Loads
 
 if TYPE_CHECKING:
-    from propmap.cli.operating_points import Floats
+    from propmap.arrays.types import Floats
     from propmap.model.fingerprint import propeller_sha256
 from propmap.rotor import Rotor
 

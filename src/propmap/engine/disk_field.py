@@ -13,13 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from propmap.arrays.namespace import by_numpy
+from propmap.arrays.types import Floats
 from propmap.physics.velocities import azimuth_nodes
 from propmap.solve.disk_field import DiskField, disk_field
 
 if TYPE_CHECKING:
     from propmap.engine.evaluation import Theory
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

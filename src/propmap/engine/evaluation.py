@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from propmap.arrays.namespace import by_numpy, on_accelerator
+from propmap.arrays.types import Floats
 from propmap.engine.batch import Block, cut, filled_up, nodes_of_each, run
-from propmap.engine.plan import Accuracy, Floats, Outlook, may_leave_islands, may_stall, plan
+from propmap.engine.plan import Accuracy, Outlook, may_leave_islands, may_stall, plan
 from propmap.engine.programs import Flow, compiled_search, search_by_numpy
 from propmap.physics.momentum import static_inflow as equation_12
 from propmap.physics.parameters import Blade, Medium, Section

@@ -12,10 +12,11 @@ import jax.numpy as jnp
 import numpy as np
 
 from propmap.arrays.namespace import TOGETHER
+from propmap.arrays.types import Floats
 from propmap.engine.batch import BLOCK, Block, nodes_of_each
 from propmap.engine.evaluation import FEW, Prepared, evaluate_flow, nodes_of
 from propmap.engine.lanes import in_groups, in_lanes, serve
-from propmap.engine.plan import Accuracy, Floats, alike_panels
+from propmap.engine.plan import Accuracy, alike_panels
 from propmap.engine.programs import COMPILER_OPTIONS, Flow, compiled_search
 from propmap.physics.momentum import static_inflow
 from propmap.physics.parameters import Blade, Medium, Section

@@ -12,11 +12,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.physics.parameters import Resolution
 from propmap.physics.vortex_ring import WINDMILL_BELOW
 
-Floats = NDArray[np.float64]
 Singles = NDArray[np.float32]
 
 FOLLOW_BELOW = 0.24

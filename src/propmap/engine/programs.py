@@ -10,8 +10,8 @@ import jax
 import numpy as np
 
 from propmap.arrays.namespace import by_numpy, xp
+from propmap.arrays.types import Floats
 from propmap.engine.lanes import in_groups, in_lanes
-from propmap.engine.plan import Floats
 from propmap.physics.parameters import Blade, Medium, Section
 from propmap.physics.velocities import AzimuthNodes
 from propmap.solve.disk import DiskSolution, solve_disk

@@ -13,6 +13,7 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
+from propmap.arrays.types import Floats
 from propmap.export.folder import Files
 from propmap.export.note import note
 from propmap.export.provenance import c_comment, identifier, provenance
@@ -21,8 +22,6 @@ from propmap.table.content import TableContent
 from propmap.table.inverse import END_SLACK
 from propmap.table.lookup import cell_codes
 from propmap.table.query import SLACK, LoadTable
-
-Floats = NDArray[np.float64]
 
 MOST_BUCKETS = 1024
 

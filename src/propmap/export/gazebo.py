@@ -10,15 +10,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from propmap.arrays.types import Floats
 from propmap.export.folder import Files
 from propmap.export.note import note
 from propmap.export.provenance import identifier, provenance, xml_comment
 from propmap.export.samples import SIMPLE, Samples, errors, middle_omega, sample, static_loads
 from propmap.table.query import LoadTable
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.export.folder import Files
 from propmap.export.note import note
 from propmap.export.provenance import identifier, provenance, xml_comment
 from propmap.export.samples import Samples, errors, middle_omega, sample
 from propmap.table.query import LoadTable
-
-Floats = NDArray[np.float64]
 
 METERS_PER_INCH = 0.0254
 

@@ -11,15 +11,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from propmap.arrays.types import Floats
 from propmap.export.folder import Files
 from propmap.export.note import note
 from propmap.export.provenance import c_comment, hash_comment, identifier, provenance
 from propmap.export.samples import SIMPLE, Samples, errors, sample
 from propmap.table.query import LoadTable
-
-Floats = NDArray[np.float64]
 
 Quadratic = tuple[float, float, float, float]
 Linear = tuple[float, float]

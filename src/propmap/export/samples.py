@@ -7,12 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.table.content import LOADS
 from propmap.table.lookup import VORTEX_RING
 from propmap.table.query import LoadTable
-
-Floats = NDArray[np.float64]
 
 POINTS = 32_768
 

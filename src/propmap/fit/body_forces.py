@@ -5,12 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
+from propmap.arrays.types import Floats
 from propmap.vehicle.flight_log import FlightLog
 from propmap.vehicle.vehicle import Vehicle
-
-Floats = NDArray[np.float64]
 
 SHARPNESS = 50.0
 """M of eq. (3) [1/rad]."""

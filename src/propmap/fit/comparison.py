@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from propmap.arrays.types import Floats
 from propmap.baselines.hover import HoverModel
 from propmap.errors import InputError
 from propmap.fit.body_forces import body_force
@@ -22,8 +22,6 @@ from propmap.rotor import Rotor
 from propmap.vehicle.flight_log import GRAVITY, FlightLog
 from propmap.vehicle.hub_flow import hub_flow, rotor_forces
 from propmap.vehicle.vehicle import Vehicle
-
-Floats = NDArray[np.float64]
 
 TUNNEL_NAMES = {
     "thrust": "thrust_N",

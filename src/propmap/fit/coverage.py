@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from propmap.arrays.types import Floats
 
 AT_REST = 0.1
 """[m/s], below which the direction of the flow means nothing."""

@@ -8,12 +8,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from propmap.arrays.types import Floats
 from propmap.fit.parameters import Choice
 from propmap.fit.rows import Rows, remembering
 from propmap.fit.search import NOISE_FLOOR, Minimum, search, starts
 from propmap.fit.uncertainty import Uncertainty, uncertainty
-
-Floats = NDArray[np.float64]
 
 MEDIAN_TO_DEVIATION = 1.4826
 """Standard deviation over median size, of normal errors."""

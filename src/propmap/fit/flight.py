@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from propmap.arrays.types import Floats
 from propmap.engine.evaluation import Prepared, prepare
 from propmap.engine.gradients import load_gradients
 from propmap.engine.plan import accuracy
@@ -24,9 +24,6 @@ from propmap.solve.load_slopes import LOADS
 from propmap.vehicle.flight_log import GRAVITY, FlightLog
 from propmap.vehicle.hub_flow import hub_flow, rotor_forces
 from propmap.vehicle.vehicle import Vehicle
-
-Floats = NDArray[np.float64]
-
 
 AXES = ("force_x", "force_y", "force_z")
 

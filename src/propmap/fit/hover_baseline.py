@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from propmap.arrays.types import Floats
 from propmap.baselines.hover import REFERENCE_TIP_SPEED, HoverModel
 from propmap.engine.evaluation import prepare
 from propmap.engine.gradients import load_gradients
@@ -12,8 +12,6 @@ from propmap.engine.plan import accuracy
 from propmap.rotor import Rotor
 from propmap.solve.load_slopes import LOADS
 from propmap.vehicle.hub_flow import HubFlow, rotor_forces
-
-Floats = NDArray[np.float64]
 
 
 def hover_after_fit(rotor: Rotor) -> HoverModel:

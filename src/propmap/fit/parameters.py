@@ -8,11 +8,9 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 
 import numpy as np
-from numpy.typing import NDArray
 
+from propmap.arrays.types import Floats
 from propmap.errors import InputError, quoted
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -6,9 +6,8 @@ import itertools
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from propmap.arrays.types import Floats
 
 BANDS = (0.0, 3.0, 6.0, 9.0, 12.0, 15.0, np.inf)
 """Edges of the bands of speed [m/s]."""

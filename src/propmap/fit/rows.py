@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from propmap.arrays.types import Floats
 
 Model = Callable[[Mapping[str, float], tuple[str, ...]], tuple[Floats, Floats]]
 """From all parameters by name and the P free names: values (M,) and derivatives (M, P)."""

@@ -7,13 +7,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.fit.parameters import Choice
 from propmap.fit.rows import Rows
 
-Floats = NDArray[np.float64]
 Jacobian = Callable[[Floats], Floats]
 
 NOISE_FLOOR = 1e-3

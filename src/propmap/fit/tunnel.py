@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from propmap.arrays.types import Floats
 from propmap.engine.evaluation import prepare
 from propmap.engine.gradients import load_gradients
 from propmap.engine.plan import accuracy
@@ -21,8 +21,6 @@ from propmap.model.airfoil import Airfoil
 from propmap.model.propeller import Propeller
 from propmap.rotor import Rotor
 from propmap.solve.load_slopes import LOADS
-
-Floats = NDArray[np.float64]
 
 UNITS = {"thrust": "N", "drag": "N", "torque": "N m", "roll_moment": "N m"}
 

@@ -8,12 +8,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from propmap.arrays.types import Floats
 from propmap.fit.bounded_interval import Quadratic, bounded_intervals
 from propmap.fit.parameters import Choice
 from propmap.fit.rows import Rows
 from propmap.fit.search import NOISE_FLOOR, Evaluator, Minimum
-
-Floats = NDArray[np.float64]
 
 AT_BOUND = 1e-6
 """Distance from a bound, in spreads, within which a parameter is held by it."""

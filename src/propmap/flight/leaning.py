@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from propmap.vehicle.flight_log import Floats
+from propmap.arrays.types import Floats
 
 
 def in_leaning_frame(vectors: Floats, pitch: Floats, roll: Floats) -> Floats:

@@ -6,9 +6,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.flight.leaning import in_leaning_frame, lean
-from propmap.vehicle.flight_log import GRAVITY, FlightLog, Floats
+from propmap.vehicle.flight_log import GRAVITY, FlightLog
 
 HARDEST = 2.0
 """[m/s^2], largest acceleration from one speed to the next."""

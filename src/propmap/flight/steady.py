@@ -8,9 +8,10 @@ from dataclasses import dataclass, fields
 import numpy as np
 from numpy.typing import NDArray
 
+from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.flight.airborne import airborne
-from propmap.vehicle.flight_log import FlightLog, Floats
+from propmap.vehicle.flight_log import FlightLog
 from propmap.vehicle.logs.resampling import LONGEST_GAP
 
 SMOOTHING = 0.25

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.fit.flight import ForceModel
 from propmap.fit.parameters import EVERY, PAPER_FOUR, SECTION
@@ -14,8 +14,6 @@ from propmap.flight.leaning import in_leaning_frame
 from propmap.model.airfoil import Airfoil
 from propmap.vehicle.flight_log import GRAVITY, FlightLog
 from propmap.vehicle.vehicle import Vehicle
-
-Floats = NDArray[np.float64]
 
 PAPER_RADIUS = 1.7
 """[m], the length of the tether."""

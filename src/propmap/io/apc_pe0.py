@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from propmap.arrays.types import Floats
 from propmap.errors import InputError, quoted
 from propmap.io.blade_table import (
     GIVE_BLADES,
@@ -17,7 +18,7 @@ from propmap.io.blade_table import (
     parse_number,
 )
 from propmap.io.text_file import read_lines
-from propmap.model.blade_check import Floats, check_root_cutout, twist_from_degrees
+from propmap.model.blade_check import check_root_cutout, twist_from_degrees
 from propmap.model.propeller import Propeller
 
 UNITS = {"STATION": "(IN)", "CHORD": "(IN)", "TWIST": "(DEG)"}

@@ -7,8 +7,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from propmap.arrays.types import Floats
 from propmap.errors import InputError, quoted
-from propmap.model.blade_check import Floats, check_blade, check_blades
+from propmap.model.blade_check import check_blade, check_blades
 from propmap.model.propeller import Propeller
 
 INCH = 0.0254

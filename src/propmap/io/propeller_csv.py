@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from propmap.arrays.types import Floats
 from propmap.errors import InputError, quoted
 from propmap.io.blade_table import (
     INCH,
@@ -20,7 +21,7 @@ from propmap.io.blade_table import (
     usable_radius,
 )
 from propmap.io.text_file import read_lines
-from propmap.model.blade_check import Floats, twist_from_degrees
+from propmap.model.blade_check import twist_from_degrees
 from propmap.model.propeller import Propeller
 
 LENGTH_UNITS = {"m": 1.0, "mm": 1e-3, "in": INCH}

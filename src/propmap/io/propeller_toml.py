@@ -8,10 +8,11 @@ from typing import Any
 
 import numpy as np
 
+from propmap.arrays.types import Floats
 from propmap.errors import InputError, quoted
 from propmap.io.blade_table import build_propeller, check_radius
 from propmap.io.text_file import read_lines
-from propmap.model.blade_check import Floats, check_blades, check_root_cutout
+from propmap.model.blade_check import check_blades, check_root_cutout
 from propmap.model.propeller import Propeller
 
 SCHEMA = 1

@@ -7,13 +7,11 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from propmap.arrays.types import Floats
 from propmap.errors import InputError, quoted
 from propmap.io.blade_table import parse_number
 from propmap.io.text_file import read_lines
-
-Floats = NDArray[np.float64]
 
 FLIGHT, STATIC = ("J", "CT", "CP"), ("RPM", "CT", "CP")
 _RPM_IN_NAME = re.compile(r"_(\d{3,5})\.txt$", re.IGNORECASE)

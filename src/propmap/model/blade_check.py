@@ -7,11 +7,9 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from propmap.arrays.types import Floats
 from propmap.errors import InputError, quoted
-
-Floats = NDArray[np.float64]
 
 MIN_STATIONS = 4
 MAX_BLADES = 12

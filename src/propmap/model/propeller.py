@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from propmap.arrays.types import Floats
 from propmap.errors import InputError, quoted
-from propmap.model.blade_check import Floats, check_blade, check_blades, check_root_cutout
+from propmap.model.blade_check import check_blade, check_blades, check_root_cutout
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -8,13 +8,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from propmap.arrays.types import Floats
 from propmap.baselines.hover import HoverModel
 
 if TYPE_CHECKING:
     from propmap.catalogue.measurements import Measurement
     from propmap.rotor import Rotor
-
-Floats = NDArray[np.float64]
 
 LOADS = {"thrust": "N", "drag": "N", "torque": "N m", "roll_moment": "N m"}
 

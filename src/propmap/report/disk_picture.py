@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
+from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.report.style import COLOURS, style
 
@@ -16,8 +17,6 @@ if TYPE_CHECKING:
     from propmap.engine.disk_field import Inflow
     from propmap.model.airfoil import Airfoil
     from propmap.rotor import Rotor
-
-Floats = NDArray[np.float64]
 
 STALL: dict[str, Any] = {"color": COLOURS[1], "linewidth": 1.6, "linestyle": "solid"}
 REVERSE: dict[str, Any] = {"color": "white", "linewidth": 1.6, "linestyle": "dashed"}

@@ -8,8 +8,8 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from numpy.typing import NDArray
 
+from propmap.arrays.types import Floats
 from propmap.baselines.hover import HoverModel
 from propmap.errors import InputError
 from propmap.report.style import COLOURS, HOVER, MEASURED, MODEL, new_figure, style
@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from propmap.model.airfoil import Airfoil
     from propmap.rotor import Rotor
     from propmap.vehicle.vehicle import Vehicle
-
-Floats = NDArray[np.float64]
 
 RPM = 30.0 / np.pi
 """Revolutions per minute in 1 rad/s."""

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from numpy.typing import NDArray
 
+from propmap.arrays.types import Floats
 from propmap.baselines.hover import HoverModel
 from propmap.errors import InputError
 from propmap.report.style import COLOURS, HOVER, MARKERS, MEASURED, MODEL, new_figure, style
@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from propmap.rotor import Rotor
-
-Floats = NDArray[np.float64]
 
 PANELS = (
     ("thrust", "thrust T [N]"),

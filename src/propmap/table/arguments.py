@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from propmap.arrays.types import Floats
 from propmap.errors import InputError, quoted
-
-Floats = NDArray[np.float64]
 
 
 def broadcast(**named: ArrayLike) -> list[Floats]:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from propmap.arrays.types import Floats
 
 
 def interval_polynomials(knots: Floats) -> Floats:

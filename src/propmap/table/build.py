@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import propmap
+from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.model.fingerprint import airfoil_sha256, propeller_sha256
-from propmap.table.axis import Floats
 from propmap.table.certificate import POINTS, certify, unresolved_share
 from propmap.table.content import LOADS, UNRESOLVED, VORTEX_RING, TableContent
 from propmap.table.jumps import find_jumps, marked

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from propmap.arrays.types import Floats
 from propmap.table.axis import locate
 from propmap.table.content import LOADS
 from propmap.table.content import UNRESOLVED as UNRESOLVED_BIT
@@ -16,8 +17,6 @@ from propmap.table.lookup import NO_VALUE, UNRESOLVED, VORTEX_RING
 if TYPE_CHECKING:
     from propmap.table.model import Model
     from propmap.table.query import LoadTable
-
-Floats = NDArray[np.float64]
 
 POINTS = 32_768
 """Of a certificate; a power of two, as Sobol's sequence wants."""

@@ -8,10 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.table.axis import pad
-
-Floats = NDArray[np.float64]
 
 LOADS = ("thrust", "drag", "torque", "roll_moment")
 

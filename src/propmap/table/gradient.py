@@ -5,12 +5,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from propmap.arrays.types import Floats
 from propmap.table.content import TableContent
 from propmap.table.lookup import Lookup
-
-Floats = NDArray[np.float64]
 
 HARDLY_MOVING = 1e-7
 """Advance ratio below which d/dbeta over J, 0/0 at rest, is taken from its limit."""

@@ -9,12 +9,11 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from propmap.arrays.types import Floats
 from propmap.errors import InputError
 
 if TYPE_CHECKING:
     from propmap.table.query import LoadTable
-
-Floats = NDArray[np.float64]
 
 QUANTITIES = ("thrust", "torque", "power")
 

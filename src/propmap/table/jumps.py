@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.table.axis import Floats, locate
+from propmap.arrays.types import Floats
+from propmap.table.axis import locate
 from propmap.table.certificate import Comparison, compare, quasi_random
 from propmap.table.content import UNRESOLVED, TableContent
 from propmap.table.query import LoadTable

@@ -8,13 +8,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.table.content import LOADS
 
 if TYPE_CHECKING:
     from propmap.rotor import Rotor
-
-Floats = NDArray[np.float64]
 
 Progress = Callable[[str, int], None]
 """Called with what is being done and the number of operating points evaluated so far."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from propmap.arrays.types import Floats
 from propmap.engine.evaluation import prepare
 from propmap.engine.gradients import load_gradients
 from propmap.engine.plan import accuracy
@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from propmap.rotor import Rotor
     from propmap.table.model import Model
     from propmap.table.query import LoadTable
-
-Floats = NDArray[np.float64]
 
 POINTS = 1024
 """Of the envelope; a power of two."""

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.model.fingerprint import propeller_sha256
 from propmap.table.arguments import broadcast, fold, split_velocity
@@ -20,8 +21,6 @@ from propmap.table.table_file import read_table, write_table
 if TYPE_CHECKING:
     from propmap.model.propeller import Propeller
     from propmap.table.inverse import Inverse
-
-Floats = NDArray[np.float64]
 
 CHUNK = 1024
 """Points that are interpolated together, so that what they gather stays in the cache."""

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from propmap.arrays.types import Floats
 from propmap.errors import InputError
-from propmap.table.axis import Floats, interpolate, pad
+from propmap.table.axis import interpolate, pad
 from propmap.table.content import PARITY
 
 if TYPE_CHECKING:

@@ -6,9 +6,8 @@ from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from propmap.arrays.types import Floats
 
 GRAVITY = 9.80665
 """[m/s^2], the standard value."""

@@ -5,12 +5,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from propmap.arrays.types import Floats
 from propmap.vehicle.flight_log import FlightLog
 from propmap.vehicle.vehicle import Vehicle
-
-Floats = NDArray[np.float64]
 
 
 class HubFlow(NamedTuple):

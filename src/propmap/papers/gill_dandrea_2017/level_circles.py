@@ -11,8 +11,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from propmap.arrays.types import Floats
 from propmap.baselines.hover import HoverModel
 from propmap.fit.body_forces import body_force
 from propmap.fit.fitted import Fitted, Settings, fit
@@ -28,8 +28,6 @@ from propmap.rotor import Rotor
 from propmap.vehicle.flight_log import GRAVITY, FlightLog
 from propmap.vehicle.hub_flow import hub_flow, rotor_forces
 from propmap.vehicle.vehicle import Body, Mount, Vehicle
-
-Floats = NDArray[np.float64]
 
 BLADE = "apc-8x4.5mr"
 """Whose blade stands for both propellers, scaled to 10 cm: their own are not published."""

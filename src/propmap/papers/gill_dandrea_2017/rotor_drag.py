@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from propmap.arrays.types import Floats
 from propmap.baselines.fin_analogy import inflow_factor, side_force
 from propmap.catalogue.measurements import measurement
 from propmap.model.air import Air
@@ -16,8 +16,6 @@ from propmap.papers.gill_dandrea_2017.identified import OBLIQUE
 from propmap.papers.gill_dandrea_2017.level_circles import SPEEDS as CIRCLE_SPEEDS
 from propmap.papers.gill_dandrea_2017.level_circles import Circles, circles, quadrotor
 from propmap.rotor import Rotor
-
-Floats = NDArray[np.float64]
 
 PROPELLERS = ("apc-8x6e", "apc-9x6e", "apc-11x7e", "apc-8x4.5mr", "apc-8x6sf")
 INCIDENCE = np.radians(15.0)

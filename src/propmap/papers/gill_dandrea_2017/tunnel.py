@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from propmap.arrays.types import Floats
 from propmap.baselines.hover import HoverModel
 from propmap.catalogue.measurements import Measurement, measurement
 from propmap.model.air import Air
@@ -17,8 +17,6 @@ from propmap.papers.gill_dandrea_2017.identified import AXIAL, OBLIQUE, TunnelFi
 from propmap.papers.gill_dandrea_2017.paper import TUNNEL_ERROR
 from propmap.report.comparison import LOADS
 from propmap.rotor import Rotor
-
-Floats = NDArray[np.float64]
 
 MULTIROTOR = "davoudi-8x4.5mr-thrust"
 DATA_SETS = {

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from propmap.arrays.types import Floats
 from propmap.catalogue.measurements import Measurement
 from propmap.model.air import Air
 from propmap.model.airfoil import Airfoil
@@ -15,8 +15,6 @@ from propmap.papers.gill_dandrea_2017.blades import blade
 from propmap.papers.gill_dandrea_2017.tunnel import Compared
 from propmap.report.comparison import LOADS
 from propmap.rotor import Rotor
-
-Floats = NDArray[np.float64]
 
 AXIAL_OMEGA = 5000.0 * np.pi / 30.0
 """[rad/s] of the axial lines; the Reynolds number moves them by a per cent at most."""

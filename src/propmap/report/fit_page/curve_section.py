@@ -11,6 +11,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
+from propmap.arrays.types import Floats
 from propmap.fit.fit_record import FitRecord
 from propmap.fit.tunnel import TunnelData
 from propmap.report.fit_page.curves import RPM, Curve, Curves
@@ -24,8 +25,6 @@ from propmap.solve.load_slopes import LOADS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-Floats = NDArray[np.float64]
 
 NEAR = np.radians(2.5)
 """Of a curve's angle, within which measured points are drawn with it."""

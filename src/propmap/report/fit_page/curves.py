@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from propmap.arrays.types import Floats
 from propmap.baselines.hover import HoverModel
 from propmap.engine.evaluation import prepare
 from propmap.engine.gradients import load_gradients
@@ -17,8 +18,6 @@ from propmap.fit.result_file import FitFile
 from propmap.report.fit_page.parameter_draws import drawn_changes
 from propmap.rotor import Rotor
 from propmap.solve.load_slopes import LOADS
-
-Floats = NDArray[np.float64]
 
 RPM = 30.0 / np.pi
 SPEEDS = 26

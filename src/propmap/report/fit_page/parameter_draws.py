@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from propmap.arrays.types import Floats
 from propmap.fit.fit_record import FitRecord, FreeParameter
 from propmap.fit.parameters import SECTION
-
-Floats = NDArray[np.float64]
 
 DRAWS = 200
 """Sets of parameters that make a band."""

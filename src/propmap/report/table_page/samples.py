@@ -9,11 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from propmap.arrays.types import Floats
 from propmap.table.content import LOADS
 from propmap.table.lookup import NO_VALUE, OK, STATUSES, UNRESOLVED, VORTEX_RING
 from propmap.table.query import LoadTable
-
-Floats = NDArray[np.float64]
 
 RPM = 30.0 / np.pi
 POINTS = 32_768

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from propmap.arrays.types import Floats
 from propmap.errors import InputError
-from propmap.vehicle.flight_log import GRAVITY, FlightLog, Floats
+from propmap.vehicle.flight_log import GRAVITY, FlightLog
 from propmap.vehicle.logs import frames
 from propmap.vehicle.logs.recording import Recording, Signal, cleaned
 from propmap.vehicle.logs.resampling import common_clock, interpolated

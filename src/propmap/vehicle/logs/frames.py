@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from propmap.vehicle.flight_log import Floats
+from propmap.arrays.types import Floats
 
 HALF = np.sqrt(0.5)
 

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from propmap.arrays.types import Floats
 from propmap.errors import InputError
-from propmap.vehicle.flight_log import Floats
 from propmap.vehicle.logs.recording import FEWEST_SAMPLES, Signal
 
 LONGEST_GAP = 0.25
