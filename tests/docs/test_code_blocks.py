@@ -16,7 +16,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from flight.write_logs import write_ulog
 
 import propmap
 from propmap import catalogue
@@ -24,6 +23,7 @@ from propmap.catalogue.measurements import measurement
 from propmap.flight.simulated import SensorNoise, fly
 from propmap.flight.trim import trim
 from propmap.vehicle.vehicle_toml import read_vehicle
+from tests.flight.write_logs import write_ulog
 
 from .pages import ROOT, Step, steps
 

@@ -6,8 +6,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from flight.synthetic import vehicle_with
-from flight.write_logs import write_bag, write_csv, write_ulog
 
 import propmap
 from propmap.fit.fitted import Settings, fit
@@ -19,6 +17,8 @@ from propmap.flight.steady import operating_points, steady_stretches
 from propmap.flight.trim import trim
 from propmap.vehicle.flight_log import FlightLog
 from propmap.vehicle.logs import read_flight_log
+from tests.flight.synthetic import vehicle_with
+from tests.flight.write_logs import write_bag, write_csv, write_ulog
 
 FREE = Choice(("c_l1", "alpha_0"), {"c_l2": 1.7, "c_d": 1.8})
 SPEEDS = np.linspace(1.0, 12.0, 8)
