@@ -23,7 +23,7 @@ from propmap.catalogue.measurements import measurement
 from propmap.flight.simulated import SensorNoise, fly
 from propmap.flight.trim import trim
 from propmap.vehicle.vehicle_toml import read_vehicle
-from tests.flight.write_logs import write_ulog
+from tests.vehicle.write_logs import write_ulog
 
 from .pages import ROOT, Step, steps
 

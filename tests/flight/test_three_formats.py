@@ -18,7 +18,7 @@ from propmap.flight.trim import trim
 from propmap.vehicle.flight_log import FlightLog
 from propmap.vehicle.logs import read_flight_log
 from tests.flight.synthetic import vehicle_with
-from tests.flight.write_logs import write_bag, write_csv, write_ulog
+from tests.vehicle.write_logs import write_bag, write_csv, write_ulog
 
 FREE = Choice(("c_l1", "alpha_0"), {"c_l2": 1.7, "c_d": 1.8})
 SPEEDS = np.linspace(1.0, 12.0, 8)
