@@ -71,7 +71,7 @@ def reference(rotor: Rotor, seed: int, count: int) -> tuple[Any, dict[str, Any],
     rng = np.random.default_rng(seed)
     omega, speed, beta = (a[rng.integers(0, SIZES[0], count)] for a in oblique(SIZES[0]))
     speed, beta = speed * rng.uniform(0.9, 1.0, count), beta * rng.uniform(0.9, 1.0, count)
-    ready, still = prepare(rotor.theory), np.zeros(count)
+    ready, still = prepare(rotor.arrays), np.zeros(count)
     flow = (omega, speed * np.cos(beta), speed * np.sin(beta))
     best, static = (evaluate(ready, dense(), *f) for f in (flow, (omega, still, still)))
     scale = {"thrust": static.thrust, "drag": static.thrust, "torque": static.torque}

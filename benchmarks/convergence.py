@@ -89,13 +89,13 @@ def against_dense(rotors: dict[str, Rotor]) -> dict[str, Any]:
     still = np.zeros_like(omega)
     found: dict[str, list[Floats]] = {name: [] for name in ACCURACIES}
     for rotor in rotors.values():
-        reference = evaluate(prepare(rotor.theory), dense(), omega, axial, inplane)
-        hover = evaluate(prepare(rotor.theory), ACCURACIES["fine"], omega, still, still)
+        reference = evaluate(prepare(rotor.arrays), dense(), omega, axial, inplane)
+        hover = evaluate(prepare(rotor.arrays), ACCURACIES["fine"], omega, still, still)
         truth = {load: getattr(reference, load) for load in SHARE_OF}
         truth |= {"static_thrust": hover.thrust, "static_torque": hover.torque}
         truth |= {"static_moment": hover.thrust * tip}
         for name, setting in ACCURACIES.items():
-            loads = evaluate(prepare(rotor.theory), setting, omega, axial, inplane)
+            loads = evaluate(prepare(rotor.arrays), setting, omega, axial, inplane)
             found[name].append(shares(loads, truth))
     advance = np.tile(inplane / (omega * tip), len(rotors))
     return {name: summary(np.hstack(parts), advance) for name, parts in found.items()}
@@ -113,7 +113,7 @@ def against_reference(rotors: dict[str, Rotor]) -> dict[str, Any]:
         column["static_moment"] = column["static_thrust"] * rotor.propeller.radius
         flow = (column["rpm"] * RPM, column["v_axial"], column["v_inplane"])
         for accuracy, setting in ACCURACIES.items():
-            loads = evaluate(prepare(rotor.theory), setting, *flow)
+            loads = evaluate(prepare(rotor.arrays), setting, *flow)
             found[accuracy].append(shares(loads, column))
         advance.append(flow[2] / (flow[0] * rotor.propeller.radius))
     everywhere = np.concatenate(advance)

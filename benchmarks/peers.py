@@ -128,7 +128,7 @@ def package(rotor: Rotor, table: LoadTable) -> dict[str, Any]:
     names, points = sample()
     omega, speed, beta = np.array(points).T
     flow = (omega, speed * np.cos(beta), speed * np.sin(beta))
-    truth = evaluate(prepare(rotor.theory), dense(), *flow).thrust
+    truth = evaluate(prepare(rotor.arrays), dense(), *flow).thrust
     static = rotor.loads(omega, 0.0, 0.0).thrust
 
     def error(one: Rotor | LoadTable) -> dict[str, float]:

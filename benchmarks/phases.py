@@ -72,7 +72,7 @@ def jobs_of_the_batch(rotor: Rotor) -> tuple[list[Job], tuple[np.ndarray, ...]]:
     """
     omega, speed, beta = oblique(BATCH)
     flow = (omega, speed * np.cos(beta), speed * np.sin(beta))
-    ready = evaluation.prepare(rotor.theory)
+    ready = evaluation.prepare(rotor.arrays)
     stalls = may_stall(*ready.forecast, *flow)
     outlook = Outlook(
         evaluation.advance_ratio(ready, omega, flow[2]),

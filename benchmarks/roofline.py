@@ -88,7 +88,7 @@ def elements_per_point(rotor: Rotor, batch: tuple[Floats, ...]) -> dict[str, flo
     """
     omega, speed, beta = batch
     flow = Flow(omega, speed * np.cos(beta), speed * np.sin(beta), None)
-    ready = prepare(rotor.theory, compiled=False)
+    ready = prepare(rotor.arrays, compiled=False)
     searched, loads = 0, 0
 
     def unfinished(most: int) -> tuple[int, int]:

@@ -121,7 +121,7 @@ def gradient_microseconds(rotor: Rotor, batch: tuple[Floats, Floats, Floats]) ->
     """Loads with their derivatives by the flow and five section parameters; the same without."""
     omega, speed, beta = batch
     flow = (omega, speed * np.cos(beta), speed * np.sin(beta))
-    ready, setting = prepare(rotor.theory), accuracy("standard")
+    ready, setting = prepare(rotor.arrays), accuracy("standard")
     plain, with_slopes = [], []
     for kept in (False, True, True, True, True, True):
         start = time.perf_counter()

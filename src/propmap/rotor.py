@@ -19,6 +19,7 @@ from propmap.model.propeller import Propeller
 
 if TYPE_CHECKING:
     from propmap.engine.disk_field import Inflow
+    from propmap.solve.problem import RotorArrays
 
 PRECISIONS = ("float64", "float32")
 
@@ -219,32 +220,30 @@ class Rotor:
         along, across = _resolve(v, b)
         still = self.hover_inflow(w) if along < 0.0 else np.zeros(())
         flow = (float(w), float(along), float(across), float(still))
-        return look_at_disk(self.theory, flow, y, psi, compiled=self.compiled)
+        return look_at_disk(self.arrays, flow, y, psi, compiled=self.compiled)
 
     @functools.cached_property
-    def theory(self) -> Any:
-        """The rotor as the theory's arrays: (blade, section, medium), for ``propmap.theory``.
-
-        NumPy float64; JAX turns them into arrays of the caller's own setting.
-        """
+    def arrays(self) -> RotorArrays:
+        """The rotor as arrays of NumPy float64, for ``propmap.solve.rotor_loads``."""
         from propmap.arrays.namespace import by_numpy
+        from propmap.physics.element import Medium
         from propmap.physics.geometry import make_blade
-        from propmap.physics.parameters import Medium, Section
+        from propmap.physics.sections.blended import BlendedLaw
+        from propmap.solve.problem import RotorArrays
 
         p, a = self.propeller, self.airfoil
         n: Any = np.float64
         attached = n(1.0 if a.lift_law == "blended" else 0.0)
         with by_numpy():
             blade = make_blade(p.station, p.chord, p.twist, n(p.blades), n(p.root))
-        angles = (n(a.alpha_0), n(a.zero_lift_angle))
-        constants = (n(a.c_d0), n(a.c_p), n(a.sharpness), attached, n(a.drag_factor))
-        section = Section(n(a.c_l1), n(a.c_l2), n(a.c_d), *angles, *constants)
-        return blade, section, Medium(n(self.air.density), n(self.air.viscosity))
+        names = [name for name in BlendedLaw._fields if name != "attached"]
+        law = BlendedLaw(attached=attached, **{name: n(getattr(a, name)) for name in names})
+        return RotorArrays(blade, law, Medium(n(self.air.density), n(self.air.viscosity)))
 
     @functools.cached_property
     def _prepared(self) -> Prepared:
         double = self.precision == PRECISIONS[0]
-        return prepare(self.theory, compiled=self.compiled, uniform=self._uniform, double=double)
+        return prepare(self.arrays, compiled=self.compiled, uniform=self._uniform, double=double)
 
     def _loads(self, omega: Floats, v_axial: Floats, v_inplane: Floats) -> Loads:
         shape = omega.shape

@@ -48,7 +48,7 @@ def at(values: dict[str, float]) -> LoadGradients:
     axial, inplane = (np.concatenate(parts) for parts in zip(*FLOWS.values(), strict=True))
     rotor = rotor_with(PROPELLER, AIR, BASE, values, "standard")
     omega = np.tile(OMEGA, len(FLOWS))
-    return load_gradients(prepare(rotor.theory), SETTING, NAMES, omega, axial, inplane)
+    return load_gradients(prepare(rotor.arrays), SETTING, NAMES, omega, axial, inplane)
 
 
 @pytest.fixture(scope="module")
@@ -118,7 +118,7 @@ def test_loads_are_those_of_the_rotor(found: LoadGradients) -> None:
 def test_a_point_without_a_solution_is_lost_with_its_derivatives() -> None:
     rotor = rotor_with(PROPELLER, AIR, BASE, VALUES, "standard")
     omega, bad = np.tile(OMEGA, 2), np.array([10.0, 10.0, np.nan, 10.0])
-    lost = load_gradients(prepare(rotor.theory), SETTING, NAMES, omega, bad, np.zeros(4))
+    lost = load_gradients(prepare(rotor.arrays), SETTING, NAMES, omega, bad, np.zeros(4))
     assert np.isnan(lost.loads[:, 2]).all()
     assert np.isfinite(lost.loads[:, [0, 1, 3]]).all()
 
@@ -140,7 +140,7 @@ def test_each_program_of_a_few_points_is_traced_once() -> None:
     rotor = rotor_with(replace(PROPELLER, **one_less), AIR, BASE, VALUES, "standard")
     jax.monitoring.register_event_duration_secs_listener(note)
     try:
-        load_gradients(prepare(rotor.theory), SETTING, NAMES, OMEGA, *FLOWS["axial, 10 m/s"])
+        load_gradients(prepare(rotor.arrays), SETTING, NAMES, OMEGA, *FLOWS["axial, 10 m/s"])
     finally:
         jax.monitoring.unregister_event_duration_listener(note)
     assert traced.count("jit(_search_in_lanes)") == 1

@@ -104,7 +104,7 @@ def fast_climb():
     rotor = propmap.Rotor(propmap.propeller("apc-8x6e"), propmap.airfoil("paper-apc"))
     rpm = np.linspace(5000.0, 9500.0, 40)
     flow = (rpm * np.pi / 30.0, np.full(40, 12.0), np.zeros(40))
-    assert not may_stall(*prepare(rotor.theory).forecast, *flow).any()
+    assert not may_stall(*prepare(rotor.arrays).forecast, *flow).any()
     return rotor, flow
 
 
@@ -132,7 +132,7 @@ def test_a_start_below_the_root_is_lifted(fast_climb, too_low):
 def test_the_forecast_of_stall_holds(law, axial):
     rotor = propmap.Rotor(propmap.propeller("apc-8x6e"), propmap.airfoil(law))
     flow = climb(rotor, axial, 7)
-    foreseen = may_stall(*prepare(rotor.theory).forecast, *flow)
+    foreseen = may_stall(*prepare(rotor.arrays).forecast, *flow)
     with by_numpy():
         disk = followed(rotor, flow, 1 if axial else 16)
         at = disk.ask.at

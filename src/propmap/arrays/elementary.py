@@ -1,8 +1,7 @@
-"""Elementary functions that a processor's vector units evaluate.
+"""Sine and cosine, arctangent and 2^x from polynomials, which vector units evaluate.
 
-XLA calls the mathematics library once per element for the sine, cosine and arctangent of float64
-on a CPU: 18 ns for sine and cosine, and often again for each user of the result.  Its exponential
-is a vector's, but divides, and takes the square of one for another exponential.
+XLA on a CPU calls the mathematics library for every single sine, cosine and arctangent in float64.
+With these the loads of a batch take a quarter of the time.
 """
 
 from __future__ import annotations
@@ -10,8 +9,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from jax import lax
 
-from propmap.arrays.namespace import Array, DerivativeByRule, by_bits, xp
+from propmap.arrays.namespace import Array, custom_jvp, on_numpy, xp
 
 _ARCTAN_ABOVE = (
     0.9999999999999999,
@@ -35,7 +35,7 @@ _ARCTAN_BELOW = (
 Fitted to it on [0, 1] at Chebyshev points, weighted towards the smallest largest error."""
 
 
-@DerivativeByRule
+@custom_jvp
 def arctangent(t: Array) -> Array:
     """arctan(t) [rad] for |t| <= 1."""
     z = t * t
@@ -60,7 +60,7 @@ _COSINE = tuple((-1.0) ** k / math.factorial(2 * k) for k in range(11))
 """Taylor's series in x^2: up to x = pi/2 what is left out is below 3e-16."""
 
 
-@DerivativeByRule
+@custom_jvp
 def sine_and_cosine(angle: Array) -> tuple[Array, Array]:
     """sin and cos of ``angle`` [rad], any shape, for |angle| <= pi, to 2e-15.
 
@@ -96,14 +96,25 @@ _POWER = (
 Chebyshev points."""
 
 
-@DerivativeByRule
+@custom_jvp
 def power_of_two(exponent: Array) -> Array:
     """2^x [-] for |x| <= 100; x [-] of any shape, float64 (to 5e-16) or float32 (to 1e-7)."""
     mantissa = 52 if exponent.dtype == np.float64 else 23
     whole = xp.rint(exponent)
     power = _polynomial(_POWER, exponent - whole)
-    # In a number so large that it has no bits for a fraction, the last ones are those of ``whole``.
-    return by_bits(lambda a, b: a + (b << mantissa), power, whole + 1.5 * 2.0**mantissa)
+    # A number as large as that has no bits for a fraction: the last ones are those of ``whole``.
+    large = whole + 1.5 * 2.0**mantissa
+    return _from_bits(_bits(power) + (_bits(large) << mantissa), exponent.dtype)
+
+
+def _bits(a: Array) -> Array:
+    """The bits of float64 or float32 as an integer of the same size."""
+    integer = np.int64 if a.dtype == np.float64 else np.int32
+    return a.view(integer) if on_numpy() else lax.bitcast_convert_type(a, integer)
+
+
+def _from_bits(a: Array, kind: np.dtype) -> Array:
+    return a.view(kind) if on_numpy() else lax.bitcast_convert_type(a, kind)
 
 
 @power_of_two.defjvp

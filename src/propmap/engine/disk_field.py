@@ -6,7 +6,6 @@ import contextlib
 import functools
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import jax
 import numpy as np
@@ -16,9 +15,7 @@ from propmap.arrays.namespace import by_numpy
 from propmap.arrays.types import Floats
 from propmap.physics.velocities import azimuth_nodes
 from propmap.solve.disk_field import DiskField, disk_field
-
-if TYPE_CHECKING:
-    from propmap.engine.evaluation import Theory
+from propmap.solve.problem import Case, RotorArrays
 
 
 @dataclass(frozen=True)
@@ -49,7 +46,7 @@ class Inflow:
 
 
 def look_at_disk(
-    theory: Theory,
+    rotor: RotorArrays,
     flow: tuple[float, float, float, float],
     radius: Floats,
     azimuth: Floats,
@@ -62,13 +59,13 @@ def look_at_disk(
     compiled : as for ``Rotor``.
     """
     nodes = azimuth_nodes(1 if flow[2] == 0.0 else 128)
-    arrays = tuple(np.array([value]) for value in flow)
+    case = Case(rotor, *(np.array([value]) for value in flow))  # type: ignore[arg-type]
     with jax.enable_x64(True), contextlib.nullcontext() if compiled else by_numpy():
         solve: Callable[..., DiskField] = _program() if compiled else disk_field
-        found = solve(*theory, arrays, radius, np.sin(azimuth), nodes)
+        found = solve(case, radius, np.sin(azimuth), nodes)
         fields = jax.tree.map(np.asarray, found)
-    section = theory[1]
-    lift_angle = (fields.alpha - section.zero_lift_angle + np.pi) % (2.0 * np.pi) - np.pi
+        stall_angle = float(rotor.law.bounds().stall_angle)
+    lift_angle = (fields.alpha - rotor.law.zero_lift_angle + np.pi) % (2.0 * np.pi) - np.pi
     return Inflow(
         radius=radius,
         azimuth=azimuth,
@@ -79,7 +76,7 @@ def look_at_disk(
         alpha=(fields.alpha + np.pi) % (2.0 * np.pi) - np.pi,
         u_tangential=fields.u_t,
         u_normal=fields.u_p,
-        stalled=np.abs(lift_angle) > float(section.alpha_0),
+        stalled=np.abs(lift_angle) > stall_angle,
         reverse=fields.u_t < 0.0,
     )
 

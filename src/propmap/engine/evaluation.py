@@ -1,4 +1,4 @@
-"""Batches through the theory: blocks of equal size on all cores."""
+"""Loads of batches: planned, cut into blocks, run on all cores."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from propmap.engine.batch import Block, cut, filled_up, nodes_of_each, run
 from propmap.engine.plan import Accuracy, Outlook, may_leave_islands, may_stall, plan
 from propmap.engine.programs import Flow, compiled_search, search_by_numpy
 from propmap.physics.momentum import static_inflow as equation_12
-from propmap.physics.parameters import Blade, Medium, Section
 from propmap.physics.velocities import AzimuthNodes, azimuth_nodes
 from propmap.solve.disk import DiskSolution
+from propmap.solve.problem import RotorArrays
 from propmap.solve.rotor_loads import RotorLoads
 
 FEW = 512
@@ -31,9 +31,6 @@ ATTACHED = 0.9
 """Attached share below which a result from fixed panels is not accepted where following
 stall would have helped: the forecast was wrong."""
 
-Theory = tuple[Blade, Section, Medium]
-
-
 Solved = Callable[[Block, DiskSolution], None]
 """Told of a block of points whose inflow is found; last axis: the block's points, padded."""
 
@@ -43,8 +40,8 @@ class Prepared(NamedTuple):
     whether programs are compiled, whether the same serve batches of any size, and whether they
     work in float64 or else float32."""
 
-    theory: Theory
-    on_device: Theory
+    arrays: RotorArrays
+    on_device: RotorArrays
     forecast: tuple[Floats, Floats, Floats, tuple[float, float]]
     compiled: bool
     uniform: bool
@@ -52,18 +49,18 @@ class Prepared(NamedTuple):
 
 
 def prepare(
-    theory: Theory, *, compiled: bool = True, uniform: bool = False, double: bool = True
+    arrays: RotorArrays, *, compiled: bool = True, uniform: bool = False, double: bool = True
 ) -> Prepared:
-    """Do once what every evaluation of a rotor needs; theory in NumPy float64."""
-    on_device = theory
+    """Do once what every evaluation of a rotor needs; arrays of NumPy float64."""
+    on_device = arrays
     if compiled:
         with jax.enable_x64(double):
-            on_device = jax.device_put(theory)
-    return Prepared(theory, on_device, _forecast_inputs(theory), compiled, uniform, double)
+            on_device = jax.device_put(arrays)
+    return Prepared(arrays, on_device, _forecast_inputs(arrays), compiled, uniform, double)
 
 
 class Evaluation(NamedTuple):
-    """Flat results (N,), see ``rotor.Loads`` and ``theory.loads.RotorLoads``."""
+    """Flat results (N,), see ``rotor.Loads`` and ``solve.rotor_loads.RotorLoads``."""
 
     thrust: Floats
     drag: Floats
@@ -143,7 +140,7 @@ def evaluate_flow(
 
 def advance_ratio(rotor: Prepared, omega: Floats, velocity: Floats) -> Floats:
     """A component of V over Omega R [-], (N,); infinite for a rotor at rest in a wind."""
-    tip = float(rotor.theory[0].station[-1])
+    tip = float(rotor.arrays.blade.station[-1])
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.where(velocity != 0.0, velocity / (omega * tip), 0.0)
 
@@ -154,7 +151,7 @@ def static_inflow(rotor: Prepared, setting: Accuracy, omega: Floats) -> Floats:
     # With the programs of the descent that asks for it.
     thrust: Any = _in_parts(rotor, setting, Flow(omega, still, still, still)).thrust
     with by_numpy():
-        return np.asarray(equation_12(thrust, rotor.theory[2].density, rotor.theory[0].station[-1]))
+        return np.asarray(equation_12(thrust, rotor.arrays.medium.density, rotor.arrays.blade.tip))
 
 
 def _run(
@@ -176,7 +173,7 @@ def _run(
         # Without x64 JAX takes what is float64 for float32.
         with jax.enable_x64(rotor.double):
             asked = (flow.part(which), nodes, block.points.size)
-            found, solution = program(*rotor.on_device, *asked)
+            found, solution = program(rotor.on_device, *asked)
             results[:, block.points] = np.asarray(found)[:, : block.points.size]
             if solved is not None:
                 solved(block, solution)
@@ -196,11 +193,15 @@ def _few(rotor: Prepared, flow: Flow) -> bool:
     return flow.omega.size < FEW or rotor.uniform
 
 
-def _forecast_inputs(theory: Theory) -> tuple[Floats, Floats, Floats, tuple[float, float]]:
-    blade, section, _ = theory
-    radius = np.linspace(float(blade.root), float(blade.station[-1]), 12)
+def _forecast_inputs(
+    arrays: RotorArrays,
+) -> tuple[Floats, Floats, Floats, tuple[float, float]]:
+    blade, law = arrays.blade, arrays.law
+    with by_numpy():
+        bounds = law.bounds()
+    radius = np.linspace(float(blade.root), float(blade.tip), 12)
     chord = np.interp(radius, blade.station, blade.chord)
     twist = np.interp(radius, blade.station, blade.twist)
-    slope = chord * float(blade.blades * section.c_l1) / (8.0 * np.pi * radius)
-    pitch = twist - float(section.zero_lift_angle)
-    return radius, slope, pitch, (float(section.alpha_0), float(section.sharpness))
+    slope = chord * float(blade.blades * bounds.attached_slope) / (8.0 * np.pi * radius)
+    pitch = twist - float(law.zero_lift_angle)
+    return radius, slope, pitch, (float(bounds.stall_angle), 1.0 / float(bounds.stall_width))

@@ -11,7 +11,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from propmap.arrays.namespace import TOGETHER
+from propmap.arrays.loops import TOGETHER
 from propmap.arrays.types import Floats
 from propmap.engine.batch import BLOCK, Block, nodes_of_each
 from propmap.engine.evaluation import FEW, Prepared, evaluate_flow, nodes_of
@@ -19,11 +19,10 @@ from propmap.engine.lanes import in_groups, in_lanes, serve
 from propmap.engine.plan import Accuracy, alike_panels
 from propmap.engine.programs import COMPILER_OPTIONS, Flow, compiled_search
 from propmap.physics.momentum import static_inflow
-from propmap.physics.parameters import Blade, Medium, Section
 from propmap.physics.velocities import AzimuthNodes
 from propmap.solve.disk import DiskSolution
-from propmap.solve.load_slopes import LOADS, Directions, directions_of, load_slopes
-from propmap.solve.rotor_loads import case_of
+from propmap.solve.load_slopes import LOADS, Directions, directions_of, load_slopes, moving
+from propmap.solve.problem import Case, RotorArrays
 
 FIT_BLOCK = 8
 """Operating points per call where there are few: one vector's worth, which takes a third less to
@@ -50,7 +49,7 @@ def load_gradients(
     v_axial: Floats,
     v_inplane: Floats,
 ) -> LoadGradients:
-    """Loads at N operating points and their derivatives by P of ``load_slopes.MOVING``.
+    """Loads at N operating points and their derivatives by P of ``load_slopes.moving``.
 
     names : the parameters.  omega [rad/s], velocities [m/s] : (N,), v_inplane >= 0.
     The derivatives are taken where the inflow was found, by the implicit function theorem: nothing
@@ -72,10 +71,10 @@ def load_gradients(
 
 
 @functools.cache
-def _directions(names: tuple[str, ...], count: int) -> Directions:
+def _directions(movable: tuple[str, ...], names: tuple[str, ...], count: int) -> Directions:
     """Where programs run, once and not in each of a fit's evaluations."""
     with jax.enable_x64(True):
-        return jax.device_put(directions_of(names, count))
+        return jax.device_put(directions_of(movable, names, count))
 
 
 def _count(names: tuple[str, ...]) -> int:
@@ -94,7 +93,7 @@ def _gradients(
     count, points = _count(names), flow.omega.size
     few = points < FEW
     slopes = np.full((len(LOADS), len(names), points), np.nan)
-    ways = _directions(names, count)
+    ways = _directions(moving(rotor.arrays.law), names, count)
 
     def differentiate(block: Block, solution: DiskSolution) -> None:
         program, solution = _program(block.panels), jax.tree.map(np.asarray, solution)
@@ -106,10 +105,10 @@ def _gradients(
             piece = block._replace(points=points, azimuths=azimuths, size=width)
             which, kept = piece.padded, piece.points
             mine = jax.tree.map(functools.partial(_some, part), solution)
-            moving = None if v_hover_slope is None else v_hover_slope[:, which]
+            along = None if v_hover_slope is None else v_hover_slope[:, which]
             nodes = nodes_of(piece, few=few)
-            asked = (flow.part(which), mine, ways, moving, nodes, kept.size)
-            found = program(*rotor.on_device, *asked)
+            asked = (flow.part(which), mine, ways, along, nodes, kept.size)
+            found = program(rotor.on_device, *asked)
             by_name = np.asarray(found)[: len(names)].transpose(1, 0, 2)
             slopes[:, :, kept] = by_name[:, :, : kept.size]
 
@@ -127,7 +126,7 @@ def _some(points: slice, values: Any) -> Any:
 def _static_inflow(rotor: Prepared, static: LoadGradients) -> tuple[Floats, Floats]:
     """v_h (N,) [m/s], eq. (12), and its derivatives (P, N)."""
     thrust, slope = static.loads[0], static.slopes[0]
-    density, tip = rotor.theory[2].density, rotor.theory[0].station[-1]
+    density, tip = rotor.arrays.medium.density, rotor.arrays.blade.tip
     with jax.enable_x64(True):
         found: Any = jax.jvp(
             lambda t: static_inflow(t, density, tip),
@@ -144,16 +143,16 @@ _COMPILED: set[tuple[Accuracy, int, int, bool]] = set()
 def _compile_both(rotor: Prepared, setting: Accuracy, count: int, *, descends: bool) -> None:
     """Compile the two programs of a few points side by side, which otherwise would follow each
     other."""
-    key = (setting, rotor.theory[0].station.size, count, descends)
+    key = (setting, rotor.arrays.blade.station.size, count, descends)
     if key in _COMPILED:
         return
     _COMPILED.add(key)
     panels, still = alike_panels(setting), np.zeros(FIT_BLOCK)
     nodes = nodes_of_each(np.ones(FIT_BLOCK, int), setting.most_azimuths)
     flow = Flow(still, still, still, still if descends else None)
-    moving = np.zeros((count, FIT_BLOCK)) if descends else None
+    slopes = np.zeros((count, FIT_BLOCK)) if descends else None
     search = compiled_search(panels, axial=False)
-    arguments = (*rotor.on_device, flow, nodes, FIT_BLOCK)
+    arguments = (rotor.on_device, flow, nodes, FIT_BLOCK)
 
     def run_search() -> None:
         with jax.enable_x64(True):
@@ -165,8 +164,9 @@ def _compile_both(rotor: Prepared, setting: Accuracy, count: int, *, descends: b
         searched = beside.submit(run_search)
         _, shapes = search.eval_shape(*arguments)
         solution = jax.tree.map(lambda a: np.zeros(a.shape, a.dtype), shapes)
-        here = (flow, solution, directions_of((), count), moving, nodes, FIT_BLOCK)
-        _program(panels)(*rotor.on_device, *here)
+        movable = moving(rotor.arrays.law)
+        here = (flow, solution, directions_of(movable, (), count), slopes, nodes, FIT_BLOCK)
+        _program(panels)(rotor.on_device, *here)
         searched.result()
 
 
@@ -175,9 +175,7 @@ def _program(panels: tuple[int, ...]) -> Callable[..., Any]:
     """Derivatives (D, 4, B) along directions, where (11) is solved."""
 
     def slopes(
-        blade: Blade,
-        section: Section,
-        medium: Medium,
+        rotor: RotorArrays,
         flow: Any,
         solution: DiskSolution,
         directions: Directions,
@@ -188,13 +186,12 @@ def _program(panels: tuple[int, ...]) -> Callable[..., Any]:
         same = isinstance(azimuth.count, int)
 
         def few(shared: Any, each: Any) -> Any:
-            (props, law, air), ways = shared
+            arrays, ways = shared
             here, found, moving, own = each
             nodes = azimuth if same else own
-            case = case_of(props, law, air, *here)
-            return load_slopes(case, found, here.v_hover, panels, nodes, ways, moving)
+            return load_slopes(Case(arrays, *here), found, panels, nodes, ways, moving)
 
-        shared = ((blade, section, medium), directions)
+        shared = (rotor, directions)
         each = (flow, solution, v_hover_slopes, None if same else azimuth)
         if in_groups(flow.omega.size, panels):
             return in_lanes(few, shared, each, used, TOGETHER)

@@ -22,7 +22,8 @@ from jax import lax
 from jax.experimental.xla_metadata import set_xla_metadata
 from jax.flatten_util import ravel_pytree
 
-from propmap.arrays.namespace import as_one_function, on_accelerator
+from propmap.arrays.loops import in_one_function
+from propmap.arrays.namespace import on_accelerator
 from propmap.engine.compilation import KNOWN_JAXLIB
 from propmap.engine.plan import ISLAND_PANELS
 
@@ -96,7 +97,7 @@ def in_lanes(
         nothing = jax.tree.map(lambda a: jnp.zeros((*a.shape[:-1], points), a.dtype), like)
         return lax.fori_loop(0, -(-count // LANES), add, nothing)
 
-    with as_one_function(together):
+    with in_one_function(together):
         found = jax.jit(whole)(flat, rows, used)
     # A mark on what the call gives is one on the call; within a context it would be on all in it.
     mark: Any = set_xla_metadata  # untyped in JAX

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from propmap.arrays.types import Floats
 from propmap.errors import InputError
-from propmap.physics.parameters import Resolution
 from propmap.physics.vortex_ring import WINDMILL_BELOW
+from propmap.solve.resolution import Resolution
 
 Singles = NDArray[np.float32]
 

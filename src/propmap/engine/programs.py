@@ -12,10 +12,10 @@ import numpy as np
 from propmap.arrays.namespace import by_numpy, xp
 from propmap.arrays.types import Floats
 from propmap.engine.lanes import in_groups, in_lanes
-from propmap.physics.parameters import Blade, Medium, Section
 from propmap.physics.velocities import AzimuthNodes
 from propmap.solve.disk import DiskSolution, solve_disk
-from propmap.solve.rotor_loads import case_of, loads_over_disk
+from propmap.solve.problem import Case, RotorArrays
+from propmap.solve.rotor_loads import loads_over_disk
 
 COMPILER_OPTIONS = {
     # Spares a third of the evaluation where a processor has such vectors.
@@ -59,46 +59,35 @@ class Flow(NamedTuple):
         return Flow(*(None if a is None else a[which] for a in self))  # type: ignore[arg-type]
 
 
-Program = Callable[[Blade, Section, Medium, Flow, AzimuthNodes, int], tuple[Any, DiskSolution]]
+Program = Callable[[RotorArrays, Flow, AzimuthNodes, int], tuple[Any, DiskSolution]]
 """From B points to the fields of ``RotorLoads``, one row each (F, B), and the solution; the last
 argument tells how many of the points are asked for, from the first on."""
 
 
 def _search(
-    panels: tuple[int, ...],
-    blade: Blade,
-    section: Section,
-    medium: Medium,
-    flow: Any,
-    azimuth: AzimuthNodes,
+    panels: tuple[int, ...], rotor: RotorArrays, flow: Any, azimuth: AzimuthNodes
 ) -> tuple[Any, DiskSolution]:
-    case = case_of(blade, section, medium, *flow)
+    case = Case(rotor, *flow)
     solution, disk = solve_disk(case, panels, azimuth)
-    found = loads_over_disk(case, disk, solution.several, flow.v_hover, azimuth)
+    found = loads_over_disk(case, disk, solution.several, azimuth)
     # One array, since every further one takes as long to hand over as some points to evaluate.
     return xp.stack([values * 1.0 for values in found]), solution
 
 
 def _search_in_lanes(
-    panels: tuple[int, ...],
-    blade: Blade,
-    section: Section,
-    medium: Medium,
-    flow: Any,
-    azimuth: AzimuthNodes,
-    used: Any,
+    panels: tuple[int, ...], rotor: RotorArrays, flow: Any, azimuth: AzimuthNodes, used: Any
 ) -> tuple[Any, DiskSolution]:
     if not in_groups(flow.omega.size, panels):
-        return _search(panels, blade, section, medium, flow, azimuth)
+        return _search(panels, rotor, flow, azimuth)
     same = isinstance(azimuth.count, int)
 
-    def search(theory: Any, some: Any) -> tuple[Any, DiskSolution]:
-        (here, own), (props, law, air) = some, theory
-        return _search(panels, props, law, air, here, azimuth if same else own)
+    def search(shared: RotorArrays, some: Any) -> tuple[Any, DiskSolution]:
+        here, own = some
+        return _search(panels, shared, here, azimuth if same else own)
 
     found: tuple[Any, DiskSolution]
     each = (flow, None if same else azimuth)
-    found = in_lanes(search, (blade, section, medium), each, used, AZIMUTHS_TOGETHER)
+    found = in_lanes(search, rotor, each, used, AZIMUTHS_TOGETHER)
     return found
 
 

@@ -70,7 +70,7 @@ class ForceModel:
         flow, shape = self.flow, self.flow.omega.shape
         vehicle = self.vehicle
         rotor = rotor_with(vehicle.propeller, vehicle.air, self.base, values, self.setting)
-        prepared: Prepared = prepare(rotor.theory)
+        prepared: Prepared = prepare(rotor.arrays)
         points = (flow.omega.ravel(), flow.axial.ravel(), flow.inplane.ravel())
         found = load_gradients(prepared, self._law, section, *points)
         loads = found.loads.reshape(len(LOADS), *shape)

@@ -18,7 +18,7 @@ def hover_after_fit(rotor: Rotor) -> HoverModel:
     """``HoverModel.of(rotor)`` by the program that the fit has compiled, within 0.1 %."""
     omega = REFERENCE_TIP_SPEED / rotor.propeller.radius
     still, setting = np.zeros(1), accuracy(rotor.accuracy)
-    found = load_gradients(prepare(rotor.theory), setting, (), np.array([omega]), still, still)
+    found = load_gradients(prepare(rotor.arrays), setting, (), np.array([omega]), still, still)
     static = dict(zip(LOADS, found.loads[:, 0].tolist(), strict=True))
     return HoverModel(static["thrust"] / omega**2, static["torque"] / omega**2, omega)
 

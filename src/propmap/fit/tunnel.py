@@ -128,7 +128,7 @@ def tunnel_rows(
 
     def model(values: Mapping[str, float], free: tuple[str, ...]) -> tuple[Floats, Floats]:
         rotor = rotor_with(propeller, air, base, values, setting)
-        prepared = prepare(rotor.theory)
+        prepared = prepare(rotor.arrays)
         found = load_gradients(prepared, law, free, data.omega, axial, inplane)
         value, slope = found.loads[rows_of], found.slopes[rows_of].transpose(0, 2, 1)
         return value[load, point], slope[load, point]

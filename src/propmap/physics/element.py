@@ -1,55 +1,198 @@
-"""Loads of an annulus from its blade elements, eqs. (5)-(7), averaged over azimuth."""
+"""Blade elements and their mean over a turn, eqs. (3)-(7)."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from propmap.arrays.elementary import sine_and_cosine
-from propmap.arrays.namespace import Array, in_one_kernel, mean_of_each, settled, xp
-from propmap.physics.geometry import StationShape
-from propmap.physics.parameters import Blade, Medium, Section
-from propmap.physics.sections.blended import (
-    StallBlend,
-    angle_of_attack,
-    attached_share,
-    attached_share_and_slope,
-    friction_chord,
-    stall_blend,
-)
+from propmap.arrays.materialize import materialize
+from propmap.arrays.namespace import Array, xp
+from propmap.physics.geometry import Blade, blade_shape
+from propmap.physics.sections.law import SectionFlow, SectionLaw
 from propmap.physics.velocities import (
     AzimuthNodes,
+    angle_of,
     floored_norm,
     normal_velocity,
     tangential_velocity,
 )
 
 
-class Annulus(NamedTuple):
-    """All that the forces on an annulus need except its inflow; arrays that broadcast.
+class Medium(NamedTuple):
+    """The air; scalars.
 
-    radius [m], chord [m], friction_chord (``section_law``), sine and cosine of the angle of
-    the zero-lift line to the disk plane [-], omega [rad/s], v_axial and v_inplane [m/s],
-    blades [-], section, blend (``section_law``).
+    Attributes
+    ----------
+    density : Array
+        rho [kg/m^3].
+    viscosity : Array
+        mu [Pa s], dynamic.
+    """
+
+    density: Array
+    viscosity: Array
+
+
+class Station(NamedTuple):
+    """The blade at some radii; arrays (S, 1) or (S, B), the only ones of an annulus so shaped.
+
+    Attributes
+    ----------
+    radius, chord : Array
+        y and c [m].
+    sine, cosine : Array
+        Of the angle of the zero-lift line to the disk plane [-].
+    reynolds_per_speed : Array
+        rho c / mu [s/m].
+    inverse_root : Array
+        Its -1/2 power [m^0.5/s^0.5].
     """
 
     radius: Array
     chord: Array
-    friction_chord: Array
     sine: Array
     cosine: Array
+    reynolds_per_speed: Array
+    inverse_root: Array
+
+
+class Annulus(NamedTuple):
+    """All that the forces on an annulus need except its inflow; a pytree.
+
+    Attributes
+    ----------
+    station : Station
+        The blade there.
+    omega, v_axial, v_inplane : Array
+        Omega [rad/s], V cos(beta) and V sin(beta) [m/s], shape (B,).
+    blades, root, tip : Array
+        N_b [-], and where the blade begins and ends [m]; scalars.
+    law : SectionLaw
+        Lift and drag of its section.
+    """
+
+    station: Station
     omega: Array
     v_axial: Array
     v_inplane: Array
     blades: Array
-    section: Section
-    blend: StallBlend
+    root: Array
+    tip: Array
+    law: SectionLaw
+
+    @property
+    def radius(self) -> Array:
+        """y [m]."""
+        return self.station.radius
+
+    @property
+    def chord(self) -> Array:
+        """c [m]."""
+        return self.station.chord
+
+    @property
+    def turning(self) -> Array:
+        """Omega y [m/s]."""
+        return self.omega * self.station.radius
+
+
+def annulus(
+    blade: Blade,
+    law: SectionLaw,
+    medium: Medium,
+    radius: Array,
+    omega: Array,
+    v_axial: Array,
+    v_inplane: Array,
+) -> Annulus:
+    """Collect an annulus at ``radius`` [m], shape (S, 1) or (S, B); flow as in ``Annulus``."""
+    chord, twist = blade_shape(blade, radius)
+    sine, cosine = materialize(lambda: sine_and_cosine(twist - law.zero_lift_angle), blade.root)
+    reynolds_per_speed = medium.density / medium.viscosity * chord
+    # At a pointed tip Re goes to zero, and C_D to infinity, but not their product with the chord.
+    root = xp.sqrt(1.0 / xp.maximum(reynolds_per_speed, 1e-30))
+    station = Station(radius, chord, sine, cosine, reynolds_per_speed, root)
+    return Annulus(station, omega, v_axial, v_inplane, blade.blades, blade.root, blade.tip, law)
+
+
+class ElementForces(NamedTuple):
+    """Forces of one blade element per radius and density.
+
+    Attributes
+    ----------
+    normal : Array
+        Along the thrust, dL cos(phi) - dD sin(phi) [m^3/s^2].
+    tangential : Array
+        Against the rotation, dL sin(phi) + dD cos(phi) [m^3/s^2].
+    normal_slope : Array
+        Derivative of ``normal`` by the inflow [m^2/s].
+    """
+
+    normal: Array
+    tangential: Array
+    normal_slope: Array
+
+
+def element_forces(at: Annulus, inflow: Array, sine: Array) -> ElementForces:
+    """Forces of one blade element, eqs. (1)-(4).
+
+    With sin(phi) = U_P / U and cos(phi) = U_T / U, reverse flow needs no case of its own.  The
+    derivative by the inflow is written beside the value; automatic differentiation costs more.
+
+    Parameters
+    ----------
+    at : Annulus
+        Blade and flow.
+    inflow : Array
+        v_i [m/s], shape (S, B).
+    sine : Array
+        sin(psi) [-], scalar or (B,).
+    """
+    u_t = tangential_velocity(at.omega, at.radius, at.v_inplane, sine)  # Eq. (1)
+    u_p = normal_velocity(at.v_axial, inflow)  # Eq. (2)
+    u = floored_norm(u_t, u_p)
+    per_u = 1.0 / u
+    sin_phi, cos_phi = u_p * per_u, u_t * per_u
+    flow = _section_flow(at.station, sin_phi, cos_phi, u, per_u)
+    c = at.law.coefficients(flow)  # Eqs. (3)(4)
+    # dL = 1/2 rho U^2 C_L c dy, dD = 1/2 rho U^2 C_D c dy
+    half = 0.5 * at.chord * u
+    normal = half * (c.lift * u_t - c.drag * u_p)
+    tangential = half * (c.lift * u_p + c.drag * u_t)
+    # d(alpha)/dv_i = -cos(phi)/U, dU/dv_i = sin(phi).
+    lift = (c.lift + c.lift_by_log_re) * sin_phi - c.lift_slope * cos_phi
+    drag = (c.drag + c.drag_by_log_re) * sin_phi - c.drag_slope * cos_phi
+    slope = 0.5 * at.chord * (u_t * lift - u_p * drag - u * c.drag)
+    return ElementForces(normal, tangential, slope)
+
+
+def _section_flow(
+    station: Station, sin_phi: Array, cos_phi: Array, speed: Array, per_speed: Array
+) -> SectionFlow:
+    """The flow at angle of attack theta - phi, from zero lift."""
+    sine = station.sine * cos_phi - station.cosine * sin_phi
+    cosine = station.cosine * cos_phi + station.sine * sin_phi
+    return SectionFlow(
+        angle=angle_of(cosine, sine, xp.ones_like(cosine)),
+        sine=sine,
+        cosine=cosine,
+        reynolds=station.reynolds_per_speed * speed,
+        inverse_root_reynolds=station.inverse_root * xp.sqrt(speed) * per_speed,
+    )
 
 
 class AnnulusLoads(NamedTuple):
-    """Loads per radius and density of an annulus, eqs. (5)-(7) and the rolling moment.
+    """Loads per radius and density of an annulus; multiply by rho for N/m and N.
 
-    thrust, drag [m^3/s^2], torque, roll_moment [m^4/s^2]; multiply by rho for N/m and N.
+    Attributes
+    ----------
+    thrust, drag : Array
+        [m^3/s^2], eqs. (5) and (6).
+    torque : Array
+        [m^4/s^2], eq. (7).
+    roll_moment : Array
+        [m^4/s^2], about the in-plane velocity, positive where the advancing side is lifted.
+        Not in the paper.
     """
 
     thrust: Array
@@ -58,142 +201,43 @@ class AnnulusLoads(NamedTuple):
     roll_moment: Array
 
 
-def annulus(
-    shape: StationShape,
-    blade: Blade,
-    section: Section,
-    medium: Medium,
-    omega: Array,
-    v_axial: Array,
-    v_inplane: Array,
-) -> Annulus:
-    """Collect an annulus; shape (S, 1) or (S, B), omega and velocities (B,) or scalar."""
-    sine, cosine = settled(
-        lambda: sine_and_cosine(shape.twist - section.zero_lift_angle), blade.root
+def annulus_loads(at: Annulus, inflow: Array, azimuth: AzimuthNodes) -> AnnulusLoads:
+    """Loads of an annulus, eqs. (5)-(7), averaged over a turn; shape of ``inflow``."""
+
+    def terms(sine: Array) -> tuple[Array, ...]:
+        normal, tangential = materialize(lambda: element_forces(at, inflow, sine)[:2], at.blades)
+        return normal, tangential * sine, tangential, normal * sine
+
+    thrust, drag, turning, rolling = azimuth.mean(terms)
+    n = at.blades
+    return AnnulusLoads(
+        thrust=n * thrust,  # Eq. (5)
+        drag=n * at.law.drag_factor * drag,  # Eq. (6)
+        torque=n * at.radius * turning,  # Eq. (7)
+        roll_moment=n * at.radius * rolling,
     )
-    return Annulus(
-        radius=shape.radius,
-        chord=shape.chord,
-        friction_chord=friction_chord(shape.chord, section, medium),
-        sine=sine,
-        cosine=cosine,
-        omega=omega,
-        v_axial=v_axial,
-        v_inplane=v_inplane,
-        blades=blade.blades,
-        section=section,
-        blend=stall_blend(section),
-    )
-
-
-def _velocities(at: Annulus, inflow: Array, sine: Array) -> tuple[Array, Array]:
-    u_t = tangential_velocity(at.omega, at.radius, at.v_inplane, sine)
-    u_p = normal_velocity(at.v_axial, inflow)
-    return in_one_kernel(u_t, at.blades), in_one_kernel(u_p, at.blades)
-
-
-def element_forces(at: Annulus, inflow: Array, sine: Array) -> tuple[Array, Array]:
-    """Normal and tangential force of one blade element per radius and density [m^3/s^2].
-
-    at : annulus; inflow : v_i [m/s]; sine : sin(psi) [-]; broadcast.
-    Normal is along the thrust, tangential against the rotation (dL sin(phi) + dD cos(phi)).
-    sin(phi) = U_P/U and cos(phi) = U_T/U, so that reverse flow needs no case of its own.
-    """
-    u_t, u_p = _velocities(at, inflow, sine)
-    u = floored_norm(u_t, u_p)
-    across = at.sine * u_t - at.cosine * u_p  # U sin(alpha)
-    along = at.cosine * u_t + at.sine * u_p  # U cos(alpha)
-    alpha = angle_of_attack(along, across, u)
-    law = at.section
-    share = attached_share(alpha, at.blend)
-    # U C_L and U C_D times the chord, eqs. (3)(4): sin and cos of alpha come without
-    # trigonometry from the velocities.
-    per_u = 1.0 / u
-    lift = share * law.c_l1 * alpha * u + (1.0 - share) * law.c_l2 * across * along * per_u
-    drag = law.c_d * across * across * per_u + law.c_d0 * u
-    lift, drag = at.chord * lift, at.chord * drag + at.friction_chord * xp.sqrt(u)
-    normal = 0.5 * (lift * u_t - drag * u_p)
-    tangential = 0.5 * (lift * u_p + drag * u_t)
-    return normal, tangential
-
-
-def element_thrust_slope(at: Annulus, inflow: Array, sine: Array) -> tuple[Array, Array]:
-    """``element_forces``' normal force [m^3/s^2] and its derivative by the inflow [m^2/s].
-
-    Written out because the search for the root spends its time here: automatic
-    differentiation evaluates the same expressions at 1.5 times the cost.  A test holds it
-    to ``element_forces`` and its derivative.
-    """
-    law = at.section
-    u_t, u_p = _velocities(at, inflow, sine)
-    u = floored_norm(u_t, u_p)
-    per_u = 1.0 / u
-    across = at.sine * u_t - at.cosine * u_p
-    along = at.cosine * u_t + at.sine * u_p
-    alpha = angle_of_attack(along, across, u)
-    share, share_slope = attached_share_and_slope(alpha, at.blend)
-    root = xp.sqrt(u)
-
-    # Sine and cosine of the inflow angle, of which the sine is dU/dv, and of the angle of attack.
-    rising, turning = u_p * per_u, u_t * per_u
-    sine_alpha, cosine_alpha = across * per_u, along * per_u
-    attached = law.c_l1 * alpha * u
-    d_attached = law.c_l1 * (alpha * rising - turning)
-    separated = law.c_l2 * sine_alpha * along
-    d_separated = law.c_l2 * (
-        sine_alpha * (at.sine - cosine_alpha * rising) - at.cosine * cosine_alpha
-    )
-    excess = attached - separated
-    lift = separated + share * excess
-    d_lift = (
-        d_separated + share * (d_attached - d_separated) - share_slope * turning * per_u * excess
-    )
-    pressure = law.c_d * sine_alpha
-    drag = at.chord * (pressure * across + law.c_d0 * u) + at.friction_chord * root
-    d_drag = (
-        at.chord * (law.c_d0 * rising - pressure * (2.0 * at.cosine + sine_alpha * rising))
-        + 0.5 * at.friction_chord * root * per_u * rising
-    )
-    normal = 0.5 * (at.chord * lift * u_t - drag * u_p)
-    return normal, 0.5 * (at.chord * d_lift * u_t - d_drag * u_p - drag)
-
-
-def _over_azimuth(term: Callable[[Array], Any], azimuth: AzimuthNodes) -> Any:
-    """Mean over the azimuth nodes of term(sin(psi)), an array or a tree of arrays."""
-    sines = xp.asarray(azimuth.sines)
-    if isinstance(azimuth.count, int) and azimuth.count == 1:
-        return settled(lambda: term(sines[0]), sines[0])
-    return mean_of_each(term, sines, azimuth.count)
 
 
 def annulus_thrust(at: Annulus, inflow: Array, azimuth: AzimuthNodes) -> Array:
-    """Thrust of the blade elements per radius and density [m^3/s^2], eq. (5), shape of inflow.
-
-    at : annuli.  inflow : v_i [m/s], broadcast with them.  azimuth : nodes to average over.
-    """
-    mean: Array = _over_azimuth(lambda s: element_forces(at, inflow, s)[0], azimuth)
+    """Thrust of the blade elements per radius and density [m^3/s^2], eq. (5)."""
+    mean: Array = azimuth.mean(lambda s: element_forces(at, inflow, s).normal)
     return at.blades * mean
 
 
 def annulus_thrust_slope(at: Annulus, inflow: Array, azimuth: AzimuthNodes) -> tuple[Array, Array]:
-    """``annulus_thrust`` and its derivative by the inflow [m^2/s]; shape of inflow."""
-    thrust, slope = _over_azimuth(lambda s: element_thrust_slope(at, inflow, s), azimuth)
+    """``annulus_thrust`` and its derivative by the inflow [m^2/s]."""
+
+    def terms(sine: Array) -> tuple[Array, Array]:
+        forces = element_forces(at, inflow, sine)
+        return forces.normal, forces.normal_slope
+
+    thrust, slope = azimuth.mean(terms)
     return at.blades * thrust, at.blades * slope
 
 
-def annulus_loads(at: Annulus, inflow: Array, azimuth: AzimuthNodes) -> AnnulusLoads:
-    """All loads of an annulus per radius and density, eqs. (5)-(7); shape of inflow.
-
-    at, inflow, azimuth : as in ``annulus_thrust``.
-    """
-
-    def terms(sine: Array) -> tuple[Array, ...]:
-        normal, tangential = settled(lambda: element_forces(at, inflow, sine), at.blades)
-        return normal, tangential * sine, tangential, normal * sine
-
-    thrust, drag, turning, rolling = _over_azimuth(terms, azimuth)
-    n = at.blades
-    in_plane = n * at.section.drag_factor * drag
-    return AnnulusLoads(  # Eqs. (5)-(7)
-        n * thrust, in_plane, n * at.radius * turning, n * at.radius * rolling
-    )
+def mean_angle_of_attack(at: Annulus, inflow: Array) -> Array:
+    """Angle of attack from zero lift [rad] without the in-plane velocity; shape of ``inflow``."""
+    u_t, u_p = at.turning, normal_velocity(at.v_axial, inflow)
+    sine = at.station.sine * u_t - at.station.cosine * u_p
+    cosine = at.station.cosine * u_t + at.station.sine * u_p
+    return angle_of(cosine, sine, floored_norm(u_t, u_p))

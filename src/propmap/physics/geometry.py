@@ -5,23 +5,47 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 from propmap.arrays.namespace import Array, xp
-from propmap.physics.parameters import Blade
 
 
-class StationShape(NamedTuple):
-    """Chord [m] and twist [rad] at some radii [m], all of one shape."""
+class Blade(NamedTuple):
+    """Geometry of one propeller, a pytree that can be differentiated.
 
-    radius: Array
+    Attributes
+    ----------
+    station : Array
+        Radii of the measured stations, rising [m], shape (n,).
+    chord, twist : Array
+        Chord [m] and angle of the chord line to the disk plane [rad] there, shape (n,).
+    cubics : Array
+        The curves between them, a row for each interval, shape (n - 1, 10).
+    blades : Array
+        Number of blades N_b [-].
+    root : Array
+        Radius at which integration starts [m]: first station or root cut-out.
+    """
+
+    station: Array
     chord: Array
     twist: Array
+    cubics: Array
+    blades: Array
+    root: Array
+
+    @property
+    def tip(self) -> Array:
+        """Blade radius R [m], the last station."""
+        return self.station[-1]
 
 
 def make_blade(station: Any, chord: Any, twist: Any, blades: Any, root: Any) -> Blade:
     """A ``Blade`` from its measured stations, with the curves between them.
 
-    station, chord : shape (n,) [m]; twist : shape (n,) [rad]; blades [-] and root [m] : scalars.
+    Parameters
+    ----------
+    station, chord, twist, blades, root
+        As in ``Blade``.
     """
-    # One row per interval, so that a radius gathers once: on a CPU that is what costs.
+    # One row per interval: on a CPU each gather costs, so a radius takes one.
     h = xp.diff(station)
     rows = [station[:-1], h]
     for y in (chord, twist):
@@ -32,13 +56,20 @@ def make_blade(station: Any, chord: Any, twist: Any, blades: Any, root: Any) -> 
 
 
 def pchip_slopes(x: Any, y: Any) -> Any:
-    """Derivatives at the knots of the monotone piecewise cubic through (x, y).
+    """Derivatives at the knots of the monotone piecewise cubic (PCHIP) through (x, y).
 
-    x : shape (n,), rising; y : shape (n,); n >= 3.  Returns shape (n,), in units of y/x.
-    Fritsch & Butland, SIAM J. Sci. Stat. Comput. 5(2), 1984, doi 10.1137/0905021, with the
-    three-point ends of SciPy's ``PchipInterpolator``, against which it is tested.  Written
-    here because chord and twist are differentiated, and the JAX interpolation packages and
-    SciPy each add more than half a second of imports.
+    Written here because chord and twist are differentiated; the JAX interpolation packages and
+    SciPy each add more than half a second of imports.  Tested against SciPy's
+    ``PchipInterpolator``, whose three-point ends these are.
+
+    Parameters
+    ----------
+    x, y
+        Knots, x rising, shape (n,) with n >= 3.
+
+    References
+    ----------
+    Fritsch & Butland, SIAM J. Sci. Stat. Comput. 5(2), 1984, doi 10.1137/0905021.
     """
     h = xp.diff(x)
     d = xp.diff(y) / h
@@ -57,11 +88,11 @@ def _end_slope(h0: Any, h1: Any, d0: Any, d1: Any) -> Any:
     return xp.where((d0 * d1 < 0.0) & (xp.abs(slope) > 3.0 * xp.abs(d0)), 3.0 * d0, slope)
 
 
-def blade_shape(blade: Blade, radius: Array) -> StationShape:
-    """Chord [m] and twist [rad] by PCHIP at radius [m], any shape, inside the measured span."""
+def blade_shape(blade: Blade, radius: Array) -> tuple[Array, Array]:
+    """Chord [m] and twist [rad] by PCHIP at ``radius`` [m], any shape, inside the measured span."""
     k = xp.sum(radius[..., None] >= blade.station[1:-1], axis=-1)
     row = xp.moveaxis(xp.asarray(blade.cubics)[k], -1, 0)
     t = (radius - row[0]) / row[1]
     chord = row[2] + t * (row[3] + t * (row[4] + t * row[5]))
     twist = row[6] + t * (row[7] + t * (row[8] + t * row[9]))
-    return StationShape(radius, chord, twist)
+    return chord, twist

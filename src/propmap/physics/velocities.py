@@ -1,30 +1,111 @@
-"""Section velocities, eqs. (1) and (2), and the azimuth nodes they are evaluated at."""
+"""What the air does at a blade section: eqs. (1) and (2), the angle of attack, azimuths."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import jax
 import numpy as np
 
+from propmap.arrays.elementary import arctangent
+from propmap.arrays.loops import mean_over
+from propmap.arrays.materialize import materialize
 from propmap.arrays.namespace import Array, xp
 
 SPEED_FLOOR = 1e-9
 """[m/s] added in quadrature to every speed that is divided by.
 
-It keeps the gradient finite where a section stands still in the air (Omega = V = 0, or the
-edge of the reverse-flow circle) and changes no load by more than a rounding error."""
+It keeps gradients finite where a section stands still in the air (Omega = V = 0, or the edge of
+the reverse-flow circle) and changes no load by more than a rounding error."""
+
+
+def tangential_velocity(omega: Array, radius: Array, v_inplane: Array, sine: Array) -> Array:
+    """Air velocity along the chordwise direction of rotation, eq. (1).
+
+    Parameters
+    ----------
+    omega : Array
+        Rotational speed [rad/s].
+    radius : Array
+        Radius y of the section [m].
+    v_inplane : Array
+        V sin(beta) [m/s].
+    sine : Array
+        sin(psi) [-], 1 on the advancing side.
+
+    Returns
+    -------
+    Array
+        U_T [m/s], of the arguments' broadcast shape; positive from the leading edge.
+    """
+    return omega * radius + v_inplane * sine  # Eq. (1)
+
+
+def normal_velocity(v_axial: Array, inflow: Array) -> Array:
+    """Air velocity through the disk, eq. (2).
+
+    Parameters
+    ----------
+    v_axial : Array
+        V cos(beta) [m/s].
+    inflow : Array
+        Inflow v_i(y) [m/s].
+
+    Returns
+    -------
+    Array
+        U_P [m/s], of the arguments' broadcast shape; positive against the thrust.
+    """
+    return v_axial + inflow  # Eq. (2)
+
+
+def floored_norm(a: Array, b: Array) -> Array:
+    """sqrt(a^2 + b^2) [m/s] with ``SPEED_FLOOR`` added in quadrature."""
+    return xp.sqrt(floored_square(a, b))
+
+
+def floored_square(a: Array, b: Array) -> Array:
+    """a^2 + b^2 [m^2/s^2] with the square of ``SPEED_FLOOR`` added."""
+    return a * a + b * b + SPEED_FLOOR**2
+
+
+def angle_of(along: Array, across: Array, size: Array) -> Array:
+    """The angle whose cosine is ``along / size`` and sine ``across / size``.
+
+    The paper's ``theta - phi`` wrapped to (-pi, pi], as ``atan2(across, along)``.  Here by the
+    half angle, tan(a/2) = sin(a) / (1 + cos(a)), which needs the arctangent of small numbers only.
+
+    Parameters
+    ----------
+    along, across : Array
+        Components of one vector, in any unit.
+    size : Array
+        Its length, > 0.
+
+    Returns
+    -------
+    Array
+        Angle [rad] in [-pi, pi].
+    """
+    # Times the reciprocal: XLA would compute a quotient of two arrays in a kernel of its own.
+    half = arctangent(across * (1.0 / (size + xp.abs(along))))
+    behind = xp.where(across < 0.0, -np.pi, np.pi) - 2.0 * half
+    return xp.where(along < 0.0, behind, 2.0 * half)
 
 
 @jax.tree_util.register_pytree_node_class
 @dataclass(frozen=True)
 class AzimuthNodes:
-    """Azimuth nodes, a pytree: the first ``count`` rows of sines [-] are used.
+    """Azimuths over which loads are averaged; a pytree.
 
-    For one number of nodes sines is (n,) and count a Python integer: static, which reverse-mode
-    differentiation needs.  For a number of its own per operating point sines is (n, B) and count
-    an integer array (B,).
+    Attributes
+    ----------
+    sines : Array
+        sin(psi) [-] of the nodes, shape (n,), or (n, B) with a column for each operating point.
+    count : int or Array
+        How many rows of ``sines`` are used: an integer, static, or integers (B,).
     """
 
     sines: Array | np.ndarray
@@ -41,44 +122,27 @@ class AzimuthNodes:
         """The inverse of ``tree_flatten``."""
         return cls(*children) if static is None else cls(children[0], static)
 
+    def mean(self, term: Callable[[Array], Any]) -> Any:
+        """The mean over azimuth of ``term(sin(psi))``, an array or a tree of arrays."""
+        sines = xp.asarray(self.sines)
+        if isinstance(self.count, int) and self.count == 1:
+            return materialize(lambda: term(sines[0]), sines[0])
+        return mean_over(term, sines, self.count)
+
 
 def azimuth_nodes(azimuths: int) -> AzimuthNodes:
     """The nodes of a full turn, each distinct value of sin(psi) once.
 
-    azimuths : even number of nodes over 2 pi, or 1 for axial flow.
+    Loads depend on psi through sin(psi) alone.  So equally spaced nodes, placed symmetrically
+    about the advancing and the retreating side, come in pairs of equal value, and half of them
+    carry the whole periodic trapezoid, which converges spectrally.
 
-    The loads depend on the azimuth psi only through sin(psi), so the equally spaced nodes
-    of a full turn, placed symmetrically about the advancing and the retreating side, come
-    in pairs of equal value: half of them carry the whole spectrally accurate trapezoid.
+    Parameters
+    ----------
+    azimuths : int
+        Even number of nodes over 2 pi, or 1 for axial flow.
     """
     if azimuths == 1:
         return AzimuthNodes(np.zeros(1), 1)
     half = azimuths // 2
     return AzimuthNodes(np.sin(-0.5 * np.pi + np.pi * (np.arange(half) + 0.5) / half), half)
-
-
-def tangential_velocity(omega: Array, radius: Array, v_inplane: Array, sine: Array) -> Array:
-    """Air velocity along the chordwise direction of rotation [m/s], eq. (1).
-
-    omega [rad/s], radius [m], v_inplane = V sin(beta) [m/s], sine = sin(psi) [-];
-    broadcast against each other.  Positive from the leading edge.
-    """
-    return omega * radius + v_inplane * sine  # Eq. (1)
-
-
-def normal_velocity(v_axial: Array, inflow: Array) -> Array:
-    """Air velocity through the disk [m/s], eq. (2), positive against the thrust.
-
-    v_axial = V cos(beta) [m/s], inflow = v_i(y) [m/s]; broadcast against each other.
-    """
-    return v_axial + inflow  # Eq. (2)
-
-
-def floored_norm(a: Array, b: Array) -> Array:
-    """sqrt(a^2 + b^2) [m/s] with ``SPEED_FLOOR`` added in quadrature."""
-    return xp.sqrt(floored_square(a, b))
-
-
-def floored_square(a: Array, b: Array) -> Array:
-    """a^2 + b^2 [m^2/s^2] with the square of ``SPEED_FLOOR`` added."""
-    return a * a + b * b + SPEED_FLOOR**2

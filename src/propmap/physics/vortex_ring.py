@@ -16,7 +16,7 @@ the thrust in steep descent too high by a third.
 
 from __future__ import annotations
 
-from propmap.arrays.namespace import Array, DerivativeByRule, xp
+from propmap.arrays.namespace import Array, custom_jvp, xp
 
 ONSET, FULL_FROM = -0.2, -0.45
 """V cos(beta)/v_h where the vortex ring begins to act (Johnson's point D) and where its
@@ -36,7 +36,7 @@ Halfway through the region where (12) has replaced both.  Where the fade has beg
 V sin(beta) exceeds V cos(beta)/sqrt(8) and the two branches are one."""
 
 
-@DerivativeByRule
+@custom_jvp
 def _rise(t: Array) -> Array:
     t = xp.clip(t, 0.0, 1.0)
     return t * t * t * (10.0 + t * (6.0 * t - 15.0))
@@ -83,3 +83,26 @@ def vortex_ring_inflow(v_axial: Array, v_hover: Array) -> Array:
 def on_windmill_branch(v_axial: Array, v_hover: Array) -> Array:
     """1.0 where descent is past the middle of the vortex ring, else 0.0; shape of v_axial."""
     return xp.where(v_axial < xp.minimum(WINDMILL_BELOW * v_hover, 0.0), 1.0, 0.0)
+
+
+def blend_vortex_ring(
+    v_axial: Array, v_inplane: Array, v_hover: Array, inflow: Array
+) -> tuple[Array, Array]:
+    """The inflow with that of the vortex ring blended in, and the share of the latter [-].
+
+    Parameters
+    ----------
+    v_axial, v_inplane : Array
+        V cos(beta) and V sin(beta) [m/s], (B,).
+    v_hover : Array
+        Static inflow (12) [m/s], (B,).
+    inflow : Array
+        The root of (11) [m/s], (S, B).
+
+    Returns
+    -------
+    tuple of Array
+        Inflow [m/s], (S, B), and share [-], (B,).
+    """
+    ring = vortex_ring_weight(v_axial, v_inplane, v_hover)
+    return (1.0 - ring) * inflow + ring * vortex_ring_inflow(v_axial, v_hover), ring

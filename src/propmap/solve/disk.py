@@ -7,32 +7,15 @@ from typing import NamedTuple
 
 import jax
 
-from propmap.arrays.namespace import Array, DerivativeByRule, held, xp
-from propmap.physics import element
-from propmap.physics.geometry import blade_shape
-from propmap.physics.parameters import Blade, Medium, Section
+from propmap.arrays.namespace import Array, custom_jvp, stop_gradient, xp
+from propmap.physics.geometry import Blade
+from propmap.physics.loads import RadialNodes
 from propmap.physics.velocities import AzimuthNodes
 from propmap.solve import folds, split
-from propmap.solve.inflow import MAX_STEPS, InflowQuestion, find_root, moving_root
-from propmap.solve.quadrature import RadialNodes, panel_nodes
+from propmap.solve.problem import AnnulusProblem, Case, annulus_problem
+from propmap.solve.quadrature import panel_nodes
+from propmap.solve.root import MAX_STEPS, find_root, moving_root
 from propmap.solve.root_count import several_roots
-
-
-class Case(NamedTuple):
-    """Everything that the inflow depends on; a pytree.
-
-    blade, section, medium : see ``parameters``.  omega [rad/s], v_axial = V cos(beta),
-    v_inplane = V sin(beta) [m/s], windmill : 1 on the windmill branch, else 0; all (B,).  windmill
-    is None where nothing descends.
-    """
-
-    blade: Blade
-    section: Section
-    medium: Medium
-    omega: Array
-    v_axial: Array
-    v_inplane: Array
-    windmill: Array | None
 
 
 class DiskSolution(NamedTuple):
@@ -54,17 +37,8 @@ class DiskInflow(NamedTuple):
     """Radial nodes (S, B) or (S, 1), equation (11) there, v_i there (S, B) [m/s]."""
 
     nodes: RadialNodes
-    ask: InflowQuestion
+    problem: AnnulusProblem
     inflow: Array
-
-
-def question(case: Case, radius: Array) -> InflowQuestion:
-    """Equation (11) at radius (S, B) or (S, 1) [m]."""
-    shape = blade_shape(case.blade, radius)
-    at = element.annulus(
-        shape, case.blade, case.section, case.medium, case.omega, case.v_axial, case.v_inplane
-    )
-    return InflowQuestion(at, case.windmill)
 
 
 def solve_disk(
@@ -76,27 +50,23 @@ def solve_disk(
     their edges follow stall (``split``).
     azimuth : azimuth nodes.
     """
-    case = held(case)
-    root, tip = case.blade.root, case.blade.tip
+    case = stop_gradient(case)
+    root, tip = case.rotor.blade.root, case.rotor.blade.tip
     fold = spare = None
     if len(panels) > 1:
-        still = functools.partial(question, case)
-        near, survey = split.hump_crossings(still, root, tip, len(panels) - 1, azimuth)
+        still = functools.partial(annulus_problem, case)
+        near, several = split.hump_crossings(still, root, tip, len(panels) - 1, azimuth)
         fold = folds.find_folds(near, still, root, tip, azimuth)
         spare = (near.radius - root) / (tip - root)
     edges = _edges(case, fold, spare, azimuth)
     nodes = panel_nodes(edges, panels)
-    ask = question(case, nodes.radius)
+    problem = annulus_problem(case, nodes.radius)
+    inflow = find_root(problem, xp.asarray(MAX_STEPS), azimuth)
     if fold is None:
-        start = xp.full(case.omega.shape, xp.inf)
-        several = xp.zeros(case.omega.shape, bool)
+        several = several_roots((problem, inflow), azimuth)
     else:
-        start = split.start_below_hump(survey, fold, edges, panels, ask)
-        several = survey.several | xp.any(fold.folded, axis=0)
-    inflow = find_root(ask, start, xp.asarray(MAX_STEPS), azimuth)
-    if fold is None:
-        several = several_roots((ask, inflow), azimuth)
-    return DiskSolution(fold, spare, inflow, several), DiskInflow(nodes, ask, inflow)
+        several = several | xp.any(fold.folded, axis=0)
+    return DiskSolution(fold, spare, inflow, several), DiskInflow(nodes, problem, inflow)
 
 
 def disk_inflow(
@@ -107,18 +77,20 @@ def disk_inflow(
     case, panels, azimuth : those that were solved.
     """
     nodes = panel_nodes(_edges(case, solution.fold, solution.spare, azimuth), panels)
-    ask = question(case, nodes.radius)
-    return DiskInflow(nodes, ask, moving_root(ask, solution.inflow, azimuth))
+    problem = annulus_problem(case, nodes.radius)
+    return DiskInflow(nodes, problem, moving_root(problem, solution.inflow, azimuth))
 
 
 def _edges(
     case: Case, fold: folds.Fold | None, spare: Array | None, azimuth: AzimuthNodes
 ) -> Array:
     """Radii [m] of the panels' edges, rising; (P + 1, B), or (2, 1) of a single panel."""
-    root, tip = case.blade.root, case.blade.tip
+    root, tip = case.rotor.blade.root, case.rotor.blade.tip
     if fold is None or spare is None:
-        return edges_about(case.blade, xp.zeros((0, 1)))
-    return edges_about(case.blade, _moving_edges(case, fold, root + (tip - root) * spare, azimuth))
+        return edges_about(case.rotor.blade, xp.zeros((0, 1)))
+    return edges_about(
+        case.rotor.blade, _moving_edges(case, fold, root + (tip - root) * spare, azimuth)
+    )
 
 
 def edges_about(blade: Blade, inner: Array) -> Array:
@@ -131,7 +103,7 @@ def edges_about(blade: Blade, inner: Array) -> Array:
     return xp.concatenate([blade.root * ends, inner, blade.tip * ends])
 
 
-@DerivativeByRule
+@custom_jvp
 def _moving_edges(
     case: Case,  # noqa: ARG001 - what the folds move with, in the derivative below
     fold: folds.Fold,
@@ -145,7 +117,7 @@ def _moving_edges(
 def _moving_edges_jvp(primals, tangents):  # type: ignore[no-untyped-def]
     (case, fold, otherwise, azimuth), (case_dot, _, otherwise_dot, _) = primals, tangents
     _, fold_dot = jax.jvp(
-        lambda c: folds.follow(fold, functools.partial(question, c), azimuth),
+        lambda c: folds.follow(fold, functools.partial(annulus_problem, c), azimuth),
         (case,),
         (case_dot,),
     )

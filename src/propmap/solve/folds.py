@@ -12,10 +12,11 @@ from typing import NamedTuple
 
 import jax
 
-from propmap.arrays.namespace import Array, held, while_loop, xp
+from propmap.arrays.loops import while_loop
+from propmap.arrays.namespace import Array, stop_gradient, xp
 from propmap.arrays.precision import precision_of
 from propmap.physics.velocities import AzimuthNodes
-from propmap.solve.inflow import InflowQuestion, residual, residual_slope
+from propmap.solve.problem import AnnulusProblem, residual, residual_slope
 
 FOLD_STEPS = 14
 """Newton steps on a fold, at most."""
@@ -23,7 +24,7 @@ FOLD_STEPS = 14
 SHOULDER_STEPS = 6
 """The same on a shoulder: where a smooth integrand is split hardly matters."""
 
-AskAt = Callable[[Array], InflowQuestion]
+ProblemAt = Callable[[Array], AnnulusProblem]
 """Equation (11) at radii of shape (S, B) [m]."""
 
 
@@ -57,18 +58,19 @@ class _FoldSearch(NamedTuple):
     small: Array  # whether the last step was
 
 
-def _repeated(ask: InflowQuestion, edges: int, times: int) -> InflowQuestion:
-    """Equation (11) with its first ``edges`` rows ``times`` over, then the rest: the blade's shape,
-    which takes as long as the forces, is looked up once."""
+def _repeated(problem: AnnulusProblem, edges: int, times: int) -> AnnulusProblem:
+    """Equation (11) with its first ``edges`` stations ``times`` over, then the rest: the blade's
+    shape, which takes as long as the forces, is looked up once."""
 
     def rows(a: Array) -> Array:
-        return xp.concatenate([a[:edges]] * times + [a[edges:]]) if xp.ndim(a) == 2 else a
+        return xp.concatenate([a[:edges]] * times + [a[edges:]])
 
-    return jax.tree.map(rows, ask)
+    station = jax.tree.map(rows, problem.at.station)
+    return problem._replace(at=problem.at._replace(station=station))
 
 
 def find_folds(
-    near: Crossing, ask_at: AskAt, root: Array, tip: Array, azimuth: AzimuthNodes
+    near: Crossing, problem_at: ProblemAt, root: Array, tip: Array, azimuth: AzimuthNodes
 ) -> Fold:
     """Solve for the fold, or else for the steepest rise of the inflow, from each crossing.
 
@@ -78,10 +80,10 @@ def find_folds(
     is only a shoulder, and the radius is that at which the residual vanishes on it.  At the
     cusp between the two they coincide, so the edge moves without a jump.
 
-    near : crossings (E, B).  ask_at : equation (11) at radii (S, B) [m].  root, tip [m] : ends of
-    the blade.  azimuth : nodes.  Where nothing is found the radius is that of ``near``.
+    near : crossings (E, B).  problem_at : equation (11) at radii (S, B) [m].  root, tip [m] : ends
+    of the blade.  Where nothing is found the radius is that of ``near``.
     """
-    at = ask_at(near.radius).at
+    at = problem_at(near.radius).at
     scale = xp.abs(at.omega * near.radius) + xp.abs(at.v_axial) + 1e-30
     within = precision_of(near.radius)
     dv, dy, wide = within.difference * scale, -within.difference * near.radius, 0.008 * scale
@@ -94,7 +96,7 @@ def find_folds(
         steps, before = counted
         y, v_s, v_t = before[:3]
         inflows = xp.concatenate([v_s - wide, v_s, v_s + wide, v_t, v_t + dv, v_t])
-        here = ask_at(xp.concatenate([y, y + dy]))
+        here = problem_at(xp.concatenate([y, y + dy]))
         pair = residual_slope(_repeated(here, y.shape[0], 5), inflows, azimuth)
         g, slope = (a.reshape(6, *y.shape) for a in pair)
         bend = slope[0] - 2.0 * slope[1] + slope[2]
@@ -129,18 +131,18 @@ def find_folds(
     return Fold(xp.where(found, y, near.radius), v, found & folded, found)
 
 
-def follow(fold: Fold, ask_at: AskAt, azimuth: AzimuthNodes) -> Array:
-    """The folds' radii [m], made to move with what ``ask_at`` depends on; (E, B).
+def follow(fold: Fold, problem_at: ProblemAt, azimuth: AzimuthNodes) -> Array:
+    """The folds' radii [m], made to move with what ``problem_at`` depends on; (E, B).
 
     At a fold the slope with respect to v_i vanishes, so the residual stays zero if
     d(radius) = -(d residual) / (d residual/d radius).  At a shoulder the same is near enough,
     since the loads do not depend on where a smooth integrand is split.
     """
-    anchor, v = held((fold.radius, fold.inflow))
+    anchor, v = stop_gradient((fold.radius, fold.inflow))
 
     def at_fold(radius: Array) -> Array:
-        return residual(ask_at(radius), v, azimuth)
+        return residual(problem_at(radius), v, azimuth)
 
     value, along = jax.jvp(at_fold, (anchor,), (xp.ones_like(anchor),))
-    along = held(xp.where(fold.found & (along != 0.0), along, xp.inf))
-    return anchor - (value - held(value)) / along
+    along = stop_gradient(xp.where(fold.found & (along != 0.0), along, xp.inf))
+    return anchor - (value - stop_gradient(value)) / along

@@ -11,29 +11,18 @@ from typing import NamedTuple
 
 import numpy as np
 
-from propmap.arrays.namespace import Array, entry, of_each, repeated, settled, xp
+from propmap.arrays.loops import map_entries, repeat
+from propmap.arrays.materialize import materialize
+from propmap.arrays.namespace import Array, entry, xp
 from propmap.arrays.precision import precision_of
-from propmap.physics.sections.blended import angle_of_attack, attached_share
 from propmap.physics.velocities import AzimuthNodes, floored_norm
-from propmap.solve.inflow import InflowQuestion, residual, residual_slope
+from propmap.solve.problem import AnnulusProblem, residual, residual_slope
 
 TOP_STEPS = 2
 """Newton steps to the top of a hump."""
 
-LONGEST_REACH = 3.0
-"""Multiples of the last two samples' distance over which the residual's rise is carried on."""
-
 HUMP_ANGLES = np.array([-0.2, -0.13, -0.08, -0.045, -0.01, 0.03, 0.08, 0.13])
 """[rad] from the stall angle, where the hump may be, in the order of falling v_i."""
-
-
-def mean_attached_share(ask: InflowQuestion, inflow: Array) -> Array:
-    """1 - sigma [-] at the angle of attack without the in-plane velocity; shape of inflow."""
-    at = ask.at
-    u_t, u_p = at.omega * at.radius, at.v_axial + inflow
-    across, along = at.sine * u_t - at.cosine * u_p, at.cosine * u_t + at.sine * u_p
-    alpha = angle_of_attack(along, across, floored_norm(u_t, u_p))
-    return attached_share(alpha, at.blend)
 
 
 class Angle(NamedTuple):
@@ -49,15 +38,16 @@ def angles_about(stall: Array, offsets: np.ndarray) -> Angle:
     return Angle(xp.sin(angle), xp.cos(angle))
 
 
-def inflow_at_angle(ask: InflowQuestion, alpha: Angle) -> Array:
+def inflow_at_angle(problem: AnnulusProblem, alpha: Angle) -> Array:
     """v_i [m/s] at which the angle of attack from zero lift is alpha, V sin(beta) aside.
 
     (S, B); infinite where no inflow makes it so.
     """
-    at = ask.at
+    at, blade = problem.at, problem.at.station
     sine, cosine = alpha
-    rise, run = at.sine * cosine - at.cosine * sine, at.cosine * cosine + at.sine * sine
-    u_t = floored_norm(at.omega * at.radius, at.v_inplane / np.sqrt(2.0))
+    rise = blade.sine * cosine - blade.cosine * sine
+    run = blade.cosine * cosine + blade.sine * sine
+    u_t = floored_norm(at.turning, at.v_inplane / np.sqrt(2.0))
     possible = run > 0.05
     v = u_t * rise / xp.where(possible, run, 1.0) - at.v_axial
     return xp.where(possible, v, xp.inf)
@@ -68,11 +58,10 @@ class Hump(NamedTuple):
 
     height: Array  # of the hump or shoulder [m^3/s^2], NaN where unknown; (S, B)
     inflow: Array  # v_i there [m/s]
-    behind: Array  # angle [rad] from the stall angle down to which, past it, there is no root
     folded: Array  # whether the residual has three zeros about it
 
 
-def hump_before_stall(ask: InflowQuestion, stall: Array, azimuth: AzimuthNodes) -> Hump:
+def hump_before_stall(problem: AnnulusProblem, stall: Array, azimuth: AzimuthNodes) -> Hump:
     """The residual's hump about the angle ``stall`` (B,).
 
     The hump is the first local maximum that v_i meets on its way down.  Where the residual
@@ -81,23 +70,22 @@ def hump_before_stall(ask: InflowQuestion, stall: Array, azimuth: AzimuthNodes) 
     """
 
     def sample(angle: Angle) -> tuple[Array, Array]:
-        v = inflow_at_angle(ask, angle)
+        v = inflow_at_angle(problem, angle)
         known = xp.isfinite(v)
         v = xp.where(known, v, 0.0)
-        return v, xp.where(known, residual(ask, v, azimuth), xp.nan)
+        return v, xp.where(known, residual(problem, v, azimuth), xp.nan)
 
-    v, height = of_each(sample, angles_about(stall, HUMP_ANGLES))
-    descends = ask.at.v_axial < 0.0
-    seen = settled(lambda: _between_samples(v, height, descends), ask.at.blades)
+    v, height = map_entries(sample, angles_about(stall, HUMP_ANGLES))
+    seen = materialize(lambda: _between_samples(v, height), problem.at.blades)
     # In descent the attached stretch ends in low humps; elsewhere the guess is as good, and
     # joins the shoulder's without a step.
-    if ask.windmill is None:
-        here, at = residual(ask, seen.inflow, azimuth), seen.inflow
+    if problem.wake.windmill is None:
+        here, at = residual(problem, seen.inflow, azimuth), seen.inflow
     else:
-        low = seen.peak & descends
-        here, at = _refined_top(ask, seen.inflow, low, seen.around, azimuth)
+        low = seen.peak & (problem.at.v_axial < 0.0)
+        here, at = _refined_top(problem, seen.inflow, low, seen.around, azimuth)
     folded = seen.peak & (here > 0.0) & (seen.depth < 0.0)
-    return Hump(xp.where(seen.known, here, xp.nan), at, seen.behind, folded)
+    return Hump(xp.where(seen.known, here, xp.nan), at, folded)
 
 
 class _Around(NamedTuple):
@@ -113,16 +101,11 @@ class _Samples(NamedTuple):
     known: Array  # whether it is
     peak: Array  # whether it is a top
     around: _Around  # if it is
-    behind: Array  # angle [rad] from the stall angle down to which, past it, there is no root
     depth: Array  # of the residual there
 
 
-def _between_samples(v: Array, height: Array, descends: Array) -> _Samples:
-    """From v_i [m/s], falling, and the residual there, NaN where unknown; both (K, S, B).
-
-    descends (B,) : V cos(beta) < 0.  There the momentum's thrust vanishes where the disk is
-    becalmed, with roots on both sides that no sample need show, so no zero is foretold.
-    """
+def _between_samples(v: Array, height: Array) -> _Samples:
+    """From v_i [m/s], falling, and the residual there, NaN where unknown; both (K, S, B)."""
     gap = xp.diff(v, axis=0)
     slope = xp.diff(height, axis=0) / xp.where(gap == 0.0, xp.nan, gap)
     middle = 0.5 * (v[:-1] + v[1:])
@@ -135,29 +118,11 @@ def _between_samples(v: Array, height: Array, descends: Array) -> _Samples:
     known = xp.isfinite(at)
     past = xp.arange(len(HUMP_ANGLES))[:, None, None] > xp.where(some, first + 1, flattest)
     depth = xp.where(past & xp.isfinite(height), height, xp.inf)
-    valley = xp.asarray(HUMP_ANGLES, v.dtype)[xp.argmin(depth, axis=0)]
-    behind = xp.where(descends, valley, _next_zero(past, height))
     run = xp.diff(middle, axis=0)
     bend = xp.diff(slope, axis=0) / xp.where(run == 0.0, xp.nan, run)
     around = _Around(*(entry(a, first) for a in (bend, v[2:], v[:-2])))
     least = xp.min(depth, axis=0)
-    return _Samples(xp.where(known, at, 0.0), known, some, around, behind, least)
-
-
-def _next_zero(past: Array, height: Array) -> Array:
-    """Angle [rad] from the stall angle of the residual's zero past a hump below zero, (S, B).
-
-    past : which of the samples at ``HUMP_ANGLES`` are past the hump's top.  height : the residual
-    there [m^3/s^2]; both (K, S, B).
-    """
-    angles = xp.asarray(HUMP_ANGLES, height.dtype)[:, None, None]
-    rise = height[1:] - height[:-1]
-    share = -height[:-1] / xp.where(rise > 0.0, rise, xp.inf)
-    ends = past[:-1] & (height[:-1] < 0.0) & (height[1:] >= 0.0)
-    # Where the last sample is negative still, the residual goes on rising, but ever slower.
-    k = xp.where(xp.any(ends, axis=0), xp.argmax(ends, axis=0), len(HUMP_ANGLES) - 2)
-    share = xp.clip(share, 0.0, LONGEST_REACH)
-    return entry(angles[:-1] + share * xp.diff(angles, axis=0), k)
+    return _Samples(xp.where(known, at, 0.0), known, some, around, least)
 
 
 _Search = tuple[Array, Array, Array, Array, Array]
@@ -165,7 +130,7 @@ _Search = tuple[Array, Array, Array, Array, Array]
 
 
 def _refined_top(
-    ask: InflowQuestion, at: Array, peak: Array, around: _Around, azimuth: AzimuthNodes
+    problem: AnnulusProblem, at: Array, peak: Array, around: _Around, azimuth: AzimuthNodes
 ) -> tuple[Array, Array]:
     """The hump's height and v_i from a first guess ``at``; unchanged where there is no peak.
 
@@ -175,7 +140,7 @@ def _refined_top(
 
     def improve(state: _Search) -> _Search:
         x, bend, x_before, slope_before, _ = state
-        value, slope = residual_slope(ask, x, azimuth)
+        value, slope = residual_slope(problem, x, azimuth)
         moved = xp.abs(x - x_before) > precision_of(x).newton_step * (xp.abs(x) + 1e-9)
         run = xp.where(moved, x - x_before, 1.0)
         secant = xp.where(moved, (slope - slope_before) / run, bend)
@@ -188,7 +153,7 @@ def _refined_top(
 
     nothing = xp.zeros_like(at)
     begin = (at, around.bend + nothing, at, nothing, nothing)
-    top, _, _, _, height = repeated(TOP_STEPS, improve, begin)
+    top, _, _, _, height = repeat(TOP_STEPS, improve, begin)
     return height, xp.where(peak, top, at)
 
 
@@ -206,11 +171,12 @@ def _tops(slope: Array, v: Array) -> Array:
     return xp.where(bend < 0.0, xp.clip(top, v[2:], v[:-2]), v[1:-1])
 
 
-def stall_side(ask: InflowQuestion, alpha_0: Array) -> Array:
-    """The stall angle that a blade is near [rad], alpha_0 or its negative; (B,).
+def stall_side(problem: AnnulusProblem) -> Array:
+    """The stall angle that a blade is near [rad], positive or negative; (B,).
 
-    ask : at one radius (1, 1) or (1, B).
+    problem : at one radius (1, 1) or (1, B).
     """
-    at = ask.at
-    lifting = at.sine * at.omega * at.radius - at.cosine * at.v_axial
-    return xp.where(lifting[0] < 0.0, -alpha_0, alpha_0)
+    at = problem.at
+    stall = at.law.bounds().stall_angle
+    lifting = at.station.sine * at.turning - at.station.cosine * at.v_axial
+    return xp.where(lifting[0] < 0.0, -stall, stall)

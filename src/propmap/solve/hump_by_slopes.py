@@ -10,10 +10,11 @@ from __future__ import annotations
 
 import functools
 
-from propmap.arrays.namespace import Array, along_first_axis, entry, of_each, xp
+from propmap.arrays.loops import map_entries, scan
+from propmap.arrays.namespace import Array, entry, xp
 from propmap.physics.velocities import AzimuthNodes, floored_norm
 from propmap.solve.hump import HUMP_ANGLES, Hump, angles_about, inflow_at_angle
-from propmap.solve.inflow import InflowQuestion, residual_slope
+from propmap.solve.problem import AnnulusProblem, residual_slope
 
 CLOSER = (0.012, 0.003)
 """Halves of the ranges [rad] about the best place so far that are looked at next."""
@@ -22,32 +23,30 @@ Top = tuple[Array, Array, Array]
 """v_i [m/s] and height [m^3/s^2] of a hump's top or shoulder, and whether it is a top; (S, B)."""
 
 
-def hump_by_slopes(ask: InflowQuestion, stall: Array, azimuth: AzimuthNodes) -> Hump:
+def hump_by_slopes(problem: AnnulusProblem, stall: Array, azimuth: AzimuthNodes) -> Hump:
     """The residual's hump about the angle ``stall`` (B,); see ``stall_hump.hump_before_stall``."""
 
     def sample(v: Array) -> tuple[Array, Array]:
         known = xp.isfinite(v)
-        pair = residual_slope(ask, xp.where(known, v, 0.0), azimuth)
+        pair = residual_slope(problem, xp.where(known, v, 0.0), azimuth)
         value, slope = (xp.where(known, a, xp.nan) for a in pair)
         return value, slope
 
-    v = of_each(functools.partial(inflow_at_angle, ask), angles_about(stall, HUMP_ANGLES))
-    value, slope = of_each(sample, v)
+    v = map_entries(functools.partial(inflow_at_angle, problem), angles_about(stall, HUMP_ANGLES))
+    value, slope = map_entries(sample, v)
     at, height, top = _first_top(v, value, slope)
     depth = xp.where((v < at) & xp.isfinite(value), value, xp.inf)
-    valley = xp.argmin(depth, axis=0)
-    speed = floored_norm(ask.at.omega * ask.at.radius, ask.at.v_inplane)
+    speed = floored_norm(problem.at.turning, problem.at.v_inplane)
 
     def closer(best: Top, half: Array) -> Top:
         v = best[0] + half * speed * xp.asarray([1.0, 0.0, -1.0])[:, None, None]
-        return _first_top(v, *of_each(sample, v))
+        return _first_top(v, *map_entries(sample, v))
 
-    at, height, top = along_first_axis(closer, (at, height, top), xp.asarray(CLOSER))
+    at, height, top = scan(closer, (at, height, top), xp.asarray(CLOSER))
     folded = top & (height > 0.0) & (xp.min(depth, axis=0) < 0.0)
     return Hump(
         height,
         xp.where(xp.isfinite(at), at, 0.0),
-        xp.asarray(HUMP_ANGLES, at.dtype)[valley],
         folded,
     )
 

@@ -12,7 +12,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import NamedTuple
 
-from propmap.arrays.namespace import Array, entry, repeated, xp
+from propmap.arrays.loops import repeat
+from propmap.arrays.namespace import Array, entry, xp
 from propmap.arrays.precision import precision_of
 
 ROUNDS = 8
@@ -79,7 +80,7 @@ def look_closer(even: Sight, look: Callable[[Array], Sight], zeros: int) -> Sigh
         order = xp.argsort(both[0], axis=0)[:size]
         return Sight(*(xp.take_along_axis(a, order, axis=0) for a in both))
 
-    return repeated(ROUNDS, closer, begin)
+    return repeat(ROUNDS, closer, begin)
 
 
 def find_zeros(sight: Sight, count: int) -> Zeros:

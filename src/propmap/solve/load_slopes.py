@@ -17,85 +17,105 @@ import jax.numpy as jnp
 import numpy as np
 
 from propmap.arrays.namespace import Array
-from propmap.physics.parameters import Section
+from propmap.physics.loads import RadialNodes
+from propmap.physics.sections.law import SectionLaw
 from propmap.physics.velocities import AzimuthNodes
-from propmap.solve.disk import Case, DiskInflow, DiskSolution, edges_about, question
-from propmap.solve.inflow import residual
-from propmap.solve.quadrature import RadialNodes, panel_nodes
+from propmap.solve.disk import DiskInflow, DiskSolution, edges_about
+from propmap.solve.problem import Case, annulus_problem, residual
+from propmap.solve.quadrature import panel_nodes
 from propmap.solve.rotor_loads import loads_over_disk
 
 LOADS = ("thrust", "drag", "torque", "roll_moment")
 """The fields of ``loads.RotorLoads`` that are differentiated."""
 
-MOVING = (*Section._fields, "omega", "v_axial", "v_inplane")
-"""By what they can be."""
-
+FLOW = ("omega", "v_axial", "v_inplane")
+"""By what of the flow loads can be differentiated; by the law's ``parameters`` besides."""
 
 Change = tuple[Array, ...]
-"""How far each of ``MOVING`` goes, or of these and more."""
+"""How far each of ``moving`` goes, or of these and more."""
+
+
+def moving(law: SectionLaw) -> tuple[str, ...]:
+    """By what loads can be differentiated: the law's parameters and the flow."""
+    return (*law.parameters, *FLOW)
 
 
 class Directions(NamedTuple):
-    """Along what derivatives are taken: one array for each of ``MOVING``, how far it goes along
-    each direction, in its own unit.  Not one table, whose columns take a kernel each to cut out.
+    """Along what derivatives are taken: how far each of ``moving`` goes along each direction.
 
-    loads : of D directions, (D,) each.
-    residual : the same, and after them that of the radius and that of the inflow, which nothing
-    else goes along with; (D + 2,) each, for ``MOVING``, the radius and the inflow.
+    One array for each, since XLA takes a kernel to cut a column out of a table.
+
+    Attributes
+    ----------
+    loads : tuple of Array
+        For each of ``moving``, in its own unit, along D directions, (D,).
+    residual : tuple of Array
+        The same for each of ``moving``, the radius and the inflow, (D + 2,); the last two
+        directions are those of the radius and of the inflow alone.
     """
 
     loads: tuple[Array, ...]
     residual: tuple[Array, ...]
 
 
-def directions_of(names: Sequence[str], count: int) -> Directions:
-    """``count`` directions: one for each of ``names``, which are of ``MOVING``, then idle ones."""
-    ways = np.zeros((count, len(MOVING)))
+def directions_of(movable: Sequence[str], names: Sequence[str], count: int) -> Directions:
+    """``count`` directions: one for each of ``names``, which are of ``movable``, then idle ones."""
+    ways = np.zeros((count, len(movable)))
     for row, name in enumerate(names):
-        ways[row, MOVING.index(name)] = 1.0
-    own = np.zeros((count + 2, len(MOVING) + 2))
-    own[:count, : len(MOVING)] = ways
-    own[count:, len(MOVING) :] = np.eye(2)
+        ways[row, movable.index(name)] = 1.0
+    own = np.zeros((count + 2, len(movable) + 2))
+    own[:count, : len(movable)] = ways
+    own[count:, len(movable) :] = np.eye(2)
     return Directions(tuple(ways.T.copy()), tuple(own.T.copy()))
 
 
 def load_slopes(
     case: Case,
     solution: DiskSolution,
-    v_hover: Array | None,
     panels: tuple[int, ...],
     azimuth: AzimuthNodes,
     directions: Directions,
     v_hover_slopes: Array | None,
 ) -> Array:
-    """Derivatives (D, 4, B) of ``LOADS``, eqs. (13)-(15), along D directions.
+    """Derivatives of ``LOADS``, eqs. (13)-(15), by the implicit function theorem on (11).
 
-    In N for thrust and drag, in N m for torque and rolling moment, for each whole step along a
-    direction; by the implicit function theorem on (11).
-    case : the question, at B points.  solution : its answer by ``disk_inflow.solve_disk``.
-    panels, azimuth : radial nodes per panel and azimuth nodes, those that it was solved with.
-    v_hover : static inflow (12) (B,) [m/s], None where nothing descends.
-    directions : D of them.
-    v_hover_slopes (D, B) : how far ``v_hover`` goes along with it; or None.
+    Parameters
+    ----------
+    case : Case
+        What was solved, at B points.
+    solution : DiskSolution
+        Its solution.
+    panels, azimuth
+        Radial nodes per panel and azimuth nodes, those that it was solved with.
+    directions : Directions
+        D of them.
+    v_hover_slopes : Array or None
+        How far ``case.v_hover`` goes along with each direction [m/s], (D, B).
+
+    Returns
+    -------
+    Array
+        (D, 4, B): N for thrust and drag, N m for torque and rolling moment, for each whole step
+        along a direction.
     """
     inner = _inner_edges(case, solution)
     own = inner.shape[0]
-    nodes = panel_nodes(edges_about(case.blade, inner), panels)
+    nodes = panel_nodes(edges_about(case.rotor.blade, inner), panels)
     by_case, by_radius, by_inflow = _residual_slopes(
         case, solution, nodes, azimuth, directions.residual
     )
 
     def follow(inner_slope: Array) -> RadialNodes:
         def place(edges: Array) -> RadialNodes:
-            return panel_nodes(edges_about(case.blade, edges), panels)
+            return panel_nodes(edges_about(case.rotor.blade, edges), panels)
 
         change: RadialNodes = jax.jvp(place, (inner,), (inner_slope,))[1]
         return change
 
     def loads(change: Change, here: RadialNodes, inflow: Array, v_hover: Array | None) -> Array:
-        now = _moved(case, change)
-        disk = DiskInflow(here, question(now, here.radius), inflow)
-        found = loads_over_disk(now, disk, solution.several, v_hover, azimuth)
+        now = _moved(case, change)._replace(v_hover=v_hover)
+        disk = DiskInflow(here, annulus_problem(now, here.radius), inflow)
+        found = loads_over_disk(now, disk, solution.several, azimuth)
         return jnp.stack([getattr(found, name) for name in LOADS])
 
     def along(direction: Change, v_hover_slope: Array | None, by_case: Array) -> Array:
@@ -103,7 +123,8 @@ def load_slopes(
         drift = by_case[own:] + by_radius[own:] * change.radius
         fixed = by_inflow[own:] == 0.0
         inflow_slope = jnp.where(fixed, 0.0, -drift / jnp.where(fixed, 1.0, by_inflow[own:]))
-        here = (len(MOVING) * (jnp.zeros(()),), nodes, solution.inflow, v_hover)
+        still = len(directions.loads) * (jnp.zeros(()),)
+        here = (still, nodes, solution.inflow, case.v_hover)
         return jax.jvp(loads, here, (direction, change, inflow_slope, v_hover_slope))[1]
 
     return jax.vmap(along)(directions.loads, v_hover_slopes, by_case)
@@ -111,7 +132,7 @@ def load_slopes(
 
 def _inner_edges(case: Case, solution: DiskSolution) -> Array:
     """The panels' inner edges (E, B) [m] in the order of the folds; none of a single panel."""
-    root, tip = case.blade.root, case.blade.tip
+    root, tip = case.rotor.blade.root, case.rotor.blade.tip
     if solution.fold is None or solution.spare is None:
         return jnp.zeros((0, 1))
     spare = root + (tip - root) * solution.spare
@@ -132,10 +153,12 @@ def _edge_slope(solution: DiskSolution, by_case: Array, by_radius: Array) -> Arr
 
 def _moved(case: Case, change: Change) -> Case:
     """The case with ``change`` added to what may move."""
-    *law, w, v_axial, v_inplane = change
+    law = case.rotor.law
+    *by_law, omega, v_axial, v_inplane = change
+    law = law.plus(**dict(zip(law.parameters, by_law, strict=True)))
     return case._replace(
-        section=Section(*(a + b for a, b in zip(case.section, law, strict=True))),
-        omega=case.omega + w,
+        rotor=case.rotor._replace(law=law),
+        omega=case.omega + omega,
         v_axial=case.v_axial + v_axial,
         v_inplane=case.v_inplane + v_inplane,
     )
@@ -157,7 +180,7 @@ def _residual_slopes(
 
     def at(change: Change) -> Array:
         *moved, outwards, more_inflow = change
-        here = question(_moved(case, tuple(moved)), radius + outwards)
+        here = annulus_problem(_moved(case, tuple(moved)), radius + outwards)
         return residual(here, inflow + more_inflow, azimuth)
 
     still = len(directions) * (jnp.zeros(()),)

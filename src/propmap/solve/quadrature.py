@@ -2,19 +2,10 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
 from propmap.arrays.namespace import Array, xp
-
-
-class RadialNodes(NamedTuple):
-    """Radii [m] and weights [m], both of shape (nodes, points)."""
-
-    radius: Array
-    weight: Array
-
+from propmap.physics.loads import RadialNodes
 
 CROWDING = 0.5
 """How far the rule of an inner panel goes from even (0) to fully crowded (1) nodes.

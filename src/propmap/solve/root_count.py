@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from propmap.arrays.namespace import Array, along_first_axis, xp
+from propmap.arrays.loops import scan
+from propmap.arrays.namespace import Array, xp
 from propmap.physics.velocities import AzimuthNodes, azimuth_nodes
 from propmap.solve.hump import Angle, angles_about, inflow_at_angle, stall_side
-from propmap.solve.inflow import InflowQuestion, residual
+from propmap.solve.problem import AnnulusProblem, residual
 
 _PAST_STALL = np.array([0.0, 0.04, 0.1, 0.2])
 """[rad] from the stall angle at which the residual is sampled."""
@@ -20,7 +21,7 @@ AZIMUTHS = 32
 to have several roots that has one; with 8, one in twenty."""
 
 
-def several_roots(solved: tuple[InflowQuestion, Array], azimuth: AzimuthNodes) -> Array:
+def several_roots(solved: tuple[AnnulusProblem, Array], azimuth: AzimuthNodes) -> Array:
     """Whether (11) has more than one root at a station; bool (B,).
 
     solved : equation (11) at the stations, and its largest root (S, B) [m/s].  Below it the
@@ -30,15 +31,15 @@ def several_roots(solved: tuple[InflowQuestion, Array], azimuth: AzimuthNodes) -
     root does not depend.
     """
     some = azimuth if 2 * len(azimuth.sines) <= AZIMUTHS else azimuth_nodes(AZIMUTHS)
-    ask, root = solved[0].stations(slice(None, None, EVERY)), solved[1][::EVERY]
-    stall = stall_side(ask.stations(slice(-2, -1)), ask.at.section.alpha_0)
-    margin = 1e-4 * (ask.at.omega * ask.at.radius + ask.at.v_inplane)
+    problem, root = solved[0].stations(slice(None, None, EVERY)), solved[1][::EVERY]
+    stall = stall_side(problem.stations(slice(-2, -1)))
+    margin = 1e-4 * (problem.at.turning + problem.at.v_inplane)
 
     def look(several: Array, angle: Angle) -> Array:
-        v = inflow_at_angle(ask, angle)
+        v = inflow_at_angle(problem, angle)
         below = v < root - margin
-        return several | (below & (residual(ask, xp.where(below, v, 0.0), some) < 0.0))
+        return several | (below & (residual(problem, xp.where(below, v, 0.0), some) < 0.0))
 
     none = xp.zeros(root.shape, bool)
-    several = along_first_axis(look, none, angles_about(stall, _PAST_STALL))
+    several = scan(look, none, angles_about(stall, _PAST_STALL))
     return xp.any(several, axis=0)

@@ -13,31 +13,22 @@ three fifths of its span without any inflow.
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
-import numpy as np
-
-from propmap.arrays.elementary import sine_and_cosine
-from propmap.arrays.namespace import Array, entry, settled, xp
+from propmap.arrays.materialize import materialize
+from propmap.arrays.namespace import Array, entry, xp
 from propmap.arrays.precision import precision_of
 from propmap.physics.velocities import AzimuthNodes
-from propmap.solve.folds import AskAt, Crossing, Fold
+from propmap.solve.folds import Crossing, ProblemAt
 from propmap.solve.hump import (
-    Angle,
     Hump,
     hump_before_stall,
-    inflow_at_angle,
     stall_side,
 )
 from propmap.solve.hump_by_slopes import hump_by_slopes
-from propmap.solve.inflow import InflowQuestion, residual
 from propmap.solve.islands import Sight, find_zeros, look_closer, nearest_extreme
+from propmap.solve.problem import residual
 
 GRID = 20
 """Radii at which the hump is looked for."""
-
-START_MARGIN = 0.01
-"""[rad] by which the search past a sunk hump starts before the root is expected."""
 
 DEFAULT_EDGES = (0.25, 0.6)
 """Shares of the span at which panels meet where there is nothing to follow, for two edges."""
@@ -60,20 +51,6 @@ def _at_extremes(t: Array, height: Array) -> tuple[Array, Array, Array]:
         xp.concatenate([height[:1], top, height[-1:]]),
         xp.pad(extreme, ((1, 1), (0, 0))),
     )
-
-
-class Survey(NamedTuple):
-    """What the look along the blade gave.
-
-    radius (GRID, 1) [m]; height (GRID, B) of the hump; behind (GRID, B) [rad], the angle of attack
-    from zero lift down to which (11) has no root past a hump below zero; several (B,): whether
-    (11) was seen to have three roots.
-    """
-
-    radius: Array
-    height: Array
-    behind: Array
-    several: Array
 
 
 def _even_zeros(radius: Array, hump: Hump, count: int) -> tuple[Array, Array, Array]:
@@ -124,33 +101,34 @@ def _spare_edges(some: Array, share: Array, first: Array) -> Array:
 
 
 def hump_crossings(
-    ask_at: AskAt, root: Array, tip: Array, edges: int, azimuth: AzimuthNodes
-) -> tuple[Crossing, Survey]:
-    """The first ``edges`` radii at which the hump passes zero, and what was seen on the way.
+    problem_at: ProblemAt, root: Array, tip: Array, edges: int, azimuth: AzimuthNodes
+) -> tuple[Crossing, Array]:
+    """The first ``edges`` radii at which the hump passes zero; and whether (11) was seen to have
+    several roots, (B,).
 
-    ask_at : equation (11) at radii (S, B) [m].  root, tip [m] : ends of the blade.  edges : 2, or 4
-    where attached flow may be left on two stretches.  azimuth : nodes.
+    problem_at : equation (11) at radii (S, B) [m].  root, tip [m] : ends of the blade.
+    edges : 2, or 4 where attached flow may be left on two stretches.
     """
     radius = root + (tip - root) * xp.linspace(0.0, 1.0 - 1e-6, GRID)[:, None]
     # One look-up of the blade's shape for both.
     outer = (root + 0.6 * (tip - root))[None, None]
-    both = ask_at(xp.concatenate([radius, outer]))
-    ask, beside = both.stations(slice(GRID)), both.stations(slice(GRID, None))
-    stall = stall_side(beside, ask.at.section.alpha_0)
+    both = problem_at(xp.concatenate([radius, outer]))
+    problem, beside = both.stations(slice(GRID)), both.stations(slice(GRID, None))
+    stall = stall_side(beside)
     islands = edges > len(DEFAULT_EDGES)
     find_hump = hump_by_slopes if islands else hump_before_stall
-    hump = settled(lambda: find_hump(ask, stall, azimuth), root)
-    survey = Survey(radius, hump.height, stall + hump.behind, xp.any(hump.folded, axis=0))
+    hump = materialize(lambda: find_hump(problem, stall, azimuth), root)
+    several = xp.any(hump.folded, axis=0)
 
     def sight_of(radii: Array, found: Hump) -> Sight:
         # At the hump's top, by the envelope theorem, only the radius itself counts.
         step = -precision_of(radii).difference * radii
-        along = residual(ask_at(radii + step), found.inflow, azimuth)
-        slope = (along - residual(ask_at(radii), found.inflow, azimuth)) / step
+        along = residual(problem_at(radii + step), found.inflow, azimuth)
+        slope = (along - residual(problem_at(radii), found.inflow, azimuth)) / step
         return Sight(radii * xp.ones_like(slope), found.height, found.inflow, slope)
 
     def look(radii: Array) -> Sight:
-        return sight_of(radii, find_hump(ask_at(radii), stall, azimuth))
+        return sight_of(radii, find_hump(problem_at(radii), stall, azimuth))
 
     spacing = (tip - root) / GRID
     if islands:
@@ -164,65 +142,7 @@ def hump_crossings(
         spare = (nearest_extreme(sight) - root) / (tip - root)
         home = root + (tip - root) * _spare_edges(some, (y - root) / (tip - root), spare)
     else:
-        some, y, v = settled(lambda: _even_zeros(radius, hump, edges), root)
+        some, y, v = materialize(lambda: _even_zeros(radius, hump, edges), root)
         home = root + (tip - root) * xp.asarray(DEFAULT_EDGES)[:, None]
     near = Crossing(xp.where(some, y, home), xp.where(some, v, 0.0), xp.where(some, spacing, 0.0))
-    return near, survey
-
-
-def _sunk_panels(survey: Survey, edges: Array, at_fold: Array) -> Array:
-    """Whether the hump stays below zero along each panel; (P, B).
-
-    edges (P + 1, B) [m] : of the panels, rising.  at_fold (P + 1, B) : which of them are folds.
-    """
-    # Heights are known to within the samples over v_i, so that next to an edge their sign is not.
-    # Next to a fold the hump has but one, and the blade's end is as good as far from it.
-    step = survey.radius[1, 0] - survey.radius[0, 0]
-    inner, outer = at_fold[:-1], at_fold[1:]
-    short = xp.minimum(step, xp.diff(edges, axis=0))
-    low = edges[:-1] + 0.5 * xp.where(inner, short, step)
-    high = edges[1:] - 0.5 * xp.where(outer, short, step)
-    number = np.arange(edges.shape[0] - 1)[:, None]
-    low = xp.where((number == 0) & outer, -xp.inf, low)
-    high = xp.where((number == number[-1]) & inner, xp.inf, high)
-    inside = (survey.radius > low[:, None]) & (survey.radius < high[:, None])
-    return xp.any(inside, axis=1) & xp.all((survey.height < 0.0) | ~inside, axis=1)
-
-
-def start_below_hump(
-    survey: Survey, fold: Fold, edges: Array, counts: tuple[int, ...], ask: InflowQuestion
-) -> Array:
-    """Where the search for the root may start instead of from above [m/s]; (S, B).
-
-    On panels along which the hump stays below zero there is no root above it, and v_i just
-    above the one past it is a start that spares creeping over the hump.  In climb, where that
-    root is foretold, the start may lie a little below it.  Infinite elsewhere.
-    survey : of the hump.  fold : the folds found.  edges (P + 1, B) [m] : of panels with
-    ``counts`` nodes.  ask : equation (11) at the nodes (S, B).
-    """
-    at_fold = xp.any(fold.folded[:, None] & (fold.radius[:, None] == edges), axis=0)
-    panel = np.repeat(np.arange(len(counts)), counts)
-    step = survey.radius[1, 0] - survey.radius[0, 0]
-    place = (ask.at.radius - survey.radius[0, 0]) / step
-    k = xp.clip(place.astype(int), 0, GRID - 2)
-    behind = xp.where(survey.height < 0.0, survey.behind, xp.inf)
-
-    def beside() -> tuple[Array, Array]:
-        return xp.take_along_axis(behind, k, axis=0), xp.take_along_axis(behind, k + 1, axis=0)
-
-    one, other = settled(beside, step)
-    one_sunk, other_sunk = one < xp.inf, other < xp.inf
-    # Of the radii on both sides one may be beyond the panel, but only past a fold.
-    sunk = _sunk_panels(survey, edges, at_fold)[panel]
-    sunk = sunk & (one_sunk | at_fold[:-1][panel]) & (other_sunk | at_fold[1:][panel])
-    one, other = xp.where(one_sunk, one, other), xp.where(other_sunk, other, one)
-    # In descent it is a mere sample, in climb where a root is expected.
-    descends = ask.at.v_axial < 0.0
-    share = xp.where(descends, xp.round(place - k), place - k)
-    expected = one + share * (other - one) - xp.where(descends, 0.0, START_MARGIN)
-
-    def start() -> Array:
-        angle = Angle(*sine_and_cosine(expected))
-        return xp.where(sunk, inflow_at_angle(ask, angle), xp.inf)
-
-    return settled(start, step)
+    return near, several

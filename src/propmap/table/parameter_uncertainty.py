@@ -56,7 +56,7 @@ def load_deviations(
     sqrt(g' S g), with g the derivatives by the parameters and S their covariance.
     """
     found = load_gradients(
-        prepare(rotor.theory),
+        prepare(rotor.arrays),
         accuracy(rotor.accuracy),
         covariance.names,
         omega,

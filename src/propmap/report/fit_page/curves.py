@@ -107,7 +107,7 @@ def _slopes(
     """Derivatives (P, 4, angles, n) of the loads by the parameters named."""
     v, b = (a.ravel() for a in np.broadcast_arrays(speed, betas[:, None]))
     flow = (np.full(v.size, omega), v * np.cos(b), v * np.abs(np.sin(b)))
-    found = load_gradients(prepare(rotor.theory), accuracy(rotor.accuracy), names, *flow)
+    found = load_gradients(prepare(rotor.arrays), accuracy(rotor.accuracy), names, *flow)
     shape = (len(names), len(LOADS), betas.size, speed.size)
     return found.slopes.transpose(1, 0, 2).reshape(shape)
 

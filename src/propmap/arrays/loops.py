@@ -1,0 +1,132 @@
+"""Loops that JAX compiles and NumPy runs."""
+
+from __future__ import annotations
+
+import contextlib
+import contextvars
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import lax
+
+from propmap.arrays.materialize import pack, unpack
+from propmap.arrays.namespace import Array, Value, on_numpy
+
+TOGETHER = 2
+"""Terms of a mean that are computed side by side, unless ``in_one_function`` says otherwise: while
+one long chain of operations waits for its results, the processor works on another."""
+
+# What ``in_one_function`` was told, None outside of it.
+_IN_ONE_FUNCTION: contextvars.ContextVar[int | None] = contextvars.ContextVar(
+    "_IN_ONE_FUNCTION", default=None
+)
+
+
+@contextlib.contextmanager
+def in_one_function(together: int) -> Iterator[None]:
+    """Within it programs are traced to be compiled as one function, see ``engine.lanes``.
+
+    together : terms of a mean that are computed side by side, see ``TOGETHER``.
+    """
+    token = _IN_ONE_FUNCTION.set(together)
+    try:
+        yield
+    finally:
+        _IN_ONE_FUNCTION.reset(token)
+
+
+def steps_are_free() -> bool:
+    """Whether a step of a loop costs no more than what it computes.
+
+    Not where XLA makes a step of several kernels, which are called one after the other.
+    """
+    return _IN_ONE_FUNCTION.get() is not None
+
+
+def while_loop(
+    going: Callable[[Value], Array], step: Callable[[Value], Value], state: Value
+) -> Value:
+    """``step`` from ``state`` on for as long as ``going``."""
+    if on_numpy():
+        while going(state):
+            state = step(state)
+        return state
+    ended = lax.while_loop(
+        lambda packed: going(unpack(packed, state)),
+        lambda packed: pack(step(unpack(packed, state))),
+        pack(state),
+    )
+    return unpack(ended, state)
+
+
+def repeat(times: int, step: Callable[[Value], Value], state: Value) -> Value:
+    """``step`` from ``state`` on, ``times`` times."""
+    if on_numpy():
+        for _ in range(times):
+            state = step(state)
+        return state
+    ended: Value = lax.fori_loop(0, times, lambda _, now: step(now), state)
+    return ended
+
+
+def scan(step: Callable[[Value, Any], Value], state: Value, values: Any) -> Value:
+    """``step(state, value)`` for each entry of ``values``, a tree, along its first axis."""
+    if on_numpy():
+        for one in _entries(values):
+            state = step(state, one)
+        return state
+    ended: Value
+    ended, _ = lax.scan(lambda now, one: (step(now, one), None), state, values)
+    return ended
+
+
+def map_entries(function: Callable[[Any], Value], values: Any) -> Value:
+    """``function`` of each entry of ``values``, a tree, along its first axis; stacked."""
+    if on_numpy():
+        found = [function(one) for one in _entries(values)]
+        stacked: Value = jax.tree.map(lambda *parts: np.stack(parts), *found)
+        return stacked
+    mapped: Value = lax.map(function, values)
+    return mapped
+
+
+def _entries(values: Any) -> list[Any]:
+    count = jax.tree.leaves(values)[0].shape[0]
+    return [jax.tree.map(lambda a, k=k: a[k], values) for k in range(count)]
+
+
+def mean_over(term: Callable[[Any], Value], values: Any, count: Any) -> Value:
+    """The mean of ``term(v)``, a tree of arrays, over the first ``count`` of ``values``.
+
+    values : (n,), and count an integer; or (n, B), and count (B,): each column has its own.
+    """
+    if on_numpy():
+        # All at once, along a new first axis.
+        used = np.asarray(values)[: int(np.max(count)), None]
+        terms = term(used if used.ndim > 2 else used[..., None])
+        among = np.arange(used.shape[0])[:, None, None] < count
+        share = 1.0 / count
+        return jax.tree.map(lambda a: np.sum(np.where(among, a, 0.0), axis=0) * share, terms)
+    own = jnp.ndim(count) > 0
+    together = _IN_ONE_FUNCTION.get() or TOGETHER
+    masked = not isinstance(count, int) or count % together > 0
+
+    def one(k: Any) -> Any:
+        terms = term(values[k])
+        return jax.tree.map(lambda a: jnp.where(k < count, a, 0.0), terms) if masked else terms
+
+    def add(turn: Any, total: list[Any]) -> list[Any]:
+        some = [one(together * turn + k) for k in range(together)]
+        terms = jax.tree.map(lambda *each: sum(each[1:], each[0]), *some)
+        return [a + b for a, b in zip(total, pack(terms), strict=True)]
+
+    like = jax.eval_shape(term, values[0])
+    zero = pack(jax.tree.map(lambda a: jnp.zeros(a.shape, a.dtype), like))
+    most = jnp.max(count) if own else count
+    total = lax.fori_loop(0, -(-most // together), add, zero)
+    share = 1.0 / jnp.asarray(count)  # one division, not one for each array
+    mean: Value = jax.tree.map(lambda a: a * share, unpack(total, like))
+    return mean

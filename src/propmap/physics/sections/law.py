@@ -1,0 +1,139 @@
+"""What a section law is: lift and drag of a blade section, and bounds on them.
+
+A law is a pytree of arrays, so that loads can be differentiated by its parameters.  To add one,
+write a file beside this one and name it in ``propmap.physics.sections``.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple, Protocol
+
+from propmap.arrays.namespace import Array
+
+
+class SectionFlow(NamedTuple):
+    """The flow that a section meets; arrays of one shape.
+
+    Attributes
+    ----------
+    angle : Array
+        Angle of attack from zero lift [rad], in [-pi, pi].
+    sine, cosine : Array
+        Of that angle [-].
+    reynolds : Array
+        Re = rho U c / mu [-].
+    inverse_root_reynolds : Array
+        1 / sqrt(Re) [-].
+    """
+
+    angle: Array
+    sine: Array
+    cosine: Array
+    reynolds: Array
+    inverse_root_reynolds: Array
+
+
+class Coefficients(NamedTuple):
+    """Lift and drag coefficients and how they change.
+
+    Attributes
+    ----------
+    lift, drag : Array
+        C_L and C_D [-].
+    lift_slope, drag_slope : Array
+        Derivatives by the angle of attack [1/rad].
+    lift_by_log_re, drag_by_log_re : Array or float
+        Derivatives by the natural logarithm of Re [-].
+    """
+
+    lift: Array
+    drag: Array
+    lift_slope: Array
+    drag_slope: Array
+    lift_by_log_re: Array | float
+    drag_by_log_re: Array | float
+
+
+class LawBounds(NamedTuple):
+    """Bounds over all angles of attack and Reynolds numbers, from which safe steps follow.
+
+    Where C depends on Re, which changes with the speed, the bounds of slopes and bends include
+    what that adds: |C| + |dC/d ln Re| for ``lift`` and ``drag``, and so on.
+
+    Attributes
+    ----------
+    lift : Array
+        Largest |C_L| [-].
+    lift_slope : Array
+        Largest dC_L/dalpha [1/rad].
+    lift_bend : Array
+        Largest |d^2 C_L/dalpha^2| [1/rad^2].
+    foot_bend : Array
+        Largest d^2 C_L/dalpha^2 (upwards) where alpha > ``attached_from`` [1/rad^2].
+    attached_bend : Array
+        Largest d^2 C_L/dalpha^2 between ``attached_from`` and ``attached_to`` [1/rad^2], not
+        below zero; zero where the lift curve bends downwards only.
+    drag, drag_slope : Array
+        Largest C_D [-] and |dC_D/dalpha| [1/rad], without friction.
+    drag_bend : Array
+        Largest |C_D + C_D''| + 2 |C_D| + |C_D'| [-], without friction.
+    friction : Array or float
+        f of a part f / sqrt(Re) of C_D [-].
+    attached_from, attached_to : Array
+        Angles from zero lift [rad] between which no part of the section is near stall.
+    attached_slope : Array
+        c with C_L <= c alpha for attached flow, alpha > 0, and near it [1/rad]; 0 if there is
+        no such slope.
+    stall_angle, stall_width : Array
+        Angle from zero lift about which lift breaks down, and over how much of it [rad].
+    """
+
+    lift: Array
+    lift_slope: Array
+    lift_bend: Array
+    foot_bend: Array
+    attached_bend: Array
+    drag: Array
+    drag_slope: Array
+    drag_bend: Array
+    friction: Array | float
+    attached_from: Array
+    attached_to: Array
+    attached_slope: Array
+    stall_angle: Array
+    stall_width: Array
+
+
+class SectionLaw(Protocol):
+    """Lift and drag of a section at any angle of attack and Reynolds number."""
+
+    @property
+    def zero_lift_angle(self) -> Array:
+        """Angle of attack, from the chord line, at which ``SectionFlow.angle`` is zero [rad]."""
+        ...
+
+    @property
+    def drag_factor(self) -> Array | float:
+        """What the rotor drag (14) is multiplied by [-]; 1 in the paper."""
+        ...
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """Names of the numbers by which loads can be differentiated."""
+        ...
+
+    def plus(self, **changes: Array) -> SectionLaw:
+        """The law with something added to its parameters."""
+        ...
+
+    def coefficients(self, flow: SectionFlow) -> Coefficients:
+        """C_L, C_D and their derivatives."""
+        ...
+
+    def attached_share(self, angle: Array) -> Array:
+        """How much of the flow is attached [-], 1 far from stall; angle from zero lift [rad]."""
+        ...
+
+    def bounds(self) -> LawBounds:
+        """Bounds on the coefficients."""
+        ...

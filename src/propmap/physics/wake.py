@@ -1,0 +1,107 @@
+"""The wake of an annulus: momentum theory, corrected; its thrust, and bounds on it."""
+
+from __future__ import annotations
+
+from typing import NamedTuple, Protocol
+
+import numpy as np
+
+from propmap.arrays.namespace import Array, xp
+from propmap.physics import momentum
+from propmap.physics.element import Annulus
+from propmap.physics.velocities import floored_norm
+
+
+class FactorBounds(NamedTuple):
+    """Bounds of a factor over a range of v_i.
+
+    Attributes
+    ----------
+    least : Array
+        The factor's least value [-]; its largest is at most 1.
+    slope : Array
+        The largest size of its derivative by v_i [s/m].
+    bend : Array
+        The largest size of its second derivative [s^2/m^2].
+    """
+
+    least: Array
+    slope: Array
+    bend: Array
+
+
+class WakeFactor(Protocol):
+    """A correction that multiplies the momentum's thrust, by 1 at most: tip loss, for one."""
+
+    def factor_slope(self, at: Annulus, inflow: Array) -> tuple[Array, Array]:
+        """The factor [-] and its derivative by v_i [s/m]."""
+        ...
+
+    def bounds(self, at: Annulus, low: Array, high: Array) -> FactorBounds:
+        """Bounds for v_i between ``low`` and ``high`` [m/s]."""
+        ...
+
+
+class Wake(NamedTuple):
+    """The thrust that the wake of an annulus allows at an inflow; a pytree.
+
+    Attributes
+    ----------
+    windmill : Array or None
+        1 on the windmill branch, else 0, shape (B,); None where nothing descends.
+    factors : tuple of WakeFactor
+        What the momentum's thrust is multiplied by.
+    """
+
+    windmill: Array | None
+    factors: tuple[WakeFactor, ...] = ()
+
+    def thrust_slope(self, at: Annulus, inflow: Array) -> tuple[Array, Array]:
+        """Thrust per radius and density [m^3/s^2], eq. (10), and its derivative by v_i [m^2/s]."""
+        flow = (at.radius, at.v_axial, at.v_inplane, inflow)
+        thrust, slope = momentum.annulus_thrust_slope(*flow)
+        if self.windmill is not None:
+            down = self.windmill > 0.0
+            other, other_slope = momentum.windmill_annulus_thrust_slope(*flow)
+            thrust, slope = xp.where(down, other, thrust), xp.where(down, other_slope, slope)
+        for factor in self.factors:
+            f, f_slope = factor.factor_slope(at, inflow)
+            thrust, slope = f * thrust, f * slope + f_slope * thrust
+        return thrust, slope
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether the thrust is that of momentum theory alone."""
+        return not self.factors
+
+    def least_factor(self, at: Annulus, highest: Array) -> Array:
+        """What the momentum's thrust is multiplied by at least where U_P >= 0 [-].
+
+        highest : v_i [m/s] up to which that holds.
+        """
+        least = xp.ones_like(highest)
+        for factor in self.factors:
+            least = least * factor.bounds(at, -at.v_axial + 0.0 * highest, highest).least
+        return least
+
+    def largest_bend(self, at: Annulus, low: Array, high: Array) -> Array:
+        """By how much the thrust bends downwards at most, -d^2T/dv_i^2 [m], between two v_i [m/s].
+
+        They must lie on one side of U_P = 0 unless V sin(beta) > 0.
+        """
+        u_low, u = at.v_axial + low, at.v_axial + high
+        v_max = xp.maximum(xp.abs(high), xp.abs(low))
+        # (10) bends by 2 u/W + v (V sin(beta))^2 / W^3, of either sign where it is mirrored on the
+        # windmill branch (u < 0).
+        nearest = floored_norm(at.v_inplane, xp.where(u > 0.0, xp.maximum(u_low, 0.0), u))
+        turn = at.v_inplane**2 / nearest**3
+        bend = xp.where(u > 0.0, xp.maximum(-low, 0.0) * turn, 2.0 + v_max * turn)
+        if self.factors:
+            along = floored_norm(at.v_inplane, xp.maximum(xp.abs(u), xp.abs(u_low)))
+            slope, thrust = along + v_max, v_max * along
+            for factor in self.factors:
+                f = factor.bounds(at, low, high)
+                # The product's bend and slope, each part at its largest.
+                bend = bend + 2.0 * f.slope * slope + f.bend * thrust
+                slope = slope + f.slope * thrust
+        return 4.0 * np.pi * at.radius * bend

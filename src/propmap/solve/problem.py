@@ -1,0 +1,96 @@
+"""Equation (11), posed: an annulus and its wake, and the difference of their thrusts."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from propmap.arrays.namespace import Array
+from propmap.physics import element
+from propmap.physics.element import Annulus, Medium, annulus
+from propmap.physics.geometry import Blade
+from propmap.physics.sections.law import SectionLaw
+from propmap.physics.velocities import AzimuthNodes
+from propmap.physics.vortex_ring import on_windmill_branch
+from propmap.physics.wake import Wake, WakeFactor
+
+
+class RotorArrays(NamedTuple):
+    """A rotor in air, as arrays that can be differentiated; a pytree.
+
+    Attributes
+    ----------
+    blade : Blade
+        Geometry.
+    law : SectionLaw
+        Lift and drag of its sections.
+    medium : Medium
+        The air.
+    factors : tuple of WakeFactor
+        Corrections that multiply the wake's thrust.
+    """
+
+    blade: Blade
+    law: SectionLaw
+    medium: Medium
+    factors: tuple[WakeFactor, ...] = ()
+
+
+class Case(NamedTuple):
+    """A rotor at B operating points: all that the inflow depends on; a pytree.
+
+    Attributes
+    ----------
+    rotor : RotorArrays
+        The rotor.
+    omega : Array
+        Omega [rad/s], >= 0, (B,).
+    v_axial, v_inplane : Array
+        V cos(beta), positive in climb, and V sin(beta) >= 0 [m/s], (B,).
+    v_hover : Array or None
+        Static inflow (12) at the same Omega [m/s], (B,), read where v_axial < 0; None where
+        nothing descends.
+    """
+
+    rotor: RotorArrays
+    omega: Array
+    v_axial: Array
+    v_inplane: Array
+    v_hover: Array | None
+
+
+class AnnulusProblem(NamedTuple):
+    """Equation (11) at stations (S) and operating points (B); a pytree."""
+
+    at: Annulus
+    wake: Wake
+
+    def stations(self, part: slice) -> AnnulusProblem:
+        """The same at some of the stations."""
+        station = type(self.at.station)(*(a[part] for a in self.at.station))
+        return self._replace(at=self.at._replace(station=station))
+
+
+def annulus_problem(case: Case, radius: Array) -> AnnulusProblem:
+    """Equation (11) at ``radius`` [m], (S, 1) or (S, B)."""
+    blade, law, medium, factors = case.rotor
+    at = annulus(blade, law, medium, radius, case.omega, case.v_axial, case.v_inplane)
+    windmill = None if case.v_hover is None else on_windmill_branch(case.v_axial, case.v_hover)
+    return AnnulusProblem(at, Wake(windmill, factors))
+
+
+def residual(problem: AnnulusProblem, inflow: Array, azimuth: AzimuthNodes) -> Array:
+    """Blade-element thrust (5) minus momentum thrust (10), per radius and density [m^3/s^2].
+
+    inflow : v_i [m/s], (S, B).  azimuth : nodes to average over.
+    """
+    blade = element.annulus_thrust(problem.at, inflow, azimuth)
+    return blade - problem.wake.thrust_slope(problem.at, inflow)[0]  # Eq. (11)
+
+
+def residual_slope(
+    problem: AnnulusProblem, inflow: Array, azimuth: AzimuthNodes
+) -> tuple[Array, Array]:
+    """``residual`` and its derivative by the inflow [m^2/s]."""
+    thrust, slope = element.annulus_thrust_slope(problem.at, inflow, azimuth)
+    wake, wake_slope = problem.wake.thrust_slope(problem.at, inflow)
+    return thrust - wake, slope - wake_slope
