@@ -13,6 +13,10 @@ from propmap.physics.element import Annulus
 from propmap.physics.velocities import floored_norm
 from propmap.physics.wake import FactorBounds
 
+LEAST_REACH = 5e-5
+"""Of f sin(phi) [-].  Over the last 0.005 % of the blade F keeps its value instead of going to
+zero, within which nothing is carried but F would change over some um/s of U_P."""
+
 
 class PrandtlLoss(NamedTuple):
     """Loss at the tip, or at the hub.
@@ -68,18 +72,24 @@ class PrandtlLoss(NamedTuple):
         # ds/dv = (Omega y)^2 / speed^3 and its derivative.
         turn = turning * turning / slowest**3
         turn_slope = 3.0 * u_max * turn / (slowest * slowest)
-        per_reach = 1.0 / xp.maximum(reach, 1e-12)
+        per_reach = 1.0 / reach
         return FactorBounds(
             least=_factor(f_min),
             slope=first * per_reach * turn,
             bend=second * (per_reach * turn) ** 2 + first * per_reach * turn_slope,
         )
 
+    def constant_below(self, at: Annulus) -> Array:
+        """|U_P| [m/s] below which exp(-f) is nothing next to 1."""
+        return 0.02 * self._reach(at) * at.turning
+
     def _reach(self, at: Annulus) -> Array:
         """f sin(phi) [-]."""
         if self.hub_radius is None:
-            return 0.5 * at.blades * xp.maximum(at.tip - at.radius, 0.0) / at.radius
-        return 0.5 * at.blades * xp.maximum(at.radius / self.hub_radius - 1.0, 0.0)
+            reach = 0.5 * at.blades * (at.tip / at.radius - 1.0)
+        else:
+            reach = 0.5 * at.blades * (at.radius / self.hub_radius - 1.0)
+        return xp.maximum(reach, LEAST_REACH)
 
 
 def _factor(f: Array) -> Array:

@@ -41,6 +41,10 @@ class WakeFactor(Protocol):
         """Bounds for v_i between ``low`` and ``high`` [m/s]."""
         ...
 
+    def constant_below(self, at: Annulus) -> Array:
+        """|U_P| [m/s] below which the factor is constant but for rounding."""
+        ...
+
 
 class Wake(NamedTuple):
     """The thrust that the wake of an annulus allows at an inflow; a pytree.
@@ -84,6 +88,17 @@ class Wake(NamedTuple):
             least = least * factor.bounds(at, -at.v_axial + 0.0 * highest, highest).least
         return least
 
+    def shorter_reaches(self, at: Annulus, inflow: Array) -> list[Array]:
+        """Distances [m/s] below ``inflow`` over which bounds are tighter than over longer ones.
+
+        A factor bends most about U_P = 0: half of the way there, and across it where the factor
+        is constant.
+        """
+        u = xp.abs(at.v_axial + inflow)
+        return [0.5 * u] * bool(self.factors) + [
+            u + factor.constant_below(at) for factor in self.factors
+        ]
+
     def largest_bend(self, at: Annulus, low: Array, high: Array) -> Array:
         """By how much the thrust bends downwards at most, -d^2T/dv_i^2 [m], between two v_i [m/s].
 
@@ -99,6 +114,10 @@ class Wake(NamedTuple):
         if self.factors:
             along = floored_norm(at.v_inplane, xp.maximum(xp.abs(u), xp.abs(u_low)))
             slope, thrust = along + v_max, v_max * along
+            if self.windmill is not None:
+                # The mirrored curve is at most twice (10) at its turning point above (10).
+                down = self.windmill * xp.abs(at.v_axial)
+                slope, thrust = slope + along + down, thrust + down * down
             for factor in self.factors:
                 f = factor.bounds(at, low, high)
                 # The product's bend and slope, each part at its largest.

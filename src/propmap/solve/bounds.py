@@ -181,19 +181,33 @@ def safe_step(
 ) -> Array:
     """How far v_i may be lowered [m/s] without passing a root; value < 0.
 
-    Over the stretch [v - reach, v] the residual bends upwards no more than ``bend``, hence it
-    stays negative until the root of its bounding parabola.  With k = U_T/U and s = U_P/U the
-    blade's part bends by d^2F/dv^2 = k^3 (C_L + C_L'') - k^2 s (C_D + C_D'') - 2 (s C_D - k C_D').
+    Over a stretch [v - reach, v] the residual bends upwards no more than ``bend``, hence it stays
+    negative until the root of its bounding parabola.
+    """
+    full = 0.25 * (bound.speed + xp.abs(at.v_axial)) + 0.5 * xp.abs(v)
+    step = _step_within(at, wake, bound, full, v, value, slope)
+    for reach in wake.shorter_reaches(at, v):
+        short = xp.minimum(reach, full)
+        step = xp.maximum(step, _step_within(at, wake, bound, short, v, value, slope))
+    return step
+
+
+def _step_within(
+    at: Annulus, wake: Wake, bound: Bounds, reach: Array, v: Array, value: Array, slope: Array
+) -> Array:
+    """``safe_step`` from bounds over one ``reach`` [m/s].
+
+    With k = U_T/U and s = U_P/U the blade's part bends by
+    d^2F/dv^2 = k^3 (C_L + C_L'') - k^2 s (C_D + C_D'') - 2 (s C_D - k C_D').
     """
     law = bound.law
     u = at.v_axial + v
-    reach = 0.25 * (bound.speed + xp.abs(at.v_axial)) + 0.5 * xp.abs(v)
     u_low = u - reach
-    wake_bend = wake.largest_bend(at, v - reach, v)
     # Without in-plane flow the wake's thrust has a kink at u = 0: the parabola is not carried past
     # it, or only by so little that the walk does not take it for its end.
     u_end = xp.where(u > 0.0, xp.maximum(u_low, 0.0), u_low)
     to_kink = u - u_end + 2.0 * precision_of(v).safe_step * (bound.speed + xp.abs(at.v_axial))
+    wake_bend = wake.largest_bend(at, v - reach, v)
     friction_bend = 2.0 * bound.friction * xp.sqrt(bound.speed) / bound.speed
 
     def by_bend(blade_bend: Array) -> Array:
@@ -206,9 +220,9 @@ def safe_step(
     attached = by_bend(_blade_bend(law, law.attached_bend))
     attached = xp.minimum(attached, v - bound.attached_from)
     attached = xp.where(v < bound.attached_to, attached, 0.0)
-    step = xp.maximum(anywhere, attached)
     # A value above zero, by rounding, gives a small step back up.
-    return xp.clip(xp.where(value < 0.0, step, anywhere), -reach, reach)
+    step = xp.where(value < 0.0, xp.maximum(anywhere, attached), anywhere)
+    return xp.clip(step, -reach, reach)
 
 
 def _blade_bend(law: LawBounds, lift_bend: Array) -> Array:

@@ -119,13 +119,10 @@ class BlendedLaw(NamedTuple):
         blend_bend = 0.0963 * m * m * drop + 2.0 * separated
         return LawBounds(
             lift=largest,
-            lift_slope=xp.maximum(self.c_l1, separated) + 0.25 * m * gain * knee,
             lift_bend=blend_bend + 0.5 * m * xp.abs(attached + separated),
             foot_bend=blend_bend + 0.5 * m * gain,
             # (1 - sigma) c_l1 alpha is past no inflection there.
             attached_bend=0.0 * largest,
-            drag=self.c_d + self.c_d0,
-            drag_slope=self.c_d,
             drag_bend=5.0 * self.c_d + 3.0 * self.c_d0,
             friction=PLATE_FRICTION * self.c_p,
             attached_from=-self.alpha_0 + 6.0 / m,

@@ -57,26 +57,22 @@ class Coefficients(NamedTuple):
 class LawBounds(NamedTuple):
     """Bounds over all angles of attack and Reynolds numbers, from which safe steps follow.
 
-    Where C depends on Re, which changes with the speed, the bounds of slopes and bends include
-    what that adds: |C| + |dC/d ln Re| for ``lift`` and ``drag``, and so on.
+    A dash is a derivative by the angle, an l one by ln Re, which changes with the inflow too.
 
     Attributes
     ----------
     lift : Array
         Largest |C_L| [-].
-    lift_slope : Array
-        Largest dC_L/dalpha [1/rad].
     lift_bend : Array
-        Largest |d^2 C_L/dalpha^2| [1/rad^2].
+        Largest |C_L''| + |C_L,l| + |C_L,l'| + |C_L,ll| [-].
     foot_bend : Array
-        Largest d^2 C_L/dalpha^2 (upwards) where alpha > ``attached_from`` [1/rad^2].
+        The same with C_L'' upwards alone, where alpha > ``attached_from`` [-].
     attached_bend : Array
-        Largest d^2 C_L/dalpha^2 between ``attached_from`` and ``attached_to`` [1/rad^2], not
-        below zero; zero where the lift curve bends downwards only.
-    drag, drag_slope : Array
-        Largest C_D [-] and |dC_D/dalpha| [1/rad], without friction.
+        The same between ``attached_from`` and ``attached_to`` [-]; zero where C_L depends on alpha
+        alone and bends downwards only.
     drag_bend : Array
-        Largest |C_D + C_D''| + 2 |C_D| + |C_D'| [-], without friction.
+        Largest |k^2 s (C_D + C_D'')| + 2 |s C_D - k C_D'| for any k^2 + s^2 = 1, and
+        3 (|C_D,l| + |C_D,l'| + |C_D,ll|) [-]; without friction.
     friction : Array or float
         f of a part f / sqrt(Re) of C_D [-].
     attached_from, attached_to : Array
@@ -89,12 +85,9 @@ class LawBounds(NamedTuple):
     """
 
     lift: Array
-    lift_slope: Array
     lift_bend: Array
     foot_bend: Array
     attached_bend: Array
-    drag: Array
-    drag_slope: Array
     drag_bend: Array
     friction: Array | float
     attached_from: Array
