@@ -19,6 +19,7 @@ from propmap.model.propeller import Propeller
 
 if TYPE_CHECKING:
     from propmap.engine.disk_field import Inflow
+    from propmap.engine.search_report import SearchReport
     from propmap.solve.problem import RotorArrays
 
 PRECISIONS = ("float64", "float32")
@@ -221,6 +222,40 @@ class Rotor:
         still = self.hover_inflow(w) if along < 0.0 else np.zeros(())
         flow = (float(w), float(along), float(across), float(still))
         return look_at_disk(self.arrays, flow, y, psi, compiled=self.compiled)
+
+    def explain(
+        self, omega: float, speed: float, beta: float, *, max_steps: int | None = None
+    ) -> SearchReport:
+        """How the inflow equation (11) was solved at one operating point, station by station.
+
+        The place to look where a status is "not_converged": ``print(rotor.explain(...))`` names
+        the station, the steps taken and the residual that is left.
+
+        Parameters
+        ----------
+        omega, speed, beta : float
+            The operating point, as in ``loads``.
+        max_steps : int, optional
+            Steps after which the search is given up; by default as in ``loads``.
+
+        Raises
+        ------
+        InputError
+            For arrays, and for values that ``loads`` refuses.
+        """
+        from propmap.engine.programs import Flow
+        from propmap.engine.search_report import search_report
+        from propmap.solve.root import MAX_STEPS
+
+        w, v, b = _broadcast(omega=omega, speed=speed, beta=beta)
+        if w.ndim:
+            raise InputError("explain takes one operating point: give scalars")
+        _refuse_negative("omega", w, "give the spin by its direction, not by a sign [rad/s]")
+        _refuse_negative("speed", v, "give the direction by beta, pi for descent [m/s]")
+        along, across = _resolve(v, b)
+        still = self.hover_inflow(w)[None] if along < 0.0 else None
+        flow = Flow(w[None], along[None], across[None], still)
+        return search_report(self._prepared, self._setting, flow, max_steps or MAX_STEPS)
 
     @functools.cached_property
     def arrays(self) -> RotorArrays:

@@ -9,9 +9,14 @@ import tomllib
 from dataclasses import asdict, dataclass, fields, replace
 from importlib.resources.abc import Traversable
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from propmap.errors import InputError
+
+if TYPE_CHECKING:
+    from propmap.physics.sections.blended import BlendedLaw
 
 SCHEMA = 1
 LIFT_LAWS = ("blended", "simplified")
@@ -76,6 +81,14 @@ class Airfoil:
                 raise InputError(f"{field} is {getattr(self, field)!r}: it must be text")
         if self.lift_law not in LIFT_LAWS:
             raise InputError(f"lift_law is {self.lift_law!r}: it must be one of {LIFT_LAWS}")
+
+    def law(self) -> BlendedLaw:
+        """The parameters as arrays for the solver."""
+        from propmap.physics.sections.blended import BlendedLaw
+
+        attached = np.float64(1.0 if self.lift_law == "blended" else 0.0)
+        numbers: Any = {name: np.float64(getattr(self, name)) for name in _LIMITS}
+        return BlendedLaw(attached=attached, **numbers)  # type: ignore[arg-type]
 
     def with_parameters(self, **changes: Any) -> Airfoil:
         """A copy with some parameters changed.

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
 from propmap.arrays.elementary import arctangent, power_of_two
 from propmap.arrays.namespace import Array, xp
+from propmap.errors import InputError
 from propmap.physics.element import Annulus
 from propmap.physics.velocities import floored_norm
 from propmap.physics.wake import FactorBounds
@@ -116,3 +118,39 @@ def _largest_second(low: Array, high: Array) -> Array:
     rising = 0.70 * xp.minimum(high, 4.0) ** 2.5
     falling = 0.70 * xp.maximum(low, 4.0) ** 4 * xp.exp(-xp.maximum(low, 4.0))
     return xp.minimum(rising, falling)
+
+
+@dataclass(frozen=True)
+class TipLoss:
+    """Prandtl's loss at the tip, as a correction of a ``Model``; see ``PrandtlLoss``."""
+
+    def factor(self, root: float) -> PrandtlLoss:  # noqa: ARG002 - as every correction takes it
+        """What multiplies the wake's thrust; ``root`` [m] is where the blade begins."""
+        return PrandtlLoss()
+
+
+@dataclass(frozen=True)
+class HubLoss:
+    """Prandtl's loss at the hub, as a correction of a ``Model``; see ``PrandtlLoss``.
+
+    Attributes
+    ----------
+    radius_m : float or None
+        Radius of the hub [m]; None is where the blade begins.
+    """
+
+    radius_m: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.radius_m is not None and not 0.0 < self.radius_m < math.inf:
+            raise InputError(f"radius_m is {self.radius_m}: give the hub's radius in metres")
+
+    def factor(self, root: float) -> PrandtlLoss:
+        """What multiplies the wake's thrust; ``root`` [m] is where the blade begins."""
+        radius = root if self.radius_m is None else self.radius_m
+        if radius > root * (1.0 + 1e-9):
+            raise InputError(
+                f"radius_m of the hub loss is {radius:g} m, but the blade begins at {root:g} m",
+                "give a smaller radius, or a root cut-out",
+            )
+        return PrandtlLoss(np.float64(radius))  # type: ignore[arg-type]

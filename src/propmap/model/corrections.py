@@ -1,0 +1,99 @@
+"""The corrections that a model can have, by name."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any, Protocol
+
+from propmap.errors import InputError
+
+CORRECTIONS = {
+    "tip-loss": "propmap.physics.tip_loss.TipLoss",
+    "hub-loss": "propmap.physics.tip_loss.HubLoss",
+}
+"""Where each is; a new correction is one file of physics and one line here."""
+
+
+class Correction(Protocol):
+    """A change to the physics, as a validated value: a frozen dataclass of numbers."""
+
+    def factor(self, root: float) -> Any:
+        """The ``WakeFactor`` that it stands for; ``root`` [m] is where the blade begins."""
+        ...
+
+
+def correction(text: str) -> Correction:
+    """A correction from its name and numbers, as in ``hub-loss:radius_m=0.012``.
+
+    Parameters
+    ----------
+    text : str
+        A name of ``CORRECTIONS``; behind a colon its fields, separated by commas.
+
+    Raises
+    ------
+    InputError
+        For an unknown name or field, or a value that is no number.
+    """
+    name, _, given = text.partition(":")
+    if name not in CORRECTIONS:
+        raise InputError(
+            f"correction {name!r} is not known", f"give one of {', '.join(CORRECTIONS)}"
+        )
+    fields: dict[str, float] = {}
+    for part in filter(None, given.split(",")):
+        field, _, value = part.partition("=")
+        try:
+            fields[field.strip()] = float(value)
+        except ValueError:
+            raise InputError(
+                f"correction {text!r}: {part!r} is no field with a number",
+                f"write {name}:field=number",
+            ) from None
+    return from_fields(name, fields)
+
+
+def from_fields(name: str, fields: dict[str, Any]) -> Correction:
+    """A correction from its name and fields, as they are kept in files."""
+    import importlib
+
+    if name not in CORRECTIONS:
+        raise InputError(
+            f"correction {name!r} is not known", f"this version has {', '.join(CORRECTIONS)}"
+        )
+    module, _, kind = CORRECTIONS[name].rpartition(".")
+    made = getattr(importlib.import_module(module), kind)
+    known = [field.name for field in dataclasses.fields(made)]
+    extra = sorted(set(fields) - set(known))
+    if extra:
+        raise InputError(
+            f"correction {name}: unknown field {extra[0]!r}",
+            f"it has {', '.join(known) or 'no fields'}",
+        )
+    value: Correction = made(**fields)
+    return value
+
+
+def name_of(value: Correction) -> str:
+    """The name by which ``correction`` knows it.
+
+    Raises
+    ------
+    InputError
+        For a value that is no correction.
+    """
+    path = f"{type(value).__module__}.{type(value).__qualname__}"
+    for name, place in CORRECTIONS.items():
+        if place == path:
+            return name
+    raise InputError(
+        f"{value!r} is no correction",
+        f"give one of {', '.join(CORRECTIONS)}, see propmap.correction",
+    )
+
+
+def as_text(value: Correction) -> str:
+    """The text from which ``correction`` makes it again."""
+    fields = dataclasses.asdict(value)  # type: ignore[call-overload]
+    told = ",".join(f"{field}={number!r}" for field, number in fields.items() if number is not None)
+    return f"{name_of(value)}:{told}" if told else name_of(value)

@@ -1,0 +1,127 @@
+"""A section law given as a table of C_L and C_D."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from propmap.arrays.types import Floats
+from propmap.errors import InputError
+
+if TYPE_CHECKING:
+    from propmap.physics.sections.tabulated import TabulatedLaw
+
+LARGEST = 10.0
+"""Coefficients beyond are taken for an error of the file [-]."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class SectionTable:
+    """C_L and C_D of a blade section, all the way round, at one or more Reynolds numbers.
+
+    Attributes
+    ----------
+    angle : ndarray, shape (K,)
+        Angle of attack from the chord line [rad], rising from -pi to pi.
+    reynolds : ndarray, shape (R,)
+        Reynolds numbers, rising.
+    lift, drag : ndarray, shape (R, K)
+        C_L and C_D [-], the same at -pi and pi.
+    drag_factor : float
+        Multiplies the rotor drag, 1 in the paper.
+    name, source : str
+        What the table is called and where its numbers come from.
+
+    Raises
+    ------
+    InputError
+        Where the arrays do not fit together or hold no section's figures.
+    """
+
+    angle: Floats
+    reynolds: Floats
+    lift: Floats
+    drag: Floats
+    drag_factor: float = 1.0
+    name: str = "unnamed"
+    source: str = ""
+
+    def __post_init__(self) -> None:
+        for field in ("angle", "reynolds", "lift", "drag"):
+            values = np.array(getattr(self, field), dtype=np.float64)
+            if not np.isfinite(values).all():
+                raise InputError(f"{field} holds a value that is not finite: remove it")
+            values.flags.writeable = False
+            object.__setattr__(self, field, values)
+        shape = (self.reynolds.size, self.angle.size)
+        if self.lift.shape != shape or self.drag.shape != shape:
+            raise InputError(
+                f"lift has shape {self.lift.shape} and drag {self.drag.shape}",
+                f"give a row of {shape[1]} angles for each of {shape[0]} Reynolds numbers",
+            )
+        self._check_axes()
+        self._check_figures()
+
+    def _check_axes(self) -> None:
+        if self.angle.size < 8 or not (np.diff(self.angle) > 0.0).all():
+            raise InputError("angles must rise, and be eight at least: sort the table")
+        ends = self.angle[[0, -1]]
+        if not np.allclose(ends, [-math.pi, math.pi], atol=1e-6):
+            told = np.degrees(ends).round(2).tolist()
+            raise InputError(
+                f"angles run from {told[0]} to {told[1]} deg, expected -180 to 180",
+                "extend the table, for instance by Viterna's method",
+            )
+        object.__setattr__(self, "angle", np.array([-math.pi, *self.angle[1:-1], math.pi]))
+        if not (self.reynolds > 0.0).all() or not (np.diff(self.reynolds) > 0.0).all():
+            raise InputError("Reynolds numbers must be positive and rise: sort the table")
+
+    def _check_figures(self) -> None:
+        for name, values in (("lift", self.lift), ("drag", self.drag)):
+            worst = float(np.abs(values).max())
+            if worst > LARGEST:
+                raise InputError(
+                    f"{name} coefficient of {worst:g}, expected at most {LARGEST:g}",
+                    "check the table's columns",
+                )
+            gap = np.abs(values[:, 0] - values[:, -1]).max()
+            if gap > 1e-6:
+                raise InputError(
+                    f"{name} differs by {gap:g} between -180 and 180 deg, which are one angle",
+                    "make them equal",
+                )
+        if (self.drag < 0.0).any():
+            raise InputError("a drag coefficient is negative: check the table's columns")
+        middle = self.lift[self.reynolds.size // 2]
+        near = np.abs(self.angle) < math.radians(30.0)
+        if not (middle[near].min() < 0.0 < middle[near].max()):
+            raise InputError(
+                "lift does not pass zero between -30 and 30 deg",
+                "give angles from the chord line, positive nose up",
+            )
+
+    def law(self) -> TabulatedLaw:
+        """The table as arrays for the solver."""
+        from propmap.physics.sections.tabulated import tabulated_law
+
+        figures = (self.angle, self.reynolds, self.lift, self.drag)
+        return tabulated_law(*figures, drag_factor=self.drag_factor)
+
+    def __eq__(self, other: object) -> bool:
+        return self._key() == other._key() if isinstance(other, SectionTable) else NotImplemented
+
+    def __hash__(self) -> int:
+        return hash(self._key())
+
+    def __repr__(self) -> str:
+        return (
+            f"SectionTable({self.name!r}, {self.angle.size} angles, "
+            f"Re {self.reynolds[0]:.3g} to {self.reynolds[-1]:.3g})"
+        )
+
+    def _key(self) -> tuple[Any, ...]:
+        arrays = (self.angle, self.reynolds, self.lift, self.drag)
+        return (*(a.tobytes() for a in arrays), self.drag_factor, self.name, self.source)
