@@ -93,8 +93,7 @@ def fit_tunnel(
 
     from propmap.engine.compilation import keep_compiled
     from propmap.fit.assumptions import failing_assumptions
-    from propmap.fit.coverage import coverage
-    from propmap.fit.data_range import range_warnings
+    from propmap.fit.coverage import coverage, range_warnings
     from propmap.fit.fitted import fit
     from propmap.fit.result_file import fit_text
     from propmap.fit.tunnel import first_guess, hover_rows, rotor_with, tunnel_rows
@@ -187,7 +186,7 @@ def fit_flight(
 
     from propmap.engine.compilation import keep_compiled
     from propmap.fit.body_study import body_terms_verdict, wing_values
-    from propmap.fit.data_range import range_warnings
+    from propmap.fit.coverage import range_warnings
     from propmap.fit.fitted import fit
     from propmap.fit.flight import ForceModel, balance_rows, hover_rows, level_rows
     from propmap.fit.parameters import BODY, PAPER_FOUR

@@ -11,10 +11,10 @@ from propmap.arrays.types import Floats
 from propmap.baselines.hover import HoverModel
 from propmap.errors import InputError
 from propmap.fit.body_forces import body_force
-from propmap.fit.hover_baseline import hover_force, hover_loads
+from propmap.fit.flight import hover_force
 from propmap.fit.parameters import EVERY
 from propmap.fit.residuals import Errors, by_band, errors
-from propmap.fit.tunnel import TunnelData
+from propmap.fit.tunnel import TunnelData, hover_loads
 from propmap.model.air import Air
 from propmap.model.airfoil import Airfoil
 from propmap.model.propeller import Propeller

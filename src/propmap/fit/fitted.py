@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from propmap.arrays.types import Floats
 from propmap.fit.parameters import Choice
+from propmap.fit.residuals import rms
 from propmap.fit.rows import Rows, remembering
 from propmap.fit.search import NOISE_FLOOR, Minimum, search, starts
 from propmap.fit.uncertainty import Uncertainty, uncertainty
@@ -67,9 +68,14 @@ class Fitted:
         return self.choice.values(self.x)
 
     def rms(self, load: int) -> float:
-        """Root mean square of the residuals of one load, in its unit; load : its index."""
-        mine = (self.rows.load == load) & (self.rows.weight > 0.0)
-        return float(np.sqrt(np.mean(self.residual[mine] ** 2)))
+        """Root mean square of the residuals of the load of this index, in its unit."""
+        return rms(self.residual[self.rows.of_load(load)])
+
+    def compared(self, load: int) -> tuple[Floats, Floats]:
+        """Modelled and measured values of the load of this index, in its unit."""
+        mine = self.rows.of_load(load)
+        measured = self.rows.measured[mine]
+        return measured + self.residual[mine], measured
 
 
 def fit(rows: Rows, choice: Choice, settings: Settings | None = None) -> Fitted:

@@ -4,25 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from propmap.arrays.types import Floats
+from propmap.baselines.hover import HoverModel
 from propmap.engine.evaluation import Prepared, prepare
 from propmap.engine.gradients import load_gradients
 from propmap.engine.plan import accuracy
 from propmap.errors import InputError
 from propmap.fit.body_forces import body_force
-from propmap.fit.coverage import coverage
-from propmap.fit.hover_baseline import hover_after_fit, hover_force
+from propmap.fit.coverage import Coverage, coverage
 from propmap.fit.parameters import BODY, SECTION, WING, Choice
 from propmap.fit.rows import Rows
-from propmap.fit.tunnel import rotor_with
+from propmap.fit.tunnel import hover_after_fit, rotor_with
 from propmap.model.airfoil import Airfoil
 from propmap.solve.load_slopes import LOADS
 from propmap.vehicle.flight_log import GRAVITY, FlightLog
-from propmap.vehicle.hub_flow import hub_flow, rotor_forces
+from propmap.vehicle.hub_flow import HubFlow, hub_flow, rotor_forces
 from propmap.vehicle.vehicle import Vehicle
 
 AXES = ("force_x", "force_y", "force_z")
@@ -83,7 +82,7 @@ class ForceModel:
             slope[k] = by_section[section.index(name)] if name in section else by_body[k]
         return Balance(force + body, slope)
 
-    def coverage(self) -> dict[str, Any]:
+    def coverage(self) -> Coverage:
         """What ``coverage`` says of the flow at all rotors."""
         flow = self.flow
         speed, beta = np.hypot(flow.axial, flow.inplane), np.arctan2(flow.inplane, flow.axial)
@@ -160,6 +159,12 @@ def balance_rows(model: ForceModel, choice: Choice, *, stretch: float = 1.0) -> 
         model=forces,
         weight=np.ones(3 * n),
     )
+
+
+def hover_force(hover: HoverModel, flow: HubFlow) -> Floats:
+    """The hover model's force of all rotors on the vehicle [N] (n, 3)."""
+    thrust = hover.thrust(flow.omega)
+    return rotor_forces(flow, thrust, np.zeros_like(thrust))
 
 
 def hover_rows(model: ForceModel, values: Mapping[str, float], rows: Rows) -> Floats:

@@ -54,6 +54,10 @@ class Rows:
     model: Model
     weight: Floats
 
+    def of_load(self, load: int) -> NDArray[np.bool_]:
+        """Which rows (M,) are of the load of this index and have weight."""
+        return (self.load == load) & (self.weight > 0.0)
+
     def left(self, points: NDArray[np.bool_]) -> Rows:
         """The same rows, those of the operating points that are False without weight."""
         return replace(self, weight=self.weight * points[self.point])

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 
 from propmap.arrays.types import Floats
+from propmap.baselines.hover import REFERENCE_TIP_SPEED, HoverModel
 from propmap.engine.evaluation import prepare
 from propmap.engine.gradients import load_gradients
 from propmap.engine.plan import accuracy
 from propmap.errors import InputError
-from propmap.fit.hover_baseline import hover_after_fit, hover_loads
 from propmap.fit.parameters import BODY, SECTION, WING, Choice
 from propmap.fit.rows import Rows
 from propmap.model.air import Air
@@ -145,6 +145,26 @@ def tunnel_rows(
         model=model,
         weight=np.ones(load.size),
     )
+
+
+def hover_after_fit(rotor: Rotor) -> HoverModel:
+    """``HoverModel.of(rotor)`` by the program that the fit has compiled, within 0.1 %."""
+    omega = REFERENCE_TIP_SPEED / rotor.propeller.radius
+    still, setting = np.zeros(1), accuracy(rotor.accuracy)
+    found = load_gradients(prepare(rotor.theory), setting, (), np.array([omega]), still, still)
+    static = dict(zip(LOADS, found.loads[:, 0].tolist(), strict=True))
+    return HoverModel(static["thrust"] / omega**2, static["torque"] / omega**2, omega)
+
+
+def hover_loads(hover: HoverModel, omega: Floats) -> dict[str, Floats]:
+    """The hover model's loads [N], [N m] by name at omega [rad/s]; all (n,)."""
+    nothing = np.zeros_like(omega)
+    return {
+        "thrust": hover.thrust(omega),
+        "drag": nothing,
+        "torque": hover.torque(omega),
+        "roll_moment": nothing,
+    }
 
 
 def hover_rows(rotor: Rotor, data: TunnelData, rows: Rows) -> Floats:
