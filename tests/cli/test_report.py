@@ -185,7 +185,7 @@ def test_a_report_on_another_thing_replaces_the_folder(run: Run, tmp_path: Path)
         (["map.csv"], "give a fit (.toml) or a table (.npz)"),
         (["set.toml"], "there is no table [fit]"),
         (["old.toml"], "the table [fit] is damaged: Object missing required field covered"),
-        (["damaged.toml"], "-1 rpm is no rotational speed"),
+        (["damaged.toml"], "typical_rpm: Expected float > 0.0"),
         (["bad.npz"], "no table, or a damaged one"),
         (["map.npz", "--data", "tunnel.csv"], "--data and --vehicle are for fits"),
         (["whole.toml", "--data", "absent.csv"], "neither a file nor a measurement"),

@@ -75,7 +75,7 @@ def _compare(
 
     if vehicle is not None:
         from propmap.cli.flight_files import read_flights
-        from propmap.fit.body_study import wing_values
+        from propmap.fit.body_forces import wing_values
         from propmap.vehicle.vehicle_toml import read_vehicle
 
         file = read_vehicle(vehicle)

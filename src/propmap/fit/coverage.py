@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Annotated
 
 import msgspec
 import numpy as np
@@ -30,19 +31,24 @@ Range = tuple[float, float]
 """Least and largest."""
 
 
-class Covered(msgspec.Struct, frozen=True, omit_defaults=True):
-    """Operating points of one kind: how many, their ranges, and the median rotational speed."""
+class _Points(msgspec.Struct, frozen=True, omit_defaults=True):
+    """How many operating points, their ranges, and the median rotational speed."""
 
     points: int
     rpm: Range
-    typical_rpm: float
+    typical_rpm: Annotated[float, msgspec.Meta(gt=0.0)]
     speed: Range = msgspec.field(name="speed_mps")
-    advance: Range = msgspec.field(name="advance_ratio")
-    """V/(Omega R) [-]."""
 
     def __post_init__(self) -> None:
-        _check_ranges(self.rpm, self.speed, self.advance)
-        _check_turning(self.typical_rpm)
+        for value in (getattr(self, name) for name in self.__struct_fields__):
+            if isinstance(value, tuple) and not -math.inf < value[0] <= value[1] < math.inf:
+                raise ValueError(f"{value[0]:g} to {value[1]:g} is no range")
+
+
+class Covered(_Points, frozen=True):
+    """Operating points of one kind; the advance ratio is V/(Omega R) [-]."""
+
+    advance: Range = msgspec.field(name="advance_ratio")
 
 
 class CoveredAngle(Covered, frozen=True):
@@ -52,33 +58,15 @@ class CoveredAngle(Covered, frozen=True):
     typical_beta: float = msgspec.field(name="typical_beta_deg")
 
 
-class Coverage(msgspec.Struct, frozen=True, omit_defaults=True):
-    """All operating points of a fit's data.
+class Coverage(_Points, frozen=True):
+    """All operating points of a fit's data: their ranges, and those at rest and by angle.
 
-    Attributes
-    ----------
-    points : int
-        Operating points with a turning propeller.
-    rpm, speed : tuple of float
-        Least and largest [rpm], [m/s].
-    typical_rpm : float
-        Median [rpm].
-    angles : list of CoveredAngle
-        Points in motion, one entry for each band of beta that holds any, by rising angle.
-    at_rest : Covered or None
-        Points at rest, where there are any.
+    Points where the propeller stands still do not count.  ``angles`` has an entry for each band of
+    beta that holds points in motion, by rising angle.
     """
 
-    points: int
-    rpm: Range
-    typical_rpm: float
-    speed: Range = msgspec.field(name="speed_mps")
     angles: list[CoveredAngle]
     at_rest: Covered | None = None
-
-    def __post_init__(self) -> None:
-        _check_ranges(self.rpm, self.speed)
-        _check_turning(self.typical_rpm)
 
     @property
     def main_angles(self) -> list[CoveredAngle]:
@@ -148,14 +136,3 @@ def _ends(values: Floats) -> Range:
 def _spread(values: Floats) -> tuple[Range, float]:
     """Ends and median."""
     return _ends(values), float(np.median(values))
-
-
-def _check_ranges(*ranges: Range) -> None:
-    for low, high in ranges:
-        if not (math.isfinite(low) and math.isfinite(high) and low <= high):
-            raise ValueError(f"{low:g} to {high:g} is no range")
-
-
-def _check_turning(rpm: float) -> None:
-    if not 0.0 < rpm < math.inf:
-        raise ValueError(f"{rpm:g} rpm is no rotational speed of a turning propeller")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -11,7 +12,7 @@ import msgspec
 import numpy as np
 
 from propmap.arrays.types import Floats
-from propmap.errors import InputError, quoted
+from propmap.errors import InputError
 from propmap.fit.coverage import Coverage
 from propmap.fit.residuals import Errors
 from propmap.model.air import Air
@@ -24,18 +25,9 @@ BY_NAME = ("parameters", "residuals")
 class FreeParameter(msgspec.Struct, frozen=True, omit_defaults=True):
     """One fitted parameter, in ``unit``.
 
-    Attributes
-    ----------
-    low, high : float
-        Ends of the 95 % interval.
-    verdict : str
-        Whether the data determine the parameter, in words.
-    start, lower, upper : float
-        Where the search started, and the bounds.
-    prior : tuple of float or None
-        Mean and standard deviation, where one was given.
-    bootstrap_low, bootstrap_high : float or None
-        Ends of the 95 % interval of the bootstrap, where one was made.
+    ``low`` and ``high`` end its 95 % interval; those of the bootstrap and the prior (mean, standard
+    deviation) are there where they were made.  ``lower`` and ``upper`` are its bounds, ``verdict``
+    says in words whether the data determine it.
     """
 
     name: str
@@ -125,42 +117,13 @@ class SearchEnd(msgspec.Struct, frozen=True):
 
 
 class FitRecord(msgspec.Struct, frozen=True):
-    """What a fit file tells of its fit.
+    """What a fit file tells of its fit of P free parameters.
 
-    Attributes
-    ----------
-    kind : str
-        "tunnel", "level flight" or "flight".
-    version : str
-        Of propmap.
-    remarks : list of str
-        Sentences for the reader.
-    free : list of str
-        Names of the P free parameters.
-    rows, unsolved : int
-        Fitted numbers, and those among them for which the model had no solution.
-    seconds : float
-        Duration of the fit [s].
-    settings : dict
-        How the fit was done, by name.
-    fixed, body, wing : dict of str to float
-        Parameters held by the user, and all of the body and of the wing.
-    air, propeller : Air, FittedPropeller
-        What the parameters were found with.
-    data : list of Source
-        What was fitted.
-    covered : Coverage
-        Operating points of the data.
-    parameters : list of FreeParameter
-        In the order of ``free``.
-    covariance, correlation : ndarray, shape (P, P)
-        Of the parameters' errors; an infinite variance where the data say nothing.
-    singular_values : ndarray, shape (P,)
-        Of the sensitivities, relative to the largest [-].
-    loads : list of FittedLoad
-        Errors that are left.
-    starts : list of SearchEnd
-        Best first.
+    ``kind`` is "tunnel", "level flight" or "flight", ``version`` that of propmap.  Of ``rows``
+    fitted numbers the model had no solution for ``unsolved``.  ``fixed`` are parameters held by the
+    user, ``body`` and ``wing`` all of theirs.  ``covariance`` and ``correlation`` are (P, P), a
+    variance infinite where the data say nothing; ``singular_values`` (P,) of the sensitivities are
+    relative to the largest.  ``starts`` are the ends of the searches, best first.
     """
 
     kind: str
@@ -221,10 +184,13 @@ def read_record(table: Any, where: str) -> FitRecord:
     try:
         return msgspec.convert(known, FitRecord, dec_hook=_array)
     except msgspec.ValidationError as error:
-        fault, _, path = str(error).partition(" - at `$")
-        place = f"at {path.strip('`.')}: " if path else ""
+        fault, _, path = str(error).replace("`", "").partition(" - at $.")
+        for key in BY_NAME:
+            if found := re.match(rf"{key}\[(\d+)\]", path):
+                path = f"{key}.{list(table[key])[int(found[1])]}{path[found.end() :]}"
+        place = f"at {path}: " if path else ""
         raise InputError(
-            f"the table [fit] is damaged: {place}{fault.replace('`', '')}{_found(known, path)}",
+            f"the table [fit] is damaged: {place}{fault}",
             "write it again with propmap fit",
             where,
         ) from None
@@ -235,18 +201,6 @@ def _listed(tables: Any) -> Any:
     if not isinstance(tables, Mapping):
         return tables
     return [{"name": k, **t} if isinstance(t, Mapping) else t for k, t in tables.items()]
-
-
-def _found(entry: Any, path: str) -> str:
-    """What stands at a path such as ".covered.rpm[0]`", where it is no table."""
-    for step in path.strip("`.").replace("[", ".").replace("]", "").split("."):
-        if isinstance(entry, list) and step.isdecimal():
-            entry = entry[int(step)]
-        elif isinstance(entry, Mapping) and step in entry:
-            entry = entry[step]
-        else:
-            return ""
-    return "" if isinstance(entry, Mapping | list) else f", found {quoted(entry)}"
 
 
 def _plain(value: Any) -> Any:

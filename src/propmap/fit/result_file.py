@@ -155,10 +155,6 @@ def read_fit(path: Path) -> FitFile:
     path : Path
         Of a file that ``propmap fit`` wrote.
 
-    Returns
-    -------
-    FitFile
-
     Raises
     ------
     InputError
