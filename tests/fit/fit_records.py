@@ -26,7 +26,7 @@ def load(name: str, rms: float, hover: float, crossed: float = math.nan) -> Fitt
     """A load whose measured values have the root mean square 1."""
     bands = {"0-3 m/s": Errors(4, 0.5 * rms, 0.5 * rms, 0.0, rms, hover)}
     bands["6-9 m/s"] = Errors(6, 4.0 * rms, 4.0 * rms, 0.0, rms, hover)
-    return FittedLoad(name, "N", 10, rms, rms, 0.0, rms, hover, crossed, bands)
+    return FittedLoad(10, rms, rms, 0.0, rms, hover, name, "N", crossed, bands)
 
 
 def covered(beta: float, advance: float, points: int = 10) -> CoveredAngle:

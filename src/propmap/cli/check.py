@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
+import msgspec
 import numpy as np
 import typer
 
@@ -119,7 +119,7 @@ def _plain(found: dict[str, Comparison]) -> dict[str, Any]:
 
 
 def _numbers(errors: Any) -> dict[str, Any]:
-    return {k: None if np.isnan(v) else v for k, v in asdict(errors).items()}
+    return {k: None if np.isnan(v) else v for k, v in msgspec.structs.asdict(errors).items()}
 
 
 def _draw(console: Console, found: dict[str, Comparison]) -> None:

@@ -45,17 +45,11 @@ class FreeParameter(msgspec.Struct, frozen=True, omit_defaults=True):
     bootstrap_high: float | None = msgspec.field(name="bootstrap_high_95", default=None)
 
 
-class FittedLoad(msgspec.Struct, frozen=True):
+class FittedLoad(Errors, frozen=True):
     """Errors of one load, in ``unit``: over all rows, on rows left out, and by speed."""
 
     name: str
     unit: str
-    rows: int
-    rms: float
-    relative_rms: float
-    bias: float
-    worst: float
-    hover_rms: float
     cross_validated: float = msgspec.field(name="cross_validated_rms")
     by_speed: dict[str, Errors]
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass
 
+import msgspec
 import numpy as np
 
 from propmap.arrays.types import Floats
@@ -13,8 +13,7 @@ BANDS = (0.0, 3.0, 6.0, 9.0, 12.0, 15.0, np.inf)
 """Edges of the bands of speed [m/s]."""
 
 
-@dataclass(frozen=True)
-class Errors:
+class Errors(msgspec.Struct, frozen=True):
     """Errors of one load, model minus measurement, in the unit of the load.
 
     Attributes

@@ -8,6 +8,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+import msgspec
 import numpy as np
 
 import propmap
@@ -213,5 +214,5 @@ def _load(fitted: Fitted, k: int, hover: Floats) -> FittedLoad:
         unit=rows.units[k],
         cross_validated=fitted.cross_validated[k],
         by_speed=by_band(model, measured, rows.speed[mine], hover[mine]),
-        **asdict(errors(model, measured, hover[mine])),
+        **msgspec.structs.asdict(errors(model, measured, hover[mine])),
     )

@@ -73,14 +73,10 @@ def uncertainty(rows: Rows, choice: Choice, found: Minimum) -> Uncertainty:
     held = (x - lower < AT_BOUND * spread) | (upper - x < AT_BOUND * spread)
     held &= seen > NEGLIGIBLE * max(float(seen.max()), 1e-300)
     used = rows.weight > 0.0
-    counts = np.array([np.count_nonzero(used & (rows.load == k)) for k in range(len(rows.names))])
+    parts = [rows.of_load(k) for k in range(len(rows.names))]
+    counts = np.array([np.count_nonzero(part) for part in parts])
     share = x.size / max(int(counts.sum()), 1)
-    error = np.array(
-        [
-            _standard_error(found.residual[used & (rows.load == k)], share)
-            for k in range(len(rows.names))
-        ]
-    )
+    error = np.array([_standard_error(found.residual[part], share) for part in parts])
     slopes = found.slopes * spread
     information = slopes.T @ slopes
     mean, prior = choice.prior_columns
