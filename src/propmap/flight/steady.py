@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import bisect
 import itertools
 from dataclasses import dataclass, replace
 
@@ -22,6 +21,10 @@ IDLE = 0.3
 
 SMOOTHING = 0.25
 """Time [s] over which signals are averaged before their range is taken: noise is no change."""
+
+
+RESOLUTION = 1e-3
+"""Time [s] to which the longest stretch is found where there is no steady one."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -160,26 +163,14 @@ def _count_within(scaled: Floats) -> int:
         size *= 2
 
 
-def _windows_within(scaled: Floats, count: int) -> NDArray[np.bool_]:
-    """Which windows of ``count`` samples stay within the bands, by their first sample."""
-    from scipy.ndimage import maximum_filter1d, minimum_filter1d
-
-    # A filter's window is centred: shifted so that it begins at the sample.
-    shift = -(count // 2)
-    highest = maximum_filter1d(scaled, count, axis=0, origin=shift)
-    lowest = minimum_filter1d(scaled, count, axis=0, origin=shift)
-    within = np.all(highest - lowest <= 1.0, axis=1)
-    return np.asarray(within[: scaled.shape[0] - count + 1])
-
-
-def _longest(piece: _Piece) -> slice:
-    """The stretch of most samples within the bands, however short."""
-    counts = range(2, piece.time.size + 1)
-    none = bisect.bisect_left(
-        counts, True, key=lambda count: not _windows_within(piece.scaled, count).any()
-    )
-    start = int(np.argmax(_windows_within(piece.scaled, none + 1)))
-    return slice(start, start + none + 1)
+def _longest(piece: _Piece, seconds: float) -> slice:
+    """The longest stretch of a piece that has none of so many ``seconds``, by its own indices."""
+    low, high = 0.0, seconds
+    while high - low > RESOLUTION:
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if _stretches(piece, middle) else (low, middle)
+    found = max(_stretches(piece, low), key=lambda stretch: stretch.stop - stretch.start)
+    return slice(found.start - piece.first, found.stop - piece.first)
 
 
 def _none_steady(
@@ -199,7 +190,9 @@ def _none_steady(
         piece, stretch = found
         return float(piece.time[stretch.stop - 1] - piece.time[stretch.start])
 
-    best, stretch = longest = max(((piece, _longest(piece)) for piece in pieces), key=duration)
+    best, stretch = longest = max(
+        ((piece, _longest(piece, seconds)) for piece in pieces), key=duration
+    )
     found = (
         f"no steady stretch of {seconds:g} s: the longest lasts {duration(longest):.2f} s, "
         f"from {best.time[stretch.start]:.6g} s"
