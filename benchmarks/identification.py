@@ -29,10 +29,9 @@ from propmap.fit.flight import ForceModel, level_rows
 from propmap.fit.parameters import PAPER_FOUR, Choice
 from propmap.fit.rows import Rows
 from propmap.fit.tunnel import TunnelData, first_guess, rotor_with, tunnel_rows
-from propmap.flight.leaning import lean
 from propmap.flight.trim import trim
 from propmap.solve.load_slopes import LOADS
-from propmap.vehicle.flight_log import FlightLog
+from propmap.vehicle.flight_log import FlightLog, pitch_and_roll
 from propmap.vehicle.vehicle import Mount, Vehicle
 
 SETS = ("paper-soft", "paper-stiff", "paper-apc")
@@ -157,7 +156,7 @@ def timing() -> dict[str, float]:
 
 def fit_as_a_process(points: FlightLog) -> dict[str, float]:
     """`propmap fit flight` from a table of level flights, as a whole process [s]."""
-    pitch, _ = lean(points.up)
+    pitch, _ = pitch_and_roll(points.up)
     rpm = points.rotor_speed * 30.0 / np.pi
     table = np.column_stack([points.speed, np.degrees(pitch), rpm])
     with tempfile.TemporaryDirectory() as folder:

@@ -1,13 +1,11 @@
-"""Tables and fit files without a model behind them."""
+"""Tables without a model behind them."""
 
 from __future__ import annotations
 
 from typing import Any
 
 import numpy as np
-import tomli_w
 
-import propmap
 from propmap.table import LoadTable
 from propmap.table.content import TableContent
 
@@ -30,26 +28,6 @@ def invented() -> LoadTable:
             },
         )
     )
-
-
-def fit_text(**further: Any) -> str:
-    """A fit file without what a fit would tell of itself; further : entries of its record."""
-    blade = propmap.propeller("apc-8x6e")
-    record = {
-        "propeller": {
-            "name": "mine",
-            "blades": 2,
-            "root": blade.root,
-            "station_m": blade.station.tolist(),
-            "chord_m": blade.chord.tolist(),
-            "twist_rad": blade.twist.tolist(),
-        },
-        "air": {"density": 1.1, "viscosity": 1.8e-5},
-        "body": {},
-        "wing": {},
-    }
-    law = propmap.airfoil("paper-apc").to_toml()
-    return law + "\n" + tomli_w.dumps({"fit": {**record, **further}})
 
 
 def certificate(unresolved_cells: int) -> dict[str, Any]:

@@ -11,9 +11,10 @@ import pytest
 
 import propmap
 from propmap.table import LoadTable
+from tests.fit.fit_records import fit_text
 
 from .conftest import Run
-from .invented_tables import fit_text, invented
+from .invented_tables import invented
 
 
 @pytest.fixture(autouse=True)
@@ -62,10 +63,10 @@ def test_a_parameter_set_with_a_propeller(
 def test_a_fit_brings_its_propeller_and_air(
     run: Run, tmp_path: Path, built: list[tuple[propmap.Rotor, dict[str, Any]]]
 ) -> None:
-    (tmp_path / "fit.toml").write_text(fit_text())
+    (tmp_path / "fit.toml").write_text(fit_text(air=propmap.Air(1.1)))
     assert run("export", "fit.toml", "--to", "csv", "-o", "to").code == 0
     ((rotor, _),) = built
-    assert (rotor.propeller.name, rotor.air.density) == ("mine", 1.1)
+    assert (rotor.propeller.name, rotor.air.density) == ("apc-8x6e", 1.1)
     assert (tmp_path / "to" / "README-csv.txt").exists()
 
 

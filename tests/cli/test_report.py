@@ -8,20 +8,19 @@ import io
 import re
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
 import propmap
-from propmap.fit.coverage import coverage
 from propmap.model.airfoil import airfoil
 from propmap.report.report_files import FILES, PAGE
 from propmap.table import LoadTable
+from tests.fit.fit_records import fit_text
 
 from .conftest import Run
 from .fit_inputs import FREE, LEVEL, QUICK, VEHICLE, fit_record
-from .invented_tables import certificate, fit_text, invented
+from .invented_tables import certificate, invented
 
 
 def rows_of(path: Path) -> list[dict[str, str]]:
@@ -178,32 +177,6 @@ def test_a_report_on_another_thing_replaces_the_folder(run: Run, tmp_path: Path)
     assert not (tmp_path / "out" / "fit-check.csv").exists()
 
 
-def told_of_a_fit(kind: str) -> dict[str, Any]:
-    """The least that a fit file must tell for a report."""
-    omega, speed = np.full(4, 500.0), np.array([0.0, 3.0, 6.0, 9.0])
-    errors = {"rows": 4, "rms": 0.1, "bias": 0.0, "worst": 0.2, "hover_rms": 0.4}
-    whole = {"unit": "N", "relative_rms": 0.05, "cross_validated_rms": 0.1, "by_speed": {}}
-    interval = {"value": 5.0, "low_95": 4.0, "high_95": 6.0, "lower": 0.5, "upper": 12.0}
-    return {
-        "kind": kind,
-        "propmap": "0.1.0",
-        "data": [{"catalogue": "uiuc-8x6e"}],
-        "remarks": [],
-        "rows": 4,
-        "unsolved_rows": 0,
-        "free": ["c_l1"],
-        "parameters": {
-            "c_l1": {**interval, "unit": "1/rad", "verdict": "identified", "identified": True}
-        },
-        "covered": coverage(omega, speed, np.full(4, 1.5), 0.1),
-        "residuals": {"thrust": {**errors, **whole}},
-        "covariance": [[0.04]],
-        "correlation": [[1.0]],
-        "singular_values": [1.0],
-        "starts": [{"minimum": 1}],
-    }
-
-
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -211,8 +184,8 @@ def told_of_a_fit(kind: str) -> dict[str, Any]:
         (["absent.npz"], "no such file"),
         (["map.csv"], "give a fit (.toml) or a table (.npz)"),
         (["set.toml"], "there is no table [fit]"),
-        (["old.toml"], "does not say which operating points its data cover"),
-        (["damaged.toml"], "the table [fit] is damaged"),
+        (["old.toml"], "the table [fit] is damaged: Object missing required field covered"),
+        (["damaged.toml"], "typical_rpm: Expected float > 0.0"),
         (["bad.npz"], "no table, or a damaged one"),
         (["map.npz", "--data", "tunnel.csv"], "--data and --vehicle are for fits"),
         (["whole.toml", "--data", "absent.csv"], "neither a file nor a measurement"),
@@ -228,11 +201,11 @@ def test_what_cannot_be_reported_is_told_in_one_line(
     invented().save("map.npz")
     (tmp_path / "bad.npz").write_bytes((tmp_path / "map.npz").read_bytes()[:500])
     (tmp_path / "set.toml").write_text(airfoil("paper-apc").to_toml())
-    (tmp_path / "old.toml").write_text(fit_text())
-    whole = fit_text(**told_of_a_fit("tunnel"))
+    whole = fit_text()
+    (tmp_path / "old.toml").write_text(whole.replace("covered", "covers"))
     (tmp_path / "whole.toml").write_text(whole)
     (tmp_path / "damaged.toml").write_text(re.sub(r"typical_rpm = .*", "typical_rpm = -1.0", whole))
-    (tmp_path / "flown.toml").write_text(fit_text(**told_of_a_fit("level flight")))
+    (tmp_path / "flown.toml").write_text(fit_text(kind="level flight"))
     (tmp_path / "vehicle.toml").write_text(VEHICLE)
     (tmp_path / "level.csv").write_text(LEVEL)
     (tmp_path / "map.csv").write_text("a,b\n")

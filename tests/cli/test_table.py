@@ -15,9 +15,10 @@ import xarray
 import propmap
 from propmap.model.section_covariance import SectionCovariance
 from propmap.table import LoadTable, build_table
+from tests.fit.fit_records import fit_text, parameter
 
 from .conftest import ROTOR, Run
-from .invented_tables import certificate, fit_text, invented
+from .invented_tables import certificate, invented
 
 SMALL = ["--rpm", "4000:4400", "--speed", "14:16", "--beta", "75:90", "--tolerance", "5%"]
 
@@ -50,8 +51,8 @@ def test_a_fit_brings_its_covariance(
 
     monkeypatch.setattr("propmap.table.build.build_table", build)
     text = fit_text(
-        free=["c_l1", "drag_area_x", "c_d"],
-        covariance=[[0.04, 0.1, -0.01], [0.1, 8.0, 0.2], [-0.01, 0.2, float("inf")]],
+        parameters=[parameter(name, 1.0, 0.0, 9.0) for name in ("c_l1", "drag_area_x", "c_d")],
+        covariance=np.array([[0.04, 0.1, -0.01], [0.1, 8.0, 0.2], [-0.01, 0.2, np.inf]]),
     )
     (tmp_path / "fit.toml").write_text(text)
     done = run("table", "apc-8x6e", "--airfoil", "fit.toml", *SMALL, "-o", "map.npz")

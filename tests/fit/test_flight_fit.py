@@ -10,10 +10,9 @@ import pytest
 
 import propmap
 from propmap.errors import InputError
-from propmap.fit.body_forces import body_force
-from propmap.fit.body_study import wing_values
+from propmap.fit.body_forces import body_force, wing_values
 from propmap.fit.comparison import compare_flight
-from propmap.fit.data_range import range_warnings
+from propmap.fit.coverage import range_warnings
 from propmap.fit.flight import ForceModel, balance_rows, level_rows
 from propmap.fit.parameters import EVERY, SECTION, Choice
 from propmap.physics.parameters import Section

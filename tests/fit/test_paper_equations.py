@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import propmap
-from propmap.fit.body_study import body_terms_verdict
+from propmap.fit.added_parameter import body_terms_verdict
 from propmap.fit.fitted import Fitted, Settings, fit
 from propmap.fit.flight import ForceModel, level_rows
 from propmap.fit.parameters import EVERY, PAPER_FOUR, SECTION, Choice

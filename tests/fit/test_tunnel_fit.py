@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 import propmap
 from propmap.cli.tunnel_files import read_tunnel
 from propmap.errors import InputError
-from propmap.fit.assumptions import failing_assumptions
+from propmap.fit.added_parameter import failing_assumptions
 from propmap.fit.comparison import compare_tunnel
 from propmap.fit.fitted import Fitted, Settings, fit
 from propmap.fit.parameters import PAPER_FOUR, SECTION, Choice

@@ -10,8 +10,7 @@ import pytest
 import propmap
 from propmap.errors import InputError
 from propmap.flight.expectation import expectation
-from propmap.flight.log_file import log_csv, log_map, log_table
-from propmap.flight.simulated import NOISELESS, SensorNoise, fly
+from propmap.flight.simulated import NOISELESS, SensorNoise, fly, log_csv, log_map, log_table
 from propmap.flight.steady import operating_points, steady_stretches
 from propmap.flight.trim import trim
 from propmap.vehicle.flight_log import GRAVITY, FlightLog

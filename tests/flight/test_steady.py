@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 from propmap.errors import InputError
-from propmap.flight.airborne import airborne
-from propmap.flight.steady import operating_points, steady_stretches
+from propmap.flight.steady import airborne, operating_points, steady_stretches
 from propmap.vehicle.flight_log import FlightLog
 
 from .synthetic import CHANGE, HOLD, SPEEDS, flight

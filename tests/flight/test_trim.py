@@ -13,9 +13,8 @@ from propmap.errors import InputError
 from propmap.fit.fitted import Settings, fit
 from propmap.fit.flight import ForceModel, level_rows
 from propmap.fit.parameters import PAPER_FOUR, Choice
-from propmap.flight.leaning import lean
 from propmap.flight.trim import PAPER_RADIUS, trim, true_values
-from propmap.vehicle.flight_log import GRAVITY, FlightLog
+from propmap.vehicle.flight_log import GRAVITY, FlightLog, pitch_and_roll
 from propmap.vehicle.hub_flow import hub_flow, rotor_forces
 from propmap.vehicle.vehicle import Body, Vehicle, Wing
 
@@ -53,7 +52,7 @@ def test_circles(points: FlightLog) -> None:
     assert np.abs(points.climb_rate).max() < 1e-12
     turn = np.sum(points.rates * points.up, axis=1)
     assert turn == pytest.approx(SPEEDS / PAPER_RADIUS)
-    pitch, roll = lean(points.up)
+    pitch, roll = pitch_and_roll(points.up)
     assert (np.diff(pitch) > 0.0).all() and pitch[0] > 0.0
     assert roll == pytest.approx(0.0)
     # To the left, where the tether pulls, and up.
@@ -81,14 +80,14 @@ def test_banked_circles(vehicle: Vehicle, airfoil: propmap.Airfoil) -> None:
         np.hypot(GRAVITY, speeds**2 / radius), rel=1e-6
     )
     # A circle to the left, left side down.
-    assert (lean(banked.up)[1] < 0.0).all()
+    assert (pitch_and_roll(banked.up)[1] < 0.0).all()
 
 
 def test_body_and_wing_are_carried(vehicle: Vehicle, airfoil: propmap.Airfoil) -> None:
     speeds = np.array([6.0, 12.0])
     plain = trim(vehicle, airfoil, speeds)
     draggy = replace(vehicle, body=Body((0.02, 0.0, 0.0)))
-    assert (lean(trim(draggy, airfoil, speeds).up)[0] > lean(plain.up)[0]).all()
+    assert (pitch_and_roll(trim(draggy, airfoil, speeds).up)[0] > pitch_and_roll(plain.up)[0]).all()
     winged = replace(vehicle, wing=Wing(0.03, incidence=0.3))
     log = trim(winged, airfoil, speeds)
     assert (log.rotor_speed < plain.rotor_speed).all()

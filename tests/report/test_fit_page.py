@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import msgspec
 import numpy as np
 import pytest
 
@@ -13,8 +14,7 @@ from propmap.report.fit_page.data import data_section
 from propmap.report.fit_page.judgement import lead
 from propmap.report.fit_page.parameter_draws import DRAWS, drawn_changes, held
 from propmap.report.page import Points, Table, Text, Verdict
-
-from .fit_records import covered, load, parameter, record
+from tests.fit.fit_records import covered, load, parameter, record
 
 
 def verdict(fit: FitRecord) -> Verdict:
@@ -75,7 +75,7 @@ def test_what_was_not_fitted_is_said() -> None:
 
 def test_forces_are_compared_with_the_largest() -> None:
     small = load("force_y", 0.04, 0.05)
-    across = type(small)(**{**vars(small), "measured_rms": 0.05})
+    across = msgspec.structs.replace(small, relative_rms=0.04 / 0.05)
     # 80 % of next to nothing, 4 % of the weight.
     found = record(kind="flight", loads=[across, load("force_z", 0.02, 0.3)])
     assert verdict(found).level == "good"
@@ -122,7 +122,7 @@ def test_a_band_is_what_the_derivative_makes_of_the_deviation() -> None:
         angles=[covered(80.0, 0.25)],
         at_rest=None,
     )
-    file = FitFile(law, propmap.propeller("apc-8x6e"), propmap.Air(), {}, None, {})
+    file = FitFile(law, propmap.propeller("apc-8x6e"), propmap.Air(), {}, None, fit)
     found = load_curves(file, fit)
     (edgewise,) = (c for c in found.curves if c.covered)
     assert edgewise.low is not None and edgewise.high is not None

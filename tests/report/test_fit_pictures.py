@@ -14,10 +14,9 @@ import propmap
 from propmap.baselines.hover import HoverModel
 from propmap.errors import InputError
 from propmap.fit.tunnel import TunnelData
-from propmap.flight.leaning import in_leaning_frame
 from propmap.report.fit_pictures import level_flight, steady_parts, tunnel_fit
 from propmap.report.style import COLOURS, HOVER, save
-from propmap.vehicle.flight_log import GRAVITY, FlightLog
+from propmap.vehicle.flight_log import GRAVITY, FlightLog, in_vehicle_frame
 from propmap.vehicle.vehicle import Mount, Vehicle
 
 MASS = 0.7
@@ -30,7 +29,7 @@ def _log(speed: np.ndarray, *, felt: bool = True) -> FlightLog:
     zero = np.zeros(n)
 
     def seen(*parts: np.ndarray) -> np.ndarray:
-        return in_leaning_frame(np.stack(parts, axis=1), pitch, zero)
+        return in_vehicle_frame(*parts, pitch, zero)
 
     force = seen(zero, zero, zero + GRAVITY)
     return FlightLog(

@@ -149,8 +149,8 @@ def test_parquet_without_pyarrow(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 
 def test_signals_of_two_clocks(tmp_path: Path) -> None:
     """Rotor speeds recorded an hour after the rest, such as wall time against boot time."""
+    from propmap.vehicle.logs.assembly import common_clock
     from propmap.vehicle.logs.recording import Signal
-    from propmap.vehicle.logs.resampling import common_clock
 
     time = np.arange(0.0, 5.0, 0.01)
     early, late = (Signal(n, t, t[:, None]) for n, t in (("attitude", time), ("rpm", time + 3600)))

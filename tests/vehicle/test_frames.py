@@ -9,9 +9,9 @@ import pytest
 
 from propmap.vehicle.flight_log import FlightLog
 from propmap.vehicle.logs import read_flight_log
+from propmap.vehicle.logs.assembly import common_clock, interpolated
 from propmap.vehicle.logs.frames import attitude_to_flu_enu, body_to_flu, world_to_enu
 from propmap.vehicle.logs.recording import Signal
-from propmap.vehicle.logs.resampling import common_clock, interpolated
 from tests.flight.synthetic import vehicle_with
 
 HALF, C30 = np.sqrt(0.5), np.cos(np.radians(30.0))
@@ -120,7 +120,8 @@ def test_vectors_and_the_level_attitude() -> None:
     np.testing.assert_array_equal(body_to_flu(vector, "frd"), [[1, -2, -3]])
     np.testing.assert_array_equal(world_to_enu(vector, "ned"), [[2, 1, -3]])
     # Level and heading north in NED is a quarter turn to the left from east in ENU.
-    turned = attitude_to_flu_enu(np.array([[1.0, 0.0, 0.0, 0.0]]), "frd", "ned")[0]
+    turned = attitude_to_flu_enu(np.array([[1.0, 0.0, 0.0, 0.0]]), "frd", "ned")
+    turned = turned.as_quat(scalar_first=True)[0]
     np.testing.assert_allclose(turned * np.sign(turned[0]), [HALF, 0, 0, HALF], atol=1e-15)
 
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
+import msgspec
 import numpy as np
 import typer
 
@@ -75,7 +75,7 @@ def _compare(
 
     if vehicle is not None:
         from propmap.cli.flight_files import read_flights
-        from propmap.fit.body_study import wing_values
+        from propmap.fit.body_forces import wing_values
         from propmap.vehicle.vehicle_toml import read_vehicle
 
         file = read_vehicle(vehicle)
@@ -119,7 +119,7 @@ def _plain(found: dict[str, Comparison]) -> dict[str, Any]:
 
 
 def _numbers(errors: Any) -> dict[str, Any]:
-    return {k: None if np.isnan(v) else v for k, v in asdict(errors).items()}
+    return {k: None if np.isnan(v) else v for k, v in msgspec.structs.asdict(errors).items()}
 
 
 def _draw(console: Console, found: dict[str, Comparison]) -> None:

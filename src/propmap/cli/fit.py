@@ -92,9 +92,8 @@ def fit_tunnel(
     measured = read_tunnel(data, blade, air)
 
     from propmap.engine.compilation import keep_compiled
-    from propmap.fit.assumptions import failing_assumptions
-    from propmap.fit.coverage import coverage
-    from propmap.fit.data_range import range_warnings
+    from propmap.fit.added_parameter import failing_assumptions
+    from propmap.fit.coverage import coverage, range_warnings
     from propmap.fit.fitted import fit
     from propmap.fit.result_file import fit_text
     from propmap.fit.tunnel import first_guess, hover_rows, rotor_with, tunnel_rows
@@ -186,8 +185,9 @@ def fit_flight(
     file = read_vehicle(vehicle)
 
     from propmap.engine.compilation import keep_compiled
-    from propmap.fit.body_study import body_terms_verdict, wing_values
-    from propmap.fit.data_range import range_warnings
+    from propmap.fit.added_parameter import body_terms_verdict
+    from propmap.fit.body_forces import wing_values
+    from propmap.fit.coverage import range_warnings
     from propmap.fit.fitted import fit
     from propmap.fit.flight import ForceModel, balance_rows, hover_rows, level_rows
     from propmap.fit.parameters import BODY, PAPER_FOUR

@@ -38,8 +38,7 @@ def draw_fit(console: Console, fitted: Fitted, remarks: Sequence[str]) -> None:
         table.add_column(heading, justify="left" if heading in ("load", "unit") else "right")
     rows = fitted.rows
     for k, name in enumerate(rows.names):
-        mine = (rows.load == k) & (rows.weight > 0.0)
-        e = errors(rows.measured[mine] + fitted.residual[mine], rows.measured[mine])
+        e = errors(*fitted.compared(k))
         crossed = fitted.cross_validated[k]
         table.add_row(
             name,

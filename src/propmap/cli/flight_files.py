@@ -9,10 +9,9 @@ from pathlib import Path
 import numpy as np
 
 from propmap.errors import InputError
-from propmap.flight.airborne import airborne
 from propmap.flight.level_table import read_level_table
 from propmap.flight.plausible_rpm import check_rotor_speed
-from propmap.flight.steady import operating_points, steady_stretches
+from propmap.flight.steady import airborne, operating_points, steady_stretches
 from propmap.vehicle.flight_log import FlightLog, joined
 from propmap.vehicle.logs import read_flight_log
 from propmap.vehicle.vehicle_toml import VehicleFile

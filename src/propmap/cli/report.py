@@ -60,14 +60,12 @@ def report(
 
 
 def _fit_files(source: Path, data: Sequence[str], vehicle: Path | None) -> dict[str, str | bytes]:
-    from propmap.fit.fit_record import read_record
     from propmap.fit.result_file import read_fit
 
     file = read_fit(source)
-    fit = read_record(file.record, str(source))
     if vehicle is not None and not data:
         raise InputError("--vehicle is for flight logs", "name them with --data")
-    if fit.kind != "tunnel" and data and vehicle is None:
+    if file.record.kind != "tunnel" and data and vehicle is None:
         raise InputError("--data with a fit of flights needs the vehicle", "add --vehicle FILE")
 
     from propmap.engine.compilation import keep_compiled
@@ -81,6 +79,7 @@ def _fit_files(source: Path, data: Sequence[str], vehicle: Path | None) -> dict[
 
 def _given(file: FitFile, data: Sequence[str], vehicle: Path | None) -> GivenData:
     from propmap.fit.comparison import compare_flight, compare_level, compare_tunnel
+    from propmap.fit.fit_record import Source
     from propmap.report.fit_page.given_data import GivenData
 
     if vehicle is None:
@@ -88,7 +87,7 @@ def _given(file: FitFile, data: Sequence[str], vehicle: Path | None) -> GivenDat
 
         measured = read_tunnel(data, file.propeller, file.air)
         found = compare_tunnel(file.propeller, file.air, file.airfoil, measured)
-        return GivenData(_hashes(sources(data)), found, tunnel=measured)
+        return GivenData([Source.of(item) for item in sources(data)], found, tunnel=measured)
     from propmap.cli.flight_files import all_level_tables, read_flights
     from propmap.vehicle.vehicle_toml import read_vehicle
 
@@ -99,14 +98,7 @@ def _given(file: FitFile, data: Sequence[str], vehicle: Path | None) -> GivenDat
     compare = compare_level if level else compare_flight
     errors = compare(described.vehicle, flights.log, file.airfoil, file.values)
     shown = (described.vehicle, flights.log) if level else None
-    return GivenData(_hashes(paths), errors, level=shown)
-
-
-def _hashes(items: Sequence[Path | str]) -> list[tuple[str, str]]:
-    from propmap.fit.fit_record import source_name
-    from propmap.fit.result_file import source_entry
-
-    return [source_name(source_entry(item)) for item in items]
+    return GivenData([Source.of(path) for path in paths], errors, level=shown)
 
 
 def _table_files(source: Path, data: Sequence[str], vehicle: Path | None) -> dict[str, str | bytes]:

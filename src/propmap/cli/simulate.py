@@ -105,7 +105,7 @@ def simulate_flight(
     law = airfoil(section)
 
     from propmap.fit.parameters import Choice
-    from propmap.flight.simulated import SensorNoise, check_sampling, fly
+    from propmap.flight.simulated import SensorNoise, check_sampling, fly, log_csv
     from propmap.vehicle.vehicle_toml import read_vehicle
 
     check_sampling(dwell, rate)
@@ -114,7 +114,6 @@ def simulate_flight(
 
     from propmap.engine.compilation import keep_compiled
     from propmap.flight.expectation import expectation
-    from propmap.flight.log_file import log_csv
     from propmap.flight.trim import trim
 
     keep_compiled()
@@ -160,7 +159,7 @@ def _expected(console: Console, expected: Expectation, flights: int) -> None:
 
 def _how_to_read(read: VehicleFile, name: str) -> None:
     """Say how the log is read back, unless the vehicle file already does."""
-    from propmap.flight.log_file import log_map, log_table
+    from propmap.flight.simulated import log_map, log_table
 
     rotors = len(read.vehicle.mounts)
     if replace(log_map(rotors), file=read.log.file) == read.log:

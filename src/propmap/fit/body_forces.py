@@ -7,11 +7,23 @@ from collections.abc import Mapping
 import numpy as np
 
 from propmap.arrays.types import Floats
+from propmap.fit.parameters import WING
 from propmap.vehicle.flight_log import FlightLog
 from propmap.vehicle.vehicle import Vehicle
 
 SHARPNESS = 50.0
 """M of eq. (3) [1/rad]."""
+
+STEPS = {"drag_area_x": 1e-3, "drag_area_y": 1e-3, "drag_area_z": 1e-3, "lift_area": 1e-3}
+STEPS |= {"wing_c_l1": 1e-4, "wing_c_l2": 1e-4, "wing_alpha_0": 1e-5}
+"""Of central differences, by parameter; the forces are linear in all but the last."""
+
+
+def wing_values(vehicle: Vehicle) -> dict[str, float]:
+    """The wing's parameters by name, as the vehicle file gives them; none without a wing."""
+    if vehicle.wing is None:
+        return {}
+    return {name: getattr(vehicle.wing, name.removeprefix("wing_")) for name in WING}
 
 
 def body_force(
@@ -19,24 +31,19 @@ def body_force(
 ) -> tuple[Floats, Floats]:
     """Force of body and wing (n, 3) [N] in the vehicle's frame, and its derivatives (P, n, 3).
 
-    values : the body's and the wing's parameters by name; those that a fit left at zero add to
-    what the vehicle file gives.  The terms are linear or cheap, so derivatives of the wing's
-    parameters are central differences.
+    ``values`` are the body's and the wing's parameters by name; the body's add to what the vehicle
+    file gives.  Derivatives by the parameters ``free`` are central differences.
     """
     force = _force(vehicle, log, values)
     slopes = np.zeros((len(free), *force.shape))
     for k, name in enumerate(free):
-        if name in _STEPS:
-            step = _STEPS[name]
+        if name in STEPS:
+            step = STEPS[name]
             up, down = (
                 _force(vehicle, log, {**values, name: values[name] + h}) for h in (step, -step)
             )
             slopes[k] = (up - down) / (2.0 * step)
     return force, slopes
-
-
-_STEPS = {"drag_area_x": 1e-3, "drag_area_y": 1e-3, "drag_area_z": 1e-3, "lift_area": 1e-3}
-_STEPS |= {"wing_c_l1": 1e-4, "wing_c_l2": 1e-4, "wing_alpha_0": 1e-5}
 
 
 def _force(vehicle: Vehicle, log: FlightLog, values: Mapping[str, float]) -> Floats:

@@ -10,8 +10,7 @@ from propmap.arrays.types import Floats
 
 
 class Quadratic(NamedTuple):
-    """A sum of squares |slopes x - target|^2 within bounds; slopes (R, P), target (R,), lower,
-    upper (P,)."""
+    """A sum of squares |slopes x - target|^2 within bounds; slopes (R, P), bounds (P,)."""
 
     slopes: Floats
     target: Floats
@@ -40,14 +39,12 @@ def bounded_intervals(
 
     A value of one parameter belongs to its interval if some values of the others, within their
     bounds, make the sum of squares exceed its least value within the bounds by no more than
-    ``quantile`` squared.  So the bounds of one parameter narrow the intervals of those that it is
-    correlated with; far from all bounds the ends are centre +- quantile * deviation.
+    ``quantile`` (of Student's t) squared.  So the bounds of one parameter narrow the intervals of
+    those that it is correlated with; far from all bounds the ends are centre +- quantile *
+    deviation.  All is in units in which the parameters are of like size.
 
-    centre : where the sum of squares is least when bounds are left aside (P,).
-    root : W (R, P), R <= P, so that the sum of squares is |W (x - centre)|^2 in units of its
-    variance; W^T W is the inverse of the covariance, where there is one.
-    lower, upper : bounds (P,).  quantile : of Student's t.
-    All in units in which the parameters are of like size.
+    The sum of squares is |W (x - centre)|^2 in units of its variance, W = ``root`` (R, P), R <= P,
+    with bounds left aside; W^T W is the inverse of the covariance, where there is one.
     """
     from scipy.optimize import brentq, lsq_linear
 

@@ -11,10 +11,10 @@ from propmap.arrays.types import Floats
 from propmap.baselines.hover import HoverModel
 from propmap.errors import InputError
 from propmap.fit.body_forces import body_force
-from propmap.fit.hover_baseline import hover_force, hover_loads
+from propmap.fit.flight import hover_force
 from propmap.fit.parameters import EVERY
 from propmap.fit.residuals import Errors, by_band, errors
-from propmap.fit.tunnel import TunnelData
+from propmap.fit.tunnel import TunnelData, hover_loads
 from propmap.model.air import Air
 from propmap.model.airfoil import Airfoil
 from propmap.model.propeller import Propeller
@@ -43,10 +43,22 @@ class Comparison:
 def compare_tunnel(
     propeller: Propeller, air: Air, law: Airfoil, data: TunnelData
 ) -> dict[str, Comparison]:
-    """Every measured load by its name with unit.
+    """Errors of a section law on loads measured in a tunnel or on a bench.
 
-    propeller, air : of the test.  law : the section law to judge.  data : what was measured.
-    The hover model beside it has neither drag nor rolling moment.
+    Parameters
+    ----------
+    propeller, air : Propeller, Air
+        Of the test.
+    law : Airfoil
+        The section law to judge.
+    data : TunnelData
+        What was measured.
+
+    Returns
+    -------
+    dict of str to Comparison
+        Every measured load by its name with unit.  The hover model beside it has neither drag nor
+        rolling moment.
     """
     rotor = Rotor(propeller, law, air)
     loads = rotor.loads(data.omega, data.speed, data.beta)
@@ -60,11 +72,26 @@ def compare_tunnel(
 def compare_flight(
     vehicle: Vehicle, log: FlightLog, law: Airfoil, values: Mapping[str, float]
 ) -> dict[str, Comparison]:
-    """Forces on the vehicle per axis of its frame, against mass times specific force.
+    """Errors of the forces on a vehicle along its axes, against mass times specific force.
 
-    law : the section law to judge.
-    values : of the body's and the wing's parameters, by name; first guesses otherwise.
-    Raises ``InputError`` where the log has no specific force.
+    Parameters
+    ----------
+    vehicle, log : Vehicle, FlightLog
+        What flew, and how.
+    law : Airfoil
+        The section law to judge.
+    values : mapping of str to float
+        The body's and the wing's parameters by name; first guesses where it has none.
+
+    Returns
+    -------
+    dict of str to Comparison
+        By the name of the force with unit.
+
+    Raises
+    ------
+    InputError
+        Where the log has no specific force.
     """
     measured = vehicle.mass * log.specific_force
     if not np.isfinite(measured).any():
@@ -79,9 +106,9 @@ def compare_flight(
 def compare_level(
     vehicle: Vehicle, log: FlightLog, law: Airfoil, values: Mapping[str, float]
 ) -> dict[str, Comparison]:
-    """The vertical force of steady level flights against the weight, eqs. (16)(17).
+    """Errors of the vertical force of steady level flights against the weight, eqs. (16)(17).
 
-    Arguments as in ``compare_flight``; no specific force is needed.
+    Arguments are those of ``compare_flight``; no specific force is needed.
     """
     model, hover = level_forces(vehicle, log, law, values)
     weight = np.full(len(log), vehicle.mass * GRAVITY)
@@ -91,10 +118,7 @@ def compare_level(
 def level_forces(
     vehicle: Vehicle, log: FlightLog, law: Airfoil, values: Mapping[str, float]
 ) -> tuple[Floats, Floats]:
-    """Vertical forces [N] (n,) by this model and by the hover model.
-
-    Arguments as in ``compare_flight``.
-    """
+    """Vertical forces [N] (n,) by this model and by the hover model; see ``compare_flight``."""
     model, hover = (np.sum(f * log.up, axis=1) for f in _forces(vehicle, log, law, values))
     return model, hover
 

@@ -1,60 +1,138 @@
-"""Which operating points the data of a fit cover."""
+"""Which operating points the data of a fit cover, and what they cannot tell."""
 
 from __future__ import annotations
 
-from typing import Any
+import math
+from typing import Annotated
 
+import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
 from propmap.arrays.types import Floats
+from propmap.errors import InputError
+from propmap.fit.rows import Rows
 
 AT_REST = 0.1
-"""[m/s], below which the direction of the flow means nothing."""
+"""Speed [m/s] below which the direction of the flow means nothing."""
 
 BAND = 15.0
 """Width of the bands of the angle beta [deg], the first one about 0."""
 
+FEW = 0.02
+"""Share of the points in motion below which an angle is hardly covered."""
+
+HOVER_BELOW, NARROW = 1.0, 2.0
+"""Speeds [m/s]: below the first everything hovers; a range below the second is one speed."""
+
 RPM = 30.0 / np.pi
 
+Range = tuple[float, float]
+"""Least and largest."""
 
-def coverage(omega: Floats, speed: Floats, beta: Floats, radius: float) -> dict[str, Any]:
-    """Ranges of n operating points, as plain data for a fit file.
 
-    omega [rad/s], speed [m/s], beta [rad] within 0...pi : (n,).  radius : of the tip [m].
-    The result has "points", and of those at rest and of each band of the angle that holds
-    any: how many, and least and largest "rpm", "speed_mps", "advance_ratio" V/(Omega R),
-    "beta_deg"; "typical_..." are medians.  Loads over Omega^2 depend on advance ratio and angle,
-    and on little else.
+class _Points(msgspec.Struct, frozen=True, omit_defaults=True):
+    """How many operating points, their ranges, and the median rotational speed."""
+
+    points: int
+    rpm: Range
+    typical_rpm: Annotated[float, msgspec.Meta(gt=0.0)]
+    speed: Range = msgspec.field(name="speed_mps")
+
+    def __post_init__(self) -> None:
+        for value in (getattr(self, name) for name in self.__struct_fields__):
+            if isinstance(value, tuple) and not -math.inf < value[0] <= value[1] < math.inf:
+                raise ValueError(f"{value[0]:g} to {value[1]:g} is no range")
+
+
+class Covered(_Points, frozen=True):
+    """Operating points of one kind; the advance ratio is V/(Omega R) [-]."""
+
+    advance: Range = msgspec.field(name="advance_ratio")
+
+
+class CoveredAngle(Covered, frozen=True):
+    """Operating points in a band of the angle beta: its range and its median [deg]."""
+
+    beta: Range = msgspec.field(name="beta_deg")
+    typical_beta: float = msgspec.field(name="typical_beta_deg")
+
+
+class Coverage(_Points, frozen=True):
+    """All operating points of a fit's data: their ranges, and those at rest and by angle.
+
+    Points where the propeller stands still do not count.  ``angles`` has an entry for each band of
+    beta that holds points in motion, by rising angle.
+    """
+
+    angles: list[CoveredAngle]
+    at_rest: Covered | None = None
+
+    @property
+    def main_angles(self) -> list[CoveredAngle]:
+        """The angles with a share of the points that counts."""
+        moving = sum(one.points for one in self.angles)
+        return [one for one in self.angles if one.points >= FEW * moving]
+
+
+def coverage(omega: Floats, speed: Floats, beta: Floats, radius: float) -> Coverage:
+    """Ranges of n operating points, at rest and by angle.
+
+    Loads over Omega^2 depend on the advance ratio and the angle, and on little else.
+
+    Parameters
+    ----------
+    omega, speed, beta : ndarray, shape (n,)
+        Rotational speed [rad/s], flight speed [m/s], angle to the axis [rad] in 0...pi.
+    radius : float
+        Of the tip [m].
+
+    Raises
+    ------
+    InputError
+        Where the propeller turns at none of the points.
     """
     turning = omega > 0.0
+    if not turning.any():
+        raise InputError("the propeller stands still at all points", "give rpm above 0")
     omega, speed, beta = omega[turning], speed[turning], beta[turning]
-    degrees, still = np.degrees(beta), speed < AT_REST
+    rpm, degrees, still = omega * RPM, np.degrees(beta), speed < AT_REST
     band = np.round(degrees / BAND).astype(int)
 
-    def ranges(mine: NDArray[np.bool_]) -> dict[str, Any]:
-        rpm = omega[mine] * RPM
-        found = {
-            "points": int(mine.sum()),
-            "rpm": _ends(rpm),
-            "typical_rpm": float(np.median(rpm)),
-            "speed_mps": _ends(speed[mine]),
-            "advance_ratio": _ends(speed[mine] / (omega[mine] * radius)),
-        }
-        if still[mine].all():
-            return found
-        typical = float(np.median(degrees[mine]))
-        return found | {"beta_deg": _ends(degrees[mine]), "typical_beta_deg": typical}
+    def at(mine: NDArray[np.bool_]) -> tuple[int, Range, float, Range, Range]:
+        advance = speed[mine] / (omega[mine] * radius)
+        return int(mine.sum()), *_spread(rpm[mine]), _ends(speed[mine]), _ends(advance)
 
-    told: dict[str, Any] = {"points": int(omega.size), "angles": []}
-    if omega.size:
-        told |= {"rpm": _ends(omega * RPM), "typical_rpm": float(np.median(omega * RPM))}
-        told["speed_mps"] = _ends(speed)
-    if still.any():
-        told["at_rest"] = ranges(still)
-    told["angles"] = [ranges(~still & (band == k)) for k in np.unique(band[~still]).tolist()]
-    return told
+    angles = []
+    for k in np.unique(band[~still]).tolist():
+        mine = ~still & (band == k)
+        beta_range, typical_beta = _spread(degrees[mine])
+        angles.append(CoveredAngle(*at(mine), beta_range, typical_beta))
+    at_rest = Covered(*at(still)) if still.any() else None
+    return Coverage(int(omega.size), *_spread(rpm), _ends(speed), angles, at_rest)
 
 
-def _ends(values: Floats) -> list[float]:
-    return [float(np.min(values)), float(np.max(values))]
+def range_warnings(rows: Rows) -> list[str]:
+    """Sentences on what the range of speeds of the rows cannot tell; none where it is wide."""
+    speed = rows.speed[rows.weight > 0.0]
+    low, high = _ends(speed)
+    if high < HOVER_BELOW:
+        return [
+            "all data are from hover: they fix the static loads alone and cannot tell one "
+            "parameter from another; add data at speed"
+        ]
+    if high - low < NARROW:
+        return [
+            f"all data are from one speed, {low:.1f} to {high:.1f} m/s: the parameters can hardly "
+            "be told apart; add data at other speeds"
+        ]
+    return []
+
+
+def _ends(values: Floats) -> Range:
+    return float(np.min(values)), float(np.max(values))
+
+
+def _spread(values: Floats) -> tuple[Range, float]:
+    """Ends and median."""
+    return _ends(values), float(np.median(values))

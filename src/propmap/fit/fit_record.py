@@ -1,234 +1,206 @@
-"""What a fit file tells of its fit, read for a report."""
+"""The table ``[fit]`` of a fit file: one description for writing and for reading."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+import hashlib
+import re
+from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
+import msgspec
 import numpy as np
 
 from propmap.arrays.types import Floats
 from propmap.errors import InputError
+from propmap.fit.coverage import Coverage
+from propmap.fit.residuals import Errors
+from propmap.model.air import Air
+from propmap.model.propeller import Propeller
 
-Range = tuple[float, float]
+BY_NAME = ("parameters", "residuals")
+"""In the file these are tables by name, in a record lists whose entries hold their name."""
 
 
-FEW = 0.02
-"""Share of the points in motion below which an angle is hardly covered."""
+class FreeParameter(msgspec.Struct, frozen=True, omit_defaults=True):
+    """One fitted parameter, in ``unit``.
 
-
-@dataclass(frozen=True)
-class FreeParameter:
-    """One fitted parameter: its value, the ends of its 95 % interval, its bounds, its verdict."""
+    ``low`` and ``high`` end its 95 % interval; those of the bootstrap and the prior (mean, standard
+    deviation) are there where they were made.  ``lower`` and ``upper`` are its bounds, ``verdict``
+    says in words whether the data determine it.
+    """
 
     name: str
-    unit: str
     value: float
-    low: float
-    high: float
-    lower: float
-    upper: float
+    unit: str
+    low: float = msgspec.field(name="low_95")
+    high: float = msgspec.field(name="high_95")
     verdict: str
     identified: bool
+    start: float
+    lower: float
+    upper: float
+    prior: tuple[float, float] | None = None
+    bootstrap_low: float | None = msgspec.field(name="bootstrap_low_95", default=None)
+    bootstrap_high: float | None = msgspec.field(name="bootstrap_high_95", default=None)
 
 
-@dataclass(frozen=True)
-class FitErrors:
-    """Errors, model minus measurement, over so many rows; NaN where there is no number."""
-
-    rows: int
-    rms: float
-    bias: float
-    worst: float
-    hover_rms: float
-
-
-@dataclass(frozen=True)
-class FittedLoad:
-    """Errors of one load.
-
-    measured_rms : root mean square of what was measured.  cross_validated : rms on rows left out.
-    all in ``unit``.  by_speed : by a name such as "3-6 m/s".
-    """
+class FittedLoad(Errors, frozen=True):
+    """Errors of one load, in ``unit``: over all rows, on rows left out, and by speed."""
 
     name: str
     unit: str
-    all: FitErrors
-    measured_rms: float
-    cross_validated: float
-    by_speed: Mapping[str, FitErrors]
+    cross_validated: float = msgspec.field(name="cross_validated_rms")
+    by_speed: dict[str, Errors]
+
+    @property
+    def measured_rms(self) -> float:
+        """Root mean square of what was measured."""
+        return self.rms / self.relative_rms if self.relative_rms > 0.0 else np.nan
 
 
-@dataclass(frozen=True)
-class Covered:
-    """Operating points of the data at rest, or about one angle.
+class Source(msgspec.Struct, frozen=True, omit_defaults=True):
+    """Where data are from: a file with its SHA-256, or a name of the catalogue."""
 
-    points : how many.  rpm, speed [m/s], advance [-], beta [deg] : least and largest; typical_rpm
-    and typical_beta [deg] : medians.  beta is None at rest.
-    """
+    file: str = ""
+    sha256: str = ""
+    catalogue: str = ""
 
-    points: int
-    rpm: Range
-    typical_rpm: float
-    speed: Range
-    advance: Range
-    beta: Range | None
-    typical_beta: float
+    @classmethod
+    def of(cls, item: Path | str) -> Source:
+        """A file's path, or a name of the catalogue."""
+        if isinstance(item, Path):
+            return cls(item.name, hashlib.sha256(item.read_bytes()).hexdigest())
+        return cls(catalogue=item)
+
+    @property
+    def name(self) -> str:
+        """As it is shown."""
+        return self.file or f"{self.catalogue} of the catalogue"
 
 
-@dataclass(frozen=True, eq=False)
-class FitRecord:
-    """A fit.
+class FittedPropeller(msgspec.Struct, frozen=True):
+    """The propeller of a fit; lengths [m] and angles [rad] as in ``Propeller``."""
 
-    kind : "tunnel", "level flight" or "flight".  version : of propmap.  data : files and names of
-    the catalogue, each with its hash or "".  remarks : sentences.  rows, unsolved : how many.
-    parameters, loads : see there.  points : operating points, over rpm and speed [m/s].
-    typical_rpm : median.  at_rest : None if there were no such points.  angles : by rising angle.
-    covariance, correlation : (P, P).  singular_values : (P,), relative.
-    minima : how many different ones the starts ended in.  starts : how many there were.
+    name: str
+    blades: int
+    root: float
+    station_m: Floats
+    chord_m: Floats
+    twist_rad: Floats
+
+    @classmethod
+    def of(cls, blade: Propeller) -> FittedPropeller:
+        """The part of a propeller that its loads depend on."""
+        shape = (blade.station, blade.chord, blade.twist)
+        return cls(blade.name, blade.blades, blade.root, *shape)
+
+    def propeller(self) -> Propeller:
+        """The propeller; raises ``InputError`` where there can be no such blade."""
+        shape = (self.station_m, self.chord_m, self.twist_rad)
+        return Propeller(self.name, self.blades, *shape, self.root)
+
+
+class SearchEnd(msgspec.Struct, frozen=True):
+    """Where a search from one start ended: parameters, cost, and the number of its minimum."""
+
+    start: list[float]
+    end: list[float]
+    cost: float
+    minimum: int
+
+
+class FitRecord(msgspec.Struct, frozen=True):
+    """What a fit file tells of its fit of P free parameters.
+
+    ``kind`` is "tunnel", "level flight" or "flight", ``version`` that of propmap.  Of ``rows``
+    fitted numbers the model had no solution for ``unsolved``.  ``fixed`` are parameters held by the
+    user, ``body`` and ``wing`` all of theirs.  ``covariance`` and ``correlation`` are (P, P), a
+    variance infinite where the data say nothing; ``singular_values`` (P,) of the sensitivities are
+    relative to the largest.  ``starts`` are the ends of the searches, best first.
     """
 
     kind: str
-    version: str
-    data: Sequence[tuple[str, str]]
-    remarks: Sequence[str]
+    version: str = msgspec.field(name="propmap")
+    remarks: list[str]
+    free: list[str]
     rows: int
-    unsolved: int
-    parameters: Sequence[FreeParameter]
-    loads: Sequence[FittedLoad]
-    points: int
-    rpm: Range
-    typical_rpm: float
-    speed: Range
-    at_rest: Covered | None
-    angles: Sequence[Covered]
+    unsolved: int = msgspec.field(name="unsolved_rows")
+    seconds: float
+    settings: dict[str, Any]
+    fixed: dict[str, float]
+    air: Air
+    propeller: FittedPropeller
+    data: list[Source]
+    covered: Coverage
+    parameters: list[FreeParameter]
+    body: dict[str, float]
+    wing: dict[str, float]
     covariance: Floats
     correlation: Floats
     singular_values: Floats
-    minima: int
-    starts: int
+    loads: list[FittedLoad] = msgspec.field(name="residuals")
+    starts: list[SearchEnd]
+
+    def __post_init__(self) -> None:
+        count = len(self.parameters)
+        if [p.name for p in self.parameters] != self.free:
+            raise ValueError("parameters are not those that are free")
+        square = {self.covariance.shape, self.correlation.shape} == {(count, count)}
+        if not square or self.singular_values.shape != (count,):
+            raise ValueError(f"the matrices are not of {count} parameters")
+        if not (self.loads and self.starts):
+            raise ValueError("residuals or starts are empty")
 
     @property
-    def main_angles(self) -> list[Covered]:
-        """The angles with a share of the points that counts."""
-        moving = sum(one.points for one in self.angles)
-        return [one for one in self.angles if one.points >= FEW * moving]
+    def minima(self) -> int:
+        """How many different minima the starts ended in."""
+        return max(end.minimum for end in self.starts)
+
+    def table(self) -> dict[str, Any]:
+        """Plain data for a TOML file."""
+        told: dict[str, Any] = msgspec.to_builtins(self, enc_hook=_plain)
+        for key in BY_NAME:
+            told[key] = {entry.pop("name"): entry for entry in told[key]}
+        return told
 
 
-def read_record(record: Mapping[str, Any], where: str) -> FitRecord:
-    """The table ``fit`` of a fit file.
+def read_record(table: Any, where: str) -> FitRecord:
+    """The record of the table ``[fit]`` as TOML gives it.
 
-    record : as ``FitFile`` has it.  where : the file, for messages.
-    Raises ``InputError`` where something is missing or of another kind.
+    ``where`` is the file, for messages.  Raises ``InputError`` naming the entry where one is
+    missing or is of another kind.
     """
-    if "covered" not in record:
-        raise InputError(
-            "the fit does not say which operating points its data cover",
-            "write it again with this version's propmap fit",
-            where,
-        )
+    known = table
+    if isinstance(table, Mapping):
+        listed = {key: _listed(table[key]) for key in BY_NAME if key in table}
+        known = {**table, **listed}
     try:
-        return _read(record)
-    except (KeyError, TypeError, ValueError, AttributeError, IndexError) as error:
-        told = f"there is no {error}" if isinstance(error, KeyError) else str(error)
+        return msgspec.convert(known, FitRecord, dec_hook=_array)
+    except msgspec.ValidationError as error:
+        fault, _, path = str(error).replace("`", "").partition(" - at $.")
+        for key in BY_NAME:
+            if found := re.match(rf"{key}\[(\d+)\]", path):
+                path = f"{key}.{list(table[key])[int(found[1])]}{path[found.end() :]}"
+        place = f"at {path}: " if path else ""
         raise InputError(
-            f"the table [fit] is damaged: {told}", "write it again with propmap fit", where
+            f"the table [fit] is damaged: {place}{fault}",
+            "write it again with propmap fit",
+            where,
         ) from None
 
 
-def _read(record: Mapping[str, Any]) -> FitRecord:
-    covered, starts = record["covered"], record["starts"]
-    free = list(record["free"])
-    matrices = [np.array(record[name], float) for name in ("covariance", "correlation")]
-    singular = np.array(record["singular_values"], float)
-    if any(m.shape != (len(free), len(free)) for m in matrices) or singular.shape != (len(free),):
-        raise ValueError(f"the matrices are not of {len(free)} parameters")
-    if not (covered["points"] and record["residuals"]):
-        raise ValueError("there are no operating points")
-    return FitRecord(
-        kind=str(record["kind"]),
-        version=str(record["propmap"]),
-        data=[source_name(entry) for entry in record["data"]],
-        remarks=[str(text) for text in record["remarks"]],
-        rows=int(record["rows"]),
-        unsolved=int(record["unsolved_rows"]),
-        parameters=[_parameter(name, record["parameters"][name]) for name in free],
-        loads=[_load(name, told) for name, told in record["residuals"].items()],
-        points=int(covered["points"]),
-        rpm=_range(covered["rpm"]),
-        typical_rpm=_positive(covered["typical_rpm"]),
-        speed=_range(covered["speed_mps"]),
-        at_rest=_covered(covered["at_rest"]) if "at_rest" in covered else None,
-        angles=sorted((_covered(c) for c in covered["angles"]), key=lambda c: c.typical_beta),
-        covariance=matrices[0],
-        correlation=matrices[1],
-        singular_values=singular,
-        minima=max(int(start["minimum"]) for start in starts),
-        starts=len(starts),
-    )
+def _listed(tables: Any) -> Any:
+    """Tables by name as a list of tables with a name; anything else as it is."""
+    if not isinstance(tables, Mapping):
+        return tables
+    return [{"name": k, **t} if isinstance(t, Mapping) else t for k, t in tables.items()]
 
 
-def source_name(entry: Mapping[str, str]) -> tuple[str, str]:
-    """Name and SHA-256 of a source as a fit file names it; "" for the hash of the catalogue."""
-    if "catalogue" in entry:
-        return f"{entry['catalogue']} of the catalogue", ""
-    return str(entry["file"]), str(entry["sha256"])
+def _plain(value: Any) -> Any:
+    """Arrays and NumPy's numbers as lists and numbers."""
+    return value.tolist()
 
 
-def _parameter(name: str, told: Mapping[str, Any]) -> FreeParameter:
-    return FreeParameter(
-        name=name,
-        unit=str(told["unit"]),
-        value=float(told["value"]),
-        low=float(told["low_95"]),
-        high=float(told["high_95"]),
-        lower=float(told["lower"]),
-        upper=float(told["upper"]),
-        verdict=str(told["verdict"]),
-        identified=bool(told["identified"]),
-    )
-
-
-def _load(name: str, told: Mapping[str, Any]) -> FittedLoad:
-    relative = float(told["relative_rms"])
-    whole = _errors(told)
-    return FittedLoad(
-        name=name,
-        unit=str(told["unit"]),
-        all=whole,
-        measured_rms=whole.rms / relative if relative > 0.0 else math.nan,
-        cross_validated=float(told["cross_validated_rms"]),
-        by_speed={str(band): _errors(e) for band, e in told["by_speed"].items()},
-    )
-
-
-def _errors(told: Mapping[str, Any]) -> FitErrors:
-    numbers = (float(told[key]) for key in ("rms", "bias", "worst", "hover_rms"))
-    return FitErrors(int(told["rows"]), *numbers)
-
-
-def _covered(told: Mapping[str, Any]) -> Covered:
-    return Covered(
-        points=int(told["points"]),
-        rpm=_range(told["rpm"]),
-        typical_rpm=_positive(told["typical_rpm"]),
-        speed=_range(told["speed_mps"]),
-        advance=_range(told["advance_ratio"]),
-        beta=_range(told["beta_deg"]) if "beta_deg" in told else None,
-        typical_beta=float(told.get("typical_beta_deg", 0.0)),
-    )
-
-
-def _range(ends: Sequence[float]) -> Range:
-    low, high = (float(end) for end in ends)
-    if not (math.isfinite(low) and math.isfinite(high) and low <= high):
-        raise ValueError(f"{low:g} to {high:g} is no range")
-    return low, high
-
-
-def _positive(value: Any) -> float:
-    if not (math.isfinite(float(value)) and float(value) > 0.0):
-        raise ValueError(f"{value} is no rotational speed")
-    return float(value)
+def _array(kind: Any, value: Any) -> Floats:  # noqa: ARG001 (msgspec passes the wanted type)
+    return np.array(value, np.float64)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 
 from propmap.arrays.types import Floats
 from propmap.fit.parameters import Choice
+from propmap.fit.residuals import rms
 from propmap.fit.rows import Rows, remembering
 from propmap.fit.search import NOISE_FLOOR, Minimum, search, starts
 from propmap.fit.uncertainty import Uncertainty, uncertainty
@@ -22,9 +24,18 @@ MEDIAN_TO_DEVIATION = 1.4826
 class Settings:
     """How a fit is done.
 
-    starts : searches, the first from the first guess.  loss : "linear" or "soft_l1".
-    folds : of the cross-validation, 0 for none.  bootstrap : repetitions, 0 for none.
-    seed : of the random starts, folds and draws.
+    Attributes
+    ----------
+    starts : int
+        Searches, the first from the first guess.
+    loss : str
+        "linear" or "soft_l1".
+    folds : int
+        Of the cross-validation, 0 for none.
+    bootstrap : int
+        Repetitions, 0 for none.
+    seed : int
+        Of the random starts, folds and draws.
     """
 
     starts: int = 4
@@ -36,14 +47,24 @@ class Settings:
 
 @dataclass(frozen=True)
 class Fitted:
-    """What came out.
+    """What came out of a fit of P parameters to M rows of L loads.
 
-    choice, settings, rows : what went in.  minimum : where the search ended.
-    uncertainty : of the free parameters.
-    x : (P,).  residual : (M,), model minus measurement in units of the measurement.
-    cross_validated : (L,) rms error per load on rows left out, NaN if not done.
-    bootstrapped : (B, P) repeated fits on operating points drawn with replacement.
-    seconds : of the whole identification.
+    Attributes
+    ----------
+    choice, settings, rows : Choice, Settings, Rows
+        What went in.
+    minimum : Minimum
+        Where the search ended.
+    uncertainty : Uncertainty
+        Of the free parameters.
+    residual : ndarray, shape (M,)
+        Model minus measurement, in the units of the measurement.
+    cross_validated : ndarray, shape (L,)
+        Root mean square error of each load on rows left out; NaN if not done.
+    bootstrapped : ndarray, shape (B, P)
+        Repeated fits to operating points drawn with replacement.
+    seconds : float
+        Duration of the whole identification [s].
     """
 
     choice: Choice
@@ -67,43 +88,61 @@ class Fitted:
         return self.choice.values(self.x)
 
     def rms(self, load: int) -> float:
-        """Root mean square of the residuals of one load, in its unit; load : its index."""
-        mine = (self.rows.load == load) & (self.rows.weight > 0.0)
-        return float(np.sqrt(np.mean(self.residual[mine] ** 2)))
+        """Root mean square of the residuals of one load, in its unit.
+
+        Parameters
+        ----------
+        load : int
+            Index of the load in ``rows.names``.
+        """
+        return rms(self.residual[self.rows.of_load(load)])
+
+    def compared(self, load: int) -> tuple[Floats, Floats]:
+        """Modelled and measured values of the load of this index, in its unit."""
+        mine = self.rows.of_load(load)
+        measured = self.rows.measured[mine]
+        return measured + self.residual[mine], measured
 
 
 def fit(rows: Rows, choice: Choice, settings: Settings | None = None) -> Fitted:
-    """Identify the free parameters; eq. (18) for level flights.
+    """Identify the free parameters; for level flights this is eq. (18).
 
-    rows : what was measured, with its model.  choice : what is free.  settings : how to search,
-    by default ``Settings()``.
-    Raises ``InputError`` where the data cannot determine anything.
+    Parameters
+    ----------
+    rows : Rows
+        What was measured, with its model.
+    choice : Choice
+        Which parameters are free.
+    settings : Settings, optional
+        How to search.
+
+    Raises
+    ------
+    InputError
+        Where the data cannot determine anything.
     """
     settings = settings or Settings()
     begin = time.perf_counter()
     rows = replace(rows, model=remembering(rows.model))
-    first = starts(choice, settings.starts, settings.seed)
-    found = search(rows, choice, first)
-    spread_of_errors = uncertainty(rows, choice, found)
+    found = search(rows, choice, starts(choice, settings.starts, settings.seed))
+    sure = uncertainty(rows, choice, found)
     error = NOISE_FLOOR
     if choice.priors or settings.loss != "linear":
         # Only now is known how large errors are, against which priors and outliers count.
-        error = _typical_error(rows, settings, found, spread_of_errors)
+        error = _typical_error(rows, settings, found, sure)
         again = search(rows, choice, [found.x], loss=settings.loss, error=error)
         found = replace(again, ends=found.ends)
-        spread_of_errors = uncertainty(rows, choice, found)
+        sure = uncertainty(rows, choice, found)
+
+    def refit(part: Rows) -> Floats:
+        """The parameters (P,) that fit much the same rows."""
+        return search(part, choice, [found.x], loss=settings.loss, error=error, follow=True).x
+
     residual = found.residual * rows.scale / np.where(rows.weight > 0.0, rows.weight, 1.0)
-    return Fitted(
-        choice,
-        settings,
-        rows,
-        found,
-        spread_of_errors,
-        residual,
-        _cross_validate(rows, choice, settings, found, error),
-        _bootstrap(rows, choice, settings, found, error),
-        time.perf_counter() - begin,
-    )
+    crossed = _cross_validate(rows, choice, settings, refit)
+    bootstrapped = _bootstrap(rows, choice, settings, refit)
+    seconds = time.perf_counter() - begin
+    return Fitted(choice, settings, rows, found, sure, residual, crossed, bootstrapped, seconds)
 
 
 def _typical_error(rows: Rows, settings: Settings, found: Minimum, sure: Uncertainty) -> float:
@@ -114,13 +153,10 @@ def _typical_error(rows: Rows, settings: Settings, found: Minimum, sure: Uncerta
     return max(MEDIAN_TO_DEVIATION * float(np.median(sizes)), NOISE_FLOOR)
 
 
-def _again(rows: Rows, choice: Choice, settings: Settings, found: Minimum, error: float) -> Minimum:
-    return search(rows, choice, [found.x], loss=settings.loss, error=error, follow=True)
-
-
 def _cross_validate(
-    rows: Rows, choice: Choice, settings: Settings, found: Minimum, error: float
+    rows: Rows, choice: Choice, settings: Settings, refit: Callable[[Rows], Floats]
 ) -> Floats:
+    """Root mean square error of each load (L,) where its rows were left out of the fit."""
     points = np.unique(rows.point)
     sums, counts = np.zeros(len(rows.names)), np.zeros(len(rows.names))
     if settings.folds < 2 or points.size < 2 * settings.folds:
@@ -129,8 +165,7 @@ def _cross_validate(
     for k in range(settings.folds):
         kept = np.zeros(int(points.max()) + 1, bool)
         kept[points] = fold != k
-        part = _again(rows.left(kept), choice, settings, found, error)
-        value, _ = rows.model(choice.values(part.x), choice.free)
+        value, _ = rows.model(choice.values(refit(rows.left(kept))), choice.free)
         out = ~kept[rows.point] & (rows.weight > 0.0) & np.isfinite(value)
         np.add.at(sums, rows.load[out], (value - rows.measured)[out] ** 2)
         np.add.at(counts, rows.load[out], 1.0)
@@ -149,7 +184,7 @@ def _folds(rows: Rows, points: NDArray[np.intp], settings: Settings) -> NDArray[
 
 
 def _bootstrap(
-    rows: Rows, choice: Choice, settings: Settings, found: Minimum, error: float
+    rows: Rows, choice: Choice, settings: Settings, refit: Callable[[Rows], Floats]
 ) -> Floats:
     """Parameters refitted to points, or groups, drawn with replacement (B, P)."""
     rng = np.random.default_rng(settings.seed + 1)
@@ -158,6 +193,5 @@ def _bootstrap(
     repeats = []
     for _ in range(settings.bootstrap):
         drawn = np.bincount(rng.integers(labels.size, size=labels.size), minlength=labels.size)
-        weighted = replace(rows, weight=rows.weight * np.sqrt(drawn)[index])
-        repeats.append(_again(weighted, choice, settings, found, error).x)
+        repeats.append(refit(replace(rows, weight=rows.weight * np.sqrt(drawn)[index])))
     return np.array(repeats).reshape(settings.bootstrap, len(choice.free))

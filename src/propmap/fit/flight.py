@@ -4,25 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from propmap.arrays.types import Floats
-from propmap.engine.evaluation import Prepared, prepare
+from propmap.baselines.hover import HoverModel
+from propmap.engine.evaluation import prepare
 from propmap.engine.gradients import load_gradients
 from propmap.engine.plan import accuracy
 from propmap.errors import InputError
 from propmap.fit.body_forces import body_force
-from propmap.fit.coverage import coverage
-from propmap.fit.hover_baseline import hover_after_fit, hover_force
+from propmap.fit.coverage import Coverage, coverage
 from propmap.fit.parameters import BODY, SECTION, WING, Choice
 from propmap.fit.rows import Rows
-from propmap.fit.tunnel import rotor_with
+from propmap.fit.tunnel import hover_after_fit, rotor_with
 from propmap.model.airfoil import Airfoil
 from propmap.solve.load_slopes import LOADS
 from propmap.vehicle.flight_log import GRAVITY, FlightLog
-from propmap.vehicle.hub_flow import hub_flow, rotor_forces
+from propmap.vehicle.hub_flow import HubFlow, hub_flow, rotor_forces
 from propmap.vehicle.vehicle import Vehicle
 
 AXES = ("force_x", "force_y", "force_z")
@@ -30,10 +29,8 @@ AXES = ("force_x", "force_y", "force_z")
 
 @dataclass(frozen=True)
 class Balance:
-    """Aerodynamic force on the vehicle at n samples.
-
-    force : (n, 3) [N], in its frame, NaN where the loads were not found.
-    slopes : (P, n, 3), by the parameters asked for.
+    """Aerodynamic force on the vehicle at n samples, in its frame: ``force`` (n, 3) [N], NaN where
+    the loads were not found, and ``slopes`` (P, n, 3) by the parameters asked for.
     """
 
     force: Floats
@@ -43,9 +40,21 @@ class Balance:
 class ForceModel:
     """All forces but gravity on a vehicle, at the samples of a log.
 
-    base : section law that gives what no parameter of a fit does.
-    setting : accuracy of the loads, as in ``Rotor``.
-    Raises ``InputError`` where the log has not one rotor speed per rotor.
+    Parameters
+    ----------
+    vehicle : Vehicle
+        Its rotors, body and wing.
+    log : FlightLog
+        How it moves.
+    base : Airfoil
+        Gives what no parameter of a fit does.
+    setting : str
+        Accuracy of the loads, as in ``Rotor``.
+
+    Raises
+    ------
+    InputError
+        Where the log has not one rotor speed per rotor.
     """
 
     def __init__(
@@ -64,15 +73,23 @@ class ForceModel:
     def at(self, values: Mapping[str, float], free: tuple[str, ...]) -> Balance:
         """Forces and their derivatives.
 
-        values : all parameters by name.  free : names of the P by which to differentiate.
+        Parameters
+        ----------
+        values : mapping of str to float
+            All parameters by name.
+        free : tuple of str
+            Names of the P by which to differentiate.
+
+        Returns
+        -------
+        Balance
+            With ``force`` (n, 3) [N] and ``slopes`` (P, n, 3).
         """
         section = tuple(name for name in free if name in SECTION)
-        flow, shape = self.flow, self.flow.omega.shape
-        vehicle = self.vehicle
+        vehicle, flow, shape = self.vehicle, self.flow, self.flow.omega.shape
         rotor = rotor_with(vehicle.propeller, vehicle.air, self.base, values, self.setting)
-        prepared: Prepared = prepare(rotor.arrays)
         points = (flow.omega.ravel(), flow.axial.ravel(), flow.inplane.ravel())
-        found = load_gradients(prepared, self._law, section, *points)
+        found = load_gradients(prepare(rotor.arrays), self._law, section, *points)
         loads = found.loads.reshape(len(LOADS), *shape)
         slopes = found.slopes.reshape(len(LOADS), len(section), *shape)
         force = rotor_forces(flow, loads[0], loads[1])
@@ -83,7 +100,7 @@ class ForceModel:
             slope[k] = by_section[section.index(name)] if name in section else by_body[k]
         return Balance(force + body, slope)
 
-    def coverage(self) -> dict[str, Any]:
+    def coverage(self) -> Coverage:
         """What ``coverage`` says of the flow at all rotors."""
         flow = self.flow
         speed, beta = np.hypot(flow.axial, flow.inplane), np.arctan2(flow.inplane, flow.axial)
@@ -92,13 +109,22 @@ class ForceModel:
 
 
 def level_rows(model: ForceModel, choice: Choice) -> Rows:
-    """Eqs. (16)(17): in steady level flight the vertical forces sum up to m g; a row per flight.
+    """A row per steady level flight, where the vertical forces sum up to m g: eqs. (16)(17).
 
     With V horizontal, the vertical parts of a rotor's forces are T sin(beta) and D cos(beta);
     here they come from the attitude, so that a trace of climb or of bank is no error.
 
-    model : of the vehicle, at its steady operating points.  choice : what is free.
-    Raises ``InputError`` for free parameters that do not act.
+    Parameters
+    ----------
+    model : ForceModel
+        Of the vehicle, at its steady operating points.
+    choice : Choice
+        Which parameters are free.
+
+    Raises
+    ------
+    InputError
+        For free parameters that do not act.
     """
     _acts(model, choice)
     log = model.log
@@ -125,11 +151,21 @@ def level_rows(model: ForceModel, choice: Choice) -> Rows:
 
 
 def balance_rows(model: ForceModel, choice: Choice, *, stretch: float = 1.0) -> Rows:
-    """m times the specific force against all forces but gravity, three rows per sample.
+    """Three rows per sample: all forces but gravity against m times the specific force.
 
-    model : of the vehicle, at the samples of its log.  choice : what is free.
-    stretch : [s], within which errors are taken to be alike.
-    Raises ``InputError`` where the log has no specific force.
+    Parameters
+    ----------
+    model : ForceModel
+        Of the vehicle, at the samples of its log.
+    choice : Choice
+        Which parameters are free.
+    stretch : float
+        Time within which errors are taken to be alike [s].
+
+    Raises
+    ------
+    InputError
+        Where the log has no specific force, and for free parameters that do not act.
     """
     _acts(model, choice)
     log = model.log
@@ -162,11 +198,16 @@ def balance_rows(model: ForceModel, choice: Choice, *, stretch: float = 1.0) -> 
     )
 
 
-def hover_rows(model: ForceModel, values: Mapping[str, float], rows: Rows) -> Floats:
-    """What the hover model says of the rows; (M,).
+def hover_force(hover: HoverModel, flow: HubFlow) -> Floats:
+    """The hover model's force of all rotors on the vehicle [N] (n, 3)."""
+    thrust = hover.thrust(flow.omega)
+    return rotor_forces(flow, thrust, np.zeros_like(thrust))
 
-    model : what the rows were made of.  values : all parameters by name; they give the rotor
-    whose constants are taken.
+
+def hover_rows(model: ForceModel, values: Mapping[str, float], rows: Rows) -> Floats:
+    """What the hover model says of the rows (M,) made of ``model``.
+
+    ``values``, all parameters by name, give the rotor whose constants are taken.
     """
     vehicle = model.vehicle
     rotor = rotor_with(vehicle.propeller, vehicle.air, model.base, values, model.setting)

@@ -15,11 +15,10 @@ from propmap.errors import InputError, quoted
 
 @dataclass(frozen=True)
 class Parameter:
-    """One parameter.
+    """One parameter: its first guess (the paper's x0 where it has one), its bounds, its spread.
 
-    start : first guess, the paper's x0 where it has one.  lower, upper : bounds.
-    spread : by how much real propellers or vehicles differ; the unit in which sensitivities
-    are compared, and half of which a 95 % interval must be within to call it identified.
+    The spread is by how much real propellers or vehicles differ: the unit in which sensitivities
+    are compared.  A parameter is identified where its 95 % interval is no wider.
     """
 
     unit: str
@@ -63,7 +62,13 @@ EVERY = SECTION | BODY | WING
 
 @dataclass(frozen=True)
 class Prior:
-    """What is known of a parameter beforehand: mean and standard deviation."""
+    """What is known of a parameter beforehand.
+
+    Attributes
+    ----------
+    mean, deviation : float
+        Mean and standard deviation, in the unit of the parameter.
+    """
 
     mean: float
     deviation: float
@@ -73,9 +78,21 @@ class Prior:
 class Choice:
     """Which parameters are free, and what holds the others.
 
-    free : names, in order.  fixed : values of any others that are not at their first guess.
-    priors : of free parameters.  start : values to start from first, else ``Parameter.start``.
-    Raises ``InputError`` for unknown or repeated names and values out of bounds.
+    Attributes
+    ----------
+    free : tuple of str
+        Names, in order.
+    fixed : mapping of str to float
+        Values of any others that are not at their first guess.
+    priors : mapping of str to Prior
+        Of free parameters.
+    start : mapping of str to float
+        Values to start from first, where these are not the first guesses.
+
+    Raises
+    ------
+    InputError
+        For unknown or repeated names and values out of bounds.
     """
 
     free: tuple[str, ...] = PAPER_FOUR
@@ -111,13 +128,25 @@ class Choice:
                 )
 
     def values(self, x: Floats) -> dict[str, float]:
-        """All parameters by name, the free ones from x (P,)."""
+        """All parameters by name.
+
+        Parameters
+        ----------
+        x : ndarray, shape (P,)
+            The free ones.
+        """
         given = {name: p.start for name, p in EVERY.items()} | dict(self.fixed)
         return given | {name: float(v) for name, v in zip(self.free, x, strict=True)}
 
     def column(self, attribute: str) -> Floats:
         """An attribute of the free parameters, as (P,)."""
         return np.array([getattr(EVERY[name], attribute) for name in self.free])
+
+    @property
+    def prior_columns(self) -> tuple[Floats, Floats]:
+        """Means and standard deviations of the priors, (P,) each; infinite where there is none."""
+        given = [self.priors.get(name, Prior(0.0, np.inf)) for name in self.free]
+        return np.array([p.mean for p in given]), np.array([p.deviation for p in given])
 
     @property
     def first(self) -> Floats:

@@ -1,10 +1,10 @@
-"""How far a model is from measurements: per load and per band of speed."""
+"""How far a model is from measurements: over all rows and by speed."""
 
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass
 
+import msgspec
 import numpy as np
 
 from propmap.arrays.types import Floats
@@ -13,12 +13,23 @@ BANDS = (0.0, 3.0, 6.0, 9.0, 12.0, 15.0, np.inf)
 """Edges of the bands of speed [m/s]."""
 
 
-@dataclass(frozen=True)
-class Errors:
-    """Errors, model minus measurement, of ``rows`` numbers, in the unit of the load.
+class Errors(msgspec.Struct, frozen=True):
+    """Errors of one load, model minus measurement, in the unit of the load.
 
-    rms, bias (mean), worst (largest, with its sign).  relative_rms : rms over the root mean
-    square of the measurements [-].  hover_rms : rms of the hover model, NaN where none was given.
+    Attributes
+    ----------
+    rows : int
+        Numbers that are both measured and modelled.
+    rms : float
+        Root mean square of the errors.
+    relative_rms : float
+        ``rms`` over the root mean square of the measurements [-].
+    bias : float
+        Mean of the errors.
+    worst : float
+        The error of largest magnitude, with its sign.
+    hover_rms : float
+        Root mean square of the hover model's errors; NaN where it was not asked for.
     """
 
     rows: int
@@ -29,30 +40,32 @@ class Errors:
     hover_rms: float
 
 
+def rms(values: Floats) -> float:
+    """Root mean square of all values, in their unit."""
+    return float(np.sqrt(np.mean(np.square(values))))
+
+
 def errors(model: Floats, measured: Floats, hover: Floats | None = None) -> Errors:
-    """Errors over all numbers that are both measured and modelled; all (n,)."""
+    """Errors over all numbers that are both measured and modelled; all arrays are (n,)."""
     both = np.isfinite(model) & np.isfinite(measured)
     if not both.any():
         return Errors(0, *(5 * (np.nan,)))
     off = (model - measured)[both]
-    size = float(np.sqrt(np.mean(measured[both] ** 2)))
-    rms = float(np.sqrt(np.mean(off**2)))
+    size, left = rms(measured[both]), rms(off)
     return Errors(
         rows=int(both.sum()),
-        rms=rms,
-        relative_rms=rms / size if size > 0.0 else np.nan,
+        rms=left,
+        relative_rms=left / size if size > 0.0 else np.nan,
         bias=float(off.mean()),
         worst=float(off[np.argmax(np.abs(off))]),
-        hover_rms=np.nan
-        if hover is None
-        else float(np.sqrt(np.mean((hover - measured)[both] ** 2))),
+        hover_rms=np.nan if hover is None else rms((hover - measured)[both]),
     )
 
 
 def by_band(
     model: Floats, measured: Floats, speed: Floats, hover: Floats | None = None
 ) -> dict[str, Errors]:
-    """Errors per band of speed that has numbers, by a name such as "3-6 m/s"."""
+    """Errors in each band of speed that has numbers, by a name such as "3-6 m/s"."""
     found = {}
     for low, high in itertools.pairwise(BANDS):
         mine = (speed >= low) & (speed < high)

@@ -2,18 +2,28 @@
 
 from __future__ import annotations
 
-import hashlib
 import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+import msgspec
 import numpy as np
-from numpy.typing import NDArray
 
 import propmap
+from propmap.arrays.types import Floats
 from propmap.errors import InputError
+from propmap.fit.coverage import Coverage
+from propmap.fit.fit_record import (
+    FitRecord,
+    FittedLoad,
+    FittedPropeller,
+    FreeParameter,
+    SearchEnd,
+    Source,
+    read_record,
+)
 from propmap.fit.fitted import Fitted
 from propmap.fit.parameters import BODY, EVERY, SECTION, WING
 from propmap.fit.residuals import by_band, errors
@@ -28,9 +38,20 @@ from propmap.model.section_covariance import SectionCovariance
 class FitFile:
     """What a fit file holds for further use.
 
-    airfoil : the parameter set.  propeller, air : those it was found with.  values : of the
-    body's and the wing's parameters, by name.  covariance : of the section law's parameters that
-    were free, None where the file has none.  record : the whole table ``fit``.
+    Attributes
+    ----------
+    airfoil : Airfoil
+        The parameter set.
+    propeller : Propeller
+        The propeller that it was found with.
+    air : Air
+        The air that it was found with.
+    values : mapping of str to float
+        The body's and the wing's parameters by name.
+    covariance : SectionCovariance or None
+        Of the section law's parameters that were free; None where none was.
+    record : FitRecord
+        All that the file tells of the fit.
     """
 
     airfoil: Airfoil
@@ -38,7 +59,7 @@ class FitFile:
     air: Air
     values: Mapping[str, float]
     covariance: SectionCovariance | None
-    record: Mapping[str, Any]
+    record: FitRecord
 
 
 def fit_text(
@@ -50,87 +71,75 @@ def fit_text(
     air: Air,
     base: Airfoil,
     data: Sequence[Path | str],
-    covered: Mapping[str, Any],
-    hover: NDArray[np.float64],
+    covered: Coverage,
+    hover: Floats,
     remarks: Sequence[str],
     options: Mapping[str, Any],
 ) -> str:
     """The text of a fit file.
 
-    fitted : the fit.  propeller, air : of the test or the vehicle.
-    kind : "tunnel", "level flight" or "flight".  name : of the parameter set.  base : gave the
-    constants that are no parameters of a fit.  data : files, whose hashes are noted, or names of
-    the catalogue.  covered : what ``coverage`` says of the operating points.  hover : (M,), the
-    hover model's values of the fitted rows.  remarks : sentences for the reader.
-    options : further settings by name.
+    Parameters
+    ----------
+    fitted : Fitted
+        The fit.
+    kind : str
+        "tunnel", "level flight" or "flight".
+    name : str
+        Of the parameter set.
+    propeller, air : Propeller, Air
+        Of the test or the vehicle.
+    base : Airfoil
+        Gave the constants that are no parameters of a fit.
+    data : sequence of Path or str
+        Files, whose hashes are noted, or names of the catalogue.
+    covered : Coverage
+        Operating points of the data.
+    hover : ndarray, shape (M,)
+        The hover model's values of the fitted rows.
+    remarks : sequence of str
+        Sentences for the reader.
+    options : mapping
+        Further settings by name.
+
+    Returns
+    -------
+    str
+        TOML: a parameter set, and what the fit tells of itself as the table ``fit``.
     """
     import tomli_w
 
     section = {n: fitted.values[n] for n in SECTION}
     law = base.with_parameters(**section, name=name, source=f"fitted by propmap, {kind}")
     sure, choice = fitted.uncertainty, fitted.choice
-    parameters = {
-        n: {
-            "value": float(fitted.x[k]),
-            "unit": EVERY[n].unit,
-            "low_95": float(sure.low[k]),
-            "high_95": float(sure.high[k]),
-            "verdict": sure.verdicts[k],
-            "identified": sure.identified[k],
-            "start": float(choice.first[k]),
-            "lower": EVERY[n].lower,
-            "upper": EVERY[n].upper,
-        }
-        for k, n in enumerate(choice.free)
-    }
-    for k, n in enumerate(choice.free):
-        if n in choice.priors:
-            prior = choice.priors[n]
-            parameters[n]["prior"] = [prior.mean, prior.deviation]
-        if fitted.bootstrapped.size:
-            low, high = np.percentile(fitted.bootstrapped[:, k], [2.5, 97.5])
-            parameters[n] |= {"bootstrap_low_95": float(low), "bootstrap_high_95": float(high)}
-    spread = choice.column("spread")
-    record = {
-        "kind": kind,
-        "propmap": propmap.__version__,
-        "remarks": list(remarks),
-        "free": list(choice.free),
-        "rows": int(np.count_nonzero(fitted.rows.weight)),
-        "unsolved_rows": fitted.minimum.unsolved,
-        "seconds": round(fitted.seconds, 3),
-        "settings": asdict(fitted.settings) | dict(options),
-        "fixed": {n: float(v) for n, v in choice.fixed.items()},
-        "air": {"density": air.density, "viscosity": air.viscosity},
-        "propeller": {
-            "name": propeller.name,
-            "blades": propeller.blades,
-            "root": propeller.root,
-            "station_m": propeller.station.tolist(),
-            "chord_m": propeller.chord.tolist(),
-            "twist_rad": propeller.twist.tolist(),
-        },
-        "data": [source_entry(item) for item in data],
-        "covered": dict(covered),
-        "parameters": parameters,
-        "body": {n: fitted.values[n] for n in BODY},
-        "wing": {n: fitted.values[n] for n in WING},
-        "covariance": [[float(v) for v in row] for row in sure.covariance],
-        "correlation": [[float(v) for v in row] for row in sure.correlation],
-        "singular_values": sure.singular_values.tolist(),
-        "residuals": _residuals(fitted, hover),
-        "starts": [
-            {
-                "start": fitted.minimum.ends[k].start.tolist(),
-                "end": fitted.minimum.ends[k].x.tolist(),
-                "cost": fitted.minimum.ends[k].cost,
-                "minimum": number,
-            }
-            for number, group in enumerate(minima(fitted.minimum.ends, spread), start=1)
+    ends = fitted.minimum.ends
+    record = FitRecord(
+        kind=kind,
+        version=propmap.__version__,
+        remarks=list(remarks),
+        free=list(choice.free),
+        rows=int(np.count_nonzero(fitted.rows.weight)),
+        unsolved=fitted.minimum.unsolved,
+        seconds=round(fitted.seconds, 3),
+        settings=asdict(fitted.settings) | dict(options),
+        fixed=dict(choice.fixed),
+        air=air,
+        propeller=FittedPropeller.of(propeller),
+        data=[Source.of(item) for item in data],
+        covered=covered,
+        parameters=[_parameter(fitted, k) for k in range(len(choice.free))],
+        body={n: fitted.values[n] for n in BODY},
+        wing={n: fitted.values[n] for n in WING},
+        covariance=sure.covariance,
+        correlation=sure.correlation,
+        singular_values=sure.singular_values,
+        loads=[_load(fitted, k, hover) for k in range(len(fitted.rows.names))],
+        starts=[
+            SearchEnd(ends[k].start.tolist(), ends[k].x.tolist(), ends[k].cost, number)
+            for number, group in enumerate(minima(ends, choice.column("spread")), start=1)
             for k in group
         ],
-    }
-    return law.to_toml() + "\n" + tomli_w.dumps({"fit": record})
+    )
+    return law.to_toml() + "\n" + tomli_w.dumps({"fit": record.table()})
 
 
 def is_fit(path: Path) -> bool:
@@ -142,79 +151,68 @@ def is_fit(path: Path) -> bool:
 def read_fit(path: Path) -> FitFile:
     """Read a fit file.
 
-    path : of a file that ``propmap fit`` wrote.
-    Raises ``InputError`` where it is none.
+    Parameters
+    ----------
+    path : Path
+        Of a file that ``propmap fit`` wrote.
+
+    Raises
+    ------
+    InputError
+        Where the file is no fit, or an entry of it is missing or of another kind.
     """
-    law = read_airfoil(path)
-    record = tomllib.loads(path.read_text(encoding="utf-8")).get("fit")
-    where = str(path)
-    if record is None:
+    law, where = read_airfoil(path), str(path)
+    table = tomllib.loads(path.read_text(encoding="utf-8")).get("fit")
+    if table is None:
         raise InputError(
             "there is no table [fit]: this is a parameter set, not a fit",
             "give a file written by propmap fit, or name the propeller with --prop",
             where,
         )
+    record = read_record(table, where)
     try:
-        blade, air = record["propeller"], record["air"]
-        propeller = Propeller(
-            blade["name"],
-            blade["blades"],
-            np.array(blade["station_m"]),
-            np.array(blade["chord_m"]),
-            np.array(blade["twist_rad"]),
-            blade["root"],
-        )
-        values = {n: float(v) for n, v in (record["body"] | record["wing"]).items()}
-        medium = Air(air["density"], air["viscosity"])
-        return FitFile(law, propeller, medium, values, _covariance(record), record)
-    except (KeyError, TypeError, ValueError) as error:
+        blade = record.propeller.propeller()
+        covariance = SectionCovariance(tuple(record.free), record.covariance)
+        section = [name for name in record.free if name in SECTION]
+        known = covariance.of(section) if section else None
+    except InputError as error:
         raise InputError(
-            f"the table [fit] is damaged: {error}", "write it again with propmap fit", where
+            f"the table [fit] is damaged: {error.found}", error.remedy, where
         ) from None
+    return FitFile(law, blade, record.air, record.body | record.wing, known, record)
 
 
-def _covariance(record: Mapping[str, Any]) -> SectionCovariance | None:
-    """Of the free parameters that belong to the section law."""
-    names = record.get("free", [])
-    section = [name for name in names if name in SECTION]
-    if not section or "covariance" not in record:
-        return None
-    return SectionCovariance(tuple(names), np.array(record["covariance"], float)).of(section)
+def _parameter(fitted: Fitted, k: int) -> FreeParameter:
+    choice, sure = fitted.choice, fitted.uncertainty
+    name = choice.free[k]
+    known, prior = EVERY[name], choice.priors.get(name)
+    low, high = None, None
+    if fitted.bootstrapped.size:
+        low, high = np.percentile(fitted.bootstrapped[:, k], [2.5, 97.5]).tolist()
+    return FreeParameter(
+        name=name,
+        value=fitted.x[k],
+        unit=known.unit,
+        low=sure.low[k],
+        high=sure.high[k],
+        verdict=sure.verdicts[k],
+        identified=sure.identified[k],
+        start=choice.first[k],
+        lower=known.lower,
+        upper=known.upper,
+        prior=(prior.mean, prior.deviation) if prior else None,
+        bootstrap_low=low,
+        bootstrap_high=high,
+    )
 
 
-def _residuals(fitted: Fitted, hover: NDArray[np.float64]) -> dict[str, Any]:
-    rows, told = fitted.rows, {}
-    for k, name in enumerate(rows.names):
-        mine = (rows.load == k) & (rows.weight > 0.0)
-        measured = rows.measured[mine]
-        model = measured + fitted.residual[mine]
-        still = hover[mine]
-        whole = errors(model, measured, still)
-        told[name] = {
-            "unit": rows.units[k],
-            "rows": whole.rows,
-            "rms": whole.rms,
-            "relative_rms": whole.relative_rms,
-            "bias": whole.bias,
-            "worst": whole.worst,
-            "hover_rms": whole.hover_rms,
-            "cross_validated_rms": float(fitted.cross_validated[k]),
-            "by_speed": {
-                band: {
-                    "rows": e.rows,
-                    "rms": e.rms,
-                    "bias": e.bias,
-                    "worst": e.worst,
-                    "hover_rms": e.hover_rms,
-                }
-                for band, e in by_band(model, measured, rows.speed[mine], still).items()
-            },
-        }
-    return told
-
-
-def source_entry(item: Path | str) -> dict[str, str]:
-    """How a fit file names its data: a file with its hash, or a name of the catalogue."""
-    if isinstance(item, Path):
-        return {"file": item.name, "sha256": hashlib.sha256(item.read_bytes()).hexdigest()}
-    return {"catalogue": item}
+def _load(fitted: Fitted, k: int, hover: Floats) -> FittedLoad:
+    rows = fitted.rows
+    mine, (model, measured) = rows.of_load(k), fitted.compared(k)
+    return FittedLoad(
+        name=rows.names[k],
+        unit=rows.units[k],
+        cross_validated=fitted.cross_validated[k],
+        by_speed=by_band(model, measured, rows.speed[mine], hover[mine]),
+        **msgspec.structs.asdict(errors(model, measured, hover[mine])),
+    )

@@ -15,7 +15,7 @@ Model = Callable[[Mapping[str, float], tuple[str, ...]], tuple[Floats, Floats]]
 """From all parameters by name and the P free names: values (M,) and derivatives (M, P)."""
 
 REMEMBERED = 16
-"""Evaluations of a model that ``remembering`` keeps: more than one refit takes."""
+"""Evaluations that ``remembering`` keeps: more than one refit takes."""
 
 
 def remembering(model: Model) -> Model:
@@ -33,14 +33,28 @@ def remembering(model: Model) -> Model:
 
 @dataclass(frozen=True, eq=False)
 class Rows:
-    """M measured numbers of one or several kinds of load.
+    """M measured numbers of one or several kinds of load, and a model of them.
 
-    measured : (M,).  load : (M,), index into ``names``.  scale : (M,), by which residuals are
-    divided before they are squared.  speed : (M,) [m/s].  point : (M,), which operating point
-    a number belongs to; points are drawn and left out as a whole.  group : (M,), stretches
-    within which errors may be alike; None where every number errs by itself.
-    units : of each name.  model : gives values and derivatives, see ``Model``.
-    weight : (M,), 1, or 0 for what is left out.
+    Attributes
+    ----------
+    names, units : tuple of str
+        Of each kind of load.
+    measured : ndarray, shape (M,)
+        In the unit of the load.
+    load : ndarray, shape (M,)
+        Index into ``names``.
+    scale : ndarray, shape (M,)
+        By which residuals are divided before they are squared.
+    speed : ndarray, shape (M,)
+        Flight speed [m/s].
+    point : ndarray, shape (M,)
+        Operating point of each number; points are drawn and left out as a whole.
+    group : ndarray, shape (M,), or None
+        Stretches within which errors may be alike; None where every number errs by itself.
+    model : callable
+        Gives values and derivatives, see ``Model``.
+    weight : ndarray, shape (M,)
+        1, or 0 for what is left out.
     """
 
     names: tuple[str, ...]
@@ -54,6 +68,16 @@ class Rows:
     model: Model
     weight: Floats
 
+    def of_load(self, load: int) -> NDArray[np.bool_]:
+        """Which rows (M,) are of the load of this index and have weight."""
+        return (self.load == load) & (self.weight > 0.0)
+
     def left(self, points: NDArray[np.bool_]) -> Rows:
-        """The same rows, those of the operating points that are False without weight."""
+        """The same rows, without weight where their operating point is left out.
+
+        Parameters
+        ----------
+        points : ndarray of bool, shape (points,)
+            Which operating points keep their weight.
+        """
         return replace(self, weight=self.weight * points[self.point])

@@ -16,8 +16,8 @@ from propmap.fit.rows import Rows
 Jacobian = Callable[[Floats], Floats]
 
 NOISE_FLOOR = 1e-3
-"""Smallest standard deviation assumed for a residual, relative to its scale: to which the
-loads themselves are computed."""
+"""Smallest standard deviation assumed for a residual, relative to its scale: the accuracy of the
+computed loads."""
 
 SAME_MINIMUM = 1e-3
 """Distance, in units of the parameters' spreads, within which two ends are one minimum."""
@@ -26,20 +26,21 @@ DIFFERENCE = 1e-5
 """Step of difference quotients, in spreads."""
 
 ON_BOUND = 1e-9
-"""Distance from a bound, in spreads, from which the search, which stays inside, means it."""
+"""Distance from a bound, in spreads, that is no distance: the search stays inside the bounds."""
 
 EVALUATIONS, FINAL_EVALUATIONS = 20, 30
-"""Of the model, at most: from each start, and to polish the best end."""
+"""Evaluations of the model at most: from each start, and to polish the best end."""
 
 REFIT_EVALUATIONS = 6
 """The same where a known minimum is only followed, as in cross-validation."""
 
 MOST_UNSOLVED = 0.05
+"""Share of the rows that may have no solution in the model."""
 
 
 @dataclass(frozen=True)
 class End:
-    """Where a search from one start went; start and x (P,), cost [-] half the sum of squares."""
+    """Where a search from one start ended: x (P,) with half the sum of squares as cost [-]."""
 
     start: Floats
     x: Floats
@@ -49,8 +50,9 @@ class End:
 
 @dataclass(frozen=True)
 class Minimum:
-    """The best end: x (P,), residuals (M,) as shares of their scales and their derivatives
-    (M, P); where every start led, best first; rows that the model gave no value for."""
+    """The best end x (P,), residuals (M,) as shares of their scales and their derivatives (M, P);
+    all ends, best first; how many rows the model gave no value for.
+    """
 
     x: Floats
     residual: Floats
@@ -60,18 +62,13 @@ class Minimum:
 
 
 class Evaluator:
-    """Residuals and derivatives together, kept for the x asked for last.
-
-    rows, choice : of the fit.  error : see ``search``.
-    """
+    """Residuals of a fit and their derivatives together, kept for the x asked for last."""
 
     def __init__(self, rows: Rows, choice: Choice, error: float) -> None:
         self.rows, self.choice, self.error, self.count = rows, choice, error, 0
         self._x: Floats | None = None
-        spread = [(k, choice.priors[n]) for k, n in enumerate(choice.free) if n in choice.priors]
-        self.prior_index = np.array([k for k, _ in spread], int)
-        self.prior_mean = np.array([p.mean for _, p in spread])
-        self.prior_deviation = np.array([p.deviation for _, p in spread])
+        self.mean, self.deviation = choice.prior_columns
+        self.known = np.isfinite(self.deviation)
         self.unsolved = 0
 
     def at(self, x: Floats) -> tuple[Floats, Floats]:
@@ -90,12 +87,15 @@ class Evaluator:
 
     def residual(self, x: Floats) -> Floats:
         """The same with priors' residuals below."""
-        prior = (x[self.prior_index] - self.prior_mean) / self.prior_deviation
-        return np.concatenate([self.at(x)[0], self.error * prior])
+        prior = (x - self.mean) / self.deviation
+        return np.concatenate([self.at(x)[0], self.error * prior[self.known]])
 
     def difference_quotients(self, x: Floats) -> Floats:
-        """The Jacobian of the residuals as computed, which where inflow rises steeply differs from
-        ``jacobian`` by up to some per cent; see docs/theory.md, known limits."""
+        """The Jacobian of the residuals as computed.
+
+        Where inflow rises steeply it differs from ``jacobian`` by up to some per cent; see
+        docs/theory.md, known limits.
+        """
         here = self.residual(x)
         columns = []
         for k, (spread, upper) in enumerate(
@@ -109,8 +109,7 @@ class Evaluator:
 
     def jacobian(self, x: Floats) -> Floats:
         """Derivatives of ``residual``."""
-        prior = np.zeros((self.prior_index.size, x.size))
-        prior[np.arange(self.prior_index.size), self.prior_index] = 1.0 / self.prior_deviation
+        prior = np.diag(1.0 / self.deviation)[self.known]
         return np.concatenate([self.at(x)[1], self.error * prior])
 
 
@@ -134,12 +133,13 @@ def search(
     error: float = NOISE_FLOOR,
     follow: bool = False,
 ) -> Minimum:
-    """The best minimum over all starts.
+    """The best minimum over all starts, each (P,).
 
-    begin : starts, each (P,).  loss : "linear", or "soft_l1" so that a few outliers do not
-    decide.  error : the standard deviation of a residual, as a share of its scale: against it
-    priors are weighed, and twice it is an outlier.
-    follow : whether the start is a minimum of much the same data, so that few steps do.
+    ``loss`` is "linear", or "soft_l1" so that a few outliers do not decide.  ``error`` is the
+    standard deviation of a residual as a share of its scale: priors are weighed against it, and
+    twice it is an outlier.  ``follow`` says that the start is a minimum of much the same data, so
+    that few steps do.
+
     Raises ``InputError`` where there are fewer numbers than parameters, or where the model has
     no solution for more than one row in twenty.
     """

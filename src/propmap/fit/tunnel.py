@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 
 from propmap.arrays.types import Floats
+from propmap.baselines.hover import REFERENCE_TIP_SPEED, HoverModel
 from propmap.engine.evaluation import prepare
 from propmap.engine.gradients import load_gradients
 from propmap.engine.plan import accuracy
 from propmap.errors import InputError
-from propmap.fit.hover_baseline import hover_after_fit, hover_loads
 from propmap.fit.parameters import BODY, SECTION, WING, Choice
 from propmap.fit.rows import Rows
 from propmap.model.air import Air
@@ -29,9 +29,14 @@ UNITS = {"thrust": "N", "drag": "N", "torque": "N m", "roll_moment": "N m"}
 class TunnelData:
     """Loads of one propeller at n operating points.
 
-    source : for reports.  omega [rad/s], speed [m/s], beta [rad] : (n,).
-    loads : by name ("thrust", "drag" [N], "torque", "roll_moment" [N m]), (n,), NaN where not
-    measured.
+    Attributes
+    ----------
+    source : str
+        Where they are from, for reports.
+    omega, speed, beta : ndarray, shape (n,)
+        Rotational speed [rad/s], flight speed [m/s], angle to the axis [rad].
+    loads : mapping of str to ndarray, shape (n,)
+        "thrust", "drag" [N], "torque", "roll_moment" [N m]; NaN where not measured.
     """
 
     source: str
@@ -80,17 +85,33 @@ def tunnel_rows(
     base: Airfoil | None = None,
     setting: str = "standard",
 ) -> Rows:
-    """Rows of the loads named, by default of all that were measured.
+    """Rows to fit from loads measured on a bench or in a tunnel.
 
-    propeller, air : of the test.  data : what was measured.  choice : what is free.
-    loads : names of those to fit.  weights : by load, how often its residuals count, else once.
-    base : section law that gives what no parameter of a fit does, by default ``first_guess``.
-    setting : accuracy of the loads, as in ``Rotor``.
+    Residuals are compared as coefficients, relative to rho Omega^2 R^4 (R^5 for moments), because
+    that is how measurement errors scale over a sweep of rotational speed; each load by the root
+    mean square of its own measured coefficient, divided by its weight.
 
-    Residuals are compared as coefficients, relative to rho Omega^2 R^4 (R^5 for moments),
-    because that is how measurement errors scale over a sweep of rotational speed; each load by
-    the root mean square of its own measured coefficient, divided by its weight.
-    Raises ``InputError`` for a load that was not measured and a parameter that does not act.
+    Parameters
+    ----------
+    propeller, air : Propeller, Air
+        Of the test.
+    data : TunnelData
+        What was measured.
+    choice : Choice
+        Which parameters are free.
+    loads : sequence of str
+        Names of those to fit; by default all that were measured.
+    weights : mapping of str to float, optional
+        How often the residuals of a load count, where that is not once.
+    base : Airfoil, optional
+        Gives what no parameter of a fit does, by default ``first_guess``.
+    setting : str
+        Accuracy of the loads, as in ``Rotor``.
+
+    Raises
+    ------
+    InputError
+        For a load that was not measured and for a parameter that does not act.
     """
     useless = [n for n in choice.free if n in BODY or n in WING]
     if useless:
@@ -147,11 +168,28 @@ def tunnel_rows(
     )
 
 
-def hover_rows(rotor: Rotor, data: TunnelData, rows: Rows) -> Floats:
-    """What the hover model with this rotor's constants says of the rows; (M,).
+def hover_after_fit(rotor: Rotor) -> HoverModel:
+    """``HoverModel.of(rotor)`` by the program that the fit has compiled, within 0.1 %."""
+    omega = REFERENCE_TIP_SPEED / rotor.propeller.radius
+    still, setting = np.zeros(1), accuracy(rotor.accuracy)
+    found = load_gradients(prepare(rotor.arrays), setting, (), np.array([omega]), still, still)
+    static = dict(zip(LOADS, found.loads[:, 0].tolist(), strict=True))
+    return HoverModel(static["thrust"] / omega**2, static["torque"] / omega**2, omega)
 
-    data : what the rows were made of.
-    """
+
+def hover_loads(hover: HoverModel, omega: Floats) -> dict[str, Floats]:
+    """The hover model's loads [N], [N m] by name at omega [rad/s]; all (n,)."""
+    nothing = np.zeros_like(omega)
+    return {
+        "thrust": hover.thrust(omega),
+        "drag": nothing,
+        "torque": hover.torque(omega),
+        "roll_moment": nothing,
+    }
+
+
+def hover_rows(rotor: Rotor, data: TunnelData, rows: Rows) -> Floats:
+    """What the hover model with this rotor's constants says of the rows (M,) made of ``data``."""
     loads = hover_loads(hover_after_fit(rotor), data.omega)
     each = np.array([loads[name] for name in rows.names])
     return np.asarray(each[rows.load, rows.point])

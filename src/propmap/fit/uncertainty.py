@@ -15,10 +15,10 @@ from propmap.fit.rows import Rows
 from propmap.fit.search import NOISE_FLOOR, Evaluator, Minimum
 
 AT_BOUND = 1e-6
-"""Distance from a bound, in spreads, within which a parameter is held by it."""
+"""Distance from a bound, in spreads, within which the bound holds a parameter."""
 
 LARGEST_STRETCH = 4.0
-"""Of an interval, where the model bends; by then the parameter is no longer identified."""
+"""Of an interval where the model is not linear; by then the parameter is no longer identified."""
 
 NEGLIGIBLE = 1e-6
 """Singular value, relative to the largest, below which data say nothing of a direction: its
@@ -27,14 +27,24 @@ square has to stand above the rounding errors of the largest one's."""
 
 @dataclass(frozen=True)
 class Uncertainty:
-    """P parameters' uncertainties.
+    """How uncertain P parameters are.
 
-    covariance : (P, P) as if there were no bounds; infinite variance where the data say nothing.
-    low, high : ends of the 95 % intervals (P,), within the bounds (``bounded_intervals``).
-    correlation : (P, P).
-    singular_values : of the residuals' derivatives per spread, largest first, relative to it.
-    verdicts : a sentence for each.  identified : (P,).
-    error : standard deviation of a residual as a share of its scale, per load.
+    Attributes
+    ----------
+    covariance : ndarray, shape (P, P)
+        As if there were no bounds; a variance is infinite where the data say nothing.
+    low, high : ndarray, shape (P,)
+        Ends of the 95 % intervals, within the bounds.
+    correlation : ndarray, shape (P, P)
+        Of the errors [-].
+    singular_values : ndarray, shape (P,)
+        Of the residuals' derivatives per spread, relative to the largest.
+    verdicts : tuple of str
+        A sentence for each.
+    identified : tuple of bool
+        Whether the data determine it.
+    error : ndarray, shape (L,)
+        Standard deviation of a residual of each load, as a share of its scale.
     """
 
     covariance: Floats
@@ -56,24 +66,20 @@ def uncertainty(rows: Rows, choice: Choice, found: Minimum) -> Uncertainty:
     """
     from scipy.special import stdtrit  # scipy.stats takes half a second to import
 
-    x, names = found.x, choice.free
+    x = found.x
     spread, lower, upper = (choice.column(a) for a in ("spread", "lower", "upper"))
     seen = np.linalg.norm(found.slopes, axis=0) * spread
     # Where data say nothing of a parameter, they do not press it against a bound either.
     held = (x - lower < AT_BOUND * spread) | (upper - x < AT_BOUND * spread)
     held &= seen > NEGLIGIBLE * max(float(seen.max()), 1e-300)
     used = rows.weight > 0.0
-    counts = np.array([np.count_nonzero(used & (rows.load == k)) for k in range(len(rows.names))])
+    parts = [rows.of_load(k) for k in range(len(rows.names))]
+    counts = np.array([np.count_nonzero(part) for part in parts])
     share = x.size / max(int(counts.sum()), 1)
-    error = np.array(
-        [
-            _standard_error(found.residual[used & (rows.load == k)], share)
-            for k in range(len(rows.names))
-        ]
-    )
+    error = np.array([_standard_error(found.residual[part], share) for part in parts])
     slopes = found.slopes * spread
     information = slopes.T @ slopes
-    prior = np.array([choice.priors[n].deviation if n in choice.priors else np.inf for n in names])
+    mean, prior = choice.prior_columns
     mean_error = float(np.sqrt(np.sum(counts * error**2) / max(counts.sum(), 1)))
     held_by_prior = (mean_error * spread / prior) ** 2
     if rows.group is None:
@@ -87,7 +93,6 @@ def uncertainty(rows: Rows, choice: Choice, found: Minimum) -> Uncertainty:
     covariance = known.covariance * np.outer(spread, spread)
     deviation = np.sqrt(np.diag(covariance))
     # At a minimum the sum of squares only slopes towards bounds.
-    mean = np.array([choice.priors[n].mean if n in choice.priors else 0.0 for n in names])
     uphill = slopes.T @ found.residual + held_by_prior * (x - mean) / spread
     centre = x / spread - known.inverse @ np.where(held, uphill, 0.0)
     quantile = float(stdtrit(freedom, 0.975))
@@ -119,12 +124,12 @@ def uncertainty(rows: Rows, choice: Choice, found: Minimum) -> Uncertainty:
 def _stretched(
     ends: Floats, narrow: NDArray[np.intp], rows: Rows, choice: Choice, found: Minimum
 ) -> Floats:
-    """Ends (2, P) of intervals, in spreads, moved outwards where the model bends.
+    """Ends (2, P) of intervals, in spreads, moved outwards where the model is not linear.
 
     At an end, with the other parameters where the linear model has the least sum of squares,
     the model is evaluated and made linear anew.  If its least sum of squares there exceeds the
-    minimum's by less than the first linear model had it, the end is too near.
-    narrow : indices of the parameters whose ends are looked at.
+    minimum's by less than the first linear model had it, the end is too near.  Only the ends of
+    the parameters with the indices ``narrow`` are looked at.
     """
     spread, lower, upper = (choice.column(a) for a in ("spread", "lower", "upper"))
     x, residual, slopes = found.x / spread, found.residual, found.slopes * spread

@@ -21,8 +21,9 @@ from propmap.vehicle.vehicle import Vehicle
 
 @dataclass(frozen=True)
 class Expectation:
-    """truth : (P,), the free parameters.  uncertainty : of a fit, intervals about the truth.
-    error : force error of a flight that was reckoned with, as a share of the weight."""
+    """The true values (P,) of the free parameters and the intervals about them of a fit of flights
+    whose vertical forces have this error, a share of the weight.
+    """
 
     choice: Choice
     truth: Floats
@@ -40,9 +41,22 @@ def expectation(
 ) -> Expectation:
     """Gauss-Newton intervals at the truth for a fit of level flights, eq. (18).
 
-    points : of ``trim``.  free : parameters of the fit.  error : standard deviation of the
-    vertical force of a flight, as a share of the weight; at least the error of the loads
-    themselves is reckoned with.
+    Parameters
+    ----------
+    vehicle, airfoil : Vehicle, Airfoil
+        What is flown, and the true section law of its blades.
+    points : FlightLog
+        Operating points of ``trim``.
+    free : tuple of str
+        Parameters of the fit.
+    error : float
+        Standard deviation of the vertical force of a flight, as a share of the weight; at least
+        the numerical error of the loads is assumed.
+
+    Raises
+    ------
+    InputError
+        For a true value outside the bounds of a fit.
     """
     truth = true_values(vehicle, airfoil)
     known = [name for name in free if name in EVERY]

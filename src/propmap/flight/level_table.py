@@ -9,10 +9,9 @@ import re
 import numpy as np
 
 from propmap.errors import InputError
-from propmap.flight.leaning import in_leaning_frame
 from propmap.io.blade_table import parse_number
 from propmap.io.text_file import read_lines
-from propmap.vehicle.flight_log import FlightLog
+from propmap.vehicle.flight_log import FlightLog, in_vehicle_frame
 from propmap.vehicle.log_map import RPM
 from propmap.vehicle.vehicle import Vehicle
 
@@ -21,23 +20,35 @@ OPTIONAL = ("roll_deg", "climb_mps", "yaw_rate_dps")
 RPM_COLUMN = re.compile(r"rpm_[1-9][0-9]*")
 
 STEEPEST = 85.0
-"""[degrees] of pitch and roll: beyond, a table of steady flight is a slip."""
+"""Pitch and roll [deg], beyond which a table of steady flight is a slip."""
 
 
 def read_level_table(path: str | os.PathLike[str], vehicle: Vehicle) -> FlightLog:
     """Operating points from a CSV file with a header line and one row per point.
 
-    speed_mps : horizontal speed through the air, 0 or more, towards where the nose points.
-    pitch_deg : how far the vehicle's z axis leans forward: positive when the top of the vehicle
-        leans into the flight direction, nose down.
-    roll_deg : about the vehicle's x axis, after the pitch; positive right side down.
-    climb_mps : vertical speed, up positive.
-    yaw_rate_dps : rate of turn about the vertical, positive to the left (counter-clockwise
-        seen from above).
-    rpm_1 ... rpm_n : of the vehicle's rotors in their order, mechanical, 0 or more.
-    The optional columns roll_deg, climb_mps and yaw_rate_dps are 0 where they are missing;
-    other columns are ignored.  ``time`` of the points is 0, 1, 2 ...; ``specific_force`` is NaN.
-    Raises ``InputError`` naming the file, the line and the column.
+    Columns are ``speed_mps`` (horizontal speed through the air towards where the nose points,
+    >= 0), ``pitch_deg`` (positive when the top of the vehicle leans into the flight direction, nose
+    down), ``rpm_1`` ... ``rpm_n`` (of the vehicle's rotors in their order, mechanical, >= 0), and,
+    0 where missing, ``roll_deg`` (about the vehicle's x axis, after the pitch; positive right side
+    down), ``climb_mps`` (up positive), ``yaw_rate_dps`` (about the vertical, positive to the left).
+    Other columns are ignored.
+
+    Parameters
+    ----------
+    path : path
+        Of the file.
+    vehicle : Vehicle
+        Says how many rotors there are.
+
+    Returns
+    -------
+    FlightLog
+        With the times 0, 1, 2 ...; its ``specific_force`` is NaN.
+
+    Raises
+    ------
+    InputError
+        Naming the file, the line and the column.
     """
     where = os.fspath(path)
     rows = _rows(read_lines(path, "table of operating points"), where)
@@ -51,12 +62,12 @@ def read_level_table(path: str | os.PathLike[str], vehicle: Vehicle) -> FlightLo
     zero = np.zeros(len(table))
     pitch = np.radians(columns["pitch_deg"])
     roll = np.radians(columns.get("roll_deg", zero))
-    up = in_leaning_frame(np.stack([zero, zero, zero + 1.0], axis=1), pitch, roll)
-    course = np.stack([columns["speed_mps"], zero, columns.get("climb_mps", zero)], axis=1)
+    up = in_vehicle_frame(0.0, 0.0, 1.0, pitch, roll)
+    climb = columns.get("climb_mps", zero)
     return FlightLog(
         source=where,
         time=np.arange(len(table), dtype=np.float64),
-        velocity=in_leaning_frame(course, pitch, roll),
+        velocity=in_vehicle_frame(columns["speed_mps"], 0.0, climb, pitch, roll),
         rates=np.radians(columns.get("yaw_rate_dps", zero))[:, None] * up,
         up=up,
         specific_force=np.full((len(table), 3), np.nan),

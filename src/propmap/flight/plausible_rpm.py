@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from propmap.baselines.hover import HoverModel
 from propmap.errors import InputError
-from propmap.flight.airborne import airborne
+from propmap.flight.steady import airborne
 from propmap.vehicle.flight_log import GRAVITY, FlightLog
 from propmap.vehicle.log_map import RPM
 from propmap.vehicle.vehicle import Vehicle
@@ -19,12 +19,13 @@ if TYPE_CHECKING:
     from propmap.rotor import Rotor
 
 SLOW = 3.0
-"""[m/s] below which the hover model serves."""
+"""Speed [m/s] below which the hover model serves."""
 
 QUIET = 0.1
 """Share of g by which the specific force may differ from it."""
 
 FEWEST_SLOW = 20
+"""Samples of slow flight, below which there is too little of it."""
 
 NEAR_RPM = 0.25
 NEAR_POLE_PAIRS = 0.1
@@ -42,12 +43,13 @@ def check_rotor_speed(
 ) -> list[str]:
     """Compare the thrust that the rotor speeds give in slow flight with the weight.
 
-    rotor : the vehicle's propeller with a nominal section law.  rotor_unit : what the vehicle
-    file states ("rad/s", "rpm", "erpm"), to tell apart unit errors of like size.
     Slow flight is below 3 m/s with a specific force within 10 % of g; where there is too little
-    of it, the slowest tenth of the flight serves.  Rotors on the ground do not count.
-    Returns warnings.  Raises ``InputError`` where a rotor stands still or the ratio is that of
-    a wrong unit.
+    of it, the slowest tenth of the flight serves.  Time on the ground does not count.
+    ``rotor`` is the vehicle's propeller with a nominal section law.  ``rotor_unit`` is what the
+    vehicle file states ("rad/s", "rpm", "erpm"), to tell apart unit errors of like size.
+
+    Returns warnings.  Raises ``InputError`` where a rotor stands still or the ratio of the forces
+    is that of a wrong unit.
     """
     for k, column in enumerate(log.rotor_speed.T, start=1):
         if not np.max(column) > 0.0:

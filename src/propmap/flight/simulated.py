@@ -2,30 +2,46 @@
 
 from __future__ import annotations
 
+import io
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from propmap.arrays.types import Floats
 from propmap.errors import InputError
-from propmap.flight.leaning import in_leaning_frame, lean
-from propmap.vehicle.flight_log import GRAVITY, FlightLog
+from propmap.vehicle.flight_log import GRAVITY, FlightLog, in_vehicle_frame, pitch_and_roll
+from propmap.vehicle.log_map import LogMap
 
 HARDEST = 2.0
-"""[m/s^2], largest acceleration from one speed to the next."""
+"""Largest acceleration [m/s^2] from one speed to the next."""
 
 SHORTEST = 0.5
-"""[s] from one speed to the next."""
+"""Least time [s] from one speed to the next."""
 
 MOST_SAMPLES = 2_000_000
+
+VECTORS = {
+    "velocity": ("vx_mps", "vy_mps", "vz_mps"),
+    "rates": ("p_radps", "q_radps", "r_radps"),
+    "specific_force": ("ax_mps2", "ay_mps2", "az_mps2"),
+}
+ANGLES = ("roll", "pitch", "yaw")
 
 
 @dataclass(frozen=True)
 class SensorNoise:
-    """Standard deviations of one sample; white, so that averages have less.
+    """Standard deviations of one sample; the noise is white, so that averages have less.
 
-    rotor_speed : as a share of it [-].  velocity : [m/s].  attitude : of pitch and roll [rad].
-    specific_force : [m/s^2].
+    Attributes
+    ----------
+    rotor_speed : float
+        As a share of the rotor speed [-].
+    velocity : float
+        Of each component [m/s].
+    attitude : float
+        Of pitch and roll [rad].
+    specific_force : float
+        Of each component [m/s^2].
     """
 
     rotor_speed: float = 0.005
@@ -53,14 +69,26 @@ def fly(
     noise: SensorNoise = NOISELESS,
     seed: int = 0,
 ) -> FlightLog:
-    """A log of level circles, each held for ``dwell`` [s], sampled ``rate`` [1/s] times.
+    """A log of level circles flown one after the other.
 
-    points : of ``trim``, in the order in which they are flown.  seed : of the noise.
     Between two speeds the vehicle leans into the acceleration and the rotors carry it, by the
     thrust alone: these moments are there to be left out, as in a real log.
+
+    Parameters
+    ----------
+    points : FlightLog
+        Operating points of ``trim``, in the order in which they are flown.
+    dwell : float
+        How long each is held [s].
+    rate : float
+        Samples per second [1/s].
+    noise : SensorNoise
+        Of the sensors.
+    seed : int
+        Of the noise.
     """
     check_sampling(dwell, rate)
-    speed, (pitch, roll) = points.speed, lean(points.up)
+    speed, (pitch, roll) = points.speed, pitch_and_roll(points.up)
     turn = np.sum(points.rates * points.up, axis=1)
     # The smooth change below is at most twice as fast as its mean.
     lasts = np.maximum(2.0 * np.abs(np.diff(speed)) / HARDEST, SHORTEST)
@@ -79,27 +107,16 @@ def fly(
     speed, turn = course(speed), course(turn)
     pitch, roll = course(pitch) + np.arctan(push / GRAVITY), course(roll)
     harder = (1.0 + (push / GRAVITY) ** 2) ** 0.25
-    nothing = np.zeros_like(time)
-
-    def seen(forward: Floats, left: Floats, vertical: Floats) -> Floats:
-        return in_leaning_frame(np.stack([forward, left, vertical], axis=1), pitch, roll)
-
-    up = seen(nothing, nothing, nothing + 1.0)
-    tilting = np.stack(
-        [
-            np.gradient(roll, 1.0 / rate),
-            np.cos(roll) * np.gradient(pitch, 1.0 / rate),
-            -np.sin(roll) * np.gradient(pitch, 1.0 / rate),
-        ],
-        axis=1,
-    )
+    up = in_vehicle_frame(0.0, 0.0, 1.0, pitch, roll)
+    roll_rate, pitch_rate = (np.gradient(angle, 1.0 / rate) for angle in (roll, pitch))
+    tilting = [roll_rate, np.cos(roll) * pitch_rate, -np.sin(roll) * pitch_rate]
     log = FlightLog(
         source="simulated flight",
         time=time,
-        velocity=seen(speed, nothing, nothing),
-        rates=turn[:, None] * up + tilting,
+        velocity=in_vehicle_frame(speed, 0.0, 0.0, pitch, roll),
+        rates=turn[:, None] * up + np.stack(tilting, axis=1),
         up=up,
-        specific_force=seen(push, speed * turn, nothing + GRAVITY),
+        specific_force=in_vehicle_frame(push, speed * turn, GRAVITY, pitch, roll),
         rotor_speed=course(points.rotor_speed) * harder[:, None],
     )
     return _measured(log, pitch, roll, noise, np.random.default_rng(seed))
@@ -112,14 +129,50 @@ def _measured(
         return size * rng.standard_normal(shape)
 
     n = len(log)
-    vertical = np.tile([0.0, 0.0, 1.0], (n, 1))
     tilted = pitch + error(noise.attitude, (n,)), roll + error(noise.attitude, (n,))
     return replace(
         log,
         velocity=log.velocity + error(noise.velocity, (n, 3)),
-        up=in_leaning_frame(vertical, *tilted),
+        up=in_vehicle_frame(0.0, 0.0, 1.0, *tilted),
         specific_force=log.specific_force + error(noise.specific_force, (n, 3)),
         rotor_speed=np.abs(
             log.rotor_speed * (1.0 + error(noise.rotor_speed, log.rotor_speed.shape))
         ),
     )
+
+
+def log_map(rotors: int) -> LogMap:
+    """How a file of ``log_csv`` is to be read."""
+    columns = {"time": ("time_s",), **VECTORS, **{name: (f"{name}_rad",) for name in ANGLES}}
+    columns["rotor_speed"] = tuple(f"rotor_{k}_radps" for k in range(1, rotors + 1))
+    return LogMap("flu", "enu", "body", "rad/s", columns=columns)
+
+
+def log_table(rotors: int) -> str:
+    """The same as the text of the table ``[log]`` for a vehicle file."""
+    how = log_map(rotors)
+    lines = ["[log]"]
+    for key in ("body_frame", "world_frame", "velocity_in", "rotor_unit"):
+        lines.append(f'{key} = "{how.stated(key)}"')
+    lines += ["", "[log.columns]"]
+    for key, names in how.columns.items():
+        listed = ", ".join(f'"{name}"' for name in names)
+        lines.append(
+            f"{key} = [{listed}]" if key in (*VECTORS, "rotor_speed") else f"{key} = {listed}"
+        )
+    return "\n".join(lines) + "\n"
+
+
+def log_csv(log: FlightLog) -> str:
+    """The log as CSV; the heading, which a log does not have, follows from the yaw rate."""
+    pitch, roll = pitch_and_roll(log.up)
+    turn = np.sum(log.rates * log.up, axis=1)
+    steps = 0.5 * (turn[1:] + turn[:-1]) * np.diff(log.time)
+    yaw = np.concatenate([[0.0], np.cumsum(steps)])
+    vectors = np.concatenate([getattr(log, name) for name in VECTORS], axis=1)
+    angles = np.stack([roll, pitch, yaw], axis=1)
+    names = [name for part in log_map(log.rotor_speed.shape[1]).columns.values() for name in part]
+    text = io.StringIO()
+    table = np.column_stack([log.time, vectors, angles, log.rotor_speed])
+    np.savetxt(text, table, "%.9g", delimiter=",", header=",".join(names), comments="")
+    return text.getvalue()

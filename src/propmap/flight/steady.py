@@ -3,19 +3,28 @@
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from propmap.arrays.types import Floats
 from propmap.errors import InputError
-from propmap.flight.airborne import airborne
 from propmap.vehicle.flight_log import FlightLog
-from propmap.vehicle.logs.resampling import LONGEST_GAP
+from propmap.vehicle.logs.assembly import LONGEST_GAP
+
+MOVING = 1.0
+"""Speed [m/s] above which a vehicle is certainly not on the ground."""
+
+IDLE = 0.3
+"""Share of the usual thrust below which the rotors do not carry the vehicle."""
 
 SMOOTHING = 0.25
-"""[s] over which signals are averaged before their range is taken: noise is not a change."""
+"""Time [s] over which signals are averaged before their range is taken: noise is no change."""
+
+
+RESOLUTION = 1e-3
+"""Time [s] to which the longest stretch is found where there is no steady one."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,6 +36,19 @@ class _Piece:
     scaled: Floats
 
 
+def airborne(log: FlightLog) -> NDArray[np.bool_]:
+    """Samples (n,) in which the rotors carry the vehicle.
+
+    On the ground the rotors stand still or idle: the sum of their squared speeds, to which the
+    thrust is proportional, is then far below its median in motion (without motion, below its 90th
+    percentile).  The unit of the speeds, which may be wrong, does not matter.
+    """
+    squares = np.sum(np.square(log.rotor_speed), axis=1)
+    moving = log.speed > MOVING
+    usual = np.median(squares[moving]) if moving.any() else np.percentile(squares, 90.0)
+    return np.asarray((squares > IDLE * usual) & (squares > 0.0))
+
+
 def steady_stretches(
     log: FlightLog,
     *,
@@ -36,14 +58,26 @@ def steady_stretches(
     rate_band: float = 0.3,
     tilt_band: float = 0.1,
 ) -> list[slice]:
-    """Stretches of at least so many ``seconds`` in which the flight is steady, in order.
+    """Stretches of a log in which the flight is steady, in order.
 
-    Each band is the largest difference between two moments of a stretch: speed_band [m/s] of
-    every component of the velocity in the vehicle's frame, climb_band [m/s] of the climb rate,
-    rate_band [rad/s] of every angular rate, tilt_band [rad] of the direction of ``up``.
-    Signals are averaged over 0.25 s before.  A circle flown nose first at constant speed is
-    steady.  Time on the ground and gaps in the log belong to no stretch.
-    Raises ``InputError`` where there is none; it names the limit that ended the longest one.
+    A circle flown nose first at constant speed is steady.  Time on the ground and gaps in the log
+    belong to no stretch.  Signals are averaged over 0.25 s first.
+
+    Parameters
+    ----------
+    log : FlightLog
+        The flight.
+    seconds : float
+        Shortest stretch [s].
+    speed_band, climb_band, rate_band, tilt_band : float
+        Largest difference between two moments of a stretch: of each component of the velocity in
+        the vehicle's frame [m/s], of the climb rate [m/s], of each angular rate [rad/s], and of the
+        direction of ``up`` [rad].
+
+    Raises
+    ------
+    InputError
+        Where there is none; the message names the band that ended the longest one.
     """
     bands = {
         "speed_band": (speed_band, log.velocity),
@@ -51,31 +85,23 @@ def steady_stretches(
         "rate_band": (rate_band, log.rates),
         "tilt_band": (tilt_band, log.up),
     }
-    for name, value in {
-        "seconds": seconds,
-        **{key: band for key, (band, _) in bands.items()},
-    }.items():
+    limits = {name: band for name, (band, _) in bands.items()}
+    for name, value in {"seconds": seconds, **limits}.items():
         if not value > 0.0:
             raise InputError(f"{name} is {value}", "give a number above 0")
-    names = [name for name, (_, signal) in bands.items() for _ in signal.T]
     scaled = np.concatenate([signal / band for band, signal in bands.values()], axis=1)
     pieces = _pieces(log, scaled)
     stretches = [stretch for piece in pieces for stretch in _stretches(piece, seconds)]
     if not stretches:
-        limits = {name: band for name, (band, _) in bands.items()}
+        names = [name for name, (_, signal) in bands.items() for _ in signal.T]
         raise _none_steady(log, pieces, seconds, names, limits)
     return stretches
 
 
 def operating_points(log: FlightLog, stretches: list[slice]) -> FlightLog:
     """The averages over the stretches, one row per stretch; ``up`` has length 1 again."""
-    means = {
-        field.name: np.array([np.mean(getattr(log, field.name)[s], axis=0) for s in stretches])
-        for field in fields(FlightLog)
-        if field.name != "source"
-    }
-    means["up"] /= np.linalg.norm(means["up"], axis=1, keepdims=True)
-    return FlightLog(source=log.source, **means)
+    means = log.with_each(lambda array: np.array([np.mean(array[s], axis=0) for s in stretches]))
+    return replace(means, up=means.up / np.linalg.norm(means.up, axis=1, keepdims=True))
 
 
 def _pieces(log: FlightLog, scaled: Floats) -> list[_Piece]:
@@ -123,16 +149,13 @@ def _stretches(piece: _Piece, seconds: float) -> list[slice]:
     return stretches
 
 
-def _range(scaled: Floats) -> Floats:
-    return np.asarray(np.max(scaled, axis=0) - np.min(scaled, axis=0))
-
-
 def _count_within(scaled: Floats) -> int:
     """How many samples from the first on stay within the bands."""
     size = 256
     while True:
         part = scaled[:size]
-        within = np.all(_running_range(part) <= 1.0, axis=1)
+        highest, lowest = np.maximum.accumulate(part, axis=0), np.minimum.accumulate(part, axis=0)
+        within = np.all(highest - lowest <= 1.0, axis=1)
         if not within.all():
             return int(np.argmin(within))
         if size >= scaled.shape[0]:
@@ -140,35 +163,14 @@ def _count_within(scaled: Floats) -> int:
         size *= 2
 
 
-def _running_range(scaled: Floats) -> Floats:
-    """Range from the first sample to each; (n, channels)."""
-    highest = np.maximum.accumulate(scaled, axis=0)
-    return np.asarray(highest - np.minimum.accumulate(scaled, axis=0))
-
-
-def _windows_within(scaled: Floats, count: int) -> NDArray[np.bool_]:
-    """Which windows of ``count`` samples stay within the bands, by their first sample."""
-    from scipy.ndimage import maximum_filter1d, minimum_filter1d
-
-    # A filter's window is centred: shifted so that it begins at the sample.
-    shift = -(count // 2)
-    highest = maximum_filter1d(scaled, count, axis=0, origin=shift)
-    lowest = minimum_filter1d(scaled, count, axis=0, origin=shift)
-    within = np.all(highest - lowest <= 1.0, axis=1)
-    return np.asarray(within[: scaled.shape[0] - count + 1])
-
-
-def _longest(piece: _Piece) -> slice:
-    """The stretch of most samples within the bands, however short."""
-    low, high = 1, piece.time.size
-    while low < high:
-        middle = (low + high + 1) // 2
-        if _windows_within(piece.scaled, middle).any():
-            low = middle
-        else:
-            high = middle - 1
-    start = int(np.argmax(_windows_within(piece.scaled, low)))
-    return slice(start, start + low)
+def _longest(piece: _Piece, seconds: float) -> slice:
+    """The longest stretch of a piece that has none of so many ``seconds``, by its own indices."""
+    low, high = 0.0, seconds
+    while high - low > RESOLUTION:
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if _stretches(piece, middle) else (low, middle)
+    found = max(_stretches(piece, low), key=lambda stretch: stretch.stop - stretch.start)
+    return slice(found.start - piece.first, found.stop - piece.first)
 
 
 def _none_steady(
@@ -178,28 +180,36 @@ def _none_steady(
     names: list[str],
     limits: dict[str, float],
 ) -> InputError:
+    """The error that tells the longest stretch and what ended it; ``names`` : of the channels."""
     if not pieces:
         return InputError(
             "the rotors never carry the vehicle", "give the log of a flight", log.source
         )
-    best, stretch, duration = pieces[0], slice(0, 1), -1.0
-    for piece in pieces:
-        found = _longest(piece)
-        lasts = float(piece.time[found.stop - 1] - piece.time[found.start])
-        if lasts > duration:
-            best, stretch, duration = piece, found, lasts
-    found_text = (
-        f"no steady stretch of {seconds:g} s: the longest lasts {duration:.2f} s, "
+
+    def duration(found: tuple[_Piece, slice]) -> float:
+        piece, stretch = found
+        return float(piece.time[stretch.stop - 1] - piece.time[stretch.start])
+
+    best, stretch = longest = max(
+        ((piece, _longest(piece, seconds)) for piece in pieces), key=duration
+    )
+    found = (
+        f"no steady stretch of {seconds:g} s: the longest lasts {duration(longest):.2f} s, "
         f"from {best.time[stretch.start]:.6g} s"
     )
     if stretch.stop < best.time.size:
-        worst = names[int(np.argmax(_range(best.scaled[stretch.start : stretch.stop + 1])))]
-        ended, loosen = f"{worst} = {limits[worst]:g} ended it", f"raise {worst} or lower seconds"
+        with_next, verb = slice(stretch.start, stretch.stop + 1), "ended"
     elif stretch.start > 0:
-        worst = names[int(np.argmax(_range(best.scaled[stretch.start - 1 : stretch.stop])))]
-        ended, loosen = f"{worst} = {limits[worst]:g} began it", f"raise {worst} or lower seconds"
+        with_next, verb = slice(stretch.start - 1, stretch.stop), "began"
     else:
-        ended, loosen = "a gap, a landing or the log's end ended it", "lower seconds"
+        return InputError(
+            f"{found}, a gap, a landing or the log's end ended it",
+            "lower seconds, or fly constant speeds for longer",
+            log.source,
+        )
+    worst = names[int(np.argmax(np.ptp(best.scaled[with_next], axis=0)))]
     return InputError(
-        f"{found_text}, {ended}", f"{loosen}, or fly constant speeds for longer", log.source
+        f"{found}, {worst} = {limits[worst]:g} {verb} it",
+        f"raise {worst} or lower seconds, or fly constant speeds for longer",
+        log.source,
     )

@@ -8,44 +8,38 @@ import numpy as np
 
 from propmap.arrays.types import Floats
 from propmap.errors import InputError
+from propmap.fit.body_forces import wing_values
 from propmap.fit.flight import ForceModel
 from propmap.fit.parameters import EVERY, PAPER_FOUR, SECTION
-from propmap.flight.leaning import in_leaning_frame
 from propmap.model.airfoil import Airfoil
-from propmap.vehicle.flight_log import GRAVITY, FlightLog
+from propmap.vehicle.flight_log import GRAVITY, FlightLog, in_vehicle_frame
 from propmap.vehicle.vehicle import Vehicle
 
 PAPER_RADIUS = 1.7
-"""[m], the length of the tether."""
+"""Length of the tether [m]."""
 
 TIP_SPEED = 60.0
-"""[m/s] of the rotors from which the search begins."""
+"""Tip speed of the rotors [m/s] from which the search begins."""
 
 CHANGE = 1e-5
-"""Of an unknown, for a difference quotient; the forces are computed to about 1e-12."""
+"""Step of an unknown in a difference quotient; the forces are computed to about 1e-12."""
 
 LONGEST_STEPS = (0.3, 0.2, 0.2)
-"""Of the logarithm of the rotor speed, of pitch and of roll [rad]."""
+"""Largest change in one step of the logarithm of the rotor speed, of pitch, of roll [rad]."""
 
 STEEPEST = 1.4
-"""[rad] of pitch and roll."""
+"""Largest pitch and roll [rad]."""
 
 ITERATIONS = 30
 EXACT, ACCEPTED = 1e-9, 1e-4
-"""Force left over, as a share of the weight, at which the search ends, and which is accepted
-where the forces jump: the number of azimuths that they are computed with depends on the speed."""
+"""Unbalanced force as a share of the weight: the search ends below the first; up to the second is
+accepted, as the forces jump where the number of azimuths, which depends on the speed, changes."""
 
 
 def true_values(vehicle: Vehicle, airfoil: Airfoil) -> dict[str, float]:
-    """All parameters of a fit by name, as they are; terms that a fit would add are zero."""
+    """All parameters of a fit by name, as they are; what a fit would add to the body is zero."""
     values = {name: parameter.start for name, parameter in EVERY.items()}
-    values |= {name: getattr(airfoil, name) for name in SECTION}
-    if vehicle.wing is not None:
-        values |= {f"wing_{name}": getattr(vehicle.wing, name) for name in _WING}
-    return values
-
-
-_WING = ("c_l1", "c_l2", "alpha_0")
+    return values | {name: getattr(airfoil, name) for name in SECTION} | wing_values(vehicle)
 
 
 def trim(
@@ -59,13 +53,33 @@ def trim(
 ) -> FlightLog:
     """Operating points of level circles to the left, nose first; one per speed.
 
-    speeds : (n,) [m/s] >= 0.  radius : of the circles [m]; infinity for straight flight.
-    tether : a horizontal one carries the centripetal force, as in the paper; otherwise the
-    vehicle banks.  disturbance : (n,), vertical force that the rotors carry besides the weight,
-    as a share of it: what an identification, which does not know of it, sees as an error.
-    All rotors turn at one speed; moments are not balanced, which takes small differences of
-    rotor speed.  The forces are those that identification uses.  ``specific_force`` holds the
-    tether's pull.  Raises ``InputError`` for speeds that cannot be flown.
+    All rotors turn at one speed: moments, which take small differences of rotor speed, are not
+    balanced.  The forces are those that a fit uses.
+
+    Parameters
+    ----------
+    vehicle, airfoil : Vehicle, Airfoil
+        What flies, and the section law of its blades.
+    speeds : ndarray, shape (n,)
+        Flight speeds [m/s], >= 0.
+    radius : float
+        Of the circles [m]; infinity for straight flight.
+    tether : bool
+        Whether a horizontal tether carries the centripetal force, as in the paper; otherwise the
+        vehicle banks.
+    disturbance : ndarray, shape (n,), optional
+        Vertical force that the rotors carry besides the weight, as a share of it: what a fit,
+        which does not know of it, sees as an error.
+
+    Returns
+    -------
+    FlightLog
+        Its ``specific_force`` holds the tether's pull.
+
+    Raises
+    ------
+    InputError
+        For speeds that cannot be flown.
     """
     flown = np.asarray(speeds, dtype=np.float64)
     if flown.ndim != 1 or flown.size == 0 or not (np.isfinite(flown) & (flown >= 0.0)).all():
@@ -118,21 +132,17 @@ class _Problem:
         """The circles as operating points."""
         pitch = unknowns[:, 1]
         roll = unknowns[:, 2] if self.count == 3 else np.zeros_like(pitch)
-        nothing, one = np.zeros_like(pitch), np.ones_like(pitch)
-
-        def seen(forward: Floats, left: Floats, vertical: Floats) -> Floats:
-            return in_leaning_frame(np.stack([forward, left, vertical], axis=1), pitch, roll)
-
-        up, turn = seen(nothing, nothing, one), self.speeds / self.radius
-        speed = np.exp(unknowns[:, :1])
+        up, turn = in_vehicle_frame(0.0, 0.0, 1.0, pitch, roll), self.speeds / self.radius
+        pull = in_vehicle_frame(0.0, self.speeds * turn, GRAVITY, pitch, roll)
+        rotor_speed = np.exp(unknowns[:, :1])
         return FlightLog(
             source="simulated level circles",
             time=np.arange(pitch.size, dtype=np.float64),
-            velocity=seen(self.speeds, nothing, nothing),
+            velocity=in_vehicle_frame(self.speeds, 0.0, 0.0, pitch, roll),
             rates=turn[:, None] * up,
             up=up,
-            specific_force=seen(nothing, self.speeds * turn, GRAVITY * one),
-            rotor_speed=np.repeat(speed, len(self.vehicle.mounts), axis=1),
+            specific_force=pull,
+            rotor_speed=np.repeat(rotor_speed, len(self.vehicle.mounts), axis=1),
         )
 
     def residual(self, unknowns: Floats) -> Floats:

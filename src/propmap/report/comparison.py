@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 
 from propmap.arrays.types import Floats
 from propmap.baselines.hover import HoverModel
+from propmap.fit.residuals import rms
+from propmap.fit.tunnel import hover_loads
 
 if TYPE_CHECKING:
     from propmap.catalogue.measurements import Measurement
@@ -65,13 +67,13 @@ class Comparison:
 
     def _errors(self, load: str, chosen: NDArray[np.bool_]) -> LoadErrors:
         truth = self.measured[load][chosen]
-        size = _rms(truth)
+        size = rms(truth)
 
         def figures(values: Floats) -> ErrorFigures:
             error = values[chosen] - truth
-            rms = _rms(error)
-            relative = rms / size if size > 0.0 else None
-            return ErrorFigures(rms, relative, float(np.abs(error).max()), float(error.mean()))
+            left = rms(error)
+            relative = left / size if size > 0.0 else None
+            return ErrorFigures(left, relative, float(np.abs(error).max()), float(error.mean()))
 
         model, hover = figures(self.predicted[load]), figures(self.hover[load])
         mean = float(truth.mean())
@@ -81,14 +83,7 @@ class Comparison:
 def compare(rotor: Rotor, measurement: Measurement) -> Comparison:
     """The rotor, and the hover model with its constants from this rotor, at measured points."""
     found: Any = rotor.loads(measurement.omega, measurement.speed, measurement.beta)
-    baseline = HoverModel.of(rotor)
-    nothing = np.zeros_like(measurement.omega)
-    hover = {
-        "thrust": baseline.thrust(measurement.omega),
-        "drag": nothing,
-        "torque": baseline.torque(measurement.omega),
-        "roll_moment": nothing,
-    }
+    hover = hover_loads(HoverModel.of(rotor), measurement.omega)
     published = {load: getattr(measurement, load) for load in LOADS}
     return Comparison(
         measurement=measurement,
@@ -97,7 +92,3 @@ def compare(rotor: Rotor, measurement: Measurement) -> Comparison:
         hover=hover,
         status=found.status,
     )
-
-
-def _rms(values: Floats) -> float:
-    return float(np.sqrt(np.mean(np.square(values))))

@@ -12,6 +12,7 @@ from matplotlib.patches import Patch
 from propmap.arrays.types import Floats
 from propmap.baselines.hover import HoverModel
 from propmap.errors import InputError
+from propmap.fit.residuals import rms
 from propmap.report.style import COLOURS, HOVER, MEASURED, MODEL, new_figure, style
 from propmap.vehicle.flight_log import GRAVITY, FlightLog
 from propmap.vehicle.hub_flow import hub_flow, rotor_forces
@@ -142,9 +143,9 @@ def _flight_legend(model: _Curves, vehicle: Vehicle) -> list[Line2D]:
     body = vehicle.wing is not None or any((*vehicle.body.drag_area, vehicle.body.lift_area))
     with_body = " (with the body's)" if body else ""
     name = f"measured: mass by accelerometer{with_body},\npitch angle"
-    rms, hover = (float(np.sqrt(np.mean(e**2))) for e in (model.error, model.hover_error))
+    own, hover = rms(model.error), rms(model.hover_error)
     return [
-        Line2D([], [], color=COLOURS[0], label=f"this model, force error {rms:.3g} N rms", **MODEL),
+        Line2D([], [], color=COLOURS[0], label=f"this model, force error {own:.3g} N rms", **MODEL),
         Line2D([], [], label=f"hover model, force error {hover:.3g} N rms", **HOVER),
         Line2D([], [], label=name if model.felt else "measured: pitch angle", **points),
     ]
@@ -199,8 +200,8 @@ def _one_load(
         ax.plot([middle - half, middle + half], [level, level], **HOVER)
     ax.plot(truth[known], found[known], color=COLOURS[0], marker="o", **MEASURED)
     symbol, _, unit = TUNNEL[name].rpartition(" [")
-    rms = float(np.sqrt(np.mean((found - truth)[known] ** 2)))
-    ax.set_title(f"{symbol}: rms error {rms:.3g} {unit.rstrip(']')}", fontsize=9.0)
+    left = rms((found - truth)[known])
+    ax.set_title(f"{symbol}: rms error {left:.3g} {unit.rstrip(']')}", fontsize=9.0)
     ax.set_xlabel(f"measured {TUNNEL[name]}")
     ax.set_ylabel(f"predicted {TUNNEL[name]}")
 

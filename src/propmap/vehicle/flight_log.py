@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
@@ -17,14 +18,23 @@ GRAVITY = 9.80665
 class FlightLog:
     """Samples of a flight, or operating points averaged from one; n of them.
 
-    source : where they come from, for messages and reports.
-    time : (n,) [s], rising.
-    velocity : (n, 3) [m/s], of the centre of mass through the air, in the vehicle's frame.
-    rates : (n, 3) [rad/s], angular velocity in the vehicle's frame.
-    up : (n, 3) [-], the direction opposite to gravity, in the vehicle's frame.
-    specific_force : (n, 3) [m/s^2], what an accelerometer at the centre of mass reads, +g
-        along ``up`` in hover; NaN where it was not measured.
-    rotor_speed : (n, rotors) [rad/s] >= 0.
+    Attributes
+    ----------
+    source : str
+        Where they come from, for messages and reports.
+    time : ndarray, shape (n,)
+        Rising [s].
+    velocity : ndarray, shape (n, 3)
+        Of the centre of mass through the air, in the vehicle's frame [m/s].
+    rates : ndarray, shape (n, 3)
+        Angular velocity in the vehicle's frame [rad/s].
+    up : ndarray, shape (n, 3)
+        Unit vector against gravity, in the vehicle's frame [-].
+    specific_force : ndarray, shape (n, 3)
+        What an accelerometer at the centre of mass reads, +g along ``up`` in hover [m/s^2]; NaN
+        where it was not measured.
+    rotor_speed : ndarray, shape (n, rotors)
+        Rotational speeds [rad/s], >= 0.
     """
 
     source: str
@@ -39,8 +49,24 @@ class FlightLog:
         return int(self.time.size)
 
     def picked(self, which: Any) -> FlightLog:
-        """Some of the samples; which : a mask or indices."""
-        arrays = {f.name: getattr(self, f.name)[which] for f in fields(self) if f.name != "source"}
+        """Some of the samples.
+
+        Parameters
+        ----------
+        which : index
+            A mask or indices.
+        """
+        return self.with_each(lambda array: array[which])
+
+    def with_each(self, change: Callable[[Floats], Floats]) -> FlightLog:
+        """The same log with every array changed.
+
+        Parameters
+        ----------
+        change : callable
+            From an array to another, whose first dimension is that of the new log.
+        """
+        arrays: dict[str, Any] = {f.name: change(getattr(self, f.name)) for f in fields(self)[1:]}
         return replace(self, **arrays)
 
     @property
@@ -58,7 +84,27 @@ def joined(logs: list[FlightLog]) -> FlightLog:
     """Several logs of one vehicle as one, in the order given; their clocks are kept."""
     arrays = {
         f.name: np.concatenate([getattr(log, f.name) for log in logs])
-        for f in fields(FlightLog)
-        if f.name != "source"
+        for f in fields(FlightLog)[1:]
     }
     return FlightLog(source=", ".join(log.source for log in logs), **arrays)
+
+
+def in_vehicle_frame(
+    forward: Floats | float, left: Floats | float, up: Floats | float, pitch: Floats, roll: Floats
+) -> Floats:
+    """Vectors with horizontal and vertical components, in the frame of a tilted vehicle; (n, 3).
+
+    Components are (n,) or numbers.  ``pitch`` (n,) [rad] is about the left, positive where the top
+    leans forward; ``roll`` (n,) [rad] is about the vehicle's x axis, after the pitch, positive
+    right side down.
+    """
+    # Pitch turns about y to the left, z towards x; roll then about x, y towards z.
+    x = forward * np.cos(pitch) - up * np.sin(pitch)
+    below = forward * np.sin(pitch) + up * np.cos(pitch)
+    y, z = left * np.cos(roll) + below * np.sin(roll), below * np.cos(roll) - left * np.sin(roll)
+    return np.stack([x, y, z], axis=1)
+
+
+def pitch_and_roll(up: Floats) -> tuple[Floats, Floats]:
+    """Pitch and roll [rad] as in ``in_vehicle_frame``, (n,), where ``up`` (n, 3) is vertical."""
+    return -np.arcsin(np.clip(up[:, 0], -1.0, 1.0)), np.arctan2(up[:, 1], up[:, 2])

@@ -14,9 +14,9 @@ from propmap.vehicle.vehicle import Vehicle
 class HubFlow(NamedTuple):
     """Operating points of n samples of m rotors, in the vehicle's frame.
 
-    omega [rad/s], axial = V_i cos(beta_i), inplane = V_i sin(beta_i) >= 0 [m/s] : (n, m).
-    axis : (m, 3), along the thrust.  downstream : (n, m, 3), unit vectors against the in-plane
-    velocity, along which the rotor drag acts.
+    ``omega`` [rad/s], ``axial`` = V_i cos(beta_i) and ``inplane`` = V_i sin(beta_i) >= 0 [m/s] are
+    (n, m).  Unit vectors: ``axis`` (m, 3) along the thrust; ``downstream`` (n, m, 3) against the
+    in-plane velocity, along the rotor drag.
     """
 
     omega: Floats
@@ -27,9 +27,20 @@ class HubFlow(NamedTuple):
 
 
 def hub_flow(vehicle: Vehicle, log: FlightLog) -> HubFlow:
-    """The flow at the hubs: V_i = V_vehicle + omega x r_i.
+    """The flow at the hubs, V_i = V_vehicle + omega x r_i.
 
-    vehicle : where its rotors are.  log : n samples of its motion.
+    Parameters
+    ----------
+    vehicle : Vehicle
+        Where its m rotors are.
+    log : FlightLog
+        n samples of its motion.
+
+    Returns
+    -------
+    HubFlow
+        ``omega`` [rad/s], ``axial`` and ``inplane`` velocity [m/s], shape (n, m), and the
+        directions of thrust and drag.
     """
     position = np.array([mount.position for mount in vehicle.mounts])
     axis = np.array([mount.axis for mount in vehicle.mounts])

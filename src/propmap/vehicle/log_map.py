@@ -4,55 +4,58 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 
 from propmap.errors import InputError, quoted
 from propmap.io.toml_table import TomlTable
 from propmap.vehicle.vehicle import Vector
 
-BODY_FRAMES = ("flu", "frd")
-WORLD_FRAMES = ("enu", "ned")
-VELOCITIES = ("body", "world")
-ROTOR_UNITS = ("rad/s", "rpm", "erpm")
+CHOICES = {
+    "body_frame": ("flu", "frd"),
+    "world_frame": ("enu", "ned"),
+    "velocity_in": ("body", "world"),
+    "rotor_unit": ("rad/s", "rpm", "erpm"),
+}
 
 VECTOR_COLUMNS = ("velocity", "rates", "specific_force")
 QUATERNION_COLUMNS = ("qw", "qx", "qy", "qz")
 EULER_COLUMNS = ("roll", "pitch", "yaw")
 COLUMNS = ("time", *VECTOR_COLUMNS, *QUATERNION_COLUMNS, *EULER_COLUMNS, "rotor_speed")
 TOPICS = ("odometry", "pose", "velocity", "imu", "rotor_speed")
-KEYS = (
-    "body_frame",
-    "world_frame",
-    "velocity_in",
-    "rotor_unit",
-    "pole_pairs",
-    "rotor_order",
-    "wind",
-    "columns",
-    "topics",
-)
-
 RPM = math.pi / 30.0
-"""[rad/s] per revolution per minute."""
+"""One revolution per minute [rad/s]."""
 
 
 @dataclass(frozen=True)
 class LogMap:
-    """The table ``[log]`` of a vehicle file.  None is "not stated".
+    """What the table ``[log]`` of a vehicle file states about its logs; None is "not stated".
 
-    body_frame : "flu" or "frd"; world_frame : "enu" or "ned"; of attitude, velocity, rates and
-        specific force in the log.  PX4 logs are in FRD and NED whatever is stated here, and
-        bags in FLU and ENU (REP 103) unless stated; CSV and Parquet files must have them stated.
-    velocity_in : "body" or "world", the frame of the velocity.  Bags: "body" for an Odometry
-        message unless stated; to be stated for a TwistStamped and for CSV and Parquet files.
-    rotor_unit : "rad/s", "rpm" or "erpm" (electrical); to be stated.  PX4 logs are in rpm, for
-        which "erpm" may be stated where the motor controllers report that.
-    pole_pairs : of the motors; needed for "erpm".
-    rotor_order : entry k is the number (from 1) of the vehicle's rotor that the log shows k-th.
-    wind : velocity of the air over the ground [m/s], in ``world_frame``, else in the log's own.
-    columns : for CSV and Parquet files, quantity to names of columns.
-    topics : for bags, role to the name of the topic.
-    file : the vehicle file, for messages.
+    PX4 logs are in FRD and NED whatever is stated, and their rotor speeds in rpm unless "erpm" is
+    stated.  Bags are in FLU and ENU (REP 103), and an Odometry's velocity in the body frame, unless
+    stated.  Whatever else a log needs must be stated.
+
+    Attributes
+    ----------
+    body_frame : str or None
+        "flu" or "frd"; with ``world_frame`` of attitude, velocity, rates and specific force.
+    world_frame : str or None
+        "enu" or "ned".
+    velocity_in : str or None
+        "body" or "world", the frame of the velocity.
+    rotor_unit : str or None
+        "rad/s", "rpm" or "erpm" (electrical).
+    pole_pairs : int or None
+        Of the motors; needed for "erpm".
+    rotor_order : tuple of int or None
+        Entry k is the number (from 1) of the vehicle's rotor that the log shows k-th.
+    wind : tuple of 3 float
+        Velocity of the air over the ground [m/s], in ``world_frame``, else in the log's own.
+    columns : mapping of str to tuple of str
+        For CSV and Parquet files: quantity to names of columns.
+    topics : mapping of str to str
+        For bags: role to the name of the topic.
+    file : str
+        The vehicle file, for messages.
     """
 
     body_frame: str | None = None
@@ -72,24 +75,15 @@ class LogMap:
         return f"{self.file}: [log]"
 
     def stated(self, key: str) -> str:
-        """What is stated; ``InputError`` if nothing is.
-
-        key : body_frame, world_frame, velocity_in or rotor_unit.
-        """
-        choices = {
-            "body_frame": BODY_FRAMES,
-            "world_frame": WORLD_FRAMES,
-            "velocity_in": VELOCITIES,
-            "rotor_unit": ROTOR_UNITS,
-        }[key]
+        """What is stated of a key of ``CHOICES``; raises ``InputError`` if nothing is."""
         value: str | None = getattr(self, key)
         if value is None:
-            listed = " or ".join(f'"{choice}"' for choice in choices)
+            listed = " or ".join(f'"{choice}"' for choice in CHOICES[key])
             raise InputError(f"no {key}", f"add {key} = {listed}, as it is in the log", self.where)
         return value
 
     def rotor_factor(self, unit: str) -> float:
-        """[rad/s] per unit of rotor speed; unit : "rad/s", "rpm" or "erpm"."""
+        """Rotational speed [rad/s] per ``unit`` "rad/s", "rpm" or "erpm"."""
         if unit == "rad/s":
             return 1.0
         if unit == "rpm":
@@ -103,18 +97,21 @@ class LogMap:
         return RPM / self.pole_pairs
 
 
+KEYS = tuple(f.name for f in fields(LogMap) if f.name != "file")
+"""Of the table ``[log]``."""
+
+
 def read_log_map(table: TomlTable, rotors: int) -> LogMap:
     """The ``LogMap`` of the table ``[log]`` of a vehicle with so many ``rotors``."""
+    stated = {key: table.choice(key, named) for key, named in CHOICES.items() if key in table}
+    topics = table.table("log.topics", TOPICS)
     return LogMap(
-        body_frame=table.choice("body_frame", BODY_FRAMES) if "body_frame" in table else None,
-        world_frame=table.choice("world_frame", WORLD_FRAMES) if "world_frame" in table else None,
-        velocity_in=table.choice("velocity_in", VELOCITIES) if "velocity_in" in table else None,
-        rotor_unit=table.choice("rotor_unit", ROTOR_UNITS) if "rotor_unit" in table else None,
+        **stated,
         pole_pairs=_pole_pairs(table),
         rotor_order=_rotor_order(table, rotors),
         wind=table.vector("wind", "[east, north, up]") if "wind" in table else (0.0, 0.0, 0.0),
         columns=_columns(table.table("log.columns", COLUMNS), rotors),
-        topics=_topics(table.table("log.topics", TOPICS)),
+        topics={key: topics.text(key, '"/the/name/of/a/topic"') for key in topics.entries},
         file=table.where.partition(": [")[0],
     )
 
@@ -163,7 +160,3 @@ def _columns(table: TomlTable, rotors: int) -> dict[str, tuple[str, ...]]:
         else:
             columns[key] = (table.text(key, '"the name of a column"'),)
     return columns
-
-
-def _topics(table: TomlTable) -> dict[str, str]:
-    return {key: table.text(key, '"/the/name/of/a/topic"') for key in table.entries}

@@ -16,9 +16,14 @@ Vector = tuple[float, float, float]
 class Mount:
     """Where a rotor sits, in the vehicle's frame: x forward, y left, z up.
 
-    position : of the hub relative to the centre of mass [m].
-    axis : unit vector along the thrust.
-    spin : "ccw" or "cw", seen from above with the thrust up.
+    Attributes
+    ----------
+    position : tuple of 3 float
+        Of the hub relative to the centre of mass [m].
+    axis : tuple of 3 float
+        Unit vector along the thrust [-].
+    spin : str
+        "ccw" or "cw", seen from above with the thrust up.
     """
 
     position: Vector
@@ -30,9 +35,13 @@ class Mount:
 class Body:
     """Forces of the body itself (the paper's section III.A), in the vehicle's frame.
 
-    drag_area : per axis [m^2]; F_k = -1/2 rho drag_area_k |v_k| v_k.
-    lift_area : [m^2]; lift 1/2 rho V^2 lift_area sin(a) cos(a) across the flow, a the angle of
-        attack of the body in its plane of symmetry.
+    Attributes
+    ----------
+    drag_area : tuple of 3 float
+        Along each axis [m^2]; F_k = -1/2 rho drag_area_k |v_k| v_k.
+    lift_area : float
+        Lift across the flow is 1/2 rho V^2 lift_area sin(a) cos(a) [m^2], a the angle of attack of
+        the body in its plane of symmetry.
     """
 
     drag_area: Vector = (0.0, 0.0, 0.0)
@@ -41,10 +50,16 @@ class Body:
 
 @dataclass(frozen=True)
 class Wing:
-    """A wing whose lift follows eq. (3) (the paper's footnote 4), in the free stream.
+    """A wing in the free stream whose lift follows eq. (3) (the paper's footnote 4).
 
-    area : [m^2].  incidence : of its zero-lift line to the vehicle's x axis [rad], positive
-    leading edge up.  c_l1 [1/rad], c_l2 [-], alpha_0 [rad] : as for a blade section.
+    Attributes
+    ----------
+    area : float
+        Of the wing [m^2].
+    incidence : float
+        Of its zero-lift line to the vehicle's x axis [rad], positive leading edge up.
+    c_l1, c_l2, alpha_0 : float
+        As for a blade section [1/rad], [-], [rad].
     """
 
     area: float
@@ -56,11 +71,27 @@ class Wing:
 
 @dataclass(frozen=True, eq=False)
 class Vehicle:
-    """Rotors of one kind on a frame; raises ``InputError`` where it cannot be.
+    """Rotors of one kind on a frame.
 
-    name : what it is called.  mass : [kg].  propeller : of every rotor.  air : by default the
-    paper's.  mounts : one per rotor, in the order of the
-    rotor speeds.  body, wing : what else carries or drags.
+    Attributes
+    ----------
+    name : str
+        What it is called.
+    mass : float
+        Take-off mass [kg].
+    propeller : Propeller
+        Of every rotor.
+    mounts : tuple of Mount
+        One per rotor, in the order of the rotor speeds.
+    air : Air
+        By default the paper's.
+    body, wing : Body, Wing or None
+        What else carries or drags.
+
+    Raises
+    ------
+    InputError
+        For a mass, a spin or an axis that cannot be.
     """
 
     name: str

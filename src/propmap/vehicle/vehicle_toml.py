@@ -17,7 +17,7 @@ from propmap.io.toml_table import TomlTable
 from propmap.model.air import PAPER_DENSITY, PAPER_VISCOSITY, Air
 from propmap.model.propeller import Propeller
 from propmap.vehicle import log_map
-from propmap.vehicle.log_map import BODY_FRAMES, LogMap, read_log_map
+from propmap.vehicle.log_map import CHOICES, LogMap, read_log_map
 from propmap.vehicle.vehicle import SPINS, Body, Mount, Vector, Vehicle, Wing
 
 SCHEMA = 1
@@ -31,14 +31,14 @@ Made = TypeVar("Made")
 
 @dataclass(frozen=True)
 class VehicleFile:
-    """vehicle : in FLU, whatever the file's frame.  log : how to read the vehicle's logs."""
+    """The vehicle, in FLU whatever the file's frame, and how its logs are to be read."""
 
     vehicle: Vehicle
     log: LogMap
 
 
 def read_vehicle(path: str | os.PathLike[str]) -> VehicleFile:
-    """Read a vehicle file.  SI units and radians throughout.
+    """Read a vehicle file in TOML; SI units and radians throughout.
 
     ``schema = 1``, ``name``, ``frame`` ("flu" or "frd", of ``position`` and ``axis``), ``mass``
     [kg] and ``propeller``: a name of the catalogue, the path of a geometry file relative to the
@@ -49,12 +49,21 @@ def read_vehicle(path: str | os.PathLike[str]) -> VehicleFile:
     Optional: ``[air]`` ``density``, ``viscosity`` (by default the paper's); ``[body]``
     ``drag_area`` (3 numbers [m^2]), ``lift_area`` [m^2]; ``[wing]`` ``area`` [m^2],
     ``incidence`` [rad], ``c_l1``, ``c_l2``, ``alpha_0`` [rad]; ``[log]``, see ``LogMap``.
-    Raises ``InputError`` naming the file, the table and the key.
+
+    Parameters
+    ----------
+    path : path
+        Of the file.
+
+    Raises
+    ------
+    InputError
+        Naming the file, the table and the key.
     """
     where = os.fspath(path)
     fields = parse_toml("\n".join(read_lines(path, "vehicle description")), where, SCHEMA)
     top = TomlTable(fields, where, KEYS)
-    flip = top.choice("frame", BODY_FRAMES) == "frd"
+    flip = top.choice("frame", CHOICES["body_frame"]) == "frd"
     mounts = tuple(
         _mount(rotor, flip) for rotor in top.tables("rotors", ("position", "axis", "spin"))
     )

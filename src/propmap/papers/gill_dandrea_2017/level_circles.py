@@ -19,13 +19,12 @@ from propmap.fit.fitted import Fitted, Settings, fit
 from propmap.fit.flight import ForceModel, level_rows
 from propmap.fit.parameters import PAPER_FOUR, Choice
 from propmap.fit.tunnel import first_guess
-from propmap.flight.leaning import lean
 from propmap.flight.trim import trim, true_values
 from propmap.model.airfoil import Airfoil, airfoil
 from propmap.papers.gill_dandrea_2017.blades import blade
 from propmap.papers.gill_dandrea_2017.paper import FASTEST, FLIGHTS, RADIUS, TETHER
 from propmap.rotor import Rotor
-from propmap.vehicle.flight_log import GRAVITY, FlightLog
+from propmap.vehicle.flight_log import GRAVITY, FlightLog, pitch_and_roll
 from propmap.vehicle.hub_flow import hub_flow, rotor_forces
 from propmap.vehicle.vehicle import Body, Mount, Vehicle
 
@@ -143,7 +142,7 @@ def circles(vehicle: Vehicle, law: Airfoil, speeds: Floats) -> Circles:
     return Circles(
         speed=speeds,
         rotor_speed=points.rotor_speed[:, 0],
-        pitch=lean(points.up)[0],
+        pitch=pitch_and_roll(points.up)[0],
         thrust=loads.thrust.sum(axis=1),
         drag=loads.drag.sum(axis=1),
         torque=loads.torque.sum(axis=1),

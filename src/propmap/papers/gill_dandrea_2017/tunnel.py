@@ -10,6 +10,7 @@ import numpy as np
 from propmap.arrays.types import Floats
 from propmap.baselines.hover import HoverModel
 from propmap.catalogue.measurements import Measurement, measurement
+from propmap.fit.residuals import rms
 from propmap.model.air import Air
 from propmap.model.airfoil import Airfoil, airfoil
 from propmap.papers.gill_dandrea_2017.blades import blade
@@ -122,7 +123,7 @@ def _compared(name: str, laws: dict[str, Airfoil]) -> Compared:
 
 def _error(name: str, load: str, model: str, truth: Floats, found: Floats) -> LoadError:
     error = found - truth
-    rms, worst = float(np.sqrt(np.mean(error**2))), float(np.max(np.abs(error)))
+    left, worst = rms(error), float(np.max(np.abs(error)))
     near = np.abs(error) <= TUNNEL_ERROR * np.abs(truth)
     return LoadError(
         data_set=name,
@@ -130,9 +131,9 @@ def _error(name: str, load: str, model: str, truth: Floats, found: Floats) -> Lo
         unit=LOADS[load],
         model=model,
         points=truth.size,
-        rms=rms,
+        rms=left,
         worst=worst,
-        rms_share=rms / float(np.sqrt(np.mean(truth**2))),
+        rms_share=left / rms(truth),
         worst_share=worst / float(np.max(np.abs(truth))),
         within_nine=float(np.mean(near)),
     )

@@ -13,7 +13,8 @@ from propmap.baselines.hover import HoverModel
 from propmap.engine.evaluation import prepare
 from propmap.engine.gradients import load_gradients
 from propmap.engine.plan import accuracy
-from propmap.fit.fit_record import Covered, FitRecord
+from propmap.fit.coverage import CoveredAngle
+from propmap.fit.fit_record import FitRecord
 from propmap.fit.result_file import FitFile
 from propmap.report.fit_page.parameter_draws import drawn_changes
 from propmap.rotor import Rotor
@@ -64,9 +65,9 @@ class Curves:
 
 def load_curves(file: FitFile, fit: FitRecord) -> Curves:
     """The fitted rotor at the data's typical rotational speed, past the speeds of the data."""
-    omega = fit.typical_rpm / RPM
+    omega = fit.covered.typical_rpm / RPM
     tip = omega * file.propeller.radius
-    top = max([one.advance[1] for one in fit.main_angles], default=UNTESTED / BEYOND)
+    top = max([one.advance[1] for one in fit.covered.main_angles], default=UNTESTED / BEYOND)
     speed = np.linspace(0.0, BEYOND * top * tip, SPEEDS)
     angles = _angles(fit)
     betas = np.radians([beta for beta, _ in angles])
@@ -112,14 +113,14 @@ def _slopes(
     return found.slopes.transpose(1, 0, 2).reshape(shape)
 
 
-def _angles(fit: FitRecord) -> list[tuple[float, Covered | None]]:
+def _angles(fit: FitRecord) -> list[tuple[float, CoveredAngle | None]]:
     """Up to four angles [deg] with the data's points about them, and edgewise or axial flow where
     there were points at one angle at most."""
-    betas = np.array([one.typical_beta for one in fit.main_angles])
+    betas = np.array([one.typical_beta for one in fit.covered.main_angles])
     wanted = np.linspace(betas[0], betas[-1], MOST_ANGLES) if betas.size else betas
     nearest = dict.fromkeys(int(np.argmin(np.abs(betas - beta))) for beta in wanted)
-    found: list[tuple[float, Covered | None]] = [
-        (fit.main_angles[k].typical_beta, fit.main_angles[k]) for k in nearest
+    found: list[tuple[float, CoveredAngle | None]] = [
+        (fit.covered.main_angles[k].typical_beta, fit.covered.main_angles[k]) for k in nearest
     ]
     for other in (0.0, 90.0):
         if all(abs(other - beta) > APART for beta, _ in found) and len(found) < MOST_ANGLES:
@@ -127,10 +128,10 @@ def _angles(fit: FitRecord) -> list[tuple[float, Covered | None]]:
     return sorted(found, key=lambda pair: pair[0])
 
 
-def _covered(fit: FitRecord, data: Covered | None, tip: float) -> tuple[float, float] | None:
+def _covered(fit: FitRecord, data: CoveredAngle | None, tip: float) -> tuple[float, float] | None:
     if data is None:
         return None
-    low = 0.0 if fit.at_rest is not None else data.advance[0]
+    low = 0.0 if fit.covered.at_rest is not None else data.advance[0]
     return low * tip, data.advance[1] * tip
 
 

@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.figure import Figure
 
-from propmap.fit.fit_record import Covered, FitRecord
+from propmap.fit.coverage import Covered, CoveredAngle
+from propmap.fit.fit_record import FitRecord
 from propmap.report.page import Section, Table, Text, number
 from propmap.report.part import Part, files_of, picture
 from propmap.report.sheet import csv_of_rows
@@ -40,21 +41,21 @@ def coverage_figure(fit: FitRecord) -> Figure:
     with style():
         figure = new_figure(8.6, 3.6)
         ax = figure.subplots()
-        for one in fit.angles:
-            (left, right), (low, high) = one.advance, one.beta or (0.0, 0.0)
+        for one in fit.covered.angles:
+            (left, right), (low, high) = one.advance, one.beta
             # A single angle gets a box that can be seen.
             low, high = min(low, one.typical_beta - 1.5), max(high, one.typical_beta + 1.5)
             ax.fill([left, right, right, left], [low, low, high, high], facecolor=COLOURS[0],
                     alpha=0.35, edgecolor=COLOURS[0], linewidth=1.2)  # fmt: skip
             ax.annotate(str(one.points), (right, 0.5 * (low + high)), (4, 0),
                         textcoords="offset points", va="center", fontsize=8.0)  # fmt: skip
-        if fit.at_rest is not None:
+        if fit.covered.at_rest is not None:
             ax.plot(0.0, 0.0, marker="X", color=COLOURS[1], markersize=7.0, linestyle="none",
                     clip_on=False)  # fmt: skip
-            ax.annotate(f"at rest: {fit.at_rest.points}", (0.0, 0.0), (8, 5),
+            ax.annotate(f"at rest: {fit.covered.at_rest.points}", (0.0, 0.0), (8, 5),
                         textcoords="offset points", fontsize=8.0)  # fmt: skip
-        top = max([one.advance[1] for one in fit.angles], default=0.2)
-        steepest = max([one.beta[1] for one in fit.angles if one.beta], default=90.0)
+        top = max([one.advance[1] for one in fit.covered.angles], default=0.2)
+        steepest = max([one.beta[1] for one in fit.covered.angles], default=90.0)
         ax.set_xlim(0.0, 1.25 * top)
         ax.set_ylim(-8.0, 185.0 if steepest > 95.0 else 98.0)
         ax.set_yticks(np.arange(0, 181 if steepest > 95.0 else 91, 30))
@@ -65,15 +66,15 @@ def coverage_figure(fit: FitRecord) -> Figure:
 
 
 def _files(fit: FitRecord) -> Table:
-    rows = tuple((name, sha or "part of propmap") for name, sha in fit.data)
+    rows = tuple((one.name, one.sha256 or "part of propmap") for one in fit.data)
     note = "A file is the one fitted if its SHA-256 is the same (sha256sum FILE)."
     return Table("Data of the fit.", (("file", ""), ("SHA-256", "")), rows, note)
 
 
 def groups(fit: FitRecord) -> Sequence[tuple[str, Covered]]:
     """The points at rest and those about each angle, with a name."""
-    named = [] if fit.at_rest is None else [("at rest", fit.at_rest)]
-    return [*named, *((f"{one.typical_beta:.0f}°", one) for one in fit.angles)]
+    named = [] if fit.covered.at_rest is None else [("at rest", fit.covered.at_rest)]
+    return [*named, *((f"{one.typical_beta:.0f}°", one) for one in fit.covered.angles)]
 
 
 def _ranges(fit: FitRecord) -> Table:
@@ -101,18 +102,19 @@ def _ranges(fit: FitRecord) -> Table:
 
 
 def _extrapolation(fit: FitRecord) -> str:
-    angles = [one.typical_beta for one in fit.main_angles]
+    angles = [one.typical_beta for one in fit.covered.main_angles]
     if not angles:
         return (
             "All data are from rest: every speed above zero is extrapolation, at every angle. Add "
             "data at speed."
         )
     far = [beta for beta in range(0, 181, 15) if min(abs(beta - a) for a in angles) > GAP]
-    top = max(one.advance[1] for one in fit.main_angles)
+    top = max(one.advance[1] for one in fit.covered.main_angles)
     told = f"Extrapolation: advance ratios above {number(top, 2)}"
     if far:
         told += f"; angles {_spans(far)} (flow from there was never measured)"
-    rpm = f"; rotational speeds outside {fit.rpm[0]:.0f} to {fit.rpm[1]:.0f} rpm, which matter less"
+    low, high = fit.covered.rpm
+    rpm = f"; rotational speeds outside {low:.0f} to {high:.0f} rpm, which matter less"
     return told + rpm + ", as they enter through the Reynolds number alone."
 
 
@@ -130,7 +132,14 @@ def _csv(fit: FitRecord) -> str:
     heads = ("group", "points", "beta_from_deg", "beta_to_deg", "speed_from_mps", "speed_to_mps",
              "rpm_from", "rpm_to", "advance_from", "advance_to")  # fmt: skip
     rows = [
-        (name, one.points, *(one.beta or (None, None)), *one.speed, *one.rpm, *one.advance)
+        (
+            name,
+            one.points,
+            *(one.beta if isinstance(one, CoveredAngle) else (None, None)),
+            *one.speed,
+            *one.rpm,
+            *one.advance,
+        )
         for name, one in groups(fit)
     ]
     return csv_of_rows(heads, rows)

@@ -133,7 +133,7 @@ def _tick(band: str) -> str:
 def _whole(loads: Sequence[Judged]) -> Table:
     rows: list[tuple[str, ...]] = []
     for j in loads:
-        e, crossed = j.load.all, j.load.cross_validated
+        e, crossed = j.load, j.load.cross_validated
         rows.append(
             (
                 NAMES.get(j.load.name, j.load.name),

@@ -10,10 +10,9 @@ import numpy as np
 
 from propmap.baselines.hover import HoverModel
 from propmap.fit.comparison import Comparison, level_forces
-from propmap.fit.fit_record import FitRecord
-from propmap.fit.hover_baseline import hover_loads
+from propmap.fit.fit_record import FitRecord, Source
 from propmap.fit.result_file import FitFile
-from propmap.fit.tunnel import TunnelData
+from propmap.fit.tunnel import TunnelData, hover_loads
 from propmap.report.fit_page.curves import RPM
 from propmap.report.fit_page.errors import BandErrors, band_csv, band_figure, band_table
 from propmap.report.fit_page.judgement import NAMES, WORDS, level_of, worst_of
@@ -33,12 +32,12 @@ LOAD_UNITS = {"thrust": "N", "drag": "N", "torque": "Nm", "roll_moment": "Nm"}
 class GivenData:
     """Data beside the fit file, compared with the fit.
 
-    sources : name and SHA-256 of each, "" for the catalogue's.  errors : by load with its unit.
+    sources : of the data.  errors : by load with its unit.
     tunnel : the rows, where they are from a tunnel.  level : the vehicle and its steady operating
     points, where these are what was given.
     """
 
-    sources: Sequence[tuple[str, str]]
+    sources: Sequence[Source]
     errors: Mapping[str, Comparison]
     tunnel: TunnelData | None = None
     level: tuple[Vehicle, FlightLog] | None = None
@@ -151,9 +150,9 @@ def _verdict(given: GivenData) -> Verdict:
 
 def _same(fit: FitRecord, given: GivenData) -> str:
     """Whether the fit has seen these data."""
-    seen = {sha or name for name, sha in fit.data}
-    old = [name for name, sha in given.sources if (sha or name) in seen]
-    new = [name for name, sha in given.sources if (sha or name) not in seen]
+    seen = {one.sha256 or one.name for one in fit.data}
+    old = [one.name for one in given.sources if (one.sha256 or one.name) in seen]
+    new = [one.name for one in given.sources if (one.sha256 or one.name) not in seen]
     told = []
     if new:
         told.append(

@@ -6,7 +6,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from propmap.fit.fit_record import FitErrors, FitRecord, FittedLoad
+from propmap.fit.fit_record import FitRecord, FittedLoad
+from propmap.fit.residuals import Errors
 from propmap.report.page import Points, Table, Verdict, number, percent
 
 GOOD, CARE = 0.05, 0.15
@@ -62,8 +63,8 @@ def judged(fit: FitRecord) -> list[Judged]:
     for one in fit.loads:
         reference = largest if forces else one.measured_rms
         crossed = one.cross_validated
-        error = crossed if math.isfinite(crossed) else one.all.rms
-        found.append(Judged(one, reference, error / reference, one.all.hover_rms / reference))
+        error = crossed if math.isfinite(crossed) else one.rms
+        found.append(Judged(one, reference, error / reference, one.hover_rms / reference))
     return found
 
 
@@ -110,11 +111,11 @@ def lead(fit: FitRecord) -> tuple[Verdict | Table | Points, ...]:
 
 def where(fit: FitRecord) -> str:
     """Speeds, rotational speeds and angles of the data in words."""
-    speeds = f"{fit.speed[0]:.1f} to {fit.speed[1]:.1f} m/s"
-    if fit.speed[1] - fit.speed[0] < 0.05:
-        speeds = f"{fit.speed[0]:.1f} m/s"
-    told = f"{speeds}, {fit.rpm[0]:.0f} to {fit.rpm[1]:.0f} rpm"
-    ends = [end for one in fit.main_angles if one.beta is not None for end in one.beta]
+    speeds = f"{fit.covered.speed[0]:.1f} to {fit.covered.speed[1]:.1f} m/s"
+    if fit.covered.speed[1] - fit.covered.speed[0] < 0.05:
+        speeds = f"{fit.covered.speed[0]:.1f} m/s"
+    told = f"{speeds}, {fit.covered.rpm[0]:.0f} to {fit.covered.rpm[1]:.0f} rpm"
+    ends = [end for one in fit.covered.main_angles for end in one.beta]
     if not ends:
         return f"{told}, at rest only"
     if max(ends) - min(ends) < 0.5:
@@ -159,7 +160,7 @@ def shown_band(band: str) -> str:
     return band.replace("-", "\N{EN DASH}").replace(" ", "\N{NO-BREAK SPACE}")
 
 
-def _both(e: FitErrors, reference: float) -> str:
+def _both(e: Errors, reference: float) -> str:
     return f"{number(100.0 * e.rms / reference, 2)} / {number(100.0 * e.hover_rms / reference, 2)}"
 
 
@@ -187,16 +188,16 @@ def _no_drag(fit: FitRecord) -> bool:
 def _warnings(fit: FitRecord, loads: Sequence[Judged]) -> list[str]:
     """What takes trust away, a sentence each."""
     told = []
-    if fit.speed[1] - fit.speed[0] < NARROW:
+    if fit.covered.speed[1] - fit.covered.speed[0] < NARROW:
         told.append("the data are from one speed: the fit has hardly been tested against speed")
     for j in loads:
         name = NAMES.get(j.load.name, j.load.name)
         if not j.error < j.hover:
             told.append(f"{name}: the hover model is no worse")
         crossed = j.load.cross_validated
-        if math.isfinite(crossed) and crossed > OVERFITTED * j.load.all.rms:
+        if math.isfinite(crossed) and crossed > OVERFITTED * j.load.rms:
             told.append(
-                f"{name}: on rows left out the error is {crossed / j.load.all.rms:.1f} times as "
+                f"{name}: on rows left out the error is {crossed / j.load.rms:.1f} times as "
                 "large, so that some parameters follow the noise"
             )
     if fit.unsolved:
@@ -208,7 +209,9 @@ def _notes(fit: FitRecord, loads: Sequence[Judged]) -> list[str]:
     """What is worth knowing besides, a sentence each."""
     told = list(fit.remarks)
     if fit.minima > 1:
-        told.append(f"{fit.starts} starts ended in {fit.minima} different minima; the best is used")
+        told.append(
+            f"{len(fit.starts)} starts ended in {fit.minima} different minima; the best is used"
+        )
     if not any(math.isfinite(j.load.cross_validated) for j in loads):
         told.append("no cross-validation was done: the errors are those on the fitted data")
     return told

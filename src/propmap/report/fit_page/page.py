@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import propmap
-from propmap.fit.fit_record import FitRecord, read_record
+from propmap.fit.fit_record import FitRecord
 from propmap.fit.result_file import FitFile
 from propmap.report.fit_page.curve_section import curve_section
 from propmap.report.fit_page.curves import load_curves
@@ -30,9 +30,8 @@ def fit_pages(
     """All files by name: the page, and a CSV and an SVG for what it shows.
 
     file : the fit.  where : its path.  sha256 : of the file.  given : further data.
-    Raises ``InputError`` where the file does not tell enough of its fit.
     """
-    fit = read_record(file.record, where)
+    fit = file.record
     measured = given.tunnel if given else None
     parts = [
         data_section(fit),
@@ -58,7 +57,7 @@ def fit_pages(
 def _facts(file: FitFile, fit: FitRecord, where: str, sha256: str) -> tuple[tuple[str, str], ...]:
     blade, air = file.propeller, file.air
     law = file.airfoil
-    held = ", ".join(f"{name} {value:g}" for name, value in file.record.get("fixed", {}).items())
+    held = ", ".join(f"{name} {value:g}" for name, value in fit.fixed.items())
     further = [("Held by the user", held)] if held else []
     return (
         ("Fit file", f"{where}, SHA-256 {sha256}"),

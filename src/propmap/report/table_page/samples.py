@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from propmap.arrays.types import Floats
+from propmap.fit.residuals import rms
 from propmap.table.content import LOADS
 from propmap.table.lookup import NO_VALUE, OK, STATUSES, UNRESOLVED, VORTEX_RING
 from propmap.table.query import LoadTable
@@ -159,10 +160,6 @@ def _by_angle(beta: Floats, code: NDArray[np.uint8]) -> list[AngleShares]:
     return told
 
 
-def _rms(values: Floats) -> float:
-    return float(np.sqrt(np.mean(values**2)))
-
-
 def _hover(
     points: tuple[Floats, Floats, Floats],
     found: Any,
@@ -183,9 +180,9 @@ def _hover(
                 HoverErrors(
                     speed=(float(edges[k]), float(edges[k + 1])),
                     points=int(mine.sum()),
-                    thrust_rms=_rms(off[mine]),
-                    torque_rms=_rms(turning[mine]),
-                    drag_rms=_rms(drag[mine]),
+                    thrust_rms=rms(off[mine]),
+                    torque_rms=rms(turning[mine]),
+                    drag_rms=rms(drag[mine]),
                     off=tuple(float(np.mean(np.abs(off[mine]) > limit)) for limit in OFF),
                 )
             )

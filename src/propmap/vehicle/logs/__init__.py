@@ -31,16 +31,25 @@ READERS: dict[str, Callable[[Path, LogMap], Recording]] = {
 def read_flight_log(
     path: str | os.PathLike[str], vehicle_file: VehicleFile, *, rate: float | None = None
 ) -> FlightLog:
-    """A flight log of any kind: CSV, Parquet, PX4's ULog, bags of ROS 1 and ROS 2.
+    """Read a flight log of any kind: CSV, Parquet, PX4's ULog, bags of ROS 1 and ROS 2.
 
-    path : of the file, or the folder of a ROS 2 bag.
-    vehicle_file : the vehicle and the map of the log.
-    rate : samples per second; by default the sample times of the slowest of attitude, velocity
-    and rotor speed.
+    Signals are interpolated linearly to one clock; gaps above 0.25 s are cut out.  Samples that
+    cannot be used are dropped, which ``source`` then tells, or refused where they are many.
 
-    Other signals are interpolated linearly; gaps above 0.25 s are cut out.  Samples that cannot
-    be used are dropped, which ``source`` then tells, or refused where they are many.
-    Raises ``InputError``.
+    Parameters
+    ----------
+    path : path
+        Of the file, or the folder of a ROS 2 bag.
+    vehicle_file : VehicleFile
+        The vehicle and the map of the log.
+    rate : float, optional
+        Samples per second [1/s]; by default the sample times of the slowest of attitude, velocity
+        and rotor speed.
+
+    Raises
+    ------
+    InputError
+        Where the log cannot be read, or is not one of this vehicle.
     """
     file = Path(path)
     where = str(file)

@@ -2,25 +2,34 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
 import numpy as np
+from numpy.typing import NDArray
 
 from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.vehicle.flight_log import GRAVITY, FlightLog
 from propmap.vehicle.logs import frames
-from propmap.vehicle.logs.recording import Recording, Signal, cleaned
-from propmap.vehicle.logs.resampling import common_clock, interpolated
+from propmap.vehicle.logs.recording import FEWEST_SAMPLES, Recording, Signal, cleaned
 from propmap.vehicle.vehicle_toml import VehicleFile
+
+if TYPE_CHECKING:
+    from scipy.spatial.transform import Rotation
+
+LONGEST_GAP = 0.25
+"""Time [s] between two samples of a signal that are still interpolated."""
 
 
 def flight_log(
     recording: Recording, vehicle_file: VehicleFile, rate: float | None = None
 ) -> FlightLog:
-    """The log in the vehicle's frame.
+    """The log in the vehicle's frame, ``rate`` [1/s] times a second.
 
-    rate : [1/s], else the sample times of the slowest of attitude, velocity and rotor speed.
-    The sign that some logs give to the spin of a rotor is dropped.  Raises ``InputError``, also
-    where the accelerometer says that the frames or its unit cannot be as stated.
+    Without a rate, at the sample times of the slowest of attitude, velocity and rotor speed.  The
+    sign that some logs give to the spin of a rotor is dropped.  Raises ``InputError``, also where
+    the accelerometer says that the frames or its unit cannot be as stated.
     """
     logged, rotors = recording.rotor_speed.values.shape[1], len(vehicle_file.vehicle.mounts)
     if logged != rotors:
@@ -35,14 +44,17 @@ def flight_log(
     if recording.specific_force is not None:
         following.append(recording.specific_force)
     time = common_clock(leading, following, recording.source, rate)
-    attitude = _attitude(recording, time)
-    up = frames.world_to_body(attitude, np.tile([0.0, 0.0, 1.0], (time.size, 1)))
+    signal = recording.attitude
+    smooth = Signal(signal.name, signal.time, frames.continuous(signal.values))
+    attitude = frames.attitude_to_flu_enu(
+        interpolated(smooth, time), recording.body_frame, recording.world_frame
+    )
     result = FlightLog(
         source=recording.source,
         time=time,
         velocity=_air_velocity(recording, vehicle_file, time, attitude),
         rates=_in_body(recording, recording.rates, time),
-        up=up,
+        up=_in_flu(attitude, np.tile([0.0, 0.0, 1.0], (time.size, 1))),
         specific_force=_in_body(recording, recording.specific_force, time),
         rotor_speed=_rotor_speed(recording, vehicle_file, time),
     )
@@ -50,17 +62,71 @@ def flight_log(
     return result
 
 
-def _attitude(recording: Recording, time: Floats) -> Floats:
-    """Unit quaternions from FLU to ENU; (n, 4)."""
-    signal = recording.attitude
-    steady = Signal(signal.name, signal.time, frames.continuous(signal.values))
-    return frames.attitude_to_flu_enu(
-        frames.continuous(interpolated(steady, time)), recording.body_frame, recording.world_frame
-    )
+def common_clock(
+    leading: Sequence[Signal],
+    following: Sequence[Signal],
+    source: str,
+    rate: float | None = None,
+) -> Floats:
+    """Times [s] at which all signals are known; (n,), rising.
+
+    Without a ``rate`` [1/s], the sample times of the slowest of the ``leading`` signals.
+    Times inside a gap of any signal longer than 0.25 s are left out: gaps are cut, not bridged.
+    Raises ``InputError`` where nothing is left.
+    """
+    signals = [*leading, *following]
+    for signal in signals:
+        step = float(np.median(np.diff(signal.time)))
+        if step > LONGEST_GAP:
+            raise InputError(
+                f"{signal.name} comes every {step:.3g} s, expected every {LONGEST_GAP:g} s or less",
+                "log it at a higher rate, and give times in seconds",
+                source,
+            )
+    last_to_start = max(signals, key=lambda signal: signal.time[0])
+    first_to_end = min(signals, key=lambda signal: signal.time[-1])
+    start, end = last_to_start.time[0], first_to_end.time[-1]
+    if rate is None:
+        slowest = max(leading, key=lambda signal: float(np.median(np.diff(signal.time))))
+        time = slowest.time[(slowest.time >= start) & (slowest.time <= end)]
+    else:
+        if not 0.1 <= rate <= 10000.0:
+            raise InputError(f"the rate is {rate} 1/s", "give samples per second, such as 50")
+        time = np.arange(start, end, 1.0 / rate)
+    known = np.ones(time.size, dtype=np.bool_)
+    for signal in signals:
+        known &= ~_in_gap(signal, time)
+    if int(known.sum()) < FEWEST_SAMPLES:
+        raise InputError(
+            f"all signals together are known at {int(known.sum())} times: {first_to_end.name} "
+            f"ends at {end:.6g} s, {last_to_start.name} begins at {start:.6g} s",
+            "log all of them at once, with the stamps of one clock",
+            source,
+        )
+    return time[known]
+
+
+def interpolated(signal: Signal, time: Floats) -> Floats:
+    """Values of a signal at the times (n,) [s], linearly between its samples; (n, k)."""
+    columns = [np.interp(time, signal.time, column) for column in signal.values.T]
+    return np.stack(columns, axis=1)
+
+
+def _in_gap(signal: Signal, time: Floats) -> NDArray[np.bool_]:
+    """Which times lie between two samples that are too far apart, none of them at either."""
+    after = np.clip(np.searchsorted(signal.time, time), 1, signal.time.size - 1)
+    wide = signal.time[after] - signal.time[after - 1] > LONGEST_GAP
+    at_sample = (time == signal.time[after]) | (time == signal.time[after - 1])
+    return np.asarray(wide & ~at_sample)
+
+
+def _in_flu(attitude: Rotation, vectors: Floats) -> Floats:
+    """World vectors (n, 3) in ENU, in FLU."""
+    return np.asarray(attitude.apply(vectors, inverse=True))
 
 
 def _air_velocity(
-    recording: Recording, vehicle_file: VehicleFile, time: Floats, attitude: Floats
+    recording: Recording, vehicle_file: VehicleFile, time: Floats, attitude: Rotation
 ) -> Floats:
     """Velocity through the air in FLU [m/s]; (n, 3)."""
     log = vehicle_file.log
@@ -68,10 +134,8 @@ def _air_velocity(
     wind = frames.world_to_enu(np.tile(np.array(log.wind), (time.size, 1)), frame)
     velocity = interpolated(recording.velocity, time)
     if recording.velocity_in == "world":
-        over_ground = frames.world_to_enu(velocity, recording.world_frame)
-        return frames.world_to_body(attitude, over_ground - wind)
-    over_ground = frames.body_to_flu(velocity, recording.body_frame)
-    return over_ground - frames.world_to_body(attitude, wind)
+        return _in_flu(attitude, frames.world_to_enu(velocity, recording.world_frame) - wind)
+    return frames.body_to_flu(velocity, recording.body_frame) - _in_flu(attitude, wind)
 
 
 def _in_body(recording: Recording, signal: Signal | None, time: Floats) -> Floats:

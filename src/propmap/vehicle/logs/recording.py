@@ -18,7 +18,7 @@ MOST_DROPPED = 0.05
 
 @dataclass(frozen=True, eq=False)
 class Signal:
-    """name : for messages.  time : (n,) [s].  values : (n, k)."""
+    """Samples (n, k) of k numbers at n times [s], and a name for messages."""
 
     name: str
     time: Floats
@@ -27,14 +27,12 @@ class Signal:
 
 @dataclass(frozen=True, eq=False)
 class Recording:
-    """The signals of a log in the frames that the log has.
+    """The signals of a log in the frames that the log has: "flu" or "frd", "enu" or "ned".
 
-    source : the file.  body_frame : "flu" or "frd".  world_frame : "enu" or "ned".
-    velocity_in : "body" or "world".
-    attitude : (n, 4), unit quaternion w, x, y, z that turns body to world axes.
-    velocity : (n, 3) [m/s], over the ground.  rates : (n, 3) [rad/s], about body axes.
-    rotor_speed : (n, rotors) [rad/s], in the order of the log.
-    specific_force : (n, 3) [m/s^2], along body axes, or None.
+    ``velocity_in`` is "body" or "world".  The attitude (n, 4) is the unit quaternion w, x, y, z
+    that turns body to world axes; the velocity (n, 3) [m/s] is over the ground; rates (n, 3)
+    [rad/s] and specific force (n, 3) [m/s^2], if any, are along body axes; rotor speeds
+    (n, rotors) [rad/s] are in the order of the log.
     """
 
     source: str
@@ -49,14 +47,7 @@ class Recording:
 
     def signals(self) -> dict[str, Signal]:
         """By name of the field, those that there are."""
-        named = {
-            "attitude": self.attitude,
-            "velocity": self.velocity,
-            "rates": self.rates,
-            "rotor_speed": self.rotor_speed,
-            "specific_force": self.specific_force,
-        }
-        return {name: signal for name, signal in named.items() if signal is not None}
+        return {name: value for name, value in vars(self).items() if isinstance(value, Signal)}
 
 
 def cleaned(recording: Recording) -> Recording:

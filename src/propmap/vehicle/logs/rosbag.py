@@ -79,9 +79,6 @@ def read_rosbag(path: Path, log: LogMap) -> Recording:
 
     imu = "imu" in topics
     factor = log.rotor_factor(log.stated("rotor_unit"))
-    rotors = _rotor_speed(
-        *read["rotor_speed"], f"rotor speed (topic {topics['rotor_speed']})", where
-    )
     return Recording(
         source=where,
         body_frame=log.body_frame or "flu",
@@ -94,7 +91,9 @@ def read_rosbag(path: Path, log: LogMap) -> Recording:
             if imu
             else signal("rates", twist_role, lambda m: _xyz(twist(m).angular))
         ),
-        rotor_speed=Signal(rotors.name, rotors.time, rotors.values * factor),
+        rotor_speed=_rotor_speed(
+            *read["rotor_speed"], factor, f"rotor speed (topic {topics['rotor_speed']})", where
+        ),
         specific_force=(
             signal("specific force", "imu", lambda m: _xyz(m.linear_acceleration)) if imu else None
         ),
@@ -157,8 +156,8 @@ def _stamp(message: Any) -> float:
     return header.stamp.sec + header.stamp.nanosec * 1e-9 if header is not None else 0.0
 
 
-def _rotor_speed(time: Floats, messages: list[Any], name: str, where: str) -> Signal:
-    """Rotor speeds in the unit of the log."""
+def _rotor_speed(time: Floats, messages: list[Any], factor: float, name: str, where: str) -> Signal:
+    """Rotor speeds [rad/s]; ``factor`` is their unit in the log."""
     if not messages:
         return Signal(name, time, np.empty((0, 0)))
     field = _rotor_field(messages[0], name, where)
@@ -170,7 +169,7 @@ def _rotor_speed(time: Floats, messages: list[Any], name: str, where: str) -> Si
             "record one value per rotor in every message",
             where,
         )
-    return Signal(name, time, np.stack(rows))
+    return Signal(name, time, np.stack(rows) * factor)
 
 
 def _rotor_field(message: Any, name: str, where: str) -> str:

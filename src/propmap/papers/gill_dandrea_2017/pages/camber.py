@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.figure import Figure
 
+from propmap.fit.residuals import rms
 from propmap.papers.gill_dandrea_2017.identified import AXIAL
 from propmap.papers.gill_dandrea_2017.numbers import Numbers
 from propmap.papers.gill_dandrea_2017.tunnel import Compared
@@ -85,7 +86,7 @@ def _errors(one: Compared, curve: AxialCurve, field: str) -> np.ndarray:
 
 
 def _rms(one: Compared, curve: AxialCurve, field: str) -> float:
-    return float(np.sqrt(np.mean(_errors(one, curve, field) ** 2)))
+    return rms(_errors(one, curve, field))
 
 
 def _csv(one: Compared, curves: list[AxialCurve]) -> str:

@@ -7,6 +7,7 @@ import numpy as np
 from propmap.catalogue.lookup import propeller
 from propmap.fit.fitted import Fitted
 from propmap.fit.parameters import PAPER_FOUR
+from propmap.fit.residuals import rms
 from propmap.model.airfoil import airfoil
 from propmap.model.propeller import Propeller
 from propmap.papers.gill_dandrea_2017.blades import TUNNEL_PROPELLER, blade
@@ -146,7 +147,7 @@ def _identified(numbers: Numbers) -> tuple[Table, str]:
             else:
                 cells.append(f"{number(round(value, 4))}*")
             plain.append((label, data, HEADS[k], value, low, high, sure.verdicts[i]))
-        share = float(np.sqrt(np.mean(fitted.minimum.residual**2)))
+        share = rms(fitted.minimum.residual)
         cells.append(number(100.0 * share))
         rows.append(tuple(cells))
     columns = [("fitted", ""), ("points", "-")]

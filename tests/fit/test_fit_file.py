@@ -1,0 +1,68 @@
+"""Fit files: what is written is read again, and what is damaged is named."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import msgspec
+import numpy as np
+import pytest
+
+from propmap.errors import InputError
+from propmap.fit.coverage import coverage
+from propmap.fit.result_file import read_fit
+
+from .fit_records import fit_text, parameter, record
+
+
+def written(folder: Path, text: str) -> Path:
+    file = folder / "fit.toml"
+    file.write_text(text)
+    return file
+
+
+def test_what_is_written_is_read_again(tmp_path: Path) -> None:
+    omega, beta = np.array([300.0, 500.0, 600.0]), np.array([0.1, 1.5, 1.5])
+    prior = msgspec.structs.replace(parameter("c_d", 1.0, 0.0, 9.0), prior=(1.0, 0.5))
+    changed = {
+        "covered": coverage(omega, np.array([0.0, 4.0, 5.0]), beta, 0.1),
+        "parameters": [parameter("c_l1", 5.0, 0.5, 12.0), prior],
+        "covariance": np.diag([0.04, np.inf]),
+        "settings": {"loss": "linear", "loads": ["thrust"]},
+        "body": {"lift_area": 0.01},
+        "wing": {"wing_c_l1": 4.0},
+    }
+    want = record(**changed)
+    found = read_fit(written(tmp_path, fit_text(**changed)))
+    assert found.record.table() == want.table()
+    np.testing.assert_array_equal(found.record.covariance, want.covariance)
+    assert found.record.parameters == want.parameters and found.record.covered == want.covered
+    assert found.values == {"lift_area": 0.01, "wing_c_l1": 4.0}
+    assert found.propeller.name == "apc-8x6e" and found.air == want.air
+    assert found.covariance is not None and found.covariance.unknown == ("c_d",)
+
+
+@pytest.mark.parametrize(
+    ("entry", "damage", "says"),
+    [
+        ("kind = .*", "", "Object missing required field kind"),
+        ("rows = 20", "rows = 2.5", "at rows: Expected int, got float"),
+        ("value = 5.0", 'value = "a"', "at parameters.c_l1.value: Expected float, got str"),
+        ("hover_rms = 0.3", "", "at residuals.thrust: Object missing required field hover_rms"),
+        ("typical_rpm = .*", "typical_rpm = -1.0", "typical_rpm: Expected float > 0.0"),
+        (r"\[fit.covered\]", "[fit.covered]\nrpm = [2, 1]\n[x]", "at covered"),
+        ('"c_l1",', "", "parameters are not those that are free"),
+        (r"chord_m = \[\n", "chord_m = [ -0.01,", "the table [fit] is damaged: "),
+        ("density = .*", "density = -1.2", "at air: air density is -1.2: it must be positive"),
+    ],
+)
+def test_the_entry_that_is_damaged_is_named(
+    tmp_path: Path, entry: str, damage: str, says: str
+) -> None:
+    text = re.sub(entry, damage, fit_text(), count=1)
+    assert text != fit_text()
+    with pytest.raises(InputError) as refused:
+        read_fit(written(tmp_path, text))
+    assert says in str(refused.value) and str(refused.value).startswith(str(tmp_path))
+    assert refused.value.remedy
