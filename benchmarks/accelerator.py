@@ -23,6 +23,7 @@ from benchmarks.results_file import machine, write_results
 from benchmarks.roofline import operations_per_point, share_of_peak
 from benchmarks.speed import median_seconds, oblique
 from propmap.engine.evaluation import evaluate, prepare
+from propmap.model.model import Model
 from propmap.rotor import PRECISIONS, Rotor
 
 SIZES = (10_000, 100_000, 1_000_000)
@@ -40,11 +41,11 @@ def measure(sizes: tuple[int, ...] = SIZES, checked: int = CHECKED) -> dict[str,
     blade, section = propmap.propeller("apc-8x6e"), propmap.airfoil("paper-apc")
     seed = time.time_ns() % 2**32
     found: dict[str, Any] = {"machine": machine(), "device": device.device_kind, "seed": seed}
-    flow, truth, scale = reference(Rotor(blade, section), seed, checked)
-    asked = operations_per_point(Rotor(blade, section), checked)
+    flow, truth, scale = reference(Rotor(Model(blade, section)), seed, checked)
+    asked = operations_per_point(Rotor(Model(blade, section)), checked)
     found |= asked
     for precision in PRECISIONS:
-        rotor = Rotor(blade, section, precision=precision)
+        rotor = Rotor(Model(blade, section), precision=precision)
         loads = rotor.loads(*flow)
         errors = {
             name: float(np.nanmax(np.abs(getattr(loads, name) - truth[name]) / scale[name]))

@@ -28,6 +28,7 @@ from propmap.arrays.types import Floats
 from propmap.baselines.hover import HoverModel
 from propmap.catalogue.measurements import measurement
 from propmap.export import export_table
+from propmap.model.model import Model
 from propmap.rotor import Rotor
 from propmap.table import LoadTable, build_table
 
@@ -62,7 +63,7 @@ def fitted_rotor(data: str) -> Rotor:
         and "zero_lift_angle" in c["parameters"]
     )
     section = propmap.Airfoil(**case["parameters"], name=f"fitted to {data}")
-    return Rotor(propmap.propeller("apc-8x6e"), section)
+    return Rotor(Model(propmap.propeller("apc-8x6e"), section))
 
 
 def ends(rotor: Rotor) -> tuple[Way, Way]:
@@ -157,7 +158,7 @@ def measure() -> dict[str, Any]:
     truth = dearest.loads(*points)
     still = rotor.loads(points[0], 0.0, 0.0)
     thrust, torque = still.thrust, still.torque
-    static = np.stack([thrust, thrust, torque, thrust * rotor.propeller.radius])
+    static = np.stack([thrust, thrust, torque, thrust * rotor.model.propeller.radius])
     told = []
     for way in every:
         share = (way.loads(*points) - truth) / static
@@ -179,7 +180,7 @@ def measure() -> dict[str, Any]:
     in_c = c_nanoseconds(table)
     return {
         "machine": place,
-        "rotor": f"{rotor.propeller.name}, {rotor.airfoil.name}",
+        "rotor": f"{rotor.model.propeller.name}, {rotor.model.airfoil.name}",
         "data": DATA,
         "envelope": {"omega": OMEGA, "speed": SPEED, "beta": BETA},
         "points": POINTS,

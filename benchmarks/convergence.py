@@ -22,6 +22,7 @@ from benchmarks.results_file import write_results
 from propmap.arrays.types import Floats
 from propmap.engine.evaluation import Evaluation, evaluate, prepare
 from propmap.engine.plan import ACCURACIES, Accuracy
+from propmap.model.model import Model
 from propmap.rotor import Rotor
 
 SEED = 2017
@@ -85,7 +86,7 @@ def summary(errors: Floats, advance: Floats) -> list[dict[str, Any]]:
 def against_dense(rotors: dict[str, Rotor]) -> dict[str, Any]:
     """Each setting against the dense one at random points, all sets together."""
     omega, axial, inplane = random_flow()
-    tip = next(iter(rotors.values())).propeller.radius
+    tip = next(iter(rotors.values())).model.propeller.radius
     still = np.zeros_like(omega)
     found: dict[str, list[Floats]] = {name: [] for name in ACCURACIES}
     for rotor in rotors.values():
@@ -110,12 +111,12 @@ def against_reference(rotors: dict[str, Rotor]) -> dict[str, Any]:
     for name, rotor in rotors.items():
         mine = [row for row in rows if row["set"] == name.removeprefix("paper-")]
         column = {k: np.array([float(row[k]) for row in mine]) for k in rows[0] if k != "set"}
-        column["static_moment"] = column["static_thrust"] * rotor.propeller.radius
+        column["static_moment"] = column["static_thrust"] * rotor.model.propeller.radius
         flow = (column["rpm"] * RPM, column["v_axial"], column["v_inplane"])
         for accuracy, setting in ACCURACIES.items():
             loads = evaluate(prepare(rotor.arrays), setting, *flow)
             found[accuracy].append(shares(loads, column))
-        advance.append(flow[2] / (flow[0] * rotor.propeller.radius))
+        advance.append(flow[2] / (flow[0] * rotor.model.propeller.radius))
     everywhere = np.concatenate(advance)
     return {name: summary(np.hstack(parts), everywhere) for name, parts in found.items()}
 
@@ -142,7 +143,7 @@ def main() -> None:
     """Compare, print, and write the results."""
     start = time.perf_counter()
     blade = propmap.propeller("apc-8x6e")
-    rotors = {name: Rotor(blade, propmap.airfoil(name)) for name in SETS}
+    rotors = {name: Rotor(Model(blade, propmap.airfoil(name))) for name in SETS}
     found: dict[str, Any] = {
         "propmap": propmap.__version__,
         "unit": "share of the static load at the same rotational speed",

@@ -123,7 +123,9 @@ def tunnel_twin(truth: propmap.Airfoil) -> TunnelData:
     """Computed thrust and torque of the APC 8x6E at 5000 rpm, 60 points."""
     beta, speed = (a.ravel() for a in np.meshgrid(np.radians([0.0, 40.0, 80.0]), TUNNEL_SPEEDS))
     omega = np.full(beta.size, 5000.0 * np.pi / 30.0)
-    loads = propmap.Rotor(propmap.propeller("apc-8x6e"), truth).loads(omega, speed, beta)
+    loads = propmap.Rotor(propmap.Model(propmap.propeller("apc-8x6e"), truth)).loads(
+        omega, speed, beta
+    )
     measured = {"thrust": np.asarray(loads.thrust), "torque": np.asarray(loads.torque)}
     return TunnelData("twin", omega, speed, beta, measured)
 
@@ -195,7 +197,7 @@ def published() -> list[dict[str, Any]]:
     for data, free, loads in cases:
         choice = Choice(free)
         fitted = fit(tunnel_rows(blade, air, data, choice, loads=loads), choice)
-        law = rotor_with(blade, air, first_guess(), fitted.values, "standard").airfoil
+        law = rotor_with(blade, air, first_guess(), fitted.values, "standard").model.airfoil
         checks = {
             other.source: {
                 load: {"relative_rms": c.all.relative_rms, "hover": c.all.hover_rms / c.all.rms}

@@ -72,12 +72,14 @@ class CCBladePropeller:
         self.rotor = rotor
         self.module = ccblade_module()
         with jax.enable_x64(True):
-            at = blade_shape(rotor.theory[0], np.array([NOMINAL_SHARE * rotor.propeller.radius]))  # type: ignore[arg-type]
-            speed = NOMINAL_OMEGA * NOMINAL_SHARE * rotor.propeller.radius
+            at = blade_shape(
+                rotor.arrays[0], np.array([NOMINAL_SHARE * rotor.model.propeller.radius])
+            )  # type: ignore[arg-type]
+            speed = NOMINAL_OMEGA * NOMINAL_SHARE * rotor.model.propeller.radius
             chord = float(at.chord[0])
-            self.reynolds = rotor.air.density * speed * chord / rotor.air.viscosity
+            self.reynolds = rotor.model.air.density * speed * chord / rotor.model.air.viscosity
             degrees = np.linspace(-180.0, 180.0, ANGLES)
-            alpha, section = np.radians(degrees), rotor.theory[1]
+            alpha, section = np.radians(degrees), rotor.arrays[1]
             lift = -np.asarray(lift_coefficient(-alpha, section))  # type: ignore[arg-type]
             every = np.full_like(alpha, self.reynolds)
             drag = np.asarray(drag_coefficient(-alpha, every, section))  # type: ignore[arg-type]
@@ -89,11 +91,11 @@ class CCBladePropeller:
         Stations are closest at root and tip, where CCBlade's integral runs out to zero load;
         evenly spaced ones have several times the error.
         """
-        blade, air = self.rotor.propeller, self.rotor.air
+        blade, air = self.rotor.model.propeller, self.rotor.model.air
         turn = np.pi * np.arange(1, grid.stations + 1) / (grid.stations + 1)
         radius = blade.root + (blade.radius - blade.root) * 0.5 * (1.0 - np.cos(turn))
         with jax.enable_x64(True):
-            shape = blade_shape(self.rotor.theory[0], radius)  # type: ignore[arg-type]
+            shape = blade_shape(self.rotor.arrays[0], radius)  # type: ignore[arg-type]
         return self.module.CCBlade(
             radius,
             np.asarray(shape.chord),

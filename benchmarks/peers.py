@@ -46,6 +46,7 @@ from benchmarks.speed import BATCH, RPM, median_seconds, oblique
 from benchmarks.table import rotorpy_microseconds
 from propmap.arrays.types import Floats
 from propmap.engine.evaluation import evaluate, prepare
+from propmap.model.model import Model
 from propmap.rotor import Rotor
 from propmap.solve.rotor_loads import rotor_loads
 from propmap.table import LoadTable, build_table
@@ -148,7 +149,7 @@ def package(rotor: Rotor, table: LoadTable) -> dict[str, Any]:
 
 def gradient_microseconds(rotor: Rotor, point: Point) -> float:
     """Time [us] of thrust and torque by JAX with their derivatives by omega and the velocity."""
-    blade, section, medium = rotor.theory
+    blade, section, medium = rotor.arrays
 
     def loads(state: jax.Array) -> tuple[jax.Array, jax.Array]:
         found = rotor_loads(blade, section, medium, *(x[None] for x in state))
@@ -216,7 +217,7 @@ def ratios(mine: dict[str, Any], peer: dict[str, Any]) -> dict[str, float]:
 def measure() -> dict[str, Any]:
     """All figures."""
     place = machine()
-    rotor = Rotor(propmap.propeller("apc-8x6e"), propmap.airfoil("paper-apc"))
+    rotor = Rotor(Model(propmap.propeller("apc-8x6e"), propmap.airfoil("paper-apc")))
     table = build_table(rotor, **ENVELOPE, tolerance=TOLERANCE)
     mine = package(rotor, table)
     static = mine.pop("static_thrust")

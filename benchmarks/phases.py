@@ -101,7 +101,7 @@ def block(rotor: Rotor, job: Job, which: np.ndarray, flow: tuple[np.ndarray, ...
     """The block of these points of the job."""
     omega, v_axial, v_inplane = (jnp.asarray(a[which]) for a in flow)
     azimuths = np.resize(job.azimuths, which.size)
-    return rotor.theory, (omega, v_axial, v_inplane), nodes_of_each(azimuths, job.most_azimuths)
+    return rotor.arrays, (omega, v_axial, v_inplane), nodes_of_each(azimuths, job.most_azimuths)
 
 
 def in_groups(phase: Callable[..., Any], *panels: tuple[int, ...]) -> Callable[..., Any]:
@@ -167,7 +167,9 @@ def inflow(case: Case, azimuth: AzimuthNodes, panels: tuple[int, ...]) -> Any:
 def main() -> None:
     """Measure, print and write."""
     found: dict[str, Any] = {"machine": machine(), "batch": BATCH}
-    rotor = propmap.Rotor(propmap.propeller("apc-8x6e"), propmap.airfoil("paper-apc"))
+    rotor = propmap.Rotor(
+        propmap.Model(propmap.propeller("apc-8x6e"), propmap.airfoil("paper-apc"))
+    )
     table = Table("panels", "azimuths", "share %", "nodes", "us per point", "of the batch, us")
     parts = Table("azimuths", "survey", "folds", "roots", "loads", "all [us]", title="following")
     with jax.enable_x64(True):

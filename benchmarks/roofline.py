@@ -26,6 +26,7 @@ from propmap.engine.batch import Block
 from propmap.engine.evaluation import evaluate_flow, prepare
 from propmap.engine.plan import accuracy
 from propmap.engine.programs import Flow
+from propmap.model.model import Model
 from propmap.physics.element import annulus, element_forces, element_thrust_slope
 from propmap.physics.geometry import StationShape
 from propmap.rotor import PRECISIONS, Rotor
@@ -67,7 +68,7 @@ def peak_per_second(precision: str) -> float:
 
 def element_operations(rotor: Rotor) -> dict[str, float]:
     """Operations per blade element, by XLA's count: of a force with its slope; of both forces."""
-    blade, section, medium = rotor.theory
+    blade, section, medium = rotor.arrays
     one: Any = np.ones(COUNTED)
     with by_numpy():
         at = annulus(StationShape(one, one, one), blade, section, medium, one, one, one)
@@ -139,9 +140,9 @@ def main() -> None:
     """Measure, print, and write the results."""
     blade, section = propmap.propeller("apc-8x6e"), propmap.airfoil("paper-apc")
     found: dict[str, Any] = {"machine": machine(), "device": jax.devices()[0].device_kind}
-    found |= operations_per_point(Rotor(blade, section))
+    found |= operations_per_point(Rotor(Model(blade, section)))
     for precision in PRECISIONS:
-        rotor, batch = Rotor(blade, section, precision=precision), oblique(BATCH)
+        rotor, batch = Rotor(Model(blade, section), precision=precision), oblique(BATCH)
         seconds = median_seconds(functools.partial(rotor.loads, *batch), 15)
         found[precision] = share_of_peak(precision, BATCH / seconds, found["operations_per_point"])
     for name, value in found.items():

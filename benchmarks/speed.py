@@ -15,6 +15,7 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import numpy as np
+from propmap.solve.inflow import residual, residual_slope
 
 import propmap
 from benchmarks.results_file import machine, write_results
@@ -24,10 +25,10 @@ from propmap.engine.evaluation import prepare
 from propmap.engine.gradients import load_gradients
 from propmap.engine.plan import accuracy
 from propmap.engine.programs import COMPILER_OPTIONS
+from propmap.model.model import Model
 from propmap.physics.velocities import AzimuthNodes, azimuth_nodes
 from propmap.rotor import Rotor
 from propmap.solve.disk import Case, question
-from propmap.solve.inflow import residual, residual_slope
 
 FLOW, LAW = ("omega", "v_axial", "v_inplane"), ("c_l1", "c_l2", "c_d", "alpha_0", "zero_lift_angle")
 GRADIENT = (*FLOW, *LAW)
@@ -90,7 +91,7 @@ def median_seconds(call: Callable[[], Any], repeats: int) -> float:
 
 def element_nanoseconds(rotor: Rotor) -> dict[str, float]:
     """Time per blade element [ns] of the residual of (11), without and with derivative."""
-    blade, section, medium = rotor.theory
+    blade, section, medium = rotor.arrays
     omega, speed, beta = oblique(POINTS)
     rng = np.random.default_rng(SEED)
     share = np.sort(rng.uniform(0.02, 0.98, (STATIONS, POINTS)), axis=0)
@@ -169,7 +170,7 @@ def measure() -> dict[str, Any]:
     """All figures."""
     place = machine()
     blade, section = propmap.propeller("apc-8x6e"), propmap.airfoil("paper-apc")
-    rotor, fine = Rotor(blade, section), Rotor(blade, section, accuracy="fine")
+    rotor, fine = Rotor(Model(blade, section)), Rotor(Model(blade, section), accuracy="fine")
     omega = 6000.0 * RPM
     batches = {
         "oblique": oblique(BATCH),

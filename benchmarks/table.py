@@ -24,6 +24,7 @@ import propmap
 from benchmarks.c_header import c_nanoseconds
 from benchmarks.results_file import machine, write_results
 from propmap.arrays.types import Floats
+from propmap.model.model import Model
 from propmap.rotor import Rotor
 from propmap.table import LoadTable, build_table
 
@@ -53,7 +54,9 @@ def least_seconds(
 
 def built(tolerance: float, accuracy: str) -> tuple[LoadTable, Rotor, dict[str, Any]]:
     """The table, its rotor, and what building it took."""
-    rotor = Rotor(propmap.propeller("apc-8x6e"), propmap.airfoil("paper-apc"), accuracy=accuracy)
+    rotor = Rotor(
+        Model(propmap.propeller("apc-8x6e"), propmap.airfoil("paper-apc")), accuracy=accuracy
+    )
     wall, processor = time.perf_counter(), time.process_time()
     table = build_table(
         rotor,

@@ -7,21 +7,21 @@ import numpy as np
 import propmap
 from propmap.solve.rotor_loads import rotor_loads
 
-rotor = propmap.Rotor(propmap.propeller("apc-8x6e"), propmap.airfoil("paper-apc"))
+rotor = propmap.Rotor(propmap.Model(propmap.propeller("apc-8x6e"), propmap.airfoil("paper-apc")))
 omega = 6000 * np.pi / 30  # rad/s
 
 
 @jax.jit
 def thrust(section, omega, velocity):
     """Thrust [N] for a velocity (axial, in-plane) [m/s]."""
-    blade, _, air = rotor.theory
+    blade, _, air = rotor.arrays
     # The theory works on batches: here a batch of one.
     omega, axial, inplane = (jnp.reshape(x, 1) for x in (omega, *velocity))
     return rotor_loads(blade, section, air, omega, axial, inplane).thrust[0]
 
 
 with jax.enable_x64(True):
-    section, velocity = rotor.theory[1], jnp.array([3.0, 8.0])
+    section, velocity = rotor.arrays[1], jnp.array([3.0, 8.0])
     derivatives = jax.jacfwd(thrust, argnums=(0, 1, 2))
     by_section, by_omega, by_velocity = derivatives(section, omega, velocity)
     print("d thrust / d omega    ", float(by_omega), "N s/rad")

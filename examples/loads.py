@@ -4,7 +4,7 @@ import numpy as np
 
 import propmap
 
-rotor = propmap.Rotor(propmap.propeller("apc-8x6e"), propmap.airfoil("paper-apc"))
+rotor = propmap.Rotor(propmap.Model(propmap.propeller("apc-8x6e"), propmap.airfoil("paper-apc")))
 omega = 6000 * np.pi / 30  # rad/s
 beta = np.radians([0, 45, 90])  # climb, oblique, edgewise
 loads = rotor.loads(omega, 10.0, beta)

@@ -15,7 +15,10 @@ from propmap.errors import InputError
 # makes the package's attribute the function.
 from propmap.model.air import Air
 from propmap.model.airfoil import Airfoil, airfoil, airfoil_names
+from propmap.model.corrections import correction
+from propmap.model.model import Model
 from propmap.model.propeller import Propeller
+from propmap.model.section_table import SectionTable
 
 if TYPE_CHECKING:
     from propmap.baselines.hover import HoverModel
@@ -29,11 +32,14 @@ __all__ = [
     "HoverModel",
     "InputError",
     "Loads",
+    "Model",
     "Propeller",
     "Rotor",
+    "SectionTable",
     "Wrench",
     "airfoil",
     "airfoil_names",
+    "correction",
     "propeller",
 ]
 

@@ -1,4 +1,4 @@
-"""A propeller, a section law and air, together: loads at any operating point."""
+"""Loads of a model at any operating point."""
 
 from __future__ import annotations
 
@@ -13,9 +13,7 @@ from propmap.arrays.types import Floats
 from propmap.engine.evaluation import Evaluation, Prepared, evaluate, prepare
 from propmap.engine.plan import accuracy as accuracy_setting
 from propmap.errors import InputError
-from propmap.model.air import Air
-from propmap.model.airfoil import Airfoil
-from propmap.model.propeller import Propeller
+from propmap.model.model import Model
 
 if TYPE_CHECKING:
     from propmap.engine.disk_field import Inflow
@@ -72,37 +70,40 @@ class Wrench:
 
 
 class Rotor:
-    """The face of the package.
+    """Loads of a model at any operating point: the face of the package.
 
-    propeller : geometry.  airfoil : section law.  air : density and viscosity.
-    accuracy : "standard" (0.1 % of static thrust and torque) or "fine" (0.01 %, slower).
-    compiled : whether the first call waits some seconds for the compiler, so that all others take a
+    Parameters
+    ----------
+    model : Model
+        Propeller, section law, air and corrections.
+    accuracy : str
+        "standard" (0.1 % of static thrust and torque) or "fine" (0.01 %, slower).
+    compiled : bool
+        Whether the first call waits some seconds for the compiler, so that all others take a
         hundredth of the time.  For a few points in a short process it is not worth it: NumPy then
         gives the same loads, but for rounding, in some hundredths of a second each.
-    precision : "float64", or "float32" for large batches of loads in less time, with errors below
-        0.3 % of static thrust and torque where "standard" promises 0.1 %; compiled only.
-    Raises ``InputError`` for arguments of another kind.
+    precision : str
+        "float64"; or "float32" for large batches of loads in less time, with errors below 0.3 % of
+        static thrust and torque where "standard" promises 0.1 %; compiled only.
+
+    Raises
+    ------
+    InputError
+        For arguments of another kind.
     """
 
     def __init__(
         self,
-        propeller: Propeller,
-        airfoil: Airfoil,
-        air: Air | None = None,
+        model: Model,
         *,
         accuracy: str = "standard",
         compiled: bool = True,
         precision: str = "float64",
     ) -> None:
-        air = air or Air()
-        for name, value, kind, maker in (
-            ("propeller", propeller, Propeller, "propmap.propeller(...)"),
-            ("airfoil", airfoil, Airfoil, "propmap.airfoil(...)"),
-            ("air", air, Air, "propmap.Air(...)"),
-        ):
-            if not isinstance(value, kind):
-                raise InputError(f"{name} is {value!r}: give a {kind.__name__}, from {maker}")
-        self.propeller, self.airfoil, self.air = propeller, airfoil, air
+        if not isinstance(model, Model):
+            raise InputError(
+                f"model is {model!r}", "give a Model, from propmap.Model(propeller, airfoil)"
+            )
         if precision not in PRECISIONS:
             raise InputError(
                 f"precision is {precision!r}: it must be one of {', '.join(PRECISIONS)}"
@@ -112,12 +113,15 @@ class Rotor:
                 f"{precision} with accuracy {accuracy!r} and compiled={compiled}",
                 "it serves compiled programs of accuracy 'standard' alone",
             )
-        self.accuracy, self.compiled, self.precision = accuracy, compiled, precision
+        self.model, self.accuracy = model, accuracy
+        self.compiled, self.precision = compiled, precision
         self._setting, self._uniform = accuracy_setting(accuracy), False
 
     def __repr__(self) -> str:
+        m = self.model
+        added = "".join(f" + {text}" for text in m.correction_texts)
         return (
-            f"Rotor({self.propeller.name}, {self.airfoil.name}, rho={self.air.density} kg/m^3, "
+            f"Rotor({m.propeller.name}, {m.airfoil.name}{added}, rho={m.air.density} kg/m^3, "
             f"accuracy={self.accuracy})"
         )
 
@@ -127,9 +131,7 @@ class Rotor:
         A small batch takes as long as one of some hundred points, but less is compiled in all.
         """
         rotor = Rotor(
-            self.propeller,
-            self.airfoil,
-            self.air,
+            self.model,
             accuracy=self.accuracy,
             compiled=self.compiled,
             precision=self.precision,
@@ -212,7 +214,7 @@ class Rotor:
             raise InputError("inflow takes one operating point: give scalars")
         _refuse_negative("omega", w, "give the spin by its direction, not by a sign [rad/s]")
         _refuse_negative("speed", v, "give the direction by beta, pi for descent [m/s]")
-        blade = self.propeller
+        blade = self.model.propeller
         y = np.linspace(blade.root, blade.radius, 60) if radius is None else np.ravel(radius)
         psi = np.linspace(0.0, 2.0 * np.pi, 73) if azimuth is None else np.ravel(azimuth)
         y, psi = _broadcast(radius=y)[0], _broadcast(azimuth=psi)[0]
@@ -259,21 +261,8 @@ class Rotor:
 
     @functools.cached_property
     def arrays(self) -> RotorArrays:
-        """The rotor as arrays of NumPy float64, for ``propmap.solve.rotor_loads``."""
-        from propmap.arrays.namespace import by_numpy
-        from propmap.physics.element import Medium
-        from propmap.physics.geometry import make_blade
-        from propmap.physics.sections.blended import BlendedLaw
-        from propmap.solve.problem import RotorArrays
-
-        p, a = self.propeller, self.airfoil
-        n: Any = np.float64
-        attached = n(1.0 if a.lift_law == "blended" else 0.0)
-        with by_numpy():
-            blade = make_blade(p.station, p.chord, p.twist, n(p.blades), n(p.root))
-        names = [name for name in BlendedLaw._fields if name != "attached"]
-        law = BlendedLaw(attached=attached, **{name: n(getattr(a, name)) for name in names})
-        return RotorArrays(blade, law, Medium(n(self.air.density), n(self.air.viscosity)))
+        """The model as arrays of NumPy float64, for ``propmap.solve.rotor_loads``."""
+        return self.model.arrays()
 
     @functools.cached_property
     def _prepared(self) -> Prepared:
@@ -286,7 +275,8 @@ class Rotor:
             self._prepared, self._setting, omega.ravel(), v_axial.ravel(), v_inplane.ravel()
         )
         found = {name: getattr(flat, name).reshape(shape) for name in Evaluation._fields}
-        reverse = _reverse_flow(omega, v_inplane, self.propeller.root, self.propeller.radius)
+        blade = self.model.propeller
+        reverse = _reverse_flow(omega, v_inplane, blade.root, blade.radius)
         return Loads(
             thrust=found["thrust"],
             drag=found["drag"],

@@ -71,7 +71,7 @@ def test_a_windmilling_screw_without_friction_is_a_fin() -> None:
     station = np.linspace(ROOT, RADIUS, 60)
     blade = _blade(np.arctan(speed / (omega * station)), station)
     law = propmap.Airfoil(c_l1=2.0 * np.pi * 0.8, c_l2=2.0, c_d=0.0, alpha_0=0.5, c_d0=0.0, c_p=0.0)
-    rotor = propmap.Rotor(blade, law, propmap.Air(density=RHO))
+    rotor = propmap.Rotor(propmap.Model(blade, law, propmap.Air(density=RHO)))
     loads = rotor.loads(omega, speed, incidence)
     assert abs(float(loads.thrust)) < 1e-3
     fin = side_force(blade, 0.0, speed, incidence, RHO)

@@ -56,7 +56,7 @@ def test_a_parameter_set_with_a_propeller(
     assert done.code == 0
     assert done.err.startswith("building a map of apc-8x6e at 1880 to 9869 rpm")
     ((rotor, named),) = built
-    assert rotor.propeller.name == "apc-8x6e" and rotor.airfoil.name == "paper-apc"
+    assert rotor.model.propeller.name == "apc-8x6e" and rotor.model.airfoil.name == "paper-apc"
     assert named["speed"] == (0.0, 20.0) and named["beta"] == (0.0, np.pi)
 
 
@@ -66,7 +66,7 @@ def test_a_fit_brings_its_propeller_and_air(
     (tmp_path / "fit.toml").write_text(fit_text(air=propmap.Air(1.1)))
     assert run("export", "fit.toml", "--to", "csv", "-o", "to").code == 0
     ((rotor, _),) = built
-    assert (rotor.propeller.name, rotor.air.density) == ("apc-8x6e", 1.1)
+    assert (rotor.model.propeller.name, rotor.model.air.density) == ("apc-8x6e", 1.1)
     assert (tmp_path / "to" / "README-csv.txt").exists()
 
 

@@ -62,7 +62,7 @@ def test_the_file_is_a_parameter_set(run: Run, tunnel_fit: Path) -> None:
         "--rpm", "5000", "--speed", "0", "--beta", "0", "--format", "json",
     )  # fmt: skip
     assert (done.code, done.err) == (0, "")
-    rotor = propmap.Rotor(propmap.propeller("apc-8x6e"), law)
+    rotor = propmap.Rotor(propmap.Model(propmap.propeller("apc-8x6e"), law))
     expected = rotor.loads(5000.0 * np.pi / 30.0, 0.0, 0.0)
     assert json.loads(done.out)["thrust_N"] == pytest.approx(float(expected.thrust))
 

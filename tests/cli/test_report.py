@@ -64,7 +64,7 @@ def test_a_tunnel_fit(run: Run, tmp_path: Path, tunnel_fit: Path) -> None:
 @pytest.mark.slow
 def test_its_curves_are_the_fitted_rotor(run: Run, tmp_path: Path, tunnel_fit: Path) -> None:
     assert run("report", tunnel_fit, "-o", "out").code == 0
-    rotor = propmap.Rotor(propmap.propeller("apc-8x6e"), airfoil(tunnel_fit))
+    rotor = propmap.Rotor(propmap.Model(propmap.propeller("apc-8x6e"), airfoil(tunnel_fit)))
     rows = rows_of(tmp_path / "out" / "fit-loads.csv")
     assert {row["beta_deg"] for row in rows} == {"0", "90"}
     for row in rows[::7]:

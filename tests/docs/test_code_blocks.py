@@ -62,11 +62,11 @@ def uiuc_files(folder: Path) -> None:
     ]
     (folder / "apcsf_10x7_geom.txt").write_text("\n".join(rows) + "\n")
     law = propmap.airfoil("paper-apc").with_parameters(zero_lift_angle=-0.07)
-    rotor = propmap.Rotor(blade, law)
+    rotor = propmap.Rotor(propmap.Model(blade, law))
 
     def coefficients(turns: np.ndarray, advance: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         loads = rotor.loads(2.0 * np.pi * turns, advance * turns * blade.diameter, 0.0)
-        size = rotor.air.density * turns**2 * blade.diameter**4
+        size = rotor.model.air.density * turns**2 * blade.diameter**4
         return loads.thrust / size, 2.0 * np.pi * loads.torque / (size * blade.diameter)
 
     rpm = np.linspace(2000.0, 6000.0, 6)

@@ -52,7 +52,9 @@ pytestmark = pytest.mark.slow
 @pytest.fixture(scope="module")
 def table() -> LoadTable:
     """Coarse, and wide enough for the examples."""
-    rotor = propmap.Rotor(propmap.propeller("apc-8x6e"), propmap.airfoil("paper-apc"))
+    rotor = propmap.Rotor(
+        propmap.Model(propmap.propeller("apc-8x6e"), propmap.airfoil("paper-apc"))
+    )
     return build_table(
         rotor,
         omega=(400.0, 900.0),

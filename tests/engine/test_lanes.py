@@ -19,7 +19,9 @@ def _points(count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def _rotor(precision: str = "float64") -> pm.Rotor:
-    return pm.Rotor(pm.propeller("apc-8x6e"), pm.airfoil("paper-apc"), precision=precision)
+    return pm.Rotor(
+        pm.Model(pm.propeller("apc-8x6e"), pm.airfoil("paper-apc")), precision=precision
+    )
 
 
 def test_the_installed_jaxlib_is_one_that_compiles_them() -> None:
@@ -102,7 +104,7 @@ def test_nothing_in_a_program_keeps_its_loops_from_vectors() -> None:
     nodes = batch.nodes_of_each(np.full(points, 8), 8)
     with jax.enable_x64(True):
         search = programs.compiled_search((6, 6, 6), axial=False).lower(
-            *rotor.theory, flow, nodes, points
+            *rotor.arrays, flow, nodes, points
         )
         text = search.compile().as_text()
     assert "sqrt(" in text

@@ -29,10 +29,10 @@ def test_float32_keeps_its_promise(name: str) -> None:
     lost; descent included."""
     blade, law = pm.propeller("apc-8x6e"), pm.airfoil(name)
     points = _points(400, np.pi)
-    want = pm.Rotor(blade, law).loads(*points)
-    got = pm.Rotor(blade, law, precision="float32").loads(*points)
+    want = pm.Rotor(pm.Model(blade, law)).loads(*points)
+    got = pm.Rotor(pm.Model(blade, law), precision="float32").loads(*points)
     still = np.zeros_like(points[0])
-    static = pm.Rotor(blade, law).loads(points[0], still, still)
+    static = pm.Rotor(pm.Model(blade, law)).loads(points[0], still, still)
     assert np.isfinite(got.thrust).all()
     for field in NUMBERS:
         scale = static.thrust if field in ("thrust", "drag") else static.torque
@@ -46,11 +46,11 @@ def test_float32_keeps_its_promise(name: str) -> None:
 def test_float32_asks_for_what_it_can_do() -> None:
     blade, law = pm.propeller("apc-8x6e"), pm.airfoil("paper-apc")
     with pytest.raises(pm.InputError, match="precision is 'half'"):
-        pm.Rotor(blade, law, precision="half")
+        pm.Rotor(pm.Model(blade, law), precision="half")
     with pytest.raises(pm.InputError, match="float32"):
-        pm.Rotor(blade, law, precision="float32", compiled=False)
+        pm.Rotor(pm.Model(blade, law), precision="float32", compiled=False)
     with pytest.raises(pm.InputError, match="float32"):
-        pm.Rotor(blade, law, precision="float32", accuracy="fine")
+        pm.Rotor(pm.Model(blade, law), precision="float32", accuracy="fine")
 
 
 @pytest.mark.slow
@@ -60,7 +60,7 @@ def test_blocks_and_programs_of_an_accelerator_give_the_same_loads(
     """Run on the CPU: large blocks, and no branches that are always taken."""
     blade, law = pm.propeller("apc-8x6e"), pm.airfoil("paper-apc")
     points = _points(1500, 0.5 * np.pi)
-    want = pm.Rotor(blade, law).loads(*points)
+    want = pm.Rotor(pm.Model(blade, law)).loads(*points)
     sizes = []
     program = evaluation.compiled_search
 
@@ -76,7 +76,7 @@ def test_blocks_and_programs_of_an_accelerator_give_the_same_loads(
     monkeypatch.setattr(evaluation, "compiled_search", noted)
     for module in (evaluation, namespace, lanes):
         monkeypatch.setattr(module, "on_accelerator", lambda: True)
-    got = pm.Rotor(blade, law).loads(*points)
+    got = pm.Rotor(pm.Model(blade, law)).loads(*points)
     assert min(sizes) >= 1024
     for field in NUMBERS:
         expected = getattr(want, field)

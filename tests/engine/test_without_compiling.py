@@ -29,8 +29,8 @@ def test_numpy_and_the_compiler_agree(name: str, count: int) -> None:
     """Also guards the compiler's options: jaxlib miscompiles one function for wide vectors."""
     blade, law = pm.propeller("apc-8x6e"), pm.airfoil(name)
     points = _points(count)
-    compiled = pm.Rotor(blade, law).loads(*points)
-    by_numpy = pm.Rotor(blade, law, compiled=False).loads(*points)
+    compiled = pm.Rotor(pm.Model(blade, law)).loads(*points)
+    by_numpy = pm.Rotor(pm.Model(blade, law), compiled=False).loads(*points)
     assert (compiled.status == by_numpy.status).all()
     assert (compiled.roots == by_numpy.roots).all()
     for field in NUMBERS:
@@ -42,8 +42,8 @@ def test_numpy_and_the_compiler_agree(name: str, count: int) -> None:
 def test_inflow_over_the_disk_agrees() -> None:
     blade, law = pm.propeller("apc-8x6e"), pm.airfoil("paper-apc")
     flow = (628.0, 12.0, np.radians(70.0))
-    want = pm.Rotor(blade, law).inflow(*flow)
-    got = pm.Rotor(blade, law, compiled=False).inflow(*flow)
+    want = pm.Rotor(pm.Model(blade, law)).inflow(*flow)
+    got = pm.Rotor(pm.Model(blade, law), compiled=False).inflow(*flow)
     for field in ("inflow", "alpha", "thrust_per_radius", "torque_per_radius"):
         expected = getattr(want, field)
         np.testing.assert_allclose(
@@ -52,7 +52,7 @@ def test_inflow_over_the_disk_agrees() -> None:
 
 
 def test_one_set_of_programs_gives_the_same_loads() -> None:
-    rotor = pm.Rotor(pm.propeller("apc-8x6e"), pm.airfoil("paper-soft"))
+    rotor = pm.Rotor(pm.Model(pm.propeller("apc-8x6e"), pm.airfoil("paper-soft")))
     points = _points(150)
     want, got = rotor.loads(*points), rotor.for_all_sizes().loads(*points)
     assert (want.status == got.status).all()

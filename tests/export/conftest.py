@@ -23,7 +23,9 @@ RADIUS = 0.1
 @pytest.fixture(scope="session")
 def table() -> LoadTable:
     """A coarse table of the model, from hover to slow climb and edgewise flight."""
-    rotor = propmap.Rotor(propmap.propeller("apc-8x6e"), propmap.airfoil("paper-apc"))
+    rotor = propmap.Rotor(
+        propmap.Model(propmap.propeller("apc-8x6e"), propmap.airfoil("paper-apc"))
+    )
     return build_table(
         rotor, omega=OMEGA, speed=SPEED, beta=BETA, tolerance=0.05, certificate_points=512
     )

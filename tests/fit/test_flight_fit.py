@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from propmap.physics.parameters import Section
 
 import propmap
 from propmap.errors import InputError
@@ -15,7 +16,6 @@ from propmap.fit.comparison import compare_flight
 from propmap.fit.coverage import range_warnings
 from propmap.fit.flight import ForceModel, balance_rows, level_rows
 from propmap.fit.parameters import EVERY, SECTION, Choice
-from propmap.physics.parameters import Section
 from propmap.physics.sections.blended import lift_coefficient
 from propmap.vehicle.flight_log import GRAVITY, FlightLog
 from propmap.vehicle.hub_flow import hub_flow, rotor_forces
@@ -68,7 +68,7 @@ def model(log: FlightLog, **changes: object) -> ForceModel:
 @pytest.fixture(scope="module")
 def static_thrust() -> float:
     """Of one rotor at ``OMEGA`` [N]."""
-    return float(propmap.Rotor(PROPELLER, LAW).loads(OMEGA, 0.0, 0.0).thrust)
+    return float(propmap.Rotor(propmap.Model(PROPELLER, LAW)).loads(OMEGA, 0.0, 0.0).thrust)
 
 
 CLOSE = 2e-3  # Twice the accuracy of the loads.
@@ -110,7 +110,7 @@ def moving() -> ForceModel:
 
 def test_forces_are_the_sum_of_the_rotors_wrenches(moving: ForceModel) -> None:
     """Against ``Rotor.wrench``, hub by hub: omega x r and the direction of the drag."""
-    rotor = propmap.Rotor(PROPELLER, LAW)
+    rotor = propmap.Rotor(propmap.Model(PROPELLER, LAW))
     total = np.zeros((4, 3))
     for mount in MOUNTS:
         hub = moving.log.velocity + np.cross(moving.log.rates, np.array(mount.position))

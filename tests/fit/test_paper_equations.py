@@ -62,7 +62,7 @@ def found() -> Floats:
 
 def test_level_rows_are_equation_16(found: Floats) -> None:
     """Written out from the loads of each rotor: sum T sin(beta) + sum D cos(beta) - m g."""
-    rotor = propmap.Rotor(BLADE, LAW)
+    rotor = propmap.Rotor(propmap.Model(BLADE, LAW))
     # V is horizontal and the axis leans into it: beta is short of a right angle by the lean.
     beta = 0.5 * np.pi - LEAN
     loads = rotor.loads(OMEGA, SPEED[:, None], beta[:, None])

@@ -76,7 +76,7 @@ def twin() -> TunnelData:
     speed = np.concatenate([np.linspace(0.0, 14.0, 12), np.linspace(2.0, 10.0, 14)])
     beta = np.radians(np.concatenate([np.zeros(12), np.resize([20.0, 40.0, 60.0, 85.0], 14)]))
     omega = np.resize([450.0, 550.0, 650.0], 26)
-    found = propmap.Rotor(PROPELLER, LAW, AIR).loads(omega, speed, beta)
+    found = propmap.Rotor(propmap.Model(PROPELLER, LAW, AIR)).loads(omega, speed, beta)
     return TunnelData("twin", omega, speed, beta, {n: getattr(found, n) for n in LOADS})
 
 

@@ -40,7 +40,7 @@ def test_the_rotors_own_loads_agree(
     """Loads by another program, which differ by what the standard accuracy allows, 0.1 %."""
     flow = hub_flow(vehicle, points)
     velocity = np.stack([flow.inplane, 0.0 * flow.inplane, flow.axial], axis=-1)
-    rotor = propmap.Rotor(vehicle.propeller, airfoil, vehicle.air)
+    rotor = propmap.Rotor(propmap.Model(vehicle.propeller, airfoil, vehicle.air))
     loads = rotor.loads_at_velocity(flow.omega, velocity)
     force = rotor_forces(flow, loads.thrust, loads.drag)
     weight = vehicle.mass * GRAVITY
@@ -63,7 +63,7 @@ def test_circles(points: FlightLog) -> None:
 
 def test_hover_is_the_hover_model(vehicle: Vehicle, airfoil: propmap.Airfoil) -> None:
     still = trim(vehicle, airfoil, np.array([0.0]))
-    rotor = propmap.Rotor(vehicle.propeller, airfoil, vehicle.air)
+    rotor = propmap.Rotor(propmap.Model(vehicle.propeller, airfoil, vehicle.air))
     model = HoverModel.of(rotor, float(still.rotor_speed[0, 0]))
     needed = np.sqrt(vehicle.mass * GRAVITY / (4.0 * model.k_thrust))
     # Thrust agrees to 0.1 %, as above, the speed to half of that.

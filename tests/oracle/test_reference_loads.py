@@ -32,7 +32,9 @@ def _loads(rotor: Rotor, want: dict[str, NDArray[np.float64]]) -> Loads:
 @pytest.mark.parametrize("name", SETS)
 def test_loads_agree_with_the_reference(name: str, accuracy: str, limit: float) -> None:
     """0.1 % of static thrust and torque by default, 0.01 % with accuracy="fine"."""
-    rotor = pm.Rotor(pm.propeller("apc-8x6e"), pm.airfoil(f"paper-{name}"), accuracy=accuracy)
+    rotor = pm.Rotor(
+        pm.Model(pm.propeller("apc-8x6e"), pm.airfoil(f"paper-{name}")), accuracy=accuracy
+    )
     want = _columns(name)
     assert want["rpm"].size >= 200
     got = _loads(rotor, want)
@@ -40,7 +42,7 @@ def test_loads_agree_with_the_reference(name: str, accuracy: str, limit: float) 
     assert np.max(np.abs(got.thrust - want["thrust"]) / thrust) < limit
     assert np.max(np.abs(got.drag - want["drag"]) / thrust) < limit
     assert np.max(np.abs(got.torque - want["torque"]) / torque) < limit
-    radius = rotor.propeller.radius
+    radius = rotor.model.propeller.radius
     assert np.max(np.abs(got.roll_moment - want["roll_moment"]) / (thrust * radius)) < limit
 
 

@@ -55,8 +55,8 @@ def test_blades_at_other_stations_have_the_same_loads() -> None:
     law = propmap.airfoil("paper-stiff").with_parameters(zero_lift_angle=-0.07)
     speed, beta = np.array([0.0, 6.0, 6.0, 14.0]), np.radians([0.0, 30.0, 90.0, 90.0])
     for name in ("apc-8x4.5mr", "apc-11x7e"):
-        own = propmap.Rotor(propmap.propeller(name), law).loads(600.0, speed, beta)
-        other = propmap.Rotor(blade(name), law).loads(600.0, speed, beta)
+        own = propmap.Rotor(propmap.Model(propmap.propeller(name), law)).loads(600.0, speed, beta)
+        other = propmap.Rotor(propmap.Model(blade(name), law)).loads(600.0, speed, beta)
         for load in ("thrust", "drag", "torque", "roll_moment"):
             expected = getattr(own, load)
             assert getattr(other, load) == pytest.approx(

@@ -131,7 +131,7 @@ def test_a_band_is_what_the_derivative_makes_of_the_deviation() -> None:
     assert found.speed[-1] == pytest.approx(1.25 * 0.25 * tip)
     k = 20
     pair = [
-        propmap.Rotor(file.propeller, law.with_parameters(c_l1=c)).loads(
+        propmap.Rotor(propmap.Model(file.propeller, law.with_parameters(c_l1=c))).loads(
             found.omega, found.speed[k], edgewise.beta
         )
         for c in (value - 0.1, value + 0.1)

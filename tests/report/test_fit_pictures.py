@@ -51,7 +51,9 @@ def vehicle() -> Vehicle:
 
 @pytest.fixture(scope="module")
 def rotor(vehicle: Vehicle) -> propmap.Rotor:
-    return propmap.Rotor(vehicle.propeller, propmap.airfoil("paper-apc"), vehicle.air)
+    return propmap.Rotor(
+        propmap.Model(vehicle.propeller, propmap.airfoil("paper-apc"), vehicle.air)
+    )
 
 
 def _check(figure: Figure, path: Path) -> None:
@@ -75,7 +77,7 @@ def _points(ax: Any) -> list[Any]:
 def test_level_flight(vehicle: Vehicle, rotor: propmap.Rotor, tmp_path: Path) -> None:
     # Given out of order: the curves run with rising speed.
     log = _log(np.array([16.0, 13.0, 14.5]))
-    figure = level_flight(vehicle, log, rotor.airfoil)
+    figure = level_flight(vehicle, log, rotor.model.airfoil)
     _check(figure, tmp_path / "level.png")
     labels = [ax.get_ylabel() for ax in figure.axes[:5]]
     for word, label in zip(("thrust", "drag", "torque", "error", "pitch"), labels, strict=True):
@@ -104,7 +106,7 @@ def test_level_flight(vehicle: Vehicle, rotor: propmap.Rotor, tmp_path: Path) ->
 def test_level_flight_without_accelerometer(
     vehicle: Vehicle, rotor: propmap.Rotor, tmp_path: Path
 ) -> None:
-    figure = level_flight(vehicle, _log(np.array([13.0, 16.0]), felt=False), rotor.airfoil)
+    figure = level_flight(vehicle, _log(np.array([13.0, 16.0]), felt=False), rotor.model.airfoil)
     _check(figure, tmp_path / "level.png")
     texts = [text.get_text() for text in figure.axes[5].get_legend().get_texts()]
     assert "measured: pitch angle" in texts

@@ -15,7 +15,7 @@ BLADE = pm.propeller("apc-8x6e")
 
 @pytest.fixture(scope="module", params=["paper-soft", "paper-apc", "paper-stiff"])
 def rotor(request: pytest.FixtureRequest) -> Rotor:
-    return pm.Rotor(BLADE, pm.airfoil(request.param))
+    return pm.Rotor(pm.Model(BLADE, pm.airfoil(request.param)))
 
 
 def _largest_jump(values: Floats) -> float:
@@ -42,7 +42,7 @@ def test_loads_do_not_jump_with_the_operating_point(rotor: Rotor, line: str) -> 
     loads = rotor.loads(omega, speed, beta)
     static = rotor.loads(omega, 0.0, 0.0).thrust
     assert np.all(loads.status != "not_converged")
-    if rotor.airfoil.name != "paper-stiff":
+    if rotor.model.airfoil.name != "paper-stiff":
         assert "multiple_roots" in loads.status
     assert _largest_jump(loads.thrust / static) < 1e-4
     assert _largest_jump(loads.drag / static) < 1e-4
@@ -60,7 +60,11 @@ def test_loads_do_not_jump_with_the_section_parameters(name: str, speed: float) 
     values = middle + PARAMETERS[name] * np.linspace(-1.0, 1.0, 121)
     thrust = np.array(
         [
-            float(pm.Rotor(BLADE, law.with_parameters(**{name: v})).loads(600.0, speed, 1.0).thrust)
+            float(
+                pm.Rotor(pm.Model(BLADE, law.with_parameters(**{name: v})))
+                .loads(600.0, speed, 1.0)
+                .thrust
+            )
             for v in values
         ]
     )
@@ -127,7 +131,7 @@ def test_loads_do_not_jump_where_separated_flow_has_no_lift() -> None:
     law = pm.airfoil("paper-apc").with_parameters(
         c_l1=4.32, c_l2=0.0, c_d=1.19, alpha_0=0.362, zero_lift_angle=-0.0912
     )
-    rotor = pm.Rotor(BLADE, law)
+    rotor = pm.Rotor(pm.Model(BLADE, law))
     beta = np.radians(np.linspace(86.0, 92.0, STEPS))
     static = float(rotor.loads(700.0, 0.0, 0.0).thrust)
     for advance in (0.17, 0.18, 0.19):

@@ -12,7 +12,7 @@ from propmap.rotor import STATUSES, Loads
 def _random(points: int, airfoil: str, seed: int) -> Loads:
     rng = np.random.default_rng(seed)
     omega, speed = rng.uniform(0.0, 1500.0, points), rng.uniform(0.0, 40.0, points)
-    rotor = pm.Rotor(pm.propeller("apc-8x6e"), pm.airfoil(airfoil))
+    rotor = pm.Rotor(pm.Model(pm.propeller("apc-8x6e"), pm.airfoil(airfoil)))
     return rotor.loads(omega, speed, np.deg2rad(rng.uniform(0.0, 180.0, points)))
 
 
@@ -41,7 +41,9 @@ def test_a_hundred_thousand_random_points() -> None:
 
 
 def test_rest_is_rest() -> None:
-    loads = pm.Rotor(pm.propeller("apc-8x6e"), pm.airfoil("paper-apc")).loads(0.0, 0.0, 0.0)
+    loads = pm.Rotor(pm.Model(pm.propeller("apc-8x6e"), pm.airfoil("paper-apc"))).loads(
+        0.0, 0.0, 0.0
+    )
     for name in ("thrust", "drag", "torque", "roll_moment", "power"):
         assert float(getattr(loads, name)) == 0.0
     assert loads.status == "ok"
@@ -53,7 +55,7 @@ def test_other_propellers(name: str) -> None:
     rng = np.random.default_rng(3)
     blade = pm.propeller(name)
     tip = rng.uniform(10.0, 120.0, 300)
-    rotor = pm.Rotor(blade, pm.airfoil("paper-apc"))
+    rotor = pm.Rotor(pm.Model(blade, pm.airfoil("paper-apc")))
     speed, beta = rng.uniform(0.0, 20.0, 300), rng.uniform(0.0, np.pi, 300)
     loads = rotor.loads(tip / blade.radius, speed, beta)
     assert np.isfinite(loads.thrust).all()
@@ -71,7 +73,7 @@ BAD = {
 
 @pytest.mark.parametrize("what", BAD)
 def test_bad_operating_points_are_refused_in_one_line(what: str) -> None:
-    rotor = pm.Rotor(pm.propeller("apc-8x6e"), pm.airfoil("paper-apc"))
+    rotor = pm.Rotor(pm.Model(pm.propeller("apc-8x6e"), pm.airfoil("paper-apc")))
     with pytest.raises(pm.InputError) as caught:
         rotor.loads(*BAD[what])
     assert "\n" not in str(caught.value)
@@ -79,6 +81,6 @@ def test_bad_operating_points_are_refused_in_one_line(what: str) -> None:
 
 def test_wrong_kinds_are_refused() -> None:
     with pytest.raises(pm.InputError, match=r"propmap\.propeller"):
-        pm.Rotor("apc-8x6e", pm.airfoil("paper-apc"))  # type: ignore[arg-type]
+        pm.Rotor(pm.Model("apc-8x6e", pm.airfoil("paper-apc")))  # type: ignore[arg-type]
     with pytest.raises(pm.InputError, match="accuracy"):
-        pm.Rotor(pm.propeller("apc-8x6e"), pm.airfoil("paper-apc"), accuracy="best")
+        pm.Rotor(pm.Model(pm.propeller("apc-8x6e"), pm.airfoil("paper-apc")), accuracy="best")

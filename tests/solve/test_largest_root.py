@@ -5,6 +5,7 @@ import functools
 import jax
 import numpy as np
 import pytest
+from propmap.solve.inflow import LANES_TOGETHER, MAX_STEPS, find_root, residual
 
 import propmap
 from propmap.arrays.namespace import by_numpy
@@ -13,7 +14,6 @@ from propmap.engine.plan import may_stall
 from propmap.physics.velocities import azimuth_nodes
 from propmap.solve.bounds import find_bounds
 from propmap.solve.disk import DiskInflow, question, solve_disk
-from propmap.solve.inflow import LANES_TOGETHER, MAX_STEPS, find_root, residual
 from propmap.solve.quadrature import panel_nodes
 from propmap.solve.rotor_loads import case_of
 
@@ -26,7 +26,7 @@ def climb(rotor, axial, seed, advance=(0.02, 0.2)):
     """Omega [rad/s], V cos(beta) and V sin(beta) [m/s] of random points in climb."""
     rng = np.random.default_rng(seed)
     omega = rng.uniform(2000.0, 10000.0, POINTS) * np.pi / 30.0
-    tip = float(rotor.theory[0].station[-1])
+    tip = float(rotor.arrays[0].station[-1])
     along = rng.uniform(0.0, 12.0, POINTS)
     across = 0.0 * along if axial else omega * tip * rng.uniform(*advance, POINTS)
     return omega, along, across
@@ -35,14 +35,14 @@ def climb(rotor, axial, seed, advance=(0.02, 0.2)):
 def followed(rotor, flow, azimuths):
     """Radial nodes, (11) there and its roots as the batches find them, with stall followed."""
     with by_numpy():
-        case = case_of(*rotor.theory, *flow, None)
+        case = case_of(*rotor.arrays, *flow, None)
         return solve_disk(case, FOLLOWING, azimuth_nodes(azimuths))[1]
 
 
 @pytest.mark.parametrize("law", ["paper-apc", "paper-soft", "paper-stiff"])
 @pytest.mark.parametrize("axial", [True, False])
 def test_where_the_search_starts_makes_no_difference(law, axial):
-    rotor = propmap.Rotor(propmap.propeller("apc-8x6e"), propmap.airfoil(law))
+    rotor = propmap.Rotor(propmap.Model(propmap.propeller("apc-8x6e"), propmap.airfoil(law)))
     azimuths = 1 if axial else 16
     disk: DiskInflow = followed(rotor, climb(rotor, axial, 5), azimuths)
     with by_numpy():
@@ -60,7 +60,7 @@ def test_where_the_search_starts_makes_no_difference(law, axial):
 )
 @pytest.mark.parametrize("azimuths", [1, 24])
 def test_no_root_lies_above(name, azimuths):
-    rotor = propmap.Rotor(propmap.propeller(name), propmap.airfoil("paper-stiff"))
+    rotor = propmap.Rotor(propmap.Model(propmap.propeller(name), propmap.airfoil("paper-stiff")))
     disk = followed(rotor, climb(rotor, azimuths == 1, 6, (0.02, 1.2)), azimuths)
     with by_numpy():
         # Also past the place from which the search comes down.
@@ -76,7 +76,9 @@ def test_no_root_lies_above(name, azimuths):
 @pytest.mark.parametrize("count", [17, 20])
 def test_groups_of_stations_find_what_all_together_find(count):
     """Compiled, stations search four at a time; NumPy searches at all at once."""
-    rotor = propmap.Rotor(propmap.propeller("apc-8x6e"), propmap.airfoil("paper-stiff"))
+    rotor = propmap.Rotor(
+        propmap.Model(propmap.propeller("apc-8x6e"), propmap.airfoil("paper-stiff"))
+    )
     flow = climb(rotor, axial=False, seed=9)
     some = followed(rotor, flow, 16).ask.stations(slice(count))
     nodes, nowhere = azimuth_nodes(16), np.full(POINTS, np.inf)
@@ -91,17 +93,19 @@ def test_groups_of_stations_find_what_all_together_find(count):
 
 def attached(rotor, flow):
     """(11) at 24 stations of one panel."""
-    blade = rotor.theory[0]
+    blade = rotor.arrays[0]
     ends = np.array([[blade.root], [blade.tip]])
     with by_numpy():
-        case = case_of(*rotor.theory, *flow, None)
+        case = case_of(*rotor.arrays, *flow, None)
         return question(case, panel_nodes(ends, (24,)).radius)
 
 
 @pytest.fixture(scope="module")
 def fast_climb():
     """A rotor and points where nothing stalls, some of them with negative thrust."""
-    rotor = propmap.Rotor(propmap.propeller("apc-8x6e"), propmap.airfoil("paper-apc"))
+    rotor = propmap.Rotor(
+        propmap.Model(propmap.propeller("apc-8x6e"), propmap.airfoil("paper-apc"))
+    )
     rpm = np.linspace(5000.0, 9500.0, 40)
     flow = (rpm * np.pi / 30.0, np.full(40, 12.0), np.zeros(40))
     assert not may_stall(*prepare(rotor.arrays).forecast, *flow).any()
@@ -130,7 +134,7 @@ def test_a_start_below_the_root_is_lifted(fast_climb, too_low):
 @pytest.mark.parametrize("law", ["paper-apc", "paper-soft", "paper-stiff"])
 @pytest.mark.parametrize("axial", [True, False])
 def test_the_forecast_of_stall_holds(law, axial):
-    rotor = propmap.Rotor(propmap.propeller("apc-8x6e"), propmap.airfoil(law))
+    rotor = propmap.Rotor(propmap.Model(propmap.propeller("apc-8x6e"), propmap.airfoil(law)))
     flow = climb(rotor, axial, 7)
     foreseen = may_stall(*prepare(rotor.arrays).forecast, *flow)
     with by_numpy():
@@ -138,7 +142,7 @@ def test_the_forecast_of_stall_holds(law, axial):
         at = disk.ask.at
         u_t, u_p = at.omega * at.radius, at.v_axial + disk.inflow
         alpha = np.arctan2(at.sine * u_t - at.cosine * u_p, at.cosine * u_t + at.sine * u_p)
-    section = rotor.theory[1]
+    section = rotor.arrays[1]
     stalled = (np.abs(alpha) > section.alpha_0 - 2.0 / section.sharpness).any(axis=0)
     assert stalled.any()
     assert (stalled & ~foreseen).sum() <= 0.02 * POINTS

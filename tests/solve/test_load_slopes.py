@@ -8,10 +8,10 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from propmap.physics.parameters import Resolution, Section
 
 import propmap as pm
 from propmap.engine.batch import nodes_of_each
-from propmap.physics.parameters import Resolution, Section
 from propmap.solve.disk import solve_disk
 from propmap.solve.load_slopes import LOADS, MOVING, directions_of, load_slopes
 from propmap.solve.rotor_loads import case_of, disk_loads
@@ -29,8 +29,8 @@ AZIMUTHS = np.array([8, 8, 24, 16, 8, 8])
 
 @pytest.mark.slow
 def test_two_passes_give_what_differentiation_of_the_whole_does() -> None:
-    rotor = pm.Rotor(pm.propeller("apc-8x6e"), pm.airfoil("paper-soft"))
-    blade, section, medium = rotor.theory
+    rotor = pm.Rotor(pm.Model(pm.propeller("apc-8x6e"), pm.airfoil("paper-soft")))
+    blade, section, medium = rotor.arrays
     v_hover = np.asarray(rotor.hover_inflow(OMEGA))
     nodes = nodes_of_each(AZIMUTHS, 24)
     with jax.enable_x64(True):

@@ -15,7 +15,7 @@ TOLERANCE = 0.03
 
 @pytest.fixture(scope="session")
 def rotor() -> propmap.Rotor:
-    return propmap.Rotor(propmap.propeller("apc-8x6e"), propmap.airfoil("paper-apc"))
+    return propmap.Rotor(propmap.Model(propmap.propeller("apc-8x6e"), propmap.airfoil("paper-apc")))
 
 
 @pytest.fixture(scope="session")

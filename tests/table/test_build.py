@@ -26,7 +26,7 @@ def _errors(
     rates, where = np.unique(omega, return_inverse=True)
     still = rotor.loads(rates, 0.0, 0.0)
     thrust, torque = still.thrust[where], still.torque[where]
-    static = np.stack([thrust, thrust, torque, thrust * rotor.propeller.radius], -1)
+    static = np.stack([thrust, thrust, torque, thrust * rotor.model.propeller.radius], -1)
     difference = [getattr(found, name) - getattr(model, name) for name in LOADS]
     return np.stack(difference, -1) / static, found.status
 
@@ -66,7 +66,7 @@ def test_where_from_is_filed(table: LoadTable, rotor: propmap.Rotor) -> None:
     assert info["propmap_version"] == propmap.__version__
     assert info["propeller"]["name"] == "apc-8x6e"
     assert len(info["propeller"]["geometry_sha256"]) == len(info["airfoil"]["sha256"]) == 64
-    assert info["airfoil"]["c_l1"] == rotor.airfoil.c_l1
+    assert info["airfoil"]["c_l1"] == rotor.model.airfoil.c_l1
     assert info["air"] == {"density_kg_m3": 1.225, "viscosity_Pa_s": 1.983e-5}
     assert info["airfoil_covariance"] is None
     assert set(info["certificate"]["max_error"]) == set(LOADS)
@@ -146,11 +146,11 @@ def test_an_envelope_with_more_unresolved_than_allowed_is_refused(
 @pytest.mark.slow
 def test_a_fit_without_lift_after_stall_gets_a_table(rotor: propmap.Rotor) -> None:
     """The five parameters fitted to the UIUC's rows: loads bend sharply near 89 deg."""
-    law = rotor.airfoil.with_parameters(
+    law = rotor.model.airfoil.with_parameters(
         c_l1=4.31846, c_l2=0.0, c_d=1.19066, alpha_0=0.362326, zero_lift_angle=-0.0912194
     )
     table = build_table(
-        propmap.Rotor(rotor.propeller, law),
+        propmap.Rotor(propmap.Model(rotor.model.propeller, law)),
         omega=(419.0, 628.0),
         speed=(6.0, 12.0),
         beta=(np.radians(60.0), np.radians(100.0)),
@@ -163,9 +163,9 @@ def test_a_fit_without_lift_after_stall_gets_a_table(rotor: propmap.Rotor) -> No
 
 
 def test_a_rotor_without_static_thrust_is_refused(rotor: propmap.Rotor) -> None:
-    section = rotor.airfoil.with_parameters(zero_lift_angle=0.5)
+    section = rotor.model.airfoil.with_parameters(zero_lift_angle=0.5)
     with pytest.raises(propmap.InputError, match="no positive thrust"):
-        Model(propmap.Rotor(rotor.propeller, section), np.array(OMEGA))
+        Model(propmap.Rotor(propmap.Model(rotor.model.propeller, section)), np.array(OMEGA))
 
 
 @pytest.mark.slow

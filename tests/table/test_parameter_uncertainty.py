@@ -23,11 +23,13 @@ def test_loads_of_drawn_parameters_spread_as_said(rotor: propmap.Rotor) -> None:
     # A hundredth of it: to first order.
     small = SectionCovariance(COVARIANCE.names, 1e-4 * COVARIANCE.matrix)
     drawn = np.random.default_rng(0).multivariate_normal(np.zeros(2), small.matrix, 400)
-    law = rotor.airfoil
+    law = rotor.model.airfoil
     loads = []
     for by_lift, by_drag in drawn.tolist():
         section = law.with_parameters(c_l1=law.c_l1 + by_lift, c_d=law.c_d + by_drag)
-        found = propmap.Rotor(rotor.propeller, section).loads(omega, speed, beta)
+        found = propmap.Rotor(propmap.Model(rotor.model.propeller, section)).loads(
+            omega, speed, beta
+        )
         loads.append(np.stack([getattr(found, name) for name in LOADS], axis=-1))
     expected = np.std(loads, axis=0)
     deviations = load_deviations(rotor, small, omega, speed, beta)

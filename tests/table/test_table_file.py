@@ -146,9 +146,9 @@ def test_inconsistent_tables(path: Path, change: Any, message: str) -> None:
 
 
 def test_a_table_of_another_propeller(path: Path, rotor: propmap.Rotor, table: LoadTable) -> None:
-    assert "expected 'apc-8x6e'" in _refusal(path, propeller=rotor.propeller)
+    assert "expected 'apc-8x6e'" in _refusal(path, propeller=rotor.model.propeller)
     table.save(path)
-    LoadTable.load(path, propeller=rotor.propeller)
+    LoadTable.load(path, propeller=rotor.model.propeller)
 
 
 def test_a_failed_write_leaves_nothing(

@@ -37,7 +37,9 @@ class HoverModel:
         through the Reynolds number alone, by about 0.1 % from 4000 to 8000 rpm.
         Raises ``InputError`` unless omega is positive.
         """
-        omega = REFERENCE_TIP_SPEED / rotor.propeller.radius if omega is None else float(omega)
+        omega = (
+            REFERENCE_TIP_SPEED / rotor.model.propeller.radius if omega is None else float(omega)
+        )
         if not omega > 0.0:
             raise InputError(f"omega is {omega}: the hover model needs a positive one [rad/s]")
         still = rotor.loads(omega, 0.0, 0.0)

@@ -47,7 +47,7 @@ def _print(console: Console, results: Results) -> None:
 
     rotor = results.rotor
     console.print(
-        f"{rotor.propeller.name}, airfoil {rotor.airfoil.name}, against "
+        f"{rotor.model.propeller.name}, airfoil {rotor.model.airfoil.name}, against "
         "UIUC (static, axial) and Gill & D'Andrea 2019 (oblique, their fit)"
     )
     table = Table(

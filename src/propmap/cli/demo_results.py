@@ -17,6 +17,7 @@ from propmap.catalogue.measurements import measurement
 from propmap.cli.operating_points import RPM
 from propmap.cli.output import csv_text, json_text, write_text
 from propmap.model.airfoil import airfoil
+from propmap.model.model import Model
 from propmap.report.comparison import LOADS, Comparison, LoadErrors, compare
 from propmap.rotor import Rotor
 
@@ -99,7 +100,8 @@ def compute() -> Results:
     tunnel, oblique = measurement(TUNNEL), measurement(OBLIQUE)
     blade, section = propeller(PROPELLER), airfoil(AIRFOIL)
     rotors = [
-        Rotor(blade, section, propmap.Air(density=data.air_density)) for data in (tunnel, oblique)
+        Rotor(Model(blade, section, propmap.Air(density=data.air_density)))
+        for data in (tunnel, oblique)
     ]
     both = (compare(rotors[0], tunnel), compare(rotors[1], oblique))
     still = tunnel.speed == 0.0
@@ -127,9 +129,9 @@ def write_tables(results: Results, folder: Path) -> None:
     groups = [asdict(group) for group in (*results.groups, *results.by_angle)]
     found = {
         "propmap_version": propmap.__version__,
-        "propeller": results.rotor.propeller.name,
-        "airfoil": results.rotor.airfoil.name,
-        "air_density_kg_m3": results.rotor.air.density,
+        "propeller": results.rotor.model.propeller.name,
+        "airfoil": results.rotor.model.airfoil.name,
+        "air_density_kg_m3": results.rotor.model.air.density,
         "accuracy": results.rotor.accuracy,
         "relative_rms": "rms of the error over the rms of the measured load",
         "groups": groups,

@@ -13,6 +13,7 @@ from propmap.cli.table_report import building
 from propmap.errors import InputError
 
 if TYPE_CHECKING:
+    from propmap.model.model import Model
     from propmap.model.section_covariance import SectionCovariance
     from propmap.rotor import Rotor
     from propmap.table import LoadTable
@@ -82,20 +83,20 @@ def _rotor(source: Path, prop: str | None) -> tuple[Rotor, SectionCovariance | N
     keep_compiled()
     if prop is None:
         fit = read_fit(source)
-        return Rotor(fit.propeller, fit.airfoil, fit.air), fit.covariance
+        return Rotor(Model(fit.propeller, fit.airfoil, fit.air)), fit.covariance
     covariance = read_fit(source).covariance if is_fit(source) else None
-    return Rotor(propeller(prop), read_airfoil(source)), covariance
+    return Rotor(Model(propeller(prop), read_airfoil(source))), covariance
 
 
 def _built(rotor: Rotor, covariance: SectionCovariance | None) -> LoadTable:
     """A map over an envelope that suits most multirotors."""
     from propmap.table import build_table
 
-    radius = rotor.propeller.radius
+    radius = rotor.model.propeller.radius
     omega = (TIP_SPEED[0] / radius, TIP_SPEED[1] / radius)
     rpm = [30.0 / math.pi * w for w in omega]
     typer.echo(
-        f"building a map of {rotor.propeller.name} at {rpm[0]:.0f} to {rpm[1]:.0f} rpm, "
+        f"building a map of {rotor.model.propeller.name} at {rpm[0]:.0f} to {rpm[1]:.0f} rpm, "
         f"{SPEED[0]:g} to {SPEED[1]:g} m/s, beta 0 to 180 deg, which takes a minute or so; "
         "for another range, build it with propmap table",
         err=True,

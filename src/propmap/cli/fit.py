@@ -233,7 +233,7 @@ def _picture_of_flight(picture: Path, fitted: Fitted, model: ForceModel, log: Fl
 
     vehicle = model.vehicle
     rotor = rotor_with(vehicle.propeller, vehicle.air, model.base, fitted.values, model.setting)
-    save(level_flight(vehicle, log, rotor.airfoil), picture)
+    save(level_flight(vehicle, log, rotor.model.airfoil), picture)
 
 
 def _check_outputs(output: Path, *pictures: Path | None) -> None:

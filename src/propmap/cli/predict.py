@@ -90,10 +90,10 @@ def _show_table(
     table = _one_point(where, loads, hover) if one else _many_points(where, loads, hover)
 
     def draw(console: Console) -> None:
-        blade = rotor.propeller
+        blade = rotor.model.propeller
         console.print(
             f"{blade.name}, {blade.blades} blades, R = {blade.radius:.4g} m; "
-            f"airfoil {rotor.airfoil.name}; rho = {rotor.air.density:.4g} kg/m^3"
+            f"airfoil {rotor.model.airfoil.name}; rho = {rotor.model.air.density:.4g} kg/m^3"
         )
         console.print(table)
 

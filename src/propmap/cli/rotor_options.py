@@ -18,6 +18,7 @@ from propmap.model.airfoil import airfoil, airfoil_names
 from propmap.model.propeller import Propeller
 
 if TYPE_CHECKING:
+    from propmap.model.model import Model
     from propmap.rotor import Rotor
 
 Others = ParamSpec("Others")
@@ -91,7 +92,7 @@ class RotorChoice:
 
         keep_compiled()
         compiled = points is None or points > FEW_POINTS[self.accuracy]
-        return Rotor(blade, section, air, accuracy=self.accuracy.value, compiled=compiled)
+        return Rotor(Model(blade, section, air), accuracy=self.accuracy.value, compiled=compiled)
 
     def blade(self) -> Propeller:
         """The propeller."""

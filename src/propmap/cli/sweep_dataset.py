@@ -62,8 +62,8 @@ def dataset(
 
 
 def _provenance(rotor: Rotor, command: str) -> dict[str, str | float | int]:
-    blade = rotor.propeller
-    section = {f"airfoil_{key}": value for key, value in asdict(rotor.airfoil).items()}
+    blade = rotor.model.propeller
+    section = {f"airfoil_{key}": value for key, value in asdict(rotor.model.airfoil).items()}
     return {
         "title": f"Loads of {blade.name}",
         "propmap_version": propmap.__version__,
@@ -76,8 +76,8 @@ def _provenance(rotor: Rotor, command: str) -> dict[str, str | float | int]:
         "root_m": blade.root,
         "geometry_sha256": propeller_sha256(blade),
         **section,
-        "air_density_kg_m3": rotor.air.density,
-        "air_viscosity_Pa_s": rotor.air.viscosity,
+        "air_density_kg_m3": rotor.model.air.density,
+        "air_viscosity_Pa_s": rotor.model.air.viscosity,
         "accuracy": rotor.accuracy,
         "command": command,
         "created": datetime.now(UTC).isoformat(timespec="seconds"),

@@ -20,16 +20,28 @@ from propmap.solve.problem import Case, RotorArrays
 
 @dataclass(frozen=True)
 class Inflow:
-    """Fields over the disk; S stations and P azimuths.
+    """Fields over the disk at one operating point; S stations and P azimuths.
 
-    radius (S,) [m]; azimuth psi (P,) [rad], pi/2 on the advancing side, 0 at the side away
-    from which the hub moves (downstream).
-    inflow : v_i(y) (S,) [m/s], positive against the thrust; the same at every azimuth.
-    thrust_per_radius, drag_per_radius [N/m], torque_per_radius [N] : azimuth means (S,).
-    alpha : geometric angle of attack (S, P) [rad], in (-pi, pi].
-    u_tangential, u_normal : the section velocities (1) and (2), (S, P) [m/s].
-    stalled : where alpha is further than alpha_0 from zero lift; reverse : where the air
-    meets the section from behind; both (S, P).
+    Attributes
+    ----------
+    radius : ndarray, shape (S,)
+        y [m].
+    azimuth : ndarray, shape (P,)
+        psi [rad], pi/2 on the advancing side, 0 at the side away from which the hub moves.
+    inflow : ndarray, shape (S,)
+        v_i(y) [m/s], positive against the thrust; the same at every azimuth.
+    thrust_per_radius, drag_per_radius, torque_per_radius : ndarray, shape (S,)
+        Means over azimuth [N/m], [N/m], [N].
+    alpha : ndarray, shape (S, P)
+        Angle of attack from the chord line [rad], in (-pi, pi].
+    u_tangential, u_normal : ndarray, shape (S, P)
+        The section velocities (1) and (2) [m/s].
+    past_stall : ndarray, shape (S, P)
+        How much further from zero lift alpha is than the stall angle [rad].
+    stalled : ndarray, shape (S, P)
+        Where that is positive.
+    reverse : ndarray, shape (S, P)
+        Where the air meets the section from behind.
     """
 
     radius: Floats
@@ -41,6 +53,7 @@ class Inflow:
     alpha: Floats
     u_tangential: Floats
     u_normal: Floats
+    past_stall: Floats
     stalled: NDArray[np.bool_]
     reverse: NDArray[np.bool_]
 
@@ -66,6 +79,7 @@ def look_at_disk(
         fields = jax.tree.map(np.asarray, found)
         stall_angle = float(rotor.law.bounds().stall_angle)
     lift_angle = (fields.alpha - rotor.law.zero_lift_angle + np.pi) % (2.0 * np.pi) - np.pi
+    past_stall = np.abs(lift_angle) - stall_angle
     return Inflow(
         radius=radius,
         azimuth=azimuth,
@@ -76,7 +90,8 @@ def look_at_disk(
         alpha=(fields.alpha + np.pi) % (2.0 * np.pi) - np.pi,
         u_tangential=fields.u_t,
         u_normal=fields.u_p,
-        stalled=np.abs(lift_angle) > stall_angle,
+        past_stall=past_stall,
+        stalled=past_stall > 0.0,
         reverse=fields.u_t < 0.0,
     )
 

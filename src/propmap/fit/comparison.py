@@ -17,6 +17,7 @@ from propmap.fit.residuals import Errors, by_band, errors
 from propmap.fit.tunnel import TunnelData, hover_loads
 from propmap.model.air import Air
 from propmap.model.airfoil import Airfoil
+from propmap.model.model import Model
 from propmap.model.propeller import Propeller
 from propmap.rotor import Rotor
 from propmap.vehicle.flight_log import GRAVITY, FlightLog
@@ -60,7 +61,7 @@ def compare_tunnel(
         Every measured load by its name with unit.  The hover model beside it has neither drag nor
         rolling moment.
     """
-    rotor = Rotor(propeller, law, air)
+    rotor = Rotor(Model(propeller, law, air))
     loads = rotor.loads(data.omega, data.speed, data.beta)
     hovers = hover_loads(HoverModel.of(rotor), data.omega)
     return {
@@ -127,7 +128,7 @@ def _forces(
     vehicle: Vehicle, log: FlightLog, law: Airfoil, values: Mapping[str, float]
 ) -> tuple[Floats, Floats]:
     """All forces but gravity (n, 3) [N] by this model, and those of the hover model."""
-    rotor = Rotor(vehicle.propeller, law, vehicle.air)
+    rotor = Rotor(Model(vehicle.propeller, law, vehicle.air))
     flow = hub_flow(vehicle, log)
     velocity = np.stack([flow.inplane, np.zeros_like(flow.inplane), flow.axial], axis=-1)
     loads = rotor.loads_at_velocity(flow.omega, velocity)

@@ -18,6 +18,7 @@ from propmap.fit.parameters import BODY, SECTION, WING, Choice
 from propmap.fit.rows import Rows
 from propmap.model.air import Air
 from propmap.model.airfoil import Airfoil
+from propmap.model.model import Model
 from propmap.model.propeller import Propeller
 from propmap.rotor import Rotor
 from propmap.solve.load_slopes import LOADS
@@ -71,7 +72,7 @@ def rotor_with(
 ) -> Rotor:
     """A rotor with the section parameters among ``values``."""
     law = base.with_parameters(**{name: values[name] for name in SECTION})
-    return Rotor(propeller, law, air, accuracy=setting)
+    return Rotor(Model(propeller, law, air), accuracy=setting)
 
 
 def tunnel_rows(
@@ -170,7 +171,7 @@ def tunnel_rows(
 
 def hover_after_fit(rotor: Rotor) -> HoverModel:
     """``HoverModel.of(rotor)`` by the program that the fit has compiled, within 0.1 %."""
-    omega = REFERENCE_TIP_SPEED / rotor.propeller.radius
+    omega = REFERENCE_TIP_SPEED / rotor.model.propeller.radius
     still, setting = np.zeros(1), accuracy(rotor.accuracy)
     found = load_gradients(prepare(rotor.arrays), setting, (), np.array([omega]), still, still)
     static = dict(zip(LOADS, found.loads[:, 0].tolist(), strict=True))

@@ -20,6 +20,10 @@ if TYPE_CHECKING:
     from propmap.solve.problem import RotorArrays
 
 
+Section = Airfoil | SectionTable
+"""What may be the section law of a model."""
+
+
 @dataclass(frozen=True)
 class Model:
     """What is modelled, as one value that is passed on whole.
@@ -42,7 +46,7 @@ class Model:
     """
 
     propeller: Propeller
-    airfoil: Airfoil | SectionTable
+    airfoil: Section
     air: Air = field(default_factory=Air)
     corrections: tuple[Correction, ...] = ()
 
@@ -63,7 +67,7 @@ class Model:
         for value in self.corrections:
             value.factor(self.propeller.root)
 
-    def with_airfoil(self, airfoil: Airfoil | SectionTable) -> Model:
+    def with_airfoil(self, airfoil: Section) -> Model:
         """The same model with another section law."""
         return replace(self, airfoil=airfoil)
 

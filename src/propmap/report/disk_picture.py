@@ -15,7 +15,6 @@ from propmap.report.style import COLOURS, style
 
 if TYPE_CHECKING:
     from propmap.engine.disk_field import Inflow
-    from propmap.model.airfoil import Airfoil
     from propmap.rotor import Rotor
 
 STALL: dict[str, Any] = {"color": COLOURS[1], "linewidth": 1.6, "linestyle": "solid"}
@@ -30,7 +29,7 @@ def disk_picture(rotor: Rotor, omega: float, speed: float, beta: float) -> Figur
     omega [rad/s], speed [m/s], beta [rad].  A counter-clockwise propeller is shown; the
     other one is its mirror image.
     """
-    blade = rotor.propeller
+    blade = rotor.model.propeller
     radius = np.linspace(blade.root, blade.radius, 160)
     azimuth = np.radians(np.linspace(0.0, 360.0, 361))
     field = rotor.inflow(omega, speed, beta, radius=radius, azimuth=azimuth)
@@ -47,7 +46,7 @@ def disk_picture(rotor: Rotor, omega: float, speed: float, beta: float) -> Figur
         bar = figure.colorbar(mesh, cax=figure.add_axes((0.53, 0.22, 0.014, 0.52)), extend="both")
         bar.set_label(r"angle of attack $\alpha$ [deg]")
         _directions(disk, MM * blade.radius, oblique)
-        handles = _regions(disk, field, rotor.airfoil)
+        handles = _regions(disk, field)
         figure.legend(handles=handles, loc="lower center", bbox_to_anchor=(0.25, 0.0), ncols=2)
         inflow = figure.add_axes((0.69, 0.52, 0.29, 0.37))
         thrust = figure.add_axes((0.69, 0.10, 0.29, 0.37), sharex=inflow)
@@ -58,7 +57,7 @@ def disk_picture(rotor: Rotor, omega: float, speed: float, beta: float) -> Figur
         thrust.set_ylabel("thrust dT/dy [N/m]")
         thrust.set_xlabel("radius y [mm]")
         figure.suptitle(
-            f"{blade.name}, airfoil {rotor.airfoil.name}: {omega * 30.0 / np.pi:.0f} rpm, "
+            f"{blade.name}, airfoil {rotor.model.airfoil.name}: {omega * 30.0 / np.pi:.0f} rpm, "
             f"V = {speed:g} m/s, β = {np.degrees(beta):.4g}°"
         )
     return figure
@@ -81,12 +80,11 @@ def _angle_of_attack(ax: Any, field: Inflow) -> Any:
     return mesh
 
 
-def _regions(ax: Any, field: Inflow, section: Airfoil) -> list[Line2D]:
+def _regions(ax: Any, field: Inflow) -> list[Line2D]:
     """Outline stall and reverse flow; handles for the legend."""
-    from_zero_lift = np.abs(_wrapped(field.alpha - section.zero_lift_angle))
     # Smooth fields whose zero is the boundary make smoother outlines than the regions.
     regions = (
-        ("stalled", field.stalled, from_zero_lift - section.alpha_0, STALL),
+        ("stalled", field.stalled, field.past_stall, STALL),
         ("reverse flow", field.reverse, field.u_tangential, REVERSE),
     )
     handles = []

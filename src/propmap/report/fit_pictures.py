@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from propmap.fit.tunnel import TunnelData
-    from propmap.model.airfoil import Airfoil
+    from propmap.model.model import Model, Section
     from propmap.rotor import Rotor
     from propmap.vehicle.vehicle import Vehicle
 
@@ -46,7 +46,7 @@ SHADE: dict[str, Any] = {"color": COLOURS[4], "alpha": 0.25, "linewidth": 0.0}
 
 
 def level_flight(
-    vehicle: Vehicle, points: FlightLog, airfoil: Airfoil, *, accuracy: str = "standard"
+    vehicle: Vehicle, points: FlightLog, airfoil: Section, *, accuracy: str = "standard"
 ) -> Figure:
     """The paper's figure 6: loads, vertical force error and pitch angle against flight speed.
 
@@ -98,13 +98,13 @@ class _Curves:
     """Loads at operating points sorted by speed, each (n,)."""
 
     def __init__(
-        self, vehicle: Vehicle, points: FlightLog, airfoil: Airfoil, accuracy: str
+        self, vehicle: Vehicle, points: FlightLog, airfoil: Section, accuracy: str
     ) -> None:
         from propmap.fit.body_forces import body_force
         from propmap.fit.parameters import EVERY
         from propmap.rotor import Rotor
 
-        rotor = Rotor(vehicle.propeller, airfoil, vehicle.air, accuracy=accuracy)
+        rotor = Rotor(Model(vehicle.propeller, airfoil, vehicle.air), accuracy=accuracy)
         flow = hub_flow(vehicle, points)
         velocity = np.stack([flow.inplane, 0.0 * flow.inplane, flow.axial], axis=-1)
         loads = rotor.loads_at_velocity(flow.omega, velocity)
@@ -179,8 +179,8 @@ def tunnel_fit(data: TunnelData, rotor: Rotor) -> Figure:
         ]  # fmt: skip
         figure.legend(handles=handles, loc="outside lower center", ncols=len(handles))
         figure.suptitle(
-            f"{rotor.propeller.name}, airfoil {rotor.airfoil.name}\n{len(data)} rows of "
-            f"{data.source}"
+            f"{rotor.model.propeller.name}, airfoil {rotor.model.airfoil.name}\n"
+            f"{len(data)} rows of {data.source}"
         )
     return figure
 

@@ -80,7 +80,8 @@ def load_curves(
             ax.margins(x=0.02)
         for ax in axes[2:]:
             ax.set_xlabel("flight speed V [m/s]")
-        title = f"{rotor.propeller.name}, airfoil {rotor.airfoil.name}, {omega * RPM:.0f} rpm"
+        m = rotor.model
+        title = f"{m.propeller.name}, airfoil {m.airfoil.name}, {omega * RPM:.0f} rpm"
         if measured is not None:
             title += f"; points: {measured.label}"
         figure.suptitle(title)

@@ -81,7 +81,7 @@ def build_table(
         leave_out_vortex_ring=leave_out_vortex_ring,
         progress=progress,
     )
-    radius = rotor.propeller.radius
+    radius = rotor.model.propeller.radius
     advance = (ends[1][0] / (ends[0][1] * radius), ends[1][1] / (ends[0][0] * radius))
     axes = starting_axes(model, advance, (float(ends[2][0]), float(ends[2][1])))
     info = _provenance(rotor, leave_out_vortex_ring, covariance)
@@ -166,8 +166,8 @@ def _content(
     model: Model, refined: Refined, ends: tuple[Floats, Floats, Floats], info: dict[str, Any]
 ) -> TableContent:
     rotor, omega = model.rotor, model.omega[:, None]
-    force = rotor.air.density * np.pi * rotor.propeller.radius**4 * omega**2
-    scale = force * np.array([1.0, 1.0, rotor.propeller.radius, rotor.propeller.radius])
+    force = rotor.model.air.density * np.pi * rotor.model.propeller.radius**4 * omega**2
+    scale = force * np.array([1.0, 1.0, rotor.model.propeller.radius, rotor.model.propeller.radius])
     relative = model.static / scale
     coefficients = (refined.values * relative[:, None, None, :]).transpose(0, 3, 1, 2)
     ring = refined.ring
@@ -188,7 +188,7 @@ def _content(
 def _provenance(
     rotor: Rotor, leave_out_vortex_ring: bool, covariance: SectionCovariance | None
 ) -> dict[str, Any]:
-    blade, section = rotor.propeller, rotor.airfoil
+    blade, section = rotor.model.propeller, rotor.model.airfoil
     return {
         "title": f"Loads of {blade.name}",
         "propmap_version": propmap.__version__,
@@ -216,8 +216,8 @@ def _provenance(
         "airfoil": {**asdict(section), "sha256": airfoil_sha256(section)},
         "airfoil_covariance": covariance.as_dict() if covariance else None,
         "air": {
-            "density_kg_m3": float(rotor.air.density),
-            "viscosity_Pa_s": float(rotor.air.viscosity),
+            "density_kg_m3": float(rotor.model.air.density),
+            "viscosity_Pa_s": float(rotor.model.air.viscosity),
         },
         "accuracy": rotor.accuracy,
         "vortex_ring": "left out" if leave_out_vortex_ring else "kept",

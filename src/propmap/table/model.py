@@ -56,7 +56,9 @@ class Model:
                 "table's errors could be related",
                 "check the propeller's pitch and the section law",
             )
-        return np.stack([thrust, thrust, torque, thrust * self.rotor.propeller.radius], axis=-1)
+        return np.stack(
+            [thrust, thrust, torque, thrust * self.rotor.model.propeller.radius], axis=-1
+        )
 
     def loads(self, omega: Floats, speed: Floats, beta: Floats) -> tuple[Floats, NDArray[np.bool_]]:
         """Loads (n, 4) in the order of ``LOADS``, and whether in the vortex ring state (n,)."""
@@ -81,7 +83,7 @@ class Model:
             return
         advance, beta = np.array(points).T
         omega = np.full(advance.size, self.omega[node])
-        values, ring = self.loads(omega, advance * omega * self.rotor.propeller.radius, beta)
+        values, ring = self.loads(omega, advance * omega * self.rotor.model.propeller.radius, beta)
         rows = np.concatenate([values / self.static[node], ring[:, None]], axis=1)
         self._known[node].update(zip(points, rows, strict=True))
 

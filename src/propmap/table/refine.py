@@ -89,7 +89,7 @@ def starting_axes(
     model: Model, advance: tuple[float, float], beta: tuple[float, float]
 ) -> tuple[Axis, Axis]:
     """Few knots, those of the advance ratio denser where it is small."""
-    blade, air = model.rotor.propeller, model.rotor.air
+    blade, air = model.rotor.model.propeller, model.rotor.model.air
     force = air.density * np.pi * blade.radius**4 * model.omega[1] ** 2
     inflow = float(np.sqrt(0.5 * model.static[1, 0] / force))
     share = np.linspace(0.0, 1.0, FIRST_KNOTS)

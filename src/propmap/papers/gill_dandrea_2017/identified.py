@@ -61,5 +61,5 @@ def _identify(label: str, data: str, free: tuple[str, ...]) -> Identified:
     shape, air, choice = blade(TUNNEL_PROPELLER), Air(), Choice(free)
     rows = tunnel_rows(shape, air, tunnel_data(data), choice, loads=FITTED_LOADS)
     fitted = fit(rows, choice, Settings(starts=STARTS, folds=0))
-    law = rotor_with(shape, air, first_guess(), fitted.values, "standard").airfoil
+    law = rotor_with(shape, air, first_guess(), fitted.values, "standard").model.airfoil
     return Identified(label, data, fitted, law.with_parameters(name=label, source=data))

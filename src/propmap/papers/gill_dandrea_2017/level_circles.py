@@ -21,6 +21,7 @@ from propmap.fit.parameters import PAPER_FOUR, Choice
 from propmap.fit.tunnel import first_guess
 from propmap.flight.trim import trim, true_values
 from propmap.model.airfoil import Airfoil, airfoil
+from propmap.model.model import Model
 from propmap.papers.gill_dandrea_2017.blades import blade
 from propmap.papers.gill_dandrea_2017.paper import FASTEST, FLIGHTS, RADIUS, TETHER
 from propmap.rotor import Rotor
@@ -134,7 +135,7 @@ def circles(vehicle: Vehicle, law: Airfoil, speeds: Floats) -> Circles:
     The hover model takes its constants from the rotors at rest, at their speed in hover.
     """
     points = trim(vehicle, law, speeds, radius=TETHER)
-    rotor = Rotor(vehicle.propeller, law, vehicle.air)
+    rotor = Rotor(Model(vehicle.propeller, law, vehicle.air))
     flow = hub_flow(vehicle, points)
     velocity = np.stack([flow.inplane, 0.0 * flow.inplane, flow.axial], axis=-1)
     loads = rotor.loads_at_velocity(flow.omega, velocity)
@@ -189,7 +190,7 @@ def first_crossing(x: Floats, y: Floats) -> float | None:
 
 
 def _hover(vehicle: Vehicle, law: Airfoil) -> HoverModel:
-    rotor = Rotor(vehicle.propeller, law, vehicle.air)
+    rotor = Rotor(Model(vehicle.propeller, law, vehicle.air))
     still = HoverModel.of(rotor)
     each = vehicle.mass * GRAVITY / len(vehicle.mounts)
     return HoverModel.of(rotor, float(np.sqrt(each / still.k_thrust)))

@@ -11,6 +11,7 @@ from propmap.baselines.fin_analogy import inflow_factor, side_force
 from propmap.catalogue.measurements import measurement
 from propmap.model.air import Air
 from propmap.model.airfoil import Airfoil, airfoil
+from propmap.model.model import Model
 from propmap.papers.gill_dandrea_2017.blades import TUNNEL_PROPELLER, blade
 from propmap.papers.gill_dandrea_2017.identified import OBLIQUE
 from propmap.papers.gill_dandrea_2017.level_circles import SPEEDS as CIRCLE_SPEEDS
@@ -86,7 +87,7 @@ def small_incidence(law: Airfoil) -> list[SmallIncidence]:
 def ratios(law: Airfoil) -> list[Ratio]:
     """Published over theoretical drag by angle, all speeds above zero."""
     data = measurement(OBLIQUE)
-    rotor = Rotor(blade(TUNNEL_PROPELLER), law, Air(density=data.air_density))
+    rotor = Rotor(Model(blade(TUNNEL_PROPELLER), law, Air(density=data.air_density)))
     theory = rotor.loads(data.omega, data.speed, data.beta).drag
     assert data.drag is not None
     found = []
@@ -125,7 +126,7 @@ def _small_incidence(name: str, law: Airfoil) -> SmallIncidence:
         omega = float(data.omega[np.argmin(np.abs(data.omega - omega))])
         at = (data.omega == omega) & (np.abs(data.beta - INCIDENCE) < np.radians(0.5))
         published = np.interp(SPEEDS, data.speed[at], data.drag[at], np.nan, np.nan)
-    rotor = Rotor(shape, law, air)
+    rotor = Rotor(Model(shape, law, air))
     beta = np.concatenate([np.zeros_like(SPEEDS), np.full_like(SPEEDS, INCIDENCE)])
     loads = rotor.loads(omega, np.concatenate([SPEEDS, SPEEDS]), beta)
     thrust, drag = loads.thrust[: SPEEDS.size], loads.drag[SPEEDS.size :]

@@ -13,6 +13,7 @@ from propmap.catalogue.measurements import Measurement, measurement
 from propmap.fit.residuals import rms
 from propmap.model.air import Air
 from propmap.model.airfoil import Airfoil, airfoil
+from propmap.model.model import Model
 from propmap.papers.gill_dandrea_2017.blades import blade
 from propmap.papers.gill_dandrea_2017.identified import AXIAL, OBLIQUE, TunnelFits
 from propmap.papers.gill_dandrea_2017.paper import TUNNEL_ERROR
@@ -108,7 +109,7 @@ def _compared(name: str, laws: dict[str, Airfoil]) -> Compared:
     shape, air = blade(data.propeller), Air(density=data.air_density)
     predicted = {}
     for label, law in laws.items():
-        loads: Any = Rotor(shape, law, air).loads(data.omega, data.speed, data.beta)
+        loads: Any = Rotor(Model(shape, law, air)).loads(data.omega, data.speed, data.beta)
         predicted[label] = {load: getattr(loads, load) for load in LOADS}
     still, nothing = static_constants(data), np.zeros_like(data.omega)
     predicted[HOVER_LABEL] = {

@@ -11,6 +11,7 @@ from propmap.arrays.types import Floats
 from propmap.catalogue.measurements import Measurement
 from propmap.model.air import Air
 from propmap.model.airfoil import Airfoil
+from propmap.model.model import Model
 from propmap.papers.gill_dandrea_2017.blades import blade
 from propmap.papers.gill_dandrea_2017.tunnel import Compared
 from propmap.report.comparison import LOADS
@@ -72,7 +73,7 @@ def axial_curves(data: Measurement, laws: dict[str, Airfoil]) -> list[AxialCurve
     omega = np.full_like(speed, AXIAL_OMEGA)
     found = []
     for label, law in laws.items():
-        loads = Rotor(shape, law, air).loads(omega, speed, 0.0)
+        loads = Rotor(Model(shape, law, air)).loads(omega, speed, 0.0)
         three = _coefficients(omega, speed, loads.thrust, loads.torque, air.density, shape)
         found.append(AxialCurve(label, *three))
     return found
@@ -85,7 +86,7 @@ def oblique_curves(one: Compared, laws: dict[str, Airfoil]) -> list[ObliqueCurve
     speed = np.linspace(0.0, float(data.speed.max()), 29)
     found = []
     for label, law in laws.items():
-        loads: Any = Rotor(shape, law, air).loads(OBLIQUE_OMEGA, speed, BETAS[:, None])
+        loads: Any = Rotor(Model(shape, law, air)).loads(OBLIQUE_OMEGA, speed, BETAS[:, None])
         found.append(ObliqueCurves(label, speed, {n: getattr(loads, n) for n in LOADS}))
     return found
 
@@ -99,7 +100,7 @@ def thrust_curves(one: Compared) -> list[ThrustCurve]:
     _, first = np.unique(rounded, axis=1, return_index=True)
     found = []
     for label, law in one.laws.items():
-        rotor = Rotor(shape, law, air)
+        rotor = Rotor(Model(shape, law, air))
         for speed, beta in zip(data.speed[first], data.beta[first], strict=True):
             thrust = rotor.loads(omega, speed, beta).thrust
             found.append(ThrustCurve(label, float(speed), float(beta), omega, thrust))

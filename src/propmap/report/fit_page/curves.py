@@ -16,6 +16,7 @@ from propmap.engine.plan import accuracy
 from propmap.fit.coverage import CoveredAngle
 from propmap.fit.fit_record import FitRecord
 from propmap.fit.result_file import FitFile
+from propmap.model.model import Model
 from propmap.report.fit_page.parameter_draws import drawn_changes
 from propmap.rotor import Rotor
 from propmap.solve.load_slopes import LOADS
@@ -72,7 +73,7 @@ def load_curves(file: FitFile, fit: FitRecord) -> Curves:
     angles = _angles(fit)
     betas = np.radians([beta for beta, _ in angles])
 
-    rotor = Rotor(file.propeller, file.airfoil, file.air)
+    rotor = Rotor(Model(file.propeller, file.airfoil, file.air))
     found = rotor.loads(omega, speed, betas[:, None])
     values, status = np.stack([getattr(found, name) for name in LOADS]), found.status
     names, changes = drawn_changes(fit)
