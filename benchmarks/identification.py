@@ -28,7 +28,7 @@ from propmap.fit.fitted import Settings, fit
 from propmap.fit.flight import ForceModel, level_rows
 from propmap.fit.parameters import PAPER_FOUR, Choice
 from propmap.fit.rows import Rows
-from propmap.fit.tunnel import TunnelData, first_guess, rotor_with, tunnel_rows
+from propmap.fit.tunnel import TunnelData, first_guess, section_with, tunnel_rows
 from propmap.flight.trim import trim
 from propmap.solve.load_slopes import LOADS
 from propmap.vehicle.flight_log import FlightLog, pitch_and_roll
@@ -197,7 +197,7 @@ def published() -> list[dict[str, Any]]:
     for data, free, loads in cases:
         choice = Choice(free)
         fitted = fit(tunnel_rows(blade, air, data, choice, loads=loads), choice)
-        law = rotor_with(blade, air, first_guess(), fitted.values, "standard").model.airfoil
+        law = section_with(first_guess(), fitted.values)
         checks = {
             other.source: {
                 load: {"relative_rms": c.all.relative_rms, "hover": c.all.hover_rms / c.all.rms}

@@ -25,7 +25,7 @@ import numpy as np
 from benchmarks.speed import RPM, median_seconds
 from propmap.arrays.types import Floats
 from propmap.physics.geometry import blade_shape
-from propmap.physics.sections.blended import drag_coefficient, lift_coefficient
+from propmap.physics.sections.law import coefficients_at
 from propmap.rotor import Rotor
 
 Point = tuple[float, float, float]
@@ -72,17 +72,16 @@ class CCBladePropeller:
         self.rotor = rotor
         self.module = ccblade_module()
         with jax.enable_x64(True):
-            at = blade_shape(
-                rotor.arrays[0], np.array([NOMINAL_SHARE * rotor.model.propeller.radius])
-            )  # type: ignore[arg-type]
-            speed = NOMINAL_OMEGA * NOMINAL_SHARE * rotor.model.propeller.radius
-            chord = float(at.chord[0])
-            self.reynolds = rotor.model.air.density * speed * chord / rotor.model.air.viscosity
+            blade, law = rotor.arrays.blade, rotor.arrays.law
+            place: Any = np.array([NOMINAL_SHARE * rotor.model.propeller.radius])
+            chord, _ = blade_shape(blade, place)
+            air, speed = rotor.model.air, NOMINAL_OMEGA * float(place[0])
+            self.reynolds = air.density * speed * float(chord[0]) / air.viscosity
             degrees = np.linspace(-180.0, 180.0, ANGLES)
-            alpha, section = np.radians(degrees), rotor.arrays[1]
-            lift = -np.asarray(lift_coefficient(-alpha, section))  # type: ignore[arg-type]
-            every = np.full_like(alpha, self.reynolds)
-            drag = np.asarray(drag_coefficient(-alpha, every, section))  # type: ignore[arg-type]
+            alpha: Any = np.radians(degrees)
+            every: Any = np.full_like(alpha, self.reynolds)
+            found = coefficients_at(law, -alpha, every)
+            lift, drag = -np.asarray(found.lift), np.asarray(found.drag)
         self.foil = self.module.CCAirfoil(degrees, [self.reynolds], lift, drag)
 
     def model(self, grid: Grid, beta: float, *, derivatives: bool = False) -> Any:
@@ -95,11 +94,11 @@ class CCBladePropeller:
         turn = np.pi * np.arange(1, grid.stations + 1) / (grid.stations + 1)
         radius = blade.root + (blade.radius - blade.root) * 0.5 * (1.0 - np.cos(turn))
         with jax.enable_x64(True):
-            shape = blade_shape(self.rotor.arrays[0], radius)  # type: ignore[arg-type]
+            chord, twist = blade_shape(self.rotor.arrays.blade, radius)  # type: ignore[arg-type]
         return self.module.CCBlade(
             radius,
-            np.asarray(shape.chord),
-            np.degrees(np.asarray(shape.twist)),
+            np.asarray(chord),
+            np.degrees(np.asarray(twist)),
             [self.foil] * grid.stations,
             blade.root,
             blade.radius,

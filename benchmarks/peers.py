@@ -149,10 +149,9 @@ def package(rotor: Rotor, table: LoadTable) -> dict[str, Any]:
 
 def gradient_microseconds(rotor: Rotor, point: Point) -> float:
     """Time [us] of thrust and torque by JAX with their derivatives by omega and the velocity."""
-    blade, section, medium = rotor.arrays
 
     def loads(state: jax.Array) -> tuple[jax.Array, jax.Array]:
-        found = rotor_loads(blade, section, medium, *(x[None] for x in state))
+        found = rotor_loads(rotor.arrays, *(x[None] for x in state))
         both = jnp.stack([found.thrust[0], found.torque[0]])
         return both, both
 

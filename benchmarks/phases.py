@@ -28,9 +28,10 @@ from propmap.engine.plan import Job, Outlook, accuracy, may_leave_islands, may_s
 from propmap.engine.programs import AZIMUTHS_TOGETHER, OBLIQUE_OPTIONS
 from propmap.physics.velocities import AzimuthNodes
 from propmap.rotor import Rotor
-from propmap.solve.disk import Case, question, solve_disk
+from propmap.solve.disk import solve_disk
 from propmap.solve.folds import find_folds
-from propmap.solve.rotor_loads import case_of, disk_loads
+from propmap.solve.problem import Case, annulus_problem
+from propmap.solve.rotor_loads import disk_loads
 from propmap.solve.split import hump_crossings
 
 REPEATS = 9
@@ -110,8 +111,7 @@ def in_groups(phase: Callable[..., Any], *panels: tuple[int, ...]) -> Callable[.
 
     def some(theory: Any, each: Any) -> Any:
         (omega, v_axial, v_inplane), azimuth, *beside = each
-        blade, section, medium = theory
-        case = case_of(blade, section, medium, omega, v_axial, v_inplane, None)
+        case = Case(theory, omega, v_axial, v_inplane, None)
         return phase(case, azimuth, *beside, *panels)
 
     @functools.partial(jax.jit, compiler_options=OPTIONS)
@@ -142,21 +142,21 @@ def phases_of(blocks: list[Block], programs: dict[str, Callable[..., Any]]) -> d
 
 def whole(case: Case, azimuth: AzimuthNodes, panels: tuple[int, ...]) -> Any:
     """All of it."""
-    return disk_loads(*case[:6], None, panels, azimuth)
+    return disk_loads(case, panels, azimuth)
 
 
 def survey(case: Case, azimuth: AzimuthNodes) -> Any:
-    """The look along the blade for where the hump passes zero, and what the starts come from."""
-    ask = functools.partial(question, case)
-    edges = len(FOLLOWING) - 1
-    near, seen = hump_crossings(ask, case.blade.root, case.blade.tip, edges, azimuth)
-    return near, (seen.height, seen.behind)
+    """The look along the blade for where the hump passes zero."""
+    blade, edges = case.rotor.blade, len(FOLLOWING) - 1
+    problem_at = functools.partial(annulus_problem, case)
+    return hump_crossings(problem_at, blade.root, blade.tip, edges, azimuth)
 
 
 def folds(case: Case, azimuth: AzimuthNodes, near: Any) -> Any:
     """The search for the folds from there."""
-    ask = functools.partial(question, case)
-    return find_folds(near, ask, case.blade.root, case.blade.tip, azimuth)
+    blade = case.rotor.blade
+    problem_at = functools.partial(annulus_problem, case)
+    return find_folds(near, problem_at, blade.root, blade.tip, azimuth)
 
 
 def inflow(case: Case, azimuth: AzimuthNodes, panels: tuple[int, ...]) -> Any:

@@ -20,15 +20,13 @@ import numpy as np
 import propmap
 from benchmarks.results_file import machine, write_results
 from benchmarks.speed import BATCH, median_seconds, oblique
-from propmap.arrays.namespace import by_numpy
 from propmap.arrays.types import Floats
 from propmap.engine.batch import Block
 from propmap.engine.evaluation import evaluate_flow, prepare
 from propmap.engine.plan import accuracy
 from propmap.engine.programs import Flow
 from propmap.model.model import Model
-from propmap.physics.element import annulus, element_forces, element_thrust_slope
-from propmap.physics.geometry import StationShape
+from propmap.physics.element import Annulus, Station, element_forces
 from propmap.rotor import PRECISIONS, Rotor
 from propmap.solve import disk
 from propmap.solve.disk import DiskSolution
@@ -68,10 +66,10 @@ def peak_per_second(precision: str) -> float:
 
 def element_operations(rotor: Rotor) -> dict[str, float]:
     """Operations per blade element, by XLA's count: of a force with its slope; of both forces."""
-    blade, section, medium = rotor.arrays
     one: Any = np.ones(COUNTED)
-    with by_numpy():
-        at = annulus(StationShape(one, one, one), blade, section, medium, one, one, one)
+    station, blade = Station(one, one, one, one, one, one), rotor.arrays.blade
+    ends = (blade.blades, blade.root, blade.tip)
+    at = Annulus(station, one, one, one, *ends, rotor.arrays.law)
 
     def of(forces: Any) -> float:
         # What an annulus takes once for all of its elements is given, and not counted.
@@ -79,7 +77,10 @@ def element_operations(rotor: Rotor) -> dict[str, float]:
         return float(cost["flops"] + cost.get("transcendentals", 0.0)) / COUNTED
 
     with jax.enable_x64(True):
-        return {"slope": of(element_thrust_slope), "forces": of(element_forces)}
+        return {
+            "slope": of(lambda *a: element_forces(*a)[::2]),
+            "forces": of(lambda *a: element_forces(*a)[:2]),
+        }
 
 
 def elements_per_point(rotor: Rotor, batch: tuple[Floats, ...]) -> dict[str, float]:

@@ -15,7 +15,6 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import numpy as np
-from propmap.solve.inflow import residual, residual_slope
 
 import propmap
 from benchmarks.results_file import machine, write_results
@@ -28,7 +27,7 @@ from propmap.engine.programs import COMPILER_OPTIONS
 from propmap.model.model import Model
 from propmap.physics.velocities import AzimuthNodes, azimuth_nodes
 from propmap.rotor import Rotor
-from propmap.solve.disk import Case, question
+from propmap.solve.problem import Case, annulus_problem, residual, residual_slope
 
 FLOW, LAW = ("omega", "v_axial", "v_inplane"), ("c_l1", "c_l2", "c_d", "alpha_0", "zero_lift_angle")
 GRADIENT = (*FLOW, *LAW)
@@ -91,7 +90,7 @@ def median_seconds(call: Callable[[], Any], repeats: int) -> float:
 
 def element_nanoseconds(rotor: Rotor) -> dict[str, float]:
     """Time per blade element [ns] of the residual of (11), without and with derivative."""
-    blade, section, medium = rotor.arrays
+    blade = rotor.arrays.blade
     omega, speed, beta = oblique(POINTS)
     rng = np.random.default_rng(SEED)
     share = np.sort(rng.uniform(0.02, 0.98, (STATIONS, POINTS)), axis=0)
@@ -101,8 +100,8 @@ def element_nanoseconds(rotor: Rotor) -> dict[str, float]:
     with jax.enable_x64(True):
         axial, inplane = jnp.asarray(speed * np.cos(beta)), jnp.asarray(speed * np.sin(beta))
         no = jnp.zeros(POINTS)
-        case = Case(blade, section, medium, jnp.asarray(omega), axial, inplane, windmill=no)
-        ask = jax.jit(question)(case, jnp.asarray(radius))
+        case = Case(rotor.arrays, jnp.asarray(omega), axial, inplane, v_hover=no)
+        problem = jax.jit(annulus_problem)(case, jnp.asarray(radius))
         v_i = jnp.full((STATIONS, POINTS), 4.0)
         turn = azimuth_nodes(AZIMUTHS)
         nodes = AzimuthNodes(jnp.asarray(turn.sines), jnp.asarray(AZIMUTHS // 2))
@@ -111,7 +110,7 @@ def element_nanoseconds(rotor: Rotor) -> dict[str, float]:
             program: Callable[..., Any] = jax.jit(function, compiler_options=options)
 
             def call(program: Callable[..., Any] = program) -> None:
-                for found in jax.tree.leaves(program(ask, v_i, nodes)):
+                for found in jax.tree.leaves(program(problem, v_i, nodes)):
                     found.block_until_ready()
 
             cost[name] = 1e9 * median_seconds(call, 200) / elements

@@ -123,7 +123,8 @@ def _heading(what: str, thing: Any) -> str:
 
 def rewrite(_: Any, what: str, __: str, thing: Any, ___: Any, lines: list[str]) -> None:
     """Replace ``lines`` in place, for autodoc."""
-    if lines and what != "module":
+    # Docstrings that are numpydoc's already stay as they are.
+    if lines and what != "module" and not any(line.startswith("----") for line in lines):
         lines[:] = numpydoc_lines("\n".join(lines), _heading(what, thing))
 
 

@@ -77,6 +77,8 @@ def parameters(found: Any) -> list[str]:
         return [field.name for field in dataclasses.fields(found)]
     if hasattr(found, "_fields"):
         return list(found._fields)
+    if getattr(found, "_is_protocol", False):
+        return []
     return [n for n in inspect.signature(found).parameters if n not in ("self", "cls")]
 
 

@@ -12,9 +12,12 @@ import pytest
 from numpy.typing import NDArray
 
 import propmap as pm
+from propmap.physics.element import Medium
 from propmap.physics.geometry import make_blade
-from propmap.physics.parameters import Medium, Resolution, Section
+from propmap.physics.sections.blended import BlendedLaw
 from propmap.physics.velocities import azimuth_nodes
+from propmap.solve.problem import Case, RotorArrays
+from propmap.solve.resolution import Resolution
 from propmap.solve.rotor_loads import disk_loads, rotor_loads
 
 BLADE = pm.propeller("apc-8x6e")
@@ -39,15 +42,15 @@ def _arguments(p: Parameters) -> tuple[Any, ...]:
     number = jnp.asarray
     root, blades = number(BLADE.root), number(float(BLADE.blades))
     blade = make_blade(number(BLADE.station), p["chord"], p["twist"], blades, root)
-    section = Section(**{name: number(p[name]) for name in LAW}, attached=number(1.0))
+    law = BlendedLaw(**{name: number(p[name]) for name in LAW}, attached=number(1.0))
     flow = (jnp.reshape(p[name], (1,)) for name in FLOW)
-    return blade, section, Medium(number(1.225), number(1.983e-5)), *flow
+    return RotorArrays(blade, law, Medium(number(1.225), number(1.983e-5))), *flow
 
 
 def _climbing(p: Parameters) -> jax.Array:
     """Thrust, drag, torque and rolling moment where v_axial >= 0; shape (4,)."""
     nodes = azimuth_nodes(RESOLUTION.azimuths)
-    found = disk_loads(*_arguments(p), jnp.zeros(1), RESOLUTION.panels, nodes)
+    found = disk_loads(Case(*_arguments(p), jnp.zeros(1)), RESOLUTION.panels, nodes)
     return jnp.concatenate(found[:4])
 
 

@@ -7,7 +7,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from propmap.physics.parameters import Section
 
 import propmap
 from propmap.errors import InputError
@@ -16,7 +15,8 @@ from propmap.fit.comparison import compare_flight
 from propmap.fit.coverage import range_warnings
 from propmap.fit.flight import ForceModel, balance_rows, level_rows
 from propmap.fit.parameters import EVERY, SECTION, Choice
-from propmap.physics.sections.blended import lift_coefficient
+from propmap.physics.sections.blended import BlendedLaw
+from propmap.physics.sections.law import coefficients_at
 from propmap.vehicle.flight_log import GRAVITY, FlightLog
 from propmap.vehicle.hub_flow import hub_flow, rotor_forces
 from propmap.vehicle.vehicle import Body, Mount, Vehicle, Wing
@@ -205,7 +205,7 @@ def test_a_wing_s_lift_is_equation_3(incidence: float) -> None:
     velocity = np.stack([np.cos(angle), 0.0 * angle, -np.sin(angle)], axis=1) * speed
     parameters = {"wing_c_l1": 4.5, "wing_c_l2": 1.1, "wing_alpha_0": 0.28}
     found = body(velocity, parameters, wing=Wing(area, incidence))
-    law = Section(*(np.float64(0.0) for _ in Section._fields))._replace(
+    law = BlendedLaw(*(np.float64(0.0) for _ in BlendedLaw._fields))._replace(
         c_l1=np.float64(4.5),
         c_l2=np.float64(1.1),
         alpha_0=np.float64(0.28),
@@ -214,7 +214,7 @@ def test_a_wing_s_lift_is_equation_3(incidence: float) -> None:
         zero_lift_angle=np.float64(0.0),
     )
     a = angle + incidence
-    c_l = np.array(lift_coefficient(a, law))
+    c_l = np.array(coefficients_at(law, a, np.float64(1e5)).lift)
     across = np.stack([np.sin(angle), 0.0 * angle, np.cos(angle)], axis=1)
     expected = 0.5 * propmap.Air().density * speed**2 * area * c_l[:, None] * across
     np.testing.assert_allclose(found, expected, rtol=1e-5, atol=1e-5)

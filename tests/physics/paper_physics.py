@@ -11,14 +11,15 @@ from typing import Any
 import jax.numpy as jnp
 import numpy as np
 
-from propmap.physics.parameters import Medium, Section
+from propmap.physics.element import Medium
+from propmap.physics.sections.blended import BlendedLaw
 
 RHO, MU = 1.225, 1.983e-5
 
 
 @dataclass(frozen=True)
 class Law:
-    """Parameters of eqs. (3) and (4), in the order of ``parameters.Section``."""
+    """Parameters of eqs. (3) and (4), in the order of ``BlendedLaw``."""
 
     c_l1: float
     c_l2: float
@@ -30,8 +31,8 @@ class Law:
     sharpness: float = 50.0
     attached: float = 1.0
 
-    def section(self, dtype: Any = np.float64) -> Section:
-        return Section(*(jnp.asarray(value, dtype) for value in astuple(self)))
+    def section(self, dtype: Any = np.float64) -> BlendedLaw:
+        return BlendedLaw(*(jnp.asarray(value, dtype) for value in astuple(self)))
 
 
 TABLE_I = {

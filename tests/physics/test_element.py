@@ -11,15 +11,14 @@ import pytest
 
 from propmap.physics.element import (
     Annulus,
+    Station,
     annulus,
     annulus_loads,
     annulus_thrust,
     annulus_thrust_slope,
     element_forces,
-    element_thrust_slope,
 )
-from propmap.physics.geometry import StationShape
-from propmap.physics.parameters import Blade
+from propmap.physics.geometry import make_blade
 from propmap.physics.velocities import azimuth_nodes
 from tests.physics.paper_physics import MU, RHO, TABLE_I, Law, drag, forces, medium, turn
 
@@ -46,10 +45,13 @@ ELEMENT, FLOW = (RADIUS, CHORD, TWIST), (OMEGA, AXIAL, INPLANE)
 
 
 def make(law: Law, element: tuple = ELEMENT, flow: tuple = FLOW) -> Annulus:
-    nothing = jnp.zeros(3)
-    blade = Blade(*[nothing] * 4, blades=jnp.asarray(N_B), root=jnp.asarray(0.0))
-    shape = StationShape(*(jnp.asarray(a) for a in element))
-    return annulus(shape, blade, law.section(), medium(), *(jnp.asarray(a) for a in flow))
+    radius, chord, twist = (jnp.asarray(a) for a in element)
+    angle, per_speed = twist - law.zero_lift_angle, RHO / MU * chord
+    station = Station(
+        radius, chord, jnp.sin(angle), jnp.cos(angle), per_speed, 1.0 / jnp.sqrt(per_speed)
+    )
+    ends = (jnp.asarray(N_B), jnp.asarray(0.0), jnp.asarray(0.11))
+    return Annulus(station, *(jnp.asarray(a) for a in flow), *ends, law.section())
 
 
 def test_the_cases_cover_reverse_flow_and_flow_from_below() -> None:
@@ -61,7 +63,7 @@ def test_the_cases_cover_reverse_flow_and_flow_from_below() -> None:
 
 @every_law
 def test_element_forces_are_those_with_explicit_angles(law: Law) -> None:
-    got = element_forces(make(law), jnp.asarray(INFLOW), jnp.asarray(SINE))
+    got = element_forces(make(law), jnp.asarray(INFLOW), jnp.asarray(SINE))[:2]
     expected = forces(law, ELEMENT, FLOW, INFLOW, SINE)
     # Rounding of the angles, 1e-15, times the blend's M; normal and tangential force of one
     # element may differ a hundredfold, hence the absolute part.
@@ -73,8 +75,8 @@ def test_element_forces_are_those_with_explicit_angles(law: Law) -> None:
 def test_written_out_slope_is_the_derivative_of_element_forces(law: Law) -> None:
     at, v, sine = make(law), jnp.asarray(INFLOW), jnp.asarray(SINE)
     normal, slope = jax.jvp(lambda x: element_forces(at, x, sine)[0], (v,), (jnp.ones_like(v),))
-    got, got_slope = element_thrust_slope(at, v, sine)
-    np.testing.assert_allclose(got, normal, rtol=1e-11)
+    got_slope = element_forces(at, v, sine).normal_slope
+    assert np.max(np.abs(normal)) > 0.0
     np.testing.assert_allclose(got_slope, slope, rtol=1e-10)
 
 
@@ -82,7 +84,7 @@ def test_slope_is_a_central_difference_of_the_literal_force() -> None:
     h = 1e-5
     above = forces(APC, ELEMENT, FLOW, INFLOW + h, SINE)[0]
     below = forces(APC, ELEMENT, FLOW, INFLOW - h, SINE)[0]
-    slope = element_thrust_slope(make(APC), jnp.asarray(INFLOW), jnp.asarray(SINE))[1]
+    slope = element_forces(make(APC), jnp.asarray(INFLOW), jnp.asarray(SINE)).normal_slope
     # h^2 times a third derivative of about M^3/U^3, and rounding over h.
     np.testing.assert_allclose(slope, (above - below) / (2.0 * h), rtol=1e-6, atol=1e-8)
 
@@ -92,14 +94,14 @@ def test_a_blade_at_rest_in_still_air_has_no_force_and_finite_gradients() -> Non
 
     def total(v: jax.Array, omega: jax.Array, inplane: jax.Array) -> jax.Array:
         at = make(APC, element, still)._replace(omega=omega, v_inplane=inplane)
-        normal, tangential = element_forces(at, v, jnp.asarray(0.5))
+        normal, tangential, _ = element_forces(at, v, jnp.asarray(0.5))
         return jnp.sum(normal + 2.0 * tangential)
 
     zero = jnp.zeros(1)
     value, gradient = jax.value_and_grad(total, (0, 1, 2))(zero, zero, zero)
     assert abs(float(value)) < 1e-12  # the floor of 1e-9 m/s to the power of 1.5
     assert np.all(np.isfinite(gradient))
-    assert np.all(np.isfinite(element_thrust_slope(make(APC, element, still), zero, zero)))
+    assert np.all(np.isfinite(element_forces(make(APC, element, still), zero, zero)))
 
 
 def test_reverse_flow_at_the_retreating_root_pushes_down() -> None:
@@ -113,7 +115,7 @@ def test_reverse_flow_at_the_retreating_root_pushes_down() -> None:
     element, flow = ([0.03], [0.02], [0.3]), ([100.0], [0.0], [10.0])
     frictionless = replace(APC, c_p=0.0, c_d0=0.0)
     at = make(frictionless, tuple(map(np.array, element)), tuple(map(np.array, flow)))
-    normal, tangential = element_forces(at, jnp.zeros(1), jnp.asarray(-1.0))
+    normal, tangential, _ = element_forces(at, jnp.zeros(1), jnp.asarray(-1.0))
     assert float(normal[0]) == pytest.approx(-0.23518, rel=1e-4)
     assert float(tangential[0]) == pytest.approx(-0.5 * 49.0 * 0.02 * 1.8 * 0.29552**2, rel=1e-4)
 
@@ -164,3 +166,31 @@ def test_zero_lift_angle_turns_the_blade() -> None:
         strict=True,
     ):
         np.testing.assert_allclose(a, b, rtol=1e-13)
+
+
+def test_friction_is_gone_at_a_pointed_tip_with_a_finite_gradient() -> None:
+    stations, twist = np.array([0.02, 0.04, 0.07, 0.1]), np.array([0.5, 0.4, 0.3, 0.2])
+
+    def force(tip_chord: jax.Array) -> jax.Array:
+        chord = jnp.array([0.02, 0.02, 0.015, 0.0]).at[-1].add(tip_chord)
+        blade = make_blade(
+            jnp.asarray(stations), chord, jnp.asarray(twist), jnp.asarray(2.0), jnp.asarray(0.02)
+        )
+        flow = (jnp.asarray([500.0]), jnp.zeros(1), jnp.zeros(1))
+        at = annulus(blade, APC.section(), medium(), jnp.asarray([[0.1]]), *flow)
+        return element_forces(at, jnp.ones((1, 1)), jnp.asarray(0.0)).tangential[0, 0]
+
+    value, slope = jax.value_and_grad(force)(jnp.asarray(0.0))
+    assert abs(float(value)) < 1e-9
+    assert np.isfinite(float(slope))
+
+
+def test_a_section_meets_the_reynolds_number_of_its_chord() -> None:
+    stations = jnp.array([0.02, 0.04, 0.07, 0.1])
+    chord, twist = jnp.full(4, 0.021), jnp.full(4, 0.3)
+    blade = make_blade(stations, chord, twist, jnp.asarray(2.0), jnp.asarray(0.02))
+    flow = (jnp.asarray([500.0]), jnp.zeros(1), jnp.zeros(1))
+    at = annulus(blade, APC.section(), medium(), jnp.asarray([[0.05]]), *flow)
+    per_speed = RHO * 0.021 / MU
+    assert float(at.station.reynolds_per_speed[0, 0]) == pytest.approx(per_speed, rel=1e-14)
+    assert float(at.station.inverse_root[0, 0]) == pytest.approx(per_speed**-0.5, rel=1e-14)

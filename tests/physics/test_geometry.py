@@ -53,23 +53,22 @@ def test_chord_and_twist_are_scipys_between_the_stations(kind: str, seed: int) -
     _, twist = data("wavy", seed + 100)
     blade = make_blade(*(jnp.asarray(a) for a in (x, chord, twist, 2.0, x[0])))
     radius = np.linspace(x[0], x[-1], 400).reshape(200, 2)
-    shape = blade_shape(blade, jnp.asarray(radius))
-    np.testing.assert_array_equal(shape.radius, radius)
+    chord_there, twist_there = blade_shape(blade, jnp.asarray(radius))
     # Cubics in another form: a few roundings of values of size one to five.
-    np.testing.assert_allclose(shape.chord, PchipInterpolator(x, chord)(radius), atol=1e-12)
-    np.testing.assert_allclose(shape.twist, PchipInterpolator(x, twist)(radius), atol=1e-12)
+    np.testing.assert_allclose(chord_there, PchipInterpolator(x, chord)(radius), atol=1e-12)
+    np.testing.assert_allclose(twist_there, PchipInterpolator(x, twist)(radius), atol=1e-12)
 
 
 def test_at_the_stations_the_shape_is_the_data() -> None:
     x, chord = data("wavy", 7)
     _, twist = data("falling", 8)
     blade = make_blade(*(jnp.asarray(a) for a in (x, chord, twist, 2.0, x[0])))
-    shape = blade_shape(blade, jnp.asarray(x))
+    chord_there, twist_there = blade_shape(blade, jnp.asarray(x))
     # Left ends are the data to the last bit; the last station is a right end, a sum of four.
-    np.testing.assert_array_equal(np.asarray(shape.chord)[:-1], chord[:-1])
-    np.testing.assert_array_equal(np.asarray(shape.twist)[:-1], twist[:-1])
-    np.testing.assert_allclose(shape.chord[-1], chord[-1], atol=1e-14)
-    np.testing.assert_allclose(shape.twist[-1], twist[-1], atol=1e-14)
+    np.testing.assert_array_equal(np.asarray(chord_there)[:-1], chord[:-1])
+    np.testing.assert_array_equal(np.asarray(twist_there)[:-1], twist[:-1])
+    np.testing.assert_allclose(chord_there[-1], chord[-1], atol=1e-14)
+    np.testing.assert_allclose(twist_there[-1], twist[-1], atol=1e-14)
 
 
 def test_gradients_with_respect_to_the_data_are_finite_differences() -> None:
@@ -80,8 +79,8 @@ def test_gradients_with_respect_to_the_data_are_finite_differences() -> None:
 
     def total(c: Any, t: Any) -> Any:
         blade = make_blade(jnp.asarray(x), c, t, 2.0, x[0])
-        shape = blade_shape(blade, jnp.asarray(radius))
-        return jnp.sum(weight * shape.chord) + jnp.sum(weight**2 * shape.twist)
+        chord_there, twist_there = blade_shape(blade, jnp.asarray(radius))
+        return jnp.sum(weight * chord_there) + jnp.sum(weight**2 * twist_there)
 
     def independent(c: np.ndarray, t: np.ndarray) -> float:
         by_chord = np.sum(weight * PchipInterpolator(x, c)(radius))

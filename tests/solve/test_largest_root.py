@@ -5,7 +5,6 @@ import functools
 import jax
 import numpy as np
 import pytest
-from propmap.solve.inflow import LANES_TOGETHER, MAX_STEPS, find_root, residual
 
 import propmap
 from propmap.arrays.namespace import by_numpy
@@ -13,9 +12,10 @@ from propmap.engine.evaluation import prepare
 from propmap.engine.plan import may_stall
 from propmap.physics.velocities import azimuth_nodes
 from propmap.solve.bounds import find_bounds
-from propmap.solve.disk import DiskInflow, question, solve_disk
+from propmap.solve.disk import solve_disk
+from propmap.solve.problem import Case, annulus_problem, residual
 from propmap.solve.quadrature import panel_nodes
-from propmap.solve.rotor_loads import case_of
+from propmap.solve.root import LANES_TOGETHER, MAX_STEPS, find_root
 
 POINTS = 150
 FOLLOWING = (12, 18, 18)
@@ -26,7 +26,7 @@ def climb(rotor, axial, seed, advance=(0.02, 0.2)):
     """Omega [rad/s], V cos(beta) and V sin(beta) [m/s] of random points in climb."""
     rng = np.random.default_rng(seed)
     omega = rng.uniform(2000.0, 10000.0, POINTS) * np.pi / 30.0
-    tip = float(rotor.arrays[0].station[-1])
+    tip = float(rotor.arrays.blade.tip)
     along = rng.uniform(0.0, 12.0, POINTS)
     across = 0.0 * along if axial else omega * tip * rng.uniform(*advance, POINTS)
     return omega, along, across
@@ -35,20 +35,8 @@ def climb(rotor, axial, seed, advance=(0.02, 0.2)):
 def followed(rotor, flow, azimuths):
     """Radial nodes, (11) there and its roots as the batches find them, with stall followed."""
     with by_numpy():
-        case = case_of(*rotor.arrays, *flow, None)
+        case = Case(rotor.arrays, *flow, None)
         return solve_disk(case, FOLLOWING, azimuth_nodes(azimuths))[1]
-
-
-@pytest.mark.parametrize("law", ["paper-apc", "paper-soft", "paper-stiff"])
-@pytest.mark.parametrize("axial", [True, False])
-def test_where_the_search_starts_makes_no_difference(law, axial):
-    rotor = propmap.Rotor(propmap.Model(propmap.propeller("apc-8x6e"), propmap.airfoil(law)))
-    azimuths = 1 if axial else 16
-    disk: DiskInflow = followed(rotor, climb(rotor, axial, 5), azimuths)
-    with by_numpy():
-        from_above = find_root(disk.ask, np.array(np.inf), STEPS, azimuth_nodes(azimuths))
-    assert np.isfinite(from_above).all()
-    np.testing.assert_allclose(disk.inflow, from_above, rtol=0, atol=1e-7)
 
 
 @pytest.mark.parametrize(
@@ -64,12 +52,12 @@ def test_no_root_lies_above(name, azimuths):
     disk = followed(rotor, climb(rotor, azimuths == 1, 6, (0.02, 1.2)), azimuths)
     with by_numpy():
         # Also past the place from which the search comes down.
-        start = find_bounds(disk.ask.at).start
-        highest = start + 2.0 * (disk.ask.at.omega * disk.ask.at.radius + disk.ask.at.v_inplane)
+        start = find_bounds(disk.problem.at, disk.problem.wake).start
+        highest = start + 2.0 * (disk.problem.at.turning + disk.problem.at.v_inplane)
         assert (disk.inflow <= start).all()
         for share in np.linspace(1e-3, 1.0, 400 if azimuths == 1 else 200) ** 2:
             v = disk.inflow + share * (highest - disk.inflow)
-            value = residual(disk.ask, v, azimuth_nodes(azimuths))
+            value = residual(disk.problem, v, azimuth_nodes(azimuths))
             assert (value <= 1e-9 * np.abs(value).max()).all()
 
 
@@ -80,24 +68,24 @@ def test_groups_of_stations_find_what_all_together_find(count):
         propmap.Model(propmap.propeller("apc-8x6e"), propmap.airfoil("paper-stiff"))
     )
     flow = climb(rotor, axial=False, seed=9)
-    some = followed(rotor, flow, 16).ask.stations(slice(count))
-    nodes, nowhere = azimuth_nodes(16), np.full(POINTS, np.inf)
+    some = followed(rotor, flow, 16).problem.stations(slice(count))
+    nodes = azimuth_nodes(16)
     assert some.at.radius.shape == (count, POINTS)
     assert count * POINTS > 2 * LANES_TOGETHER
     with by_numpy():
-        together = find_root(some, nowhere, STEPS, nodes)
+        together = find_root(some, STEPS, nodes)
     with jax.enable_x64():
-        in_groups = jax.jit(find_root)(some, nowhere, STEPS, nodes)
+        in_groups = jax.jit(find_root)(some, STEPS, nodes)
     np.testing.assert_allclose(in_groups, together, rtol=1e-9, atol=1e-9)
 
 
 def attached(rotor, flow):
     """(11) at 24 stations of one panel."""
-    blade = rotor.arrays[0]
+    blade = rotor.arrays.blade
     ends = np.array([[blade.root], [blade.tip]])
     with by_numpy():
-        case = case_of(*rotor.arrays, *flow, None)
-        return question(case, panel_nodes(ends, (24,)).radius)
+        case = Case(rotor.arrays, *flow, None)
+        return annulus_problem(case, panel_nodes(ends, (24,)).radius)
 
 
 @pytest.fixture(scope="module")
@@ -114,21 +102,12 @@ def fast_climb():
 
 def test_unstalled_flow_takes_few_evaluations_also_with_negative_thrust(fast_climb):
     ask = attached(*fast_climb)
-    find = functools.partial(find_root, ask, np.array(np.inf))
+    find = functools.partial(find_root, ask)
     with by_numpy():
         two, three, patient = (find(n, azimuth_nodes(1)) for n in (np.array(2), np.array(3), STEPS))
     assert (patient < 0.0).any()
     np.testing.assert_array_equal(three, patient)
     assert np.isfinite(two).mean() > 0.95
-
-
-@pytest.mark.parametrize("too_low", [1e-3, 1e-2, 1e-1])
-def test_a_start_below_the_root_is_lifted(fast_climb, too_low):
-    ask = attached(*fast_climb)
-    with by_numpy():
-        right = find_root(ask, np.array(np.inf), STEPS, azimuth_nodes(1))
-        lifted = find_root(ask, right - too_low, STEPS, azimuth_nodes(1))
-    np.testing.assert_allclose(lifted, right, rtol=0, atol=1e-9)
 
 
 @pytest.mark.parametrize("law", ["paper-apc", "paper-soft", "paper-stiff"])
@@ -139,10 +118,13 @@ def test_the_forecast_of_stall_holds(law, axial):
     foreseen = may_stall(*prepare(rotor.arrays).forecast, *flow)
     with by_numpy():
         disk = followed(rotor, flow, 1 if axial else 16)
-        at = disk.ask.at
-        u_t, u_p = at.omega * at.radius, at.v_axial + disk.inflow
-        alpha = np.arctan2(at.sine * u_t - at.cosine * u_p, at.cosine * u_t + at.sine * u_p)
-    section = rotor.arrays[1]
+        at = disk.problem.at
+        u_t, u_p = at.turning, at.v_axial + disk.inflow
+        alpha = np.arctan2(
+            at.station.sine * u_t - at.station.cosine * u_p,
+            at.station.cosine * u_t + at.station.sine * u_p,
+        )
+    section = rotor.arrays.law
     stalled = (np.abs(alpha) > section.alpha_0 - 2.0 / section.sharpness).any(axis=0)
     assert stalled.any()
     assert (stalled & ~foreseen).sum() <= 0.02 * POINTS

@@ -71,8 +71,12 @@ def rotor_with(
     propeller: Propeller, air: Air, base: Airfoil, values: Mapping[str, float], setting: str
 ) -> Rotor:
     """A rotor with the section parameters among ``values``."""
-    law = base.with_parameters(**{name: values[name] for name in SECTION})
-    return Rotor(Model(propeller, law, air), accuracy=setting)
+    return Rotor(Model(propeller, section_with(base, values), air), accuracy=setting)
+
+
+def section_with(base: Airfoil, values: Mapping[str, float]) -> Airfoil:
+    """The section law with the section parameters among ``values``."""
+    return base.with_parameters(**{name: values[name] for name in SECTION})
 
 
 def tunnel_rows(

@@ -68,7 +68,7 @@ class Model:
             value.factor(self.propeller.root)
 
     def with_airfoil(self, airfoil: Section) -> Model:
-        """The same model with another section law."""
+        """The same model with another section law, ``airfoil``."""
         return replace(self, airfoil=airfoil)
 
     def arrays(self) -> RotorArrays:

@@ -202,7 +202,17 @@ class AnnulusLoads(NamedTuple):
 
 
 def annulus_loads(at: Annulus, inflow: Array, azimuth: AzimuthNodes) -> AnnulusLoads:
-    """Loads of an annulus, eqs. (5)-(7), averaged over a turn; shape of ``inflow``."""
+    """Loads of an annulus, eqs. (5)-(7), averaged over a turn.
+
+    Parameters
+    ----------
+    at : Annulus
+        Blade and flow.
+    inflow : Array
+        v_i [m/s], shape (S, B), which the results have too.
+    azimuth : AzimuthNodes
+        Nodes to average over.
+    """
 
     def terms(sine: Array) -> tuple[Array, ...]:
         normal, tangential = materialize(lambda: element_forces(at, inflow, sine)[:2], at.blades)

@@ -58,7 +58,10 @@ def windmill_annulus_thrust_slope(
     C_T = 1 + 4 (a - 1/2)^2, which ends at C_T = 2 for a = 1 as does the empirical
     turbulent-wake curve of Buhl.
 
-    Parameters and results are those of ``annulus_thrust_slope``, with v_axial < 0.
+    Parameters
+    ----------
+    radius, v_axial, v_inplane, inflow : Array
+        As in ``annulus_thrust_slope``, with v_axial < 0; the results are those too.
 
     References
     ----------

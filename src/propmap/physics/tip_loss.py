@@ -44,7 +44,7 @@ class PrandtlLoss(NamedTuple):
     hub_radius: Array | None = None
 
     def factor_slope(self, at: Annulus, inflow: Array) -> tuple[Array, Array]:
-        """F [-] and its derivative by v_i [s/m]; shape of ``inflow``."""
+        """F [-] ``at`` an annulus and its derivative by v_i [s/m]; shape of ``inflow``."""
         u, turning = at.v_axial + inflow, at.turning
         speed = floored_norm(u, turning)
         reach = self._reach(at)
@@ -60,7 +60,7 @@ class PrandtlLoss(NamedTuple):
         return factor, -by_f * f * across * across / xp.where(u == 0.0, 1.0, u)
 
     def bounds(self, at: Annulus, low: Array, high: Array) -> FactorBounds:
-        """Bounds of F for v_i between ``low`` and ``high`` [m/s]."""
+        """Bounds of F ``at`` an annulus for v_i between ``low`` and ``high`` [m/s]."""
         u_low, u_high = at.v_axial + low, at.v_axial + high
         turning, reach = at.turning, self._reach(at)
         u_max = xp.maximum(xp.abs(u_low), xp.abs(u_high))
@@ -82,7 +82,7 @@ class PrandtlLoss(NamedTuple):
         )
 
     def constant_below(self, at: Annulus) -> Array:
-        """|U_P| [m/s] below which exp(-f) is nothing next to 1."""
+        """|U_P| [m/s] below which exp(-f) ``at`` an annulus is nothing next to 1."""
         return 0.02 * self._reach(at) * at.turning
 
     def _reach(self, at: Annulus) -> Array:

@@ -34,15 +34,15 @@ class WakeFactor(Protocol):
     """A correction that multiplies the momentum's thrust, by 1 at most: tip loss, for one."""
 
     def factor_slope(self, at: Annulus, inflow: Array) -> tuple[Array, Array]:
-        """The factor [-] and its derivative by v_i [s/m]."""
+        """The factor [-] of the annulus ``at`` and its derivative by ``inflow`` [s/m]."""
         ...
 
     def bounds(self, at: Annulus, low: Array, high: Array) -> FactorBounds:
-        """Bounds for v_i between ``low`` and ``high`` [m/s]."""
+        """Bounds of the factor ``at`` an annulus for v_i between ``low`` and ``high`` [m/s]."""
         ...
 
     def constant_below(self, at: Annulus) -> Array:
-        """|U_P| [m/s] below which the factor is constant but for rounding."""
+        """|U_P| [m/s] below which the factor ``at`` an annulus is constant but for rounding."""
         ...
 
 
@@ -61,7 +61,9 @@ class Wake(NamedTuple):
     factors: tuple[WakeFactor, ...] = ()
 
     def thrust_slope(self, at: Annulus, inflow: Array) -> tuple[Array, Array]:
-        """Thrust per radius and density [m^3/s^2], eq. (10), and its derivative by v_i [m^2/s]."""
+        """Thrust ``at`` an annulus, eq. (10), per radius and density [m^3/s^2], and its derivative
+        by the ``inflow`` [m^2/s].
+        """
         flow = (at.radius, at.v_axial, at.v_inplane, inflow)
         thrust, slope = momentum.annulus_thrust_slope(*flow)
         if self.windmill is not None:
@@ -89,7 +91,7 @@ class Wake(NamedTuple):
         return least
 
     def shorter_reaches(self, at: Annulus, inflow: Array) -> list[Array]:
-        """Distances [m/s] below ``inflow`` over which bounds are tighter than over longer ones.
+        """Distances [m/s] below ``inflow`` over which bounds ``at`` an annulus are tighter.
 
         A factor bends most about U_P = 0: half of the way there, and across it where the factor
         is constant.
@@ -100,9 +102,10 @@ class Wake(NamedTuple):
         ]
 
     def largest_bend(self, at: Annulus, low: Array, high: Array) -> Array:
-        """By how much the thrust bends downwards at most, -d^2T/dv_i^2 [m], between two v_i [m/s].
+        """By how much the thrust ``at`` an annulus bends downwards at most, -d^2T/dv_i^2 [m].
 
-        They must lie on one side of U_P = 0 unless V sin(beta) > 0.
+        That is for v_i between ``low`` and ``high`` [m/s], which must lie on one side of U_P = 0
+        unless V sin(beta) > 0.
         """
         u_low, u = at.v_axial + low, at.v_axial + high
         v_max = xp.maximum(xp.abs(high), xp.abs(low))

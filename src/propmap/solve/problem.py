@@ -81,7 +81,14 @@ def annulus_problem(case: Case, radius: Array) -> AnnulusProblem:
 def residual(problem: AnnulusProblem, inflow: Array, azimuth: AzimuthNodes) -> Array:
     """Blade-element thrust (5) minus momentum thrust (10), per radius and density [m^3/s^2].
 
-    inflow : v_i [m/s], (S, B).  azimuth : nodes to average over.
+    Parameters
+    ----------
+    problem : AnnulusProblem
+        Annuli and their wakes.
+    inflow : Array
+        v_i [m/s], (S, B).
+    azimuth : AzimuthNodes
+        Nodes to average over.
     """
     blade = element.annulus_thrust(problem.at, inflow, azimuth)
     return blade - problem.wake.thrust_slope(problem.at, inflow)[0]  # Eq. (11)

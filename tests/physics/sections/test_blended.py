@@ -11,24 +11,21 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from propmap.physics.parameters import Medium
-from propmap.physics.sections.blended import (
-    angle_of_attack,
-    attached_share,
-    attached_share_and_slope,
-    drag_coefficient,
-    friction_chord,
-    largest_lift,
-    lift_coefficient,
-    sharpest_foot,
-    sharpest_lift,
-    stall_blend,
-    steepest_lift,
-)
+from propmap.physics.sections.blended import BlendedLaw
+from propmap.physics.sections.law import coefficients_at
+from propmap.physics.velocities import angle_of
 from tests.physics.paper_physics import TABLE_I, Law, drag, lift
 
 ALPHA = np.linspace(-np.pi, np.pi, 2001)[1:-1]
 every_set = pytest.mark.parametrize("law", TABLE_I.values(), ids=TABLE_I.keys())
+
+
+def lift_coefficient(alpha: jax.Array, law: BlendedLaw) -> jax.Array:
+    return coefficients_at(law, alpha, jnp.asarray(5e4, alpha.dtype)).lift
+
+
+def drag_coefficient(alpha: jax.Array, reynolds: jax.Array, law: BlendedLaw) -> jax.Array:
+    return coefficients_at(law, alpha, reynolds).drag
 
 
 def c_l(alpha: np.ndarray, law: Law) -> np.ndarray:
@@ -97,19 +94,30 @@ def test_single_precision_is_finite_up_to_reversed_flow(law: Law) -> None:
     np.testing.assert_allclose(value, lift(np.asarray(alpha, float), law), atol=2e-6)
 
 
-def test_attached_share_slope_is_the_derivative() -> None:
+@pytest.mark.parametrize("reynolds", [2e3, 1e5])
+def test_slopes_are_the_derivatives(reynolds: float) -> None:
     for law in (*TABLE_I.values(), Law(5.0, 1.0, 1.0, 0.15, sharpness=20.0)):
-        blend = stall_blend(law.section())
+        section = law.section()
         alpha = jnp.asarray(np.concatenate([ALPHA, [0.0, law.alpha_0, -law.alpha_0]]))
-        want = jax.jvp(lambda a, b=blend: attached_share(a, b), (alpha,), (jnp.ones_like(alpha),))
-        # Same terms in another order; the slope's scale is M/4.
-        for got, value in zip(attached_share_and_slope(alpha, blend), want, strict=True):
-            np.testing.assert_allclose(got, value, rtol=1e-11, atol=1e-13)
+        log_re = jnp.full_like(alpha, np.log(reynolds))
+
+        def both(a: jax.Array, x: jax.Array, law: BlendedLaw = section) -> tuple:
+            return coefficients_at(law, a, jnp.exp(x))[:2]
+
+        one, zero = jnp.ones_like(alpha), jnp.zeros_like(alpha)
+        _, by_alpha = jax.jvp(both, (alpha, log_re), (one, zero))
+        _, by_log_re = jax.jvp(both, (alpha, log_re), (zero, one))
+        found = coefficients_at(section, alpha, jnp.exp(log_re))
+        # Same terms in another order; the slope's scale is c_l1 alpha_0 M/4.
+        np.testing.assert_allclose(found.lift_slope, by_alpha[0], rtol=1e-10, atol=1e-11)
+        np.testing.assert_allclose(found.drag_slope, by_alpha[1], rtol=1e-10, atol=1e-12)
+        np.testing.assert_allclose(found.drag_by_log_re, by_log_re[1], rtol=1e-10)
+        np.testing.assert_array_equal(by_log_re[0], found.lift_by_log_re)
 
 
 def test_attached_share_is_half_at_alpha_0_and_gone_in_reversed_flow() -> None:
     law = TABLE_I["soft"].section()
-    share = attached_share(jnp.asarray([0.0, law.alpha_0, -law.alpha_0, np.pi]), stall_blend(law))
+    share = law.attached_share(jnp.asarray([0.0, law.alpha_0, -law.alpha_0, np.pi]))
     # exp(-M alpha_0) = 2e-8 is what the other side's stall leaves at alpha = 0.
     np.testing.assert_allclose(share, [1.0, 0.5, 0.5, 0.0], atol=1e-7)
 
@@ -118,7 +126,7 @@ def test_attached_share_is_half_at_alpha_0_and_gone_in_reversed_flow() -> None:
 def test_angle_of_attack_is_arctan2_round_the_circle(speed: float) -> None:
     angle = np.linspace(-np.pi, np.pi, 1441)[1:-1]
     along, across = speed * np.cos(angle), speed * np.sin(angle)
-    got = angle_of_attack(jnp.asarray(along), jnp.asarray(across), jnp.asarray(speed))
+    got = angle_of(jnp.asarray(along), jnp.asarray(across), jnp.asarray(speed))
     np.testing.assert_allclose(got, np.arctan2(across, along), atol=1e-14)
 
 
@@ -126,13 +134,13 @@ def test_angle_of_attack_is_arctan2_round_the_circle(speed: float) -> None:
     ("along", "across"), [(1.0, 0.0), (0.0, 1.0), (0.0, -1.0), (-1.0, 1e-18), (-1.0, 0.0)]
 )
 def test_angle_of_attack_on_the_axes(along: float, across: float) -> None:
-    got = angle_of_attack(jnp.asarray(along), jnp.asarray(across), jnp.asarray(1.0))
+    got = angle_of(jnp.asarray(along), jnp.asarray(across), jnp.asarray(1.0))
     assert float(got) == pytest.approx(np.arctan2(across, along), abs=1e-15)
 
 
 def test_angle_of_attack_has_the_slope_of_arctan2_at_zero() -> None:
     along, across = jnp.asarray(2.0), jnp.asarray(0.0)
-    slope = jax.grad(lambda c: angle_of_attack(along, c, jnp.hypot(along, c)))(across)
+    slope = jax.grad(lambda c: angle_of(along, c, jnp.hypot(along, c)))(across)
     assert float(slope) == pytest.approx(0.5, rel=1e-12)  # d/dc arctan(c/2) at 0
 
 
@@ -141,24 +149,6 @@ def test_lift_slope_at_zero_lift_is_c_l1() -> None:
     slope = jax.grad(lift_coefficient)(jnp.asarray(0.0), law.section())
     # The blend's share of the separated lift there, exp(-M alpha_0), is 2e-8.
     assert float(slope) == pytest.approx(law.c_l1, rel=1e-6)
-
-
-def test_friction_chord_is_the_friction_term_of_equation_4() -> None:
-    law, chord, speed, rho, mu = TABLE_I["apc"], 0.021, 47.0, 1.1, 1.8e-5
-    medium = Medium(jnp.asarray(rho), jnp.asarray(mu))
-    got = friction_chord(jnp.asarray(chord), law.section(), medium) * np.sqrt(speed)
-    reynolds = rho * speed * chord / mu
-    term = drag(0.0, reynolds, replace(law, c_d0=0.0)) * speed * chord
-    np.testing.assert_allclose(got, term, rtol=1e-13)
-
-
-def test_friction_is_gone_at_a_pointed_tip_with_a_finite_gradient() -> None:
-    medium = Medium(jnp.asarray(1.225), jnp.asarray(1.983e-5))
-    value, slope = jax.value_and_grad(friction_chord)(
-        jnp.asarray(0.0), TABLE_I["apc"].section(), medium
-    )
-    assert 0.0 <= float(value) < 1e-12
-    assert np.isfinite(float(slope))
 
 
 FINE = np.linspace(-0.5 * np.pi, 0.5 * np.pi, 20001)
@@ -181,14 +171,30 @@ laws = st.builds(
 @example(Law(9.0, 0.5, 1.0, 0.15, sharpness=20.0))
 @example(Law(4.0, 4.0, 1.0, 0.5, sharpness=120.0))
 def test_bounds_of_the_lift_curve_hold(law: Law) -> None:
-    section = law.section()
+    bounds = law.section().bounds()
     step = FINE[1] - FINE[0]
     curve = lift(FINE, law)
-    slope = np.diff(curve) / step  # mean slopes, which no bound of the slope may undercut
     bend = np.diff(curve, 2) / step**2
-    # The differences' own rounding: 1e-16 of a lift of 10, over the step and its square.
-    assert np.max(np.abs(curve)) <= float(largest_lift(section)) * (1.0 + 1e-12)
-    assert np.max(slope) <= float(steepest_lift(section)) + 1e-10
-    assert np.max(np.abs(bend)) <= float(sharpest_lift(section)) + 1e-6
-    past_negative_stall = FINE[1:-1] > -law.alpha_0 + 6.0 / law.sharpness
-    assert np.max(bend[past_negative_stall]) <= float(sharpest_foot(section)) + 1e-6
+    # The differences' own rounding: 1e-16 of a lift of 10, over the step's square.
+    assert np.max(np.abs(curve)) <= float(bounds.lift) * (1.0 + 1e-12)
+    assert np.max(np.abs(bend)) <= float(bounds.lift_bend) + 1e-6
+    past_negative_stall = FINE[1:-1] > float(bounds.attached_from)
+    assert np.max(bend[past_negative_stall]) <= float(bounds.foot_bend) + 1e-6
+    attached = past_negative_stall & (FINE[1:-1] > 0.0) & (FINE[1:-1] < float(bounds.attached_to))
+    if law.attached and law.c_l1 > law.c_l2:
+        assert np.max(bend[attached], initial=-1.0) <= float(bounds.attached_bend) + 1e-6
+
+
+@settings(max_examples=40, deadline=None, derandomize=True)
+@given(st.floats(0.0, 5.0), st.floats(0.0, 0.2))
+def test_bound_of_the_drag_curve_holds(c_d: float, c_d0: float) -> None:
+    law = Law(5.0, 1.0, c_d, 0.3, c_d0=c_d0, c_p=0.0)
+    a, phi = np.meshgrid(np.linspace(-np.pi, np.pi, 181), np.linspace(-np.pi, np.pi, 73))
+    k, s = np.cos(phi), np.sin(phi)
+    value, slope, bend = (
+        c_d * np.sin(a) ** 2 + c_d0,
+        c_d * np.sin(2.0 * a),
+        2.0 * c_d * np.cos(2.0 * a),
+    )
+    found = np.abs(k**2 * s * (value + bend)) + 2.0 * np.abs(s * value - k * slope)
+    assert found.max() <= float(law.section().bounds().drag_bend) + 1e-12

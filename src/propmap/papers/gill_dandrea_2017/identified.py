@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from propmap.catalogue.measurements import measurement
 from propmap.fit.fitted import Fitted, Settings, fit
 from propmap.fit.parameters import PAPER_FOUR, Choice
-from propmap.fit.tunnel import TunnelData, first_guess, rotor_with, tunnel_rows
+from propmap.fit.tunnel import TunnelData, first_guess, section_with, tunnel_rows
 from propmap.model.air import Air
 from propmap.model.airfoil import Airfoil
 from propmap.papers.gill_dandrea_2017.blades import TUNNEL_PROPELLER, blade
@@ -61,5 +61,5 @@ def _identify(label: str, data: str, free: tuple[str, ...]) -> Identified:
     shape, air, choice = blade(TUNNEL_PROPELLER), Air(), Choice(free)
     rows = tunnel_rows(shape, air, tunnel_data(data), choice, loads=FITTED_LOADS)
     fitted = fit(rows, choice, Settings(starts=STARTS, folds=0))
-    law = rotor_with(shape, air, first_guess(), fitted.values, "standard").model.airfoil
+    law = section_with(first_guess(), fitted.values)
     return Identified(label, data, fitted, law.with_parameters(name=label, source=data))

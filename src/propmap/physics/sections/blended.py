@@ -58,11 +58,11 @@ class BlendedLaw(NamedTuple):
         return tuple(name for name in self._fields if name != "attached")
 
     def plus(self, **changes: Array) -> BlendedLaw:
-        """The law with something added to its parameters."""
+        """The law with ``changes`` added to its parameters of these names."""
         return self._replace(**{name: getattr(self, name) + d for name, d in changes.items()})
 
     def coefficients(self, flow: SectionFlow) -> Coefficients:
-        """C_L by eq. (3) and C_D by eq. (4), with their derivatives.
+        """C_L by eq. (3) and C_D by eq. (4) in a ``flow``, with their derivatives.
 
         ``c_l2 = c_l`` and ``attached = 0`` give C_L = c_l sin(a) cos(a), footnote 1.
         """
@@ -85,7 +85,7 @@ class BlendedLaw(NamedTuple):
         )
 
     def attached_share(self, angle: Array) -> Array:
-        """1 - sigma(alpha) of eq. (3) [-].
+        """1 - sigma(alpha) of eq. (3) [-] at ``angle`` from zero lift [rad].
 
         The paper writes sigma as (1 + A + B) / ((1 + A)(1 + B)) with A = exp(-M (a - a0)) and
         B = exp(M (a + a0)), which overflows in float32 near 1.4 rad.  For a >= 0 the same

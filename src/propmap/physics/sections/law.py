@@ -8,7 +8,8 @@ from __future__ import annotations
 
 from typing import NamedTuple, Protocol
 
-from propmap.arrays.namespace import Array
+from propmap.arrays.namespace import Array, xp
+from propmap.physics.velocities import angle_of
 
 
 class SectionFlow(NamedTuple):
@@ -116,11 +117,11 @@ class SectionLaw(Protocol):
         ...
 
     def plus(self, **changes: Array) -> SectionLaw:
-        """The law with something added to its parameters."""
+        """The law with ``changes`` added to its parameters of these names."""
         ...
 
     def coefficients(self, flow: SectionFlow) -> Coefficients:
-        """C_L, C_D and their derivatives."""
+        """C_L, C_D and their derivatives in this ``flow``."""
         ...
 
     def attached_share(self, angle: Array) -> Array:
@@ -130,3 +131,21 @@ class SectionLaw(Protocol):
     def bounds(self) -> LawBounds:
         """Bounds on the coefficients."""
         ...
+
+
+def coefficients_at(law: SectionLaw, alpha: Array, reynolds: Array) -> Coefficients:
+    """C_L and C_D of a law, as an aerodynamicist asks for them.
+
+    Parameters
+    ----------
+    law : SectionLaw
+        The law.
+    alpha : Array
+        Angle of attack from the chord line [rad].
+    reynolds : Array
+        Re [-]; broadcast with ``alpha``.
+    """
+    alpha, reynolds = xp.broadcast_arrays(alpha - law.zero_lift_angle, reynolds)
+    sine, cosine = xp.sin(alpha), xp.cos(alpha)
+    angle = angle_of(cosine, sine, xp.ones_like(sine))
+    return law.coefficients(SectionFlow(angle, sine, cosine, reynolds, 1.0 / xp.sqrt(reynolds)))

@@ -68,7 +68,7 @@ class TabulatedLaw(NamedTuple):
         return ("zero_lift_angle", "drag_factor")
 
     def plus(self, **changes: Array) -> TabulatedLaw:
-        """The law with something added to its parameters."""
+        """The law with ``changes`` added to its parameters of these names."""
         return self._replace(**{name: getattr(self, name) + d for name, d in changes.items()})
 
     def coefficients(self, flow: SectionFlow) -> Coefficients:
@@ -98,7 +98,7 @@ class TabulatedLaw(NamedTuple):
         )
 
     def attached_share(self, angle: Array) -> Array:
-        """1 up to the attached range's ends, and falling beyond like the blend of eq. (3)."""
+        """1 where ``angle`` [rad] is in the attached range, and falling beyond it."""
         law = self.limits
         beyond = xp.maximum(angle - law.attached_to, law.attached_from - angle)
         return xp.where(beyond > 0.0, 1.0 / (1.0 + (beyond / law.stall_width) ** 2), 1.0)

@@ -14,12 +14,13 @@ from scipy.interpolate import PchipInterpolator
 from scipy.optimize import brentq
 
 import propmap
-from propmap.physics.element import annulus
-from propmap.physics.geometry import StationShape
-from propmap.physics.parameters import Blade, Section
+from propmap.physics.element import Annulus, Station
+from propmap.physics.sections.blended import BlendedLaw
 from propmap.physics.velocities import azimuth_nodes
-from propmap.solve.inflow import MAX_STEPS, InflowQuestion, inflow_root
-from tests.physics.paper_physics import TABLE_I, Law, forces, medium, turn
+from propmap.physics.wake import Wake
+from propmap.solve.problem import AnnulusProblem
+from propmap.solve.root import MAX_STEPS, inflow_root
+from tests.physics.paper_physics import MU, RHO, TABLE_I, Law, forces, turn
 
 AZIMUTHS = 24
 HOVER = 6000.0 * 2.0 * np.pi / 60.0
@@ -91,16 +92,20 @@ def all_roots(law: Law, element: Any, flow: Any, windmill: bool = False) -> list
     return [brentq(function, grid[k], grid[k + 1], xtol=1e-13, rtol=1e-14) for k in changes]
 
 
-def ask(section: Section, element: Any, flow: Any) -> InflowQuestion:
-    blade = Blade(*[jnp.zeros(3)] * 4, blades=jnp.asarray(2.0), root=jnp.asarray(0.0))
-    at = annulus(StationShape(*element), blade, section, medium(), *flow)
-    return InflowQuestion(at, jnp.where(flow[1] < WINDMILL_BELOW, 1.0, 0.0))
+def posed(law: BlendedLaw, element: Any, flow: Any) -> AnnulusProblem:
+    radius, chord, twist = (a[None] for a in element)
+    angle, per_speed = twist - law.zero_lift_angle, RHO / MU * chord
+    station = Station(
+        radius, chord, jnp.sin(angle), jnp.cos(angle), per_speed, 1.0 / jnp.sqrt(per_speed)
+    )
+    ends = (jnp.asarray(2.0), jnp.asarray(0.0), jnp.asarray(0.11))
+    windmill = jnp.where(flow[1] < WINDMILL_BELOW, 1.0, 0.0)
+    return AnnulusProblem(Annulus(station, *flow, *ends, law), Wake(windmill))
 
 
 @jax.jit
-def solve(section: Section, element: Any, flow: Any, max_steps: Any) -> Any:
-    question = ask(section, element, flow)
-    return inflow_root(question, jnp.asarray(jnp.inf), max_steps, azimuth_nodes(AZIMUTHS))
+def solve(law: BlendedLaw, element: Any, flow: Any, max_steps: Any) -> Any:
+    return inflow_root(posed(law, element, flow), max_steps, azimuth_nodes(AZIMUTHS))[0]
 
 
 def solved(law: Law, element: Any, flow: Any, max_steps: int = MAX_STEPS) -> np.ndarray:
