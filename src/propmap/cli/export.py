@@ -11,9 +11,9 @@ import typer
 from propmap.cli.output import Force
 from propmap.cli.table_report import building
 from propmap.errors import InputError
+from propmap.model.model import Model
 
 if TYPE_CHECKING:
-    from propmap.model.model import Model
     from propmap.model.section_covariance import SectionCovariance
     from propmap.rotor import Rotor
     from propmap.table import LoadTable

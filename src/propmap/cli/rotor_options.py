@@ -15,10 +15,10 @@ from propmap.catalogue.lookup import propeller
 from propmap.errors import InputError
 from propmap.model.air import PAPER_DENSITY, PAPER_VISCOSITY, Air
 from propmap.model.airfoil import airfoil, airfoil_names
+from propmap.model.model import Model
 from propmap.model.propeller import Propeller
 
 if TYPE_CHECKING:
-    from propmap.model.model import Model
     from propmap.rotor import Rotor
 
 Others = ParamSpec("Others")

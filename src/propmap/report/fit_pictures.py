@@ -13,6 +13,7 @@ from propmap.arrays.types import Floats
 from propmap.baselines.hover import HoverModel
 from propmap.errors import InputError
 from propmap.fit.residuals import rms
+from propmap.model.model import Model
 from propmap.report.style import COLOURS, HOVER, MEASURED, MODEL, new_figure, style
 from propmap.vehicle.flight_log import GRAVITY, FlightLog
 from propmap.vehicle.hub_flow import hub_flow, rotor_forces
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from propmap.fit.tunnel import TunnelData
-    from propmap.model.model import Model, Section
+    from propmap.model.model import Section
     from propmap.rotor import Rotor
     from propmap.vehicle.vehicle import Vehicle
 
