@@ -123,8 +123,11 @@ def _heading(what: str, thing: Any) -> str:
 
 def rewrite(_: Any, what: str, __: str, thing: Any, ___: Any, lines: list[str]) -> None:
     """Replace ``lines`` in place, for autodoc."""
-    # Docstrings that are numpydoc's already stay as they are.
-    if lines and what != "module" and not any(line.startswith("----") for line in lines):
+    if not lines or what == "module":
+        return
+    if any(line.startswith("----") for line in lines):  # numpydoc's own sections
+        lines[:] = [_escaped(line) for line in lines]
+    else:
         lines[:] = numpydoc_lines("\n".join(lines), _heading(what, thing))
 
 

@@ -33,12 +33,12 @@ class _Off:
     def __init__(self, content: TableContent) -> None:
         self.table = LoadTable(replace(content, cells=np.zeros_like(content.cells)))
         self.cells = content.cells > 0
-        self.propeller = SimpleNamespace(radius=content.radius)
+        self.model = SimpleNamespace(propeller=SimpleNamespace(radius=content.radius))
 
     def loads(self, omega: np.ndarray, speed: np.ndarray, beta: np.ndarray) -> Any:
         found = self.table.loads(omega, speed, beta)
-        advance = speed / (omega * self.propeller.radius)
         content = self.table.content
+        advance = speed / (omega * content.radius)
         inside = self.cells[locate(content.advance, advance)[0], locate(content.beta, beta)[0]]
         still = self.table.loads(omega, 0.0, 0.0).thrust
         moves = speed > 0.0
