@@ -13,7 +13,7 @@ import pytest
 from propmap.engine.compilation import KNOWN_JAXLIB, compile_quickly
 
 TESTS = Path(__file__).parents[1]
-COMPARISONS = ("properties/test_without_compiling.py", "gradients/test_load_slopes.py")
+COMPARISONS = ("engine/test_without_compiling.py", "solve/test_load_slopes.py")
 
 
 def _flags(monkeypatch: pytest.MonkeyPatch, before: str = "", jaxlib: str = "") -> str:

@@ -65,11 +65,9 @@ def test_blocks_and_programs_of_an_accelerator_give_the_same_loads(
     program = evaluation.compiled_search
 
     def noted(panels: tuple[int, ...], *, axial: bool):  # type: ignore[no-untyped-def]
-        def call(blade, section, medium, flow, nodes, used):  # type: ignore[no-untyped-def]
+        def call(rotor, flow, nodes, used):  # type: ignore[no-untyped-def]
             sizes.append(flow.omega.size)
-            return program.__wrapped__(panels, axial=axial)(
-                blade, section, medium, flow, nodes, used
-            )
+            return program.__wrapped__(panels, axial=axial)(rotor, flow, nodes, used)
 
         return call
 

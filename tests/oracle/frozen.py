@@ -32,5 +32,5 @@ def frozen_loads() -> list[ReferenceLoads]:
     with TABLE.open(newline="", encoding="utf-8") as file:
         header, *rows = csv.reader(file)
     if tuple(header) != COLUMNS:
-        raise ValueError(f"unexpected columns in {TABLE.name}: run make_reference.py again")
+        raise ValueError(f"unexpected columns in {TABLE.name}: run make_reference again")
     return [ReferenceLoads(row[0], *map(float, row[1:])) for row in rows]

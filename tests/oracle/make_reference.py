@@ -2,7 +2,7 @@
 
 Run from the repository root, with the package importable (about ten minutes on one core):
 
-    python tests/oracle/make_reference.py
+    python -m tests.oracle.make_reference
 
 The package lends the blade geometry and nothing else.
 """

@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 import propmap as pm
 from propmap.rotor import Loads, Rotor
 from tests.oracle.frozen import ReferenceLoads, frozen_loads
+from tests.oracle.make_reference import reference_row, solver
+from tests.oracle.points import reference_points
 
 SETS = ("soft", "stiff", "apc")
 
@@ -49,9 +51,6 @@ def test_loads_agree_with_the_reference(name: str, accuracy: str, limit: float) 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", SETS)
 def test_the_frozen_reference_is_what_the_literal_code_gives(name: str) -> None:
-    from make_reference import reference_row, solver
-    from points import reference_points
-
     blade = pm.propeller("apc-8x6e")
     solve = solver(blade.station, blade.chord, blade.twist, blade.blades)
     frozen = [row for row in frozen_loads() if row.set == name]
