@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING
 
@@ -10,13 +9,10 @@ import numpy as np
 import xarray
 
 import propmap
-from propmap.model.fingerprint import propeller_sha256
-from propmap.rotor import STATUSES, Loads
+from propmap.rotor import STATUSES, Loads, Rotor
 
 if TYPE_CHECKING:
     from propmap.arrays.types import Floats
-    from propmap.model.fingerprint import propeller_sha256
-from propmap.rotor import Rotor
 
 AXES = {
     "rpm": ("rpm", "1/min", "rotational speed"),
@@ -63,7 +59,7 @@ def dataset(
 
 def _provenance(rotor: Rotor, command: str) -> dict[str, str | float | int]:
     blade = rotor.model.propeller
-    section = {f"airfoil_{key}": value for key, value in asdict(rotor.model.airfoil).items()}
+    section = {f"airfoil_{key}": value for key, value in rotor.model.airfoil.metadata().items()}
     return {
         "title": f"Loads of {blade.name}",
         "propmap_version": propmap.__version__,
@@ -74,7 +70,7 @@ def _provenance(rotor: Rotor, command: str) -> dict[str, str | float | int]:
         "blades": blade.blades,
         "radius_m": blade.radius,
         "root_m": blade.root,
-        "geometry_sha256": propeller_sha256(blade),
+        "geometry_sha256": blade.fingerprint(),
         **section,
         "air_density_kg_m3": rotor.model.air.density,
         "air_viscosity_Pa_s": rotor.model.air.viscosity,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import hashlib
 import importlib.resources
 import math
 import tomllib
@@ -105,6 +106,14 @@ class Airfoil:
                 f"{key} = {_toml_string(value) if isinstance(value, str) else repr(value)}"
             )
         return "\n".join(lines) + "\n"
+
+    def metadata(self) -> dict[str, Any]:
+        """The fields by name."""
+        return asdict(self)
+
+    def fingerprint(self) -> str:
+        """SHA-256 of the parameter file."""
+        return hashlib.sha256(self.to_toml().encode()).hexdigest()
 
 
 def airfoil(name_or_path: str | Path) -> Airfoil:

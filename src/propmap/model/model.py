@@ -4,24 +4,41 @@ from __future__ import annotations
 
 import hashlib
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 import numpy as np
 
 from propmap.errors import InputError
 from propmap.model.air import Air
-from propmap.model.airfoil import Airfoil
 from propmap.model.corrections import Correction, as_text, name_of
-from propmap.model.fingerprint import airfoil_sha256, propeller_sha256
 from propmap.model.propeller import Propeller
-from propmap.model.section_table import SectionTable
 
 if TYPE_CHECKING:
+    from propmap.physics.sections.law import SectionLaw
     from propmap.solve.problem import RotorArrays
 
 
-Section = Airfoil | SectionTable
-"""What may be the section law of a model."""
+@runtime_checkable
+class Section(Protocol):
+    """What may be the section law of a model: ``Airfoil``, ``SectionTable`` or a value of one's
+    own."""
+
+    @property
+    def name(self) -> str:
+        """What it is called."""
+        ...
+
+    def law(self) -> SectionLaw:
+        """Lift and drag as arrays for the solver."""
+        ...
+
+    def metadata(self) -> dict[str, Any]:
+        """What files say of it: texts and numbers by name."""
+        ...
+
+    def fingerprint(self) -> str:
+        """SHA-256 of all that its lift and drag depend on."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -32,7 +49,7 @@ class Model:
     ----------
     propeller : Propeller
         Geometry.
-    airfoil : Airfoil or SectionTable
+    airfoil : Section
         Section law.
     air : Air
         Density and viscosity; the paper's by default.
@@ -51,14 +68,14 @@ class Model:
     corrections: tuple[Correction, ...] = ()
 
     def __post_init__(self) -> None:
-        for name, kinds, maker in (
-            ("propeller", (Propeller,), "propmap.propeller(...)"),
-            ("airfoil", (Airfoil, SectionTable), "propmap.airfoil(...)"),
-            ("air", (Air,), "propmap.Air(...)"),
+        for name, kind, told in (
+            ("propeller", Propeller, "a Propeller, from propmap.propeller(...)"),
+            ("airfoil", Section, "an Airfoil, from propmap.airfoil(...)"),
+            ("air", Air, "an Air, from propmap.Air(...)"),
         ):
             value = getattr(self, name)
-            if not isinstance(value, kinds):
-                raise InputError(f"{name} is {value!r}: give a {kinds[0].__name__}, from {maker}")
+            if not isinstance(value, kind):
+                raise InputError(f"{name} is {value!r}: give {told}")
         object.__setattr__(self, "corrections", tuple(self.corrections))
         names = [name_of(value) for value in self.corrections]
         for name in names:
@@ -94,8 +111,8 @@ class Model:
     def fingerprint(self) -> str:
         """SHA-256 that tells this model from any other: geometry, law, air and corrections."""
         parts = [
-            propeller_sha256(self.propeller),
-            airfoil_sha256(self.airfoil),
+            self.propeller.fingerprint(),
+            f"{type(self.airfoil).__qualname__} {self.airfoil.fingerprint()}",
             f"{self.air.density!r} {self.air.viscosity!r}",
             *sorted(self.correction_texts),
         ]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -62,6 +63,14 @@ class Propeller:
     def with_root_cutout(self, radius_m: float) -> Propeller:
         """The same propeller, loaded from ``radius_m`` [m] outwards."""
         return replace(self, root_cutout=radius_m)
+
+    def fingerprint(self) -> str:
+        """SHA-256 of station [m], chord [m], twist [rad], root [m] and blades, as little-endian f8.
+
+        Name and source play no part.
+        """
+        figures = (self.station, self.chord, self.twist, [self.root, float(self.blades)])
+        return hashlib.sha256(np.concatenate(figures).astype("<f8").tobytes()).hexdigest()
 
     def __eq__(self, other: object) -> bool:
         return self._key() == other._key() if isinstance(other, Propeller) else NotImplemented

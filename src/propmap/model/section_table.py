@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -109,6 +110,17 @@ class SectionTable:
 
         figures = (self.angle, self.reynolds, self.lift, self.drag)
         return tabulated_law(*figures, drag_factor=self.drag_factor)
+
+    def metadata(self) -> dict[str, Any]:
+        """Name, source and Reynolds numbers; not the coefficients."""
+        told = {"name": self.name, "source": self.source, "drag_factor": self.drag_factor}
+        return told | {"reynolds": self.reynolds.tolist()}
+
+    def fingerprint(self) -> str:
+        """SHA-256 of the figures as little-endian f8."""
+        arrays = (self.angle, self.reynolds, self.lift, self.drag, np.array(self.drag_factor))
+        flat = np.concatenate([a.ravel() for a in arrays])
+        return hashlib.sha256(flat.astype("<f8").tobytes()).hexdigest()
 
     def __eq__(self, other: object) -> bool:
         return self._key() == other._key() if isinstance(other, SectionTable) else NotImplemented

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, replace
+from dataclasses import replace
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Any
 
@@ -11,7 +11,6 @@ import numpy as np
 import propmap
 from propmap.arrays.types import Floats
 from propmap.errors import InputError
-from propmap.model.fingerprint import airfoil_sha256, propeller_sha256
 from propmap.table.certificate import POINTS, certify, unresolved_share
 from propmap.table.content import LOADS, UNRESOLVED, VORTEX_RING, TableContent
 from propmap.table.jumps import find_jumps, marked
@@ -211,9 +210,9 @@ def _provenance(
             "blades": blade.blades,
             "radius_m": float(blade.radius),
             "root_m": float(blade.root),
-            "geometry_sha256": propeller_sha256(blade),
+            "geometry_sha256": blade.fingerprint(),
         },
-        "airfoil": {**asdict(section), "sha256": airfoil_sha256(section)},
+        "airfoil": {**section.metadata(), "sha256": section.fingerprint()},
         "airfoil_covariance": covariance.as_dict() if covariance else None,
         "air": {
             "density_kg_m3": float(rotor.model.air.density),

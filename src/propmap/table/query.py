@@ -11,7 +11,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from propmap.arrays.types import Floats
 from propmap.errors import InputError
-from propmap.model.fingerprint import propeller_sha256
 from propmap.table.arguments import broadcast, fold, split_velocity
 from propmap.table.content import TableContent
 from propmap.table.gradient import Gradient, polar_gradient, velocity_gradient
@@ -98,7 +97,7 @@ class LoadTable:
         content = read_table(path)
         if propeller is not None:
             described = content.info["propeller"]
-            if described.get("geometry_sha256") != propeller_sha256(propeller):
+            if described.get("geometry_sha256") != propeller.fingerprint():
                 raise InputError(
                     f"the table is of {described.get('name')!r}, expected {propeller.name!r} with "
                     "the same geometry",
