@@ -23,6 +23,7 @@ from benchmarks.results_file import machine, write_results
 from benchmarks.roofline import operations_per_point, share_of_peak
 from benchmarks.speed import median_seconds, oblique
 from propmap.engine.evaluation import evaluate, prepare
+from propmap.loads import LOADS, error_scales
 from propmap.model.model import Model
 from propmap.rotor import PRECISIONS, Rotor
 
@@ -31,8 +32,6 @@ SIZES = (10_000, 100_000, 1_000_000)
 
 CHECKED = 500
 """Points that are compared with the reference."""
-
-LOADS = ("thrust", "drag", "torque")
 
 
 def measure(sizes: tuple[int, ...] = SIZES, checked: int = CHECKED) -> dict[str, Any]:
@@ -75,8 +74,8 @@ def reference(rotor: Rotor, seed: int, count: int) -> tuple[Any, dict[str, Any],
     ready, still = prepare(rotor.arrays), np.zeros(count)
     flow = (omega, speed * np.cos(beta), speed * np.sin(beta))
     best, static = (evaluate(ready, dense(), *f) for f in (flow, (omega, still, still)))
-    scale = {"thrust": static.thrust, "drag": static.thrust, "torque": static.torque}
-    return (omega, speed, beta), {name: getattr(best, name) for name in LOADS}, scale
+    scale = error_scales(static.loads._asdict(), rotor.model.propeller.radius)
+    return (omega, speed, beta), best.loads._asdict(), scale
 
 
 def main() -> None:

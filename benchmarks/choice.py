@@ -28,6 +28,7 @@ from propmap.arrays.types import Floats
 from propmap.baselines.hover import HoverModel
 from propmap.catalogue.measurements import measurement
 from propmap.export import export_table
+from propmap.loads import LOADS
 from propmap.model.model import Model
 from propmap.rotor import Rotor
 from propmap.table import LoadTable, build_table
@@ -36,7 +37,6 @@ RPM = np.pi / 30.0
 OMEGA, SPEED, BETA = (3700.0 * RPM, 8000.0 * RPM), (0.0, 14.0), (0.0, 0.5 * np.pi)
 TOLERANCE = 0.01
 DATA = "gill-dandrea-2019-8x6e-fit"
-LOADS = ("thrust", "drag", "torque", "roll_moment")
 POINTS, SEED = 4096, 2017
 SINGLE = 200
 

@@ -20,10 +20,12 @@ import numpy as np
 import propmap
 from benchmarks.results_file import write_results
 from propmap.arrays.types import Floats
-from propmap.engine.evaluation import Evaluation, evaluate, prepare
+from propmap.engine.evaluation import evaluate, prepare
 from propmap.engine.plan import ACCURACIES, Accuracy
+from propmap.loads import LOADS, error_scales
 from propmap.model.model import Model
 from propmap.rotor import Rotor
+from propmap.solve.rotor_loads import RotorLoads
 
 SEED = 2017
 POINTS = 3000
@@ -33,13 +35,6 @@ BANDS = (0.0, 0.1, 0.2, 0.3, 0.5, 1.0, np.inf)
 """Edges of the bands of advance ratio V sin(beta)/(Omega R)."""
 
 REFERENCE = Path(__file__).parents[1] / "tests" / "oracle" / "reference_loads.csv"
-SHARE_OF = {
-    "thrust": "static_thrust",
-    "drag": "static_thrust",
-    "torque": "static_torque",
-    "roll_moment": "static_moment",
-}
-"""The static load that each load's error is a share of; the moment is thrust times radius."""
 
 
 def dense() -> Accuracy:
@@ -57,10 +52,10 @@ def random_flow() -> tuple[Floats, Floats, Floats]:
     return rpm * RPM, speed * np.cos(beta), speed * np.sin(beta)
 
 
-def shares(found: Evaluation, truth: dict[str, Floats]) -> Floats:
-    """Errors (loads, N) [-]; truth : loads and static loads, (N,) each."""
-    errors = [np.abs((getattr(found, k) - truth[k]) / truth[of]) for k, of in SHARE_OF.items()]
-    return np.array(errors)
+def shares(found: RotorLoads, truth: dict[str, Floats], scales: dict[str, Floats]) -> Floats:
+    """Errors (loads, N) [-]; truth, scales : loads and what errors are shares of, (N,) each."""
+    loads = found.loads._asdict()
+    return np.array([np.abs((loads[k] - truth[k]) / scales[k]) for k in LOADS])
 
 
 def summary(errors: Floats, advance: Floats) -> list[dict[str, Any]]:
@@ -74,7 +69,7 @@ def summary(errors: Floats, advance: Floats) -> list[dict[str, Any]]:
             "advance_ratio": [low, None if np.isinf(high) else high],
             "points": int(mine.sum()),
         }
-        for load, values in zip(SHARE_OF, errors[:, mine], strict=True):
+        for load, values in zip(LOADS, errors[:, mine], strict=True):
             row[load] = {
                 "largest": float(values.max()),
                 "percentile_95": float(np.percentile(values, 95)),
@@ -92,12 +87,10 @@ def against_dense(rotors: dict[str, Rotor]) -> dict[str, Any]:
     for rotor in rotors.values():
         reference = evaluate(prepare(rotor.arrays), dense(), omega, axial, inplane)
         hover = evaluate(prepare(rotor.arrays), ACCURACIES["fine"], omega, still, still)
-        truth = {load: getattr(reference, load) for load in SHARE_OF}
-        truth |= {"static_thrust": hover.thrust, "static_torque": hover.torque}
-        truth |= {"static_moment": hover.thrust * tip}
+        truth, scales = reference.loads._asdict(), error_scales(hover.loads._asdict(), tip)
         for name, setting in ACCURACIES.items():
             loads = evaluate(prepare(rotor.arrays), setting, omega, axial, inplane)
-            found[name].append(shares(loads, truth))
+            found[name].append(shares(loads, truth, scales))
     advance = np.tile(inplane / (omega * tip), len(rotors))
     return {name: summary(np.hstack(parts), advance) for name, parts in found.items()}
 
@@ -111,11 +104,12 @@ def against_reference(rotors: dict[str, Rotor]) -> dict[str, Any]:
     for name, rotor in rotors.items():
         mine = [row for row in rows if row["set"] == name.removeprefix("paper-")]
         column = {k: np.array([float(row[k]) for row in mine]) for k in rows[0] if k != "set"}
-        column["static_moment"] = column["static_thrust"] * rotor.model.propeller.radius
+        static = {load: column[f"static_{load}"] for load in ("thrust", "torque")}
+        scales = error_scales(static, rotor.model.propeller.radius)
         flow = (column["rpm"] * RPM, column["v_axial"], column["v_inplane"])
         for accuracy, setting in ACCURACIES.items():
             loads = evaluate(prepare(rotor.arrays), setting, *flow)
-            found[accuracy].append(shares(loads, column))
+            found[accuracy].append(shares(loads, column, scales))
         advance.append(flow[2] / (flow[0] * rotor.model.propeller.radius))
     everywhere = np.concatenate(advance)
     return {name: summary(np.hstack(parts), everywhere) for name, parts in found.items()}
@@ -125,7 +119,7 @@ def table(title: str, found: dict[str, Any]) -> None:
     """Print errors in per cent of the static load."""
     print(title)
     print(f"{'setting':9} {'advance ratio':>13} {'points':>6}", end="")
-    print("".join(f"{load + ' 95 %':>17}{'largest':>10}" for load in SHARE_OF))
+    print("".join(f"{load + ' 95 %':>17}{'largest':>10}" for load in LOADS))
     for name, rows in found.items():
         for row in rows:
             low, high = row["advance_ratio"]
@@ -134,7 +128,7 @@ def table(title: str, found: dict[str, Any]) -> None:
             print(
                 "".join(
                     f"{100.0 * row[k]['percentile_95']:17.5f}{100.0 * row[k]['largest']:10.5f}"
-                    for k in SHARE_OF
+                    for k in LOADS
                 )
             )
 

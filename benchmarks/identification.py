@@ -30,7 +30,7 @@ from propmap.fit.parameters import PAPER_FOUR, Choice
 from propmap.fit.rows import Rows
 from propmap.fit.tunnel import TunnelData, first_guess, section_with, tunnel_rows
 from propmap.flight.trim import trim
-from propmap.solve.load_slopes import LOADS
+from propmap.loads import LOADS
 from propmap.vehicle.flight_log import FlightLog, pitch_and_roll
 from propmap.vehicle.vehicle import Mount, Vehicle
 

@@ -129,7 +129,7 @@ def package(rotor: Rotor, table: LoadTable) -> dict[str, Any]:
     names, points = sample()
     omega, speed, beta = np.array(points).T
     flow = (omega, speed * np.cos(beta), speed * np.sin(beta))
-    truth = evaluate(prepare(rotor.arrays), dense(), *flow).thrust
+    truth = evaluate(prepare(rotor.arrays), dense(), *flow).loads.thrust
     static = rotor.loads(omega, 0.0, 0.0).thrust
 
     def error(one: Rotor | LoadTable) -> dict[str, float]:
@@ -151,7 +151,7 @@ def gradient_microseconds(rotor: Rotor, point: Point) -> float:
     """Time [us] of thrust and torque by JAX with their derivatives by omega and the velocity."""
 
     def loads(state: jax.Array) -> tuple[jax.Array, jax.Array]:
-        found = rotor_loads(rotor.arrays, *(x[None] for x in state))
+        found = rotor_loads(rotor.arrays, *(x[None] for x in state)).loads
         both = jnp.stack([found.thrust[0], found.torque[0]])
         return both, both
 

@@ -17,7 +17,7 @@ def thrust(law, omega, velocity):
     arrays = rotor.arrays._replace(law=law)
     # The solver works on batches: here a batch of one.
     omega, axial, inplane = (jnp.reshape(x, 1) for x in (omega, *velocity))
-    return rotor_loads(arrays, omega, axial, inplane).thrust[0]
+    return rotor_loads(arrays, omega, axial, inplane).loads.thrust[0]
 
 
 with jax.enable_x64(True):

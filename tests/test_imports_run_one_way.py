@@ -15,6 +15,7 @@ SOURCE = Path(propmap.__file__).parent
 
 LEFT_TO_RIGHT = (
     "errors",
+    "loads",
     "arrays",
     "physics",
     "solve",

@@ -10,10 +10,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from propmap.arrays.types import Floats
-from propmap.engine.evaluation import Evaluation, Prepared, evaluate, prepare
+from propmap.engine.evaluation import Prepared, evaluate, prepare
 from propmap.engine.plan import accuracy as accuracy_setting
 from propmap.errors import InputError
 from propmap.model.model import Model
+from propmap.solve.rotor_loads import RotorLoads
 
 if TYPE_CHECKING:
     from propmap.engine.disk_field import Inflow
@@ -274,28 +275,25 @@ class Rotor:
         flat = evaluate(
             self._prepared, self._setting, omega.ravel(), v_axial.ravel(), v_inplane.ravel()
         )
-        found = {name: getattr(flat, name).reshape(shape) for name in Evaluation._fields}
+        found: Any = RotorLoads.of_rows(row.reshape(shape) for row in flat.rows)
         blade = self.model.propeller
         reverse = _reverse_flow(omega, v_inplane, blade.root, blade.radius)
         return Loads(
-            thrust=found["thrust"],
-            drag=found["drag"],
-            torque=found["torque"],
-            roll_moment=found["roll_moment"],
-            power=found["torque"] * omega,
+            **found.loads._asdict(),
+            power=found.loads.torque * omega,
             status=_status(found, v_axial),
-            roots=found["roots"],
+            roots=found.roots,
             reverse_flow=reverse,
-            vortex_ring=found["ring"],
-            mean_inflow=found["mean_inflow"],
+            vortex_ring=found.ring,
+            mean_inflow=found.mean_inflow,
         )
 
 
-def _status(found: dict[str, Any], v_axial: Floats) -> NDArray[np.str_]:
-    windmill = (v_axial < 0.0) & (v_axial + 2.0 * found["mean_inflow"] <= 0.0)
-    ring = (found["ring"] > 0.0) | found["mirrored"]
-    lost = ~np.isfinite(found["thrust"])
-    cases = [lost, ring, windmill, found["roots"] > 1]
+def _status(found: Any, v_axial: Floats) -> NDArray[np.str_]:
+    windmill = (v_axial < 0.0) & (v_axial + 2.0 * found.mean_inflow <= 0.0)
+    ring = (found.ring > 0.0) | found.mirrored
+    lost = ~np.isfinite(found.loads.thrust)
+    cases = [lost, ring, windmill, found.roots > 1]
     return np.asarray(np.select(cases, STATUSES[:0:-1], STATUSES[0]))
 
 

@@ -51,11 +51,11 @@ def _climbing(p: Parameters) -> jax.Array:
     """Thrust, drag, torque and rolling moment where v_axial >= 0; shape (4,)."""
     nodes = azimuth_nodes(RESOLUTION.azimuths)
     found = disk_loads(Case(*_arguments(p), jnp.zeros(1)), RESOLUTION.panels, nodes)
-    return jnp.concatenate(found[:4])
+    return jnp.concatenate(found.loads)
 
 
 def _anywhere(p: Parameters) -> jax.Array:
-    return jnp.concatenate(rotor_loads(*_arguments(p), Resolution(azimuths=8, stations=24))[:4])
+    return jnp.concatenate(rotor_loads(*_arguments(p), Resolution(azimuths=8, stations=24)).loads)
 
 
 @pytest.fixture(scope="module")

@@ -24,7 +24,7 @@ from propmap.fit.tunnel import (
     rotor_with,
     tunnel_rows,
 )
-from propmap.solve.load_slopes import LOADS
+from propmap.loads import LOADS
 
 PROPELLER, AIR = propmap.propeller("apc-8x6e"), propmap.Air()
 FIVE = (*PAPER_FOUR, "zero_lift_angle")
@@ -195,7 +195,7 @@ def test_residuals_are_compared_as_coefficients(twin: TunnelData) -> None:
         np.testing.assert_allclose(per_speed, per_speed[0])
     heavy = rows_for(twin, weights={"torque": 3.0})
     ratio = rows.scale / heavy.scale
-    np.testing.assert_allclose(ratio, np.where(rows.load == LOADS.index("torque"), 3.0, 1.0))
+    np.testing.assert_allclose(ratio, np.where(rows.load == list(LOADS).index("torque"), 3.0, 1.0))
 
 
 def test_sets_with_different_loads_are_merged() -> None:

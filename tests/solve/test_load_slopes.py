@@ -12,7 +12,7 @@ import pytest
 import propmap as pm
 from propmap.engine.batch import nodes_of_each
 from propmap.solve.disk import solve_disk
-from propmap.solve.load_slopes import FLOW, LOADS, directions_of, load_slopes, moving
+from propmap.solve.load_slopes import FLOW, directions_of, load_slopes, moving
 from propmap.solve.problem import Case
 from propmap.solve.resolution import Resolution
 from propmap.solve.rotor_loads import disk_loads
@@ -44,7 +44,7 @@ def test_two_passes_give_what_differentiation_of_the_whole_does() -> None:
             rotor = arrays._replace(law=arrays.law.plus(**change))
             here = (flow[0] + omega, flow[1] + v_axial, flow[2] + v_inplane, flow[3])
             found = disk_loads(Case(rotor, *here), PANELS, nodes)
-            return jnp.stack([getattr(found, name) for name in LOADS])
+            return jnp.stack(found.loads)
 
         def along(way: Any) -> Any:
             return jax.jvp(loads, (jnp.zeros(len(movable)),), (way,))[1]

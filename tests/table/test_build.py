@@ -10,8 +10,8 @@ import pytest
 import xarray
 
 import propmap
+from propmap.loads import LOADS
 from propmap.table import LoadTable, build_table, write_netcdf
-from propmap.table.content import LOADS
 from propmap.table.model import Model
 
 from .conftest import BETA, OMEGA, SPEED, TOLERANCE, random_points

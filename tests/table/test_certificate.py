@@ -9,10 +9,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from propmap.loads import LOADS
 from propmap.table import LoadTable
 from propmap.table.axis import locate
 from propmap.table.certificate import certify
-from propmap.table.content import LOADS, TableContent
+from propmap.table.content import TableContent
 from propmap.table.model import Model
 
 from .conftest import invented_content, random_points

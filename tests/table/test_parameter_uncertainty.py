@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 import propmap
+from propmap.loads import LOADS
 from propmap.model.section_covariance import SectionCovariance
 from propmap.table import build_table
-from propmap.table.content import LOADS
 from propmap.table.parameter_uncertainty import load_deviations
 
 COVARIANCE = SectionCovariance(("c_l1", "c_d"), np.array([[0.04, -0.01], [-0.01, 0.09]]))

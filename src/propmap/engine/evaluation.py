@@ -7,13 +7,13 @@ from typing import Any, NamedTuple
 
 import jax
 import numpy as np
-from numpy.typing import NDArray
 
 from propmap.arrays.namespace import by_numpy, on_accelerator
 from propmap.arrays.types import Floats
 from propmap.engine.batch import Block, cut, filled_up, nodes_of_each, run
 from propmap.engine.plan import Accuracy, Outlook, may_leave_islands, may_stall, plan
 from propmap.engine.programs import Flow, compiled_search, search_by_numpy
+from propmap.physics.element import AnnulusLoads
 from propmap.physics.momentum import static_inflow as equation_12
 from propmap.physics.velocities import AzimuthNodes, azimuth_nodes
 from propmap.solve.disk import DiskSolution
@@ -30,6 +30,9 @@ grows with the batch."""
 ATTACHED = 0.9
 """Attached share below which a result from fixed panels is not accepted where following
 stall would have helped: the forecast was wrong."""
+
+ROWS = len(AnnulusLoads._fields) + len(RotorLoads._fields) - 1
+"""Of a batch's results, see ``RotorLoads.rows``."""
 
 Solved = Callable[[Block, DiskSolution], None]
 """Told of a block of points whose inflow is found; last axis: the block's points, padded."""
@@ -59,23 +62,9 @@ def prepare(
     return Prepared(arrays, on_device, _forecast_inputs(arrays), compiled, uniform, double)
 
 
-class Evaluation(NamedTuple):
-    """Flat results (N,), see ``rotor.Loads`` and ``solve.rotor_loads.RotorLoads``."""
-
-    thrust: Floats
-    drag: Floats
-    torque: Floats
-    roll_moment: Floats
-    roots: NDArray[np.int64]
-    ring: Floats
-    mean_inflow: Floats
-    attached: Floats
-    mirrored: NDArray[np.bool_]
-
-
 def evaluate(
     rotor: Prepared, setting: Accuracy, omega: Floats, v_axial: Floats, v_inplane: Floats
-) -> Evaluation:
+) -> RotorLoads:
     """Loads at N operating points; omega [rad/s], velocities [m/s], all (N,), v_inplane >= 0."""
     down = v_axial < 0.0
     v_hover = np.zeros_like(omega) if rotor.uniform or down.any() else None
@@ -85,12 +74,13 @@ def evaluate(
     return _in_parts(rotor, setting, Flow(omega, v_axial, v_inplane, v_hover))
 
 
-def _in_parts(rotor: Prepared, setting: Accuracy, flow: Flow) -> Evaluation:
+def _in_parts(rotor: Prepared, setting: Accuracy, flow: Flow) -> RotorLoads:
     # Of one size, lest a few left over ask for programs of their own.
     points = np.arange(flow.omega.size)
     which = np.array_split(points, max(1, -(-points.size // CHUNK)))
     found = [evaluate_flow(rotor, setting, flow.part(part)) for part in which]
-    return Evaluation(*(np.concatenate(fields) for fields in zip(*found, strict=True)))
+    rows: Any = [np.concatenate(row) for row in zip(*(one.rows for one in found), strict=True)]
+    return RotorLoads.of_rows(rows)
 
 
 def evaluate_flow(
@@ -101,7 +91,7 @@ def evaluate_flow(
     alike: bool = False,
     size: int | None = None,
     solved: Solved | None = None,
-) -> Evaluation:
+) -> RotorLoads:
     """Loads at N operating points whose static inflow is known.
 
     alike : see ``schedule.plan``; otherwise stall is followed only where it is forecast.
@@ -115,7 +105,7 @@ def evaluate_flow(
     stalls = may_stall(*rotor.forecast, omega, v_axial, v_inplane) | alike
     islands = may_leave_islands(v_axial, 0.0 if v_hover is None else v_hover)
     outlook = Outlook(advance, climb, stalls, islands)
-    results = np.full((len(RotorLoads._fields), omega.size), np.nan)
+    results = np.full((ROWS, omega.size), np.nan)
     apart = not _few(rotor, flow)
     kinds = {"axial_apart": apart, "descent": v_hover is not None}
     jobs = plan(setting, outlook, everyone, alike=alike, **kinds)
@@ -123,8 +113,8 @@ def evaluate_flow(
     sizes = {"large": rotor.uniform, **here}
     blocks = cut(jobs, size, **sizes)
     _run(rotor, blocks, flow, results, solved)
-    found = RotorLoads(*results)
-    unforeseen = ~stalls & ~(found.attached > ATTACHED) & np.isfinite(found.thrust)
+    found = RotorLoads.of_rows(results)
+    unforeseen = ~stalls & ~(found.attached > ATTACHED) & np.isfinite(found.loads.thrust)
     if unforeseen.any():
         again = outlook.stalling(unforeseen)
         jobs = plan(setting, again, everyone[unforeseen], **kinds)
@@ -132,10 +122,8 @@ def evaluate_flow(
         _run(rotor, blocks, flow, results, solved)
     # Zero instead of what the speed floor leaves of a load at rest, 1e-45 and the like.
     results[np.abs(results) < 1e-30] = 0.0
-    found = RotorLoads(*results)
-    return Evaluation(
-        **found._asdict() | {"roots": found.roots.astype(int), "mirrored": found.mirrored > 0.0}
-    )
+    found = RotorLoads.of_rows(results)
+    return found._replace(roots=found.roots.astype(int), mirrored=found.mirrored > 0.0)
 
 
 def advance_ratio(rotor: Prepared, omega: Floats, velocity: Floats) -> Floats:
@@ -149,7 +137,7 @@ def static_inflow(rotor: Prepared, setting: Accuracy, omega: Floats) -> Floats:
     """Static inflow (12) [m/s] at omega (N,) [rad/s]."""
     still = np.zeros_like(omega)
     # With the programs of the descent that asks for it.
-    thrust: Any = _in_parts(rotor, setting, Flow(omega, still, still, still)).thrust
+    thrust: Any = _in_parts(rotor, setting, Flow(omega, still, still, still)).loads.thrust
     with by_numpy():
         return np.asarray(equation_12(thrust, rotor.arrays.medium.density, rotor.arrays.blade.tip))
 
@@ -161,7 +149,7 @@ def _run(
     results: Floats,
     solved: Solved | None,
 ) -> None:
-    """Evaluate blocks into ``results`` (F, N), a row per field of ``RotorLoads``."""
+    """Evaluate blocks into ``results`` (F, N), as ``RotorLoads.rows``."""
     few = _few(rotor, flow)
 
     def one(block: Block) -> None:

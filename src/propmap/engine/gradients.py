@@ -18,10 +18,11 @@ from propmap.engine.evaluation import FEW, Prepared, evaluate_flow, nodes_of
 from propmap.engine.lanes import in_groups, in_lanes, serve
 from propmap.engine.plan import Accuracy, alike_panels
 from propmap.engine.programs import COMPILER_OPTIONS, Flow, compiled_search
+from propmap.loads import LOADS
 from propmap.physics.momentum import static_inflow
 from propmap.physics.velocities import AzimuthNodes
 from propmap.solve.disk import DiskSolution
-from propmap.solve.load_slopes import LOADS, Directions, directions_of, load_slopes, moving
+from propmap.solve.load_slopes import Directions, directions_of, load_slopes, moving
 from propmap.solve.problem import Case, RotorArrays
 
 FIT_BLOCK = 8
@@ -34,8 +35,8 @@ idle, so that other parameters seldom need another program."""
 
 
 class LoadGradients(NamedTuple):
-    """Loads (4, N) in the order of ``LOADS`` [N], [N], [N m], [N m], NaN where not found, and
-    their derivatives (4, P, N) per unit of each parameter."""
+    """Loads (L, N) in the order of ``LOADS`` [N], [N m], NaN where not found, and their
+    derivatives (L, P, N) per unit of each parameter."""
 
     loads: Floats
     slopes: Floats
@@ -116,7 +117,7 @@ def _gradients(
     if few:
         _compile_both(rotor, setting, count, descends=flow.v_hover is not None)
     flat = evaluate_flow(rotor, setting, flow, alike=few, size=size, solved=differentiate)
-    return LoadGradients(np.stack([getattr(flat, name) for name in LOADS]), slopes)
+    return LoadGradients(np.stack(flat.loads), slopes)
 
 
 def _some(points: slice, values: Any) -> Any:
@@ -172,7 +173,7 @@ def _compile_both(rotor: Prepared, setting: Accuracy, count: int, *, descends: b
 
 @functools.cache
 def _program(panels: tuple[int, ...]) -> Callable[..., Any]:
-    """Derivatives (D, 4, B) along directions, where (11) is solved."""
+    """Derivatives (D, L, B) along directions, where (11) is solved."""
 
     def slopes(
         rotor: RotorArrays,

@@ -60,7 +60,7 @@ class Flow(NamedTuple):
 
 
 Program = Callable[[RotorArrays, Flow, AzimuthNodes, int], tuple[Any, DiskSolution]]
-"""From B points to the fields of ``RotorLoads``, one row each (F, B), and the solution; the last
+"""From B points to ``RotorLoads.rows``, (F, B), and the solution; the last
 argument tells how many of the points are asked for, from the first on."""
 
 
@@ -71,7 +71,7 @@ def _search(
     solution, disk = solve_disk(case, panels, azimuth)
     found = loads_over_disk(case, disk, solution.several, azimuth)
     # One array, since every further one takes as long to hand over as some points to evaluate.
-    return xp.stack([values * 1.0 for values in found]), solution
+    return xp.stack([values * 1.0 for values in found.rows]), solution
 
 
 def _search_in_lanes(

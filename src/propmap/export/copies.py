@@ -10,7 +10,7 @@ import numpy as np
 from propmap.export.folder import Files
 from propmap.export.note import note
 from propmap.export.provenance import identifier
-from propmap.table.content import LOADS
+from propmap.loads import LOADS
 from propmap.table.query import LoadTable
 
 FORMULA = (

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from propmap.export.provenance import provenance
 from propmap.export.samples import Errors
-from propmap.table.content import LOADS
+from propmap.loads import LOADS
 from propmap.table.query import LoadTable
 
 SHARES = "thrust and drag of static thrust, torque of static torque, roll moment of thrust x R"

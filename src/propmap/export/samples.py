@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from propmap.arrays.types import Floats
 from propmap.errors import InputError
-from propmap.table.content import LOADS
+from propmap.loads import LOADS
 from propmap.table.lookup import VORTEX_RING
 from propmap.table.query import LoadTable
 

@@ -18,8 +18,8 @@ from propmap.fit.coverage import Coverage, coverage
 from propmap.fit.parameters import BODY, SECTION, WING, Choice
 from propmap.fit.rows import Rows
 from propmap.fit.tunnel import hover_after_fit, rotor_with
+from propmap.loads import LOADS
 from propmap.model.airfoil import Airfoil
-from propmap.solve.load_slopes import LOADS
 from propmap.vehicle.flight_log import GRAVITY, FlightLog
 from propmap.vehicle.hub_flow import HubFlow, hub_flow, rotor_forces
 from propmap.vehicle.vehicle import Vehicle

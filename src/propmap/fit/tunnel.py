@@ -16,12 +16,12 @@ from propmap.engine.plan import accuracy
 from propmap.errors import InputError
 from propmap.fit.parameters import BODY, SECTION, WING, Choice
 from propmap.fit.rows import Rows
+from propmap.loads import LOADS
 from propmap.model.air import Air
 from propmap.model.airfoil import Airfoil
 from propmap.model.model import Model
 from propmap.model.propeller import Propeller
 from propmap.rotor import Rotor
-from propmap.solve.load_slopes import LOADS
 
 UNITS = {"thrust": "N", "drag": "N", "torque": "N m", "roll_moment": "N m"}
 
@@ -150,7 +150,7 @@ def tunnel_rows(
     coefficient = measured / dimension
     typical = np.sqrt(np.nanmean(coefficient**2, axis=1))
     typical = typical / np.array([(weights or {}).get(name, 1.0) for name in names])
-    rows_of = [LOADS.index(name) for name in names]
+    rows_of = [list(LOADS).index(name) for name in names]
 
     def model(values: Mapping[str, float], free: tuple[str, ...]) -> tuple[Floats, Floats]:
         rotor = rotor_with(propeller, air, base, values, setting)

@@ -25,9 +25,6 @@ from propmap.solve.problem import Case, annulus_problem, residual
 from propmap.solve.quadrature import panel_nodes
 from propmap.solve.rotor_loads import loads_over_disk
 
-LOADS = ("thrust", "drag", "torque", "roll_moment")
-"""The fields of ``loads.RotorLoads`` that are differentiated."""
-
 FLOW = ("omega", "v_axial", "v_inplane")
 """By what of the flow loads can be differentiated; by the law's ``parameters`` besides."""
 
@@ -77,7 +74,7 @@ def load_slopes(
     directions: Directions,
     v_hover_slopes: Array | None,
 ) -> Array:
-    """Derivatives of ``LOADS``, eqs. (13)-(15), by the implicit function theorem on (11).
+    """Derivatives of the loads, eqs. (13)-(15), by the implicit function theorem on (11).
 
     Parameters
     ----------
@@ -95,8 +92,8 @@ def load_slopes(
     Returns
     -------
     Array
-        (D, 4, B): N for thrust and drag, N m for torque and rolling moment, for each whole step
-        along a direction.
+        In the order of ``propmap.loads.LOADS`` and their units, for each whole step along a
+        direction; (D, loads, B).
     """
     inner = _inner_edges(case, solution)
     own = inner.shape[0]
@@ -116,7 +113,7 @@ def load_slopes(
         now = _moved(case, change)._replace(v_hover=v_hover)
         disk = DiskInflow(here, annulus_problem(now, here.radius), inflow)
         found = loads_over_disk(now, disk, solution.several, azimuth)
-        return jnp.stack([getattr(found, name) for name in LOADS])
+        return jnp.stack(found.loads)
 
     def along(direction: Change, v_hover_slope: Array | None, by_case: Array) -> Array:
         change = follow(_edge_slope(solution, by_case[:own], by_radius[:own]))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import NamedTuple
 
 from propmap.arrays.materialize import materialize
@@ -19,15 +20,8 @@ class RotorLoads(NamedTuple):
 
     Attributes
     ----------
-    thrust : Array
-        Along the axis [N].
-    drag : Array
-        In the disk plane against the in-plane velocity [N].
-    torque : Array
-        Needed to turn the shaft [N m].
-    roll_moment : Array
-        About the in-plane velocity, positive where the advancing side is lifted, before the sign
-        of the spin is applied [N m].
+    loads : AnnulusLoads
+        Thrust, drag [N], torque and moments [N m] of the rotor, as in ``propmap.Loads``.
     roots : Array
         Number of roots of (11), the largest over the blade: 1 or 3.
     ring : Array
@@ -40,15 +34,24 @@ class RotorLoads(NamedTuple):
         Whether, on the windmill branch, the mean inflow is past the limit of momentum theory.
     """
 
-    thrust: Array
-    drag: Array
-    torque: Array
-    roll_moment: Array
+    loads: element.AnnulusLoads
     roots: Array
     ring: Array
     mean_inflow: Array
     attached: Array
     mirrored: Array
+
+    @property
+    def rows(self) -> tuple[Array, ...]:
+        """Every array, the loads first."""
+        return *self.loads, *self[1:]
+
+    @classmethod
+    def of_rows(cls, rows: Iterable[Array]) -> RotorLoads:
+        """From its ``rows``."""
+        every = tuple(rows)
+        count = len(element.AnnulusLoads._fields)
+        return cls(element.AnnulusLoads(*every[:count]), *every[count:])
 
 
 def disk_loads(case: Case, panels: tuple[int, ...], azimuth: AzimuthNodes) -> RotorLoads:
@@ -83,7 +86,7 @@ def loads_over_disk(
         mirrored = (windmill > 0.0) & past_limit
     attached = rotor.law.attached_share(element.mean_angle_of_attack(at, inflow))
     return RotorLoads(
-        *total,
+        total,
         roots=xp.where(several, 3, 1),
         ring=ring,
         mean_inflow=mean_inflow,
@@ -100,7 +103,7 @@ def hover_inflow(rotor: RotorArrays, omega: Array, stations: int) -> Array:
     still = xp.zeros_like(omega)
     panels = Resolution(stations=stations).panels
     static = disk_loads(Case(rotor, omega, still, still, still), panels, azimuth_nodes(1))
-    return momentum.static_inflow(static.thrust, rotor.medium.density, rotor.blade.tip)
+    return momentum.static_inflow(static.loads.thrust, rotor.medium.density, rotor.blade.tip)
 
 
 def rotor_loads(

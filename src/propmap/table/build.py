@@ -11,8 +11,9 @@ import numpy as np
 import propmap
 from propmap.arrays.types import Floats
 from propmap.errors import InputError
+from propmap.loads import LOADS
 from propmap.table.certificate import POINTS, certify, unresolved_share
-from propmap.table.content import LOADS, UNRESOLVED, VORTEX_RING, TableContent
+from propmap.table.content import UNRESOLVED, VORTEX_RING, TableContent, coefficient_scale
 from propmap.table.jumps import find_jumps, marked
 from propmap.table.model import Model, Progress
 from propmap.table.query import LoadTable
@@ -165,9 +166,8 @@ def _content(
     model: Model, refined: Refined, ends: tuple[Floats, Floats, Floats], info: dict[str, Any]
 ) -> TableContent:
     rotor, omega = model.rotor, model.omega[:, None]
-    force = rotor.model.air.density * np.pi * rotor.model.propeller.radius**4 * omega**2
-    scale = force * np.array([1.0, 1.0, rotor.model.propeller.radius, rotor.model.propeller.radius])
-    relative = model.static / scale
+    scale = coefficient_scale(rotor.model.air.density, rotor.model.propeller.radius)
+    relative = model.static / (scale * omega**2)
     coefficients = (refined.values * relative[:, None, None, :]).transpose(0, 3, 1, 2)
     ring = refined.ring
     any_ring = ring[:-1, :-1] | ring[1:, :-1] | ring[:-1, 1:] | ring[1:, 1:]

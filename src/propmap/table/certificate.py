@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from propmap.arrays.types import Floats
+from propmap.loads import LOADS
 from propmap.table.axis import locate
-from propmap.table.content import LOADS
 from propmap.table.content import UNRESOLVED as UNRESOLVED_BIT
 from propmap.table.lookup import NO_VALUE, UNRESOLVED, VORTEX_RING
 

@@ -10,11 +10,10 @@ from numpy.typing import NDArray
 
 from propmap.arrays.types import Floats
 from propmap.errors import InputError
+from propmap.loads import LOADS
 from propmap.table.axis import pad
 
-LOADS = ("thrust", "drag", "torque", "roll_moment")
-
-PARITY = np.array([1.0, -1.0, 1.0, -1.0])
+PARITY = np.array([-1.0 if load.inplane else 1.0 for load in LOADS.values()])
 """How the loads behave across beta = 0 and pi: along and about the axis they are even, across
 it they are odd."""
 
@@ -30,7 +29,7 @@ class TableContent:
     advance : knots of J = V/(Omega R) [-] (n,).  beta : knots [rad] (m,).
     omega, speed : least and largest of the envelope [rad/s], [m/s], (2,); that of beta is the
         first and the last knot.
-    coefficients : (2, 4, n, m), the loads in the order of ``LOADS`` over rho pi R^4 Omega^2 (the
+    coefficients : (2, L, n, m), the loads in the order of ``LOADS`` over rho pi R^4 Omega^2 (the
         forces) and rho pi R^5 Omega^2 (the moments) [-], at both ends of omega.  Between them
         they are linear in Omega^(-1/2), as the friction term of eq. (4) is.  NaN: no value.
     cells : (n - 1, m - 1), ``VORTEX_RING`` and ``UNRESOLVED`` added up.
@@ -89,14 +88,13 @@ class TableContent:
 
     @property
     def scale(self) -> Floats:
-        """Loads per coefficient and Omega^2, in the order of ``LOADS``; (4,) [N s^2], [N m s^2]."""
-        force = self.density * np.pi * self.radius**4
-        return force * np.array([1.0, 1.0, self.radius, self.radius])
+        """Loads per coefficient and Omega^2, in the order of ``LOADS``; (L,) [N s^2], [N m s^2]."""
+        return coefficient_scale(self.density, self.radius)
 
     def padded(self) -> Floats:
-        """Coefficients (n + 2, m + 2, 8) with the ghost values that interpolation needs.
+        """Coefficients (n + 2, m + 2, 2 L) with the ghost values that interpolation needs.
 
-        The last axis: the four coefficients at the least omega, then their slopes with
+        The last axis: the L coefficients at the least omega, then their slopes with
         Omega^(-1/2) [(rad/s)^(1/2)].
         """
         low, high = self.coefficients
@@ -110,6 +108,12 @@ class TableContent:
         ]
         across = pad(self.beta, inside.transpose(1, 0, 2), *ends)
         return np.ascontiguousarray(across.transpose(1, 0, 2))
+
+
+def coefficient_scale(density: float, radius: float) -> Floats:
+    """rho pi R^4 of forces and rho pi R^5 of moments, in the order of ``LOADS``; (L,)."""
+    force = density * np.pi * radius**4
+    return force * np.array([radius if load.moment else 1.0 for load in LOADS.values()])
 
 
 def _entry(info: dict[str, Any], group: str, name: str) -> Any:

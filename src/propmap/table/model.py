@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from propmap.arrays.types import Floats
 from propmap.errors import InputError
-from propmap.table.content import LOADS
+from propmap.loads import LOADS, error_scales
 
 if TYPE_CHECKING:
     from propmap.rotor import Rotor
@@ -47,28 +47,27 @@ class Model:
         self.static = self.static_loads(omega)
 
     def static_loads(self, omega: Floats) -> Floats:
-        """What errors are relative to (n, 4): static thrust T, T, torque and T R."""
+        """What errors are relative to (n, L), see ``loads.error_scales``."""
         loads, _ = self._evaluate(omega, np.zeros_like(omega), np.zeros_like(omega))
-        thrust, torque = loads[:, 0], loads[:, 2]
-        if not ((thrust > 0.0).all() and (torque > 0.0).all()):
+        static = dict(zip(LOADS, loads.T, strict=True))
+        scales = np.array(list(error_scales(static, self.rotor.model.propeller.radius).values())).T
+        if not (scales > 0.0).all():
             raise InputError(
                 "at rest in the air this rotor has no positive thrust and torque, to which a "
                 "table's errors could be related",
                 "check the propeller's pitch and the section law",
             )
-        return np.stack(
-            [thrust, thrust, torque, thrust * self.rotor.model.propeller.radius], axis=-1
-        )
+        return scales
 
     def loads(self, omega: Floats, speed: Floats, beta: Floats) -> tuple[Floats, NDArray[np.bool_]]:
-        """Loads (n, 4) in the order of ``LOADS``, and whether in the vortex ring state (n,)."""
+        """Loads (n, L) in the order of ``LOADS``, and whether in the vortex ring state (n,)."""
         values, ring = self._evaluate(omega, speed, beta)
         if self.leave_out_vortex_ring:
             values[ring] = np.nan
         return values, ring
 
     def relative(self, node: int, advance: Floats, beta: Floats) -> tuple[Floats, Floats]:
-        """Loads over static ones on the grid of n advance ratios and m angles, (n, m, 4).
+        """Loads over static ones on the grid of n advance ratios and m angles, (n, m, L).
 
         node : 0 or 1, which omega.  The second result is 1 in the vortex ring state (n, m).
         """

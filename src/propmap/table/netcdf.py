@@ -11,17 +11,10 @@ import numpy as np
 import xarray
 
 from propmap.io.netcdf_file import write_dataset
-from propmap.table.content import LOADS
+from propmap.loads import LOADS
 
 if TYPE_CHECKING:
     from propmap.table.query import LoadTable
-
-MEANINGS = {
-    "thrust": "thrust over rho pi R^4 Omega^2",
-    "drag": "rotor drag over rho pi R^4 Omega^2",
-    "torque": "torque over rho pi R^5 Omega^2",
-    "roll_moment": "roll moment over rho pi R^5 Omega^2",
-}
 
 
 def write_netcdf(table: LoadTable, path: str | os.PathLike[str]) -> None:
@@ -55,9 +48,9 @@ def table_dataset(table: LoadTable) -> xarray.Dataset:
         name: (
             ("omega", "advance", "beta"),
             content.coefficients[:, k].astype(np.float32),
-            {"units": "1", "long_name": MEANINGS[name]},
+            {"units": "1", "long_name": f"{load.label} over rho pi R^{4 + load.moment} Omega^2"},
         )
-        for k, name in enumerate(LOADS)
+        for k, (name, load) in enumerate(LOADS.items())
     }
     found = xarray.Dataset(variables, coordinates, _attributes(table))
     found["cells"] = (

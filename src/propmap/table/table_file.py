@@ -14,8 +14,9 @@ import numpy as np
 
 from propmap.errors import InputError, quoted
 from propmap.io.atomic_file import replacing
+from propmap.loads import LOADS
 from propmap.table.certificate import Certificate
-from propmap.table.content import LOADS, TableContent
+from propmap.table.content import TableContent
 
 FORMAT = "propmap-table"
 FORMAT_VERSION = 1

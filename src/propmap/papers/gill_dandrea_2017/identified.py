@@ -8,10 +8,10 @@ from propmap.catalogue.measurements import measurement
 from propmap.fit.fitted import Fitted, Settings, fit
 from propmap.fit.parameters import PAPER_FOUR, Choice
 from propmap.fit.tunnel import TunnelData, first_guess, section_with, tunnel_rows
+from propmap.loads import LOADS
 from propmap.model.air import Air
 from propmap.model.airfoil import Airfoil
 from propmap.papers.gill_dandrea_2017.blades import TUNNEL_PROPELLER, blade
-from propmap.solve.load_slopes import LOADS
 
 AXIAL, OBLIQUE = "uiuc-8x6e", "gill-dandrea-2019-8x6e-fit"
 FITTED_LOADS = ("thrust", "torque")

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from propmap.arrays.types import Floats
 from propmap.fit.fit_record import FitRecord
 from propmap.fit.tunnel import TunnelData
+from propmap.loads import LOADS
 from propmap.report.fit_page.curves import RPM, Curve, Curves
 from propmap.report.fit_page.parameter_draws import held
 from propmap.report.load_curves import PANELS
@@ -21,7 +22,6 @@ from propmap.report.page import Section, Text
 from propmap.report.part import Part, files_of, picture
 from propmap.report.sheet import csv_of_rows
 from propmap.report.style import COLOURS, HOVER, MEASURED, MODEL, new_figure, style
-from propmap.solve.load_slopes import LOADS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

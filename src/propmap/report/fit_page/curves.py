@@ -16,10 +16,10 @@ from propmap.engine.plan import accuracy
 from propmap.fit.coverage import CoveredAngle
 from propmap.fit.fit_record import FitRecord
 from propmap.fit.result_file import FitFile
+from propmap.loads import LOADS
 from propmap.model.model import Model
 from propmap.report.fit_page.parameter_draws import drawn_changes
 from propmap.rotor import Rotor
-from propmap.solve.load_slopes import LOADS
 
 RPM = 30.0 / np.pi
 SPEEDS = 26

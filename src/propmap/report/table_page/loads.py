@@ -9,13 +9,13 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
+from propmap.loads import LOADS
 from propmap.report.load_curves import PANELS
 from propmap.report.page import Section
 from propmap.report.part import Part, files_of, picture
 from propmap.report.sheet import csv_of_rows
 from propmap.report.style import COLOURS, HOVER, MARKERS, MODEL, new_figure, style
 from propmap.report.table_page.samples import RPM, TableSamples
-from propmap.table.content import LOADS
 from propmap.table.lookup import STATUSES, UNRESOLVED, VORTEX_RING
 
 if TYPE_CHECKING:

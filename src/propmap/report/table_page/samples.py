@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from propmap.arrays.types import Floats
 from propmap.fit.residuals import rms
-from propmap.table.content import LOADS
+from propmap.loads import LOADS
 from propmap.table.lookup import NO_VALUE, OK, STATUSES, UNRESOLVED, VORTEX_RING
 from propmap.table.query import LoadTable
 
