@@ -79,11 +79,9 @@ class PrandtlLoss(NamedTuple):
             least=_factor(f_min),
             slope=first * per_reach * turn,
             bend=second * (per_reach * turn) ** 2 + first * per_reach * turn_slope,
+            # exp(-f) is nothing next to 1 below that.
+            constant_below=0.02 * reach * turning,
         )
-
-    def constant_below(self, at: Annulus) -> Array:
-        """|U_P| [m/s] below which exp(-f) ``at`` an annulus is nothing next to 1."""
-        return 0.02 * self._reach(at) * at.turning
 
     def _reach(self, at: Annulus) -> Array:
         """f sin(phi) [-]."""

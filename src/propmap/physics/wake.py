@@ -23,11 +23,14 @@ class FactorBounds(NamedTuple):
         The largest size of its derivative by v_i [s/m].
     bend : Array
         The largest size of its second derivative [s^2/m^2].
+    constant_below : Array or float
+        |U_P| [m/s] below which the factor is constant but for rounding; it does not depend on v_i.
     """
 
     least: Array
     slope: Array
     bend: Array
+    constant_below: Array | float = 0.0
 
 
 class WakeFactor(Protocol):
@@ -39,10 +42,6 @@ class WakeFactor(Protocol):
 
     def bounds(self, at: Annulus, low: Array, high: Array) -> FactorBounds:
         """Bounds of the factor ``at`` an annulus for v_i between ``low`` and ``high`` [m/s]."""
-        ...
-
-    def constant_below(self, at: Annulus) -> Array:
-        """|U_P| [m/s] below which the factor ``at`` an annulus is constant but for rounding."""
         ...
 
 
@@ -98,7 +97,7 @@ class Wake(NamedTuple):
         """
         u = xp.abs(at.v_axial + inflow)
         return [0.5 * u] * bool(self.factors) + [
-            u + factor.constant_below(at) for factor in self.factors
+            u + factor.bounds(at, inflow, inflow).constant_below for factor in self.factors
         ]
 
     def largest_bend(self, at: Annulus, low: Array, high: Array) -> Array:
