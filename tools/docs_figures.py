@@ -1,4 +1,4 @@
-"""Draw the figures of the documentation: angles, a blade element, cost against error.
+"""Draw the figures of the documentation: angles, a blade element, cost against error, layers.
 
 Usage: python -m tools.docs_figures FOLDER
 
@@ -21,6 +21,7 @@ from matplotlib.patches import Arc, Circle, Polygon
 
 from propmap.io.atomic_file import replacing
 from propmap.report.style import COLOURS, MARKERS, new_figure, style
+from tools import architecture_picture
 
 RESULTS = Path(__file__).resolve().parent.parent / "benchmarks" / "results"
 BLUE, RED, GREEN, PINK = COLOURS[:4]
@@ -32,7 +33,12 @@ Point = tuple[float, float]
 def write(folder: Path) -> None:
     """All figures, as SVG with text as outlines, so that they look alike everywhere."""
     choice = json.loads((RESULTS / "choice.json").read_text(encoding="utf-8"))
-    figures = {"angles": angles(), "element": element(), "choice": cost_against_error(choice)}
+    figures = {
+        "angles": angles(),
+        "element": element(),
+        "choice": cost_against_error(choice),
+        "architecture": architecture_picture.picture(),
+    }
     for name, figure in figures.items():
         with (
             style(),

@@ -1,0 +1,72 @@
+"""Which module of the package imports which, read from the source."""
+
+from __future__ import annotations
+
+import ast
+import graphlib
+from collections import Counter
+from collections.abc import Iterator
+from pathlib import Path
+
+SOURCE = Path(__file__).resolve().parent.parent / "src" / "propmap"
+
+
+def modules(source: Path = SOURCE) -> dict[str, Path]:
+    """The package's modules by full name, and their files."""
+    found = {}
+    for file in sorted(source.rglob("*.py")):
+        parts = ("propmap", *file.relative_to(source).with_suffix("").parts)
+        found[".".join(parts).removesuffix(".__init__")] = file
+    return found
+
+
+def module_imports(source: Path = SOURCE) -> dict[str, set[str]]:
+    """Of every module those that it imports, deferred imports included.
+
+    Left out are imports for the type checker alone, and the package's face, which has all.
+    """
+    files = modules(source)
+    return {
+        module: set(_imported(ast.parse(file.read_text(encoding="utf-8")), files))
+        - {module, "propmap"}
+        for module, file in files.items()
+    }
+
+
+def room(module: str) -> str:
+    """The folder, or the module of the root, that a module is in."""
+    return module.split(".")[1]
+
+
+def room_imports() -> dict[str, Counter[str]]:
+    """Of every room the rooms that it imports, and by how many imports; lowest layer first."""
+    graph: dict[str, Counter[str]] = {}
+    for module, others in module_imports().items():
+        if module != "propmap":
+            counts = graph.setdefault(room(module), Counter())
+            counts.update(room(other) for other in others if room(other) != room(module))
+    order = graphlib.TopologicalSorter(graph).static_order()
+    return {name: graph[name] for name in order}
+
+
+def lines() -> Counter[str]:
+    """Lines of source of every room."""
+    count: Counter[str] = Counter()
+    for module, file in modules().items():
+        count[room(module) if module != "propmap" else "propmap"] += len(
+            file.read_text(encoding="utf-8").splitlines()
+        )
+    return count
+
+
+def _imported(node: ast.AST, files: dict[str, Path]) -> Iterator[str]:
+    if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test):
+        return
+    if isinstance(node, ast.Import):
+        yield from (alias.name for alias in node.names if alias.name in files)
+    elif isinstance(node, ast.ImportFrom) and node.module in files:
+        for alias in node.names:
+            inner = f"{node.module}.{alias.name}"
+            yield inner if inner in files else node.module
+    for child in ast.iter_child_nodes(node):
+        yield from _imported(child, files)
