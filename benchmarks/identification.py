@@ -31,6 +31,7 @@ from propmap.fit.rows import Rows
 from propmap.fit.tunnel import TunnelData, first_guess, section_with, tunnel_rows
 from propmap.flight.trim import trim
 from propmap.loads import LOADS
+from propmap.model.airfoil import parameter_set
 from propmap.vehicle.flight_log import FlightLog, pitch_and_roll
 from propmap.vehicle.vehicle import Mount, Vehicle
 
@@ -51,7 +52,7 @@ def quadrotor() -> Vehicle:
 
 def noise_free(name: str, starts: int) -> dict[str, Any]:
     """One twin without noise."""
-    vehicle, truth = quadrotor(), propmap.airfoil(name)
+    vehicle, truth = quadrotor(), parameter_set(name)
     points = trim(vehicle, truth, SPEEDS)
     choice = Choice()
     rows = level_rows(ForceModel(vehicle, points, first_guess()), choice)
@@ -104,7 +105,7 @@ def coverage(rows: Rows, choice: Choice, truth: propmap.Airfoil) -> dict[str, An
 def coverages(name: str) -> dict[str, Any]:
     """For one set of Table I: level flights with the paper's four parameters free and with two,
     and a tunnel test (axial, and at 40 and 80 deg) with the four."""
-    vehicle, truth = quadrotor(), propmap.airfoil(name)
+    vehicle, truth = quadrotor(), parameter_set(name)
     points = trim(vehicle, truth, SPEEDS)
     true_values = {n: getattr(truth, n) for n in PAPER_FOUR}
     four = Choice(start=true_values)
@@ -132,7 +133,7 @@ def tunnel_twin(truth: propmap.Airfoil) -> TunnelData:
 
 def timing() -> dict[str, float]:
     """Seconds of whole identifications, once compiled and as whole processes."""
-    vehicle, truth = quadrotor(), propmap.airfoil("paper-apc")
+    vehicle, truth = quadrotor(), parameter_set("paper-apc")
     points = trim(vehicle, truth, SPEEDS)
     choice = Choice()
     rows = level_rows(ForceModel(vehicle, points, first_guess()), choice)

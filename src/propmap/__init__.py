@@ -8,13 +8,13 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
-from propmap.catalogue.lookup import propeller
+from propmap.catalogue.lookup import airfoil, propeller
 from propmap.errors import InputError
 
 # The functions share their names with the modules they come from; importing them here, once,
 # makes the package's attribute the function.
 from propmap.model.air import Air
-from propmap.model.airfoil import Airfoil, airfoil, airfoil_names
+from propmap.model.airfoil import Airfoil, airfoil_names
 from propmap.model.corrections import correction
 from propmap.model.model import Model
 from propmap.model.propeller import Propeller

@@ -120,9 +120,8 @@ class Rotor:
 
     def __repr__(self) -> str:
         m = self.model
-        added = "".join(f" + {text}" for text in m.correction_texts)
         return (
-            f"Rotor({m.propeller.name}, {m.airfoil.name}{added}, rho={m.air.density} kg/m^3, "
+            f"Rotor({m.propeller.name}, {m.law_title}, rho={m.air.density} kg/m^3, "
             f"accuracy={self.accuracy})"
         )
 

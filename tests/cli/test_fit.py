@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import propmap
-from propmap.model.airfoil import airfoil
+from propmap.model.airfoil import parameter_set
 
 from .conftest import Run
 from .fit_inputs import (
@@ -52,7 +52,7 @@ def test_the_file_carries_what_repeats_the_fit(tunnel_fit: Path, tunnel_csv: Pat
 
 
 def test_the_file_is_a_parameter_set(run: Run, tunnel_fit: Path) -> None:
-    law = airfoil(tunnel_fit)
+    law = parameter_set(tunnel_fit)
     found = fit_record(tunnel_fit)["parameters"]
     assert law.c_l1 == found["c_l1"]["value"]
     assert law.zero_lift_angle == found["zero_lift_angle"]["value"]
@@ -96,7 +96,7 @@ def test_priors_fixed_values_and_bootstrap(run: Run, tunnel_csv: Path) -> None:
         "--fix", "c_d0=0.015", "--prior", "c_l1=5.0:0.2", "--bootstrap", "3",
     )  # fmt: skip
     assert found["fixed"] == {"c_d0": 0.015}
-    assert airfoil("out.toml").c_d0 == 0.015
+    assert parameter_set("out.toml").c_d0 == 0.015
     assert found["parameters"]["c_l1"]["prior"] == [5.0, 0.2]
     assert (
         found["parameters"]["c_l1"]["bootstrap_low_95"]
@@ -108,9 +108,9 @@ def test_priors_fixed_values_and_bootstrap(run: Run, tunnel_csv: Path) -> None:
 def test_another_set_gives_what_is_not_free(run: Run, tunnel_csv: Path) -> None:
     base = ["--airfoil", "paper-apc"]
     found, _ = fitted(run, "tunnel", "apc-8x6e", tunnel_csv, *QUICK, *base)
-    want = airfoil("paper-apc")
+    want = parameter_set("paper-apc")
     assert found["parameters"]["c_l1"]["start"] == want.c_l1
-    assert airfoil("out.toml").alpha_0 == want.alpha_0
+    assert parameter_set("out.toml").alpha_0 == want.alpha_0
 
 
 @pytest.mark.parametrize(("speed", "says"), [(0.0, "from hover"), (7.0, "one speed, 7.0 to 7.0")])
@@ -128,7 +128,8 @@ def test_check_as_json(run: Run, tunnel_fit: Path, tunnel_csv: Path) -> None:
     done = run("check", tunnel_fit, tunnel_csv, "--format", "json")
     assert (done.code, done.err) == (0, "")
     found = json.loads(done.out)
-    assert set(found) == {"rows", "loads"} and found["rows"] == 14
+    assert set(found) == {"corrections", "rows", "loads"}
+    assert found["corrections"] == [] and found["rows"] == 14
     assert set(found["loads"]) == {"thrust_N", "torque_Nm"}
     for name, load in found["loads"].items():
         assert set(load) == CHECKED | {"by_speed"}
@@ -156,7 +157,7 @@ def test_check_as_csv_table_and_file(
 
 
 def test_check_of_a_plain_parameter_set(run: Run, tmp_path: Path, tunnel_csv: Path) -> None:
-    (tmp_path / "set.toml").write_text(airfoil("paper-apc").to_toml())
+    (tmp_path / "set.toml").write_text(parameter_set("paper-apc").to_toml())
     arguments = ["check", "set.toml", tunnel_csv, "--format", "json"]
     found = json.loads(run(*arguments, "--prop", "apc-8x6e").out)
     assert found["rows"] == 14

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from propmap.model.airfoil import airfoil
+from propmap.model.airfoil import parameter_set
 
 from .conftest import Run
 from .fit_inputs import LEVEL, VEHICLE, picked, tunnel_table
@@ -27,10 +27,10 @@ FILES = {
     "sample.txt": "J CT CP eta\n0.2 0.1 0.04 0.5\n",
     "header_5000.txt": "J CT CP eta\n",
     "words_5000.txt": "J CT CP eta\n0.2 much 0.04 0.5\n",
-    "set.toml": airfoil("paper-apc").to_toml(),
-    "damaged.toml": airfoil("paper-apc").to_toml() + '[fit]\nkind = "tunnel"\n',
-    "flat.toml": airfoil("paper-apc").to_toml() + "fit = 3\n",
-    "wrong_air.toml": airfoil("paper-apc").to_toml()
+    "set.toml": parameter_set("paper-apc").to_toml(),
+    "damaged.toml": parameter_set("paper-apc").to_toml() + '[fit]\nkind = "tunnel"\n',
+    "flat.toml": parameter_set("paper-apc").to_toml() + "fit = 3\n",
+    "wrong_air.toml": parameter_set("paper-apc").to_toml()
     + "[fit]\nbody = 3\nwing = {}\nair = {density = 1.2, viscosity = 2e-5}\n"
     + "[fit.propeller]\nname = 'x'\nblades = 2\nroot = 0.01\nstation_m = [0.01]\n"
     + "chord_m = [0.01]\ntwist_rad = [0.1]\n",

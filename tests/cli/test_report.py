@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import propmap
-from propmap.model.airfoil import airfoil
+from propmap.model.airfoil import parameter_set
 from propmap.report.report_files import FILES, PAGE
 from propmap.table import LoadTable
 from tests.fit.fit_records import fit_text
@@ -64,7 +64,7 @@ def test_a_tunnel_fit(run: Run, tmp_path: Path, tunnel_fit: Path) -> None:
 @pytest.mark.slow
 def test_its_curves_are_the_fitted_rotor(run: Run, tmp_path: Path, tunnel_fit: Path) -> None:
     assert run("report", tunnel_fit, "-o", "out").code == 0
-    rotor = propmap.Rotor(propmap.Model(propmap.propeller("apc-8x6e"), airfoil(tunnel_fit)))
+    rotor = propmap.Rotor(propmap.Model(propmap.propeller("apc-8x6e"), parameter_set(tunnel_fit)))
     rows = rows_of(tmp_path / "out" / "fit-loads.csv")
     assert {row["beta_deg"] for row in rows} == {"0", "90"}
     for row in rows[::7]:
@@ -200,7 +200,7 @@ def test_what_cannot_be_reported_is_told_in_one_line(
 ) -> None:
     invented().save("map.npz")
     (tmp_path / "bad.npz").write_bytes((tmp_path / "map.npz").read_bytes()[:500])
-    (tmp_path / "set.toml").write_text(airfoil("paper-apc").to_toml())
+    (tmp_path / "set.toml").write_text(parameter_set("paper-apc").to_toml())
     whole = fit_text()
     (tmp_path / "old.toml").write_text(whole.replace("covered", "covers"))
     (tmp_path / "whole.toml").write_text(whole)

@@ -8,7 +8,7 @@ import pytest
 from propmap.errors import InputError
 from propmap.flight.plausible_rpm import check_rotor_speed
 from propmap.flight.steady import steady_stretches
-from propmap.model.airfoil import airfoil
+from propmap.model.airfoil import parameter_set
 from propmap.model.model import Model
 from propmap.rotor import Rotor
 from propmap.vehicle.flight_log import GRAVITY, FlightLog
@@ -84,7 +84,7 @@ def test_the_body_velocity_comes_back_from_the_world(
 def test_the_rotors_carry_the_weight(flight: tuple[FlightLog, np.ndarray]) -> None:
     log, _ = flight
     vehicle = FILE.vehicle
-    rotor = Rotor(Model(vehicle.propeller, airfoil("paper-apc"), vehicle.air))
+    rotor = Rotor(Model(vehicle.propeller, parameter_set("paper-apc"), vehicle.air))
     assert check_rotor_speed(log, rotor, vehicle, FILE.log.rotor_unit) == []
     as_rpm = FlightLog(**{**log.__dict__, "rotor_speed": log.rotor_speed * np.pi / 30.0})
     with pytest.raises(InputError, match="rad/s read as rpm"):

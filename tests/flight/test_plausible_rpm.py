@@ -9,7 +9,7 @@ import pytest
 
 from propmap.errors import InputError
 from propmap.flight.plausible_rpm import check_rotor_speed
-from propmap.model.airfoil import airfoil
+from propmap.model.airfoil import parameter_set
 from propmap.model.model import Model
 from propmap.rotor import Rotor
 from propmap.vehicle.vehicle_toml import read_vehicle
@@ -23,7 +23,7 @@ RPM = np.pi / 30.0
 
 @pytest.fixture(scope="module")
 def rotor() -> Rotor:
-    return Rotor(Model(VEHICLE.propeller, airfoil("paper-apc"), VEHICLE.air))
+    return Rotor(Model(VEHICLE.propeller, parameter_set("paper-apc"), VEHICLE.air))
 
 
 def test_a_plausible_log_gives_no_warning(rotor: Rotor) -> None:

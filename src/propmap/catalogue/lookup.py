@@ -1,4 +1,4 @@
-"""A propeller by its name in the catalogue, or from a geometry file."""
+"""Propellers and section laws by their name in the catalogue, or from a file."""
 
 from __future__ import annotations
 
@@ -9,6 +9,8 @@ from pathlib import Path
 from propmap import catalogue
 from propmap.io.blade_table import check_radius
 from propmap.io.geometry_file import read_geometry_file
+from propmap.model.airfoil import parameter_set
+from propmap.model.model import Section
 from propmap.model.propeller import Propeller
 
 
@@ -20,12 +22,22 @@ def propeller(
 ) -> Propeller:
     """A propeller from the catalogue, or from a geometry file of any format propmap reads.
 
-    name_or_path : a name that ``propmap props`` lists, in upper or lower case, or a path.
-    blades : number of blades, where the file gives none or another number is wanted.
-    radius : tip radius [m], where the file gives fractions of it; where the geometry has a
-        radius of its own, the two must agree.
-    root_cutout : where the loaded part of the blade begins [m].
-    Raises ``InputError``; for an unknown name it proposes close ones.
+    Parameters
+    ----------
+    name_or_path : str or path
+        A name that ``propmap props`` lists, in upper or lower case, or a path.
+    blades : int, optional
+        Number of blades, where the file gives none or another number is wanted.
+    radius : float, optional
+        Tip radius [m], where the file gives fractions of it; where the geometry has a radius of
+        its own, the two must agree.
+    root_cutout : float, optional
+        Where the loaded part of the blade begins [m].
+
+    Raises
+    ------
+    InputError
+        For an unknown name, with close ones, and for a file that holds no propeller.
     """
     text = os.fspath(name_or_path)
     if text.strip().lower() in catalogue.names():
@@ -39,6 +51,23 @@ def propeller(
     else:
         raise catalogue.unknown_name(text)
     return found if root_cutout is None else found.with_root_cutout(root_cutout)
+
+
+def airfoil(name_or_path: str | os.PathLike[str]) -> Section:
+    """A section law: a named set of constants, a parameter file, or a section table.
+
+    Parameters
+    ----------
+    name_or_path : str or path
+        "paper-soft", "paper-stiff" or "paper-apc" (Table I), or the path of a parameter file
+        (.toml).
+
+    Raises
+    ------
+    InputError
+        For an unknown name, and for a file that holds no section law.
+    """
+    return parameter_set(os.fspath(name_or_path))
 
 
 def _looks_like_path(name_or_path: str | os.PathLike[str]) -> bool:

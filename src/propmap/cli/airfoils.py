@@ -20,7 +20,7 @@ from propmap.cli.output import (
     json_text,
     show,
 )
-from propmap.model.airfoil import airfoil, airfoil_names
+from propmap.model.airfoil import airfoil_names, parameter_set
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -38,7 +38,7 @@ def list_airfoils(format_: FormatOption = None, output: TextOutput = None) -> No
     """List the parameter sets that come with propmap."""
     if output is not None:
         check_output(output)
-    sets = [airfoil(name) for name in airfoil_names()]
+    sets = [parameter_set(name) for name in airfoil_names()]
     rows = [asdict(one) for one in sets]
     chosen = chosen_format(format_, output)
     if chosen is Format.json:
@@ -75,4 +75,4 @@ def show_airfoil(
     """Print a parameter set as TOML, a template for one's own."""
     if output is not None:
         check_output(output, (".toml",))
-    emit(airfoil(name).to_toml(), output)
+    emit(parameter_set(name).to_toml(), output)

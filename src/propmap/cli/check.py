@@ -20,6 +20,7 @@ from propmap.cli.output import (
     json_text,
     show,
 )
+from propmap.cli.rotor_options import Corrections
 from propmap.errors import InputError
 from propmap.model.airfoil import read_airfoil
 
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from propmap.fit.comparison import Comparison
+    from propmap.model.airfoil import Airfoil
 
 
 def check(
@@ -42,6 +44,7 @@ def check(
         str | None,
         typer.Option("--prop", metavar="PROP", help="Propeller, where the file has no [fit]."),
     ] = None,
+    correction: Corrections = None,
     format_: FormatOption = None,
     output: TextOutput = None,
 ) -> None:
@@ -49,12 +52,13 @@ def check(
     if output is not None:
         check_output(output)
     chosen = chosen_format(format_, output)
-    found = _compare(fit, data, vehicle, prop)
+    law = read_airfoil(fit).with_corrections(correction or ())
+    found = _compare(fit, law, data, vehicle, prop)
     if chosen is Format.table:
-        show(output, lambda console: _draw(console, found))
+        show(output, lambda console: _draw(console, found, law))
         return
     if chosen is Format.json:
-        emit(json_text(_plain(found)), output)
+        emit(json_text({"corrections": list(law.corrections), **_plain(found)}), output)
         return
     columns = ("load", "band", "rows", "rms", "relative_rms", "bias", "worst", "hover_rms")
     rows = [
@@ -66,7 +70,7 @@ def check(
 
 
 def _compare(
-    fit: Path, data: list[str], vehicle: Path | None, prop: str | None
+    fit: Path, law: Airfoil, data: list[str], vehicle: Path | None, prop: str | None
 ) -> dict[str, Comparison]:
     from propmap.catalogue.lookup import propeller
     from propmap.fit.comparison import compare_flight, compare_tunnel
@@ -79,7 +83,6 @@ def _compare(
         from propmap.vehicle.vehicle_toml import read_vehicle
 
         file = read_vehicle(vehicle)
-        law = read_airfoil(fit)
         values = read_fit(fit).values if is_fit(fit) else wing_values(file.vehicle)
         _keep()
         paths = [Path(item) for item in data]
@@ -90,14 +93,14 @@ def _compare(
 
     if is_fit(fit):
         found = read_fit(fit)
-        law, air = found.airfoil, found.air
+        air = found.air
         blade = found.propeller if prop is None else propeller(prop)
     elif prop is None:
         raise InputError(
             "which propeller is not said: the file has no table [fit]", "add --prop NAME", str(fit)
         )
     else:
-        law, air, blade = read_airfoil(fit), Air(), propeller(prop)
+        air, blade = Air(), propeller(prop)
     measured = read_tunnel(data, blade, air)
     _keep()
     return compare_tunnel(blade, air, law, measured)
@@ -122,10 +125,11 @@ def _numbers(errors: Any) -> dict[str, Any]:
     return {k: None if np.isnan(v) else v for k, v in msgspec.structs.asdict(errors).items()}
 
 
-def _draw(console: Console, found: dict[str, Comparison]) -> None:
+def _draw(console: Console, found: dict[str, Comparison], law: Airfoil) -> None:
     from rich.table import Table
 
-    table = Table(title="Model minus measurement")
+    added = f", with {', '.join(law.corrections)}" if law.corrections else ""
+    table = Table(title=f"Model minus measurement{added}")
     for heading in (
         "load",
         "speed",

@@ -16,7 +16,7 @@ from propmap.catalogue.lookup import propeller
 from propmap.catalogue.measurements import measurement
 from propmap.cli.operating_points import RPM
 from propmap.cli.output import csv_text, json_text, write_text
-from propmap.model.airfoil import airfoil
+from propmap.model.airfoil import parameter_set
 from propmap.model.model import Model
 from propmap.report.comparison import LOADS, Comparison, LoadErrors, compare
 from propmap.rotor import Rotor
@@ -98,7 +98,7 @@ class Results:
 def compute() -> Results:
     """Compare, and time the whole batch."""
     tunnel, oblique = measurement(TUNNEL), measurement(OBLIQUE)
-    blade, section = propeller(PROPELLER), airfoil(AIRFOIL)
+    blade, section = propeller(PROPELLER), parameter_set(AIRFOIL)
     rotors = [
         Rotor(Model(blade, section, propmap.Air(density=data.air_density)))
         for data in (tunnel, oblique)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from propmap.cli.output import Force
+from propmap.cli.rotor_options import Corrections
 from propmap.cli.table_report import building
 from propmap.errors import InputError
 from propmap.model.model import Model
@@ -46,6 +47,7 @@ def export(
         str | None,
         typer.Option("--prop", metavar="PROP", help="For a parameter set: name or geometry file."),
     ] = None,
+    correction: Corrections = None,
     force: Force = False,
 ) -> None:
     """Files for simulators and flight code, with a note of the errors they make."""
@@ -53,7 +55,7 @@ def export(
 
     check_target(to)
     check_folder(output)
-    table = _table(source, prop)
+    table = _table(source, prop, correction or [])
     try:
         paths = export_table(table, to, output, replace=force)
     except InputError as error:
@@ -63,17 +65,20 @@ def export(
         typer.echo(f"wrote {path}")
 
 
-def _table(source: Path, prop: str | None) -> LoadTable:
+def _table(source: Path, prop: str | None, corrections: list[str]) -> LoadTable:
     if source.suffix.lower() == ".toml":
-        return _built(*_rotor(source, prop))
-    if prop is not None:
-        raise InputError("--prop is given with a table, which has its propeller", "leave it out")
+        return _built(*_rotor(source, prop, corrections))
+    for option, given in (("--prop", prop), ("--correction", corrections)):
+        if given:
+            raise InputError(f"{option} is given with a table, which has its own", "leave it out")
     from propmap.table import LoadTable
 
     return LoadTable.load(source)
 
 
-def _rotor(source: Path, prop: str | None) -> tuple[Rotor, SectionCovariance | None]:
+def _rotor(
+    source: Path, prop: str | None, corrections: list[str]
+) -> tuple[Rotor, SectionCovariance | None]:
     from propmap.catalogue.lookup import propeller
     from propmap.engine.compilation import keep_compiled
     from propmap.fit.result_file import is_fit, read_fit
@@ -81,11 +86,12 @@ def _rotor(source: Path, prop: str | None) -> tuple[Rotor, SectionCovariance | N
     from propmap.rotor import Rotor
 
     keep_compiled()
+    law = read_airfoil(source).with_corrections(corrections)
     if prop is None:
         fit = read_fit(source)
-        return Rotor(Model(fit.propeller, fit.airfoil, fit.air)), fit.covariance
+        return Rotor(Model(fit.propeller, law, fit.air)), fit.covariance
     covariance = read_fit(source).covariance if is_fit(source) else None
-    return Rotor(Model(propeller(prop), read_airfoil(source))), covariance
+    return Rotor(Model(propeller(prop), law)), covariance
 
 
 def _built(rotor: Rotor, covariance: SectionCovariance | None) -> LoadTable:
@@ -96,8 +102,9 @@ def _built(rotor: Rotor, covariance: SectionCovariance | None) -> LoadTable:
     omega = (TIP_SPEED[0] / radius, TIP_SPEED[1] / radius)
     rpm = [30.0 / math.pi * w for w in omega]
     typer.echo(
-        f"building a map of {rotor.model.propeller.name} at {rpm[0]:.0f} to {rpm[1]:.0f} rpm, "
-        f"{SPEED[0]:g} to {SPEED[1]:g} m/s, beta 0 to 180 deg, which takes a minute or so; "
+        f"building a map of {rotor.model.propeller.name}, {rotor.model.law_title}, "
+        f"at {rpm[0]:.0f} to {rpm[1]:.0f} rpm, {SPEED[0]:g} to {SPEED[1]:g} m/s, "
+        "beta 0 to 180 deg, which takes a minute or so; "
         "for another range, build it with propmap table",
         err=True,
     )

@@ -22,15 +22,16 @@ from propmap.cli.fit_options import (
     settings_of,
 )
 from propmap.cli.output import PICTURES, check_output, show, write_text
-from propmap.cli.rotor_options import RotorChoice, takes_rotor
+from propmap.cli.rotor_options import Corrections, RotorChoice, takes_rotor
 from propmap.errors import InputError
-from propmap.model.airfoil import airfoil
+from propmap.model.airfoil import parameter_set
 
 if TYPE_CHECKING:
     from propmap.fit.fitted import Fitted
     from propmap.fit.flight import ForceModel
     from propmap.fit.parameters import Choice
     from propmap.fit.rows import Rows
+    from propmap.model.airfoil import Airfoil
     from propmap.vehicle.flight_log import FlightLog
 
 fit_app = typer.Typer(
@@ -83,7 +84,7 @@ def fit_tunnel(
     from propmap.cli.tunnel_files import read_tunnel, sources
 
     _check_outputs(output, picture)
-    base = airfoil(choice.airfoil) if choice.airfoil else None
+    base = parameter_set(choice.airfoil) if choice.airfoil else None
     default = ("c_l1", "c_l2", "c_d", "alpha_0", "zero_lift_angle")
     chosen = choice_of(free, fix, prior, default, base)
     settings = settings_of(starts, robust, folds, bootstrap, seed)
@@ -99,7 +100,7 @@ def fit_tunnel(
     from propmap.fit.tunnel import first_guess, hover_rows, rotor_with, tunnel_rows
 
     keep_compiled()
-    base = base or first_guess()
+    base = (base or first_guess()).with_corrections(choice.correction or ())
     named = [name.strip() for name in loads.split(",")] if loads else []
 
     def rows_for(c: Choice) -> Rows:
@@ -129,7 +130,7 @@ def fit_tunnel(
         from propmap.report.style import save
 
         save(tunnel_fit(measured, rotor), picture)
-    _finish(fitted, remarks, text, output)
+    _finish(fitted, base, remarks, text, output)
 
 
 @fit_app.command("flight")
@@ -157,6 +158,7 @@ def fit_flight(
         str | None,
         typer.Option("--airfoil", metavar="NAME|FILE", help="Values of what is not free."),
     ] = None,
+    correction: Corrections = None,
     seconds: Annotated[float, typer.Option("--seconds", help="Shortest steady stretch [s].")] = 2.0,
     samples: Annotated[
         int, typer.Option("--samples", min=10, help="Samples used of a whole flight, at most.")
@@ -181,7 +183,7 @@ def fit_flight(
     from propmap.vehicle.vehicle_toml import read_vehicle
 
     _check_outputs(output, picture, stretches_picture)
-    base = airfoil(name_or_file) if name_or_file else None
+    base = parameter_set(name_or_file) if name_or_file else None
     file = read_vehicle(vehicle)
 
     from propmap.engine.compilation import keep_compiled
@@ -202,7 +204,8 @@ def fit_flight(
     default = PAPER_FOUR if flights.level else (*PAPER_FOUR, "zero_lift_angle", *drags)
     chosen = choice_of(free, fix, prior, default, base, wing_values(file.vehicle))
     settings = settings_of(starts, robust, folds, bootstrap, seed)
-    model = ForceModel(file.vehicle, flights.log, base or first_guess())
+    law = (base or first_guess()).with_corrections(correction or ())
+    model = ForceModel(file.vehicle, flights.log, law)
     make = level_rows if flights.level else balance_rows
     fitted = fit(make(model, chosen), chosen, settings)
     remarks = [*flights.remarks, *range_warnings(fitted.rows)]
@@ -214,7 +217,7 @@ def fit_flight(
         name=output.stem,
         propeller=file.vehicle.propeller,
         air=file.vehicle.air,
-        base=base or first_guess(),
+        base=law,
         data=[*logs, vehicle],
         covered=model.coverage(),
         hover=hover_rows(model, fitted.values, fitted.rows),
@@ -223,7 +226,7 @@ def fit_flight(
     )
     if picture is not None:
         _picture_of_flight(picture, fitted, model, flights.log)
-    _finish(fitted, remarks, text, output)
+    _finish(fitted, law, remarks, text, output)
 
 
 def _picture_of_flight(picture: Path, fitted: Fitted, model: ForceModel, log: FlightLog) -> None:
@@ -256,9 +259,9 @@ def _weights(texts: Sequence[str] | None) -> dict[str, float]:
     return found
 
 
-def _finish(fitted: Fitted, remarks: Sequence[str], text: str, output: Path) -> None:
+def _finish(fitted: Fitted, law: Airfoil, remarks: Sequence[str], text: str, output: Path) -> None:
     from propmap.cli.fit_report import draw_fit
 
     write_text(text, output)
-    show(None, lambda console: draw_fit(console, fitted, remarks))
+    show(None, lambda console: draw_fit(console, fitted, law.corrections, remarks))
     typer.echo(f"wrote {output}", err=True)

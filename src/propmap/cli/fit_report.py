@@ -16,8 +16,10 @@ if TYPE_CHECKING:
     from rich.console import Console
 
 
-def draw_fit(console: Console, fitted: Fitted, remarks: Sequence[str]) -> None:
-    """Print a fit."""
+def draw_fit(
+    console: Console, fitted: Fitted, corrections: Sequence[str], remarks: Sequence[str]
+) -> None:
+    """Print a fit that was made with these corrections."""
     from rich.table import Table
 
     sure, choice = fitted.uncertainty, fitted.choice
@@ -56,5 +58,7 @@ def draw_fit(console: Console, fitted: Fitted, remarks: Sequence[str]) -> None:
     console.print(
         f"{len(ends)} starts, {len(groups[0])} of them to the best minimum; {fitted.seconds:.1f} s"
     )
+    if corrections:
+        console.print(f"with {', '.join(corrections)}, which come along wherever the fit is used")
     for remark in remarks:
         console.print(f"note: {remark}")

@@ -95,11 +95,11 @@ def _draw(log: FlightLog, stretches: list[slice], picture: Path) -> None:
 
 
 def _rpm_remarks(log: FlightLog, file: VehicleFile) -> list[str]:
-    from propmap.model.airfoil import airfoil
+    from propmap.model.airfoil import parameter_set
     from propmap.model.model import Model
     from propmap.rotor import Rotor
 
-    rotor = Rotor(Model(file.vehicle.propeller, airfoil("paper-apc"), file.vehicle.air))
+    rotor = Rotor(Model(file.vehicle.propeller, parameter_set("paper-apc"), file.vehicle.air))
     unit = file.log.rotor_unit or ("rpm" if log.source.endswith(".ulg") else None)
     return check_rotor_speed(log, rotor, file.vehicle, unit)
 

@@ -93,7 +93,7 @@ def _show_table(
         blade = rotor.model.propeller
         console.print(
             f"{blade.name}, {blade.blades} blades, R = {blade.radius:.4g} m; "
-            f"airfoil {rotor.model.airfoil.name}; rho = {rotor.model.air.density:.4g} kg/m^3"
+            f"airfoil {rotor.model.law_title}; rho = {rotor.model.air.density:.4g} kg/m^3"
         )
         console.print(table)
 

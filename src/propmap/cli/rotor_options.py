@@ -14,7 +14,8 @@ import typer
 from propmap.catalogue.lookup import propeller
 from propmap.errors import InputError
 from propmap.model.air import PAPER_DENSITY, PAPER_VISCOSITY, Air
-from propmap.model.airfoil import airfoil, airfoil_names
+from propmap.model.airfoil import airfoil_names, parameter_set
+from propmap.model.corrections import CORRECTIONS, correction
 from propmap.model.model import Model
 from propmap.model.propeller import Propeller
 
@@ -32,6 +33,17 @@ Radius = Annotated[
 ]
 RootCutout = Annotated[
     float | None, typer.Option("--root-cutout", help="Where the loaded blade begins [m].")
+]
+
+
+Corrections = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--correction",
+        metavar="NAME[:FIELD=VALUE]",
+        help=f"Added to the paper's physics: {', '.join(CORRECTIONS)}; may be repeated. "
+        "A fit brings those that it was made with.",
+    ),
 ]
 
 
@@ -68,6 +80,7 @@ class RotorChoice:
         float | None,
         typer.Option("--temperature-offset", help="Warmer than the standard atmosphere by [K]."),
     ] = None
+    correction: Corrections = None
     root_cutout: RootCutout = None
     blades: Blades = None
     radius: Radius = None
@@ -85,14 +98,16 @@ class RotorChoice:
             raise InputError(
                 "no section law is given", f"pass --airfoil with one of {names}, or a .toml file"
             )
-        blade, section, air = self.blade(), airfoil(self.airfoil), self.medium()
+        blade, section, air = self.blade(), parameter_set(self.airfoil), self.medium()
 
         from propmap.engine.compilation import keep_compiled
         from propmap.rotor import Rotor
 
         keep_compiled()
         compiled = points is None or points > FEW_POINTS[self.accuracy]
-        return Rotor(Model(blade, section, air), accuracy=self.accuracy.value, compiled=compiled)
+        added = tuple(correction(text) for text in self.correction or ())
+        model = Model(blade, section, air, added)
+        return Rotor(model, accuracy=self.accuracy.value, compiled=compiled)
 
     def blade(self) -> Propeller:
         """The propeller."""

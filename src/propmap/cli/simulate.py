@@ -12,8 +12,9 @@ import typer
 
 from propmap.cli.operating_points import RPM, parse_axis
 from propmap.cli.output import Force, check_output, show, write_text
+from propmap.cli.rotor_options import Corrections
 from propmap.errors import InputError
-from propmap.model.airfoil import airfoil
+from propmap.model.airfoil import parameter_set
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -51,6 +52,7 @@ def simulate_flight(
     output: Annotated[
         Path, typer.Option("--output", "-o", metavar="FILE.csv", help="The log, as CSV.")
     ],
+    correction: Corrections = None,
     radius: Annotated[float, typer.Option("--radius", help="Of the circles [m].")] = 1.7,
     banked: Annotated[
         bool, typer.Option("--banked", help="Bank into the circle instead of a tether.")
@@ -102,7 +104,7 @@ def simulate_flight(
             f"--noise is {noise:g}, a share of the weight", f"give at most {LARGEST_ERROR:g}"
         )
     check_output(output, (".csv",), keep_existing=not force)
-    law = airfoil(section)
+    law = parameter_set(section).with_corrections(correction or ())
 
     from propmap.fit.parameters import Choice
     from propmap.flight.simulated import SensorNoise, check_sampling, fly, log_csv
@@ -130,7 +132,8 @@ def simulate_flight(
     write_text(log_csv(log), output)
     typer.echo(
         f"wrote {output}: {speeds.size} speeds, {log.time[-1]:.0f} s, "
-        f"{np.min(points.rotor_speed) / RPM:.0f} to {np.max(points.rotor_speed) / RPM:.0f} rpm"
+        f"{np.min(points.rotor_speed) / RPM:.0f} to {np.max(points.rotor_speed) / RPM:.0f} rpm, "
+        f"flown with {' + '.join([law.name, *law.corrections])}"
     )
     _how_to_read(read, str(vehicle))
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from datetime import UTC, datetime
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray
@@ -57,7 +57,7 @@ def dataset(
     return found
 
 
-def _provenance(rotor: Rotor, command: str) -> dict[str, str | float | int]:
+def _provenance(rotor: Rotor, command: str) -> dict[str, Any]:
     blade = rotor.model.propeller
     section = {f"airfoil_{key}": value for key, value in rotor.model.airfoil.metadata().items()}
     return {
@@ -72,8 +72,10 @@ def _provenance(rotor: Rotor, command: str) -> dict[str, str | float | int]:
         "root_m": blade.root,
         "geometry_sha256": blade.fingerprint(),
         **section,
+        "corrections": ", ".join(rotor.model.correction_texts) or "none",
         "air_density_kg_m3": rotor.model.air.density,
         "air_viscosity_Pa_s": rotor.model.air.viscosity,
+        "model_sha256": rotor.model.fingerprint(),
         "accuracy": rotor.accuracy,
         "command": command,
         "created": datetime.now(UTC).isoformat(timespec="seconds"),

@@ -37,7 +37,7 @@ def provenance(table: LoadTable) -> list[str]:
 
 
 def origin(table: LoadTable) -> list[str]:
-    """Printable lines: propeller, section law, air, envelope, certificate, map and its version."""
+    """Printable lines: propeller, section law, corrections, air, envelope, certificate, map."""
     info, content = table.info, table.content
     blade, section = info["propeller"], info.get("airfoil") or {}
     (w0, w1), (v0, v1), (b0, b1) = table.envelope.values()
@@ -46,6 +46,7 @@ def origin(table: LoadTable) -> list[str]:
         f"propeller: {blade.get('name', ABSENT)}, {blade.get('blades', ABSENT)} blades, "
         f"R = {content.radius:.6g} m, from {blade.get('source') or ABSENT}",
         f"section law: {section.get('name', ABSENT)}",
+        f"corrections: {', '.join(info.get('corrections') or ['none'])}",
         f"air: {content.density:.6g} kg/m^3, viscosity "
         f"{info['air'].get('viscosity_Pa_s', ABSENT)} Pa s",
         f"envelope: {w0 * rpm:.6g} to {w1 * rpm:.6g} rpm, {v0:g} to {v1:g} m/s, "

@@ -1,12 +1,14 @@
-"""The section law's parameters: named sets, files, and checks."""
+"""The section law's constants: named sets, files, and checks."""
 
 from __future__ import annotations
 
 import difflib
 import hashlib
 import importlib.resources
+import json
 import math
 import tomllib
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, fields, replace
 from importlib.resources.abc import Traversable
 from pathlib import Path
@@ -15,13 +17,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from propmap.errors import InputError
+from propmap.model.corrections import as_text, correction
 
 if TYPE_CHECKING:
     from propmap.physics.sections.blended import BlendedLaw
 
 SCHEMA = 1
 LIFT_LAWS = ("blended", "simplified")
-_LIMITS = {
+LIMITS = {
     "c_l1": (0.0, 20.0, "1/rad"),
     "c_l2": (0.0, 10.0, "-"),
     "c_d": (0.0, 20.0, "-"),
@@ -32,25 +35,43 @@ _LIMITS = {
     "sharpness": (5.0, 500.0, "1/rad"),
     "drag_factor": (0.0, 10.0, "-"),
 }
+"""Least and largest value of each constant, and its unit."""
 
 
 @dataclass(frozen=True)
 class Airfoil:
-    """Parameters of the blade-section law, eqs. (3) and (4).
+    """Constants of the blade-section law, eqs. (3) and (4).
 
-    c_l1 : [1/rad], slope of the attached lift.
-    c_l2 : [-], amplitude of the separated lift; c_l where lift_law is "simplified".
-    c_d : [-], amplitude of the pressure drag.
-    alpha_0 : [rad], angle of attack at the middle of the stall blend.
-    zero_lift_angle : [rad], angle of attack of zero lift, negative for ordinary camber.
-        The paper's law has none; (3) and (4) are evaluated at alpha - zero_lift_angle.
-    c_d0, c_p, sharpness : the paper's constants c_d0 [-], c_p [-] and M [1/rad].
-    drag_factor : [-], multiplies the rotor drag, 1 in the paper.  Published measurements of it
-        differ by a factor of two; it lets a fit say so.
-    lift_law : "blended", eq. (3), or "simplified", footnote 1: C_L = c_l2 sin(a) cos(a).
-    name, source : what the set is called and where its numbers come from.
+    Attributes
+    ----------
+    c_l1 : float
+        Slope of the attached lift [1/rad].
+    c_l2 : float
+        Amplitude of the separated lift [-]; c_l where ``lift_law`` is "simplified".
+    c_d : float
+        Amplitude of the pressure drag [-].
+    alpha_0 : float
+        Angle of attack at the middle of the stall blend [rad].
+    zero_lift_angle : float
+        Angle of attack of zero lift [rad], negative for ordinary camber.  The paper's law has
+        none; (3) and (4) are evaluated at alpha - zero_lift_angle.
+    c_d0, c_p, sharpness : float
+        The paper's constants c_d0 [-], c_p [-] and M [1/rad].
+    drag_factor : float
+        Multiplies the rotor drag [-], 1 in the paper.  Published measurements of it differ by a
+        factor of two; it lets a fit say so.
+    lift_law : str
+        "blended", eq. (3), or "simplified", footnote 1: C_L = c_l2 sin(a) cos(a).
+    corrections : tuple of str
+        Corrections with which the constants were found, as ``propmap.correction`` reads them.  A
+        ``Model`` with this airfoil has them too.
+    name, source : str
+        What the set is called and where its numbers come from.
 
-    Raises ``InputError`` where a parameter is not a number or out of its range.
+    Raises
+    ------
+    InputError
+        Where a constant is not a number or out of its range.
     """
 
     c_l1: float
@@ -65,9 +86,10 @@ class Airfoil:
     lift_law: str = "blended"
     name: str = "unnamed"
     source: str = ""
+    corrections: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        for field, (low, high, unit) in _LIMITS.items():
+        for field, (low, high, unit) in LIMITS.items():
             value = getattr(self, field)
             if isinstance(value, bool) or not isinstance(value, (int, float)):
                 raise InputError(f"{field} is {value!r}: give a number [{unit}]")
@@ -82,45 +104,69 @@ class Airfoil:
                 raise InputError(f"{field} is {getattr(self, field)!r}: it must be text")
         if self.lift_law not in LIFT_LAWS:
             raise InputError(f"lift_law is {self.lift_law!r}: it must be one of {LIFT_LAWS}")
+        texts = self.corrections
+        if not isinstance(texts, (list, tuple)) or not all(isinstance(t, str) for t in texts):
+            raise InputError(f'corrections is {texts!r}: write a list such as ["tip-loss"]')
+        object.__setattr__(self, "corrections", tuple(as_text(correction(t)) for t in texts))
 
     def law(self) -> BlendedLaw:
-        """The parameters as arrays for the solver."""
+        """The constants as arrays for the solver."""
         from propmap.physics.sections.blended import BlendedLaw
 
         attached = np.float64(1.0 if self.lift_law == "blended" else 0.0)
-        numbers: Any = {name: np.float64(getattr(self, name)) for name in _LIMITS}
+        numbers: Any = {name: np.float64(getattr(self, name)) for name in LIMITS}
         return BlendedLaw(attached=attached, **numbers)  # type: ignore[arg-type]
 
     def with_parameters(self, **changes: Any) -> Airfoil:
-        """A copy with some parameters changed.
-
-        changes : by name, as in the constructor.
-        """
+        """A copy with some constants changed, by name as in the constructor."""
         return replace(self, **changes)
+
+    def with_corrections(self, texts: Sequence[str]) -> Airfoil:
+        """The set as it is to be used with these corrections; its own where ``texts`` is empty.
+
+        Raises
+        ------
+        InputError
+            Where the constants were found with others.
+        """
+        if not texts:
+            return self
+        wanted = [as_text(correction(text)) for text in texts]
+        if self.corrections and sorted(self.corrections) != sorted(wanted):
+            raise InputError(
+                f"{self.name} was found with {', '.join(self.corrections)}, not with "
+                f"{', '.join(wanted)}",
+                "leave the corrections out, which takes those of the set, or fit again",
+            )
+        return replace(self, corrections=tuple(wanted))
 
     def to_toml(self) -> str:
         """The set as the text of a parameter file."""
-        lines = [f"schema = {SCHEMA}"]
-        for key, value in asdict(self).items():
-            lines.append(
-                f"{key} = {_toml_string(value) if isinstance(value, str) else repr(value)}"
-            )
+        told = {key: value for key, value in asdict(self).items() if value != ()}
+        lines = [f"schema = {SCHEMA}", *(f"{key} = {_toml(value)}" for key, value in told.items())]
         return "\n".join(lines) + "\n"
 
     def metadata(self) -> dict[str, Any]:
-        """The fields by name."""
-        return asdict(self)
+        """The constants by name."""
+        return {key: value for key, value in asdict(self).items() if key != "corrections"}
 
     def fingerprint(self) -> str:
         """SHA-256 of the parameter file."""
         return hashlib.sha256(self.to_toml().encode()).hexdigest()
 
 
-def airfoil(name_or_path: str | Path) -> Airfoil:
-    """A named parameter set, or one read from a TOML file.
+def parameter_set(name_or_path: str | Path) -> Airfoil:
+    """A named set of constants, or one read from a TOML file.
 
-    name_or_path : "paper-soft", "paper-stiff" or "paper-apc" (Table I), or a file's path.
-    Raises ``InputError`` for an unknown name, an unreadable file or a bad parameter.
+    Parameters
+    ----------
+    name_or_path : str or Path
+        "paper-soft", "paper-stiff" or "paper-apc" (Table I), or a file's path.
+
+    Raises
+    ------
+    InputError
+        For an unknown name, an unreadable file or a bad constant.
     """
     text = str(name_or_path)
     if text.lower() in airfoil_names():
@@ -132,7 +178,7 @@ def airfoil(name_or_path: str | Path) -> Airfoil:
     known = ", ".join(close or airfoil_names())
     raise InputError(
         f"airfoil {text!r}: no such parameter set or file; known sets: {known}; "
-        "or give the path of a .toml file"
+        "or give the path of a .toml file or of a section table"
     )
 
 
@@ -154,7 +200,7 @@ def read_airfoil(path: Path | Traversable) -> Airfoil:
         raise InputError(f"{name}: not a text file; give a parameter set in TOML") from None
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"{name}: not valid TOML ({error}); see the README's example") from None
-    known = {f.name for f in fields(Airfoil)}
+    known = [f.name for f in fields(Airfoil)]
     schema = table.pop("schema", SCHEMA)
     if schema != SCHEMA:
         raise InputError(
@@ -181,8 +227,7 @@ def _sets() -> Traversable:
     return importlib.resources.files("propmap.catalogue") / "airfoils"
 
 
-def _toml_string(text: str) -> str:
-    import json
-
-    # A JSON string is a TOML basic string; only DEL differs.
-    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
+def _toml(value: Any) -> str:
+    """A number, a text or a list of texts in TOML."""
+    # JSON's strings are TOML's; only DEL differs.
+    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")

@@ -7,10 +7,12 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from propmap.errors import InputError
 from propmap.model.air import Air
-from propmap.model.corrections import Correction, as_text, name_of
+from propmap.model.airfoil import Airfoil
+from propmap.model.corrections import Correction, as_text, correction, name_of
 from propmap.model.propeller import Propeller
 
 if TYPE_CHECKING:
@@ -55,11 +57,13 @@ class Model:
         Density and viscosity; the paper's by default.
     corrections : tuple
         Values of ``propmap.correction``, each kind once: what is added to the paper's physics.
+        Where none is given, those with which the airfoil's constants were found.
 
     Raises
     ------
     InputError
-        For arguments of another kind, or a correction that does not fit the propeller.
+        For arguments of another kind, a correction that does not fit the propeller, or others than
+        those with which the airfoil's constants were found.
     """
 
     propeller: Propeller
@@ -77,6 +81,9 @@ class Model:
             if not isinstance(value, kind):
                 raise InputError(f"{name} is {value!r}: give {told}")
         object.__setattr__(self, "corrections", tuple(self.corrections))
+        if isinstance(self.airfoil, Airfoil) and self.airfoil.corrections:
+            meant = self.airfoil.with_corrections(self.correction_texts).corrections
+            object.__setattr__(self, "corrections", tuple(correction(text) for text in meant))
         names = [name_of(value) for value in self.corrections]
         for name in names:
             if names.count(name) > 1:
@@ -107,6 +114,40 @@ class Model:
     def correction_texts(self) -> list[str]:
         """The corrections as ``propmap.correction`` reads them, for files."""
         return [as_text(value) for value in self.corrections]
+
+    @property
+    def law_title(self) -> str:
+        """The section law and the corrections by name, as in "paper-apc + tip-loss"."""
+        return " + ".join([self.airfoil.name, *self.correction_texts])
+
+    def reynolds(self, omega: ArrayLike, speed: ArrayLike, beta: ArrayLike) -> tuple[float, float]:
+        """The range of Reynolds numbers along the blade at operating points.
+
+        Outside the Reynolds numbers of a ``SectionTable`` its nearest row is used: compare the two.
+
+        Parameters
+        ----------
+        omega, speed, beta : array_like
+            Operating points as in ``Rotor.loads`` [rad/s], [m/s], [rad].
+
+        Returns
+        -------
+        low, high : float
+            Between them lie 98 % of the blades' dynamic pressure times chord, of all points
+            together; the induced velocity, which changes Re by little, is left out.
+        """
+        w, v, b = (np.ravel(a)[:, None, None] for a in np.broadcast_arrays(omega, speed, beta))
+        y = np.linspace(self.propeller.root, self.propeller.radius, 61)[:, None]
+        chord = np.interp(y, self.propeller.station, self.propeller.chord)
+        psi = 2.0 * np.pi * np.arange(24) / 24
+        flow = np.hypot(w * y + v * np.sin(b) * np.sin(psi), v * np.cos(b))
+        re, weight = (self.air.density / self.air.viscosity * flow * chord).ravel(), flow**2 * chord
+        order = np.argsort(re)
+        share = np.cumsum(weight.ravel()[order])
+        if not share[-1] > 0.0:
+            return 0.0, 0.0
+        low, high = np.searchsorted(share, np.array([0.01, 0.99]) * share[-1])
+        return float(re[order[low]]), float(re[order[high]])
 
     def fingerprint(self) -> str:
         """SHA-256 that tells this model from any other: geometry, law, air and corrections."""

@@ -18,6 +18,9 @@ if TYPE_CHECKING:
 LARGEST = 10.0
 """Coefficients beyond are taken for an error of the file [-]."""
 
+CLOSEST = 0.999 * math.radians(0.01)
+"""Least distance of two angles [rad]."""
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SectionTable:
@@ -76,6 +79,8 @@ class SectionTable:
                 f"angles run from {told[0]} to {told[1]} deg, expected -180 to 180",
                 "extend the table, for instance by Viterna's method",
             )
+        if np.diff(self.angle).min() < CLOSEST:
+            raise InputError("two angles are less than 0.01 deg apart: remove one of them")
         object.__setattr__(self, "angle", np.array([-math.pi, *self.angle[1:-1], math.pi]))
         if not (self.reynolds > 0.0).all() or not (np.diff(self.reynolds) > 0.0).all():
             raise InputError("Reynolds numbers must be positive and rise: sort the table")

@@ -57,7 +57,7 @@ def disk_picture(rotor: Rotor, omega: float, speed: float, beta: float) -> Figur
         thrust.set_ylabel("thrust dT/dy [N/m]")
         thrust.set_xlabel("radius y [mm]")
         figure.suptitle(
-            f"{blade.name}, airfoil {rotor.model.airfoil.name}: {omega * 30.0 / np.pi:.0f} rpm, "
+            f"{blade.name}, airfoil {rotor.model.law_title}: {omega * 30.0 / np.pi:.0f} rpm, "
             f"V = {speed:g} m/s, β = {np.degrees(beta):.4g}°"
         )
     return figure

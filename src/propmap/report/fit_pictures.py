@@ -180,7 +180,7 @@ def tunnel_fit(data: TunnelData, rotor: Rotor) -> Figure:
         ]  # fmt: skip
         figure.legend(handles=handles, loc="outside lower center", ncols=len(handles))
         figure.suptitle(
-            f"{rotor.model.propeller.name}, airfoil {rotor.model.airfoil.name}\n"
+            f"{rotor.model.propeller.name}, airfoil {rotor.model.law_title}\n"
             f"{len(data)} rows of {data.source}"
         )
     return figure

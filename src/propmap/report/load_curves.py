@@ -81,7 +81,7 @@ def load_curves(
         for ax in axes[2:]:
             ax.set_xlabel("flight speed V [m/s]")
         m = rotor.model
-        title = f"{m.propeller.name}, airfoil {m.airfoil.name}, {omega * RPM:.0f} rpm"
+        title = f"{m.propeller.name}, airfoil {m.law_title}, {omega * RPM:.0f} rpm"
         if measured is not None:
             title += f"; points: {measured.label}"
         figure.suptitle(title)

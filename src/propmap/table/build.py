@@ -213,6 +213,8 @@ def _provenance(
             "geometry_sha256": blade.fingerprint(),
         },
         "airfoil": {**section.metadata(), "sha256": section.fingerprint()},
+        "corrections": rotor.model.correction_texts,
+        "model_sha256": rotor.model.fingerprint(),
         "airfoil_covariance": covariance.as_dict() if covariance else None,
         "air": {
             "density_kg_m3": float(rotor.model.air.density),

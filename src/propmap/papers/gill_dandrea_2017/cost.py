@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from propmap.fit.fitted import Fitted, fit
-from propmap.model.airfoil import airfoil
+from propmap.model.airfoil import parameter_set
 from propmap.model.model import Model
 from propmap.papers.gill_dandrea_2017.blades import TUNNEL_PROPELLER, blade
 from propmap.papers.gill_dandrea_2017.identified import Identified
@@ -46,7 +46,7 @@ class Times:
 
 def measured_times(twin: Twin, tunnel: Identified) -> Times:
     """Time the calls and the identifications, which have run before and are compiled."""
-    rotor = Rotor(Model(blade(TUNNEL_PROPELLER), airfoil("paper-apc")))
+    rotor = Rotor(Model(blade(TUNNEL_PROPELLER), parameter_set("paper-apc")))
     batch = [np.full(BATCH, value) for value in POINT]
     return Times(
         one_point=_median(lambda: rotor.loads(*POINT)),

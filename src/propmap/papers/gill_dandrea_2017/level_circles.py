@@ -20,7 +20,7 @@ from propmap.fit.flight import ForceModel, level_rows
 from propmap.fit.parameters import PAPER_FOUR, Choice
 from propmap.fit.tunnel import first_guess
 from propmap.flight.trim import trim, true_values
-from propmap.model.airfoil import Airfoil, airfoil
+from propmap.model.airfoil import Airfoil, parameter_set
 from propmap.model.model import Model
 from propmap.papers.gill_dandrea_2017.blades import blade
 from propmap.papers.gill_dandrea_2017.paper import FASTEST, FLIGHTS, RADIUS, TETHER
@@ -124,7 +124,7 @@ def quadrotor(case: Case = ASSUMED) -> Vehicle:
 
 def fly(name: str) -> SetFlown:
     """Fly one set of Table I."""
-    law = airfoil(name)
+    law = parameter_set(name)
     found = {case: circles(quadrotor(case), law, SPEEDS) for case in CASES}
     return SetFlown(found, twin(law, SEEDS[name]))
 

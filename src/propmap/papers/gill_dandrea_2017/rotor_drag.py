@@ -10,7 +10,7 @@ from propmap.arrays.types import Floats
 from propmap.baselines.fin_analogy import inflow_factor, side_force
 from propmap.catalogue.measurements import measurement
 from propmap.model.air import Air
-from propmap.model.airfoil import Airfoil, airfoil
+from propmap.model.airfoil import Airfoil, parameter_set
 from propmap.model.model import Model
 from propmap.papers.gill_dandrea_2017.blades import TUNNEL_PROPELLER, blade
 from propmap.papers.gill_dandrea_2017.identified import OBLIQUE
@@ -106,7 +106,7 @@ def ratios(law: Airfoil) -> list[Ratio]:
 
 def consequence(name: str, factor: float) -> Consequence:
     """The tethered quadrotor with a set of Table I, its rotor drag as it is and multiplied."""
-    law, vehicle = airfoil(name), quadrotor()
+    law, vehicle = parameter_set(name), quadrotor()
     more = law.with_parameters(drag_factor=factor)
     return Consequence(
         name,

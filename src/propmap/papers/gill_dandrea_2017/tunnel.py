@@ -12,7 +12,7 @@ from propmap.baselines.hover import HoverModel
 from propmap.catalogue.measurements import Measurement, measurement
 from propmap.fit.residuals import rms
 from propmap.model.air import Air
-from propmap.model.airfoil import Airfoil, airfoil
+from propmap.model.airfoil import Airfoil, parameter_set
 from propmap.model.model import Model
 from propmap.papers.gill_dandrea_2017.blades import blade
 from propmap.papers.gill_dandrea_2017.identified import AXIAL, OBLIQUE, TunnelFits
@@ -76,10 +76,12 @@ def compared(fits: TunnelFits) -> dict[str, Compared]:
     rows of the same data set.
     """
     identified = {one.label: one.law for one in (fits.axial, fits.oblique)}
-    laws = {"Table I, APC 8x6": airfoil(PRINTED), **identified}
+    laws = {"Table I, APC 8x6": parameter_set(PRINTED), **identified}
     found = {name: _compared(name, laws) for name in (AXIAL, OBLIQUE)}
     # Nothing was fitted to this propeller; the stiff propeller of Table I has its size and pitch.
-    found[MULTIROTOR] = _compared(MULTIROTOR, {"Table I, HQP 8x4.5": airfoil(STIFF), **identified})
+    found[MULTIROTOR] = _compared(
+        MULTIROTOR, {"Table I, HQP 8x4.5": parameter_set(STIFF), **identified}
+    )
     return found
 
 

@@ -74,5 +74,6 @@ def _facts(file: FitFile, fit: FitRecord, where: str, sha256: str) -> tuple[tupl
             f"{law.c_d0:.4g}, alpha_0 {law.alpha_0:.4g} rad, zero_lift_angle "
             f"{law.zero_lift_angle:.4g} rad, drag_factor {law.drag_factor:.4g}",
         ),
+        ("Corrections", ", ".join(law.corrections) or "none"),
         *further,
     )

@@ -129,6 +129,7 @@ def _facts(table: LoadTable) -> tuple[tuple[str, str], ...]:
         ("Geometry by", str(blade.get("citation") or "")),
         ("Geometry's SHA-256", str(blade.get("geometry_sha256") or "")),
         ("Section law", f"{section.get('name', '')}: {numbers}" if section else ""),
+        ("Corrections", ", ".join(info.get("corrections") or ["none"])),
         ("Air", f"{content.density:.5g} kg/m³"),
         ("Knots", f"{content.advance.size} advance ratios, {content.beta.size} angles"),
         ("Interpolation", str(info.get("interpolation") or "")),

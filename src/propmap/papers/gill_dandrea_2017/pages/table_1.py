@@ -8,7 +8,7 @@ from propmap.catalogue.lookup import propeller
 from propmap.fit.fitted import Fitted
 from propmap.fit.parameters import PAPER_FOUR
 from propmap.fit.residuals import rms
-from propmap.model.airfoil import airfoil
+from propmap.model.airfoil import parameter_set
 from propmap.model.propeller import Propeller
 from propmap.papers.gill_dandrea_2017.blades import TUNNEL_PROPELLER, blade
 from propmap.papers.gill_dandrea_2017.level_circles import BLADE, FORCE_ERROR
@@ -71,7 +71,7 @@ def table_1(numbers: Numbers) -> Part:
 def _printed() -> tuple[Table, list[tuple[object, ...]]]:
     rows, plain = [], []
     for name, title in TABLE_1.items():
-        law = airfoil(name)
+        law = parameter_set(name)
         values = [_shown(p, getattr(law, p)) for p in PAPER_FOUR]
         rows.append((title, name, *(number(v) for v in values), f"{100 * RADIUS:.0f}", "2"))
         plain.append((name, *values, RADIUS, 2))

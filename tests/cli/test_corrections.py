@@ -1,0 +1,225 @@
+"""A correction given to any command acts, or the command refuses it in one line."""
+
+from __future__ import annotations
+
+import functools
+import json
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import typer
+
+import propmap
+from propmap.cli.app import app
+from propmap.model.airfoil import parameter_set
+from propmap.table import LoadTable, build_table
+from tests.fit.fit_records import fit_text
+
+from .conftest import POINT, ROTOR, Run
+from .fit_inputs import LEVEL, QUICK, VEHICLE, fit_record
+from .invented_tables import invented
+
+TIP_LOSS = ["--correction", "tip-loss"]
+ENVELOPE = ["--rpm", "4000:4400", "--speed", "14:16", "--beta", "75:90", "--tolerance", "5%"]
+FLIGHT = ["--vehicle", "vehicle.toml", "--airfoil", "paper-apc", "--speeds", "9,11,13"]
+
+Found = Callable[[str], Any]
+"""What tells one run's loads from another's: from what was printed, or from what was written."""
+
+
+def _file(name: str) -> Found:
+    return lambda _: Path(name).read_bytes()
+
+
+def _parameters(_: str) -> list[float]:
+    return [one["value"] for one in fit_record(Path("fit.toml"))["parameters"].values()]
+
+
+def _drawn(_: str) -> list[Any]:
+    """The curves and contours of the picture that was drawn last."""
+    axes = KEPT[-1].axes
+    contours = [path for ax in axes for part in ax.collections for path in part.get_paths()]
+    return [
+        *(np.asarray(line.get_ydata()).tolist() for ax in axes for line in ax.lines),
+        *(path.vertices.tolist() for path in contours),
+    ]
+
+
+KEPT: list[Any] = []
+"""Pictures that would have been written."""
+
+MAKERS: dict[str, tuple[list[str], Found]] = {
+    "predict": ([*ROTOR, *POINT, "--format", "json"], json.loads),
+    "sweep": (
+        [*ROTOR, "--rpm", "4000", "--speed", "14", "--beta", "80", "-o", "x.csv", "--force"],
+        _file("x.csv"),
+    ),
+    "table": (
+        [*ROTOR, *ENVELOPE, "-o", "x.npz", "--force"],
+        lambda _: LoadTable.load("x.npz").content.coefficients.tolist(),
+    ),
+    "export": (
+        ["law.toml", "--prop", "apc-8x6e", "--to", "csv", "-o", "to", "--force"],
+        _file("to/invented.csv"),
+    ),
+    "fit tunnel": (["apc-8x6e", "tunnel.csv", *QUICK, "-o", "fit.toml"], _parameters),
+    "fit flight": (
+        ["level.csv", "--vehicle", "vehicle.toml", *QUICK, "-o", "fit.toml"],
+        _parameters,
+    ),
+    "simulate flight": (
+        [*FLIGHT, "--no-expectation", "-o", "x.csv", "--force"],
+        _file("x.csv"),
+    ),
+    "check": (
+        ["law.toml", "tunnel.csv", "--prop", "apc-8x6e", "--format", "json"],
+        lambda out: json.loads(out)["loads"],
+    ),
+    "plot map": ([*ROTOR, "--rpm", "4000", "--speed", "13:15", "-o", "x.png"], _drawn),
+    "plot disk": ([*ROTOR, *POINT, "-o", "x.png"], _drawn),
+}
+"""Commands that make a model: their arguments, and what shows its loads."""
+
+OTHERS = {
+    "show", "report", "reproduce", "demo",
+    "plot planform", "props list", "props show", "airfoils list", "airfoils show",
+}  # fmt: skip
+"""Commands that read a model or make none: they have no such option."""
+
+
+def _commands(command: Any, path: str = "") -> Iterator[str]:
+    """Names of all commands of the app, those in groups too."""
+    if not hasattr(command, "commands"):
+        yield path
+        return
+    for name, inner in command.commands.items():
+        yield from _commands(inner, f"{path} {name}".strip())
+
+
+ALL = sorted(_commands(typer.main.get_command(app)))
+
+
+@pytest.fixture(autouse=True)
+def _files(tmp_path: Path, tunnel_csv: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "law.toml").write_text(parameter_set("paper-apc").to_toml())
+    (tmp_path / "tunnel.csv").write_text(tunnel_csv.read_text())
+    (tmp_path / "vehicle.toml").write_text(VEHICLE)
+    (tmp_path / "level.csv").write_text(LEVEL)
+    monkeypatch.setattr("propmap.report.style.save", lambda figure, _: KEPT.append(figure))
+
+
+def _brief(rotor: propmap.Rotor, **named: Any) -> LoadTable:
+    """A small table; for the large envelope of an export, an invented one with one true load."""
+    if named["omega"][0] > 400.0:
+        return build_table(rotor, certificate_points=512, **named)
+    table = invented()
+    table.content.coefficients[:] *= float(rotor.loads(420.0, 14.0, 1.4).thrust)
+    return table
+
+
+def test_every_command_is_known_here() -> None:
+    assert set(ALL) == {*MAKERS, *OTHERS}
+
+
+@pytest.mark.parametrize("name", [name for name in ALL if name in MAKERS])
+def test_a_correction_acts(run: Run, monkeypatch: pytest.MonkeyPatch, name: str) -> None:
+    monkeypatch.setattr("propmap.table.build.build_table", _brief)
+    arguments, found = MAKERS[name]
+    results = []
+    for added in ([], TIP_LOSS):
+        done = run(*name.split(), *arguments, *added)
+        assert done.code == 0, done.err
+        results.append(found(done.out))
+    assert results[0] != results[1]
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_or_is_refused_in_one_line(run: Run, name: str) -> None:
+    arguments, _ = MAKERS.get(name, ([], None))
+    bad = "foo" if name in MAKERS else "tip-loss"
+    done = run(*name.split(), *arguments, "--correction", bad)
+    assert (done.code, done.out, done.err.count("\n")) == (2, "", 1)
+    assert ("correction 'foo' is not known" if name in MAKERS else "--correction") in done.err
+
+
+def test_a_fit_brings_its_corrections(run: Run, tunnel_csv: Path, tmp_path: Path) -> None:
+    done = run("fit", "tunnel", "apc-8x6e", tunnel_csv, *QUICK, *TIP_LOSS, "-o", "with.toml")
+    assert "with tip-loss, which come along wherever the fit is used" in done.out
+    law = parameter_set("with.toml")
+    assert law.corrections == ("tip-loss",)
+    # In Python as on the command line.
+    blade = propmap.propeller("apc-8x6e")
+    bare = law.with_parameters(corrections=())
+    explicit = propmap.Model(blade, bare, corrections=(propmap.correction("tip-loss"),))
+    point = (4000.0 * np.pi / 30.0, 14.0, np.radians(80.0))
+    wanted, other = (propmap.Rotor(m).loads(*point) for m in (explicit, propmap.Model(blade, bare)))
+    found = propmap.Rotor(propmap.Model(blade, law)).loads(*point)
+    assert found.thrust == wanted.thrust != other.thrust
+    told = run("predict", "apc-8x6e", "--airfoil", "with.toml", *POINT)
+    assert "airfoil with + tip-loss" in told.out
+    as_json = run("predict", "apc-8x6e", "--airfoil", "with.toml", *POINT, "--format", "json")
+    assert json.loads(as_json.out)["thrust_N"] == pytest.approx(float(wanted.thrust), rel=1e-9)
+    # Others than those of the fit are refused, by every command.
+    for command in (
+        ["predict", "apc-8x6e", "--airfoil", "with.toml", *POINT],
+        ["check", "with.toml", tunnel_csv],
+        ["fit", "tunnel", "apc-8x6e", tunnel_csv, "--airfoil", "with.toml", *QUICK, "-o", "b.toml"],
+    ):
+        refused = run(*command, "--correction", "hub-loss")
+        assert refused.code == 2 and refused.err.count("\n") == 1
+        assert "with was found with tip-loss, not with hub-loss" in refused.err
+    # Used as a start, it hands them on.
+    run("fit", "tunnel", "apc-8x6e", tunnel_csv, "--airfoil", "with.toml", *QUICK, "-o", "on.toml")
+    assert parameter_set("on.toml").corrections == ("tip-loss",)
+    checked = json.loads(run("check", "with.toml", tunnel_csv, "--format", "json").out)
+    assert checked["corrections"] == ["tip-loss"]
+    filed = fit_record(tmp_path / "with.toml")["residuals"]["thrust"]["rms"]
+    assert checked["loads"]["thrust_N"]["rms"] == pytest.approx(filed, rel=0.02)
+
+
+def test_tables_and_what_is_made_of_them_tell_the_corrections(
+    run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    brief = functools.partial(build_table, certificate_points=512)
+    monkeypatch.setattr("propmap.table.build.build_table", brief)
+    assert run("table", *ROTOR, *ENVELOPE, *TIP_LOSS, "-o", "x.npz").code == 0
+    table = LoadTable.load("x.npz")
+    model = propmap.Model(
+        propmap.propeller("apc-8x6e"),
+        propmap.airfoil("paper-apc"),
+        corrections=(propmap.correction("tip-loss"),),
+    )
+    assert table.info["corrections"] == ["tip-loss"]
+    assert table.info["model_sha256"] == model.fingerprint()
+    assert "corrections: tip-loss" in run("show", "x.npz").out
+    assert json.loads(run("show", "x.npz", "--format", "json").out)["corrections"] == ["tip-loss"]
+    assert run("export", "x.npz", "--to", "csv", "-o", "to").code == 0
+    assert "corrections: tip-loss" in Path("to/README-csv.txt").read_text()
+    assert run("export", "x.npz", "--to", "nc", "-o", "to").code == 0
+    refused = run("export", "x.npz", "--to", "c", "-o", "to", *TIP_LOSS)
+    assert "--correction is given with a table" in refused.err
+    assert run("report", "x.npz", "-o", "page").code == 0
+    assert "tip-loss" in Path("page/index.html").read_text()
+
+
+def test_old_files_have_no_corrections(run: Run) -> None:
+    invented().save("old.npz")
+    assert "corrections: none" in run("show", "old.npz").out
+    Path("old.toml").write_text(fit_text())
+    assert "corrections" not in Path("old.toml").read_text()
+    assert parameter_set("old.toml").corrections == ()
+
+
+def test_what_a_parameter_file_says_of_corrections_is_checked(run: Run) -> None:
+    text = parameter_set("paper-apc").to_toml()
+    for line, says in (
+        ('corrections = "tip-loss"', "corrections is 'tip-loss': write a list"),
+        ('corrections = ["foo"]', "correction 'foo' is not known"),
+        ('corrections = ["tip-loss", "tip-loss"]', "correction tip-loss is given twice"),
+    ):
+        Path("bad.toml").write_text(f"{text}{line}\n")
+        done = run("predict", "apc-8x6e", "--airfoil", "bad.toml", *POINT)
+        assert done.code == 2 and says in done.err
