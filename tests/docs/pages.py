@@ -16,8 +16,15 @@ SHELL = ("bash", "sh")
 class Step:
     """A block of a page.
 
-    kind : "run", a shell block; "file", whose text is to be saved under ``name``; "python"; or
-    "other", which is not for a machine.  line : where it stands, from 1.
+    Attributes
+    ----------
+    kind : str
+        "run", a shell block; "file", whose text is to be saved under ``name``; "edit", lines to add
+        to the file ``name``; "python"; or "other", which is not for a machine.
+    text, name : str
+        What stands in it, and the file that it is about.
+    line : int
+        Where it stands, from 1.
     """
 
     kind: str
@@ -40,6 +47,9 @@ def steps(page: Path) -> list[Step]:
         elif language == "{literalinclude}" and "caption" in options:
             text = (page.parent / argument).read_text(encoding="utf-8")
             found.append(Step("file", text, options["caption"], line))
+        elif language == "{code-block}" and "caption" in options:
+            kind = "edit" if argument == "diff" else "file"
+            found.append(Step(kind, body, options["caption"], line))
         elif language == "{code-cell}":
             found.append(Step("cell", body, line=line))
         elif language == "python":
@@ -57,3 +67,12 @@ def _options(content: str) -> tuple[dict[str, str], str]:
         options[match[1]] = match[2]
         lines.pop(0)
     return options, "".join(lines)
+
+
+def edited(text: str, step: Step) -> str:
+    """A file's ``text`` with the lines of an "edit" added behind those that they follow."""
+    lines = step.text.splitlines()
+    before = "\n".join(line[1:] for line in lines if not line.startswith("+"))
+    after = "\n".join(line[1:] for line in lines)
+    assert text.count(f"{before}\n") == 1, f"{step.name} has not once:\n{before}"
+    return text.replace(f"{before}\n", f"{after}\n")

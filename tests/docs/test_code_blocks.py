@@ -25,7 +25,7 @@ from propmap.flight.trim import trim
 from propmap.vehicle.vehicle_toml import read_vehicle
 from tests.vehicle.write_logs import write_ulog
 
-from .pages import ROOT, Step, steps
+from .pages import ROOT, Step, edited, steps
 
 DOCS = ROOT / "docs"
 PAGES = sorted(p for p in DOCS.rglob("*.md") if not {"_build", "generated"} & set(p.parts))
@@ -81,8 +81,14 @@ def uiuc_files(folder: Path) -> None:
         file.write_text("\n".join(["J CT CP eta", *lines]) + "\n")
 
 
+def source(folder: Path) -> None:
+    """The package's source, for those who change it."""
+    shutil.copytree(Path(propmap.__file__).parent, folder / "src" / "propmap")
+
+
 SUPPLIED: dict[str, Callable[[Path], None]] = {
     "README.md": px4_logs,
+    "docs/architecture.md": source,
     "docs/how-to/fit-px4.md": px4_logs,
     "docs/how-to/fit-uiuc.md": uiuc_files,
 }
@@ -94,7 +100,8 @@ def name_of(page: Path) -> str:
 
 
 def runs(step: Step) -> bool:
-    return step.kind == "run" and not step.text.lstrip().startswith(BUILT)
+    built = step.kind == "run" and step.text.lstrip().startswith(BUILT)
+    return step.kind in ("run", "python") and not built
 
 
 @pytest.fixture(scope="module")
@@ -105,6 +112,8 @@ def environment(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
         "PATH": os.pathsep.join([here, os.environ["PATH"]]),
         "XDG_CACHE_HOME": str(tmp_path_factory.mktemp("cache")),
         "MPLBACKEND": "agg",
+        # A page's own copy of the source goes first.
+        "PYTHONPATH": os.pathsep.join(["src", *filter(None, [os.environ.get("PYTHONPATH")])]),
     }
 
 
@@ -116,14 +125,15 @@ def test_a_page_can_be_followed(page: Path, tmp_path: Path, environment: dict[st
     """From an empty folder, block by block."""
     SUPPLIED.get(name_of(page), lambda _: None)(tmp_path)
     for step in steps(page):
+        path = tmp_path / step.name
         if step.kind == "file":
-            path = tmp_path / step.name
             path.parent.mkdir(exist_ok=True)
             path.write_text(step.text, encoding="utf-8")
+        elif step.kind == "edit":
+            path.write_text(edited(path.read_text("utf-8"), step), encoding="utf-8")
         elif runs(step) and not lacking(step):
-            run(["bash", "-euo", "pipefail", "-c", step.text], page, step, tmp_path, environment)
-        elif step.kind == "python":
-            run([sys.executable, "-c", step.text], page, step, tmp_path, environment)
+            shell = ["bash", "-euo", "pipefail"] if step.kind == "run" else [sys.executable]
+            run([*shell, "-c", step.text], page, step, tmp_path, environment)
 
 
 def lacking(step: Step) -> bool:
