@@ -32,6 +32,7 @@ from propmap.fit.tunnel import TunnelData, first_guess, section_with, tunnel_row
 from propmap.flight.trim import trim
 from propmap.loads import LOADS
 from propmap.model.airfoil import parameter_set
+from propmap.model.model import Model
 from propmap.vehicle.flight_log import FlightLog, pitch_and_roll
 from propmap.vehicle.vehicle import Mount, Vehicle
 
@@ -111,7 +112,7 @@ def coverages(name: str) -> dict[str, Any]:
     four = Choice(start=true_values)
     two = Choice(("c_l1", "alpha_0"), fixed={n: true_values[n] for n in ("c_l2", "c_d")})
     flights = ForceModel(vehicle, points, first_guess())
-    tunnel = tunnel_rows(vehicle.propeller, propmap.Air(), tunnel_twin(truth), four)
+    tunnel = tunnel_rows(Model(vehicle.propeller, first_guess()), tunnel_twin(truth), four)
     cases = {
         "level flights, four free": (level_rows(flights, four), four),
         "level flights, two free": (level_rows(flights, two), two),
@@ -148,7 +149,7 @@ def timing() -> dict[str, float]:
         found[f"level_flights_four_parameters_{what}_s"] = time.perf_counter() - begin
     data = bundled("uiuc-8x6e")
     six = Choice(TUNNEL_SIX)
-    tunnel = tunnel_rows(propmap.propeller("apc-8x6e"), propmap.Air(), data, six)
+    tunnel = tunnel_rows(Model(propmap.propeller("apc-8x6e"), first_guess()), data, six)
     fit(tunnel, six, Settings())
     begin = time.perf_counter()
     fit(tunnel, six, Settings())
@@ -185,7 +186,7 @@ def bundled(name: str) -> TunnelData:
 
 def published() -> list[dict[str, Any]]:
     """Fits of the APC 8x6E to published data, and each checked on all of the data."""
-    blade, air = propmap.propeller("apc-8x6e"), propmap.Air()
+    model = Model(propmap.propeller("apc-8x6e"), first_guess())
     five = (*PAPER_FOUR, "zero_lift_angle")
     axial, oblique = bundled("uiuc-8x6e"), bundled("gill-dandrea-2019-8x6e-fit")
     cases = (
@@ -197,12 +198,12 @@ def published() -> list[dict[str, Any]]:
     found = []
     for data, free, loads in cases:
         choice = Choice(free)
-        fitted = fit(tunnel_rows(blade, air, data, choice, loads=loads), choice)
-        law = section_with(first_guess(), fitted.values)
+        fitted = fit(tunnel_rows(model, data, choice, loads=loads), choice)
+        found_model = model.with_airfoil(section_with(model.airfoil, fitted.values))
         checks = {
             other.source: {
                 load: {"relative_rms": c.all.relative_rms, "hover": c.all.hover_rms / c.all.rms}
-                for load, c in compare_tunnel(blade, air, law, other).items()
+                for load, c in compare_tunnel(found_model, other).items()
             }
             for other in (axial, oblique)
         }

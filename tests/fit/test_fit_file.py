@@ -39,7 +39,7 @@ def test_what_is_written_is_read_again(tmp_path: Path) -> None:
     np.testing.assert_array_equal(found.record.covariance, want.covariance)
     assert found.record.parameters == want.parameters and found.record.covered == want.covered
     assert found.values == {"lift_area": 0.01, "wing_c_l1": 4.0}
-    assert found.propeller.name == "apc-8x6e" and found.air == want.air
+    assert found.model.propeller.name == "apc-8x6e" and found.model.air == want.air
     assert found.covariance is not None and found.covariance.unknown == ("c_d",)
 
 

@@ -15,8 +15,8 @@ from propmap.engine.plan import accuracy
 from propmap.fit.tunnel import rotor_with
 from propmap.loads import LOADS, error_scales
 
-PROPELLER, AIR = propmap.propeller("apc-8x6e"), propmap.Air()
-BASE = propmap.airfoil("paper-apc")
+PROPELLER = propmap.propeller("apc-8x6e")
+MODEL = propmap.Model(PROPELLER, propmap.airfoil("paper-apc"))
 VALUES = {
     "c_l1": 5.0,
     "c_l2": 1.6,
@@ -46,7 +46,7 @@ SETTING = accuracy("standard")
 def at(values: dict[str, float]) -> LoadGradients:
     """All flows in one batch."""
     axial, inplane = (np.concatenate(parts) for parts in zip(*FLOWS.values(), strict=True))
-    rotor = rotor_with(PROPELLER, AIR, BASE, values, "standard")
+    rotor = rotor_with(MODEL, values, "standard")
     omega = np.tile(OMEGA, len(FLOWS))
     return load_gradients(prepare(rotor.arrays), SETTING, NAMES, omega, axial, inplane)
 
@@ -95,14 +95,14 @@ def test_every_parameter_acts_where_it_should(found: LoadGradients) -> None:
 
 def test_the_descents_depend_on_the_static_inflow(found: LoadGradients) -> None:
     """So that the differences above see the derivative's way through v_h of eq. (12)."""
-    still = np.sqrt(found.loads[0, 0] / (2.0 * AIR.density * np.pi * PROPELLER.radius**2))
+    still = np.sqrt(found.loads[0, 0] / (2.0 * MODEL.air.density * np.pi * PROPELLER.radius**2))
     for flow in ("descent", "steep descent"):
         # No windmill, for which v_h plays no part.
         assert -2.0 * still < FLOWS[flow][0][0] < 0.0
 
 
 def test_loads_are_those_of_the_rotor(found: LoadGradients) -> None:
-    rotor = rotor_with(PROPELLER, AIR, BASE, VALUES, "standard")
+    rotor = rotor_with(MODEL, VALUES, "standard")
     axial, inplane = (np.concatenate(parts) for parts in zip(*FLOWS.values(), strict=True))
     velocity = np.stack([inplane, np.zeros_like(axial), axial], axis=-1)
     loads = rotor.loads_at_velocity(np.tile(OMEGA, len(FLOWS)), velocity)
@@ -120,7 +120,7 @@ def test_loads_are_those_of_the_rotor(found: LoadGradients) -> None:
 
 
 def test_a_point_without_a_solution_is_lost_with_its_derivatives() -> None:
-    rotor = rotor_with(PROPELLER, AIR, BASE, VALUES, "standard")
+    rotor = rotor_with(MODEL, VALUES, "standard")
     omega, bad = np.tile(OMEGA, 2), np.array([10.0, 10.0, np.nan, 10.0])
     lost = load_gradients(prepare(rotor.arrays), SETTING, NAMES, omega, bad, np.zeros(4))
     assert np.isnan(lost.loads[:, 2]).all()
@@ -141,7 +141,7 @@ def test_each_program_of_a_few_points_is_traced_once() -> None:
 
     # A number of stations that no other test has, so that nothing is compiled yet.
     one_less = {a: getattr(PROPELLER, a)[1:] for a in ("station", "chord", "twist")}
-    rotor = rotor_with(replace(PROPELLER, **one_less), AIR, BASE, VALUES, "standard")
+    rotor = rotor_with(replace(MODEL, propeller=replace(PROPELLER, **one_less)), VALUES, "standard")
     jax.monitoring.register_event_duration_secs_listener(note)
     try:
         load_gradients(prepare(rotor.arrays), SETTING, NAMES, OMEGA, *FLOWS["axial, 10 m/s"])

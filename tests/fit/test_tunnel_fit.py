@@ -29,6 +29,7 @@ from propmap.loads import LOADS
 PROPELLER, AIR = propmap.propeller("apc-8x6e"), propmap.Air()
 FIVE = (*PAPER_FOUR, "zero_lift_angle")
 TRUTH = {"c_l1": 5.2, "c_l2": 1.5, "c_d": 1.6, "alpha_0": 0.36, "zero_lift_angle": -0.06}
+MODEL = propmap.Model(PROPELLER, first_guess(), AIR)
 LAW = first_guess().with_parameters(**TRUTH)
 
 
@@ -39,7 +40,7 @@ class Done:
     fitted: Fitted
 
     def rows(self, choice: Choice) -> Rows:
-        return tunnel_rows(PROPELLER, AIR, self.data, choice, loads=self.loads)
+        return tunnel_rows(MODEL, self.data, choice, loads=self.loads)
 
     def coefficient_rms(self, name: str) -> float:
         """Of C_T = T/(rho n^2 D^4), or C_P = 2 pi Q/(rho n^2 D^5)."""
@@ -51,7 +52,7 @@ class Done:
         return float(np.sqrt(np.mean((self.fitted.residual[mine] / size[rows.point[mine]]) ** 2)))
 
     def predicted(self) -> dict[str, NDArray[np.float64]]:
-        rotor = rotor_with(PROPELLER, AIR, first_guess(), self.fitted.values, "standard")
+        rotor = rotor_with(MODEL, self.fitted.values, "standard")
         found = rotor.loads(self.data.omega, self.data.speed, self.data.beta)
         return {name: getattr(found, name) for name in LOADS}
 
@@ -65,7 +66,7 @@ def done(
     data: TunnelData, free: Sequence[str], loads: tuple[str, ...] = (), starts: int = 1
 ) -> Done:
     choice = Choice(tuple(free))
-    rows = tunnel_rows(PROPELLER, AIR, data, choice, loads=loads)
+    rows = tunnel_rows(MODEL, data, choice, loads=loads)
     return Done(data, loads, fit(rows, choice, Settings(starts=starts)))
 
 
@@ -126,7 +127,7 @@ def test_cambered_uiuc_within_the_project_s_limits(uiuc_fit: Done) -> None:
 
 def test_the_comparison_gives_the_fit_s_own_residuals(uiuc_fit: Done) -> None:
     law = first_guess().with_parameters(**{n: uiuc_fit.fitted.values[n] for n in SECTION})
-    found = compare_tunnel(PROPELLER, AIR, law, uiuc_fit.data)
+    found = compare_tunnel(MODEL.with_airfoil(law), uiuc_fit.data)
     assert set(found) == {"thrust_N", "torque_Nm"}
     for k, name in enumerate(("thrust_N", "torque_Nm")):
         whole = found[name].all
@@ -172,7 +173,7 @@ def test_a_drag_factor_takes_up_the_drag(published: TunnelData) -> None:
 
 def rows_for(data: TunnelData, **options: object) -> Rows:
     choice = options.pop("choice", Choice(FIVE))
-    return tunnel_rows(PROPELLER, AIR, data, choice, **options)  # type: ignore[arg-type]
+    return tunnel_rows(MODEL, data, choice, **options)  # type: ignore[arg-type]
 
 
 def test_rows_leave_out_what_was_not_measured(twin: TunnelData) -> None:

@@ -122,7 +122,7 @@ def test_a_band_is_what_the_derivative_makes_of_the_deviation() -> None:
         angles=[covered(80.0, 0.25)],
         at_rest=None,
     )
-    file = FitFile(law, propmap.propeller("apc-8x6e"), propmap.Air(), {}, None, fit)
+    file = FitFile(law, None, fit)
     found = load_curves(file, fit)
     (edgewise,) = (c for c in found.curves if c.covered)
     assert edgewise.low is not None and edgewise.high is not None
@@ -131,7 +131,7 @@ def test_a_band_is_what_the_derivative_makes_of_the_deviation() -> None:
     assert found.speed[-1] == pytest.approx(1.25 * 0.25 * tip)
     k = 20
     pair = [
-        propmap.Rotor(propmap.Model(file.propeller, law.with_parameters(c_l1=c))).loads(
+        propmap.Rotor(file.model.with_airfoil(law.with_parameters(c_l1=c))).loads(
             found.omega, found.speed[k], edgewise.beta
         )
         for c in (value - 0.1, value + 0.1)

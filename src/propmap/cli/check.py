@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -75,7 +76,7 @@ def _compare(
     from propmap.catalogue.lookup import propeller
     from propmap.fit.comparison import compare_flight, compare_tunnel
     from propmap.fit.result_file import is_fit, read_fit
-    from propmap.model.air import Air
+    from propmap.model.model import Model
 
     if vehicle is not None:
         from propmap.cli.flight_files import read_flights
@@ -92,18 +93,18 @@ def _compare(
     from propmap.cli.tunnel_files import read_tunnel
 
     if is_fit(fit):
-        found = read_fit(fit)
-        air = found.air
-        blade = found.propeller if prop is None else propeller(prop)
+        model = read_fit(fit).model.with_airfoil(law)
+        if prop is not None:
+            model = replace(model, propeller=propeller(prop))
     elif prop is None:
         raise InputError(
             "which propeller is not said: the file has no table [fit]", "add --prop NAME", str(fit)
         )
     else:
-        air, blade = Air(), propeller(prop)
-    measured = read_tunnel(data, blade, air)
+        model = Model(propeller(prop), law)
+    measured = read_tunnel(data, model.propeller, model.air)
     _keep()
-    return compare_tunnel(blade, air, law, measured)
+    return compare_tunnel(model, measured)
 
 
 def _keep() -> None:

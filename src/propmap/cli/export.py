@@ -89,7 +89,7 @@ def _rotor(
     law = read_airfoil(source).with_corrections(corrections)
     if prop is None:
         fit = read_fit(source)
-        return Rotor(Model(fit.propeller, law, fit.air)), fit.covariance
+        return Rotor(fit.model.with_airfoil(law)), fit.covariance
     covariance = read_fit(source).covariance if is_fit(source) else None
     return Rotor(Model(propeller(prop), law)), covariance
 

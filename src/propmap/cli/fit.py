@@ -98,27 +98,25 @@ def fit_tunnel(
     from propmap.fit.fitted import fit
     from propmap.fit.result_file import fit_text
     from propmap.fit.tunnel import first_guess, hover_rows, rotor_with, tunnel_rows
+    from propmap.model.model import Model
 
     keep_compiled()
     base = (base or first_guess()).with_corrections(choice.correction or ())
+    model = Model(blade, base, air)
     named = [name.strip() for name in loads.split(",")] if loads else []
 
     def rows_for(c: Choice) -> Rows:
         setting = choice.accuracy.value
-        return tunnel_rows(
-            blade, air, measured, c, loads=named, weights=weights, base=base, setting=setting
-        )
+        return tunnel_rows(model, measured, c, loads=named, weights=weights, setting=setting)
 
     fitted = fit(rows_for(chosen), chosen, settings)
     remarks = [*range_warnings(fitted.rows), *failing_assumptions(fitted, rows_for)]
-    rotor = rotor_with(blade, air, base, fitted.values, choice.accuracy.value)
+    rotor = rotor_with(model, fitted.values, choice.accuracy.value)
     text = fit_text(
         fitted,
         kind="tunnel",
         name=output.stem,
-        propeller=blade,
-        air=air,
-        base=base,
+        model=model,
         data=sources(data),
         covered=coverage(measured.omega, measured.speed, measured.folded_beta, blade.radius),
         hover=hover_rows(rotor, measured, fitted.rows),
@@ -215,9 +213,7 @@ def fit_flight(
         fitted,
         kind="level flight" if flights.level else "flight",
         name=output.stem,
-        propeller=file.vehicle.propeller,
-        air=file.vehicle.air,
-        base=law,
+        model=model.model,
         data=[*logs, vehicle],
         covered=model.coverage(),
         hover=hover_rows(model, fitted.values, fitted.rows),
@@ -230,13 +226,12 @@ def fit_flight(
 
 
 def _picture_of_flight(picture: Path, fitted: Fitted, model: ForceModel, log: FlightLog) -> None:
-    from propmap.fit.tunnel import rotor_with
+    from propmap.fit.tunnel import section_with
     from propmap.report.fit_pictures import level_flight
     from propmap.report.style import save
 
-    vehicle = model.vehicle
-    rotor = rotor_with(vehicle.propeller, vehicle.air, model.base, fitted.values, model.setting)
-    save(level_flight(vehicle, log, rotor.model.airfoil), picture)
+    law = section_with(model.model.airfoil, fitted.values)
+    save(level_flight(model.vehicle, log, law), picture)
 
 
 def _check_outputs(output: Path, *pictures: Path | None) -> None:

@@ -85,8 +85,8 @@ def _given(file: FitFile, data: Sequence[str], vehicle: Path | None) -> GivenDat
     if vehicle is None:
         from propmap.cli.tunnel_files import read_tunnel, sources
 
-        measured = read_tunnel(data, file.propeller, file.air)
-        found = compare_tunnel(file.propeller, file.air, file.airfoil, measured)
+        measured = read_tunnel(data, file.model.propeller, file.model.air)
+        found = compare_tunnel(file.model, measured)
         return GivenData([Source.of(item) for item in sources(data)], found, tunnel=measured)
     from propmap.cli.flight_files import all_level_tables, read_flights
     from propmap.vehicle.vehicle_toml import read_vehicle

@@ -15,21 +15,14 @@ from propmap.fit.flight import hover_force
 from propmap.fit.parameters import EVERY
 from propmap.fit.residuals import Errors, by_band, errors
 from propmap.fit.tunnel import TunnelData, hover_loads
-from propmap.model.air import Air
+from propmap.loads import LOADS
 from propmap.model.airfoil import Airfoil
 from propmap.model.model import Model
-from propmap.model.propeller import Propeller
 from propmap.rotor import Rotor
 from propmap.vehicle.flight_log import GRAVITY, FlightLog
 from propmap.vehicle.hub_flow import hub_flow, rotor_forces
 from propmap.vehicle.vehicle import Vehicle
 
-TUNNEL_NAMES = {
-    "thrust": "thrust_N",
-    "drag": "drag_N",
-    "torque": "torque_Nm",
-    "roll_moment": "roll_moment_Nm",
-}
 FORCE_NAMES = ("force_x_N", "force_y_N", "force_z_N")
 
 
@@ -41,17 +34,13 @@ class Comparison:
     by_speed: Mapping[str, Errors]
 
 
-def compare_tunnel(
-    propeller: Propeller, air: Air, law: Airfoil, data: TunnelData
-) -> dict[str, Comparison]:
-    """Errors of a section law on loads measured in a tunnel or on a bench.
+def compare_tunnel(model: Model, data: TunnelData) -> dict[str, Comparison]:
+    """Errors of a model on loads measured in a tunnel or on a bench.
 
     Parameters
     ----------
-    propeller, air : Propeller, Air
-        Of the test.
-    law : Airfoil
-        The section law to judge.
+    model : Model
+        The section law to judge, with the propeller and the air of the test.
     data : TunnelData
         What was measured.
 
@@ -61,11 +50,11 @@ def compare_tunnel(
         Every measured load by its name with unit.  The hover model beside it has neither drag nor
         rolling moment.
     """
-    rotor = Rotor(Model(propeller, law, air))
+    rotor = Rotor(model)
     loads = rotor.loads(data.omega, data.speed, data.beta)
     hovers = hover_loads(HoverModel.of(rotor), data.omega)
     return {
-        TUNNEL_NAMES[name]: _compared(getattr(loads, name), measured, data.speed, hovers[name])
+        LOADS[name].column: _compared(getattr(loads, name), measured, data.speed, hovers[name])
         for name, measured in data.loads.items()
     }
 

@@ -7,7 +7,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from propmap.arrays.types import Floats
 from propmap.fit.parameters import Choice
@@ -156,40 +155,27 @@ def _typical_error(rows: Rows, settings: Settings, found: Minimum, sure: Uncerta
 def _cross_validate(
     rows: Rows, choice: Choice, settings: Settings, refit: Callable[[Rows], Floats]
 ) -> Floats:
-    """Root mean square error of each load (L,) where its rows were left out of the fit."""
-    points = np.unique(rows.point)
+    """Root mean square error of each load (L,) where its units were left out of the fit."""
     sums, counts = np.zeros(len(rows.names)), np.zeros(len(rows.names))
-    if settings.folds < 2 or points.size < 2 * settings.folds:
+    if settings.folds < 2 or np.unique(rows.point).size < 2 * settings.folds:
         return np.full(len(rows.names), np.nan)
-    fold = _folds(rows, points, settings)
+    labels, index = np.unique(rows.unit, return_inverse=True)
+    rng = np.random.default_rng(settings.seed)
+    fold = (rng.permutation(labels.size) % settings.folds)[index]
     for k in range(settings.folds):
-        kept = np.zeros(int(points.max()) + 1, bool)
-        kept[points] = fold != k
-        value, _ = rows.model(choice.values(refit(rows.left(kept))), choice.free)
-        out = ~kept[rows.point] & (rows.weight > 0.0) & np.isfinite(value)
+        value, _ = rows.model(choice.values(refit(rows.left(fold != k))), choice.free)
+        out = (fold == k) & (rows.weight > 0.0) & np.isfinite(value)
         np.add.at(sums, rows.load[out], (value - rows.measured)[out] ** 2)
         np.add.at(counts, rows.load[out], 1.0)
     return np.sqrt(sums / np.maximum(counts, 1.0))
 
 
-def _folds(rows: Rows, points: NDArray[np.intp], settings: Settings) -> NDArray[np.intp]:
-    """Which fold each point is in: at random, but whole groups together."""
-    rng = np.random.default_rng(settings.seed)
-    if rows.group is None:
-        return rng.permutation(points.size) % settings.folds
-    group = np.zeros(int(points.max()) + 1, int)
-    group[rows.point] = rows.group
-    labels, index = np.unique(group[points], return_inverse=True)
-    return (rng.permutation(labels.size) % settings.folds)[index]
-
-
 def _bootstrap(
     rows: Rows, choice: Choice, settings: Settings, refit: Callable[[Rows], Floats]
 ) -> Floats:
-    """Parameters refitted to points, or groups, drawn with replacement (B, P)."""
+    """Parameters refitted to units drawn with replacement (B, P)."""
     rng = np.random.default_rng(settings.seed + 1)
-    unit = rows.point if rows.group is None else rows.group
-    labels, index = np.unique(unit, return_inverse=True)
+    labels, index = np.unique(rows.unit, return_inverse=True)
     repeats = []
     for _ in range(settings.bootstrap):
         drawn = np.bincount(rng.integers(labels.size, size=labels.size), minlength=labels.size)

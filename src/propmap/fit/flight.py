@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from propmap.arrays.types import Floats
 from propmap.baselines.hover import HoverModel
@@ -15,16 +16,17 @@ from propmap.engine.plan import accuracy
 from propmap.errors import InputError
 from propmap.fit.body_forces import body_force
 from propmap.fit.coverage import Coverage, coverage
-from propmap.fit.parameters import BODY, SECTION, WING, Choice
+from propmap.fit.parameters import SECTION, WING, Choice
 from propmap.fit.rows import Rows
 from propmap.fit.tunnel import hover_after_fit, rotor_with
 from propmap.loads import LOADS
 from propmap.model.airfoil import Airfoil
+from propmap.model.model import Model
 from propmap.vehicle.flight_log import GRAVITY, FlightLog
 from propmap.vehicle.hub_flow import HubFlow, hub_flow, rotor_forces
 from propmap.vehicle.vehicle import Vehicle
 
-AXES = ("force_x", "force_y", "force_z")
+AXES, VERTICAL = ("force_x", "force_y", "force_z"), ("vertical_force",)
 
 
 @dataclass(frozen=True)
@@ -66,9 +68,9 @@ class ForceModel:
                 "give the vehicle file one [[rotors]] table per rotor of the log",
                 log.source,
             )
-        self.vehicle, self.log, self.base, self.setting = vehicle, log, base, setting
+        self.vehicle, self.log, self.setting = vehicle, log, setting
+        self.model = Model(vehicle.propeller, base, vehicle.air)
         self.flow = hub_flow(vehicle, log)
-        self._law = accuracy(setting)
 
     def at(self, values: Mapping[str, float], free: tuple[str, ...]) -> Balance:
         """Forces and their derivatives.
@@ -86,19 +88,15 @@ class ForceModel:
             With ``force`` (n, 3) [N] and ``slopes`` (P, n, 3).
         """
         section = tuple(name for name in free if name in SECTION)
-        vehicle, flow, shape = self.vehicle, self.flow, self.flow.omega.shape
-        rotor = rotor_with(vehicle.propeller, vehicle.air, self.base, values, self.setting)
+        flow, shape = self.flow, self.flow.omega.shape
+        rotor = rotor_with(self.model, values, self.setting)
         points = (flow.omega.ravel(), flow.axial.ravel(), flow.inplane.ravel())
-        found = load_gradients(prepare(rotor.arrays), self._law, section, *points)
+        found = load_gradients(prepare(rotor.arrays), accuracy(self.setting), section, *points)
         loads = found.loads.reshape(len(LOADS), *shape)
-        slopes = found.slopes.reshape(len(LOADS), len(section), *shape)
-        force = rotor_forces(flow, loads[0], loads[1])
-        by_section = rotor_forces(flow, slopes[0], slopes[1])
-        body, by_body = body_force(vehicle, self.log, values, free)
-        slope = np.zeros((len(free), *force.shape))
-        for k, name in enumerate(free):
-            slope[k] = by_section[section.index(name)] if name in section else by_body[k]
-        return Balance(force + body, slope)
+        by_section = found.slopes.reshape(len(LOADS), len(section), *shape)
+        force, slopes = body_force(self.vehicle, self.log, values, free)
+        slopes[[name in section for name in free]] = rotor_forces(flow, *by_section[:2])
+        return Balance(rotor_forces(flow, *loads[:2]) + force, slopes)
 
     def coverage(self) -> Coverage:
         """What ``coverage`` says of the flow at all rotors."""
@@ -126,28 +124,8 @@ def level_rows(model: ForceModel, choice: Choice) -> Rows:
     InputError
         For free parameters that do not act.
     """
-    _acts(model, choice)
-    log = model.log
-    weight = model.vehicle.mass * GRAVITY
-    n = len(log)
-
-    def vertical(values: Mapping[str, float], free: tuple[str, ...]) -> tuple[Floats, Floats]:
-        balance = model.at(values, free)
-        along = np.sum(balance.force * log.up, axis=-1)
-        return along, np.sum(balance.slopes * log.up, axis=-1).T
-
-    return Rows(
-        names=("vertical_force",),
-        units=("N",),
-        measured=np.full(n, weight),
-        load=np.zeros(n, np.intp),
-        scale=np.full(n, weight),
-        speed=log.speed,
-        point=np.arange(n),
-        group=None,
-        model=vertical,
-        weight=np.ones(n),
-    )
+    weight = np.full((len(model.log), 1), model.vehicle.mass * GRAVITY)
+    return _rows(model, choice, VERTICAL, weight)
 
 
 def balance_rows(model: ForceModel, choice: Choice, *, stretch: float = 1.0) -> Rows:
@@ -167,35 +145,45 @@ def balance_rows(model: ForceModel, choice: Choice, *, stretch: float = 1.0) -> 
     InputError
         Where the log has no specific force, and for free parameters that do not act.
     """
-    _acts(model, choice)
     log = model.log
-    mass = model.vehicle.mass
-    measured = mass * log.specific_force
-    if not np.isfinite(measured).all():
+    if not np.isfinite(log.specific_force).all():
         raise InputError(
             "there is no specific force (accelerometer) for all samples",
             "add it to the log, or fit steady stretches with --method level",
             log.source,
         )
-    n = len(log)
-    sample, axis = np.divmod(np.arange(3 * n), 3)
+    group = np.floor((log.time - log.time[0]) / stretch).astype(int)
+    return _rows(model, choice, AXES, model.vehicle.mass * log.specific_force, group)
+
+
+def _rows(
+    model: ForceModel,
+    choice: Choice,
+    names: tuple[str, ...],
+    measured: Floats,
+    group: NDArray[np.intp] | None = None,
+) -> Rows:
+    """A row per force ``measured`` (n, L) [N], in units of the weight."""
+    if model.vehicle.wing is None:
+        useless = [name for name in choice.free if name in WING]
+        if useless:
+            raise InputError(
+                f"{useless[0]} is free but the vehicle has no wing", "add a [wing] table"
+            )
 
     def forces(values: Mapping[str, float], free: tuple[str, ...]) -> tuple[Floats, Floats]:
         balance = model.at(values, free)
-        return balance.force.ravel(), balance.slopes.reshape(len(free), -1).T
+        slopes = _along(model.log, names, balance.slopes)
+        return _along(model.log, names, balance.force), np.moveaxis(slopes, 0, -1)
 
-    return Rows(
-        names=AXES,
-        units=("N",) * 3,
-        measured=measured.ravel(),
-        load=axis,
-        scale=np.full(3 * n, mass * GRAVITY),
-        speed=log.speed[sample],
-        point=sample,
-        group=np.floor((log.time - log.time[0]) / stretch).astype(int)[sample],
-        model=forces,
-        weight=np.ones(3 * n),
-    )
+    scale = np.full_like(measured, model.vehicle.mass * GRAVITY)
+    units = ("N",) * len(names)
+    return Rows.of_points(names, units, measured, scale, model.log.speed, forces, group)
+
+
+def _along(log: FlightLog, names: tuple[str, ...], force: Floats) -> Floats:
+    """The forces of these names (..., n, L) of forces (..., n, 3) in the vehicle's frame."""
+    return np.sum(force * log.up, axis=-1, keepdims=True) if names == VERTICAL else force
 
 
 def hover_force(hover: HoverModel, flow: HubFlow) -> Floats:
@@ -209,20 +197,5 @@ def hover_rows(model: ForceModel, values: Mapping[str, float], rows: Rows) -> Fl
 
     ``values``, all parameters by name, give the rotor whose constants are taken.
     """
-    vehicle = model.vehicle
-    rotor = rotor_with(vehicle.propeller, vehicle.air, model.base, values, model.setting)
-    force = hover_force(hover_after_fit(rotor), model.flow)
-    if rows.names == AXES:
-        return np.asarray(force.ravel())
-    return np.asarray(np.sum(force * model.log.up, axis=-1))
-
-
-def _acts(model: ForceModel, choice: Choice) -> None:
-    if model.vehicle.wing is None:
-        useless = [name for name in choice.free if name in WING]
-        if useless:
-            raise InputError(
-                f"{useless[0]} is free but the vehicle has no wing", "add a [wing] table"
-            )
-    if not any(name in SECTION or name in BODY or name in WING for name in choice.free):
-        raise InputError("no free parameter acts on the forces", "free some of the section's")
+    hover = hover_after_fit(rotor_with(model.model, values, model.setting))
+    return rows.picked(_along(model.log, rows.names, hover_force(hover, model.flow)))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
@@ -28,9 +29,9 @@ from propmap.fit.fitted import Fitted
 from propmap.fit.parameters import BODY, EVERY, SECTION, WING
 from propmap.fit.residuals import by_band, errors
 from propmap.fit.search import minima
-from propmap.model.air import Air
+from propmap.fit.tunnel import section_with
 from propmap.model.airfoil import Airfoil, read_airfoil
-from propmap.model.propeller import Propeller
+from propmap.model.model import Model
 from propmap.model.section_covariance import SectionCovariance
 
 
@@ -41,13 +42,7 @@ class FitFile:
     Attributes
     ----------
     airfoil : Airfoil
-        The parameter set.
-    propeller : Propeller
-        The propeller that it was found with.
-    air : Air
-        The air that it was found with.
-    values : mapping of str to float
-        The body's and the wing's parameters by name.
+        The section law that was found.
     covariance : SectionCovariance or None
         Of the section law's parameters that were free; None where none was.
     record : FitRecord
@@ -55,11 +50,18 @@ class FitFile:
     """
 
     airfoil: Airfoil
-    propeller: Propeller
-    air: Air
-    values: Mapping[str, float]
     covariance: SectionCovariance | None
     record: FitRecord
+
+    @functools.cached_property
+    def model(self) -> Model:
+        """The law with the propeller and the air of the data."""
+        return Model(self.record.propeller.propeller(), self.airfoil, self.record.air)
+
+    @property
+    def values(self) -> dict[str, float]:
+        """The body's and the wing's parameters by name."""
+        return self.record.body | self.record.wing
 
 
 def fit_text(
@@ -67,9 +69,7 @@ def fit_text(
     *,
     kind: str,
     name: str,
-    propeller: Propeller,
-    air: Air,
-    base: Airfoil,
+    model: Model,
     data: Sequence[Path | str],
     covered: Coverage,
     hover: Floats,
@@ -82,24 +82,18 @@ def fit_text(
     ----------
     fitted : Fitted
         The fit.
-    kind : str
-        "tunnel", "level flight" or "flight".
-    name : str
-        Of the parameter set.
-    propeller, air : Propeller, Air
-        Of the test or the vehicle.
-    base : Airfoil
-        Gave the constants that are no parameters of a fit.
+    kind, name : str
+        "tunnel", "level flight" or "flight"; the name of the parameter set.
+    model : Model
+        What was fitted; its section law gave the constants that are no parameters of a fit.
     data : sequence of Path or str
         Files, whose hashes are noted, or names of the catalogue.
     covered : Coverage
         Operating points of the data.
     hover : ndarray, shape (M,)
         The hover model's values of the fitted rows.
-    remarks : sequence of str
-        Sentences for the reader.
-    options : mapping
-        Further settings by name.
+    remarks, options : sequence of str, mapping
+        Sentences for the reader; further settings by name.
 
     Returns
     -------
@@ -108,8 +102,8 @@ def fit_text(
     """
     import tomli_w
 
-    section = {n: fitted.values[n] for n in SECTION}
-    law = base.with_parameters(**section, name=name, source=f"fitted by propmap, {kind}")
+    law = section_with(model.airfoil, fitted.values)
+    law = law.with_parameters(name=name, source=f"fitted by propmap, {kind}")
     sure, choice = fitted.uncertainty, fitted.choice
     ends = fitted.minimum.ends
     record = FitRecord(
@@ -122,8 +116,8 @@ def fit_text(
         seconds=round(fitted.seconds, 3),
         settings=asdict(fitted.settings) | dict(options),
         fixed=dict(choice.fixed),
-        air=air,
-        propeller=FittedPropeller.of(propeller),
+        air=model.air,
+        propeller=FittedPropeller.of(model.propeller),
         data=[Source.of(item) for item in data],
         covered=covered,
         parameters=[_parameter(fitted, k) for k in range(len(choice.free))],
@@ -171,15 +165,15 @@ def read_fit(path: Path) -> FitFile:
         )
     record = read_record(table, where)
     try:
-        blade = record.propeller.propeller()
         covariance = SectionCovariance(tuple(record.free), record.covariance)
         section = [name for name in record.free if name in SECTION]
-        known = covariance.of(section) if section else None
+        file = FitFile(law, covariance.of(section) if section else None, record)
+        _ = file.model  # No blade at all may have such a shape.
     except InputError as error:
         raise InputError(
             f"the table [fit] is damaged: {error.found}", error.remedy, where
         ) from None
-    return FitFile(law, blade, record.air, record.body | record.wing, known, record)
+    return file
 
 
 def _parameter(fitted: Fitted, k: int) -> FreeParameter:

@@ -68,16 +68,62 @@ class Rows:
     model: Model
     weight: Floats
 
+    @classmethod
+    def of_points(
+        cls,
+        names: tuple[str, ...],
+        units: tuple[str, ...],
+        measured: Floats,
+        scale: Floats,
+        speed: Floats,
+        model: Model,
+        group: NDArray[np.intp] | None = None,
+    ) -> Rows:
+        """A row for each finite number of a table of L loads at n operating points.
+
+        Parameters
+        ----------
+        names, units : tuple of str
+            Of the L loads.
+        measured, scale : ndarray, shape (n, L)
+            See ``Rows``.
+        speed, group : ndarray, shape (n,)
+            The same.
+        model : callable
+            Gives values of shape (n, L) and derivatives of shape (n, L, P).
+        """
+        point, load = np.nonzero(np.isfinite(measured))
+
+        def picked(values: Mapping[str, float], free: tuple[str, ...]) -> tuple[Floats, Floats]:
+            value, slope = model(values, free)
+            return value[point, load], slope[point, load]
+
+        return cls(
+            names=names,
+            units=units,
+            measured=measured[point, load],
+            load=load,
+            scale=scale[point, load],
+            speed=speed[point],
+            point=point,
+            group=None if group is None else group[point],
+            model=picked,
+            weight=np.ones(point.size),
+        )
+
+    @property
+    def unit(self) -> NDArray[np.intp]:
+        """What is drawn and left out as a whole (M,): the group, or else the operating point."""
+        return self.point if self.group is None else self.group
+
+    def picked(self, table: Floats) -> Floats:
+        """The numbers (M,) of these rows in a table (n, L) of loads at the operating points."""
+        return np.asarray(table[self.point, self.load])
+
     def of_load(self, load: int) -> NDArray[np.bool_]:
         """Which rows (M,) are of the load of this index and have weight."""
         return (self.load == load) & (self.weight > 0.0)
 
-    def left(self, points: NDArray[np.bool_]) -> Rows:
-        """The same rows, without weight where their operating point is left out.
-
-        Parameters
-        ----------
-        points : ndarray of bool, shape (points,)
-            Which operating points keep their weight.
-        """
-        return replace(self, weight=self.weight * points[self.point])
+    def left(self, kept: NDArray[np.bool_]) -> Rows:
+        """The same rows, without weight where ``kept``, shape (M,), is false."""
+        return replace(self, weight=self.weight * kept)

@@ -17,13 +17,9 @@ from propmap.errors import InputError
 from propmap.fit.parameters import BODY, SECTION, WING, Choice
 from propmap.fit.rows import Rows
 from propmap.loads import LOADS
-from propmap.model.air import Air
 from propmap.model.airfoil import Airfoil
-from propmap.model.model import Model
-from propmap.model.propeller import Propeller
+from propmap.model.model import Model, Section
 from propmap.rotor import Rotor
-
-UNITS = {"thrust": "N", "drag": "N", "torque": "N m", "roll_moment": "N m"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,27 +63,31 @@ def merged(parts: Sequence[TunnelData]) -> TunnelData:
     return TunnelData(source=", ".join(p.source for p in parts), loads=loads, **flow)
 
 
-def rotor_with(
-    propeller: Propeller, air: Air, base: Airfoil, values: Mapping[str, float], setting: str
-) -> Rotor:
-    """A rotor with the section parameters among ``values``."""
-    return Rotor(Model(propeller, section_with(base, values), air), accuracy=setting)
+def first_guess() -> Airfoil:
+    """The section law at x0 of (18)."""
+    start: dict[str, Any] = {name: parameter.start for name, parameter in SECTION.items()}
+    return Airfoil(**start)
 
 
-def section_with(base: Airfoil, values: Mapping[str, float]) -> Airfoil:
+def section_with(base: Section, values: Mapping[str, float]) -> Airfoil:
     """The section law with the section parameters among ``values``."""
+    if not isinstance(base, Airfoil):
+        raise InputError("a tabulated section has no parameters to fit", "name a parameter set")
     return base.with_parameters(**{name: values[name] for name in SECTION})
 
 
+def rotor_with(model: Model, values: Mapping[str, float], setting: str) -> Rotor:
+    """A rotor of the model with the section parameters among ``values``."""
+    return Rotor(model.with_airfoil(section_with(model.airfoil, values)), accuracy=setting)
+
+
 def tunnel_rows(
-    propeller: Propeller,
-    air: Air,
+    model: Model,
     data: TunnelData,
     choice: Choice,
     *,
     loads: Sequence[str] = (),
     weights: Mapping[str, float] | None = None,
-    base: Airfoil | None = None,
     setting: str = "standard",
 ) -> Rows:
     """Rows to fit from loads measured on a bench or in a tunnel.
@@ -98,8 +98,8 @@ def tunnel_rows(
 
     Parameters
     ----------
-    propeller, air : Propeller, Air
-        Of the test.
+    model : Model
+        Of the test; its section law gives what no parameter of a fit does.
     data : TunnelData
         What was measured.
     choice : Choice
@@ -108,8 +108,6 @@ def tunnel_rows(
         Names of those to fit; by default all that were measured.
     weights : mapping of str to float, optional
         How often the residuals of a load count, where that is not once.
-    base : Airfoil, optional
-        Gives what no parameter of a fit does, by default ``first_guess``.
     setting : str
         Accuracy of the loads, as in ``Rotor``.
 
@@ -118,10 +116,38 @@ def tunnel_rows(
     InputError
         For a load that was not measured and for a parameter that does not act.
     """
+    names, weights = tuple(loads) or tuple(n for n in LOADS if n in data.loads), weights or {}
+    _check(data, choice, names, weights)
+    axial, inplane = data.speed * np.cos(data.beta), data.speed * np.abs(np.sin(data.beta))
+    inplane = np.where(inplane < 1e-12 * np.maximum(data.speed, 1.0), 0.0, inplane)
+    measured = np.stack([data.loads[name] for name in names], axis=1)
+    radius = model.propeller.radius
+    force = np.maximum(model.air.density * data.omega**2 * radius**4, 1e-12)
+    size = force[:, None] * [radius if LOADS[name].moment else 1.0 for name in names]
+    typical = np.sqrt(np.nanmean((measured / size) ** 2, axis=0))
+    columns = [list(LOADS).index(name) for name in names]
+
+    def modelled(values: Mapping[str, float], free: tuple[str, ...]) -> tuple[Floats, Floats]:
+        prepared = prepare(rotor_with(model, values, setting).arrays)
+        found = load_gradients(prepared, accuracy(setting), free, data.omega, axial, inplane)
+        return found.loads[columns].T, found.slopes[columns].transpose(2, 0, 1)
+
+    return Rows.of_points(
+        names,
+        tuple(LOADS[name].unit for name in names),
+        measured,
+        typical * size / [weights.get(name, 1.0) for name in names],
+        data.speed,
+        modelled,
+    )
+
+
+def _check(
+    data: TunnelData, choice: Choice, names: tuple[str, ...], weights: Mapping[str, float]
+) -> None:
     useless = [n for n in choice.free if n in BODY or n in WING]
     if useless:
         raise InputError(f"{useless[0]} has no part in a tunnel test", "fit it from flight")
-    names = tuple(loads) or tuple(n for n in LOADS if n in data.loads)
     for name in names:
         if name not in LOADS:
             raise InputError(f"{name!r} is not a load", f"choose from {', '.join(LOADS)}")
@@ -131,46 +157,13 @@ def tunnel_rows(
             )
         if names.count(name) > 1:
             raise InputError(f"{name} is named twice", "name it once, or give it a weight")
-    for name, weight in (weights or {}).items():
+    for name, weight in weights.items():
         if name not in names:
             raise InputError(f"{name!r} has a weight but is not fitted", f"fit {', '.join(names)}")
         if not 0.0 < weight < np.inf:
             raise InputError(f"the weight of {name} is {weight:g}", "give a number above 0")
     if "drag_factor" in choice.free and "drag" not in names:
         raise InputError("drag_factor is free but drag is not fitted", "add drag to the loads")
-    base = base or first_guess()
-    law = accuracy(setting)
-    axial, inplane = data.speed * np.cos(data.beta), data.speed * np.abs(np.sin(data.beta))
-    inplane = np.where(inplane < 1e-12 * np.maximum(data.speed, 1.0), 0.0, inplane)
-    measured = np.array([data.loads[name] for name in names])
-    load, point = np.nonzero(np.isfinite(measured))
-    size = air.density * data.omega**2 * propeller.radius**4
-    moment = np.array([UNITS[name] == "N m" for name in names])
-    dimension = np.where(moment[:, None], propeller.radius, 1.0) * np.maximum(size, 1e-12)
-    coefficient = measured / dimension
-    typical = np.sqrt(np.nanmean(coefficient**2, axis=1))
-    typical = typical / np.array([(weights or {}).get(name, 1.0) for name in names])
-    rows_of = [list(LOADS).index(name) for name in names]
-
-    def model(values: Mapping[str, float], free: tuple[str, ...]) -> tuple[Floats, Floats]:
-        rotor = rotor_with(propeller, air, base, values, setting)
-        prepared = prepare(rotor.arrays)
-        found = load_gradients(prepared, law, free, data.omega, axial, inplane)
-        value, slope = found.loads[rows_of], found.slopes[rows_of].transpose(0, 2, 1)
-        return value[load, point], slope[load, point]
-
-    return Rows(
-        names=names,
-        units=tuple(UNITS[name] for name in names),
-        measured=measured[load, point],
-        load=load,
-        scale=(typical[:, None] * dimension)[load, point],
-        speed=data.speed[point],
-        point=point,
-        group=None,
-        model=model,
-        weight=np.ones(load.size),
-    )
 
 
 def hover_after_fit(rotor: Rotor) -> HoverModel:
@@ -184,23 +177,13 @@ def hover_after_fit(rotor: Rotor) -> HoverModel:
 
 def hover_loads(hover: HoverModel, omega: Floats) -> dict[str, Floats]:
     """The hover model's loads [N], [N m] by name at omega [rad/s]; all (n,)."""
-    nothing = np.zeros_like(omega)
     return {
-        "thrust": hover.thrust(omega),
-        "drag": nothing,
-        "torque": hover.torque(omega),
-        "roll_moment": nothing,
+        name: np.zeros_like(omega) if load.inplane else getattr(hover, name)(omega)
+        for name, load in LOADS.items()
     }
 
 
 def hover_rows(rotor: Rotor, data: TunnelData, rows: Rows) -> Floats:
     """What the hover model with this rotor's constants says of the rows (M,) made of ``data``."""
     loads = hover_loads(hover_after_fit(rotor), data.omega)
-    each = np.array([loads[name] for name in rows.names])
-    return np.asarray(each[rows.load, rows.point])
-
-
-def first_guess() -> Airfoil:
-    """The section law at x0 of (18)."""
-    start: dict[str, Any] = {name: parameter.start for name, parameter in SECTION.items()}
-    return Airfoil(**start)
+    return rows.picked(np.stack([loads[name] for name in rows.names], axis=1))

@@ -9,8 +9,8 @@ from propmap.fit.fitted import Fitted, Settings, fit
 from propmap.fit.parameters import PAPER_FOUR, Choice
 from propmap.fit.tunnel import TunnelData, first_guess, section_with, tunnel_rows
 from propmap.loads import LOADS
-from propmap.model.air import Air
 from propmap.model.airfoil import Airfoil
+from propmap.model.model import Model
 from propmap.papers.gill_dandrea_2017.blades import TUNNEL_PROPELLER, blade
 
 AXIAL, OBLIQUE = "uiuc-8x6e", "gill-dandrea-2019-8x6e-fit"
@@ -58,8 +58,8 @@ def tunnel_data(name: str) -> TunnelData:
 
 
 def _identify(label: str, data: str, free: tuple[str, ...]) -> Identified:
-    shape, air, choice = blade(TUNNEL_PROPELLER), Air(), Choice(free)
-    rows = tunnel_rows(shape, air, tunnel_data(data), choice, loads=FITTED_LOADS)
+    model, choice = Model(blade(TUNNEL_PROPELLER), first_guess()), Choice(free)
+    rows = tunnel_rows(model, tunnel_data(data), choice, loads=FITTED_LOADS)
     fitted = fit(rows, choice, Settings(starts=STARTS, folds=0))
-    law = section_with(first_guess(), fitted.values)
+    law = section_with(model.airfoil, fitted.values)
     return Identified(label, data, fitted, law.with_parameters(name=label, source=data))

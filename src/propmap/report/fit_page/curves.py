@@ -17,7 +17,6 @@ from propmap.fit.coverage import CoveredAngle
 from propmap.fit.fit_record import FitRecord
 from propmap.fit.result_file import FitFile
 from propmap.loads import LOADS
-from propmap.model.model import Model
 from propmap.report.fit_page.parameter_draws import drawn_changes
 from propmap.rotor import Rotor
 
@@ -67,13 +66,13 @@ class Curves:
 def load_curves(file: FitFile, fit: FitRecord) -> Curves:
     """The fitted rotor at the data's typical rotational speed, past the speeds of the data."""
     omega = fit.covered.typical_rpm / RPM
-    tip = omega * file.propeller.radius
+    tip = omega * file.model.propeller.radius
     top = max([one.advance[1] for one in fit.covered.main_angles], default=UNTESTED / BEYOND)
     speed = np.linspace(0.0, BEYOND * top * tip, SPEEDS)
     angles = _angles(fit)
     betas = np.radians([beta for beta, _ in angles])
 
-    rotor = Rotor(Model(file.propeller, file.airfoil, file.air))
+    rotor = Rotor(file.model)
     found = rotor.loads(omega, speed, betas[:, None])
     values, status = np.stack([getattr(found, name) for name in LOADS]), found.status
     names, changes = drawn_changes(fit)
@@ -100,7 +99,7 @@ def load_curves(file: FitFile, fit: FitRecord) -> Curves:
                 valid=status[k] != "vortex_ring",
             )
         )
-    return Curves(omega, file.propeller.radius, speed, curves, len(changes))
+    return Curves(omega, file.model.propeller.radius, speed, curves, len(changes))
 
 
 def _slopes(

@@ -13,7 +13,6 @@ from propmap.fit.comparison import Comparison, level_forces
 from propmap.fit.fit_record import FitRecord, Source
 from propmap.fit.result_file import FitFile
 from propmap.fit.tunnel import TunnelData, hover_loads
-from propmap.model.model import Model
 from propmap.report.fit_page.curves import RPM
 from propmap.report.fit_page.errors import BandErrors, band_csv, band_figure, band_table
 from propmap.report.fit_page.judgement import NAMES, WORDS, level_of, worst_of
@@ -49,7 +48,7 @@ def data_check(file: FitFile, fit: FitRecord, given: GivenData) -> Part:
     bands = _bands(given.errors)
     pictures = []
     if given.tunnel is not None:
-        rotor = Rotor(Model(file.propeller, file.airfoil, file.air))
+        rotor = Rotor(file.model)
         pictures.append(
             picture(
                 tunnel_fit(given.tunnel, rotor),
@@ -93,7 +92,7 @@ def data_check(file: FitFile, fit: FitRecord, given: GivenData) -> Part:
 
 
 def _tunnel_csv(file: FitFile, data: TunnelData) -> str:
-    rotor = Rotor(Model(file.propeller, file.airfoil, file.air))
+    rotor = Rotor(file.model)
     found = rotor.loads(data.omega, data.speed, data.beta)
     hover = hover_loads(HoverModel.of(rotor), data.omega)
     columns = {

@@ -42,7 +42,7 @@ def fit_pages(
     ]
     page = Page(
         title=f"{file.airfoil.name}: can I trust this propeller model?",
-        subtitle=f"Fit of {file.propeller.name} to {KINDS.get(fit.kind, fit.kind)}. Report by "
+        subtitle=f"Fit of {fit.propeller.name} to {KINDS.get(fit.kind, fit.kind)}. Report by "
         f"propmap {propmap.__version__}",
         lead=lead(fit),
         sections=[part.section for part in parts],
@@ -55,7 +55,7 @@ def fit_pages(
 
 
 def _facts(file: FitFile, fit: FitRecord, where: str, sha256: str) -> tuple[tuple[str, str], ...]:
-    blade, air = file.propeller, file.air
+    blade, air = file.model.propeller, file.model.air
     law = file.airfoil
     held = ", ".join(f"{name} {value:g}" for name, value in fit.fixed.items())
     further = [("Held by the user", held)] if held else []
