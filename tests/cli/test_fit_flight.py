@@ -78,7 +78,7 @@ def test_without_steady_stretches_all_forces_are_fitted(run: Run, tmp_path: Path
     assert "fewer than 4 steady stretches of 2 s" in found["remarks"][0]
     assert "note: fewer than 4 steady stretches" in out
     checked = json.loads(run("check", "out.toml", log, *vehicle, "--format", "json").out)
-    assert set(checked) == {"rows", "loads"} and checked["rows"] == 200
+    assert set(checked) == {"corrections", "rows", "loads"} and checked["rows"] == 200
     assert set(checked["loads"]) == {"force_x_N", "force_y_N", "force_z_N"}
     assert set(checked["loads"]["force_z_N"]) == CHECKED | {"by_speed"}
     refused = run("fit", "flight", log, *vehicle, *free, "--method", "level", "-o", "no.toml")
