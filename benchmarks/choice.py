@@ -43,8 +43,16 @@ SINGLE = 200
 
 @dataclass(frozen=True)
 class Way:
-    """loads : from omega, speed, beta (n,) to (4, n).  one : the same of a single point, called as
-    a simulation would.
+    """A way to loads.
+
+    Attributes
+    ----------
+    name : str
+        Of the way.
+    loads : callable
+        From omega, speed, beta (n,) to (4, n).
+    one : callable
+        The same of a single point, called as a simulation would.
     """
 
     name: str

@@ -53,7 +53,7 @@ def random_flow() -> tuple[Floats, Floats, Floats]:
 
 
 def shares(found: RotorLoads, truth: dict[str, Floats], scales: dict[str, Floats]) -> Floats:
-    """Errors (loads, N) [-]; truth, scales : loads and what errors are shares of, (N,) each."""
+    """Errors (loads, N) [-] against a ``truth``, as shares of ``scales``, (N,) each."""
     loads = found.loads._asdict()
     return np.array([np.abs((loads[k] - truth[k]) / scales[k]) for k in LOADS])
 

@@ -39,7 +39,7 @@ ANGLES = 7201
 
 
 class Grid(NamedTuple):
-    """stations : along the blade.  sectors : of the disk, in yawed flow; 1 in axial flow."""
+    """Stations along the blade, and sectors of the disk in yawed flow, 1 in axial flow."""
 
     stations: int
     sectors: int

@@ -118,7 +118,7 @@ def elements_per_point(rotor: Rotor, batch: tuple[Floats, ...]) -> dict[str, flo
 
 
 def share_of_peak(precision: str, points_per_second: float, operations: float) -> dict[str, float]:
-    """The device's peak, what the elements reach, and its share; operations : per point."""
+    """The device's peak, what the elements reach with ``operations`` per point, and its share."""
     peak, reached = peak_per_second(precision), operations * points_per_second
     return {"peak_per_second": peak, "reached_per_second": reached, "share": reached / peak}
 

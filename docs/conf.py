@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import sys
 from pathlib import Path
+from typing import Any
 
 ROOT = Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(ROOT), str(ROOT / "docs" / "extensions")]
@@ -38,7 +40,6 @@ extensions = [
     "sphinx.ext.autodoc",
     "sphinx_design",
     "cell_magics",
-    "house_docstrings",
     "mathml",
     "reproduce_page",
 ]
@@ -84,3 +85,15 @@ html_theme_options = {
 html_sidebars = {
     page: [] for page in ("index", "tutorial", "choosing", "theory", "equations", "validation")
 }
+
+
+def setup(app: Any) -> None:
+    """Formulas in docstrings have bars and stars that reStructuredText would take for markup."""
+
+    def escape(*arguments: Any) -> None:
+        lines = arguments[-1]
+        text = re.split(r"(``[^`]*``)", "\n".join(lines))
+        text[::2] = [re.sub(r"([|*])", r"\\\1", words) for words in text[::2]]
+        lines[:] = "".join(text).split("\n")
+
+    app.connect("autodoc-process-docstring", escape, priority=100)

@@ -6,10 +6,14 @@ from __future__ import annotations
 class InputError(ValueError):
     """An input that cannot be used, told in one printable line.
 
-    found : what was found and what was expected.
-    remedy : what to do about it.
-    where : the file, line or field; put in front of the message.
-    All three stay readable as attributes, so that a program can show them its own way.
+    Attributes
+    ----------
+    found : str
+        What was found and what was expected.
+    remedy : str
+        What to do about it.
+    where : str
+        The file, line or field; put in front of the message.
     """
 
     def __init__(self, found: str, remedy: str = "", where: str = "") -> None:

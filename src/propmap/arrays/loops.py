@@ -29,7 +29,10 @@ _IN_ONE_FUNCTION: contextvars.ContextVar[int | None] = contextvars.ContextVar(
 def in_one_function(together: int) -> Iterator[None]:
     """Within it programs are traced to be compiled as one function, see ``engine.lanes``.
 
-    together : terms of a mean that are computed side by side, see ``TOGETHER``.
+    Parameters
+    ----------
+    together : int
+        Terms of a mean that are computed side by side, see ``TOGETHER``.
     """
     token = _IN_ONE_FUNCTION.set(together)
     try:
@@ -101,7 +104,7 @@ def _entries(values: Any) -> list[Any]:
 def mean_over(term: Callable[[Any], Value], values: Any, count: Any) -> Value:
     """The mean of ``term(v)``, a tree of arrays, over the first ``count`` of ``values``.
 
-    values : (n,), and count an integer; or (n, B), and count (B,): each column has its own.
+    ``values`` are (n,) and ``count`` an integer, or (n, B) and (B,): each column has its own.
     """
     if on_numpy():
         # All at once, along a new first axis.

@@ -19,10 +19,15 @@ from propmap.arrays.namespace import Array, Value, on_accelerator, on_numpy
 def materialize(function: Callable[[], Value], scalar: Array) -> Value:
     """What ``function`` gives, computed once for all that use it.
 
-    function : without arguments; its result is a tree of arrays.  scalar : any number at hand.
-
     A branch that is always taken, as far as the compiler cannot tell, is a barrier that XLA
     keeps; it removes ``lax.optimization_barrier`` too early.
+
+    Parameters
+    ----------
+    function : callable
+        Without arguments; its result is a tree of arrays.
+    scalar : Array
+        Any number at hand.
     """
     if on_numpy() or on_accelerator():
         return function()

@@ -89,8 +89,14 @@ class custom_jvp:  # noqa: N801 - named like the decorator of JAX that it stands
 def entry(values: Array, k: Array) -> Array:
     """``values[k]`` along the first axis, a k for each of the other axes' places.
 
-    values : (n, ...).  k : integers of the other axes' shape, 0 <= k < n.
     By a mask and a sum: XLA makes three kernels of a gather.
+
+    Parameters
+    ----------
+    values : Array, shape (n, ...)
+        What to choose from.
+    k : Array, shape (...)
+        Integers, 0 <= k < n.
     """
     if on_numpy():
         found: Any = np.take_along_axis(np.asarray(values), np.asarray(k)[None], axis=0)[0]

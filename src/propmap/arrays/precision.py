@@ -12,13 +12,20 @@ from propmap.arrays.namespace import Array
 class Precision(NamedTuple):
     """All relative to the sizes at hand [-].
 
-    safe_step : of the walk to a root, after which Newton's steps follow.
-    newton_step : after which a root is taken as found.
-    left_over : what a Newton step leaves, by the curvature: for float64 most steps of 1e-7 are the
-    last.
-    residual : largest accepted residual, of the terms of (11).
-    difference : step of the differences by which folds are followed.
-    fold : change of a fold's radius after which it is taken as found; of a shoulder, ``shoulder``.
+    Attributes
+    ----------
+    safe_step : float
+        Of the walk to a root, after which Newton's steps follow.
+    newton_step : float
+        After which a root is taken as found.
+    left_over : float
+        What a Newton step leaves, by the curvature: for float64 most steps of 1e-7 are the last.
+    residual : float
+        Largest accepted residual, of the terms of (11).
+    difference : float
+        Step of the differences by which folds are followed.
+    fold, shoulder : float
+        Change of the radius of a fold, or shoulder, after which it is taken as found.
     """
 
     safe_step: float

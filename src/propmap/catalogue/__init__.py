@@ -25,8 +25,16 @@ SUFFIX = ".toml"
 class Entry:
     """One line of the catalogue: what a propeller is, without its blade.
 
-    name : by which it is loaded.  title : as its maker calls it.  family : code of its series.
-    blades : number of blades.  diameter_m : [m].  source : where the geometry is from.
+    Attributes
+    ----------
+    name, title, family : str
+        By which it is loaded, as its maker calls it, and the code of its series.
+    blades : int
+        Number of blades.
+    diameter_m : float
+        Diameter [m].
+    source : str
+        Where the geometry is from.
     """
 
     name: str
@@ -66,10 +74,7 @@ def load(name: str) -> Propeller:
 
 
 def load_file(path: str | os.PathLike[str]) -> Propeller:
-    """A propeller from a file of one's own in the format of the catalogue.
-
-    Raises ``InputError``.
-    """
+    """A propeller from a file of one's own, at ``path``, in the format of the catalogue."""
     return read_propeller_toml(path)
 
 

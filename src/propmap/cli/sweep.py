@@ -55,7 +55,7 @@ def sweep(
     loads = _compute(rotor, points)
     if output.suffix.lower() == ".nc":
         from propmap.cli.sweep_dataset import dataset
-        from propmap.io.netcdf_file import write_dataset
+        from propmap.io.atomic_file import write_dataset
 
         command = shlex.join(["propmap", *context.obj])
         write_dataset(dataset(rotor, axes, loads, command), output)

@@ -5,9 +5,6 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 
-import numpy as np
-
-from propmap.arrays.types import Floats
 from propmap.errors import InputError, quoted
 from propmap.io.blade_table import (
     GIVE_BLADES,
@@ -16,6 +13,7 @@ from propmap.io.blade_table import (
     check_radius,
     parse_blades,
     parse_number,
+    parse_rows,
 )
 from propmap.io.text_file import read_lines
 from propmap.model.blade_check import check_root_cutout, twist_from_degrees
@@ -36,14 +34,26 @@ def read_apc_pe0(
 
     TWIST is the angle of the line from leading to trailing edge.  The blade is loaded from the
     first station, or from the hub transition (HUBTRA) where that lies further out.
-    blades : replaces BLADES of the file; radius [m] : must agree with the file.
-    Raises ``InputError``.
+
+    Parameters
+    ----------
+    path : path
+        Of the file.
+    blades : int, optional
+        Replaces BLADES of the file.
+    radius : float, optional
+        Tip radius [m], which must agree with the file.
+
+    Raises
+    ------
+    InputError
+        For a file that is none, or describes no blade.
     """
     where = os.fspath(path)
     lines = read_lines(path)
     header = _header_line(lines, where)
-    columns = _columns(lines, header, where)
-    labels, table = _rows(lines, header, columns, where)
+    names = _column_names(lines, header, where)
+    labels, table = parse_rows(_rows(lines, header), names, tuple(UNITS), where)
     trailer = _trailer(lines[header:])
     if blades is None:
         if "BLADES" not in trailer:
@@ -80,11 +90,10 @@ def _header_line(lines: Sequence[str], where: str) -> int:
     )
 
 
-def _columns(lines: Sequence[str], header: int, where: str) -> list[int]:
-    """Where station, chord and twist stand; checked against the units on the next line."""
+def _column_names(lines: Sequence[str], header: int, where: str) -> list[str]:
+    """Of all columns, once the units of station, chord and twist on the next line are right."""
     names = lines[header].split()
     units = lines[header + 1].split() if header + 1 < len(lines) else []
-    columns = []
     for name, unit in UNITS.items():
         if name not in names:
             raise InputError(
@@ -98,35 +107,19 @@ def _columns(lines: Sequence[str], header: int, where: str) -> list[int]:
                 "convert the column, or write the geometry as CSV",
                 where,
             )
-        columns.append(index)
-    return columns
+    return names
 
 
-def _rows(
-    lines: Sequence[str], header: int, columns: Sequence[int], where: str
-) -> tuple[list[str], Floats]:
-    """Labels of the rows, and station [in], chord [in], twist [deg] with shape (n, 3)."""
-    width = len(lines[header].split())
-    labels: list[str] = []
-    values: list[list[float]] = []
+def _rows(lines: Sequence[str], header: int) -> list[tuple[int, list[str]]]:
+    """Numbers and cells of the lines below the units, up to the first that is no row."""
+    rows: list[tuple[int, list[str]]] = []
     for number, line in enumerate(lines[header + 2 :], header + 3):
         cells = line.split()
-        if not cells and not values:
-            continue
-        if not cells or cells[0].endswith(":"):
+        if cells and not cells[0].endswith(":"):
+            rows.append((number, cells))
+        elif cells or rows:
             break
-        if len(cells) != width:
-            raise InputError(
-                f"line {number}: found {len(cells)} figures, expected {width}",
-                "complete the row or remove it",
-                where,
-            )
-        place = f"{where}: line {number}"
-        labels.append(f"line {number}")
-        values.append(
-            [parse_number(cells[i], name, place) for i, name in zip(columns, UNITS, strict=True)]
-        )
-    return labels, np.array(values, dtype=np.float64).reshape(-1, len(UNITS))
+    return rows
 
 
 def _trailer(lines: Sequence[str]) -> dict[str, str]:

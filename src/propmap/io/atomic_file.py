@@ -6,6 +6,10 @@ import os
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import xarray
 
 
 @contextmanager
@@ -27,3 +31,12 @@ def replacing(path: Path) -> Iterator[Path]:
     finally:
         with suppress(OSError):
             part.unlink(missing_ok=True)
+
+
+def write_dataset(dataset: xarray.Dataset, path: Path) -> None:
+    """Write a dataset as NetCDF, whole or not at all.
+
+    It is made in memory first: where a disk is full, the HDF5 library ends the process.
+    """
+    with replacing(path) as part:
+        part.write_bytes(dataset.to_netcdf(engine="h5netcdf"))

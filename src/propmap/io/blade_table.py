@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
@@ -44,10 +44,60 @@ def parse_blades(text: str, where: str) -> int:
     return check_blades(count, where)
 
 
+def parse_rows(
+    rows: Iterable[tuple[int, Sequence[str]]],
+    header: Sequence[str],
+    columns: Sequence[str],
+    where: str,
+    doubled: str = "",
+) -> tuple[list[str], Floats]:
+    """The numbers of a table, and "line 7" for each of its rows.
+
+    Parameters
+    ----------
+    rows : iterable
+        Number of the line, from 1, and its cells.
+    header, columns : sequence of str
+        Names of all columns, and of those wanted.
+    where : str
+        The file, for messages.
+    doubled : str
+        Begins the remedy where a row has twice the cells.
+
+    Returns
+    -------
+    labels : list of str
+        n of them.
+    table : ndarray, shape (n, columns)
+        As written in the file.
+    """
+    labels: list[str] = []
+    table: list[list[float]] = []
+    for number, cells in rows:
+        place = f"{where}: line {number}"
+        if len(cells) != len(header):
+            hint = doubled if len(cells) == 2 * len(header) else ""
+            raise InputError(
+                f"found {len(cells)} figures, expected {len(header)}",
+                f"{hint}complete the row or remove it",
+                place,
+            )
+        labels.append(f"line {number}")
+        table.append([parse_number(cells[header.index(name)], name, place) for name in columns])
+    return labels, np.array(table, dtype=np.float64).reshape(-1, len(columns))
+
+
 def check_radius(own: float, given: float, where: str, tolerance: float | None = None) -> None:
     """Raise ``InputError`` unless ``given`` repeats the radius that the geometry has.
 
-    own, given : tip radius [m]; tolerance : largest difference [m], 0.1 % where none is given.
+    Parameters
+    ----------
+    own, given : float
+        Tip radius [m].
+    where : str
+        The file, for the message.
+    tolerance : float, optional
+        Largest difference [m]; by default 0.1 %.
     """
     limit = RADIUS_TOLERANCE * own if tolerance is None else tolerance
     if not abs(given - own) <= limit:
@@ -94,16 +144,28 @@ def build_propeller(
     station: Floats,
     chord: Floats,
     twist: Floats,
-    root_cutout: float | None = None,
     source: str = "",
     citation: str = "",
 ) -> Propeller:
     """A ``Propeller`` whose faults are reported with the file and the line they are in.
 
-    station, chord : shape (n,) [m]; twist : shape (n,) [rad]; labels : "line 7" for each row.
+    Parameters
+    ----------
+    path : str
+        The file.
+    labels : sequence of str
+        "line 7" for each row.
+    name, source, citation : str
+        As in ``Propeller``.
+    blades : int or None
+        None where the file gives no number, which is refused.
+    station, chord : ndarray, shape (n,)
+        [m].
+    twist : ndarray, shape (n,)
+        [rad].
     """
     check_blade(station, chord, twist, path, labels)
     if blades is None:
         raise InputError("the file gives no number of blades", GIVE_BLADES, path)
     count = check_blades(blades, path)
-    return Propeller(name, count, station, chord, twist, root_cutout, source, citation)
+    return Propeller(name, count, station, chord, twist, None, source, citation)

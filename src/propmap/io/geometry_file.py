@@ -27,7 +27,18 @@ def read_geometry_file(
     """A propeller from a file in any format that propmap reads.
 
     The format is told by the content; the name of the file plays no part.
-    blades, radius [m] : as in the reader of that format.  Raises ``InputError``.
+
+    Parameters
+    ----------
+    path : path
+        Of the file.
+    blades, radius : int, float, optional
+        As in the reader of that format; ``radius`` in [m].
+
+    Raises
+    ------
+    InputError
+        For a file in no format that is known, or with faults.
     """
     where = os.fspath(path)
     kind = recognise(read_lines(path), where)

@@ -18,6 +18,7 @@ from propmap.io.blade_table import (
     check_radius,
     parse_blades,
     parse_number,
+    parse_rows,
     usable_radius,
 )
 from propmap.io.text_file import read_lines
@@ -40,18 +41,37 @@ def read_propeller_csv(
     One column each of radius_m, radius_mm, radius_in or r_over_R; chord_m, chord_mm, chord_in
     or c_over_R; twist_deg or twist_rad.  Lines that start with # are comments, in which
     ``# blades: 3``, ``# radius_m: 0.1``, ``# name:``, ``# source:`` and ``# citation:`` count.
-    blades : replaces the file's; radius [m] : needed for r_over_R where the file gives none.
-    Raises ``InputError``.
+
+    Parameters
+    ----------
+    path : path
+        Of the file.
+    blades : int, optional
+        Replaces the file's.
+    radius : float, optional
+        Tip radius [m], needed for r_over_R where the file gives none.
+
+    Raises
+    ------
+    InputError
+        Naming the line or the column.
     """
     where = os.fspath(path)
     numbered = [(n, line) for n, line in enumerate(read_lines(path), 1) if line.strip()]
     stated = _comments([line for _, line in numbered])
     body = [(n, line) for n, line in numbered if not line.lstrip().startswith("#")]
     if not body:
-        raise InputError("found comments only", _columns_remedy(), where)
+        remedy = "name the columns, for example radius_m,chord_m,twist_deg"
+        raise InputError("found comments only", remedy, where)
     header = _cells(body[0][1], f"{where}: line {body[0][0]}")
     columns = _choose_columns(header, f"{where}: line {body[0][0]}")
-    labels, table = _rows(body[1:], header, columns, where)
+    if len(body) == 1:
+        raise InputError(
+            "found a header and no rows", "give one row per station of the blade", where
+        )
+    rows = [(number, _cells(line, f"{where}: line {number}")) for number, line in body[1:]]
+    wanted = tuple(columns.values())
+    labels, table = parse_rows(rows, header, wanted, where, "use a decimal point, and ")
     if "radius_m" in stated:
         place = f"{where}: # radius_m"
         in_file = usable_radius(parse_number(stated["radius_m"], "the radius", place), place)
@@ -113,37 +133,17 @@ def _choose_columns(header: Sequence[str], where: str) -> dict[str, str]:
     for quantity, names in QUANTITIES.items():
         found = [cell for cell in header if cell in names]
         if not found:
-            raise InputError(f"no column gives the {quantity}", f"add {_one_of(names)}", where)
+            raise InputError(
+                f"no column gives the {quantity}",
+                f"add {', '.join(names[:-1])} or {names[-1]}",
+                where,
+            )
         if len(found) > 1:
             raise InputError(
                 f"{' and '.join(found)} both give the {quantity}", "keep one of them", where
             )
         chosen[quantity] = found[0]
     return chosen
-
-
-def _rows(
-    body: Sequence[tuple[int, str]], header: Sequence[str], columns: dict[str, str], where: str
-) -> tuple[list[str], Floats]:
-    """Labels of the rows, and station, chord, twist as written, shape (n, 3)."""
-    if not body:
-        raise InputError(
-            "found a header and no rows", "give one row per station of the blade", where
-        )
-    places = [(name, header.index(name)) for name in columns.values()]
-    rows: list[list[float]] = []
-    for number, line in body:
-        place = f"{where}: line {number}"
-        cells = _cells(line, place)
-        if len(cells) != len(header):
-            decimal = "use a decimal point, and " if len(cells) == 2 * len(header) else ""
-            raise InputError(
-                f"found {len(cells)} cells, expected {len(header)}",
-                f"{decimal}complete the row or remove it",
-                place,
-            )
-        rows.append([parse_number(cells[i], name, place) for name, i in places])
-    return [f"line {number}" for number, _ in body], np.array(rows, dtype=np.float64)
 
 
 def _lengths(
@@ -166,11 +166,3 @@ def _lengths(
         with np.errstate(over="ignore"):
             return station, table[:, 1] * tip
     return station, table[:, 1] * LENGTH_UNITS[columns["chord"].removeprefix("chord_")]
-
-
-def _one_of(names: Sequence[str]) -> str:
-    return f"{', '.join(names[:-1])} or {names[-1]}"
-
-
-def _columns_remedy() -> str:
-    return "name the columns, for example radius_m,chord_m,twist_deg"

@@ -27,7 +27,19 @@ def read_propeller_toml(
 ) -> Propeller:
     """A propeller from a file in the format of the catalogue.
 
-    blades : replaces the file's; radius [m] : must agree with the file.  Raises ``InputError``.
+    Parameters
+    ----------
+    path : path
+        Of the file.
+    blades : int, optional
+        Replaces the file's.
+    radius : float, optional
+        Tip radius [m], which must agree with the file.
+
+    Raises
+    ------
+    InputError
+        Naming the field.
     """
     where = os.fspath(path)
     return parse_propeller_toml("\n".join(read_lines(path)), where, blades, radius)

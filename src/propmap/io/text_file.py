@@ -14,9 +14,18 @@ MAX_BYTES = 5_000_000
 def read_lines(path: str | os.PathLike[str], content: str = "geometry") -> list[str]:
     """The lines of the UTF-8 text file at ``path``, without their line ends.
 
-    content : what kind of file is expected, for the messages.
-    Raises ``InputError`` for a missing file, a directory, a file above 5 MB, a file that is
-    empty, binary or in another encoding.
+    Parameters
+    ----------
+    path : path
+        Of the file.
+    content : str
+        What kind of file is expected, for the messages.
+
+    Raises
+    ------
+    InputError
+        For a missing file, a directory, a file above 5 MB, and a file that is empty, binary or in
+        another encoding.
     """
     where = os.fspath(path)
     data = _read_bytes(where, content)

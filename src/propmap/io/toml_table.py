@@ -13,8 +13,14 @@ from propmap.errors import InputError, quoted
 class TomlTable:
     """Entries by name; whatever is wrong with one raises ``InputError`` that names it.
 
-    entries : as ``tomllib`` gives them.  where : file and table, for the messages.
-    known : the keys that may occur; any other is refused, with a close one proposed.
+    Parameters
+    ----------
+    entries : mapping
+        As ``tomllib`` gives them.
+    where : str
+        File and table, for the messages.
+    known : sequence of str
+        The keys that may occur; any other is refused, with a close one proposed.
     """
 
     def __init__(self, entries: Mapping[str, Any], where: str, known: Sequence[str]) -> None:
@@ -33,7 +39,7 @@ class TomlTable:
         return key in self.entries
 
     def need(self, key: str, example: str) -> Any:
-        """The entry as it stands; ``example`` : what to write where there is none."""
+        """The entry as it stands; ``example`` is what to write where there is none."""
         if key not in self.entries:
             raise InputError(f"no {key}", f"add {key} = {example}", self.where)
         return self.entries[key]

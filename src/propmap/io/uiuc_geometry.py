@@ -5,13 +5,11 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-import numpy as np
-
 from propmap.errors import InputError, quoted
 from propmap.io.blade_table import (
     build_propeller,
     check_fractions,
-    parse_number,
+    parse_rows,
     usable_radius,
 )
 from propmap.io.text_file import read_lines
@@ -31,9 +29,21 @@ def read_uiuc_geometry(
 ) -> Propeller:
     """A propeller from a UIUC geometry file: r/R, c/R and beta in degrees.
 
-    blades : 2 where none is given, as for nearly all of that database.
-    radius : tip radius [m], which these files do not hold.
-    Nothing is extended: the last row must be the tip, r/R = 1.  Raises ``InputError``.
+    Nothing is extended: the last row must be the tip, r/R = 1.
+
+    Parameters
+    ----------
+    path : path
+        Of the file.
+    blades : int, optional
+        By default 2, as for nearly all of that database.
+    radius : float
+        Tip radius [m], which these files do not hold.
+
+    Raises
+    ------
+    InputError
+        Naming the line.
     """
     where = os.fspath(path)
     lines = read_lines(path)
@@ -46,28 +56,14 @@ def read_uiuc_geometry(
             where,
         )
     tip = usable_radius(radius, where)
-    labels: list[str] = []
-    rows: list[list[float]] = []
-    for number, line in enumerate(lines[start + 1 :], start + 2):
-        cells = line.split()
-        if not cells:
-            continue
-        if len(cells) != len(HEADER):
-            raise InputError(
-                f"line {number}: found {len(cells)} figures, expected {len(HEADER)}",
-                "complete the row or remove it",
-                where,
-            )
-        place = f"{where}: line {number}"
-        labels.append(f"line {number}")
-        rows.append(
-            [parse_number(cell, name, place) for cell, name in zip(cells, HEADER, strict=True)]
-        )
+    rows = [
+        (n, line.split()) for n, line in enumerate(lines[start + 1 :], start + 2) if line.strip()
+    ]
     if not rows:
         raise InputError(
             "found a header and no rows", "give one row per station of the blade", where
         )
-    table = np.array(rows, dtype=np.float64)
+    labels, table = parse_rows(rows, HEADER, HEADER, where)
     check_fractions(table[:, 0], where, labels)
     return build_propeller(
         where,

@@ -53,7 +53,8 @@ def _rise_jvp(primals, tangents):  # type: ignore[no-untyped-def]
 def vortex_ring_weight(v_axial: Array, v_inplane: Array, v_hover: Array) -> Array:
     """Share of ``vortex_ring_inflow`` in the inflow used [-], twice differentiable.
 
-    v_axial, v_inplane, v_hover [m/s] of one shape.  Zero outside the vortex-ring region.
+    Zero outside the vortex-ring region; ``v_axial``, ``v_inplane`` and ``v_hover`` [m/s] are of one
+    shape.
     """
     v_h = xp.maximum(v_hover, 1e-9)
     z, x = v_axial / v_h, v_inplane / v_h
@@ -70,10 +71,13 @@ _MEASURED = (-1.125, -1.372, -1.718, -0.655)
 def vortex_ring_inflow(v_axial: Array, v_hover: Array) -> Array:
     """Inflow [m/s] in the vortex ring, (12) times Leishman's fit; shape of v_axial.
 
-    v_axial : V cos(beta) [m/s].  v_hover : static inflow (12) [m/s].
-
     The fit holds for -2 <= V cos(beta)/v_h <= 0 and is held at its ends outside, where
     ``vortex_ring_weight`` gives it no weight.
+
+    Parameters
+    ----------
+    v_axial, v_hover : Array
+        V cos(beta), and static inflow (12) [m/s].
     """
     z = xp.clip(v_axial / xp.maximum(v_hover, 1e-9), EXIT, 0.0)
     k1, k2, k3, k4 = _MEASURED

@@ -80,9 +80,9 @@ class Wake(NamedTuple):
         return not self.factors
 
     def least_factor(self, at: Annulus, highest: Array) -> Array:
-        """What the momentum's thrust is multiplied by at least where U_P >= 0 [-].
+        """What the momentum's thrust ``at`` an annulus is multiplied by at least [-].
 
-        highest : v_i [m/s] up to which that holds.
+        That is for U_P >= 0 and v_i up to ``highest`` [m/s].
         """
         least = xp.ones_like(highest)
         for factor in self.factors:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import xarray
 
-from propmap.io.netcdf_file import write_dataset
+from propmap.io.atomic_file import write_dataset
 from propmap.loads import LOADS
 
 if TYPE_CHECKING:

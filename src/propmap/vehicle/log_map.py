@@ -75,7 +75,7 @@ class LogMap:
         return f"{self.file}: [log]"
 
     def stated(self, key: str) -> str:
-        """What is stated of a key of ``CHOICES``; raises ``InputError`` if nothing is."""
+        """What is stated of a ``key`` of ``CHOICES``; ``InputError`` if nothing is."""
         value: str | None = getattr(self, key)
         if value is None:
             listed = " or ".join(f'"{choice}"' for choice in CHOICES[key])

@@ -125,7 +125,7 @@ class SectionLaw(Protocol):
         ...
 
     def attached_share(self, angle: Array) -> Array:
-        """How much of the flow is attached [-], 1 far from stall; angle from zero lift [rad]."""
+        """Share of attached flow [-], 1 far from stall; ``angle`` from zero lift [rad]."""
         ...
 
     def bounds(self) -> LawBounds:

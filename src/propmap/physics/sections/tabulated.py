@@ -72,7 +72,7 @@ class TabulatedLaw(NamedTuple):
         return self._replace(**{name: getattr(self, name) + d for name, d in changes.items()})
 
     def coefficients(self, flow: SectionFlow) -> Coefficients:
-        """C_L and C_D at the flow's angle and Reynolds number, with their derivatives."""
+        """C_L and C_D at the angle and Reynolds number of a ``flow``, with derivatives."""
         intervals, count = self.knots.shape[0] - 1, self.first.shape[0]
         step = xp.clip((flow.angle + np.pi) * (count / (2.0 * np.pi)), 0, count - 1)
         k = self.first[xp.nan_to_num(step).astype(int)]
