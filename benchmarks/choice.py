@@ -142,7 +142,7 @@ def measured_errors(way: Way) -> dict[str, float]:
     scale = data.air_density / propmap.Air().density
     errors = {}
     for k, name in enumerate(LOADS):
-        truth = getattr(data, name)
+        truth = data.loads[name]
         off = found[k] * scale - truth
         errors[name] = float(np.sqrt(np.nanmean(off**2) / np.mean(truth**2)))
     return errors

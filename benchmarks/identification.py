@@ -30,7 +30,6 @@ from propmap.fit.parameters import PAPER_FOUR, Choice
 from propmap.fit.rows import Rows
 from propmap.fit.tunnel import TunnelData, first_guess, section_with, tunnel_rows
 from propmap.flight.trim import trim
-from propmap.loads import LOADS
 from propmap.model.airfoil import parameter_set
 from propmap.model.model import Model
 from propmap.vehicle.flight_log import FlightLog, pitch_and_roll
@@ -180,8 +179,7 @@ def fit_as_a_process(points: FlightLog) -> dict[str, float]:
 def bundled(name: str) -> TunnelData:
     """Measured loads of the catalogue."""
     m = measurement(name)
-    loads = {n: getattr(m, n) for n in LOADS if getattr(m, n) is not None}
-    return TunnelData(m.name, m.omega, m.speed, m.beta, loads)
+    return TunnelData(m.name, m.omega, m.speed, m.beta, m.loads)
 
 
 def published() -> list[dict[str, Any]]:

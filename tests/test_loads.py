@@ -24,8 +24,8 @@ def test_names_in_files_and_figures_carry_the_unit() -> None:
     assert [load.column for load in LOADS.values()][:3] == ["thrust_N", "drag_N", "torque_Nm"]
     assert LOADS["thrust"].title == "thrust T [N]"
     assert LOADS["roll_moment"].title == "rolling moment [N m]"
-    assert LOADS["roll_moment"].head == "roll [N m]"
-    assert LOADS["roll_moment"].scale_label == "(static thrust R)"
+    assert LOADS["roll_moment"].head == "roll"
+    assert LOADS["roll_moment"].share == "rolling moment / (static thrust R)"
 
 
 def test_errors_are_shares_of_a_static_load_of_their_own_dimension() -> None:

@@ -49,8 +49,8 @@ class Load:
 
     @property
     def head(self) -> str:
-        """A short name with the unit, for the heads of tables: "T [N]"."""
-        return f"{self.symbol or self.name.partition('_')[0]} [{self.unit}]"
+        """A short name, for the heads of tables: "T"."""
+        return self.symbol or self.name.partition("_")[0]
 
     @property
     def title(self) -> str:
@@ -63,10 +63,11 @@ class Load:
         return self.unit == "N m"
 
     @property
-    def scale_label(self) -> str:
-        """What errors are shares of, in words."""
+    def share(self) -> str:
+        """Its error as a share, in words: "thrust / static thrust"."""
         static = f"static {self.scale}"
-        return static if self.unit == LOADS[self.scale].unit else f"({static} R)"
+        whole = static if self.unit == LOADS[self.scale].unit else f"({static} R)"
+        return f"{self.label} / {whole}"
 
 
 LOADS = {

@@ -11,6 +11,7 @@ import pytest
 from propmap import catalogue
 from propmap.catalogue.measurements import measurement, measurement_names
 from propmap.errors import InputError
+from propmap.loads import LOADS
 
 DATA = Path(__file__).resolve().parents[3] / "shared" / "data"
 with_data = pytest.mark.skipif(not DATA.is_dir(), reason="the published data are not here")
@@ -25,9 +26,10 @@ def test_columns_belong_together(name: str) -> None:
     assert np.all(points.omega > 100.0) and np.all(points.omega < 1100.0)
     assert np.all(points.speed >= 0.0) and np.all(points.speed < 25.0)
     assert np.all(points.beta >= 0.0) and np.all(points.beta < 1.6)
-    for column in (points.thrust, points.torque, points.drag, points.roll_moment):
-        assert column is None or (column.shape == points.omega.shape and np.isfinite(column).all())
-    assert points.thrust is not None and not points.thrust.flags.writeable
+    assert set(points.loads) <= set(LOADS)
+    for column in points.loads.values():
+        assert column.shape == points.omega.shape and np.isfinite(column).all()
+    assert not points.loads["thrust"].flags.writeable
 
 
 def test_names() -> None:
@@ -42,9 +44,9 @@ def test_names() -> None:
 
 
 def test_what_was_not_measured_is_absent() -> None:
-    assert measurement("uiuc-8x6e").drag is None
-    assert measurement("davoudi-8x4.5mr-thrust").torque is None
-    assert measurement("gill-dandrea-2019-8x6e-fit").roll_moment is not None
+    assert set(measurement("uiuc-8x6e").loads) == {"thrust", "torque"}
+    assert set(measurement("davoudi-8x4.5mr-thrust").loads) == {"thrust"}
+    assert "roll_moment" in measurement("gill-dandrea-2019-8x6e-fit").loads
 
 
 @with_data
@@ -52,14 +54,13 @@ def test_uiuc_coefficients_come_back() -> None:
     with (DATA / "uiuc" / "loads.csv").open(newline="") as stream:
         rows = [r for r in csv.DictReader(stream) if r["BladeName"] == "apce 8.0x6.0"]
     points = measurement("uiuc-8x6e")
-    assert points.thrust is not None and points.torque is not None
     n, d = points.omega / (2.0 * np.pi), 0.2032
     published = {key: np.array([float(r[key]) for r in rows]) for key in ("N", "J", "CT", "CP")}
-    power = points.torque * points.omega
+    power = points.loads["torque"] * points.omega
     returned = {
         "N": n * 60.0,
         "J": points.speed / (n * d),
-        "CT": points.thrust / (1.225 * n**2 * d**4),
+        "CT": points.loads["thrust"] / (1.225 * n**2 * d**4),
         "CP": power / (1.225 * n**3 * d**5),
     }
     for key, values in returned.items():
@@ -83,12 +84,9 @@ def test_oblique_rows_come_back(name: str, file: str) -> None:
         "rpm": points.omega * 60.0 / (2.0 * np.pi),
         "speed_mps": points.speed,
         "beta_deg": np.rad2deg(points.beta),
-        "thrust_N": points.thrust,
-        "torque_Nm": points.torque,
-        "drag_N": points.drag,
-        "roll_moment_Nm": points.roll_moment,
+        **{LOADS[name].column: values for name, values in points.loads.items()},
     }
     for key in rows[0]:
-        column = columns[key]
-        assert column is not None
-        np.testing.assert_allclose(column, [float(r[key]) for r in rows], rtol=1e-6, atol=1e-12)
+        np.testing.assert_allclose(
+            columns[key], [float(r[key]) for r in rows], rtol=1e-6, atol=1e-12
+        )

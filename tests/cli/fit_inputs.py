@@ -32,8 +32,7 @@ def picked() -> np.ndarray:
 
 def tunnel_table(rows: np.ndarray, columns: tuple[str, ...] = ("thrust_N", "torque_Nm")) -> str:
     """Rows of the catalogue's measurement as CSV; the air has its own density."""
-    assert UIUC.thrust is not None and UIUC.torque is not None
-    loads = {"thrust_N": UIUC.thrust, "torque_Nm": UIUC.torque}
+    loads = {"thrust_N": UIUC.loads["thrust"], "torque_Nm": UIUC.loads["torque"]}
     density = propmap.Air().density / UIUC.air_density
     lines = [",".join(("rpm", "speed_mps", "beta_deg", *columns))]
     for k in rows:
@@ -45,9 +44,8 @@ def tunnel_table(rows: np.ndarray, columns: tuple[str, ...] = ("thrust_N", "torq
 
 def uiuc_files(folder: Path) -> list[Path]:
     """The same rows in the layout of the UIUC database."""
-    assert UIUC.thrust is not None and UIUC.torque is not None
     size = UIUC.air_density * TURNS**2 * DIAMETER**4
-    ct, cp = UIUC.thrust / size, UIUC.torque * 2.0 * np.pi / (size * DIAMETER)
+    ct, cp = UIUC.loads["thrust"] / size, UIUC.loads["torque"] * 2.0 * np.pi / (size * DIAMETER)
     rows = picked()
     flying, static = rows[UIUC.speed[rows] > 0.0], rows[UIUC.speed[rows] == 0.0]
     advance = UIUC.speed / (TURNS * DIAMETER)

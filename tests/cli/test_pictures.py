@@ -38,7 +38,7 @@ def test_map_with_measured_points(run: Run, tmp_path: Path) -> None:
     done = run("plot", "map", *ROTOR, *ranges, "--measured", measured, "-o", path)
     assert done.code == 0, done.err
     text = path.read_text()
-    for label in ("thrust T [N]", "rotor drag D [N]", "torque [N m]", "V [m/s]", "hover model"):
+    for label in ("thrust T [N]", "rotor drag D [N]", "torque Q [N m]", "V [m/s]", "hover model"):
         assert label in text
     assert "tunnel" in text
 
@@ -56,7 +56,7 @@ def test_error_figures() -> None:
     truth, found = np.array([3.0, -4.0, 9.0]), np.array([4.0, -4.0, 0.0])
     other = np.zeros(3)
     axes = (other, other, other)
-    data = Measurement("d", "p", "fit", 1.2, "", "", *axes, truth, None, None, None)
+    data = Measurement("d", "p", "fit", 1.2, "", "", *axes, {"thrust": truth})
     both = Comparison(data, {"thrust": truth}, {"thrust": found}, {"thrust": other}, other)
     (errors,) = both.errors(np.array([True, True, False]))
     assert (errors.load, errors.unit, errors.points) == ("thrust", "N", 2)

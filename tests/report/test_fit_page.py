@@ -66,7 +66,7 @@ def test_every_speed_has_its_own_answer() -> None:
 def test_what_was_not_fitted_is_said() -> None:
     outside = lead(record())[1]
     assert isinstance(outside, Verdict)
-    assert "torque and rotor drag and rolling moment" in outside.text
+    assert "rotor drag and torque and rolling moment" in outside.text
     assert "factor of two" in outside.text
     flown = lead(record(kind="flight", loads=[load("force_z", 0.02, 0.3)]))[1]
     assert isinstance(flown, Verdict)

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from propmap.errors import InputError
+from propmap.loads import LOADS
 
 if TYPE_CHECKING:
     from propmap.rotor import Rotor
@@ -21,8 +22,12 @@ REFERENCE_TIP_SPEED = 60.0
 class HoverModel:
     """Loads from the rotational speed alone; no drag, whatever the flight speed.
 
-    k_thrust : k_T [N s^2].  k_torque : k_tau [N m s^2].
-    omega : rotational speed [rad/s] at which the rotor gave these constants.
+    Attributes
+    ----------
+    k_thrust, k_torque : float
+        k_T [N s^2] and k_tau [N m s^2].
+    omega : float
+        Rotational speed at which the rotor gave these constants [rad/s].
     """
 
     k_thrust: float
@@ -31,11 +36,20 @@ class HoverModel:
 
     @classmethod
     def of(cls, rotor: Rotor, omega: float | None = None) -> HoverModel:
-        """The constants of a rotor at V = 0.
+        """Take the constants from a rotor at V = 0.
 
-        omega : [rad/s]; by default that of a tip speed of 60 m/s.  The constants depend on it
-        through the Reynolds number alone, by about 0.1 % from 4000 to 8000 rpm.
-        Raises ``InputError`` unless omega is positive.
+        Parameters
+        ----------
+        rotor : Rotor
+            The rotor.
+        omega : float, optional
+            Rotational speed [rad/s], by default that of a tip speed of 60 m/s.  The constants
+            depend on it through the Reynolds number alone, by about 0.1 % from 4000 to 8000 rpm.
+
+        Raises
+        ------
+        InputError
+            Unless omega is positive.
         """
         omega = (
             REFERENCE_TIP_SPEED / rotor.model.propeller.radius if omega is None else float(omega)
@@ -52,3 +66,9 @@ class HoverModel:
     def torque(self, omega: ArrayLike) -> NDArray[np.float64]:
         """Torque [N m] at omega [rad/s], any shape."""
         return np.asarray(self.k_torque * np.square(omega))
+
+    def loads(self, omega: ArrayLike) -> dict[str, NDArray[np.float64]]:
+        """Every load by name [N], [N m] at omega [rad/s]; zero where the model has none."""
+        none = np.zeros_like(omega, dtype=np.float64)
+        known = {"thrust": self.thrust(omega), "torque": self.torque(omega)}
+        return {name: known.get(name, none) for name in LOADS}

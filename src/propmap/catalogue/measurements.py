@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import difflib
+from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib.resources import files
 
 from propmap.arrays.types import Floats
 from propmap.errors import InputError, quoted
 from propmap.io.propeller_toml import float_array, parse_toml
+from propmap.loads import LOADS
 
 SCHEMA = 1
 SUFFIX = ".toml"
@@ -18,12 +20,20 @@ SUFFIX = ".toml"
 class Measurement:
     """Loads of one propeller at n operating points, as published.
 
-    propeller : its name in the catalogue.
-    kind : "measured" points, points "digitised" from a figure, or a published "fit".
-    air_density : [kg/m^3].
-    omega [rad/s], speed [m/s], beta [rad] : shape (n,), the operating points.
-    thrust [N], torque [N m], drag [N], roll_moment [N m] : shape (n,), None where not given.
-    note : what was done to the figures.  citation : whom to cite.
+    Attributes
+    ----------
+    name, propeller : str
+        Names of the measurement and of the propeller in the catalogue.
+    kind : str
+        "measured" points, points "digitised" from a figure, or a published "fit".
+    air_density : float
+        [kg/m^3].
+    note, citation : str
+        What was done to the figures, and whom to cite.
+    omega, speed, beta : ndarray, shape (n,)
+        The operating points [rad/s], [m/s], [rad].
+    loads : mapping of str to ndarray, shape (n,)
+        Those published, by their names in ``propmap.loads.LOADS`` [N], [N m].
     """
 
     name: str
@@ -35,10 +45,7 @@ class Measurement:
     omega: Floats
     speed: Floats
     beta: Floats
-    thrust: Floats | None
-    torque: Floats | None
-    drag: Floats | None
-    roll_moment: Floats | None
+    loads: Mapping[str, Floats]
 
 
 def measurement_names() -> list[str]:
@@ -60,13 +67,10 @@ def measurement(name: str) -> Measurement:
     file = files("propmap.catalogue") / "measurements" / f"{key}{SUFFIX}"
     fields = parse_toml(file.read_text(encoding="utf-8"), where, SCHEMA)
 
-    def required(column: str) -> Floats:
-        array = float_array(fields[column], column, where)
-        array.flags.writeable = False
-        return array
-
-    def optional(column: str) -> Floats | None:
-        return required(column) if column in fields else None
+    def array(column: str) -> Floats:
+        values = float_array(fields[column], column, where)
+        values.flags.writeable = False
+        return values
 
     return Measurement(
         name=key,
@@ -75,11 +79,8 @@ def measurement(name: str) -> Measurement:
         air_density=float(fields["air_density"]),
         note=fields["note"],
         citation=fields["citation"],
-        omega=required("omega_rad_s"),
-        speed=required("speed_m_s"),
-        beta=required("beta_rad"),
-        thrust=optional("thrust_N"),
-        torque=optional("torque_Nm"),
-        drag=optional("drag_N"),
-        roll_moment=optional("roll_moment_Nm"),
+        omega=array("omega_rad_s"),
+        speed=array("speed_m_s"),
+        beta=array("beta_rad"),
+        loads={n: array(load.column) for n, load in LOADS.items() if load.column in fields},
     )

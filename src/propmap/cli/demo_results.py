@@ -16,9 +16,10 @@ from propmap.catalogue.lookup import propeller
 from propmap.catalogue.measurements import measurement
 from propmap.cli.operating_points import RPM
 from propmap.cli.output import csv_text, json_text, write_text
+from propmap.loads import LOADS
 from propmap.model.airfoil import parameter_set
 from propmap.model.model import Model
-from propmap.report.comparison import LOADS, Comparison, LoadErrors, compare
+from propmap.report.comparison import Comparison, LoadErrors, compare
 from propmap.rotor import Rotor
 
 PROPELLER, AIRFOIL = "apc-8x6e", "paper-apc"
@@ -27,7 +28,6 @@ CURVES = np.radians([0.0, 30.0, 60.0, 90.0])
 DISK = (4000.0 * RPM, 14.0, np.radians(80.0))
 """An operating point with stall and reverse flow to be seen: [rad/s], [m/s], [rad]."""
 
-UNIT_ENDINGS = {"thrust": "N", "drag": "N", "torque": "Nm", "roll_moment": "Nm"}
 REPEATS = 3
 
 COPIES = 10
@@ -189,7 +189,7 @@ def _rows(both: Comparison) -> list[dict[str, Any]]:
     }
     none = [None] * data.omega.size
     for load in LOADS:
-        ending = f"{load}_{UNIT_ENDINGS[load]}"
+        ending = LOADS[load].column
         measured = both.measured.get(load)
         columns[f"measured_{ending}"] = none if measured is None else measured.tolist()
         columns[f"predicted_{ending}"] = both.predicted[load].tolist()

@@ -10,6 +10,7 @@ import numpy as np
 
 from propmap.arrays.types import Floats
 from propmap.errors import InputError
+from propmap.loads import LOADS
 
 if TYPE_CHECKING:
     from propmap.rotor import Loads, Rotor
@@ -21,10 +22,7 @@ COLUMNS = (
     "rpm",
     "speed_mps",
     "beta_deg",
-    "thrust_N",
-    "drag_N",
-    "torque_Nm",
-    "roll_moment_Nm",
+    *(load.column for load in LOADS.values()),
     "power_W",
     "status",
 )
@@ -66,7 +64,7 @@ class OperatingPoints:
 
     def rows(self, loads: Loads) -> list[dict[str, Any]]:
         """One mapping of ``COLUMNS`` per point; None where a load is not a number."""
-        numbers = (loads.thrust, loads.drag, loads.torque, loads.roll_moment, loads.power)
+        numbers = (*(getattr(loads, name) for name in LOADS), loads.power)
         given = (self.rpm, self.speed_mps, self.beta_deg)
         columns = [values.tolist() for values in (*given, *numbers)]
         status = loads.status.tolist()

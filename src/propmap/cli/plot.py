@@ -119,7 +119,7 @@ def _measured(path: Path, rpm: float) -> MeasuredLoads:
     if not mine.any():
         near = points.rpm[np.argmin(np.abs(points.rpm - rpm))]
         raise InputError(f"no row is within 1 % of {rpm:g} rpm", f"try --rpm {near:g}", str(path))
-    loads = {name.rpartition("_")[0]: values[mine] for name, values in found.further.items()}
+    loads = {LOAD_COLUMNS[name]: values[mine] for name, values in found.further.items()}
 
     from propmap.report.load_curves import MeasuredLoads
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -13,9 +13,11 @@ from numpy.typing import NDArray
 
 from propmap.cli.operating_points import REMEDIES, OperatingPoints
 from propmap.errors import InputError, quoted
+from propmap.loads import LOADS
 
 POINT_COLUMNS = {"rpm": "rpm", "speed_mps": "speed", "beta_deg": "beta"}
-LOAD_COLUMNS = ("thrust_N", "drag_N", "torque_Nm", "roll_moment_Nm")
+LOAD_COLUMNS = {load.column: name for name, load in LOADS.items()}
+"""Names of loads by their column."""
 
 
 @dataclass(frozen=True)
@@ -29,7 +31,7 @@ class PointsFile:
     further: dict[str, NDArray[np.float64]]
 
 
-def read_points(path: Path, further: Sequence[str] = ()) -> PointsFile:
+def read_points(path: Path, further: Iterable[str] = ()) -> PointsFile:
     """Read ``rpm, speed_mps, beta_deg`` in any order, and ``further`` columns where present.
 
     Other columns are ignored.  Raises ``InputError`` naming the file, the line and the column.

@@ -22,6 +22,7 @@ from propmap.cli.output import (
 from propmap.cli.points_file import read_points
 from propmap.cli.rotor_options import RotorChoice, takes_rotor
 from propmap.errors import InputError
+from propmap.loads import LOADS
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -105,13 +106,13 @@ def _one_point(where: OperatingPoints, loads: Loads, hover: HoverModel) -> Table
 
     (rpm,), (speed,), (beta,) = where.rpm, where.speed_mps, where.beta_deg
     omega = rpm * RPM
-    torque = float(hover.torque(omega))
+    still = hover.loads(omega)
     rows = [
-        ("thrust", loads.thrust[0], "N", _digits(float(hover.thrust(omega)))),
-        ("rotor drag", loads.drag[0], "N", "0"),
-        ("torque", loads.torque[0], "N m", _digits(torque)),
-        ("rolling moment", loads.roll_moment[0], "N m", "0"),
-        ("power", loads.power[0], "W", _digits(torque * omega)),
+        *(
+            (load.label, getattr(loads, name)[0], load.unit, _digits(float(still[name])))
+            for name, load in LOADS.items()
+        ),
+        ("power", loads.power[0], "W", _digits(float(still["torque"]) * omega)),
         ("mean inflow", loads.mean_inflow[0], "m/s", ""),
         ("reverse flow", 100.0 * loads.reverse_flow[0], "% of the disk", ""),
     ]
@@ -131,18 +132,19 @@ def _many_points(where: OperatingPoints, loads: Loads, hover: HoverModel) -> Tab
     from rich.table import Table
 
     table = Table(caption="T h, Q h: thrust and torque of the hover model", caption_justify="left")
-    heads = "rpm|V [m/s]|beta [deg]|T [N]|T h [N]|D [N]|Q [N m]|Q h [N m]|roll [N m]|P [W]"
-    for head in [*heads.split("|"), "reverse [%]", "roots"]:
+    still = hover.loads(where.rpm * RPM)
+    columns = {}
+    for name, load in LOADS.items():
+        columns[f"{load.head} [{load.unit}]"] = getattr(loads, name)
+        if not load.inplane:
+            columns[f"{load.head} h [{load.unit}]"] = still[name]
+    columns |= {"P [W]": loads.power, "reverse [%]": 100.0 * loads.reverse_flow}
+    for head in ("rpm", "V [m/s]", "beta [deg]", *columns, "roots"):
         table.add_column(head, justify="right")
     table.add_column("status", no_wrap=True)
-    omega = where.rpm * RPM
-    numbers = (
-        loads.thrust, hover.thrust(omega), loads.drag, loads.torque, hover.torque(omega),
-        loads.roll_moment, loads.power, 100.0 * loads.reverse_flow,
-    )  # fmt: skip
     for i, status in enumerate(loads.status.tolist()):
         given = (where.rpm[i], where.speed_mps[i], where.beta_deg[i])
-        cells = [f"{v:g}" for v in given] + [_digits(column[i]) for column in numbers]
+        cells = [f"{v:g}" for v in given] + [_digits(column[i]) for column in columns.values()]
         table.add_row(*cells, str(loads.roots[i]), status)
     return table
 

@@ -9,6 +9,7 @@ import numpy as np
 import xarray
 
 import propmap
+from propmap.loads import LOADS
 from propmap.rotor import STATUSES, Loads, Rotor
 
 if TYPE_CHECKING:
@@ -21,10 +22,7 @@ AXES = {
 }
 
 VARIABLES = {
-    "thrust": ("N", "thrust along the axis"),
-    "drag": ("N", "rotor drag, in the disk plane against the in-plane velocity"),
-    "torque": ("N m", "shaft torque"),
-    "roll_moment": ("N m", "moment about the in-plane velocity, positive: advancing side lifted"),
+    **{name: (load.unit, load.meaning) for name, load in LOADS.items()},
     "power": ("W", "shaft power"),
     "mean_inflow": ("m/s", "induced velocity averaged over the disk"),
     "reverse_flow": ("1", "share of the blades' disk that the air meets from behind"),

@@ -16,9 +16,6 @@ from propmap.io.uiuc_loads import looks_like_uiuc_loads, read_uiuc_loads
 from propmap.model.air import Air
 from propmap.model.propeller import Propeller
 
-LOADS = dict(zip(LOAD_COLUMNS, ("thrust", "drag", "torque", "roll_moment"), strict=True))
-"""Names of loads by their column."""
-
 
 def sources(data: Sequence[str]) -> list[Path | str]:
     """Files as paths, measurements of the catalogue by name; ``InputError`` for neither."""
@@ -45,9 +42,8 @@ def read_tunnel(data: Sequence[str], propeller: Propeller, air: Air) -> TunnelDa
 def _read(item: Path | str, propeller: Propeller, air: Air) -> TunnelData:
     if isinstance(item, str):
         m = measurement(item)
-        loads = {n: getattr(m, n) for n in LOADS.values() if getattr(m, n) is not None}
         # As published they are coefficients at this density.
-        loads = {n: v * (air.density / m.air_density) for n, v in loads.items()}
+        loads = {n: v * (air.density / m.air_density) for n, v in m.loads.items()}
         return TunnelData(item, m.omega, m.speed, m.beta, loads)
     if looks_like_uiuc_loads(item):
         c = read_uiuc_loads(item)
@@ -72,5 +68,5 @@ def _read(item: Path | str, propeller: Propeller, air: Air) -> TunnelData:
         points.rpm * RPM,
         points.speed_mps,
         np.radians(points.beta_deg),
-        {LOADS[name]: values for name, values in file.further.items()},
+        {LOAD_COLUMNS[name]: values for name, values in file.further.items()},
     )

@@ -10,7 +10,7 @@ from propmap.export.samples import Errors
 from propmap.loads import LOADS
 from propmap.table.query import LoadTable
 
-SHARES = "thrust and drag of static thrust, torque of static torque, roll moment of thrust x R"
+SHARES = ", ".join(load.share for load in LOADS.values())
 
 
 def note(
@@ -23,9 +23,7 @@ def note(
     """
     parts = [f"propmap export: {target}", *(_fill(p) for p in paragraphs)]
     if found:
-        parts.append(
-            f"Error against the map, as a share of the static load at the same omega\n({SHARES}):"
-        )
+        parts.append(_fill(f"Error against the map, at the same omega: {SHARES}."))
         parts += [error_table(errors) for errors in found]
     else:
         parts.append("Nothing is simplified: the errors are those of the map.")

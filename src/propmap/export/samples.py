@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from propmap.arrays.types import Floats
 from propmap.errors import InputError
-from propmap.loads import LOADS
+from propmap.loads import LOADS, error_scales
 from propmap.table.lookup import VORTEX_RING
 from propmap.table.query import LoadTable
 
@@ -96,14 +96,14 @@ def sample(table: LoadTable) -> Samples:
 def static_loads(table: LoadTable, omega: Floats) -> Floats:
     """What errors are shares of, (n, 4), at omega (n,); see ``Samples``."""
     still = table.loads(omega, 0.0, table.envelope["beta"][0])
-    thrust, torque = np.asarray(still.thrust), np.asarray(still.torque)
-    if not np.isfinite(thrust).all():
+    static = {name: np.asarray(getattr(still, name)) for name in LOADS}
+    if not np.isfinite(static["thrust"]).all():
         least = table.envelope["speed"][0]
         raise InputError(
             f"the map has no loads at rest, its speed begins at {least:g} m/s",
             "this target's model needs hover: build the map with --speed 0:...",
         )
-    return np.stack([thrust, thrust, torque, thrust * table.content.radius], axis=-1)
+    return np.stack(list(error_scales(static, table.content.radius).values()), axis=-1)
 
 
 def middle_omega(table: LoadTable) -> float:

@@ -14,7 +14,7 @@ from propmap.fit.body_forces import body_force
 from propmap.fit.flight import hover_force
 from propmap.fit.parameters import EVERY
 from propmap.fit.residuals import Errors, by_band, errors
-from propmap.fit.tunnel import TunnelData, hover_loads
+from propmap.fit.tunnel import TunnelData
 from propmap.loads import LOADS
 from propmap.model.airfoil import Airfoil
 from propmap.model.model import Model
@@ -47,12 +47,12 @@ def compare_tunnel(model: Model, data: TunnelData) -> dict[str, Comparison]:
     Returns
     -------
     dict of str to Comparison
-        Every measured load by its name with unit.  The hover model beside it has neither drag nor
-        rolling moment.
+        Every measured load by its name with unit.  The hover model beside it has thrust and
+        torque alone.
     """
     rotor = Rotor(model)
     loads = rotor.loads(data.omega, data.speed, data.beta)
-    hovers = hover_loads(HoverModel.of(rotor), data.omega)
+    hovers = HoverModel.of(rotor).loads(data.omega)
     return {
         LOADS[name].column: _compared(getattr(loads, name), measured, data.speed, hovers[name])
         for name, measured in data.loads.items()

@@ -33,7 +33,7 @@ class TunnelData:
     omega, speed, beta : ndarray, shape (n,)
         Rotational speed [rad/s], flight speed [m/s], angle to the axis [rad].
     loads : mapping of str to ndarray, shape (n,)
-        "thrust", "drag" [N], "torque", "roll_moment" [N m]; NaN where not measured.
+        By their names in ``propmap.loads.LOADS`` [N], [N m]; NaN where not measured.
     """
 
     source: str
@@ -175,15 +175,7 @@ def hover_after_fit(rotor: Rotor) -> HoverModel:
     return HoverModel(static["thrust"] / omega**2, static["torque"] / omega**2, omega)
 
 
-def hover_loads(hover: HoverModel, omega: Floats) -> dict[str, Floats]:
-    """The hover model's loads [N], [N m] by name at omega [rad/s]; all (n,)."""
-    return {
-        name: np.zeros_like(omega) if load.inplane else getattr(hover, name)(omega)
-        for name, load in LOADS.items()
-    }
-
-
 def hover_rows(rotor: Rotor, data: TunnelData, rows: Rows) -> Floats:
     """What the hover model with this rotor's constants says of the rows (M,) made of ``data``."""
-    loads = hover_loads(hover_after_fit(rotor), data.omega)
+    loads = hover_after_fit(rotor).loads(data.omega)
     return rows.picked(np.stack([loads[name] for name in rows.names], axis=1))

@@ -5,12 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-TITLES = {
-    "thrust": "thrust / static thrust",
-    "drag": "drag / static thrust",
-    "torque": "torque / static torque",
-    "roll_moment": "roll moment / (static thrust R)",
-}
+from propmap.loads import LOADS
+
+TITLES = {name: load.share for name, load in LOADS.items()}
 
 
 def claims(found: Mapping[str, Any]) -> Iterator[str]:

@@ -11,13 +11,11 @@ from numpy.typing import NDArray
 from propmap.arrays.types import Floats
 from propmap.baselines.hover import HoverModel
 from propmap.fit.residuals import rms
-from propmap.fit.tunnel import hover_loads
+from propmap.loads import LOADS
 
 if TYPE_CHECKING:
     from propmap.catalogue.measurements import Measurement
     from propmap.rotor import Rotor
-
-LOADS = {"thrust": "N", "drag": "N", "torque": "N m", "roll_moment": "N m"}
 
 
 @dataclass(frozen=True)
@@ -77,18 +75,16 @@ class Comparison:
 
         model, hover = figures(self.predicted[load]), figures(self.hover[load])
         mean = float(truth.mean())
-        return LoadErrors(load, LOADS[load], truth.size, size, mean, model, hover)
+        return LoadErrors(load, LOADS[load].unit, truth.size, size, mean, model, hover)
 
 
 def compare(rotor: Rotor, measurement: Measurement) -> Comparison:
     """The rotor, and the hover model with its constants from this rotor, at measured points."""
     found: Any = rotor.loads(measurement.omega, measurement.speed, measurement.beta)
-    hover = hover_loads(HoverModel.of(rotor), measurement.omega)
-    published = {load: getattr(measurement, load) for load in LOADS}
     return Comparison(
         measurement=measurement,
-        measured={load: values for load, values in published.items() if values is not None},
+        measured=dict(measurement.loads),
         predicted={load: getattr(found, load) for load in LOADS},
-        hover=hover,
+        hover=HoverModel.of(rotor).loads(measurement.omega),
         status=found.status,
     )

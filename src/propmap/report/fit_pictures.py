@@ -13,6 +13,7 @@ from propmap.arrays.types import Floats
 from propmap.baselines.hover import HoverModel
 from propmap.errors import InputError
 from propmap.fit.residuals import rms
+from propmap.loads import LOADS
 from propmap.model.model import Model
 from propmap.report.style import COLOURS, HOVER, MEASURED, MODEL, new_figure, style
 from propmap.vehicle.flight_log import GRAVITY, FlightLog
@@ -30,13 +31,6 @@ if TYPE_CHECKING:
 
 RPM = 30.0 / np.pi
 """Revolutions per minute in 1 rad/s."""
-
-TUNNEL = {
-    "thrust": "thrust T [N]",
-    "drag": "rotor drag D [N]",
-    "torque": "torque [N m]",
-    "roll_moment": "rolling moment [N m]",
-}
 
 ALIKE = 0.02
 """Relative difference of two predictions of the hover model that are drawn as one."""
@@ -157,11 +151,11 @@ def tunnel_fit(data: TunnelData, rotor: Rotor) -> Figure:
 
     The hover model knows the rotational speed alone: rows of one speed have one prediction.
     """
-    measured = {n: v for n, v in data.loads.items() if n in TUNNEL and np.isfinite(v).any()}
+    measured = {n: v for n, v in data.loads.items() if n in LOADS and np.isfinite(v).any()}
     if not measured:
-        raise InputError("there is no load to draw", f"give {', '.join(TUNNEL)}", data.source)
+        raise InputError("there is no load to draw", f"give {', '.join(LOADS)}", data.source)
     found: Any = rotor.loads(data.omega, data.speed, data.beta)
-    hover = HoverModel.of(rotor)
+    hover = HoverModel.of(rotor).loads(data.omega)
     wide = len(measured) > 1
     with style():
         figure = new_figure(8.6 if wide else 5.2, 3.8 * -(-len(measured) // 2) + 0.6)
@@ -169,9 +163,7 @@ def tunnel_fit(data: TunnelData, rotor: Rotor) -> Figure:
         for ax in axes[len(measured) :]:
             ax.axis("off")
         for ax, (name, truth) in zip(axes, measured.items(), strict=False):
-            baseline = {"thrust": hover.thrust, "torque": hover.torque}.get(name)
-            still = np.zeros_like(truth) if baseline is None else baseline(data.omega)
-            _one_load(ax, name, truth, getattr(found, name), _alike(truth, still))
+            _one_load(ax, name, truth, getattr(found, name), _alike(truth, hover[name]))
         handles = [
             Line2D([], [], color="0.6", linewidth=1.0, label="predicted = measured"),
             Line2D([], [], color=COLOURS[0], marker="o", linestyle="none", markersize=4.5,
@@ -200,11 +192,10 @@ def _one_load(
         middle, half = 0.5 * (left + right), max(0.5 * (right - left), least)
         ax.plot([middle - half, middle + half], [level, level], **HOVER)
     ax.plot(truth[known], found[known], color=COLOURS[0], marker="o", **MEASURED)
-    symbol, _, unit = TUNNEL[name].rpartition(" [")
-    left = rms((found - truth)[known])
-    ax.set_title(f"{symbol}: rms error {left:.3g} {unit.rstrip(']')}", fontsize=9.0)
-    ax.set_xlabel(f"measured {TUNNEL[name]}")
-    ax.set_ylabel(f"predicted {TUNNEL[name]}")
+    load, left = LOADS[name], rms((found - truth)[known])
+    ax.set_title(f"{load.label}: rms error {left:.3g} {load.unit}", fontsize=9.0)
+    ax.set_xlabel(f"measured {load.title}")
+    ax.set_ylabel(f"predicted {load.title}")
 
 
 def _alike(truth: Floats, hover: Floats) -> list[tuple[float, float, float]]:

@@ -13,6 +13,7 @@ from matplotlib.lines import Line2D
 from propmap.arrays.types import Floats
 from propmap.baselines.hover import HoverModel
 from propmap.errors import InputError
+from propmap.loads import LOADS
 from propmap.report.style import COLOURS, HOVER, MARKERS, MEASURED, MODEL, new_figure, style
 
 if TYPE_CHECKING:
@@ -20,12 +21,10 @@ if TYPE_CHECKING:
 
     from propmap.rotor import Rotor
 
-PANELS = (
-    ("thrust", "thrust T [N]"),
-    ("drag", "rotor drag D [N]"),
-    ("torque", "torque [N m]"),
-    ("roll_moment", "rolling moment [N m]"),
-)
+PANELS = tuple((name, load.title) for name, load in LOADS.items())
+ROWS = -(-len(PANELS) // 2)
+"""Of figures with two panels side by side."""
+
 RPM = 30.0 / np.pi
 """Revolutions per minute in 1 rad/s."""
 
@@ -53,7 +52,7 @@ def load_curves(
     betas: Sequence[float],
     measured: MeasuredLoads | None = None,
 ) -> Figure:
-    """Thrust, drag, torque and rolling moment against speed, a curve for each angle.
+    """Every load against speed, a curve for each angle.
 
     omega [rad/s]; speed : shape (n,) [m/s]; betas : up to 7 angles [rad].
     Measured points appear where their angle is within half a degree of a curve's; those of
@@ -65,20 +64,19 @@ def load_curves(
         )
     angles = np.array(betas)
     loads = rotor.loads(omega, speed, angles[:, None])
-    hover = HoverModel.of(rotor)
+    still = HoverModel.of(rotor).loads(omega)
     with style():
-        figure = new_figure(8.6, 6.6)
-        axes = figure.subplots(2, 2, sharex=True).ravel()
+        figure = new_figure(8.6, 3.3 * ROWS)
+        axes = figure.subplots(ROWS, 2, sharex=True).ravel()
         for ax, (field, label) in zip(axes, PANELS, strict=True):
-            baseline = {"thrust": hover.thrust(omega), "torque": hover.torque(omega)}
-            ax.axhline(float(baseline.get(field, 0.0)), **HOVER)
+            ax.axhline(float(still[field]), **HOVER)
             for curve, colour in zip(getattr(loads, field), COLOURS, strict=False):
                 ax.plot(speed, curve, color=colour, **MODEL)
             if measured is not None:
                 _points(ax, measured, field, angles)
             ax.set_ylabel(label)
             ax.margins(x=0.02)
-        for ax in axes[2:]:
+        for ax in axes[-2:]:
             ax.set_xlabel("flight speed V [m/s]")
         m = rotor.model
         title = f"{m.propeller.name}, airfoil {m.law_title}, {omega * RPM:.0f} rpm"

@@ -8,10 +8,10 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
-from propmap.table.gradient import Gradient
 from propmap.table.inverse import Inverse
 from propmap.table.lookup import STATUSES
-from propmap.table.query import LoadTable, TableLoads
+from propmap.table.query import LoadTable
+from propmap.table.results import Gradient, TableLoads
 
 if TYPE_CHECKING:
     from propmap.table.build import build_table

@@ -74,7 +74,7 @@ class Certificate:
 
 @dataclass(frozen=True)
 class Comparison:
-    """Errors (n, 4) as shares of static loads, codes (n,), advance ratios and angles (n,)."""
+    """Errors (n, L) as shares of static loads, codes (n,), advance ratios and angles (n,)."""
 
     errors: Floats
     code: NDArray[np.uint8]
@@ -162,7 +162,7 @@ def _unresolved(
 
 
 def static_loads(model: Model, omega: Floats) -> Floats:
-    """Static loads (n, 4) at omega (n,).
+    """Static loads (n, L) at omega (n,).
 
     Over Omega^2 they are linear in Omega^(-1/2), between the ends of the envelope to 1e-5, as
     the model's friction is.
@@ -182,5 +182,5 @@ def _sizes(errors: Floats) -> tuple[dict[str, float], dict[str, float]]:
 
 
 def by_load(values: Floats) -> dict[str, float]:
-    """Values (4,) with the names of ``LOADS``."""
+    """Values (L,) with the names of ``LOADS``."""
     return dict(zip(LOADS, values.tolist(), strict=True))

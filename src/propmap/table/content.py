@@ -92,10 +92,10 @@ class TableContent:
         return coefficient_scale(self.density, self.radius)
 
     def padded(self) -> Floats:
-        """Coefficients (n + 2, m + 2, 2 L) with the ghost values that interpolation needs.
+        """Loads over Omega^2 (n + 2, m + 2, 2 L) with the ghost values that interpolation needs.
 
-        The last axis: the L coefficients at the least omega, then their slopes with
-        Omega^(-1/2) [(rad/s)^(1/2)].
+        The last axis: the loads at the least omega [N s^2], [N m s^2], then their slopes with
+        Omega^(-1/2).
         """
         low, high = self.coefficients
         roots = self.omega**-0.5
@@ -107,7 +107,7 @@ class TableContent:
             for end, axis in ((self.beta[0], 0.0), (self.beta[-1], np.pi))
         ]
         across = pad(self.beta, inside.transpose(1, 0, 2), *ends)
-        return np.ascontiguousarray(across.transpose(1, 0, 2))
+        return np.ascontiguousarray(across.transpose(1, 0, 2) * np.tile(self.scale, 2))
 
 
 def coefficient_scale(density: float, radius: float) -> Floats:

@@ -2,37 +2,21 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
 from propmap.arrays.types import Floats
 from propmap.table.content import TableContent
-from propmap.table.lookup import Lookup
+from propmap.table.lookup import WIDTH, Lookup
+from propmap.table.results import TORQUE
 
 HARDLY_MOVING = 1e-7
 """Advance ratio below which d/dbeta over J, 0/0 at rest, is taken from its limit."""
 
 
-class Gradient(NamedTuple):
-    """Derivatives of the loads, each (..., k).
-
-    thrust, drag : of [N].  torque, roll_moment : of [N m].  power : of [W].
-
-    k counts what they are derived by: omega, speed, beta, or omega and the velocity's x, y, z.
-    """
-
-    thrust: Floats
-    drag: Floats
-    torque: Floats
-    roll_moment: Floats
-    power: Floats
-
-
 def polar_gradient(
     content: TableContent, lookup: Lookup, omega: Floats, speed: Floats, beta: Floats, sign: Floats
-) -> Gradient:
-    """Derivatives with omega, speed and beta at n points; sign : of the change of beta."""
+) -> Floats:
+    """Derivatives by omega, speed and beta, (n, L + 1, 3); sign : of the change of beta."""
     loads, by_omega, by_speed, by_angle = _derivatives(content, lookup, omega, speed, beta)
     by_beta = by_angle * (sign * speed)[:, None]
     return _with_power(loads, omega, np.stack([by_omega, by_speed, by_beta], axis=-1))
@@ -46,8 +30,8 @@ def velocity_gradient(
     beta: Floats,
     vx: Floats,
     vy: Floats,
-) -> Gradient:
-    """Derivatives with omega and the velocity's components at n points."""
+) -> Floats:
+    """Derivatives by omega and the velocity's components, (n, L + 1, 4)."""
     loads, by_omega, by_speed, by_angle = _derivatives(content, lookup, omega, speed, beta)
     cosine, sine = np.cos(beta)[:, None], np.sin(beta)[:, None]
     by_axial = by_speed * cosine - by_angle * sine
@@ -63,19 +47,20 @@ def velocity_gradient(
 def _derivatives(
     content: TableContent, lookup: Lookup, omega: Floats, speed: Floats, beta: Floats
 ) -> tuple[Floats, Floats, Floats, Floats]:
-    """Loads, and their derivatives with omega, with speed, and with beta over the speed; (n, 4)."""
+    """Loads, and their derivatives with omega, with speed, and with beta over the speed; (n, L)."""
     tip_speed = omega * content.radius
     advance = speed / tip_speed
     found = lookup.slopes(advance, beta)
+    half = WIDTH // 2
     root = (omega**-0.5 - content.omega[0] ** -0.5)[:, None, None, None]
     (value, by_beta), (by_advance, by_both) = np.moveaxis(
-        found[..., :4] + root * found[..., 4:], 0, 2
+        found[..., :half] + root * found[..., half:], 0, 2
     )
-    square = (omega**2)[:, None] * content.scale
+    square = (omega**2)[:, None]
     resting = (advance < HARDLY_MOVING)[:, None]
     by_angle = np.where(resting, by_both, by_beta / np.where(resting, 1.0, advance[:, None]))
     # dJ/dOmega = -J / Omega; the Reynolds term is linear in Omega^(-1/2).
-    by_root = found[:, 0, 0, 4:] * (-0.5 * omega**-1.5)[:, None]
+    by_root = found[:, 0, 0, half:] * (-0.5 * omega**-1.5)[:, None]
     by_omega = square * (
         2.0 * value / omega[:, None] - by_advance * (advance / omega)[:, None] + by_root
     )
@@ -83,9 +68,8 @@ def _derivatives(
     return square * value, by_omega, per_speed * by_advance, per_speed * by_angle
 
 
-def _with_power(loads: Floats, omega: Floats, each: Floats) -> Gradient:
-    """``each`` (n, 4, k) load by load, and torque times omega, whose first variable is omega."""
-    torque = each[:, 2]
-    power = torque * omega[:, None]
-    power[:, 0] += loads[:, 2]
-    return Gradient(each[:, 0], each[:, 1], torque, each[:, 3], power)
+def _with_power(loads: Floats, omega: Floats, each: Floats) -> Floats:
+    """``each`` (n, L, k), and the power's (n, L + 1, k); the first variable is omega."""
+    power = each[:, TORQUE] * omega[:, None]
+    power[:, 0] += loads[:, TORQUE]
+    return np.concatenate([each, power[:, None]], axis=1)

@@ -15,19 +15,7 @@ from propmap.table.axis import interval_polynomials
 from propmap.table.gradient import HARDLY_MOVING
 from propmap.table.lookup import NO_VALUE, OUTSIDE, WIDTH, cell_codes
 from propmap.table.query import SLACK, LoadTable
-
-
-class JaxLoads(NamedTuple):
-    """Loads, NaN outside the envelope.
-
-    thrust, drag : [N].  torque, roll_moment : [N m].  power : [W].
-    """
-
-    thrust: Any
-    drag: Any
-    torque: Any
-    roll_moment: Any
-    power: Any
+from propmap.table.results import TORQUE, JaxLoads
 
 
 class JaxTable(NamedTuple):
@@ -44,7 +32,6 @@ class JaxTable(NamedTuple):
     lows: Any
     highs: Any
     radius: Any
-    scale: Any
     codes: Any
 
     @classmethod
@@ -61,7 +48,6 @@ class JaxTable(NamedTuple):
             lows=jnp.asarray(lows),
             highs=jnp.asarray(highs),
             radius=jnp.asarray(content.radius),
-            scale=jnp.asarray(content.scale),
             codes=jnp.asarray(cell_codes(content)),
         )
 
@@ -135,7 +121,7 @@ def _length_jvp(primals: Any, tangents: Any) -> Any:
 
 @jax.custom_jvp
 def _at(table: JaxTable, omega: Any, axial: Any, inplane: Any) -> Any:
-    """Loads (..., 4); omega, axial and inplane of one shape, inside the envelope."""
+    """Loads (..., L); omega, axial and inplane of one shape, inside the envelope."""
     return _expanded(table, omega, axial, inplane)[0]
 
 
@@ -147,7 +133,7 @@ def _at_jvp(primals: Any, tangents: Any) -> Any:
 
 
 def _expanded(table: JaxTable, omega: Any, axial: Any, inplane: Any) -> tuple[Any, Any, Any, Any]:
-    """Loads (..., 4) and their derivatives with omega, axial and in-plane velocity."""
+    """Loads (..., L) and their derivatives with omega, axial and in-plane velocity."""
     speed = jnp.hypot(axial, inplane)
     tip_speed = omega * table.radius
     advance = speed / tip_speed
@@ -164,7 +150,7 @@ def _expanded(table: JaxTable, omega: Any, axial: Any, inplane: Any) -> tuple[An
     by_advance, mixed = both[..., 1, 0, :], both[..., 1, 1, :]
     resting = (advance < HARDLY_MOVING)[..., None]
     by_angle = jnp.where(resting, mixed, by_beta / jnp.where(resting, 1.0, advance[..., None]))
-    square = (omega**2)[..., None] * table.scale
+    square = (omega**2)[..., None]
     per_speed = square / tip_speed[..., None]
     cosine, sine = jnp.cos(beta)[..., None], jnp.sin(beta)[..., None]
     by_omega = square * (
@@ -190,5 +176,5 @@ def _weights(knots: Any, polynomials: Any, x: Any) -> tuple[Any, Any]:
 
 
 def _finish(values: Any, omega: Any, valid: Any) -> JaxLoads:
-    thrust, drag, torque, roll = jnp.moveaxis(jnp.where(valid[..., None], values, jnp.nan), -1, 0)
-    return JaxLoads(thrust, drag, torque, roll, torque * omega)
+    loads = jnp.moveaxis(jnp.where(valid[..., None], values, jnp.nan), -1, 0)
+    return JaxLoads(*loads, loads[TORQUE] * omega)

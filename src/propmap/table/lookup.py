@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from propmap.arrays.types import Floats
+from propmap.loads import LOADS
 from propmap.table.axis import interval_polynomials, locate
 from propmap.table.content import TableContent
 
@@ -17,8 +18,8 @@ STATUSES = ("ok", "vortex_ring", "unresolved", "clamped", "no_value", "outside")
 
 OK, VORTEX_RING, UNRESOLVED, CLAMPED, NO_VALUE, OUTSIDE = range(len(STATUSES))
 
-WIDTH = 8
-"""Values per knot: four coefficients and their four slopes with Omega^(-1/2)."""
+WIDTH = 2 * len(LOADS)
+"""Values per knot: each load over Omega^2, and their slopes with Omega^(-1/2)."""
 
 
 def cell_codes(content: TableContent) -> NDArray[np.uint8]:
@@ -54,8 +55,13 @@ class Lookup:
         self._codes = cell_codes(content)
         self._codes_list: list[list[int]] = self._codes.tolist()
 
-    def point(self, advance: float, beta: float) -> tuple[list[float], int]:
-        """The ``WIDTH`` values and the cell's code at one point of the table."""
+    def point(
+        self, advance: float, beta: float, square: float, friction: float
+    ) -> tuple[list[float], int]:
+        """The loads and the cell's code at one point of the table.
+
+        square : Omega^2.  friction : the same times the change of Omega^(-1/2) from the least.
+        """
         i = bisect_right(self._inner[0], advance)
         j = bisect_right(self._inner[1], beta)
         x0, y0 = self._advance_list[i], self._beta_list[j]
@@ -71,17 +77,15 @@ class Lookup:
             )
         )
         (a0, a1, a2, a3), (b0, b1, b2, b3), (c0, c1, c2, c3), (d0, d1, d2, d3) = self._weights[1][j]
-        along = np.array(
-            (
-                a0 + u * (a1 + u * (a2 + u * a3)),
-                b0 + u * (b1 + u * (b2 + u * b3)),
-                c0 + u * (c1 + u * (c2 + u * c3)),
-                d0 + u * (d1 + u * (d2 + u * d3)),
-            )
-        )
+        a = a0 + u * (a1 + u * (a2 + u * a3))
+        b = b0 + u * (b1 + u * (b2 + u * b3))
+        c = c0 + u * (c1 + u * (c2 + u * c3))
+        d = d0 + u * (d1 + u * (d2 + u * d3))
+        s, f = square, friction
+        along = np.array((s * a, f * a, s * b, f * b, s * c, f * c, s * d, f * d))
         block = self._rows[i : i + 4, WIDTH * j : WIDTH * j + 4 * WIDTH]
-        found = along.dot(across.dot(block).reshape(4, WIDTH))
-        return found.tolist(), self._codes_list[i][j]
+        loads = along.dot(across.dot(block).reshape(8, -1))
+        return loads.tolist(), self._codes_list[i][j]
 
     def points(self, advance: Floats, beta: Floats) -> tuple[Floats, NDArray[np.uint8]]:
         """The values (n, ``WIDTH``) and the cells' codes (n,) at n points of the table."""

@@ -51,7 +51,7 @@ def parameter_uncertainty(
 def load_deviations(
     rotor: Rotor, covariance: SectionCovariance, omega: Floats, speed: Floats, beta: Floats
 ) -> Floats:
-    """Standard deviations (n, 4) [N], [N], [N m], [N m] of the loads at n operating points.
+    """Standard deviations (n, L) [N], [N], [N m], [N m] of the loads at n operating points.
 
     sqrt(g' S g), with g the derivatives by the parameters and S their covariance.
     """

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from typing import TYPE_CHECKING, Any, NamedTuple, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,8 +13,9 @@ from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.table.arguments import broadcast, fold, split_velocity
 from propmap.table.content import TableContent
-from propmap.table.gradient import Gradient, polar_gradient, velocity_gradient
-from propmap.table.lookup import CLAMPED, NO_VALUE, OUTSIDE, STATUSES, Lookup
+from propmap.table.gradient import polar_gradient, velocity_gradient
+from propmap.table.lookup import CLAMPED, NO_VALUE, OUTSIDE, WIDTH, Lookup
+from propmap.table.results import TORQUE, Gradient, TableLoads
 from propmap.table.table_file import read_table, write_table
 
 if TYPE_CHECKING:
@@ -28,40 +29,10 @@ SLACK = 1e-9
 """Share of an axis by which a point may lie beyond its end for rounding: 10000 rpm is not the
 same number however it is converted."""
 
-_NAN = math.nan
 
+HALF = WIDTH // 2
 
-class TableLoads(NamedTuple):
-    """Loads from a table; floats for a single point, else arrays of the points' shape.
-
-    thrust, drag [N], torque, roll_moment [N m], power [W] : as in ``propmap.Loads``.
-    code : index into ``STATUSES``; see ``status``.
-    """
-
-    thrust: Any
-    drag: Any
-    torque: Any
-    roll_moment: Any
-    power: Any
-    code: Any
-
-    @property
-    def status(self) -> Any:
-        """A word of ``STATUSES`` per point.
-
-        "vortex_ring": the model's momentum theory does not hold nearby.  "unresolved": the
-        model's loads jump or nearly so, and the table's error may exceed its tolerance.  "clamped":
-        outside the envelope, the loads are those of the nearest point of it.  "no_value":
-        the model found no loads nearby, or they were left out; NaN.  "outside": outside the
-        envelope; NaN.
-        """
-        words = np.asarray(STATUSES)[self.code]
-        return str(words) if words.ndim == 0 else words
-
-    @property
-    def inside(self) -> Any:
-        """Where the point asked for is inside the envelope."""
-        return (self.code != OUTSIDE) & (self.code != CLAMPED)
+_NOWHERE = TableLoads(*(HALF + 1) * [math.nan], OUTSIDE)
 
 
 class LoadTable:
@@ -78,7 +49,6 @@ class LoadTable:
         self._box = tuple((float(low), float(high)) for low, high in ends)
         self._slack = tuple(SLACK * (high - low) for low, high in self._box)
         self._radius = content.radius
-        self._scale = tuple(content.scale.tolist())
         self._root = float(content.omega[0]) ** -0.5
 
     def __repr__(self) -> str:
@@ -211,41 +181,35 @@ class LoadTable:
             dw, dv, db = self._slack
             beyond = not (abs(w - omega) <= dw and abs(v - speed) <= dv and abs(b - beta) <= db)
             if beyond and not (clamp and omega == omega and speed == speed and beta == beta):
-                return TableLoads(_NAN, _NAN, _NAN, _NAN, _NAN, OUTSIDE)
+                return _NOWHERE
             omega, speed, beta, clamped = w, v, b, beyond
-        (t0, d0, q0, r0, t1, d1, q1, r1), code = self._lookup.point(
-            speed / (omega * self._radius), beta
-        )
-        s = omega**-0.5 - self._root
-        kt, kd, kq, kr = self._scale
         square = omega * omega
-        thrust, torque = kt * square * (t0 + s * t1), kq * square * (q0 + s * q1)
-        if thrust != thrust:
+        friction = square * (omega**-0.5 - self._root)
+        loads, code = self._lookup.point(speed / (omega * self._radius), beta, square, friction)
+        if loads[0] != loads[0]:
             code = NO_VALUE
         elif clamped:
             code = CLAMPED
-        drag, roll = kd * square * (d0 + s * d1), kr * square * (r0 + s * r1)
-        return TableLoads(thrust, drag, torque, roll, torque * omega, code)
+        return TableLoads(*loads, loads[TORQUE] * omega, code)
 
     def _points(self, omega: Floats, speed: Floats, beta: Floats, clamp: bool) -> TableLoads:
         shape = omega.shape
         folded, _ = fold(beta.ravel())
         w, v, b, outside = self._bounded(omega.ravel(), speed.ravel(), folded, clamp=clamp)
-        loads = np.empty((len(self._scale), w.size))
+        loads = np.empty((HALF, w.size))
         code = np.empty(w.size, np.uint8)
-        scale = np.array(self._scale)
         for start in range(0, w.size, CHUNK):
             cut = slice(start, start + CHUNK)
             rate = w[cut]
             values, code[cut] = self._lookup.points(v[cut] / (rate * self._radius), b[cut])
-            values[:, 4:] *= (rate**-0.5 - self._root)[:, None]
-            total = values[:, :4] + values[:, 4:]
-            total *= (rate * rate)[:, None] * scale
+            values[:, HALF:] *= (rate**-0.5 - self._root)[:, None]
+            total = values[:, :HALF] + values[:, HALF:]
+            total *= (rate * rate)[:, None]
             loads[:, cut] = total.T
         code[outside] = CLAMPED
         code[np.isnan(loads[0])] = NO_VALUE
         code[np.isnan(w)] = OUTSIDE
-        fields = (*loads, loads[2] * w, code)
+        fields = (*loads, loads[TORQUE] * w, code)
         return TableLoads(*(field.reshape(shape) for field in fields))
 
     def _bounded(
@@ -274,5 +238,5 @@ class LoadTable:
             gradient(self.content, self._lookup, *(array[start : start + CHUNK] for array in flat))
             for start in range(0, max(flat[0].size, 1), CHUNK)
         ]
-        fields = zip(*parts, strict=True)
-        return Gradient(*(np.concatenate(f).reshape(*shape, f[0].shape[-1]) for f in fields))
+        found = np.concatenate(parts)
+        return Gradient(*found.swapaxes(0, 1).reshape(found.shape[1], *shape, found.shape[2]))

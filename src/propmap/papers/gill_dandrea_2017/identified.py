@@ -8,7 +8,6 @@ from propmap.catalogue.measurements import measurement
 from propmap.fit.fitted import Fitted, Settings, fit
 from propmap.fit.parameters import PAPER_FOUR, Choice
 from propmap.fit.tunnel import TunnelData, first_guess, section_with, tunnel_rows
-from propmap.loads import LOADS
 from propmap.model.airfoil import Airfoil
 from propmap.model.model import Model
 from propmap.papers.gill_dandrea_2017.blades import TUNNEL_PROPELLER, blade
@@ -53,8 +52,7 @@ def tunnel_fits() -> TunnelFits:
 def tunnel_data(name: str) -> TunnelData:
     """Measured loads of the catalogue, as a fit takes them."""
     m = measurement(name)
-    loads = {load: getattr(m, load) for load in LOADS if getattr(m, load) is not None}
-    return TunnelData(m.name, m.omega, m.speed, m.beta, loads)
+    return TunnelData(m.name, m.omega, m.speed, m.beta, m.loads)
 
 
 def _identify(label: str, data: str, free: tuple[str, ...]) -> Identified:

@@ -89,13 +89,12 @@ def ratios(law: Airfoil) -> list[Ratio]:
     data = measurement(OBLIQUE)
     rotor = Rotor(Model(blade(TUNNEL_PROPELLER), law, Air(density=data.air_density)))
     theory = rotor.loads(data.omega, data.speed, data.beta).drag
-    assert data.drag is not None
     found = []
     for degrees in np.unique(np.round(np.degrees(data.beta))):
         mine = (np.round(np.degrees(data.beta)) == degrees) & (data.speed > 0.0)
         if degrees == 0.0:
             continue
-        published, mean = data.drag[mine], theory[mine]
+        published, mean = data.loads["drag"][mine], theory[mine]
         each = published / mean
         overall = float(np.sqrt(np.sum(published**2) / np.sum(mean**2)))
         found.append(
@@ -121,11 +120,11 @@ def _small_incidence(name: str, law: Airfoil) -> SmallIncidence:
     omega = TIP_SPEED / shape.radius
     data = measurement(OBLIQUE)
     published = None
-    if name == data.propeller and data.drag is not None:
+    if name == data.propeller:
         # The rows have a rotational speed of their own, the nearest one.
         omega = float(data.omega[np.argmin(np.abs(data.omega - omega))])
         at = (data.omega == omega) & (np.abs(data.beta - INCIDENCE) < np.radians(0.5))
-        published = np.interp(SPEEDS, data.speed[at], data.drag[at], np.nan, np.nan)
+        published = np.interp(SPEEDS, data.speed[at], data.loads["drag"][at], np.nan, np.nan)
     rotor = Rotor(Model(shape, law, air))
     beta = np.concatenate([np.zeros_like(SPEEDS), np.full_like(SPEEDS, INCIDENCE)])
     loads = rotor.loads(omega, np.concatenate([SPEEDS, SPEEDS]), beta)

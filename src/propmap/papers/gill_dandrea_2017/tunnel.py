@@ -11,13 +11,13 @@ from propmap.arrays.types import Floats
 from propmap.baselines.hover import HoverModel
 from propmap.catalogue.measurements import Measurement, measurement
 from propmap.fit.residuals import rms
+from propmap.loads import LOADS
 from propmap.model.air import Air
 from propmap.model.airfoil import Airfoil, parameter_set
 from propmap.model.model import Model
 from propmap.papers.gill_dandrea_2017.blades import blade
 from propmap.papers.gill_dandrea_2017.identified import AXIAL, OBLIQUE, TunnelFits
 from propmap.papers.gill_dandrea_2017.paper import TUNNEL_ERROR
-from propmap.report.comparison import LOADS
 from propmap.rotor import Rotor
 
 MULTIROTOR = "davoudi-8x4.5mr-thrust"
@@ -86,7 +86,7 @@ def compared(fits: TunnelFits) -> dict[str, Compared]:
 
 
 def errors(found: dict[str, Compared]) -> list[LoadError]:
-    """All data sets, loads and models; the hover model has neither drag nor rolling moment."""
+    """All data sets, loads and models; the hover model has thrust and torque alone."""
     rows = []
     for name, one in found.items():
         for load, truth in one.measured.items():
@@ -100,10 +100,12 @@ def static_constants(data: Measurement) -> HoverModel:
     still = data.speed == 0.0
     squares = data.omega[still] ** 2
 
-    def constant(load: Floats | None) -> float:
-        return float("nan") if load is None else float(squares @ load[still] / (squares @ squares))
+    def constant(load: str) -> float:
+        if load not in data.loads:
+            return float("nan")
+        return float(squares @ data.loads[load][still] / (squares @ squares))
 
-    return HoverModel(constant(data.thrust), constant(data.torque), float(data.omega[still].max()))
+    return HoverModel(constant("thrust"), constant("torque"), float(data.omega[still].max()))
 
 
 def _compared(name: str, laws: dict[str, Airfoil]) -> Compared:
@@ -113,15 +115,8 @@ def _compared(name: str, laws: dict[str, Airfoil]) -> Compared:
     for label, law in laws.items():
         loads: Any = Rotor(Model(shape, law, air)).loads(data.omega, data.speed, data.beta)
         predicted[label] = {load: getattr(loads, load) for load in LOADS}
-    still, nothing = static_constants(data), np.zeros_like(data.omega)
-    predicted[HOVER_LABEL] = {
-        "thrust": still.thrust(data.omega),
-        "drag": nothing,
-        "torque": still.torque(data.omega),
-        "roll_moment": nothing,
-    }
-    measured = {load: getattr(data, load) for load in LOADS if getattr(data, load) is not None}
-    return Compared(data, laws, measured, predicted)
+    predicted[HOVER_LABEL] = static_constants(data).loads(data.omega)
+    return Compared(data, laws, dict(data.loads), predicted)
 
 
 def _error(name: str, load: str, model: str, truth: Floats, found: Floats) -> LoadError:
@@ -131,7 +126,7 @@ def _error(name: str, load: str, model: str, truth: Floats, found: Floats) -> Lo
     return LoadError(
         data_set=name,
         load=load,
-        unit=LOADS[load],
+        unit=LOADS[load].unit,
         model=model,
         points=truth.size,
         rms=left,

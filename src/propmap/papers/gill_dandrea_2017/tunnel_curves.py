@@ -9,12 +9,12 @@ import numpy as np
 
 from propmap.arrays.types import Floats
 from propmap.catalogue.measurements import Measurement
+from propmap.loads import LOADS
 from propmap.model.air import Air
 from propmap.model.airfoil import Airfoil
 from propmap.model.model import Model
 from propmap.papers.gill_dandrea_2017.blades import blade
 from propmap.papers.gill_dandrea_2017.tunnel import Compared
-from propmap.report.comparison import LOADS
 from propmap.rotor import Rotor
 
 AXIAL_OMEGA = 5000.0 * np.pi / 30.0
@@ -59,10 +59,9 @@ class ThrustCurve:
 
 def coefficients(data: Measurement) -> tuple[Floats, Floats, Floats]:
     """J, C_T and C_P [-] of measured axial rows, (n,) each."""
-    assert data.thrust is not None and data.torque is not None
-    return _coefficients(
-        data.omega, data.speed, data.thrust, data.torque, data.air_density, blade(data.propeller)
-    )
+    thrust, torque = data.loads["thrust"], data.loads["torque"]
+    shape = blade(data.propeller)
+    return _coefficients(data.omega, data.speed, thrust, torque, data.air_density, shape)
 
 
 def axial_curves(data: Measurement, laws: dict[str, Airfoil]) -> list[AxialCurve]:

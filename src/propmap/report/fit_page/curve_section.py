@@ -31,7 +31,6 @@ NEAR = np.radians(2.5)
 
 DATA: dict[str, Any] = {"color": "0.92", "linewidth": 0.0}
 BAND: dict[str, Any] = {"color": COLOURS[5], "alpha": 0.55, "linewidth": 0.0}
-UNITS = {"thrust": "N", "drag": "N", "torque": "Nm", "roll_moment": "Nm"}
 
 
 def curve_section(fit: FitRecord, curves: Curves, measured: TunnelData | None) -> Part:
@@ -65,7 +64,7 @@ def curve_figure(
     """
     count = len(curves.curves)
     with style():
-        figure = new_figure(max(2.35 * count + 0.6, 8.6), 8.6)
+        figure = new_figure(max(2.35 * count + 0.6, 8.6), 2.15 * len(PANELS))
         axes = figure.subplots(len(PANELS), count, sharex=True, sharey="row", squeeze=False)
         for row, (load, label) in zip(axes, PANELS, strict=True):
             row[0].set_ylabel(label)
@@ -155,11 +154,15 @@ def _band(fit: FitRecord, curves: Curves) -> str:
 
 
 def _csv(curves: Curves) -> str:
-    ends = [f"{load}_{end}_{UNITS[load]}" for load in LOADS for end in ("low_95", "high_95")]
+    columns = [load.column for load in LOADS.values()]
+    ends = [
+        f"{name}_{end}_{column.rpartition('_')[2]}"
+        for name, column in zip(LOADS, columns, strict=True)
+        for end in ("low_95", "high_95")
+    ]
     heads = (
         "beta_deg", "speed_mps", "rpm", "advance_ratio", "covered", "momentum_theory_holds",
-        *(f"{load}_{UNITS[load]}" for load in LOADS), *ends,
-        *(f"hover_{load}_{UNITS[load]}" for load in LOADS),
+        *columns, *ends, *(f"hover_{column}" for column in columns),
     )  # fmt: skip
     rows = []
     for one in curves.curves:

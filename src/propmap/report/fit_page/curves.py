@@ -83,8 +83,7 @@ def load_curves(file: FitFile, fit: FitRecord) -> Curves:
         ends = np.percentile(moved, [2.5, 97.5], axis=0)
         # The fit may sit in a corner of the bounds, with all draws on one side of it.
         ends = np.stack([np.minimum(ends[0], values), np.maximum(ends[1], values)])
-    hover = HoverModel.of(rotor)
-    still = {"thrust": hover.thrust(omega), "torque": hover.torque(omega)}
+    still = HoverModel.of(rotor).loads(omega)
     curves = []
     for k, (beta, data) in enumerate(angles):
         band = None if ends is None else [_named(e[:, k]) for e in ends]
@@ -95,7 +94,7 @@ def load_curves(file: FitFile, fit: FitRecord) -> Curves:
                 loads=_named(values[:, k]),
                 low=band[0] if band else None,
                 high=band[1] if band else None,
-                hover={n: np.full(SPEEDS, float(still.get(n, 0.0))) for n in LOADS},
+                hover={n: np.full(SPEEDS, float(value)) for n, value in still.items()},
                 valid=status[k] != "vortex_ring",
             )
         )
@@ -105,7 +104,7 @@ def load_curves(file: FitFile, fit: FitRecord) -> Curves:
 def _slopes(
     rotor: Rotor, names: tuple[str, ...], omega: float, speed: Floats, betas: Floats
 ) -> Floats:
-    """Derivatives (P, 4, angles, n) of the loads by the parameters named."""
+    """Derivatives (P, L, angles, n) of the loads by the parameters named."""
     v, b = (a.ravel() for a in np.broadcast_arrays(speed, betas[:, None]))
     flow = (np.full(v.size, omega), v * np.cos(b), v * np.abs(np.sin(b)))
     found = load_gradients(prepare(rotor.arrays), accuracy(rotor.accuracy), names, *flow)

@@ -12,7 +12,8 @@ from propmap.baselines.hover import HoverModel
 from propmap.fit.comparison import Comparison, level_forces
 from propmap.fit.fit_record import FitRecord, Source
 from propmap.fit.result_file import FitFile
-from propmap.fit.tunnel import TunnelData, hover_loads
+from propmap.fit.tunnel import TunnelData
+from propmap.loads import LOADS
 from propmap.report.fit_page.curves import RPM
 from propmap.report.fit_page.errors import BandErrors, band_csv, band_figure, band_table
 from propmap.report.fit_page.judgement import NAMES, WORDS, level_of, worst_of
@@ -25,7 +26,6 @@ from propmap.vehicle.flight_log import GRAVITY, FlightLog
 from propmap.vehicle.vehicle import Vehicle
 
 WITHOUT_UNIT = ("_Nm", "_N")
-LOAD_UNITS = {"thrust": "N", "drag": "N", "torque": "Nm", "roll_moment": "Nm"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,18 +94,18 @@ def data_check(file: FitFile, fit: FitRecord, given: GivenData) -> Part:
 def _tunnel_csv(file: FitFile, data: TunnelData) -> str:
     rotor = Rotor(file.model)
     found = rotor.loads(data.omega, data.speed, data.beta)
-    hover = hover_loads(HoverModel.of(rotor), data.omega)
+    hover = HoverModel.of(rotor).loads(data.omega)
     columns = {
         "rpm": data.omega * RPM,
         "speed_mps": data.speed,
         "beta_deg": np.degrees(data.beta),
     }
     for load, values in data.loads.items():
-        unit = LOAD_UNITS[load]
+        column = LOADS[load].column
         columns |= {
-            f"measured_{load}_{unit}": values,
-            f"model_{load}_{unit}": getattr(found, load),
-            f"hover_{load}_{unit}": hover[load],
+            f"measured_{column}": values,
+            f"model_{column}": getattr(found, load),
+            f"hover_{column}": hover[load],
         }
     return csv_of_rows(list(columns), np.stack(list(columns.values()), axis=1).tolist())
 

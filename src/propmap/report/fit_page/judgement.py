@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from propmap.fit.fit_record import FitRecord, FittedLoad
 from propmap.fit.residuals import Errors
+from propmap.loads import LOADS
 from propmap.report.page import Points, Table, Verdict, number, percent
 
 GOOD, CARE = 0.05, 0.15
@@ -17,16 +18,12 @@ LEVELS = ("good", "caution", "bad")
 WORDS = {"good": "Yes", "caution": "With care", "bad": "No"}
 
 NAMES = {
-    "thrust": "thrust",
-    "torque": "torque",
-    "drag": "rotor drag",
-    "roll_moment": "rolling moment",
+    **{name: load.label for name, load in LOADS.items()},
     "vertical_force": "vertical force",
     "force_x": "force forward",
     "force_y": "force to the side",
     "force_z": "force up",
 }
-TUNNEL_LOADS = ("thrust", "torque", "drag", "roll_moment")
 
 NARROW = 2.0
 """Range of speeds [m/s] below which the data are from one speed."""
@@ -167,11 +164,11 @@ def _both(e: Errors, reference: float) -> str:
 def _not_fitted(fit: FitRecord) -> str:
     if fit.kind != "tunnel":
         return (
-            "The fit saw sums of forces over all rotors: torque and rolling moment were not "
+            "The fit saw sums of forces over all rotors: torque and moments were not "
             "measured at all."
         )
     fitted = [one.name for one in fit.loads]
-    missing = [NAMES[name] for name in TUNNEL_LOADS if name not in fitted]
+    missing = [load.label for name, load in LOADS.items() if name not in fitted]
     if not missing:
         return ""
     told = f"So are {' and '.join(missing)} at any speed: no data of these were fitted."

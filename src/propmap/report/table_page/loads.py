@@ -9,8 +9,9 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
+from propmap.baselines.hover import HoverModel
 from propmap.loads import LOADS
-from propmap.report.load_curves import PANELS
+from propmap.report.load_curves import PANELS, ROWS
 from propmap.report.page import Section
 from propmap.report.part import Part, files_of, picture
 from propmap.report.sheet import csv_of_rows
@@ -20,8 +21,6 @@ from propmap.table.lookup import STATUSES, UNRESOLVED, VORTEX_RING
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-UNITS = {"thrust": "N", "drag": "N", "torque": "Nm", "roll_moment": "Nm"}
 
 
 def load_section(samples: TableSamples) -> Part:
@@ -39,7 +38,7 @@ def load_section(samples: TableSamples) -> Part:
         "table-maps",
         f"The same over speed and angle at {rpm}. Hatched, in white outline: vortex ring state. "
         "Black: unresolved.",
-        "Maps of the four loads over speed and angle.",
+        "Maps of the loads over speed and angle.",
     )
     section = Section("loads", "Loads", (curves, maps))
     files = files_of(curves, maps) | {
@@ -51,17 +50,16 @@ def load_section(samples: TableSamples) -> Part:
 
 def hover_loads(samples: TableSamples) -> dict[str, float]:
     """The hover model's loads at the curves' rotational speed; NaN where there are none."""
-    square = samples.omega**2
-    known = {"thrust": samples.k_thrust * square, "torque": samples.k_torque * square}
-    return {name: known.get(name, 0.0) for name in LOADS}
+    hover = HoverModel(samples.k_thrust, samples.k_torque, samples.omega)
+    return {name: float(value) for name, value in hover.loads(samples.omega).items()}
 
 
 def curve_figure(samples: TableSamples) -> Figure:
     """A panel per load, a colour per angle."""
     hover = hover_loads(samples)
     with style():
-        figure = new_figure(8.6, 6.6)
-        axes = figure.subplots(2, 2, sharex=True).ravel()
+        figure = new_figure(8.6, 3.3 * ROWS)
+        axes = figure.subplots(ROWS, 2, sharex=True).ravel()
         for ax, (load, label) in zip(axes, PANELS, strict=True):
             if np.isfinite(samples.k_thrust):
                 ax.axhline(hover[load], **HOVER)
@@ -83,7 +81,7 @@ def curve_figure(samples: TableSamples) -> Figure:
                 )  # fmt: skip
             ax.set_ylabel(label)
             ax.margins(x=0.02)
-        for ax in axes[2:]:
+        for ax in axes[-2:]:
             ax.set_xlabel("flight speed V [m/s]")
         handles = [
             Line2D(
@@ -101,8 +99,8 @@ def map_figure(samples: TableSamples) -> Figure:
     """A panel per load, filled contours."""
     degrees = np.degrees(samples.beta)
     with style():
-        figure = new_figure(8.6, 6.8)
-        axes = figure.subplots(2, 2, sharex=True, sharey=True)
+        figure = new_figure(8.6, 3.4 * ROWS)
+        axes = figure.subplots(ROWS, 2, sharex=True, sharey=True)
         for ax, (load, label) in zip(axes.ravel(), PANELS, strict=True):
             values = samples.maps[load].T
             ax.grid(visible=False)
@@ -128,9 +126,9 @@ def _marks(ax: Axes, samples: TableSamples, degrees: NDArray[np.float64]) -> Non
 
 def _curves_csv(samples: TableSamples) -> str:
     hover = hover_loads(samples)
+    columns = [load.column for load in LOADS.values()]
     heads = (
-        "beta_deg", "speed_mps", "rpm", "status", *(f"{n}_{UNITS[n]}" for n in LOADS),
-        *(f"hover_{n}_{UNITS[n]}" for n in LOADS),
+        "beta_deg", "speed_mps", "rpm", "status", *columns, *(f"hover_{name}" for name in columns),
     )  # fmt: skip
     rows = [
         (
@@ -144,7 +142,7 @@ def _curves_csv(samples: TableSamples) -> str:
 
 
 def _maps_csv(samples: TableSamples) -> str:
-    heads = ("speed_mps", "beta_deg", "rpm", "status", *(f"{n}_{UNITS[n]}" for n in LOADS))
+    heads = ("speed_mps", "beta_deg", "rpm", "status", *(load.column for load in LOADS.values()))
     degrees = np.degrees(samples.beta).tolist()
     rows = [
         (

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from propmap.loads import LOADS
 from propmap.papers.gill_dandrea_2017.identified import AXIAL, OBLIQUE
 from propmap.papers.gill_dandrea_2017.numbers import Numbers
 from propmap.papers.gill_dandrea_2017.pages.tunnel_pictures import (
@@ -28,7 +29,6 @@ from propmap.report.part import Part, files_of, picture
 from propmap.report.sheet import csv_of_rows
 
 RPM = 30.0 / np.pi
-LOADS = {"thrust": "N", "drag": "N", "torque": "Nm", "roll_moment": "Nm"}
 
 
 def figure_7(numbers: Numbers) -> Part:
@@ -168,9 +168,10 @@ def _rows_csv(one: Compared) -> str:
         "beta_deg": np.degrees(data.beta),
     }
     for load, truth in one.measured.items():
-        columns[f"measured_{load}_{LOADS[load]}"] = truth
+        column = LOADS[load].column
+        columns[f"measured_{column}"] = truth
         for model, values in one.predicted.items():
-            columns[f"{_slug(model)}_{load}_{LOADS[load]}"] = values[load]
+            columns[f"{_slug(model)}_{column}"] = values[load]
     return csv_of_rows(list(columns), np.stack(list(columns.values()), axis=1).tolist())
 
 

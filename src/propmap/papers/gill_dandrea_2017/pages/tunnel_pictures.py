@@ -66,19 +66,16 @@ def axial_figure(one: Compared, curves: list[AxialCurve]) -> Figure:
 def oblique_figure(one: Compared, curves: list[ObliqueCurves]) -> Figure:
     """Every load over speed; a column per parameter set, a colour per angle."""
     data = one.data
-    still = static_constants(data)
+    still = static_constants(data).loads(OBLIQUE_OMEGA)
+    panels = [(load, label) for load, label in PANELS if load in one.measured]
     mine = np.abs(data.omega - OBLIQUE_OMEGA) < 0.01 * OBLIQUE_OMEGA
     with style():
-        figure = new_figure(8.6, 10.2)
-        axes = figure.subplots(4, 2, sharex=True, sharey="row")
+        figure = new_figure(8.6, 2.55 * len(panels))
+        axes = figure.subplots(len(panels), 2, sharex=True, sharey="row")
         for column, curve in enumerate(curves):
             axes[0, column].set_title(curve.label, fontsize=9.0)
-            for ax, (load, label) in zip(axes[:, column], PANELS, strict=True):
-                baseline = {
-                    "thrust": still.thrust(OBLIQUE_OMEGA),
-                    "torque": still.torque(OBLIQUE_OMEGA),
-                }
-                ax.axhline(float(baseline.get(load, 0.0)), **HOVER)
+            for ax, (load, label) in zip(axes[:, column], panels, strict=True):
+                ax.axhline(float(still[load]), **HOVER)
                 for k, beta in enumerate(BETAS):
                     at = mine & (np.abs(data.beta - beta) < np.radians(0.5))
                     ax.plot(curve.speed, curve.loads[load][k], color=COLOURS[k], **MODEL)
@@ -89,7 +86,7 @@ def oblique_figure(one: Compared, curves: list[ObliqueCurves]) -> Figure:
                 if column == 0:
                     ax.set_ylabel(label)
                 ax.margins(x=0.02)
-            axes[3, column].set_xlabel("speed V [m/s]")
+            axes[-1, column].set_xlabel("speed V [m/s]")
         handles = [
             Line2D(
                 [], [], color=COLOURS[k], marker=MARKERS[k], markersize=4.5,
