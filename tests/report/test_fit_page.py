@@ -70,7 +70,7 @@ def test_what_was_not_fitted_is_said() -> None:
     assert "factor of two" in outside.text
     flown = lead(record(kind="flight", loads=[load("force_z", 0.02, 0.3)]))[1]
     assert isinstance(flown, Verdict)
-    assert "torque and rolling moment were not measured" in flown.text
+    assert "torque and moments were not measured" in flown.text
 
 
 def test_forces_are_compared_with_the_largest() -> None:
