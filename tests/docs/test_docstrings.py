@@ -16,7 +16,7 @@ HEADING = re.compile(r"^(\w[\w ]*)\n-{3,}$", re.MULTILINE)
 ENTRY = re.compile(r"(?:^|(?<=[.;] ) ?)[A-Za-z_]\w*(?:(?:, | \(| \[)[^.:`]*)? : ", re.MULTILINE)
 """``name : meaning`` or ``name [unit], other [unit] : meaning``, which no heading announces."""
 
-CONVERTED = ("arrays", "errors", "io", "vehicle", "loads", "physics")
+CONVERTED = ("arrays", "catalogue", "errors", "io", "vehicle", "loads", "physics")
 
 
 def docstrings() -> Iterator[tuple[str, str]]:
