@@ -100,7 +100,7 @@ def test_a_file_of_ones_own(tmp_path: Path) -> None:
     text = (Path(catalogue.__file__).parent / "propellers" / "apc-8x6e.toml").read_text()
     path = tmp_path / "mine.toml"
     path.write_text(text.replace('name = "apc-8x6e"', 'name = "mine"'))
-    blade = catalogue.load_file(path)
+    blade = propeller(path)
     assert blade.name == "mine"
     np.testing.assert_array_equal(blade.twist, catalogue.load("apc-8x6e").twist)
 

@@ -3,19 +3,14 @@
 from __future__ import annotations
 
 import difflib
-import os
 from dataclasses import dataclass
 from functools import lru_cache
 from importlib.resources import files
 from importlib.resources.abc import Traversable
 
 from propmap.errors import InputError, quoted
-from propmap.io.propeller_toml import (
-    SCHEMA,
-    parse_propeller_toml,
-    parse_toml,
-    read_propeller_toml,
-)
+from propmap.io.propeller_toml import SCHEMA, parse_propeller_toml
+from propmap.io.toml_table import parse_toml
 from propmap.model.propeller import Propeller
 
 SUFFIX = ".toml"
@@ -71,11 +66,6 @@ def load(name: str) -> Propeller:
     if key not in _files():
         raise unknown_name(name)
     return parse_propeller_toml(_files()[key].read_text(encoding="utf-8"), f"catalogue {key}")
-
-
-def load_file(path: str | os.PathLike[str]) -> Propeller:
-    """A propeller from a file of one's own, at ``path``, in the format of the catalogue."""
-    return read_propeller_toml(path)
 
 
 def unknown_name(name: str) -> InputError:

@@ -7,9 +7,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib.resources import files
 
+import numpy as np
+
 from propmap.arrays.types import Floats
 from propmap.errors import InputError, quoted
-from propmap.io.propeller_toml import float_array, parse_toml
+from propmap.io.toml_table import parse_toml
 from propmap.loads import LOADS
 
 SCHEMA = 1
@@ -63,12 +65,11 @@ def measurement(name: str) -> Measurement:
             f"{quoted(name)} is not a measurement of the catalogue",
             f"choose one of {', '.join(close)}",
         )
-    where = f"measurement {key}"
     file = files("propmap.catalogue") / "measurements" / f"{key}{SUFFIX}"
-    fields = parse_toml(file.read_text(encoding="utf-8"), where, SCHEMA)
+    fields = parse_toml(file.read_text(encoding="utf-8"), f"measurement {key}", SCHEMA)
 
     def array(column: str) -> Floats:
-        values = float_array(fields[column], column, where)
+        values = np.array(fields[column], dtype=np.float64)
         values.flags.writeable = False
         return values
 

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 
-from propmap.errors import InputError, quoted
+from propmap.errors import InputError
 from propmap.io.toml_table import TomlTable
 from propmap.vehicle.vehicle import Vector
 
@@ -105,42 +105,30 @@ def read_log_map(table: TomlTable, rotors: int) -> LogMap:
     """The ``LogMap`` of the table ``[log]`` of a vehicle with so many ``rotors``."""
     stated = {key: table.choice(key, named) for key, named in CHOICES.items() if key in table}
     topics = table.table("log.topics", TOPICS)
+    order = table.optional(
+        "rotor_order",
+        lambda value: (
+            isinstance(value, list)
+            and all(type(number) is int for number in value)
+            and sorted(value) == list(range(1, rotors + 1))
+        ),
+        f"each number from 1 to {rotors} once",
+        "for each speed in the log, give the number of its [[rotors]] table",
+    )
     return LogMap(
         **stated,
-        pole_pairs=_pole_pairs(table),
-        rotor_order=_rotor_order(table, rotors),
+        pole_pairs=table.optional(
+            "pole_pairs",
+            lambda value: type(value) is int and 1 <= value <= 100,
+            "a whole number from 1 to 100",
+            "give half the number of the motor's magnets",
+        ),
+        rotor_order=tuple(order) if order else None,
         wind=table.vector("wind", "[east, north, up]") if "wind" in table else (0.0, 0.0, 0.0),
         columns=_columns(table.table("log.columns", COLUMNS), rotors),
         topics={key: topics.text(key, '"/the/name/of/a/topic"') for key in topics.entries},
         file=table.where.partition(": [")[0],
     )
-
-
-def _pole_pairs(table: TomlTable) -> int | None:
-    if "pole_pairs" not in table:
-        return None
-    value = table.entries["pole_pairs"]
-    if not isinstance(value, int) or isinstance(value, bool) or not 1 <= value <= 100:
-        raise InputError(
-            f"pole_pairs is {quoted(value)}, expected a whole number from 1 to 100",
-            "give half the number of the motor's magnets",
-            table.where,
-        )
-    return value
-
-
-def _rotor_order(table: TomlTable, rotors: int) -> tuple[int, ...] | None:
-    if "rotor_order" not in table:
-        return None
-    order = table.entries["rotor_order"]
-    whole = isinstance(order, list) and all(type(number) is int for number in order)
-    if not whole or sorted(order) != list(range(1, rotors + 1)):
-        raise InputError(
-            f"rotor_order is {quoted(order)}, expected each number from 1 to {rotors} once",
-            "for each speed in the log, give the number of its [[rotors]] table",
-            table.where,
-        )
-    return tuple(order)
 
 
 def _columns(table: TomlTable, rotors: int) -> dict[str, tuple[str, ...]]:

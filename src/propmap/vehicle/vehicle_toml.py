@@ -11,9 +11,8 @@ from typing import Any, TypeVar
 from propmap import catalogue
 from propmap.catalogue.lookup import propeller
 from propmap.errors import InputError, quoted
-from propmap.io.propeller_toml import parse_toml
 from propmap.io.text_file import read_lines
-from propmap.io.toml_table import TomlTable
+from propmap.io.toml_table import TomlTable, parse_toml
 from propmap.model.air import PAPER_DENSITY, PAPER_VISCOSITY, Air
 from propmap.model.propeller import Propeller
 from propmap.vehicle import log_map
