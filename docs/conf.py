@@ -83,7 +83,16 @@ html_theme_options = {
 }
 # A long list of one page's neighbours helps nobody on pages that have none.
 html_sidebars = {
-    page: [] for page in ("index", "tutorial", "choosing", "theory", "equations", "validation")
+    page: []
+    for page in (
+        "index",
+        "tutorial",
+        "choosing",
+        "theory",
+        "equations",
+        "validation",
+        "architecture",
+    )
 }
 
 

@@ -44,7 +44,7 @@ def picture() -> Figure:
     row = _rows(imports)
     paths = [
         [name, *(f"{name} to {other} in {k}" for k in range(row[name] - 1, row[other], -1)), other]
-        for name, others in _without_detours(imports).items()
+        for name, others in without_detours(imports).items()
         for other in others
     ]
     places = _places(paths, row)
@@ -65,7 +65,7 @@ def picture() -> Figure:
     return figure
 
 
-def _without_detours(imports: Graph) -> dict[str, set[str]]:
+def without_detours(imports: Graph) -> dict[str, set[str]]:
     """The transitive reduction: what no other import brings along.  Lowest layer first."""
     below: dict[str, set[str]] = {}
     for name, others in imports.items():

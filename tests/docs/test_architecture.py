@@ -1,0 +1,53 @@
+"""The page on the architecture tells of every folder, and its picture of every import."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+from tools import architecture_picture, import_graph, line_counts
+
+from .pages import ROOT
+
+ROOMS = set(import_graph.room_imports()) - {"__main__"}
+
+
+def test_every_folder_has_its_paragraph() -> None:
+    text = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    folders = text.partition("## Folders")[2].partition("## ")[0]
+    assert set(re.findall(r"\*\*`(\w+)`\*\*", folders)) == ROOMS
+
+
+def test_the_picture_has_a_box_for_every_folder() -> None:
+    drawn = {text.get_text() for axes in architecture_picture.picture().axes for text in axes.texts}
+    assert drawn >= ROOMS
+    assert f"{import_graph.lines()['physics']:,} lines" in drawn
+
+
+def test_arrows_that_follow_from_others_are_left_out_and_no_more() -> None:
+    imports = {"a": [], "b": ["a"], "c": ["a", "b"], "d": ["a", "c"], "e": ["a"]}
+    needed = architecture_picture.without_detours(imports)
+    assert needed == {"a": set(), "b": {"a"}, "c": {"b"}, "d": {"c"}, "e": {"a"}}
+
+
+def test_an_import_is_seen_wherever_it_stands(tmp_path: Path) -> None:
+    folder = tmp_path / "pkg"
+    folder.mkdir()
+    for name in ("__init__", "one", "two"):
+        (folder / f"{name}.py").write_text("", encoding="utf-8")
+    (folder / "three.py").write_text(
+        "from typing import TYPE_CHECKING\n"
+        "from propmap.pkg import one\n"
+        "if TYPE_CHECKING:\n    from propmap.pkg.two import more\n"
+        "def later():\n    import propmap.pkg.two\n",
+        encoding="utf-8",
+    )
+    found = import_graph.module_imports(tmp_path)
+    assert found["propmap.pkg.three"] == {"propmap.pkg.one", "propmap.pkg.two"}
+
+
+def test_the_table_of_lines_goes_between_its_marks() -> None:
+    text = "x\n<!-- line counts -->\nold\n<!-- /line counts -->\ny"
+    assert line_counts.with_table(text, "new") == text.replace("old", "new")
+    changes = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+    assert "| sum |" in changes.partition("<!-- line counts -->")[2]
