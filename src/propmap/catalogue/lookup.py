@@ -9,9 +9,10 @@ from pathlib import Path
 from propmap import catalogue
 from propmap.io.blade_table import check_radius
 from propmap.io.geometry_file import read_geometry_file
-from propmap.model.airfoil import parameter_set
-from propmap.model.model import Section
+from propmap.io.section_tables import looks_like_section_table, read_section_table
+from propmap.model.airfoil import Airfoil, airfoil_names, parameter_set
 from propmap.model.propeller import Propeller
+from propmap.model.section_table import SectionTable
 
 
 def propeller(
@@ -53,21 +54,27 @@ def propeller(
     return found if root_cutout is None else found.with_root_cutout(root_cutout)
 
 
-def airfoil(name_or_path: str | os.PathLike[str]) -> Section:
+def airfoil(name_or_path: str | os.PathLike[str]) -> Airfoil | SectionTable:
     """A section law: a named set of constants, a parameter file, or a section table.
 
     Parameters
     ----------
     name_or_path : str or path
-        "paper-soft", "paper-stiff" or "paper-apc" (Table I), or the path of a parameter file
-        (.toml).
+        "paper-soft", "paper-stiff" or "paper-apc" (Table I), the path of a parameter file or a fit
+        (.toml), or that of a section table as ``read_section_table`` takes it: a file of AeroDyn,
+        XFOIL, CACTUS or CSV, or a folder with XFOIL's polars.
 
     Raises
     ------
     InputError
         For an unknown name, and for a file that holds no section law.
     """
-    return parameter_set(os.fspath(name_or_path))
+    text = os.fspath(name_or_path)
+    path = Path(text)
+    named = text.lower() in airfoil_names() or path.suffix.lower() == ".toml"
+    if not named and path.exists() and looks_like_section_table(path):
+        return read_section_table(path)
+    return parameter_set(text)
 
 
 def _looks_like_path(name_or_path: str | os.PathLike[str]) -> bool:

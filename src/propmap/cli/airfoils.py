@@ -20,6 +20,7 @@ from propmap.cli.output import (
     json_text,
     show,
 )
+from propmap.cli.rotor_options import constants
 from propmap.model.airfoil import airfoil_names, parameter_set
 
 if TYPE_CHECKING:
@@ -75,4 +76,4 @@ def show_airfoil(
     """Print a parameter set as TOML, a template for one's own."""
     if output is not None:
         check_output(output, (".toml",))
-    emit(parameter_set(name).to_toml(), output)
+    emit(constants(name).to_toml(), output)

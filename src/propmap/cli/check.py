@@ -10,6 +10,7 @@ import msgspec
 import numpy as np
 import typer
 
+from propmap.catalogue.lookup import airfoil
 from propmap.cli.output import (
     Format,
     FormatOption,
@@ -21,15 +22,16 @@ from propmap.cli.output import (
     json_text,
     show,
 )
-from propmap.cli.rotor_options import Corrections
+from propmap.cli.rotor_options import Corrections, say_reynolds
 from propmap.errors import InputError
-from propmap.model.airfoil import read_airfoil
+from propmap.model.model import Model
 
 if TYPE_CHECKING:
     from rich.console import Console
 
     from propmap.fit.comparison import Comparison
     from propmap.model.airfoil import Airfoil
+    from propmap.model.section_table import SectionTable
 
 
 def check(
@@ -53,7 +55,7 @@ def check(
     if output is not None:
         check_output(output)
     chosen = chosen_format(format_, output)
-    law = read_airfoil(fit).with_corrections(correction or ())
+    law = airfoil(fit).with_corrections(correction or ())
     found = _compare(fit, law, data, vehicle, prop)
     if chosen is Format.table:
         show(output, lambda console: _draw(console, found, law))
@@ -71,12 +73,11 @@ def check(
 
 
 def _compare(
-    fit: Path, law: Airfoil, data: list[str], vehicle: Path | None, prop: str | None
+    fit: Path, law: Airfoil | SectionTable, data: list[str], vehicle: Path | None, prop: str | None
 ) -> dict[str, Comparison]:
     from propmap.catalogue.lookup import propeller
     from propmap.fit.comparison import compare_flight, compare_tunnel
     from propmap.fit.result_file import is_fit, read_fit
-    from propmap.model.model import Model
 
     if vehicle is not None:
         from propmap.cli.flight_files import read_flights
@@ -104,6 +105,7 @@ def _compare(
         model = Model(propeller(prop), law)
     measured = read_tunnel(data, model.propeller, model.air)
     _keep()
+    say_reynolds(model, measured.omega, measured.speed, measured.beta)
     return compare_tunnel(model, measured)
 
 
@@ -126,7 +128,7 @@ def _numbers(errors: Any) -> dict[str, Any]:
     return {k: None if np.isnan(v) else v for k, v in msgspec.structs.asdict(errors).items()}
 
 
-def _draw(console: Console, found: dict[str, Comparison], law: Airfoil) -> None:
+def _draw(console: Console, found: dict[str, Comparison], law: Airfoil | SectionTable) -> None:
     from rich.table import Table
 
     added = f", with {', '.join(law.corrections)}" if law.corrections else ""

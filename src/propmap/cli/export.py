@@ -6,10 +6,11 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
+import numpy as np
 import typer
 
 from propmap.cli.output import Force
-from propmap.cli.rotor_options import Corrections
+from propmap.cli.rotor_options import Corrections, say_reynolds
 from propmap.cli.table_report import building
 from propmap.errors import InputError
 from propmap.model.model import Model
@@ -66,11 +67,10 @@ def export(
 
 
 def _table(source: Path, prop: str | None, corrections: list[str]) -> LoadTable:
-    if source.suffix.lower() == ".toml":
+    if prop is not None or source.suffix.lower() == ".toml":
         return _built(*_rotor(source, prop, corrections))
-    for option, given in (("--prop", prop), ("--correction", corrections)):
-        if given:
-            raise InputError(f"{option} is given with a table, which has its own", "leave it out")
+    if corrections:
+        raise InputError("--correction is given with a map, which has its own", "leave it out")
     from propmap.table import LoadTable
 
     return LoadTable.load(source)
@@ -79,14 +79,15 @@ def _table(source: Path, prop: str | None, corrections: list[str]) -> LoadTable:
 def _rotor(
     source: Path, prop: str | None, corrections: list[str]
 ) -> tuple[Rotor, SectionCovariance | None]:
-    from propmap.catalogue.lookup import propeller
+    from propmap.catalogue.lookup import airfoil, propeller
     from propmap.engine.compilation import keep_compiled
     from propmap.fit.result_file import is_fit, read_fit
-    from propmap.model.airfoil import read_airfoil
     from propmap.rotor import Rotor
 
     keep_compiled()
-    law = read_airfoil(source).with_corrections(corrections)
+    if source.suffix.lower() in (".npz", ".nc"):
+        raise InputError("--prop is given with a map, which has its propeller", "leave it out")
+    law = airfoil(source).with_corrections(corrections)
     if prop is None:
         fit = read_fit(source)
         return Rotor(fit.model.with_airfoil(law)), fit.covariance
@@ -108,6 +109,7 @@ def _built(rotor: Rotor, covariance: SectionCovariance | None) -> LoadTable:
         "for another range, build it with propmap table",
         err=True,
     )
+    say_reynolds(rotor.model, np.array(omega), np.array(SPEED), np.array(BETA))
     with building() as progress:
         return build_table(
             rotor,

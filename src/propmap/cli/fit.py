@@ -22,9 +22,8 @@ from propmap.cli.fit_options import (
     settings_of,
 )
 from propmap.cli.output import PICTURES, check_output, show, write_text
-from propmap.cli.rotor_options import Corrections, RotorChoice, takes_rotor
+from propmap.cli.rotor_options import Corrections, RotorChoice, constants, takes_rotor
 from propmap.errors import InputError
-from propmap.model.airfoil import parameter_set
 
 if TYPE_CHECKING:
     from propmap.fit.fitted import Fitted
@@ -84,7 +83,7 @@ def fit_tunnel(
     from propmap.cli.tunnel_files import read_tunnel, sources
 
     _check_outputs(output, picture)
-    base = parameter_set(choice.airfoil) if choice.airfoil else None
+    base = constants(choice.airfoil) if choice.airfoil else None
     default = ("c_l1", "c_l2", "c_d", "alpha_0", "zero_lift_angle")
     chosen = choice_of(free, fix, prior, default, base)
     settings = settings_of(starts, robust, folds, bootstrap, seed)
@@ -181,7 +180,7 @@ def fit_flight(
     from propmap.vehicle.vehicle_toml import read_vehicle
 
     _check_outputs(output, picture, stretches_picture)
-    base = parameter_set(name_or_file) if name_or_file else None
+    base = constants(name_or_file) if name_or_file else None
     file = read_vehicle(vehicle)
 
     from propmap.engine.compilation import keep_compiled

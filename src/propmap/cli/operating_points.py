@@ -58,9 +58,14 @@ class OperatingPoints:
         cut = slice(start, start + count)
         return OperatingPoints(self.rpm[cut], self.speed_mps[cut], self.beta_deg[cut])
 
+    @property
+    def si(self) -> tuple[Floats, Floats, Floats]:
+        """Omega [rad/s], V [m/s] and beta [rad], (n,) each."""
+        return self.rpm * RPM, self.speed_mps, np.radians(self.beta_deg)
+
     def loads(self, rotor: Rotor) -> Loads:
         """Loads of the rotor at these points, fields of shape (n,)."""
-        return rotor.loads(self.rpm * RPM, self.speed_mps, np.radians(self.beta_deg))
+        return rotor.loads(*self.si)
 
     def rows(self, loads: Loads) -> list[dict[str, Any]]:
         """One mapping of ``COLUMNS`` per point; None where a load is not a number."""

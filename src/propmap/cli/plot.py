@@ -18,6 +18,7 @@ from propmap.cli.rotor_options import (
     Radius,
     RootCutout,
     RotorChoice,
+    say_reynolds,
     takes_rotor,
 )
 from propmap.errors import InputError
@@ -59,6 +60,7 @@ def plot_map(
     check_output(output, PICTURES)
     points = None if measured is None else _measured(measured, rpm)
     rotor = choice.rotor(speeds.size * (betas.size + 1))
+    say_reynolds(rotor.model, np.array(omega), speeds[:, None], betas)
 
     from propmap.report.load_curves import load_curves
     from propmap.report.style import save
@@ -99,6 +101,7 @@ def plot_disk(
     point = single_point(rpm, speed, beta)
     check_output(output, PICTURES)
     rotor = choice.rotor(1)
+    say_reynolds(rotor.model, *point.si)
 
     from propmap.report.disk_picture import disk_picture
     from propmap.report.style import save

@@ -20,7 +20,7 @@ from propmap.cli.output import (
     show,
 )
 from propmap.cli.points_file import read_points
-from propmap.cli.rotor_options import RotorChoice, takes_rotor
+from propmap.cli.rotor_options import RotorChoice, say_reynolds, takes_rotor
 from propmap.errors import InputError
 from propmap.loads import LOADS
 
@@ -56,6 +56,7 @@ def predict(
         check_output(output)
     chosen = chosen_format(format_, output)
     rotor = choice.rotor(where.count)
+    say_reynolds(rotor.model, *where.si)
     loads = where.loads(rotor)
     if chosen is Format.table:
         _show_table(output, rotor, where, loads, one=points is None)

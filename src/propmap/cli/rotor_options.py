@@ -9,17 +9,20 @@ from dataclasses import dataclass, fields
 from enum import StrEnum
 from typing import TYPE_CHECKING, Annotated, Any, Concatenate, ParamSpec, get_type_hints
 
+import numpy as np
 import typer
 
-from propmap.catalogue.lookup import propeller
+from propmap.catalogue.lookup import airfoil, propeller
 from propmap.errors import InputError
 from propmap.model.air import PAPER_DENSITY, PAPER_VISCOSITY, Air
-from propmap.model.airfoil import airfoil_names, parameter_set
-from propmap.model.corrections import CORRECTIONS, correction
+from propmap.model.airfoil import Airfoil, airfoil_names
+from propmap.model.corrections import CORRECTIONS
 from propmap.model.model import Model
 from propmap.model.propeller import Propeller
+from propmap.model.section_table import SectionTable
 
 if TYPE_CHECKING:
+    from propmap.arrays.types import Floats
     from propmap.rotor import Rotor
 
 Others = ParamSpec("Others")
@@ -96,18 +99,18 @@ class RotorChoice:
         if self.airfoil is None:
             names = ", ".join(airfoil_names())
             raise InputError(
-                "no section law is given", f"pass --airfoil with one of {names}, or a .toml file"
+                "no section law is given",
+                f"pass --airfoil with one of {names}, a .toml file or a section table",
             )
-        blade, section, air = self.blade(), parameter_set(self.airfoil), self.medium()
+        blade, air = self.blade(), self.medium()
+        section = airfoil(self.airfoil).with_corrections(self.correction or ())
 
         from propmap.engine.compilation import keep_compiled
         from propmap.rotor import Rotor
 
         keep_compiled()
         compiled = points is None or points > FEW_POINTS[self.accuracy]
-        added = tuple(correction(text) for text in self.correction or ())
-        model = Model(blade, section, air, added)
-        return Rotor(model, accuracy=self.accuracy.value, compiled=compiled)
+        return Rotor(Model(blade, section, air), accuracy=self.accuracy.value, compiled=compiled)
 
     def blade(self) -> Propeller:
         """The propeller."""
@@ -127,6 +130,34 @@ class RotorChoice:
         return Air(
             PAPER_DENSITY if self.rho is None else self.rho,
             PAPER_VISCOSITY if self.mu is None else self.mu,
+        )
+
+
+def constants(name_or_path: str) -> Airfoil:
+    """The set of constants that ``--airfoil`` names; ``InputError`` for a section table."""
+    found = airfoil(name_or_path)
+    if isinstance(found, SectionTable):
+        raise InputError(
+            "this is a section table, which has no constants such as c_l1 to fit or to fly with",
+            f"give one of {', '.join(airfoil_names())}, or a .toml file",
+            name_or_path,
+        )
+    return found
+
+
+def say_reynolds(model: Model, omega: Floats, speed: Floats, beta: Floats) -> None:
+    """Say where a section table does not reach at operating points [rad/s], [m/s], [rad]."""
+    if not isinstance(model.airfoil, SectionTable) or model.airfoil.reynolds.size < 2:
+        return
+    points = np.broadcast_arrays(omega, speed, beta)
+    some = np.unique(np.linspace(0, points[0].size - 1, 400).astype(int))
+    low, high = model.reynolds(*(values.ravel()[some] for values in points))
+    first, last = model.airfoil.reynolds[[0, -1]]
+    if low < first or high > last:
+        typer.echo(
+            f"note: Re from {low:.2g} to {high:.2g} along the blade; the table covers {first:.2g} "
+            f"to {last:.2g}, its nearest row is used outside",
+            err=True,
         )
 
 

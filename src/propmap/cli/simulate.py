@@ -12,9 +12,8 @@ import typer
 
 from propmap.cli.operating_points import RPM, parse_axis
 from propmap.cli.output import Force, check_output, show, write_text
-from propmap.cli.rotor_options import Corrections
+from propmap.cli.rotor_options import Corrections, constants
 from propmap.errors import InputError
-from propmap.model.airfoil import parameter_set
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -104,7 +103,7 @@ def simulate_flight(
             f"--noise is {noise:g}, a share of the weight", f"give at most {LARGEST_ERROR:g}"
         )
     check_output(output, (".csv",), keep_existing=not force)
-    law = parameter_set(section).with_corrections(correction or ())
+    law = constants(section).with_corrections(correction or ())
 
     from propmap.fit.parameters import Choice
     from propmap.flight.simulated import SensorNoise, check_sampling, fly, log_csv

@@ -12,7 +12,7 @@ import typer
 
 from propmap.cli.operating_points import COLUMNS, OperatingPoints, parse_axis
 from propmap.cli.output import Force, check_output, csv_text, write_text
-from propmap.cli.rotor_options import RotorChoice, takes_rotor
+from propmap.cli.rotor_options import RotorChoice, say_reynolds, takes_rotor
 from propmap.errors import InputError
 
 if TYPE_CHECKING:
@@ -52,6 +52,7 @@ def sweep(
     check_output(output, (".nc", ".csv"), keep_existing=not force)
     rotor = choice.rotor(count)
     points = OperatingPoints.grid(*axes)
+    say_reynolds(rotor.model, *points.si)
     loads = _compute(rotor, points)
     if output.suffix.lower() == ".nc":
         from propmap.cli.sweep_dataset import dataset

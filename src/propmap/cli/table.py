@@ -8,11 +8,12 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
+import numpy as np
 import typer
 
 from propmap.cli.operating_points import RPM, parse_axis
 from propmap.cli.output import Force, check_output, show
-from propmap.cli.rotor_options import RotorChoice, takes_rotor
+from propmap.cli.rotor_options import RotorChoice, say_reynolds, takes_rotor
 from propmap.cli.table_report import building, draw_certificate
 from propmap.errors import InputError, quoted
 
@@ -50,6 +51,8 @@ def table(
 
     check_tolerance(share, choice.accuracy.value)
     rotor = choice.rotor()
+    ends = np.meshgrid(*(np.array(pair) for pair in ranges), indexing="ij")
+    say_reynolds(rotor.model, ends[0] * RPM, ends[1], np.radians(ends[2]))
     covariance = _covariance(choice.airfoil or "")
     with building() as progress:
         built = build_table(

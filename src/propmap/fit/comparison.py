@@ -16,8 +16,7 @@ from propmap.fit.parameters import EVERY
 from propmap.fit.residuals import Errors, by_band, errors
 from propmap.fit.tunnel import TunnelData
 from propmap.loads import LOADS
-from propmap.model.airfoil import Airfoil
-from propmap.model.model import Model
+from propmap.model.model import Model, Section
 from propmap.rotor import Rotor
 from propmap.vehicle.flight_log import GRAVITY, FlightLog
 from propmap.vehicle.hub_flow import hub_flow, rotor_forces
@@ -60,7 +59,7 @@ def compare_tunnel(model: Model, data: TunnelData) -> dict[str, Comparison]:
 
 
 def compare_flight(
-    vehicle: Vehicle, log: FlightLog, law: Airfoil, values: Mapping[str, float]
+    vehicle: Vehicle, log: FlightLog, law: Section, values: Mapping[str, float]
 ) -> dict[str, Comparison]:
     """Errors of the forces on a vehicle along its axes, against mass times specific force.
 
@@ -68,7 +67,7 @@ def compare_flight(
     ----------
     vehicle, log : Vehicle, FlightLog
         What flew, and how.
-    law : Airfoil
+    law : Airfoil or SectionTable
         The section law to judge.
     values : mapping of str to float
         The body's and the wing's parameters by name; first guesses where it has none.
@@ -94,7 +93,7 @@ def compare_flight(
 
 
 def compare_level(
-    vehicle: Vehicle, log: FlightLog, law: Airfoil, values: Mapping[str, float]
+    vehicle: Vehicle, log: FlightLog, law: Section, values: Mapping[str, float]
 ) -> dict[str, Comparison]:
     """Errors of the vertical force of steady level flights against the weight, eqs. (16)(17).
 
@@ -106,7 +105,7 @@ def compare_level(
 
 
 def level_forces(
-    vehicle: Vehicle, log: FlightLog, law: Airfoil, values: Mapping[str, float]
+    vehicle: Vehicle, log: FlightLog, law: Section, values: Mapping[str, float]
 ) -> tuple[Floats, Floats]:
     """Vertical forces [N] (n,) by this model and by the hover model; see ``compare_flight``."""
     model, hover = (np.sum(f * log.up, axis=1) for f in _forces(vehicle, log, law, values))
@@ -114,7 +113,7 @@ def level_forces(
 
 
 def _forces(
-    vehicle: Vehicle, log: FlightLog, law: Airfoil, values: Mapping[str, float]
+    vehicle: Vehicle, log: FlightLog, law: Section, values: Mapping[str, float]
 ) -> tuple[Floats, Floats]:
     """All forces but gravity (n, 3) [N] by this model, and those of the hover model."""
     rotor = Rotor(Model(vehicle.propeller, law, vehicle.air))

@@ -11,6 +11,8 @@ import numpy as np
 
 from propmap.arrays.types import Floats
 from propmap.errors import InputError, quoted
+from propmap.model.airfoil import Airfoil
+from propmap.model.model import Section
 
 
 @dataclass(frozen=True)
@@ -56,8 +58,19 @@ WING = {
 }
 """The wing of footnote 4, whose lift has the form (3)."""
 
+
 PAPER_FOUR = ("c_l1", "c_l2", "c_d", "alpha_0")
 EVERY = SECTION | BODY | WING
+
+
+def constants_of(section: Section) -> Airfoil:
+    """A section law that has the parameters of ``SECTION``; ``InputError`` for a section table."""
+    if isinstance(section, Airfoil):
+        return section
+    raise InputError(
+        f"{section.name!r} is no set of constants such as c_l1",
+        "a fit and a simulated flight need constants: give a parameter set",
+    )
 
 
 @dataclass(frozen=True)

@@ -103,7 +103,8 @@ def fit_text(
     import tomli_w
 
     law = section_with(model.airfoil, fitted.values)
-    law = law.with_parameters(name=name, source=f"fitted by propmap, {kind}")
+    told = {"name": name, "source": f"fitted by propmap, {kind}"}
+    law = law.with_parameters(**told, corrections=tuple(model.correction_texts))
     sure, choice = fitted.uncertainty, fitted.choice
     ends = fitted.minimum.ends
     record = FitRecord(
@@ -137,7 +138,9 @@ def fit_text(
 
 
 def is_fit(path: Path) -> bool:
-    """Whether a parameter set carries a fit; raises ``InputError`` where it is no such set."""
+    """Whether a file is a parameter set that carries a fit; ``InputError`` for a bad set."""
+    if path.suffix.lower() != ".toml":
+        return False
     read_airfoil(path)
     return "fit" in tomllib.loads(path.read_text(encoding="utf-8"))
 

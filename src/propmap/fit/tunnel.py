@@ -14,7 +14,7 @@ from propmap.engine.evaluation import prepare
 from propmap.engine.gradients import load_gradients
 from propmap.engine.plan import accuracy
 from propmap.errors import InputError
-from propmap.fit.parameters import BODY, SECTION, WING, Choice
+from propmap.fit.parameters import BODY, SECTION, WING, Choice, constants_of
 from propmap.fit.rows import Rows
 from propmap.loads import LOADS
 from propmap.model.airfoil import Airfoil
@@ -71,9 +71,7 @@ def first_guess() -> Airfoil:
 
 def section_with(base: Section, values: Mapping[str, float]) -> Airfoil:
     """The section law with the section parameters among ``values``."""
-    if not isinstance(base, Airfoil):
-        raise InputError("a tabulated section has no parameters to fit", "name a parameter set")
-    return base.with_parameters(**{name: values[name] for name in SECTION})
+    return constants_of(base).with_parameters(**{name: values[name] for name in SECTION})
 
 
 def rotor_with(model: Model, values: Mapping[str, float], setting: str) -> Rotor:

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from propmap.errors import InputError
-from propmap.model.corrections import as_text, correction
+from propmap.model.corrections import agreed, as_texts
 
 if TYPE_CHECKING:
     from propmap.physics.sections.blended import BlendedLaw
@@ -104,10 +104,7 @@ class Airfoil:
                 raise InputError(f"{field} is {getattr(self, field)!r}: it must be text")
         if self.lift_law not in LIFT_LAWS:
             raise InputError(f"lift_law is {self.lift_law!r}: it must be one of {LIFT_LAWS}")
-        texts = self.corrections
-        if not isinstance(texts, (list, tuple)) or not all(isinstance(t, str) for t in texts):
-            raise InputError(f'corrections is {texts!r}: write a list such as ["tip-loss"]')
-        object.__setattr__(self, "corrections", tuple(as_text(correction(t)) for t in texts))
+        object.__setattr__(self, "corrections", as_texts(self.corrections))
 
     def law(self) -> BlendedLaw:
         """The constants as arrays for the solver."""
@@ -129,16 +126,7 @@ class Airfoil:
         InputError
             Where the constants were found with others.
         """
-        if not texts:
-            return self
-        wanted = [as_text(correction(text)) for text in texts]
-        if self.corrections and sorted(self.corrections) != sorted(wanted):
-            raise InputError(
-                f"{self.name} was found with {', '.join(self.corrections)}, not with "
-                f"{', '.join(wanted)}",
-                "leave the corrections out, which takes those of the set, or fit again",
-            )
-        return replace(self, corrections=tuple(wanted))
+        return replace(self, corrections=agreed(self.name, self.corrections, texts))
 
     def to_toml(self) -> str:
         """The set as the text of a parameter file."""
@@ -151,8 +139,9 @@ class Airfoil:
         return {key: value for key, value in asdict(self).items() if key != "corrections"}
 
     def fingerprint(self) -> str:
-        """SHA-256 of the parameter file."""
-        return hashlib.sha256(self.to_toml().encode()).hexdigest()
+        """SHA-256 of the parameter file, without its corrections."""
+        text = replace(self, corrections=()).to_toml()
+        return hashlib.sha256(text.encode()).hexdigest()
 
 
 def parameter_set(name_or_path: str | Path) -> Airfoil:

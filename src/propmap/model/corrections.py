@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Sequence
 from typing import Any, Protocol
 
 from propmap.errors import InputError
@@ -72,6 +73,30 @@ def from_fields(name: str, fields: dict[str, Any]) -> Correction:
         )
     value: Correction = made(**fields)
     return value
+
+
+def as_texts(texts: Any) -> tuple[str, ...]:
+    """Checked texts of corrections, as they stand in a file; ``InputError`` for anything else."""
+    if not isinstance(texts, (list, tuple)) or not all(isinstance(text, str) for text in texts):
+        raise InputError(f'corrections is {texts!r}: write a list such as ["tip-loss"]')
+    return tuple(as_text(correction(text)) for text in texts)
+
+
+def agreed(section: str, own: Sequence[str], given: Sequence[str]) -> tuple[str, ...]:
+    """The corrections to use with a section law that was found with ``own``.
+
+    Raises
+    ------
+    InputError
+        Where others than its own are ``given``; ``section`` is its name.
+    """
+    wanted = as_texts(given)
+    if own and wanted and sorted(own) != sorted(wanted):
+        raise InputError(
+            f"{section} was found with {', '.join(own)}, not with {', '.join(wanted)}",
+            "leave the corrections out, which takes those it was found with, or fit again",
+        )
+    return wanted or tuple(own)
 
 
 def name_of(value: Correction) -> str:

@@ -11,8 +11,7 @@ from numpy.typing import ArrayLike
 
 from propmap.errors import InputError
 from propmap.model.air import Air
-from propmap.model.airfoil import Airfoil
-from propmap.model.corrections import Correction, as_text, correction, name_of
+from propmap.model.corrections import Correction, agreed, as_text, correction, name_of
 from propmap.model.propeller import Propeller
 
 if TYPE_CHECKING:
@@ -81,9 +80,9 @@ class Model:
             if not isinstance(value, kind):
                 raise InputError(f"{name} is {value!r}: give {told}")
         object.__setattr__(self, "corrections", tuple(self.corrections))
-        if isinstance(self.airfoil, Airfoil) and self.airfoil.corrections:
-            meant = self.airfoil.with_corrections(self.correction_texts).corrections
-            object.__setattr__(self, "corrections", tuple(correction(text) for text in meant))
+        if own := getattr(self.airfoil, "corrections", ()):
+            texts = agreed(self.airfoil.name, own, self.correction_texts)
+            object.__setattr__(self, "corrections", tuple(correction(text) for text in texts))
         names = [name_of(value) for value in self.corrections]
         for name in names:
             if names.count(name) > 1:

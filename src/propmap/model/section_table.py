@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import hashlib
 import math
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from propmap.arrays.types import Floats
 from propmap.errors import InputError
+from propmap.model.corrections import agreed, as_texts
 
 if TYPE_CHECKING:
     from propmap.physics.sections.tabulated import TabulatedLaw
@@ -36,6 +38,8 @@ class SectionTable:
         C_L and C_D [-], the same at -pi and pi.
     drag_factor : float
         Multiplies the rotor drag, 1 in the paper.
+    corrections : tuple of str
+        Corrections that a ``Model`` with this table has, as ``propmap.correction`` reads them.
     name, source : str
         What the table is called and where its numbers come from.
 
@@ -52,6 +56,7 @@ class SectionTable:
     drag_factor: float = 1.0
     name: str = "unnamed"
     source: str = ""
+    corrections: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         for field in ("angle", "reynolds", "lift", "drag"):
@@ -66,6 +71,7 @@ class SectionTable:
                 f"lift has shape {self.lift.shape} and drag {self.drag.shape}",
                 f"give a row of {shape[1]} angles for each of {shape[0]} Reynolds numbers",
             )
+        object.__setattr__(self, "corrections", as_texts(self.corrections))
         self._check_axes()
         self._check_figures()
 
@@ -116,6 +122,10 @@ class SectionTable:
         figures = (self.angle, self.reynolds, self.lift, self.drag)
         return tabulated_law(*figures, drag_factor=self.drag_factor)
 
+    def with_corrections(self, texts: Sequence[str]) -> SectionTable:
+        """The table as it is to be used with these corrections; see ``Airfoil``."""
+        return replace(self, corrections=agreed(self.name, self.corrections, texts))
+
     def metadata(self) -> dict[str, Any]:
         """Name, source and Reynolds numbers; not the coefficients."""
         told = {"name": self.name, "source": self.source, "drag_factor": self.drag_factor}
@@ -141,4 +151,10 @@ class SectionTable:
 
     def _key(self) -> tuple[Any, ...]:
         arrays = (self.angle, self.reynolds, self.lift, self.drag)
-        return (*(a.tobytes() for a in arrays), self.drag_factor, self.name, self.source)
+        return (
+            *(a.tobytes() for a in arrays),
+            self.drag_factor,
+            self.name,
+            self.source,
+            self.corrections,
+        )
