@@ -89,7 +89,7 @@ def test_a_bad_file_is_told_in_one_line(
 def test_a_missing_file_and_an_unknown_name_are_told(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="no such file"):
         airfoil(tmp_path / "none.toml")
-    with pytest.raises(InputError, match="cannot be read"):
+    with pytest.raises(InputError, match="there is no table"):
         airfoil(tmp_path)
     with pytest.raises(InputError, match="paper-soft"):
         airfoil("papersoft")

@@ -132,21 +132,22 @@ class Model:
         Returns
         -------
         low, high : float
-            Between them lie 98 % of the blades' dynamic pressure times chord, of all points
-            together; the induced velocity, which changes Re by little, is left out.
+            Least and largest of any point, at each of which 98 % of the blades' dynamic pressure
+            times chord lie between its own.  The induced velocity, which changes Re by little, is
+            left out.
         """
         w, v, b = (np.ravel(a)[:, None, None] for a in np.broadcast_arrays(omega, speed, beta))
         y = np.linspace(self.propeller.root, self.propeller.radius, 61)[:, None]
         chord = np.interp(y, self.propeller.station, self.propeller.chord)
         psi = 2.0 * np.pi * np.arange(24) / 24
         flow = np.hypot(w * y + v * np.sin(b) * np.sin(psi), v * np.cos(b))
-        re, weight = (self.air.density / self.air.viscosity * flow * chord).ravel(), flow**2 * chord
-        order = np.argsort(re)
-        share = np.cumsum(weight.ravel()[order])
-        if not share[-1] > 0.0:
-            return 0.0, 0.0
-        low, high = np.searchsorted(share, np.array([0.01, 0.99]) * share[-1])
-        return float(re[order[low]]), float(re[order[high]])
+        re = (self.air.density / self.air.viscosity * flow * chord).reshape(flow.shape[0], -1)
+        order = np.argsort(re, axis=1)
+        weight = np.take_along_axis((flow**2 * chord).reshape(re.shape), order, axis=1)
+        share = np.cumsum(weight, axis=1)
+        inside = (share >= 0.01 * share[:, -1:]) & (share - weight <= 0.99 * share[:, -1:])
+        kept = np.take_along_axis(re, order, axis=1)[inside]
+        return float(kept.min()), float(kept.max())
 
     def fingerprint(self) -> str:
         """SHA-256 that tells this model from any other: geometry, law, air and corrections."""

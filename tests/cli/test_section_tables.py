@@ -1,0 +1,96 @@
+"""Section tables where a command takes a section law, and their refusal where it cannot."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import propmap
+from propmap.table import LoadTable
+
+from .conftest import POINT, Run
+from .fit_inputs import VEHICLE
+from .invented_tables import invented
+
+ROTOR = ["apc-8x6e", "--airfoil", "plate.csv"]
+NOTE = "the table covers 1e+05 to 6e+05, its nearest row is used outside"
+
+
+@pytest.fixture(autouse=True)
+def _table(_workplace: None) -> None:
+    text = "alpha_deg,re,cl,cd\n"
+    for re in (1e5, 6e5):
+        for a in np.linspace(-180.0, 180.0, 73):
+            lift, drag = np.sin(2.0 * np.radians(a)), 0.02 + np.sin(np.radians(a)) ** 2
+            text += f"{a},{re},{lift},{drag * (1e5 / re) ** 0.2}\n"
+    Path("plate.csv").write_text(text)
+
+
+def test_loads_are_those_of_the_table(run: Run) -> None:
+    done = run("predict", *ROTOR, *POINT, "--format", "json")
+    assert done.code == 0 and NOTE in done.err and done.err.count("\n") == 1
+    model = propmap.Model(propmap.propeller("apc-8x6e"), propmap.airfoil("plate.csv"))
+    rotor = propmap.Rotor(model, compiled=False)
+    wanted = rotor.loads(4000.0 * np.pi / 30.0, 14.0, np.radians(80.0))
+    assert json.loads(done.out)["thrust_N"] == pytest.approx(float(wanted.thrust), rel=1e-9)
+    assert "airfoil plate" in run("predict", *ROTOR, *POINT).out
+    # Inside the table's range there is nothing to say.
+    dense = run("predict", *ROTOR, *POINT, "--rho", "11")
+    assert (dense.code, dense.err) == (0, "")
+
+
+def test_a_sweep_names_the_table(run: Run) -> None:
+    import xarray
+
+    axes = ["--rpm", "4000", "--speed", "14", "--beta", "80"]
+    done = run("sweep", *ROTOR, *axes, "-o", "x.nc")
+    assert done.code == 0 and NOTE in done.err
+    found = xarray.load_dataset("x.nc")
+    assert found.attrs["airfoil_name"] == "plate" and found.attrs["corrections"] == "none"
+
+
+def test_check_and_export_take_a_table(
+    run: Run, tunnel_csv: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    checked = run("check", "plate.csv", tunnel_csv, "--prop", "apc-8x6e", "--format", "json")
+    assert checked.code == 0 and NOTE in checked.err
+    assert json.loads(checked.out)["rows"] == 14
+    built: list[propmap.Rotor] = []
+
+    def record(rotor: propmap.Rotor, **_: object) -> LoadTable:
+        built.append(rotor)
+        return invented()
+
+    monkeypatch.setattr("propmap.table.build.build_table", record)
+    done = run("export", "plate.csv", "--prop", "apc-8x6e", "--to", "csv", "-o", "to")
+    assert done.code == 0 and NOTE in done.err
+    assert built[0].model.airfoil == propmap.airfoil("plate.csv")
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ["fit", "tunnel", "apc-8x6e", "uiuc-8x6e", "-o", "fit.toml"],
+        ["fit", "flight", "level.csv", "--vehicle", "vehicle.toml", "-o", "fit.toml"],
+        ["simulate", "flight", "--vehicle", "vehicle.toml", "--speeds", "5,9", "-o", "log.csv"],
+        ["airfoils", "show"],
+    ],
+)
+def test_what_needs_constants_says_so(run: Run, command: list[str]) -> None:
+    Path("vehicle.toml").write_text(VEHICLE)
+    option = [] if command[0] == "airfoils" else ["--airfoil"]
+    done = run(*command, *option, "plate.csv")
+    assert (done.code, done.out, done.err.count("\n")) == (2, "", 1)
+    assert "plate.csv: this is a section table, which has no constants" in done.err
+
+
+def test_in_python_too() -> None:
+    from propmap.flight.trim import trim
+    from propmap.vehicle.vehicle_toml import read_vehicle
+
+    Path("vehicle.toml").write_text(VEHICLE)
+    with pytest.raises(propmap.InputError, match="'plate' is no set of constants"):
+        trim(read_vehicle("vehicle.toml").vehicle, propmap.airfoil("plate.csv"), np.array([5.0]))

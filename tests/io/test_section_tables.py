@@ -1,0 +1,219 @@
+"""Section tables of other programs: the figures read, what is added to them, what is refused."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import propmap
+from propmap.errors import InputError
+from propmap.io.section_tables import read_section_table
+
+SHELDAHL = Path(__file__).resolve().parents[3] / "shared" / "data" / "airfoil" / "NACA_0015.dat"
+REYNOLDS = (1e5, 4e5)
+ANGLES = np.linspace(-180.0, 180.0, 49)
+
+
+def section(angle: np.ndarray, reynolds: float) -> tuple[np.ndarray, np.ndarray]:
+    """A section that stalls near 12 degrees and has camber; angles in degrees."""
+    a = np.radians(angle + 2.0)
+    attached = np.exp(-((a / 0.25) ** 4))
+    lift = 6.0 * a * attached + 1.1 * np.sin(2.0 * a) * (1.0 - attached)
+    return lift, 4.0 / np.sqrt(reynolds) + 1.2 * np.sin(a) ** 2
+
+
+def rows(angle: np.ndarray, reynolds: float, separator: str = " ") -> str:
+    lift, drag = section(angle, reynolds)
+    return "".join(
+        separator.join(f"{v:.6f}" for v in row) + "\n"
+        for row in zip(angle, lift, drag, 0.0 * lift, strict=True)
+    )
+
+
+def aerodyn(angle: np.ndarray) -> str:
+    """As of AeroDyn v13 and v14: parameters, rows, EOT, for each Reynolds number in millions."""
+    text = "An invented section\nmade for a test\n"
+    text += f" {len(REYNOLDS)}  Number of airfoil tables in this file\n"
+    for re in REYNOLDS:
+        text += f" {re / 1e6}  Table ID parameter (Reynolds number in millions)\n"
+        text += " 12.0  Stall angle (deg)\n"
+        text += " 0.0  No longer used, enter zero\n -2.0  Zero lift angle of attack (deg)\n"
+        text += rows(angle, re, "\t") + "EOT\n"
+    return text
+
+
+def aerodyn_15(angle: np.ndarray) -> str:
+    text = '! AirfoilInfo, invented\n"DEFAULT" InterpOrd ! order\n 1 NonDimArea ! area\n'
+    text += (
+        f"0 NumCoords ! none\n {len(REYNOLDS)} NumTabs ! Number of airfoil tables in this file.\n"
+    )
+    for re in REYNOLDS:
+        text += (
+            f"! table\n {re / 1e6} Re ! in millions\n 0 UserProp ! control\nFalse InclUAdata ! no\n"
+        )
+        text += f"! ....\n {angle.size} NumAlf ! rows\n! Alpha Cl Cd Cm\n! (deg) (-) (-) (-)\n"
+        text += rows(angle, re)
+    return text
+
+
+def cactus(angle: np.ndarray) -> str:
+    text = "Title: invented\nThickness to Chord Ratio: 0.15\nZero Lift AOA (deg): -2.0\n\n"
+    for re in REYNOLDS:
+        text += f"Reynolds Number: {re:g}\nBV Dyn. Stall Model - Positive Stall AOA (deg): 12\n"
+        text += "AOA (deg) CL CD Cm25\n" + rows(angle, re, "\t") + "\n"
+    return text
+
+
+def csv(angle: np.ndarray) -> str:
+    text = "re, alpha_deg, cl, cd, note\n"
+    for re in REYNOLDS:
+        for a, lift, drag in zip(angle, *section(angle, re), strict=True):
+            text += f"{re:g},{a:.6f},{lift:.6f},{drag:.6f},x\n"
+    return text
+
+
+def xfoil(angle: np.ndarray, reynolds: float) -> str:
+    text = "\n       XFOIL         Version 6.99\n\n Calculated polar for: INVENTED\n\n"
+    text += " 1 1 Reynolds number fixed          Mach number fixed\n\n"
+    text += f" Mach =   0.000     Re =     {reynolds / 1e6:.3f} e 6     Ncrit =   9.000\n\n"
+    text += "   alpha    CL        CD       CDp       CM     Top_Xtr  Bot_Xtr\n"
+    text += "  ------ -------- --------- --------- -------- -------- --------\n"
+    return text + rows(angle, reynolds)
+
+
+@pytest.mark.parametrize("layout", [aerodyn, aerodyn_15, cactus, csv])
+def test_the_same_section_in_every_format(
+    tmp_path: Path, layout: Callable[[np.ndarray], str]
+) -> None:
+    path = tmp_path / "invented.dat"
+    path.write_text(layout(ANGLES))
+    table = propmap.airfoil(path)
+    assert isinstance(table, propmap.SectionTable)
+    assert table.name == "invented" and "continued" not in table.source
+    np.testing.assert_allclose(table.reynolds, REYNOLDS)
+    np.testing.assert_allclose(table.angle, np.radians(ANGLES), atol=1e-9)
+    for k, re in enumerate(REYNOLDS):
+        lift, drag = section(ANGLES, re)
+        np.testing.assert_allclose(table.lift[k], lift, atol=1e-6)
+        np.testing.assert_allclose(table.drag[k], drag, atol=1e-6)
+
+
+def test_a_folder_of_polars_is_continued_past_stall(tmp_path: Path) -> None:
+    angle = np.arange(-14.0, 18.1, 0.5)
+    for re in REYNOLDS:
+        # In the order of two runs of XFOIL: up from zero, then down from zero once more.
+        both = np.concatenate([angle[angle >= 0.0], angle[angle <= 0.0][::-1]])
+        (tmp_path / f"re{re:g}.pol").write_text(xfoil(both, re))
+    table = propmap.airfoil(str(tmp_path))
+    assert isinstance(table, propmap.SectionTable)
+    assert "XFOIL" in table.source and "continued from -14 and 18 deg by Viterna" in table.source
+    np.testing.assert_allclose(table.reynolds, REYNOLDS)
+    degrees = np.degrees(table.angle)
+    inside = (degrees > -14.1) & (degrees < 18.1)
+    np.testing.assert_allclose(degrees[inside], angle, atol=1e-9)
+    for k, re in enumerate(REYNOLDS):
+        lift, drag = section(angle, re)
+        np.testing.assert_allclose(table.lift[k, inside], lift, atol=1e-6)
+        # NASA CP-2230: C_D,max = 1.11 + 0.018 AR of a plate of aspect ratio 10 ...
+        at = dict(
+            zip(
+                degrees.round(3).tolist(),
+                zip(table.lift[k], table.drag[k], strict=True),
+                strict=True,
+            )
+        )
+        assert at[90.0] == pytest.approx((0.0, 1.29), abs=1e-12)
+        # ... and constants that meet the polar at its last angle.
+        s, c = np.sin(np.radians(18.0)), np.cos(np.radians(18.0))
+        s4, c4 = np.sin(np.radians(40.0)), np.cos(np.radians(40.0))
+        a2 = (lift[-1] - 1.29 * s * c) * s / c**2
+        b2 = (drag[-1] - 1.29 * s**2) / c
+        assert at[40.0] == pytest.approx(
+            (0.645 * 2.0 * s4 * c4 + a2 * c4**2 / s4, 1.29 * s4**2 + b2 * c4)
+        )
+        # Met from behind, and below: 0.7 of the lift.
+        assert at[140.0][0] == pytest.approx(-0.7 * at[40.0][0])
+        assert at[-40.0][0] == pytest.approx(-0.7 * at[40.0][0])
+        assert at[-180.0] == at[180.0] and at[180.0][0] == 0.0
+        assert (table.drag[k] >= drag.min() - 1e-6).all()
+        assert np.abs(np.diff(table.lift[k])).max() < 0.6  # no jump where parts meet
+
+
+def test_different_angles_are_brought_together(tmp_path: Path) -> None:
+    (tmp_path / "a.pol").write_text(xfoil(np.arange(-12.0, 16.1, 1.0), 1e5))
+    (tmp_path / "b.pol").write_text(xfoil(np.arange(-10.0, 18.1, 0.8), 4e5))
+    table = read_section_table(tmp_path)
+    for k, (re, angle) in enumerate([(1e5, 5.0), (4e5, 6.0)]):
+        lift, drag = section(np.array([angle]), re)
+        j = int(np.argmin(np.abs(table.angle - np.radians(angle))))
+        assert np.degrees(table.angle[j]) == pytest.approx(angle)
+        assert (table.lift[k, j], table.drag[k, j]) == pytest.approx((lift[0], drag[0]), abs=1e-6)
+    assert np.diff(table.angle).min() > np.radians(0.04)
+
+
+def test_a_file_open_at_180_degrees_is_closed(tmp_path: Path) -> None:
+    (tmp_path / "a.csv").write_text(csv(ANGLES[:-1]))
+    table = read_section_table(tmp_path / "a.csv")
+    assert table.angle[-1] == np.pi
+    np.testing.assert_allclose(table.lift[:, -1], table.lift[:, 0], atol=1e-12)
+
+
+def test_sheldahl_and_klimas() -> None:
+    if not SHELDAHL.exists():
+        pytest.skip("the data are not beside the checkout")
+    table = read_section_table(SHELDAHL)
+    assert table.reynolds.size == 11 and table.reynolds[[0, -1]].tolist() == [1e4, 1e7]
+    j = int(np.argmin(np.abs(table.angle - np.radians(6.0))))
+    assert (table.lift[0, j], table.drag[0, j]) == (-0.0781, 0.04)
+    np.testing.assert_allclose(table.lift[:, 0], table.lift[:, -1])
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        (csv(ANGLES).replace(",-7.500000", ",x"), "line 25: alpha_deg is 'x'"),
+        (csv(ANGLES).replace("cl,", "lift,"), "no section table"),
+        (csv(ANGLES) + "1e5,3\n", "line 100: found 2 fields, expected 5"),
+        (aerodyn(ANGLES).replace("EOT\n", "", 1).replace(" 0.4", " high", 1), "line 57"),
+        (aerodyn(ANGLES).split("EOT")[0] + "EOT\n", "table 2 of 2 is missing"),
+        (aerodyn(ANGLES).replace("0.4 ", "0.1 "), "Re = 100000 occurs twice"),
+        (aerodyn_15(ANGLES)[:-900], "NumAlf is 49"),
+        (aerodyn_15(ANGLES).replace("0.1 Re", "much Re"), "line 7: Re is 'much'"),
+        (
+            cactus(ANGLES).replace("Number: 400000", "Number: "),
+            "line 58: Reynolds number is nothing",
+        ),
+        (xfoil(np.arange(-8.0, 6.1), 1e5), "the lift still rises at the last"),
+        (xfoil(np.arange(-8.0, 95.0), 1e5), "expected -180 to 180"),
+        (xfoil(np.arange(2.0, 5.0), 1e5), "has 3 rows, expected 8"),
+        (xfoil(ANGLES, 1e5).replace("Re =", "Ro ="), "no Reynolds number above the rows"),
+        (xfoil(ANGLES, 1e5) + " 30.0 0.5 0.5\n", "30 deg occurs twice, in line"),
+        (xfoil(ANGLES, 1e5) + " 31.0 0.5 -0.5\n", "the drag coefficient is -0.5"),
+        (xfoil(ANGLES, 1e5) + " 31.0 0.5\n", "found 2 numbers, expected angle, C_L, C_D"),
+        (xfoil(ANGLES, 1e5) + " 31.0 30.5 0.5\n", "lift coefficient of 30.5"),
+    ],
+)
+def test_errors_name_the_file_and_the_line(tmp_path: Path, text: str, says: str) -> None:
+    path = tmp_path / "bad.dat"
+    path.write_text(text)
+    with pytest.raises(InputError) as caught:
+        read_section_table(path)
+    assert says in str(caught.value) and "bad.dat" in str(caught.value)
+
+
+def test_a_folder_holds_polars_alone(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="there is no table"):
+        read_section_table(tmp_path)
+    (tmp_path / "notes.txt").write_text("nothing\n")
+    with pytest.raises(InputError, match="polars of XFOIL alone"):
+        read_section_table(tmp_path)
+
+
+def test_a_table_without_a_reynolds_number_says_so(tmp_path: Path) -> None:
+    text = aerodyn(ANGLES).replace(" 2  Number", " 1  Number").replace(" 0.1  Table", " 0  Table")
+    (tmp_path / "a.dat").write_text(text)
+    table = read_section_table(tmp_path / "a.dat")
+    assert table.reynolds.size == 1 and "Reynolds number not stated" in table.source
