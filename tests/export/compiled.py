@@ -9,11 +9,14 @@ from pathlib import Path
 import numpy as np
 
 from propmap.export import export_table
+from propmap.loads import LOADS
 from propmap.table import LoadTable
 
 from .needed import program
 
 FLAGS = ["-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-O2"]
+
+FIELDS = (*LOADS, "power")
 
 WRAPPER = """
 #include "{name}.h"
@@ -23,9 +26,9 @@ typedef {name}_real real;
 void loads(size_t n, const real *w, const real *v, const real *b, real *to, int *status)
 {{
     size_t i;
-    for (i = 0; i < n; ++i, to += 5) {{
+    for (i = 0; i < n; ++i, to += {count}) {{
         const {name}_loads_t f = {name}_loads(w[i], v[i], b[i]);
-        to[0] = f.thrust; to[1] = f.drag; to[2] = f.torque; to[3] = f.roll_moment; to[4] = f.power;
+        {fill}
         status[i] = f.status;
     }}
 }}
@@ -34,9 +37,9 @@ void loads_at_velocity(size_t n, const real *w, const real *x, const real *y, co
                        real *to, int *status)
 {{
     size_t i;
-    for (i = 0; i < n; ++i, to += 5) {{
+    for (i = 0; i < n; ++i, to += {count}) {{
         const {name}_loads_t f = {name}_loads_at_velocity(w[i], x[i], y[i], z[i]);
-        to[0] = f.thrust; to[1] = f.drag; to[2] = f.torque; to[3] = f.roll_moment; to[4] = f.power;
+        {fill}
         status[i] = f.status;
     }}
 }}
@@ -46,11 +49,10 @@ void gradient(size_t n, const real *w, const real *x, const real *y, const real 
 {{
     size_t i;
     int k;
-    for (i = 0; i < n; ++i, to += 20) {{
+    for (i = 0; i < n; ++i, to += 4 * {count}) {{
         const {name}_gradient_t f = {name}_gradient(w[i], x[i], y[i], z[i]);
         for (k = 0; k < 4; ++k) {{
-            to[k] = f.thrust[k]; to[4 + k] = f.drag[k]; to[8 + k] = f.torque[k];
-            to[12 + k] = f.roll_moment[k]; to[16 + k] = f.power[k];
+            {fill_slopes}
         }}
         status[i] = f.status;
     }}
@@ -78,7 +80,13 @@ class Compiled:
         (header, _) = export_table(table, "c", folder, replace=True)
         self.name = header.stem
         source, library = folder / "wrapper.c", folder / f"wrapper-{int(single)}.so"
-        source.write_text(WRAPPER.format(name=self.name, upper=self.name.upper()))
+        count, fields = len(FIELDS), list(enumerate(FIELDS))
+        fill = " ".join(f"to[{k}] = f.{field};" for k, field in fields)
+        slopes = " ".join(f"to[{4 * k} + k] = f.{field}[k];" for k, field in fields)
+        text = WRAPPER.format(
+            name=self.name, upper=self.name.upper(), fill=fill, fill_slopes=slopes, count=count
+        )
+        source.write_text(text)
         define = [f"-D{self.name.upper()}_FLOAT"] if single else []
         command = [
             program("gcc"),

@@ -12,11 +12,13 @@ from propmap.export import export_table
 from propmap.export.samples import static_loads
 from propmap.table import LoadTable
 
-from .compiled import FLAGS, Compiled
+from .compiled import FIELDS, FLAGS, Compiled
 from .conftest import invented_content, points
 from .needed import program
 
 POINTS = 10_000
+
+SLOPES = 4 * len(FIELDS)
 
 
 @pytest.fixture(params=["model", "gap", "partial"])
@@ -34,13 +36,13 @@ def test_loads_are_those_of_python(any_table: LoadTable, tmp_path: Path, single:
     compiled = Compiled(any_table, tmp_path / "c", single=single)
     omega, speed, beta = points(any_table, POINTS)
     expected = any_table.loads(omega, speed, beta)
-    found, status = compiled("loads", 5, omega, speed, beta)
-    loads = np.stack(expected[:5], axis=-1)
+    found, status = compiled("loads", len(FIELDS), omega, speed, beta)
+    loads = np.stack(expected[: len(FIELDS)], axis=-1)
     lost = np.isnan(loads).any(axis=1)
     assert lost.any() and not lost.all()
     low, high = any_table.envelope["omega"]
     static = static_loads(any_table, np.clip(omega, low, high))
-    static = np.column_stack([static, static[:, 2] * omega])[~lost]
+    static = np.column_stack([*static.values(), static["torque"] * omega])[~lost]
     # The same sums in another order; 6e-8 and a few amplifying steps in single precision.
     tolerance = 1e-5 if single else 1e-12
     np.testing.assert_array_equal(np.isnan(found).any(axis=1), lost)
@@ -56,7 +58,7 @@ def test_not_a_number_and_infinity_are_outside(table: LoadTable, tmp_path: Path)
     for k in range(3):
         point = [np.full(3, 500.0), np.full(3, 2.0), np.full(3, 1.0)]
         point[k] = bad
-        found, status = compiled("loads", 5, *point)
+        found, status = compiled("loads", len(FIELDS), *point)
         assert np.isnan(found).all() and (status == 5).all()
 
 
@@ -74,12 +76,14 @@ def test_velocities_and_gradients_are_those_of_python(table: LoadTable, tmp_path
     )
     velocity[::10] = 0.0
     velocity[1::10, :2] = 0.0
-    loads, status = compiled("loads_at_velocity", 5, omega, *velocity.T)
+    loads, status = compiled("loads_at_velocity", len(FIELDS), omega, *velocity.T)
     expected = table.loads_at_velocity(omega, velocity)
-    np.testing.assert_allclose(loads, np.stack(expected[:5], axis=-1), rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(
+        loads, np.stack(expected[: len(FIELDS)], axis=-1), rtol=1e-9, atol=1e-12
+    )
     np.testing.assert_array_equal(status, expected.code)
-    found, status = compiled("gradient", 20, omega, *velocity.T)
-    slopes = np.stack(table.gradient_at_velocity(omega, velocity), axis=1).reshape(-1, 20)
+    found, status = compiled("gradient", SLOPES, omega, *velocity.T)
+    slopes = np.stack(table.gradient_at_velocity(omega, velocity), axis=1).reshape(-1, SLOPES)
     size = np.nanmax(abs(slopes), axis=0)
     # Near rest the derivative with beta is divided by the advance ratio, down to 1e-7.
     np.testing.assert_allclose(found / size, slopes / size, rtol=0.0, atol=1e-8)
@@ -91,9 +95,9 @@ def test_gradients_in_single_precision(table: LoadTable, tmp_path: Path) -> None
     rng = np.random.default_rng(2)
     omega, axial = rng.uniform(450.0, 750.0, 1000), rng.uniform(0.1, 3.0, 1000)
     across = rng.uniform(0.5, 3.0, 1000)
-    found, _ = compiled("gradient", 20, omega, across, 0.0 * across, axial)
+    found, _ = compiled("gradient", SLOPES, omega, across, 0.0 * across, axial)
     velocity = np.stack([across, 0.0 * across, axial], axis=-1)
-    slopes = np.stack(table.gradient_at_velocity(omega, velocity), axis=1).reshape(-1, 20)
+    slopes = np.stack(table.gradient_at_velocity(omega, velocity), axis=1).reshape(-1, SLOPES)
     size = np.maximum(abs(slopes).max(axis=0), 1e-9)
     assert abs((found - slopes) / size).max() < 1e-3
 

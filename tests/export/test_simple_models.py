@@ -13,9 +13,10 @@ import pytest
 from propmap.errors import InputError
 from propmap.export import export_table
 from propmap.export.gazebo import fit_motor_model
-from propmap.export.multinomial import fit_multinomial
+from propmap.export.multinomial import fit_multinomial, multinomial_loads
 from propmap.export.rotorpy import fit_rotor
 from propmap.export.samples import SIMPLE, errors, sample
+from propmap.loads import LOADS
 from propmap.table import LoadTable
 
 from .compiled import FLAGS
@@ -30,16 +31,16 @@ def test_the_multinomial_recovers_what_is_one(invented: LoadTable) -> None:
     force = np.pi * RADIUS**4
     arm = np.array([1.0, 1.0 / RADIUS, 1.0 / RADIUS**2, 1.0 / RADIUS**2])
     # The table interpolates cubics in J and beta: not exactly a polynomial in lambda_c and mu.
-    assert np.array(fitted.thrust) == pytest.approx(
+    assert np.array(fitted["thrust"]) == pytest.approx(
         force * np.array([0.016, -0.08, -0.05, 0.02]) * arm, rel=1e-3
     )
-    assert np.array(fitted.torque) == pytest.approx(
+    assert np.array(fitted["torque"]) == pytest.approx(
         force * RADIUS * np.array([0.0025, -0.002, -0.003, 0.001]) * arm, rel=1e-3
     )
-    assert np.array(fitted.drag) == pytest.approx(
+    assert np.array(fitted["drag"]) == pytest.approx(
         force * np.array([0.006, 0.01]) * arm[1:3], rel=1e-3
     )
-    assert np.array(fitted.roll_moment) == pytest.approx(
+    assert np.array(fitted["roll_moment"]) == pytest.approx(
         force * RADIUS * np.array([0.004, -0.002]) * arm[1:3], rel=1e-3
     )
 
@@ -48,11 +49,11 @@ def test_the_multinomial_module_gives_the_fitted_loads(table: LoadTable, module:
     written = module(table, "multinomial")
     samples = sample(table)
     fitted = fit_multinomial(samples, table.content.density)
-    loads = fitted.loads(samples.omega, samples.axial, samples.inplane, table.content.density)
+    loads = multinomial_loads(fitted, samples, table.content.density)
     x, y = 0.6 * samples.inplane, 0.8 * samples.inplane
     force = np.stack(written.force(samples.omega, x, y, samples.axial))
     moment = np.stack(written.moment(samples.omega, x, y, samples.axial, 1.0))
-    thrust, drag, torque, roll = loads.T
+    thrust, drag, torque, roll = (loads[n] for n in ("thrust", "drag", "torque", "roll_moment"))
     expected = np.stack([-0.6 * drag, -0.8 * drag, thrust])
     np.testing.assert_allclose(force, expected, rtol=1e-12, atol=1e-15)
     turning = np.stack([-0.6 * roll, -0.8 * roll, -torque])
@@ -126,9 +127,11 @@ def test_the_sdf_gives_the_motor_model(table: LoadTable, tmp_path: Path) -> None
     drag = abs(omega) * value["rotorDragCoefficient"] * inplane
     torque = thrust * value["momentConstant"]
     roll = abs(omega) * value["rollingMomentCoefficient"] * inplane
-    found = np.stack([thrust, drag, torque, roll], axis=-1)
-    fitted = fit_motor_model(table, samples)
-    np.testing.assert_allclose(found, fitted.loads(omega, inplane), rtol=1e-8)
+    found = {"thrust": thrust, "drag": drag, "torque": torque, "roll_moment": roll}
+    fitted = fit_motor_model(table, samples).loads(omega, inplane)
+    assert set(fitted) == set(found)
+    for name, values in fitted.items():
+        np.testing.assert_allclose(found[name], values, rtol=1e-8)
     assert value["maxRotVelocity"] == pytest.approx(table.envelope["omega"][1])
     still = table.loads(600.0, 0.0, 0.0)
     # Of hover; the Reynolds number moves the torque.
@@ -152,7 +155,8 @@ def test_rotorpy_gives_the_loads_of_the_fit(table: LoadTable, module: Module) ->
         )
         x, y, z = velocity
         inplane = np.hypot(x, y)
-        thrust, drag, _, _ = fitted.loads(*np.array([[600.0], [z], [inplane]]))[0]
+        loads = fitted.loads(*np.array([[600.0], [z], [inplane]]))
+        thrust, drag = float(loads["thrust"][0]), float(loads["drag"][0])
         unit = np.array([x, y]) / max(inplane, 1e-9)
         np.testing.assert_allclose(force, 4.0 * np.array([*(-drag * unit), thrust]), atol=1e-12)
         assert moment[2] == pytest.approx(0.0, abs=1e-12)
@@ -197,7 +201,7 @@ def test_the_note_tells_the_errors(table: LoadTable, tmp_path: Path, target: str
     assert paths[-1].name == f"README-{target}.txt"
     assert SIMPLE in text and "the map's whole envelope" in text
     rows = re.findall(r"^  (\w+) +([0-9.]+)% +([0-9.]+)%$", text, re.M)
-    assert [row[0] for row in rows] == 2 * ["thrust", "drag", "torque", "roll_moment"]
+    assert [row[0] for row in rows] == 2 * list(LOADS)
     assert all(float(rms) <= float(worst) for _, rms, worst in rows)
     for stated in ("apc-8x6e", "paper-apc", "1.225 kg/m^3", "SHA-256", "propmap 0."):
         assert stated in text
@@ -205,12 +209,13 @@ def test_the_note_tells_the_errors(table: LoadTable, tmp_path: Path, target: str
 
 def test_errors_are_shares_of_static_loads(invented: LoadTable) -> None:
     samples = sample(invented)
-    off = samples.loads + samples.static * np.array([0.01, -0.02, 0.03, 0.0])
+    wrong = dict(zip(LOADS, (0.01, -0.02, 0.03, 0.0), strict=True))
+    off = {n: samples.loads[n] + share * samples.static[n] for n, share in wrong.items()}
     for found in errors(samples, off):
         assert found.rms == pytest.approx([0.01, 0.02, 0.03, 0.0])
         assert found.worst == pytest.approx([0.01, 0.02, 0.03, 0.0])
     still = invented.loads(samples.omega, 0.0, 0.0)
-    assert samples.static[:, 3] == pytest.approx(np.asarray(still.thrust) * RADIUS)
+    assert samples.static["roll_moment"] == pytest.approx(np.asarray(still.thrust) * RADIUS)
 
 
 @pytest.mark.parametrize("target", ["multinomial", "gazebo", "rotorpy", "jsbsim"])

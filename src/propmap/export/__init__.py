@@ -30,11 +30,29 @@ TARGETS = tuple(_MAKERS)
 def export_table(
     table: LoadTable, target: str, folder: str | os.PathLike[str], *, replace: bool = False
 ) -> list[Path]:
-    """Write a table for a target, all files or none; their paths.
+    """Write a table for a target, all files or none.
 
-    target : one of ``TARGETS``.  folder : made if need be.  replace : files that exist.
-    Raises ``InputError`` for an unknown target, a folder that cannot be written to, files that
-    exist, and a table that lacks what the target needs.
+    Parameters
+    ----------
+    table : LoadTable
+        The map.
+    target : str
+        One of ``TARGETS``.
+    folder : path
+        Where to; made if need be.
+    replace : bool
+        Whether files that exist are replaced.
+
+    Returns
+    -------
+    list of Path
+        The files.
+
+    Raises
+    ------
+    InputError
+        For an unknown target, a folder that cannot be written to, files that exist, and a table
+        that lacks what the target needs.
     """
     check_target(target)
     place = Path(folder)

@@ -7,16 +7,18 @@ point costs the memory of its sixteen knots alone.
 
 from __future__ import annotations
 
-import importlib.resources
+import textwrap
 from collections.abc import Iterable
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from propmap.arrays.types import Floats
 from propmap.export.folder import Files
 from propmap.export.note import note
-from propmap.export.provenance import c_comment, identifier, provenance
+from propmap.export.provenance import identifier
+from propmap.export.template import rendered
+from propmap.loads import LOADS
 from propmap.table.axis import interval_polynomials, pad
 from propmap.table.content import TableContent
 from propmap.table.inverse import END_SLACK
@@ -30,65 +32,52 @@ LINE = 96
 
 def files(table: LoadTable) -> Files:
     """The header and its note."""
-    name = identifier(table)
-    paragraphs = [
-        f"{name}.h holds the map itself, in C99, without heap and without any data that change; "
-        "what it offers stands at its top. It computes in double precision, or in single where "
-        f"{name.upper()}_FLOAT is defined before it is included.",
-        "In double precision it agrees with propmap.table to 1e-12 of the static loads, in "
-        "single precision to 1e-5; next to the border between two cells, single precision may "
-        "find the status of the other one.",
-    ]
-    return {f"{name}.h": header(table), "README-c.txt": note(table, "c", paragraphs)}
+    return {f"{identifier(table)}.h": header(table), "README-c.txt": note(table, "c")}
 
 
 def header(table: LoadTable) -> str:
     """The text of the header."""
-    content = table.content
-    name = identifier(table)
+    content, order = table.content, list(LOADS)
     root = float(content.omega[0]) ** -0.5
-    per_root = 1.0 / (float(content.omega[1]) ** -0.5 - root)
     codes = cell_codes(content)
     box = list(table.envelope.values())
     rows, columns, odd = _weights(content)
     row_bucket, row_per_bucket = _buckets(content.advance)
     column_bucket, column_per_bucket = _buckets(content.beta)
     size = content.coefficients.size * 4 + (rows.size + columns.size) * 8 + codes.size
-    parts = {
-        "kilobytes": str(round(size / 1000.0)),
-        "rows": str(content.advance.size),
-        "columns": str(content.beta.size),
-        "radius": repr(content.radius),
-        "box": ",\n".join(f"    {{{low!r}, {high!r}}}" for low, high in box),
-        "end_slack": repr(END_SLACK),
-        "slack": ", ".join(repr(SLACK * (high - low)) for low, high in box),
-        "scale": ", ".join(map(repr, content.scale.tolist())),
-        "root": repr(root),
-        "per_root": repr(per_root),
-        "row_knots": _lines(map(repr, content.advance.tolist())),
-        "column_knots": _lines(map(repr, content.beta.tolist())),
-        "row_per_width": _lines(map(repr, (1.0 / np.diff(content.advance)).tolist())),
-        "column_per_width": _lines(map(repr, (1.0 / np.diff(content.beta)).tolist())),
-        "row_buckets": str(row_bucket.size),
-        "column_buckets": str(column_bucket.size),
-        "row_per_bucket": repr(row_per_bucket),
-        "column_per_bucket": repr(column_per_bucket),
-        "row_bucket": _lines(map(str, row_bucket.tolist())),
-        "column_bucket": _lines(map(str, column_bucket.tolist())),
-        "row_weights": _groups(rows),
-        "column_weights": _groups(columns),
-        "odd_weights": _groups(odd),
-        "cells": ",\n".join("{\n" + _lines(map(str, row)) + "}" for row in codes.tolist()),
-        "data": _data(content),
-        "title": f"Loads of the propeller {name}, a table of propmap.",
-        # Last: what the user wrote is in it.
-        "comment": c_comment(provenance(table)),
-    }
-    text = importlib.resources.files("propmap.export").joinpath("c_header.h.in").read_text("utf-8")
-    text = text.replace("@p@", name).replace("@P@", name.upper())
-    for key, value in parts.items():
-        text = text.replace(f"@{key}@", value)
-    return text
+    return rendered(
+        "table.h",
+        table,
+        kilobytes=round(size / 1000.0),
+        rows=content.advance.size,
+        columns=content.beta.size,
+        radius=content.radius,
+        box=box,
+        end_slack=END_SLACK,
+        slack=[SLACK * (high - low) for low, high in box],
+        scale=content.scale,
+        root=root,
+        per_root=1.0 / (float(content.omega[1]) ** -0.5 - root),
+        row_knots=content.advance,
+        column_knots=content.beta,
+        row_per_width=1.0 / np.diff(content.advance),
+        column_per_width=1.0 / np.diff(content.beta),
+        row_buckets=row_bucket.size,
+        column_buckets=column_bucket.size,
+        row_per_bucket=row_per_bucket,
+        column_per_bucket=column_per_bucket,
+        row_bucket=row_bucket,
+        column_bucket=column_bucket,
+        row_weights=rows,
+        column_weights=columns,
+        odd_weights=odd,
+        cells=codes,
+        data=_data(content),
+        thrust=order.index("thrust"),
+        torque=order.index("torque"),
+        numbers=_numbers,
+        rows_of_numbers=_rows_of_numbers,
+    )
 
 
 def _weights(content: TableContent) -> tuple[Floats, Floats, Floats]:
@@ -133,9 +122,9 @@ def _buckets(knots: Floats) -> tuple[NDArray[np.intp], float]:
 
 def _data(content: TableContent) -> str:
     """The coefficients, a line per knot, with as many digits as single precision has."""
-    knots = content.coefficients.transpose(2, 3, 0, 1).reshape(
-        content.advance.size, content.beta.size, 8
-    )
+    count = content.coefficients[:, :, 0, 0].size
+    knots = content.coefficients.transpose(2, 3, 0, 1)
+    knots = knots.reshape(*knots.shape[:2], count)
     rows = []
     for row in knots.astype(np.float32):
         lines = (", ".join(map(_single, knot)) for knot in row)
@@ -144,22 +133,14 @@ def _data(content: TableContent) -> str:
 
 
 def _single(value: np.float32) -> str:
-    text = str(value)
-    if text == "nan":
-        return "NAN"
-    return f"{text}f"
+    return "NAN" if np.isnan(value) else f"{value!s}f"
 
 
-def _groups(weights: Floats) -> str:
-    return ",\n".join("{\n" + _lines(map(repr, row)) + "}" for row in weights.tolist())
+def _numbers(values: ArrayLike) -> str:
+    """Numbers with commas, in lines of some length."""
+    words = map(repr, np.asarray(values).tolist())
+    return textwrap.fill(", ".join(words), LINE, break_long_words=False, break_on_hyphens=False)
 
 
-def _lines(words: Iterable[str]) -> str:
-    """Words with commas, in lines of some length."""
-    lines, line = [], ""
-    for word in words:
-        if line and len(line) + len(word) > LINE:
-            lines.append(line)
-            line = ""
-        line += f" {word}," if line else f"{word},"
-    return "\n".join([*lines, line.rstrip(",")])
+def _rows_of_numbers(rows: Iterable[ArrayLike]) -> str:
+    return ",\n".join("{\n" + _numbers(row) + "}" for row in rows)

@@ -13,43 +13,25 @@ from propmap.export.provenance import identifier
 from propmap.loads import LOADS
 from propmap.table.query import LoadTable
 
-FORMULA = (
-    "thrust and drag are rho pi R^4 omega^2 times the coefficient, torque and roll moment "
-    "rho pi R^5 omega^2; in between, the coefficients are linear in omega^(-1/2) and cubic in "
-    "the advance ratio V/(omega R) and in beta."
-)
-
 
 def npz_files(table: LoadTable) -> Files:
     """The map as ``propmap.table.LoadTable`` reads it."""
-    paragraphs = ["The map itself, for propmap.table.LoadTable.load, which needs NumPy alone."]
-    return {
-        f"{identifier(table)}.npz": table.save,
-        "README-npz.txt": note(table, "npz", paragraphs),
-    }
+    return {f"{identifier(table)}.npz": table.save, "README-npz.txt": note(table, "npz")}
 
 
 def nc_files(table: LoadTable) -> Files:
     """The map as NetCDF."""
     from propmap.table.netcdf import write_netcdf
 
-    paragraphs = [f"The map's coefficients with units, for xarray and its like: {FORMULA}"]
     return {
         f"{identifier(table)}.nc": lambda path: write_netcdf(table, path),
-        "README-nc.txt": note(table, "nc", paragraphs),
+        "README-nc.txt": note(table, "nc"),
     }
 
 
 def csv_files(table: LoadTable) -> Files:
     """The map's knots as rows of numbers."""
-    paragraphs = [
-        f"A row for each knot of the map: {FORMULA} Empty where there is no value. Which cells "
-        "between the knots are vortex ring or unresolved is not in it."
-    ]
-    return {
-        f"{identifier(table)}.csv": _rows(table),
-        "README-csv.txt": note(table, "csv", paragraphs),
-    }
+    return {f"{identifier(table)}.csv": _rows(table), "README-csv.txt": note(table, "csv")}
 
 
 def _rows(table: LoadTable) -> str:

@@ -36,10 +36,10 @@ def check_folder(folder: Path) -> None:
 
 
 def write_files(files: Files, folder: Path, *, replace: bool) -> list[Path]:
-    """Write the files into the folder, which is made if need be; their paths.
+    """Write files into a folder, which is made if need be; their paths.
 
-    replace : files that are there already; otherwise they raise ``InputError``.
-    All are complete before the first gets its name.
+    Without ``replace``, files that are there already raise ``InputError``.  All are complete
+    before the first gets its name.
     """
     check_folder(folder)
     paths = [folder / name for name in files]

@@ -8,8 +8,9 @@ from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.export.folder import Files
 from propmap.export.note import note
-from propmap.export.provenance import identifier, provenance, xml_comment
+from propmap.export.provenance import identifier
 from propmap.export.samples import Samples, errors, middle_omega, sample
+from propmap.export.template import rendered
 from propmap.table.query import LoadTable
 
 METERS_PER_INCH = 0.0254
@@ -54,11 +55,10 @@ def coefficients(table: LoadTable) -> tuple[Floats, Floats, Floats]:
     return each[0], each[1], each[2]
 
 
-def model_loads(table: LoadTable, samples: Samples) -> Floats:
-    """What JSBSim's propeller makes of the samples' velocities, (n, 4) [N], [N m]."""
-    loads = np.zeros_like(samples.loads)
-    loads[:, 0], loads[:, 2] = _axial_loads(table, samples.omega, samples.axial)
-    return loads
+def model_loads(table: LoadTable, samples: Samples) -> dict[str, Floats]:
+    """What JSBSim's propeller makes of the samples' velocities, (n,) [N], [N m]."""
+    thrust, torque = _axial_loads(table, samples.omega, samples.axial)
+    return {"thrust": thrust, "torque": torque}
 
 
 def files(table: LoadTable) -> Files:
@@ -66,22 +66,13 @@ def files(table: LoadTable) -> Files:
     samples = sample(table)
     found = errors(samples, model_loads(table, samples))
     of_thrust, of_torque = axial_error(table)
-    name = identifier(table)
     advance, thrust, power = coefficients(table)
-    paragraphs = [
-        "JSBSim's fixed-pitch propeller knows thrust and power against J = V/(n D) with the "
-        "velocity along the axis alone: no drag, no rolling moment, no in-plane velocity, no "
-        f"Reynolds number. The coefficients are those of axial flight at J from {advance[0]:.3g} "
-        f"to {advance[-1]:.3g}, beyond which JSBSim keeps the last. In axial climb they are "
-        f"within {of_thrust:.2%} (thrust) and {of_torque:.2%} (torque) of the map, as shares of "
-        "the static loads; most of it is the Reynolds number's.",
-        "ixx is a placeholder, a uniform rod of 1 g per inch of diameter; put the moment of "
-        "inertia of the propeller and what turns with it in its place. JSBSim uses the density "
-        "of its own atmosphere.",
-    ]
+    values = {"advance": advance, "thrust": thrust, "power": power}
+    inches = 2.0 * table.content.radius / METERS_PER_INCH
+    told = {"advance": advance, "of_thrust": of_thrust, "of_torque": of_torque}
     return {
-        f"{name}.xml": _xml(table, advance, thrust, power),
-        "README-jsbsim.txt": note(table, "jsbsim", paragraphs, found),
+        f"{identifier(table)}.xml": rendered("jsbsim.xml", table, inches=inches, **values),
+        "README-jsbsim.txt": note(table, "jsbsim", found, **told),
     }
 
 
@@ -107,34 +98,3 @@ def _axial_loads(table: LoadTable, omega: Floats, axial: Floats) -> tuple[Floats
     ratio, force = axial / (turns * diameter), table.content.density * turns**2 * diameter**4
     arm = diameter / (2.0 * np.pi)
     return np.interp(ratio, advance, thrust) * force, np.interp(ratio, advance, power) * force * arm
-
-
-def _xml(table: LoadTable, advance: Floats, thrust: Floats, power: Floats) -> str:
-    inches = 2.0 * table.content.radius / METERS_PER_INCH
-    mass = 1e-3 * inches
-    ixx = mass * (2.0 * table.content.radius) ** 2 / 12.0
-    blades = table.info["propeller"].get("blades", 2)
-    return f"""<?xml version="1.0"?>
-{xml_comment(provenance(table))}
-<propeller name="{identifier(table)}">
-  <!-- A placeholder: a uniform rod of 1 g per inch. -->
-  <ixx unit="KG*M2"> {ixx:.6g} </ixx>
-  <diameter unit="IN"> {inches:.9g} </diameter>
-  <numblades> {blades} </numblades>
-  <gearratio> 1.0 </gearratio>
-  <minpitch> 0.0 </minpitch>
-  <maxpitch> 0.0 </maxpitch>
-{_table("C_THRUST", advance, thrust)}
-{_table("C_POWER", advance, power)}
-</propeller>
-"""
-
-
-def _table(name: str, advance: Floats, values: Floats) -> str:
-    pairs = zip(advance.tolist(), values.tolist(), strict=True)
-    rows = "\n".join(f"      {j:.7f} {value:.8f}" for j, value in pairs)
-    return f"""  <table name="{name}" type="internal">
-    <tableData>
-{rows}
-    </tableData>
-  </table>"""

@@ -4,24 +4,33 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Sequence
+from typing import Any
 
 from propmap.export.provenance import provenance
-from propmap.export.samples import Errors
+from propmap.export.samples import SIMPLE, Errors
+from propmap.export.template import rendered
 from propmap.loads import LOADS
 from propmap.table.query import LoadTable
 
 SHARES = ", ".join(load.share for load in LOADS.values())
 
 
-def note(
-    table: LoadTable, target: str, paragraphs: Sequence[str], found: Sequence[Errors] = ()
-) -> str:
+def note(table: LoadTable, target: str, found: Sequence[Errors] = (), **values: Any) -> str:
     """The text of a note.
 
-    target : what it is about.  paragraphs : on the target's model.  found : what the target's
-    model costs; none where nothing is simplified.
+    Parameters
+    ----------
+    table : LoadTable
+        The map.
+    target : str
+        Names the template, ``README-<target>.txt.j2``.
+    found : sequence of Errors
+        What the target's model costs; none where nothing is simplified.
+    **values
+        For the template.
     """
-    parts = [f"propmap export: {target}", *(_fill(p) for p in paragraphs)]
+    text = rendered(f"README-{target}.txt", table, simple=SIMPLE, **values)
+    parts = [f"propmap export: {target}", *map(_fill, text.strip().split("\n\n"))]
     if found:
         parts.append(_fill(f"Error against the map, at the same omega: {SHARES}."))
         parts += [error_table(errors) for errors in found]

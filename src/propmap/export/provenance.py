@@ -5,11 +5,11 @@ from __future__ import annotations
 import hashlib
 import re
 import textwrap
-from collections.abc import Sequence
 
 import numpy as np
 
 import propmap
+from propmap.loads import LOADS
 from propmap.table.query import LoadTable
 
 ABSENT = "not stated"
@@ -60,22 +60,6 @@ def origin(table: LoadTable) -> list[str]:
     return [part for line in clean for part in textwrap.wrap(line, 88, subsequent_indent="  ")]
 
 
-def c_comment(lines: Sequence[str]) -> str:
-    """Lines for the inside of a C comment."""
-    return "\n".join(f" * {line.replace('*/', '* /')}".rstrip() for line in lines)
-
-
-def xml_comment(lines: Sequence[str]) -> str:
-    """Lines as an XML comment, inside which two hyphens must not occur."""
-    text = "\n".join(f"  {line}" for line in lines)
-    return f"<!--\n{re.sub('-(?=-)', '- ', text)}\n-->"
-
-
-def hash_comment(lines: Sequence[str]) -> str:
-    """Lines as a Python comment."""
-    return "\n".join(f"# {line}".rstrip() for line in lines)
-
-
 def _certified(table: LoadTable) -> str:
     found = table.certificate
     if not found:
@@ -95,7 +79,7 @@ def _of_parameters(table: LoadTable) -> list[str]:
     found = table.info.get("parameter_uncertainty")
     if not found:
         return []
-    each = (f"{load.replace('_', ' ')} {share:.2%}" for load, share in found["median"].items())
+    each = (f"{LOADS[load].label} {share:.2%}" for load, share in found["median"].items())
     return [
         f"section law known to one standard deviation of: {', '.join(each)} of static, in the "
         "median over the envelope"

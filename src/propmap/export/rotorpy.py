@@ -13,8 +13,9 @@ import numpy as np
 from propmap.arrays.types import Floats
 from propmap.export.folder import Files
 from propmap.export.note import note
-from propmap.export.provenance import hash_comment, identifier, provenance
-from propmap.export.samples import SIMPLE, Samples, errors, middle_omega, sample, static_loads
+from propmap.export.provenance import identifier
+from propmap.export.samples import Samples, errors, middle_omega, sample, static_loads
+from propmap.export.template import rendered
 from propmap.table.query import LoadTable
 
 
@@ -28,26 +29,30 @@ class RotorPyRotor:
     k_z: float
     k_h: float
 
-    def loads(self, omega: Floats, axial: Floats, inplane: Floats) -> Floats:
-        """Loads (n, 4) [N], [N m] at n points [rad/s], [m/s]."""
+    def loads(self, omega: Floats, axial: Floats, inplane: Floats) -> dict[str, Floats]:
+        """Loads (n,) [N], [N m] at n points [rad/s], [m/s]."""
         thrust = self.k_eta * omega**2 + self.k_h * inplane**2 - self.k_z * omega * axial
-        drag = self.k_d * omega * inplane
-        return np.stack([thrust, drag, self.k_m * omega**2, np.zeros_like(omega)], axis=-1)
+        return {
+            "thrust": thrust,
+            "drag": self.k_d * omega * inplane,
+            "torque": self.k_m * omega**2,
+        }
 
 
 def fit_rotor(table: LoadTable, samples: Samples) -> RotorPyRotor:
     """Static thrust and torque as they are, the rest by least squares."""
     middle = middle_omega(table)
-    thrust, _, torque, _ = static_loads(table, np.array([middle]))[0].tolist()
-    k_eta, k_m = thrust / middle**2, torque / middle**2
+    static = static_loads(table, np.array([middle]))
+    k_eta, k_m = (float(static[load][0]) / middle**2 for load in ("thrust", "torque"))
     chosen = samples.simple
     omega, axial, inplane = (x[chosen] for x in (samples.omega, samples.axial, samples.inplane))
-    static = samples.static[chosen, 0]
-    matrix = np.stack([-omega * axial, inplane**2], axis=-1) / static[:, None]
-    rest = (samples.loads[chosen, 0] - k_eta * omega**2) / static
+    scale = samples.static["thrust"][chosen]
+    thrust, drag = (samples.loads[load][chosen] for load in ("thrust", "drag"))
+    matrix = np.stack([-omega * axial, inplane**2], axis=-1) / scale[:, None]
+    rest = (thrust - k_eta * omega**2) / scale
     k_z, k_h = np.linalg.lstsq(matrix, rest, rcond=None)[0].tolist()
-    across = omega * inplane / static
-    k_d = float(across @ (samples.loads[chosen, 1] / static) / (across @ across))
+    across = omega * inplane / scale
+    k_d = float(across @ (drag / scale) / (across @ across))
     return RotorPyRotor(k_eta, k_m, k_d, k_z, k_h)
 
 
@@ -56,37 +61,8 @@ def files(table: LoadTable) -> Files:
     samples = sample(table)
     fitted = fit_rotor(table, samples)
     found = errors(samples, fitted.loads(samples.omega, samples.axial, samples.inplane))
-    name = identifier(table)
-    paragraphs = [
-        "RotorPy's rotor knows thrust = k_eta omega^2 + k_h v^2 - k_z omega v_z, torque = k_m "
-        "omega^2 and drag = k_d omega v, with v the velocity across the axis. k_eta and k_m are "
-        f"those of hover, at {middle_omega(table) * 30.0 / np.pi:.0f} rpm; the rest are least "
-        f"squares over {SIMPLE}. The torque does not change with the flight speed. RotorPy has "
-        "no rolling moment; its k_flap is a moment across the velocity, which this rigid rotor "
-        "does not have.",
-        f"{name}_rotorpy.py holds what the propeller decides. Merge it into a vehicle: "
-        "quad_params = {**frame, **rotor_params}, with mass, inertia, rotor positions and the "
-        "motor's time constant from the frame. RotorPy clips omega to the range of the map.",
-    ]
-    low, high = table.envelope["omega"]
-    lines = hash_comment(provenance(table))
-    text = f'''"""The rotor of a RotorPy vehicle: quad_params = {{**frame, **rotor_params}}."""
-
-{lines}
-
-rotor_params = {{
-    "rotor_radius": {table.content.radius!r},  # m
-    "k_eta": {fitted.k_eta!r},  # N/(rad/s)^2
-    "k_m": {fitted.k_m!r},  # N m/(rad/s)^2
-    "k_d": {fitted.k_d!r},  # N/(rad m/s^2)
-    "k_z": {fitted.k_z!r},  # N/(rad m/s^2)
-    "k_h": {fitted.k_h!r},  # N/(m/s)^2
-    "k_flap": 0.0,  # N m/(rad m/s^2)
-    "rotor_speed_min": {low!r},  # rad/s
-    "rotor_speed_max": {high!r},  # rad/s
-}}
-'''
+    rpm = middle_omega(table) * 30.0 / np.pi
     return {
-        f"{name}_rotorpy.py": text,
-        "README-rotorpy.txt": note(table, "rotorpy", paragraphs, found),
+        f"{identifier(table)}_rotorpy.py": rendered("rotorpy.py", table, fitted=fitted),
+        "README-rotorpy.txt": note(table, "rotorpy", found, rpm=rpm),
     }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,20 +26,25 @@ SIMPLE = f"lambda_c from {CLIMB[0]:g} to {CLIMB[1]:g}, mu up to {LARGEST_MU:g}, 
 
 @dataclass(frozen=True)
 class Samples:
-    """A table's loads at n points that fill its envelope evenly.
+    """A table's loads at n points that fill its envelope evenly; arrays (n,).
 
-    omega [rad/s], axial, inplane [m/s] : (n,).  loads, static : (n, 4), in the order of
-    ``LOADS`` [N], [N m]; static : the static loads at the same omega that errors are shares
-    of, thrust for thrust and drag, torque for torque, thrust times radius for the roll moment.
-    climb, mu : advance ratios along the axis and in the disk plane [-] (n,).
-    ring : where momentum theory does not hold, (n,).
+    Attributes
+    ----------
+    omega, axial, inplane : ndarray
+        Rotational speed [rad/s], velocity along the axis and in the disk plane [m/s].
+    loads, static : mapping of str to ndarray
+        Every load [N], [N m], and what its errors are shares of, see ``loads.error_scales``.
+    climb, mu : ndarray
+        Advance ratios along the axis and in the disk plane [-].
+    ring : ndarray of bool
+        Where momentum theory does not hold.
     """
 
     omega: Floats
     axial: Floats
     inplane: Floats
-    loads: Floats
-    static: Floats
+    loads: Mapping[str, Floats]
+    static: Mapping[str, Floats]
     climb: Floats
     mu: Floats
     ring: NDArray[np.bool_]
@@ -52,9 +58,16 @@ class Samples:
 
 @dataclass(frozen=True)
 class Errors:
-    """Of a model: shares of static loads, by load in the order of ``LOADS``.
+    """Errors of a model as shares of static loads.
 
-    where : the points' range, in words.  points : how many.
+    Attributes
+    ----------
+    where : str
+        The points' range, in words.
+    points : int
+        How many.
+    rms, worst : ndarray, shape (L,)
+        In the order of ``LOADS`` [-].
     """
 
     where: str
@@ -66,13 +79,16 @@ class Errors:
 def sample(table: LoadTable) -> Samples:
     """Points of the envelope that have loads.
 
-    Raises ``InputError`` for a table without hover, which has no static loads, and for one
-    without points for simple models.
+    Raises
+    ------
+    InputError
+        For a table without hover, which has no static loads, and for one without points for
+        simple models.
     """
     omega, speed, beta = _evenly(table)
     found = table.loads(omega, speed, beta)
-    loads = np.stack([getattr(found, name) for name in LOADS], axis=-1)
-    valid = np.isfinite(loads).all(axis=1)
+    loads = {name: getattr(found, name) for name in LOADS}
+    valid = np.isfinite(list(loads.values())).all(axis=0)
     axial, inplane = speed * np.cos(beta), speed * np.sin(beta)
     tip = omega * table.content.radius
     static = static_loads(table, omega)
@@ -80,8 +96,8 @@ def sample(table: LoadTable) -> Samples:
         omega=omega[valid],
         axial=axial[valid],
         inplane=inplane[valid],
-        loads=loads[valid],
-        static=static[valid],
+        loads={name: values[valid] for name, values in loads.items()},
+        static={name: values[valid] for name, values in static.items()},
         climb=(axial / tip)[valid],
         mu=(inplane / tip)[valid],
         ring=np.asarray(found.code == VORTEX_RING)[valid],
@@ -93,8 +109,8 @@ def sample(table: LoadTable) -> Samples:
     return samples
 
 
-def static_loads(table: LoadTable, omega: Floats) -> Floats:
-    """What errors are shares of, (n, 4), at omega (n,); see ``Samples``."""
+def static_loads(table: LoadTable, omega: Floats) -> dict[str, Floats]:
+    """What errors are shares of at omega (n,), by load; see ``Samples``."""
     still = table.loads(omega, 0.0, table.envelope["beta"][0])
     static = {name: np.asarray(getattr(still, name)) for name in LOADS}
     if not np.isfinite(static["thrust"]).all():
@@ -103,7 +119,7 @@ def static_loads(table: LoadTable, omega: Floats) -> Floats:
             f"the map has no loads at rest, its speed begins at {least:g} m/s",
             "this target's model needs hover: build the map with --speed 0:...",
         )
-    return np.stack(list(error_scales(static, table.content.radius).values()), axis=-1)
+    return error_scales(static, table.content.radius)
 
 
 def middle_omega(table: LoadTable) -> float:
@@ -111,9 +127,18 @@ def middle_omega(table: LoadTable) -> float:
     return float(np.mean(table.content.omega**-0.5) ** -2.0)
 
 
-def errors(samples: Samples, model: Floats) -> tuple[Errors, Errors]:
-    """Of a model's loads (n, 4): where simple models are meant, and over the envelope."""
-    share = (model - samples.loads) / samples.static
+def errors(samples: Samples, model: Mapping[str, Floats]) -> tuple[Errors, Errors]:
+    """Errors of a model where simple models are meant, and over the envelope.
+
+    A load (n,) that ``model`` lacks it takes to be zero.
+    """
+    share = np.stack(
+        [
+            (model.get(name, 0.0) - load) / samples.static[name]
+            for name, load in samples.loads.items()
+        ],
+        axis=-1,
+    )
     return _sizes(SIMPLE, share[samples.simple]), _sizes("the map's whole envelope", share)
 
 
