@@ -47,7 +47,7 @@ def propeller(
             check_radius(found.radius, radius, where=found.name)
         if blades is not None:
             found = replace(found, blades=blades)
-    elif _looks_like_path(name_or_path):
+    elif looks_like_path(name_or_path):
         found = read_geometry_file(text, blades=blades, radius=radius)
     else:
         raise catalogue.unknown_name(text)
@@ -77,7 +77,8 @@ def airfoil(name_or_path: str | os.PathLike[str]) -> Airfoil | SectionTable:
     return parameter_set(text)
 
 
-def _looks_like_path(name_or_path: str | os.PathLike[str]) -> bool:
+def looks_like_path(name_or_path: str | os.PathLike[str]) -> bool:
+    """Whether ``name_or_path`` names a file rather than an entry of the catalogue."""
     if not isinstance(name_or_path, str) or "/" in name_or_path or os.sep in name_or_path:
         return True
     try:

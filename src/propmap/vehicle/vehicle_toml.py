@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from propmap import catalogue
-from propmap.catalogue.lookup import propeller
+from propmap.catalogue.lookup import looks_like_path, propeller
 from propmap.errors import InputError, quoted
 from propmap.io.text_file import read_lines
 from propmap.io.toml_table import TomlTable, parse_toml
@@ -87,11 +87,7 @@ def _located(where: str, make: Callable[[], Made]) -> Made:
     try:
         return make()
     except InputError as error:
-        raise _located_error(error, where) from None
-
-
-def _located_error(error: InputError, where: str) -> InputError:
-    return error if error.where else InputError(error.found, error.remedy, where)
+        raise InputError(error.found, error.remedy, error.where or where) from None
 
 
 def _mount(table: TomlTable, flip: bool) -> Mount:
@@ -117,13 +113,11 @@ def _propeller(top: TomlTable, folder: Path) -> Propeller:
     options: dict[str, Any] = {
         key: table.number(key, "a length in m") for key in ("radius", "root_cutout") if key in table
     }
-    if name.strip().lower() in catalogue.names():
-        return _located(table.where, lambda: propeller(name, entries.get("blades"), **options))
+    known = name.strip().lower() in catalogue.names()
     # Relative to the vehicle file alone: what lies in the current folder plays no part.
-    beside = folder / name
-    if not ("/" in name or os.sep in name or beside.exists() or beside.suffix[1:2].isalpha()):
-        raise _located_error(catalogue.unknown_name(name), table.where)
-    return _located(table.where, lambda: propeller(beside, entries.get("blades"), **options))
+    file = not known and ((folder / name).exists() or looks_like_path(name))
+    source = folder / name if file else name
+    return _located(table.where, lambda: propeller(source, entries.get("blades"), **options))
 
 
 def _air(top: TomlTable) -> Air:
