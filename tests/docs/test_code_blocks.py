@@ -81,6 +81,21 @@ def uiuc_files(folder: Path) -> None:
         file.write_text("\n".join(["J CT CP eta", *lines]) + "\n")
 
 
+def polars(folder: Path) -> None:
+    """Polars of a cambered section at two Reynolds numbers in the layout of XFOIL."""
+    (folder / "polars").mkdir()
+    angle = np.arange(-10.0, 16.1, 0.5)
+    from_zero = np.radians(angle + 3.0)
+    attached = np.exp(-((from_zero / 0.26) ** 4))
+    lift = 5.7 * from_zero * attached + np.sin(2.0 * from_zero) * (1.0 - attached)
+    for millions in (0.06, 0.1):
+        drag = 4.0 / np.sqrt(1e6 * millions) + np.sin(from_zero) ** 2
+        rows = zip(angle, lift, drag, strict=True)
+        lines = [f" Mach = 0.000     Re = {millions:.3f} e 6     Ncrit = 9.000", "", "alpha CL CD"]
+        lines += ["----- -- --", *(" ".join(f"{v:.4f}" for v in row) for row in rows)]
+        (folder / "polars" / f"{millions}.txt").write_text("\n".join(lines) + "\n")
+
+
 def source(folder: Path) -> None:
     """The package's source, for those who change it."""
     shutil.copytree(Path(propmap.__file__).parent, folder / "src" / "propmap")
@@ -89,6 +104,7 @@ def source(folder: Path) -> None:
 SUPPLIED: dict[str, Callable[[Path], None]] = {
     "README.md": px4_logs,
     "docs/architecture.md": source,
+    "docs/how-to/corrections-and-tables.md": polars,
     "docs/how-to/fit-px4.md": px4_logs,
     "docs/how-to/fit-uiuc.md": uiuc_files,
 }
