@@ -16,10 +16,10 @@ from propmap.fit.fit_record import (
     FittedLoad,
     FittedPropeller,
     FreeParameter,
-    SearchEnd,
     Source,
 )
 from propmap.fit.residuals import Errors
+from propmap.fit.search import End
 
 
 def load(name: str, rms: float, hover: float, crossed: float = math.nan) -> FittedLoad:
@@ -71,7 +71,7 @@ def record(**changed: Any) -> FitRecord:
         "correlation": np.eye(2),
         "singular_values": np.array([1.0, 0.5]),
         "loads": [load("thrust", 0.02, 0.3, 0.022)],
-        "starts": [SearchEnd([5.0, 1.0], [5.0, 1.0], 0.1, 1)],
+        "starts": [End(np.array([5.0, 1.0]), np.array([5.0, 1.0]), 0.1)],
     } | changed
     free = [p.name for p in entries["parameters"]]
     if len(free) != len(entries["singular_values"]):

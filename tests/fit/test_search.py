@@ -13,7 +13,7 @@ from propmap.fit import fitted as module
 from propmap.fit.fitted import Settings, fit
 from propmap.fit.parameters import EVERY, Choice
 from propmap.fit.rows import Rows
-from propmap.fit.search import Minimum, minima, search, starts
+from propmap.fit.search import Minimum, search, starts
 
 from .synthetic_rows import (
     Floats,
@@ -41,7 +41,7 @@ def test_a_known_minimum_from_several_starts() -> None:
     np.testing.assert_allclose(found.x, truth_of(THREE), rtol=1e-6)
     assert np.max(np.abs(found.residual)) < 1e-6
     assert len(found.ends) == 8
-    assert len(minima(found.ends, THREE.column("spread"))[0]) >= 6
+    assert sum(end.minimum == 1 for end in found.ends) >= 6
     assert [end.cost for end in found.ends] == sorted(end.cost for end in found.ends)
     begun = sorted(tuple(end.start) for end in found.ends)
     assert begun == sorted(tuple(x0) for x0 in begin)
@@ -72,12 +72,11 @@ def test_two_minima_are_told_apart() -> None:
     begin = [np.array([x]) for x in (4.0, 4.5, 7.5, 8.0, 9.0)]
     found = search(rows, choice, begin)
     assert found.x[0] == pytest.approx(7.0, abs=1e-6)
-    groups = minima(found.ends, choice.column("spread"))
-    assert [len(group) for group in groups] == [3, 2]
-    best, other = (found.ends[group[0]] for group in groups)
+    assert [end.minimum for end in found.ends] == [1, 1, 1, 2, 2]
+    best, other = found.ends[0], found.ends[3]
     assert other.x[0] == pytest.approx(5.01, abs=0.02)
     assert best.cost < 1e-10 < other.cost
-    assert {float(found.ends[k].start[0]) for k in groups[1]} == {4.0, 4.5}
+    assert {float(end.start[0]) for end in found.ends[3:]} == {4.0, 4.5}
 
 
 def test_the_search_stays_within_bounds() -> None:

@@ -10,7 +10,6 @@ import numpy as np
 from propmap.fit.fitted import Fitted
 from propmap.fit.parameters import EVERY
 from propmap.fit.residuals import errors
-from propmap.fit.search import minima
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -54,10 +53,8 @@ def draw_fit(
         )
     console.print(table)
     ends = fitted.minimum.ends
-    groups = minima(ends, choice.column("spread"))
-    console.print(
-        f"{len(ends)} starts, {len(groups[0])} of them to the best minimum; {fitted.seconds:.1f} s"
-    )
+    best = sum(end.minimum == 1 for end in ends)
+    console.print(f"{len(ends)} starts, {best} of them to the best minimum; {fitted.seconds:.1f} s")
     if corrections:
         console.print(f"with {', '.join(corrections)}, which come along wherever the fit is used")
     for remark in remarks:

@@ -15,6 +15,7 @@ from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.fit.coverage import Coverage
 from propmap.fit.residuals import Errors
+from propmap.fit.search import End
 from propmap.model.air import Air
 from propmap.model.propeller import Propeller
 
@@ -101,15 +102,6 @@ class FittedPropeller(msgspec.Struct, frozen=True):
         return Propeller(self.name, self.blades, *shape, self.root)
 
 
-class SearchEnd(msgspec.Struct, frozen=True):
-    """Where a search from one start ended: parameters, cost, and the number of its minimum."""
-
-    start: list[float]
-    end: list[float]
-    cost: float
-    minimum: int
-
-
 class FitRecord(msgspec.Struct, frozen=True):
     """What a fit file tells of its fit of P free parameters.
 
@@ -140,7 +132,7 @@ class FitRecord(msgspec.Struct, frozen=True):
     correlation: Floats
     singular_values: Floats
     loads: list[FittedLoad] = msgspec.field(name="residuals")
-    starts: list[SearchEnd]
+    starts: list[End]
 
     def __post_init__(self) -> None:
         count = len(self.parameters)

@@ -11,7 +11,7 @@ import numpy as np
 from propmap.arrays.types import Floats
 from propmap.fit.parameters import Choice
 from propmap.fit.residuals import rms
-from propmap.fit.rows import Rows, remembering
+from propmap.fit.rows import Rows
 from propmap.fit.search import NOISE_FLOOR, Minimum, search, starts
 from propmap.fit.uncertainty import Uncertainty, uncertainty
 
@@ -122,7 +122,6 @@ def fit(rows: Rows, choice: Choice, settings: Settings | None = None) -> Fitted:
     """
     settings = settings or Settings()
     begin = time.perf_counter()
-    rows = replace(rows, model=remembering(rows.model))
     found = search(rows, choice, starts(choice, settings.starts, settings.seed))
     sure = uncertainty(rows, choice, found)
     error = NOISE_FLOOR

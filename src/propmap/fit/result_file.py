@@ -21,14 +21,12 @@ from propmap.fit.fit_record import (
     FittedLoad,
     FittedPropeller,
     FreeParameter,
-    SearchEnd,
     Source,
     read_record,
 )
 from propmap.fit.fitted import Fitted
 from propmap.fit.parameters import BODY, EVERY, SECTION, WING
 from propmap.fit.residuals import by_band, errors
-from propmap.fit.search import minima
 from propmap.fit.tunnel import section_with
 from propmap.model.airfoil import Airfoil, read_airfoil
 from propmap.model.model import Model
@@ -106,7 +104,6 @@ def fit_text(
     told = {"name": name, "source": f"fitted by propmap, {kind}"}
     law = law.with_parameters(**told, corrections=tuple(model.correction_texts))
     sure, choice = fitted.uncertainty, fitted.choice
-    ends = fitted.minimum.ends
     record = FitRecord(
         kind=kind,
         version=propmap.__version__,
@@ -128,11 +125,7 @@ def fit_text(
         correlation=sure.correlation,
         singular_values=sure.singular_values,
         loads=[_load(fitted, k, hover) for k in range(len(fitted.rows.names))],
-        starts=[
-            SearchEnd(ends[k].start.tolist(), ends[k].x.tolist(), ends[k].cost, number)
-            for number, group in enumerate(minima(ends, choice.column("spread")), start=1)
-            for k in group
-        ],
+        starts=sorted(fitted.minimum.ends, key=lambda end: end.minimum),
     )
     return law.to_toml() + "\n" + tomli_w.dumps({"fit": record.table()})
 

@@ -11,24 +11,12 @@ from numpy.typing import NDArray
 
 from propmap.arrays.types import Floats
 
-Model = Callable[[Mapping[str, float], tuple[str, ...]], tuple[Floats, Floats]]
+Evaluation = tuple[Floats, Floats]
+Model = Callable[[Mapping[str, float], tuple[str, ...]], Evaluation]
 """From all parameters by name and the P free names: values (M,) and derivatives (M, P)."""
 
 REMEMBERED = 16
-"""Evaluations that ``remembering`` keeps: more than one refit takes."""
-
-
-def remembering(model: Model) -> Model:
-    """The same model, which keeps its latest evaluations.
-
-    A search is polished where it ended, and refits of parts of the data begin there.
-    """
-
-    @functools.lru_cache(REMEMBERED)
-    def at(values: tuple[tuple[str, float], ...], names: tuple[str, ...]) -> tuple[Floats, Floats]:
-        return model(dict(values), names)
-
-    return lambda values, names: at(tuple(values.items()), names)
+"""Evaluations that are kept: more than one refit takes."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,8 +82,10 @@ class Rows:
         """
         point, load = np.nonzero(np.isfinite(measured))
 
-        def picked(values: Mapping[str, float], free: tuple[str, ...]) -> tuple[Floats, Floats]:
-            value, slope = model(values, free)
+        # A search is polished where it ended, and refits of parts of the data begin there.
+        @functools.lru_cache(REMEMBERED)
+        def at(values: tuple[tuple[str, float], ...], free: tuple[str, ...]) -> Evaluation:
+            value, slope = model(dict(values), free)
             return value[point, load], slope[point, load]
 
         return cls(
@@ -107,7 +97,7 @@ class Rows:
             speed=speed[point],
             point=point,
             group=None if group is None else group[point],
-            model=picked,
+            model=lambda values, free: at(tuple(values.items()), free),
             weight=np.ones(point.size),
         )
 

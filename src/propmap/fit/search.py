@@ -6,6 +6,7 @@ import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 
+import msgspec
 import numpy as np
 
 from propmap.arrays.types import Floats
@@ -38,20 +39,39 @@ MOST_UNSOLVED = 0.05
 """Share of the rows that may have no solution in the model."""
 
 
-@dataclass(frozen=True)
-class End:
-    """Where a search from one start ended: x (P,) with half the sum of squares as cost [-]."""
+class End(msgspec.Struct, frozen=True):
+    """Where a search from one start ended.
+
+    Attributes
+    ----------
+    start, x : ndarray, shape (P,)
+        First and last parameters.
+    cost : float
+        Half the sum of squares [-].
+    minimum : int
+        The number of its minimum, from 1 for the best.
+    """
 
     start: Floats
-    x: Floats
+    x: Floats = msgspec.field(name="end")
     cost: float
-    evaluations: int
+    minimum: int = 1
 
 
 @dataclass(frozen=True)
 class Minimum:
-    """The best end x (P,), residuals (M,) as shares of their scales and their derivatives (M, P);
-    all ends, best first; how many rows the model gave no value for.
+    """The best end of a search.
+
+    Attributes
+    ----------
+    x : ndarray, shape (P,)
+        Parameters.
+    residual, slopes : ndarray, shape (M,) and (M, P)
+        Residuals as shares of their scales, and their derivatives.
+    ends : tuple of End
+        All ends, best first.
+    unsolved : int
+        Rows that the model gave no value for.
     """
 
     x: Floats
@@ -62,33 +82,33 @@ class Minimum:
 
 
 class Evaluator:
-    """Residuals of a fit and their derivatives together, kept for the x asked for last."""
+    """Residuals of a fit and their derivatives."""
 
     def __init__(self, rows: Rows, choice: Choice, error: float) -> None:
-        self.rows, self.choice, self.error, self.count = rows, choice, error, 0
-        self._x: Floats | None = None
+        self.rows, self.choice, self.error = rows, choice, error
         self.mean, self.deviation = choice.prior_columns
         self.known = np.isfinite(self.deviation)
         self.unsolved = 0
 
     def at(self, x: Floats) -> tuple[Floats, Floats]:
         """Residuals (M,) as shares of their scales and derivatives (M, P), without priors."""
-        if self._x is None or not np.array_equal(x, self._x):
-            self.count += 1
-            rows = self.rows
-            value, slope = rows.model(self.choice.values(x), self.choice.free)
-            lost = ~np.isfinite(value) | ~np.isfinite(slope).all(axis=1)
-            self.unsolved = int(lost.sum())
-            keep = np.where(lost, 0.0, rows.weight / rows.scale)
-            self._residual = keep * np.where(lost, 0.0, value - rows.measured)
-            self._slope = keep[:, None] * np.where(lost[:, None], 0.0, slope)
-            self._x = x.copy()
-        return self._residual, self._slope
+        rows = self.rows
+        value, slope = rows.model(self.choice.values(x), self.choice.free)
+        lost = ~np.isfinite(value) | ~np.isfinite(slope).all(axis=1)
+        self.unsolved = int(lost.sum())
+        keep = np.where(lost, 0.0, rows.weight / rows.scale)
+        residual = keep * np.where(lost, 0.0, value - rows.measured)
+        return residual, keep[:, None] * np.where(lost[:, None], 0.0, slope)
 
     def residual(self, x: Floats) -> Floats:
         """The same with priors' residuals below."""
         prior = (x - self.mean) / self.deviation
         return np.concatenate([self.at(x)[0], self.error * prior[self.known]])
+
+    def jacobian(self, x: Floats) -> Floats:
+        """Derivatives of ``residual``."""
+        prior = np.diag(1.0 / self.deviation)[self.known]
+        return np.concatenate([self.at(x)[1], self.error * prior])
 
     def difference_quotients(self, x: Floats) -> Floats:
         """The Jacobian of the residuals as computed.
@@ -96,32 +116,18 @@ class Evaluator:
         Where inflow rises steeply it differs from ``jacobian`` by up to some per cent; see
         docs/theory.md, known limits.
         """
-        here = self.residual(x)
-        columns = []
-        for k, (spread, upper) in enumerate(
-            zip(self.choice.column("spread"), self.choice.column("upper"), strict=True)
-        ):
-            step = DIFFERENCE * spread * (1.0 if x[k] + DIFFERENCE * spread <= upper else -1.0)
-            moved = x.copy()
-            moved[k] += step
-            columns.append((self.residual(moved) - here) / step)
-        return np.stack(columns, axis=1)
+        from scipy.optimize import approx_fprime
 
-    def jacobian(self, x: Floats) -> Floats:
-        """Derivatives of ``residual``."""
-        prior = np.diag(1.0 / self.deviation)[self.known]
-        return np.concatenate([self.at(x)[1], self.error * prior])
+        step = DIFFERENCE * self.choice.column("spread")
+        inwards = np.where(x + step <= self.choice.column("upper"), step, -step)
+        return np.asarray(approx_fprime(x, self.residual, inwards))
 
 
 def starts(choice: Choice, count: int, seed: int) -> list[Floats]:
     """The first guess and ``count`` - 1 more, at random within three spreads of it."""
-    rng = np.random.default_rng(seed)
-    low, high, spread = choice.column("lower"), choice.column("upper"), choice.column("spread")
-    more = [
-        np.clip(choice.first + rng.uniform(-3.0, 3.0, low.size) * spread, low, high)
-        for _ in range(count - 1)
-    ]
-    return [choice.first, *more]
+    away = np.random.default_rng(seed).uniform(-3.0, 3.0, (count - 1, len(choice.free)))
+    more = choice.first + away * choice.column("spread")
+    return [choice.first, *np.clip(more, choice.column("lower"), choice.column("upper"))]
 
 
 def search(
@@ -133,15 +139,27 @@ def search(
     error: float = NOISE_FLOOR,
     follow: bool = False,
 ) -> Minimum:
-    """The best minimum over all starts, each (P,).
+    """The best minimum over all starts.
 
-    ``loss`` is "linear", or "soft_l1" so that a few outliers do not decide.  ``error`` is the
-    standard deviation of a residual as a share of its scale: priors are weighed against it, and
-    twice it is an outlier.  ``follow`` says that the start is a minimum of much the same data, so
-    that few steps do.
+    Parameters
+    ----------
+    rows, choice : Rows, Choice
+        What was measured, and which parameters are free.
+    begin : list of ndarray, shape (P,)
+        The starts.
+    loss : str
+        "linear", or "soft_l1" so that a few outliers do not decide.
+    error : float
+        Standard deviation of a residual as a share of its scale: priors are weighed against it,
+        and twice it is an outlier.
+    follow : bool
+        Whether the start is a minimum of much the same data, so that few steps do.
 
-    Raises ``InputError`` where there are fewer numbers than parameters, or where the model has
-    no solution for more than one row in twenty.
+    Raises
+    ------
+    InputError
+        Where there are fewer numbers than parameters, or where the model has no solution for more
+        than one row in twenty.
     """
     from scipy.optimize import least_squares
 
@@ -152,73 +170,66 @@ def search(
             "give more data or free fewer parameters",
         )
     evaluator = Evaluator(rows, choice, error)
-    bounds = (choice.column("lower"), choice.column("upper"))
+    lower, upper, spread = (choice.column(a) for a in ("lower", "upper", "spread"))
 
     def run(
-        x0: Floats,
-        evaluations: int,
-        step: float,
-        gain: float,
-        jacobian: Jacobian = evaluator.jacobian,
-    ) -> tuple[Floats, float]:
-        inside = np.clip(x0, *bounds)
+        x0: Floats, most: int, step: float, gain: float, jacobian: Jacobian = evaluator.jacobian
+    ) -> End:
         with warnings.catch_warnings():
             # At a bound SciPy divides by a zero distance and goes on.
             warnings.simplefilter("ignore", RuntimeWarning)
             found = least_squares(
                 evaluator.residual,
-                inside,
+                np.clip(x0, lower, upper),
                 jacobian,
-                bounds=bounds,
-                x_scale=choice.column("spread"),
+                bounds=(lower, upper),
+                x_scale=spread,
                 loss=loss,
                 f_scale=2.0 * error,
                 ftol=gain,
                 xtol=step,
                 gtol=1e-15,
-                max_nfev=evaluations,
+                max_nfev=most,
             )
-        return np.asarray(found.x), float(found.cost)
+        return End(x0, np.asarray(found.x), float(found.cost))
 
     allowance = (REFIT_EVALUATIONS, 1e-4, 1e-4) if follow else (EVALUATIONS, 1e-5, 1e-5)
-    ends = []
-    for x0 in begin:
-        before = evaluator.count
-        x, cost = run(x0, *allowance)
-        ends.append(End(x0, x, cost, evaluator.count - before))
-    ends.sort(key=lambda end: end.cost)
-    x = ends[0].x
+    ends = minima([run(x0, *allowance) for x0 in begin], spread)
+    best = ends[0]
     if not follow:
-        best = ends[0].cost
-        polished, cost = run(x, FINAL_EVALUATIONS, 1e-9, 1e-9)
-        x, best = (polished, cost) if cost <= best else (x, best)
-        if np.sqrt(2.0 * best / used) < NOISE_FLOOR:
+        best = min(run(best.x, FINAL_EVALUATIONS, 1e-9, 1e-9), best, key=_cost)
+        if np.sqrt(2.0 * best.cost / used) < NOISE_FLOOR:
             # So near to a perfect fit the errors of the derivatives would end the search early.
             # Where priors or noise leave more than those errors, the first step gains little.
             exact = evaluator.difference_quotients
-            polished, cost = run(x, FINAL_EVALUATIONS, 1e-12, 1e-4, exact)
-            x = polished if cost <= best else x
-    for bound in bounds:
-        x = np.where(np.abs(x - bound) < ON_BOUND * choice.column("spread"), bound, x)
-    residual, slopes = (a.copy() for a in evaluator.at(x))
+            best = min(run(best.x, FINAL_EVALUATIONS, 1e-12, 1e-4, exact), best, key=_cost)
+    x = best.x
+    for bound in (lower, upper):
+        x = np.where(np.abs(x - bound) < ON_BOUND * spread, bound, x)
+    residual, slopes = evaluator.at(x)
     if evaluator.unsolved > MOST_UNSOLVED * rows.measured.size:
         raise InputError(
             f"the model has no solution at {evaluator.unsolved} of {rows.measured.size} rows",
             "check the units of the operating points",
         )
-    return Minimum(x, residual, slopes, tuple(ends), evaluator.unsolved)
+    return Minimum(x, residual, slopes, ends, evaluator.unsolved)
 
 
-def minima(ends: tuple[End, ...], spread: Floats) -> list[list[int]]:
-    """Indices of ``ends`` that are the same minimum, best first."""
-    groups: list[list[int]] = []
-    for k, end in enumerate(ends):
-        for group in groups:
-            best = ends[group[0]]
+def _cost(end: End) -> float:
+    return end.cost
+
+
+def minima(ends: list[End], spread: Floats) -> tuple[End, ...]:
+    """The ends by rising cost, each with the number of its minimum."""
+    bests: list[End] = []
+    found = []
+    for end in sorted(ends, key=_cost):
+        for best in bests:
             near = np.max(np.abs(end.x - best.x) / spread) < SAME_MINIMUM
             if near or abs(end.cost - best.cost) <= 1e-6 * best.cost:
-                group.append(k)
                 break
         else:
-            groups.append([k])
-    return groups
+            best = msgspec.structs.replace(end, minimum=len(bests) + 1)
+            bests.append(best)
+        found.append(msgspec.structs.replace(end, minimum=best.minimum))
+    return tuple(found)
