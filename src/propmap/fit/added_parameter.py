@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 
 import numpy as np
 
+from propmap.arrays.types import Floats
 from propmap.fit.fitted import Fitted
 from propmap.fit.parameters import SECTION, Choice
 from propmap.fit.residuals import rms
@@ -53,13 +54,10 @@ def failing_assumptions(fitted: Fitted, rows_for: Callable[[Choice], Rows]) -> l
         return []
     told = []
     for name, assumption in ASSUMPTIONS.items():
-        if name in fitted.choice.free or (
-            name == "drag_factor" and "drag" not in fitted.rows.names
-        ):
+        acts = name != "drag_factor" or "drag" in fitted.rows.names
+        if name in fitted.choice.free or not acts:
             continue
-        fixed = {k: v for k, v in fitted.choice.fixed.items() if k != name}
-        choice = _with(fitted, name, fixed)
-        begin = np.append(fitted.x, fitted.values[name])
+        choice, begin = _with(fitted, name)
         again = search(rows_for(choice), choice, [choice.first, begin])
         left = rms(again.residual) / size
         if left < TELLING:
@@ -92,9 +90,9 @@ def body_terms_verdict(fitted: Fitted, rows_for: Callable[[Choice], Rows]) -> li
     for name in BODY_TERMS:
         if name in fitted.choice.free:
             continue
-        choice = _with(fitted, name, fitted.choice.fixed)
+        choice, begin = _with(fitted, name)
         rows = rows_for(choice)
-        again = search(rows, choice, [np.append(fitted.x, fitted.values[name])])
+        again = search(rows, choice, [begin])
         sure = uncertainty(rows, choice, again)
         fall = 1.0 - rms(again.residual) / size if size > 0.0 else 0.0
         shift = np.max(np.abs(again.x[:-1] - fitted.x) / fitted.choice.column("spread"))
@@ -108,6 +106,8 @@ def body_terms_verdict(fitted: Fitted, rows_for: Callable[[Choice], Rows]) -> li
     return told
 
 
-def _with(fitted: Fitted, name: str, fixed: Mapping[str, float]) -> Choice:
-    """The choice of a fit with one more free parameter, the last."""
-    return Choice((*fitted.choice.free, name), fixed, fitted.choice.priors)
+def _with(fitted: Fitted, name: str) -> tuple[Choice, Floats]:
+    """The choice of a fit with one more free parameter, the last, and where to begin."""
+    fixed = {k: v for k, v in fitted.choice.fixed.items() if k != name}
+    choice = Choice((*fitted.choice.free, name), fixed, fitted.choice.priors)
+    return choice, np.append(fitted.x, fitted.values[name])

@@ -33,20 +33,29 @@ def wing_values(vehicle: Vehicle) -> dict[str, float]:
 def body_force(
     vehicle: Vehicle, log: FlightLog, values: Mapping[str, float], free: tuple[str, ...]
 ) -> tuple[Floats, Floats]:
-    """Force of body and wing (n, 3) [N] in the vehicle's frame, and its derivatives (P, n, 3).
+    """Force of body and wing in the vehicle's frame, and its derivatives.
 
-    ``values`` are the body's and the wing's parameters by name; the body's add to what the vehicle
-    file gives.  Derivatives by the parameters ``free`` are central differences.
+    Parameters
+    ----------
+    vehicle, log : Vehicle, FlightLog
+        What flies, and how.
+    values : mapping of str to float
+        The body's and the wing's parameters by name; the body's add to the vehicle file's.
+    free : tuple of str
+        Names of the P parameters by which to differentiate, by central differences.
+
+    Returns
+    -------
+    force, slopes : ndarray, shape (n, 3) and (P, n, 3)
+        [N], and per unit of each parameter.
     """
     force = _force(vehicle, log, values)
     slopes = np.zeros((len(free), *force.shape))
     for k, name in enumerate(free):
         if name in STEPS:
-            step = STEPS[name]
-            up, down = (
-                _force(vehicle, log, {**values, name: values[name] + h}) for h in (step, -step)
-            )
-            slopes[k] = (up - down) / (2.0 * step)
+            h = STEPS[name]
+            up, down = (_force(vehicle, log, {**values, name: values[name] + d}) for d in (h, -h))
+            slopes[k] = (up - down) / (2.0 * h)
     return force, slopes
 
 

@@ -35,16 +35,28 @@ class Quadratic(NamedTuple):
 def bounded_intervals(
     centre: Floats, root: Floats, lower: Floats, upper: Floats, quantile: float
 ) -> tuple[Floats, Floats]:
-    """Ends of the profile intervals of a quadratic sum of squares within bounds; (P,), (P,).
+    """Ends of the profile intervals of the sum of squares |W (x - centre)|^2 within bounds.
 
     A value of one parameter belongs to its interval if some values of the others, within their
     bounds, make the sum of squares exceed its least value within the bounds by no more than
-    ``quantile`` (of Student's t) squared.  So the bounds of one parameter narrow the intervals of
-    those that it is correlated with; far from all bounds the ends are centre +- quantile *
-    deviation.  All is in units in which the parameters are of like size.
+    ``quantile`` squared.  So the bounds of one parameter narrow the intervals of those that it is
+    correlated with; far from all bounds the ends are centre +- quantile * deviation.
 
-    The sum of squares is |W (x - centre)|^2 in units of its variance, W = ``root`` (R, P), R <= P,
-    with bounds left aside; W^T W is the inverse of the covariance, where there is one.
+    Parameters
+    ----------
+    centre : ndarray, shape (P,)
+        Where the sum is least, bounds left aside; in units in which parameters are of like size.
+    root : ndarray, shape (R, P)
+        W, R <= P; W^T W is the inverse of the covariance, where there is one.
+    lower, upper : ndarray, shape (P,)
+        Bounds.
+    quantile : float
+        Of Student's t.
+
+    Returns
+    -------
+    low, high : ndarray, shape (P,)
+        Ends.
     """
     from scipy.optimize import brentq, lsq_linear
 
@@ -54,10 +66,9 @@ def bounded_intervals(
     ends = np.empty((2, centre.size))
     for k, middle in enumerate(best.x):
         for side, bound in enumerate((lower[k], upper[k])):
-            past = bound == middle or squares.profile(k, bound)[0] <= allowed
-            ends[side, k] = (
-                bound
-                if past
-                else brentq(lambda v, k=k: squares.profile(k, v)[0] - allowed, middle, bound)
-            )
+            ends[side, k] = bound
+            if bound != middle and squares.profile(k, bound)[0] > allowed:
+                ends[side, k] = brentq(
+                    lambda v, k=k: squares.profile(k, v)[0] - allowed, middle, bound
+                )
     return ends[0], ends[1]

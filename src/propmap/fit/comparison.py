@@ -11,8 +11,8 @@ from propmap.arrays.types import Floats
 from propmap.baselines.hover import HoverModel
 from propmap.errors import InputError
 from propmap.fit.body_forces import body_force
-from propmap.fit.flight import hover_force
-from propmap.fit.parameters import EVERY
+from propmap.fit.flight import AXES, hover_force
+from propmap.fit.parameters import FIRST_GUESS
 from propmap.fit.residuals import Errors, by_band, errors
 from propmap.fit.tunnel import TunnelData
 from propmap.loads import LOADS
@@ -21,8 +21,6 @@ from propmap.rotor import Rotor
 from propmap.vehicle.flight_log import GRAVITY, FlightLog
 from propmap.vehicle.hub_flow import hub_flow, rotor_forces
 from propmap.vehicle.vehicle import Vehicle
-
-FORCE_NAMES = ("force_x_N", "force_y_N", "force_z_N")
 
 
 @dataclass(frozen=True)
@@ -87,8 +85,8 @@ def compare_flight(
         raise InputError("there is no specific force to compare with", "log it", log.source)
     model, hover = _forces(vehicle, log, law, values)
     return {
-        name: _compared(model[:, k], measured[:, k], log.speed, hover[:, k])
-        for k, name in enumerate(FORCE_NAMES)
+        f"{name}_N": _compared(model[:, k], measured[:, k], log.speed, hover[:, k])
+        for k, name in enumerate(AXES)
     }
 
 
@@ -120,11 +118,9 @@ def _forces(
     flow = hub_flow(vehicle, log)
     velocity = np.stack([flow.inplane, np.zeros_like(flow.inplane), flow.axial], axis=-1)
     loads = rotor.loads_at_velocity(flow.omega, velocity)
-    whole = {name: p.start for name, p in EVERY.items()} | dict(values)
-    body, _ = body_force(vehicle, log, whole, ())
-    return rotor_forces(flow, loads.thrust, loads.drag) + body, hover_force(
-        HoverModel.of(rotor), flow
-    )
+    body, _ = body_force(vehicle, log, {**FIRST_GUESS, **values}, ())
+    force = rotor_forces(flow, loads.thrust, loads.drag) + body
+    return force, hover_force(HoverModel.of(rotor), flow)
 
 
 def _compared(model: Floats, measured: Floats, speed: Floats, hover: Floats) -> Comparison:

@@ -103,11 +103,8 @@ def coverage(omega: Floats, speed: Floats, beta: Floats, radius: float) -> Cover
         advance = speed[mine] / (omega[mine] * radius)
         return int(mine.sum()), *_spread(rpm[mine]), _ends(speed[mine]), _ends(advance)
 
-    angles = []
-    for k in np.unique(band[~still]).tolist():
-        mine = ~still & (band == k)
-        beta_range, typical_beta = _spread(degrees[mine])
-        angles.append(CoveredAngle(*at(mine), beta_range, typical_beta))
+    bands = [~still & (band == k) for k in np.unique(band[~still])]
+    angles = [CoveredAngle(*at(mine), *_spread(degrees[mine])) for mine in bands]
     at_rest = Covered(*at(still)) if still.any() else None
     return Coverage(int(omega.size), *_spread(rpm), _ends(speed), angles, at_rest)
 

@@ -26,9 +26,16 @@ BY_NAME = ("parameters", "residuals")
 class FreeParameter(msgspec.Struct, frozen=True, omit_defaults=True):
     """One fitted parameter, in ``unit``.
 
-    ``low`` and ``high`` end its 95 % interval; those of the bootstrap and the prior (mean, standard
-    deviation) are there where they were made.  ``lower`` and ``upper`` are its bounds, ``verdict``
-    says in words whether the data determine it.
+    Attributes
+    ----------
+    low, high, bootstrap_low, bootstrap_high : float
+        Ends of its 95 % intervals; None where there was no bootstrap.
+    verdict, identified : str, bool
+        Whether the data determine it.
+    start, lower, upper : float
+        Where the first search began, and the bounds.
+    prior : tuple of 2 float, or None
+        Mean and standard deviation.
     """
 
     name: str
@@ -105,11 +112,20 @@ class FittedPropeller(msgspec.Struct, frozen=True):
 class FitRecord(msgspec.Struct, frozen=True):
     """What a fit file tells of its fit of P free parameters.
 
-    ``kind`` is "tunnel", "level flight" or "flight", ``version`` that of propmap.  Of ``rows``
-    fitted numbers the model had no solution for ``unsolved``.  ``fixed`` are parameters held by the
-    user, ``body`` and ``wing`` all of theirs.  ``covariance`` and ``correlation`` are (P, P), a
-    variance infinite where the data say nothing; ``singular_values`` (P,) of the sensitivities are
-    relative to the largest.  ``starts`` are the ends of the searches, best first.
+    Attributes
+    ----------
+    kind, version : str
+        "tunnel", "level flight" or "flight"; propmap's version.
+    rows, unsolved : int
+        Numbers that were fitted, and for how many of them the model had no solution.
+    fixed, body, wing : dict of str to float
+        Parameters that the user held; all of the body's and the wing's.
+    covariance, correlation : ndarray, shape (P, P)
+        A variance is infinite where the data say nothing.
+    singular_values : ndarray, shape (P,)
+        Of the sensitivities, relative to the largest.
+    starts : list of End
+        Where the searches ended, best first.
     """
 
     kind: str
@@ -160,8 +176,17 @@ class FitRecord(msgspec.Struct, frozen=True):
 def read_record(table: Any, where: str) -> FitRecord:
     """The record of the table ``[fit]`` as TOML gives it.
 
-    ``where`` is the file, for messages.  Raises ``InputError`` naming the entry where one is
-    missing or is of another kind.
+    Parameters
+    ----------
+    table : mapping
+        The table.
+    where : str
+        The file, for messages.
+
+    Raises
+    ------
+    InputError
+        Naming the entry where one is missing or is of another kind.
     """
     known = table
     if isinstance(table, Mapping):

@@ -31,8 +31,14 @@ AXES, VERTICAL = ("force_x", "force_y", "force_z"), ("vertical_force",)
 
 @dataclass(frozen=True)
 class Balance:
-    """Aerodynamic force on the vehicle at n samples, in its frame: ``force`` (n, 3) [N], NaN where
-    the loads were not found, and ``slopes`` (P, n, 3) by the parameters asked for.
+    """Aerodynamic force on the vehicle at n samples, in its frame.
+
+    Attributes
+    ----------
+    force : ndarray, shape (n, 3)
+        [N], NaN where the loads were not found.
+    slopes : ndarray, shape (P, n, 3)
+        By the parameters asked for.
     """
 
     force: Floats
@@ -81,11 +87,6 @@ class ForceModel:
             All parameters by name.
         free : tuple of str
             Names of the P by which to differentiate.
-
-        Returns
-        -------
-        Balance
-            With ``force`` (n, 3) [N] and ``slopes`` (P, n, 3).
         """
         section = tuple(name for name in free if name in SECTION)
         flow, shape = self.flow, self.flow.omega.shape

@@ -5,7 +5,6 @@ from __future__ import annotations
 import difflib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from types import MappingProxyType
 
 import numpy as np
 
@@ -17,10 +16,15 @@ from propmap.model.model import Section
 
 @dataclass(frozen=True)
 class Parameter:
-    """One parameter: its first guess (the paper's x0 where it has one), its bounds, its spread.
+    """One parameter, in ``unit``.
 
-    The spread is by how much real propellers or vehicles differ: the unit in which sensitivities
-    are compared.  A parameter is identified where its 95 % interval is no wider.
+    Attributes
+    ----------
+    start, lower, upper : float
+        First guess (the paper's x0 where it has one) and bounds.
+    spread : float
+        By how much real propellers or vehicles differ: the unit in which sensitivities are
+        compared.  A parameter is identified where its 95 % interval is no wider.
     """
 
     unit: str
@@ -43,10 +47,9 @@ SECTION = {
 """Parameters of the section law; x0 of (18) is that of the first four."""
 
 BODY = {
-    **{
-        f"drag_area_{axis}": Parameter("m^2", 0.0, 0.0, 1.0, 0.01, f"drag of the body along {axis}")
-        for axis in "xyz"
-    },
+    "drag_area_x": Parameter("m^2", 0.0, 0.0, 1.0, 0.01, "drag of the body along x"),
+    "drag_area_y": Parameter("m^2", 0.0, 0.0, 1.0, 0.01, "drag of the body along y"),
+    "drag_area_z": Parameter("m^2", 0.0, 0.0, 1.0, 0.01, "drag of the body along z"),
     "lift_area": Parameter("m^2", 0.0, -1.0, 1.0, 0.01, "lift of the body"),
 }
 """Terms of section III.A."""
@@ -61,6 +64,7 @@ WING = {
 
 PAPER_FOUR = ("c_l1", "c_l2", "c_d", "alpha_0")
 EVERY = SECTION | BODY | WING
+FIRST_GUESS = {name: parameter.start for name, parameter in EVERY.items()}
 
 
 def constants_of(section: Section) -> Airfoil:
@@ -109,9 +113,9 @@ class Choice:
     """
 
     free: tuple[str, ...] = PAPER_FOUR
-    fixed: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
-    priors: Mapping[str, Prior] = field(default_factory=lambda: MappingProxyType({}))
-    start: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+    fixed: Mapping[str, float] = field(default_factory=dict)
+    priors: Mapping[str, Prior] = field(default_factory=dict)
+    start: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if not self.free:
@@ -148,8 +152,7 @@ class Choice:
         x : ndarray, shape (P,)
             The free ones.
         """
-        given = {name: p.start for name, p in EVERY.items()} | dict(self.fixed)
-        return given | {name: float(v) for name, v in zip(self.free, x, strict=True)}
+        return {**FIRST_GUESS, **self.fixed, **dict(zip(self.free, x.tolist(), strict=True))}
 
     def column(self, attribute: str) -> Floats:
         """An attribute of the free parameters, as (P,)."""
@@ -164,7 +167,7 @@ class Choice:
     @property
     def first(self) -> Floats:
         """Where the search starts (P,)."""
-        return np.array([self.start.get(name, EVERY[name].start) for name in self.free])
+        return np.array([self.start.get(name, FIRST_GUESS[name]) for name in self.free])
 
 
 def known(name: str) -> str:

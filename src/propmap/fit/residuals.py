@@ -46,7 +46,7 @@ def rms(values: Floats) -> float:
 
 
 def errors(model: Floats, measured: Floats, hover: Floats | None = None) -> Errors:
-    """Errors over all numbers that are both measured and modelled; all arrays are (n,)."""
+    """Errors over all numbers that are both measured and modelled; arrays of shape (n,)."""
     both = np.isfinite(model) & np.isfinite(measured)
     if not both.any():
         return Errors(0, *(5 * (np.nan,)))

@@ -14,7 +14,7 @@ from propmap.engine.evaluation import prepare
 from propmap.engine.gradients import load_gradients
 from propmap.engine.plan import accuracy
 from propmap.errors import InputError
-from propmap.fit.parameters import BODY, SECTION, WING, Choice, constants_of
+from propmap.fit.parameters import BODY, FIRST_GUESS, SECTION, WING, Choice, constants_of
 from propmap.fit.rows import Rows
 from propmap.loads import LOADS
 from propmap.model.airfoil import Airfoil
@@ -65,7 +65,7 @@ def merged(parts: Sequence[TunnelData]) -> TunnelData:
 
 def first_guess() -> Airfoil:
     """The section law at x0 of (18)."""
-    start: dict[str, Any] = {name: parameter.start for name, parameter in SECTION.items()}
+    start: Any = {name: FIRST_GUESS[name] for name in SECTION}
     return Airfoil(**start)
 
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from propmap.arrays.types import Floats
 from propmap.fit.bounded_interval import Quadratic, bounded_intervals
-from propmap.fit.parameters import Choice
+from propmap.fit.parameters import EVERY, Choice
 from propmap.fit.rows import Rows
 from propmap.fit.search import NOISE_FLOOR, Evaluator, Minimum
 
@@ -63,6 +63,13 @@ def uncertainty(rows: Rows, choice: Choice, found: Minimum) -> Uncertainty:
     Where ``rows.group`` tells of stretches within which errors are alike, sums over stretches
     take the place of sums over rows (the cluster-robust covariance), or correlated samples
     would count as independent ones.
+
+    Parameters
+    ----------
+    rows, choice : Rows, Choice
+        What was fitted, and which parameters were free.
+    found : Minimum
+        Where the search ended.
     """
     from scipy.special import stdtrit  # scipy.stats takes half a second to import
 
@@ -105,9 +112,10 @@ def uncertainty(rows: Rows, choice: Choice, found: Minimum) -> Uncertainty:
     with np.errstate(invalid="ignore"):
         correlation = covariance / np.outer(scale, scale)
     np.fill_diagonal(correlation, 1.0)
+    half, by_prior = quantile * deviation, deviation > 0.7 * prior
     judged = [
-        _verdict(k, choice, x, (low, high), bool(held[k]), deviation[k], prior[k], quantile)
-        for k in range(x.size)
+        _verdict(name, x[k], (low[k], high[k]), half[k], bool(held[k]), bool(by_prior[k]))
+        for k, name in enumerate(choice.free)
     ]
     return Uncertainty(
         covariance,
@@ -136,22 +144,20 @@ def _stretched(
     bounds = (lower / spread, upper / spread)
     first = Quadratic(slopes, slopes @ x - residual, *bounds)
     evaluator = Evaluator(rows, choice, NOISE_FLOOR)
-    moved = ends.copy()
+    moved, at_minimum = ends.copy(), float(residual @ residual)
     for k in narrow:
         for side in range(2):
             end = float(ends[side, k])
             foreseen, there = first.profile(k, end)
-            if end == bounds[side][k] or foreseen <= residual @ residual:
+            if end == bounds[side][k] or foreseen <= at_minimum:
                 continue
             r, j = evaluator.at(there * spread)
             j = j * spread
             least, _ = Quadratic(j, j @ there - r, *bounds).profile(k, end)
-            at_minimum = float(residual @ residual)
             share = (least - at_minimum) / (foreseen - at_minimum)
             stretch = max(1.0, max(share, LARGEST_STRETCH**-2) ** -0.5)
-            further = x[k] + stretch * (end - x[k])
-            moved[side, k] = min(max(further, bounds[0][k]), bounds[1][k])
-    return moved
+            moved[side, k] = x[k] + stretch * (end - x[k])
+    return np.clip(moved, *bounds)
 
 
 def _standard_error(residual: Floats, share: float) -> float:
@@ -198,27 +204,18 @@ def _sandwich(information: Floats, middle: Floats) -> _Known:
 
 
 def _verdict(
-    k: int,
-    choice: Choice,
-    x: Floats,
-    ends: tuple[Floats, Floats],
-    held: bool,
-    deviation: float,
-    prior: float,
-    quantile: float,
+    name: str, x: float, ends: tuple[float, float], half: float, held: bool, by_prior: bool
 ) -> tuple[str, bool]:
-    """In words, and whether the parameter is identified."""
-    name = choice.free[k]
-    lower, upper, spread = (float(choice.column(a)[k]) for a in ("lower", "upper", "spread"))
-    low, high = float(ends[0][k]), float(ends[1][k])
+    """In words, and whether the parameter is identified; ``half`` an interval without bounds."""
+    known, (low, high) = EVERY[name], ends
+    lower, upper, spread = known.lower, known.upper, known.spread
     if held:
-        return f"weak: held by its bound {lower if x[k] - lower < upper - x[k] else upper:g}", False
-    if deviation > 0.7 * prior:
+        return f"weak: held by its bound {lower if x - lower < upper - x else upper:g}", False
+    if by_prior:
         return "weak: held by its prior", False
     if high - low <= spread:
-        if quantile * deviation <= 0.5 * spread:
-            return "identified", True
-        return "identified, given the bounds of the others", True
+        alone = half <= 0.5 * spread
+        return "identified" if alone else "identified, given the bounds of the others", True
     if low == lower and high == upper:
         return f"weak: held by its start, the data say nothing of {name}", False
     return (

@@ -21,8 +21,18 @@ from propmap.vehicle.vehicle import Vehicle
 
 @dataclass(frozen=True)
 class Expectation:
-    """The true values (P,) of the free parameters and the intervals about them of a fit of flights
-    whose vertical forces have this error, a share of the weight.
+    """What a fit of planned flights would find.
+
+    Attributes
+    ----------
+    choice : Choice
+        The P free parameters.
+    truth : ndarray, shape (P,)
+        Their true values.
+    uncertainty : Uncertainty
+        Intervals about these.
+    error : float
+        Of the flights' vertical forces, as a share of the weight.
     """
 
     choice: Choice
@@ -59,15 +69,14 @@ def expectation(
         For a true value outside the bounds of a fit.
     """
     truth = true_values(vehicle, airfoil)
-    known = [name for name in free if name in EVERY]
-    for name in known:
+    for name in EVERY.keys() & set(free):
         low, high = EVERY[name].lower, EVERY[name].upper
         if not low <= truth[name] <= high:
             raise InputError(
                 f"{name} is {truth[name]:g}, a fit looks from {low:g} to {high:g}",
                 "simulate another airfoil or leave it out of the free ones",
             )
-    choice = Choice(free, start={name: truth[name] for name in known})
+    choice = Choice(free, start={name: truth[name] for name in free if name in EVERY})
     rows = level_rows(ForceModel(vehicle, points, airfoil), choice)
     _, slopes = rows.model(truth, free)
     x, error = choice.first, max(error, NOISE_FLOOR)

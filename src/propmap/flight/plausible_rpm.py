@@ -45,11 +45,25 @@ def check_rotor_speed(
 
     Slow flight is below 3 m/s with a specific force within 10 % of g; where there is too little
     of it, the slowest tenth of the flight serves.  Time on the ground does not count.
-    ``rotor`` is the vehicle's propeller with a nominal section law.  ``rotor_unit`` is what the
-    vehicle file states ("rad/s", "rpm", "erpm"), to tell apart unit errors of like size.
 
-    Returns warnings.  Raises ``InputError`` where a rotor stands still or the ratio of the forces
-    is that of a wrong unit.
+    Parameters
+    ----------
+    log, vehicle : FlightLog, Vehicle
+        What was flown.
+    rotor : Rotor
+        The vehicle's propeller with a nominal section law.
+    rotor_unit : str, optional
+        What the vehicle file states: "rad/s", "rpm" or "erpm"; tells apart errors of like size.
+
+    Returns
+    -------
+    list of str
+        Warnings.
+
+    Raises
+    ------
+    InputError
+        Where a rotor stands still or the ratio of the forces is that of a wrong unit.
     """
     for k, column in enumerate(log.rotor_speed.T, start=1):
         if not np.max(column) > 0.0:

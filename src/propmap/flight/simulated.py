@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import json
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,7 +11,7 @@ import numpy as np
 from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.vehicle.flight_log import GRAVITY, FlightLog, in_vehicle_frame, pitch_and_roll
-from propmap.vehicle.log_map import LogMap
+from propmap.vehicle.log_map import CHOICES, LogMap
 
 HARDEST = 2.0
 """Largest acceleration [m/s^2] from one speed to the next."""
@@ -125,19 +126,17 @@ def fly(
 def _measured(
     log: FlightLog, pitch: Floats, roll: Floats, noise: SensorNoise, rng: np.random.Generator
 ) -> FlightLog:
-    def error(size: float, shape: tuple[int, ...]) -> Floats:
-        return size * rng.standard_normal(shape)
+    def noisy(values: Floats, size: float) -> Floats:
+        return values + size * rng.standard_normal(values.shape)
 
-    n = len(log)
-    tilted = pitch + error(noise.attitude, (n,)), roll + error(noise.attitude, (n,))
+    pitch, roll = noisy(pitch, noise.attitude), noisy(roll, noise.attitude)
+    even = np.ones_like(log.rotor_speed)
     return replace(
         log,
-        velocity=log.velocity + error(noise.velocity, (n, 3)),
-        up=in_vehicle_frame(0.0, 0.0, 1.0, *tilted),
-        specific_force=log.specific_force + error(noise.specific_force, (n, 3)),
-        rotor_speed=np.abs(
-            log.rotor_speed * (1.0 + error(noise.rotor_speed, log.rotor_speed.shape))
-        ),
+        velocity=noisy(log.velocity, noise.velocity),
+        up=in_vehicle_frame(0.0, 0.0, 1.0, pitch, roll),
+        specific_force=noisy(log.specific_force, noise.specific_force),
+        rotor_speed=np.abs(log.rotor_speed * noisy(even, noise.rotor_speed)),
     )
 
 
@@ -150,17 +149,15 @@ def log_map(rotors: int) -> LogMap:
 
 def log_table(rotors: int) -> str:
     """The same as the text of the table ``[log]`` for a vehicle file."""
-    how = log_map(rotors)
-    lines = ["[log]"]
-    for key in ("body_frame", "world_frame", "velocity_in", "rotor_unit"):
-        lines.append(f'{key} = "{how.stated(key)}"')
-    lines += ["", "[log.columns]"]
-    for key, names in how.columns.items():
-        listed = ", ".join(f'"{name}"' for name in names)
-        lines.append(
-            f"{key} = [{listed}]" if key in (*VECTORS, "rotor_speed") else f"{key} = {listed}"
-        )
-    return "\n".join(lines) + "\n"
+    how, several = log_map(rotors), (*VECTORS, "rotor_speed")
+    stated = {key: how.stated(key) for key in CHOICES}
+    columns = {key: names if key in several else names[0] for key, names in how.columns.items()}
+    # Texts and lists of texts are the same in JSON and in TOML.
+    tables = [
+        [heading, *(f"{key} = {json.dumps(value)}" for key, value in table.items())]
+        for heading, table in (("[log]", stated), ("[log.columns]", columns))
+    ]
+    return "\n\n".join("\n".join(lines) for lines in tables) + "\n"
 
 
 def log_csv(log: FlightLog) -> str:

@@ -10,7 +10,7 @@ from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.fit.body_forces import wing_values
 from propmap.fit.flight import ForceModel
-from propmap.fit.parameters import EVERY, PAPER_FOUR, SECTION, constants_of
+from propmap.fit.parameters import FIRST_GUESS, PAPER_FOUR, SECTION, constants_of
 from propmap.model.airfoil import Airfoil
 from propmap.vehicle.flight_log import GRAVITY, FlightLog, in_vehicle_frame
 from propmap.vehicle.vehicle import Vehicle
@@ -38,9 +38,9 @@ accepted, as the forces jump where the number of azimuths, which depends on the 
 
 def true_values(vehicle: Vehicle, airfoil: Airfoil) -> dict[str, float]:
     """All parameters of a fit by name, as they are; what a fit would add to the body is zero."""
-    values = {name: parameter.start for name, parameter in EVERY.items()}
     law = constants_of(airfoil)
-    return values | {name: getattr(law, name) for name in SECTION} | wing_values(vehicle)
+    section = {name: getattr(law, name) for name in SECTION}
+    return FIRST_GUESS | section | wing_values(vehicle)
 
 
 def trim(
