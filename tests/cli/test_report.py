@@ -14,7 +14,7 @@ import pytest
 
 import propmap
 from propmap.model.airfoil import parameter_set
-from propmap.report.report_files import FILES, PAGE
+from propmap.report.folder import PAGE, REPORT_FILES
 from propmap.table import LoadTable
 from tests.fit.fit_records import fit_text
 
@@ -38,7 +38,7 @@ def page_of(folder: Path) -> str:
     assert "nan" not in re.findall(r"\w+", text.lower())
     # A CSV goes with every figure.
     assert {p.stem for p in folder.glob("*.svg")} <= {p.stem for p in folder.glob("*.csv")}
-    assert {p.name for p in folder.iterdir()} <= FILES
+    assert {p.name for p in folder.iterdir()} <= REPORT_FILES
     return text
 
 

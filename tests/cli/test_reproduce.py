@@ -12,7 +12,8 @@ from pathlib import Path
 
 import pytest
 
-from propmap.papers.gill_dandrea_2017.files import FIGURES, FILES, PAGE
+from propmap.papers.gill_dandrea_2017 import FIGURES, FILES
+from propmap.report.folder import PAGE
 
 from .conftest import Run
 

@@ -7,7 +7,6 @@ import pytest
 
 from propmap.catalogue.measurements import Measurement, measurement
 from propmap.papers.gill_dandrea_2017.tunnel import Compared, errors, static_constants
-from propmap.report.sheet import csv_of_rows
 
 
 def _data(thrust: np.ndarray, torque: np.ndarray | None) -> Measurement:
@@ -26,7 +25,7 @@ def test_hover_constants_come_from_the_rows_at_rest() -> None:
 def test_errors_of_a_load() -> None:
     truth = np.array([1.0, -4.0, 2.0])
     found = {"thrust": np.array([1.0, -3.7, 3.0])}
-    one = Compared(_data(truth, None), {}, {"thrust": truth}, {"m": found})
+    one = Compared(_data(truth, None), {}, {"m": found})
     (error,) = errors({"set": one})
     assert (error.data_set, error.load, error.unit, error.points) == ("set", "thrust", "N", 3)
     assert error.rms == pytest.approx(np.sqrt((0.3**2 + 1.0) / 3.0))
@@ -43,8 +42,3 @@ def test_every_data_set_has_a_static_test() -> None:
         assert still.any()
         model = static_constants(data).thrust(data.omega[still])
         assert model == pytest.approx(data.loads["thrust"][still], rel=0.1, abs=0.1)
-
-
-def test_sheets() -> None:
-    text = csv_of_rows(("set", "a_N", "b_N"), [("x", 1.0 / 3.0, float("nan")), ("y", 1e-20, None)])
-    assert text == "set,a_N,b_N\nx,0.333333,\ny,0,\n"

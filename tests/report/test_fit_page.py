@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import re
+from html import unescape
+
 import msgspec
 import numpy as np
 import pytest
@@ -9,18 +12,31 @@ import pytest
 import propmap
 from propmap.fit.fit_record import FitRecord
 from propmap.fit.result_file import FitFile
-from propmap.report.fit_page.curves import load_curves
-from propmap.report.fit_page.data import data_section
-from propmap.report.fit_page.judgement import lead
+from propmap.loads import LOADS
+from propmap.report.fit_page import page
+from propmap.report.fit_page.curves import Curve, Curves, load_curves
+from propmap.report.fit_page.data import angles_without_data
+from propmap.report.fit_page.judgement import judge
 from propmap.report.fit_page.parameter_draws import DRAWS, drawn_changes, held
-from propmap.report.page import Points, Table, Text, Verdict
+from propmap.report.folder import PAGE
 from tests.fit.fit_records import covered, load, parameter, record
 
 
-def verdict(fit: FitRecord) -> Verdict:
-    first = lead(fit)[0]
-    assert isinstance(first, Verdict)
-    return first
+def file_of(fit: FitRecord) -> FitFile:
+    law = propmap.airfoil("paper-apc")
+    return FitFile(law, None, fit)
+
+
+def told(fit: FitRecord, monkeypatch: pytest.MonkeyPatch) -> str:
+    """The text of the page, without load curves, for which programs are compiled."""
+    speed, nothing = np.linspace(0.0, 9.0, 3), dict.fromkeys(LOADS, np.zeros(3))
+    curve = Curve(0.0, None, nothing, None, None, np.full(3, True))
+    flat = Curves(500.0, 0.1, speed, [curve], dict.fromkeys(LOADS, 0.0), 0)
+    monkeypatch.setattr(page, "load_curves", lambda *_: flat)
+    html = page.fit_pages(file_of(fit), "fit.toml", "abc", None)[PAGE]
+    assert isinstance(html, str)
+    text = unescape(re.sub(r"<[^>]+>", " ", html)).replace("\N{NO-BREAK SPACE}", " ")
+    return " ".join(text.split())
 
 
 @pytest.mark.parametrize(
@@ -37,40 +53,40 @@ def verdict(fit: FitRecord) -> Verdict:
 def test_the_verdict_follows_the_errors(
     rms: float, hover: float, crossed: float, level: str
 ) -> None:
-    assert verdict(record(loads=[load("thrust", rms, hover, crossed)])).level == level
+    assert judge(record(loads=[load("thrust", rms, hover, crossed)])).level == level
 
 
-def test_the_worst_load_decides() -> None:
-    loads = [load("thrust", 0.02, 0.3, 0.02), load("torque", 0.3, 0.6, 0.3)]
-    found = verdict(record(loads=loads))
-    assert found.level == "bad" and found.word == "No"
-    text = found.text.replace("\N{NO-BREAK SPACE}", " ")
-    assert "thrust within 2 %" in text and "torque within 30 %" in text
-    assert "0.0 to 9.0 m/s, 4000 to 6000 rpm, β from 0° to 90°" in text
+def test_the_worst_load_decides(monkeypatch: pytest.MonkeyPatch) -> None:
+    fit = record(loads=[load("thrust", 0.02, 0.3, 0.02), load("torque", 0.3, 0.6, 0.3)])
+    assert judge(fit).level == "bad"
+    text = told(fit, monkeypatch)
+    assert "No. Where there were data, 0.0 to 9.0 m/s, 4000 to 6000 rpm, β from 0° to 90°" in text
+    assert "thrust within 2 % (hover model 30 %), torque within 30 % (hover model 60 %)." in text
 
 
-def test_one_speed_is_never_trusted_alone() -> None:
-    blocks = lead(record(speed=(7.0, 7.5)))
-    assert verdict(record(speed=(7.0, 7.5))).level == "caution"
-    (points,) = (b for b in blocks if isinstance(b, Points))
-    assert "The data are from one speed" in points.items[0]
+def test_one_speed_is_never_trusted_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    fit = record(speed=(7.0, 7.5))
+    assert judge(fit).level == "caution"
+    assert "The data are from one speed" in told(fit, monkeypatch)
 
 
 def test_every_speed_has_its_own_answer() -> None:
-    (table,) = (b for b in lead(record()) if isinstance(b, Table))
+    rows = judge(record()).speed_rows
     # 1 % below 3 m/s, 8 % above 6: the whole is 2 %.
-    assert [row[-1] for row in table.rows] == ["Yes", "With care"]
-    assert table.rows[1][2] == "8 / 30"
+    assert [row[-1] for row in rows] == ["Yes", "With care"]
+    assert rows[1][2] == "8 / 30"
 
 
-def test_what_was_not_fitted_is_said() -> None:
-    outside = lead(record())[1]
-    assert isinstance(outside, Verdict)
-    assert "rotor drag and torque and rolling moment" in outside.text
-    assert "factor of two" in outside.text
-    flown = lead(record(kind="flight", loads=[load("force_z", 0.02, 0.3)]))[1]
-    assert isinstance(flown, Verdict)
-    assert "torque and moments were not measured" in flown.text
+def test_what_was_not_fitted_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    text = told(record(), monkeypatch)
+    assert "So are rotor drag and torque and rolling moment at any speed" in text
+    assert "factor of two" in text
+    every = [load(name, 0.02, 0.3) for name in LOADS]
+    text = told(record(loads=every[:3]), monkeypatch)
+    assert "So is rolling moment at any speed: no data of it" in text and "of two" not in text
+    assert "at any speed" not in told(record(loads=every), monkeypatch)
+    flown = told(record(kind="flight", loads=[load("force_z", 0.02, 0.3)]), monkeypatch)
+    assert "torque and moments were not measured" in flown
 
 
 def test_forces_are_compared_with_the_largest() -> None:
@@ -78,18 +94,17 @@ def test_forces_are_compared_with_the_largest() -> None:
     across = msgspec.structs.replace(small, relative_rms=0.04 / 0.05)
     # 80 % of next to nothing, 4 % of the weight.
     found = record(kind="flight", loads=[across, load("force_z", 0.02, 0.3)])
-    assert verdict(found).level == "good"
+    assert judge(found).level == "good"
 
 
-def test_angles_without_data_are_extrapolation() -> None:
+def test_angles_without_data_are_extrapolation(monkeypatch: pytest.MonkeyPatch) -> None:
     sparse = covered(150.0, 0.2, points=0)
-    section = data_section(record(angles=[covered(0.0, 0.2), covered(90.0, 0.25), sparse])).section
-    told = section.blocks[-1]
-    assert isinstance(told, Text)
-    assert "advance ratios above 0.25" in told.text
-    assert "angles 30° to 60° and 120° to 180°" in told.text
-    at_rest = data_section(record(angles=[], at_rest=covered(0.0, 0.01))).section.blocks[-1]
-    assert isinstance(at_rest, Text) and "every speed above zero is extrapolation" in at_rest.text
+    fit = record(angles=[covered(0.0, 0.2), covered(90.0, 0.25), sparse])
+    assert angles_without_data(fit) == "30° to 60° and 120° to 180°"
+    text = told(fit, monkeypatch)
+    assert "advance ratios above 0.25; angles 30° to 60° and 120° to 180° (flow" in text
+    at_rest = told(record(angles=[], at_rest=covered(0.0, 0.01)), monkeypatch)
+    assert "every speed above zero is extrapolation" in at_rest
 
 
 def test_draws_have_the_covariance_and_keep_to_the_bounds() -> None:
@@ -122,7 +137,7 @@ def test_a_band_is_what_the_derivative_makes_of_the_deviation() -> None:
         angles=[covered(80.0, 0.25)],
         at_rest=None,
     )
-    file = FitFile(law, None, fit)
+    file = file_of(fit)
     found = load_curves(file, fit)
     (edgewise,) = (c for c in found.curves if c.covered)
     assert edgewise.low is not None and edgewise.high is not None

@@ -1,4 +1,4 @@
-"""A report is one file: escaped text, tables with units, figures inside."""
+"""A report is one file: escaped text, tables with units, figures inside; its numbers are CSV."""
 
 from __future__ import annotations
 
@@ -6,84 +6,103 @@ import base64
 import re
 import xml.etree.ElementTree as ElementTree
 
+import numpy as np
 import pytest
+from jinja2 import DictLoader, Environment, PackageLoader
 
-from propmap.errors import InputError
+from propmap.report import page
+from propmap.report.folder import PAGE
 from propmap.report.page import (
     MINUS,
     MISSING,
-    Page,
-    Picture,
-    Points,
-    Section,
-    Table,
-    Text,
-    Verdict,
+    csv_of_columns,
+    csv_of_rows,
     number,
-    page_html,
+    report_files,
+    sentence,
 )
-from propmap.report.style import as_svg, new_figure, style
+from propmap.report.style import new_figure, style
 
-TABLE = Table(
-    "Loads <here>",
-    (("propeller", ""), ("thrust", "N"), ("points", "-")),
-    (("8x6", f"{MINUS}1.5", "3"), ("9x6", MISSING, "12")),
-    "a note",
-)
+BODY = """
+{% extends "report/layout.html.j2" %}
+{% set title = name %}
+{% set sections = {"one": "<One>", "two": "Two", "three": "Three"} %}
+{% from "report/parts.html.j2" import fact, figure, section, table, verdict with context %}
+{% block subtitle %}of {{ name }}{% endblock %}
+{% block lead %}{% call verdict("caution", "With care") %}up to 10 m/s{% endcall %}{% endblock %}
+{% block body %}
+{% call section("one") %}
+{% call figure("shown", "an alternative") %}a caption{% endcall %}
+{% endcall %}
+{% call section("two") %}
+{{ table("Loads <here>", heads, rows, "a note") }}
+{% endcall %}
+{% endblock %}
+{% block facts %}{{ fact("Data", "UIUC") }}{{ fact("Nothing", "") }}{% endblock %}
+"""
+ROWS = [("8x6", -1.5, 3, "a"), ("9x6", None, 12, f"{MINUS}2")]
 
 
-def _page(*sections: Section) -> Page:
-    return Page("A & B", "of <today>", (Text("first"),), sections, (("Data", "UIUC"),))
+@pytest.fixture(autouse=True)
+def _template(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A template of the test's own beside those of the package."""
+
+    class Loader(PackageLoader):
+        def get_source(self, environment: Environment, template: str):  # type: ignore[no-untyped-def]
+            if template == "test":
+                return DictLoader({"test": BODY}).get_source(environment, template)
+            return super().get_source(environment, template)
+
+    monkeypatch.setattr(page, "PackageLoader", Loader)
 
 
-def _svg() -> bytes:
+def _files(heads: str = "propeller|thrust [N]|points|kind") -> dict[str, str | bytes]:
     with style():
         figure = new_figure(3.0, 2.0)
         figure.subplots().plot([0.0, 1.0], [0.0, 1.0], label="line")
-    return as_svg(figure)
+    values = {"name": "A & <B>", "heads": heads, "rows": ROWS}
+    return report_files("test", {"shown": figure}, {"numbers": "a\n1\n"}, **values)
+
+
+def _html() -> str:
+    html = _files()[PAGE]
+    assert isinstance(html, str)
+    return html
 
 
 def test_the_page_is_whole_and_fetches_nothing() -> None:
-    shown = Picture(_svg(), "a caption", "an alternative", "shown.svg")
-    verdict = Verdict("caution", "With care", "up to 10 m/s")
-    html = page_html(
-        _page(Section("one", "One", (shown, verdict)), Section("two", "Two", (Points(("a", "b")),)))
-    )
+    files, html = _files(), _html()
+    assert set(files) == {PAGE, "shown.svg", "numbers.csv"} and files["numbers.csv"] == "a\n1\n"
     found = re.search(r'src="data:image/svg\+xml;base64,([^"]+)" alt="an alternative"', html)
-    assert found and base64.b64decode(found[1]) == shown.svg
+    assert found and base64.b64decode(found[1]) == files["shown.svg"]
     addresses = re.findall(r'(?:src|href)="([^"]*)"', html)
     assert addresses and not [a for a in addresses if a.startswith(("http", "//"))]
     assert "<script" not in html and "@import" not in html and "url(" not in html
     assert '<section id="one">' in html and "<strong>With care.</strong> up to 10 m/s" in html
-    assert html.index("first") < html.index("<h2>One</h2>") < html.index("<h2>Two</h2>")
+    assert html.index("With care") < html.index('href="#two"') < html.index("<h2>Two</h2>")
+    assert "<dt>Data</dt><dd>UIUC</dd>" in html and "Nothing" not in html
     assert "@media print" in html
 
 
 def test_text_is_not_markup() -> None:
-    html = page_html(_page(Section("one", "<One>", (TABLE, Text("1 < 2 <b>")))))
-    assert "A &amp; B" in html and "&lt;One&gt;" in html and "Loads &lt;here&gt;" in html
-    assert "<b>" not in html
+    html = _html()
+    assert "A &amp; &lt;B&gt;" in html and "&lt;One&gt;" in html and "Loads &lt;here&gt;" in html
+    assert "<B>" not in html
 
 
 def test_tables_have_units_and_align_numbers() -> None:
-    assert TABLE.numeric == [False, True, True]
-    html = page_html(_page(Section("one", "One", (TABLE,))))
+    html = _html()
     assert 'class="number">thrust <span class="unit">[N]</span>' in html
+    assert 'class="number">points</th>' in html and '<th scope="col">kind</th>' in html
     assert f'<td class="number">{MINUS}1.5</td>' in html
-    with pytest.raises(InputError, match="2 cells"):
-        Table("t", (("a", ""),), (("1", "2"),))
-
-
-def test_names_and_levels_are_checked() -> None:
-    with pytest.raises(InputError, match="one name"):
-        page_html(_page(Section("one", "One", ()), Section("one", "Two", ())))
-    with pytest.raises(InputError, match="not a level"):
-        Verdict("fine", "Yes", "")
+    assert f'<td class="number">{MISSING}</td>' in html and '<td class="number">12</td>' in html
+    with pytest.raises(ValueError, match="zip"):
+        _files(heads="propeller|thrust [N]")
 
 
 def test_the_same_figure_gives_the_same_bytes() -> None:
-    first = _svg()
-    assert first == _svg()
+    first = _files()["shown.svg"]
+    assert isinstance(first, bytes) and first == _files()["shown.svg"]
     assert ElementTree.fromstring(first).tag.endswith("svg")
     assert b"<text" not in first
 
@@ -102,3 +121,20 @@ def test_the_same_figure_gives_the_same_bytes() -> None:
 )
 def test_numbers(value: float | None, text: str) -> None:
     assert number(value) == text
+
+
+def test_sentences() -> None:
+    assert sentence("no data") == "No data." and sentence("é is 0.") == "É is 0."
+
+
+def test_rows_as_csv() -> None:
+    text = csv_of_rows("set a_N b_N", [("x", 1.0 / 3.0, float("nan")), ("y", 1e-20, None)])
+    assert text == "set,a_N,b_N\nx,0.333333,\ny,0,\n"
+
+
+def test_columns_as_csv() -> None:
+    pair = np.array([1.5, 2.0])
+    text = csv_of_columns(
+        {"set": "x", "a": pair[:, None], "b": np.arange(2)}, {"set": "y", "a": 3.0, "b": None}
+    )
+    assert text == "set,a,b\nx,1.5,0\nx,1.5,1\nx,2,0\nx,2,1\ny,3,\n"

@@ -42,10 +42,9 @@ def report(
     FOLDER gets index.html with all figures inside, and every figure as SVG and CSV; the files
     are there all at once or not at all.
     """
-    from propmap.report.folder import check_folder, write_folder
-    from propmap.report.report_files import FILES, PAGE
+    from propmap.report.folder import PAGE, REPORT_FILES, check_folder, write_folder
 
-    check_folder(output, FILES)
+    check_folder(output, REPORT_FILES)
     endings = {".toml": _fit_files, ".npz": _table_files}
     make = endings.get(source.suffix.lower())
     if make is None:
@@ -55,7 +54,7 @@ def report(
             str(source),
         )
     files = make(source, data or [], vehicle)
-    write_folder(output, files, FILES)
+    write_folder(output, files, REPORT_FILES)
     typer.echo(f"wrote {output / PAGE} and {len(files) - 1} files beside it")
 
 
@@ -74,7 +73,7 @@ def _fit_files(source: Path, data: Sequence[str], vehicle: Path | None) -> dict[
     keep_compiled()
     given = _given(file, data, vehicle) if data else None
     digest = hashlib.sha256(source.read_bytes()).hexdigest()
-    return dict(fit_pages(file, source.name, digest, given))
+    return fit_pages(file, source.name, digest, given)
 
 
 def _given(file: FitFile, data: Sequence[str], vehicle: Path | None) -> GivenData:
@@ -110,4 +109,4 @@ def _table_files(source: Path, data: Sequence[str], vehicle: Path | None) -> dic
     from propmap.report.table_page.page import table_pages
     from propmap.table import LoadTable
 
-    return dict(table_pages(LoadTable.load(source), source.name))
+    return table_pages(LoadTable.load(source), source.name)

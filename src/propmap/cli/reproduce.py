@@ -21,8 +21,8 @@ def reproduce(
     Takes about two minutes on two cores.  FOLDER gets index.html with all figures inside, and
     every figure and table as SVG and CSV; the files are there all at once or not at all.
     """
-    from propmap.papers.gill_dandrea_2017.files import FILES, PAGE
-    from propmap.report.folder import check_folder, write_folder
+    from propmap.papers.gill_dandrea_2017 import FILES
+    from propmap.report.folder import PAGE, check_folder, write_folder
 
     check_folder(output, FILES)
 

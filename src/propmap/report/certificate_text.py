@@ -8,16 +8,21 @@ from typing import Any
 from propmap.loads import LOADS
 
 TITLES = {name: load.share for name, load in LOADS.items()}
+"""What errors are shares of, by load."""
 
 
 def claims(found: Mapping[str, Any]) -> Iterator[str]:
-    """What a table's certificate claims, a sentence each; found : the certificate."""
-    told = f"tolerance {found['tolerance']:.2%} holds on {found['points']} points that the table "
-    yield told + "was not built from" + (", unresolved cells apart" if _cells(found) else "")
-    if _cells(found):
+    """What a table's certificate claims, a sentence each."""
+    cells = int(found["unresolved_cells"])
+    apart = ", unresolved cells apart" if cells else ""
+    yield (
+        f"tolerance {found['tolerance']:.2%} holds on {found['points']} points that the table was "
+        f"not built from{apart}"
+    )
+    if cells:
         worst = max(found["unresolved_max_error"].values())
         yield (
-            f"unresolved: {_cells(found)} cells, {found['unresolved_volume']:.2%} of the envelope, "
+            f"unresolved: {cells} cells, {found['unresolved_volume']:.2%} of the envelope, "
             f"where the loads change too steeply for a table; there errors reach {worst:.2%} on "
             f"{found['unresolved_points']} points"
         )
@@ -27,12 +32,8 @@ def claims(found: Mapping[str, Any]) -> Iterator[str]:
     )
 
 
-def _cells(found: Mapping[str, Any]) -> int:
-    return int(found["unresolved_cells"])
-
-
 def parameter_claims(found: Mapping[str, Any]) -> Iterator[str]:
-    """What the uncertainty of the section law's parameters was taken from; found : as filed."""
+    """From what the uncertainty of the section law's parameters was computed."""
     yield (
         "parameters: standard deviation of the loads by the fit's covariance of "
         f"{', '.join(found['parameters'])}, on {found['points']} points"

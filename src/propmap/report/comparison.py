@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from propmap.arrays.types import Floats
 from propmap.baselines.hover import HoverModel
-from propmap.fit.residuals import rms
+from propmap.fit.residuals import errors, rms
 from propmap.loads import LOADS
 
 if TYPE_CHECKING:
@@ -20,11 +20,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class ErrorFigures:
-    """Errors of one model in one load, in the load's unit.
+    """Errors of one model in one load, predicted less measured, in the load's unit.
 
-    rms : root mean square.  worst : largest magnitude.  mean : predicted less measured.
-    relative_rms : rms over the rms of the measured load [-]; None where nothing was measured
-    but zero.
+    Attributes
+    ----------
+    rms, worst, mean : float
+        Root mean square, largest magnitude, mean.
+    relative_rms : float or None
+        ``rms`` over that of the measured load [-]; None where only zeros were measured.
     """
 
     rms: float
@@ -48,10 +51,7 @@ class LoadErrors:
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
-    """Loads by field of ``rotor.Loads``, each (n,) in SI; measured holds those published.
-
-    status : (n,), of the prediction.
-    """
+    """Loads at n measured points by name, and the status (n,) of the predicted ones."""
 
     measurement: Measurement
     measured: dict[str, Floats]
@@ -65,21 +65,19 @@ class Comparison:
 
     def _errors(self, load: str, chosen: NDArray[np.bool_]) -> LoadErrors:
         truth = self.measured[load][chosen]
-        size = rms(truth)
 
         def figures(values: Floats) -> ErrorFigures:
-            error = values[chosen] - truth
-            left = rms(error)
-            relative = left / size if size > 0.0 else None
-            return ErrorFigures(left, relative, float(np.abs(error).max()), float(error.mean()))
+            e = errors(values[chosen], truth)
+            relative = e.relative_rms if truth.any() else None
+            return ErrorFigures(e.rms, relative, abs(e.worst), e.bias)
 
         model, hover = figures(self.predicted[load]), figures(self.hover[load])
-        mean = float(truth.mean())
+        size, mean = rms(truth), float(truth.mean())
         return LoadErrors(load, LOADS[load].unit, truth.size, size, mean, model, hover)
 
 
 def compare(rotor: Rotor, measurement: Measurement) -> Comparison:
-    """The rotor, and the hover model with its constants from this rotor, at measured points."""
+    """The rotor at measured points, and the hover model with constants from this rotor."""
     found: Any = rotor.loads(measurement.omega, measurement.speed, measurement.beta)
     return Comparison(
         measurement=measurement,

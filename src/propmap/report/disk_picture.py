@@ -9,9 +9,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from propmap.arrays.types import Floats
 from propmap.errors import InputError
-from propmap.report.style import COLOURS, style
+from propmap.report.style import COLOURS, RPM, style
 
 if TYPE_CHECKING:
     from propmap.engine.disk_field import Inflow
@@ -23,11 +22,23 @@ ARROW: dict[str, Any] = {"arrowstyle": "-|>", "color": "0.2", "mutation_scale": 
 MM = 1e3
 
 
+@style()
 def disk_picture(rotor: Rotor, omega: float, speed: float, beta: float) -> Figure:
     """Angle of attack over the disk seen from above, flight towards the top of the page.
 
-    omega [rad/s], speed [m/s], beta [rad].  A counter-clockwise propeller is shown; the
-    other one is its mirror image.
+    A counter-clockwise propeller is shown; the other one is its mirror image.
+
+    Parameters
+    ----------
+    rotor : Rotor
+        What is drawn.
+    omega, speed, beta : float
+        Operating point [rad/s], [m/s], [rad].
+
+    Raises
+    ------
+    InputError
+        Where the inflow did not converge everywhere.
     """
     blade = rotor.model.propeller
     radius = np.linspace(blade.root, blade.radius, 160)
@@ -37,29 +48,27 @@ def disk_picture(rotor: Rotor, omega: float, speed: float, beta: float) -> Figur
         raise InputError(
             "the inflow did not converge everywhere on the disk", "choose another operating point"
         )
-    oblique = speed * abs(np.sin(beta)) > 1e-9
-    with style():
-        # Placed by hand: what is written around a polar plot is not laid out automatically.
-        figure = Figure(figsize=(9.2, 5.4))
-        disk = figure.add_axes((0.05, 0.15, 0.40, 0.66), projection="polar")
-        mesh = _angle_of_attack(disk, field)
-        bar = figure.colorbar(mesh, cax=figure.add_axes((0.53, 0.22, 0.014, 0.52)), extend="both")
-        bar.set_label(r"angle of attack $\alpha$ [deg]")
-        _directions(disk, MM * blade.radius, oblique)
-        handles = _regions(disk, field)
-        figure.legend(handles=handles, loc="lower center", bbox_to_anchor=(0.25, 0.0), ncols=2)
-        inflow = figure.add_axes((0.69, 0.52, 0.29, 0.37))
-        thrust = figure.add_axes((0.69, 0.10, 0.29, 0.37), sharex=inflow)
-        inflow.tick_params(labelbottom=False)
-        inflow.plot(MM * radius, field.inflow, color=COLOURS[0])
-        inflow.set_ylabel("inflow $v_i$ [m/s]")
-        thrust.plot(MM * radius, field.thrust_per_radius, color=COLOURS[0])
-        thrust.set_ylabel("thrust dT/dy [N/m]")
-        thrust.set_xlabel("radius y [mm]")
-        figure.suptitle(
-            f"{blade.name}, airfoil {rotor.model.law_title}: {omega * 30.0 / np.pi:.0f} rpm, "
-            f"V = {speed:g} m/s, β = {np.degrees(beta):.4g}°"
-        )
+    # Placed by hand: what is written around a polar plot is not laid out automatically.
+    figure = Figure(figsize=(9.2, 5.4))
+    disk = figure.add_axes((0.05, 0.15, 0.40, 0.66), projection="polar")
+    mesh = _angle_of_attack(disk, field)
+    bar = figure.colorbar(mesh, cax=figure.add_axes((0.53, 0.22, 0.014, 0.52)), extend="both")
+    bar.set_label(r"angle of attack $\alpha$ [deg]")
+    _directions(disk, MM * blade.radius, oblique=speed * abs(np.sin(beta)) > 1e-9)
+    handles = _regions(disk, field)
+    figure.legend(handles=handles, loc="lower center", bbox_to_anchor=(0.25, 0.0), ncols=2)
+    inflow = figure.add_axes((0.69, 0.52, 0.29, 0.37))
+    thrust = figure.add_axes((0.69, 0.10, 0.29, 0.37), sharex=inflow)
+    inflow.tick_params(labelbottom=False)
+    inflow.plot(MM * radius, field.inflow, color=COLOURS[0])
+    inflow.set_ylabel("inflow $v_i$ [m/s]")
+    thrust.plot(MM * radius, field.thrust_per_radius, color=COLOURS[0])
+    thrust.set_ylabel("thrust dT/dy [N/m]")
+    thrust.set_xlabel("radius y [mm]")
+    figure.suptitle(
+        f"{blade.name}, airfoil {rotor.model.law_title}: {omega * RPM:.0f} rpm, "
+        f"V = {speed:g} m/s, β = {np.degrees(beta):.4g}°"
+    )
     return figure
 
 
@@ -109,7 +118,7 @@ def _share(field: Inflow, region: NDArray[np.bool_]) -> float:
     return float(area / np.trapezoid(field.radius, field.radius))
 
 
-def _directions(ax: Any, tip: float, oblique: bool) -> None:
+def _directions(ax: Any, tip: float, *, oblique: bool) -> None:
     """Name the sides, and draw arrows for the rotation and the flight."""
     sides = (" advancing", " retreating") if oblique else ("", "")
     label: dict[str, Any] = {"transform": ax.transAxes, "ha": "center", "va": "center"}
@@ -129,7 +138,3 @@ def _directions(ax: Any, tip: float, oblique: bool) -> None:
         up = {"xycoords": "axes fraction", "arrowprops": ARROW}
         ax.annotate("", xy=(0.5, 1.18), xytext=(0.5, 1.06), **up)
         ax.text(0.53, 1.12, "flight", transform=ax.transAxes, va="center")
-
-
-def _wrapped(angle: Floats) -> Floats:
-    return np.asarray((angle + np.pi) % (2.0 * np.pi) - np.pi)

@@ -1,4 +1,4 @@
-"""A folder that appears with all its files or not at all."""
+"""The folder of a report: it appears with all its files or not at all."""
 
 from __future__ import annotations
 
@@ -10,12 +10,32 @@ from pathlib import Path
 
 from propmap.errors import InputError
 
+PAGE = "index.html"
+
+
+def file_names(figures: Collection[str], tables: Collection[str]) -> frozenset[str]:
+    """The page, an SVG and a CSV for each figure, a CSV for each table without a figure."""
+    pairs = {f"{name}{ending}" for name in figures for ending in (".svg", ".csv")}
+    return frozenset({PAGE, *pairs, *(f"{name}.csv" for name in tables)})
+
+
+REPORT_FILES = file_names(
+    [f"fit-{name}" for name in ("coverage", "errors", "loads", "parameters", "check", "measured")]
+    + [f"table-{name}" for name in ("cells", "loads", "maps", "hover")],
+    ["fit-correlations", "table-certificate"],
+)
+"""What ``propmap report`` may write."""
+
 
 def check_folder(folder: Path, names: Collection[str]) -> None:
     """Raise ``InputError`` unless the folder can be made, or replaced without loss.
 
-    names : of the files to be written.  A folder that is there may hold these and no others:
-    it will be replaced as a whole.
+    Parameters
+    ----------
+    folder : Path
+        If it exists, it may hold no files but those named.
+    names : collection of str
+        Of the files to be written.
     """
     where = str(folder)
     try:
@@ -23,14 +43,10 @@ def check_folder(folder: Path, names: Collection[str]) -> None:
         if folder.is_symlink() or (folder.exists() and not folder.is_dir()):
             raise InputError("this is not a folder", "name a folder to write into", where)
         if not parent.is_dir():
-            raise InputError(
-                f"there is no folder {str(parent)!r}", "make it or choose another", where
-            )
-        others = (
-            sorted(p.name for p in folder.iterdir() if p.name not in names or p.is_dir())
-            if folder.exists()
-            else []
-        )
+            told = f"there is no folder {str(parent)!r}"
+            raise InputError(told, "make it or choose another", where)
+        held = folder.iterdir() if folder.exists() else ()
+        others = sorted(p.name for p in held if p.name not in names or p.is_dir())
     except ValueError as error:
         raise InputError(f"not a path: {error}", "choose another name", where) from None
     if others:
@@ -46,12 +62,18 @@ def check_folder(folder: Path, names: Collection[str]) -> None:
 def write_folder(
     folder: Path, files: Mapping[str, str | bytes], names: Collection[str] = ()
 ) -> None:
-    """Write the files, text as UTF-8, into the folder, which they replace as a whole.
+    """Make the folder, or replace it, with these files.
 
-    names : of further files that the folder may hold, and that go with it.
+    They are written into a folder beside it, which is renamed when all are there.
 
-    They are written beside it, under a name of their own, and the folder is renamed when all are
-    there.  Raises ``InputError`` as ``check_folder`` does.
+    Parameters
+    ----------
+    folder : Path
+        Checked as by ``check_folder``, which may raise ``InputError``.
+    files : mapping of str to str or bytes
+        Contents by name; text is written as UTF-8.
+    names : collection of str
+        Of further files that the folder may hold; they are removed.
     """
     check_folder(folder, {*files, *names})
     with _beside(folder, "part") as part, _beside(folder, "old") as old:
@@ -71,7 +93,7 @@ def write_folder(
 
 @contextmanager
 def _beside(folder: Path, ending: str) -> Iterator[Path]:
-    """A name for a folder beside this one; whatever is there at the end is removed."""
+    """The path of a temporary folder beside this one; it is removed at the end."""
     place = folder.absolute()
     path = place.with_name(f".{place.name[:100]}.{os.getpid()}.{ending}")
     try:

@@ -1,144 +1,74 @@
-"""A report as one HTML file: text, tables with units, figures; nothing is fetched for it."""
+"""A report: one HTML page from a template, every figure as SVG, the numbers as CSV.
+
+The words and the order of a page are in its template ``page.html.j2``, beside the code that
+computes its numbers; all templates extend ``layout.html.j2`` of this folder.
+"""
 
 from __future__ import annotations
 
 import base64
-from collections.abc import Sequence
-from dataclasses import dataclass, field
-from typing import ClassVar
+import csv
+import io
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
 
-from propmap.errors import InputError
+import numpy as np
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from matplotlib.figure import Figure
+
+import propmap
+from propmap.report.folder import PAGE
+from propmap.report.style import as_svg
 
 MINUS, MISSING = "\N{MINUS SIGN}", "\N{EN DASH}"
 """In front of a negative number, and where there is none."""
 
-LEVELS = ("good", "caution", "bad", "plain")
-"""How a ``Verdict`` is marked: by a word and a border, never by colour alone."""
+DIGITS = 6
+"""Of the numbers in CSV files: the accuracy of the loads."""
+
+ZERO = 1e-9
+"""Smaller numbers, in SI units or degrees, are rounding errors, which differ between machines."""
 
 
-@dataclass(frozen=True)
-class Text:
-    """A paragraph."""
+def report_files(
+    template: str, figures: Mapping[str, Figure], sheets: Mapping[str, str], **values: Any
+) -> dict[str, str | bytes]:
+    """All files of a report by name.
 
-    kind: ClassVar[str] = "text"
-    text: str
-
-
-@dataclass(frozen=True)
-class Points:
-    """A list of sentences."""
-
-    kind: ClassVar[str] = "points"
-    items: tuple[str, ...]
-
-
-@dataclass(frozen=True)
-class Verdict:
-    """What a section comes to, in one or two plain sentences.
-
-    level : one of ``LEVELS``.  word : printed in front, such as "Yes" or "With care".
+    Parameters
+    ----------
+    template : str
+        Path of the page's template in the package.
+    figures : mapping of str to Figure
+        By name; the page holds them, and each is a file with the ending ``.svg`` as well.
+    sheets : mapping of str to str
+        Contents of CSV files, by name without the ending.
+    **values
+        What the template uses.
     """
-
-    kind: ClassVar[str] = "verdict"
-    level: str
-    word: str
-    text: str
-
-    def __post_init__(self) -> None:
-        if self.level not in LEVELS:
-            raise InputError(f"{self.level!r} is not a level", f"choose from {', '.join(LEVELS)}")
-
-
-@dataclass(frozen=True)
-class Table:
-    """Rows under headings; a column is a heading and its unit, "" for text.
-
-    caption : what is shown, and of what data.  rows : cells as text, one per column; an entry
-    that looks like a number is set right-aligned.  note : below the table.
-    """
-
-    kind: ClassVar[str] = "table"
-    caption: str
-    columns: tuple[tuple[str, str], ...]
-    rows: tuple[tuple[str, ...], ...]
-    note: str = ""
-
-    def __post_init__(self) -> None:
-        for row in self.rows:
-            if len(row) != len(self.columns):
-                raise InputError(
-                    f"a row of {self.caption!r} has {len(row)} cells", f"give {len(self.columns)}"
-                )
-
-    @property
-    def numeric(self) -> list[bool]:
-        """Which columns hold numbers: all that have a unit or no words in them."""
-        return [
-            bool(unit) or all(_is_number(row[k]) for row in self.rows)
-            for k, (_, unit) in enumerate(self.columns)
-        ]
-
-
-@dataclass(frozen=True)
-class Picture:
-    """A figure: its SVG, what it shows, and the same for those who cannot see it.
-
-    file : name of the file beside the page that holds the same figure, "" if there is none.
-    """
-
-    kind: ClassVar[str] = "picture"
-    svg: bytes
-    caption: str
-    alt: str
-    file: str = ""
-
-    @property
-    def address(self) -> str:
-        """The figure itself, as an address."""
-        return "data:image/svg+xml;base64," + base64.b64encode(self.svg).decode("ascii")
-
-
-Block = Text | Points | Verdict | Table | Picture
-
-
-@dataclass(frozen=True)
-class Section:
-    """A heading and what stands under it.  name : for links, such as "figure-6"."""
-
-    name: str
-    title: str
-    blocks: Sequence[Block]
-
-
-@dataclass(frozen=True)
-class Page:
-    """The whole report.
-
-    lead : the answer, before anything else.  facts : what it was made from, name and value.
-    """
-
-    title: str
-    subtitle: str
-    lead: Sequence[Block]
-    sections: Sequence[Section]
-    facts: Sequence[tuple[str, str]] = field(default=())
-
-
-def page_html(page: Page) -> str:
-    """The page as one HTML file, figures and style within; it prints as it reads."""
-    from jinja2 import Environment, PackageLoader, StrictUndefined
-
-    names = [section.name for section in page.sections]
-    if len(set(names)) != len(names):
-        raise InputError("two sections have one name", "give each its own")
+    images = {name: as_svg(figure) for name, figure in figures.items()}
+    inside = {name: base64.b64encode(image).decode("ascii") for name, image in images.items()}
     environment = Environment(
-        loader=PackageLoader("propmap.report", "."),
+        loader=PackageLoader("propmap", "."),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    return environment.get_template("page.html.j2").render(page=page)
+    environment.filters |= {
+        "number": number,
+        "fixed": lambda value, digits=0: f"{value:.{digits}f}",
+        "percent": percent,
+        "sentence": sentence,
+    }
+    environment.globals |= {"columns": _columns, "version": propmap.__version__}
+    html = environment.get_template(template).render(images=inside, **values)
+    return {
+        PAGE: html,
+        **{f"{name}.svg": image for name, image in images.items()},
+        **{f"{name}.csv": text for name, text in sheets.items()},
+    }
 
 
 def number(value: float | None, digits: int = 3) -> str:
@@ -153,8 +83,60 @@ def number(value: float | None, digits: int = 3) -> str:
 
 
 def percent(share: float) -> str:
-    """A share as per cent, to two figures, in one piece."""
+    """A share in per cent to two digits, without a line break."""
     return f"{number(100.0 * share, 2)}\N{NO-BREAK SPACE}%"
+
+
+def sentence(text: str) -> str:
+    """With a capital letter and a full stop."""
+    return text[:1].upper() + text[1:] + ("" if text.endswith(".") else ".")
+
+
+def csv_of_rows(heads: str, rows: Iterable[Sequence[Any]]) -> str:
+    """Rows as CSV under heads with units, separated by spaces; NaN and None are empty fields."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(heads.split())
+    writer.writerows([_field(value) for value in row] for row in rows)
+    return text.getvalue()
+
+
+def csv_of_columns(*groups: Mapping[str, Any]) -> str:
+    """Columns by head with unit as CSV; the groups of rows follow each other.
+
+    Values are array_like; in each group they are broadcast against each other.
+    """
+    rows: list[Sequence[Any]] = []
+    for group in groups:
+        columns = np.broadcast_arrays(*(np.asarray(v, dtype=object) for v in group.values()))
+        rows += zip(*(column.ravel().tolist() for column in columns), strict=True)
+    return csv_of_rows(" ".join(groups[0]), rows)
+
+
+def _field(value: Any) -> Any:
+    if value is None or (isinstance(value, float) and math.isnan(value)):
+        return ""
+    if not isinstance(value, float):
+        return value
+    return f"{0.0 if abs(value) < ZERO else value:.{DIGITS}g}"
+
+
+def _columns(heads: str, rows: Iterable[Sequence[Any]]) -> list[tuple[str, str, bool, list[str]]]:
+    """Name, unit, whether it holds numbers, and cells of each column of a table.
+
+    ``heads`` such as "load | rms error [N]"; a cell is a text, or a number to be set to three
+    digits.
+    """
+    columns = []
+    for head, *values in zip(heads.split("|"), *rows, strict=True):
+        name, _, unit = head.strip().removesuffix("]").partition(" [")
+        cells = [value if isinstance(value, str) else _shown(value) for value in values]
+        columns.append((name, unit, bool(unit) or all(map(_is_number, cells)), cells))
+    return columns
+
+
+def _shown(value: float | None) -> str:
+    return str(value) if isinstance(value, int) else number(value)
 
 
 def _is_number(text: str) -> bool:

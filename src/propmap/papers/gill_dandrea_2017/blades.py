@@ -16,10 +16,17 @@ TUNNEL_PROPELLER = "apc-8x6e"
 
 
 def blade(name: str, radius: float | None = None) -> Propeller:
-    """A propeller of the catalogue at the stations' number of the APC 8x6E.
+    """A propeller of the catalogue with as many stations as the APC 8x6E.
 
-    radius : [m], to scale it to; by default its own.  Between the given stations the curves are
-    those that the model uses, PCHIP; loads change by less than the model's accuracy.
+    Between the given stations the curves are those that the model uses, PCHIP; loads change by
+    less than the model's accuracy.
+
+    Parameters
+    ----------
+    name : str
+        In the catalogue.
+    radius : float, optional
+        To scale it to [m].
     """
     from scipy.interpolate import PchipInterpolator
 
@@ -33,10 +40,9 @@ def blade(name: str, radius: float | None = None) -> Propeller:
     chord, twist = (
         PchipInterpolator(given.station, values)(station) for values in (given.chord, given.twist)
     )
-    scaled = "" if radius is None else f" scaled to {1e3 * radius:.0f} mm"
     return replace(
         given,
-        name=f"{given.name}{scaled}",
+        name=given.name if radius is None else f"{given.name} scaled to {1e3 * radius:.0f} mm",
         station=scale * station,
         chord=scale * chord,
         twist=twist,

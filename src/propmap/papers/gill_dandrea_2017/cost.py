@@ -1,4 +1,4 @@
-"""What a map call and an identification cost on the machine at hand."""
+"""What a map call and an identification cost on this machine."""
 
 from __future__ import annotations
 
@@ -15,8 +15,6 @@ from propmap.fit.fitted import Fitted, fit
 from propmap.model.airfoil import parameter_set
 from propmap.model.model import Model
 from propmap.papers.gill_dandrea_2017.blades import TUNNEL_PROPELLER, blade
-from propmap.papers.gill_dandrea_2017.identified import Identified
-from propmap.papers.gill_dandrea_2017.level_circles import Twin
 from propmap.rotor import Rotor
 
 POINT = (6000.0 * np.pi / 30.0, 10.0, np.radians(60.0))
@@ -28,11 +26,18 @@ BATCH = 256
 
 @dataclass(frozen=True)
 class Times:
-    """Seconds; they differ from run to run and from machine to machine.
+    """Times [s]; they differ from run to run and from machine to machine.
 
-    one_point : a call for one operating point, median.  per_point : the same of a batch.
-    level, tunnel : identifications from 20 level flights and from the tunnel rows, compiled.
-    tunnel_first : the latter as it ran first, compilation and other work beside it included.
+    Attributes
+    ----------
+    one_point, per_point : float
+        Medians: a call for one operating point, and the share of one in a batch.
+    level, tunnel : float
+        Identifications from 20 level flights and from the tunnel rows, compiled.
+    tunnel_first : float
+        The latter as it ran first, compilation and other work beside it included.
+    machine, cores : str, int
+        Where.
     """
 
     one_point: float
@@ -44,23 +49,20 @@ class Times:
     cores: int
 
 
-def measured_times(twin: Twin, tunnel: Identified) -> Times:
-    """Time the calls and the identifications, which have run before and are compiled."""
+def measured_times(level: Fitted, tunnel: Fitted) -> Times:
+    """Time map calls, and these identifications again, which are compiled."""
     rotor = Rotor(Model(blade(TUNNEL_PROPELLER), parameter_set("paper-apc")))
     batch = [np.full(BATCH, value) for value in POINT]
+    again = [fit(one.rows, one.choice, one.settings).seconds for one in (level, tunnel)]
     return Times(
         one_point=_median(lambda: rotor.loads(*POINT)),
         per_point=_median(lambda: rotor.loads(*batch)) / BATCH,
-        level=_again(twin.fitted),
-        tunnel=_again(tunnel.fitted),
-        tunnel_first=tunnel.fitted.seconds,
+        level=again[0],
+        tunnel=again[1],
+        tunnel_first=tunnel.seconds,
         machine=f"{platform.system()} {platform.machine()}, Python {platform.python_version()}",
         cores=os.cpu_count() or 1,
     )
-
-
-def _again(fitted: Fitted) -> float:
-    return fit(fitted.rows, fitted.choice, fitted.settings).seconds
 
 
 def _median(call: Callable[[], object]) -> float:

@@ -32,8 +32,8 @@ class Identified:
 
 @dataclass(frozen=True)
 class TunnelFits:
-    """axial_four : the paper's four parameters to the UIUC rows.  axial, oblique : with a
-    zero-lift angle, to the UIUC rows and to the published fit of 2019."""
+    """The paper's four parameters fitted to the UIUC rows; and, with a zero-lift angle as a fifth,
+    the fits to the UIUC rows and to the published fit of 2019."""
 
     axial_four: Identified
     axial: Identified
@@ -49,15 +49,11 @@ def tunnel_fits() -> TunnelFits:
     )
 
 
-def tunnel_data(name: str) -> TunnelData:
-    """Measured loads of the catalogue, as a fit takes them."""
-    m = measurement(name)
-    return TunnelData(m.name, m.omega, m.speed, m.beta, m.loads)
-
-
 def _identify(label: str, data: str, free: tuple[str, ...]) -> Identified:
-    model, choice = Model(blade(TUNNEL_PROPELLER), first_guess()), Choice(free)
-    rows = tunnel_rows(model, tunnel_data(data), choice, loads=FITTED_LOADS)
+    m, choice = measurement(data), Choice(free)
+    given = TunnelData(m.name, m.omega, m.speed, m.beta, m.loads)
+    model = Model(blade(TUNNEL_PROPELLER), first_guess())
+    rows = tunnel_rows(model, given, choice, loads=FITTED_LOADS)
     fitted = fit(rows, choice, Settings(starts=STARTS, folds=0))
     law = section_with(model.airfoil, fitted.values)
     return Identified(label, data, fitted, law.with_parameters(name=label, source=data))

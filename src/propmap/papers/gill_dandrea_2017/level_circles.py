@@ -1,8 +1,8 @@
 """The paper's flight experiment: level circles on a tether, with the sets of Table I.
 
-No log of those flights is at hand.  The flights are computed: the truth is this model with the
-set of Table I, and an unknown vertical force of a known size stands for all that it leaves out.
-So these numbers say what the hover model gets wrong where this model holds, and how well an
+The logs of those flights are not public, so the flights are computed: the truth is this model with
+the set of Table I, plus an unknown vertical force of known size for all that the model leaves out.
+These numbers say what the hover model gets wrong where this model is right, and how well an
 identification finds the parameters again; they do not test this model.
 """
 
@@ -16,7 +16,7 @@ from propmap.arrays.types import Floats
 from propmap.baselines.hover import HoverModel
 from propmap.fit.body_forces import body_force
 from propmap.fit.fitted import Fitted, Settings, fit
-from propmap.fit.flight import ForceModel, level_rows
+from propmap.fit.flight import ForceModel, hover_force, level_rows
 from propmap.fit.parameters import PAPER_FOUR, Choice
 from propmap.fit.tunnel import first_guess
 from propmap.flight.trim import trim, true_values
@@ -26,11 +26,11 @@ from propmap.papers.gill_dandrea_2017.blades import blade
 from propmap.papers.gill_dandrea_2017.paper import FASTEST, FLIGHTS, RADIUS, TETHER
 from propmap.rotor import Rotor
 from propmap.vehicle.flight_log import GRAVITY, FlightLog, pitch_and_roll
-from propmap.vehicle.hub_flow import hub_flow, rotor_forces
+from propmap.vehicle.hub_flow import hub_flow
 from propmap.vehicle.vehicle import Body, Mount, Vehicle
 
 BLADE = "apc-8x4.5mr"
-"""Whose blade stands for both propellers, scaled to 10 cm: their own are not published."""
+"""Used for both propellers, scaled to 10 cm: their own blades are not published."""
 
 ARM = 0.12
 """[m] of the rotors from the axes: assumed."""
@@ -44,13 +44,22 @@ SEEDS = {"paper-soft": 2017, "paper-stiff": 2018}
 FAILS = (0.05, 0.1)
 """Errors of the vertical force, as shares of the weight, at which the hover model fails."""
 
+SPEEDS = np.linspace(0.0, FASTEST, 30)
+"""[m/s]."""
+
 
 @dataclass(frozen=True, eq=False)
 class Circles:
-    """Level circles at n speeds [m/s]; loads are sums over the rotors in [N] and [N m].
+    """Level circles at n speeds; every array is (n,), and loads are sums over the rotors.
 
-    pitch [rad], nose down.  rotor_speed [rad/s].  error, hover_error : vertical force of rotors
-    and frame less the weight [N]; that of the model itself is what the trim left over.
+    Attributes
+    ----------
+    speed, rotor_speed, pitch : ndarray
+        [m/s]; [rad/s]; nose down [rad].
+    thrust, drag, torque, hover_thrust, hover_torque : ndarray
+        Of this model and of the hover model [N], [N m].
+    hover_error : ndarray
+        Vertical force by the hover model, with that of the frame, less the weight [N].
     """
 
     speed: Floats
@@ -66,13 +75,18 @@ class Circles:
 
 @dataclass(frozen=True, eq=False)
 class Twin:
-    """An identification from simulated flights: the truth, what was found, errors left.
+    """An identification from n simulated flights.
 
-    speed (n,) [m/s].  error, hover_error : (n,) [N], vertical force by the identified and by the
-    hover model less the weight.
+    Attributes
+    ----------
+    fitted : Fitted
+        What was found.
+    speed : ndarray, shape (n,)
+        Of the flights [m/s].
+    error, hover_error : ndarray, shape (n,)
+        Vertical force by the identified and by the hover model, less the weight [N].
     """
 
-    truth: Airfoil
     fitted: Fitted
     speed: Floats
     error: Floats
@@ -93,9 +107,6 @@ ASSUMED = Case(0.5, 0.01)
 CASES = (ASSUMED, *(Case(0.5, area) for area in (0.0, 0.02, 0.04)), Case(1.0, 0.01))
 """For which the hover model's error is looked at."""
 
-SPEEDS = np.linspace(0.0, FASTEST, 30)
-"""[m/s]."""
-
 
 @dataclass(frozen=True)
 class HoverFailure:
@@ -112,6 +123,11 @@ class SetFlown:
 
     circles: dict[Case, Circles]
     twin: Twin
+
+    @property
+    def failures(self) -> dict[Case, HoverFailure]:
+        """Where the hover model fails, by case."""
+        return {case: hover_failure(found, case.mass) for case, found in self.circles.items()}
 
 
 def quadrotor(case: Case = ASSUMED) -> Vehicle:
@@ -149,7 +165,7 @@ def circles(vehicle: Vehicle, law: Airfoil, speeds: Floats) -> Circles:
         torque=loads.torque.sum(axis=1),
         hover_thrust=hover.thrust(flow.omega).sum(axis=1),
         hover_torque=hover.torque(flow.omega).sum(axis=1),
-        hover_error=_hover_error(vehicle, points, law, hover),
+        hover_error=_hover_error(vehicle, points, law),
     )
 
 
@@ -162,8 +178,7 @@ def twin(law: Airfoil, seed: int) -> Twin:
     choice = Choice(PAPER_FOUR)
     rows = level_rows(ForceModel(vehicle, points, first_guess()), choice)
     fitted = fit(rows, choice, Settings(starts=2, folds=0))
-    hover = _hover(vehicle, law)
-    return Twin(law, fitted, speeds, fitted.residual, _hover_error(vehicle, points, law, hover))
+    return Twin(fitted, speeds, fitted.residual, _hover_error(vehicle, points, law))
 
 
 def static_inflow(case: Case) -> float:
@@ -196,9 +211,7 @@ def _hover(vehicle: Vehicle, law: Airfoil) -> HoverModel:
     return HoverModel.of(rotor, float(np.sqrt(each / still.k_thrust)))
 
 
-def _hover_error(vehicle: Vehicle, points: FlightLog, law: Airfoil, hover: HoverModel) -> Floats:
-    flow = hub_flow(vehicle, points)
-    thrust = hover.thrust(flow.omega)
+def _hover_error(vehicle: Vehicle, points: FlightLog, law: Airfoil) -> Floats:
     body, _ = body_force(vehicle, points, true_values(vehicle, law), ())
-    force = rotor_forces(flow, thrust, np.zeros_like(thrust)) + body
+    force = hover_force(_hover(vehicle, law), hub_flow(vehicle, points)) + body
     return np.asarray(np.sum(force * points.up, axis=1) - vehicle.mass * GRAVITY)

@@ -1,8 +1,4 @@
-"""What the paper states, for putting beside what comes out here."""
-
-from __future__ import annotations
-
-from dataclasses import dataclass
+"""What the paper states, to compare with."""
 
 CITATION = (
     "R. Gill, R. D'Andrea, Propeller Thrust and Drag in Forward Flight, IEEE CCTA 2017, "
@@ -19,6 +15,9 @@ TABLE_1 = {
     "paper-apc": "APC 8x6",
 }
 """The rows of Table I by the names of the parameter sets."""
+
+FLOWN = {"paper-soft": "soft", "paper-stiff": "stiff"}
+"""The sets that were flown, and a short name of each propeller."""
 
 RADIUS = 0.1
 """[m] of all three propellers."""
@@ -44,13 +43,8 @@ TUNNEL_ERROR = 0.09
 HOVER_TUNNEL_ERROR = 1.0
 """The same of the hover model."""
 
+ONE_POINT = 3.0
+"""[s] for one operating point."""
 
-@dataclass(frozen=True)
-class Cost:
-    """Times [s] that the paper gives."""
-
-    one_point: float = 3.0
-    identification: tuple[float, float] = (2.0 * 3600.0, 10.0 * 3600.0)
-
-
-COST = Cost()
+IDENTIFICATION = (2.0 * 3600.0, 10.0 * 3600.0)
+"""[s], range of the times for one identification."""

@@ -9,6 +9,7 @@ import numpy as np
 from propmap.arrays.types import Floats
 from propmap.baselines.fin_analogy import inflow_factor, side_force
 from propmap.catalogue.measurements import measurement
+from propmap.fit.residuals import rms
 from propmap.model.air import Air
 from propmap.model.airfoil import Airfoil, parameter_set
 from propmap.model.model import Model
@@ -35,10 +36,18 @@ fin analogy was verified."""
 
 @dataclass(frozen=True, eq=False)
 class SmallIncidence:
-    """One propeller at 15 degrees; (n,) each, forces in [N].
+    """One propeller at 15 degrees; every array is (n,).
 
-    inflow : a, over the flight speed [-].  fin_low, fin_high : with the side area by the chord
-    line's and by the zero-lift line's pitch.  published : None where there is none.
+    Attributes
+    ----------
+    omega, speed : float, ndarray
+        Rotational speed [rad/s], flight speeds [m/s].
+    inflow : ndarray
+        a, the inflow over the flight speed [-].
+    theory, published : ndarray
+        Rotor drag [N]; published None where there is none.
+    fin_low, fin_high : ndarray
+        Side force [N] with the side area by the chord line's and by the zero-lift line's pitch.
     """
 
     propeller: str
@@ -50,10 +59,18 @@ class SmallIncidence:
     fin_high: Floats
     published: Floats | None
 
+    @property
+    def theory_over_fin(self) -> Floats:
+        """With the mean of both side areas [-]."""
+        return self.theory / (0.5 * (self.fin_low + self.fin_high))
 
-@dataclass(frozen=True, eq=False)
+
+@dataclass(frozen=True)
 class Ratio:
-    """Published over theoretical drag of the APC 8x6E at one angle; both rms over the points."""
+    """Published over theoretical drag of the APC 8x6E at one angle [deg].
+
+    ``ratio`` is that of the root mean squares, ``lowest`` and ``highest`` those of single points.
+    """
 
     beta: float
     points: int
@@ -64,10 +81,7 @@ class Ratio:
 
 @dataclass(frozen=True, eq=False)
 class Consequence:
-    """What the dispute means in flight: circles with the theory's drag and with the published.
-
-    factor : published drag over the theory's [-].
-    """
+    """What the dispute means in flight: circles with the theory's drag, and ``factor`` times it."""
 
     name: str
     factor: float
@@ -78,7 +92,7 @@ class Consequence:
 def small_incidence(law: Airfoil) -> list[SmallIncidence]:
     """The theory, the fin and, for the 8x6E, the published fit, for several propellers.
 
-    law : identified from thrust and torque of the APC 8x6E; the sections of the others are
+    ``law`` is identified from thrust and torque of the APC 8x6E; the sections of the others are
     taken to be alike.
     """
     return [_small_incidence(name, law) for name in PROPELLERS]
@@ -89,17 +103,13 @@ def ratios(law: Airfoil) -> list[Ratio]:
     data = measurement(OBLIQUE)
     rotor = Rotor(Model(blade(TUNNEL_PROPELLER), law, Air(density=data.air_density)))
     theory = rotor.loads(data.omega, data.speed, data.beta).drag
-    found = []
-    for degrees in np.unique(np.round(np.degrees(data.beta))):
-        mine = (np.round(np.degrees(data.beta)) == degrees) & (data.speed > 0.0)
-        if degrees == 0.0:
-            continue
+    angle, found = np.round(np.degrees(data.beta)), []
+    for degrees in np.unique(angle[angle > 0.0]).tolist():
+        mine = (angle == degrees) & (data.speed > 0.0)
         published, mean = data.loads["drag"][mine], theory[mine]
         each = published / mean
-        overall = float(np.sqrt(np.sum(published**2) / np.sum(mean**2)))
-        found.append(
-            Ratio(float(degrees), int(mine.sum()), overall, float(each.min()), float(each.max()))
-        )
+        overall = rms(published) / rms(mean)
+        found.append(Ratio(degrees, published.size, overall, float(each.min()), float(each.max())))
     return found
 
 
@@ -107,12 +117,8 @@ def consequence(name: str, factor: float) -> Consequence:
     """The tethered quadrotor with a set of Table I, its rotor drag as it is and multiplied."""
     law, vehicle = parameter_set(name), quadrotor()
     more = law.with_parameters(drag_factor=factor)
-    return Consequence(
-        name,
-        factor,
-        circles(vehicle, law, CIRCLE_SPEEDS),
-        circles(vehicle, more, CIRCLE_SPEEDS),
-    )
+    pair = (circles(vehicle, one, CIRCLE_SPEEDS) for one in (law, more))
+    return Consequence(name, factor, *pair)
 
 
 def _small_incidence(name: str, law: Airfoil) -> SmallIncidence:
@@ -129,10 +135,9 @@ def _small_incidence(name: str, law: Airfoil) -> SmallIncidence:
     beta = np.concatenate([np.zeros_like(SPEEDS), np.full_like(SPEEDS, INCIDENCE)])
     loads = rotor.loads(omega, np.concatenate([SPEEDS, SPEEDS]), beta)
     thrust, drag = loads.thrust[: SPEEDS.size], loads.drag[SPEEDS.size :]
-    angles = (0.0, law.zero_lift_angle)
     low, high = (
         side_force(shape, thrust, SPEEDS, INCIDENCE, air.density, zero_lift_angle=angle)
-        for angle in angles
+        for angle in (0.0, law.zero_lift_angle)
     )
     inflow = inflow_factor(thrust, SPEEDS, shape.radius, air.density)
     return SmallIncidence(name, omega, SPEEDS, inflow, drag, low, high, published)

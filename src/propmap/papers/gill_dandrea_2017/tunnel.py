@@ -10,7 +10,7 @@ import numpy as np
 from propmap.arrays.types import Floats
 from propmap.baselines.hover import HoverModel
 from propmap.catalogue.measurements import Measurement, measurement
-from propmap.fit.residuals import rms
+from propmap.fit.residuals import errors as errors_of
 from propmap.loads import LOADS
 from propmap.model.air import Air
 from propmap.model.airfoil import Airfoil, parameter_set
@@ -36,25 +36,40 @@ HOVER_LABEL = "hover model"
 
 @dataclass(frozen=True, eq=False)
 class Compared:
-    """One data set and every model's loads on it, (n,) each, in SI.
+    """One data set of n points and every model's loads on it.
 
-    laws : section laws by label.  measured : by load.  predicted : by label of the model, the
-    laws' and the hover model's, then by load.
+    Attributes
+    ----------
+    data : Measurement
+        What was measured.
+    laws : dict of str to Airfoil
+        Section laws by label.
+    predicted : dict of str to dict of str to ndarray, shape (n,)
+        By label of the model, the laws' and the hover model's, then by load.
     """
 
     data: Measurement
     laws: dict[str, Airfoil]
-    measured: dict[str, Floats]
     predicted: dict[str, dict[str, Floats]]
+
+    @property
+    def air(self) -> Air:
+        """That of the measurement."""
+        return Air(density=self.data.air_density)
 
 
 @dataclass(frozen=True)
 class LoadError:
-    """Error of one model in one load of one data set.
+    """Error of one model in one load of one data set, in the load's unit.
 
-    points, rms, worst : number; in the load's unit.  rms_share : of the rms of the measured
-    load.  worst_share : of the largest measured load.  within_nine : share of the points within
-    the paper's 9 % of their own measured value.
+    Attributes
+    ----------
+    rms, worst : float
+        Root mean square and largest magnitude.
+    rms_share, worst_share : float
+        These over the root mean square and over the largest magnitude of the measured load.
+    within_nine : float
+        Share of the points within the paper's 9 % of their own measured value.
     """
 
     data_set: str
@@ -86,13 +101,13 @@ def compared(fits: TunnelFits) -> dict[str, Compared]:
 
 
 def errors(found: dict[str, Compared]) -> list[LoadError]:
-    """All data sets, loads and models; the hover model has thrust and torque alone."""
-    rows = []
-    for name, one in found.items():
-        for load, truth in one.measured.items():
-            for model, loads in one.predicted.items():
-                rows.append(_error(name, load, model, truth, loads[load]))
-    return rows
+    """Errors by data set, load and model; the hover model has thrust and torque alone."""
+    return [
+        _error(name, load, model, truth, loads[load])
+        for name, one in found.items()
+        for load, truth in one.data.loads.items()
+        for model, loads in one.predicted.items()
+    ]
 
 
 def static_constants(data: Measurement) -> HoverModel:
@@ -116,22 +131,21 @@ def _compared(name: str, laws: dict[str, Airfoil]) -> Compared:
         loads: Any = Rotor(Model(shape, law, air)).loads(data.omega, data.speed, data.beta)
         predicted[label] = {load: getattr(loads, load) for load in LOADS}
     predicted[HOVER_LABEL] = static_constants(data).loads(data.omega)
-    return Compared(data, laws, dict(data.loads), predicted)
+    return Compared(data, laws, predicted)
 
 
 def _error(name: str, load: str, model: str, truth: Floats, found: Floats) -> LoadError:
-    error = found - truth
-    left, worst = rms(error), float(np.max(np.abs(error)))
-    near = np.abs(error) <= TUNNEL_ERROR * np.abs(truth)
+    e = errors_of(found, truth)
+    near = np.abs(found - truth) <= TUNNEL_ERROR * np.abs(truth)
     return LoadError(
         data_set=name,
         load=load,
         unit=LOADS[load].unit,
         model=model,
         points=truth.size,
-        rms=left,
-        worst=worst,
-        rms_share=left / rms(truth),
-        worst_share=worst / float(np.max(np.abs(truth))),
+        rms=e.rms,
+        worst=abs(e.worst),
+        rms_share=e.relative_rms,
+        worst_share=abs(e.worst) / float(np.max(np.abs(truth))),
         within_nine=float(np.mean(near)),
     )

@@ -1,9 +1,10 @@
-"""Loads of the fitted propeller over speed, with what the parameters' uncertainty does to them."""
+"""Loads of the fitted propeller over speed, and what the parameters' uncertainty does to them."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,9 +19,10 @@ from propmap.fit.fit_record import FitRecord
 from propmap.fit.result_file import FitFile
 from propmap.loads import LOADS
 from propmap.report.fit_page.parameter_draws import drawn_changes
+from propmap.report.page import csv_of_columns
+from propmap.report.style import RPM
 from propmap.rotor import Rotor
 
-RPM = 30.0 / np.pi
 SPEEDS = 26
 MOST_ANGLES = 4
 BEYOND = 1.25
@@ -37,10 +39,16 @@ APART = 22.5
 class Curve:
     """Loads at one angle.
 
-    beta [rad].  covered : ends of the speeds that the data cover at this angle, at these rotational
-    speeds' advance ratios [m/s]; None where there were none.
-    loads, low, high, hover : by load, (n,), low and high None without a band.
-    valid : (n,), where momentum theory holds.
+    Attributes
+    ----------
+    beta : float
+        The angle [rad].
+    covered : tuple of float or None
+        Ends of the speeds that the data cover at this angle [m/s].
+    loads, low, high : dict of str to ndarray, shape (n,)
+        Loads by name, and the ends of their bands; these are None without a band.
+    valid : ndarray, shape (n,)
+        Where momentum theory holds.
     """
 
     beta: float
@@ -48,19 +56,38 @@ class Curve:
     loads: dict[str, Floats]
     low: dict[str, Floats] | None
     high: dict[str, Floats] | None
-    hover: dict[str, Floats]
     valid: NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)
 class Curves:
-    """All angles at one omega [rad/s].  speed : (n,) [m/s].  draws : how many make the bands."""
+    """Curves at one rotational speed.
+
+    Attributes
+    ----------
+    omega, radius : float
+        Rotational speed [rad/s] and radius of the propeller [m].
+    speed : ndarray, shape (n,)
+        Flight speeds of all curves [m/s].
+    curves : sequence of Curve
+        By rising angle.
+    hover : dict of str to float
+        The hover model's loads by name.
+    draws : int
+        How many sets of parameters make the bands.
+    """
 
     omega: float
     radius: float
     speed: Floats
     curves: Sequence[Curve]
+    hover: dict[str, float]
     draws: int
+
+    @property
+    def rpm(self) -> float:
+        """Rotational speed [1/min]."""
+        return self.omega * RPM
 
 
 def load_curves(file: FitFile, fit: FitRecord) -> Curves:
@@ -76,35 +103,62 @@ def load_curves(file: FitFile, fit: FitRecord) -> Curves:
     found = rotor.loads(omega, speed, betas[:, None])
     values, status = np.stack([getattr(found, name) for name in LOADS]), found.status
     names, changes = drawn_changes(fit)
-    ends = None
+    low, high = values, values
     if len(changes):
-        slopes = _slopes(rotor, names, omega, speed, betas)
-        moved = np.tensordot(changes, slopes, 1) + values
-        ends = np.percentile(moved, [2.5, 97.5], axis=0)
+        moved = values + np.tensordot(changes, _slopes(rotor, names, omega, speed, betas), 1)
         # The fit may sit in a corner of the bounds, with all draws on one side of it.
-        ends = np.stack([np.minimum(ends[0], values), np.maximum(ends[1], values)])
-    still = HoverModel.of(rotor).loads(omega)
-    curves = []
-    for k, (beta, data) in enumerate(angles):
-        band = None if ends is None else [_named(e[:, k]) for e in ends]
-        curves.append(
-            Curve(
-                beta=float(np.radians(beta)),
-                covered=_covered(fit, data, tip),
-                loads=_named(values[:, k]),
-                low=band[0] if band else None,
-                high=band[1] if band else None,
-                hover={n: np.full(SPEEDS, float(value)) for n, value in still.items()},
-                valid=status[k] != "vortex_ring",
-            )
+        low, high = np.percentile(moved, [2.5, 97.5], axis=0)
+        low, high = np.minimum(low, values), np.maximum(high, values)
+    curves = [
+        Curve(
+            beta=float(np.radians(beta)),
+            covered=_covered(fit, data, tip),
+            loads=_named(values[:, k]),
+            low=_named(low[:, k]) if len(changes) else None,
+            high=_named(high[:, k]) if len(changes) else None,
+            valid=status[k] != "vortex_ring",
         )
-    return Curves(omega, file.model.propeller.radius, speed, curves, len(changes))
+        for k, (beta, data) in enumerate(angles)
+    ]
+    still = HoverModel.of(rotor).loads(omega)
+    hover = {name: float(value) for name, value in still.items()}
+    return Curves(omega, file.model.propeller.radius, speed, curves, hover, len(changes))
+
+
+def seen_loads(fit: FitRecord) -> Collection[str]:
+    """Loads that the data tell of: in flight, those that make the forces."""
+    if fit.kind == "tunnel":
+        return [one.name for one in fit.loads]
+    return ("thrust",) if fit.kind == "level flight" else ("thrust", "drag")
+
+
+def curve_sheet(curves: Curves) -> str:
+    """The curves as CSV."""
+    groups = []
+    for one in curves.curves:
+        low, high = one.covered or (1.0, 0.0)
+        group: dict[str, Any] = {
+            "beta_deg": np.degrees(one.beta),
+            "speed_mps": curves.speed,
+            "rpm": curves.rpm,
+            "advance_ratio": curves.speed / (curves.omega * curves.radius),
+            "covered": ((low <= curves.speed) & (curves.speed <= high)).astype(int),
+            "momentum_theory_holds": one.valid.astype(int),
+            **{load.column: one.loads[name] for name, load in LOADS.items()},
+        }
+        for name, load in LOADS.items():
+            for end, side in (("low", one.low), ("high", one.high)):
+                column = load.column.replace(name, f"{name}_{end}_95")
+                group[column] = side[name] if side else None
+        group |= {f"hover_{load.column}": curves.hover[name] for name, load in LOADS.items()}
+        groups.append(group)
+    return csv_of_columns(*groups)
 
 
 def _slopes(
     rotor: Rotor, names: tuple[str, ...], omega: float, speed: Floats, betas: Floats
 ) -> Floats:
-    """Derivatives (P, L, angles, n) of the loads by the parameters named."""
+    """Derivatives (P, loads, angles, n) of the loads by the parameters named."""
     v, b = (a.ravel() for a in np.broadcast_arrays(speed, betas[:, None]))
     flow = (np.full(v.size, omega), v * np.cos(b), v * np.abs(np.sin(b)))
     found = load_gradients(prepare(rotor.arrays), accuracy(rotor.accuracy), names, *flow)
@@ -115,16 +169,15 @@ def _slopes(
 def _angles(fit: FitRecord) -> list[tuple[float, CoveredAngle | None]]:
     """Up to four angles [deg] with the data's points about them, and edgewise or axial flow where
     there were points at one angle at most."""
-    betas = np.array([one.typical_beta for one in fit.covered.main_angles])
+    groups = fit.covered.main_angles
+    betas = np.array([one.typical_beta for one in groups])
     wanted = np.linspace(betas[0], betas[-1], MOST_ANGLES) if betas.size else betas
     nearest = dict.fromkeys(int(np.argmin(np.abs(betas - beta))) for beta in wanted)
-    found: list[tuple[float, CoveredAngle | None]] = [
-        (fit.covered.main_angles[k].typical_beta, fit.covered.main_angles[k]) for k in nearest
-    ]
+    found: dict[float, CoveredAngle | None] = {groups[k].typical_beta: groups[k] for k in nearest}
     for other in (0.0, 90.0):
-        if all(abs(other - beta) > APART for beta, _ in found) and len(found) < MOST_ANGLES:
-            found.append((other, None))
-    return sorted(found, key=lambda pair: pair[0])
+        if all(abs(other - beta) > APART for beta in found) and len(found) < MOST_ANGLES:
+            found[other] = None
+    return sorted(found.items(), key=lambda pair: pair[0])
 
 
 def _covered(fit: FitRecord, data: CoveredAngle | None, tip: float) -> tuple[float, float] | None:

@@ -1,29 +1,28 @@
-"""Whether a fit can be trusted, and where: figures first, then words."""
+"""Whether a fit can be trusted, and where."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from propmap.fit.fit_record import FitRecord, FittedLoad
-from propmap.fit.residuals import Errors
 from propmap.loads import LOADS
-from propmap.report.page import Points, Table, Verdict, number, percent
+from propmap.report.page import number
 
 GOOD, CARE = 0.05, 0.15
 """Rms error as a share of what was measured, up to which a load is trusted, or with care."""
 
-LEVELS = ("good", "caution", "bad")
 WORDS = {"good": "Yes", "caution": "With care", "bad": "No"}
+"""Levels of trust, from best to worst, in words."""
 
-NAMES = {
-    **{name: load.label for name, load in LOADS.items()},
+LABELS = {name: load.label for name, load in LOADS.items()} | {
     "vertical_force": "vertical force",
     "force_x": "force forward",
     "force_y": "force to the side",
     "force_z": "force up",
 }
+"""What a fit may be fitted to, in words."""
 
 NARROW = 2.0
 """Range of speeds [m/s] below which the data are from one speed."""
@@ -34,7 +33,7 @@ OVERFITTED = 1.5
 
 @dataclass(frozen=True)
 class Judged:
-    """One load: typical error, and the hover model's, as shares of ``reference`` [unit]."""
+    """One load: its typical error and the hover model's, as shares of ``reference`` [unit]."""
 
     load: FittedLoad
     reference: float
@@ -42,177 +41,149 @@ class Judged:
     hover: float
 
     @property
+    def label(self) -> str:
+        """The load in words."""
+        return LABELS.get(self.load.name, self.load.name)
+
+    @property
     def level(self) -> str:
         """By the error, and never better than "caution" where the hover model is as good."""
         found = level_of(self.error)
         return "caution" if found == "good" and not self.error < self.hover else found
 
+    def both(self, rms: float, hover_rms: float) -> str:
+        """Errors [unit] of this model and of the hover model as shares of the reference [%]."""
+        own, hover = (number(100.0 * value / self.reference, 2) for value in (rms, hover_rms))
+        return f"{own} / {hover}"
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """The answer.
+
+    Attributes
+    ----------
+    level : str
+        Of trust where there were data, one of ``WORDS``.
+    loads : list of Judged
+        Every fitted load.
+    where : str
+        Speeds, rotational speeds and angles of the data.
+    speed_rows : list of tuple of str
+        Speed, rows, both models' errors by load, and a word; by band of speed.
+    unfitted : list of str
+        Loads that a fit of tunnel data did not see, in words.
+    warnings, notes : list of str
+        What takes trust away, and what is worth knowing besides.
+    """
+
+    level: str
+    loads: list[Judged]
+    where: str
+    speed_rows: list[tuple[str, ...]]
+    unfitted: list[str]
+    warnings: list[str]
+    notes: list[str]
+
+
+def judge(fit: FitRecord) -> Judgement:
+    """Judge a fit by the errors on its data."""
+    loads = judged(fit)
+    warnings, names = _warnings(fit, loads), [one.name for one in fit.loads]
+    return Judgement(
+        level=worst_of([*(one.level for one in loads), *(["caution"] if warnings else [])]),
+        loads=loads,
+        where=_where(fit),
+        speed_rows=_speed_rows(fit, loads),
+        unfitted=[LABELS[name] for name in LOADS if name not in names],
+        warnings=warnings,
+        notes=_notes(fit),
+    )
+
 
 def judged(fit: FitRecord) -> list[Judged]:
-    """Every fitted load; the error is the cross-validated one where there is one.
+    """Every fitted load; its error is the cross-validated one where there is one.
 
     Forces on a vehicle are compared with the largest of them, which is about the weight: across
     the flight there is next to nothing to compare with.
     """
-    forces = [one.measured_rms for one in fit.loads] if fit.kind != "tunnel" else []
-    largest = max((size for size in forces if math.isfinite(size)), default=math.nan)
+    sizes = [one.measured_rms for one in fit.loads]
+    if fit.kind != "tunnel":
+        sizes = len(sizes) * [max(filter(math.isfinite, sizes), default=math.nan)]
     found = []
-    for one in fit.loads:
-        reference = largest if forces else one.measured_rms
-        crossed = one.cross_validated
-        error = crossed if math.isfinite(crossed) else one.rms
-        found.append(Judged(one, reference, error / reference, one.hover_rms / reference))
+    for one, size in zip(fit.loads, sizes, strict=True):
+        error = one.cross_validated if math.isfinite(one.cross_validated) else one.rms
+        found.append(Judged(one, size, error / size, one.hover_rms / size))
     return found
 
 
 def level_of(share: float) -> str:
-    """One of ``LEVELS`` for an error; no number is no good."""
+    """The level of trust for a relative error; NaN is bad."""
     if share <= GOOD:
         return "good"
     return "caution" if share <= CARE else "bad"
 
 
-def worst_of(levels: Sequence[str]) -> str:
+def worst_of(levels: Iterable[str]) -> str:
     """The worst of several levels."""
-    return max(levels, key=LEVELS.index)
-
-
-def lead(fit: FitRecord) -> tuple[Verdict | Table | Points, ...]:
-    """The answer: overall, by load, by speed, and what is against it."""
-    loads = judged(fit)
-    warnings, notes = _warnings(fit, loads), _notes(fit, loads)
-    level = worst_of([*(one.level for one in loads), *(["caution"] if warnings else [])])
-    errors = ", ".join(
-        f"{NAMES.get(j.load.name, j.load.name)} within {percent(j.error)} (hover model "
-        f"{percent(j.hover)})"
-        for j in loads
-    )
-    text = f"Where there were data, {where(fit)}, the typical error is: {errors}. "
-    text += {
-        "good": "Use it there.",
-        "caution": "Use it there with these errors in mind.",
-        "bad": "These errors are too large to rely on it.",
-    }[level]
-    verdict = Verdict(level, WORDS[level], text)
-    outside = Verdict(
-        "caution",
-        "Outside the data",
-        "Every number is an extrapolation by the theory, which nothing here has tested. "
-        + _not_fitted(fit),
-    )
-    blocks: list[Verdict | Table | Points] = [verdict, outside, speed_table(fit, loads)]
-    if warnings or notes:
-        blocks.append(Points(tuple(_sentence(text) for text in (*warnings, *notes))))
-    return tuple(blocks)
-
-
-def where(fit: FitRecord) -> str:
-    """Speeds, rotational speeds and angles of the data in words."""
-    speeds = f"{fit.covered.speed[0]:.1f} to {fit.covered.speed[1]:.1f} m/s"
-    if fit.covered.speed[1] - fit.covered.speed[0] < 0.05:
-        speeds = f"{fit.covered.speed[0]:.1f} m/s"
-    told = f"{speeds}, {fit.covered.rpm[0]:.0f} to {fit.covered.rpm[1]:.0f} rpm"
-    ends = [end for one in fit.covered.main_angles for end in one.beta]
-    if not ends:
-        return f"{told}, at rest only"
-    if max(ends) - min(ends) < 0.5:
-        return f"{told}, β = {min(ends):.0f}°"
-    return f"{told}, β from {min(ends):.0f}° to {max(ends):.0f}°"
-
-
-def speed_table(fit: FitRecord, loads: Sequence[Judged]) -> Table:
-    """A line per band of speed: errors of both models, and a word."""
-    bands = list(dict.fromkeys(band for one in fit.loads for band in one.by_speed))
-    rows = []
-    for band in bands:
-        cells, levels, count = [], [], 0
-        for j in loads:
-            e = j.load.by_speed.get(band)
-            if e is None:
-                cells.append("")
-                continue
-            count = max(count, e.rows)
-            cells.append(_both(e, j.reference))
-            levels.append(level_of(e.rms / j.reference))
-        rows.append((shown_band(band), str(count), *cells, WORDS[worst_of(levels)]))
-    columns = [("speed", ""), ("rows", "-")]
-    columns += [(NAMES.get(j.load.name, j.load.name), "%") for j in loads]
-    kind = (
-        "the load's own root mean square over all data"
-        if fit.kind == "tunnel"
-        else "the largest force, about the weight"
-    )
-    return Table(
-        "Can I trust it at my speeds? Rms error of this model / of the hover model, as a share of "
-        f"{kind}.",
-        (*columns, ("trust it", "")),
-        tuple(rows),
-        f"Yes: all errors up to {100 * GOOD:.0f} %. With care: up to {100 * CARE:.0f} %. No: more. "
-        "These are errors on the fitted data; speeds without a line had no data.",
-    )
+    return max(levels, key=list(WORDS).index)
 
 
 def shown_band(band: str) -> str:
-    """A band of speed in one piece, with a dash."""
+    """A band of speed with a dash and without a line break."""
     return band.replace("-", "\N{EN DASH}").replace(" ", "\N{NO-BREAK SPACE}")
 
 
-def _both(e: Errors, reference: float) -> str:
-    return f"{number(100.0 * e.rms / reference, 2)} / {number(100.0 * e.hover_rms / reference, 2)}"
+def _where(fit: FitRecord) -> str:
+    covered = fit.covered
+    (slow, fast), (low, high) = covered.speed, covered.rpm
+    speeds = f"{slow:.1f} m/s" if fast - slow < 0.05 else f"{slow:.1f} to {fast:.1f} m/s"
+    ends = [end for one in covered.main_angles for end in one.beta]
+    if not ends:
+        angles = "at rest only"
+    elif max(ends) - min(ends) < 0.5:
+        angles = f"β = {min(ends):.0f}°"
+    else:
+        angles = f"β from {min(ends):.0f}° to {max(ends):.0f}°"
+    return f"{speeds}, {low:.0f} to {high:.0f} rpm, {angles}"
 
 
-def _not_fitted(fit: FitRecord) -> str:
-    if fit.kind != "tunnel":
-        return (
-            "The fit saw sums of forces over all rotors: torque and moments were not "
-            "measured at all."
-        )
-    fitted = [one.name for one in fit.loads]
-    missing = [load.label for name, load in LOADS.items() if name not in fitted]
-    if not missing:
-        return ""
-    told = f"So are {' and '.join(missing)} at any speed: no data of these were fitted."
-    if len(missing) == 1:
-        told = f"So is {missing[0]} at any speed: no data of it were fitted."
-    drag = " Published sources of rotor drag differ by a factor of two." if _no_drag(fit) else ""
-    return told + drag
+def _speed_rows(fit: FitRecord, loads: list[Judged]) -> list[tuple[str, ...]]:
+    rows = []
+    for band in dict.fromkeys(band for one in fit.loads for band in one.by_speed):
+        found = [one.load.by_speed.get(band) for one in loads]
+        pairs = list(zip(loads, found, strict=True))
+        cells = ["" if e is None else one.both(e.rms, e.hover_rms) for one, e in pairs]
+        level = worst_of(level_of(e.rms / one.reference) for one, e in pairs if e)
+        count = max(e.rows for e in found if e)
+        rows.append((shown_band(band), str(count), *cells, WORDS[level]))
+    return rows
 
 
-def _no_drag(fit: FitRecord) -> bool:
-    return "drag" not in [one.name for one in fit.loads]
-
-
-def _warnings(fit: FitRecord, loads: Sequence[Judged]) -> list[str]:
-    """What takes trust away, a sentence each."""
-    told = []
+def _warnings(fit: FitRecord, loads: list[Judged]) -> list[str]:
+    found = []
     if fit.covered.speed[1] - fit.covered.speed[0] < NARROW:
-        told.append("the data are from one speed: the fit has hardly been tested against speed")
-    for j in loads:
-        name = NAMES.get(j.load.name, j.load.name)
-        if not j.error < j.hover:
-            told.append(f"{name}: the hover model is no worse")
-        crossed = j.load.cross_validated
-        if math.isfinite(crossed) and crossed > OVERFITTED * j.load.rms:
-            told.append(
-                f"{name}: on rows left out the error is {crossed / j.load.rms:.1f} times as "
-                "large, so that some parameters follow the noise"
+        found.append("the data are from one speed: the fit has hardly been tested against speed")
+    for one in loads:
+        if not one.error < one.hover:
+            found.append(f"{one.label}: the hover model is no worse")
+        ratio = one.load.cross_validated / one.load.rms if one.load.rms > 0.0 else math.nan
+        if math.isfinite(ratio) and ratio > OVERFITTED:
+            found.append(
+                f"{one.label}: on rows left out the error is {ratio:.1f} times as large, so that "
+                "some parameters follow the noise"
             )
     if fit.unsolved:
-        told.append(f"of {fit.rows} rows, {fit.unsolved} have no solution in the model")
-    return told
+        found.append(f"of {fit.rows} rows, {fit.unsolved} have no solution in the model")
+    return found
 
 
-def _notes(fit: FitRecord, loads: Sequence[Judged]) -> list[str]:
-    """What is worth knowing besides, a sentence each."""
-    told = list(fit.remarks)
+def _notes(fit: FitRecord) -> list[str]:
+    found = list(fit.remarks)
     if fit.minima > 1:
-        told.append(
+        found.append(
             f"{len(fit.starts)} starts ended in {fit.minima} different minima; the best is used"
         )
-    if not any(math.isfinite(j.load.cross_validated) for j in loads):
-        told.append("no cross-validation was done: the errors are those on the fitted data")
-    return told
-
-
-def _sentence(text: str) -> str:
-    return text[:1].upper() + text[1:] + ("" if text.endswith(".") else ".")
+    if not any(math.isfinite(one.cross_validated) for one in fit.loads):
+        found.append("no cross-validation was done: the errors are those on the fitted data")
+    return found

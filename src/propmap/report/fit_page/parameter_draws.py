@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from propmap.arrays.types import Floats
-from propmap.fit.fit_record import FitRecord, FreeParameter
+from propmap.fit.fit_record import FitRecord
 from propmap.fit.parameters import SECTION
 
 DRAWS = 200
@@ -18,36 +18,40 @@ SEED = 2017
 
 
 def drawn_changes(fit: FitRecord) -> tuple[tuple[str, ...], Floats]:
-    """Names of P section parameters, and by how much draws differ from the fit (``DRAWS``, P).
+    """Section parameters drawn from the normal distribution with the fit's covariance.
 
-    All parameters are drawn together from the normal distribution with the fit's covariance
-    about the fitted values; draws with any of them outside its bounds are thrown away.
-    Parameters of infinite variance keep their value.  Without any draw, (0, P), where almost
-    nothing of the distribution is within the bounds.
+    All parameters are drawn together; draws with any of them outside its bounds are thrown away.
+    Parameters of infinite variance keep their value.
+
+    Returns
+    -------
+    tuple of str
+        Names of P section parameters.
+    ndarray, shape (``DRAWS``, P)
+        By how much the draws differ from the fit; (0, P) where almost no draw is within the bounds.
     """
     known = [k for k in range(len(fit.parameters)) if np.isfinite(fit.covariance[k, k])]
     chosen = [fit.parameters[k] for k in known]
     section = [k for k, p in enumerate(chosen) if p.name in SECTION]
     names = tuple(chosen[k].name for k in section)
     covariance = fit.covariance[np.ix_(known, known)]
-    none = np.empty((0, len(section)))
     if not section or not np.isfinite(covariance).all():
-        return names, none
-    middle, lower, upper = (_column(chosen, name) for name in ("value", "lower", "upper"))
+        return names, np.empty((0, len(section)))
+    middle, lower, upper = np.array([(p.value, p.lower, p.upper) for p in chosen]).T
     # A value at its bound is within it, whatever rounding made of it.
     slack = 1e-9 * (upper - lower)
     size = np.sqrt(np.maximum(np.diag(covariance), 1e-300))
     values, vectors = np.linalg.eigh(covariance / np.outer(size, size))
     root = size[:, None] * vectors * np.sqrt(np.maximum(values, 0.0))
     rng = np.random.default_rng(SEED)
-    kept = [np.empty((0, len(known)))]
+    kept: list[Floats] = []
     for _ in range(ROUNDS):
         change = rng.standard_normal((TRIED, len(known))) @ root.T
         found = middle + change
         kept.append(change[((found >= lower - slack) & (found <= upper + slack)).all(axis=1)])
         if sum(map(len, kept)) >= DRAWS:
             return names, np.concatenate(kept)[:DRAWS, section]
-    return names, none
+    return names, np.empty((0, len(section)))
 
 
 def held(fit: FitRecord) -> list[str]:
@@ -57,7 +61,3 @@ def held(fit: FitRecord) -> list[str]:
         for k, p in enumerate(fit.parameters)
         if p.name in SECTION and not np.isfinite(fit.covariance[k, k])
     ]
-
-
-def _column(chosen: list[FreeParameter], name: str) -> Floats:
-    return np.array([getattr(p, name) for p in chosen])

@@ -2,115 +2,71 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 
-from propmap.report.page import Section, Table, Text, Verdict, number
-from propmap.report.part import Part, files_of, picture
-from propmap.report.sheet import csv_of_rows
-from propmap.report.style import COLOURS, HOVER, MARKERS, new_figure, style
-from propmap.report.table_page.loads import hover_loads
-from propmap.report.table_page.samples import OFF, RPM, TableSamples
+from propmap.report.page import csv_of_columns, number
+from propmap.report.style import COLOURS, DASHED, angle_keys, legend_below, new_figure, style
+from propmap.report.table_page.loads import mark
+from propmap.report.table_page.samples import OFF, TableSamples
 
-
-def hover_section(samples: TableSamples) -> Part:
-    """Verdict, figure, errors by speed; a sentence where the table does not hold rest."""
-    title = "Would the hover model do?"
-    if not samples.hover:
-        told = "The envelope does not hold the propeller at rest, so that there is no hover model."
-        return Part(Section("hover", title, (Text(told),)))
-    shown = picture(
-        hover_figure(samples),
-        "table-hover",
-        f"The hover model less the table at {samples.omega * RPM:.0f} rpm, as a share of the "
-        "static load. Dashed, in every colour of an angle: what is drawn is the hover model's "
-        "error. Zero is this table.",
-        "The hover model's error in thrust and torque against speed.",
-    )
-    section = Section("hover", title, (_verdict(samples), shown, _table(samples)))
-    return Part(section, files_of(shown) | {"table-hover.csv": _csv(samples)})
+LOADS = ("thrust", "torque")
 
 
+@style()
 def hover_figure(samples: TableSamples) -> Figure:
-    """Thrust and torque."""
-    hover = hover_loads(samples)
-    looks = {**HOVER, "linewidth": 1.5}
-    del looks["color"]
-    with style():
-        figure = new_figure(8.6, 3.8)
-        axes = figure.subplots(1, 2)
-        for ax, load in zip(axes, ("thrust", "torque"), strict=True):
-            ax.axhline(0.0, color="0.4", linewidth=0.8)
-            for k, one in enumerate(samples.curves):
-                off = 100.0 * (hover[load] - one.loads[load]) / hover[load]
-                ax.plot(samples.speed, off, color=COLOURS[k], **looks)
-                every = slice(6 + 3 * k, None, 24)
-                ax.plot(
-                    samples.speed[every], off[every], color=COLOURS[k], marker=MARKERS[k],
-                    markersize=4.0, linestyle="none",
-                )  # fmt: skip
-            ax.set_ylabel(f"hover model less table, {load} [% of static]")
-            ax.set_xlabel("flight speed V [m/s]")
-            ax.margins(x=0.02)
-        handles = [
-            Line2D(
-                [], [], color=COLOURS[k], marker=MARKERS[k], markersize=4.0,
-                label=f"β = {np.degrees(one.beta):.0f}°", **looks,
-            )
-            for k, one in enumerate(samples.curves)
-        ]  # fmt: skip
-        figure.legend(handles=handles, loc="outside lower center", ncols=len(handles))
+    """The hover model less the table in thrust and torque over speed, in the colours of angles."""
+    look: dict[str, Any] = {**DASHED, "linewidth": 1.5}
+    figure = new_figure(8.6, 3.8)
+    for ax, load in zip(figure.subplots(1, 2), LOADS, strict=True):
+        ax.axhline(0.0, color="0.4", linewidth=0.8)
+        for k, one in enumerate(samples.curves):
+            off = 100.0 * (samples.still[load] - one.loads[load]) / samples.still[load]
+            ax.plot(samples.speed, off, color=COLOURS[k], **look)
+            mark(ax, k, samples.speed, off)
+        ax.set_ylabel(f"hover model less table, {load} [% of static]")
+        ax.set_xlabel("flight speed V [m/s]")
+        ax.margins(x=0.02)
+    legend_below(figure, angle_keys([c.beta for c in samples.curves], markersize=4.0, **look))
     return figure
 
 
-def _verdict(samples: TableSamples) -> Verdict:
+def judged(samples: TableSamples) -> dict[str, Any]:
+    """The verdict: its level and word, the share of points off, the speed up to which it holds."""
     total = sum(one.points for one in samples.hover)
     off = sum(one.off[0] * one.points for one in samples.hover) / total
-    good = [one for one in samples.hover if one.off[0] < 0.05]
-    limit = f"{100 * OFF[0]:.0f} %"
-    told = f"In {100.0 * off:.0f} % of the envelope its thrust is off by more than {limit}."
+    good = [one for one in samples.hover if one.off[0] < OFF[0]]
     if len(good) == len(samples.hover):
-        return Verdict("good", "Yes, for thrust", told + " It has no rotor drag at any speed.")
+        return {"level": "good", "word": "Yes, for thrust", "off": off}
     if good:
-        end = f"{number(good[-1].speed[1], 2)} m/s"
-        return Verdict("caution", "Only in slow flight", f"{told} Up to {end} it mostly does.")
-    return Verdict("bad", "No", told + " It has no rotor drag at any speed.")
+        speed = good[-1].speed[1]
+        return {"level": "caution", "word": "Only in slow flight", "off": off, "speed": speed}
+    return {"level": "bad", "word": "No", "off": off}
 
 
-def _table(samples: TableSamples) -> Table:
-    rows = tuple(
+def error_rows(samples: TableSamples) -> list[tuple[str, ...]]:
+    """Speed, errors of thrust, torque and drag, and shares of points off; a row per band."""
+    return [
         (
             f"{number(one.speed[0], 2)} to {number(one.speed[1], 2)}",
-            *(number(100.0 * v, 2) for v in (one.thrust_rms, one.torque_rms, one.drag_rms)),
+            *(number(100.0 * value, 2) for value in one.rms),
             *(f"{100.0 * share:.0f}" for share in one.off),
         )
         for one in samples.hover
-    )
-    columns = (
-        ("speed", "m/s"), ("thrust, rms error", "%"), ("torque, rms error", "%"),
-        ("rotor drag, rms, all missed", "%"),
-        *((f"points with thrust off by {100 * limit:.0f} %", "%") for limit in OFF),
-    )  # fmt: skip
-    return Table(
-        "The hover model against this table over the whole envelope, as shares of static loads "
-        "(drag: of static thrust).",
-        columns,
-        rows,
-    )
-
-
-def _csv(samples: TableSamples) -> str:
-    hover = hover_loads(samples)
-    heads = ("beta_deg", "speed_mps", "rpm", "thrust_error_share", "torque_error_share")
-    rows = [
-        (
-            float(np.degrees(one.beta)),
-            speed,
-            samples.omega * RPM,
-            *(float((hover[n] - one.loads[n][k]) / hover[n]) for n in ("thrust", "torque")),
-        )
-        for one in samples.curves
-        for k, speed in enumerate(samples.speed.tolist())
     ]
-    return csv_of_rows(heads, rows)
+
+
+def hover_sheet(samples: TableSamples) -> str:
+    """The figure's numbers as CSV."""
+    return csv_of_columns(
+        *(
+            {"beta_deg": np.degrees(one.beta), "speed_mps": samples.speed, "rpm": samples.rpm}
+            | {
+                f"{load}_error_share": (samples.still[load] - one.loads[load]) / samples.still[load]
+                for load in LOADS
+            }
+            for one in samples.curves
+        )
+    )

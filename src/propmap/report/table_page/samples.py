@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -12,19 +13,19 @@ from numpy.typing import NDArray
 from propmap.arrays.types import Floats
 from propmap.fit.residuals import rms
 from propmap.loads import LOADS
+from propmap.report.page import number
+from propmap.report.style import RPM
 from propmap.table.lookup import NO_VALUE, OK, STATUSES, UNRESOLVED, VORTEX_RING
 from propmap.table.query import LoadTable
 
-RPM = 30.0 / np.pi
 POINTS = 32_768
 """Of the envelope, on which shares are counted."""
 
-SEED = 2017
 SPEEDS, ANGLES = 121, 91
+"""Of the maps."""
+
 CURVES = (0.0, 45.0, 90.0, 135.0, 180.0)
 """Angles of the curves [deg], where the envelope has them."""
-
-MARKED = (OK, VORTEX_RING, UNRESOLVED, NO_VALUE)
 
 FLOWS = (
     ("climb and fast cruise", 0.0, 60.0),
@@ -42,7 +43,7 @@ OFF = (0.05, 0.1)
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """Loads over speed at one angle: by load (n,), and the codes of the points (n,)."""
+    """Loads over speed at one angle [rad]: by name (n,), and the codes of the points (n,)."""
 
     beta: float
     loads: dict[str, Floats]
@@ -53,49 +54,57 @@ class Curve:
 class HoverErrors:
     """The hover model less the table in a band of speed [m/s], as shares of the static load.
 
-    thrust_rms, torque_rms : root mean squares.  drag_rms : of the drag, over static thrust.
-    off : share of the points where thrust is off by more than each of ``OFF``.
+    Attributes
+    ----------
+    points : int
+        How many are in the band.
+    rms : tuple of float
+        Root mean squares of thrust, torque, and the drag, which the hover model lacks.
+    off : tuple of float
+        Share of the points where thrust is off by more than each of ``OFF``.
     """
 
     speed: tuple[float, float]
     points: int
-    thrust_rms: float
-    torque_rms: float
-    drag_rms: float
+    rms: tuple[float, ...]
     off: tuple[float, ...]
-
-
-@dataclass(frozen=True)
-class AngleShares:
-    """Shares of a part of the envelope, by status.  beta : its ends [deg]."""
-
-    name: str
-    beta: tuple[float, float]
-    shares: dict[str, float]
 
 
 @dataclass(frozen=True, eq=False)
 class TableSamples:
     """What is drawn and counted.
 
-    omega : of the curves and maps [rad/s], the geometric middle of the envelope.
-    speed (n,) [m/s], beta (m,) [rad] : of the maps.  maps : by load, (n, m).
-    code : of the maps (n, m).  curves : see there.
-    shares : of the envelope, by the words of ``MARKED``.  by_angle : the same of its parts.
-    k_thrust, k_torque : the hover model's constants, from the table at rest; NaN where the
-    envelope has no rest.  hover : by band of speed; empty where there are no constants.
+    Attributes
+    ----------
+    rpm : float
+        Rotational speed of the curves and maps [1/min], the geometric middle of the envelope.
+    speed, beta : ndarray, shape (n,), (m,)
+        Of the maps [m/s], [rad].
+    maps : dict of str to ndarray, shape (n, m)
+        Loads by name.
+    code : ndarray, shape (n, m)
+        Statuses of the maps.
+    curves : sequence of Curve
+        At the speeds of the maps.
+    still : dict of str to float
+        The hover model's loads: those of the table at rest, NaN where it has none.
+    shares : dict of str to float
+        Of the envelope, by status.
+    by_angle : sequence of tuple of str
+        Range of the angle, kind of flow, and the shares there [%].
+    hover : sequence of HoverErrors
+        By band of speed; empty without loads at rest.
     """
 
-    omega: float
+    rpm: float
     speed: Floats
     beta: Floats
     maps: dict[str, Floats]
     code: NDArray[np.uint8]
     curves: Sequence[Curve]
+    still: dict[str, float]
     shares: dict[str, float]
-    by_angle: Sequence[AngleShares]
-    k_thrust: float
-    k_torque: float
+    by_angle: Sequence[tuple[str, ...]]
     hover: Sequence[HoverErrors]
 
 
@@ -104,30 +113,30 @@ def sample(table: LoadTable) -> TableSamples:
     (w0, w1), (v0, v1), (b0, b1) = table.envelope.values()
     omega = float(np.sqrt(w0 * w1))
     speed, beta = np.linspace(v0, v1, SPEEDS), np.linspace(b0, b1, ANGLES)
-    found = table.loads(omega, speed[:, None], beta)
-    still: Any = table.loads(omega, 0.0, b0)
-    k_thrust, k_torque = still.thrust / omega**2, still.torque / omega**2
+    found, rest = table.loads(omega, speed[:, None], beta), table.loads(omega, 0.0, b0)
+    still = {
+        load.name: 0.0 if load.inplane else float(getattr(rest, load.name))
+        for load in LOADS.values()
+    }
     points = _points(table)
     everywhere = table.loads(*points)
-    known = np.isfinite([k_thrust, k_torque]).all() and k_thrust > 0.0 and k_torque > 0.0
     return TableSamples(
-        omega=omega,
+        rpm=omega * RPM,
         speed=speed,
         beta=beta,
         maps={name: getattr(found, name) for name in LOADS},
         code=np.asarray(found.code),
         curves=[_curve(table, omega, speed, angle) for angle in _angles(b0, b1)],
+        still=still,
         shares=_shares(everywhere.code),
         by_angle=_by_angle(points[2], everywhere.code),
-        k_thrust=k_thrust,
-        k_torque=k_torque,
-        hover=_hover(points, everywhere, (k_thrust, k_torque), (v0, v1)) if known else [],
+        hover=_hover(points, everywhere, {n: k / omega**2 for n, k in still.items()}, (v0, v1)),
     )
 
 
 def _points(table: LoadTable) -> tuple[Floats, Floats, Floats]:
-    """omega, speed, beta, spread evenly over the envelope; (n,) each."""
-    # Without SciPy, which a table's user need not have: Kronecker's sequence.
+    """omega, speed, beta (n,) of points spread evenly over the envelope: Kronecker's sequence."""
+    # Without SciPy, which a table's user need not have.
     steps = 1.0 / 1.220744084605759 ** np.arange(1, 4)
     unit = (0.5 + np.arange(1, POINTS + 1)[:, None] * steps) % 1.0
     low, high = np.array(list(table.envelope.values())).T
@@ -147,43 +156,37 @@ def _curve(table: LoadTable, omega: float, speed: Floats, beta: float) -> Curve:
 
 
 def _shares(code: NDArray[np.uint8]) -> dict[str, float]:
-    return {STATUSES[k]: float(np.mean(code == k)) for k in MARKED}
+    return {STATUSES[k]: float(np.mean(code == k)) for k in (OK, VORTEX_RING, UNRESOLVED, NO_VALUE)}
 
 
-def _by_angle(beta: Floats, code: NDArray[np.uint8]) -> list[AngleShares]:
-    degrees, told = np.degrees(beta), []
+def _by_angle(beta: Floats, code: NDArray[np.uint8]) -> list[tuple[str, ...]]:
+    degrees, rows = np.degrees(beta), []
     for name, low, high in FLOWS:
         mine = (degrees >= low) & (degrees < high)
         if mine.any():
-            ends = (max(low, degrees.min()), min(high, degrees.max()))
-            told.append(AngleShares(name, (float(ends[0]), float(ends[1])), _shares(code[mine])))
-    return told
+            ends = f"{max(low, degrees.min()):.0f}° to {min(high, degrees.max()):.0f}°"
+            shares = _shares(code[mine]).values()
+            rows.append((ends, name, *(number(100.0 * share) for share in shares)))
+    return rows
 
 
 def _hover(
     points: tuple[Floats, Floats, Floats],
     found: Any,
-    constants: tuple[float, float],
-    fastest: tuple[float, float],
+    constants: dict[str, float],
+    ends: tuple[float, float],
 ) -> list[HoverErrors]:
+    if not (constants["thrust"] > 0.0 and constants["torque"] > 0.0):
+        return []
     omega, speed, _ = points
-    thrust, torque = (k * omega**2 for k in constants)
+    thrust, torque = (constants[name] * omega**2 for name in ("thrust", "torque"))
     off = (thrust - found.thrust) / thrust
-    turning = (torque - found.torque) / torque
-    drag = found.drag / thrust
-    edges = np.linspace(*fastest, BANDS + 1)
-    told = []
-    for k in range(BANDS):
-        mine = (speed >= edges[k]) & (speed <= edges[k + 1]) & np.isfinite(off)
+    shares = (off, (torque - found.torque) / torque, found.drag / thrust)
+    bands = []
+    for low, high in itertools.pairwise(np.linspace(*ends, BANDS + 1).tolist()):
+        mine = (speed >= low) & (speed <= high) & np.isfinite(off)
         if mine.any():
-            told.append(
-                HoverErrors(
-                    speed=(float(edges[k]), float(edges[k + 1])),
-                    points=int(mine.sum()),
-                    thrust_rms=rms(off[mine]),
-                    torque_rms=rms(turning[mine]),
-                    drag_rms=rms(drag[mine]),
-                    off=tuple(float(np.mean(np.abs(off[mine]) > limit)) for limit in OFF),
-                )
-            )
-    return told
+            beyond = tuple(float(np.mean(np.abs(off[mine]) > limit)) for limit in OFF)
+            each = tuple(rms(share[mine]) for share in shares)
+            bands.append(HoverErrors((low, high), int(mine.sum()), each, beyond))
+    return bands

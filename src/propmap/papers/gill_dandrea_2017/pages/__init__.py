@@ -1,1 +1,1 @@
-"""The sections of the page: each tells, tabulates and draws one part of the numbers."""
+"""The page: figures, tables and CSV files of each part; the words are in ``page.html.j2``."""

@@ -2,208 +2,207 @@
 
 from __future__ import annotations
 
+import math
+from typing import Any
+
 import numpy as np
+from matplotlib.figure import Figure
 
 from propmap.papers.gill_dandrea_2017.level_circles import (
     ASSUMED,
+    CASES,
     FORCE_ERROR,
-    Case,
-    HoverFailure,
     SetFlown,
-    hover_failure,
     static_inflow,
 )
-from propmap.papers.gill_dandrea_2017.numbers import Numbers
-from propmap.papers.gill_dandrea_2017.pages.level_circle_pictures import (
-    TITLES,
-    cases_figure,
-    loads_figure,
+from propmap.papers.gill_dandrea_2017.paper import FASTEST, FLOWN, HOVER_FAILS
+from propmap.report.page import csv_of_columns, csv_of_rows, number
+from propmap.report.style import (
+    COLOURS,
+    DASHED,
+    MEASURED,
+    MODEL,
+    RPM,
+    key,
+    legend_below,
+    legend_in_last,
+    marked,
+    new_figure,
+    share_of_weight,
+    style,
 )
-from propmap.papers.gill_dandrea_2017.paper import FASTEST, HOVER_FAILS, SIGN_CHANGES
-from propmap.report.page import Section, Table, Text, Verdict, number
-from propmap.report.part import Part, files_of, picture
-from propmap.report.sheet import csv_of_rows
+from propmap.vehicle.flight_log import GRAVITY
+
+WEIGHT = ASSUMED.mass * GRAVITY
+FACES = (COLOURS[0], "white")
+"""Of the markers, full and hollow, told apart in print without colour."""
+
+LABELS = (
+    "collective thrust ΣT [N]",
+    "collective rotor drag ΣD [N]",
+    "collective torque [mN m]",
+    "vertical force error [N]",
+    "pitch angle, nose down [deg]",
+)
 
 
-def figure_6(numbers: Numbers) -> Part:
-    """Loads, force error and pitch against speed; where the hover model fails."""
-    flown = numbers.flown
-    loads = picture(
-        loads_figure(flown),
-        "figure-6-level-circles",
-        f"Level circles on a 1.7 m tether, {ASSUMED.mass:g} kg, frame drag area "
-        f"{ASSUMED.drag_area:g} m². Lines: this model with the sets of Table I. Dashed: the hover "
-        "model at the same rotor speeds. Points: the set identified from 20 simulated flights, "
-        f"bars: the unknown force of {100 * FORCE_ERROR:.0f} % of the weight in each.",
-        "Six panels against flight speed for a soft and a stiff propeller.",
-    )
-    cases = picture(
-        cases_figure(flown),
-        "figure-6-hover-failure",
-        "Vertical force by the hover model less the weight, for several assumed masses and "
-        "drag areas of the frame; the dotted line marks the speed that the paper gives.",
-        "The hover model's force error against flight speed, one panel per propeller.",
-    )
-    section = Section(
-        "figure-6",
-        "Figure 6: where the hover model fails in flight",
-        (
-            Verdict("caution", "In part", _verdict(flown)),
-            Text(
-                "The paper flew level circles on a tether and measured. Those logs are not at "
-                "hand, so the flights here are computed: this model with the printed set is the "
-                "truth. "
-                "This shows what a hover model misses if the theory is right; it cannot show "
-                "that the theory is right. The paper's mass and frame drag are not known here "
-                "either, and the result depends on them, so several are shown."
-            ),
-            loads,
-            cases,
-            failure_table(flown),
-            Text(
-                "Why: in slow flight the rotors meet fresh air and carry more than at rest, so at "
-                "the speed they need the hover model predicts too little. In fast flight the "
-                "vehicle leans into its drag, air comes through the disks from above, the rotors "
-                "must turn faster, and the hover model predicts too much. Without any drag of the "
-                "frame the second effect never wins. Speeds scale with the static inflow, so "
-                "a heavier vehicle fails later."
-            ),
-        ),
-    )
-    files = files_of(loads, cases) | {
-        "figure-6-level-circles.csv": _circles_csv(flown),
-        "figure-6-identification.csv": _twin_csv(flown),
-        "figure-6-hover-failure.csv": _errors_csv(flown),
-        "figure-6-failure-speeds.csv": _failures_csv(flown),
-    }
-    return Part(section, files)
-
-
-def failures(one: SetFlown) -> dict[Case, HoverFailure]:
-    """Of every case."""
-    return {case: hover_failure(found, case.mass) for case, found in one.circles.items()}
-
-
-def failure_table(flown: dict[str, SetFlown]) -> Table:
-    """Speeds at which the hover model fails, by case."""
-    rows = []
-    for name, one in flown.items():
-        for case, failure in failures(one).items():
-            low, high = failure.exceeds
-            change = failure.sign_changes
-            rows.append(
-                (
-                    TITLES[name],
-                    number(case.mass),
-                    number(case.drag_area),
-                    number(static_inflow(case)),
-                    _speed(low),
-                    _speed(high),
-                    _speed(change),
-                    number(HOVER_FAILS[name]),
-                )
-            )
-    columns = (
-        ("propeller", ""),
-        ("mass", "kg"),
-        ("drag area", "m²"),
-        ("static inflow", "m/s"),
-        ("off by 5 %", "m/s"),
-        ("off by 10 %", "m/s"),
-        ("turns from too little to too much", "m/s"),
-        ("paper: fails", "m/s"),
-    )
-    return Table(
-        "Flight speeds from which the hover model's vertical force is off by so much of the "
-        "weight, and at which its sign changes.",
-        columns,
-        tuple(rows),
-        f"“never”: not up to {FASTEST:g} m/s. The paper's change of sign is at "
-        f"{SIGN_CHANGES:g} m/s.",
-    )
-
-
-def _speed(value: float | None) -> str:
-    return "never" if value is None else f"{value:.1f}"
-
-
-def _verdict(flown: dict[str, SetFlown]) -> str:
-    every = {name: failures(one) for name, one in flown.items()}
-    changes = {
-        name: [f.sign_changes for f in found.values() if f.sign_changes is not None]
-        for name, found in every.items()
-    }
-    first = [f.exceeds[0] for found in every.values() for f in found.values() if f.exceeds[0]]
-    earlier = all(
-        (soft.sign_changes or np.inf) <= (stiff.sign_changes or np.inf)
-        for soft, stiff in zip(
-            every["paper-soft"].values(), every["paper-stiff"].values(), strict=True
+@style()
+def loads_figure(flown: dict[str, SetFlown]) -> Figure:
+    """The paper's five panels, and a legend in the sixth."""
+    figure = new_figure(9.6, 6.2)
+    axes = figure.subplots(2, 3, sharex=True).ravel()
+    handles, big = [], {**MEASURED, "clip_on": True}
+    for k, (name, one) in enumerate(flown.items()):
+        c, look = one.circles[ASSUMED], {"color": COLOURS[k]}
+        lines = (
+            (c.thrust, c.hover_thrust),
+            (c.drag, 0.0 * c.drag),
+            (1e3 * c.torque, 1e3 * c.hover_torque),
+            (None, c.hover_error),
+            (np.degrees(c.pitch), None),
         )
-    )
-    order = (
-        "the soft propeller before the stiff one, as in the paper"
-        if earlier
-        else ("in no fixed order of soft and stiff, unlike in the paper")
-    )
-    text = (
-        "The paper's pattern comes out: the hover model predicts too little vertical force in "
-        f"slow flight and too much in fast flight, {order}. The speeds do not follow from what "
-        "the paper gives: where the sign changes at all, it does so between "
-    )
-    text += " and ".join(
-        f"{min(v):.1f} and {max(v):.1f} m/s ({TITLES[name]})" for name, v in changes.items() if v
-    )
-    return text + (
-        " over the cases below, against the paper's 7 and 9 m/s; without frame drag, or with a "
-        f"heavier vehicle, not up to {FASTEST:g} m/s. And the hover model is off by 5 % of the "
-        f"weight already from {min(first):.1f} to {max(first):.1f} m/s."
-    )
-
-
-def _circles_csv(flown: dict[str, SetFlown]) -> str:
-    heads = (
-        "set", "speed_mps", "rotor_speed_rpm", "pitch_deg", "thrust_N", "drag_N", "torque_Nm",
-        "hover_thrust_N", "hover_torque_Nm", "hover_force_error_N",
-    )  # fmt: skip
-    rows = []
-    for name, one in flown.items():
-        c = one.circles[ASSUMED]
-        columns = (
-            c.speed, c.rotor_speed * 30.0 / np.pi, np.degrees(c.pitch), c.thrust, c.drag, c.torque,
-            c.hover_thrust, c.hover_torque, c.hover_error,
+        for ax, (model, hover) in zip(axes, lines, strict=False):
+            if model is not None:
+                ax.plot(c.speed, model, **look, **MODEL)
+            if hover is not None:
+                ax.plot(c.speed, hover, **look, **DASHED)
+        found: dict[str, Any] = {**marked(k), "linestyle": "none", "markerfacecolor": FACES[k]}
+        axes[3].errorbar(
+            one.twin.speed, one.twin.error, FORCE_ERROR * WEIGHT, markersize=3.5, elinewidth=0.8,
+            **found,
         )  # fmt: skip
-        rows += [(name, *row) for row in np.stack(columns, axis=1).tolist()]
-    return csv_of_rows(heads, rows)
+        handles += [
+            key(f"{FLOWN[name]}: this model", **look, **MODEL),
+            key(f"{FLOWN[name]}: hover model", **look, **DASHED),
+            key(f"{FLOWN[name]}: identified,\nsimulated flights", **(big | found)),
+        ]
+    for ax, label in zip(axes, LABELS, strict=False):
+        ax.set_ylabel(label)
+        ax.margins(x=0.02)
+    axes[3].axhline(0.0, color="0.6", linewidth=0.8)
+    share_of_weight(axes[3], WEIGHT)
+    legend_in_last(axes, handles, "flight speed V [m/s]")
+    return figure
 
 
-def _errors_csv(flown: dict[str, SetFlown]) -> str:
-    heads = ("set", "mass_kg", "drag_area_m2", "speed_mps", "hover_force_error_N")
-    rows = [
-        (name, case.mass, case.drag_area, *row)
+@style()
+def cases_figure(flown: dict[str, SetFlown]) -> Figure:
+    """The hover model's error in every case, a panel per set."""
+    figure = new_figure(9.2, 4.2)
+    axes = figure.subplots(1, 2, sharey=True)
+    for ax, (name, one) in zip(axes, flown.items(), strict=True):
+        ax.axhline(0.0, color="0.6", linewidth=0.8)
+        ax.axvline(HOVER_FAILS[name], color="0.3", linewidth=1.0, linestyle=":")
+        for k, case in enumerate(sorted(CASES, key=lambda case: (case.mass, case.drag_area))):
+            found = one.circles[case]
+            share = 100.0 * found.hover_error / (case.mass * GRAVITY)
+            ax.plot(
+                found.speed, share, markersize=3.5, markevery=(2 + k, 6),
+                label=f"{case.mass:g} kg, {case.drag_area:g} m²", **marked(k), **DASHED,
+            )  # fmt: skip
+        ax.set_title(f"{FLOWN[name]} propeller", fontsize=9.0)
+        ax.set_xlabel("flight speed V [m/s]")
+        ax.set_xlim(0.0, FASTEST)
+    axes[0].set_ylim(-35.0, 60.0)
+    axes[0].set_ylabel("vertical force error\nof the hover model [% of the weight]")
+    handles = axes[0].get_legend_handles_labels()[0]
+    legend_below(figure, handles, handlelength=3.2, columnspacing=1.2)
+    return figure
+
+
+def failure_rows(flown: dict[str, SetFlown]) -> list[tuple[str, ...]]:
+    """Propeller, case, static inflow, speeds at which the hover model fails; a row per case."""
+    return [
+        (
+            FLOWN[name],
+            *(number(v) for v in (case.mass, case.drag_area, static_inflow(case))),
+            *("never" if v is None else f"{v:.1f}" for v in (*found.exceeds, found.sign_changes)),
+            number(HOVER_FAILS[name]),
+        )
         for name, one in flown.items()
-        for case, c in one.circles.items()
-        for row in np.stack([c.speed, c.hover_error], axis=1).tolist()
+        for case, found in one.failures.items()
     ]
-    return csv_of_rows(heads, rows)
 
 
-def _twin_csv(flown: dict[str, SetFlown]) -> str:
-    rows = [
-        (name, *row)
-        for name, one in flown.items()
-        for row in np.stack([one.twin.speed, one.twin.error, one.twin.hover_error], 1).tolist()
-    ]
-    return csv_of_rows(("set", "speed_mps", "force_error_N", "hover_force_error_N"), rows)
+def summary(flown: dict[str, SetFlown]) -> dict[str, Any]:
+    """For the words of the page.
+
+    ``changes``: speeds of the change of sign by set, for the cases that have one; ``early``: speeds
+    from which the error exceeds 5 % of the weight; ``in_order``: whether the sign changes for the
+    soft propeller before the stiff one in every case.
+    """
+    cases = [list(one.failures.values()) for one in flown.values()]
+    pairs = [[f.sign_changes or math.inf for f in pair] for pair in zip(*cases, strict=True)]
+    return {
+        "changes": {
+            name: [f.sign_changes for f in found if f.sign_changes is not None]
+            for name, found in zip(flown, cases, strict=True)
+        },
+        "early": [f.exceeds[0] for found in cases for f in found if f.exceeds[0]],
+        "in_order": all(soft <= stiff for soft, stiff in pairs),
+    }
 
 
-def _failures_csv(flown: dict[str, SetFlown]) -> str:
-    heads = (
-        "set", "mass_kg", "drag_area_m2", "static_inflow_mps", "off_by_5_percent_mps",
-        "off_by_10_percent_mps", "sign_changes_mps", "paper_fails_mps",
-    )  # fmt: skip
-    rows = [
-        (name, c.mass, c.drag_area, static_inflow(c), *f.exceeds, f.sign_changes, HOVER_FAILS[name])
-        for name, one in flown.items()
-        for c, f in failures(one).items()
-    ]
-    return csv_of_rows(heads, rows)
+def sheets(flown: dict[str, SetFlown]) -> dict[str, str]:
+    """The CSV files."""
+    assumed = {name: one.circles[ASSUMED] for name, one in flown.items()}
+    return {
+        "figure-6-level-circles": csv_of_columns(
+            *(
+                {
+                    "set": name,
+                    "speed_mps": c.speed,
+                    "rotor_speed_rpm": c.rotor_speed * RPM,
+                    "pitch_deg": np.degrees(c.pitch),
+                    "thrust_N": c.thrust,
+                    "drag_N": c.drag,
+                    "torque_Nm": c.torque,
+                    "hover_thrust_N": c.hover_thrust,
+                    "hover_torque_Nm": c.hover_torque,
+                    "hover_force_error_N": c.hover_error,
+                }
+                for name, c in assumed.items()
+            )
+        ),
+        "figure-6-identification": csv_of_columns(
+            *(
+                {
+                    "set": name,
+                    "speed_mps": one.twin.speed,
+                    "force_error_N": one.twin.error,
+                    "hover_force_error_N": one.twin.hover_error,
+                }
+                for name, one in flown.items()
+            )
+        ),
+        "figure-6-hover-failure": csv_of_columns(
+            *(
+                {
+                    "set": name,
+                    "mass_kg": case.mass,
+                    "drag_area_m2": case.drag_area,
+                    "speed_mps": c.speed,
+                    "hover_force_error_N": c.hover_error,
+                }
+                for name, one in flown.items()
+                for case, c in one.circles.items()
+            )
+        ),
+        "figure-6-failure-speeds": csv_of_rows(
+            "set mass_kg drag_area_m2 static_inflow_mps off_by_5_percent_mps "
+            "off_by_10_percent_mps sign_changes_mps paper_fails_mps",
+            [
+                (
+                    name,
+                    case.mass,
+                    case.drag_area,
+                    static_inflow(case),
+                    *found.exceeds,
+                    found.sign_changes,
+                    HOVER_FAILS[name],
+                )
+                for name, one in flown.items()
+                for case, found in one.failures.items()
+            ],
+        ),
+    }

@@ -2,77 +2,124 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import jax
 import numpy as np
 
-import propmap
 from propmap.catalogue.measurements import measurement
-from propmap.papers.gill_dandrea_2017.files import PAGE
+from propmap.fit.residuals import rms
+from propmap.papers.gill_dandrea_2017 import level_circles, paper, tunnel
+from propmap.papers.gill_dandrea_2017 import rotor_drag as drag
+from propmap.papers.gill_dandrea_2017.cost import Times
+from propmap.papers.gill_dandrea_2017.identified import AXIAL, OBLIQUE
 from propmap.papers.gill_dandrea_2017.numbers import Numbers
-from propmap.papers.gill_dandrea_2017.pages.at_a_glance import at_a_glance
-from propmap.papers.gill_dandrea_2017.pages.camber import camber
-from propmap.papers.gill_dandrea_2017.pages.cost import cost
-from propmap.papers.gill_dandrea_2017.pages.figure_6 import figure_6
-from propmap.papers.gill_dandrea_2017.pages.figure_7 import figure_7
-from propmap.papers.gill_dandrea_2017.pages.rotor_drag import rotor_drag
-from propmap.papers.gill_dandrea_2017.pages.table_1 import table_1
-from propmap.papers.gill_dandrea_2017.paper import CITATION, RIBNER
-from propmap.papers.gill_dandrea_2017.tunnel import DATA_SETS
-from propmap.report.page import Page, Points, Text, page_html
+from propmap.papers.gill_dandrea_2017.pages import figure_6, figure_7, rotor_drag, table_1
+from propmap.papers.gill_dandrea_2017.pages.camber import (
+    SYMBOLS,
+    camber_figure,
+    camber_sheet,
+    coefficient_error,
+)
+from propmap.papers.gill_dandrea_2017.tunnel_curves import OBLIQUE_OMEGA
+from propmap.report.page import csv_of_rows, number, report_files
+from propmap.report.style import RPM
+
+FILES_OF_DATA = {
+    AXIAL: "figure-7-axial",
+    OBLIQUE: "figure-7-oblique",
+    tunnel.MULTIROTOR: "figure-7-8x4.5mr",
+}
 
 
-def pages(numbers: Numbers) -> Mapping[str, str | bytes]:
+def pages(numbers: Numbers) -> dict[str, str | bytes]:
     """All files by name: the page, and a CSV and an SVG for what it shows."""
-    parts = [
-        table_1(numbers),
-        figure_6(numbers),
-        figure_7(numbers),
-        camber(numbers),
-        rotor_drag(numbers),
-        cost(numbers.times),
-    ]
-    page = Page(
-        title="Propeller thrust and drag in forward flight, reproduced",
-        subtitle=f"By propmap {propmap.__version__}, command: propmap reproduce",
-        lead=(*_lead(), at_a_glance(numbers)),
-        sections=[part.section for part in parts],
-        facts=_facts(),
-    )
-    files: dict[str, str | bytes] = {PAGE: page_html(page)}
-    for part in parts:
-        files |= part.files
-    return files
-
-
-def _lead() -> tuple[Text | Points, ...]:
-    return (
-        Text(
-            "What the paper of Gill and D'Andrea (2017) shows, computed again from its own "
-            "ingredients and public data: this model in solid lines, the hover model (thrust and "
-            "torque from the rotational speed alone, no drag) dashed, measurements as points."
+    flown, found, lines = numbers.flown, numbers.tunnel, numbers.axial_curves
+    small, times = numbers.small_incidence, numbers.times
+    figures = {
+        "figure-6-level-circles": figure_6.loads_figure(flown),
+        "figure-6-hover-failure": figure_6.cases_figure(flown),
+        "figure-7-axial": figure_7.axial_figure(found[AXIAL], lines),
+        "figure-7-oblique": figure_7.oblique_figure(found[OBLIQUE], numbers.oblique_curves),
+        "figure-7-8x4.5mr": figure_7.multirotor_figure(
+            found[tunnel.MULTIROTOR], numbers.thrust_curves
         ),
-        Points(
-            (
-                "Every figure lies beside this page as SVG, the numbers of figures and tables as "
-                "CSV. Two runs give the same numbers; only the times at the end differ.",
-                "Where this model disagrees with a measurement, it is shown and said.",
+        "camber": camber_figure(found[AXIAL], lines),
+        "rotor-drag": rotor_drag.small_figure(small),
+    }
+    sheets = {
+        **table_1.sheets(numbers),
+        **figure_6.sheets(flown),
+        **figure_7.sheets(FILES_OF_DATA, found, numbers.errors),
+        "camber": camber_sheet(found[AXIAL], lines),
+        **rotor_drag.sheets(numbers),
+        "times": _times_sheet(times),
+    }
+    return report_files(
+        "papers/gill_dandrea_2017/pages/page.html.j2",
+        figures,
+        sheets,
+        numbers=numbers,
+        paper=paper,
+        circles=level_circles,
+        tunnel=tunnel,
+        drag=drag,
+        sets=table_1.printed_rows(),
+        blades=table_1.blade_rows(),
+        identified=table_1.identified_rows(numbers),
+        failures=figure_6.failure_rows(flown),
+        **figure_6.summary(flown),
+        oblique_rpm=OBLIQUE_OMEGA * RPM,
+        error_tables={
+            f"{title}, {found[name].data.omega.size} points": figure_7.error_rows(
+                [e for e in numbers.errors if e.data_set == name]
             )
+            for name, title in tunnel.DATA_SETS.items()
+        },
+        worst=lambda *wanted: _shares(numbers, "worst_share", *wanted),
+        typical=lambda *wanted: _shares(numbers, "rms_share", *wanted),
+        camber=[
+            [rms(coefficient_error(found[AXIAL], curve, part)) for part in SYMBOLS]
+            for curve in lines.values()
+        ],
+        zero_lift=[
+            np.degrees(one.law.zero_lift_angle)
+            for one in (numbers.fits.axial, numbers.fits.oblique)
+        ],
+        incidence=np.degrees(drag.INCIDENCE),
+        light=rotor_drag.theory_over_fin(small, light=True),
+        heavy=rotor_drag.theory_over_fin(small, light=False),
+        small=rotor_drag.small_rows(small),
+        ratios=[(f"{r.beta:.0f}", r.points, r.ratio, r.lowest, r.highest) for r in numbers.ratios],
+        in_flight=rotor_drag.flight_rows(numbers.consequences),
+        seconds=_seconds,
+        data=[measurement(name) for name in tunnel.DATA_SETS],
+        software={"JAX": jax.__version__, "NumPy": np.__version__},
+    )
+
+
+def _shares(numbers: Numbers, share: str, data: str, label: str, *loads: str) -> float:
+    """Largest share [%] in a data set among models with this in their label, and these loads."""
+    return 100.0 * max(
+        getattr(e, share)
+        for e in numbers.errors
+        if e.data_set == data and label in e.model and e.load in loads
+    )
+
+
+def _times_sheet(times: Times) -> str:
+    return csv_of_rows(
+        "what time_s paper_from_s paper_to_s",
+        (
+            ("one_point", times.one_point, paper.ONE_POINT, paper.ONE_POINT),
+            ("per_point_of_256", times.per_point, None, None),
+            ("level_flight_identification", times.level, *paper.IDENTIFICATION),
+            ("tunnel_identification", times.tunnel, None, None),
+            ("tunnel_identification_first", times.tunnel_first, None, None),
         ),
     )
 
 
-def _facts() -> tuple[tuple[str, str], ...]:
-    data = tuple(
-        (title, f"{measurement(name).citation}. {measurement(name).note}")
-        for name, title in DATA_SETS.items()
-    )
-    return (
-        ("Paper", CITATION),
-        *data,
-        ("Blade geometry", "Landing Products (APC Propellers), performance data, September 2022"),
-        ("Fin analogy", RIBNER),
-        ("Software", f"propmap {propmap.__version__}, JAX {jax.__version__}, NumPy "
-                     f"{np.__version__}"),
-    )  # fmt: skip
+def _seconds(value: float) -> str:
+    for size, unit in ((1.0, "s"), (1e-3, "ms"), (1e-6, "µs")):
+        if value >= size:
+            return f"{number(value / size, 2)} {unit}"
+    return f"{number(value * 1e9, 2)} ns"
