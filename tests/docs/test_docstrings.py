@@ -16,7 +16,11 @@ HEADING = re.compile(r"^(\w[\w ]*)\n-{3,}$", re.MULTILINE)
 ENTRY = re.compile(r"(?:^|(?<=[.;] ) ?)[A-Za-z_]\w*(?:(?:, | \(| \[)[^.:`]*)? : ", re.MULTILINE)
 """``name : meaning`` or ``name [unit], other [unit] : meaning``, which no heading announces."""
 
-CONVERTED = ("arrays", "catalogue", "errors", "io", "vehicle", "loads", "physics")
+PENDING = (
+    *("baselines", "cli", "engine", "export", "model", "papers", "report", "rotor", "solve"),
+    "table",
+)
+"""Rooms whose docstrings are still to be rewritten."""
 
 
 def docstrings() -> Iterator[tuple[str, str]]:
@@ -39,7 +43,7 @@ def entries_outside_sections(text: str) -> list[str]:
 
 def is_converted(where: str) -> bool:
     parts = Path(where.partition(":")[0]).with_suffix("").parts
-    return parts[0] != "src" or parts[2] in CONVERTED
+    return parts[0] != "src" or parts[2] not in PENDING
 
 
 def test_no_docstring_explains_parameters_between_its_sentences() -> None:

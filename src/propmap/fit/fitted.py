@@ -97,7 +97,7 @@ class Fitted:
         return rms(self.residual[self.rows.of_load(load)])
 
     def compared(self, load: int) -> tuple[Floats, Floats]:
-        """Modelled and measured values of the load of this index, in its unit."""
+        """Modelled and measured values of the ``load`` of this index, in its unit."""
         mine = self.rows.of_load(load)
         measured = self.rows.measured[mine]
         return measured + self.residual[mine], measured

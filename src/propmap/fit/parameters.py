@@ -155,7 +155,7 @@ class Choice:
         return {**FIRST_GUESS, **self.fixed, **dict(zip(self.free, x.tolist(), strict=True))}
 
     def column(self, attribute: str) -> Floats:
-        """An attribute of the free parameters, as (P,)."""
+        """An ``attribute`` of the free parameters, as (P,)."""
         return np.array([getattr(EVERY[name], attribute) for name in self.free])
 
     @property

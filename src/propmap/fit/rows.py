@@ -107,11 +107,11 @@ class Rows:
         return self.point if self.group is None else self.group
 
     def picked(self, table: Floats) -> Floats:
-        """The numbers (M,) of these rows in a table (n, L) of loads at the operating points."""
+        """The numbers (M,) of these rows in a ``table`` (n, L) of loads at the operating points."""
         return np.asarray(table[self.point, self.load])
 
     def of_load(self, load: int) -> NDArray[np.bool_]:
-        """Which rows (M,) are of the load of this index and have weight."""
+        """Which rows (M,) are of the ``load`` of this index and have weight."""
         return (self.load == load) & (self.weight > 0.0)
 
     def left(self, kept: NDArray[np.bool_]) -> Rows:

@@ -49,23 +49,11 @@ class FlightLog:
         return int(self.time.size)
 
     def picked(self, which: Any) -> FlightLog:
-        """Some of the samples.
-
-        Parameters
-        ----------
-        which : index
-            A mask or indices.
-        """
+        """Some of the samples: ``which`` is a mask or indices."""
         return self.with_each(lambda array: array[which])
 
     def with_each(self, change: Callable[[Floats], Floats]) -> FlightLog:
-        """The same log with every array changed.
-
-        Parameters
-        ----------
-        change : callable
-            From an array to another, whose first dimension is that of the new log.
-        """
+        """The same log with a ``change`` to every array, which may alter the number of samples."""
         arrays: dict[str, Any] = {f.name: change(getattr(self, f.name)) for f in fields(self)[1:]}
         return replace(self, **arrays)
 

@@ -110,12 +110,8 @@ def _table(path: Path, where: str) -> Any:
             "pip install 'propmap[parquet]', or save the log as CSV",
             where,
         ) from None
-    except pd.errors.EmptyDataError:
-        raise InputError("the file is empty", "give a log with a header line", where) from None
-    except UnicodeDecodeError:
-        raise InputError("this is not UTF-8 text", "save the log as CSV", where) from None
-    # What pyarrow raises for a damaged file is its own OSError and ValueError.
-    except (pd.errors.ParserError, ValueError, OSError) as error:
+    # Errors of pandas are ValueErrors; those of pyarrow for a damaged file OSErrors, too.
+    except (ValueError, OSError) as error:
         raise InputError(f"cannot be read: {error}", "export the log again", where) from None
     table.columns = [str(name).strip() for name in table.columns]
     return table
