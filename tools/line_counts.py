@@ -15,14 +15,18 @@ SOURCE = "src/propmap"
 
 
 def lines(commit: str) -> Counter[str]:
-    """Of every folder of the package, and of the modules of its root together."""
+    """Of every folder of the package, of the modules of its root, and of all templates."""
     count: Counter[str] = Counter()
     for name in _git("ls-tree", "-r", "--name-only", commit, SOURCE).splitlines():
         path = PurePosixPath(name)
-        if path.suffix == ".py":
-            inside = path.relative_to(SOURCE).parts
+        inside = path.relative_to(SOURCE).parts
+        if path.suffix in (".j2", ".in"):
+            folder = "templates"
+        elif path.suffix == ".py":
             folder = f"{inside[0]}/" if len(inside) > 1 else "root"
-            count[folder] += len(_git("show", f"{commit}:{name}").splitlines())
+        else:
+            continue
+        count[folder] += len(_git("show", f"{commit}:{name}").splitlines())
     return count
 
 
