@@ -7,15 +7,29 @@ from pathlib import Path
 
 from tools import architecture_picture, import_graph, line_counts
 
-from .pages import ROOT
+from .pages import ROOT, steps
 
+PAGE = ROOT / "docs" / "architecture.md"
 ROOMS = set(import_graph.room_imports()) - {"__main__"}
 
 
 def test_every_folder_has_its_paragraph() -> None:
-    text = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    text = PAGE.read_text(encoding="utf-8")
     folders = text.partition("## Folders")[2].partition("## ")[0]
     assert set(re.findall(r"\*\*`(\w+)`\*\*", folders)) == ROOMS
+
+
+def test_what_is_added_is_short() -> None:
+    """A file of ten lines at most, without imports, and four lines elsewhere."""
+    kinds = [step.kind for step in steps(PAGE)]
+    assert kinds.count("file") == 3 and kinds.count("edit") == 6
+    for step in steps(PAGE):
+        lines = [line for line in step.text.splitlines() if line]
+        if step.kind == "file":
+            code = [line for line in lines if not line.startswith(("from ", "import "))]
+            assert len(code) <= 10, step.name
+        elif step.kind == "edit":
+            assert sum(line.startswith("+") for line in lines) == 1, step.name
 
 
 def test_the_picture_has_a_box_for_every_folder() -> None:
