@@ -1,4 +1,4 @@
-"""The frozen table of reference loads that the regular tests compare the package with."""
+"""The frozen tables of reference loads that the regular tests compare the package with."""
 
 from __future__ import annotations
 
@@ -7,12 +7,13 @@ from pathlib import Path
 from typing import NamedTuple
 
 TABLE = Path(__file__).with_name("reference_loads.csv")
+EXTENDED_TABLE = Path(__file__).with_name("reference_loads_extended.csv")
 
 
 class ReferenceLoads(NamedTuple):
     """Loads of the reference propeller at one point, with one section of Table I; SI but rpm."""
 
-    set: str  # name of the section parameters
+    set: str  # name of the section parameters, or of the extension
     rpm: float
     v_axial: float  # [m/s]
     v_inplane: float  # [m/s]
@@ -27,10 +28,10 @@ class ReferenceLoads(NamedTuple):
 COLUMNS = ReferenceLoads._fields
 
 
-def frozen_loads() -> list[ReferenceLoads]:
-    """All rows of the frozen table, in the order in which they were computed."""
-    with TABLE.open(newline="", encoding="utf-8") as file:
+def frozen_loads(table: Path = TABLE) -> list[ReferenceLoads]:
+    """All rows of a frozen table, in the order in which they were computed."""
+    with table.open(newline="", encoding="utf-8") as file:
         header, *rows = csv.reader(file)
     if tuple(header) != COLUMNS:
-        raise ValueError(f"unexpected columns in {TABLE.name}: run make_reference again")
+        raise ValueError(f"unexpected columns in {table.name}: run make_reference again")
     return [ReferenceLoads(row[0], *map(float, row[1:])) for row in rows]

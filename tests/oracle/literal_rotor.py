@@ -4,8 +4,8 @@ Written from the printed equations of R. Gill and R. D'Andrea, "Propeller Thrust
 Forward Flight", IEEE CCTA 2017 (equation numbers below are the paper's), with NumPy and SciPy
 alone: explicit angles, a scan for every root of the hybrid inflow equation (11), and radial
 panels split where the inflow jumps. Nothing is clever where plain would do, since its worth
-is that it shares no code and no method with what it checks. Climb, hover and edgewise flight
-only (V cos(beta) >= 0). SI units and radians throughout.
+is that it shares no code and no method with what it checks. Descent, losses at tip and hub and
+tabulated sections are extensions of the paper's own rotor. SI units and radians throughout.
 """
 
 from __future__ import annotations
@@ -19,11 +19,13 @@ from numpy.typing import ArrayLike
 from scipy.interpolate import PchipInterpolator
 from scipy.optimize import brentq, minimize_scalar
 
-from tests.oracle.literal_section import Array, drag_coefficient, lift_coefficient, wrap
+from tests.oracle.literal_section import Array, Section, coefficients, largest_lift, wrap
+from tests.oracle.literal_wake import WINDMILL_BELOW, LiteralWake, static_inflow, vortex_ring
 
 SCAN_STEP = 0.004  # [rad] of inflow angle; the stall blend is about 1/M = 0.02 rad wide
 SCAN_AZIMUTHS = 120  # the scan only brackets roots; they are refined with all azimuth nodes
 DETECTION_STATIONS = 60
+STEEPEST = 1.5  # [rad] of inflow angle, where no better bound on the inflow is known
 JUMP_WIDTH = 1e-7  # [m] to which the radius of a jump is bisected
 STEEP_WIDTH = 3e-4  # [m] over which 0.002 rad of inflow angle count as a near-vertical rise
 PANEL_ANGLE = 0.03  # [rad] largest change of inflow angle across one radial panel
@@ -37,7 +39,9 @@ class LiteralRotor:
     chord: Array  # [m]
     twist: Array  # [rad]
     blades: int
-    section: dict[str, float]
+    section: Section
+    wake: LiteralWake
+    ring: tuple[float, float]  # share [-] and size [m/s] of the vortex ring's inflow
     rho: float  # [kg/m^3]
     mu: float  # [Pa s]
     omega: float  # [rad/s]
@@ -66,8 +70,7 @@ class LiteralRotor:
     @cached_property
     def largest_lift_coefficient(self) -> float:
         """Largest absolute C_L at any angle of attack."""
-        every_angle = np.linspace(-np.pi, np.pi, 8001)
-        return float(np.abs(lift_coefficient(every_angle, self.section)).max())
+        return largest_lift(self.section)
 
     def element(self, y: float, v_i: Array, psi: Array) -> tuple[Array, Array, Array]:
         """phi [rad], dL/dy and dD/dy of one blade [N/m] at radius y [m], shape (v_i, psi)."""
@@ -79,9 +82,8 @@ class LiteralRotor:
         alpha = wrap(theta - phi - self.zero_lift_angle)
         reynolds = self.rho * np.sqrt(u_squared) * c / self.mu
         pressure = 0.5 * self.rho * u_squared * c
-        lift = pressure * lift_coefficient(alpha, self.section)
-        drag = pressure * drag_coefficient(alpha, reynolds, self.section)
-        return phi, lift, drag
+        c_lift, c_drag = coefficients(alpha, reynolds, self.section)
+        return phi, pressure * c_lift, pressure * c_drag
 
     def blade_thrust(self, y: float, v_i: Array, azimuth: tuple[Array, Array]) -> Array:
         """dT/dy [N/m] by eq. (5) for each v_i [m/s]."""
@@ -89,32 +91,41 @@ class LiteralRotor:
         phi, lift, drag = self.element(y, v_i, psi)
         return self.blades * ((lift * np.cos(phi) - drag * np.sin(phi)) @ weight)
 
-    def momentum_thrust(self, y: float, v_i: Array) -> Array:
-        """dT/dy [N/m] by eq. (10), Glauert's mass flow, for each v_i [m/s]."""
-        speed = np.sqrt(self.v_inplane**2 + (self.v_axial + v_i) ** 2)
-        return 4.0 * self.rho * np.pi * y * v_i * speed
-
     def residual(self, y: float, v_i: Array, azimuth: tuple[Array, Array]) -> Array:
         """Eq. (5) minus eq. (10) [N/m]; its roots in v_i solve eq. (11)."""
-        return self.blade_thrust(y, v_i, azimuth) - self.momentum_thrust(y, v_i)
+        return self.blade_thrust(y, v_i, azimuth) - self.wake.thrust(y, v_i)
 
     def inflow_angle(self, y: float, v_i: float) -> float:
         """Inflow angle [rad] met by the element without the in-plane velocity."""
         return float(np.arctan2(self.v_axial + v_i, self.omega * y))
 
     def scan_grid(self, y: float) -> Array:
-        """Every v_i [m/s] that can be a root with U_P >= 0, in steps of inflow angle."""
+        """Every v_i [m/s] that can be the largest root, in steps of inflow angle.
+
+        In climb those with U_P >= 0; in descent also those below, in which air comes from below.
+        """
         # With U_P >= 0 section drag never adds thrust, so (5) <= N_b/2 rho c C_L,max U^2, while
-        # (10) >= 4 rho pi y v_i^2; put together they bound v_i from above.
+        # (10) >= 4 rho pi y F w^2, F being the least loss and w = v_i in climb, w = U_P in
+        # descent; put together they bound w from above.
         chord = float(self.shape[0](y))
-        s = np.sqrt(self.blades * chord * self.largest_lift_coefficient / (8.0 * np.pi * y))
-        if s >= 0.95:
-            raise ValueError(f"blade too solid at y = {y} m for the bound on v_i (sqrt(s) = {s})")
-        highest = s / (1.0 - s) * (self.omega * y + self.v_inplane + self.v_axial)
-        largest_angle = np.arctan2(self.v_axial + highest, self.omega * y)
+        s = self.blades * chord * self.largest_lift_coefficient / (8.0 * np.pi * y)
+        least_loss = self.wake.least_loss(y)
+        climb = max(self.v_axial, 0.0)
+        largest_angle = STEEPEST
+        if s < 0.9 * least_loss:
+            s = np.sqrt(s / least_loss)
+            highest = s / (1.0 - s) * (self.omega * y + self.v_inplane + climb)
+            largest_angle = min(np.arctan2(climb + highest, self.omega * y), STEEPEST)
         count = int(np.ceil(largest_angle / self.scan_step)) + 2
-        angles = np.linspace(0.0, largest_angle, count)
-        return self.omega * y * np.tan(angles) - self.v_axial
+        grid = self.omega * y * np.tan(np.linspace(0.0, largest_angle, count)) - self.v_axial
+        if self.v_axial < 0.0:
+            lowest = 1.1 * self.v_axial - 0.1 * self.omega * y
+            angle = np.arctan2(lowest, self.omega * y)
+            below = np.linspace(angle, 0.0, int(np.ceil(-angle / self.scan_step)) + 2)
+            below = self.omega * y * np.tan(below) - self.v_axial
+            evenly = np.linspace(lowest, 0.0, 200) - self.v_axial
+            grid = np.unique(np.concatenate([below, evenly, grid]))
+        return grid
 
     def inflow_root(self, y: float) -> tuple[float, int]:
         """Largest root v_i [m/s] of eq. (11) at radius y [m], and the number of roots."""
@@ -138,7 +149,9 @@ class LiteralRotor:
         grid, g = grid[order], g[order]
         crossings = np.flatnonzero((g[:-1] > 0.0) != (g[1:] > 0.0))
         if crossings.size == 0:
-            raise ValueError(f"eq. (11) has no root with U_P >= 0 at y = {y} m")
+            raise ValueError(f"eq. (11) has no root among those looked for at y = {y} m")
+        if g[-1] > 0.0:
+            raise ValueError(f"at y = {y} m the blade prevails up to the largest inflow looked at")
         last = int(crossings[-1])
         return self._refine(y, float(grid[last]), float(grid[last + 1])), int(crossings.size)
 
@@ -156,7 +169,10 @@ class LiteralRotor:
 
     def load_densities(self, y: float) -> Array:
         """Thrust, drag, torque, rolling moment per unit span [N/m, N/m, N, N] at y [m]."""
-        v_i, _ = self.inflow_root(y)
+        share, measured = self.ring
+        v_i = measured
+        if share < 1.0:
+            v_i = (1.0 - share) * self.inflow_root(y)[0] + share * measured
         psi, weight = self.azimuth
         phi, lift, drag = (a[0] for a in self.element(y, np.array([v_i]), psi))
         along_axis = lift * np.cos(phi) - drag * np.sin(phi)
@@ -258,7 +274,7 @@ def literal_loads(
     chord: ArrayLike,
     twist: ArrayLike,
     blades: int,
-    section: dict[str, float],
+    section: Section,
     rho: float,
     mu: float,
     omega: float,
@@ -267,26 +283,38 @@ def literal_loads(
     root: float | None = None,
     zero_lift_angle: float = 0.0,
     *,
+    tip_loss: bool = False,
+    hub_radius: float | None = None,
+    v_hover: float | None = None,
     resolution: int = 1,
 ) -> dict[str, float]:
     """Loads of a rotor by eqs (1)-(15), the largest root of (11) taken at every radius.
 
     `station`, `chord` [m] and `twist` [rad] run from the first measured station to the tip;
     integration starts at `root` [m] (default: the first station). `section` holds c_l1, c_l2,
-    c_d, alpha_0 [rad] and, if they differ from the paper's, M, c_p, c_d0. `rho` [kg/m^3], `mu`
-    [Pa s], `omega` [rad/s], `v_axial` >= 0 and `v_inplane` >= 0 [m/s]. `resolution` multiplies
-    every node count. Returns thrust [N], drag [N], torque [N m], roll_moment [N m], and the
-    number of radii at which the inflow jumps (`jumps`).
+    c_d, alpha_0 [rad] and, if they differ from the paper's, M, c_p, c_d0, or is a table. `rho`
+    [kg/m^3], `mu` [Pa s], `omega` [rad/s], `v_axial` and `v_inplane` >= 0 [m/s]. `tip_loss` and
+    `hub_radius` [m] ask for Prandtl's losses. `v_hover` [m/s] is the static inflow (12) at this
+    omega, in descent; by default of the hover computed here. `resolution` multiplies every node
+    count. Returns thrust [N], drag [N], torque [N m], roll_moment [N m], and the number of radii at
+    which the inflow jumps (`jumps`).
     """
-    if v_axial < 0.0 or v_inplane < 0.0:
-        raise ValueError("climb, hover and edgewise flight only: v_axial and v_inplane >= 0")
     y, c, theta = (np.asarray(a, dtype=float) for a in (station, chord, twist))
+    losses = {"tip_loss": tip_loss, "hub_radius": hub_radius}
+    windmill, ring = False, (0.0, 0.0)
+    if v_axial < 0.0:
+        if v_hover is None:
+            still = (y, c, theta, blades, section, rho, mu, omega, 0.0, 0.0, root, zero_lift_angle)
+            hover = literal_loads(*still, **losses, resolution=resolution)
+            v_hover = static_inflow(hover["thrust"], rho, float(y[-1]))
+        windmill = v_axial < WINDMILL_BELOW * v_hover
+        ring = vortex_ring(v_axial, v_inplane, v_hover)
+    motion = (omega, v_axial, v_inplane)
+    wake = LiteralWake(rho, *motion, blades, float(y[-1]), **losses, windmill=windmill)
     count = azimuth_count(omega, float(y[-1]), v_inplane)
     n_azimuth = count if count == 1 else count * resolution
-    air_and_motion = (rho, mu, omega, v_axial, v_inplane, zero_lift_angle)
-    rotor = LiteralRotor(
-        y, c, theta, blades, section, *air_and_motion, n_azimuth, SCAN_STEP / resolution
-    )
+    numbers = (rho, mu, *motion, zero_lift_angle, n_azimuth, SCAN_STEP / resolution)
+    rotor = LiteralRotor(y, c, theta, blades, section, wake, ring, *numbers)
     low = float(y[0]) if root is None else root
     nodes, weights, jumps = radial_nodes(rotor, low, float(y[-1]), resolution)
     totals = weights @ np.array([rotor.load_densities(r) for r in nodes])  # Eqs (13)-(15)

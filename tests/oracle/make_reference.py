@@ -1,6 +1,7 @@
-"""Compute the reference loads at every reference point and section; write them as a table.
+"""Compute the reference loads at every reference point and section; write them as tables.
 
-Run from the repository root, with the package importable (about ten minutes on one core):
+Run from the repository root, with the package importable (about ten minutes on one core for each
+of the two tables):
 
     python -m tests.oracle.make_reference
 
@@ -10,28 +11,44 @@ The package lends the blade geometry and nothing else.
 from __future__ import annotations
 
 import csv
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from functools import cache, partial
 from pathlib import Path
 
 from numpy.typing import ArrayLike
 
-from tests.oracle.frozen import COLUMNS, TABLE, ReferenceLoads
+from tests.oracle.frozen import COLUMNS, EXTENDED_TABLE, TABLE, ReferenceLoads
 from tests.oracle.literal_rotor import literal_loads
-from tests.oracle.points import MU, RHO, SECTIONS, Point, reference_points
+from tests.oracle.literal_wake import static_inflow
+from tests.oracle.naca_0015 import naca_0015
+from tests.oracle.points import MU, RHO, SECTIONS, Point, extended_points, reference_points
 
 PROPELLER = "apc-8x6e"
 
 Solve = Callable[[str, Point], dict[str, float]]
 
+EXTENDED = ("naca-0015", "tip-loss", "hub-loss", "both-losses")
+"""Extensions of the paper's rotor; the losses with a section of Table I."""
+
+SECTION_OF = {"tip-loss": "apc", "hub-loss": "soft", "both-losses": "stiff"}
+
 
 def solver(station: ArrayLike, chord: ArrayLike, twist: ArrayLike, blades: int) -> Solve:
-    """A function of a section's name and a point that gives the literal loads [SI]."""
+    """A function of a set's or extension's name and a point that gives the literal loads [SI]."""
     blade = partial(literal_loads, station, chord, twist, blades)
+    root, tip = float(min(station)), float(max(station))  # type: ignore[type-var,arg-type]
 
     @cache
     def solve(name: str, point: Point) -> dict[str, float]:
-        return blade(SECTIONS[name], RHO, MU, point.omega, point.v_axial, point.v_inplane)
+        section = naca_0015() if name == "naca-0015" else SECTIONS[SECTION_OF.get(name, name)]
+        hub = root if name in ("hub-loss", "both-losses") else None
+        losses = {"tip_loss": name in ("tip-loss", "both-losses"), "hub_radius": hub}
+        v_hover = None
+        if point.v_axial < 0.0:
+            static = solve(name, Point(point.rpm, 0.0, 0.0))["thrust"]
+            v_hover = static_inflow(static, RHO, tip)
+        motion = (point.omega, point.v_axial, point.v_inplane)
+        return blade(section, RHO, MU, *motion, **losses, v_hover=v_hover)
 
     return solve
 
@@ -54,27 +71,31 @@ def reference_row(solve: Solve, name: str, point: Point) -> ReferenceLoads:
     )
 
 
-def reference_rows(solve: Solve) -> Iterator[ReferenceLoads]:
-    """All rows of the table: every section at every reference point."""
-    for name in SECTIONS:
-        for point in reference_points():
+def reference_rows(
+    solve: Solve, names: Iterable[str], points: list[Point]
+) -> Iterator[ReferenceLoads]:
+    """All rows of a table: every name at every point."""
+    for name in names:
+        for point in points:
             yield reference_row(solve, name, point)
 
 
-def write_table(path: Path, solve: Solve) -> None:
+def write_table(path: Path, rows: Iterable[ReferenceLoads]) -> None:
     """Write all rows to `path`; str() of a float gives every digit needed to read it back."""
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(COLUMNS)
-        writer.writerows(reference_rows(solve))
+        writer.writerows(rows)
 
 
 def main() -> None:
-    """Compute the table for the catalogue's propeller."""
+    """Compute both tables for the catalogue's propeller."""
     from propmap.catalogue.lookup import propeller
 
     blade = propeller(PROPELLER)
-    write_table(TABLE, solver(blade.station, blade.chord, blade.twist, blade.blades))
+    solve = solver(blade.station, blade.chord, blade.twist, blade.blades)
+    write_table(TABLE, reference_rows(solve, SECTIONS, reference_points()))
+    write_table(EXTENDED_TABLE, reference_rows(solve, EXTENDED, extended_points()))
 
 
 if __name__ == "__main__":

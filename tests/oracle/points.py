@@ -40,7 +40,8 @@ def _point(rpm: float, speed: float, beta_deg: float) -> Point:
     beta = np.deg2rad(beta_deg)
     # cos(pi/2) is not zero in floating point, and sin(0) stays exact: clear what is round-off.
     axial = 0.0 if beta_deg == 90.0 else speed * np.cos(beta)
-    return Point(float(rpm), float(axial), float(speed * np.sin(beta)))
+    across = 0.0 if beta_deg == 180.0 else speed * np.sin(beta)
+    return Point(float(rpm), float(axial), float(across))
 
 
 def reference_points(n: int = 210, seed: int = 2017) -> list[Point]:
@@ -68,4 +69,17 @@ def reference_points(n: int = 210, seed: int = 2017) -> list[Point]:
     points += [_point(rpm(), speed(0.0, 3.0), beta()) for _ in range(40)]
     points += [_point(2000.0, 20.0, b) for b in (0.0, 15.0, 30.0, 45.0, 60.0, 75.0, 90.0)]
     points += [_point(rpm(), speed(0.0, 20.0), beta()) for _ in range(n - len(points))]
+    return points
+
+
+def extended_points(n: int = 24, seed: int = 25) -> list[Point]:
+    """`n` points for what goes beyond the paper: hover, climb, and every other one in descent."""
+    rng = np.random.default_rng(seed)
+    points = [_point(6000.0, 0.0, 0.0), _point(3000.0, 0.0, 0.0)]
+    for k in range(n - len(points)):
+        rpm, speed = np.round(rng.uniform(2500.0, 9000.0)), np.round(rng.uniform(0.5, 18.0), 2)
+        beta = np.round(rng.uniform(0.0, 90.0), 1) + 90.0 * (k % 2)
+        if k % 7 == 0:
+            beta = 180.0 * (k % 2)
+        points.append(_point(float(rpm), float(speed), float(beta)))
     return points
