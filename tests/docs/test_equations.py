@@ -38,7 +38,7 @@ def functions(cell: str) -> list[tuple[str, str]]:
     for word in re.findall(r"`([^`]+)`", cell):
         if word.endswith(".py"):
             module = "propmap." + word.removesuffix(".py").replace("/", ".")
-        elif re.fullmatch(r"[A-Za-z_][\w.]*", word):
+        elif re.fullmatch(r"[A-Za-z_][\w.]*", word):  # not ``attached = 0``, an argument
             assert module, f"{word} follows no module in {cell!r}"
             found.append((module, word))
     return found
@@ -68,8 +68,6 @@ def test_the_functions_exist(subject: str, cell: str) -> None:
     for module, name in named:
         found: object = importlib.import_module(module)
         for part in name.split("."):
-            if part == "attached":  # An argument, as in `attached = 0`.
-                continue
             found = getattr(found, part)
         assert getattr(found, "__doc__", None), f"{module}.{name} says nothing of itself"
 

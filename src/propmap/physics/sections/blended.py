@@ -95,6 +95,7 @@ class BlendedLaw(NamedTuple):
         return self._attached_share_and_slope(angle)[0]
 
     def _attached_share_and_slope(self, angle: Array) -> tuple[Array, Array]:
+        """The share of ``attached_share``, which (3) is made with, and its slope by the angle."""
         far = xp.exp(-2.0 * self.sharpness * self.alpha_0)
         exponent = self.sharpness * (1.0 / math.log(2.0)) * (xp.abs(angle) - self.alpha_0)
         # Not ``clip``, whose derivative divides; the square of 2^58 fits into float32.

@@ -1,0 +1,252 @@
+"""A function that `docs/equations.md` names is on the live path: broken, it changes what comes out.
+
+Every function is made to return 1.07 times its numbers, in the module that defines it and in all
+that imported it.  Loads come from the uncompiled rotor, so that nothing compiled hides the change.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+import importlib
+import sys
+from collections.abc import Callable
+from typing import Any
+
+import jax
+import numpy as np
+import pytest
+
+import propmap as pm
+from propmap.arrays.namespace import by_numpy, custom_jvp
+from propmap.baselines import hover
+from propmap.engine import evaluation
+from propmap.engine.gradients import LoadGradients
+from propmap.fit import added_parameter, body_forces, fitted, flight
+from propmap.fit.parameters import BODY, EVERY, SECTION, Choice
+from propmap.papers.gill_dandrea_2017 import rotor_drag
+from propmap.physics.velocities import azimuth_nodes
+from propmap.solve import disk, load_slopes, rotor_loads
+from propmap.solve.problem import Case
+from propmap.vehicle.vehicle import Wing
+from tests.docs.test_equations import functions, rows
+from tests.fit import test_paper_equations as paper
+
+FACTOR = 1.07
+
+BY_DERIVATIVE = ("moving_root", "follow", "load_slopes")
+"""These move what was found; only derivatives come from them."""
+
+NAMED = [
+    pytest.param(*pair, marks=(pytest.mark.slow,) if pair[1] in BY_DERIVATIVE else ())
+    for pair in sorted({pair for _, cell, _ in rows() for pair in functions(cell)})
+]
+
+OMEGA = np.array([600.0, 600.0, 500.0, 600.0, 600.0, 600.0])
+SPEED = np.array([0.0, 2.0, 14.0, 5.0, 15.0, 16.0])
+BETA = np.radians([0.0, 60.0, 80.0, 175.0, 172.0, 180.0])
+"""Hover and slow climb with stall, fast oblique flight, vortex ring, windmill beyond its turning
+point, axial descent."""
+
+
+def broken(value: Any) -> Any:
+    """The same with every number in it wrong; of texts none is left."""
+    if isinstance(value, (float, np.ndarray, jax.Array, np.floating)):
+        kind = getattr(value, "dtype", np.float64)
+        return value * FACTOR if np.issubdtype(kind, np.floating) else value
+    if isinstance(value, tuple) and hasattr(value, "_fields"):
+        return type(value)(*(broken(part) for part in value))
+    if isinstance(value, tuple):
+        return tuple(broken(part) for part in value)
+    if isinstance(value, dict):
+        return {name: broken(part) for name, part in value.items()}
+    if isinstance(value, list):
+        return []
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        names = [f.name for f in dataclasses.fields(value) if f.init]
+        changed = {name: broken(getattr(value, name)) for name in names}
+        return dataclasses.replace(value, **changed)
+    return value
+
+
+def breaking(function: Callable[..., Any]) -> Any:
+    """``function``, or what stands for it where it has a derivative of its own, returning wrong
+    numbers."""
+    if isinstance(function, custom_jvp):
+        # Its derivative is a rule that calls it: broken where the rule does.
+        wrong = custom_jvp(breaking(function._function))
+
+        @wrong.defjvp
+        def rule(primals: Any, tangents: Any) -> Any:
+            return broken(jax.jvp(function._with_rule, primals, tangents))
+
+        return wrong
+
+    @functools.wraps(function)
+    def wrong_function(*arguments: Any, **named: Any) -> Any:
+        return broken(function(*arguments, **named))
+
+    return wrong_function
+
+
+def break_it(patch: pytest.MonkeyPatch, module: str, name: str) -> None:
+    """A method in its class; a function in every module of the package that knows it."""
+    *owner, last = name.split(".")
+    if owner:
+        kind = getattr(importlib.import_module(module), owner[0])
+        found = vars(kind)[last]
+        if isinstance(found, property):
+            patch.setattr(kind, last, property(breaking(found.fget)))  # type: ignore[arg-type]
+        elif isinstance(found, classmethod):
+            patch.setattr(kind, last, classmethod(breaking(found.__func__)))
+        else:
+            patch.setattr(kind, last, breaking(found))
+        return
+    function = getattr(importlib.import_module(module), last)
+    wrong, places = breaking(function), 0
+    for key, one in list(sys.modules.items()):
+        if key.split(".")[0] == "propmap":
+            for attribute, value in list(vars(one).items()):
+                if value is function:
+                    patch.setattr(one, attribute, wrong)
+                    places += 1
+    assert places
+
+
+def numbers(tree: Any) -> np.ndarray:
+    arrays = [np.ravel(np.asarray(a)) for a in jax.tree.leaves(tree)]
+    kept = [a.astype(float) for a in arrays if np.issubdtype(a.dtype, np.number)]
+    return np.nan_to_num(np.concatenate(kept), nan=-1.0)
+
+
+def rotor() -> pm.Rotor:
+    model = pm.Model(pm.propeller("apc-8x6e"), pm.airfoil("paper-apc"))
+    return pm.Rotor(model, compiled=False)
+
+
+def loads() -> Any:
+    found = rotor().loads(OMEGA, SPEED, BETA)
+    return found.thrust, found.drag, found.torque, found.roll_moment
+
+
+def inflow() -> Any:
+    found = rotor().inflow(600.0, 5.0, 1.0, radius=[0.05, 0.09], azimuth=[0.0, 2.0])
+    return found.inflow, found.thrust_per_radius
+
+
+def hover_model() -> Any:
+    model = hover.HoverModel.of(rotor())
+    return model.thrust(OMEGA), model.torque(OMEGA)
+
+
+def fin() -> Any:
+    blade = pm.propeller("apc-8x6e")
+    return rotor_drag.side_force(blade, 2.0, 10.0, 0.1, 1.225, zero_lift_angle=-0.05)
+
+
+def derivatives() -> Any:
+    """Of the loads at a point with a fold, both ways that the package has."""
+    arrays, panels, nodes = rotor().arrays, (6, 6, 6), azimuth_nodes(1)
+    flow = [np.array([value]) for value in (600.0, 1.0, 0.0)]
+    with by_numpy():
+        solution, _ = disk.solve_disk(Case(arrays, *flow, None), panels, nodes)
+    movable = load_slopes.moving(arrays.law)
+    ways = load_slopes.directions_of(movable, ("alpha_0",), 1)
+    with jax.enable_x64(True):
+        case = jax.tree.map(jax.numpy.asarray, Case(arrays, *flow, None))
+        solution = jax.tree.map(jax.numpy.asarray, solution)
+        one = load_slopes.load_slopes(case, solution, panels, nodes, ways, None)
+
+        def whole(change: Any) -> Any:
+            law = arrays.law.plus(alpha_0=change)
+            moved = case._replace(rotor=case.rotor._replace(law=law))
+            found = disk.disk_inflow(moved, solution, panels, nodes)
+            return rotor_loads.loads_over_disk(moved, found, solution.several, nodes).loads
+
+        return one, jax.jvp(whole, (0.0,), (1.0,))[1]
+
+
+def uncompiled_gradients(prepared: Any, setting: Any, names: Any, *flow: Any) -> LoadGradients:
+    """The loads by NumPy, and made-up derivatives, which are not looked at."""
+    prepared = evaluation.prepare(prepared.arrays, compiled=False)
+    found = np.stack(evaluation.evaluate(prepared, setting, *flow).loads)
+    return LoadGradients(found, 0.01 + np.zeros((len(found), len(names), found.shape[1])))
+
+
+def flights() -> Any:
+    """Residuals of both balances, of a vehicle with a body and a wing."""
+    wing = Wing(0.02, 0.1)
+    vehicle = dataclasses.replace(paper.QUADROTOR, wing=wing)
+    model = flight.ForceModel(vehicle, paper.flights(), paper.LAW)
+    values = paper.VALUES | dict.fromkeys(BODY, 0.01) | body_forces.wing_values(vehicle)
+    found = []
+    for make in (flight.level_rows, flight.balance_rows):
+        made = make(model, paper.TWO)
+        value, _ = made.model(values, paper.TWO.free)
+        found.append((value - made.measured) / made.scale)
+    return found
+
+
+def made_up_fit() -> Any:
+    """A fit of a linear model, and what it says of a body that the data ask for."""
+    random = np.random.default_rng(3)
+    columns = dict(zip(("c_l1", "alpha_0", "lift_area"), random.normal(size=(3, 40)), strict=True))
+    columns["lift_area"] = columns["lift_area"] * 100.0
+    model = paper.linear_model(columns)
+    start = {name: p.start for name, p in EVERY.items()}
+    start |= {name: getattr(paper.LAW, name) for name in SECTION}
+    value, _ = model(start | {"lift_area": 0.03}, ("c_l1",))
+    data = paper.rows_of(model, np.asarray(value) + 0.05 * random.normal(size=40))
+    found = fitted.fit(data, paper.TWO, fitted.Settings(starts=1, folds=0))
+    verdict = added_parameter.body_terms_verdict(found, lambda _: data)
+    return found.x, float(len(verdict)), Choice().first
+
+
+PROBES: dict[str, Callable[[], Any]] = {
+    "propmap.physics": loads,
+    "propmap.solve": loads,
+    "propmap.model": loads,
+    "propmap.rotor": inflow,
+    "propmap.solve.disk_field": inflow,
+    "propmap.baselines.hover": hover_model,
+    "propmap.baselines.fin_analogy": fin,
+    "propmap.vehicle": flights,
+    "propmap.fit.flight": flights,
+    "propmap.fit.body_forces": flights,
+    "propmap.fit": made_up_fit,
+}
+"""What must change, by the longest of these with which a module's name begins."""
+
+
+def probe_of(module: str, name: str) -> Callable[[], Any]:
+    if name in BY_DERIVATIVE:
+        return derivatives
+    return PROBES[max((key for key in PROBES if module.startswith(key)), key=len)]
+
+
+@functools.cache
+def unbroken(probe: Callable[[], Any]) -> np.ndarray:
+    return numbers(probe())
+
+
+@pytest.fixture(autouse=True)
+def _no_compiling(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(flight, "load_gradients", uncompiled_gradients)
+
+
+@pytest.mark.parametrize(("module", "name"), NAMED)
+def test_what_comes_out_changes(module: str, name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    probe = probe_of(module, name)
+    right = unbroken(probe)
+    assert np.isfinite(right).all()
+    break_it(monkeypatch, module, name)
+    wrong = numbers(probe())
+    change = np.abs(wrong - right) / np.abs(right).max()
+    assert change.max() > 1e-6, f"{module}.{name} is not on the live path"
+
+
+def test_a_function_that_nothing_calls_would_be_seen(monkeypatch: pytest.MonkeyPatch) -> None:
+    """``attached_share`` tells how much of the blade is attached; no load is made from it."""
+    right = unbroken(loads)
+    break_it(monkeypatch, "propmap.physics.sections.blended", "BlendedLaw.attached_share")
+    np.testing.assert_array_equal(numbers(loads()), right)
