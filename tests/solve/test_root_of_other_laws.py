@@ -53,7 +53,7 @@ def points(count: int, seed: int) -> tuple[np.ndarray, ...]:
 
 
 def literal(section: Section, losses: tuple[str, ...], motion: tuple[float, ...]) -> LiteralRotor:
-    omega, along, _ = motion
+    along = motion[1]
     wake = LiteralWake(
         RHO,
         *motion,
