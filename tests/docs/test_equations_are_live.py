@@ -205,7 +205,7 @@ def made_up_fit() -> Any:
 PROBES: dict[str, Callable[[], Any]] = {
     "propmap.physics": loads,
     "propmap.solve": loads,
-    "propmap.catalogue": loads,
+    "propmap.model": loads,
     "propmap.rotor": inflow,
     "propmap.solve.disk_field": inflow,
     "propmap.baselines.hover": hover_model,

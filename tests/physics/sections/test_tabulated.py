@@ -18,7 +18,7 @@ RANDOM = np.random.default_rng(15)
 
 def uneven(count: int, cambered: bool = False) -> LiteralTable:
     """A rough table: uneven steps, lift and drag that differ with Re."""
-    inner = np.sort(np.concatenate([RANDOM.uniform(-3.1, 3.1, 40), [-0.3, 0.3]]))
+    inner = np.linspace(-3.0, 3.0, 42) + RANDOM.uniform(-0.07, 0.07, 42)
     angle = np.concatenate([[-np.pi], inner, [np.pi]])
     reynolds = np.geomspace(1e4, 1e6, count) if count > 1 else np.array([1e5])
     size = (count, angle.size)
@@ -110,3 +110,34 @@ def test_a_table_of_the_paper_s_law_gives_its_loads(name: str) -> None:
     ):
         error = np.abs(getattr(got, field) - getattr(want, field)) / scale
         assert error.max() < 2e-4, f"{field} at point {error.argmax()}"
+
+
+@pytest.mark.parametrize("name", ["uneven", "coarse", "naca-0015"])
+def test_bounds_hold_at_any_reynolds_number(name: str) -> None:
+    """Second differences by the angle and ln Re, between the knots and across them."""
+    if name == "naca-0015":
+        if not FILE.exists():
+            pytest.skip(f"{FILE.name} is not beside this checkout")
+        table = section(naca_0015())
+    else:
+        coarse = sampled(TABLE_I["apc"], 2.5, 10.0, np.geomspace(1e4, 4e5, 4))
+        table = coarse if name == "coarse" else section(uneven(5))
+    law, h = table.law(), 1e-4
+    limit = law.bounds()
+    zero, log_re = float(law.zero_lift_angle), RANDOM.uniform(9.0, 13.0, 40)[:, None]
+    alpha = np.linspace(-1.5, 1.5, 4001)
+
+    def values(da: float, dx: float) -> np.ndarray:
+        return np.asarray(at(table, alpha + zero + da, np.exp(log_re + dx))[:2])
+
+    middle = values(0.0, 0.0)
+    by_angle = (values(h, 0.0) - 2.0 * middle + values(-h, 0.0)) / h**2
+    by_re = np.abs(values(0.0, h) - values(0.0, -h)) / (2.0 * h)
+    assert np.abs(middle[0]).max() <= limit.lift
+    most = (np.abs(by_angle[0]) + by_re[0]).max()
+    # Differences of 1e-4 have rounding of 1e-16 / 1e-8.
+    assert 0.05 * limit.lift_bend < most <= limit.lift_bend * (1.0 + 1e-6) + 1e-6
+    drag = np.abs(middle[1] + by_angle[1]) * 2.0 / 3.0**1.5  # the largest of k^2 s
+    assert drag.max() <= limit.drag_bend
+    inside = (alpha > limit.attached_from) & (alpha < limit.attached_to)
+    assert by_angle[0][:, inside].max() <= limit.attached_bend * (1.0 + 1e-6) + 1e-6
