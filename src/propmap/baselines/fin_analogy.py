@@ -21,9 +21,15 @@ STATIONS = 400
 def inflow_factor(thrust: ArrayLike, speed: ArrayLike, radius: float, density: float) -> Floats:
     """Inflow a at the disk over the flight speed [-], from momentum theory.
 
-    thrust [N], speed [m/s] > 0 : any shapes that broadcast.  radius [m], density [kg/m^3].
     T = 2 rho pi R^2 V^2 a (1 + a); with T_c = T/(rho V^2 D^2), a = (sqrt(1 + 8 T_c/pi) - 1)/2.
     NaN where the thrust brakes more than momentum theory can say, T_c < -pi/8.
+
+    Parameters
+    ----------
+    thrust, speed : array_like
+        [N] and [m/s], of shapes that broadcast; speed > 0.
+    radius, density : float
+        [m] and [kg/m^3].
     """
     v = np.asarray(speed, dtype=np.float64)
     if not (v > 0.0).all():
@@ -37,7 +43,7 @@ def dynamic_pressure_factor(inflow: ArrayLike) -> Floats:
     """f(a) [-], by which the inflow a [-] raises the dynamic pressure at the fin.
 
     f(a) = (1 + a) ((1 + a) + (1 + 2 a)^2) / (1 + (1 + 2 a)^2): 1 without inflow, 1 + a for
-    a strong one.  Source: H. S. Ribner, NACA TR 819 and 820, 1945.
+    a strong one (H. S. Ribner, NACA TR 819 and 820, 1945).
     """
     a = np.asarray(inflow, dtype=np.float64)
     wake = (1.0 + 2.0 * a) ** 2
@@ -47,9 +53,8 @@ def dynamic_pressure_factor(inflow: ArrayLike) -> Floats:
 def side_area(propeller: Propeller, zero_lift_angle: float = 0.0) -> float:
     """Projected side area of all blades, averaged over a turn [m^2].
 
-    N_b/2 times the integral of c(y) sin(theta(y)) from the root to the tip.
-    zero_lift_angle : [rad]; theta is taken from the zero-lift line if given, from the chord
-    line otherwise.
+    N_b/2 times the integral of c(y) sin(theta(y)) from the root to the tip of the ``propeller``;
+    theta is taken from the line of zero lift, at ``zero_lift_angle`` [rad] to the chord line.
     """
     from scipy.interpolate import PchipInterpolator
 
@@ -71,13 +76,25 @@ def side_force(
 ) -> Floats:
     """Force in the disk plane against the in-plane velocity [N]; for small incidence.
 
-    thrust [N] of the unyawed propeller, speed [m/s] > 0, incidence [rad] between velocity and
-    axis : any shapes that broadcast.  density [kg/m^3].  zero_lift_angle [rad] : see
-    ``side_area``.
     The propeller acts as a fin of its ``side_area``, of aspect ratio 8 with the lift slope
     2 pi A/(A + 2) of lifting-line theory, in 1/2 rho V^2 f(a).  No spinner, no nacelle, no
     compressibility.  The force is taken to grow with the sine of the incidence.
-    Source: H. S. Ribner, NACA TR 819 and 820, 1945.
+
+    Parameters
+    ----------
+    propeller : Propeller
+        Geometry.
+    thrust, speed, incidence : array_like
+        Thrust without yaw [N], speed > 0 [m/s], and angle between velocity and axis [rad], of
+        shapes that broadcast.
+    density : float
+        [kg/m^3].
+    zero_lift_angle : float
+        See ``side_area`` [rad].
+
+    References
+    ----------
+    H. S. Ribner, NACA TR 819 and 820, 1945.
     """
     a = inflow_factor(thrust, speed, propeller.radius, density)
     slope = 2.0 * math.pi * ASPECT_RATIO / (ASPECT_RATIO + 2.0)

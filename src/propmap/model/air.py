@@ -15,8 +15,17 @@ PAPER_VISCOSITY = 1.983e-5
 class Air:
     """The air around the propeller; by default the paper's values.
 
-    density : [kg/m^3].  viscosity : [Pa s], dynamic.
-    Raises ``InputError`` for values that are not finite and positive.
+    Attributes
+    ----------
+    density : float
+        rho [kg/m^3].
+    viscosity : float
+        Dynamic viscosity mu [Pa s].
+
+    Raises
+    ------
+    InputError
+        For values that are not finite and positive.
     """
 
     density: float = PAPER_DENSITY
@@ -34,10 +43,19 @@ class Air:
     def standard(cls, altitude: float = 0.0, temperature_offset: float = 0.0) -> Air:
         """ICAO standard atmosphere, optionally warmer or colder at the same pressure.
 
-        altitude : geometric, above mean sea level [m], -5000 to 80000.
-        temperature_offset : to the standard temperature [K], -60 to 60.
         The viscosity follows Sutherland's law of the same standard (ICAO Doc 7488/3, 1993).
-        Raises ``InputError`` outside these ranges.
+
+        Parameters
+        ----------
+        altitude : float
+            Geometric, above mean sea level [m], -5000 to 80000.
+        temperature_offset : float
+            To the standard temperature [K], -60 to 60.
+
+        Raises
+        ------
+        InputError
+            Outside these ranges.
         """
         if not -5000.0 <= altitude <= 80000.0:
             raise InputError(f"altitude is {altitude} m: it must lie between -5000 and 80000 m")

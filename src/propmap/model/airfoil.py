@@ -115,7 +115,7 @@ class Airfoil:
         return BlendedLaw(attached=attached, **numbers)  # type: ignore[arg-type]
 
     def with_parameters(self, **changes: Any) -> Airfoil:
-        """A copy with some constants changed, by name as in the constructor."""
+        """A copy with ``changes`` to constants, by name as in the constructor."""
         return replace(self, **changes)
 
     def with_corrections(self, texts: Sequence[str]) -> Airfoil:

@@ -29,8 +29,14 @@ def check_blade(
 ) -> None:
     """Raise ``InputError`` unless the three columns describe one blade from root to tip.
 
-    station, chord : shape (n,) [m]; twist : shape (n,) [rad].
-    where : the file, for the message; labels : n names of the stations, such as "line 7".
+    Parameters
+    ----------
+    station, chord, twist : ndarray, shape (n,)
+        [m], [m] and [rad].
+    where : str
+        The file, for the message.
+    labels : sequence of str
+        n names of the stations, such as "line 7".
     """
     columns = {"station": station, "chord": chord, "twist": twist}
     for field, values in columns.items():
@@ -148,8 +154,8 @@ def check_root_cutout(root_cutout: Any, station: Floats, where: str = "") -> flo
 def twist_from_degrees(degrees: Floats, where: str = "") -> Floats:
     """Twist [rad] from a column in degrees, refused where its figures look like radians.
 
-    degrees : shape (n,).  A blade whose steepest section stands at less than 1.6 degrees makes
-    no propeller, so such a column is taken for radians under the wrong name.
+    A blade whose steepest section stands at less than 1.6 degrees makes no propeller, so such a
+    column of ``degrees`` (n,) is taken for radians under the wrong name.
     """
     steepest = float(np.nanmax(np.abs(degrees), initial=0.0))
     if degrees.size and steepest < MAX_TWIST:

@@ -17,14 +17,29 @@ from propmap.model.blade_check import check_blade, check_blades, check_root_cuto
 class Propeller:
     """Chord and twist of a blade at its measured stations, and how many blades there are.
 
-    name : what the propeller is called.
-    blades : number of blades, 1 to 12.
-    station : shape (n,) [m], n >= 4, rising from the first measured section to the tip.
-    chord : shape (n,) [m]; twist : shape (n,) [rad], the chord line against the disk plane.
-    root_cutout : where the loaded part of the blade begins [m]; None is the first station.
-    source : where the figures are from and what was done to them; citation : whom to cite.
-    The arrays are kept as read-only float64 copies.  Raises ``InputError`` for a blade that
-    cannot be: see ``propmap.model.blade_check``.
+    The arrays are kept as read-only float64 copies.
+
+    Attributes
+    ----------
+    name : str
+        What the propeller is called.
+    blades : int
+        Number of blades, 1 to 12.
+    station : ndarray, shape (n,)
+        Radii [m], n >= 4, rising from the first measured section to the tip.
+    chord : ndarray, shape (n,)
+        [m].
+    twist : ndarray, shape (n,)
+        The chord line against the disk plane [rad].
+    root_cutout : float or None
+        Where the loaded part of the blade begins [m]; None is the first station.
+    source, citation : str
+        Where the figures are from and what was done to them, and whom to cite.
+
+    Raises
+    ------
+    InputError
+        For a blade that cannot be: see ``propmap.model.blade_check``.
     """
 
     name: str

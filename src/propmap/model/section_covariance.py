@@ -15,9 +15,18 @@ from propmap.errors import InputError
 class SectionCovariance:
     """The covariance of P parameters of ``Airfoil``.
 
-    names : the parameters.  matrix : (P, P), in the parameters' units; a variance is infinite
-    where the data say nothing of the parameter.
-    Raises ``InputError`` where these do not fit together.
+    Attributes
+    ----------
+    names : tuple of str
+        The parameters.
+    matrix : ndarray, shape (P, P)
+        In the parameters' units; a variance is infinite where the data say nothing of the
+        parameter.
+
+    Raises
+    ------
+    InputError
+        Where these do not fit together.
     """
 
     names: tuple[str, ...]

@@ -123,7 +123,7 @@ class SectionTable:
         return tabulated_law(*figures, drag_factor=self.drag_factor)
 
     def with_corrections(self, texts: Sequence[str]) -> SectionTable:
-        """The table as it is to be used with these corrections; see ``Airfoil``."""
+        """The table as it is to be used with corrections of these ``texts``; see ``Airfoil``."""
         return replace(self, corrections=agreed(self.name, self.corrections, texts))
 
     def metadata(self) -> dict[str, Any]:

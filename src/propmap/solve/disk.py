@@ -21,10 +21,16 @@ from propmap.solve.root_count import several_roots
 class DiskSolution(NamedTuple):
     """What was searched for, as mere numbers that do not move with anything; a pytree.
 
-    fold : where stall begins and ends along the blade, None if it is not followed.
-    spare (E, B) : shares of the span [-] for the edges without a fold, None like ``fold``.
-    inflow (S, B) : v_i at the radial nodes [m/s], NaN where it was not found.
-    several (B,) : whether (11) was seen to have several roots.
+    Attributes
+    ----------
+    fold : Fold or None
+        Where stall begins and ends along the blade, None if it is not followed.
+    spare : Array, shape (E, B), or None
+        Shares of the span [-] for the edges without a fold; None like ``fold``.
+    inflow : Array, shape (S, B)
+        v_i at the radial nodes [m/s], NaN where it was not found.
+    several : Array, shape (B,)
+        Whether (11) was seen to have several roots.
     """
 
     fold: folds.Fold | None
@@ -46,9 +52,15 @@ def solve_disk(
 ) -> tuple[DiskSolution, DiskInflow]:
     """Solve (11) over the disk; differentiable nowhere, for that see ``disk_inflow``.
 
-    panels : radial nodes on each panel, static.  One panel is the whole blade; with more,
-    their edges follow stall (``split``).
-    azimuth : azimuth nodes.
+    Parameters
+    ----------
+    case : Case
+        Rotor and flow.
+    panels : tuple of int
+        Radial nodes on each panel, static.  One panel is the whole blade; with more, their edges
+        follow stall (``split``).
+    azimuth : AzimuthNodes
+        Nodes to average over.
     """
     case = stop_gradient(case)
     root, tip = case.rotor.blade.root, case.rotor.blade.tip
@@ -72,9 +84,9 @@ def solve_disk(
 def disk_inflow(
     case: Case, solution: DiskSolution, panels: tuple[int, ...], azimuth: AzimuthNodes
 ) -> DiskInflow:
-    """Nodes and inflow of a solution, made to move with everything in ``case``: differentiable.
+    """Nodes and inflow of a ``solution``, made to move with everything in ``case``: differentiable.
 
-    case, panels, azimuth : those that were solved.
+    The other arguments are those that were solved.
     """
     nodes = panel_nodes(_edges(case, solution.fold, solution.spare, azimuth), panels)
     problem = annulus_problem(case, nodes.radius)

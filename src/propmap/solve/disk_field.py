@@ -43,8 +43,16 @@ class DiskField(NamedTuple):
 def disk_field(case: Case, radius: Array, sines: Array, azimuth: AzimuthNodes) -> DiskField:
     """Fields at one operating point.
 
-    case : of arrays (1,).  radius (S,) [m].  sines : sin(psi) (P,) at which alpha is wanted.
-    azimuth : nodes over which the loads are averaged.
+    Parameters
+    ----------
+    case : Case
+        Of arrays (1,).
+    radius : Array, shape (S,)
+        y [m].
+    sines : Array, shape (P,)
+        sin(psi) at which alpha is wanted [-].
+    azimuth : AzimuthNodes
+        Nodes over which the loads are averaged.
     """
     problem = annulus_problem(case, radius[:, None])
     inflow = inflow_root(problem, xp.asarray(MAX_STEPS), azimuth)

@@ -80,8 +80,16 @@ def find_folds(
     is only a shoulder, and the radius is that at which the residual vanishes on it.  At the
     cusp between the two they coincide, so the edge moves without a jump.
 
-    near : crossings (E, B).  problem_at : equation (11) at radii (S, B) [m].  root, tip [m] : ends
-    of the blade.  Where nothing is found the radius is that of ``near``.
+    Parameters
+    ----------
+    near : Crossing
+        Where to begin, (E, B), and the radius where nothing is found.
+    problem_at : callable
+        Equation (11) at radii (S, B) [m].
+    root, tip : Array
+        Ends of the blade [m].
+    azimuth : AzimuthNodes
+        Nodes to average over.
     """
     at = problem_at(near.radius).at
     scale = xp.abs(at.omega * near.radius) + xp.abs(at.v_axial) + 1e-30

@@ -174,7 +174,7 @@ def _tops(slope: Array, v: Array) -> Array:
 def stall_side(problem: AnnulusProblem) -> Array:
     """The stall angle that a blade is near [rad], positive or negative; (B,).
 
-    problem : at one radius (1, 1) or (1, B).
+    The ``problem`` is of one radius, (1, 1) or (1, B).
     """
     at = problem.at
     stall = at.law.bounds().stall_angle

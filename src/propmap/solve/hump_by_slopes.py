@@ -54,7 +54,7 @@ def hump_by_slopes(problem: AnnulusProblem, stall: Array, azimuth: AzimuthNodes)
 def _first_top(v: Array, value: Array, slope: Array) -> Top:
     """v_i and height of the hump's top or else of the shoulder, and whether it is a top; (S, B).
 
-    v, value, slope : (K, S, B), with v falling.
+    Arguments are (K, S, B), with v falling.
     """
     run = v[:-1] - v[1:]
     # Along t, from 0 at entry k to 1 at k + 1, the value climbs by a + (b + c t) t.

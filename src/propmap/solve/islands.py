@@ -62,8 +62,14 @@ class Zeros(NamedTuple):
 def look_closer(even: Sight, look: Callable[[Array], Sight], zeros: int) -> Sight:
     """The sight at even spacing with further radii about zeros and extremes of the height.
 
-    look : gives the sight at radii (E, B), in any order.
-    zeros : how many are followed, the first from the root.
+    Parameters
+    ----------
+    even : Sight
+        At even spacing.
+    look : callable
+        Gives the sight at radii (E, B), in any order.
+    zeros : int
+        How many are followed, the first from the root.
     """
     more = zeros + EXTREMES
     unused = xp.full((ROUNDS * more, even.radius.shape[1]), xp.inf)

@@ -24,11 +24,17 @@ to have several roots that has one; with 8, one in twenty."""
 def several_roots(solved: tuple[AnnulusProblem, Array], azimuth: AzimuthNodes) -> Array:
     """Whether (11) has more than one root at a station; bool (B,).
 
-    solved : equation (11) at the stations, and its largest root (S, B) [m/s].  Below it the
-    residual is positive, unless there are further roots, which come in pairs and arise past
-    stall: so a negative residual there tells of three.  It is sampled at four angles of every
-    third station, with no more azimuth nodes than it takes: a diagnosis, on which the largest
-    root does not depend.
+    Below the largest root the residual is positive, unless there are further roots, which come in
+    pairs and arise past stall: so a negative residual there tells of three.  It is sampled at four
+    angles of every third station, with no more azimuth nodes than it takes: a diagnosis, on which
+    the largest root does not depend.
+
+    Parameters
+    ----------
+    solved : tuple of AnnulusProblem and Array
+        Equation (11) at the stations, and its largest root [m/s], (S, B).
+    azimuth : AzimuthNodes
+        Nodes to average over.
     """
     some = azimuth if 2 * len(azimuth.sines) <= AZIMUTHS else azimuth_nodes(AZIMUTHS)
     problem, root = solved[0].stations(slice(None, None, EVERY)), solved[1][::EVERY]

@@ -82,8 +82,8 @@ def _even_zeros(radius: Array, hump: Hump, count: int) -> tuple[Array, Array, Ar
 def _spare_edges(some: Array, share: Array, first: Array) -> Array:
     """Shares of the span (E, B) for the edges that have nothing to follow.
 
-    some (E, B) : edges that have; share (E, B) : where they are.  first (B,) : for the first spare
-    edge, or infinite.  Each other one halves the widest panel so far, by area.
+    ``some`` (E, B) have, at ``share`` (E, B).  ``first`` (B,) is for the first spare edge, or
+    infinite; each other one halves the widest panel so far, by area.
     """
     place = xp.where(some, share, 1.0)
     unused = xp.isfinite(first)
@@ -103,11 +103,19 @@ def _spare_edges(some: Array, share: Array, first: Array) -> Array:
 def hump_crossings(
     problem_at: ProblemAt, root: Array, tip: Array, edges: int, azimuth: AzimuthNodes
 ) -> tuple[Crossing, Array]:
-    """The first ``edges`` radii at which the hump passes zero; and whether (11) was seen to have
-    several roots, (B,).
+    """The first radii at which the hump passes zero; and whether (11) was seen to have several
+    roots, (B,).
 
-    problem_at : equation (11) at radii (S, B) [m].  root, tip [m] : ends of the blade.
-    edges : 2, or 4 where attached flow may be left on two stretches.
+    Parameters
+    ----------
+    problem_at : callable
+        Equation (11) at radii (S, B) [m].
+    root, tip : Array
+        Ends of the blade [m].
+    edges : int
+        2, or 4 where attached flow may be left on two stretches.
+    azimuth : AzimuthNodes
+        Nodes to average over.
     """
     radius = root + (tip - root) * xp.linspace(0.0, 1.0 - 1e-6, GRID)[:, None]
     # One look-up of the blade's shape for both.
