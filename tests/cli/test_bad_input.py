@@ -85,7 +85,7 @@ CASES: list[tuple[list[str], str]] = [
     ([*PREDICT, "--points", "negative.csv"], "line 2, column speed_mps"),
     ([*PREDICT, "--points", "short.csv"], "line 2, column beta_deg"),
     ([*PREDICT, "--points", "quote.csv"], "quote.csv"),
-    ([*PREDICT, "--points", "binary.csv"], "not UTF-8"),
+    ([*PREDICT, "--points", "binary.csv"], "binary data"),
     ([*PREDICT, "--points", "latin.csv"], "not UTF-8"),
     ([*SWEEP, *GRID, "-o", "out.txt"], ".nc"),
     ([*SWEEP, *GRID, "-o", "nowhere/out.nc"], "nowhere"),

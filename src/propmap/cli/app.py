@@ -11,14 +11,13 @@ from typing import Annotated
 import typer
 
 import propmap
-from propmap.cli.airfoils import airfoils_app
 from propmap.cli.check import check
 from propmap.cli.demo import demo
 from propmap.cli.export import export
 from propmap.cli.fit import fit_app
+from propmap.cli.listings import airfoils_app, props_app
 from propmap.cli.plot import plot_app
 from propmap.cli.predict import predict
-from propmap.cli.props import props_app
 from propmap.cli.report import report
 from propmap.cli.reproduce import reproduce
 from propmap.cli.show import show_table

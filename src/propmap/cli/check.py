@@ -15,10 +15,10 @@ from propmap.cli.output import (
     Format,
     FormatOption,
     TextOutput,
-    check_output,
     chosen_format,
     csv_text,
     emit,
+    grid,
     json_text,
     show,
 )
@@ -27,7 +27,7 @@ from propmap.errors import InputError
 from propmap.model.model import Model
 
 if TYPE_CHECKING:
-    from rich.console import Console
+    from rich.table import Table
 
     from propmap.fit.comparison import Comparison
     from propmap.model.airfoil import Airfoil
@@ -52,24 +52,28 @@ def check(
     output: TextOutput = None,
 ) -> None:
     """Errors per load and band of speed, beside the hover model's."""
-    if output is not None:
-        check_output(output)
     chosen = chosen_format(format_, output)
     law = airfoil(fit).with_corrections(correction or ())
     found = _compare(fit, law, data, vehicle, prop)
     if chosen is Format.table:
-        show(output, lambda console: _draw(console, found, law))
+        show(output, _table(found, law))
         return
+    loads = {
+        name: _numbers(c.all) | {"by_speed": {band: _numbers(e) for band, e in c.by_speed.items()}}
+        for name, c in found.items()
+    }
     if chosen is Format.json:
-        emit(json_text({"corrections": list(law.corrections), **_plain(found)}), output)
+        rows = max((c.all.rows for c in found.values()), default=0)
+        told = {"corrections": list(law.corrections), "rows": rows, "loads": loads}
+        emit(json_text(told), output)
         return
     columns = ("load", "band", "rows", "rms", "relative_rms", "bias", "worst", "hover_rms")
-    rows = [
-        {"load": name, "band": band} | _numbers(e)
-        for name, c in found.items()
-        for band, e in {"all": c.all, **c.by_speed}.items()
+    bands = [
+        {"load": name, "band": band} | numbers
+        for name, load in loads.items()
+        for band, numbers in {"all": load, **load["by_speed"]}.items()
     ]
-    emit(csv_text(columns, rows), output)
+    emit(csv_text(columns, bands), output)
 
 
 def _compare(
@@ -115,45 +119,25 @@ def _keep() -> None:
     keep_compiled()
 
 
-def _plain(found: dict[str, Comparison]) -> dict[str, Any]:
-    rows = max((c.all.rows for c in found.values()), default=0)
-    loads = {
-        name: _numbers(c.all) | {"by_speed": {band: _numbers(e) for band, e in c.by_speed.items()}}
-        for name, c in found.items()
-    }
-    return {"rows": rows, "loads": loads}
-
-
 def _numbers(errors: Any) -> dict[str, Any]:
     return {k: None if np.isnan(v) else v for k, v in msgspec.structs.asdict(errors).items()}
 
 
-def _draw(console: Console, found: dict[str, Comparison], law: Airfoil | SectionTable) -> None:
-    from rich.table import Table
-
+def _table(found: dict[str, Comparison], law: Airfoil | SectionTable) -> Table:
+    rows = [
+        (
+            name if band == "all" else "",
+            band,
+            str(e.rows),
+            f"{e.rms:.4g}",
+            f"{100.0 * e.relative_rms:.1f} %",
+            f"{e.bias:+.3g}",
+            f"{e.worst:+.3g}",
+            f"{e.hover_rms:.4g}",
+        )
+        for name, c in found.items()
+        for band, e in {"all": c.all, **c.by_speed}.items()
+    ]
     added = f", with {', '.join(law.corrections)}" if law.corrections else ""
-    table = Table(title=f"Model minus measurement{added}")
-    for heading in (
-        "load",
-        "speed",
-        "rows",
-        "rms",
-        "relative",
-        "bias",
-        "worst",
-        "hover model's rms",
-    ):
-        table.add_column(heading, justify="left" if heading in ("load", "speed") else "right")
-    for name, c in found.items():
-        for band, e in {"all": c.all, **c.by_speed}.items():
-            table.add_row(
-                name if band == "all" else "",
-                band,
-                str(e.rows),
-                f"{e.rms:.4g}",
-                f"{100.0 * e.relative_rms:.1f} %",
-                f"{e.bias:+.3g}",
-                f"{e.worst:+.3g}",
-                f"{e.hover_rms:.4g}",
-            )
-    console.print(table)
+    heads = "<load|<speed|rows|rms|relative|bias|worst|hover model's rms"
+    return grid(heads, rows, f"Model minus measurement{added}")

@@ -21,7 +21,7 @@ from propmap.cli.fit_options import (
     choice_of,
     settings_of,
 )
-from propmap.cli.output import PICTURES, check_output, show, write_text
+from propmap.cli.output import check_output, check_pictures, show, write_text
 from propmap.cli.rotor_options import Corrections, RotorChoice, constants, takes_rotor
 from propmap.errors import InputError
 
@@ -235,9 +235,7 @@ def _picture_of_flight(picture: Path, fitted: Fitted, model: ForceModel, log: Fl
 
 def _check_outputs(output: Path, *pictures: Path | None) -> None:
     check_output(output, (".toml",))
-    for picture in pictures:
-        if picture is not None:
-            check_output(picture, PICTURES)
+    check_pictures(*pictures)
 
 
 def _weights(texts: Sequence[str] | None) -> dict[str, float]:
@@ -254,8 +252,8 @@ def _weights(texts: Sequence[str] | None) -> dict[str, float]:
 
 
 def _finish(fitted: Fitted, law: Airfoil, remarks: Sequence[str], text: str, output: Path) -> None:
-    from propmap.cli.fit_report import draw_fit
+    from propmap.cli.fit_report import told
 
     write_text(text, output)
-    show(None, lambda console: draw_fit(console, fitted, law.corrections, remarks))
+    show(None, *told(fitted, law.corrections, remarks))
     typer.echo(f"wrote {output}", err=True)

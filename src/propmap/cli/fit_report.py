@@ -2,60 +2,52 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from propmap.cli.output import grid
 from propmap.fit.fitted import Fitted
 from propmap.fit.parameters import EVERY
 from propmap.fit.residuals import errors
 
-if TYPE_CHECKING:
-    from rich.console import Console
 
-
-def draw_fit(
-    console: Console, fitted: Fitted, corrections: Sequence[str], remarks: Sequence[str]
-) -> None:
-    """Print a fit that was made with these corrections."""
-    from rich.table import Table
-
-    sure, choice = fitted.uncertainty, fitted.choice
-    table = Table(title="Parameters")
-    for heading in ("", "value", "95 % interval", "unit", "verdict"):
-        table.add_column(heading, justify="right" if heading in ("value",) else "left")
-    for k, name in enumerate(choice.free):
-        interval = f"{sure.low[k]:.4g} to {sure.high[k]:.4g}"
-        if fitted.bootstrapped.size:
-            low, high = np.percentile(fitted.bootstrapped[:, k], [2.5, 97.5])
-            interval += f" (bootstrap {low:.4g} to {high:.4g})"
-        table.add_row(name, f"{fitted.x[k]:.5g}", interval, EVERY[name].unit, sure.verdicts[k])
-    console.print(table)
+def told(fitted: Fitted, corrections: Sequence[str], remarks: Sequence[str]) -> Iterator[object]:
+    """Texts and tables on a fit that was made with these corrections."""
+    sure, rows = fitted.uncertainty, fitted.rows
+    heads = "<|value|<95 % interval|<unit|<verdict"
+    yield grid(heads, [_parameter(fitted, k) for k in range(len(fitted.choice.free))], "Parameters")
     values = ", ".join(f"{v:.2g}" for v in sure.singular_values)
-    console.print(f"sensitivities (singular values per spread, relative): {values}")
-    table = Table(title="Residuals, model minus measurement")
-    for heading in ("load", "rows", "rms", "relative", "bias", "worst", "cross-validated", "unit"):
-        table.add_column(heading, justify="left" if heading in ("load", "unit") else "right")
-    rows = fitted.rows
-    for k, name in enumerate(rows.names):
-        e = errors(*fitted.compared(k))
-        crossed = fitted.cross_validated[k]
-        table.add_row(
-            name,
-            str(e.rows),
-            f"{e.rms:.4g}",
-            f"{100.0 * e.relative_rms:.2f} %",
-            f"{e.bias:+.3g}",
-            f"{e.worst:+.3g}",
-            f"{crossed:.4g}" if np.isfinite(crossed) else "-",
-            rows.units[k],
-        )
-    console.print(table)
+    yield f"sensitivities (singular values per spread, relative): {values}"
+    heads = "<load|rows|rms|relative|bias|worst|cross-validated|<unit"
+    residuals = [_residuals(fitted, k) for k in range(len(rows.names))]
+    yield grid(heads, residuals, "Residuals, model minus measurement")
     ends = fitted.minimum.ends
     best = sum(end.minimum == 1 for end in ends)
-    console.print(f"{len(ends)} starts, {best} of them to the best minimum; {fitted.seconds:.1f} s")
+    yield f"{len(ends)} starts, {best} of them to the best minimum; {fitted.seconds:.1f} s"
     if corrections:
-        console.print(f"with {', '.join(corrections)}, which come along wherever the fit is used")
-    for remark in remarks:
-        console.print(f"note: {remark}")
+        yield f"with {', '.join(corrections)}, which come along wherever the fit is used"
+    yield from (f"note: {remark}" for remark in remarks)
+
+
+def _parameter(fitted: Fitted, k: int) -> tuple[str, ...]:
+    name, sure = fitted.choice.free[k], fitted.uncertainty
+    interval = f"{sure.low[k]:.4g} to {sure.high[k]:.4g}"
+    if fitted.bootstrapped.size:
+        low, high = np.percentile(fitted.bootstrapped[:, k], [2.5, 97.5])
+        interval += f" (bootstrap {low:.4g} to {high:.4g})"
+    return name, f"{fitted.x[k]:.5g}", interval, EVERY[name].unit, sure.verdicts[k]
+
+
+def _residuals(fitted: Fitted, k: int) -> tuple[str, ...]:
+    e, crossed = errors(*fitted.compared(k)), fitted.cross_validated[k]
+    return (
+        fitted.rows.names[k],
+        str(e.rows),
+        f"{e.rms:.4g}",
+        f"{100.0 * e.relative_rms:.2f} %",
+        f"{e.bias:+.3g}",
+        f"{e.worst:+.3g}",
+        f"{crossed:.4g}" if np.isfinite(crossed) else "-",
+        fitted.rows.units[k],
+    )

@@ -6,7 +6,7 @@ import csv
 import io
 import json
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -17,7 +17,7 @@ from propmap.errors import InputError
 from propmap.io.atomic_file import replacing
 
 if TYPE_CHECKING:
-    from rich.console import Console
+    from rich.table import Table
 
 PICTURES = (".png", ".svg", ".pdf")
 
@@ -50,10 +50,16 @@ Force = Annotated[bool, typer.Option("--force", help="Replace what exists.")]
 
 
 def check_output(path: Path, endings: Sequence[str] = (), *, keep_existing: bool = False) -> Path:
-    """``path`` if a file can be written there; raises ``InputError`` before any work is done.
+    """The path, if a file can be written there; ``InputError`` before any work is done.
 
-    endings : those allowed, with their dot; empty for any.  keep_existing : refuse a file
-    that is there already.
+    Parameters
+    ----------
+    path : Path
+        Of the file.
+    endings : sequence of str
+        Those allowed, with their dot; empty for any.
+    keep_existing : bool
+        Whether a file that is there already is refused.
     """
     where = str(path)
     if endings and path.suffix.lower() not in endings:
@@ -77,8 +83,17 @@ def check_output(path: Path, endings: Sequence[str] = (), *, keep_existing: bool
     return path
 
 
+def check_pictures(*paths: Path | None) -> None:
+    """Check those that are given, as ``check_output``."""
+    for path in paths:
+        if path is not None:
+            check_output(path, PICTURES)
+
+
 def chosen_format(wanted: Format | None, output: Path | None) -> Format:
-    """The format asked for, else the one of the output file's ending, else a table."""
+    """The format asked for, else the one of the file's ending, else a table; checks the file."""
+    if output is not None:
+        check_output(output)
     if wanted is None and output is not None:
         return {".json": Format.json, ".csv": Format.csv}.get(output.suffix.lower(), Format.table)
     return wanted or Format.table
@@ -91,6 +106,13 @@ def emit(text: str, output: Path | None) -> None:
         return
     write_text(text, output)
     typer.echo(f"wrote {output}", err=True)
+
+
+def emit_rows(
+    columns: Sequence[str], rows: Sequence[Mapping[str, Any]], form: Format, output: Path | None
+) -> None:
+    """Write rows as JSON or CSV."""
+    emit(json_text(rows) if form is Format.json else csv_text(columns, rows), output)
 
 
 def write_text(text: str, output: Path) -> None:
@@ -113,17 +135,43 @@ def csv_text(columns: Sequence[str], rows: Sequence[Mapping[str, Any]]) -> str:
     return text.getvalue()
 
 
-def show(output: Path | None, draw: Callable[[Console], None]) -> None:
-    """Let ``draw`` print to the terminal, or as plain text to the file or a pipe."""
+def grid(heads: str, rows: Iterable[Sequence[str]], title: str = "", caption: str = "") -> Table:
+    """A table to show.
+
+    Parameters
+    ----------
+    heads : str
+        Of the columns, separated by bars; columns of words, not of figures, begin with "<".
+    rows : iterable of sequence of str
+        Cells.
+    title, caption : str
+        Above and below.
+    """
+    from rich.table import Table
+
+    found = Table(
+        title=title or None, caption=caption or None, title_justify="left", caption_justify="left"
+    )
+    for head in heads.split("|"):
+        found.add_column(head.removeprefix("<"), justify="left" if head[:1] == "<" else "right")
+    for row in rows:
+        found.add_row(*row)
+    return found
+
+
+def show(output: Path | None, *parts: object) -> None:
+    """Print texts and tables to the terminal, or as plain text to the file or a pipe."""
     from rich.console import Console
 
-    if output is None:
-        # Without markup: "[deg]" in a heading is a unit and a file's name may hold brackets.
-        console = Console(highlight=False, markup=False)
-        if not console.is_terminal:
-            console = Console(highlight=False, markup=False, width=TERMINAL_WIDTH_ELSEWHERE)
-        draw(console)
-        return
+    # Without markup: "[deg]" in a heading is a unit and a file's name may hold brackets.
+    plain: dict[str, Any] = {"highlight": False, "markup": False, "emoji": False}
     text = io.StringIO()
-    draw(Console(file=text, width=TERMINAL_WIDTH_ELSEWHERE, highlight=False, markup=False))
-    emit(text.getvalue(), output)
+    console = Console(**plain)
+    if output is not None:
+        console = Console(file=text, width=TERMINAL_WIDTH_ELSEWHERE, **plain)
+    elif not console.is_terminal:
+        console = Console(width=TERMINAL_WIDTH_ELSEWHERE, **plain)
+    for part in parts:
+        console.print(part)
+    if output is not None:
+        emit(text.getvalue(), output)

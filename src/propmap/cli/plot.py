@@ -10,7 +10,7 @@ import typer
 
 from propmap.catalogue.lookup import propeller
 from propmap.cli.operating_points import RPM, parse_axis, single_point
-from propmap.cli.output import PICTURES, PictureOutput, check_output
+from propmap.cli.output import PictureOutput, check_pictures
 from propmap.cli.points_file import LOAD_COLUMNS, read_points
 from propmap.cli.rotor_options import (
     Blades,
@@ -57,7 +57,7 @@ def plot_map(
     omega = float(single_point(rpm, 0.0, 0.0).rpm[0]) * RPM
     speeds = parse_axis("--speed", "speed", speed, SPEEDS_PER_CURVE)
     betas = np.radians(parse_axis("--beta", "beta", beta))
-    check_output(output, PICTURES)
+    check_pictures(output)
     points = None if measured is None else _measured(measured, rpm)
     rotor = choice.rotor(speeds.size * (betas.size + 1))
     say_reynolds(rotor.model, np.array(omega), speeds[:, None], betas)
@@ -78,7 +78,7 @@ def plot_planform(
     root_cutout: RootCutout = None,
 ) -> None:
     """A blade's outline, chord and twist."""
-    check_output(output, PICTURES)
+    check_pictures(output)
     blade = propeller(prop, blades, radius, root_cutout)
 
     from propmap.report.planform import planform
@@ -99,7 +99,7 @@ def plot_disk(
 ) -> None:
     """The angle of attack over the disk, with stall and reverse flow outlined."""
     point = single_point(rpm, speed, beta)
-    check_output(output, PICTURES)
+    check_pictures(output)
     rotor = choice.rotor(1)
     say_reynolds(rotor.model, *point.si)
 

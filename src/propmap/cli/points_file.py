@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from propmap.cli.operating_points import REMEDIES, OperatingPoints
 from propmap.errors import InputError, quoted
+from propmap.io.text_file import read_lines
 from propmap.loads import LOADS
 
 POINT_COLUMNS = {"rpm": "rpm", "speed_mps": "speed", "beta_deg": "beta"}
@@ -32,12 +33,23 @@ class PointsFile:
 
 
 def read_points(path: Path, further: Iterable[str] = ()) -> PointsFile:
-    """Read ``rpm, speed_mps, beta_deg`` in any order, and ``further`` columns where present.
+    """Operating points from a CSV file with a header.
 
-    Other columns are ignored.  Raises ``InputError`` naming the file, the line and the column.
+    Parameters
+    ----------
+    path : Path
+        Of a file with the columns rpm, speed_mps and beta_deg in any order.
+    further : sequence of str
+        Columns to read as well, where the file has them; others are left.
+
+    Raises
+    ------
+    InputError
+        Naming the file, the line and the column.
     """
     where = str(path)
-    reader = csv.reader(_text(path, where).splitlines(keepends=True), strict=True)
+    lines = read_lines(path, "list of operating points")
+    reader = csv.reader([f"{line}\n" for line in lines], strict=True)
     try:
         rows = [(reader.line_num, row) for row in reader if any(cell.strip() for cell in row)]
     except csv.Error as error:
@@ -84,29 +96,3 @@ def _value(cell: str, column: str, where: str) -> float:
     if value < 0.0 and quantity in ("rpm", "speed"):
         raise InputError(f"{cell} is negative", remedy, where)
     return value
-
-
-def _text(path: Path, where: str) -> str:
-    try:
-        if path.is_dir():
-            raise InputError("this is a folder", "give a CSV file", where)
-        if path.exists() and not path.is_file():
-            raise InputError("this is a device or pipe", "save the data to a file", where)
-        data = path.read_bytes()
-    except FileNotFoundError:
-        raise InputError("no such file", "check the path", where) from None
-    except OSError as error:
-        raise InputError(f"cannot be read: {error.strerror}", "check the path", where) from None
-    except ValueError as error:
-        raise InputError(f"not a path: {error}", "check the path", where) from None
-    try:
-        if b"\0" in data:
-            raise ValueError
-        text = data.decode("utf-8-sig")
-    except ValueError:
-        raise InputError("this is not UTF-8 text", "save the points as CSV", where) from None
-    if not text.strip():
-        raise InputError(
-            "the file is empty", f"give a CSV file with columns {', '.join(POINT_COLUMNS)}", where
-        )
-    return text

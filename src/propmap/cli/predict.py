@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from propmap.cli.operating_points import COLUMNS, RPM, OperatingPoints, single_point
+from propmap.cli.operating_points import COLUMNS, OperatingPoints, single_point
 from propmap.cli.output import (
     Format,
     FormatOption,
     TextOutput,
-    check_output,
     chosen_format,
-    csv_text,
     emit,
+    emit_rows,
+    grid,
     json_text,
     show,
 )
@@ -25,7 +25,6 @@ from propmap.errors import InputError
 from propmap.loads import LOADS
 
 if TYPE_CHECKING:
-    from rich.console import Console
     from rich.table import Table
 
     from propmap.baselines.hover import HoverModel
@@ -52,20 +51,16 @@ def predict(
 ) -> None:
     """Thrust, rotor drag, torque, rolling moment and power at operating points."""
     where = _points(rpm, speed, beta, points)
-    if output is not None:
-        check_output(output)
     chosen = chosen_format(format_, output)
     rotor = choice.rotor(where.count)
     say_reynolds(rotor.model, *where.si)
     loads = where.loads(rotor)
     if chosen is Format.table:
         _show_table(output, rotor, where, loads, one=points is None)
-        return
-    rows = where.rows(loads)
-    if chosen is Format.json:
-        emit(json_text(rows if points is not None else rows[0]), output)
+    elif points is None and chosen is Format.json:
+        emit(json_text(where.rows(loads)[0]), output)
     else:
-        emit(csv_text(COLUMNS, rows), output)
+        emit_rows(COLUMNS, where.rows(loads), chosen, output)
 
 
 def _points(
@@ -89,65 +84,47 @@ def _show_table(
     from propmap.baselines.hover import HoverModel
 
     hover = HoverModel.of(rotor)
-    table = _one_point(where, loads, hover) if one else _many_points(where, loads, hover)
-
-    def draw(console: Console) -> None:
-        blade = rotor.model.propeller
-        console.print(
-            f"{blade.name}, {blade.blades} blades, R = {blade.radius:.4g} m; "
-            f"airfoil {rotor.model.law_title}; rho = {rotor.model.air.density:.4g} kg/m^3"
-        )
-        console.print(table)
-
-    show(output, draw)
+    blade = rotor.model.propeller
+    show(
+        output,
+        f"{blade.name}, {blade.blades} blades, R = {blade.radius:.4g} m; airfoil "
+        f"{rotor.model.law_title}; rho = {rotor.model.air.density:.4g} kg/m^3",
+        _one_point(where, loads, hover) if one else _many_points(where, loads, hover),
+    )
 
 
 def _one_point(where: OperatingPoints, loads: Loads, hover: HoverModel) -> Table:
-    from rich.table import Table
-
     (rpm,), (speed,), (beta,) = where.rpm, where.speed_mps, where.beta_deg
-    omega = rpm * RPM
-    still = hover.loads(omega)
+    still = {name: float(values[0]) for name, values in hover.loads(where.si[0]).items()}
     rows = [
         *(
-            (load.label, getattr(loads, name)[0], load.unit, _digits(float(still[name])))
+            (load.label, _digits(getattr(loads, name)[0]), _digits(still[name]), load.unit)
             for name, load in LOADS.items()
         ),
-        ("power", loads.power[0], "W", _digits(float(still["torque"]) * omega)),
-        ("mean inflow", loads.mean_inflow[0], "m/s", ""),
-        ("reverse flow", 100.0 * loads.reverse_flow[0], "% of the disk", ""),
+        ("power", _digits(loads.power[0]), _digits(still["torque"] * where.si[0][0]), "W"),
+        ("mean inflow", _digits(loads.mean_inflow[0]), "", "m/s"),
+        ("reverse flow", _digits(100.0 * loads.reverse_flow[0]), "", "% of the disk"),
+        ("roots of (11)", str(loads.roots[0]), "", ""),
+        ("status", str(loads.status[0]), "", ""),
     ]
-    table = Table(title=f"{rpm:g} rpm, {speed:g} m/s, beta {beta:g} deg", title_justify="left")
-    table.add_column("")
-    table.add_column("propmap", justify="right")
-    table.add_column("hover model", justify="right")
-    table.add_column("unit")
-    for name, value, unit, baseline in rows:
-        table.add_row(name, _digits(value), baseline, unit)
-    table.add_row("roots of (11)", str(loads.roots[0]), "", "")
-    table.add_row("status", str(loads.status[0]), "", "")
-    return table
+    title = f"{rpm:g} rpm, {speed:g} m/s, beta {beta:g} deg"
+    return grid("<|propmap|hover model|<unit", rows, title)
 
 
 def _many_points(where: OperatingPoints, loads: Loads, hover: HoverModel) -> Table:
-    from rich.table import Table
-
-    table = Table(caption="T h, Q h: thrust and torque of the hover model", caption_justify="left")
-    still = hover.loads(where.rpm * RPM)
-    columns = {}
-    for name, load in LOADS.items():
-        columns[f"{load.head} [{load.unit}]"] = getattr(loads, name)
-        if not load.inplane:
-            columns[f"{load.head} h [{load.unit}]"] = still[name]
-    columns |= {"P [W]": loads.power, "reverse [%]": 100.0 * loads.reverse_flow}
-    for head in ("rpm", "V [m/s]", "beta [deg]", *columns, "roots"):
-        table.add_column(head, justify="right")
-    table.add_column("status", no_wrap=True)
+    heads = "rpm|V [m/s]|beta [deg]|T [N]|T h [N]|D [N]|Q [N m]|Q h [N m]|roll [N m]|P [W]"
+    omega = where.si[0]
+    numbers = (
+        loads.thrust, hover.thrust(omega), loads.drag, loads.torque, hover.torque(omega),
+        loads.roll_moment, loads.power, 100.0 * loads.reverse_flow,
+    )  # fmt: skip
+    rows = []
     for i, status in enumerate(loads.status.tolist()):
         given = (where.rpm[i], where.speed_mps[i], where.beta_deg[i])
-        cells = [f"{v:g}" for v in given] + [_digits(column[i]) for column in columns.values()]
-        table.add_row(*cells, str(loads.roots[i]), status)
-    return table
+        cells = [f"{v:g}" for v in given] + [_digits(column[i]) for column in numbers]
+        rows.append([*cells, str(loads.roots[i]), status])
+    caption = "T h, Q h: thrust and torque of the hover model"
+    return grid(f"{heads}|reverse [%]|roots|<status", rows, caption=caption)
 
 
 def _digits(value: float) -> str:

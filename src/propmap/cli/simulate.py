@@ -11,12 +11,12 @@ import numpy as np
 import typer
 
 from propmap.cli.operating_points import RPM, parse_axis
-from propmap.cli.output import Force, check_output, show, write_text
+from propmap.cli.output import Force, check_output, grid, show, write_text
 from propmap.cli.rotor_options import Corrections, constants
 from propmap.errors import InputError
 
 if TYPE_CHECKING:
-    from rich.console import Console
+    from rich.table import Table
 
     from propmap.flight.expectation import Expectation
     from propmap.vehicle.vehicle_toml import VehicleFile
@@ -127,7 +127,7 @@ def simulate_flight(
     log = fly(points, dwell=dwell, rate=rate, noise=sensors, seed=seed)
     if not no_expectation:
         expected = expectation(read.vehicle, law, points, free=names, error=noise)
-        show(None, lambda console: _expected(console, expected, len(points)))
+        show(None, _expected(expected, len(points)))
     write_text(log_csv(log), output)
     typer.echo(
         f"wrote {output}: {speeds.size} speeds, {log.time[-1]:.0f} s, "
@@ -137,26 +137,24 @@ def simulate_flight(
     _how_to_read(read, str(vehicle))
 
 
-def _expected(console: Console, expected: Expectation, flights: int) -> None:
-    from rich.table import Table
-
+def _expected(expected: Expectation, flights: int) -> Table:
     from propmap.fit.parameters import EVERY
 
     found = expected.uncertainty
-    table = Table(
-        title=f"To expect of {flights} speeds with a force error of {expected.error:.2%} of the "
-        "weight each",
-        title_justify="left",
+    rows = [
+        (
+            name,
+            *(f"{value:.4g}" for value in (expected.truth[k], found.low[k], found.high[k])),
+            EVERY[name].unit,
+            found.verdicts[k],
+        )
+        for k, name in enumerate(expected.choice.free)
+    ]
+    title = (
+        f"To expect of {flights} speeds with a force error of {expected.error:.2%} of the weight "
+        "each"
     )
-    table.add_column("parameter")
-    for head in ("truth", "95 % from", "to"):
-        table.add_column(head, justify="right")
-    table.add_column("unit")
-    table.add_column("verdict")
-    for k, name in enumerate(expected.choice.free):
-        ends = [f"{value:.4g}" for value in (expected.truth[k], found.low[k], found.high[k])]
-        table.add_row(name, *ends, EVERY[name].unit, found.verdicts[k])
-    console.print(table)
+    return grid("<parameter|truth|95 % from|to|<unit|<verdict", rows, title)
 
 
 def _how_to_read(read: VehicleFile, name: str) -> None:

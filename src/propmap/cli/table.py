@@ -14,7 +14,7 @@ import typer
 from propmap.cli.operating_points import RPM, parse_axis
 from propmap.cli.output import Force, check_output, show
 from propmap.cli.rotor_options import RotorChoice, say_reynolds, takes_rotor
-from propmap.cli.table_report import building, draw_certificate
+from propmap.cli.table_report import building, told
 from propmap.errors import InputError, quoted
 
 if TYPE_CHECKING:
@@ -66,7 +66,7 @@ def table(
             progress=progress,
         )
     _save(built, output, shlex.join(["propmap", *context.obj]))
-    show(None, lambda console: draw_certificate(console, built))
+    show(None, *told(built))
     knots = f"{built.content.advance.size} x {built.content.beta.size}"
     size = output.stat().st_size / 1e6
     typer.echo(f"wrote {output}: {knots} knots, {size:.2f} MB")

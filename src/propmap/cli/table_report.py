@@ -6,11 +6,10 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
+from propmap.cli.output import grid
 from propmap.report.certificate_text import TITLES, claims, parameter_claims
 
 if TYPE_CHECKING:
-    from rich.console import Console
-
     from propmap.table import LoadTable
     from propmap.table.model import Progress
 
@@ -35,13 +34,11 @@ def building() -> Iterator[Progress]:
         yield lambda stage, done: bar.update(task, description=stage, completed=done)
 
 
-def draw_certificate(console: Console, table: LoadTable) -> None:
-    """Print how far the table is from the model, and the model's own uncertainty if it is known."""
-    from rich.table import Table
-
+def told(table: LoadTable) -> Iterator[object]:
+    """How far the table is from the model, and the model's own uncertainty if it is known."""
     found = table.certificate
     if not found:
-        console.print("not certified: how far the table is from the model is not known")
+        yield "not certified: how far the table is from the model is not known"
         return
     columns = {
         "max": found["max_error"],
@@ -54,11 +51,10 @@ def draw_certificate(console: Console, table: LoadTable) -> None:
             "parameters, median": parameters["median"],
             "parameters, 95 %": parameters["percentile_95"],
         }
-    rows = Table("error, share of static", title="Certificate")
-    for title in columns:
-        rows.add_column(title, justify="right")
-    for name, title in TITLES.items():
-        rows.add_row(title, *(f"{100.0 * by_load[name]:.3f} %" for by_load in columns.values()))
-    console.print(rows)
-    told = [*claims(found), *(parameter_claims(parameters) if parameters else ())]
-    console.print("\n".join(told))
+    rows = [
+        (title, *(f"{100.0 * by_load[name]:.3f} %" for by_load in columns.values()))
+        for name, title in TITLES.items()
+    ]
+    yield grid("|".join(["<error, share of static", *columns]), rows, "Certificate")
+    yield from claims(found)
+    yield from parameter_claims(parameters) if parameters else ()

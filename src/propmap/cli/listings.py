@@ -1,0 +1,167 @@
+"""``propmap props`` and ``propmap airfoils``: what comes with propmap."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import numpy as np
+import typer
+from typer.core import TyperGroup
+
+from propmap import catalogue
+from propmap.catalogue.lookup import propeller
+from propmap.cli.output import (
+    Format,
+    FormatOption,
+    TextOutput,
+    check_output,
+    check_pictures,
+    chosen_format,
+    emit,
+    emit_rows,
+    grid,
+    show,
+)
+from propmap.cli.rotor_options import Blades, PropArgument, Radius, constants
+from propmap.model.airfoil import airfoil_names, parameter_set
+
+if TYPE_CHECKING:
+    from propmap.model.propeller import Propeller
+
+ENTRY = ("name", "title", "family", "blades", "diameter_m", "source")
+OUTLINE_WIDTH = 72
+"""Characters from the axis to the tip."""
+
+
+class ListByDefault(TyperGroup):
+    """A group whose command `list` need not be named: `props apc` is `props list apc`."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Put `list` in front where no command of the group is named."""
+        if not args or args[0] not in {*self.commands, "--help"}:
+            args = ["list", *args]
+        return super().parse_args(ctx, args)
+
+
+props_app = typer.Typer(
+    name="props",
+    cls=ListByDefault,
+    help="Propellers: props [TEXT] lists, props show NAME shows.",
+    rich_markup_mode=None,
+)
+airfoils_app = typer.Typer(
+    name="airfoils",
+    cls=ListByDefault,
+    help="Section laws: list them, or airfoils show NAME.",
+    rich_markup_mode=None,
+)
+
+
+@airfoils_app.command("list")
+def list_airfoils(format_: FormatOption = None, output: TextOutput = None) -> None:
+    """List the parameter sets that come with propmap."""
+    chosen = chosen_format(format_, output)
+    sets = [parameter_set(name) for name in airfoil_names()]
+    if chosen is not Format.table:
+        rows = [one.metadata() for one in sets]
+        emit_rows(list(rows[0]), rows, chosen, output)
+        return
+    cells = [
+        (
+            one.name,
+            *(f"{value:g}" for value in (one.c_l1, one.c_l2, one.c_d)),
+            *(f"{np.degrees(angle):.1f}" for angle in (one.alpha_0, one.zero_lift_angle)),
+            one.source,
+        )
+        for one in sets
+    ]
+    show(output, grid("<name|c_l1 [1/rad]|c_l2|c_d|alpha_0 [deg]|zero lift [deg]|<source", cells))
+
+
+@airfoils_app.command("show")
+def show_airfoil(
+    name: Annotated[str, typer.Argument(metavar="NAME|FILE", help="Parameter set or TOML file.")],
+    output: TextOutput = None,
+) -> None:
+    """Print a parameter set as TOML, a template for one's own."""
+    if output is not None:
+        check_output(output, (".toml",))
+    emit(constants(name).to_toml(), output)
+
+
+@props_app.command("list")
+def list_props(
+    words: Annotated[
+        list[str] | None, typer.Argument(metavar="[TEXT]...", help="Words to search for.")
+    ] = None,
+    format_: FormatOption = None,
+    output: TextOutput = None,
+) -> None:
+    """List the catalogue, or what in it matches all words."""
+    chosen = chosen_format(format_, output)
+    text = " ".join(words or [])
+    entries = catalogue.search(text)
+    if chosen is not Format.table:
+        emit_rows(ENTRY, [asdict(entry) for entry in entries], chosen, output)
+        return
+    cells = [(e.name, e.title, str(e.blades), f"{1e3 * e.diameter_m:.1f}") for e in entries]
+    found = f"{len(entries)} propellers" + (f" with {text!r}" if text else "")
+    listed = [grid("<name|<propeller|blades|diameter [mm]", cells)] if entries else []
+    show(output, *listed, found)
+
+
+@props_app.command("show")
+def show_prop(
+    prop: PropArgument,
+    blades: Blades = None,
+    radius: Radius = None,
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", metavar="FILE", help="Picture as well: .png, .svg, .pdf."),
+    ] = None,
+) -> None:
+    """A propeller's stations, where they are from, and its outline."""
+    from rich.text import Text
+
+    check_pictures(output)
+    blade = propeller(prop, blades, radius)
+    rows = [
+        (f"{y:.5f}", f"{y / blade.radius:.4f}", f"{1e3 * c:.3f}", f"{np.degrees(twist):.2f}")
+        for y, c, twist in zip(blade.station, blade.chord, blade.twist, strict=True)
+    ]
+    show(
+        None,
+        f"{blade.name}: {blade.blades} blades, radius {blade.radius:.5g} m, loaded from "
+        f"{blade.root:.5g} m",
+        grid("radius [m]|r/R|chord [mm]|twist [deg]", rows),
+        Text("\n".join(outline(blade)), no_wrap=True),
+        f"source: {blade.source or 'not given'}",
+        f"citation: {blade.citation or 'not given'}",
+    )
+    if output is not None:
+        from propmap.report.planform import planform
+        from propmap.report.style import save
+
+        save(planform(blade), output)
+        typer.echo(output)
+
+
+def outline(blade: Propeller) -> list[str]:
+    """The blade about mid-chord in half-block characters, the axis at the left, to scale.
+
+    A character is taken to be twice as high as wide, so a half block is as high as wide.
+    """
+    step = blade.radius / OUTLINE_WIDTH
+    middles = (np.arange(OUTLINE_WIDTH) + 0.5) * step
+    chord = np.interp(middles, blade.station, blade.chord, left=0.0)
+    # A blade thinner than a half block is still drawn.
+    chord = np.where(middles >= blade.station[0], np.maximum(chord, step), 0.0)
+    rows = max(2, 2 * int(np.ceil(chord.max() / step / 2.0)))
+    heights = (np.arange(rows) + 0.5 - 0.5 * rows) * step
+    filled = np.abs(heights[:, None]) < 0.5 * chord
+    marks = np.array([" ", "▀", "▄", "█"])
+    lines = marks[filled[0::2].astype(int) + 2 * filled[1::2]]
+    lines[rows // 4, 0] = "┼"
+    return ["".join(line).rstrip() for line in lines]
