@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -10,9 +11,8 @@ import typer
 from propmap.errors import InputError
 
 if TYPE_CHECKING:
-    from rich.console import Console
-
     from propmap.cli.demo_results import Results
+    from propmap.report.comparison import ErrorFigures
 
 OutputFolder = Annotated[
     Path, typer.Option("--output", "-o", metavar="FOLDER", help="Where the files go.")
@@ -33,79 +33,67 @@ def demo(output: OutputFolder = Path("propmap-demo")) -> None:
     results = compute()
     write_tables(results, output)
     curves, disk = write_pictures(results, output)
-
-    def draw(console: Console) -> None:
-        _print(console, results)
-        for path in (output / "demo.csv", output / "demo.json", disk, curves):
-            console.print(str(path), soft_wrap=True)
-
-    show(None, draw)
+    show(None, *_told(results))
+    for path in (output / "demo.csv", output / "demo.json", disk, curves):
+        typer.echo(path)
 
 
-def _print(console: Console, results: Results) -> None:
-    from rich.table import Table
+def _told(results: Results) -> Iterator[object]:
+    """Texts and tables on the results."""
+    from propmap.cli.output import grid
 
-    rotor = results.rotor
-    console.print(
-        f"{rotor.model.propeller.name}, airfoil {rotor.model.airfoil.name}, against "
-        "UIUC (static, axial) and Gill & D'Andrea 2019 (oblique, their fit)"
+    model = results.rotor.model
+    yield (
+        f"{model.propeller.name}, airfoil {model.law_title}, against UIUC (static, axial) and "
+        "Gill & D'Andrea 2019 (oblique, their fit)"
     )
-    table = Table(
+    rows = [
+        (
+            group.title if i == 0 else "",
+            one.load.replace("_", " "),
+            str(one.points),
+            f"{one.measured_rms:.3g}",
+            *_figures(one.model),
+            *_figures(one.hover),
+            one.unit,
+        )
+        for group in results.groups
+        for i, one in enumerate(group.errors)
+    ]
+    yield grid(
+        "<data set|<load|points|measured rms|rms|rel. [%]|worst|hover rms|rel. [%]|worst|<unit",
+        rows,
         caption="errors: predicted less measured; rel.: rms error over the rms of the measured "
         "load; hover model: constants from this rotor at V = 0",
-        caption_justify="left",
     )
-    table.add_column("data set", no_wrap=True)
-    table.add_column("load", no_wrap=True)
-    heads = ["points", "measured rms", "rms", "rel. [%]", "worst"]
-    for head in [*heads, "hover rms", "rel. [%]", "worst", "unit"]:
-        table.add_column(head, justify="right")
-    for group in results.groups:
-        for i, one in enumerate(group.errors):
-            table.add_row(
-                group.title if i == 0 else "",
-                one.load.replace("_", " "),
-                str(one.points),
-                f"{one.measured_rms:.3g}",
-                f"{one.model.rms:.3g}",
-                _percent(one.model.relative_rms),
-                f"{one.model.worst:.3g}",
-                f"{one.hover.rms:.3g}",
-                _percent(one.hover.relative_rms),
-                f"{one.hover.worst:.3g}",
-                one.unit,
-                end_section=i == len(group.errors) - 1,
-            )
-    console.print(table)
-    console.print(_by_angle(results))
-    for line in results.notes():
-        console.print(f"- {line}")
+    loads = [one.load.replace("_", " ") for one in results.by_angle[0].errors]
+    rows_by_angle = [
+        (
+            f"{group.beta_deg:g}",
+            *(
+                f"{_percent(one.model.relative_rms)} / {_percent(one.hover.relative_rms)}"
+                for one in group.errors
+            ),
+            str(group.errors[0].points),
+        )
+        for group in results.by_angle
+    ]
+    yield grid(
+        "|".join(["beta [deg]", *loads, "points"]),
+        rows_by_angle,
+        "oblique, by angle: rms error over the rms of the measured load [%], this model / hover "
+        "model",
+    )
+    yield from (f"- {line}" for line in results.notes())
     times = " and ".join(
         f"{1e6 * timing.seconds_per_point:.0f} microseconds per point with {timing.points} at once"
         for timing in results.timings
     )
-    console.print(f"{times}, on this machine ({results.cores} cores), after the first call")
+    yield f"{times}, on this machine ({results.cores} cores), after the first call"
 
 
-def _by_angle(results: Results) -> object:
-    from rich.table import Table
-
-    table = Table(
-        title="oblique, by angle: rms error over the rms of the measured load [%], "
-        "this model / hover model",
-        title_justify="left",
-    )
-    table.add_column("beta [deg]", justify="right")
-    for one in results.by_angle[0].errors:
-        table.add_column(one.load.replace("_", " "), justify="right")
-    table.add_column("points", justify="right")
-    for group in results.by_angle:
-        pairs = [
-            f"{_percent(one.model.relative_rms)} / {_percent(one.hover.relative_rms)}"
-            for one in group.errors
-        ]
-        table.add_row(f"{group.beta_deg:g}", *pairs, str(group.errors[0].points))
-    return table
+def _figures(errors: ErrorFigures) -> tuple[str, str, str]:
+    return f"{errors.rms:.3g}", _percent(errors.relative_rms), f"{errors.worst:.3g}"
 
 
 def _percent(share: float | None) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-import time
+import timeit
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -54,11 +54,8 @@ class Timing:
 
 @dataclass(frozen=True, eq=False)
 class Results:
-    """All figures of the demo.
-
-    groups : the data sets; by_angle : the oblique one by angle.
-    comparisons : every point.  timings : of these points at once, and of ten times as many.
-    """
+    """Comparisons at every point, errors by data set and of the oblique one by angle, and the time
+    of these points at once and of ten times as many."""
 
     rotor: Rotor
     comparisons: tuple[Comparison, Comparison]
@@ -171,29 +168,23 @@ def write_pictures(results: Results, folder: Path) -> tuple[Path, Path]:
 def _timing(rotor: Rotor, flow: list[Floats], copies: int) -> Timing:
     batch = [np.tile(values, copies) for values in flow]
     rotor.loads(*batch)
-    seconds = []
-    for _ in range(REPEATS):
-        start = time.perf_counter()
-        rotor.loads(*batch)
-        seconds.append(time.perf_counter() - start)
-    return Timing(batch[0].size, min(seconds) / batch[0].size)
+    seconds = min(timeit.repeat(lambda: rotor.loads(*batch), number=1, repeat=REPEATS))
+    return Timing(batch[0].size, seconds / batch[0].size)
 
 
 def _rows(both: Comparison) -> list[dict[str, Any]]:
     data = both.measurement
-    columns: dict[str, list[Any]] = {
-        "data_set": [data.name] * data.omega.size,
-        "rpm": (data.omega / RPM).tolist(),
-        "speed_mps": data.speed.tolist(),
-        "beta_deg": np.degrees(data.beta).tolist(),
+    none = np.full(data.omega.size, None)
+    columns: dict[str, Any] = {
+        "data_set": np.full(data.omega.size, data.name),
+        "rpm": data.omega / RPM,
+        "speed_mps": data.speed,
+        "beta_deg": np.degrees(data.beta),
     }
-    none = [None] * data.omega.size
-    for load in LOADS:
-        ending = LOADS[load].column
-        measured = both.measured.get(load)
-        columns[f"measured_{ending}"] = none if measured is None else measured.tolist()
-        columns[f"predicted_{ending}"] = both.predicted[load].tolist()
-        columns[f"hover_{ending}"] = both.hover[load].tolist()
-    columns["status"] = both.status.tolist()
-    names = list(columns)
-    return [dict(zip(names, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+    for name, load in LOADS.items():
+        columns[f"measured_{load.column}"] = both.measured.get(name, none)
+        columns[f"predicted_{load.column}"] = both.predicted[name]
+        columns[f"hover_{load.column}"] = both.hover[name]
+    columns["status"] = both.status
+    listed = [values.tolist() for values in columns.values()]
+    return [dict(zip(columns, row, strict=True)) for row in zip(*listed, strict=True)]

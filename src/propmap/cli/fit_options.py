@@ -42,8 +42,8 @@ def choice_of(
 ) -> Choice:
     """The free parameters and what holds the others.
 
-    base : a parameter set, which gives the values of what is not free and the first start.
-    also_fixed : values known from elsewhere, as those of a vehicle's wing.
+    ``base`` gives the values of what is not free and the first start, ``also_fixed`` values known
+    from elsewhere, as those of a vehicle's wing.
     """
     wanted = tuple(name.strip() for name in free.split(",")) if free is not None else tuple(default)
     given = {name: getattr(base, name) for name in SECTION} if base else {}

@@ -21,7 +21,7 @@ ENOUGH_STRETCHES = 4
 
 @dataclass(frozen=True, eq=False)
 class Flights:
-    """level : whether ``log`` holds steady operating points.  remarks : for the report."""
+    """A log, whether it holds steady operating points alone, and remarks for the report."""
 
     level: bool
     log: FlightLog
@@ -39,8 +39,18 @@ def read_flights(
 ) -> Flights:
     """Read logs, or tables of operating points, for the method "level", "balance" or "auto".
 
-    seconds : shortest steady stretch.  samples : of whole flights, at most; more would be
-    no more information, as neighbours err alike.  picture : of the steady stretches.
+    Parameters
+    ----------
+    paths, file : sequence of Path, VehicleFile
+        What was flown, and by what.
+    method : str
+        As in ``propmap fit flight``.
+    seconds : float
+        Shortest steady stretch [s].
+    samples : int
+        Of whole flights, at most; more would be no more information, as neighbours err alike.
+    picture : Path, optional
+        Of the steady stretches.
     """
     if all_level_tables(paths):
         if method == "balance":
@@ -75,7 +85,10 @@ def _points(
                 raise
             continue
         if picture is not None:
-            _draw(log, stretches, picture)
+            from propmap.report.fit_pictures import steady_parts
+            from propmap.report.style import save
+
+            save(steady_parts(log, stretches), picture)
         found.append(operating_points(log, stretches))
     if not found or (not needed and sum(len(p) for p in found) < ENOUGH_STRETCHES):
         if needed:
@@ -85,13 +98,6 @@ def _points(
             )
         return None
     return joined(found)
-
-
-def _draw(log: FlightLog, stretches: list[slice], picture: Path) -> None:
-    from propmap.report.fit_pictures import steady_parts
-    from propmap.report.style import save
-
-    save(steady_parts(log, stretches), picture)
 
 
 def _rpm_remarks(log: FlightLog, file: VehicleFile) -> list[str]:

@@ -95,9 +95,9 @@ def single_point(rpm: float, speed: float, beta: float) -> OperatingPoints:
 
 
 def parse_axis(option: str, quantity: str, text: str, count: int | None = None) -> Floats:
-    """Rising values from "6000", "10,20" or "A:B:N", N values from A to B, shape (n,).
+    """Rising values (n,) from "6000", "10,20" or "A:B:N", N values from A to B.
 
-    option : its name in messages.  count : N where "A:B" is written, None to ask for it.
+    ``option`` is its name in messages, ``count`` N where "A:B" is written, None to ask for it.
     """
     parts = text.split(":")
     form = "A:B:N" if count is None else "A:B or A:B:N"

@@ -92,10 +92,7 @@ class RotorChoice:
     ] = AccuracyName.standard
 
     def rotor(self, points: int | None = None) -> Rotor:
-        """The rotor, whose programs are not compiled for few points; None: for many.
-
-        Raises ``InputError`` before JAX is imported.
-        """
+        """The rotor; its programs are not compiled for few ``points``, None for many."""
         if self.airfoil is None:
             names = ", ".join(airfoil_names())
             raise InputError(
