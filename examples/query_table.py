@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from propmap.loads import LOADS
 from propmap.table import LoadTable
 
 table = LoadTable.load("map.npz")
@@ -10,8 +11,8 @@ print(f"certified to {max(table.certificate['max_error'].values()):.2%} of the s
 
 omega = 6000 * np.pi / 30  # rad/s
 loads = table.loads(omega, speed=8.0, beta=np.radians([0.0, 45.0, 90.0]))
-for name in ("thrust", "drag", "torque", "roll_moment"):
-    print(f"{name:12s}", getattr(loads, name))
+for name, load in LOADS.items():
+    print(f"{name:12s}", getattr(loads, name), load.unit)
 print("status", loads.status)
 
 # How thrust changes with the velocity's x, y, z: what a controller or an estimator needs.

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from propmap.loads import LOADS
 from propmap.table import LoadTable
 from propmap.table.content import TableContent
 
@@ -13,7 +14,8 @@ from propmap.table.content import TableContent
 def invented() -> LoadTable:
     """Loads that grow with the advance ratio, without a model behind them."""
     advance, beta = np.linspace(0.0, 0.4, 9), np.linspace(0.0, np.pi, 9)
-    loads = [0.016, 0.006, 0.002, 0.004] + advance[:, None, None] * np.ones((9, 1))
+    first = np.linspace(0.016, 0.004, len(LOADS))
+    loads = first + advance[:, None, None] * np.ones((9, 1))
     return LoadTable(
         TableContent(
             advance=advance,
@@ -32,19 +34,18 @@ def invented() -> LoadTable:
 
 def certificate(unresolved_cells: int) -> dict[str, Any]:
     """A certificate that holds at 0.5 %, with some cells that have a bound of their own."""
-    loads = ("thrust", "drag", "torque", "roll_moment")
     return {
         "tolerance": 0.005,
         "points": 4096,
         "seed": 1,
-        "max_error": dict.fromkeys(loads, 0.0021),
-        "rms_error": dict.fromkeys(loads, 0.0003),
+        "max_error": dict.fromkeys(LOADS, 0.0021),
+        "rms_error": dict.fromkeys(LOADS, 0.0003),
         "unresolved": 40,
         "unresolved_cells": unresolved_cells,
         "unresolved_volume": 0.0098,
         "unresolved_points": 1020,
-        "unresolved_max_error": dict.fromkeys(loads, 0.031),
-        "unresolved_rms_error": dict.fromkeys(loads, 0.01),
+        "unresolved_max_error": dict.fromkeys(LOADS, 0.031),
+        "unresolved_rms_error": dict.fromkeys(LOADS, 0.01),
         "vortex_ring": 300,
         "no_value": 0,
     }

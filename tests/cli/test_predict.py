@@ -12,17 +12,12 @@ import pytest
 
 import propmap
 from propmap.cli.operating_points import COLUMNS, OperatingPoints
+from propmap.loads import LOADS
 from propmap.rotor import Loads
 
 from .conftest import BETA, POINT, POINTS, ROTOR, RPM, SPEED, Run
 
-FIELDS = {
-    "thrust_N": "thrust",
-    "drag_N": "drag",
-    "torque_Nm": "torque",
-    "roll_moment_Nm": "roll_moment",
-    "power_W": "power",
-}
+FIELDS = {load.column: name for name, load in LOADS.items()} | {"power_W": "power"}
 OMEGA = np.pi / 30.0
 
 

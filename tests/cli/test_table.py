@@ -13,6 +13,7 @@ import pytest
 import xarray
 
 import propmap
+from propmap.loads import LOADS
 from propmap.model.section_covariance import SectionCovariance
 from propmap.table import LoadTable, build_table
 from tests.fit.fit_records import fit_text, parameter
@@ -75,14 +76,13 @@ def test_a_fit_brings_its_covariance(
 
 def _uncertain(covariance: SectionCovariance) -> LoadTable:
     """A table with a certificate, without a model behind it."""
-    loads = ("thrust", "drag", "torque", "roll_moment")
     content = invented().content
     parameters = {
         "parameters": list(covariance.determined.names),
         "not_counted": list(covariance.unknown),
         "points": 1000,
-        "median": dict.fromkeys(loads, 0.015),
-        "percentile_95": dict.fromkeys(loads, 0.045),
+        "median": dict.fromkeys(LOADS, 0.015),
+        "percentile_95": dict.fromkeys(LOADS, 0.045),
     }
     filed = {"certificate": certificate(unresolved_cells=12), "parameter_uncertainty": parameters}
     filed["airfoil_covariance"] = covariance.as_dict()

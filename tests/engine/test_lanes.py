@@ -5,8 +5,9 @@ import pytest
 
 import propmap as pm
 from propmap.engine import batch, lanes, programs
+from propmap.loads import LOADS
 
-FIELDS = ("thrust", "drag", "torque", "roll_moment", "mean_inflow")
+FIELDS = (*LOADS, "mean_inflow")
 
 
 def _points(count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

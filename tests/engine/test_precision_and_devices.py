@@ -9,9 +9,10 @@ from numpy.typing import NDArray
 import propmap as pm
 from propmap.arrays import namespace
 from propmap.engine import evaluation, lanes
+from propmap.loads import LOADS
 
 SETS = ("paper-soft", "paper-stiff", "paper-apc")
-NUMBERS = ("thrust", "drag", "torque", "roll_moment")
+NUMBERS = tuple(LOADS)
 
 
 def _points(count: int, steepest: float) -> tuple[NDArray[np.float64], ...]:

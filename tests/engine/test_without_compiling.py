@@ -9,9 +9,10 @@ from numpy.typing import NDArray
 import propmap as pm
 from propmap.engine.batch import cut
 from propmap.engine.plan import Job
+from propmap.loads import LOADS
 
 SETS = ("paper-soft", "paper-stiff", "paper-apc")
-NUMBERS = ("thrust", "drag", "torque", "roll_moment", "mean_inflow")
+NUMBERS = (*LOADS, "mean_inflow")
 
 
 def _points(count: int) -> tuple[NDArray[np.float64], ...]:

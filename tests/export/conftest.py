@@ -10,6 +10,7 @@ import pytest
 
 import propmap
 from propmap.export import export_table
+from propmap.loads import LOADS
 from propmap.table import LoadTable, build_table
 from propmap.table.content import TableContent
 
@@ -52,14 +53,12 @@ def invented_content(
     angle = np.linspace(*beta, 31)
     j, b = np.meshgrid(advance, angle, indexing="ij")
     climb, mu = j * np.cos(b), j * np.sin(b)
-    low = np.stack(
-        [
-            0.016 - 0.08 * climb - 0.05 * climb**2 + 0.02 * mu**2,
-            mu * (0.006 + 0.01 * climb),
-            0.0025 - 0.002 * climb - 0.003 * climb**2 + 0.001 * mu**2,
-            mu * (0.004 - 0.002 * climb),
-        ]
-    )
+    known = {
+        "thrust": 0.016 - 0.08 * climb - 0.05 * climb**2 + 0.02 * mu**2,
+        "drag": mu * (0.006 + 0.01 * climb),
+        "torque": 0.0025 - 0.002 * climb - 0.003 * climb**2 + 0.001 * mu**2,
+    }
+    low = np.stack([known.get(load, mu * (0.004 - 0.002 * climb)) for load in LOADS])
     coefficients = np.stack([low, low])
     cells = np.zeros((advance.size - 1, angle.size - 1), np.uint8)
     if gap:

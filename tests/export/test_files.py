@@ -11,6 +11,7 @@ import xarray
 
 from propmap.errors import InputError
 from propmap.export import TARGETS, export_table
+from propmap.loads import LOADS
 from propmap.table import LoadTable
 
 from .conftest import invented_content
@@ -36,11 +37,10 @@ def test_csv_is_the_map(tmp_path: Path) -> None:
     with path.open(newline="") as file:
         head, *rows = csv.reader(file)
     assert head == [
-        "omega_rad_s", "advance", "beta_rad", "thrust_coefficient", "drag_coefficient",
-        "torque_coefficient", "roll_moment_coefficient",
+        "omega_rad_s", "advance", "beta_rad", *(f"{name}_coefficient" for name in LOADS)
     ]  # fmt: skip
     numbers = np.array([[float(word or "nan") for word in row] for row in rows])
-    expected = content.coefficients.transpose(0, 2, 3, 1).reshape(-1, 4)
+    expected = content.coefficients.transpose(0, 2, 3, 1).reshape(-1, len(LOADS))
     np.testing.assert_array_equal(numbers[:, 3:].astype(np.float32), expected.astype(np.float32))
     np.testing.assert_array_equal(np.unique(numbers[:, 1]), content.advance)
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import propmap
+from propmap.loads import LOADS
 from propmap.papers.gill_dandrea_2017.blades import blade
 from propmap.papers.gill_dandrea_2017.level_circles import (
     Case,
@@ -57,7 +58,7 @@ def test_blades_at_other_stations_have_the_same_loads() -> None:
     for name in ("apc-8x4.5mr", "apc-11x7e"):
         own = propmap.Rotor(propmap.Model(propmap.propeller(name), law)).loads(600.0, speed, beta)
         other = propmap.Rotor(propmap.Model(blade(name), law)).loads(600.0, speed, beta)
-        for load in ("thrust", "drag", "torque", "roll_moment"):
+        for load in LOADS:
             expected = getattr(own, load)
             assert getattr(other, load) == pytest.approx(
                 expected, abs=1e-3 * np.abs(expected).max()

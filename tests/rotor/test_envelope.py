@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import propmap as pm
+from propmap.loads import LOADS
 from propmap.rotor import STATUSES, Loads
 
 
@@ -18,7 +19,7 @@ def _random(points: int, airfoil: str, seed: int) -> Loads:
 
 def _check(loads: Loads) -> None:
     lost = loads.status == "not_converged"
-    for name in ("thrust", "drag", "torque", "roll_moment", "power"):
+    for name in (*LOADS, "power"):
         values = getattr(loads, name)
         assert np.isfinite(values[~lost]).all()
         assert np.isnan(values[lost]).all()
@@ -44,7 +45,7 @@ def test_rest_is_rest() -> None:
     loads = pm.Rotor(pm.Model(pm.propeller("apc-8x6e"), pm.airfoil("paper-apc"))).loads(
         0.0, 0.0, 0.0
     )
-    for name in ("thrust", "drag", "torque", "roll_moment", "power"):
+    for name in (*LOADS, "power"):
         assert float(getattr(loads, name)) == 0.0
     assert loads.status == "ok"
 

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import propmap
+from propmap.loads import LOADS
 from propmap.table import LoadTable, build_table
 from propmap.table.content import TableContent
 
@@ -46,8 +47,10 @@ def invented_content() -> TableContent:
     drag = 0.006 * j * np.sin(b) * (1.0 + j * np.cos(b))
     torque = 0.0025 - 0.002 * j * np.cos(b) - 0.003 * j**2 * np.cos(b) ** 2
     roll = 0.004 * j * np.sin(b)
-    low = np.stack([thrust, drag, torque, roll])
-    high = low * np.array([1.01, 1.0, 0.95, 1.0])[:, None, None]
+    known = {"thrust": thrust, "drag": drag, "torque": torque}
+    low = np.stack([known.get(name, roll) for name in LOADS])
+    reynolds = {"thrust": 1.01, "torque": 0.95}
+    high = low * np.array([reynolds.get(name, 1.0) for name in LOADS])[:, None, None]
     info = {
         "propeller": {"name": "invented", "radius_m": radius, "geometry_sha256": "0"},
         "air": {"density_kg_m3": 1.2, "viscosity_Pa_s": 1.8e-5},

@@ -9,11 +9,12 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from propmap.loads import LOADS
 from propmap.table import JaxTable, LoadTable
 
 from .conftest import random_points
 
-FIELDS = ("thrust", "drag", "torque", "roll_moment", "power")
+FIELDS = (*LOADS, "power")
 
 
 def _vectors(invented: LoadTable) -> tuple[np.ndarray, np.ndarray]:

@@ -9,11 +9,12 @@ import numpy as np
 import pytest
 
 import propmap
+from propmap.loads import LOADS
 from propmap.table import LoadTable
 
 from .conftest import random_points
 
-FIELDS = ("thrust", "drag", "torque", "roll_moment", "power")
+FIELDS = (*LOADS, "power")
 
 
 def test_importing_and_asking_needs_numpy_alone(invented: LoadTable, tmp_path: object) -> None:

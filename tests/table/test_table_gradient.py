@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 
 import propmap
+from propmap.loads import LOADS
 from propmap.table import LoadTable
 
 from .conftest import random_points
 
-FIELDS = ("thrust", "drag", "torque", "roll_moment", "power")
+FIELDS = (*LOADS, "power")
 
 
 def _difference(table: LoadTable, point: np.ndarray, k: int, step: float, name: str) -> float:
