@@ -79,7 +79,13 @@ def test_what_did_not_converge_is_null_and_empty(capsys: pytest.CaptureFixture[s
 
     nan, zero = np.array([np.nan]), np.array([0.0])
     lost = Loads(
-        nan, nan, nan, nan, nan, np.array(["not_converged"]), np.array([0]), zero, zero, zero
+        **dict.fromkeys(LOADS, nan),
+        power=nan,
+        status=np.array(["not_converged"]),
+        roots=np.array([0]),
+        reverse_flow=zero,
+        vortex_ring=zero,
+        mean_inflow=zero,
     )
     rows = OperatingPoints(zero, zero, zero).rows(lost)
     found = json.loads(json_text(rows[0]))
