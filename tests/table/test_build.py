@@ -10,7 +10,7 @@ import pytest
 import xarray
 
 import propmap
-from propmap.loads import LOADS
+from propmap.loads import LOADS, error_scales
 from propmap.table import LoadTable, build_table, write_netcdf
 from propmap.table.model import Model
 
@@ -25,8 +25,9 @@ def _errors(
     model, found = rotor.loads(omega, speed, beta), table.loads(omega, speed, beta)
     rates, where = np.unique(omega, return_inverse=True)
     still = rotor.loads(rates, 0.0, 0.0)
-    thrust, torque = still.thrust[where], still.torque[where]
-    static = np.stack([thrust, thrust, torque, thrust * rotor.model.propeller.radius], -1)
+    rest = {name: getattr(still, name)[where] for name in LOADS}
+    scales = error_scales(rest, rotor.model.propeller.radius)
+    static = np.stack(list(scales.values()), -1)
     difference = [getattr(found, name) - getattr(model, name) for name in LOADS]
     return np.stack(difference, -1) / static, found.status
 
