@@ -60,15 +60,15 @@ class HoverModel:
         return cls(float(still.thrust) / omega**2, float(still.torque) / omega**2, omega)
 
     def thrust(self, omega: ArrayLike) -> NDArray[np.float64]:
-        """Thrust [N] at omega [rad/s], any shape."""
+        """Thrust [N] at ``omega`` [rad/s], any shape."""
         return np.asarray(self.k_thrust * np.square(omega))
 
     def torque(self, omega: ArrayLike) -> NDArray[np.float64]:
-        """Torque [N m] at omega [rad/s], any shape."""
+        """Torque [N m] at ``omega`` [rad/s], any shape."""
         return np.asarray(self.k_torque * np.square(omega))
 
     def loads(self, omega: ArrayLike) -> dict[str, NDArray[np.float64]]:
-        """Every load by name [N], [N m] at omega [rad/s]; zero where the model has none."""
+        """Every load by name [N], [N m] at ``omega`` [rad/s]; zero where the model has none."""
         none = np.zeros_like(omega, dtype=np.float64)
         known = {"thrust": self.thrust(omega), "torque": self.torque(omega)}
         return {name: known.get(name, none) for name in LOADS}

@@ -98,8 +98,8 @@ def _weights(content: TableContent) -> tuple[Floats, Floats, Floats]:
 def _folded(knots: Floats, low: Floats | None, high: Floats | None) -> Floats:
     """Weight polynomials (n - 1, 16), powers first, of the values at the knots alone.
 
-    low, high : parities at the ends, as for ``pad``.  A ghost value is a sum over the three
-    knots at its end of the axis; its weight is spread over these.
+    ``low`` and ``high`` are parities at the ends, as for ``pad``.  A ghost value is a sum over the
+    three knots at its end of the axis; its weight is spread over these.
     """
     weights = interval_polynomials(knots)
     ghosts = pad(knots, np.eye(knots.size), low, high)

@@ -22,7 +22,14 @@ def _every_load(*further: str) -> Any:
 class TableLoads(_every_load("power", "code")):  # type: ignore[misc]
     """Loads from a table; floats for a single point, else arrays of the points' shape.
 
-    ``code`` is an index into ``STATUSES``, see ``status``.
+    Attributes
+    ----------
+    thrust, drag, torque, roll_moment : float or ndarray
+        As in ``propmap.Loads`` [N], [N m], and whatever else ``propmap.loads.LOADS`` has.
+    power : float or ndarray
+        Torque times omega [W].
+    code : int or ndarray
+        Index into ``STATUSES``, see ``status``.
     """
 
     __slots__ = ()
@@ -47,17 +54,26 @@ class TableLoads(_every_load("power", "code")):  # type: ignore[misc]
 
 
 class Gradient(_every_load("power")):  # type: ignore[misc]
-    """Derivatives of the loads below, (..., k).
+    """Derivatives of the loads.
 
-    The last axis counts what they are taken by: omega, speed and beta, or omega and the
-    velocity's x, y, z.
+    Attributes
+    ----------
+    thrust, drag, torque, roll_moment, power : ndarray, shape (..., k)
+        The last axis counts what they are taken by: omega, speed and beta, or omega and the
+        velocity's x, y, z.
     """
 
     __slots__ = ()
 
 
 class JaxLoads(_every_load("power")):  # type: ignore[misc]
-    """Loads from a table in JAX; NaN outside the envelope."""
+    """Loads from a table in JAX; NaN outside the envelope.
+
+    Attributes
+    ----------
+    thrust, drag, torque, roll_moment, power : Array
+        As in ``TableLoads``.
+    """
 
     __slots__ = ()
 
