@@ -9,7 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from propmap.arrays.types import Floats
+from propmap.fit.fitted import Fitted
 from propmap.fit.parameters import EVERY, Choice
+from propmap.fit.residuals import errors
 from propmap.fit.rows import Model, Rows
 
 TRUTH = {"c_l1": 5.0, "c_l2": 2.5, "c_d": 1.5}
@@ -76,3 +78,8 @@ def noisy(rows: Rows, noise: Floats) -> Rows:
 
 def truth_of(choice: Choice) -> Floats:
     return np.array([TRUTH[name] for name in choice.free])
+
+
+def rms_of(fitted: Fitted, load: int) -> float:
+    """Root mean square of the residuals of the load of this index, in its unit."""
+    return errors(*fitted.compared(load)).rms

@@ -20,6 +20,7 @@ from .synthetic_rows import (
     decay_model,
     linear_model,
     noisy,
+    rms_of,
     rows_of,
     true_values,
     truth_of,
@@ -150,7 +151,7 @@ def test_residuals_come_in_the_unit_of_the_measurement() -> None:
     found = fit(rows, THREE, Settings(starts=1, folds=0))
     value, _ = rows.model(found.values, THREE.free)
     np.testing.assert_allclose(found.residual, value - rows.measured)
-    assert found.rms(0) == pytest.approx(float(np.sqrt(np.mean((value - rows.measured) ** 2))))
+    assert rms_of(found, 0) == pytest.approx(float(np.sqrt(np.mean((value - rows.measured) ** 2))))
     assert np.isnan(found.cross_validated).all() and found.bootstrapped.shape == (0, 3)
 
 
@@ -208,7 +209,7 @@ def test_cross_validated_error_is_the_noise_and_above_the_residual() -> None:
     rows = rows_of(model, true_values(model), load=load)
     found = fit(noisy(rows, deviation * rng.normal(size=count)), THREE, Settings(starts=1))
     np.testing.assert_allclose(found.cross_validated, [0.2, 0.05], rtol=0.2)
-    assert found.cross_validated[0] > found.rms(0)
+    assert found.cross_validated[0] > rms_of(found, 0)
 
 
 def test_cross_validation_tells_an_overfit() -> None:
@@ -217,7 +218,7 @@ def test_cross_validation_tells_an_overfit() -> None:
     model = linear_model({name: rng.normal(size=12) for name in THREE.free})
     rows = noisy(rows_of(model, true_values(model)), rng.normal(0.0, 0.05, 12))
     found = fit(rows, THREE, Settings(starts=1, folds=6))
-    assert found.cross_validated[0] > 1.2 * found.rms(0)
+    assert found.cross_validated[0] > 1.2 * rms_of(found, 0)
     few = fit(rows, THREE, Settings(starts=1, folds=7))
     assert np.isnan(few.cross_validated).all()
 

@@ -26,6 +26,8 @@ from propmap.fit.tunnel import (
 )
 from propmap.loads import LOADS
 
+from .synthetic_rows import rms_of
+
 PROPELLER, AIR = propmap.propeller("apc-8x6e"), propmap.Air()
 FIVE = (*PAPER_FOUR, "zero_lift_angle")
 TRUTH = {"c_l1": 5.2, "c_l2": 1.5, "c_d": 1.6, "alpha_0": 0.36, "zero_lift_angle": -0.06}
@@ -104,7 +106,7 @@ def test_a_noise_free_twin_gives_back_its_parameters(twin_fit: Done) -> None:
         assert fitted.values[name] == pytest.approx(value, rel=5e-3), name
     for k, name in enumerate(fitted.rows.names):
         size = np.sqrt(np.mean(twin_fit.data.loads[name] ** 2))
-        assert fitted.rms(k) < 1e-3 * size
+        assert rms_of(fitted, k) < 1e-3 * size
     assert all(fitted.uncertainty.identified)
     truth = np.array([TRUTH[name] for name in FIVE])
     assert (fitted.uncertainty.low <= truth).all() and (truth <= fitted.uncertainty.high).all()
@@ -119,7 +121,7 @@ def test_cambered_uiuc_within_the_project_s_limits(uiuc_fit: Done) -> None:
     assert uiuc_fit.coefficient_rms("torque") <= 0.005
     fitted = uiuc_fit.fitted
     for k in range(2):
-        assert fitted.rms(k) <= fitted.cross_validated[k] <= 1.15 * fitted.rms(k)
+        assert rms_of(fitted, k) <= fitted.cross_validated[k] <= 1.15 * rms_of(fitted, k)
     assert fitted.values["zero_lift_angle"] == pytest.approx(-0.09, abs=0.02)
     verdicts = dict(zip(FIVE, fitted.uncertainty.identified, strict=True))
     assert verdicts["c_l1"] and verdicts["zero_lift_angle"]
@@ -132,7 +134,7 @@ def test_the_comparison_gives_the_fit_s_own_residuals(uiuc_fit: Done) -> None:
     for k, name in enumerate(("thrust_N", "torque_Nm")):
         whole = found[name].all
         assert whole.rows == len(uiuc_fit.data)
-        assert whole.rms == pytest.approx(uiuc_fit.fitted.rms(k), rel=0.02)
+        assert whole.rms == pytest.approx(rms_of(uiuc_fit.fitted, k), rel=0.02)
         assert whole.hover_rms > 3.0 * whole.rms
         assert sum(e.rows for e in found[name].by_speed.values()) == whole.rows
 

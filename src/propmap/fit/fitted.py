@@ -10,7 +10,6 @@ import numpy as np
 
 from propmap.arrays.types import Floats
 from propmap.fit.parameters import Choice
-from propmap.fit.residuals import rms
 from propmap.fit.rows import Rows
 from propmap.fit.search import NOISE_FLOOR, Minimum, search, starts
 from propmap.fit.uncertainty import Uncertainty, uncertainty
@@ -85,16 +84,6 @@ class Fitted:
     def values(self) -> dict[str, float]:
         """All parameters by name."""
         return self.choice.values(self.x)
-
-    def rms(self, load: int) -> float:
-        """Root mean square of the residuals of one load, in its unit.
-
-        Parameters
-        ----------
-        load : int
-            Index of the load in ``rows.names``.
-        """
-        return rms(self.residual[self.rows.of_load(load)])
 
     def compared(self, load: int) -> tuple[Floats, Floats]:
         """Modelled and measured values of the ``load`` of this index, in its unit."""
