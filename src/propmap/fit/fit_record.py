@@ -173,15 +173,8 @@ class FitRecord(msgspec.Struct, frozen=True):
         return told
 
 
-def read_record(table: Any, where: str) -> FitRecord:
+def read_record(table: Any) -> FitRecord:
     """The record of the table ``[fit]`` as TOML gives it.
-
-    Parameters
-    ----------
-    table : mapping
-        The table.
-    where : str
-        The file, for messages.
 
     Raises
     ------
@@ -190,8 +183,7 @@ def read_record(table: Any, where: str) -> FitRecord:
     """
     known = table
     if isinstance(table, Mapping):
-        listed = {key: _listed(table[key]) for key in BY_NAME if key in table}
-        known = {**table, **listed}
+        known = {**table, **{key: _listed(table[key]) for key in BY_NAME if key in table}}
     try:
         return msgspec.convert(known, FitRecord, dec_hook=_array)
     except msgspec.ValidationError as error:
@@ -200,11 +192,7 @@ def read_record(table: Any, where: str) -> FitRecord:
             if found := re.match(rf"{key}\[(\d+)\]", path):
                 path = f"{key}.{list(table[key])[int(found[1])]}{path[found.end() :]}"
         place = f"at {path}: " if path else ""
-        raise InputError(
-            f"the table [fit] is damaged: {place}{fault}",
-            "write it again with propmap fit",
-            where,
-        ) from None
+        raise InputError(f"{place}{fault}", "write it again with propmap fit") from None
 
 
 def _listed(tables: Any) -> Any:
@@ -214,10 +202,11 @@ def _listed(tables: Any) -> Any:
     return [{"name": k, **t} if isinstance(t, Mapping) else t for k, t in tables.items()]
 
 
-def _plain(value: Any) -> Any:
-    """Arrays and NumPy's numbers as lists and numbers."""
-    return value.tolist()
+def _plain(array: Any) -> Any:
+    """An array, or a number of NumPy's, for TOML."""
+    return array.tolist()
 
 
-def _array(kind: Any, value: Any) -> Floats:  # noqa: ARG001 (msgspec passes the wanted type)
+def _array(_: Any, value: Any) -> Floats:
+    """An array from TOML."""
     return np.array(value, np.float64)

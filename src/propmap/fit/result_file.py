@@ -159,12 +159,12 @@ def read_fit(path: Path) -> FitFile:
             "give a file written by propmap fit, or name the propeller with --prop",
             where,
         )
-    record = read_record(table, where)
     try:
+        record = read_record(table)
         covariance = SectionCovariance(tuple(record.free), record.covariance)
         section = [name for name in record.free if name in SECTION]
         file = FitFile(law, covariance.of(section) if section else None, record)
-        _ = file.model  # No blade at all may have such a shape.
+        _ = file.model  # Raises where there can be no such blade.
     except InputError as error:
         raise InputError(
             f"the table [fit] is damaged: {error.found}", error.remedy, where
