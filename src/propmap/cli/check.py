@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -24,6 +23,7 @@ from propmap.cli.output import (
 )
 from propmap.cli.rotor_options import Corrections, say_reynolds
 from propmap.errors import InputError
+from propmap.model.air import Air
 from propmap.model.model import Model
 
 if TYPE_CHECKING:
@@ -80,43 +80,37 @@ def _compare(
     fit: Path, law: Airfoil | SectionTable, data: list[str], vehicle: Path | None, prop: str | None
 ) -> dict[str, Comparison]:
     from propmap.catalogue.lookup import propeller
+    from propmap.engine.compilation import keep_compiled
     from propmap.fit.comparison import compare_flight, compare_tunnel
     from propmap.fit.result_file import is_fit, read_fit
 
+    fitted = read_fit(fit) if is_fit(fit) else None
     if vehicle is not None:
         from propmap.cli.flight_files import read_flights
         from propmap.fit.body_forces import wing_values
         from propmap.vehicle.vehicle_toml import read_vehicle
 
+        if prop is not None:
+            raise InputError("--prop is given with a vehicle, which has its own", "leave it out")
         file = read_vehicle(vehicle)
-        values = read_fit(fit).values if is_fit(fit) else wing_values(file.vehicle)
-        _keep()
+        values = fitted.values if fitted else wing_values(file.vehicle)
+        keep_compiled()
         paths = [Path(item) for item in data]
-        every = 2**31
-        flights = read_flights(paths, file, "balance", seconds=2.0, samples=every)
+        flights = read_flights(paths, file, "balance", seconds=2.0, samples=2**31)
         return compare_flight(file.vehicle, flights.log, law, values)
     from propmap.cli.tunnel_files import read_tunnel
 
-    if is_fit(fit):
-        model = read_fit(fit).model.with_airfoil(law)
-        if prop is not None:
-            model = replace(model, propeller=propeller(prop))
-    elif prop is None:
+    if fitted is None and prop is None:
         raise InputError(
             "which propeller is not said: the file has no table [fit]", "add --prop NAME", str(fit)
         )
-    else:
-        model = Model(propeller(prop), law)
-    measured = read_tunnel(data, model.propeller, model.air)
-    _keep()
+    air = fitted.model.air if fitted else Air()
+    blade = fitted.model.propeller if fitted and prop is None else propeller(prop or "")
+    model = Model(blade, law, air)
+    measured = read_tunnel(data, blade, air)
+    keep_compiled()
     say_reynolds(model, measured.omega, measured.speed, measured.beta)
     return compare_tunnel(model, measured)
-
-
-def _keep() -> None:
-    from propmap.engine.compilation import keep_compiled
-
-    keep_compiled()
 
 
 def _numbers(errors: Any) -> dict[str, Any]:

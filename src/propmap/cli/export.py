@@ -67,32 +67,25 @@ def export(
 
 
 def _table(source: Path, prop: str | None, corrections: list[str]) -> LoadTable:
-    if prop is not None or source.suffix.lower() == ".toml":
-        return _built(*_rotor(source, prop, corrections))
-    if corrections:
-        raise InputError("--correction is given with a map, which has its own", "leave it out")
-    from propmap.table import LoadTable
+    if source.suffix.lower() in (".npz", ".nc") or (prop is None and source.suffix != ".toml"):
+        from propmap.table import LoadTable
 
-    return LoadTable.load(source)
-
-
-def _rotor(
-    source: Path, prop: str | None, corrections: list[str]
-) -> tuple[Rotor, SectionCovariance | None]:
+        for option, given in (("--prop", prop), ("--correction", corrections)):
+            if given:
+                raise InputError(f"{option} is given with a map, which has its own", "leave it out")
+        return LoadTable.load(source)
     from propmap.catalogue.lookup import airfoil, propeller
     from propmap.engine.compilation import keep_compiled
     from propmap.fit.result_file import is_fit, read_fit
     from propmap.rotor import Rotor
 
     keep_compiled()
-    if source.suffix.lower() in (".npz", ".nc"):
-        raise InputError("--prop is given with a map, which has its propeller", "leave it out")
     law = airfoil(source).with_corrections(corrections)
-    if prop is None:
-        fit = read_fit(source)
-        return Rotor(fit.model.with_airfoil(law)), fit.covariance
-    covariance = read_fit(source).covariance if is_fit(source) else None
-    return Rotor(Model(propeller(prop), law)), covariance
+    fit = read_fit(source) if prop is None or is_fit(source) else None
+    model = (
+        fit.model.with_airfoil(law) if fit and prop is None else Model(propeller(prop or ""), law)
+    )
+    return _built(Rotor(model), fit.covariance if fit else None)
 
 
 def _built(rotor: Rotor, covariance: SectionCovariance | None) -> LoadTable:

@@ -28,6 +28,7 @@ from propmap.fit.fitted import Fitted
 from propmap.fit.parameters import BODY, EVERY, SECTION, WING
 from propmap.fit.residuals import by_band, errors
 from propmap.fit.tunnel import section_with
+from propmap.io.section_tables import looks_like_section_table
 from propmap.model.airfoil import Airfoil, read_airfoil
 from propmap.model.model import Model
 from propmap.model.section_covariance import SectionCovariance
@@ -132,7 +133,7 @@ def fit_text(
 
 def is_fit(path: Path) -> bool:
     """Whether a file is a parameter set that carries a fit; ``InputError`` for a bad set."""
-    if path.suffix.lower() != ".toml":
+    if path.exists() and looks_like_section_table(path):
         return False
     read_airfoil(path)
     return "fit" in tomllib.loads(path.read_text(encoding="utf-8"))
