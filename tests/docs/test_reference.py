@@ -80,6 +80,19 @@ def test_all_public_names_are_in_it() -> None:
         assert public <= set(documented())
 
 
+def test_members_that_a_page_lists_exist() -> None:
+    for page in sorted((ROOT / "docs" / "reference").glob("*.md")):
+        text, module = page.read_text(encoding="utf-8"), ""
+        for block in re.split(r"^\.\. ", text, flags=re.MULTILINE):
+            kind, _, name = block.partition("\n")[0].partition(":: ")
+            if kind == "py:currentmodule":
+                module = name
+            elif members := re.search(r"^ +:members: (.+)$", block, re.MULTILINE):
+                found = thing(name if name.startswith("propmap.") else f"{module}.{name}")
+                missing = [m for m in members[1].split(", ") if not hasattr(found, m)]
+                assert not missing, f"{page.name}: {name} has no {', '.join(missing)}"
+
+
 def explained(text: str) -> set[str]:
     """Names that have an entry in a section on parameters or attributes."""
     sections = re.split(r"^(\w[\w ]*)\n-{3,}\n", inspect.cleandoc(text), flags=re.MULTILINE)
