@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 
 def check(
-    fit: Annotated[Path, typer.Argument(metavar="FIT.toml", help="Fit, or parameter set.")],
+    fit: Annotated[Path, typer.Argument(metavar="FIT.toml", help="Fit, parameter set or table.")],
     data: Annotated[
         list[str], typer.Argument(metavar="DATA...", help="Tunnel data, or flight logs.")
     ],

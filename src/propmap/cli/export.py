@@ -31,7 +31,7 @@ static loads."""
 def export(
     source: Annotated[
         Path,
-        typer.Argument(metavar="MAP|FIT", help="Table (.npz), or fit or parameter set (.toml)."),
+        typer.Argument(metavar="MAP|FIT", help="Map (.npz), fit (.toml), or any section law."),
     ],
     to: Annotated[
         str,
@@ -46,7 +46,7 @@ def export(
     ],
     prop: Annotated[
         str | None,
-        typer.Option("--prop", metavar="PROP", help="For a parameter set: name or geometry file."),
+        typer.Option("--prop", metavar="PROP", help="For a section law: name or geometry file."),
     ] = None,
     correction: Corrections = None,
     force: Force = False,

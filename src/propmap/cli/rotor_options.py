@@ -68,7 +68,12 @@ class RotorChoice:
     prop: PropArgument
     airfoil: Annotated[
         str | None,
-        typer.Option("--airfoil", metavar="NAME|FILE", help="Section law: see propmap airfoils."),
+        typer.Option(
+            "--airfoil",
+            metavar="NAME|FILE",
+            help="Section law: a name of propmap airfoils, a fit or parameter set (.toml), or a "
+            "section table of AeroDyn, XFOIL (a file or a folder), CACTUS or CSV.",
+        ),
     ] = None
     rho: Annotated[
         float | None, typer.Option("--rho", help=f"Air density [kg/m^3], else {PAPER_DENSITY}.")
