@@ -125,6 +125,7 @@ def _rewritten(path: Path, change: Callable[[dict[str, Any], dict[str, Any]], No
         (lambda h, _: h.update(format_version=FORMAT_VERSION + 1), "format version"),
         (lambda h, _: h.update(format="other"), "format is 'other'"),
         (lambda h, _: h.pop("format"), "says nothing of a table"),
+        (lambda h, _: h.update(loads=["thrust", "lift"]), "this propmap has thrust, drag"),
         (lambda h, _: h.pop("air"), "air.density_kg_m3"),
         (lambda h, _: h["propeller"].update(radius_m=-1.0), "radius"),
         (lambda h, _: h.update(certificate={"points": 1}), "does not say tolerance"),

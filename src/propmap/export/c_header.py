@@ -19,7 +19,7 @@ from propmap.export.note import note
 from propmap.export.provenance import identifier
 from propmap.export.template import rendered
 from propmap.loads import LOADS
-from propmap.table.axis import interval_polynomials, pad
+from propmap.table.axis import interval_polynomials, on_planes, pad
 from propmap.table.content import TableContent
 from propmap.table.inverse import END_SLACK
 from propmap.table.lookup import cell_codes
@@ -85,11 +85,9 @@ def _weights(content: TableContent) -> tuple[Floats, Floats, Floats]:
 
     The latter are those of the first and the last column interval.
     """
-    ends = [
-        abs(end - axis) < 1e-9 for end, axis in ((content.beta[0], 0.0), (content.beta[-1], np.pi))
-    ]
+    ends = on_planes(content.beta)
     even, odd = (
-        _folded(content.beta, *(np.array(parity) if end else None for end in ends))
+        _folded(content.beta, *(np.array(parity) if on else None for on in ends))
         for parity in (1.0, -1.0)
     )
     return _folded(content.advance, None, None), even, odd[[0, -1]]
@@ -98,8 +96,8 @@ def _weights(content: TableContent) -> tuple[Floats, Floats, Floats]:
 def _folded(knots: Floats, low: Floats | None, high: Floats | None) -> Floats:
     """Weight polynomials (n - 1, 16), powers first, of the values at the knots alone.
 
-    ``low`` and ``high`` are parities at the ends, as for ``pad``.  A ghost value is a sum over the
-    three knots at its end of the axis; its weight is spread over these.
+    ``low`` and ``high`` are parities at the ends, as for ``pad``.  A ghost value is a sum over
+    the three knots at its end of the axis; its weight is spread over these.
     """
     weights = interval_polynomials(knots)
     ghosts = pad(knots, np.eye(knots.size), low, high)

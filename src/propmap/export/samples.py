@@ -85,7 +85,7 @@ def sample(table: LoadTable) -> Samples:
         For a table without hover, which has no static loads, and for one without points for
         simple models.
     """
-    omega, speed, beta = _evenly(table)
+    omega, speed, beta = evenly(table, POINTS)
     found = table.loads(omega, speed, beta)
     loads = {name: getattr(found, name) for name in LOADS}
     valid = np.isfinite(list(loads.values())).all(axis=0)
@@ -146,11 +146,15 @@ def _sizes(where: str, share: Floats) -> Errors:
     return Errors(where, len(share), np.sqrt((share**2).mean(axis=0)), abs(share).max(axis=0))
 
 
-def _evenly(table: LoadTable) -> tuple[Floats, Floats, Floats]:
-    # The additive recurrence of the root of x^4 = x + 1: even, and the same every time.
+def evenly(table: LoadTable, count: int) -> tuple[Floats, Floats, Floats]:
+    """omega, speed and beta of points that fill a table's envelope evenly, (count,) each.
+
+    By the additive recurrence of the root of x^4 = x + 1; SciPy has better sequences, but a
+    table's user need not have SciPy.
+    """
     root = 1.2207440846057596
     steps = root ** -np.arange(1.0, 4.0)
-    unit = (0.5 + np.arange(1, POINTS + 1)[:, None] * steps) % 1.0
+    unit = (0.5 + np.arange(1, count + 1)[:, None] * steps) % 1.0
     low, high = np.array(list(table.envelope.values())).T
     omega, speed, beta = (low + (high - low) * unit).T
     return omega, speed, beta

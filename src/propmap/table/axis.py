@@ -14,10 +14,10 @@ from propmap.arrays.types import Floats
 
 
 def interval_polynomials(knots: Floats) -> Floats:
-    """Coefficients (n - 1, 4, 4) of the four weights in each interval between n knots.
+    """Coefficients (n - 1, 4, 4) of the four weights in each interval between n >= 3 knots.
 
-    knots : (n,), rising, n >= 3.  The weight of the k-th of the four values in interval i, at
-    the share t of its width, is the sum over m of coefficients[i, k, m] t^m.
+    The weight of the k-th of the four values in interval i, at the share t of its width, is the
+    sum over m of coefficients[i, k, m] t^m.
     """
     wide = with_ghosts(knots)
     before, width, after = wide[1:-2] - wide[:-3], wide[2:-1] - wide[1:-2], wide[3:] - wide[2:-1]
@@ -40,11 +40,16 @@ def with_ghosts(knots: Floats) -> Floats:
     )
 
 
+def on_planes(beta: Floats) -> tuple[bool, bool]:
+    """Whether the first and the last angle [rad] are on the axis, where loads are even or odd."""
+    return bool(abs(beta[0]) < 1e-9), bool(abs(beta[-1] - np.pi) < 1e-9)
+
+
 def pad(knots: Floats, values: Floats, low: Floats | None, high: Floats | None) -> Floats:
     """Values (n, ...) with a ghost value on either side; (n + 2, ...).
 
-    low, high : where the axis ends on a plane of symmetry, the parity of the values (1 for even,
-    -1 for odd, broadcast against values[0]); None for a ghost on the parabola of the last three.
+    Where the axis ends on a plane of symmetry, ``low`` and ``high`` are the parity of the values,
+    1 for even and -1 for odd; where they are None the ghost is on the parabola of the last three.
     """
     wide = with_ghosts(knots)
     ghosts = []

@@ -57,21 +57,31 @@ def build_table(
 ) -> LoadTable:
     """A certified table of a rotor's loads.
 
-    omega [rad/s], speed [m/s], beta [rad] : least and largest value of the envelope, omega
-        above 0 and beta within 0...pi.
-    tolerance : largest error as a share of the static loads at the same omega.
-    leave_out_vortex_ring : NaN where the model is in the vortex ring state; otherwise the loads
-        are kept, with that status.
-    covariance : of the section law's parameters, filed with the table, and with it what it
-        means for the loads.
-    certificate_points : on how many points the errors are measured, a power of two.
-    progress : called with what is being done and the operating points evaluated so far.
+    Where the model's loads jump no table can follow.  Such cells have the status "unresolved";
+    the certificate counts and measures them apart.
 
-    Where the model's loads jump no table can follow.  The cells concerned have the status
-    "unresolved", and the certificate counts and measures them apart.
+    Parameters
+    ----------
+    rotor : Rotor
+        The model.
+    omega, speed, beta : tuple of float
+        Least and largest value of the envelope [rad/s], [m/s], [rad]; omega above 0, beta within
+        0...pi.
+    tolerance : float
+        Largest error as a share of the static loads at the same omega.
+    leave_out_vortex_ring : bool
+        Whether loads in the vortex ring state are NaN; otherwise they have that status.
+    covariance : SectionCovariance, optional
+        Of the section law's parameters; filed, with what it means for the loads.
+    certificate_points : int
+        On how many points the errors are measured, a power of two.
+    progress : function, optional
+        Called with what is being done and the operating points evaluated so far.
 
-    Raises ``InputError`` for an envelope or a tolerance that cannot be, and where the tolerance
-    is not met.
+    Raises
+    ------
+    InputError
+        For an impossible envelope or tolerance, and where the tolerance is not met.
     """
     check_tolerance(tolerance, rotor.accuracy)
     ends = _envelope(omega, speed, beta)

@@ -33,19 +33,26 @@ MOST_INSIDE = 4
 class Certificate:
     """Errors of a table against the model on quasi-random points of its envelope.
 
-    Errors are shares of the static loads at the same omega: thrust and drag of static thrust,
-    torque of static torque, roll moment of static thrust times radius; by load.
+    Errors are shares of the static loads at the same omega, by load; see ``loads.error_scales``.
 
-    tolerance : what was asked for.  points, seed : how many, and of which scrambled Sobol
-    sequence over (omega, speed, beta).
-    max_error, rms_error : over the points that have a value and are not "unresolved".
-    unresolved : points with that status, in cells where the model's loads jump or
-    nearly so.
-    unresolved_cells : how many there are.  unresolved_volume : their share of the envelope.
-    unresolved_points : on how many points inside them, spread evenly over what they take of
-    the envelope, unresolved_max_error and unresolved_rms_error were measured.
-    vortex_ring : points with that status, which count in the errors.  no_value : points without
-    loads, in the model or in the table.
+    Attributes
+    ----------
+    tolerance : float
+        What was asked for.
+    points, seed : int
+        How many, and of which scrambled Sobol sequence over (omega, speed, beta).
+    max_error, rms_error : dict of str to float
+        Over the points that have a value and are not "unresolved".
+    unresolved : int
+        Points with that status, in cells where the model's loads jump or nearly so.
+    unresolved_cells, unresolved_volume : int, float
+        How many such cells there are, and their share of the envelope.
+    unresolved_points : int
+        Points inside them, spread evenly, of the next two.
+    unresolved_max_error, unresolved_rms_error : dict of str to float
+        Errors inside them.
+    vortex_ring, no_value : int
+        Points with that status, which count in the errors; and points without loads.
     """
 
     tolerance: float
@@ -98,7 +105,7 @@ def compare(
     """The table's errors at n points of its envelope, (n,) each."""
     expected, _ = model.loads(omega, speed, beta)
     found = table.loads(omega, speed, beta)
-    values = np.stack([getattr(found, name) for name in LOADS], axis=-1)
+    values = np.stack(found[: len(LOADS)], axis=-1)
     errors = (values - expected) / static_loads(model, omega)
     return Comparison(errors, found.code, speed / (omega * table.content.radius), beta)
 
@@ -109,10 +116,16 @@ def certify(
     """Compare on fresh points; the certificate, and what it was drawn from.
 
     Points in unresolved cells do not count in the claim that the tolerance holds.  They are few,
-    so that as many again and more are taken for the bound that is stated for these cells.
+    so that more are taken for the bound that is stated for these cells.
 
-    table : to be certified.  model : what it was built from.  tolerance : largest error as a share
-    of static loads.  points : how many, a power of two.  seed : of their Sobol sequence.
+    Parameters
+    ----------
+    table, model : LoadTable, Model
+        To be certified, and what it was built from.
+    tolerance : float
+        Largest error as a share of static loads.
+    points, seed : int
+        How many, a power of two, and the seed of their Sobol sequence.
     """
     model.stage = "certifying"
     found = compare(table, model, *quasi_random(table, points, seed))

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.loads import LOADS
-from propmap.table.axis import pad
+from propmap.table.axis import on_planes, pad
 
 PARITY = np.array([-1.0 if load.inplane else 1.0 for load in LOADS.values()])
 """How the loads behave across beta = 0 and pi: along and about the axis they are even, across
@@ -26,16 +26,27 @@ exceeds the tolerance somewhere in it."""
 class TableContent:
     """A table as it is filed.
 
-    advance : knots of J = V/(Omega R) [-] (n,).  beta : knots [rad] (m,).
-    omega, speed : least and largest of the envelope [rad/s], [m/s], (2,); that of beta is the
-        first and the last knot.
-    coefficients : (2, L, n, m), the loads in the order of ``LOADS`` over rho pi R^4 Omega^2 (the
-        forces) and rho pi R^5 Omega^2 (the moments) [-], at both ends of omega.  Between them
-        they are linear in Omega^(-1/2), as the friction term of eq. (4) is.  NaN: no value.
-    cells : (n - 1, m - 1), ``VORTEX_RING`` and ``UNRESOLVED`` added up.
-    info : provenance and the certificate, as plain data for JSON.
+    Attributes
+    ----------
+    advance : ndarray, shape (n,)
+        Knots of J = V/(Omega R) [-].
+    beta : ndarray, shape (m,)
+        Knots [rad]; the first and the last are the envelope's.
+    omega, speed : ndarray, shape (2,)
+        Least and largest of the envelope [rad/s], [m/s].
+    coefficients : ndarray, shape (2, L, n, m)
+        At both ends of omega, the loads in the order of ``LOADS`` over rho pi R^4 Omega^2
+        (forces) and rho pi R^5 Omega^2 (moments) [-]; NaN for no value.  Between the ends they
+        are linear in Omega^(-1/2), as the friction term of eq. (4) is.
+    cells : ndarray of uint8, shape (n - 1, m - 1)
+        ``VORTEX_RING`` and ``UNRESOLVED`` added up.
+    info : dict
+        Provenance and the certificate, as plain data for JSON.
 
-    Raises ``InputError`` where these do not fit together.
+    Raises
+    ------
+    InputError
+        Where these do not fit together.
     """
 
     advance: Floats
@@ -102,10 +113,7 @@ class TableContent:
         both = np.concatenate([low, (high - low) / (roots[1] - roots[0])])
         inside = pad(self.advance, both.transpose(1, 2, 0), None, None)
         parity = np.tile(PARITY, 2)
-        ends = [
-            parity if abs(end - axis) < 1e-9 else None
-            for end, axis in ((self.beta[0], 0.0), (self.beta[-1], np.pi))
-        ]
+        ends = (parity if on else None for on in on_planes(self.beta))
         across = pad(self.beta, inside.transpose(1, 0, 2), *ends)
         return np.ascontiguousarray(across.transpose(1, 0, 2) * np.tile(self.scale, 2))
 

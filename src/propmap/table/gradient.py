@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 
 from propmap.arrays.types import Floats
@@ -47,24 +50,40 @@ def velocity_gradient(
 def _derivatives(
     content: TableContent, lookup: Lookup, omega: Floats, speed: Floats, beta: Floats
 ) -> tuple[Floats, Floats, Floats, Floats]:
-    """Loads, and their derivatives with omega, with speed, and with beta over the speed; (n, L)."""
     tip_speed = omega * content.radius
     advance = speed / tip_speed
-    found = lookup.slopes(advance, beta)
+    root = omega**-0.5 - content.omega[0] ** -0.5
+    return chain_rule(lookup.slopes(advance, beta), omega, advance, tip_speed, root, np.where)
+
+
+def chain_rule(
+    found: Any, omega: Any, advance: Any, tip_speed: Any, root: Any, where: Callable[..., Any]
+) -> tuple[Any, Any, Any, Any]:
+    """Loads, and their derivatives by omega, by speed, and by beta over the speed, (..., L).
+
+    Parameters
+    ----------
+    found : array, shape (..., 2, 2, WIDTH)
+        As from ``Lookup.slopes``.
+    omega, advance, tip_speed : array, shape (...)
+        Omega [rad/s], J [-], Omega R [m/s].
+    root : array, shape (...)
+        Omega^(-1/2) less that at the least omega of the table [(s/rad)^(1/2)].
+    where : function
+        Of NumPy or of JAX.
+    """
     half = WIDTH // 2
-    root = (omega**-0.5 - content.omega[0] ** -0.5)[:, None, None, None]
-    (value, by_beta), (by_advance, by_both) = np.moveaxis(
-        found[..., :half] + root * found[..., half:], 0, 2
-    )
-    square = (omega**2)[:, None]
-    resting = (advance < HARDLY_MOVING)[:, None]
-    by_angle = np.where(resting, by_both, by_beta / np.where(resting, 1.0, advance[:, None]))
+    both = found[..., :half] + root[..., None, None, None] * found[..., half:]
+    value, by_beta = both[..., 0, 0, :], both[..., 0, 1, :]
+    by_advance, mixed = both[..., 1, 0, :], both[..., 1, 1, :]
+    omega, advance = omega[..., None], advance[..., None]
+    resting = advance < HARDLY_MOVING
+    by_angle = where(resting, mixed, by_beta / where(resting, 1.0, advance))
+    square = omega**2
     # dJ/dOmega = -J / Omega; the Reynolds term is linear in Omega^(-1/2).
-    by_root = found[:, 0, 0, half:] * (-0.5 * omega**-1.5)[:, None]
-    by_omega = square * (
-        2.0 * value / omega[:, None] - by_advance * (advance / omega)[:, None] + by_root
-    )
-    per_speed = square / tip_speed[:, None]
+    by_root = found[..., 0, 0, half:] * (-0.5 * omega**-1.5)
+    by_omega = square * (2.0 * value / omega - by_advance * (advance / omega) + by_root)
+    per_speed = square / tip_speed[..., None]
     return square * value, by_omega, per_speed * by_advance, per_speed * by_angle
 
 

@@ -23,13 +23,16 @@ the answer is that end."""
 
 
 class Inverse(NamedTuple):
-    """The rotational speeds at which a load has the value asked for.
+    """The rotational speeds at which a load has the value asked for; arrays of one shape.
 
-    omega : [rad/s], the largest; NaN where there is none.
-    least : [rad/s], the smallest, the same where there is but one.
-    solutions : how many there are inside the envelope.
-    status : "ok" for one, "none", "several".
-    All have the shape of the points, or are scalars.
+    Attributes
+    ----------
+    omega, least : ndarray
+        The largest and the smallest [rad/s]; NaN where there is none.
+    solutions : ndarray of int
+        How many there are inside the envelope.
+    status : ndarray of str
+        "ok" for one, "none", "several".
     """
 
     omega: Floats
@@ -39,12 +42,11 @@ class Inverse(NamedTuple):
 
 
 def solve(table: LoadTable, quantity: str, value: Floats, speed: Floats, beta: Floats) -> Inverse:
-    """Every omega of the envelope at which the table's load has a value; see ``Inverse``.
+    """Every omega of the envelope at which a load has a value; arguments of one shape.
 
-    value [N], [N m] or [W], speed [m/s], beta [rad] in 0...pi : arrays of one shape.
-    A point outside the envelope, or on parts of the table without values, has none.  Where the
-    blades windmill at low omega, the same thrust often occurs twice: "several".  The load at an
-    end of the envelope is answered with that end, to rounding, see ``END_SLACK``.
+    A point outside the envelope, or where the table has no values, has none.  Where the blades
+    windmill at low omega, the same thrust often occurs twice: "several".  The load at an end of
+    the envelope is answered with that end, to rounding, see ``END_SLACK``.
     """
     if quantity not in QUANTITIES:
         raise InputError(f"quantity is {quantity!r}: it must be one of {', '.join(QUANTITIES)}")

@@ -12,8 +12,8 @@ import jax.numpy as jnp
 import numpy as np
 
 from propmap.table.axis import interval_polynomials
-from propmap.table.gradient import HARDLY_MOVING
-from propmap.table.lookup import NO_VALUE, OUTSIDE, WIDTH, cell_codes
+from propmap.table.gradient import chain_rule
+from propmap.table.lookup import NO_VALUE, OUTSIDE, cell_codes
 from propmap.table.query import SLACK, LoadTable
 from propmap.table.results import TORQUE, JaxLoads
 
@@ -52,22 +52,34 @@ class JaxTable(NamedTuple):
         )
 
     def loads(self, omega: Any, speed: Any, beta: Any, *, clamp: bool = False) -> JaxLoads:
-        """Loads at omega [rad/s], speed [m/s] and beta [rad] in 0...pi; broadcast.
+        """Loads at operating points.
 
-        clamp : the loads of the envelope's nearest point, and the derivatives zero across its
-        border, in place of NaN outside.
+        Parameters
+        ----------
+        omega, speed, beta : array
+            Omega [rad/s], V [m/s] and beta [rad] in 0...pi; broadcast.
+        clamp : bool
+            Whether a point outside the envelope gets the loads of the nearest point of it, with
+            zero derivatives across its border, in place of NaN.
         """
         w, v, b, inside = self._bounded(omega, speed, beta)
         values = _at(self, w, v * jnp.cos(b), v * jnp.sin(b))
         return _finish(values, w, inside | clamp)
 
     def loads_at_velocity(self, omega: Any, velocity: Any, *, clamp: bool = False) -> JaxLoads:
-        """Loads for a velocity in the rotor frame, z along the thrust.
+        """Loads for a velocity in the rotor frame.
 
-        omega : [rad/s].  velocity : (..., 3) [m/s].
-        clamp : as in ``loads``; outside, the derivatives with the velocity are zero.
         Derivatives are finite everywhere inside, at rest too; without in-plane velocity they
         are those for a velocity that begins to grow along x.
+
+        Parameters
+        ----------
+        omega : array, shape (...)
+            Omega [rad/s].
+        velocity : array, shape (..., 3)
+            Of the hub through the air [m/s], z along the thrust.
+        clamp : bool
+            As in ``loads``; outside, the derivatives by the velocity are zero.
         """
         velocity = jnp.asarray(velocity)
         x, y, axial = velocity[..., 0], velocity[..., 1], velocity[..., 2]
@@ -81,10 +93,7 @@ class JaxTable(NamedTuple):
         return _finish(_at(self, w, axial, inplane), w, inside | clamp)
 
     def code(self, omega: Any, speed: Any, beta: Any) -> Any:
-        """Index into ``propmap.table.STATUSES``, as ``LoadTable.loads`` gives it without clamp.
-
-        omega [rad/s], speed [m/s], beta [rad] : as in ``loads``.
-        """
+        """Index into ``propmap.table.STATUSES``, as ``LoadTable.loads`` gives it without clamp."""
         w, v, b, inside = self._bounded(omega, speed, beta)
         i = jnp.searchsorted(self.advance[1:-1], v / (w * self.radius), side="right")
         j = jnp.searchsorted(self.beta[1:-1], b, side="right")
@@ -143,24 +152,14 @@ def _expanded(table: JaxTable, omega: Any, axial: Any, inplane: Any) -> tuple[An
     k = jnp.arange(4)
     block = table.padded[(i[..., None] + k)[..., :, None], (j[..., None] + k)[..., None, :]]
     found = jnp.einsum("...dk,...el,...klc->...dec", across, along, block)
-    root = (omega**-0.5 - table.lows[0] ** -0.5)[..., None, None, None]
-    half = WIDTH // 2
-    both = found[..., :half] + root * found[..., half:]
-    value, by_beta = both[..., 0, 0, :], both[..., 0, 1, :]
-    by_advance, mixed = both[..., 1, 0, :], both[..., 1, 1, :]
-    resting = (advance < HARDLY_MOVING)[..., None]
-    by_angle = jnp.where(resting, mixed, by_beta / jnp.where(resting, 1.0, advance[..., None]))
-    square = (omega**2)[..., None]
-    per_speed = square / tip_speed[..., None]
-    cosine, sine = jnp.cos(beta)[..., None], jnp.sin(beta)[..., None]
-    by_omega = square * (
-        2.0 * value / omega[..., None]
-        - by_advance * (advance / omega)[..., None]
-        - 0.5 * (omega**-1.5)[..., None] * found[..., 0, 0, half:]
+    root = omega**-0.5 - table.lows[0] ** -0.5
+    value, by_omega, by_speed, by_angle = chain_rule(
+        found, omega, advance, tip_speed, root, jnp.where
     )
-    by_axial = per_speed * (by_advance * cosine - by_angle * sine)
-    by_inplane = per_speed * (by_advance * sine + by_angle * cosine)
-    return square * value, by_omega, by_axial, by_inplane
+    cosine, sine = jnp.cos(beta)[..., None], jnp.sin(beta)[..., None]
+    by_axial = by_speed * cosine - by_angle * sine
+    by_inplane = by_speed * sine + by_angle * cosine
+    return value, by_omega, by_axial, by_inplane
 
 
 def _weights(knots: Any, polynomials: Any, x: Any) -> tuple[Any, Any]:

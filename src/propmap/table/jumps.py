@@ -38,8 +38,8 @@ def find_jumps(
 ) -> TableContent:
     """The table with further cells marked where its error exceeds ``limit``.
 
-    suspects : cells (n - 1, m - 1) as small as cells become, to be searched first.  A jump is
-    seldom alone: then the cells around those marked are searched, and those around what is
+    The ``suspects`` (n - 1, m - 1), cells as small as cells become, are searched first.  A jump
+    is seldom alone: then the cells around those marked are searched, and those around what is
     found, always at random points.
     """
     model.stage = "looking for jumps"

@@ -60,7 +60,7 @@ class Lookup:
     ) -> tuple[list[float], int]:
         """The loads and the cell's code at one point of the table.
 
-        square : Omega^2.  friction : the same times the change of Omega^(-1/2) from the least.
+        ``square`` is Omega^2, ``friction`` that times the change of Omega^(-1/2) from the least.
         """
         i = bisect_right(self._inner[0], advance)
         j = bisect_right(self._inner[1], beta)

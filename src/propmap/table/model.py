@@ -23,11 +23,23 @@ BATCH = 4096
 
 
 class Model:
-    """Coefficients of a rotor, relative to its static ones, at two rotational speeds.
+    """Loads of a rotor relative to its static ones, at two rotational speeds.
 
-    rotor : the model.  omega : both speeds [rad/s] (2,).  leave_out_vortex_ring : make points
-    in the vortex ring state NaN.  progress : told of every batch.
-    Raises ``InputError`` unless static thrust and torque are positive.
+    Parameters
+    ----------
+    rotor : Rotor
+        The model.
+    omega : ndarray, shape (2,)
+        Both speeds [rad/s].
+    leave_out_vortex_ring : bool
+        Whether loads in the vortex ring state are NaN.
+    progress : Progress, optional
+        Told of every batch.
+
+    Raises
+    ------
+    InputError
+        Unless static thrust and torque are positive.
     """
 
     def __init__(
@@ -67,10 +79,7 @@ class Model:
         return values, ring
 
     def relative(self, node: int, advance: Floats, beta: Floats) -> tuple[Floats, Floats]:
-        """Loads over static ones on the grid of n advance ratios and m angles, (n, m, L).
-
-        node : 0 or 1, which omega.  The second result is 1 in the vortex ring state (n, m).
-        """
+        """Loads over static ones on a grid at one omega (n, m, L), and 1 in the vortex ring."""
         known = self._known[node]
         grid = [(j, b) for j in advance.tolist() for b in beta.tolist()]
         self._learn(node, [point for point in grid if point not in known])

@@ -18,10 +18,7 @@ if TYPE_CHECKING:
 
 
 def write_netcdf(table: LoadTable, path: str | os.PathLike[str]) -> None:
-    """Write what the table holds, with units and provenance, whole or not at all.
-
-    path : of the file, which is replaced.
-    """
+    """Write what the table holds, with units and provenance, whole or not at all."""
     write_dataset(table_dataset(table), Path(path))
 
 

@@ -38,8 +38,13 @@ _NOWHERE = TableLoads(*(HALF + 1) * [math.nan], OUTSIDE)
 class LoadTable:
     """Loads of one rotor over an envelope of operating points.
 
-    content : what the table holds.  Make one with ``LoadTable.load``, or ``build_table``.
-    The envelope is a box in omega [rad/s], speed [m/s] and beta [rad]; see ``envelope``.
+    Make one with ``LoadTable.load`` or ``build_table``.  The envelope is a box in omega [rad/s],
+    speed [m/s] and beta [rad]; see ``envelope``.
+
+    Parameters
+    ----------
+    content : TableContent
+        What the table holds.
     """
 
     def __init__(self, content: TableContent) -> None:
@@ -57,12 +62,20 @@ class LoadTable:
 
     @classmethod
     def load(cls, path: str | os.PathLike[str], *, propeller: Propeller | None = None) -> Self:
-        """The table in a .npz file; nothing in it is executed.
+        """Read a table from a .npz file; nothing in it is executed.
 
-        path : of the file.
-        propeller : where given, the geometry that the table must have been built from.
-        Raises ``InputError`` for a missing, damaged or foreign file, one of a later format, and
-        a table of another propeller.
+        Parameters
+        ----------
+        path : path
+            Of the file.
+        propeller : Propeller, optional
+            The geometry that the table must have been built from.
+
+        Raises
+        ------
+        InputError
+            For a missing, damaged or foreign file, one of a later format, and a table of another
+            propeller.
         """
         content = read_table(path)
         if propeller is not None:
@@ -77,10 +90,7 @@ class LoadTable:
         return cls(content)
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the table to a .npz file, whole or not at all.
-
-        path : of the file, which is replaced.
-        """
+        """Write the table to the .npz file at ``path``, whole or not at all."""
         write_table(self.content, path)
 
     @property
@@ -103,10 +113,14 @@ class LoadTable:
     ) -> TableLoads:
         """Loads at operating points.
 
-        omega [rad/s], speed [m/s], beta [rad] : scalars or arrays, broadcast; beta and
-        2 pi - beta are mirror images with the same loads.
-        clamp : give the loads of the envelope's nearest omega, speed and beta for a point
-        outside it, with the status "clamped", in place of NaN.
+        Parameters
+        ----------
+        omega, speed, beta : array_like
+            Omega [rad/s], V [m/s], beta [rad], broadcast; beta and 2 pi - beta are mirror images
+            with the same loads.
+        clamp : bool
+            Whether a point outside the envelope gets the loads at the nearest omega, speed and
+            beta of it, with the status "clamped", in place of NaN.
         """
         if (
             isinstance(omega, (float, int))
@@ -124,8 +138,14 @@ class LoadTable:
     ) -> TableLoads:
         """Loads for a velocity vector in the rotor frame.
 
-        omega : shape (...) [rad/s].  velocity : shape (..., 3) [m/s], of the hub through the
-        air, z along the thrust; broadcast over the leading axes.  clamp : as in ``loads``.
+        Parameters
+        ----------
+        omega : array_like, shape (...)
+            Omega [rad/s].
+        velocity : array_like, shape (..., 3)
+            Of the hub through the air [m/s], z along the thrust; broadcast with ``omega``.
+        clamp : bool
+            As in ``loads``.
         """
         if isinstance(omega, (float, int)) and np.shape(velocity) == (3,):
             x, y, z = map(float, velocity)
@@ -136,9 +156,9 @@ class LoadTable:
         return self.loads(w, np.hypot(across, z), np.arctan2(across, z), clamp=clamp)
 
     def gradient(self, omega: ArrayLike, speed: ArrayLike, beta: ArrayLike) -> Gradient:
-        """Derivatives with omega [rad/s], speed [m/s] and beta [rad]; NaN outside.
+        """Derivatives by omega, speed and beta, as the last axis (3,); NaN outside.
 
-        Arguments as in ``loads``; each field of the result has their shape and then (3,).
+        Arguments are those of ``loads``.
         """
         w, v, b = broadcast(omega=omega, speed=speed, beta=beta)
         folded, sign = fold(b)
@@ -146,11 +166,10 @@ class LoadTable:
         return self._by_chunks(polar_gradient, w, v, folded, sign)
 
     def gradient_at_velocity(self, omega: ArrayLike, velocity: ArrayLike) -> Gradient:
-        """Derivatives with omega [rad/s] and the velocity's x, y, z [m/s]; NaN outside.
+        """Derivatives by omega and the velocity's x, y, z, as the last axis (4,); NaN outside.
 
-        Arguments as in ``loads_at_velocity``; each field of the result has the leading shape
-        and then (4,).  Without in-plane velocity, where drag and rolling moment point nowhere,
-        the derivatives are those for a velocity that begins to grow along x.
+        Arguments are those of ``loads_at_velocity``.  Without in-plane velocity, where loads by
+        it point nowhere, the derivatives are those for one that begins to grow along x.
         """
         w, x, y, z = split_velocity(omega, velocity)
         across = np.hypot(x, y)
@@ -161,10 +180,14 @@ class LoadTable:
     def omega_for(
         self, quantity: str, value: ArrayLike, speed: ArrayLike, beta: ArrayLike
     ) -> Inverse:
-        """The omega [rad/s] at which a load has a value; see ``propmap.table.inverse``.
+        """Find the omega at which a load has a value.
 
-        quantity : "thrust" [N], "torque" [N m] or "power" [W].  value, speed [m/s], beta
-        [rad] : scalars or arrays, broadcast.
+        Parameters
+        ----------
+        quantity : str
+            "thrust" [N], "torque" [N m] or "power" [W].
+        value, speed, beta : array_like
+            Its value, V [m/s] and beta [rad], broadcast.
         """
         from propmap.table.inverse import solve
 

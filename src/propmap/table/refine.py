@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from propmap.arrays.types import Floats
 from propmap.errors import InputError
-from propmap.table.axis import interpolate, pad
+from propmap.table.axis import interpolate, on_planes, pad
 from propmap.table.content import PARITY
 
 if TYPE_CHECKING:
@@ -94,13 +94,10 @@ def starting_axes(
     inflow = float(np.sqrt(0.5 * model.static[1, 0] / force))
     share = np.linspace(0.0, 1.0, FIRST_KNOTS)
     low, high = advance
-    ends = [
-        PARITY if abs(end - axis) < 1e-9 else None
-        for end, axis in zip(beta, (0.0, np.pi), strict=True)
-    ]
+    first, last = (PARITY if on else None for on in on_planes(np.array(beta)))
     return (
         Axis(low + (high - low) * share**1.5, inflow / FINEST_INFLOW),
-        Axis(np.linspace(*beta, FIRST_KNOTS), FINEST_ANGLE, (ends[0], ends[1])),
+        Axis(np.linspace(*beta, FIRST_KNOTS), FINEST_ANGLE, (first, last)),
     )
 
 

@@ -43,10 +43,7 @@ def write_table(content: TableContent, path: str | os.PathLike[str]) -> None:
 
 
 def read_table(path: str | os.PathLike[str]) -> TableContent:
-    """Read a table.
-
-    Raises ``InputError`` for a missing, damaged or foreign file and one of a later format.
-    """
+    """Read a table; ``InputError`` for a missing, damaged or foreign file or a later format."""
     where = os.fspath(path)
     try:
         if Path(where).stat().st_size > MOST_BYTES:
@@ -93,6 +90,12 @@ def _info(found: dict[str, Any], where: str) -> dict[str, Any]:
         raise InputError(
             f"the table's format version is {quoted(version)}, this propmap reads {FORMAT_VERSION}",
             "install the propmap that wrote it, or build the table again",
+            where,
+        )
+    if info.get("loads", list(LOADS)) != list(LOADS):
+        raise InputError(
+            f"the table holds {quoted(info['loads'])}, this propmap has {', '.join(LOADS)}",
+            "build the table again",
             where,
         )
     missing = [name for name in ARRAYS if name not in found]

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from propmap.arrays.types import Floats
+from propmap.export.samples import evenly
 from propmap.fit.residuals import rms
 from propmap.loads import LOADS
 from propmap.report.page import number
@@ -118,7 +119,7 @@ def sample(table: LoadTable) -> TableSamples:
         load.name: 0.0 if load.inplane else float(getattr(rest, load.name))
         for load in LOADS.values()
     }
-    points = _points(table)
+    points = evenly(table, POINTS)
     everywhere = table.loads(*points)
     return TableSamples(
         rpm=omega * RPM,
@@ -132,16 +133,6 @@ def sample(table: LoadTable) -> TableSamples:
         by_angle=_by_angle(points[2], everywhere.code),
         hover=_hover(points, everywhere, {n: k / omega**2 for n, k in still.items()}, (v0, v1)),
     )
-
-
-def _points(table: LoadTable) -> tuple[Floats, Floats, Floats]:
-    """omega, speed, beta (n,) of points spread evenly over the envelope: Kronecker's sequence."""
-    # Without SciPy, which a table's user need not have.
-    steps = 1.0 / 1.220744084605759 ** np.arange(1, 4)
-    unit = (0.5 + np.arange(1, POINTS + 1)[:, None] * steps) % 1.0
-    low, high = np.array(list(table.envelope.values())).T
-    omega, speed, beta = (low + (high - low) * unit).T
-    return omega, speed, beta
 
 
 def _angles(low: float, high: float) -> list[float]:
