@@ -31,20 +31,32 @@ STATUSES = ("ok", "multiple_roots", "windmill", "vortex_ring", "not_converged")
 class Loads:
     """Loads of a rotor; every field has the broadcast shape of the operating points.
 
-    thrust : [N], along the axis.
-    drag : [N], in the disk plane, against the in-plane velocity.
-    torque : [N m], that turns the shaft; negative where the air drives the propeller.
-    roll_moment : [N m], about the direction of the in-plane velocity, positive where the
-        advancing side is lifted, before the sign of the spin is applied.
-    power : [W], torque times omega.
-    status : one of ``STATUSES``.  "multiple_roots": near stall the inflow has several
-        solutions, the largest is used.  "windmill": descent so fast that the wake is above
-        the disk.  "vortex_ring": momentum theory does not hold and a measured inflow is
-        blended in; not to be trusted.  "not_converged": the loads are NaN.
-    roots : largest number of solutions of eq. (11) along the blade.
-    reverse_flow : share of the blades' disk that the air meets from behind [-].
-    vortex_ring : share of the measured vortex-ring inflow in the inflow used [-].
-    mean_inflow : v_i averaged over the disk [m/s].
+    Attributes
+    ----------
+    thrust : ndarray
+        Along the axis [N].
+    drag : ndarray
+        In the disk plane, against the in-plane velocity [N].
+    torque : ndarray
+        What turns the shaft [N m]; negative where the air drives the propeller.
+    roll_moment : ndarray
+        About the direction of the in-plane velocity [N m], positive where the advancing side is
+        lifted, before the sign of the spin is applied.
+    power : ndarray
+        Torque times omega [W].
+    status : ndarray of str
+        Of ``STATUSES``.  "multiple_roots": near stall the inflow has several solutions, the largest
+        is used.  "windmill": descent so fast that the wake is above the disk.  "vortex_ring":
+        momentum theory does not hold and a measured inflow is blended in; not to be trusted.
+        "not_converged": the loads are NaN.
+    roots : ndarray of int
+        Largest number of solutions of eq. (11) along the blade.
+    reverse_flow : ndarray
+        Share of the blades' disk that the air meets from behind [-].
+    vortex_ring : ndarray
+        Share of the measured vortex-ring inflow in the inflow used [-].
+    mean_inflow : ndarray
+        v_i averaged over the disk [m/s].
     """
 
     thrust: Floats
@@ -63,7 +75,10 @@ class Loads:
 class Wrench:
     """Force and moment on the vehicle at the hub, in the rotor frame.
 
-    force : (..., 3) [N].  moment : (..., 3) [N m], about the hub.
+    Attributes
+    ----------
+    force, moment : ndarray, shape (..., 3)
+        [N], and about the hub [N m].
     """
 
     force: Floats
@@ -142,10 +157,18 @@ class Rotor:
     def loads(self, omega: ArrayLike, speed: ArrayLike, beta: ArrayLike) -> Loads:
         """Loads at operating points.
 
-        omega : [rad/s] >= 0.  speed : V [m/s] >= 0.  beta : [rad], angle of the velocity to
-        the axis: 0 axial climb, pi/2 edgewise flight, pi axial descent; beta and 2 pi - beta
-        are mirror images with the same loads.  Scalars or arrays, broadcast.
-        Raises ``InputError`` for negative or non-finite values and unequal shapes.
+        Parameters
+        ----------
+        omega, speed : array_like
+            Rotational speed [rad/s] and V [m/s], >= 0; all three broadcast.
+        beta : array_like
+            Angle of the velocity to the axis [rad]: 0 axial climb, pi/2 edgewise flight, pi axial
+            descent; beta and 2 pi - beta are mirror images with the same loads.
+
+        Raises
+        ------
+        InputError
+            For negative or non-finite values and unequal shapes.
         """
         w, v, b = _broadcast(omega=omega, speed=speed, beta=beta)
         _refuse_negative("omega", w, "give the spin by its direction, not by a sign [rad/s]")
@@ -155,8 +178,12 @@ class Rotor:
     def loads_at_velocity(self, omega: ArrayLike, velocity: ArrayLike) -> Loads:
         """Loads for a velocity vector in the rotor frame.
 
-        omega : shape (...) [rad/s] >= 0.  velocity : shape (..., 3) [m/s], of the hub through
-        the air, z along the thrust; broadcast over the leading axes.
+        Parameters
+        ----------
+        omega : array_like, shape (...)
+            Rotational speed [rad/s], >= 0.
+        velocity : array_like, shape (..., 3)
+            Of the hub through the air, z along the thrust [m/s]; broadcast over the leading axes.
         """
         w, along, across, _ = _split(omega, velocity)
         return self._loads(w, along, across)
@@ -164,10 +191,14 @@ class Rotor:
     def wrench(self, omega: ArrayLike, velocity: ArrayLike, spin: str = "ccw") -> Wrench:
         """Force and moment on the vehicle, as vectors in the rotor frame.
 
-        omega, velocity : as in ``loads_at_velocity``.
-        spin : "ccw" or "cw", seen from above with the thrust up.
-
         The frame is right-handed with z along the thrust.
+
+        Parameters
+        ----------
+        omega, velocity : array_like
+            As in ``loads_at_velocity``.
+        spin : str
+            "ccw" or "cw", seen from above with the thrust up.
         """
         if spin not in ("ccw", "cw"):
             raise InputError(f"spin is {spin!r}: it must be 'ccw' or 'cw', seen from above")
@@ -181,10 +212,7 @@ class Rotor:
         return Wrench(force, moment)
 
     def hover_inflow(self, omega: ArrayLike) -> Floats:
-        """Static inflow v_i0 [m/s] of eq. (12), from the rotor's own static thrust.
-
-        omega : [rad/s] >= 0, any shape.
-        """
+        """Static inflow v_i0 [m/s] of eq. (12) at ``omega`` [rad/s], from own static thrust."""
         from propmap.engine.evaluation import static_inflow
 
         (w,) = _broadcast(omega=omega)
@@ -202,10 +230,16 @@ class Rotor:
     ) -> Inflow:
         """The inflow v_i(y), the angle of attack and the loads along the blade.
 
-        omega [rad/s], speed [m/s], beta [rad] : one operating point, as in ``loads``.
-        radius : stations [m] inside the blade; by default 60 from root to tip.
-        azimuth : psi [rad], by default every 5 degrees of a full turn.
         What a wing behind the rotor sees is v_i (the paper's footnote 3).
+
+        Parameters
+        ----------
+        omega, speed, beta : float
+            One operating point, as in ``loads``.
+        radius : array_like, optional
+            Stations inside the blade [m]; by default 60 from root to tip.
+        azimuth : array_like, optional
+            psi [rad]; by default every 5 degrees of a full turn.
         """
         from propmap.engine.disk_field import look_at_disk
 

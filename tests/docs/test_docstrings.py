@@ -6,7 +6,6 @@ import ast
 import inspect
 import re
 from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
 
@@ -16,8 +15,11 @@ HEADING = re.compile(r"^(\w[\w ]*)\n-{3,}$", re.MULTILINE)
 ENTRY = re.compile(r"(?:^|(?<=[.;] ) ?)[A-Za-z_]\w*(?:(?:, | \(| \[)[^.:`]*)? : ", re.MULTILINE)
 """``name : meaning`` or ``name [unit], other [unit] : meaning``, which no heading announces."""
 
-PENDING = ("cli", "engine", "rotor", "solve", "table")
-"""Rooms whose docstrings are still to be rewritten."""
+PENDING = (
+    *("propmap.engine.evaluation", "propmap.engine.plan", "propmap.engine.search_report"),
+    *("propmap.solve.rotor_loads", "propmap.table."),
+)
+"""Beginnings of modules' names whose docstrings are still to be rewritten."""
 
 
 def docstrings() -> Iterator[tuple[str, str]]:
@@ -39,8 +41,7 @@ def entries_outside_sections(text: str) -> list[str]:
 
 
 def is_converted(where: str) -> bool:
-    parts = Path(where.partition(":")[0]).with_suffix("").parts
-    return parts[0] != "src" or parts[2] not in PENDING
+    return not where.removeprefix("src/").replace("/", ".").startswith(PENDING)
 
 
 def test_no_docstring_explains_parameters_between_its_sentences() -> None:

@@ -70,7 +70,7 @@ def _options(
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command; returns the exit code: 0, 2 for bad input, 130 when interrupted.
 
-    arguments : without the program's name; by default those of the process.
+    The ``arguments``, without the program's name, are by default those of the process.
     """
     if arguments is None:
         compile_quickly()  # the process is this command's

@@ -73,7 +73,7 @@ def table(
 
 
 def _share(option: str, text: str) -> float:
-    """0.005 from "0.5%" or "0.005"; option : its name in messages."""
+    """0.005 from "0.5%" or "0.005" of an ``option``."""
     try:
         value = float(text[:-1]) / 100.0 if text.endswith("%") else float(text)
     except ValueError:
@@ -105,7 +105,7 @@ def _save(built: LoadTable, output: Path, command: str) -> None:
 
 
 def _covariance(section: str) -> SectionCovariance | None:
-    """The covariance in a fit's file; section : what ``--airfoil`` was given."""
+    """The covariance in a fit's file, where ``section`` is one."""
     from propmap.fit.result_file import is_fit, read_fit
     from propmap.model.airfoil import airfoil_names
 

@@ -70,11 +70,21 @@ def cut(
     accelerator: bool = False,
     compiled: bool = True,
 ) -> list[Block]:
-    """Jobs cut into blocks of ``size`` points; by default of one if there is but one point, else
-    ``BLOCK``, or ``large_block`` in a large batch; or always so if ``large``.
+    """Jobs cut into blocks.
 
-    accelerator : whether the programs run on one: then blocks of a large batch are a power of two.
-    compiled : whether programs are, each for one size; else blocks are small and not filled up.
+    Parameters
+    ----------
+    jobs : sequence of Job
+        What is to be computed.
+    size : int, optional
+        Points of a block; by default one if there is but one point, else ``BLOCK``, or
+        ``large_block`` in a large batch.
+    large : bool
+        Whether blocks are always those of a large batch.
+    accelerator : bool
+        Whether the programs run on one: then blocks of a large batch are a power of two.
+    compiled : bool
+        Whether programs are, each for one size; else blocks are small and not filled up.
     """
     points = sum(job.points.size for job in jobs)
     blocks = []

@@ -37,9 +37,9 @@ def compile_quickly() -> None:
 def keep_compiled(folder: Path | None = None) -> None:
     """Keep compiled programs on disk, so that later processes start in half the time.
 
-    folder : where; by default the user's cache folder.  JAX's own setting
-    ``JAX_COMPILATION_CACHE_DIR`` takes precedence.  It is a setting of the whole process,
-    so only programs that own their process call this; the command line does.
+    They go to ``folder``, by default the user's cache folder; JAX's own setting
+    ``JAX_COMPILATION_CACHE_DIR`` takes precedence.  It is a setting of the whole process, so only
+    programs that own their process call this; the command line does.
     """
     if os.environ.get("JAX_COMPILATION_CACHE_DIR"):
         return

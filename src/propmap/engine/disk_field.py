@@ -68,8 +68,16 @@ def look_at_disk(
 ) -> Inflow:
     """Solve one operating point for its fields.
 
-    flow : omega [rad/s], v_axial, v_inplane, v_hover [m/s]; radius (S,) [m]; azimuth (P,) [rad].
-    compiled : as for ``Rotor``.
+    Parameters
+    ----------
+    rotor : RotorArrays
+        Blade, section law and air.
+    flow : tuple of 4 float
+        omega [rad/s], and v_axial, v_inplane, v_hover [m/s].
+    radius, azimuth : ndarray, shape (S,), (P,)
+        [m] and [rad].
+    compiled : bool
+        As for ``Rotor``.
     """
     nodes = azimuth_nodes(1 if flow[2] == 0.0 else 128)
     case = Case(rotor, *(np.array([value]) for value in flow))  # type: ignore[arg-type]

@@ -52,10 +52,18 @@ def load_gradients(
 ) -> LoadGradients:
     """Loads at N operating points and their derivatives by P of ``load_slopes.moving``.
 
-    names : the parameters.  omega [rad/s], velocities [m/s] : (N,), v_inplane >= 0.
     The derivatives are taken where the inflow was found, by the implicit function theorem: nothing
-    is searched for again.  Below ``FEW`` points all get the same nodes, see ``schedule.plan``, so
-    that the loads differ from ``evaluation.evaluate``'s within the accuracy asked for.
+    is searched for again.  Below ``FEW`` points all get the same nodes, see ``plan.plan``, so that
+    the loads differ from ``evaluation.evaluate``'s within the accuracy asked for.
+
+    Parameters
+    ----------
+    rotor, setting : Prepared, Accuracy
+        As for ``evaluation.evaluate``.
+    names : tuple of str
+        The parameters.
+    omega, v_axial, v_inplane : ndarray, shape (N,)
+        [rad/s], [m/s]; v_inplane >= 0.
     """
     down = v_axial < 0.0
     if not down.any():

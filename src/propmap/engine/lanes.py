@@ -62,10 +62,18 @@ def in_lanes(
 ) -> Any:
     """``function(shared, each)``, computed for ``LANES`` points at a time; traceable.
 
-    shared : tree of real arrays.  each : tree of arrays whose last axis is the points (B,),
-    a multiple of ``LANES``, as it is of the results.
-    used : how many points are asked for, from the first on; the results of others are zero.
-    together : azimuths at a time, see ``theory.arrays.TOGETHER``.
+    Parameters
+    ----------
+    function : callable
+        Of ``shared`` and a part of ``each``.
+    shared : tree of Array
+        Real arrays.
+    each : tree of Array
+        Their last axis is the points (B,), a multiple of ``LANES``, as it is of the results.
+    used : Array
+        How many points are asked for, from the first on; the results of others are zero.
+    together : int
+        Azimuths at a time, see ``arrays.loops.TOGETHER``.
     """
     # As one array each: XLA ends the process over an argument that is not used, as some may be.
     flat, shared_of = ravel_pytree(shared)
