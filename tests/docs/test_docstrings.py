@@ -17,7 +17,7 @@ ENTRY = re.compile(r"(?:^|(?<=[.;] ) ?)[A-Za-z_]\w*(?:(?:, | \(| \[)[^.:`]*)? : 
 
 PENDING = (
     *("propmap.engine.evaluation", "propmap.engine.plan", "propmap.engine.search_report"),
-    *("propmap.solve.rotor_loads", "propmap.table."),
+    "propmap.solve.rotor_loads",
 )
 """Beginnings of modules' names whose docstrings are still to be rewritten."""
 

@@ -19,7 +19,7 @@ HARDLY_MOVING = 1e-7
 def polar_gradient(
     content: TableContent, lookup: Lookup, omega: Floats, speed: Floats, beta: Floats, sign: Floats
 ) -> Floats:
-    """Derivatives by omega, speed and beta, (n, L + 1, 3); sign : of the change of beta."""
+    """Derivatives by omega, speed and beta, (n, L + 1, 3); ``sign`` is that of beta's change."""
     loads, by_omega, by_speed, by_angle = _derivatives(content, lookup, omega, speed, beta)
     by_beta = by_angle * (sign * speed)[:, None]
     return _with_power(loads, omega, np.stack([by_omega, by_speed, by_beta], axis=-1))

@@ -36,7 +36,7 @@ class JaxTable(NamedTuple):
 
     @classmethod
     def of(cls, table: LoadTable) -> JaxTable:
-        """The table for use in JAX; in float32 unless the caller has switched x64 on."""
+        """The ``table`` for use in JAX; in float32 unless the caller has switched x64 on."""
         content = table.content
         lows, highs = zip(*table.envelope.values(), strict=True)
         return cls(
@@ -93,7 +93,10 @@ class JaxTable(NamedTuple):
         return _finish(_at(self, w, axial, inplane), w, inside | clamp)
 
     def code(self, omega: Any, speed: Any, beta: Any) -> Any:
-        """Index into ``propmap.table.STATUSES``, as ``LoadTable.loads`` gives it without clamp."""
+        """Index into ``propmap.table.STATUSES``, as ``LoadTable.loads`` gives it without clamp.
+
+        ``omega``, ``speed`` and ``beta`` are those of ``loads``.
+        """
         w, v, b, inside = self._bounded(omega, speed, beta)
         i = jnp.searchsorted(self.advance[1:-1], v / (w * self.radius), side="right")
         j = jnp.searchsorted(self.beta[1:-1], b, side="right")

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def write_netcdf(table: LoadTable, path: str | os.PathLike[str]) -> None:
-    """Write what the table holds, with units and provenance, whole or not at all."""
+    """Write what a ``table`` holds to ``path``, with units and provenance, whole or not at all."""
     write_dataset(table_dataset(table), Path(path))
 
 

@@ -156,7 +156,7 @@ class LoadTable:
         return self.loads(w, np.hypot(across, z), np.arctan2(across, z), clamp=clamp)
 
     def gradient(self, omega: ArrayLike, speed: ArrayLike, beta: ArrayLike) -> Gradient:
-        """Derivatives by omega, speed and beta, as the last axis (3,); NaN outside.
+        """Derivatives by ``omega``, ``speed`` and ``beta``, as the last axis (3,); NaN outside.
 
         Arguments are those of ``loads``.
         """
@@ -166,7 +166,7 @@ class LoadTable:
         return self._by_chunks(polar_gradient, w, v, folded, sign)
 
     def gradient_at_velocity(self, omega: ArrayLike, velocity: ArrayLike) -> Gradient:
-        """Derivatives by omega and the velocity's x, y, z, as the last axis (4,); NaN outside.
+        """Derivatives by ``omega`` and x, y, z of ``velocity``, as the last axis (4,); NaN outside.
 
         Arguments are those of ``loads_at_velocity``.  Without in-plane velocity, where loads by
         it point nowhere, the derivatives are those for one that begins to grow along x.
