@@ -5,7 +5,7 @@ READY := $(VENV)/ready
 DOCS_READY := $(VENV)/docs-ready
 PEERS_READY := $(VENV)/peers-ready
 
-.PHONY: demo reproduce test test-slow lint types bench bench-table bench-fine-table bench-choice bench-identification bench-peers bench-phases bench-roofline bench-accelerator convergence docs clean
+.PHONY: demo reproduce test test-fast test-readers test-numpy test-slow lint types bench bench-table bench-fine-table bench-choice bench-identification bench-peers bench-phases bench-roofline bench-accelerator convergence docs clean
 
 $(READY): pyproject.toml constraints.txt
 	python3 -m venv $(VENV)
@@ -29,6 +29,20 @@ reproduce: $(READY)
 
 test: $(READY)
 	$(BIN)/python -m pytest -m 'not slow'
+
+# What needs no compiler: every reader, and the physics on NumPy, beside each other.
+READERS := tests/io tests/vehicle tests/model tests/catalogue
+ON_NUMPY := tests/physics/test_tip_loss.py tests/physics/sections/test_tabulated.py tests/rotor/test_limits.py \
+	tests/docs/test_equations.py tests/docs/test_equations_are_live.py tests/oracle/test_extended_reference.py
+
+test-fast: $(READY)
+	$(MAKE) --no-print-directory --jobs 2 test-readers test-numpy
+
+test-readers: $(READY)
+	$(BIN)/python -m pytest -m 'not slow' $(READERS)
+
+test-numpy: $(READY)
+	$(BIN)/python -m pytest -m 'not slow' $(ON_NUMPY) --deselect tests/rotor/test_limits.py::test_batch_equals_loop_of_scalars
 
 test-slow: $(READY)
 	$(BIN)/python -m pytest -m slow

@@ -24,7 +24,13 @@ def _points(count: int) -> tuple[NDArray[np.float64], ...]:
     return omega, speed, beta
 
 
-@pytest.mark.parametrize("count", [300, 600], ids=["small blocks", "large blocks"])
+@pytest.mark.parametrize(
+    "count",
+    [
+        pytest.param(300, id="small blocks"),
+        pytest.param(600, id="large blocks", marks=pytest.mark.slow),
+    ],
+)
 @pytest.mark.parametrize("name", SETS)
 def test_numpy_and_the_compiler_agree(name: str, count: int) -> None:
     """Also guards the compiler's options: jaxlib miscompiles one function for wide vectors."""

@@ -61,7 +61,7 @@ def test_no_root_lies_above(name, azimuths):
             assert (value <= 1e-9 * np.abs(value).max()).all()
 
 
-@pytest.mark.parametrize("count", [17, 20])
+@pytest.mark.parametrize("count", [17, pytest.param(20, marks=pytest.mark.slow)])
 def test_groups_of_stations_find_what_all_together_find(count):
     """Compiled, stations search four at a time; NumPy searches at all at once."""
     rotor = propmap.Rotor(

@@ -47,16 +47,19 @@ def test_derivatives_through_jit_vmap_and_grad(invented: LoadTable) -> None:
     omega, velocity = _vectors(invented)
     with jax.enable_x64(True):
         table = JaxTable.of(invented)
-        for name in FIELDS:
 
-            def load(table: JaxTable, w: jax.Array, v: jax.Array, name: str = name) -> jax.Array:
-                return getattr(table.loads_at_velocity(w, v), name)
+        def loads(table: JaxTable, w: jax.Array, v: jax.Array) -> jax.Array:
+            found = table.loads_at_velocity(w, v)
+            return jnp.stack([getattr(found, name) for name in FIELDS])
 
-            grad = jax.jit(jax.vmap(jax.grad(load, argnums=(1, 2)), in_axes=(None, 0, 0)))
-            by_omega, by_velocity = grad(table, jnp.asarray(omega), jnp.asarray(velocity))
-            expected = getattr(invented.gradient_at_velocity(omega, velocity), name)
-            np.testing.assert_allclose(by_omega, expected[:, 0], rtol=1e-8, atol=1e-10)
-            np.testing.assert_allclose(by_velocity, expected[:, 1:], rtol=1e-8, atol=1e-10)
+        # In reverse, load by load, as ``grad`` does.
+        grad = jax.jit(jax.vmap(jax.jacrev(loads, argnums=(1, 2)), in_axes=(None, 0, 0)))
+        by_omega, by_velocity = grad(table, jnp.asarray(omega), jnp.asarray(velocity))
+    gradient = invented.gradient_at_velocity(omega, velocity)
+    for k, name in enumerate(FIELDS):
+        expected = getattr(gradient, name)
+        np.testing.assert_allclose(by_omega[:, k], expected[:, 0], rtol=1e-8, atol=1e-10)
+        np.testing.assert_allclose(by_velocity[:, k], expected[:, 1:], rtol=1e-8, atol=1e-10)
 
 
 @pytest.mark.parametrize("velocity", [[0.0, 0.0, 0.0], [0.0, 0.0, 2.0], [0.0, 0.0, -2.0]])
