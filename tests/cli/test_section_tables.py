@@ -37,6 +37,10 @@ def test_loads_are_those_of_the_table(run: Run) -> None:
     wanted = rotor.loads(4000.0 * np.pi / 30.0, 14.0, np.radians(80.0))
     assert json.loads(done.out)["thrust_N"] == pytest.approx(float(wanted.thrust), rel=1e-9)
     assert "airfoil plate" in run("predict", *ROTOR, *POINT).out
+    rows = Path("plate.csv").read_text().splitlines(keepends=True)
+    Path("one.csv").write_text("".join(rows[:74]))
+    one = run("predict", "apc-8x6e", "--airfoil", "one.csv", *POINT)
+    assert "the table has one Reynolds number, which is used for all" in one.err
     # Inside the table's range there is nothing to say.
     dense = run("predict", *ROTOR, *POINT, "--rho", "11")
     assert (dense.code, dense.err) == (0, "")

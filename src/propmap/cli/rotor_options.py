@@ -149,18 +149,18 @@ def constants(name_or_path: str) -> Airfoil:
 
 def say_reynolds(model: Model, omega: Floats, speed: Floats, beta: Floats) -> None:
     """Say where a section table does not reach at operating points [rad/s], [m/s], [rad]."""
-    if not isinstance(model.airfoil, SectionTable) or model.airfoil.reynolds.size < 2:
+    if not isinstance(model.airfoil, SectionTable):
         return
     points = np.broadcast_arrays(omega, speed, beta)
     some = np.unique(np.linspace(0, points[0].size - 1, 400).astype(int))
     low, high = model.reynolds(*(values.ravel()[some] for values in points))
     first, last = model.airfoil.reynolds[[0, -1]]
     if low < first or high > last:
-        typer.echo(
-            f"note: Re from {low:.2g} to {high:.2g} along the blade; the table covers {first:.2g} "
-            f"to {last:.2g}, its nearest row is used outside",
-            err=True,
-        )
+        covered = f"covers {first:.2g} to {last:.2g}, its nearest row is used outside"
+        if first == last:
+            covered = "has one Reynolds number, which is used for all"
+        told = f"note: Re from {low:.2g} to {high:.2g} along the blade; the table {covered}"
+        typer.echo(told, err=True)
 
 
 def takes_rotor(
