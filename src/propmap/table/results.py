@@ -22,14 +22,8 @@ def _every_load(*further: str) -> Any:
 class TableLoads(_every_load("power", "code")):  # type: ignore[misc]
     """Loads from a table; floats for a single point, else arrays of the points' shape.
 
-    Attributes
-    ----------
-    thrust, drag, torque, roll_moment : float or ndarray
-        As in ``propmap.Loads`` [N], [N m], and whatever else ``propmap.loads.LOADS`` has.
-    power : float or ndarray
-        Torque times omega [W].
-    code : int or ndarray
-        Index into ``STATUSES``, see ``status``.
+    The fields are the loads of ``propmap.loads.LOADS``, the power, and ``code``, an index into
+    ``STATUSES``; see ``status``.
     """
 
     __slots__ = ()
@@ -54,31 +48,25 @@ class TableLoads(_every_load("power", "code")):  # type: ignore[misc]
 
 
 class Gradient(_every_load("power")):  # type: ignore[misc]
-    """Derivatives of the loads.
+    """Derivatives of the fields below, (..., k).
 
-    Attributes
-    ----------
-    thrust, drag, torque, roll_moment, power : ndarray, shape (..., k)
-        The last axis counts what they are taken by: omega, speed and beta, or omega and the
-        velocity's x, y, z.
+    The last axis counts what they are taken by: omega, speed and beta, or omega and the
+    velocity's x, y, z.
     """
 
     __slots__ = ()
 
 
 class JaxLoads(_every_load("power")):  # type: ignore[misc]
-    """Loads from a table in JAX; NaN outside the envelope.
-
-    Attributes
-    ----------
-    thrust, drag, torque, roll_moment, power : Array
-        As in ``TableLoads``.
-    """
+    """Loads from a table in JAX; NaN outside the envelope."""
 
     __slots__ = ()
 
 
+_LINES = [
+    *(f"{name} : array\n    {load.meaning} [{load.unit}]" for name, load in LOADS.items()),
+    "power : array\n    torque times omega [W]",
+]
 for _kind in (TableLoads, Gradient, JaxLoads):
-    _lines = [f"{name} : {load.meaning} [{load.unit}]" for name, load in LOADS.items()]
-    _head = f"{cleandoc(_kind.__doc__ or '')}\n\nAttributes\n----------\n"
-    _kind.__doc__ = _head + "\n".join([*_lines, "power : torque times omega [W]"])
+    _parts = [cleandoc(_kind.__doc__ or ""), "", "Attributes", "----------", *_LINES]
+    _kind.__doc__ = "\n".join(_parts)
