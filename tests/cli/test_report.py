@@ -116,7 +116,7 @@ def test_a_fit_of_level_flights(run: Run, tmp_path: Path) -> None:
     done = run("report", "fit.toml", "-o", "out", "--data", "level.csv", *vehicle)
     assert (done.code, done.err) == (0, "")
     text = page_of(tmp_path / "out")
-    assert "torque and rolling moment were not measured" in text
+    assert "torque and moments were not measured" in text
     told = fit_record(Path("fit.toml"))
     assert told["covered"]["points"] == 28  # Four rotors in seven flights.
     rows = rows_of(tmp_path / "out" / "fit-measured.csv")

@@ -13,7 +13,7 @@ import propmap
 from propmap.fit.fit_record import FitRecord
 from propmap.fit.result_file import FitFile
 from propmap.loads import LOADS
-from propmap.report.fit_page import page
+from propmap.report.fit_page import curves, page
 from propmap.report.fit_page.curves import Curve, Curves, load_curves
 from propmap.report.fit_page.data import angles_without_data
 from propmap.report.fit_page.judgement import judge
@@ -31,8 +31,8 @@ def told(fit: FitRecord, monkeypatch: pytest.MonkeyPatch) -> str:
     """The text of the page, without load curves, for which programs are compiled."""
     speed, nothing = np.linspace(0.0, 9.0, 3), dict.fromkeys(LOADS, np.zeros(3))
     curve = Curve(0.0, None, nothing, None, None, np.full(3, True))
-    flat = Curves(500.0, 0.1, speed, [curve], dict.fromkeys(LOADS, 0.0), 0)
-    monkeypatch.setattr(page, "load_curves", lambda *_: flat)
+    flat = Curves(500.0, 0.1, speed, [curve], dict.fromkeys(LOADS, 0.0), (), 0)
+    monkeypatch.setattr(curves, "load_curves", lambda *_: flat)
     html = page.fit_pages(file_of(fit), "fit.toml", "abc", None)[PAGE]
     assert isinstance(html, str)
     text = unescape(re.sub(r"<[^>]+>", " ", html)).replace("\N{NO-BREAK SPACE}", " ")
@@ -138,7 +138,7 @@ def test_a_band_is_what_the_derivative_makes_of_the_deviation() -> None:
         at_rest=None,
     )
     file = file_of(fit)
-    found = load_curves(file, fit)
+    found = load_curves(file)
     (edgewise,) = (c for c in found.curves if c.covered)
     assert edgewise.low is not None and edgewise.high is not None
     tip = found.omega * found.radius

@@ -6,32 +6,11 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 from propmap.arrays.types import Floats
+from propmap.papers.gill_dandrea_2017 import rotor_drag, tunnel, tunnel_curves
 from propmap.papers.gill_dandrea_2017.cost import Times, measured_times
 from propmap.papers.gill_dandrea_2017.identified import AXIAL, OBLIQUE, TunnelFits, tunnel_fits
 from propmap.papers.gill_dandrea_2017.level_circles import SetFlown, fly
 from propmap.papers.gill_dandrea_2017.paper import FLOWN
-from propmap.papers.gill_dandrea_2017.rotor_drag import (
-    Consequence,
-    Ratio,
-    SmallIncidence,
-    consequence,
-    ratios,
-    small_incidence,
-)
-from propmap.papers.gill_dandrea_2017.tunnel import (
-    MULTIROTOR,
-    Compared,
-    LoadError,
-    compared,
-    errors,
-)
-from propmap.papers.gill_dandrea_2017.tunnel_curves import (
-    Coefficients,
-    ThrustCurve,
-    axial_curves,
-    oblique_curves,
-    thrust_curves,
-)
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,14 +19,14 @@ class Numbers:
 
     flown: dict[str, SetFlown]
     fits: TunnelFits
-    tunnel: dict[str, Compared]
-    errors: list[LoadError]
-    axial_curves: dict[str, Coefficients]
+    compared: dict[str, tunnel.Compared]
+    errors: list[tunnel.LoadError]
+    axial_curves: dict[str, tunnel_curves.Coefficients]
     oblique_curves: tuple[Floats, dict[str, dict[str, Floats]]]
-    thrust_curves: list[ThrustCurve]
-    small_incidence: list[SmallIncidence]
-    ratios: list[Ratio]
-    consequences: list[Consequence]
+    thrust_curves: list[tunnel_curves.ThrustCurve]
+    small_incidence: list[rotor_drag.SmallIncidence]
+    ratios: list[rotor_drag.Ratio]
+    consequences: list[rotor_drag.Consequence]
     times: Times
 
 
@@ -57,26 +36,26 @@ def compute() -> Numbers:
     with ThreadPoolExecutor(2) as pool:
         flights = pool.submit(lambda: {name: fly(name) for name in FLOWN})
         fits = tunnel_fits()
-        found = compared(fits)
-        label, law = next(iter(found[AXIAL].laws.items()))
-        four, axial, oblique = (
-            {one.label: one.law} for one in (fits.axial_four, fits.axial, fits.oblique)
-        )
-        lines = axial_curves(found[AXIAL], {label: law} | four | axial)
-        sweeps = oblique_curves(found[OBLIQUE], {label: law} | oblique)
-        thrusts = thrust_curves(found[MULTIROTOR])
-        small, by_angle = small_incidence(fits.oblique.law), ratios(fits.oblique.law)
+        found = tunnel.compared(fits)
+        printed = dict(list(found[AXIAL].laws.items())[:1])
+        axial = printed | {one.label: one.law for one in (fits.axial_four, fits.axial)}
+        oblique = printed | {fits.oblique.label: fits.oblique.law}
+        lines = tunnel_curves.axial_curves(found[AXIAL], axial)
+        sweeps = tunnel_curves.oblique_curves(found[OBLIQUE], oblique)
+        thrusts = tunnel_curves.thrust_curves(found[tunnel.MULTIROTOR])
+        small = rotor_drag.small_incidence(fits.oblique.law)
+        ratios = rotor_drag.ratios(fits.oblique.law)
         flown = flights.result()
     return Numbers(
         flown=flown,
         fits=fits,
-        tunnel=found,
-        errors=errors(found),
+        compared=found,
+        errors=tunnel.errors(found),
         axial_curves=lines,
         oblique_curves=sweeps,
         thrust_curves=thrusts,
         small_incidence=small,
-        ratios=by_angle,
-        consequences=[consequence(name, by_angle[0].ratio) for name in FLOWN],
+        ratios=ratios,
+        consequences=[rotor_drag.consequence(name, ratios[0].ratio) for name in FLOWN],
         times=measured_times(flown["paper-soft"].twin.fitted, fits.axial.fitted),
     )

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from propmap.arrays.types import Floats
@@ -17,11 +19,25 @@ from propmap.engine.plan import accuracy
 from propmap.fit.coverage import CoveredAngle
 from propmap.fit.fit_record import FitRecord
 from propmap.fit.result_file import FitFile
+from propmap.fit.tunnel import TunnelData
 from propmap.loads import LOADS
 from propmap.report.fit_page.parameter_draws import drawn_changes
 from propmap.report.page import csv_of_columns
-from propmap.report.style import RPM
+from propmap.report.style import (
+    COLOURS,
+    HOVER,
+    MEASURED,
+    MODEL,
+    RPM,
+    key,
+    legend_below,
+    new_figure,
+    style,
+)
 from propmap.rotor import Rotor
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 SPEEDS = 26
 MOST_ANGLES = 4
@@ -33,6 +49,14 @@ UNTESTED = 0.25
 
 APART = 22.5
 """[deg], closer than which two angles are one."""
+
+
+NEAR = np.radians(2.5)
+"""Of a curve's angle, within which measured points are drawn with it."""
+
+DATA: dict[str, Any] = {"color": "0.92", "linewidth": 0.0}
+BAND: dict[str, Any] = {"color": COLOURS[5], "alpha": 0.55, "linewidth": 0.0}
+POINTS: dict[str, Any] = {**MEASURED, "color": COLOURS[1], "marker": "o"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,6 +97,8 @@ class Curves:
         By rising angle.
     hover : dict of str to float
         The hover model's loads by name.
+    seen : collection of str
+        Loads that the data tell of.
     draws : int
         How many sets of parameters make the bands.
     """
@@ -82,6 +108,7 @@ class Curves:
     speed: Floats
     curves: Sequence[Curve]
     hover: dict[str, float]
+    seen: Collection[str]
     draws: int
 
     @property
@@ -90,8 +117,9 @@ class Curves:
         return self.omega * RPM
 
 
-def load_curves(file: FitFile, fit: FitRecord) -> Curves:
+def load_curves(file: FitFile) -> Curves:
     """The fitted rotor at the data's typical rotational speed, past the speeds of the data."""
+    fit = file.record
     omega = fit.covered.typical_rpm / RPM
     tip = omega * file.model.propeller.radius
     top = max([one.advance[1] for one in fit.covered.main_angles], default=UNTESTED / BEYOND)
@@ -122,14 +150,47 @@ def load_curves(file: FitFile, fit: FitRecord) -> Curves:
     ]
     still = HoverModel.of(rotor).loads(omega)
     hover = {name: float(value) for name, value in still.items()}
-    return Curves(omega, file.model.propeller.radius, speed, curves, hover, len(changes))
+    return Curves(
+        omega, file.model.propeller.radius, speed, curves, hover, _seen(fit), len(changes)
+    )
 
 
-def seen_loads(fit: FitRecord) -> Collection[str]:
-    """Loads that the data tell of: in flight, those that make the forces."""
-    if fit.kind == "tunnel":
-        return [one.name for one in fit.loads]
-    return ("thrust",) if fit.kind == "level flight" else ("thrust", "drag")
+@style()
+def curve_figure(curves: Curves, measured: TunnelData | None) -> Figure:
+    """A row per load, a column per angle; with the measured points if there are any."""
+    count = len(curves.curves)
+    figure = new_figure(max(2.35 * count + 0.6, 8.6), 2.15 * len(LOADS))
+    axes = figure.subplots(len(LOADS), count, sharex=True, sharey="row", squeeze=False)
+    for row, (name, load) in zip(axes, LOADS.items(), strict=True):
+        row[0].set_ylabel(load.title)
+        for ax, one in zip(row, curves.curves, strict=True):
+            if name in curves.seen and one.covered is not None:
+                ax.axvspan(*one.covered, **DATA)
+            if one.low is not None and one.high is not None:
+                ax.fill_between(curves.speed, one.low[name], one.high[name], **BAND)
+            ax.plot(curves.speed, np.full_like(curves.speed, curves.hover[name]), **HOVER)
+            look = {**MODEL, "color": COLOURS[0]}
+            ax.plot(curves.speed, np.where(one.valid, one.loads[name], np.nan), **look)
+            if not one.valid.all():
+                ring = np.where(one.valid, np.nan, one.loads[name])
+                ax.plot(curves.speed, ring, **{**look, "linestyle": ":"})
+            if measured is not None and name in measured.loads:
+                _points(ax, curves, one, name, measured)
+    for ax, one in zip(axes[0], curves.curves, strict=True):
+        data = "" if one.covered else ", no data"
+        ax.set_title(f"β = {np.degrees(one.beta):.0f}°{data}", fontsize=9.0)
+    for ax in axes[-1]:
+        ax.set_xlabel("flight speed V [m/s]")
+        ax.set_xlim(0.0, curves.speed[-1])
+    handles = [
+        key("this model", color=COLOURS[0], **MODEL),
+        *([Patch(label="95 % by the parameters", **BAND)] if curves.draws else []),
+        key("hover model", **HOVER),
+        Patch(label="covered by the data", **DATA),
+        *([key("measured", **{**POINTS, "markersize": 4.0})] if measured is not None else []),
+    ]
+    legend_below(figure, handles, columns=5)
+    return figure
 
 
 def curve_sheet(curves: Curves) -> str:
@@ -189,3 +250,19 @@ def _covered(fit: FitRecord, data: CoveredAngle | None, tip: float) -> tuple[flo
 
 def _named(values: Floats) -> dict[str, Floats]:
     return dict(zip(LOADS, values, strict=True))
+
+
+def _points(ax: Axes, curves: Curves, one: Curve, load: str, data: TunnelData) -> None:
+    """Points near the curve's angle, at the advance ratio that they were measured at."""
+    ratio = curves.omega / np.maximum(data.omega, 1e-9)
+    mine = (np.abs(data.folded_beta - one.beta) < NEAR) | (data.speed == 0.0)
+    mine &= (data.omega > 0.0) & (data.speed * ratio <= curves.speed[-1])
+    loads = data.loads[load] * ratio**2
+    ax.plot((data.speed * ratio)[mine], loads[mine], **{**POINTS, "markersize": 2.6})
+
+
+def _seen(fit: FitRecord) -> Collection[str]:
+    """In flight, the loads that make the forces."""
+    if fit.kind == "tunnel":
+        return [one.name for one in fit.loads]
+    return ("thrust",) if fit.kind == "level flight" else ("thrust", "drag")

@@ -54,6 +54,11 @@ def coverage_figure(fit: FitRecord) -> Figure:
     return figure
 
 
+def file_rows(fit: FitRecord) -> list[tuple[str, str]]:
+    """Name and SHA-256; a row per file."""
+    return [(one.name, one.sha256 or "part of propmap") for one in fit.data]
+
+
 def range_rows(fit: FitRecord) -> list[tuple[str, ...]]:
     """Angle, points, speeds, rotational speeds and advance ratios; a row per group."""
     return [

@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from matplotlib.figure import Figure
 
 from propmap.fit.residuals import Errors
-from propmap.report.fit_page.judgement import LABELS, Judged, shown_band
+from propmap.report.fit_page.judgement import Judged, label_of, shown_band
 from propmap.report.page import csv_of_rows, number
 from propmap.report.style import COLOURS, HOVER, MARKERS, legend_below, new_figure, style
 
@@ -40,7 +40,7 @@ def band_figure(bands: Bands) -> Figure:
         ax.tick_params(axis="x", labelsize=7.5)
         ax.set_ylim(bottom=0.0)
         ax.margins(x=0.08)
-        ax.set_ylabel(f"{LABELS.get(load, load)}: rms error [{unit}]")
+        ax.set_ylabel(f"{label_of(load)}: rms error [{unit}]")
         ax.set_xlabel("flight speed V [m/s]")
     legend_below(figure, axes[0].get_legend_handles_labels()[0][::-1])
     return figure
@@ -50,7 +50,7 @@ def band_rows(bands: Bands) -> list[tuple[str, ...]]:
     """Load, speed, rows, rms, the hover model's, mean and worst; a row per load and band."""
     return [
         (
-            f"{LABELS.get(load, load)} [{unit}]" if k == 0 else "",
+            f"{label_of(load)} [{unit}]" if k == 0 else "",
             shown_band(band),
             str(e.rows),
             *(number(v, 2) for v in (e.rms, e.hover_rms, e.bias, e.worst)),

@@ -16,13 +16,13 @@ GOOD, CARE = 0.05, 0.15
 WORDS = {"good": "Yes", "caution": "With care", "bad": "No"}
 """Levels of trust, from best to worst, in words."""
 
-LABELS = {name: load.label for name, load in LOADS.items()} | {
+FORCES = {
     "vertical_force": "vertical force",
     "force_x": "force forward",
     "force_y": "force to the side",
     "force_z": "force up",
 }
-"""What a fit may be fitted to, in words."""
+"""What is fitted in flight, in words."""
 
 NARROW = 2.0
 """Range of speeds [m/s] below which the data are from one speed."""
@@ -43,7 +43,7 @@ class Judged:
     @property
     def label(self) -> str:
         """The load in words."""
-        return LABELS.get(self.load.name, self.load.name)
+        return label_of(self.load.name)
 
     @property
     def level(self) -> str:
@@ -95,7 +95,7 @@ def judge(fit: FitRecord) -> Judgement:
         loads=loads,
         where=_where(fit),
         speed_rows=_speed_rows(fit, loads),
-        unfitted=[LABELS[name] for name in LOADS if name not in names],
+        unfitted=[load.label for name, load in LOADS.items() if name not in names],
         warnings=warnings,
         notes=_notes(fit),
     )
@@ -115,6 +115,11 @@ def judged(fit: FitRecord) -> list[Judged]:
         error = one.cross_validated if math.isfinite(one.cross_validated) else one.rms
         found.append(Judged(one, size, error / size, one.hover_rms / size))
     return found
+
+
+def label_of(name: str) -> str:
+    """A load or a force in words."""
+    return LOADS[name].label if name in LOADS else FORCES.get(name, name)
 
 
 def level_of(share: float) -> str:

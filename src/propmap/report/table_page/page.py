@@ -8,9 +8,8 @@ from propmap.export.provenance import map_sha256
 from propmap.report.certificate_text import TITLES, claims, parameter_claims
 from propmap.report.page import csv_of_rows, number, report_files
 from propmap.report.style import RPM
+from propmap.report.table_page import hover, loads
 from propmap.report.table_page.envelope import cell_figure, cell_sheet
-from propmap.report.table_page.hover import error_rows, hover_figure, hover_sheet, judged
-from propmap.report.table_page.loads import curve_figure, curve_sheet, map_figure, map_sheet
 from propmap.report.table_page.samples import sample
 from propmap.table.query import LoadTable
 
@@ -21,18 +20,18 @@ def table_pages(table: LoadTable, where: str) -> dict[str, str | bytes]:
     parameters, law = info.get("parameter_uncertainty") or {}, info.get("airfoil") or {}
     figures = {
         "table-cells": cell_figure(table),
-        "table-loads": curve_figure(samples),
-        "table-maps": map_figure(samples),
+        "table-loads": loads.curve_figure(samples),
+        "table-maps": loads.map_figure(samples),
     }
     sheets = {
         "table-cells": cell_sheet(table),
-        "table-loads": curve_sheet(samples),
-        "table-maps": map_sheet(samples),
+        "table-loads": loads.curve_sheet(samples),
+        "table-maps": loads.map_sheet(samples),
     }
     values = {}
     if samples.hover:
-        figures["table-hover"], sheets["table-hover"] = hover_figure(samples), hover_sheet(samples)
-        values = {"judgement": judged(samples), "hover_errors": error_rows(samples)}
+        figures["table-hover"] = hover.hover_figure(samples)
+        sheets["table-hover"] = hover.hover_sheet(samples)
     if found:
         columns = {"largest": found["max_error"], "rms": found["rms_error"]}
         if found["unresolved_cells"]:
@@ -45,7 +44,7 @@ def table_pages(table: LoadTable, where: str) -> dict[str, str | bytes]:
             " ".join(("load", *slugs)),
             [(load, *(float(by_load[load]) for by_load in columns.values())) for load in TITLES],
         )
-        values |= {
+        values = {
             "holds": found.get("holds", max(found["max_error"].values()) <= found["tolerance"]),
             "claims": [*claims(found), *(parameter_claims(parameters) if parameters else ())],
             "error_heads": "|".join(("error, as a share of", *(f"{name} [%]" for name in columns))),
@@ -54,14 +53,8 @@ def table_pages(table: LoadTable, where: str) -> dict[str, str | bytes]:
                 for load, title in TITLES.items()
             ],
         }
-    (w0, w1), (v0, v1), (b0, b1) = table.envelope.values()
-    ranges = (
-        ("rotational speed", w0 * RPM, w1 * RPM, "1/min"),
-        ("flight speed", v0, v1, "m/s"),
-        ("angle β", np.degrees(b0), np.degrees(b1), "deg"),
-        ("advance ratio V/(ΩR)", content.advance[0], content.advance[-1], "-"),
-    )
     constants = (f"{name} {value:.4g}" for name, value in law.items() if isinstance(value, float))
+    (w0, w1), speeds, betas = table.envelope.values()
     return report_files(
         "report/table_page/page.html.j2",
         figures,
@@ -76,7 +69,7 @@ def table_pages(table: LoadTable, where: str) -> dict[str, str | bytes]:
         samples=samples,
         certificate=found,
         parameters=parameters,
-        envelope=(w0 * RPM, w1 * RPM, v0, v1, np.degrees(b0), np.degrees(b1)),
-        ranges=[(name, number(low, 4), number(high, 4), unit) for name, low, high, unit in ranges],
+        envelope=(w0 * RPM, w1 * RPM, *speeds, *np.degrees(betas)),
+        hover=hover,
         **values,
     )

@@ -1,4 +1,4 @@
-"""Figure 7: the APC 8x6E in the tunnel, and an 8x4.5 beside it."""
+"""Figure 7, the APC 8x6E and an 8x4.5 in the tunnel, and what camber explains of it."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from propmap.arrays.types import Floats
+from propmap.fit.residuals import rms
 from propmap.loads import LOADS
 from propmap.papers.gill_dandrea_2017.tunnel import (
     DIGITISED,
@@ -38,6 +39,8 @@ from propmap.report.style import (
     new_figure,
     style,
 )
+
+SYMBOLS = {"thrust": "C_T", "power": "C_P"}
 
 
 @style()
@@ -122,6 +125,47 @@ def multirotor_figure(one: Compared, curves: list[ThrustCurve]) -> Figure:
     return figure
 
 
+@style()
+def camber_figure(one: Compared, curves: dict[str, Coefficients]) -> Figure:
+    """Model less measured over J."""
+    advance = measured_coefficients(one.data).advance
+    figure = new_figure(9.2, 4.0)
+    axes = figure.subplots(1, 2)
+    for ax, (part, symbol) in zip(axes, SYMBOLS.items(), strict=True):
+        ax.axhline(0.0, color="0.4", linewidth=0.8)
+        for k, (label, curve) in enumerate(curves.items()):
+            ax.plot(
+                advance, coefficient_error(one, curve, part), linestyle="none", markersize=3.5,
+                label=label, clip_on=False, **marked(k),
+            )  # fmt: skip
+        ax.set_xlabel("advance ratio J = V/(nD) [-]")
+        ax.set_ylabel(f"model less measured ${symbol}$ [-]")
+    legend_below(figure, axes[0].get_legend_handles_labels()[0])
+    return figure
+
+
+def coefficient_error(one: Compared, curve: Coefficients, part: str) -> Floats:
+    """Model less measured thrust or power coefficient (n,)."""
+    measured = measured_coefficients(one.data)
+    model = np.interp(measured.advance, curve.advance, getattr(curve, part))
+    return np.asarray(model - getattr(measured, part))
+
+
+def rms_errors(one: Compared, curve: Coefficients) -> list[float]:
+    """Root mean squares of the errors of the coefficients [-], in the order of ``SYMBOLS``."""
+    return [rms(coefficient_error(one, curve, part)) for part in SYMBOLS]
+
+
+def camber_sheet(one: Compared, curves: dict[str, Coefficients]) -> str:
+    """The figure's numbers as CSV."""
+    advance, thrust, power = measured_coefficients(one.data)
+    columns = {"advance_ratio": advance, "measured_C_T": thrust, "measured_C_P": power}
+    for label, curve in curves.items():
+        for part, symbol in SYMBOLS.items():
+            columns[f"{_slug(label)}_{symbol}_error"] = coefficient_error(one, curve, part)
+    return csv_of_columns(columns)
+
+
 def error_rows(errors: list[LoadError]) -> list[tuple[str, ...]]:
     """Load, model, errors and their shares, share of points within 9 %; of one data set."""
     above = ["", *(e.load for e in errors)]
@@ -156,7 +200,7 @@ def sheets(
     }  # fmt: skip
 
 
-def slug(label: str) -> str:
+def _slug(label: str) -> str:
     """A label as part of the name of a column."""
     return label.lower().replace(",", "").replace(" ", "_")
 
@@ -168,7 +212,7 @@ def _rows(one: Compared) -> str:
     for load, truth in data.loads.items():
         columns[f"measured_{LOADS[load].column}"] = truth
         for model, values in one.predicted.items():
-            columns[f"{slug(model)}_{LOADS[load].column}"] = values[load]
+            columns[f"{_slug(model)}_{LOADS[load].column}"] = values[load]
     return csv_of_columns(columns)
 
 

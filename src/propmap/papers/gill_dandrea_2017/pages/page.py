@@ -6,19 +6,12 @@ import jax
 import numpy as np
 
 from propmap.catalogue.measurements import measurement
-from propmap.fit.residuals import rms
 from propmap.papers.gill_dandrea_2017 import level_circles, paper, tunnel
 from propmap.papers.gill_dandrea_2017 import rotor_drag as drag
 from propmap.papers.gill_dandrea_2017.cost import Times
 from propmap.papers.gill_dandrea_2017.identified import AXIAL, OBLIQUE
 from propmap.papers.gill_dandrea_2017.numbers import Numbers
 from propmap.papers.gill_dandrea_2017.pages import figure_6, figure_7, rotor_drag, table_1
-from propmap.papers.gill_dandrea_2017.pages.camber import (
-    SYMBOLS,
-    camber_figure,
-    camber_sheet,
-    coefficient_error,
-)
 from propmap.papers.gill_dandrea_2017.tunnel_curves import OBLIQUE_OMEGA
 from propmap.report.page import csv_of_rows, number, report_files
 from propmap.report.style import RPM
@@ -32,8 +25,7 @@ FILES_OF_DATA = {
 
 def pages(numbers: Numbers) -> dict[str, str | bytes]:
     """All files by name: the page, and a CSV and an SVG for what it shows."""
-    flown, found, lines = numbers.flown, numbers.tunnel, numbers.axial_curves
-    small, times = numbers.small_incidence, numbers.times
+    flown, found, lines = numbers.flown, numbers.compared, numbers.axial_curves
     figures = {
         "figure-6-level-circles": figure_6.loads_figure(flown),
         "figure-6-hover-failure": figure_6.cases_figure(flown),
@@ -42,16 +34,16 @@ def pages(numbers: Numbers) -> dict[str, str | bytes]:
         "figure-7-8x4.5mr": figure_7.multirotor_figure(
             found[tunnel.MULTIROTOR], numbers.thrust_curves
         ),
-        "camber": camber_figure(found[AXIAL], lines),
-        "rotor-drag": rotor_drag.small_figure(small),
+        "camber": figure_7.camber_figure(found[AXIAL], lines),
+        "rotor-drag": rotor_drag.small_figure(numbers.small_incidence),
     }
     sheets = {
         **table_1.sheets(numbers),
         **figure_6.sheets(flown),
         **figure_7.sheets(FILES_OF_DATA, found, numbers.errors),
-        "camber": camber_sheet(found[AXIAL], lines),
+        "camber": figure_7.camber_sheet(found[AXIAL], lines),
         **rotor_drag.sheets(numbers),
-        "times": _times_sheet(times),
+        "times": _times_sheet(numbers.times),
     }
     return report_files(
         "papers/gill_dandrea_2017/pages/page.html.j2",
@@ -62,10 +54,9 @@ def pages(numbers: Numbers) -> dict[str, str | bytes]:
         circles=level_circles,
         tunnel=tunnel,
         drag=drag,
-        sets=table_1.printed_rows(),
-        blades=table_1.blade_rows(),
-        identified=table_1.identified_rows(numbers),
-        failures=figure_6.failure_rows(flown),
+        table_1=table_1,
+        figure_6=figure_6,
+        rotor_drag=rotor_drag,
         **figure_6.summary(flown),
         oblique_rpm=OBLIQUE_OMEGA * RPM,
         error_tables={
@@ -76,20 +67,12 @@ def pages(numbers: Numbers) -> dict[str, str | bytes]:
         },
         worst=lambda *wanted: _shares(numbers, "worst_share", *wanted),
         typical=lambda *wanted: _shares(numbers, "rms_share", *wanted),
-        camber=[
-            [rms(coefficient_error(found[AXIAL], curve, part)) for part in SYMBOLS]
-            for curve in lines.values()
-        ],
+        camber=[figure_7.rms_errors(found[AXIAL], curve) for curve in lines.values()],
         zero_lift=[
             np.degrees(one.law.zero_lift_angle)
             for one in (numbers.fits.axial, numbers.fits.oblique)
         ],
         incidence=np.degrees(drag.INCIDENCE),
-        light=rotor_drag.theory_over_fin(small, light=True),
-        heavy=rotor_drag.theory_over_fin(small, light=False),
-        small=rotor_drag.small_rows(small),
-        ratios=[(f"{r.beta:.0f}", r.points, r.ratio, r.lowest, r.highest) for r in numbers.ratios],
-        in_flight=rotor_drag.flight_rows(numbers.consequences),
         seconds=_seconds,
         data=[measurement(name) for name in tunnel.DATA_SETS],
         software={"JAX": jax.__version__, "NumPy": np.__version__},

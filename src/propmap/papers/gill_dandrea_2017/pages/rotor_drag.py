@@ -15,6 +15,7 @@ from propmap.papers.gill_dandrea_2017.rotor_drag import (
     INCIDENCE,
     LIGHTLY_LOADED,
     Consequence,
+    Ratio,
     SmallIncidence,
 )
 from propmap.report.page import csv_of_columns, csv_of_rows, number
@@ -98,6 +99,11 @@ def small_rows(small: list[SmallIncidence]) -> list[tuple[str, ...]]:
                 )
             )
     return rows
+
+
+def ratio_rows(ratios: list[Ratio]) -> list[tuple[Any, ...]]:
+    """Angle, points, published over theoretical drag; a row per angle."""
+    return [(f"{r.beta:.0f}", r.points, r.ratio, r.lowest, r.highest) for r in ratios]
 
 
 def flight_rows(consequences: list[Consequence]) -> list[tuple[str, ...]]:
