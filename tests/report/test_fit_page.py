@@ -16,7 +16,7 @@ from propmap.loads import LOADS
 from propmap.report.fit_page import curves, page
 from propmap.report.fit_page.curves import Curve, Curves, load_curves
 from propmap.report.fit_page.data import angles_without_data
-from propmap.report.fit_page.judgement import judge
+from propmap.report.fit_page.judgement import overall, speed_rows
 from propmap.report.fit_page.parameter_draws import DRAWS, drawn_changes, held
 from propmap.report.folder import PAGE
 from tests.fit.fit_records import covered, load, parameter, record
@@ -53,12 +53,12 @@ def told(fit: FitRecord, monkeypatch: pytest.MonkeyPatch) -> str:
 def test_the_verdict_follows_the_errors(
     rms: float, hover: float, crossed: float, level: str
 ) -> None:
-    assert judge(record(loads=[load("thrust", rms, hover, crossed)])).level == level
+    assert overall(record(loads=[load("thrust", rms, hover, crossed)])) == level
 
 
 def test_the_worst_load_decides(monkeypatch: pytest.MonkeyPatch) -> None:
     fit = record(loads=[load("thrust", 0.02, 0.3, 0.02), load("torque", 0.3, 0.6, 0.3)])
-    assert judge(fit).level == "bad"
+    assert overall(fit) == "bad"
     text = told(fit, monkeypatch)
     assert "No. Where there were data, 0.0 to 9.0 m/s, 4000 to 6000 rpm, β from 0° to 90°" in text
     assert "thrust within 2 % (hover model 30 %), torque within 30 % (hover model 60 %)." in text
@@ -66,12 +66,12 @@ def test_the_worst_load_decides(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_one_speed_is_never_trusted_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     fit = record(speed=(7.0, 7.5))
-    assert judge(fit).level == "caution"
+    assert overall(fit) == "caution"
     assert "The data are from one speed" in told(fit, monkeypatch)
 
 
 def test_every_speed_has_its_own_answer() -> None:
-    rows = judge(record()).speed_rows
+    rows = speed_rows(record())
     # 1 % below 3 m/s, 8 % above 6: the whole is 2 %.
     assert [row[-1] for row in rows] == ["Yes", "With care"]
     assert rows[1][2] == "8 / 30"
@@ -94,7 +94,7 @@ def test_forces_are_compared_with_the_largest() -> None:
     across = msgspec.structs.replace(small, relative_rms=0.04 / 0.05)
     # 80 % of next to nothing, 4 % of the weight.
     found = record(kind="flight", loads=[across, load("force_z", 0.02, 0.3)])
-    assert judge(found).level == "good"
+    assert overall(found) == "good"
 
 
 def test_angles_without_data_are_extrapolation(monkeypatch: pytest.MonkeyPatch) -> None:

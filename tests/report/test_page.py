@@ -133,8 +133,6 @@ def test_rows_as_csv() -> None:
 
 
 def test_columns_as_csv() -> None:
-    pair = np.array([1.5, 2.0])
-    text = csv_of_columns(
-        {"set": "x", "a": pair[:, None], "b": np.arange(2)}, {"set": "y", "a": 3.0, "b": None}
-    )
+    first = {"set": "x", "a": np.array([1.5, 2.0])[:, None], "b": np.arange(2)}
+    text = csv_of_columns([first, {"set": "y", "a": 3.0, "b": None}])
     assert text == "set,a,b\nx,1.5,0\nx,1.5,1\nx,2,0\nx,2,1\ny,3,\n"

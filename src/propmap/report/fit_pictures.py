@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from propmap.arrays.types import Floats
@@ -75,30 +74,36 @@ def level_flight(
         Of the loads.
     """
     points = points.picked(np.argsort(points.speed, kind="stable"))
-    model = _Curves(vehicle, points, airfoil, accuracy)
-    speed = points.speed
+    panels = _level_panels(
+        vehicle, points, Model(vehicle.propeller, airfoil, vehicle.air), accuracy
+    )
     figure = new_figure(9.6, 6.4)
     axes = figure.subplots(2, 3, sharex=True).ravel()
-    panels = (
-        ("collective thrust ΣT [N]", model.thrust, model.hover_thrust),
-        ("collective rotor drag ΣD [N]", model.drag, 0.0 * speed),
-        ("collective torque [N m]", model.torque, model.hover_torque),
-        ("vertical force error [N]", model.error, model.hover_error),
-    )
-    for ax, (label, found, hover) in zip(axes, panels, strict=False):
-        ax.plot(speed, hover, **HOVER)
-        ax.plot(speed, found, color=COLOURS[0], marker=".", markersize=3.0, **MODEL)
+    for ax, (label, (found, hover, measured)) in zip(axes, panels.items(), strict=False):
+        if found is not None and hover is not None:
+            ax.plot(points.speed, hover, **HOVER)
+            ax.plot(points.speed, found, color=COLOURS[0], marker=".", markersize=3.0, **MODEL)
+        if measured is not None:
+            ax.plot(points.speed, measured, color=COLOURS[1], marker="o", **MEASURED)
         ax.set_ylabel(label)
-    pitch = np.degrees(np.arctan2(-points.up[:, 0], points.up[:, 2]))
-    measured = {0: model.felt_thrust, 1: model.felt_drag, 4: pitch}
-    for k, values in measured.items():
-        axes[k].plot(speed, values, color=COLOURS[1], marker="o", **MEASURED)
     axes[3].axhline(0.0, color="0.6", linewidth=0.8)
     share_of_weight(axes[3], vehicle.mass * GRAVITY)
-    axes[4].set_ylabel("pitch angle, nose down [deg]")
     for ax in axes[:5]:
         ax.margins(x=0.02)
-    legend_in_last(axes, _flight_keys(model, vehicle), "flight speed V [m/s]")
+
+    left, hover_left, _ = panels["vertical force error [N]"]
+    body = vehicle.wing is not None or any((*vehicle.body.drag_area, vehicle.body.lift_area))
+    share = " (with the body's)" if body else ""
+    felt = f"mass by accelerometer{share},\n" if np.isfinite(points.specific_force).any() else ""
+    handles = [
+        key(f"this model, force error {rms(left):.3g} N rms", color=COLOURS[0], **MODEL),
+        key(f"hover model, force error {rms(hover_left):.3g} N rms", **HOVER),
+        key(
+            f"measured: {felt}pitch angle", color=COLOURS[1], marker="o",
+            **{**MEASURED, "clip_on": True},
+        ),
+    ]  # fmt: skip
+    legend_in_last(axes, handles, "flight speed V [m/s]")
     figure.suptitle(
         f"{vehicle.name}, {vehicle.propeller.name}, airfoil {airfoil.name}: "
         f"{len(points)} operating points"
@@ -106,50 +111,33 @@ def level_flight(
     return figure
 
 
-class _Curves:
-    """Loads at operating points sorted by speed, each (n,)."""
-
-    def __init__(
-        self, vehicle: Vehicle, points: FlightLog, airfoil: Section, accuracy: str
-    ) -> None:
-        rotor = Rotor(Model(vehicle.propeller, airfoil, vehicle.air), accuracy=accuracy)
-        flow = hub_flow(vehicle, points)
-        velocity = np.stack([flow.inplane, 0.0 * flow.inplane, flow.axial], axis=-1)
-        loads = rotor.loads_at_velocity(flow.omega, velocity)
-        hover = HoverModel.of(rotor, float(np.mean(flow.omega)))
-        values = {name: parameter.start for name, parameter in EVERY.items()}
-        body, _ = body_force(vehicle, points, values | wing_values(vehicle), ())
-        force = rotor_forces(flow, loads.thrust, loads.drag) + body
-        weight = vehicle.mass * GRAVITY
-        self.thrust, self.hover_thrust = (
-            values.sum(axis=1) for values in (loads.thrust, hover.thrust(flow.omega))
-        )
-        self.torque, self.hover_torque = (
-            values.sum(axis=1) for values in (loads.torque, hover.torque(flow.omega))
-        )
-        self.drag = loads.drag.sum(axis=1)
-        self.error, self.hover_error = (
-            np.sum(each * points.up, axis=1) - weight for each in (force, hover_force(hover, flow))
-        )
-        felt = vehicle.mass * points.specific_force
-        across = points.velocity[:, :2]
-        length = np.linalg.norm(across, axis=1, keepdims=True)
-        direction = np.divide(across, length, out=np.zeros_like(across), where=length > 0.0)
-        self.felt_thrust, self.felt_drag = felt[:, 2], -np.sum(felt[:, :2] * direction, axis=1)
-        self.felt = bool(np.isfinite(points.specific_force).any())
-
-
-def _flight_keys(model: _Curves, vehicle: Vehicle) -> list[Line2D]:
-    points: dict[str, Any] = {**MEASURED, "clip_on": True, "marker": "o", "color": COLOURS[1]}
-    body = vehicle.wing is not None or any((*vehicle.body.drag_area, vehicle.body.lift_area))
-    with_body = " (with the body's)" if body else ""
-    felt = f"measured: mass by accelerometer{with_body},\npitch angle"
-    own, hover = rms(model.error), rms(model.hover_error)
-    return [
-        key(f"this model, force error {own:.3g} N rms", color=COLOURS[0], **MODEL),
-        key(f"hover model, force error {hover:.3g} N rms", **HOVER),
-        key(felt if model.felt else "measured: pitch angle", **points),
-    ]
+def _level_panels(
+    vehicle: Vehicle, points: FlightLog, model: Model, accuracy: str
+) -> dict[str, tuple[Any, Any, Any]]:
+    """By label: this model, the hover model, and what was measured; (n,) each, or None."""
+    rotor, flow = Rotor(model, accuracy=accuracy), hub_flow(vehicle, points)
+    velocity = np.stack([flow.inplane, 0.0 * flow.inplane, flow.axial], axis=-1)
+    loads = rotor.loads_at_velocity(flow.omega, velocity)
+    hover = HoverModel.of(rotor, float(np.mean(flow.omega)))
+    still = {name: each.sum(axis=1) for name, each in hover.loads(flow.omega).items()}
+    values = {name: parameter.start for name, parameter in EVERY.items()}
+    body, _ = body_force(vehicle, points, values | wing_values(vehicle), ())
+    error, hover_error = (
+        np.sum(force * points.up, axis=1) - vehicle.mass * GRAVITY
+        for force in (rotor_forces(flow, loads.thrust, loads.drag) + body, hover_force(hover, flow))
+    )
+    felt, across = vehicle.mass * points.specific_force, points.velocity[:, :2]
+    length = np.linalg.norm(across, axis=1, keepdims=True)
+    direction = np.divide(across, length, out=np.zeros_like(across), where=length > 0.0)
+    felt_drag = -np.sum(felt[:, :2] * direction, axis=1)
+    pitch = np.degrees(np.arctan2(-points.up[:, 0], points.up[:, 2]))
+    return {
+        "collective thrust ΣT [N]": (loads.thrust.sum(axis=1), still["thrust"], felt[:, 2]),
+        "collective rotor drag ΣD [N]": (loads.drag.sum(axis=1), still["drag"], felt_drag),
+        "collective torque [N m]": (loads.torque.sum(axis=1), still["torque"], None),
+        "vertical force error [N]": (error, hover_error, None),
+        "pitch angle, nose down [deg]": (None, None, pitch),
+    }
 
 
 @style()

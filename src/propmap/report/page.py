@@ -101,16 +101,18 @@ def csv_of_rows(heads: str, rows: Iterable[Sequence[Any]]) -> str:
     return text.getvalue()
 
 
-def csv_of_columns(*groups: Mapping[str, Any]) -> str:
+def csv_of_columns(groups: Iterable[Mapping[str, Any]]) -> str:
     """Columns by head with unit as CSV; the groups of rows follow each other.
 
     Values are array_like; in each group they are broadcast against each other.
     """
+    heads = ""
     rows: list[Sequence[Any]] = []
     for group in groups:
+        heads = " ".join(group)
         columns = np.broadcast_arrays(*(np.asarray(v, dtype=object) for v in group.values()))
         rows += zip(*(column.ravel().tolist() for column in columns), strict=True)
-    return csv_of_rows(" ".join(groups[0]), rows)
+    return csv_of_rows(heads, rows)
 
 
 def _field(value: Any) -> Any:

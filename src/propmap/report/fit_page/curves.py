@@ -213,7 +213,7 @@ def curve_sheet(curves: Curves) -> str:
                 group[column] = side[name] if side else None
         group |= {f"hover_{load.column}": curves.hover[name] for name, load in LOADS.items()}
         groups.append(group)
-    return csv_of_columns(*groups)
+    return csv_of_columns(groups)
 
 
 def _slopes(

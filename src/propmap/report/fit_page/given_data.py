@@ -97,18 +97,20 @@ class GivenData:
                 columns[f"measured_{LOADS[name].column}"] = values
                 columns[f"model_{LOADS[name].column}"] = getattr(found, name)
                 columns[f"hover_{LOADS[name].column}"] = still[name]
-            return csv_of_columns(columns)
+            return csv_of_columns([columns])
         if self.level is None:
             return None
         vehicle, log = self.level
         model, hover = level_forces(vehicle, log, file.airfoil, file.values)
         return csv_of_columns(
-            {
-                "speed_mps": log.speed,
-                "weight_N": vehicle.mass * GRAVITY,
-                "model_vertical_force_N": model,
-                "hover_vertical_force_N": hover,
-            }
+            [
+                {
+                    "speed_mps": log.speed,
+                    "weight_N": vehicle.mass * GRAVITY,
+                    "model_vertical_force_N": model,
+                    "hover_vertical_force_N": hover,
+                }
+            ]
         )
 
 

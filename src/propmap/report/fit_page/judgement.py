@@ -57,48 +57,10 @@ class Judged:
         return f"{own} / {hover}"
 
 
-@dataclass(frozen=True)
-class Judgement:
-    """The answer.
-
-    Attributes
-    ----------
-    level : str
-        Of trust where there were data, one of ``WORDS``.
-    loads : list of Judged
-        Every fitted load.
-    where : str
-        Speeds, rotational speeds and angles of the data.
-    speed_rows : list of tuple of str
-        Speed, rows, both models' errors by load, and a word; by band of speed.
-    unfitted : list of str
-        Loads that a fit of tunnel data did not see, in words.
-    warnings, notes : list of str
-        What takes trust away, and what is worth knowing besides.
-    """
-
-    level: str
-    loads: list[Judged]
-    where: str
-    speed_rows: list[tuple[str, ...]]
-    unfitted: list[str]
-    warnings: list[str]
-    notes: list[str]
-
-
-def judge(fit: FitRecord) -> Judgement:
-    """Judge a fit by the errors on its data."""
-    loads = judged(fit)
-    warnings, names = _warnings(fit, loads), [one.name for one in fit.loads]
-    return Judgement(
-        level=worst_of([*(one.level for one in loads), *(["caution"] if warnings else [])]),
-        loads=loads,
-        where=_where(fit),
-        speed_rows=_speed_rows(fit, loads),
-        unfitted=[load.label for name, load in LOADS.items() if name not in names],
-        warnings=warnings,
-        notes=_notes(fit),
-    )
+def overall(fit: FitRecord) -> str:
+    """The level of trust in a fit, one of ``WORDS``, by the errors on its data."""
+    levels = [one.level for one in judged(fit)]
+    return worst_of([*levels, "caution"] if warnings(fit) else levels)
 
 
 def judged(fit: FitRecord) -> list[Judged]:
@@ -139,7 +101,8 @@ def shown_band(band: str) -> str:
     return band.replace("-", "\N{EN DASH}").replace(" ", "\N{NO-BREAK SPACE}")
 
 
-def _where(fit: FitRecord) -> str:
+def where(fit: FitRecord) -> str:
+    """Speeds, rotational speeds and angles of the data."""
     covered = fit.covered
     (slow, fast), (low, high) = covered.speed, covered.rpm
     speeds = f"{slow:.1f} m/s" if fast - slow < 0.05 else f"{slow:.1f} to {fast:.1f} m/s"
@@ -153,8 +116,9 @@ def _where(fit: FitRecord) -> str:
     return f"{speeds}, {low:.0f} to {high:.0f} rpm, {angles}"
 
 
-def _speed_rows(fit: FitRecord, loads: list[Judged]) -> list[tuple[str, ...]]:
-    rows = []
+def speed_rows(fit: FitRecord) -> list[tuple[str, ...]]:
+    """Speed, rows, both models' errors by load [%], and a word; a row per band of speed."""
+    loads, rows = judged(fit), []
     for band in dict.fromkeys(band for one in fit.loads for band in one.by_speed):
         found = [one.load.by_speed.get(band) for one in loads]
         pairs = list(zip(loads, found, strict=True))
@@ -165,11 +129,12 @@ def _speed_rows(fit: FitRecord, loads: list[Judged]) -> list[tuple[str, ...]]:
     return rows
 
 
-def _warnings(fit: FitRecord, loads: list[Judged]) -> list[str]:
+def warnings(fit: FitRecord) -> list[str]:
+    """What takes trust away."""
     found = []
     if fit.covered.speed[1] - fit.covered.speed[0] < NARROW:
         found.append("the data are from one speed: the fit has hardly been tested against speed")
-    for one in loads:
+    for one in judged(fit):
         if not one.error < one.hover:
             found.append(f"{one.label}: the hover model is no worse")
         ratio = one.load.cross_validated / one.load.rms if one.load.rms > 0.0 else math.nan
@@ -183,7 +148,8 @@ def _warnings(fit: FitRecord, loads: list[Judged]) -> list[str]:
     return found
 
 
-def _notes(fit: FitRecord) -> list[str]:
+def notes(fit: FitRecord) -> list[str]:
+    """What is worth knowing besides."""
     found = list(fit.remarks)
     if fit.minima > 1:
         found.append(
@@ -192,3 +158,9 @@ def _notes(fit: FitRecord) -> list[str]:
     if not any(math.isfinite(one.cross_validated) for one in fit.loads):
         found.append("no cross-validation was done: the errors are those on the fitted data")
     return found
+
+
+def unfitted(fit: FitRecord) -> list[str]:
+    """Loads that a fit of tunnel data did not see, in words."""
+    names = [one.name for one in fit.loads]
+    return [load.label for name, load in LOADS.items() if name not in names]

@@ -61,12 +61,10 @@ def error_rows(samples: TableSamples) -> list[tuple[str, ...]]:
 def hover_sheet(samples: TableSamples) -> str:
     """The figure's numbers as CSV."""
     return csv_of_columns(
-        *(
-            {"beta_deg": np.degrees(one.beta), "speed_mps": samples.speed, "rpm": samples.rpm}
-            | {
-                f"{load}_error_share": (samples.still[load] - one.loads[load]) / samples.still[load]
-                for load in LOADS
-            }
-            for one in samples.curves
-        )
+        {"beta_deg": np.degrees(one.beta), "speed_mps": samples.speed, "rpm": samples.rpm}
+        | {
+            f"{load}_error_share": (samples.still[load] - one.loads[load]) / samples.still[load]
+            for load in LOADS
+        }
+        for one in samples.curves
     )

@@ -85,28 +85,28 @@ def map_figure(samples: TableSamples) -> Figure:
 def curve_sheet(samples: TableSamples) -> str:
     """The curves as CSV, the hover model's loads beside them."""
     return csv_of_columns(
-        *(
-            {
-                "beta_deg": np.degrees(one.beta),
-                "speed_mps": samples.speed,
-                "rpm": samples.rpm,
-                "status": NAMES[one.code],
-                **{load.column: one.loads[name] for name, load in LOADS.items()},
-                **{f"hover_{load.column}": samples.still[name] for name, load in LOADS.items()},
-            }
-            for one in samples.curves
-        )
+        {
+            "beta_deg": np.degrees(one.beta),
+            "speed_mps": samples.speed,
+            "rpm": samples.rpm,
+            "status": NAMES[one.code],
+            **{load.column: one.loads[name] for name, load in LOADS.items()},
+            **{f"hover_{load.column}": samples.still[name] for name, load in LOADS.items()},
+        }
+        for one in samples.curves
     )
 
 
 def map_sheet(samples: TableSamples) -> str:
     """The maps as CSV."""
     return csv_of_columns(
-        {
-            "speed_mps": samples.speed[:, None],
-            "beta_deg": np.degrees(samples.beta),
-            "rpm": samples.rpm,
-            "status": NAMES[samples.code],
-            **{load.column: samples.maps[name] for name, load in LOADS.items()},
-        }
+        [
+            {
+                "speed_mps": samples.speed[:, None],
+                "beta_deg": np.degrees(samples.beta),
+                "rpm": samples.rpm,
+                "status": NAMES[samples.code],
+                **{load.column: samples.maps[name] for name, load in LOADS.items()},
+            }
+        ]
     )

@@ -148,45 +148,39 @@ def sheets(flown: dict[str, SetFlown]) -> dict[str, str]:
     assumed = {name: one.circles[ASSUMED] for name, one in flown.items()}
     return {
         "figure-6-level-circles": csv_of_columns(
-            *(
-                {
-                    "set": name,
-                    "speed_mps": c.speed,
-                    "rotor_speed_rpm": c.rotor_speed * RPM,
-                    "pitch_deg": np.degrees(c.pitch),
-                    "thrust_N": c.thrust,
-                    "drag_N": c.drag,
-                    "torque_Nm": c.torque,
-                    "hover_thrust_N": c.hover_thrust,
-                    "hover_torque_Nm": c.hover_torque,
-                    "hover_force_error_N": c.hover_error,
-                }
-                for name, c in assumed.items()
-            )
+            {
+                "set": name,
+                "speed_mps": c.speed,
+                "rotor_speed_rpm": c.rotor_speed * RPM,
+                "pitch_deg": np.degrees(c.pitch),
+                "thrust_N": c.thrust,
+                "drag_N": c.drag,
+                "torque_Nm": c.torque,
+                "hover_thrust_N": c.hover_thrust,
+                "hover_torque_Nm": c.hover_torque,
+                "hover_force_error_N": c.hover_error,
+            }
+            for name, c in assumed.items()
         ),
         "figure-6-identification": csv_of_columns(
-            *(
-                {
-                    "set": name,
-                    "speed_mps": one.twin.speed,
-                    "force_error_N": one.twin.error,
-                    "hover_force_error_N": one.twin.hover_error,
-                }
-                for name, one in flown.items()
-            )
+            {
+                "set": name,
+                "speed_mps": one.twin.speed,
+                "force_error_N": one.twin.error,
+                "hover_force_error_N": one.twin.hover_error,
+            }
+            for name, one in flown.items()
         ),
         "figure-6-hover-failure": csv_of_columns(
-            *(
-                {
-                    "set": name,
-                    "mass_kg": case.mass,
-                    "drag_area_m2": case.drag_area,
-                    "speed_mps": c.speed,
-                    "hover_force_error_N": c.hover_error,
-                }
-                for name, one in flown.items()
-                for case, c in one.circles.items()
-            )
+            {
+                "set": name,
+                "mass_kg": case.mass,
+                "drag_area_m2": case.drag_area,
+                "speed_mps": c.speed,
+                "hover_force_error_N": c.hover_error,
+            }
+            for name, one in flown.items()
+            for case, c in one.circles.items()
         ),
         "figure-6-failure-speeds": csv_of_rows(
             "set mass_kg drag_area_m2 static_inflow_mps off_by_5_percent_mps "

@@ -163,7 +163,7 @@ def camber_sheet(one: Compared, curves: dict[str, Coefficients]) -> str:
     for label, curve in curves.items():
         for part, symbol in SYMBOLS.items():
             columns[f"{_slug(label)}_{symbol}_error"] = coefficient_error(one, curve, part)
-    return csv_of_columns(columns)
+    return csv_of_columns([columns])
 
 
 def error_rows(errors: list[LoadError]) -> list[tuple[str, ...]]:
@@ -213,7 +213,7 @@ def _rows(one: Compared) -> str:
         columns[f"measured_{LOADS[load].column}"] = truth
         for model, values in one.predicted.items():
             columns[f"{_slug(model)}_{LOADS[load].column}"] = values[load]
-    return csv_of_columns(columns)
+    return csv_of_columns([columns])
 
 
 def _look(k: int) -> dict[str, Any]:

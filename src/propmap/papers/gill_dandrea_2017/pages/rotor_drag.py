@@ -128,40 +128,36 @@ def sheets(numbers: Numbers) -> dict[str, str]:
     """The CSV files."""
     return {
         "rotor-drag": csv_of_columns(
-            *(
-                {
-                    "propeller": one.propeller,
-                    "rpm": one.omega * RPM,
-                    "incidence_deg": np.degrees(INCIDENCE),
-                    "speed_mps": one.speed,
-                    "inflow_over_speed": one.inflow,
-                    "theory_N": one.theory,
-                    "fin_chord_line_N": one.fin_low,
-                    "fin_zero_lift_line_N": one.fin_high,
-                    "published_fit_2019_N": one.published,
-                }
-                for one in numbers.small_incidence
-            )
+            {
+                "propeller": one.propeller,
+                "rpm": one.omega * RPM,
+                "incidence_deg": np.degrees(INCIDENCE),
+                "speed_mps": one.speed,
+                "inflow_over_speed": one.inflow,
+                "theory_N": one.theory,
+                "fin_chord_line_N": one.fin_low,
+                "fin_zero_lift_line_N": one.fin_high,
+                "published_fit_2019_N": one.published,
+            }
+            for one in numbers.small_incidence
         ),
         "rotor-drag-by-angle": csv_of_rows(
             "beta_deg points published_over_theory lowest highest",
             [(r.beta, r.points, r.ratio, r.lowest, r.highest) for r in numbers.ratios],
         ),
         "rotor-drag-in-flight": csv_of_columns(
-            *(
-                {
-                    "set": one.name,
-                    "drag_factor": factor,
-                    "speed_mps": c.speed,
-                    "pitch_deg": np.degrees(c.pitch),
-                    "rotor_speed_rpm": c.rotor_speed * RPM,
-                    "thrust_N": c.thrust,
-                    "drag_N": c.drag,
-                    "torque_Nm": c.torque,
-                    "hover_force_error_share_of_weight": c.hover_error / (ASSUMED.mass * GRAVITY),
-                }
-                for one in numbers.consequences
-                for factor, c in ((1.0, one.theory), (one.factor, one.published))
-            )
+            {
+                "set": one.name,
+                "drag_factor": factor,
+                "speed_mps": c.speed,
+                "pitch_deg": np.degrees(c.pitch),
+                "rotor_speed_rpm": c.rotor_speed * RPM,
+                "thrust_N": c.thrust,
+                "drag_N": c.drag,
+                "torque_Nm": c.torque,
+                "hover_force_error_share_of_weight": c.hover_error / (ASSUMED.mass * GRAVITY),
+            }
+            for one in numbers.consequences
+            for factor, c in ((1.0, one.theory), (one.factor, one.published))
         ),
     }
