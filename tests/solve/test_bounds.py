@@ -1,7 +1,7 @@
 """The bounds that the search relies on hold, and are close enough that a smaller one would not.
 
 Each check compares a bound with the sampled maximum of what it bounds, or the walk with a scan for
-every root.  The mutants at the end show that each check notices when its bound is made too small.
+every root.  ``test_mutants_of_bounds.py`` shows that each check notices a bound that is too small.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from propmap.arrays.namespace import by_numpy
-from propmap.physics import element, tip_loss
+from propmap.physics import element
 from propmap.physics.element import Annulus, Station
 from propmap.physics.sections.blended import BlendedLaw
 from propmap.physics.sections.law import Coefficients, LawBounds, SectionFlow
@@ -283,103 +283,3 @@ def test_the_bounds_hold(check: Callable[[], None]) -> None:
 
 def test_the_walk_passes_no_root_in_oblique_flow() -> None:
     the_walk_passes_no_root(azimuths=8)
-
-
-def scaled(function: Callable[..., Any], factor: float) -> Callable[..., Any]:
-    return lambda *arguments: factor * function(*arguments)
-
-
-def with_field(function: Callable[..., Any], name: str, factor: float) -> Callable[..., Any]:
-    """``function`` whose result has one field multiplied."""
-
-    def changed(*arguments: Any) -> Any:
-        right = function(*arguments)
-        return right._replace(**{name: factor * getattr(right, name)})
-
-    return changed
-
-
-LAW, FACTOR = BlendedLaw.bounds, PrandtlLoss.bounds
-MUTANTS: dict[str, tuple[Any, str, Any, Callable[[], None]]] = {
-    "Newton steps that prove nothing": (root, "SURE", 2.0, newton_steps_meet_the_theorem),
-    "a quarter of the blade's bend": (
-        bounds,
-        "_blade_bend",
-        scaled(bounds._blade_bend, 0.25),
-        the_blade_bends_by_no_more,
-    ),
-    "safe steps twice as long": (
-        root,
-        "safe_step",
-        scaled(bounds.safe_step, 2.0),
-        the_walk_passes_no_root,
-    ),
-    "a start a tenth lower": (
-        bounds,
-        "_start",
-        scaled(bounds._start, 0.9),
-        no_root_lies_above_the_start,
-    ),
-    "half the wake's bend": (
-        Wake,
-        "largest_bend",
-        scaled(Wake.largest_bend, 0.5),
-        the_wake_bends_by_no_more,
-    ),
-    "half the law's bend": (
-        BlendedLaw,
-        "bounds",
-        with_field(LAW, "lift_bend", 0.5),
-        the_law_keeps_within_its_bounds,
-    ),
-    "half the bend at the foot of stall": (
-        BlendedLaw,
-        "bounds",
-        with_field(LAW, "foot_bend", 0.5),
-        the_law_keeps_within_its_bounds,
-    ),
-    "attached up to twice alpha_0": (
-        BlendedLaw,
-        "bounds",
-        with_field(LAW, "attached_to", 2.0),
-        the_law_keeps_within_its_bounds,
-    ),
-    "nine tenths of the largest lift": (
-        BlendedLaw,
-        "bounds",
-        with_field(LAW, "lift", 0.9),
-        the_law_keeps_within_its_bounds,
-    ),
-    "a larger least factor": (
-        PrandtlLoss,
-        "bounds",
-        with_field(FACTOR, "least", 1.05),
-        prandtls_factor_keeps_within_its_bounds,
-    ),
-    "two thirds of the factor's slope": (
-        PrandtlLoss,
-        "bounds",
-        with_field(FACTOR, "slope", 0.67),
-        prandtls_factor_keeps_within_its_bounds,
-    ),
-    "a third of the factor's bend": (
-        PrandtlLoss,
-        "bounds",
-        with_field(FACTOR, "bend", 0.33),
-        prandtls_factor_keeps_within_its_bounds,
-    ),
-    "the first of Prandtl's curves off its top": (
-        tip_loss,
-        "_largest_first",
-        lambda low, _high: tip_loss._first(low),
-        prandtls_factor_keeps_within_its_bounds,
-    ),
-}
-
-
-@pytest.mark.parametrize("name", MUTANTS)
-def test_a_bound_that_is_too_small_is_noticed(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    place, attribute, mutant, check = MUTANTS[name]
-    monkeypatch.setattr(place, attribute, mutant)
-    with pytest.raises(AssertionError):
-        check()
