@@ -112,19 +112,20 @@ def _one_point(where: OperatingPoints, loads: Loads, hover: HoverModel) -> Table
 
 
 def _many_points(where: OperatingPoints, loads: Loads, hover: HoverModel) -> Table:
-    heads = "rpm|V [m/s]|beta [deg]|T [N]|T h [N]|D [N]|Q [N m]|Q h [N m]|roll [N m]|P [W]"
-    omega = where.si[0]
-    numbers = (
-        loads.thrust, hover.thrust(omega), loads.drag, loads.torque, hover.torque(omega),
-        loads.roll_moment, loads.power, 100.0 * loads.reverse_flow,
-    )  # fmt: skip
+    still, columns = hover.loads(where.si[0]), {}
+    for name, load in LOADS.items():
+        columns[f"{load.head} [{load.unit}]"] = getattr(loads, name)
+        if not load.inplane:
+            columns[f"{load.head} h [{load.unit}]"] = still[name]
+    columns |= {"P [W]": loads.power, "reverse [%]": 100.0 * loads.reverse_flow}
     rows = []
     for i, status in enumerate(loads.status.tolist()):
         given = (where.rpm[i], where.speed_mps[i], where.beta_deg[i])
-        cells = [f"{v:g}" for v in given] + [_digits(column[i]) for column in numbers]
+        cells = [f"{v:g}" for v in given] + [_digits(column[i]) for column in columns.values()]
         rows.append([*cells, str(loads.roots[i]), status])
     caption = "T h, Q h: thrust and torque of the hover model"
-    return grid(f"{heads}|reverse [%]|roots|<status", rows, caption=caption)
+    heads = "|".join(("rpm", "V [m/s]", "beta [deg]", *columns, "roots", "<status"))
+    return grid(heads, rows, caption=caption)
 
 
 def _digits(value: float) -> str:
