@@ -10,6 +10,7 @@ in a table's certificate.
 from __future__ import annotations
 
 import csv
+import dataclasses
 import itertools
 import time
 from pathlib import Path
@@ -20,8 +21,8 @@ import numpy as np
 import propmap
 from benchmarks.results_file import write_results
 from propmap.arrays.types import Floats
+from propmap.engine.accuracy import ACCURACIES, Accuracy
 from propmap.engine.evaluation import evaluate, prepare
-from propmap.engine.plan import ACCURACIES, Accuracy
 from propmap.loads import LOADS, error_scales
 from propmap.model.model import Model
 from propmap.rotor import Rotor
@@ -41,7 +42,15 @@ def dense() -> Accuracy:
     """About twice the nodes of "fine" in either direction."""
     fine = ACCURACIES["fine"]
     azimuths = tuple((limit, 2 * count) for limit, count in fine.azimuths)
-    return Accuracy(azimuths, 2 * fine.free, 2 * fine.stalled, 2 * fine.fast)
+    return dataclasses.replace(
+        fine,
+        azimuths=azimuths,
+        free=2 * fine.free,
+        stalled=2 * fine.stalled,
+        fast=2 * fine.fast,
+        largest_tail=0.5 * fine.largest_tail,
+        finer=tuple((2 * nodes, 0.5 * limit) for nodes, limit in fine.finer),
+    )
 
 
 def random_flow() -> tuple[Floats, Floats, Floats]:

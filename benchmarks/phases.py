@@ -22,9 +22,10 @@ import propmap
 from benchmarks.results_file import machine, write_results
 from benchmarks.speed import BATCH, oblique
 from propmap.engine import evaluation
+from propmap.engine.accuracy import accuracy
 from propmap.engine.batch import large_block, nodes_of_each
 from propmap.engine.lanes import in_lanes
-from propmap.engine.plan import Job, Outlook, accuracy, may_leave_islands, may_stall, plan
+from propmap.engine.plan import Job, Outlook, may_leave_islands, plan
 from propmap.engine.programs import AZIMUTHS_TOGETHER, OBLIQUE_OPTIONS
 from propmap.physics.velocities import AzimuthNodes
 from propmap.rotor import Rotor
@@ -74,7 +75,7 @@ def jobs_of_the_batch(rotor: Rotor) -> tuple[list[Job], tuple[np.ndarray, ...]]:
     omega, speed, beta = oblique(BATCH)
     flow = (omega, speed * np.cos(beta), speed * np.sin(beta))
     ready = evaluation.prepare(rotor.arrays)
-    stalls = may_stall(*ready.forecast, *flow)
+    stalls = ready.forecast.may_stall(*flow)
     outlook = Outlook(
         evaluation.advance_ratio(ready, omega, flow[2]),
         evaluation.advance_ratio(ready, omega, flow[1]),

@@ -21,9 +21,9 @@ import propmap
 from benchmarks.results_file import machine, write_results
 from benchmarks.speed import BATCH, median_seconds, oblique
 from propmap.arrays.types import Floats
+from propmap.engine.accuracy import accuracy
 from propmap.engine.batch import Block
 from propmap.engine.evaluation import evaluate_flow, prepare
-from propmap.engine.plan import accuracy
 from propmap.engine.programs import Flow
 from propmap.model.model import Model
 from propmap.physics.element import Annulus, Station, element_forces

@@ -20,9 +20,9 @@ import propmap
 from benchmarks.results_file import machine, write_results
 from benchmarks.whole_process import whole_process
 from propmap.arrays.types import Floats
+from propmap.engine.accuracy import accuracy
 from propmap.engine.evaluation import prepare
 from propmap.engine.gradients import load_gradients
-from propmap.engine.plan import accuracy
 from propmap.engine.programs import COMPILER_OPTIONS
 from propmap.model.model import Model
 from propmap.physics.velocities import AzimuthNodes, azimuth_nodes

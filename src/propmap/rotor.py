@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from propmap.arrays.types import Floats
-from propmap.engine.evaluation import Prepared, evaluate, prepare
-from propmap.engine.plan import accuracy as accuracy_setting
+from propmap.engine.accuracy import accuracy as accuracy_setting
+from propmap.engine.evaluation import Prepared, evaluate, prepare, tail_share
 from propmap.errors import InputError
 from propmap.model.model import Model
 from propmap.solve.rotor_loads import RotorLoads
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 PRECISIONS = ("float64", "float32")
 
-STATUSES = ("ok", "multiple_roots", "windmill", "vortex_ring", "not_converged")
+STATUSES = ("ok", "multiple_roots", "windmill", "coarse", "vortex_ring", "not_converged")
 """From harmless to fatal; where several apply, the last is given."""
 
 
@@ -305,16 +305,16 @@ class Rotor:
 
     def _loads(self, omega: Floats, v_axial: Floats, v_inplane: Floats) -> Loads:
         shape = omega.shape
-        flat = evaluate(
-            self._prepared, self._setting, omega.ravel(), v_axial.ravel(), v_inplane.ravel()
-        )
+        flow = (omega.ravel(), v_axial.ravel(), v_inplane.ravel())
+        flat = evaluate(self._prepared, self._setting, *flow)
+        coarse = tail_share(self._prepared, *flow, flat) > self._setting.finer[-1][1]
         found: Any = RotorLoads.of_rows(row.reshape(shape) for row in flat.rows)
         blade = self.model.propeller
         reverse = _reverse_flow(omega, v_inplane, blade.root, blade.radius)
         return Loads(
             **found.loads._asdict(),
             power=found.loads.torque * omega,
-            status=_status(found, v_axial),
+            status=_status(found, v_axial, coarse.reshape(shape)),
             roots=found.roots,
             reverse_flow=reverse,
             vortex_ring=found.ring,
@@ -322,11 +322,11 @@ class Rotor:
         )
 
 
-def _status(found: Any, v_axial: Floats) -> NDArray[np.str_]:
+def _status(found: Any, v_axial: Floats, coarse: NDArray[np.bool_]) -> NDArray[np.str_]:
     windmill = (v_axial < 0.0) & (v_axial + 2.0 * found.mean_inflow <= 0.0)
     ring = (found.ring > 0.0) | found.mirrored
     lost = ~np.isfinite(found.loads.thrust)
-    cases = [lost, ring, windmill, found.roots > 1]
+    cases = [lost, ring, coarse, windmill, found.roots > 1]
     return np.asarray(np.select(cases, STATUSES[:0:-1], STATUSES[0]))
 
 

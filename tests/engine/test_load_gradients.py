@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 import propmap
+from propmap.engine.accuracy import accuracy
 from propmap.engine.evaluation import prepare
 from propmap.engine.gradients import LoadGradients, load_gradients
-from propmap.engine.plan import accuracy
 from propmap.fit.tunnel import rotor_with
 from propmap.loads import LOADS, error_scales
 

@@ -9,7 +9,6 @@ import pytest
 import propmap
 from propmap.arrays.namespace import by_numpy
 from propmap.engine.evaluation import prepare
-from propmap.engine.plan import may_stall
 from propmap.physics.velocities import azimuth_nodes
 from propmap.solve.bounds import find_bounds
 from propmap.solve.disk import solve_disk
@@ -96,7 +95,7 @@ def fast_climb():
     )
     rpm = np.linspace(5000.0, 9500.0, 40)
     flow = (rpm * np.pi / 30.0, np.full(40, 12.0), np.zeros(40))
-    assert not may_stall(*prepare(rotor.arrays).forecast, *flow).any()
+    assert not prepare(rotor.arrays).forecast.may_stall(*flow).any()
     return rotor, flow
 
 
@@ -115,7 +114,7 @@ def test_unstalled_flow_takes_few_evaluations_also_with_negative_thrust(fast_cli
 def test_the_forecast_of_stall_holds(law, axial):
     rotor = propmap.Rotor(propmap.Model(propmap.propeller("apc-8x6e"), propmap.airfoil(law)))
     flow = climb(rotor, axial, 7)
-    foreseen = may_stall(*prepare(rotor.arrays).forecast, *flow)
+    foreseen = prepare(rotor.arrays).forecast.may_stall(*flow)
     with by_numpy():
         disk = followed(rotor, flow, 1 if axial else 16)
         at = disk.problem.at

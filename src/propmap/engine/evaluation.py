@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from dataclasses import dataclass
+from typing import Any
 
 import jax
 import numpy as np
 
 from propmap.arrays.namespace import by_numpy, on_accelerator
 from propmap.arrays.types import Floats
-from propmap.engine.batch import Block, cut, filled_up, nodes_of_each, run
-from propmap.engine.plan import Accuracy, Outlook, may_leave_islands, may_stall, plan
+from propmap.engine.accuracy import Accuracy
+from propmap.engine.batch import BLOCK, Block, cut, filled_up, nodes_of_each, run
+from propmap.engine.forecast import Forecast, static_loads
+from propmap.engine.plan import Job, Outlook, may_leave_islands, plan, plan_again
 from propmap.engine.programs import Flow, compiled_search, search_by_numpy
 from propmap.physics.element import AnnulusLoads
 from propmap.physics.momentum import static_inflow as equation_12
@@ -38,28 +42,46 @@ Solved = Callable[[Block, DiskSolution], None]
 """Told of a block of points whose inflow is found; last axis: the block's points, padded."""
 
 
-class Prepared(NamedTuple):
-    """A rotor ready for evaluation: its arrays, the same where programs run, the forecast's inputs,
-    whether programs are compiled, whether the same serve batches of any size, and whether they
-    work in float64 or else float32."""
+@dataclass(frozen=True)
+class Prepared:
+    """A rotor ready for evaluation.
+
+    Attributes
+    ----------
+    arrays, on_device : RotorArrays
+        Its arrays, of NumPy float64, and the same where programs run.
+    forecast : Forecast
+        Where it may stall.
+    compiled : bool
+        Whether programs are compiled; else NumPy runs them.
+    uniform : bool
+        Whether the same programs serve batches of any size.
+    double : bool
+        Whether they work in float64, or else in float32.
+    """
 
     arrays: RotorArrays
     on_device: RotorArrays
-    forecast: tuple[Floats, Floats, Floats, tuple[float, float]]
+    forecast: Forecast
     compiled: bool
     uniform: bool
     double: bool
+
+    @functools.cached_property
+    def static(self) -> tuple[float, float]:
+        """Thrust and torque at rest over Omega^2, see ``static_loads``."""
+        return static_loads(self.arrays)
 
 
 def prepare(
     arrays: RotorArrays, *, compiled: bool = True, uniform: bool = False, double: bool = True
 ) -> Prepared:
-    """Do once what every evaluation of a rotor needs; arrays of NumPy float64."""
+    """Do once what every evaluation of a rotor needs; parameters as in ``Prepared``."""
     on_device = arrays
     if compiled:
         with jax.enable_x64(double):
             on_device = jax.device_put(arrays)
-    return Prepared(arrays, on_device, _forecast_inputs(arrays), compiled, uniform, double)
+    return Prepared(arrays, on_device, Forecast.of(arrays), compiled, uniform, double)
 
 
 def evaluate(
@@ -94,36 +116,71 @@ def evaluate_flow(
 ) -> RotorLoads:
     """Loads at N operating points whose static inflow is known.
 
-    alike : see ``schedule.plan``; otherwise stall is followed only where it is forecast.
-    size : of the blocks, by default see ``blocks.cut``.  solved : told of each block; of a point
-    twice where the forecast was wrong, the last time counts.
+    Parameters
+    ----------
+    rotor, setting, flow
+        What is evaluated.
+    alike : bool
+        Whether all points get the same nodes, see ``plan``; they are evaluated once.
+    size : int, optional
+        Of the blocks; by default as in ``batch.cut``.
+    solved : callable, optional
+        Told of each block.  A point may be told of several times; the last time counts.
     """
     omega, v_axial, v_inplane, v_hover = flow
-    advance = advance_ratio(rotor, omega, v_inplane)
-    climb = advance_ratio(rotor, omega, v_axial)
+    setting = setting.for_stall(rotor.forecast.stall_width)
     everyone = np.arange(omega.size)
-    stalls = may_stall(*rotor.forecast, omega, v_axial, v_inplane) | alike
-    islands = may_leave_islands(v_axial, 0.0 if v_hover is None else v_hover)
-    outlook = Outlook(advance, climb, stalls, islands)
+    outlook = Outlook(
+        advance=advance_ratio(rotor, omega, v_inplane),
+        climb=advance_ratio(rotor, omega, v_axial),
+        stalls=rotor.forecast.may_stall(omega, v_axial, v_inplane) | alike,
+        islands=may_leave_islands(v_axial, 0.0 if v_hover is None else v_hover),
+    )
     results = np.full((ROWS, omega.size), np.nan)
-    apart = not _few(rotor, flow)
-    kinds = {"axial_apart": apart, "descent": v_hover is not None}
-    jobs = plan(setting, outlook, everyone, alike=alike, **kinds)
-    here = {"accelerator": rotor.compiled and on_accelerator(), "compiled": rotor.compiled}
-    sizes = {"large": rotor.uniform, **here}
-    blocks = cut(jobs, size, **sizes)
-    _run(rotor, blocks, flow, results, solved)
-    found = RotorLoads.of_rows(results)
-    unforeseen = ~stalls & ~(found.attached > ATTACHED) & np.isfinite(found.loads.thrust)
-    if unforeseen.any():
-        again = outlook.stalling(unforeseen)
-        jobs = plan(setting, again, everyone[unforeseen], **kinds)
-        blocks = cut([j for j in jobs if len(j.panels) > 1], size, **sizes)
+    on_device = rotor.compiled and on_accelerator()
+    kinds = {"axial_apart": not _few(rotor, flow), "descent": v_hover is not None}
+
+    def run_jobs(jobs: list[Job], size: int | None) -> RotorLoads:
+        here = {"accelerator": on_device, "compiled": rotor.compiled}
+        blocks = cut(jobs, size, large=rotor.uniform, **here)
         _run(rotor, blocks, flow, results, solved)
+        return RotorLoads.of_rows(results)
+
+    found = run_jobs(plan(setting, outlook, everyone, alike=alike, **kinds), size)
+    if not alike:
+        unseen = ~outlook.stalls & ~((found.attached > ATTACHED) & (found.roots == 1))
+        unseen &= np.isfinite(found.loads.thrust)
+        if unseen.any():
+            jobs = plan(setting, outlook.part(unseen), everyone[unseen], **kinds)
+            found = run_jobs([job for job in jobs if len(job.panels) > 1], size)
+        tail_limits = (setting.largest_tail, *(limit for _, limit in setting.finer))
+        for times in range(1, len(tail_limits)):
+            rough = tail_share(rotor, omega, v_axial, v_inplane, found) > tail_limits[times - 1]
+            if not rough.any():
+                break
+            jobs = plan_again(setting, times, outlook.part(rough), everyone[rough])
+            # Of one size, which is one program more.
+            found = run_jobs(jobs, None if on_device else BLOCK)
     # Zero instead of what the speed floor leaves of a load at rest, 1e-45 and the like.
     results[np.abs(results) < 1e-30] = 0.0
     found = RotorLoads.of_rows(results)
     return found._replace(roots=found.roots.astype(int), mirrored=found.mirrored > 0.0)
+
+
+def tail_share(
+    rotor: Prepared, omega: Floats, v_axial: Floats, v_inplane: Floats, found: RotorLoads
+) -> Floats:
+    """The larger one of the tails of thrust and torque, as a share of the load at rest, (N,).
+
+    Where it exceeds the last limit of ``Accuracy.finer`` the loads may be less accurate than said.
+    """
+    thrust, torque = rotor.static
+    # A rotor that turns slowly in a wind carries what the wind brings.
+    tip = float(rotor.arrays.blade.tip)
+    rate = np.maximum(omega, np.hypot(v_axial, v_inplane) / tip)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        tails = np.maximum(found.thrust_tail / thrust, found.torque_tail / torque) / rate**2
+    return np.where(rate > 0.0, tails, 0.0)
 
 
 def advance_ratio(rotor: Prepared, omega: Floats, velocity: Floats) -> Floats:
@@ -179,17 +236,3 @@ def nodes_of(block: Block, *, few: bool) -> AzimuthNodes:
 
 def _few(rotor: Prepared, flow: Flow) -> bool:
     return flow.omega.size < FEW or rotor.uniform
-
-
-def _forecast_inputs(
-    arrays: RotorArrays,
-) -> tuple[Floats, Floats, Floats, tuple[float, float]]:
-    blade, law = arrays.blade, arrays.law
-    with by_numpy():
-        bounds = law.bounds()
-    radius = np.linspace(float(blade.root), float(blade.tip), 12)
-    chord = np.interp(radius, blade.station, blade.chord)
-    twist = np.interp(radius, blade.station, blade.twist)
-    slope = chord * float(blade.blades * bounds.attached_slope) / (8.0 * np.pi * radius)
-    pitch = twist - float(law.zero_lift_angle)
-    return radius, slope, pitch, (float(bounds.stall_angle), 1.0 / float(bounds.stall_width))

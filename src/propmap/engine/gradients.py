@@ -13,10 +13,11 @@ import numpy as np
 
 from propmap.arrays.loops import TOGETHER
 from propmap.arrays.types import Floats
+from propmap.engine.accuracy import Accuracy
 from propmap.engine.batch import BLOCK, Block, nodes_of_each
 from propmap.engine.evaluation import FEW, Prepared, evaluate_flow, nodes_of
 from propmap.engine.lanes import in_groups, in_lanes, serve
-from propmap.engine.plan import Accuracy, alike_panels
+from propmap.engine.plan import alike_panels
 from propmap.engine.programs import COMPILER_OPTIONS, Flow, compiled_search
 from propmap.loads import LOADS
 from propmap.physics.momentum import static_inflow
@@ -123,7 +124,8 @@ def _gradients(
 
     size = FIT_BLOCK if few else None
     if few:
-        _compile_both(rotor, setting, count, descends=flow.v_hover is not None)
+        sized = setting.for_stall(rotor.forecast.stall_width)
+        _compile_both(rotor, sized, count, descends=flow.v_hover is not None)
     flat = evaluate_flow(rotor, setting, flow, alike=few, size=size, solved=differentiate)
     return LoadGradients(np.stack(flat.loads), slopes)
 

@@ -69,7 +69,7 @@ def _search(
 ) -> tuple[Any, DiskSolution]:
     case = Case(rotor, *flow)
     solution, disk = solve_disk(case, panels, azimuth)
-    found = loads_over_disk(case, disk, solution.several, azimuth)
+    found = loads_over_disk(case, disk, solution.several, panels, azimuth)
     # One array, since every further one takes as long to hand over as some points to evaluate.
     return xp.stack([values * 1.0 for values in found.rows]), solution
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,9 +10,9 @@ from numpy.typing import NDArray
 
 from propmap.arrays.namespace import by_numpy
 from propmap.arrays.types import Floats
+from propmap.engine.accuracy import Accuracy
 from propmap.engine.batch import Block
 from propmap.engine.evaluation import Prepared, evaluate_flow, nodes_of
-from propmap.engine.plan import Accuracy
 from propmap.engine.programs import Flow
 from propmap.solve.disk import solve_disk
 from propmap.solve.problem import Case
@@ -73,7 +74,7 @@ def search_report(
     flow : of one point, with its static inflow where it descends.
     """
     blocks: list[Block] = []
-    by_hand = rotor._replace(compiled=False)
+    by_hand = dataclasses.replace(rotor, compiled=False)
     evaluate_flow(by_hand, setting, flow, solved=lambda block, _: blocks.append(block))
     block = blocks[-1]  # the last one counts, see ``evaluate_flow``
     nodes = nodes_of(block, few=False)

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from propmap.arrays.types import Floats
 from propmap.baselines.hover import HoverModel
+from propmap.engine.accuracy import accuracy
 from propmap.engine.evaluation import prepare
 from propmap.engine.gradients import load_gradients
-from propmap.engine.plan import accuracy
 from propmap.errors import InputError
 from propmap.fit.body_forces import body_force
 from propmap.fit.coverage import Coverage, coverage

@@ -10,9 +10,9 @@ import numpy as np
 
 from propmap.arrays.types import Floats
 from propmap.baselines.hover import REFERENCE_TIP_SPEED, HoverModel
+from propmap.engine.accuracy import accuracy
 from propmap.engine.evaluation import prepare
 from propmap.engine.gradients import load_gradients
-from propmap.engine.plan import accuracy
 from propmap.errors import InputError
 from propmap.fit.parameters import BODY, FIRST_GUESS, SECTION, WING, Choice, constants_of
 from propmap.fit.rows import Rows

@@ -7,6 +7,9 @@ import numpy as np
 from propmap.arrays.namespace import Array, xp
 from propmap.physics.loads import RadialNodes
 
+TAIL = 4
+"""How many of a panel's polynomials count as its tail, the highest ones."""
+
 CROWDING = 0.5
 """How far the rule of an inner panel goes from even (0) to fully crowded (1) nodes.
 
@@ -38,3 +41,39 @@ def panel_nodes(edges: Array, counts: tuple[int, ...]) -> RadialNodes:
         radii.append(start + (end - start) * s[:, None])
         weights.append((end - start) * w[:, None])
     return RadialNodes(xp.concatenate(radii), xp.concatenate(weights))
+
+
+def tail(values: Array, counts: tuple[int, ...]) -> Array:
+    """How much of a sum along the blade the highest polynomials of its panels carry.
+
+    On each panel the nodes determine the Legendre series of the integrand up to the degree of
+    their number.  Where the integrand is smooth its coefficients fall off to nothing; at a kink or
+    a step, which the nodes resolve badly, the last ones are still large.
+
+    Parameters
+    ----------
+    values : Array, shape (L, S, B)
+        Integrands at the nodes, times the nodes' weights.
+    counts : tuple of int
+        Nodes on each panel, S in all.
+
+    Returns
+    -------
+    Array, shape (L, B)
+        Root of the sum of squares of the last ``TAIL`` coefficients of all panels, in the unit of
+        ``values``.
+    """
+    start, total = 0, 0.0 * values[:, 0]
+    for nodes in counts:
+        x, _ = np.polynomial.legendre.leggauss(nodes)
+        degrees = np.arange(nodes - TAIL, nodes)
+        matrix = (2 * degrees + 1)[:, None] * np.polynomial.legendre.legvander(x, nodes - 1).T[
+            degrees
+        ]
+        part = values[:, None, start : start + nodes]
+        coefficients = xp.sum(
+            xp.asarray(matrix, dtype=values.dtype)[None, :, :, None] * part, axis=2
+        )
+        total = total + xp.sum(coefficients**2, axis=1)
+        start += nodes
+    return xp.sqrt(total)

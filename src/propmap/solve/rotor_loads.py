@@ -6,12 +6,13 @@ from collections.abc import Iterable
 from typing import NamedTuple
 
 from propmap.arrays.materialize import materialize
-from propmap.arrays.namespace import Array, xp
+from propmap.arrays.namespace import Array, stop_gradient, xp
 from propmap.physics import element, momentum, vortex_ring
 from propmap.physics.loads import integrate, mean_over_disk
 from propmap.physics.velocities import AzimuthNodes, azimuth_nodes
 from propmap.solve.disk import DiskInflow, disk_inflow, solve_disk
 from propmap.solve.problem import Case, RotorArrays
+from propmap.solve.quadrature import tail
 from propmap.solve.resolution import Resolution
 
 
@@ -32,6 +33,8 @@ class RotorLoads(NamedTuple):
         Smallest attached share over the nodes, at the mean angle of attack [-].
     mirrored : Array
         Whether, on the windmill branch, the mean inflow is past the limit of momentum theory.
+    thrust_tail, torque_tail : Array
+        What the nodes may have missed of a load [N], [N m], see ``quadrature.tail``.
     """
 
     loads: element.AnnulusLoads
@@ -40,6 +43,8 @@ class RotorLoads(NamedTuple):
     mean_inflow: Array
     attached: Array
     mirrored: Array
+    thrust_tail: Array
+    torque_tail: Array
 
     @property
     def rows(self) -> tuple[Array, ...]:
@@ -61,15 +66,28 @@ def disk_loads(case: Case, panels: tuple[int, ...], azimuth: AzimuthNodes) -> Ro
     """
     solution, _ = solve_disk(case, panels, azimuth)
     disk = disk_inflow(case, solution, panels, azimuth)
-    return loads_over_disk(case, disk, solution.several, azimuth)
+    return loads_over_disk(case, disk, solution.several, panels, azimuth)
 
 
 def loads_over_disk(
-    case: Case, disk: DiskInflow, several: Array, azimuth: AzimuthNodes
+    case: Case,
+    disk: DiskInflow,
+    several: Array,
+    panels: tuple[int, ...],
+    azimuth: AzimuthNodes,
 ) -> RotorLoads:
-    """Loads, eqs. (13)-(15), where (11) is solved; differentiable by all but ``several``.
+    """Loads, eqs. (13)-(15), where (11) is solved; differentiable by ``case`` and ``disk``.
 
-    case : what was solved.  disk : its inflow.  several (B,) : whether (11) has several roots.
+    Parameters
+    ----------
+    case : Case
+        What was solved.
+    disk : DiskInflow
+        Its inflow.
+    several : Array, shape (B,)
+        Whether (11) has several roots.
+    panels, azimuth
+        Nodes, as in ``solve_disk``.
     """
     rotor, v_axial, v_inplane = case.rotor, case.v_axial, case.v_inplane
     ring, inflow = xp.zeros_like(v_axial), disk.inflow
@@ -85,6 +103,8 @@ def loads_over_disk(
         past_limit = momentum.past_momentum_theory(v_axial, v_inplane, mean_inflow)
         mirrored = (windmill > 0.0) & past_limit
     attached = rotor.law.attached_share(element.mean_angle_of_attack(at, inflow))
+    weighted = disk.nodes.weight * xp.stack([per_radius.thrust, per_radius.torque])
+    tails = rotor.medium.density * tail(stop_gradient(weighted), panels)
     return RotorLoads(
         total,
         roots=xp.where(several, 3, 1),
@@ -92,6 +112,8 @@ def loads_over_disk(
         mean_inflow=mean_inflow,
         attached=xp.min(attached, axis=0),
         mirrored=mirrored,
+        thrust_tail=tails[0],
+        torque_tail=tails[1],
     )
 
 

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from propmap.arrays.types import Floats
+from propmap.engine.accuracy import accuracy
 from propmap.engine.evaluation import prepare
 from propmap.engine.gradients import load_gradients
-from propmap.engine.plan import accuracy
 from propmap.table.certificate import by_load, quasi_random, static_loads
 
 if TYPE_CHECKING:

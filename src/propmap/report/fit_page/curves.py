@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from propmap.arrays.types import Floats
 from propmap.baselines.hover import HoverModel
+from propmap.engine.accuracy import accuracy
 from propmap.engine.evaluation import prepare
 from propmap.engine.gradients import load_gradients
-from propmap.engine.plan import accuracy
 from propmap.fit.coverage import CoveredAngle
 from propmap.fit.fit_record import FitRecord
 from propmap.fit.result_file import FitFile

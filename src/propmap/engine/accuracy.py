@@ -1,0 +1,116 @@
+"""Settings of accuracy: how many nodes an operating point gets, and when it gets more."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from propmap.arrays.types import Floats
+from propmap.errors import InputError
+
+COUNTS = (8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384)
+"""Numbers of azimuth nodes over a full turn that are used."""
+
+STALL_WIDTH = 1.0 / 50.0
+"""[rad] Width of stall for which ``Accuracy.azimuths`` hold, that of the paper's law."""
+
+
+@dataclass(frozen=True)
+class Accuracy:
+    """One setting.
+
+    Attributes
+    ----------
+    azimuths : tuple of (float, int)
+        Largest advance ratio V sin(beta)/(Omega R), and azimuth nodes over a full turn up to it.
+    free, stalled, fast : int
+        Radial nodes where nothing stalls, where the panels follow stall, and where stall is spread
+        over azimuth or the flow is reversed.
+    largest_tail : float
+        What the last polynomials may carry of the loads at rest, see ``solve.quadrature.tail``.
+        A point with more is evaluated again.
+    finer : tuple of (int, float)
+        Radial nodes of each further evaluation, with stall followed, and its largest tail.
+    """
+
+    azimuths: tuple[tuple[float, int], ...]
+    free: int
+    stalled: int
+    fast: int
+    largest_tail: float
+    finer: tuple[tuple[int, float], ...]
+
+    def azimuths_at(self, advance: Floats | float) -> NDArray[np.int64]:
+        """Azimuth nodes over a full turn at an advance ratio > 0 [-]; of its shape."""
+        limits, counts = (np.array(column) for column in zip(*self.azimuths, strict=True))
+        found: NDArray[np.int64] = counts[np.searchsorted(limits, advance)]
+        return found
+
+    def azimuths_again(self, advance: Floats, times: int) -> NDArray[np.int64]:
+        """The same for the further evaluation number ``times``, 1 for the first one."""
+        more = np.searchsorted(COUNTS, self.azimuths_at(advance)) + times
+        found: NDArray[np.int64] = np.array(COUNTS)[np.minimum(more, len(COUNTS) - 1)]
+        return found
+
+    @property
+    def most_azimuths(self) -> int:
+        """Largest number of azimuth nodes in a first evaluation."""
+        return self.azimuths[-1][1]
+
+    def for_stall(self, width: float) -> Accuracy:
+        """The setting for a section that stalls over another ``width`` [rad] of angle of attack.
+
+        A sharper stall takes more azimuths in proportion, and is seen in smaller tails.
+        """
+        sharper = STALL_WIDTH / width
+        if sharper <= 1.0 + 1e-9:
+            return self
+        places = np.searchsorted(
+            COUNTS, [count * sharper * (1.0 - 1e-9) for _, count in self.azimuths]
+        )
+        counts = [COUNTS[min(int(k), len(COUNTS) - 1)] for k in places]
+        limits = (limit for limit, _ in self.azimuths)
+        return replace(
+            self,
+            azimuths=tuple(zip(limits, counts, strict=True)),
+            largest_tail=self.largest_tail / sharper,
+        )
+
+
+ACCURACIES = {
+    "standard": Accuracy(
+        (
+            (0.03, 8),
+            (0.06, 12),
+            (0.12, 16),
+            (0.18, 24),
+            (0.3, 32),
+            (0.5, 64),
+            (1.0, 96),
+            (np.inf, 128),
+        ),
+        free=24,
+        stalled=48,
+        fast=64,
+        largest_tail=0.02,
+        finer=((96, 0.02), (288, 0.04)),
+    ),
+    "fine": Accuracy(
+        ((0.1, 32), (0.15, 48), (0.3, 96), (0.5, 192), (1.0, 256), (np.inf, 384)),
+        free=96,
+        stalled=160,
+        fast=160,
+        largest_tail=0.004,
+        finer=((320, 0.004), (640, 0.01)),
+    ),
+}
+"""``standard``: 0.1 % of static thrust and torque; ``fine``: 0.01 %."""
+
+
+def accuracy(name: str) -> Accuracy:
+    """The setting of that name; ``InputError`` where there is none."""
+    if name not in ACCURACIES:
+        raise InputError(f"accuracy is {name!r}: it must be one of {', '.join(ACCURACIES)}")
+    return ACCURACIES[name]
