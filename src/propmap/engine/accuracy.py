@@ -50,7 +50,7 @@ class Accuracy:
 
     def azimuths_again(self, advance: Floats, times: int) -> NDArray[np.int64]:
         """The same for the further evaluation number ``times``, 1 for the first one."""
-        more = np.searchsorted(COUNTS, self.azimuths_at(advance)) + times
+        more = np.searchsorted(COUNTS, self.azimuths_at(advance)) + times - 1
         found: NDArray[np.int64] = np.array(COUNTS)[np.minimum(more, len(COUNTS) - 1)]
         return found
 
@@ -94,8 +94,8 @@ ACCURACIES = {
         free=24,
         stalled=48,
         fast=64,
-        largest_tail=0.02,
-        finer=((96, 0.02), (288, 0.04)),
+        largest_tail=0.03,
+        finer=((80, 0.03), (288, 0.15)),
     ),
     "fine": Accuracy(
         ((0.1, 32), (0.15, 48), (0.3, 96), (0.5, 192), (1.0, 256), (np.inf, 384)),
@@ -103,7 +103,7 @@ ACCURACIES = {
         stalled=160,
         fast=160,
         largest_tail=0.004,
-        finer=((320, 0.004), (640, 0.01)),
+        finer=((320, 0.004), (640, 0.04)),
     ),
 }
 """``standard``: 0.1 % of static thrust and torque; ``fine``: 0.01 %."""
