@@ -57,7 +57,7 @@ class WavyLaw(NamedTuple):
             attached_from=none,
             attached_to=none,
             attached_slope=none,
-            stall_angle=none,
+            least_stall_angle=none,
             stall_width=none,
         )
 

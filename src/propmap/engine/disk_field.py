@@ -85,9 +85,6 @@ def look_at_disk(
         solve: Callable[..., DiskField] = _program() if compiled else disk_field
         found = solve(case, radius, np.sin(azimuth), nodes)
         fields = jax.tree.map(np.asarray, found)
-        stall_angle = float(rotor.law.bounds().stall_angle)
-    lift_angle = (fields.alpha - rotor.law.zero_lift_angle + np.pi) % (2.0 * np.pi) - np.pi
-    past_stall = np.abs(lift_angle) - stall_angle
     return Inflow(
         radius=radius,
         azimuth=azimuth,
@@ -98,8 +95,8 @@ def look_at_disk(
         alpha=(fields.alpha + np.pi) % (2.0 * np.pi) - np.pi,
         u_tangential=fields.u_t,
         u_normal=fields.u_p,
-        past_stall=past_stall,
-        stalled=past_stall > 0.0,
+        past_stall=fields.past_stall,
+        stalled=fields.past_stall > 0.0,
         reverse=fields.u_t < 0.0,
     )
 

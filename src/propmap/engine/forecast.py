@@ -67,7 +67,7 @@ class Forecast(NamedTuple):
         twist = np.interp(radius, blade.station, blade.twist)
         slope = chord * float(blade.blades * bounds.attached_slope) / (8.0 * np.pi * radius)
         pitch = twist - float(law.zero_lift_angle)
-        return cls(radius, pitch, slope, float(bounds.stall_angle), float(bounds.stall_width))
+        return cls(radius, pitch, slope, float(bounds.least_stall_angle), float(bounds.stall_width))
 
     def may_stall(self, omega: Floats, v_axial: Floats, v_inplane: Floats) -> NDArray[np.bool_]:
         """Where some of the blade may stall, (N,), from attached lift alone; all descent may."""

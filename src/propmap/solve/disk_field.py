@@ -29,6 +29,8 @@ class DiskField(NamedTuple):
         Loads per radius [N/m] and [N], (S,).
     alpha : Array
         Angle of attack from the chord line [rad], (S, P).
+    past_stall : Array
+        How much further from zero lift that is than the stall angle [rad], (S, P).
     u_t, u_p : Array
         Section velocities (1) and (2) [m/s], (S, P).
     """
@@ -36,6 +38,7 @@ class DiskField(NamedTuple):
     inflow: Array
     per_radius: AnnulusLoads
     alpha: Array
+    past_stall: Array
     u_t: Array
     u_p: Array
 
@@ -66,8 +69,16 @@ def disk_field(case: Case, radius: Array, sines: Array, azimuth: AzimuthNodes) -
     u_p = normal_velocity(at.v_axial, inflow) * xp.ones_like(u_t)
     blade = at.station
     across, along = blade.sine * u_t - blade.cosine * u_p, blade.cosine * u_t + blade.sine * u_p
-    alpha = angle_of(along, across, floored_norm(u_t, u_p)) + at.law.zero_lift_angle
+    speed = floored_norm(u_t, u_p)
+    angle = angle_of(along, across, speed)
+    side = xp.where(angle < 0.0, -1.0, 1.0)
+    past_stall = side * (angle - at.law.stall_angle(blade.reynolds_per_speed * speed, side))
     density = case.rotor.medium.density
     return DiskField(
-        inflow[:, 0], AnnulusLoads(*(density * part[:, 0] for part in loads)), alpha, u_t, u_p
+        inflow=inflow[:, 0],
+        per_radius=AnnulusLoads(*(density * part[:, 0] for part in loads)),
+        alpha=angle + at.law.zero_lift_angle,
+        past_stall=past_stall,
+        u_t=u_t,
+        u_p=u_p,
     )

@@ -24,6 +24,9 @@ TOP_STEPS = 2
 HUMP_ANGLES = np.array([-0.2, -0.13, -0.08, -0.045, -0.01, 0.03, 0.08, 0.13])
 """[rad] from the stall angle, where the hump may be, in the order of falling v_i."""
 
+SHARP_STALL = 0.02
+"""Width of stall [rad] up to which the hump is looked for at these angles."""
+
 
 class Angle(NamedTuple):
     """Sine and cosine [-] of an angle of attack from zero lift."""
@@ -32,9 +35,16 @@ class Angle(NamedTuple):
     cosine: Array
 
 
-def angles_about(stall: Array, offsets: np.ndarray) -> Angle:
-    """The angles ``stall`` (B,) + ``offsets`` (K,) [rad]; (K, B)."""
-    angle = stall + offsets[:, None]
+def angles_about_stall(problem: AnnulusProblem, side: Array, offsets: np.ndarray) -> Angle:
+    """Angles of attack at ``offsets`` (K,) [rad] from the stall angle; (K, B) or (K, S, B).
+
+    The stall is that on a ``side`` (B,), 1 or -1.  Where it is sharper than ``SHARP_STALL``, the
+    offsets are shorter in proportion.
+    """
+    at = problem.at
+    stall = at.law.stall_angle(at.station.reynolds_per_speed * at.turning, side)
+    scale = xp.minimum(at.law.bounds().stall_width / SHARP_STALL, 1.0)
+    angle = stall + scale * offsets.reshape(-1, *(1,) * stall.ndim)
     return Angle(xp.sin(angle), xp.cos(angle))
 
 
@@ -61,8 +71,8 @@ class Hump(NamedTuple):
     folded: Array  # whether the residual has three zeros about it
 
 
-def hump_before_stall(problem: AnnulusProblem, stall: Array, azimuth: AzimuthNodes) -> Hump:
-    """The residual's hump about the angle ``stall`` (B,).
+def hump_before_stall(problem: AnnulusProblem, side: Array, azimuth: AzimuthNodes) -> Hump:
+    """The residual's hump about the stall on a ``side`` (B,), see ``stall_side``.
 
     The hump is the first local maximum that v_i meets on its way down.  Where the residual
     only has a shoulder, the height is that of its flattest point: the inflow rises there
@@ -75,7 +85,7 @@ def hump_before_stall(problem: AnnulusProblem, stall: Array, azimuth: AzimuthNod
         v = xp.where(known, v, 0.0)
         return v, xp.where(known, residual(problem, v, azimuth), xp.nan)
 
-    v, height = map_entries(sample, angles_about(stall, HUMP_ANGLES))
+    v, height = map_entries(sample, angles_about_stall(problem, side, HUMP_ANGLES))
     seen = materialize(lambda: _between_samples(v, height), problem.at.blades)
     # In descent the attached stretch ends in low humps; elsewhere the guess is as good, and
     # joins the shoulder's without a step.
@@ -172,11 +182,10 @@ def _tops(slope: Array, v: Array) -> Array:
 
 
 def stall_side(problem: AnnulusProblem) -> Array:
-    """The stall angle that a blade is near [rad], positive or negative; (B,).
+    """1 where a blade is near the stall of positive angles, -1 where of negative ones; (B,).
 
     The ``problem`` is of one radius, (1, 1) or (1, B).
     """
     at = problem.at
-    stall = at.law.bounds().stall_angle
     lifting = at.station.sine * at.turning - at.station.cosine * at.v_axial
-    return xp.where(lifting[0] < 0.0, -stall, stall)
+    return xp.where(lifting[0] < 0.0, -1.0, 1.0)

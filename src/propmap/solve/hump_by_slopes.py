@@ -13,7 +13,7 @@ import functools
 from propmap.arrays.loops import map_entries, scan
 from propmap.arrays.namespace import Array, entry, xp
 from propmap.physics.velocities import AzimuthNodes, floored_norm
-from propmap.solve.hump import HUMP_ANGLES, Hump, angles_about, inflow_at_angle
+from propmap.solve.hump import HUMP_ANGLES, Hump, angles_about_stall, inflow_at_angle
 from propmap.solve.problem import AnnulusProblem, residual_slope
 
 CLOSER = (0.012, 0.003)
@@ -23,8 +23,8 @@ Top = tuple[Array, Array, Array]
 """v_i [m/s] and height [m^3/s^2] of a hump's top or shoulder, and whether it is a top; (S, B)."""
 
 
-def hump_by_slopes(problem: AnnulusProblem, stall: Array, azimuth: AzimuthNodes) -> Hump:
-    """The residual's hump about the angle ``stall`` (B,); see ``stall_hump.hump_before_stall``."""
+def hump_by_slopes(problem: AnnulusProblem, side: Array, azimuth: AzimuthNodes) -> Hump:
+    """The residual's hump about the stall on a ``side`` (B,); see ``hump.hump_before_stall``."""
 
     def sample(v: Array) -> tuple[Array, Array]:
         known = xp.isfinite(v)
@@ -32,7 +32,8 @@ def hump_by_slopes(problem: AnnulusProblem, stall: Array, azimuth: AzimuthNodes)
         value, slope = (xp.where(known, a, xp.nan) for a in pair)
         return value, slope
 
-    v = map_entries(functools.partial(inflow_at_angle, problem), angles_about(stall, HUMP_ANGLES))
+    angles = angles_about_stall(problem, side, HUMP_ANGLES)
+    v = map_entries(functools.partial(inflow_at_angle, problem), angles)
     value, slope = map_entries(sample, v)
     at, height, top = _first_top(v, value, slope)
     depth = xp.where((v < at) & xp.isfinite(value), value, xp.inf)

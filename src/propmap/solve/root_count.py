@@ -7,7 +7,7 @@ import numpy as np
 from propmap.arrays.loops import scan
 from propmap.arrays.namespace import Array, xp
 from propmap.physics.velocities import AzimuthNodes, azimuth_nodes
-from propmap.solve.hump import Angle, angles_about, inflow_at_angle, stall_side
+from propmap.solve.hump import Angle, angles_about_stall, inflow_at_angle, stall_side
 from propmap.solve.problem import AnnulusProblem, residual
 
 _PAST_STALL = np.array([0.0, 0.04, 0.1, 0.2])
@@ -38,7 +38,7 @@ def several_roots(solved: tuple[AnnulusProblem, Array], azimuth: AzimuthNodes) -
     """
     some = azimuth if 2 * len(azimuth.sines) <= AZIMUTHS else azimuth_nodes(AZIMUTHS)
     problem, root = solved[0].stations(slice(None, None, EVERY)), solved[1][::EVERY]
-    stall = stall_side(problem.stations(slice(-2, -1)))
+    side = stall_side(problem.stations(slice(-2, -1)))
     margin = 1e-4 * (problem.at.turning + problem.at.v_inplane)
 
     def look(several: Array, angle: Angle) -> Array:
@@ -47,5 +47,5 @@ def several_roots(solved: tuple[AnnulusProblem, Array], azimuth: AzimuthNodes) -
         return several | (below & (residual(problem, xp.where(below, v, 0.0), some) < 0.0))
 
     none = xp.zeros(root.shape, bool)
-    several = scan(look, none, angles_about(stall, _PAST_STALL))
+    several = scan(look, none, angles_about_stall(problem, side, _PAST_STALL))
     return xp.any(several, axis=0)

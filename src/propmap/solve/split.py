@@ -122,10 +122,10 @@ def hump_crossings(
     outer = (root + 0.6 * (tip - root))[None, None]
     both = problem_at(xp.concatenate([radius, outer]))
     problem, beside = both.stations(slice(GRID)), both.stations(slice(GRID, None))
-    stall = stall_side(beside)
+    side = stall_side(beside)
     islands = edges > len(DEFAULT_EDGES)
     find_hump = hump_by_slopes if islands else hump_before_stall
-    hump = materialize(lambda: find_hump(problem, stall, azimuth), root)
+    hump = materialize(lambda: find_hump(problem, side, azimuth), root)
     several = xp.any(hump.folded, axis=0)
 
     def sight_of(radii: Array, found: Hump) -> Sight:
@@ -136,7 +136,7 @@ def hump_crossings(
         return Sight(radii * xp.ones_like(slope), found.height, found.inflow, slope)
 
     def look(radii: Array) -> Sight:
-        return sight_of(radii, find_hump(problem_at(radii), stall, azimuth))
+        return sight_of(radii, find_hump(problem_at(radii), side, azimuth))
 
     spacing = (tip - root) / GRID
     if islands:

@@ -107,6 +107,10 @@ class BlendedLaw(NamedTuple):
         steepness = (x * x - far) * inverse
         return share, xp.where(angle < 0.0, self.sharpness, -self.sharpness) * share * steepness
 
+    def stall_angle(self, reynolds: Array, side: Array) -> Array:  # noqa: ARG002 - as every law
+        """alpha_0 [rad] with the sign of ``side``, at any Re."""
+        return side * self.alpha_0
+
     def bounds(self) -> LawBounds:
         """Bounds in closed form."""
         m, attached, separated = self.sharpness, self.attached * self.c_l1, self.c_l2
@@ -129,7 +133,7 @@ class BlendedLaw(NamedTuple):
             attached_from=-self.alpha_0 + 6.0 / m,
             attached_to=self.alpha_0,
             attached_slope=attached,
-            stall_angle=self.alpha_0,
+            least_stall_angle=self.alpha_0,
             stall_width=1.0 / m,
         )
 

@@ -81,7 +81,7 @@ class LawBounds(NamedTuple):
     attached_slope : Array
         c with C_L <= c alpha for attached flow, alpha > 0, and near it [1/rad]; 0 if there is
         no such slope.
-    stall_angle, stall_width : Array
+    least_stall_angle, stall_width : Array
         Angle from zero lift about which lift breaks down, and over how much of it [rad].
     """
 
@@ -94,7 +94,7 @@ class LawBounds(NamedTuple):
     attached_from: Array
     attached_to: Array
     attached_slope: Array
-    stall_angle: Array
+    least_stall_angle: Array
     stall_width: Array
 
 
@@ -126,6 +126,18 @@ class SectionLaw(Protocol):
 
     def attached_share(self, angle: Array) -> Array:
         """Share of attached flow [-], 1 far from stall; ``angle`` from zero lift [rad]."""
+        ...
+
+    def stall_angle(self, reynolds: Array, side: Array) -> Array:
+        """Angle from zero lift about which lift breaks down [rad].
+
+        Parameters
+        ----------
+        reynolds : Array
+            Re [-].
+        side : Array
+            1 for positive angles, -1 for negative ones, whose sign the result has.
+        """
         ...
 
     def bounds(self) -> LawBounds:

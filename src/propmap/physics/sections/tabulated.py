@@ -14,8 +14,8 @@ from propmap.physics.sections.law import Coefficients, LawBounds, SectionFlow
 ATTACHED = 0.9
 """Share of the largest lift, of either sign, up to which a section counts as attached."""
 
-LIFTING = np.radians(45.0)
-"""[rad] from zero lift within which the largest lift is that of stall, not of a plate."""
+STALL_WIDTH = 0.02
+"""[rad] over which a table's lift is taken to break down; what is sharper shows in the loads."""
 
 
 class _Cubics(NamedTuple):
@@ -50,6 +50,9 @@ class TabulatedLaw(NamedTuple):
         Angle of attack of zero lift [rad] at the middle one of the Reynolds numbers.
     drag_factor : Array
         Multiplies the rotor drag (14) [-].
+    stall : Array
+        Angles from zero lift about which lift breaks down [rad], at positive and at negative
+        angles, for each Reynolds number, (2, R).
     limits : LawBounds
         Its bounds, from the cubics.
     """
@@ -60,6 +63,7 @@ class TabulatedLaw(NamedTuple):
     log_re: Array
     zero_lift_angle: Array
     drag_factor: Array
+    stall: Array
     limits: LawBounds
 
     @property
@@ -81,10 +85,7 @@ class TabulatedLaw(NamedTuple):
         if self.log_re.shape[0] == 1:
             lift, _, drag, _ = _cubics(self.rows[k], along)
             return Coefficients(lift[0], drag[0], lift[1], drag[1], 0.0, 0.0)
-        log_re = xp.clip(xp.log(flow.reynolds), self.log_re[0], self.log_re[-1])
-        r = xp.sum(log_re[..., None] >= self.log_re[1:-1], axis=-1)
-        width = self.log_re[r + 1] - self.log_re[r]
-        t = (log_re - self.log_re[r]) / width
+        r, width, t = self._among_reynolds(flow.reynolds)
         below = _cubics(self.rows[r * intervals + k], along)
         above = _cubics(self.rows[(r + 1) * intervals + k], along)
         lift, drag = (_between(t, width, *below[n : n + 2], *above[n : n + 2]) for n in (0, 2))
@@ -102,6 +103,22 @@ class TabulatedLaw(NamedTuple):
         law = self.limits
         beyond = xp.maximum(angle - law.attached_to, law.attached_from - angle)
         return xp.where(beyond > 0.0, 1.0 / (1.0 + (beyond / law.stall_width) ** 2), 1.0)
+
+    def _among_reynolds(self, reynolds: Array) -> tuple[Array, Array, Array]:
+        """Which interval of ln Re, how wide it is, and where in it, from 0 to 1."""
+        log_re = xp.clip(xp.log(reynolds), self.log_re[0], self.log_re[-1])
+        r = xp.sum(log_re[..., None] >= self.log_re[1:-1], axis=-1)
+        width = self.log_re[r + 1] - self.log_re[r]
+        return r, width, (log_re - self.log_re[r]) / width
+
+    def stall_angle(self, reynolds: Array, side: Array) -> Array:
+        """That of the nearest Reynolds numbers [rad], on a ``side``; see ``SectionLaw``."""
+        up, down = self.stall
+        if self.log_re.shape[0] == 1:
+            return xp.where(side > 0.0, up[0], down[0]) + 0.0 * reynolds
+        r, _, t = self._among_reynolds(reynolds)
+        above, below = (one[r] + t * (one[r + 1] - one[r]) for one in (up, down))
+        return xp.where(side > 0.0, above, below)
 
     def bounds(self) -> LawBounds:
         """Bounds found from the cubics when the law was made."""
@@ -166,9 +183,10 @@ def tabulated_law(
         first = np.clip(np.searchsorted(knots, starts, side="right") - 1, 0, len(knots) - 2)
         # (4, R, K, 4) to rows (R K, 16).
         rows = cubics.transpose(1, 2, 0, 3).reshape(-1, 16)
-        limits = _bounds(knots, log_re, cubics, lift)
+        stall = _stall_angles(knots, lift)
+        limits = _bounds(knots, log_re, cubics, lift, stall)
         scalars = (np.float64(zero), np.float64(drag_factor))
-        arrays: Any = (knots, first, rows, log_re, *scalars, limits)
+        arrays: Any = (knots, first, rows, log_re, *scalars, stall, limits)
         return TabulatedLaw(*arrays)
 
 
@@ -241,7 +259,9 @@ def _largest(knots: Floats, log_re: Floats, cubics: Floats) -> _Largest:
     return _Largest(value, slope, 2.0 * c2 + 6.0 * ends * c3, along)
 
 
-def _bounds(knots: Floats, log_re: Floats, cubics: Floats, lift: Floats) -> LawBounds:
+def _bounds(
+    knots: Floats, log_re: Floats, cubics: Floats, lift: Floats, stall: Floats
+) -> LawBounds:
     """Bounds from the cubics (4, R, K, 4) of C_L, its slope by ln Re, C_D and its slope."""
     of_lift, lift_more, of_drag, drag_more = (_largest(knots, log_re, c) for c in cubics)
     # What slopes by ln Re add between two Reynolds numbers: at most 4/27 of each, times the gap.
@@ -254,7 +274,7 @@ def _bounds(knots: Floats, log_re: Floats, cubics: Floats, lift: Floats) -> LawB
     drag, drag_slope, drag_bend = (
         largest(name, of_drag, drag_more) for name in ("value", "slope", "bend")
     )
-    low, high, stall = _attached_range(knots, lift)
+    low, high = _attached_range(knots, lift, stall)
     inside = (knots[1:] > low) & (knots[:-1] < high)
     upwards = max(float(of_lift.bend[:, inside].max(initial=0.0)), 0.0)
     upwards += reach * float(np.abs(lift_more.bend).max()) + of_lift.by_log_re
@@ -269,22 +289,39 @@ def _bounds(knots: Floats, log_re: Floats, cubics: Floats, lift: Floats) -> LawB
         "attached_from": low,
         "attached_to": high,
         "attached_slope": float(np.mean([np.interp(high, knots, row) for row in lift])) / high,
-        "stall_angle": stall,
-        "stall_width": max(0.2 * (stall - high), 0.005),
+        "least_stall_angle": stall[0].min(),
+        "stall_width": STALL_WIDTH,
     }
     scalars: Any = {name: np.float64(value) for name, value in limits.items()}
     return LawBounds(**scalars)
 
 
-def _attached_range(knots: Floats, lift: Floats) -> tuple[float, float, float]:
-    """Between which angles from zero lift all tables are attached, and where lift is largest."""
-    near = np.abs(knots) < LIFTING
-    low, high, stall = -np.pi, np.pi, []
-    for row in lift:
-        x, y = knots[near], row[near]
-        up, down = int(np.argmax(y)), int(np.argmin(y))
-        stall.append(x[up])
-        high = min(high, float(np.interp(ATTACHED * y[up], y[: up + 1], x[: up + 1])))
-        past = slice(down, int(np.searchsorted(x, 0.0)) + 1)
-        low = max(low, float(np.interp(ATTACHED * y[down], y[past], x[past])))
-    return low, high, float(np.mean(stall))
+def _stall_angles(knots: Floats, lift: Floats) -> Floats:
+    """Angle from zero lift of each table's first peak of lift, upwards and downwards [rad]; (2, R).
+
+    Not of the largest lift: at low Reynolds numbers a plate at 45 deg may have more.
+    """
+    found = np.empty((2, len(lift)))
+    middle = int(np.searchsorted(knots, 0.0))
+    for r, row in enumerate(lift):
+        up, down = row[middle:], -row[:middle][::-1]
+        found[0, r] = knots[middle + _first_peak(up)]
+        found[1, r] = knots[middle - 1 - _first_peak(down)]
+    return found
+
+
+def _first_peak(lift: Floats) -> int:
+    """Where lift (K,) first falls from a positive value; the last entry if it does not."""
+    falls = np.flatnonzero((lift[:-1] > 0.0) & (np.diff(lift) < 0.0))
+    return int(falls[0]) if falls.size else len(lift) - 1
+
+
+def _attached_range(knots: Floats, lift: Floats, stall: Floats) -> tuple[float, float]:
+    """Between which angles from zero lift all tables are attached [rad]."""
+    low, high = -np.pi, np.pi
+    for row, (up, down) in zip(lift, stall.T, strict=True):
+        rising, falling = (knots >= 0.0) & (knots <= up), (knots <= 0.0) & (knots >= down)
+        top, bottom = row[knots == up][0], row[knots == down][0]
+        high = min(high, float(np.interp(ATTACHED * top, row[rising], knots[rising])))
+        low = max(low, float(np.interp(ATTACHED * bottom, row[falling], knots[falling])))
+    return low, high
