@@ -76,6 +76,10 @@ class Accuracy:
             self,
             azimuths=tuple(zip(limits, counts, strict=True)),
             largest_tail=self.largest_tail / sharper,
+            finer=(
+                *((nodes, tail / sharper) for nodes, tail in self.finer[:-1]),
+                self.finer[-1],
+            ),
         )
 
 
@@ -95,7 +99,7 @@ ACCURACIES = {
         stalled=48,
         fast=64,
         largest_tail=0.03,
-        finer=((80, 0.03), (288, 0.15)),
+        finer=((80, 0.02), (240, 0.05), (960, 0.09)),
     ),
     "fine": Accuracy(
         ((0.1, 32), (0.15, 48), (0.3, 96), (0.5, 192), (1.0, 256), (np.inf, 384)),
@@ -103,7 +107,7 @@ ACCURACIES = {
         stalled=160,
         fast=160,
         largest_tail=0.004,
-        finer=((320, 0.004), (640, 0.04)),
+        finer=((320, 0.004), (960, 0.01)),
     ),
 }
 """``standard``: 0.1 % of static thrust and torque; ``fine``: 0.01 %."""

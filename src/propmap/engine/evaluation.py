@@ -153,9 +153,10 @@ def evaluate_flow(
         if unseen.any():
             jobs = plan(setting, outlook.part(unseen), everyone[unseen], **kinds)
             found = run_jobs([job for job in jobs if len(job.panels) > 1], size)
-        tail_limits = (setting.largest_tail, *(limit for _, limit in setting.finer))
-        for times in range(1, len(tail_limits)):
-            rough = tail_share(rotor, omega, v_axial, v_inplane, found) > tail_limits[times - 1]
+        rough = np.ones(omega.size, bool)
+        limits = (setting.largest_tail, *(limit for _, limit in setting.finer))
+        for times, limit in enumerate(limits[:-1], start=1):
+            rough &= tail_share(rotor, omega, v_axial, v_inplane, found) > limit
             if not rough.any():
                 break
             jobs = plan_again(setting, times, outlook.part(rough), everyone[rough])
