@@ -16,6 +16,8 @@ LEFT_TO_RIGHT = (
     "solve",
     "engine",
     "model",
+    "operating_points",
+    "results",
     "rotor",
     "baselines",
     "io",

@@ -22,7 +22,8 @@ from propmap.model.section_table import SectionTable
 
 if TYPE_CHECKING:
     from propmap.baselines.hover import HoverModel
-    from propmap.rotor import Loads, Rotor, Wrench
+    from propmap.results import Loads, Wrench
+    from propmap.rotor import Rotor
 
 __version__ = "0.1.0"
 
@@ -43,7 +44,7 @@ __all__ = [
     "propeller",
 ]
 
-_LAZY = {"HoverModel": "baselines.hover", "Loads": "rotor", "Rotor": "rotor", "Wrench": "rotor"}
+_LAZY = {"HoverModel": "baselines.hover", "Loads": "results", "Rotor": "rotor", "Wrench": "results"}
 
 
 def __getattr__(name: str) -> Any:

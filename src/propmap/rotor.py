@@ -3,17 +3,24 @@
 from __future__ import annotations
 
 import functools
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from propmap.arrays.types import Floats
 from propmap.engine.accuracy import accuracy as accuracy_setting
 from propmap.engine.evaluation import Prepared, evaluate, prepare, tail_share
 from propmap.errors import InputError
 from propmap.model.model import Model
+from propmap.operating_points import (
+    broadcast,
+    rates,
+    resolved,
+    reverse_flow_share,
+    split_velocity,
+)
+from propmap.results import Loads, Wrench, statuses
 from propmap.solve.rotor_loads import RotorLoads
 
 if TYPE_CHECKING:
@@ -22,67 +29,6 @@ if TYPE_CHECKING:
     from propmap.solve.problem import RotorArrays
 
 PRECISIONS = ("float64", "float32")
-
-STATUSES = ("ok", "multiple_roots", "windmill", "coarse", "vortex_ring", "not_converged")
-"""From harmless to fatal; where several apply, the last is given."""
-
-
-@dataclass(frozen=True)
-class Loads:
-    """Loads of a rotor; every field has the broadcast shape of the operating points.
-
-    Attributes
-    ----------
-    thrust : ndarray
-        Along the axis [N].
-    drag : ndarray
-        In the disk plane, against the in-plane velocity [N].
-    torque : ndarray
-        What turns the shaft [N m]; negative where the air drives the propeller.
-    roll_moment : ndarray
-        About the direction of the in-plane velocity [N m], positive where the advancing side is
-        lifted, before the sign of the spin is applied.
-    power : ndarray
-        Torque times omega [W].
-    status : ndarray of str
-        Of ``STATUSES``.  "multiple_roots": near stall the inflow has several solutions, the largest
-        is used.  "windmill": descent so fast that the wake is above the disk.  "vortex_ring":
-        momentum theory does not hold and a measured inflow is blended in; not to be trusted.
-        "not_converged": the loads are NaN.
-    roots : ndarray of int
-        Largest number of solutions of eq. (11) along the blade.
-    reverse_flow : ndarray
-        Share of the blades' disk that the air meets from behind [-].
-    vortex_ring : ndarray
-        Share of the measured vortex-ring inflow in the inflow used [-].
-    mean_inflow : ndarray
-        v_i averaged over the disk [m/s].
-    """
-
-    thrust: Floats
-    drag: Floats
-    torque: Floats
-    roll_moment: Floats
-    power: Floats
-    status: NDArray[np.str_]
-    roots: NDArray[np.int64]
-    reverse_flow: Floats
-    vortex_ring: Floats
-    mean_inflow: Floats
-
-
-@dataclass(frozen=True)
-class Wrench:
-    """Force and moment on the vehicle at the hub, in the rotor frame.
-
-    Attributes
-    ----------
-    force, moment : ndarray, shape (..., 3)
-        [N], and about the hub [N m].
-    """
-
-    force: Floats
-    moment: Floats
 
 
 class Rotor:
@@ -170,10 +116,7 @@ class Rotor:
         InputError
             For negative or non-finite values and unequal shapes.
         """
-        w, v, b = _broadcast(omega=omega, speed=speed, beta=beta)
-        _refuse_negative("omega", w, "give the spin by its direction, not by a sign [rad/s]")
-        _refuse_negative("speed", v, "give the direction by beta, pi for descent [m/s]")
-        return self._loads(w, *_resolve(v, b))
+        return self._loads(*resolved(omega, speed, beta))
 
     def loads_at_velocity(self, omega: ArrayLike, velocity: ArrayLike) -> Loads:
         """Loads for a velocity vector in the rotor frame.
@@ -185,7 +128,7 @@ class Rotor:
         velocity : array_like, shape (..., 3)
             Of the hub through the air, z along the thrust [m/s]; broadcast over the leading axes.
         """
-        w, along, across, _ = _split(omega, velocity)
+        w, along, across, _ = split_velocity(omega, velocity)
         return self._loads(w, along, across)
 
     def wrench(self, omega: ArrayLike, velocity: ArrayLike, spin: str = "ccw") -> Wrench:
@@ -202,7 +145,7 @@ class Rotor:
         """
         if spin not in ("ccw", "cw"):
             raise InputError(f"spin is {spin!r}: it must be 'ccw' or 'cw', seen from above")
-        w, along, across, direction = _split(omega, velocity)
+        w, along, across, direction = split_velocity(omega, velocity)
         loads = self._loads(w, along, across)
         # Counter-clockwise, the advancing side is on the right: lifting it rolls about -x.
         sign = 1.0 if spin == "ccw" else -1.0
@@ -215,8 +158,7 @@ class Rotor:
         """Static inflow v_i0 [m/s] of eq. (12) at ``omega`` [rad/s], from own static thrust."""
         from propmap.engine.evaluation import static_inflow
 
-        (w,) = _broadcast(omega=omega)
-        _refuse_negative("omega", w, "give the spin by its direction, not by a sign [rad/s]")
+        w = rates(omega)
         return static_inflow(self._prepared, self._setting, w.ravel()).reshape(w.shape)
 
     def inflow(
@@ -243,18 +185,13 @@ class Rotor:
         """
         from propmap.engine.disk_field import look_at_disk
 
-        w, v, b = _broadcast(omega=omega, speed=speed, beta=beta)
-        if w.ndim:
-            raise InputError("inflow takes one operating point: give scalars")
-        _refuse_negative("omega", w, "give the spin by its direction, not by a sign [rad/s]")
-        _refuse_negative("speed", v, "give the direction by beta, pi for descent [m/s]")
+        w, along, across = resolved(omega, speed, beta, one=True)
         blade = self.model.propeller
         y = np.linspace(blade.root, blade.radius, 60) if radius is None else np.ravel(radius)
         psi = np.linspace(0.0, 2.0 * np.pi, 73) if azimuth is None else np.ravel(azimuth)
-        y, psi = _broadcast(radius=y)[0], _broadcast(azimuth=psi)[0]
+        y, psi = broadcast(radius=y)[0], broadcast(azimuth=psi)[0]
         if (y < blade.root).any() or (y > blade.radius).any():
             raise InputError(f"radius must lie between {blade.root:g} and {blade.radius:g} m")
-        along, across = _resolve(v, b)
         still = self.hover_inflow(w) if along < 0.0 else np.zeros(())
         flow = (float(w), float(along), float(across), float(still))
         return look_at_disk(self.arrays, flow, y, psi, compiled=self.compiled)
@@ -283,12 +220,7 @@ class Rotor:
         from propmap.engine.search_report import search_report
         from propmap.solve.root import MAX_STEPS
 
-        w, v, b = _broadcast(omega=omega, speed=speed, beta=beta)
-        if w.ndim:
-            raise InputError("explain takes one operating point: give scalars")
-        _refuse_negative("omega", w, "give the spin by its direction, not by a sign [rad/s]")
-        _refuse_negative("speed", v, "give the direction by beta, pi for descent [m/s]")
-        along, across = _resolve(v, b)
+        w, along, across = resolved(omega, speed, beta, one=True)
         still = self.hover_inflow(w)[None] if along < 0.0 else None
         flow = Flow(w[None], along[None], across[None], still)
         return search_report(self._prepared, self._setting, flow, max_steps or MAX_STEPS)
@@ -310,79 +242,13 @@ class Rotor:
         coarse = tail_share(self._prepared, *flow, flat) > self._setting.finer[-1][1]
         found: Any = RotorLoads.of_rows(row.reshape(shape) for row in flat.rows)
         blade = self.model.propeller
-        reverse = _reverse_flow(omega, v_inplane, blade.root, blade.radius)
+        reverse = reverse_flow_share(omega, v_inplane, blade.root, blade.radius)
         return Loads(
             **found.loads._asdict(),
             power=found.loads.torque * omega,
-            status=_status(found, v_axial, coarse.reshape(shape)),
+            status=statuses(found, v_axial, coarse.reshape(shape)),
             roots=found.roots,
             reverse_flow=reverse,
             vortex_ring=found.ring,
             mean_inflow=found.mean_inflow,
         )
-
-
-def _status(found: Any, v_axial: Floats, coarse: NDArray[np.bool_]) -> NDArray[np.str_]:
-    windmill = (v_axial < 0.0) & (v_axial + 2.0 * found.mean_inflow <= 0.0)
-    ring = (found.ring > 0.0) | found.mirrored
-    lost = ~np.isfinite(found.loads.thrust)
-    cases = [lost, ring, coarse, windmill, found.roots > 1]
-    return np.asarray(np.select(cases, STATUSES[:0:-1], STATUSES[0]))
-
-
-def _reverse_flow(omega: Floats, v_inplane: Floats, root: float, tip: float) -> Floats:
-    """Share of the annulus between root and tip inside the reverse-flow circle [-].
-
-    The circle y = -V sin(beta) sin(psi) / Omega passes through the hub.
-    """
-    diameter = np.minimum(v_inplane / np.maximum(omega, 1e-12), 1e4 * tip)
-
-    def within(radius: float) -> Floats:
-        angle = np.arccos(np.minimum(radius / np.maximum(diameter, 1e-12), 1.0))
-        rest = 0.5 * np.pi - angle - np.sin(angle) * np.cos(angle)
-        return np.asarray(radius**2 * angle + 0.5 * diameter**2 * rest)
-
-    return np.asarray((within(tip) - within(root)) / (np.pi * (tip**2 - root**2)))
-
-
-def _broadcast(**named: ArrayLike) -> list[Floats]:
-    arrays = []
-    for name, value in named.items():
-        try:
-            array = np.asarray(value, dtype=np.float64)
-        except (TypeError, ValueError):
-            raise InputError(f"{name} is {value!r}: give a number or an array of numbers") from None
-        if not np.isfinite(array).all():
-            raise InputError(f"{name} holds a value that is not finite: remove NaN and infinity")
-        arrays.append(array)
-    try:
-        return [np.array(a) for a in np.broadcast_arrays(*arrays)]
-    except ValueError:
-        shapes = ", ".join(f"{n} {np.shape(a)}" for n, a in zip(named, arrays, strict=True))
-        raise InputError(f"shapes do not fit together: {shapes}; they must broadcast") from None
-
-
-def _resolve(speed: Floats, beta: Floats) -> tuple[Floats, Floats]:
-    """V cos(beta) and |V sin(beta)|; a multiple of pi/2 is taken at its word."""
-    cosine, sine = np.cos(beta), np.abs(np.sin(beta))
-    rounding = 4e-16 * np.maximum(1.0, np.abs(beta))
-    cosine = np.where(np.abs(cosine) < rounding, 0.0, cosine)
-    return speed * cosine, speed * np.where(sine < rounding, 0.0, sine)
-
-
-def _refuse_negative(name: str, values: Floats, remedy: str) -> None:
-    if (values < 0.0).any():
-        raise InputError(f"{name} is negative ({values.min():g}): {remedy}")
-
-
-def _split(omega: ArrayLike, velocity: ArrayLike) -> tuple[Floats, Floats, Floats, Floats]:
-    """omega, velocity along the axis and across it, and the unit vector of the latter."""
-    (vector,) = _broadcast(velocity=velocity)
-    if vector.ndim == 0 or vector.shape[-1] != 3:
-        raise InputError(f"velocity has shape {vector.shape}: its last axis must hold x, y, z")
-    w, x, y, z = _broadcast(omega=omega, vx=vector[..., 0], vy=vector[..., 1], vz=vector[..., 2])
-    _refuse_negative("omega", w, "give the spin by its direction, not by a sign [rad/s]")
-    across = np.hypot(x, y)
-    unit = np.where(across > 0.0, across, 1.0)
-    direction = np.stack([np.where(across > 0.0, x / unit, 1.0), y / unit, np.zeros_like(x)], -1)
-    return w, z, across, direction

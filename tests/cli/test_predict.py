@@ -13,7 +13,7 @@ import pytest
 import propmap
 from propmap.cli.operating_points import COLUMNS, OperatingPoints
 from propmap.loads import LOADS
-from propmap.rotor import Loads
+from propmap.results import Loads
 
 from .conftest import BETA, POINT, POINTS, ROTOR, RPM, SPEED, Run
 

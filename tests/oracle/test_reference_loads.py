@@ -7,7 +7,8 @@ import pytest
 from numpy.typing import NDArray
 
 import propmap as pm
-from propmap.rotor import Loads, Rotor
+from propmap.results import Loads
+from propmap.rotor import Rotor
 from tests.oracle.frozen import ReferenceLoads, frozen_loads
 from tests.oracle.make_reference import reference_row, solver
 from tests.oracle.points import reference_points

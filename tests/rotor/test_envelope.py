@@ -7,7 +7,7 @@ import pytest
 
 import propmap as pm
 from propmap.loads import LOADS
-from propmap.rotor import STATUSES, Loads
+from propmap.results import STATUSES, Loads
 
 
 def _random(points: int, airfoil: str, seed: int) -> Loads:

@@ -13,7 +13,8 @@ from propmap.errors import InputError
 from propmap.loads import LOADS
 
 if TYPE_CHECKING:
-    from propmap.rotor import Loads, Rotor
+    from propmap.results import Loads
+    from propmap.rotor import Rotor
 
 RPM = np.pi / 30.0
 """[rad/s] per revolution per minute."""

@@ -28,7 +28,8 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from propmap.baselines.hover import HoverModel
-    from propmap.rotor import Loads, Rotor
+    from propmap.results import Loads
+    from propmap.rotor import Rotor
 
 
 @takes_rotor

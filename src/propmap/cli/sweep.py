@@ -16,7 +16,8 @@ from propmap.cli.rotor_options import RotorChoice, say_reynolds, takes_rotor
 from propmap.errors import InputError
 
 if TYPE_CHECKING:
-    from propmap.rotor import Loads, Rotor
+    from propmap.results import Loads
+    from propmap.rotor import Rotor
 
 CHUNK = 4096
 """Operating points per step of the progress bar: some tenths of a second."""
@@ -71,7 +72,7 @@ def _compute(rotor: Rotor, points: OperatingPoints) -> Loads:
     from rich.console import Console
     from rich.progress import Progress
 
-    from propmap.rotor import Loads
+    from propmap.results import Loads
 
     console = Console(stderr=True)
     parts = []

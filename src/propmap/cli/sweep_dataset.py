@@ -10,7 +10,8 @@ import xarray
 
 import propmap
 from propmap.loads import LOADS
-from propmap.rotor import STATUSES, Loads, Rotor
+from propmap.results import STATUSES, Loads
+from propmap.rotor import Rotor
 
 if TYPE_CHECKING:
     from propmap.arrays.types import Floats

@@ -1,0 +1,90 @@
+"""Operating points as users give them: checked, broadcast, and resolved along the axis."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from propmap.arrays.types import Floats
+from propmap.errors import InputError
+
+
+def broadcast(**named: ArrayLike) -> list[Floats]:
+    """Arguments as arrays of one shape, of numbers that are all finite.
+
+    Raises
+    ------
+    InputError
+        That names the argument at fault.
+    """
+    arrays = []
+    for name, value in named.items():
+        try:
+            array = np.asarray(value, dtype=np.float64)
+        except (TypeError, ValueError):
+            raise InputError(f"{name} is {value!r}: give a number or an array of numbers") from None
+        if not np.isfinite(array).all():
+            raise InputError(f"{name} holds a value that is not finite: remove NaN and infinity")
+        arrays.append(array)
+    try:
+        return [np.array(a) for a in np.broadcast_arrays(*arrays)]
+    except ValueError:
+        shapes = ", ".join(f"{n} {np.shape(a)}" for n, a in zip(named, arrays, strict=True))
+        raise InputError(f"shapes do not fit together: {shapes}; they must broadcast") from None
+
+
+def rates(omega: ArrayLike) -> Floats:
+    """Rotational speeds ``omega`` [rad/s], none of them negative."""
+    (w,) = broadcast(omega=omega)
+    _refuse_negative("omega", w, "give the spin by its direction, not by a sign [rad/s]")
+    return w
+
+
+def resolved(
+    omega: ArrayLike, speed: ArrayLike, beta: ArrayLike, *, one: bool = False
+) -> tuple[Floats, Floats, Floats]:
+    """omega [rad/s], V cos(beta) and |V sin(beta)| [m/s]; a multiple of pi/2 is taken at its word.
+
+    Where ``one`` is true, arrays are refused.
+    """
+    w, v, b = broadcast(omega=omega, speed=speed, beta=beta)
+    if one and w.ndim:
+        raise InputError("this takes one operating point: give scalars")
+    rates(w)
+    _refuse_negative("speed", v, "give the direction by beta, pi for descent [m/s]")
+    cosine, sine = np.cos(b), np.abs(np.sin(b))
+    rounding = 4e-16 * np.maximum(1.0, np.abs(b))
+    cosine = np.where(np.abs(cosine) < rounding, 0.0, cosine)
+    return w, v * cosine, v * np.where(sine < rounding, 0.0, sine)
+
+
+def split_velocity(omega: ArrayLike, velocity: ArrayLike) -> tuple[Floats, Floats, Floats, Floats]:
+    """omega, velocity along the axis and across it, and the unit vector (..., 3) of the latter."""
+    (vector,) = broadcast(velocity=velocity)
+    if vector.ndim == 0 or vector.shape[-1] != 3:
+        raise InputError(f"velocity has shape {vector.shape}: its last axis must hold x, y, z")
+    w, x, y, z = broadcast(omega=omega, vx=vector[..., 0], vy=vector[..., 1], vz=vector[..., 2])
+    across = np.hypot(x, y)
+    unit = np.where(across > 0.0, across, 1.0)
+    direction = np.stack([np.where(across > 0.0, x / unit, 1.0), y / unit, np.zeros_like(x)], -1)
+    return rates(w), z, across, direction
+
+
+def reverse_flow_share(omega: Floats, v_inplane: Floats, root: float, tip: float) -> Floats:
+    """Share of the annulus between ``root`` and ``tip`` [m] inside the reverse-flow circle [-].
+
+    The circle y = -V sin(beta) sin(psi) / Omega passes through the hub.
+    """
+    diameter = np.minimum(v_inplane / np.maximum(omega, 1e-12), 1e4 * tip)
+
+    def within(radius: float) -> Floats:
+        angle = np.arccos(np.minimum(radius / np.maximum(diameter, 1e-12), 1.0))
+        rest = 0.5 * np.pi - angle - np.sin(angle) * np.cos(angle)
+        return np.asarray(radius**2 * angle + 0.5 * diameter**2 * rest)
+
+    return np.asarray((within(tip) - within(root)) / (np.pi * (tip**2 - root**2)))
+
+
+def _refuse_negative(name: str, values: Floats, remedy: str) -> None:
+    if (values < 0.0).any():
+        raise InputError(f"{name} is negative ({values.min():g}): {remedy}")

@@ -1,0 +1,113 @@
+"""Bounds on a tabulated section law, and where it stalls, from its cubics."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from propmap.arrays.types import Floats
+from propmap.physics.sections.law import LawBounds
+
+ATTACHED = 0.9
+"""Share of the largest lift, of either sign, up to which a section counts as attached."""
+
+STALL_WIDTH = 0.01
+"""[rad] over which a table's lift is taken to break down; what is sharper shows in the loads."""
+
+
+class _Largest(NamedTuple):
+    """Sizes over the cubics of one coefficient, (R, K) each, and what Re adds to bends."""
+
+    value: Floats
+    slope: Floats
+    bend: Floats  # at both ends of an interval, signed, (R, K, 2)
+    by_log_re: float  # |C_l| + |C_l'| + |C_ll|
+
+
+def _largest(knots: Floats, log_re: Floats, cubics: Floats) -> _Largest:
+    """Of the cubics (R, K, 4)."""
+    h = np.diff(knots)[:, None]
+    c0, c1, c2, c3 = (cubics[..., n, None] for n in range(4))
+    ends = np.concatenate([0.0 * h, h], axis=1)
+    # The slope is largest at an end or where the second derivative is zero.
+    turn = np.clip(-c2 / np.where(c3 == 0.0, np.inf, 3.0 * c3), 0.0, h)
+    places = np.concatenate([np.broadcast_to(ends, (*c0.shape[:-1], 2)), turn], axis=-1)
+    slope = np.abs(c1 + places * (2.0 * c2 + 3.0 * places * c3)).max(axis=-1)
+    value = np.abs(c0 + ends * (c1 + ends * (c2 + ends * c3))).max(axis=-1)
+    along = 0.0
+    if len(log_re) > 1:
+        # A monotone cubic is at most 3 times as steep as its chord, and bends by 12 chords/width.
+        width = np.diff(log_re)[:, None]
+        chord = np.abs(np.diff(cubics[..., 0], axis=0)) / width
+        tilt = np.abs(np.diff(cubics[..., 1], axis=0)) / width
+        along = float(3.0 * chord.max() + 3.0 * tilt.max() + 12.0 * (chord / width).max())
+    return _Largest(value, slope, 2.0 * c2 + 6.0 * ends * c3, along)
+
+
+def table_bounds(
+    knots: Floats, log_re: Floats, cubics: Floats, lift: Floats, stall: Floats
+) -> LawBounds:
+    """Bounds from the cubics (4, R, K, 4) of C_L, its slope by ln Re, C_D and its slope."""
+    of_lift, lift_more, of_drag, drag_more = (_largest(knots, log_re, c) for c in cubics)
+    # What slopes by ln Re add between two Reynolds numbers: at most 4/27 of each, times the gap.
+    reach = 0.3 * np.diff(log_re).max(initial=0.0)
+
+    def largest(name: str, one: _Largest, more: _Largest) -> float:
+        return float(np.abs(getattr(one, name)).max() + reach * np.abs(getattr(more, name)).max())
+
+    lift_bend = largest("bend", of_lift, lift_more) + of_lift.by_log_re
+    drag, drag_slope, drag_bend = (
+        largest(name, of_drag, drag_more) for name in ("value", "slope", "bend")
+    )
+    low, high = _attached_range(knots, lift, stall)
+    inside = (knots[1:] > low) & (knots[:-1] < high)
+    upwards = max(float(of_lift.bend[:, inside].max(initial=0.0)), 0.0)
+    upwards += reach * float(np.abs(lift_more.bend).max()) + of_lift.by_log_re
+    limits = {
+        "lift": largest("value", of_lift, lift_more),
+        "lift_bend": lift_bend,
+        "foot_bend": lift_bend,
+        # A table is never quite concave; zero would say that it is.
+        "attached_bend": upwards + 1e-9,
+        "drag_bend": 3.0 * drag + drag_bend + 2.0 * drag_slope + 3.0 * of_drag.by_log_re,
+        "friction": 0.0,
+        "attached_from": low,
+        "attached_to": high,
+        "attached_slope": float(np.mean([np.interp(high, knots, row) for row in lift])) / high,
+        "least_stall_angle": stall[0].min(),
+        "stall_width": STALL_WIDTH,
+    }
+    scalars: Any = {name: np.float64(value) for name, value in limits.items()}
+    return LawBounds(**scalars)
+
+
+def stall_angles(knots: Floats, lift: Floats) -> Floats:
+    """Angle from zero lift of each table's first peak of lift, upwards and downwards [rad]; (2, R).
+
+    Not of the largest lift: at low Reynolds numbers a plate at 45 deg may have more.
+    """
+    found = np.empty((2, len(lift)))
+    middle = int(np.searchsorted(knots, 0.0))
+    for r, row in enumerate(lift):
+        up, down = row[middle:], -row[:middle][::-1]
+        found[0, r] = knots[middle + _first_peak(up)]
+        found[1, r] = knots[middle - 1 - _first_peak(down)]
+    return found
+
+
+def _first_peak(lift: Floats) -> int:
+    """Where lift (K,) first falls from a positive value; the last entry if it does not."""
+    falls = np.flatnonzero((lift[:-1] > 0.0) & (np.diff(lift) < 0.0))
+    return int(falls[0]) if falls.size else len(lift) - 1
+
+
+def _attached_range(knots: Floats, lift: Floats, stall: Floats) -> tuple[float, float]:
+    """Between which angles from zero lift all tables are attached [rad]."""
+    low, high = -np.pi, np.pi
+    for row, (up, down) in zip(lift, stall.T, strict=True):
+        rising, falling = (knots >= 0.0) & (knots <= up), (knots <= 0.0) & (knots >= down)
+        top, bottom = row[knots == up][0], row[knots == down][0]
+        high = min(high, float(np.interp(ATTACHED * top, row[rising], knots[rising])))
+        low = max(low, float(np.interp(ATTACHED * bottom, row[falling], knots[falling])))
+    return low, high
