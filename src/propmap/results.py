@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from propmap.arrays.types import Floats
-
-if TYPE_CHECKING:
-    from propmap.solve.rotor_loads import RotorLoads
 
 STATUSES = ("ok", "multiple_roots", "windmill", "coarse", "vortex_ring", "not_converged")
 """From harmless to fatal; where several apply, the last is given."""
@@ -76,7 +73,7 @@ class Wrench:
     moment: Floats
 
 
-def statuses(found: RotorLoads, v_axial: Floats, coarse: NDArray[np.bool_]) -> NDArray[np.str_]:
+def statuses(found: Any, v_axial: Floats, coarse: NDArray[np.bool_]) -> NDArray[np.str_]:
     """The worst of ``STATUSES`` that applies at each point; ``v_axial`` is V cos(beta) [m/s]."""
     windmill = (v_axial < 0.0) & (v_axial + 2.0 * found.mean_inflow <= 0.0)
     ring = (found.ring > 0.0) | found.mirrored

@@ -15,12 +15,6 @@ HEADING = re.compile(r"^(\w[\w ]*)\n-{3,}$", re.MULTILINE)
 ENTRY = re.compile(r"(?:^|(?<=[.;] ) ?)[A-Za-z_]\w*(?:(?:, | \(| \[)[^.:`]*)? : ", re.MULTILINE)
 """``name : meaning`` or ``name [unit], other [unit] : meaning``, which no heading announces."""
 
-PENDING = (
-    *("propmap.engine.evaluation", "propmap.engine.plan", "propmap.engine.search_report"),
-    "propmap.solve.rotor_loads",
-)
-"""Beginnings of modules' names whose docstrings are still to be rewritten."""
-
 
 def docstrings() -> Iterator[tuple[str, str]]:
     """Where each docstring of the package, its tools and benchmarks stands, and its text."""
@@ -40,15 +34,11 @@ def entries_outside_sections(text: str) -> list[str]:
     return [found.group().strip() for found in ENTRY.finditer(before)]
 
 
-def is_converted(where: str) -> bool:
-    return not where.removeprefix("src/").replace("/", ".").startswith(PENDING)
-
-
 def test_no_docstring_explains_parameters_between_its_sentences() -> None:
     wrong = [
         f"{where}: {', '.join(found)}"
         for where, text in docstrings()
-        if is_converted(where) and (found := entries_outside_sections(text))
+        if (found := entries_outside_sections(text))
     ]
     assert not wrong, "\n".join(wrong)
 

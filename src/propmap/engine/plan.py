@@ -143,8 +143,12 @@ def plan_again(
 ) -> list[Job]:
     """Jobs for points whose loads had too large a tail, stall being followed everywhere.
 
-    times : 1 for the first further evaluation, with ``setting.finer[0]``, and so on; the others as
-    in ``plan``.
+    Parameters
+    ----------
+    setting, outlook, points
+        As in ``plan``.
+    times : int
+        1 for the first further evaluation, with ``setting.finer[0]``, and so on.
     """
     nodes, _ = setting.finer[times - 1]
     azimuths = np.where(outlook.advance == 0.0, 1, setting.azimuths_again(outlook.advance, times))

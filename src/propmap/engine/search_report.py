@@ -71,7 +71,7 @@ def search_report(
 ) -> SearchReport:
     """Solve one operating point again, with NumPy, and tell how that went.
 
-    flow : of one point, with its static inflow where it descends.
+    ``flow`` is of one point, with its static inflow where it descends.
     """
     blocks: list[Block] = []
     by_hand = dataclasses.replace(rotor, compiled=False)

@@ -62,7 +62,7 @@ class RotorLoads(NamedTuple):
 def disk_loads(case: Case, panels: tuple[int, ...], azimuth: AzimuthNodes) -> RotorLoads:
     """Loads, eqs. (13)-(15), where the static inflow is known; differentiable by ``case``.
 
-    panels, azimuth : see ``solve_disk``.
+    ``panels`` and ``azimuth`` are those of ``solve_disk``.
     """
     solution, _ = solve_disk(case, panels, azimuth)
     disk = disk_inflow(case, solution, panels, azimuth)
@@ -118,9 +118,16 @@ def loads_over_disk(
 
 
 def hover_inflow(rotor: RotorArrays, omega: Array, stations: int) -> Array:
-    """The static inflow v_h [m/s], eq. (12), from the rotor's own static thrust; (B,).
+    """The static inflow v_h [m/s], eq. (12), from the rotor's own static thrust.
 
-    omega : [rad/s], (B,).  stations : radial nodes on the whole blade.
+    Parameters
+    ----------
+    rotor : RotorArrays
+        The rotor.
+    omega : Array, shape (B,)
+        Rotational speed [rad/s].
+    stations : int
+        Radial nodes on the whole blade.
     """
     still = xp.zeros_like(omega)
     panels = Resolution(stations=stations).panels
