@@ -62,7 +62,7 @@ class Accuracy:
     def for_stall(self, width: float) -> Accuracy:
         """The setting for a section that stalls over another ``width`` [rad] of angle of attack.
 
-        A sharper stall takes more azimuths in proportion, and is seen in smaller tails.
+        A sharper stall takes more azimuths in proportion, and errs as much at smaller tails.
         """
         sharper = STALL_WIDTH / width
         if sharper <= 1.0 + 1e-9:
@@ -75,9 +75,9 @@ class Accuracy:
         return replace(
             self,
             azimuths=tuple(zip(limits, counts, strict=True)),
-            largest_tail=self.largest_tail / sharper,
+            largest_tail=self.largest_tail / sharper**2,
             finer=(
-                *((nodes, tail / sharper) for nodes, tail in self.finer[:-1]),
+                *((nodes, tail / sharper**2) for nodes, tail in self.finer[:-1]),
                 self.finer[-1],
             ),
         )

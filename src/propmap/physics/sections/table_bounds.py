@@ -12,7 +12,7 @@ from propmap.physics.sections.law import LawBounds
 ATTACHED = 0.9
 """Share of the largest lift, of either sign, up to which a section counts as attached."""
 
-STALL_WIDTH = 0.01
+STALL_WIDTH = 0.014
 """[rad] over which a table's lift is taken to break down; what is sharper shows in the loads."""
 
 
