@@ -1,1 +1,1 @@
-"""What the equations are written in: array functions and loops of JAX or of NumPy."""
+"""Array functions and loops in which the equations are written, run by JAX or by NumPy."""

@@ -1,7 +1,7 @@
-"""Sine and cosine, arctangent and 2^x from polynomials, which vector units evaluate.
+"""Sine and cosine, arctangent and 2^x from polynomials, which XLA vectorises.
 
-XLA on a CPU calls the mathematics library for every single sine, cosine and arctangent in float64.
-With these the loads of a batch take a quarter of the time.
+In float64 XLA on a CPU calls the mathematics library for each sine, cosine and arctangent, one
+number at a time.  With these polynomials a batch of loads takes a quarter of the time.
 """
 
 from __future__ import annotations
@@ -30,9 +30,9 @@ _ARCTAN_BELOW = (
     0.012196777693031713,
     0.00011322044128524324,
 )
-"""arctan(t)/t as a ratio of polynomials in t^2, lowest power first: good to 4e-16 for |t| <= 1.
+"""arctan(t)/t as a ratio of polynomials in t^2, lowest power first, to 4e-16 for |t| <= 1.
 
-Fitted to it on [0, 1] at Chebyshev points, weighted towards the smallest largest error."""
+Fitted at Chebyshev points of [0, 1], with weights that make the largest error small."""
 
 
 @custom_jvp
@@ -57,14 +57,14 @@ def _arctangent_jvp(primals, tangents):  # type: ignore[no-untyped-def]
 
 _SINE = tuple((-1.0) ** k / math.factorial(2 * k + 1) for k in range(10))
 _COSINE = tuple((-1.0) ** k / math.factorial(2 * k) for k in range(11))
-"""Taylor's series in x^2: up to x = pi/2 what is left out is below 3e-16."""
+"""Taylor series in x^2, lowest power first: the terms left out are below 3e-16 for x <= pi/2."""
 
 
 @custom_jvp
 def sine_and_cosine(angle: Array) -> tuple[Array, Array]:
     """sin and cos of ``angle`` [rad], any shape, for |angle| <= pi, to 2e-15.
 
-    By the series of half the angle, in a third of the time of the library's.
+    The series are those of half the angle; they take a third of the time of the library's.
     """
     half = 0.5 * angle
     z = half * half
@@ -92,8 +92,8 @@ _POWER = (
     1.0208690299958306e-07,
     7.072585949269224e-09,
 )
-"""2^f as a polynomial, lowest power first: good to 3e-16 for |f| <= 1/2, by interpolation at
-Chebyshev points."""
+"""2^f as a polynomial, lowest power first, to 3e-16 for |f| <= 1/2: interpolated at Chebyshev
+points."""
 
 
 @custom_jvp
@@ -102,7 +102,8 @@ def power_of_two(exponent: Array) -> Array:
     mantissa = 52 if exponent.dtype == np.float64 else 23
     whole = xp.rint(exponent)
     power = _polynomial(_POWER, exponent - whole)
-    # A number as large as that has no bits for a fraction: the last ones are those of ``whole``.
+    # The last bits of so large a number are the integer ``whole``.  Added to the exponent of
+    # ``power``, they multiply it by 2^whole.
     large = whole + 1.5 * 2.0**mantissa
     return _from_bits(_bits(power) + (_bits(large) << mantissa), exponent.dtype)
 

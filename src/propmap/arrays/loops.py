@@ -16,10 +16,10 @@ from propmap.arrays.materialize import pack, unpack
 from propmap.arrays.namespace import Array, Value, on_numpy
 
 TOGETHER = 2
-"""Terms of a mean that are computed side by side, unless ``in_one_function`` says otherwise: while
-one long chain of operations waits for its results, the processor works on another."""
+"""Terms of a mean in one step of its loop; ``in_one_function`` may set another number.  They are
+independent, so that a processor works on one while another waits for its operands."""
 
-# What ``in_one_function`` was told, None outside of it.
+# The argument of ``in_one_function``; None outside of it.
 _IN_ONE_FUNCTION: contextvars.ContextVar[int | None] = contextvars.ContextVar(
     "_IN_ONE_FUNCTION", default=None
 )
@@ -27,12 +27,12 @@ _IN_ONE_FUNCTION: contextvars.ContextVar[int | None] = contextvars.ContextVar(
 
 @contextlib.contextmanager
 def in_one_function(together: int) -> Iterator[None]:
-    """Within it programs are traced to be compiled as one function, see ``engine.lanes``.
+    """Context in which programs are traced to be compiled as one function, see ``engine.lanes``.
 
     Parameters
     ----------
     together : int
-        Terms of a mean that are computed side by side, see ``TOGETHER``.
+        Terms of a mean in one step of its loop, in place of ``TOGETHER``.
     """
     token = _IN_ONE_FUNCTION.set(together)
     try:
@@ -42,9 +42,9 @@ def in_one_function(together: int) -> Iterator[None]:
 
 
 def steps_are_free() -> bool:
-    """Whether a step of a loop costs no more than what it computes.
+    """Whether a step of a loop costs no more than its arithmetic.
 
-    Not where XLA makes a step of several kernels, which are called one after the other.
+    Outside of ``in_one_function`` it does: XLA makes several kernels of it and calls each in turn.
     """
     return _IN_ONE_FUNCTION.get() is not None
 
@@ -52,7 +52,7 @@ def steps_are_free() -> bool:
 def while_loop(
     going: Callable[[Value], Array], step: Callable[[Value], Value], state: Value
 ) -> Value:
-    """``step`` from ``state`` on for as long as ``going``."""
+    """Apply ``step`` to ``state`` again and again while ``going(state)`` is true."""
     if on_numpy():
         while going(state):
             state = step(state)
@@ -66,7 +66,7 @@ def while_loop(
 
 
 def repeat(times: int, step: Callable[[Value], Value], state: Value) -> Value:
-    """``step`` from ``state`` on, ``times`` times."""
+    """Apply ``step`` to ``state``, ``times`` times in turn."""
     if on_numpy():
         for _ in range(times):
             state = step(state)
@@ -76,7 +76,7 @@ def repeat(times: int, step: Callable[[Value], Value], state: Value) -> Value:
 
 
 def scan(step: Callable[[Value, Any], Value], state: Value, values: Any) -> Value:
-    """``step(state, value)`` for each entry of ``values``, a tree, along its first axis."""
+    """Apply ``step(state, value)`` in turn for each entry of the tree ``values`` (first axis)."""
     if on_numpy():
         for one in _entries(values):
             state = step(state, one)
@@ -87,7 +87,7 @@ def scan(step: Callable[[Value, Any], Value], state: Value, values: Any) -> Valu
 
 
 def map_entries(function: Callable[[Any], Value], values: Any) -> Value:
-    """``function`` of each entry of ``values``, a tree, along its first axis; stacked."""
+    """Apply ``function`` to each entry of the tree ``values`` (first axis); stack the results."""
     if on_numpy():
         found = [function(one) for one in _entries(values)]
         stacked: Value = jax.tree.map(lambda *parts: np.stack(parts), *found)

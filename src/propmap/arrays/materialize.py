@@ -1,7 +1,7 @@
-"""Values that XLA is to compute once.
+"""Make XLA compute a value once.
 
-XLA on a CPU fuses a value into each of its users and computes it there again.  ``materialize``
-forbids that; it also keeps several results in one kernel.  On a GPU neither is wanted.
+XLA on a CPU fuses a value into every operation that uses it, and so computes it several times.
+``materialize`` forbids that, and keeps several results in one kernel.  On a GPU neither helps.
 """
 
 from __future__ import annotations
@@ -17,17 +17,17 @@ from propmap.arrays.namespace import Array, Value, on_accelerator, on_numpy
 
 
 def materialize(function: Callable[[], Value], scalar: Array) -> Value:
-    """What ``function`` gives, computed once for all that use it.
+    """The result of ``function``, computed once and kept for every operation that uses it.
 
-    A branch that is always taken, as far as the compiler cannot tell, is a barrier that XLA
-    keeps; it removes ``lax.optimization_barrier`` too early.
+    It stands in a ``lax.cond`` whose condition is always true, which the compiler cannot know; it
+    does not fuse across that.  ``lax.optimization_barrier`` will not do: XLA removes it too early.
 
     Parameters
     ----------
     function : callable
         Without arguments; its result is a tree of arrays.
     scalar : Array
-        Any number at hand.
+        Any number that is not a constant of the program: the condition is made of it.
     """
     if on_numpy() or on_accelerator():
         return function()
@@ -42,10 +42,10 @@ def materialize(function: Callable[[], Value], scalar: Array) -> Value:
 
 
 def pack(values: Any) -> list[Any]:
-    """The arrays of a tree in order, neighbours of one shape as the parts of a complex array.
+    """The arrays of a tree in order, each two neighbours of one shape joined as a complex array.
 
-    XLA on a CPU makes one kernel of all that leads to one array.  Of two arrays with common
-    intermediate values it makes up to ten kernels, each of which writes what the next one reads.
+    XLA on a CPU computes one array in one kernel.  Two arrays with common intermediate values take
+    it up to ten kernels, which hand these values on through memory.
     """
     left, packed = jax.tree.leaves(values), []
     if on_accelerator():
@@ -60,7 +60,7 @@ def pack(values: Any) -> list[Any]:
 
 
 def unpack(packed: list[Any], like: Value) -> Value:
-    """What ``pack`` was given: a tree ``like`` this one."""
+    """The inverse of ``pack``: a tree with the structure of ``like``."""
     parts = [b for a in packed for b in ((a.real, a.imag) if jnp.iscomplexobj(a) else (a,))]
     values: Value = jax.tree.unflatten(jax.tree.structure(like), parts)
     return values

@@ -1,9 +1,8 @@
 """``xp``: the array functions of JAX, or those of NumPy within ``by_numpy``.
 
-The equations are written once, in the functions that both have.  JAX traces, compiles and
-differentiates them: seconds of compilation, worth it for batches.  NumPy runs them step by step,
-a hundred times slower but at once: for a few points the answer is there before a compiler has
-begun.
+The equations are written once, in functions that both have.  JAX compiles and differentiates them;
+compilation takes seconds, which pays for batches.  NumPy runs them a hundred times slower but needs
+no compilation, so that a few points are ready sooner.
 """
 
 from __future__ import annotations
@@ -28,10 +27,10 @@ _BY_NUMPY = contextvars.ContextVar("_BY_NUMPY", default=False)
 
 @contextlib.contextmanager
 def by_numpy() -> Iterator[None]:
-    """Within it ``xp`` is NumPy, in this thread."""
+    """Context in which ``xp`` is NumPy, in this thread."""
     token = _BY_NUMPY.set(True)
     try:
-        # JAX does not warn of divisions by zero either; ``where`` discards what they give.
+        # As JAX, do not warn of divisions by zero: ``where`` discards their results.
         with np.errstate(all="ignore"):
             yield
     finally:
@@ -87,14 +86,14 @@ class custom_jvp:  # noqa: N801 - named like the decorator of JAX that it stands
 
 
 def entry(values: Array, k: Array) -> Array:
-    """``values[k]`` along the first axis, a k for each of the other axes' places.
+    """``values[k]`` along the first axis, with a k of its own at each place of the other axes.
 
-    By a mask and a sum: XLA makes three kernels of a gather.
+    Computed by a mask and a sum, which XLA fuses; it makes three kernels of a gather.
 
     Parameters
     ----------
     values : Array, shape (n, ...)
-        What to choose from.
+        Where to choose from.
     k : Array, shape (...)
         Integers, 0 <= k < n.
     """

@@ -1,4 +1,4 @@
-"""Tolerances and steps of differences that suit the precision of the numbers at hand."""
+"""Tolerances and finite-difference steps for float64 and for float32."""
 
 from __future__ import annotations
 
@@ -10,22 +10,22 @@ from propmap.arrays.namespace import Array
 
 
 class Precision(NamedTuple):
-    """All relative to the sizes at hand [-].
+    """Tolerances, each relative to the size of what it applies to [-]; see ``solve.root``.
 
     Attributes
     ----------
     safe_step : float
-        Of the walk to a root, after which Newton's steps follow.
+        Step towards a root below which Newton steps take over from safe steps.
     newton_step : float
-        After which a root is taken as found.
+        Newton step below which the root counts as found.
     left_over : float
-        What a Newton step leaves, by the curvature: for float64 most steps of 1e-7 are the last.
+        Error left by a Newton step, estimated from the curvature, below which it is the last one.
     residual : float
-        Largest accepted residual, of the terms of (11).
+        Largest accepted residual of (11), relative to its terms.
     difference : float
-        Step of the differences by which folds are followed.
+        Finite-difference step of the search for folds.
     fold, shoulder : float
-        Change of the radius of a fold, or shoulder, after which it is taken as found.
+        Change of the radius of a fold, or of a shoulder, below which it counts as found.
     """
 
     safe_step: float
@@ -42,5 +42,5 @@ FLOAT32 = Precision(1e-5, 1e-5, 1e-6, 3e-5, 3e-3, 3e-5, 1e-4)
 
 
 def precision_of(values: Array) -> Precision:
-    """What suits an array of float64 or float32."""
+    """The tolerances for an array of float64 or float32."""
     return FLOAT32 if values.dtype == np.float32 else FLOAT64

@@ -1,1 +1,1 @@
-"""All that exists for speed: plans, batches, compiled programs, gradients."""
+"""Fast evaluation of batches: choice of nodes, blocks of points, compiled programs, gradients."""

@@ -1,4 +1,4 @@
-"""Settings of accuracy: how many nodes an operating point gets, and when it gets more."""
+"""Accuracy settings: how many nodes an operating point gets, and when it gets more."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from propmap.arrays.types import Floats
 from propmap.errors import InputError
 
 COUNTS = (8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384)
-"""Numbers of azimuth nodes over a full turn that are used."""
+"""Allowed numbers of azimuth nodes over a full turn."""
 
 STALL_WIDTH = 1.0 / 50.0
 """[rad] Width of stall for which ``Accuracy.azimuths`` hold, that of the paper's law."""
@@ -19,7 +19,7 @@ STALL_WIDTH = 1.0 / 50.0
 
 @dataclass(frozen=True)
 class Accuracy:
-    """One setting.
+    """One accuracy setting.
 
     Attributes
     ----------
@@ -29,8 +29,8 @@ class Accuracy:
         Radial nodes where nothing stalls, where the panels follow stall, and where stall is spread
         over azimuth or the flow is reversed.
     largest_tail : float
-        What the last polynomials may carry of the loads at rest, see ``solve.quadrature.tail``.
-        A point with more is evaluated again.
+        Largest accepted ``solve.quadrature.tail``, as a share of the loads at rest.  A point with a
+        larger one is evaluated again.
     finer : tuple of (int, float)
         Radial nodes of each further evaluation, with stall followed, and its largest tail.
     """
@@ -49,7 +49,7 @@ class Accuracy:
         return found
 
     def azimuths_again(self, advance: Floats, times: int) -> NDArray[np.int64]:
-        """The same for the further evaluation number ``times``, 1 for the first one."""
+        """The same for a further evaluation; ``times`` is 1 for the first of these."""
         more = np.searchsorted(COUNTS, self.azimuths_at(advance)) + times - 1
         found: NDArray[np.int64] = np.array(COUNTS)[np.minimum(more, len(COUNTS) - 1)]
         return found

@@ -19,30 +19,30 @@ BLOCK = 32
 """Operating points per call of a program."""
 
 LARGE_NODES = 24576
-"""Radial nodes per call in large batches, at most: a call has its price at any size."""
+"""Radial nodes per call in a large batch, at most; each call has a fixed cost besides."""
 
 KERNEL_NODES = 3072
-"""Radial nodes per call of a large batch whose program is made of kernels: more, and what one hands
-on to the next leaves the processor's cache."""
+"""The same for programs made of many kernels, see ``engine.lanes``: with more nodes the arrays that
+one kernel hands to the next do not fit in the processor's cache."""
 
 KERNEL_NODES_AXIAL = 12288
-"""The same where there is a single azimuth, and a kernel has less to do."""
+"""The same for a single azimuth, where arrays are smaller."""
 
 ACCELERATOR_POINTS = (1024, 32768)
 """Operating points per call on an accelerator, at least and at most: it takes some hundred thousand
-nodes to fill one, and memory in proportion."""
+nodes to keep one busy, and memory grows with them."""
 
 FOLLOWED = 2
-"""How much longer a node takes where stall is followed, `make bench-phases`."""
+"""Time of a node where stall is followed, relative to one where it is not: `make bench-phases`."""
 
 LARGE_BATCH = 512
-"""Operating points from which on a batch is cut into large blocks: every size is another program
-to compile."""
+"""Operating points from which on a batch is cut into large blocks.  Smaller ones are not worth it:
+each size of block is another program to compile."""
 
 
 class Block(NamedTuple):
-    """Points of a job, as indices into the batch, the azimuths of each, the largest number of them
-    in such jobs, the radial nodes per panel, and the size that they are filled up to."""
+    """A part of a ``Job``, evaluated in one call: indices of its points, their azimuth nodes, the
+    largest number of these in such jobs, radial nodes per panel, and the size it is padded to."""
 
     points: NDArray[np.intp]
     azimuths: NDArray[np.int64]
@@ -57,7 +57,7 @@ class Block(NamedTuple):
 
     @property
     def work(self) -> int:
-        """About how long it takes, in nodes at which no stall is followed."""
+        """Estimated time of the call, in that of a node where stall is not followed."""
         nodes = sum(self.panels) * int(self.azimuths.sum())
         return nodes if len(self.panels) == 1 else FOLLOWED * nodes
 
@@ -70,21 +70,21 @@ def cut(
     accelerator: bool = False,
     compiled: bool = True,
 ) -> list[Block]:
-    """Jobs cut into blocks.
+    """Cut jobs into blocks.
 
     Parameters
     ----------
     jobs : sequence of Job
-        What is to be computed.
+        From ``plan``.
     size : int, optional
-        Points of a block; by default one if there is but one point, else ``BLOCK``, or
-        ``large_block`` in a large batch.
+        Points per block; by default 1 for a single point, else ``BLOCK``, or ``large_block`` in a
+        large batch.
     large : bool
         Whether blocks are always those of a large batch.
     accelerator : bool
-        Whether the programs run on one: then blocks of a large batch are a power of two.
+        Whether programs run on a GPU or the like: then large blocks are a power of two.
     compiled : bool
-        Whether programs are, each for one size; else blocks are small and not filled up.
+        Whether programs are compiled, each for one size; else blocks are small and not padded.
     """
     points = sum(job.points.size for job in jobs)
     blocks = []
@@ -93,7 +93,7 @@ def cut(
         wide = large_size if large or points >= LARGE_BATCH else BLOCK
         width = wide = size or (1 if points == 1 and not large else wide)
         if wide == large_size and serve(job.panels) and not accelerator:
-            # A part for each core: each call costs as much as ten points or more.
+            # One block for each core: each call costs as much as ten points or more.
             share = -(-job.points.size // cores())
             width = min(wide, -(-share // LANES) * LANES)
         if not compiled:
@@ -106,7 +106,7 @@ def cut(
 
 
 def cores() -> int:
-    """Of this machine."""
+    """Number of processor cores of this machine."""
     return os.cpu_count() or 1
 
 
@@ -125,8 +125,8 @@ def accelerator_block(job: Job) -> int:
 
 
 def run(blocks: list[Block], one: Callable[[Block], None], *, in_turn: bool = False) -> None:
-    """Call ``one`` for every block, on all cores, the longest first so that all end together; or
-    ``in_turn``, as suits NumPy, whose threads wait for each other."""
+    """Call ``one`` for every block, on all cores, the longest first so that all cores end together;
+    or one after the other if ``in_turn``, as for NumPy, whose threads wait for each other."""
     longest_first = sorted(blocks, key=lambda block: -block.work)
     if in_turn or len(blocks) <= 1:
         for block in longest_first:
@@ -137,24 +137,24 @@ def run(blocks: list[Block], one: Callable[[Block], None], *, in_turn: bool = Fa
 
 
 def filled_up(values: NDArray[Any], size: int) -> NDArray[Any]:
-    """The values (n,), from the first on again, up to ``size``."""
-    # In a tenth of the time of ``np.resize``, twice per block.
+    """The values (n,), repeated from the first one up to ``size``."""
+    # Ten times as fast as ``np.resize``, and called twice per block.
     return values.take(np.arange(size), mode="wrap")
 
 
 def nodes_of_each(azimuths: NDArray[np.int64], most: int) -> AzimuthNodes:
-    """The nodes of points with ``azimuths`` (B,) over a full turn each, padded to ``most``, so that
-    one program serves any mixture."""
+    """Nodes of points, ``azimuths`` (B,) over a full turn each, padded to ``most``, so that one
+    program serves any mixture of these numbers."""
     half = azimuths // 2
     count: Any = np.maximum(half, 1)
-    # By rows in memory, unlike what indexing gives: XLA would have to turn it round.
+    # ``take`` gives an array in row order; indexing would not, and XLA would have to transpose it.
     return AzimuthNodes(_sines_of_all(most).take(half, axis=1), count)
 
 
 @functools.cache
 def _sines_of_all(most: int) -> NDArray[np.float64]:
-    """sin(psi) of every number of nodes up to ``most``, a column for each half of it; the first,
-    of zeros, for axial flow."""
+    """sin(psi) for every even number of nodes up to ``most``: column h is for 2 h nodes, column 0,
+    which is zero, for axial flow."""
     sines = np.zeros((most // 2, most // 2 + 1))
     for half in range(1, most // 2 + 1):
         sines[:half, half] = azimuth_nodes(2 * half).sines

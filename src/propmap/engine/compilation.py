@@ -1,4 +1,4 @@
-"""How a process that is propmap's own has its programs compiled, and keeps them."""
+"""Settings of XLA and JAX for a whole process, such as the command line's: faster compilation."""
 
 from __future__ import annotations
 
@@ -8,25 +8,24 @@ from pathlib import Path
 from typing import Any
 
 LOOPS_AS_FUNCTIONS = "xla_cpu_small_while_loop_byte_threshold=100000000"
-"""Loops that touch up to so many bytes become one function each, not one per kernel in them."""
+"""XLA option: a loop that touches at most so many bytes becomes one function, not many kernels."""
 
 LOOPS_NOT_UNROLLED = "xla_cpu_disable_loop_unrolling"
-"""Where the few points of a fit are one vector, unrolled loops over stations gain nothing."""
+"""XLA option.  For the few points of a fit, unrolled loops over stations are no faster."""
 
 KNOWN_JAXLIB = "0.10."
-"""Versions that take the two: one that does not would end the process."""
+"""Versions that know these options; an unknown option would end the process."""
 
 
 def compile_quickly() -> None:
-    """Have XLA spend less time on compiling.
+    """Make XLA compile faster, in the whole process.
 
-    A third less on programs for few points and those of axial flow, a seventh less on those of
-    oblique batches.  Programs for few points also run faster, large batches as fast, see
-    docs/performance.md.  It is a setting of the whole process, other
-    programs than propmap's included, read when JAX first computes something: call it before, and
-    only where the process is yours; the command line does.  The environment's own
-    ``xla_backend_extra_options`` in ``XLA_FLAGS`` take precedence, and other jaxlib than
-    ``KNOWN_JAXLIB`` is left alone.
+    Programs for few points and for axial flow compile in a third less time, those for oblique
+    batches in a seventh less.  Programs for few points also run faster, large batches as fast, see
+    docs/performance.md.  All JAX programs of the process are affected, so call this only where the
+    process is yours, as the command line does, and before JAX first computes something.  Nothing
+    is done if ``XLA_FLAGS`` has ``xla_backend_extra_options``, or for other jaxlib than
+    ``KNOWN_JAXLIB``.
     """
     flags, jaxlib = os.environ.get("XLA_FLAGS", ""), importlib.metadata.version("jaxlib")
     if "xla_backend_extra_options" not in flags and jaxlib.startswith(KNOWN_JAXLIB):
@@ -37,9 +36,9 @@ def compile_quickly() -> None:
 def keep_compiled(folder: Path | None = None) -> None:
     """Keep compiled programs on disk, so that later processes start in half the time.
 
-    They go to ``folder``, by default the user's cache folder; JAX's own setting
-    ``JAX_COMPILATION_CACHE_DIR`` takes precedence.  It is a setting of the whole process, so only
-    programs that own their process call this; the command line does.
+    They go to ``folder``, by default the user's cache folder; the environment variable
+    ``JAX_COMPILATION_CACHE_DIR`` takes precedence.  The whole process is affected, so call this
+    only where it is yours, as the command line does.
     """
     if os.environ.get("JAX_COMPILATION_CACHE_DIR"):
         return

@@ -27,7 +27,7 @@ class Inflow:
     radius : ndarray, shape (S,)
         y [m].
     azimuth : ndarray, shape (P,)
-        psi [rad], pi/2 on the advancing side, 0 at the side away from which the hub moves.
+        psi [rad], pi/2 on the advancing side, 0 at the rear with respect to the in-plane velocity.
     inflow : ndarray, shape (S,)
         v_i(y) [m/s], positive against the thrust; the same at every azimuth.
     thrust_per_radius, drag_per_radius, torque_per_radius : ndarray, shape (S,)
@@ -37,9 +37,9 @@ class Inflow:
     u_tangential, u_normal : ndarray, shape (S, P)
         The section velocities (1) and (2) [m/s].
     past_stall : ndarray, shape (S, P)
-        How much further from zero lift alpha is than the stall angle [rad].
+        How far alpha is past the stall angle, negative before it [rad].
     stalled : ndarray, shape (S, P)
-        Where that is positive.
+        Where ``past_stall`` is positive.
     reverse : ndarray, shape (S, P)
         Where the air meets the section from behind.
     """
@@ -66,7 +66,7 @@ def look_at_disk(
     *,
     compiled: bool,
 ) -> Inflow:
-    """Solve one operating point for its fields.
+    """The fields over the disk at one operating point.
 
     Parameters
     ----------
@@ -77,7 +77,7 @@ def look_at_disk(
     radius, azimuth : ndarray, shape (S,), (P,)
         [m] and [rad].
     compiled : bool
-        As for ``Rotor``.
+        Whether JAX compiles the program; else NumPy runs it.
     """
     nodes = azimuth_nodes(1 if flow[2] == 0.0 else 128)
     case = Case(rotor, *(np.array([value]) for value in flow))  # type: ignore[arg-type]

@@ -1,4 +1,4 @@
-"""Loads of batches: planned, cut into blocks, run on all cores."""
+"""Loads of batches of operating points: planned, cut into blocks, run on all cores."""
 
 from __future__ import annotations
 
@@ -25,21 +25,19 @@ from propmap.solve.problem import RotorArrays
 from propmap.solve.rotor_loads import RotorLoads
 
 FEW = 512
-"""Operating points below which a batch is not worth the compilation of programs of its own."""
+"""Operating points below which a batch shares programs, in order to compile fewer of them."""
 
 CHUNK = 65536
-"""Operating points that are planned and run together, at most, so that only what the loads take
-grows with the batch."""
+"""Operating points that are planned and run together, at most, which limits the memory in use."""
 
 ATTACHED = 0.9
-"""Attached share below which a result from fixed panels is not accepted where following
-stall would have helped: the forecast was wrong."""
+"""Attached share below which the forecast of no stall was wrong, and a point is evaluated again."""
 
 ROWS = len(AnnulusLoads._fields) + len(RotorLoads._fields) - 1
-"""Of a batch's results, see ``RotorLoads.rows``."""
+"""Number of arrays in ``RotorLoads.rows``."""
 
 Solved = Callable[[Block, DiskSolution], None]
-"""Told of a block of points whose inflow is found; last axis: the block's points, padded."""
+"""Called with each block and its solution, whose last axis is the block's points, padded."""
 
 
 @dataclass(frozen=True)
@@ -51,13 +49,13 @@ class Prepared:
     arrays, on_device : RotorArrays
         Its arrays, of NumPy float64, and the same where programs run.
     forecast : Forecast
-        Where it may stall.
+        Tells at which operating points the rotor may stall.
     compiled : bool
         Whether programs are compiled; else NumPy runs them.
     uniform : bool
         Whether the same programs serve batches of any size.
     double : bool
-        Whether they work in float64, or else in float32.
+        Whether programs work in float64, or else in float32.
     """
 
     arrays: RotorArrays
@@ -76,7 +74,7 @@ class Prepared:
 def prepare(
     arrays: RotorArrays, *, compiled: bool = True, uniform: bool = False, double: bool = True
 ) -> Prepared:
-    """Do once what every evaluation of a rotor needs; parameters as in ``Prepared``."""
+    """What all evaluations of a rotor need, done once; parameters as in ``Prepared``."""
     on_device = arrays
     if compiled:
         with jax.enable_x64(double):
@@ -97,7 +95,7 @@ def evaluate(
 
 
 def _in_parts(rotor: Prepared, setting: Accuracy, flow: Flow) -> RotorLoads:
-    # Of one size, lest a few left over ask for programs of their own.
+    # Parts of equal size, lest a small remainder need further programs.
     points = np.arange(flow.omega.size)
     which = np.array_split(points, max(1, -(-points.size // CHUNK)))
     found = [evaluate_flow(rotor, setting, flow.part(part)) for part in which]
@@ -119,13 +117,13 @@ def evaluate_flow(
     Parameters
     ----------
     rotor, setting, flow
-        What is evaluated.
+        Rotor, accuracy and operating points.
     alike : bool
-        Whether all points get the same nodes, see ``plan``; they are evaluated once.
+        Whether all points get the same nodes, see ``plan``, and are evaluated only once.
     size : int, optional
-        Of the blocks; by default as in ``batch.cut``.
+        Points per block; by default as in ``batch.cut``.
     solved : callable, optional
-        Told of each block.  A point may be told of several times; the last time counts.
+        Called with each block.  A point may be in several blocks; its last one counts.
     """
     omega, v_axial, v_inplane, v_hover = flow
     setting = setting.for_stall(rotor.forecast.stall_width)
@@ -160,9 +158,9 @@ def evaluate_flow(
             if not rough.any():
                 break
             jobs = plan_again(setting, times, outlook.part(rough), everyone[rough])
-            # Of one size, which is one program more.
+            # Blocks of one size need only one further program.
             found = run_jobs(jobs, None if on_device else BLOCK)
-    # Zero instead of what the speed floor leaves of a load at rest, 1e-45 and the like.
+    # ``SPEED_FLOOR`` leaves loads of 1e-45 and the like at rest: make them zero.
     results[np.abs(results) < 1e-30] = 0.0
     found = RotorLoads.of_rows(results)
     return found._replace(roots=found.roots.astype(int), mirrored=found.mirrored > 0.0)
@@ -171,12 +169,12 @@ def evaluate_flow(
 def tail_share(
     rotor: Prepared, omega: Floats, v_axial: Floats, v_inplane: Floats, found: RotorLoads
 ) -> Floats:
-    """The larger one of the tails of thrust and torque, as a share of the load at rest, (N,).
+    """The larger of the tails of thrust and torque, as a share of the load at rest, (N,).
 
-    Where it exceeds the last limit of ``Accuracy.finer`` the loads may be less accurate than said.
+    Above the last limit of ``Accuracy.finer`` the loads may be less accurate than promised.
     """
     thrust, torque = rotor.static
-    # A rotor that turns slowly in a wind carries what the wind brings.
+    # A rotor that turns slowly in a wind has the loads of the wind.
     tip = float(rotor.arrays.blade.tip)
     rate = np.maximum(omega, np.hypot(v_axial, v_inplane) / tip)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -194,7 +192,7 @@ def advance_ratio(rotor: Prepared, omega: Floats, velocity: Floats) -> Floats:
 def static_inflow(rotor: Prepared, setting: Accuracy, omega: Floats) -> Floats:
     """Static inflow (12) [m/s] at omega (N,) [rad/s]."""
     still = np.zeros_like(omega)
-    # With the programs of the descent that asks for it.
+    # v_hover is given so that the programs are those of the descending points.
     thrust: Any = _in_parts(rotor, setting, Flow(omega, still, still, still)).loads.thrust
     with by_numpy():
         return np.asarray(equation_12(thrust, rotor.arrays.medium.density, rotor.arrays.blade.tip))
@@ -207,7 +205,7 @@ def _run(
     results: Floats,
     solved: Solved | None,
 ) -> None:
-    """Evaluate blocks into ``results`` (F, N), as ``RotorLoads.rows``."""
+    """Evaluate blocks and write ``RotorLoads.rows`` into ``results`` (F, N)."""
     few = _few(rotor, flow)
 
     def one(block: Block) -> None:
@@ -216,7 +214,7 @@ def _run(
         program = search_by_numpy(block.panels)
         if rotor.compiled:
             program = compiled_search(block.panels, axial=isinstance(nodes.count, int))
-        # Without x64 JAX takes what is float64 for float32.
+        # Without x64 JAX converts float64 to float32.
         with jax.enable_x64(rotor.double):
             asked = (flow.part(which), nodes, block.points.size)
             found, solution = program(rotor.on_device, *asked)
@@ -228,8 +226,8 @@ def _run(
 
 
 def nodes_of(block: Block, *, few: bool) -> AzimuthNodes:
-    """Azimuth nodes of a block: axial flow has programs of its own, but for a few points, to
-    compile less."""
+    """Azimuth nodes of a block: a single one for axial flow, unless there are ``few`` points, for
+    which one program less to compile counts more."""
     if block.azimuths[0] == 1 and not few:
         return azimuth_nodes(1)
     return nodes_of_each(filled_up(block.azimuths, block.size), block.most_azimuths)

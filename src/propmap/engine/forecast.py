@@ -1,7 +1,7 @@
-"""Where some of the blade is likely to stall, and what the rotor carries at rest.
+"""Where some of the blade may stall, and the loads at rest.
 
-Both decide how many nodes an operating point gets, before and after it is evaluated.  A wrong
-forecast costs time or is found out from the result, never accuracy.
+The forecast decides how many nodes an operating point gets at first; the loads at rest, whether it
+is evaluated again.  A wrong forecast costs time, not accuracy: it is noticed from the result.
 """
 
 from __future__ import annotations
@@ -21,24 +21,24 @@ from propmap.solve.rotor_loads import disk_loads
 Singles = NDArray[np.float32]
 
 TOGETHER = 1024
-"""Points whose stall is forecast at once: more, and NumPy waits for memory."""
+"""Points whose stall is forecast at once; the arrays of more would not fit in the cache."""
 
 STALL_MARGIN = (2.9, 12.0)
-"""Distance from the stall angle, in units of the stall's width, within which stall is expected: in
-axial flow, and by how much it grows with the advance ratio, since the forecast errs more in fast
-flow.  Of 18 000 random points of the three sets of Table I fewer than one in a thousand stalls
+"""Distance from the stall angle within which stall is expected, in units of the stall's width: its
+value in axial flow, and its increase with the advance ratio, as the forecast is less accurate in
+fast flow.  Of 18 000 random points of the three sets of Table I fewer than one in a thousand stalls
 unforeseen."""
 
 TIP_SPEED = 100.0
-"""[m/s] at which the loads at rest are taken; they hardly depend on it but for the square."""
+"""[m/s] at which the loads at rest are computed; they are nearly proportional to its square."""
 
 LEAST_LIFT, LEAST_TORQUE = 0.1, 0.01
-"""Loads at rest are taken for no less than those of this mean lift coefficient, and of this mean
-coefficient of the force against the rotation [-]; a blade stalled at rest carries little."""
+"""Lower limits of the loads at rest, as mean coefficients [-] of lift and of the force against the
+rotation: a blade stalled at rest has small loads."""
 
 
 class Forecast(NamedTuple):
-    """What is forecast from; S stations.
+    """Forecast of stall from geometry and attached lift; S stations.
 
     Attributes
     ----------
@@ -47,7 +47,7 @@ class Forecast(NamedTuple):
     solidity_slope : ndarray, shape (S,)
         N_b c dC_L/dalpha / (8 pi y) of attached flow [-].
     stall_angle, stall_width : float
-        From zero lift, of the section law [rad].
+        Least stall angle from zero lift, and width of stall [rad].
     """
 
     radius: Floats
@@ -58,7 +58,7 @@ class Forecast(NamedTuple):
 
     @classmethod
     def of(cls, arrays: RotorArrays) -> Forecast:
-        """For a rotor, as arrays of NumPy."""
+        """The forecast for a rotor given as NumPy arrays."""
         blade, law = arrays.blade, arrays.law
         with by_numpy():
             bounds = law.bounds()
@@ -70,8 +70,8 @@ class Forecast(NamedTuple):
         return cls(radius, pitch, slope, float(bounds.least_stall_angle), float(bounds.stall_width))
 
     def may_stall(self, omega: Floats, v_axial: Floats, v_inplane: Floats) -> NDArray[np.bool_]:
-        """Where some of the blade may stall, (N,), from attached lift alone; all descent may."""
-        width = max(self.stall_width, STALL_WIDTH)  # the forecast's own error does not shrink
+        """Where some of the blade may stall, (N,), from attached lift alone; always in descent."""
+        width = max(self.stall_width, STALL_WIDTH)  # the forecast has errors at any width
         found = np.empty(omega.size, bool)
         for start in range(0, omega.size, TOGETHER):
             part = slice(start, start + TOGETHER)
@@ -79,7 +79,7 @@ class Forecast(NamedTuple):
             advance = flow[2] / np.maximum(flow[0] * self.radius[-1], 1e-9)
             margin = (STALL_MARGIN[0] + STALL_MARGIN[1] * advance) * width
             limit = np.clip(self.stall_angle - margin, 0.0, np.pi)
-            # Half as many bits take half of the time.
+            # float32 takes half of the time.
             blade = (self.radius, self.solidity_slope, self.pitch)
             asked = (values.astype(np.float32) for values in (limit, *blade, *flow))
             found[part] = _exceeds(*asked) | (flow[1] < 0.0)
@@ -95,8 +95,8 @@ def _exceeds(
     v_axial: Singles,
     v_inplane: Singles,
 ) -> NDArray[np.bool_]:
-    """Whether somewhere along the blade the angle of attack from zero lift, of either sign, is
-    larger than ``limit`` (N,) [rad], between 0 and pi."""
+    """Whether somewhere along the blade the angle of attack from zero lift exceeds ``limit`` (N,)
+    in absolute value; ``limit`` is between 0 and pi [rad]."""
     r, k, theta = radius[:, None], solidity_slope[:, None], pitch[:, None]
     turning = omega * r
     edgewise = v_inplane**2
@@ -106,17 +106,17 @@ def _exceeds(
     least_wake = 0.5 * np.sqrt(np.maximum(k * theta, 0.0)) * turning
     through = np.zeros_like(turning) + v_axial
     for _ in range(4):
-        # k U_T (U_T theta - through) = v_i W: blade elements and momentum, small angles.
+        # Eq. (11) for small angles: k U_T (U_T theta - through) = v_i W.
         wake = np.maximum(np.sqrt(edgewise + through**2) + 1e-9, least_wake)
         through = v_axial + push / (wake + pull)
-    # The cosine of an angle from 0 to pi falls with it: no arctangent, which is half of the time.
+    # Compare cosines, which fall from 0 to pi: an arctangent would take as long as all the rest.
     along = np.cos(theta) * turning + np.sin(theta) * through
     past = along <= np.cos(limit) * np.sqrt(turning**2 + through**2)
     return np.asarray(past.any(axis=0))
 
 
 def static_loads(arrays: RotorArrays) -> tuple[float, float]:
-    """Thrust [N s^2] and torque [N m s^2] at rest over Omega^2, roughly, and not too small."""
+    """Thrust [N s^2] and torque [N m s^2] at rest over Omega^2, approximate, with lower limits."""
     blade, density = arrays.blade, float(arrays.medium.density)
     omega, still = np.array([TIP_SPEED / float(blade.tip)]), np.zeros(1)
     with by_numpy():

@@ -1,4 +1,4 @@
-"""Loads with their derivatives by section parameters and flow, for batches."""
+"""Loads of batches, and their derivatives with respect to section parameters and flow."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ from propmap.solve.load_slopes import Directions, directions_of, load_slopes, mo
 from propmap.solve.problem import Case, RotorArrays
 
 FIT_BLOCK = 8
-"""Operating points per call where there are few: one vector's worth, which takes a third less to
-compile than 32."""
+"""Operating points per call if there are few: as many as fit in a vector register.  The program
+compiles in a third less time than one for 32."""
 
 DIRECTIONS = 4
-"""Programs are compiled for multiples of so many parameters; directions without one go along
-idle, so that other parameters seldom need another program."""
+"""Programs are compiled for multiples of so many parameters, so that another choice of parameters
+seldom needs another program.  Directions in excess are zero."""
 
 
 class LoadGradients(NamedTuple):
@@ -53,9 +53,9 @@ def load_gradients(
 ) -> LoadGradients:
     """Loads at N operating points and their derivatives by P of ``load_slopes.moving``.
 
-    The derivatives are taken where the inflow was found, by the implicit function theorem: nothing
-    is searched for again.  Below ``FEW`` points all get the same nodes, see ``plan.plan``, so that
-    the loads differ from ``evaluation.evaluate``'s within the accuracy asked for.
+    The derivatives follow from the implicit function theorem at the inflow found, without another
+    search.  Fewer than ``FEW`` points all get the same nodes, see ``plan.plan``: the loads then
+    differ from those of ``evaluation.evaluate`` within the accuracy asked for.
 
     Parameters
     ----------
@@ -82,13 +82,13 @@ def load_gradients(
 
 @functools.cache
 def _directions(movable: tuple[str, ...], names: tuple[str, ...], count: int) -> Directions:
-    """Where programs run, once and not in each of a fit's evaluations."""
+    """Directions on the device, sent there once and not in each evaluation of a fit."""
     with jax.enable_x64(True):
         return jax.device_put(directions_of(movable, names, count))
 
 
 def _count(names: tuple[str, ...]) -> int:
-    """Of the directions, idle ones included."""
+    """Number of directions, with those in excess."""
     return DIRECTIONS * max(1, -(-len(names) // DIRECTIONS))
 
 
@@ -99,7 +99,7 @@ def _gradients(
     flow: Flow,
     v_hover_slope: Floats | None,
 ) -> LoadGradients:
-    """The same where the static inflow and its derivatives (D, N), idle ones too, are known."""
+    """``load_gradients`` with known static inflow and its derivatives (D, N) along directions."""
     count, points = _count(names), flow.omega.size
     few = points < FEW
     slopes = np.full((len(LOADS), len(names), points), np.nan)
@@ -107,7 +107,7 @@ def _gradients(
 
     def differentiate(block: Block, solution: DiskSolution) -> None:
         program, solution = _program(block.panels), jax.tree.map(np.asarray, solution)
-        # Programs made of kernels are for few points, lest their derivatives leave the cache.
+        # Programs made of many kernels get few points, so that their arrays fit in the cache.
         width = block.size if serve(block.panels) else min(BLOCK, block.size)
         for start in range(0, block.points.size, width):
             part = slice(start, start + width)
@@ -152,8 +152,7 @@ _COMPILED: set[tuple[Accuracy, int, int, bool]] = set()
 
 
 def _compile_both(rotor: Prepared, setting: Accuracy, count: int, *, descends: bool) -> None:
-    """Compile the two programs of a few points side by side, which otherwise would follow each
-    other."""
+    """Compile the two programs for few points at the same time instead of one after the other."""
     key = (setting, rotor.arrays.blade.station.size, count, descends)
     if key in _COMPILED:
         return
@@ -170,7 +169,7 @@ def _compile_both(rotor: Prepared, setting: Accuracy, count: int, *, descends: b
             search(*arguments)
 
     with jax.enable_x64(True), ThreadPoolExecutor(1) as beside:
-        # The search first: XLA takes longest for it, in threads of its own, while Python goes on.
+        # The search first: XLA takes longest for it, in other threads, while Python goes on.
         search.lower(*arguments)
         searched = beside.submit(run_search)
         _, shapes = search.eval_shape(*arguments)
@@ -183,7 +182,7 @@ def _compile_both(rotor: Prepared, setting: Accuracy, count: int, *, descends: b
 
 @functools.cache
 def _program(panels: tuple[int, ...]) -> Callable[..., Any]:
-    """Derivatives (D, L, B) along directions, where (11) is solved."""
+    """Program for the derivatives (D, L, B) along directions, at a solution of (11)."""
 
     def slopes(
         rotor: RotorArrays,

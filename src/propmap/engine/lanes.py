@@ -1,11 +1,12 @@
-"""A program that takes a few operating points at a time, all its steps as one function.
+"""Lanes: programs that evaluate a few operating points at a time, compiled as one function.
 
-XLA on a CPU makes a kernel of every few operations, and calls one after the other.  That costs so
-much that each has to serve many points: all of them wait for the slowest root, have as many
-azimuths as the one with most, and are computed where a block is filled up.  Of a few points at a
-time none of that is left, and what they need stays in the innermost cache; but the kernels have to
-be parts of one function then.  XLA compiles a call so that is marked as it marks short loops
-itself.  The mark is nowhere promised, hence ``KNOWN_JAXLIB``.
+XLA on a CPU splits a program into kernels of a few operations and calls one after the other.  Each
+call has a cost, so that a kernel has to serve many points.  But then all points wait for the
+slowest root, all get as many azimuths as the one with most, and padding is computed too.
+
+With a few points at a time these losses are gone, and their arrays stay in the innermost cache.
+That pays only if XLA compiles all kernels into one function.  It does so for a call with the mark
+that XLA itself puts on short loops.  The mark is undocumented, hence ``KNOWN_JAXLIB``.
 """
 
 from __future__ import annotations
@@ -31,20 +32,20 @@ Shared = TypeVar("Shared")
 Each = TypeVar("Each")
 
 LANES = 8
-"""Operating points at a time: as many as a processor's widest vectors hold."""
+"""Operating points at a time: as many float64 as a processor's widest vector register holds."""
 
 
 def serve(panels: tuple[int, ...]) -> bool:
-    """Whether programs for these panels take a few points at a time.
+    """Whether programs for these ``panels`` use lanes.
 
-    Those for islands sort along the blade, for which XLA has no part of a function.
+    Those for ``solve.islands`` do not: they sort, which XLA cannot compile into a function.
     """
     return _known() and not on_accelerator() and len(panels) < ISLAND_PANELS
 
 
 def in_groups(points: int, panels: tuple[int, ...]) -> bool:
-    """Whether a program for so many points does."""
-    # A fit's few points are one such group: made of kernels, its programs compile sooner.
+    """Whether a program for so many points uses lanes."""
+    # Not for the few points of a fit, one group of lanes: without lanes programs compile sooner.
     return points > LANES and points % LANES == 0 and serve(panels)
 
 
@@ -65,17 +66,17 @@ def in_lanes(
     Parameters
     ----------
     function : callable
-        Of ``shared`` and a part of ``each``.
+        Called with ``shared`` and ``LANES`` points of ``each``.
     shared : tree of Array
-        Real arrays.
+        Real arrays, the same for all points.
     each : tree of Array
-        Their last axis is the points (B,), a multiple of ``LANES``, as it is of the results.
+        Arrays whose last axis is the points, like that of the results; a multiple of ``LANES``.
     used : Array
-        How many points are asked for, from the first on; the results of others are zero.
+        Number of points that are evaluated, from the first on; results of the others are zero.
     together : int
-        Azimuths at a time, see ``arrays.loops.TOGETHER``.
+        Azimuths in one step of a loop, see ``arrays.loops.TOGETHER``.
     """
-    # As one array each: XLA ends the process over an argument that is not used, as some may be.
+    # Joined in one array each: XLA ends the process if an argument of the call is not used.
     flat, shared_of = ravel_pytree(shared)
     leaves, form = jax.tree.flatten(each)
     points = leaves[0].shape[-1]
@@ -107,6 +108,6 @@ def in_lanes(
 
     with in_one_function(together):
         found = jax.jit(whole)(flat, rows, used)
-    # A mark on what the call gives is one on the call; within a context it would be on all in it.
+    # Marking the result marks the call; as a context the mark would be on all operations in it.
     mark: Any = set_xla_metadata  # untyped in JAX
     return mark(found, xla_cpu_small_call="true", inlineable="false")

@@ -1,8 +1,8 @@
-"""How many nodes each operating point gets, so that all meet one accuracy at least cost.
+"""Choice of nodes for each operating point, so that all have the accuracy asked for at least cost.
 
-The nodes of a first evaluation follow from the advance ratio and a forecast of stall.  Whether they
-were enough is read off the result, and a point for which they were not is evaluated again.
-`make convergence` checks the outcome against twice the nodes of "fine".
+The nodes of a first evaluation follow from the advance ratio and a forecast of stall.  Its result
+tells whether they were enough; if not, the point is evaluated again with more.  `make convergence`
+compares the loads with those from twice the nodes of "fine".
 """
 
 from __future__ import annotations
@@ -19,34 +19,34 @@ from propmap.physics.vortex_ring import WINDMILL_BELOW
 from propmap.solve.resolution import Resolution
 
 FOLLOW_BELOW = 0.24
-"""Advance ratio V sin(beta)/(Omega R) above which stall is spread over azimuth so widely
-that following it along the blade gains nothing."""
+"""Advance ratio V sin(beta)/(Omega R) above which the radius of stall varies so much over azimuth
+that panels which follow it gain nothing."""
 
 FOLLOW_DESCENT_BELOW = 0.45
-"""The same in descent, where attached stretches end abruptly up to faster in-plane flow."""
+"""The same in descent, where attached flow ends abruptly up to larger advance ratios."""
 
 ISLAND_PANELS = 5
-"""Panels on the windmill branch, where attached flow may be left on two stretches of the blade."""
+"""Panels on the windmill branch, where flow may be attached on two stretches of the blade."""
 
 REVERSED_ABOVE = 0.3
-"""Advance ratio above which the reversed flow on the retreating side asks for as many nodes as
-spread stall does."""
+"""Advance ratio above which reverse flow on the retreating side needs as many nodes as stall that
+is not followed."""
 
 
 @dataclass(frozen=True)
 class Job:
-    """Operating points that are evaluated alike.
+    """Operating points that are evaluated with the same panels.
 
     Attributes
     ----------
     points : ndarray, shape (n,)
-        Indices into the batch, those with most azimuths first, then by climb, down and up by turns.
+        Indices into the batch, those with most azimuths first, then sorted by climb.
     panels : tuple of int
         Radial nodes per panel.
     azimuths : ndarray, shape (n,)
         Azimuth nodes over a full turn; 1 for axial flow.
     most_azimuths : int
-        The largest number of them in any such job, for which programs are made.
+        Largest number of them in any job with these panels, for which programs are compiled.
     """
 
     points: NDArray[np.intp]
@@ -56,7 +56,7 @@ class Job:
 
 
 class Outlook(NamedTuple):
-    """What decides how stall is followed; all (N,).
+    """What decides on the nodes of operating points; all (N,).
 
     Attributes
     ----------
@@ -65,7 +65,7 @@ class Outlook(NamedTuple):
     stalls : ndarray of bool
         Where some of the blade may stall.
     islands : ndarray of bool
-        ``may_leave_islands``: two stretches of attached flow have four edges to follow.
+        ``may_leave_islands``; two stretches of attached flow have four edges to follow.
     """
 
     advance: Floats
@@ -74,7 +74,7 @@ class Outlook(NamedTuple):
     islands: NDArray[np.bool_]
 
     def part(self, points: NDArray[np.bool_]) -> Outlook:
-        """The outlook on some of the points, of which stall is now known."""
+        """The outlook on some of the points, all of which are now taken to stall."""
         stalls = np.ones(int(points.sum()), bool)
         return Outlook(self.advance[points], self.climb[points], stalls, self.islands[points])
 
@@ -99,10 +99,10 @@ def plan(
     points : ndarray, shape (N,)
         Their indices in the batch.
     alike : bool
-        Whether all get the nodes that any may need and stall is followed everywhere: one program
-        for all but islands, at a higher cost per point.
+        Whether all points get the nodes that any of them may need, and stall is followed
+        everywhere: then there is one program (two with islands), at a higher cost per point.
     axial_apart : bool
-        Whether axial flow, which needs a single azimuth, gets jobs of its own.
+        Whether axial flow, for which one azimuth suffices, gets separate jobs.
     descent : bool
         Whether the programs are those that also serve descent.
     """
@@ -115,13 +115,13 @@ def plan(
         follow = np.ones_like(follow)
         stations = np.full_like(stations, sum(alike_panels(setting)))
     jobs = []
-    # As one number: NumPy is slow to find the distinct rows of a table.
+    # Each kind of job as one number: NumPy is slow to find the distinct rows of a matrix.
     sizes = (2, 2, int(stations.max(initial=0)) + 1, 2)
     apart = (azimuths == 1) & axial_apart
     each = (apart * 1, follow * 1, stations, (follow & islands) * 1)
     kinds = np.ravel_multi_index(each, sizes)
-    # Blocks of points that are alike in climb too: there slow roots are at the same stations.  Down
-    # and up by turns, for the blocks in which one number of azimuths follows another.
+    # Sort by climb too: at similar climb, slow roots are at the same stations.  It falls and rises
+    # in turn, so that it is similar within a block in which the number of azimuths changes.
     rising = np.searchsorted([count for _, count in setting.azimuths], azimuths) % 2
     most_first = np.lexsort((np.where(rising, climb, -climb), -azimuths))
     for kind in np.unique(kinds):
@@ -141,7 +141,7 @@ def plan(
 def plan_again(
     setting: Accuracy, times: int, outlook: Outlook, points: NDArray[np.intp]
 ) -> list[Job]:
-    """Jobs for points whose loads had too large a tail, stall being followed everywhere.
+    """Jobs for points whose loads had too large a tail; stall is followed in all of them.
 
     Parameters
     ----------
@@ -173,14 +173,14 @@ def _island_panels(nodes: int) -> tuple[int, ...]:
 
 
 def alike_panels(setting: Accuracy) -> tuple[int, ...]:
-    """The panels that serve every point, but for islands."""
+    """The panels for all points without islands."""
     return _panels(max(setting.stalled, setting.fast), True)
 
 
 def may_leave_islands(v_axial: Floats, v_hover: Floats | float) -> NDArray[np.bool_]:
-    """Where attached flow may be left on two stretches of the blade, (N,): the windmill branch.
+    """Where flow may be attached on two stretches of the blade, (N,): on the windmill branch.
 
-    In slower descent the vortex ring's inflow rules, or the in-plane flow keeps the blade attached.
+    In slower descent the vortex ring's inflow is used, or in-plane flow keeps the blade attached.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What is run for a block of operating points: a compiled program, or NumPy without compiling."""
+"""Programs that find inflow and loads of a block of points, compiled or run by NumPy."""
 
 from __future__ import annotations
 
@@ -18,36 +18,36 @@ from propmap.solve.problem import Case, RotorArrays
 from propmap.solve.rotor_loads import loads_over_disk
 
 COMPILER_OPTIONS = {
-    # Spares a third of the evaluation where a processor has such vectors.
+    # An evaluation takes a third less time on a processor with such vectors.
     "xla_cpu_prefer_vector_width": 512,
-    # The first moves constants of a loop out of it, each into a kernel of its own; the second turns
-    # the sums along the blade into trees of kernels.  Without them: a third less to compile.  The
-    # third divides a kernel among threads, where each block of points has a thread already, and the
-    # fourth leaves sums to a library, which ``lanes`` cannot.
+    # The first pass moves constants of a loop into kernels before it; the second splits sums along
+    # the blade into several kernels.  Without them compilation takes a third less time.  The third
+    # divides a kernel among threads, but each block of points has a thread already.  The fourth
+    # gives sums to a library, which ``engine.lanes`` forbids.
     "xla_disable_hlo_passes": (
         "while-loop-invariant-code-motion,tree_reduction_rewriter,cpu-parallel-task-assigner,"
         "dot-library-rewriter"
     ),
 }
-"""How XLA compiles the theory on a CPU, for a single azimuth.
+"""Options of XLA for programs with a single azimuth on a CPU.
 
-With wide vectors jaxlib 0.10.2 gives wrong values of ``jnp.arctan``, which the theory does not use;
-a test holds the programs to NumPy's results."""
+With wide vectors jaxlib 0.10.2 gives wrong values of ``jnp.arctan``, which is not used here; a test
+compares the programs with NumPy."""
 
 OBLIQUE_OPTIONS = COMPILER_OPTIONS | {"xla_backend_optimization_level": 2}
-"""The same for several azimuths: a quarter less to compile, and as fast.  Axial flow would take a
-fifth longer."""
+"""The same for several azimuths: programs compile in a quarter less time and are as fast, while
+those with a single azimuth would be a fifth slower."""
 
 AZIMUTHS_TOGETHER = 4
-"""Azimuths that are computed at a time where a program takes a few points at a time: more chains of
-operations for a processor to go on with.  For programs made of kernels it is not worth the
-compilation, nor for derivatives, where each direction is a chain of its own."""
+"""Azimuths in one step of a loop for programs with lanes, see ``arrays.loops.TOGETHER``.  Without
+lanes so many are not worth the compilation; nor for derivatives, whose directions are independent
+computations already."""
 
 
 class Flow(NamedTuple):
-    """Operating points (N,): omega [rad/s]; velocity along the axis and in the disk plane, and
-    static inflow (12), read only in descent, None if there is none [m/s]: then programs are made
-    without the wake states of descent."""
+    """Operating points (N,): omega [rad/s]; velocities along the axis and in the disk plane [m/s];
+    static inflow (12) [m/s], used in descent.  If that is None, no point descends, and programs
+    leave out the wake states of descent."""
 
     omega: Floats
     v_axial: Floats
@@ -55,13 +55,13 @@ class Flow(NamedTuple):
     v_hover: Floats | None
 
     def part(self, which: Any) -> Flow:
-        """Some of the points."""
+        """The flow at some of the points."""
         return Flow(*(None if a is None else a[which] for a in self))  # type: ignore[arg-type]
 
 
 Program = Callable[[RotorArrays, Flow, AzimuthNodes, int], tuple[Any, DiskSolution]]
-"""From B points to ``RotorLoads.rows``, (F, B), and the solution; the last
-argument tells how many of the points are asked for, from the first on."""
+"""Gives ``RotorLoads.rows``, (F, B), and the solution at B points; the last argument is the number
+of points that are evaluated, from the first on."""
 
 
 def _search(
@@ -70,7 +70,7 @@ def _search(
     case = Case(rotor, *flow)
     solution, disk = solve_disk(case, panels, azimuth)
     found = loads_over_disk(case, disk, solution.several, panels, azimuth)
-    # One array, since every further one takes as long to hand over as some points to evaluate.
+    # One array: to hand over a further one takes as long as to evaluate some points.
     return xp.stack([values * 1.0 for values in found.rows]), solution
 
 
@@ -93,16 +93,16 @@ def _search_in_lanes(
 
 @functools.cache
 def compiled_search(panels: tuple[int, ...], *, axial: bool) -> Any:
-    """The compiled ``Program``; ``axial`` : whether there is a single azimuth.
+    """The compiled ``Program``; ``axial`` tells whether there is a single azimuth.
 
-    Without a default, which this cache would keep apart from the same value given.
+    It has no default, which the cache would keep apart from the same value given.
     """
     options: Any = COMPILER_OPTIONS if axial else OBLIQUE_OPTIONS
     return jax.jit(functools.partial(_search_in_lanes, panels), compiler_options=options)
 
 
 def search_by_numpy(panels: tuple[int, ...]) -> Program:
-    """The same without compiling."""
+    """The ``Program`` run by NumPy."""
 
     def program(*arguments: Any) -> tuple[Any, DiskSolution]:
         *asked, _ = arguments

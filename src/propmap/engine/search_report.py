@@ -32,9 +32,9 @@ class SearchReport:
     residual : ndarray, shape (S,)
         Blade-element thrust less momentum thrust there [N/m].
     steps : ndarray, shape (S,)
-        Evaluations of the residual that it took.
+        Evaluations of the residual in the search.
     found : ndarray, shape (S,)
-        Whether it is the largest root.
+        Whether the search found the largest root.
     tip : float
         Blade radius R [m].
     """
@@ -69,9 +69,9 @@ def search_report(
     flow: Flow,
     max_steps: int = MAX_STEPS,
 ) -> SearchReport:
-    """Solve one operating point again, with NumPy, and tell how that went.
+    """Solve one operating point again, with NumPy, and report on its search.
 
-    ``flow`` is of one point, with its static inflow where it descends.
+    ``flow`` is of one point, with its static inflow if it descends.
     """
     blocks: list[Block] = []
     by_hand = dataclasses.replace(rotor, compiled=False)

@@ -1,4 +1,4 @@
-"""The paper's equations (1)-(15) as pure JAX functions on arrays, one file per group.
+"""The paper's equations (1)-(15) as pure functions of arrays, one file per group.
 
 Every function follows the caller's floating-point setting and is safe under ``jit``,
 ``vmap``, ``jvp`` and ``vjp``.  Arrays carry the blade station on the first axis and the

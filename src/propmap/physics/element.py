@@ -1,4 +1,4 @@
-"""Blade elements and their mean over a turn, eqs. (3)-(7)."""
+"""Forces of a blade element and their mean over a turn, eqs. (1)-(7)."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class Medium(NamedTuple):
 
 
 class Station(NamedTuple):
-    """The blade at some radii; arrays (S, 1) or (S, B), the only ones of an annulus so shaped.
+    """The blade at S radii; arrays (S, 1), or (S, B) where each operating point has its own radii.
 
     Attributes
     ----------
@@ -45,7 +45,7 @@ class Station(NamedTuple):
     reynolds_per_speed : Array
         rho c / mu [s/m].
     inverse_root : Array
-        Its -1/2 power [m^0.5/s^0.5].
+        ``reynolds_per_speed`` to the power -1/2 [m^0.5/s^0.5].
     """
 
     radius: Array
@@ -57,16 +57,16 @@ class Station(NamedTuple):
 
 
 class Annulus(NamedTuple):
-    """All that the forces on an annulus need except its inflow; a pytree.
+    """Blade and flow at an annulus: with an inflow, all that its forces depend on; a pytree.
 
     Attributes
     ----------
     station : Station
-        The blade there.
+        The blade at its radius.
     omega, v_axial, v_inplane : Array
         Omega [rad/s], V cos(beta) and V sin(beta) [m/s], shape (B,).
     blades, root, tip : Array
-        N_b [-], and where the blade begins and ends [m]; scalars.
+        N_b [-], and the radii at which the blade begins and ends [m]; scalars.
     law : SectionLaw
         Lift and drag of its section.
     """
@@ -105,11 +105,11 @@ def annulus(
     v_axial: Array,
     v_inplane: Array,
 ) -> Annulus:
-    """Collect an annulus at ``radius`` [m], shape (S, 1) or (S, B); flow as in ``Annulus``."""
+    """The annulus at ``radius`` [m], shape (S, 1) or (S, B); the flow is as in ``Annulus``."""
     chord, twist = blade_shape(blade, radius)
     sine, cosine = materialize(lambda: sine_and_cosine(twist - law.zero_lift_angle), blade.root)
     reynolds_per_speed = medium.density / medium.viscosity * chord
-    # At a pointed tip Re goes to zero, and C_D to infinity, but not their product with the chord.
+    # At a pointed tip Re goes to zero and C_D to infinity, but C_D times the chord goes to zero.
     root = xp.sqrt(1.0 / xp.maximum(reynolds_per_speed, 1e-30))
     station = Station(radius, chord, sine, cosine, reynolds_per_speed, root)
     return Annulus(station, omega, v_axial, v_inplane, blade.blades, blade.root, blade.tip, law)
@@ -125,7 +125,7 @@ class ElementForces(NamedTuple):
     tangential : Array
         Against the rotation, dL sin(phi) + dD cos(phi) [m^3/s^2].
     normal_slope : Array
-        Derivative of ``normal`` by the inflow [m^2/s].
+        Derivative of ``normal`` with respect to the inflow [m^2/s].
     """
 
     normal: Array
@@ -137,7 +137,7 @@ def element_forces(at: Annulus, inflow: Array, sine: Array) -> ElementForces:
     """Forces of one blade element, eqs. (1)-(4).
 
     With sin(phi) = U_P / U and cos(phi) = U_T / U, reverse flow needs no case of its own.  The
-    derivative by the inflow is written beside the value; automatic differentiation costs more.
+    derivative is written out because automatic differentiation takes longer.
 
     Parameters
     ----------
@@ -155,7 +155,7 @@ def element_forces(at: Annulus, inflow: Array, sine: Array) -> ElementForces:
     sin_phi, cos_phi = u_p * per_u, u_t * per_u
     flow = _section_flow(at.station, sin_phi, cos_phi, u, per_u)
     c = at.law.coefficients(flow)  # Eqs. (3)(4)
-    # dL = 1/2 rho U^2 C_L c dy, dD = 1/2 rho U^2 C_D c dy
+    # In eqs. (5)-(7): dL = 1/2 rho U^2 C_L c dy, dD = 1/2 rho U^2 C_D c dy.
     half = 0.5 * at.chord * u
     normal = half * (c.lift * u_t - c.drag * u_p)
     tangential = half * (c.lift * u_p + c.drag * u_t)
@@ -169,7 +169,7 @@ def element_forces(at: Annulus, inflow: Array, sine: Array) -> ElementForces:
 def _section_flow(
     station: Station, sin_phi: Array, cos_phi: Array, speed: Array, per_speed: Array
 ) -> SectionFlow:
-    """The flow at angle of attack theta - phi, from zero lift."""
+    """The flow at alpha = theta - phi; ``station`` has theta from the zero-lift line."""
     sine = station.sine * cos_phi - station.cosine * sin_phi
     cosine = station.cosine * cos_phi + station.sine * sin_phi
     return SectionFlow(
@@ -209,9 +209,9 @@ def annulus_loads(at: Annulus, inflow: Array, azimuth: AzimuthNodes) -> AnnulusL
     at : Annulus
         Blade and flow.
     inflow : Array
-        v_i [m/s], shape (S, B), which the results have too.
+        v_i [m/s], shape (S, B); the results are of that shape.
     azimuth : AzimuthNodes
-        Nodes to average over.
+        Azimuths to average over.
     """
 
     def terms(sine: Array) -> tuple[Array, ...]:
@@ -231,22 +231,22 @@ def annulus_loads(at: Annulus, inflow: Array, azimuth: AzimuthNodes) -> AnnulusL
 def annulus_thrust(at: Annulus, inflow: Array, azimuth: AzimuthNodes) -> Array:
     """Thrust of the blade elements per radius and density [m^3/s^2], eq. (5)."""
     mean: Array = azimuth.mean(lambda s: element_forces(at, inflow, s).normal)
-    return at.blades * mean
+    return at.blades * mean  # Eq. (5)
 
 
 def annulus_thrust_slope(at: Annulus, inflow: Array, azimuth: AzimuthNodes) -> tuple[Array, Array]:
-    """``annulus_thrust`` and its derivative by the inflow [m^2/s]."""
+    """``annulus_thrust``, and its derivative with respect to the inflow [m^2/s]."""
 
     def terms(sine: Array) -> tuple[Array, Array]:
         forces = element_forces(at, inflow, sine)
         return forces.normal, forces.normal_slope
 
     thrust, slope = azimuth.mean(terms)
-    return at.blades * thrust, at.blades * slope
+    return at.blades * thrust, at.blades * slope  # Eq. (5)
 
 
 def mean_angle_of_attack(at: Annulus, inflow: Array) -> Array:
-    """Angle of attack from zero lift [rad] without the in-plane velocity; shape of ``inflow``."""
+    """Angle of attack from zero lift [rad] with V sin(beta) left out; shape of ``inflow``."""
     u_t, u_p = at.turning, normal_velocity(at.v_axial, inflow)
     sine = at.station.sine * u_t - at.station.cosine * u_p
     cosine = at.station.cosine * u_t + at.station.sine * u_p

@@ -17,7 +17,7 @@ class Blade(NamedTuple):
     chord, twist : Array
         Chord [m] and angle of the chord line to the disk plane [rad] there, shape (n,).
     cubics : Array
-        The curves between them, a row for each interval, shape (n - 1, 10).
+        Coefficients of chord and twist between the stations, a row per interval, (n - 1, 10).
     blades : Array
         Number of blades N_b [-].
     root : Array
@@ -45,7 +45,7 @@ def make_blade(station: Any, chord: Any, twist: Any, blades: Any, root: Any) -> 
     station, chord, twist, blades, root
         As in ``Blade``.
     """
-    # One row per interval: on a CPU each gather costs, so a radius takes one.
+    # One row per interval, so that a radius takes a single gather, which is slow on a CPU.
     h = xp.diff(station)
     rows = [station[:-1], h]
     for y in (chord, twist):
@@ -58,9 +58,9 @@ def make_blade(station: Any, chord: Any, twist: Any, blades: Any, root: Any) -> 
 def pchip_slopes(x: Any, y: Any) -> Any:
     """Derivatives at the knots of the monotone piecewise cubic (PCHIP) through (x, y).
 
-    Written here because chord and twist are differentiated; the JAX interpolation packages and
-    SciPy each add more than half a second of imports.  Tested against SciPy's
-    ``PchipInterpolator``, whose three-point ends these are.
+    Written here because chord and twist are differentiated, and because JAX's interpolation
+    packages and SciPy each take more than half a second to import.  Values and end slopes are those
+    of SciPy's ``PchipInterpolator``, as a test checks.
 
     Parameters
     ----------

@@ -9,21 +9,21 @@ from propmap.physics.element import AnnulusLoads
 
 
 class RadialNodes(NamedTuple):
-    """Radii y [m] and the weights dy [m] of a sum along the blade, both (S, B) or (S, 1)."""
+    """Radii y [m] and quadrature weights dy [m] along the blade, both (S, B) or (S, 1)."""
 
     radius: Array
     weight: Array
 
 
 def integrate(per_radius: AnnulusLoads, nodes: RadialNodes, density: Array) -> AnnulusLoads:
-    """Sums along the blade, eqs. (13)-(15), (B,): thrust and drag [N], torque and moment [N m].
+    """Integrals along the blade, eqs. (13)-(15), (B,): thrust, drag [N], torque, moment [N m].
 
     Parameters
     ----------
     per_radius : AnnulusLoads
         Loads of the annuli per radius and density, (S, B).
     nodes : RadialNodes
-        Where they are.
+        Radii of the annuli, and weights.
     density : Array
         rho [kg/m^3].
     """

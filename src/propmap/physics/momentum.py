@@ -1,10 +1,9 @@
 """Momentum theory of an annulus, eqs. (8)-(10) and (12), and its windmill branch.
 
-On (8): the paper says that its right-hand side is negated when the wake is above the disk.  That
-belongs to a signed mass flow.  The air's velocity changes by 2 v_i against the thrust whichever
-way it crosses the disk, and the mass flow counts how much air does so, without a sign.  With the
-unsigned mass flow of (10) the thrust keeps the sign of v_i in climb and in windmill descent alike,
-and nothing is negated.
+On (8): the paper negates its right-hand side when the wake is above the disk.  That is right for a
+mass flow with a sign.  The mass flow of (10) has none, and the air's velocity changes by 2 v_i
+against the thrust whichever way the air crosses the disk.  So the thrust has the sign of v_i in
+climb and in windmill descent alike, and nothing is negated here.
 """
 
 from __future__ import annotations
@@ -32,8 +31,8 @@ def annulus_thrust_slope(
     Returns
     -------
     tuple of Array
-        Thrust per radius and density [m^3/s^2], times rho for dT/dy [N/m]; and its derivative by
-        the inflow [m^2/s].
+        Thrust per radius and density [m^3/s^2] (rho times it is dT/dy [N/m]), and its derivative by
+        v_i [m^2/s].
     """
     through = v_axial + inflow
     speed = floored_norm(v_inplane, through)
@@ -47,21 +46,20 @@ def windmill_annulus_thrust_slope(
 ) -> tuple[Array, Array]:
     """Eq. (10) made to rise with v_i everywhere, for the windmill branch of descent.
 
-    In descent steeper than 19.5 deg from the axis, (10) rises with v_i up to the load at
-    which the far wake stands still (V cos(beta) + 2 v_i = 0 in axial flow), falls to where
-    the disk itself is becalmed, and rises again: momentum theory does not hold beyond the
-    first turning point.  Here the falling stretch is mirrored, so that the thrust goes on
-    rising.  Up to the turning point this is (10) unchanged.  Beyond it, in axial flow, the
-    mirrored curve is the parabola 4 pi y (v_i - first)^2 above the turning point; in oblique
-    flow the two are averaged, from the parabola alone in axial flow to (10) alone at 19.5 deg,
-    in proportion to 1 - 8 tan^2 of the angle.  In terms of a = v_i / |V cos(beta)| it is
-    C_T = 1 + 4 (a - 1/2)^2, which ends at C_T = 2 for a = 1 as does the empirical
-    turbulent-wake curve of Buhl.
+    In descent within 19.5 deg of the axis, (10) has two turning points.  It rises with v_i up to
+    the first, where the far wake stands still (V cos(beta) + 2 v_i = 0 in axial flow); beyond it
+    momentum theory does not hold.  It falls to the second, where the air at the disk stands still,
+    and rises again.  Up to the first turning point this function is (10) unchanged.  From there on
+    the falling stretch is mirrored, so that the thrust goes on rising.  In axial flow the mirrored
+    curve is the parabola 4 pi y (v_i - first)^2 above the turning point.  In oblique flow the
+    mirrored (10) is averaged with that parabola, whose weight is 1 - 8 tan^2 of the angle: 1 in
+    axial flow, 0 at 19.5 deg.  With a = v_i / |V cos(beta)| the parabola is
+    C_T = 1 + 4 (a - 1/2)^2, which like Buhl's empirical curve ends at C_T = 2 for a = 1.
 
     Parameters
     ----------
     radius, v_axial, v_inplane, inflow : Array
-        As in ``annulus_thrust_slope``, with v_axial < 0; the results are those too.
+        As in ``annulus_thrust_slope``, with v_axial < 0; the results are as there.
 
     References
     ----------
@@ -74,8 +72,8 @@ def windmill_annulus_thrust_slope(
     within = inflow <= second
     past = xp.where(within, 2.0 * at_first - here, here + 2.0 * (at_first - at_second))
     past_slope = xp.where(within, -slope, slope)
-    # Oblique flow leaves (10) flat where the disk is becalmed, at ``second``; mirrored, that would
-    # make branches of its own of (11).  The parabola has no such place.
+    # In oblique flow (10) is flat at ``second``.  Mirrored, this flat place would give (11) further
+    # roots; the parabola has none.
     parabola = at_first + 4.0 * np.pi * radius * (inflow - first) ** 2
     parabola_slope = 8.0 * np.pi * radius * (inflow - first)
     axial = 4.0 * (second - first) ** 2 / xp.maximum(v_axial**2, SPEED_FLOOR**2)
@@ -92,7 +90,7 @@ def past_momentum_theory(v_axial: Array, v_inplane: Array, inflow: Array) -> Arr
 
 
 def _turning_points(v_axial: Array, v_inplane: Array) -> tuple[Array, Array]:
-    """The v_i [m/s] between which (10) falls; equal where it does not."""
+    """The two v_i [m/s] between which (10) falls with v_i; equal where it does not fall."""
     square = v_axial**2 - 8.0 * v_inplane**2
     steep = square > 0.0
     root = xp.where(steep, xp.sqrt(xp.where(steep, square, 1.0)), 0.0)

@@ -1,4 +1,4 @@
-"""Prandtl's tip and hub loss: what a finite number of blades takes from the momentum's thrust."""
+"""Prandtl's tip and hub loss: a factor on the momentum thrust for a finite number of blades."""
 
 from __future__ import annotations
 
@@ -16,17 +16,17 @@ from propmap.physics.velocities import floored_norm
 from propmap.physics.wake import FactorBounds
 
 LEAST_REACH = 5e-5
-"""Of f sin(phi) [-].  Over the last 0.005 % of the blade F keeps its value instead of going to
-zero, within which nothing is carried but F would change over some um/s of U_P."""
+"""Least value of f sin(phi) [-].  Otherwise F would go to zero over the last 0.005 % of the blade,
+which carries nothing, and change there within some um/s of U_P."""
 
 
 class PrandtlLoss(NamedTuple):
-    """Loss at the tip, or at the hub.
+    """Prandtl's factor F for the loss at the tip, or at the hub.
 
     The thrust (10) of an annulus is multiplied by F = 2/pi arccos(exp(-f)).  At the tip
     f = N_b (R - y) / (2 y sin(phi)), at the hub f = N_b (y - r) / (2 r sin(phi)).  phi is the
-    inflow angle without the in-plane velocity, tan(phi) = |U_P| / (Omega y): an annulus has one
-    inflow, hence one F, in oblique flow too.
+    inflow angle with V sin(beta) left out, tan(phi) = |U_P| / (Omega y): an annulus has one inflow
+    at all azimuths, hence one F.
 
     Attributes
     ----------
@@ -48,7 +48,7 @@ class PrandtlLoss(NamedTuple):
         u, turning = at.v_axial + inflow, at.turning
         speed = floored_norm(u, turning)
         reach = self._reach(at)
-        # f = reach / |sin(phi)|; 2^-100 is zero next to 1.
+        # f = reach / |sin(phi)|, capped where exp(-f) = 2^-100 is lost beside 1.
         f = xp.minimum(reach * speed / xp.maximum(xp.abs(u), 1e-9), 100.0 * math.log(2.0))
         decay = power_of_two(-f / math.log(2.0))
         root = xp.sqrt((1.0 - decay) * (1.0 + decay))
@@ -79,7 +79,7 @@ class PrandtlLoss(NamedTuple):
             least=_factor(f_min),
             slope=first * per_reach * turn,
             bend=second * (per_reach * turn) ** 2 + first * per_reach * turn_slope,
-            # exp(-f) is nothing next to 1 below that.
+            # There f > 50, so that exp(-f) is lost beside 1.
             constant_below=0.02 * reach * turning,
         )
 
@@ -98,7 +98,7 @@ def _factor(f: Array) -> Array:
 
 
 def _first(f: Array) -> Array:
-    """f^2 |dF/df| [-]: it rises to 0.348 at f = 1.96 and falls."""
+    """f^2 |dF/df| [-], which has one maximum, 0.348 at f = 1.96."""
     decay = xp.exp(-f)
     root = xp.sqrt(xp.maximum((1.0 - decay) * (1.0 + decay), 1e-300))
     return 2.0 / np.pi * f * f * decay / root
@@ -123,7 +123,7 @@ class TipLoss:
     """Prandtl's loss at the tip, as a correction of a ``Model``; see ``PrandtlLoss``."""
 
     def factor(self, root: float) -> PrandtlLoss:  # noqa: ARG002 - as every correction takes it
-        """What multiplies the wake's thrust; ``root`` [m] is where the blade begins."""
+        """The factor on the wake's thrust; the blade begins at ``root`` [m]."""
         return PrandtlLoss()
 
 
@@ -134,7 +134,7 @@ class HubLoss:
     Attributes
     ----------
     radius_m : float or None
-        Radius of the hub [m]; None is where the blade begins.
+        Radius of the hub [m]; None for the radius at which the blade begins.
     """
 
     radius_m: float | None = None
@@ -144,7 +144,7 @@ class HubLoss:
             raise InputError(f"radius_m is {self.radius_m}: give the hub's radius in metres")
 
     def factor(self, root: float) -> PrandtlLoss:
-        """What multiplies the wake's thrust; ``root`` [m] is where the blade begins."""
+        """The factor on the wake's thrust; the blade begins at ``root`` [m]."""
         radius = root if self.radius_m is None else self.radius_m
         if radius > root * (1.0 + 1e-9):
             raise InputError(

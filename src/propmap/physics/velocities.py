@@ -1,4 +1,4 @@
-"""What the air does at a blade section: eqs. (1) and (2), the angle of attack, azimuths."""
+"""Velocity of the air at a blade section, eqs. (1) and (2), angle of attack, azimuth nodes."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ the reverse-flow circle) and changes no load by more than a rounding error."""
 
 
 def tangential_velocity(omega: Array, radius: Array, v_inplane: Array, sine: Array) -> Array:
-    """Air velocity along the chordwise direction of rotation, eq. (1).
+    """Air velocity at a section in the disk plane, against the rotation, eq. (1).
 
     Parameters
     ----------
@@ -74,8 +74,8 @@ def floored_square(a: Array, b: Array) -> Array:
 def angle_of(along: Array, across: Array, size: Array) -> Array:
     """The angle whose cosine is ``along / size`` and sine ``across / size``.
 
-    The paper's ``theta - phi`` wrapped to (-pi, pi], as ``atan2(across, along)``.  Here by the
-    half angle, tan(a/2) = sin(a) / (1 + cos(a)), which needs the arctangent of small numbers only.
+    It is ``atan2(across, along)``, which for alpha is the paper's theta - phi wrapped to (-pi, pi].
+    By the half angle, tan(a/2) = sin(a) / (1 + cos(a)), only |t| <= 1 needs an arctangent.
 
     Parameters
     ----------
@@ -89,7 +89,7 @@ def angle_of(along: Array, across: Array, size: Array) -> Array:
     Array
         Angle [rad] in [-pi, pi].
     """
-    # Times the reciprocal: XLA would compute a quotient of two arrays in a kernel of its own.
+    # A product with the reciprocal: XLA would give the quotient of two arrays a kernel of its own.
     half = arctangent(across * (1.0 / (size + xp.abs(along))))
     behind = xp.where(across < 0.0, -np.pi, np.pi) - 2.0 * half
     return xp.where(along < 0.0, behind, 2.0 * half)
@@ -105,7 +105,7 @@ class AzimuthNodes:
     sines : Array
         sin(psi) [-] of the nodes, shape (n,), or (n, B) with a column for each operating point.
     count : int or Array
-        How many rows of ``sines`` are used: an integer, static, or integers (B,).
+        How many rows of ``sines`` are used: a static integer, or integers (B,).
     """
 
     sines: Array | np.ndarray
@@ -131,11 +131,11 @@ class AzimuthNodes:
 
 
 def azimuth_nodes(azimuths: int) -> AzimuthNodes:
-    """The nodes of a full turn, each distinct value of sin(psi) once.
+    """Equally spaced azimuths of a full turn, with each distinct value of sin(psi) once.
 
-    Loads depend on psi through sin(psi) alone.  So equally spaced nodes, placed symmetrically
-    about the advancing and the retreating side, come in pairs of equal value, and half of them
-    carry the whole periodic trapezoid, which converges spectrally.
+    The mean over them is the periodic trapezoidal rule, which converges spectrally.  Loads depend
+    on psi through sin(psi) alone, and the nodes lie symmetrically about the advancing and the
+    retreating side: they come in pairs of equal loads, of which one is computed.
 
     Parameters
     ----------

@@ -1,17 +1,16 @@
-"""Which wake state an operating point is in, and where momentum theory gives way to (12).
+"""The vortex ring: where in descent a measured inflow, based on (12), replaces momentum theory.
 
-The paper uses the static inflow (12) wherever V cos(beta) < 0 < V cos(beta) + v_i.  Taken
-literally the loads would jump at beta = 90 deg, in fast forward flight with a trace of
-descent, where the in-plane flow carries the wake away and (10) holds.  Here (12) is
-confined to the vortex ring's own region in the plane of V cos(beta)/v_h and
-V sin(beta)/v_h, v_h being the static inflow at the same Omega, and blended in and out.  The
-region is that of W. Johnson, "Model for Vortex Ring State Influence on Rotorcraft Flight
-Dynamics", NASA/TP-2005-213477, table 4.
+The paper uses the static inflow (12) wherever V cos(beta) < 0 < V cos(beta) + v_i.  Then loads
+would jump at beta = 90 deg, since in fast forward flight with slight descent the in-plane flow
+carries the wake away and (10) still holds.  Here (12) is used only within a region of
+V cos(beta)/v_h and V sin(beta)/v_h, and blended with (10) at its edges; v_h is the static inflow at
+the same Omega.  The region is that of W. Johnson, "Model for Vortex Ring State Influence on
+Rotorcraft Flight Dynamics", NASA/TP-2005-213477, table 4.
 
-Inside it the inflow measured on rotors in vertical descent is up to twice the static one: (12)
-is multiplied by J. G. Leishman's fit of it (Principles of Helicopter Aerodynamics, 2nd ed.,
-Cambridge 2006, section 2.13), which is 1 in hover.  On the NeuroBEM flights (12) alone puts
-the thrust in steep descent too high by a third.
+Within it the inflow of rotors in vertical descent was measured to be up to twice the static one.
+So (12) is multiplied by J. G. Leishman's fit of v_i/v_h (Principles of Helicopter Aerodynamics,
+2nd ed., Cambridge 2006, section 2.13), which is 1 in hover.  With (12) alone, thrust in the steep
+descents of the NeuroBEM flights is a third too high.
 """
 
 from __future__ import annotations
@@ -32,8 +31,8 @@ FADE_FROM, NOSE = 0.5, 0.95
 WINDMILL_BELOW = -0.95
 """V cos(beta)/v_h at which the windmill branch takes over from the helicopter branch.
 
-Halfway through the region where (12) has replaced both.  Where the fade has begun,
-V sin(beta) exceeds V cos(beta)/sqrt(8) and the two branches are one."""
+There the vortex ring's inflow has replaced both.  Where that is faded out, V sin(beta) exceeds
+|V cos(beta)|/sqrt(8), and the two branches are one."""
 
 
 @custom_jvp
@@ -53,8 +52,7 @@ def _rise_jvp(primals, tangents):  # type: ignore[no-untyped-def]
 def vortex_ring_weight(v_axial: Array, v_inplane: Array, v_hover: Array) -> Array:
     """Share of ``vortex_ring_inflow`` in the inflow used [-], twice differentiable.
 
-    Zero outside the vortex-ring region; ``v_axial``, ``v_inplane`` and ``v_hover`` [m/s] are of one
-    shape.
+    It is zero outside the vortex ring's region.  All arguments [m/s] are of one shape.
     """
     v_h = xp.maximum(v_hover, 1e-9)
     z, x = v_axial / v_h, v_inplane / v_h
@@ -71,8 +69,8 @@ _MEASURED = (-1.125, -1.372, -1.718, -0.655)
 def vortex_ring_inflow(v_axial: Array, v_hover: Array) -> Array:
     """Inflow [m/s] in the vortex ring, (12) times Leishman's fit; shape of v_axial.
 
-    The fit holds for -2 <= V cos(beta)/v_h <= 0 and is held at its ends outside, where
-    ``vortex_ring_weight`` gives it no weight.
+    The fit holds for -2 <= V cos(beta)/v_h <= 0.  Outside, where ``vortex_ring_weight`` is zero, it
+    keeps its end values.
 
     Parameters
     ----------
@@ -85,14 +83,14 @@ def vortex_ring_inflow(v_axial: Array, v_hover: Array) -> Array:
 
 
 def on_windmill_branch(v_axial: Array, v_hover: Array) -> Array:
-    """1.0 where descent is past the middle of the vortex ring, else 0.0; shape of v_axial."""
+    """1.0 in descent faster than ``WINDMILL_BELOW``, else 0.0; shape of v_axial."""
     return xp.where(v_axial < xp.minimum(WINDMILL_BELOW * v_hover, 0.0), 1.0, 0.0)
 
 
 def blend_vortex_ring(
     v_axial: Array, v_inplane: Array, v_hover: Array, inflow: Array
 ) -> tuple[Array, Array]:
-    """The inflow with that of the vortex ring blended in, and the share of the latter [-].
+    """A mean of the root of (11) and the vortex ring's inflow, and the share of the latter [-].
 
     Parameters
     ----------

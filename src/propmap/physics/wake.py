@@ -1,4 +1,4 @@
-"""The wake of an annulus: momentum theory, corrected; its thrust, and bounds on it."""
+"""Thrust of an annulus by momentum theory times corrections, and bounds on it."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ from propmap.physics.velocities import floored_norm
 
 
 class FactorBounds(NamedTuple):
-    """Bounds of a factor over a range of v_i.
+    """Bounds of a factor on the wake's thrust over a range of v_i.
 
     Attributes
     ----------
     least : Array
         The factor's least value [-]; its largest is at most 1.
     slope : Array
-        The largest size of its derivative by v_i [s/m].
+        Largest absolute value of its derivative by v_i [s/m].
     bend : Array
-        The largest size of its second derivative [s^2/m^2].
+        Largest absolute value of its second derivative by v_i [s^2/m^2].
     constant_below : Array or float
-        |U_P| [m/s] below which the factor is constant but for rounding; it does not depend on v_i.
+        |U_P| [m/s] below which the factor is constant but for rounding; the same for all v_i.
     """
 
     least: Array
@@ -34,7 +34,7 @@ class FactorBounds(NamedTuple):
 
 
 class WakeFactor(Protocol):
-    """A correction that multiplies the momentum's thrust, by 1 at most: tip loss, for one."""
+    """A correction that multiplies the momentum thrust by at most 1, such as tip loss."""
 
     def factor_slope(self, at: Annulus, inflow: Array) -> tuple[Array, Array]:
         """The factor [-] of the annulus ``at`` and its derivative by ``inflow`` [s/m]."""
@@ -46,22 +46,23 @@ class WakeFactor(Protocol):
 
 
 class Wake(NamedTuple):
-    """The thrust that the wake of an annulus allows at an inflow; a pytree.
+    """Momentum thrust of an annulus as a function of its inflow, with corrections; a pytree.
 
     Attributes
     ----------
     windmill : Array or None
         1 on the windmill branch, else 0, shape (B,); None where nothing descends.
     factors : tuple of WakeFactor
-        What the momentum's thrust is multiplied by.
+        Corrections, by which the momentum thrust is multiplied.
     """
 
     windmill: Array | None
     factors: tuple[WakeFactor, ...] = ()
 
     def thrust_slope(self, at: Annulus, inflow: Array) -> tuple[Array, Array]:
-        """Thrust ``at`` an annulus, eq. (10), per radius and density [m^3/s^2], and its derivative
-        by the ``inflow`` [m^2/s].
+        """Thrust ``at`` an annulus, per radius and density [m^3/s^2]; its derivative [m^2/s].
+
+        Eq. (10) times the factors; the derivative is that by the ``inflow`` [m/s].
         """
         flow = (at.radius, at.v_axial, at.v_inplane, inflow)
         thrust, slope = momentum.annulus_thrust_slope(*flow)
@@ -80,9 +81,9 @@ class Wake(NamedTuple):
         return not self.factors
 
     def least_factor(self, at: Annulus, highest: Array) -> Array:
-        """What the momentum's thrust ``at`` an annulus is multiplied by at least [-].
+        """Lower bound of the product of the factors ``at`` an annulus [-].
 
-        That is for U_P >= 0 and v_i up to ``highest`` [m/s].
+        It holds for U_P >= 0 and v_i up to ``highest`` [m/s].
         """
         least = xp.ones_like(highest)
         for factor in self.factors:
@@ -90,10 +91,10 @@ class Wake(NamedTuple):
         return least
 
     def shorter_reaches(self, at: Annulus, inflow: Array) -> list[Array]:
-        """Distances [m/s] below ``inflow`` over which bounds ``at`` an annulus are tighter.
+        """Distances [m/s] below ``inflow`` within which bounds ``at`` an annulus may be tighter.
 
-        A factor bends most about U_P = 0: half of the way there, and across it where the factor
-        is constant.
+        A factor bends most near U_P = 0: the distances are half of the way there, and the way to
+        where the factor is constant.
         """
         u = xp.abs(at.v_axial + inflow)
         return [0.5 * u] * bool(self.factors) + [
@@ -101,15 +102,15 @@ class Wake(NamedTuple):
         ]
 
     def largest_bend(self, at: Annulus, low: Array, high: Array) -> Array:
-        """By how much the thrust ``at`` an annulus bends downwards at most, -d^2T/dv_i^2 [m].
+        """Upper bound of -d^2T/dv_i^2 [m], T being the thrust ``at`` an annulus.
 
-        That is for v_i between ``low`` and ``high`` [m/s], which must lie on one side of U_P = 0
+        It holds for v_i from ``low`` to ``high`` [m/s], which must lie on one side of U_P = 0
         unless V sin(beta) > 0.
         """
         u_low, u = at.v_axial + low, at.v_axial + high
         v_max = xp.maximum(xp.abs(high), xp.abs(low))
-        # (10) bends by 2 u/W + v (V sin(beta))^2 / W^3, of either sign where it is mirrored on the
-        # windmill branch (u < 0).
+        # d^2T/dv^2 of (10) is 4 pi y (2 u/W + v (V sin(beta))^2 / W^3) with u = V cos(beta) + v;
+        # it has either sign where (10) is mirrored on the windmill branch (u < 0).
         nearest = floored_norm(at.v_inplane, xp.where(u > 0.0, xp.maximum(u_low, 0.0), u))
         turn = at.v_inplane**2 / nearest**3
         bend = xp.where(u > 0.0, xp.maximum(-low, 0.0) * turn, 2.0 + v_max * turn)
@@ -117,12 +118,12 @@ class Wake(NamedTuple):
             along = floored_norm(at.v_inplane, xp.maximum(xp.abs(u), xp.abs(u_low)))
             slope, thrust = along + v_max, v_max * along
             if self.windmill is not None:
-                # The mirrored curve is at most twice (10) at its turning point above (10).
+                # The mirrored curve exceeds (10) by at most twice its value at the turning point.
                 down = self.windmill * xp.abs(at.v_axial)
                 slope, thrust = slope + along + down, thrust + down * down
             for factor in self.factors:
                 f = factor.bounds(at, low, high)
-                # The product's bend and slope, each part at its largest.
+                # Second and first derivative of the product, each term at its largest.
                 bend = bend + 2.0 * f.slope * slope + f.bend * thrust
                 slope = slope + f.slope * thrust
         return 4.0 * np.pi * at.radius * bend

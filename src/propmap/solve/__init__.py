@@ -1,1 +1,1 @@
-"""The inflow equation (11): its roots along the blade, and what follows stall."""
+"""The inflow equation (11): its roots along the blade, and radial nodes that follow stall."""

@@ -1,9 +1,10 @@
-"""Bounds on equation (11), from which follow steps towards its largest root that cannot pass it.
+"""Bounds on equation (11): where to start above its largest root, and how far one may safely step.
 
-They hold for any section law and wake that bound themselves (``LawBounds``, ``Wake.bounds``).
+The residual of (11) is blade-element thrust minus momentum thrust, negative above the largest root.
+The bounds hold for any section law with ``LawBounds`` and any factors with ``FactorBounds``.
 
-No quotient here is by a square root that nothing else needs: XLA on a CPU makes a product with a
-reciprocal root of it, which no vector unit evaluates, and with it nothing else in the loop.
+Nothing here is divided by a square root that has no other use: XLA on a CPU would compute its
+reciprocal instead, which is not vectorised, and then vectorise nothing else in the loop.
 """
 
 from __future__ import annotations
@@ -20,32 +21,33 @@ from propmap.physics.velocities import floored_norm, floored_square
 from propmap.physics.wake import Wake
 
 GUESS_MARGIN = 1.03
-"""Factor on the lift in the guess, so that it lies above the root as a rule: alpha exceeds
-sin(alpha) by 2 % at stall."""
+"""Factor on the lift in ``_attached_guess``, so that the guess is nearly always above the root: it
+takes sin(alpha) for alpha, which is 2 % larger at stall."""
 
 GUESS_STEPS = 4
-"""Newton steps to the guess, which need no blade elements."""
+"""Newton steps to the guess; they evaluate no blade elements."""
 
 
 class Bounds(NamedTuple):
-    """Bounds of one equation (11), constant during its solution.
+    """Bounds on equation (11) that stay the same during the search for its root.
 
     Attributes
     ----------
     law : LawBounds
-        Of the section.
+        Bounds on the section law.
     half : Array
         N_b c / 2 [m].
     friction : Array
-        Friction's share f / sqrt(Re) of C_D, times ``half`` and sqrt(U) [m^1.5/s^0.5].
+        The term f / sqrt(Re) of C_D times ``half`` and sqrt(U) [m^1.5/s^0.5].
     speed : Array
         Root mean square of U_T over azimuth [m/s].
     start : Array
         v_i above which there is no root [m/s].
     attached_from, attached_to : Array
-        The v_i between which no element is near stall [m/s]; empty if there are none.
+        The v_i between which no element is near stall [m/s]; an empty range if there are none.
     guess : Array
-        v_i above which there is no root if the residual is negative and falls there [m/s].
+        v_i above which there is no root, provided that there the residual is negative and falls
+        with v_i [m/s].
     """
 
     law: LawBounds
@@ -63,7 +65,7 @@ def find_bounds(at: Annulus, wake: Wake) -> Bounds:
     law = at.law.bounds()
     half = 0.5 * at.blades * at.chord
     speed = floored_norm(at.turning, at.v_inplane / np.sqrt(2.0))
-    margin = precision_of(at.v_axial).newton_step  # what rounding may take from the bound
+    margin = precision_of(at.v_axial).newton_step  # for rounding errors of the bound
     start = _start(at, wake, half * law.lift, speed)
     start = start * (1.0 + margin) + margin * (speed + xp.abs(at.v_axial)) * (at.chord > 0.0)
     attached_from, attached_to = _attached_range(at, law)
@@ -75,13 +77,14 @@ def find_bounds(at: Annulus, wake: Wake) -> Bounds:
 def _start(at: Annulus, wake: Wake, lift: Array, speed: Array) -> Array:
     """A v_i [m/s] above which there is no root.
 
-    With u = V cos(beta) + v_i >= 0 the blade gives at most half*C_L*(speed^2 + u*speed), and the
-    momentum at least 4 pi y F v_i u; they meet at the root of a quadratic.  ``lift`` is half*C_L.
+    With u = V cos(beta) + v_i >= 0 the blade-element thrust is at most lift*(speed^2 + u*speed),
+    where ``lift`` is half*C_L, and the momentum thrust at least 4 pi y F v_i u, where F is the
+    factor of the wake.  The two are equal at the root of a quadratic.
     """
     k = lift / (4.0 * np.pi * at.radius)
     start = _start_of(at, k, speed)
     if not wake.is_plain:
-        # A first bound with F at its least for any inflow tells how small F is at most.
+        # The least F at any inflow gives a first v_i; F up to that v_i gives a lower one.
         highest = _start_of(at, k / wake.least_factor(at, 1e3 * start), speed)
         start = _start_of(at, k / wake.least_factor(at, highest), speed)
     return start
@@ -94,13 +97,13 @@ def _start_of(at: Annulus, k: Array, speed: Array) -> Array:
 
 
 def _oblique_start(at: Annulus, speed: Array, k: Array, above: Array) -> Array:
-    """Such a v_i [m/s] in climb, nearer to the root in fast oblique flow than ``above``, which is
-    another; infinite in descent.
+    """Another v_i [m/s] above which climb has no root, lower than ``above`` in fast oblique flow.
 
-    The blade gives at most half*C_L times the mean of U U_T, which is at most
-    speed*sqrt(speed^2 + u^2), and the momentum 4 pi y v_i sqrt(p^2 + u^2) with p = V sin(beta).
-    So a root has v_i <= k speed sqrt((speed^2 + u^2)/(p^2 + u^2)).  That falls with v_i where p is
-    at most ``speed``: of ``above`` it is below the v_i at which the two meet, and of that above it.
+    The blade-element thrust is at most half*C_L times the mean of U U_T, which is at most
+    speed*sqrt(speed^2 + u^2).  The momentum thrust is 4 pi y v_i sqrt(p^2 + u^2), p = V sin(beta).
+    So a root has v_i <= most(v_i) = k speed sqrt((speed^2 + u^2)/(p^2 + u^2)), which falls with v_i
+    for p <= speed.  Hence most(above) is below every v_i with v_i = most(v_i), and most of that is
+    above it.  In descent the result is infinite.
     """
     p = xp.minimum(at.v_inplane, speed)
 
@@ -120,15 +123,16 @@ def _attached_guess(
     attached_from: Array,
     attached_to: Array,
 ) -> Array:
-    """A v_i [m/s] a little above the root of attached flow; infinite where it proves nothing.
+    """A v_i [m/s] a little above the root of attached flow; infinite where none can be vouched for.
 
-    Without drag and stall and with sin(alpha) for alpha, the blade's thrust is linear in v_i,
-    and Newton's steps from ``start`` come down to the root without passing it.  Where that is
-    past ``attached_from``, some element being stalled there, ``attached_from`` takes its place.
-    Where no element is near stall and lift and wake bend downwards only, (11) is concave in v_i:
-    if it is negative and falls at this v_i, which the walk checks, it has no root between there
-    and ``attached_to``.  There is none above that either, if it is past ``start`` or no element
-    lifts there (the condition on the advancing side).
+    Without drag and stall, and with sin(alpha) for alpha, the blade-element thrust is linear in
+    v_i, and Newton's steps from ``start`` come down to the root without passing it.  If they go
+    below ``attached_from``, where some element stalls, the guess is ``attached_from``.
+
+    A guess v needs to have no root above it.  From v to ``attached_to`` no element is near stall.
+    With concave lift and convex momentum thrust the residual is concave there: it has no root if it
+    is negative and falls at v, which the search checks.  Above ``attached_to`` there is no root if
+    that is above ``start``, or if the lift is nowhere positive (see the advancing side).
     """
     if not wake.is_plain:
         return xp.full_like(start, xp.inf)
@@ -147,17 +151,16 @@ def _attached_guess(
     u_end = at.v_axial + attached_to
     no_lift = (u_end >= 0.0) & (u_end * cosine >= (at.turning + at.v_inplane) * sine)
     rootless = no_lift | (attached_to >= start)
-    # Of the momentum's part too, 2 u/W + v (V sin(beta))^2 / W^3 being positive from there on.
+    # The momentum thrust is convex where 2 u/W + v (V sin(beta))^2 / W^3 > 0, as from v on.
     concave = (v < attached_to) & (at.v_axial + v >= xp.maximum(-0.5 * v, 0.0))
     concave = concave & (law.attached_slope > 0.0) & (law.attached_bend <= 0.0)
     return xp.where(rootless & concave, v, xp.inf)
 
 
 def _attached_range(at: Annulus, law: LawBounds) -> tuple[Array, Array]:
-    """The v_i [m/s] between which every element is attached; empty if none.
+    """The v_i [m/s] between which every element is attached; an empty range if there are none.
 
-    The extremes of alpha are on the advancing and the retreating side, as long as there is no
-    reverse flow.
+    Without reverse flow alpha is largest and smallest on the advancing and the retreating side.
     """
     advancing, retreating = at.turning + at.v_inplane, at.turning - at.v_inplane
     blade = at.station
@@ -179,10 +182,10 @@ def _attached_range(at: Annulus, law: LawBounds) -> tuple[Array, Array]:
 def safe_step(
     at: Annulus, wake: Wake, bound: Bounds, v: Array, value: Array, slope: Array
 ) -> Array:
-    """How far v_i may be lowered [m/s] without passing a root; value < 0.
+    """How far v_i may be lowered [m/s] without passing a root; the residual is ``value`` < 0.
 
-    Over a stretch [v - reach, v] the residual bends upwards no more than ``bend``, hence it stays
-    negative until the root of its bounding parabola.
+    On [v - reach, v] the residual's second derivative is at most ``bend``.  So the residual is
+    below a parabola with that second derivative, and negative down to the parabola's root.
     """
     full = 0.25 * (bound.speed + xp.abs(at.v_axial)) + 0.5 * xp.abs(v)
     step = _step_within(at, wake, bound, full, v, value, slope)
@@ -197,14 +200,14 @@ def _step_within(
 ) -> Array:
     """``safe_step`` from bounds over one ``reach`` [m/s].
 
-    With k = U_T/U and s = U_P/U the blade's part bends by
-    d^2F/dv^2 = k^3 (C_L + C_L'') - k^2 s (C_D + C_D'') - 2 (s C_D - k C_D').
+    With k = U_T/U and s = U_P/U the blade-element thrust per ``half`` has the second derivative
+    k^3 (C_L + C_L'') - k^2 s (C_D + C_D'') - 2 (s C_D - k C_D').
     """
     law = bound.law
     u = at.v_axial + v
     u_low = u - reach
-    # Without in-plane flow the wake's thrust has a kink at u = 0: the parabola is not carried past
-    # it, or only by so little that the walk does not take it for its end.
+    # Without in-plane flow the wake's thrust has a kink at u = 0, where the parabola ends.  A step
+    # may go slightly past it, lest its size, falling to zero there, end the walk.
     u_end = xp.where(u > 0.0, xp.maximum(u_low, 0.0), u_low)
     to_kink = u - u_end + 2.0 * precision_of(v).safe_step * (bound.speed + xp.abs(at.v_axial))
     wake_bend = wake.largest_bend(at, v - reach, v)
@@ -220,18 +223,18 @@ def _step_within(
     attached = by_bend(_blade_bend(law, law.attached_bend))
     attached = xp.minimum(attached, v - bound.attached_from)
     attached = xp.where(v < bound.attached_to, attached, 0.0)
-    # A value above zero, by rounding, gives a small step back up.
+    # If rounding makes the value positive, this is a small step up.
     step = xp.where(value < 0.0, xp.maximum(anywhere, attached), anywhere)
     return xp.clip(step, -reach, reach)
 
 
 def _blade_bend(law: LawBounds, lift_bend: Array) -> Array:
-    """By how much the blade's part bends, for ``half`` = 1 [-]; without friction."""
+    """Second derivative of the blade-element thrust per ``half``, at most [-]; without friction."""
     return law.lift + law.drag_bend + lift_bend
 
 
 def largest_curvature(at: Annulus, wake: Wake, bound: Bounds, v: Array, step: Array) -> Array:
-    """How much the residual bends, up or down, within ``step`` of v_i [m], roughly."""
+    """Estimate of the largest |second derivative| of the residual within ``step`` of v [m]."""
     law = bound.law
     size = xp.abs(step)
     attached = (v - size > bound.attached_from) & (v + size < bound.attached_to)

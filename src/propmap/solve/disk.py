@@ -1,4 +1,4 @@
-"""The inflow over the whole disk: radial nodes that follow stall, and v_i at each."""
+"""The inflow over the whole disk: radial nodes, placed where stall asks for them, and their v_i."""
 
 from __future__ import annotations
 
@@ -19,18 +19,18 @@ from propmap.solve.root_count import several_roots
 
 
 class DiskSolution(NamedTuple):
-    """What was searched for, as mere numbers that do not move with anything; a pytree.
+    """The result of the search, as constants without derivatives; a pytree.
 
     Attributes
     ----------
     fold : Fold or None
-        Where stall begins and ends along the blade, None if it is not followed.
+        Where attached flow begins and ends along the blade; None if stall is not followed.
     spare : Array, shape (E, B), or None
-        Shares of the span [-] for the edges without a fold; None like ``fold``.
+        Shares of the span [-] at which edges without a fold are; None where ``fold`` is.
     inflow : Array, shape (S, B)
         v_i at the radial nodes [m/s], NaN where it was not found.
     several : Array, shape (B,)
-        Whether (11) was seen to have several roots.
+        Whether several roots of (11) were found.
     """
 
     fold: folds.Fold | None
@@ -40,7 +40,7 @@ class DiskSolution(NamedTuple):
 
 
 class DiskInflow(NamedTuple):
-    """Radial nodes (S, B) or (S, 1), equation (11) there, v_i there (S, B) [m/s]."""
+    """Radial nodes (S, B) or (S, 1), equation (11) at these, and its root v_i (S, B) [m/s]."""
 
     nodes: RadialNodes
     problem: AnnulusProblem
@@ -50,17 +50,17 @@ class DiskInflow(NamedTuple):
 def solve_disk(
     case: Case, panels: tuple[int, ...], azimuth: AzimuthNodes
 ) -> tuple[DiskSolution, DiskInflow]:
-    """Solve (11) over the disk; differentiable nowhere, for that see ``disk_inflow``.
+    """Solve (11) over the disk, without derivatives; these come from ``disk_inflow``.
 
     Parameters
     ----------
     case : Case
         Rotor and flow.
     panels : tuple of int
-        Radial nodes on each panel, static.  One panel is the whole blade; with more, their edges
-        follow stall (``split``).
+        Radial nodes on each panel, static.  With more than one panel, their edges follow stall, see
+        ``solve.split``.
     azimuth : AzimuthNodes
-        Nodes to average over.
+        Azimuths to average over.
     """
     case = stop_gradient(case)
     root, tip = case.rotor.blade.root, case.rotor.blade.tip
@@ -84,9 +84,9 @@ def solve_disk(
 def disk_inflow(
     case: Case, solution: DiskSolution, panels: tuple[int, ...], azimuth: AzimuthNodes
 ) -> DiskInflow:
-    """Nodes and inflow of a ``solution``, made to move with everything in ``case``: differentiable.
+    """Nodes and inflow of a ``solution``, differentiable with respect to everything in ``case``.
 
-    The other arguments are those that were solved.
+    The other arguments are those of ``solve_disk``.
     """
     nodes = panel_nodes(_edges(case, solution.fold, solution.spare, azimuth), panels)
     problem = annulus_problem(case, nodes.radius)
@@ -108,7 +108,7 @@ def _edges(
 def edges_about(blade: Blade, inner: Array) -> Array:
     """The panels' edges (E + 2, B) [m], rising, from the inner ones (E, B) in any order."""
     ends = xp.ones((1, inner.shape[1]))
-    if inner.shape[0] == 2:  # as most have, without a sort, see ``propmap.engine.lanes``
+    if inner.shape[0] == 2:  # the usual case without a sort, which ``engine.lanes`` forbids
         inner = xp.stack([xp.min(inner, axis=0), xp.max(inner, axis=0)])
     else:
         inner = xp.sort(inner, axis=0)
@@ -117,7 +117,7 @@ def edges_about(blade: Blade, inner: Array) -> Array:
 
 @custom_jvp
 def _moving_edges(
-    case: Case,  # noqa: ARG001 - what the folds move with, in the derivative below
+    case: Case,  # noqa: ARG001 - the derivative below needs it
     fold: folds.Fold,
     otherwise: Array,
     azimuth: AzimuthNodes,  # noqa: ARG001

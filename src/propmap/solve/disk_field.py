@@ -1,4 +1,4 @@
-"""What happens over the disk: inflow, angle of attack, loads along the blade."""
+"""Inflow, angle of attack and loads over the disk at one operating point."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class DiskField(NamedTuple):
     alpha : Array
         Angle of attack from the chord line [rad], (S, P).
     past_stall : Array
-        How much further from zero lift that is than the stall angle [rad], (S, P).
+        How far alpha is past the stall angle, negative before it [rad], (S, P).
     u_t, u_p : Array
         Section velocities (1) and (2) [m/s], (S, P).
     """
@@ -49,13 +49,13 @@ def disk_field(case: Case, radius: Array, sines: Array, azimuth: AzimuthNodes) -
     Parameters
     ----------
     case : Case
-        Of arrays (1,).
+        One operating point, as arrays (1,).
     radius : Array, shape (S,)
         y [m].
     sines : Array, shape (P,)
         sin(psi) at which alpha is wanted [-].
     azimuth : AzimuthNodes
-        Nodes over which the loads are averaged.
+        Azimuths to average the loads over.
     """
     problem = annulus_problem(case, radius[:, None])
     inflow = inflow_root(problem, xp.asarray(MAX_STEPS), azimuth)

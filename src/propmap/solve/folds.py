@@ -1,7 +1,8 @@
-"""Folds: the radii at which the hump's top passes zero, solved for and followed.
+"""Folds: radii at which the inflow jumps to another branch of (11), solved for and differentiated.
 
-From a crossing that ``split`` has seen, Newton's steps lead to the fold, or where there is no
-hump but a shoulder, to the steepest rise of the inflow; and both move with the operating point.
+``split`` explains the hump of the residual and finds roughly where its top passes zero.  From there
+Newton's steps lead to that radius, the fold.  Where the residual has no hump but only a shoulder,
+they lead to the radius at which the inflow rises most steeply.
 """
 
 from __future__ import annotations
@@ -19,20 +20,20 @@ from propmap.physics.velocities import AzimuthNodes
 from propmap.solve.problem import AnnulusProblem, residual, residual_slope
 
 FOLD_STEPS = 14
-"""Newton steps on a fold, at most."""
+"""Newton steps to a fold, at most."""
 
 SHOULDER_STEPS = 6
-"""The same on a shoulder: where a smooth integrand is split hardly matters."""
+"""The same to a shoulder, where the exact radius hardly matters: the integrand is smooth."""
 
 ProblemAt = Callable[[Array], AnnulusProblem]
 """Equation (11) at radii of shape (S, B) [m]."""
 
 
 class Crossing(NamedTuple):
-    """Where the hump passes zero, to within the grid; all (E, B) for E edges.
+    """Where the height of the hump changes sign, interpolated; all (E, B) for E edges.
 
-    radius [m] and inflow [m/s] by interpolation; spacing [m]: about how well the radius is
-    known, zero where there is no crossing and radius is where a panel is split nevertheless.
+    radius [m] and inflow [m/s]; spacing [m], the uncertainty of the radius: zero where there is no
+    change of sign, and radius is then where panels meet nevertheless.
     """
 
     radius: Array
@@ -41,8 +42,8 @@ class Crossing(NamedTuple):
 
 
 class Fold(NamedTuple):
-    """Folds and shoulders, all (E, B): radius [m], inflow [m/s] there, whether it is a
-    fold, and whether it is either and moves with the operating point."""
+    """Folds and shoulders, all (E, B): radius [m], inflow there [m/s]; folded, whether it is a
+    fold; found, whether it is either, so that it moves with the operating point."""
 
     radius: Array
     inflow: Array
@@ -52,15 +53,15 @@ class Fold(NamedTuple):
 
 class _FoldSearch(NamedTuple):
     radius: Array
-    steepest: Array  # v_i at the top of the residual's slope [m/s]
+    steepest: Array  # v_i at which the residual's slope is largest [m/s]
     top: Array  # v_i at the top of the hump, or else at the shoulder [m/s]
     folded: Array
-    small: Array  # whether the last step was
+    small: Array  # whether the last step was small
 
 
 def _repeated(problem: AnnulusProblem, edges: int, times: int) -> AnnulusProblem:
-    """Equation (11) with its first ``edges`` stations ``times`` over, then the rest: the blade's
-    shape, which takes as long as the forces, is looked up once."""
+    """Equation (11) with its first ``edges`` stations ``times`` times over, then the rest: so the
+    blade's shape, which takes as long as the forces, is looked up once."""
 
     def rows(a: Array) -> Array:
         return xp.concatenate([a[:edges]] * times + [a[edges:]])
@@ -74,22 +75,22 @@ def find_folds(
 ) -> Fold:
     """Solve for the fold, or else for the steepest rise of the inflow, from each crossing.
 
-    At a radius, the slope of the residual has a top over v_i, found from a parabola.  Where
-    it is positive there is a hump above it, whose own top is where the slope falls to zero;
-    the radius at which the residual vanishes there is the fold.  Where it is negative there
-    is only a shoulder, and the radius is that at which the residual vanishes on it.  At the
-    cusp between the two they coincide, so the edge moves without a jump.
+    At each radius the slope of the residual has a maximum over v_i, found from a parabola.  If this
+    maximum is positive, the residual has a hump at larger v_i, with its top where the slope is
+    zero; the fold is the radius at which the residual vanishes at the top.  If it is negative, the
+    residual has only a shoulder, at the maximum; the radius is that at which the residual vanishes
+    there.  Where a hump becomes a shoulder the two coincide, so that the edge does not jump.
 
     Parameters
     ----------
     near : Crossing
-        Where to begin, (E, B), and the radius where nothing is found.
+        Where to begin, (E, B); its radius is kept where nothing is found.
     problem_at : callable
         Equation (11) at radii (S, B) [m].
     root, tip : Array
         Ends of the blade [m].
     azimuth : AzimuthNodes
-        Nodes to average over.
+        Azimuths to average over.
     """
     at = problem_at(near.radius).at
     scale = xp.abs(at.omega * near.radius) + xp.abs(at.v_axial) + 1e-30
@@ -113,7 +114,7 @@ def find_folds(
         steepest = slope[1] + 0.5 * shift * (slope[2] - slope[0]) + 0.5 * shift**2 * bend
         v_s = v_s + wide * shift
         folded = steepest > 0.0
-        # The top of the hump: Newton on the slope, above the steepest point.
+        # The top of the hump: a Newton step to zero slope, which is above the largest slope's v_i.
         width = wide * xp.sqrt(xp.where(folded, -2.0 * steepest / curved, 0.0))
         g_vv = (slope[4] - slope[3]) / dv
         top = v_t - slope[3] / xp.where(g_vv < 0.0, g_vv, -xp.inf)
@@ -125,7 +126,7 @@ def find_folds(
         close = xp.where(folded, within.fold, within.shoulder)
         small = (xp.abs(down) < close * y) & (xp.abs(goal - v_t) < 1e3 * close * scale)
         after = _FoldSearch(y - down, v_s, goal, folded, small)
-        # Lanes that have ended stay, so that no result depends on what else is in the batch.
+        # What has ended stays, so that no result depends on the other points of the batch.
         going = sought(steps, before)
         return steps + 1, jax.tree.map(functools.partial(xp.where, going), after, before)
 
@@ -140,11 +141,11 @@ def find_folds(
 
 
 def follow(fold: Fold, problem_at: ProblemAt, azimuth: AzimuthNodes) -> Array:
-    """The folds' radii [m], made to move with what ``problem_at`` depends on; (E, B).
+    """The folds' radii [m], differentiable with respect to what ``problem_at`` depends on; (E, B).
 
-    At a fold the slope with respect to v_i vanishes, so the residual stays zero if
-    d(radius) = -(d residual) / (d residual/d radius).  At a shoulder the same is near enough,
-    since the loads do not depend on where a smooth integrand is split.
+    At a fold the residual's slope by v_i vanishes, so that the residual stays zero if
+    d(radius) = -(d residual) / (d residual/d radius).  At a shoulder this is not exact, but the
+    integral of a smooth function does not depend on where it is split.
     """
     anchor, v = stop_gradient((fold.radius, fold.inflow))
 

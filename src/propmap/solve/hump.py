@@ -1,8 +1,8 @@
-"""The hump of the residual of (11) just before stall, over v_i, at given radii.
+"""The hump of the residual of (11) near stall: its height and v_i at given radii.
 
-Coming from above, the attached root lies on the far side of the hump; where its top is below
-zero, the largest root is the stalled one.  ``split`` looks along the blade for where that
-changes.
+Over v_i the residual has a maximum near stall, the hump.  Where its top is above zero, the largest
+root is the attached one, at a larger v_i than the top; where it is below zero, the stalled one.
+``split`` looks along the blade for where that changes.
 """
 
 from __future__ import annotations
@@ -22,10 +22,10 @@ TOP_STEPS = 2
 """Newton steps to the top of a hump."""
 
 HUMP_ANGLES = np.array([-0.2, -0.13, -0.08, -0.045, -0.01, 0.03, 0.08, 0.13])
-"""[rad] from the stall angle, where the hump may be, in the order of falling v_i."""
+"""Angles from the stall angle [rad] at which the hump is looked for, in order of falling v_i."""
 
 SHARP_STALL = 0.02
-"""Width of stall [rad] up to which the hump is looked for at these angles."""
+"""Width of stall [rad] from which on these angles are used; for a sharper stall they are scaled."""
 
 
 class Angle(NamedTuple):
@@ -38,8 +38,8 @@ class Angle(NamedTuple):
 def angles_about_stall(problem: AnnulusProblem, side: Array, offsets: np.ndarray) -> Angle:
     """Angles of attack at ``offsets`` (K,) [rad] from the stall angle; (K, B) or (K, S, B).
 
-    The stall is that on a ``side`` (B,), 1 or -1.  Where it is sharper than ``SHARP_STALL``, the
-    offsets are shorter in proportion.
+    The stall is that at positive angles where ``side`` (B,) is 1, at negative ones where it is -1.
+    Where it is sharper than ``SHARP_STALL``, the offsets are reduced in proportion.
     """
     at = problem.at
     stall = at.law.stall_angle(at.station.reynolds_per_speed * at.turning, side)
@@ -49,9 +49,9 @@ def angles_about_stall(problem: AnnulusProblem, side: Array, offsets: np.ndarray
 
 
 def inflow_at_angle(problem: AnnulusProblem, alpha: Angle) -> Array:
-    """v_i [m/s] at which the angle of attack from zero lift is alpha, V sin(beta) aside.
+    """v_i [m/s] at which the angle of attack from zero lift is alpha, for U_T rms over azimuth.
 
-    (S, B); infinite where no inflow makes it so.
+    (S, B); infinite where no inflow gives this angle.
     """
     at, blade = problem.at, problem.at.station
     sine, cosine = alpha
@@ -64,19 +64,19 @@ def inflow_at_angle(problem: AnnulusProblem, alpha: Angle) -> Array:
 
 
 class Hump(NamedTuple):
-    """At radii and operating points (S, B)."""
+    """The hump, or shoulder, at radii and operating points; all (S, B)."""
 
-    height: Array  # of the hump or shoulder [m^3/s^2], NaN where unknown; (S, B)
+    height: Array  # the residual at its top [m^3/s^2], NaN where unknown
     inflow: Array  # v_i there [m/s]
-    folded: Array  # whether the residual has three zeros about it
+    folded: Array  # whether the residual has three zeros there
 
 
 def hump_before_stall(problem: AnnulusProblem, side: Array, azimuth: AzimuthNodes) -> Hump:
     """The residual's hump about the stall on a ``side`` (B,), see ``stall_side``.
 
-    The hump is the first local maximum that v_i meets on its way down.  Where the residual
-    only has a shoulder, the height is that of its flattest point: the inflow rises there
-    without a jump, but as steeply as a cube root, and deserves a panel's edge as well.
+    The hump is the local maximum at the largest v_i.  Where there is none but only a shoulder, the
+    height is that of the flattest point.  Where that passes zero along the blade, the inflow does
+    not jump but rises as steeply as a cube root, for which a panel's edge is needed as well.
     """
 
     def sample(angle: Angle) -> tuple[Array, Array]:
@@ -87,8 +87,8 @@ def hump_before_stall(problem: AnnulusProblem, side: Array, azimuth: AzimuthNode
 
     v, height = map_entries(sample, angles_about_stall(problem, side, HUMP_ANGLES))
     seen = materialize(lambda: _between_samples(v, height), problem.at.blades)
-    # In descent the attached stretch ends in low humps; elsewhere the guess is as good, and
-    # joins the shoulder's without a step.
+    # In descent attached flow ends at low humps.  Elsewhere the interpolated top is as good, and
+    # continuous with that of a shoulder.
     if problem.wake.windmill is None:
         here, at = residual(problem, seen.inflow, azimuth), seen.inflow
     else:
@@ -99,23 +99,23 @@ def hump_before_stall(problem: AnnulusProblem, side: Array, azimuth: AzimuthNode
 
 
 class _Around(NamedTuple):
-    bend: Array  # of the residual between samples k and k + 2
+    bend: Array  # second derivative of the residual between samples k and k + 2
     low: Array  # v_i of sample k + 2 [m/s]
     high: Array  # v_i of sample k
 
 
 class _Samples(NamedTuple):
-    """What samples over v_i tell of the hump, (S, B)."""
+    """The hump as interpolated between samples over v_i, (S, B)."""
 
     inflow: Array  # v_i at the hump's top or the shoulder [m/s]
-    known: Array  # whether it is
-    peak: Array  # whether it is a top
-    around: _Around  # if it is
-    depth: Array  # of the residual there
+    known: Array  # whether that is known
+    peak: Array  # whether it is a hump's top
+    around: _Around  # samples about the top
+    depth: Array  # least residual sampled at smaller v_i
 
 
 def _between_samples(v: Array, height: Array) -> _Samples:
-    """From v_i [m/s], falling, and the residual there, NaN where unknown; both (K, S, B)."""
+    """Interpolate v_i [m/s], falling, and the residual there, NaN where unknown; both (K, S, B)."""
     gap = xp.diff(v, axis=0)
     slope = xp.diff(height, axis=0) / xp.where(gap == 0.0, xp.nan, gap)
     middle = 0.5 * (v[:-1] + v[1:])
@@ -136,7 +136,7 @@ def _between_samples(v: Array, height: Array) -> _Samples:
 
 
 _Search = tuple[Array, Array, Array, Array, Array]
-"""v_i, bend, v_i and slope before, height."""
+"""v_i, second derivative, v_i and slope of the step before, height."""
 
 
 def _refined_top(
@@ -144,8 +144,8 @@ def _refined_top(
 ) -> tuple[Array, Array]:
     """The hump's height and v_i from a first guess ``at``; unchanged where there is no peak.
 
-    The samples are too far apart for the height of a low hump: where it is misjudged a short
-    attached stretch of the blade is lost, and with it several per cent of thrust in descent.
+    The samples are too far apart for the height of a low hump.  With a wrong height a short stretch
+    of attached flow may be missed, and with it several per cent of thrust in descent.
     """
 
     def improve(state: _Search) -> _Search:
@@ -154,7 +154,7 @@ def _refined_top(
         moved = xp.abs(x - x_before) > precision_of(x).newton_step * (xp.abs(x) + 1e-9)
         run = xp.where(moved, x - x_before, 1.0)
         secant = xp.where(moved, (slope - slope_before) / run, bend)
-        # Next to an inflection the secant is no guide, and its step would leave the hump.
+        # Near an inflection the secant is wrong, and a step by it would leave the hump.
         bend = xp.where(secant < 0.0, xp.minimum(secant, 0.5 * around.bend), bend)
         step = -slope / xp.where(bend < 0.0, bend, -xp.inf)
         after = xp.where(peak, xp.clip(x + step, around.low, around.high), x)
@@ -168,13 +168,13 @@ def _refined_top(
 
 
 def _zeros(slope: Array, v: Array) -> Array:
-    """The v between each two of (K, S, B) at which the slope passes zero if it does."""
+    """The v at which the slope, linear between each two of (K, S, B), passes zero if it does."""
     steep = xp.where(slope[:-1] == slope[1:], 1.0, slope[:-1] - slope[1:])
     return v[:-1] + xp.clip(slope[:-1] / steep, 0.0, 1.0) * xp.diff(v, axis=0)
 
 
 def _tops(slope: Array, v: Array) -> Array:
-    """The v between each three of (K, S, B) at which the slope is largest if the middle one is."""
+    """The v at which the parabola through each three slopes of (K, S, B) is largest, if concave."""
     chord = xp.diff(slope, axis=0) / xp.diff(v, axis=0)
     bend = (chord[:-1] - chord[1:]) / (v[:-2] - v[2:])
     top = 0.5 * (v[:-2] + v[1:-1]) - 0.5 * chord[:-1] / xp.where(bend < 0.0, bend, -1.0)
@@ -182,9 +182,9 @@ def _tops(slope: Array, v: Array) -> Array:
 
 
 def stall_side(problem: AnnulusProblem) -> Array:
-    """1 where a blade is near the stall of positive angles, -1 where of negative ones; (B,).
+    """1 where stall, if any, is that of positive angles, -1 where that of negative ones; (B,).
 
-    The ``problem`` is of one radius, (1, 1) or (1, B).
+    Decided by the angle of attack without inflow at the one radius of ``problem``.
     """
     at = problem.at
     lifting = at.station.sine * at.turning - at.station.cosine * at.v_axial

@@ -1,9 +1,9 @@
-"""The hump of ``hump``, well enough that an attached stretch of any length is seen.
+"""A more accurate search for the hump, for stretches of attached flow of any length.
 
-Residual and slope at a few v_i make the slope a parabola between each two of them.  The hump's
-top is where, coming from above, the slope changes sign; where it does not, the shoulder is where
-the slope comes closest to it.  In the cusp between the two both are one point, so that the
-height has no step along the blade.
+From the residual and its slope at some v_i, the slope is a parabola between each two of them.  The
+hump's top is at the largest v_i at which the slope changes sign; where it does not, the shoulder is
+where the slope comes closest to zero.  Where a hump becomes a shoulder the two are one point, so
+that the height is continuous along the blade.
 """
 
 from __future__ import annotations
@@ -17,10 +17,10 @@ from propmap.solve.hump import HUMP_ANGLES, Hump, angles_about_stall, inflow_at_
 from propmap.solve.problem import AnnulusProblem, residual_slope
 
 CLOSER = (0.012, 0.003)
-"""Halves of the ranges [rad] about the best place so far that are looked at next."""
+"""Half-widths [rad] of the ranges about the best place so far that are sampled next."""
 
 Top = tuple[Array, Array, Array]
-"""v_i [m/s] and height [m^3/s^2] of a hump's top or shoulder, and whether it is a top; (S, B)."""
+"""v_i [m/s] and height [m^3/s^2] of a hump's top or shoulder; whether it is a top; (S, B)."""
 
 
 def hump_by_slopes(problem: AnnulusProblem, side: Array, azimuth: AzimuthNodes) -> Hump:
@@ -53,12 +53,9 @@ def hump_by_slopes(problem: AnnulusProblem, side: Array, azimuth: AzimuthNodes) 
 
 
 def _first_top(v: Array, value: Array, slope: Array) -> Top:
-    """v_i and height of the hump's top or else of the shoulder, and whether it is a top; (S, B).
-
-    Arguments are (K, S, B), with v falling.
-    """
+    """The hump's top, or else the shoulder, from samples (K, S, B) with v falling."""
     run = v[:-1] - v[1:]
-    # Along t, from 0 at entry k to 1 at k + 1, the value climbs by a + (b + c t) t.
+    # With t from 0 at sample k to 1 at k + 1 the value has the derivative a + b t + c t^2.
     a, end = -slope[:-1] * run, -slope[1:] * run
     climb = value[1:] - value[:-1]
     c = 3.0 * (a + end - 2.0 * climb)
@@ -68,7 +65,7 @@ def _first_top(v: Array, value: Array, slope: Array) -> Top:
     least = a + (b + c * lowest) * lowest
     falls = (a > 0.0) & (least < 0.0)
     some = xp.any(falls, axis=0)
-    # The zero between 0 and ``lowest``.
+    # The zero of the derivative between 0 and ``lowest``.
     root = xp.sqrt(xp.maximum(b * b - 4.0 * a * c, 0.0))
     zero = 2.0 * a / xp.where(root > b, root - b, xp.inf)
     gentlest = xp.nan_to_num(least / run, nan=xp.inf)

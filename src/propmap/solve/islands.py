@@ -1,10 +1,9 @@
-"""Where attached stretches of the blade begin and end in fast descent, however short they are.
+"""Islands: stretches of attached flow on the blade in fast descent, and where they begin and end.
 
-There the hump of ``hump`` may rise above zero on several stretches of the blade,
-which merge, or shrink to nothing, within a few per mille of speed.  Radii at even spacing miss
-the short ones, and the thrust steps when one is lost.  So the look along the blade goes on
-where it matters: at the zeros of the hump's height, and at extremes that may hide two zeros
-between neighbouring radii.
+In fast descent the hump of ``solve.hump`` may be above zero on several stretches of the blade,
+which merge or vanish within a few per mille of speed.  Evenly spaced radii miss short ones, and
+the thrust jumps when one is missed.  So the hump is computed at further radii: at the zeros of its
+height, and at extremes, about which two zeros may lie between neighbouring radii.
 """
 
 from __future__ import annotations
@@ -20,23 +19,23 @@ ROUNDS = 8
 """Rounds of further radii."""
 
 EXTREMES = 3
-"""Extremes that are followed, those nearest to zero."""
+"""Number of extremes looked at in each round, those nearest to zero."""
 
 CLOSE = 1e-4
-"""Distance, relative to the radius, at which a zero that is known is closed in from both sides."""
+"""Distance from a known zero, relative to its radius, of the radius added on its far side."""
 
 LOPSIDED, BEYOND = 0.15, 3.0
-"""A zero expected within this share of its bracket from one end is looked for this many times
-farther from that end: where the height is bent, interpolation would creep up from one side and
-the bracket, in which another zero may hide, would stay wide."""
+"""If a zero is expected within the share LOPSIDED of its bracket from one end, the next radius is
+BEYOND times as far from that end.  Otherwise interpolation of a curved height may approach the
+zero from one side only, and leave a wide bracket in which another zero may be missed."""
 
 UNSURE = 10.0
-"""An extreme that is farther from zero than this many times the climb to it, by the slope at the
-nearer radius, is settled."""
+"""An extreme farther from zero than this many times the change of height between it and the nearer
+radius, by the slope there, is not looked at again."""
 
 
 class Sight(NamedTuple):
-    """What is known of the hump along the blade, by rising radius; all (T, B).
+    """The hump at the radii looked at so far, by rising radius; all (T, B).
 
     radius [m], infinite where an entry is unused; height [m^3/s^2] of the hump, NaN where
     unknown; inflow [m/s] there; slope [m^2/s^2] of the height along the blade.
@@ -49,8 +48,8 @@ class Sight(NamedTuple):
 
 
 class Zeros(NamedTuple):
-    """Where the height passes zero, all (E, B): whether it does, radius [m], inflow [m/s], whether
-    the radius is known by now, and the next radius to look at [m], infinite if there is none."""
+    """Zeros of the height, all (E, B): whether there is one; radius [m]; inflow [m/s]; whether the
+    radius is known well enough; the next radius to look at [m], infinite if there is none."""
 
     some: Array
     radius: Array
@@ -60,7 +59,7 @@ class Zeros(NamedTuple):
 
 
 def look_closer(even: Sight, look: Callable[[Array], Sight], zeros: int) -> Sight:
-    """The sight at even spacing with further radii about zeros and extremes of the height.
+    """Add radii about zeros and extremes of the height to those at even spacing.
 
     Parameters
     ----------
@@ -69,7 +68,7 @@ def look_closer(even: Sight, look: Callable[[Array], Sight], zeros: int) -> Sigh
     look : callable
         Gives the sight at radii (E, B), in any order.
     zeros : int
-        How many are followed, the first from the root.
+        How many zeros are looked for, from the root outwards.
     """
     more = zeros + EXTREMES
     unused = xp.full((ROUNDS * more, even.radius.shape[1]), xp.inf)
@@ -100,7 +99,7 @@ def find_zeros(sight: Sight, count: int) -> Zeros:
     before, after = _entries(sight, k), _entries(sight, k + 1)
     left, right = _entries(sight, k - 1), _entries(sight, k + 2)
     width = after.radius - before.radius
-    # The third radius: the nearer one of the two neighbours.
+    # The third radius of the parabola: the nearer neighbour of the bracket.
     nearer = before.radius - left.radius < right.radius - after.radius
     nearer = (nearer & xp.isfinite(left.height)) | ~xp.isfinite(right.height)
     third = Sight(*(xp.where(nearer, a, b) for a, b in zip(left, right, strict=True)))
@@ -117,7 +116,7 @@ def find_zeros(sight: Sight, count: int) -> Zeros:
     radius = before.radius + share * width
     inflow = before.inflow + share * (after.inflow - before.inflow)
     known = xp.minimum(share, 1.0 - share) * width < 0.1 * CLOSE * before.radius
-    # A zero that is known is closed in from its far side, so that no zeros hide there.
+    # Beside a known zero, a radius on its far side makes the bracket narrow.
     across = xp.where(share < 0.5, CLOSE, -CLOSE) * radius
     past = xp.where(share < LOPSIDED, BEYOND * share, share)
     past = xp.where(share > 1.0 - LOPSIDED, 1.0 - BEYOND * (1.0 - share), past)
@@ -127,7 +126,7 @@ def find_zeros(sight: Sight, count: int) -> Zeros:
 
 
 def _entries(sight: Sight, k: Array) -> Sight:
-    """Entries k (E, B) of the sight, (E, B); unknown outside."""
+    """Entries k (E, B) of the sight, (E, B); heights of entries that do not exist are NaN."""
     last = sight.radius.shape[0] - 1
     inside = (k >= 0) & (k <= last)
     found = Sight(*(xp.take_along_axis(a, xp.clip(k, 0, last), axis=0) for a in sight))
@@ -135,9 +134,9 @@ def _entries(sight: Sight, k: Array) -> Sight:
 
 
 class _Extremes(NamedTuple):
-    """Between each two radii, the extreme of the height that is nearest to zero without reaching
-    it; all (T - 1, B): its radius [m], distance from zero, infinite if there is none, and whether
-    another look may still move it enough to matter."""
+    """The minimum above zero, or maximum below zero, of the height between each two radii, all
+    (T - 1, B): radius [m]; distance from zero, infinite if there is none; unsure, whether two zeros
+    may be about it."""
 
     radius: Array
     distance: Array
@@ -151,7 +150,7 @@ def _extremes(sight: Sight) -> _Extremes:
     start, end, rise = slope[:-1] * width, slope[1:] * width, h[1:] - h[:-1]
     above = h[1:] > 0.0
     some = ((h[:-1] > 0.0) == above) & xp.isfinite(h[:-1] + h[1:])
-    # The cubic climbs by start + 2 b t + 3 c t^2; a minimum is where that has the slope +root.
+    # The cubic's derivative is start + 2 b t + 3 c t^2; a minimum is its zero with +root.
     c, b = start + end - 2.0 * rise, 3.0 * rise - 2.0 * start - end
     square = b * b - 3.0 * c * start
     root = xp.sqrt(xp.maximum(square, 0.0))
@@ -163,7 +162,7 @@ def _extremes(sight: Sight) -> _Extremes:
     some = some & (square > 0.0) & (share > 0.0) & (share < 1.0)
     share = xp.where(some, share, 0.5)
     height = h[:-1] + share * (start + share * (b + share * c))
-    # Differences over less are rounding errors.
+    # Over shorter distances differences are rounding errors.
     apart = xp.minimum(share, 1.0 - share) * width > precision_of(y).difference * y[:-1]
     climb = xp.where(share < 0.5, share * start, (1.0 - share) * end)
     distance = xp.where(some, xp.where(above, height, -height), xp.inf)
@@ -172,7 +171,7 @@ def _extremes(sight: Sight) -> _Extremes:
 
 
 def _hidden_extremes(sight: Sight) -> list[Array]:
-    """Radii (B,) [m] of extremes that may hide two zeros; infinite if unused."""
+    """Radii (B,) [m] of extremes about which two zeros may be; infinite if unused."""
     at, distance, unsure = _extremes(sight)
     distance = xp.where(unsure, distance, xp.inf)
     found = []
@@ -185,8 +184,8 @@ def _hidden_extremes(sight: Sight) -> list[Array]:
 
 
 def nearest_extreme(sight: Sight) -> Array:
-    """Radius (B,) [m] of the extreme nearest to zero, where two zeros have just met or are about
-    to part; infinite if there is none."""
+    """Radius (B,) [m] of the extreme nearest to zero, where two zeros are about to appear or have
+    just vanished; infinite if there is none."""
     at, distance, _ = _extremes(sight)
     k = xp.argmin(distance, axis=0)
     far, place = entry(distance, k), entry(at, k)

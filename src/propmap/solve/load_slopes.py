@@ -1,10 +1,10 @@
-"""Derivatives of the loads by section parameters and flow, where equation (11) is solved.
+"""Derivatives of the loads with respect to section parameters and flow, at a solution of (11).
 
-The edges of the radial panels and the inflow at the nodes are both zeros of the residual g of
-(11), so that both move by the implicit function theorem.  All that they need of g, its partial
-derivatives by the parameters, the radius and the inflow, comes from one pass over the azimuth, and
-the loads' derivatives from a second.  Differentiating ``loads.disk_loads`` as it stands gives the
-same in five passes, which take twice as long to compile.
+The residual g of (11) is zero at the edges of the radial panels and at the nodes.  So the
+derivatives of the edges' radii and of the nodes' inflow follow from the implicit function theorem.
+One pass over the azimuth gives the partial derivatives of g that it needs, those by the parameters,
+the radius and the inflow; a second pass gives the derivatives of the loads.  Differentiating
+``rotor_loads.disk_loads`` by JAX takes five passes and twice as long to compile.
 """
 
 from __future__ import annotations
@@ -26,29 +26,29 @@ from propmap.solve.quadrature import panel_nodes
 from propmap.solve.rotor_loads import loads_over_disk
 
 FLOW = ("omega", "v_axial", "v_inplane")
-"""By what of the flow loads can be differentiated; by the law's ``parameters`` besides."""
+"""Flow quantities with respect to which loads can be differentiated."""
 
 Change = tuple[Array, ...]
-"""How far each of ``moving`` goes, or of these and more."""
+"""Changes, or a direction: an entry for each name of ``moving``, or for these and more."""
 
 
 def moving(law: SectionLaw) -> tuple[str, ...]:
-    """By what loads can be differentiated: the law's parameters and the flow."""
+    """Names of what loads can be differentiated by: the law's parameters and the flow."""
     return (*law.parameters, *FLOW)
 
 
 class Directions(NamedTuple):
-    """Along what derivatives are taken: how far each of ``moving`` goes along each direction.
+    """Directions of the derivatives: by how much each of ``moving`` changes along each of them.
 
-    One array for each, since XLA takes a kernel to cut a column out of a table.
+    One array for each name, since XLA takes a kernel to cut a column out of a matrix.
 
     Attributes
     ----------
     loads : tuple of Array
-        For each of ``moving``, in its own unit, along D directions, (D,).
+        For each of ``moving``, in its own unit, its change along D directions, (D,).
     residual : tuple of Array
-        The same for each of ``moving``, the radius and the inflow, (D + 2,); the last two
-        directions are those of the radius and of the inflow alone.
+        The same for each of ``moving``, then the radius and the inflow, (D + 2,); along the last
+        two directions only the radius or only the inflow changes.
     """
 
     loads: tuple[Array, ...]
@@ -56,7 +56,7 @@ class Directions(NamedTuple):
 
 
 def directions_of(movable: Sequence[str], names: Sequence[str], count: int) -> Directions:
-    """``count`` directions: one for each of ``names``, which are of ``movable``, then idle ones."""
+    """``count`` directions: one for each of ``names``, all in ``movable``, the others zero."""
     ways = np.zeros((count, len(movable)))
     for row, name in enumerate(names):
         ways[row, movable.index(name)] = 1.0
@@ -79,7 +79,7 @@ def load_slopes(
     Parameters
     ----------
     case : Case
-        What was solved, at B points.
+        The case that was solved, at B points.
     solution : DiskSolution
         Its solution.
     panels, azimuth
@@ -87,13 +87,13 @@ def load_slopes(
     directions : Directions
         D of them.
     v_hover_slopes : Array or None
-        How far ``case.v_hover`` goes along with each direction [m/s], (D, B).
+        Change of ``case.v_hover`` along each direction [m/s], (D, B).
 
     Returns
     -------
     Array
-        In the order of ``propmap.loads.LOADS`` and their units, for each whole step along a
-        direction; (D, loads, B).
+        Derivatives of ``propmap.loads.LOADS``, in their order and units, along each direction;
+        (D, loads, B).
     """
     inner = _inner_edges(case, solution)
     own = inner.shape[0]
@@ -137,10 +137,9 @@ def _inner_edges(case: Case, solution: DiskSolution) -> Array:
 
 
 def _edge_slope(solution: DiskSolution, by_case: Array, by_radius: Array) -> Array:
-    """How an edge moves along one direction, (E, B) or (0, 1).
+    """Derivative of the edges' radii along one direction, (E, B) or (0, 1); see ``folds.follow``.
 
-    At a fold the residual's slope by the inflow vanishes, so that it stays zero if the radius goes
-    by -(change of g)/(slope of g by the radius); see ``folds.follow``.
+    At a fold dg/dv_i = 0, so that g stays zero if the radius changes by -(change of g)/(dg/dy).
     """
     if solution.fold is None:
         return jnp.zeros((0, 1))
@@ -149,7 +148,7 @@ def _edge_slope(solution: DiskSolution, by_case: Array, by_radius: Array) -> Arr
 
 
 def _moved(case: Case, change: Change) -> Case:
-    """The case with ``change`` added to what may move."""
+    """The case with ``change`` added to the quantities of ``moving``."""
     law = case.rotor.law
     *by_law, omega, v_axial, v_inplane = change
     law = law.plus(**dict(zip(law.parameters, by_law, strict=True)))
@@ -168,8 +167,8 @@ def _residual_slopes(
     azimuth: AzimuthNodes,
     directions: Change,
 ) -> tuple[Array, Array, Array]:
-    """Partial derivatives of the residual of (11) at the folds and, below them, at the nodes:
-    along the directions (D, E + S, B), by the radius and by the inflow (E + S, B)."""
+    """Partial derivatives of the residual of (11) at the E folds, then at the S nodes: along the
+    directions (D, E + S, B), by the radius and by the inflow (E + S, B)."""
     radius, inflow = nodes.radius, solution.inflow
     if solution.fold is not None:
         radius = jnp.concatenate([solution.fold.radius, radius])

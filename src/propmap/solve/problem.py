@@ -1,4 +1,4 @@
-"""Equation (11), posed: an annulus and its wake, and the difference of their thrusts."""
+"""Equation (11): blade-element thrust equals momentum thrust; and its residual."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class RotorArrays(NamedTuple):
     medium : Medium
         The air.
     factors : tuple of WakeFactor
-        Corrections that multiply the wake's thrust.
+        Corrections that multiply the momentum thrust.
     """
 
     blade: Blade
@@ -47,8 +47,8 @@ class Case(NamedTuple):
     v_axial, v_inplane : Array
         V cos(beta), positive in climb, and V sin(beta) >= 0 [m/s], (B,).
     v_hover : Array or None
-        Static inflow (12) at the same Omega [m/s], (B,), read where v_axial < 0; None where
-        nothing descends.
+        Static inflow (12) at the same Omega [m/s], (B,), used where v_axial < 0; None if no point
+        descends.
     """
 
     rotor: RotorArrays
@@ -65,7 +65,7 @@ class AnnulusProblem(NamedTuple):
     wake: Wake
 
     def stations(self, part: slice) -> AnnulusProblem:
-        """The same at some of the stations."""
+        """Equation (11) at some of the stations."""
         station = type(self.at.station)(*(a[part] for a in self.at.station))
         return self._replace(at=self.at._replace(station=station))
 
@@ -88,7 +88,7 @@ def residual(problem: AnnulusProblem, inflow: Array, azimuth: AzimuthNodes) -> A
     inflow : Array
         v_i [m/s], (S, B).
     azimuth : AzimuthNodes
-        Nodes to average over.
+        Azimuths to average over.
     """
     blade = element.annulus_thrust(problem.at, inflow, azimuth)
     return blade - problem.wake.thrust_slope(problem.at, inflow)[0]  # Eq. (11)
@@ -97,7 +97,7 @@ def residual(problem: AnnulusProblem, inflow: Array, azimuth: AzimuthNodes) -> A
 def residual_slope(
     problem: AnnulusProblem, inflow: Array, azimuth: AzimuthNodes
 ) -> tuple[Array, Array]:
-    """``residual`` and its derivative by the inflow [m^2/s]."""
+    """``residual``, and its derivative with respect to the inflow [m^2/s]."""
     thrust, slope = element.annulus_thrust_slope(problem.at, inflow, azimuth)
     wake, wake_slope = problem.wake.thrust_slope(problem.at, inflow)
-    return thrust - wake, slope - wake_slope
+    return thrust - wake, slope - wake_slope  # Eq. (11)

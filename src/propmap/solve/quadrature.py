@@ -8,22 +8,21 @@ from propmap.arrays.namespace import Array, xp
 from propmap.physics.loads import RadialNodes
 
 TAIL = 4
-"""How many of a panel's polynomials count as its tail, the highest ones."""
+"""Number of Legendre polynomials of a panel, those of highest degree, that make up its tail."""
 
 CROWDING = 0.5
-"""How far the rule of an inner panel goes from even (0) to fully crowded (1) nodes.
+"""Share of crowding in the rule of split panels, from 0 for none to 1.
 
-All the way, its outermost nodes come so close to a fold that finding their roots takes
-twice the steps of all others."""
+At 1 the outermost nodes would be so close to a fold that their roots take twice as many steps."""
 
 
 def crowded_rule(nodes: int, *, inner: bool) -> tuple[np.ndarray, np.ndarray]:
     """Nodes and weights on [0, 1], each of shape (nodes,) [-], crowded towards the edges.
 
-    Gauss-Legendre in t, with the radius at s = t (2 - t), which crowds the nodes towards the
-    outer edge, or about s = t^2 (3 - 2 t), which crowds them towards both if ``inner``.  At a
-    branch jump the inflow runs into the panel's edge like a square root and at the tip the
-    chord does; in t both are smoother.
+    Gauss-Legendre in t, with the radius at s = t (2 - t), which crowds the nodes towards the outer
+    edge; if ``inner``, at a mean of t and t^2 (3 - 2 t), which crowds them towards both.  At a fold
+    the inflow varies like a square root of the distance, and so does the chord at the tip; as
+    functions of t both are smoother.
     """
     t, w = np.polynomial.legendre.leggauss(nodes)
     t, w = 0.5 * (t + 1.0), 0.5 * w
@@ -44,11 +43,11 @@ def panel_nodes(edges: Array, counts: tuple[int, ...]) -> RadialNodes:
 
 
 def tail(values: Array, counts: tuple[int, ...]) -> Array:
-    """How much of a sum along the blade the highest polynomials of its panels carry.
+    """Size of the last coefficients of the integrand's Legendre series, an estimate of the error.
 
-    On each panel the nodes determine the Legendre series of the integrand up to the degree of
-    their number.  Where the integrand is smooth its coefficients fall off to nothing; at a kink or
-    a step, which the nodes resolve badly, the last ones are still large.
+    The nodes of a panel determine as many coefficients as there are nodes.  For a smooth integrand
+    they fall off quickly; at a kink or a step, which the nodes resolve badly, the last ones are
+    still large.
 
     Parameters
     ----------

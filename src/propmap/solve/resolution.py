@@ -1,4 +1,4 @@
-"""How finely one evaluation is resolved."""
+"""Numbers of azimuth and radial nodes of one evaluation."""
 
 from __future__ import annotations
 
@@ -7,22 +7,22 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Resolution:
-    """How finely one evaluation is resolved; static under ``jit``.
+    """Numbers of nodes of one evaluation; static under ``jit``.
 
     Attributes
     ----------
     azimuths : int
-        Azimuth nodes over a full turn, even; or 1 for flow along the axis alone.
+        Azimuth nodes over a full turn, even; or 1 for axial flow.
     stations : int
         Radial nodes on the whole blade, at least 16.
     follow_stall : bool
-        Whether the blade is split at branch jumps of the inflow (``split``).  Needed wherever
-        some of the blade stalls, hover first of all.
+        Whether radial panels are split where the inflow jumps, see ``solve.split``.  Needed where
+        some of the blade stalls, as in hover.
 
     Raises
     ------
     ValueError
-        For other numbers.
+        If a number is not allowed.
     """
 
     azimuths: int = 48

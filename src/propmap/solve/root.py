@@ -1,9 +1,10 @@
 """The hybrid inflow v_i(y): the largest root of eq. (11), and its derivative.
 
-Near stall (11) has several roots; the rule is to take the largest, the attached branch.  A scan or
-a Newton iteration can step over a close pair of roots and answer with the wrong one.  This search
-starts where the momentum is provably larger than the blade elements' thrust, and walks down with
-steps that provably stop short of the next root, from bounds on slope and curvature.
+Near stall (11) has several roots, of which the largest, on the attached branch, is wanted.  A scan
+or a Newton iteration can step over two roots that are close together and find a wrong one.  This
+search starts at a v_i above all roots, where ``solve.bounds`` proves that the momentum thrust is
+larger than the blade-element thrust.  From there it lowers v_i by safe steps, which by a bound on
+the second derivative cannot pass a root, and ends with Newton steps.
 """
 
 from __future__ import annotations
@@ -23,43 +24,45 @@ from propmap.solve.bounds import Bounds, find_bounds, largest_curvature, safe_st
 from propmap.solve.problem import AnnulusProblem, residual, residual_slope
 
 MAX_STEPS = 1000
-"""Steps after which an unfinished root is given up; ordinary roots take about seven, roots
-beside a fold up to thirty, beside the kink of (10) in slow axial descent some hundreds."""
+"""Steps after which a search is given up.  Most roots take about seven, roots beside a fold up to
+thirty, roots beside the kink of (10) in slow axial descent some hundreds."""
 
 NEWTON_STEPS = 4
-"""Newton steps at most.  Only at a double root are they used up."""
+"""Newton steps at most; only double roots take all of them."""
 
 FOUND = -1.0
-"""Instead of Newton steps left: the last one was tiny, or the residual within tolerance."""
+"""Value of ``_Walk.newtons`` once the root is found."""
 
 STATIONS_TOGETHER, LANES_TOGETHER = 4, 256
-"""Stations whose roots are searched for together, and stations times operating points, at least,
-unless steps are free.  All wait for the slowest, and slow roots are beside each other."""
+"""Stations searched together, at least; and stations times points, at least, which does not count
+if ``steps_are_free``.  Small groups of neighbours are best: the slowest root of a group decides,
+and slow roots are at neighbouring stations."""
 
 SURE = 0.25
-"""Share of its slope by which the residual's slope may change along a Newton step that counts as
-safe: then there is one root about it (the theorem of Newton and Kantorovich asks for 1/2).  Where
-no element is near stall the curvature is that of upward bends alone: there the residual is concave,
-and no Newton step from above a root passes it."""
+"""Largest relative change of the residual's slope along a Newton step that counts as safe.
+
+By the theorem of Newton and Kantorovich there is then one root near its end; it asks for 1/2.
+Where no element is near stall only positive second derivatives count: the residual is concave
+there, and no Newton step from above a root passes it."""
 
 CUBIC_FROM = (0.02, 1e-4)
-"""Distances [-], of the last two places from each other and of the next Newton step, relative to
-the speed, from which on the cubic through both places is trusted."""
+"""Largest distance between the last two v_i, and largest next Newton step, for which the cubic
+through both places is used; relative to the speed [-]."""
 
 
 class Search(NamedTuple):
-    """Where a search for roots ended, all (S, B).
+    """Result of a search for roots; all (S, B).
 
     Attributes
     ----------
     inflow : Array
-        v_i [m/s] where it stood.
+        Last v_i [m/s].
     found : Array
         Whether that is the largest root.
     residual : Array
-        Of (11) at the last evaluation [m^3/s^2].
+        Last evaluated residual of (11) [m^3/s^2].
     steps : Array
-        How many steps were taken until all had ended; a scalar.
+        Number of steps until all searches had ended; a scalar.
     """
 
     inflow: Array
@@ -69,23 +72,23 @@ class Search(NamedTuple):
 
 
 class _Evaluated(NamedTuple):
-    v: Array  # where the residual was evaluated last, infinite if it was not
+    v: Array  # v_i [m/s] of the last evaluation of the residual, infinite before the first
     value: Array
     per_slope: Array  # one over its slope
 
 
 class _Walk(NamedTuple):
     v: Array
-    newtons: Array  # Newton steps left, a real number like v; FOUND or 0 where the search has ended
+    newtons: Array  # Newton steps left, a float like v; FOUND or 0 where the search has ended
     before: _Evaluated
 
 
 def search(problem: AnnulusProblem, max_steps: Array, azimuth: AzimuthNodes) -> Search:
-    """Walk down to the largest root of (11) at all stations and operating points at once.
+    """Search for the largest root of (11) at all stations and operating points at once.
 
-    Each lane walks down by safe steps until these are tiny, then takes Newton steps and stays.
-    Where a Newton step is safe by the bounds it takes that instead.  The last step also uses the
-    place before, with an error of the fourth order in the steps instead of the second.
+    Each search takes safe steps down until these are tiny, then Newton steps.  Where the bounds
+    show that a Newton step is safe, it takes that at once.  The last step also uses the place
+    before, so that its error is of the fourth order in the steps instead of the second.
     """
     at, wake = problem
     bound = find_bounds(at, wake)
@@ -107,7 +110,7 @@ def search(problem: AnnulusProblem, max_steps: Array, azimuth: AzimuthNodes) -> 
 
 
 def _first_place(problem: AnnulusProblem, bound: Bounds) -> Array:
-    """Where the walk begins, (S, B): above the root, as far as is proven or can be checked."""
+    """First v_i [m/s], (S, B): above all roots by proof, or a guess that the first step checks."""
     first = xp.minimum(bound.start, bound.guess)
     if problem.wake.windmill is not None:
         first = xp.where(problem.wake.windmill > 0.0, bound.start, first)
@@ -118,7 +121,7 @@ def _first_place(problem: AnnulusProblem, bound: Bounds) -> Array:
 def _step(
     problem: AnnulusProblem, bound: Bounds, walk: _Walk, steps: Array, value: Array, slope: Array
 ) -> _Walk:
-    """One step of the walk from where the residual has this value and slope."""
+    """One step of the search, from where the residual has this ``value`` and ``slope``."""
     at, wake = problem
     v, within = walk.v, precision_of(walk.v)
     scale = bound.speed + xp.abs(at.v_axial) + 1e-30
@@ -127,10 +130,10 @@ def _step(
     curvature = largest_curvature(at, wake, bound, v, newton)
     sure = curvature * xp.abs(newton) <= -SURE * slope
     safe = safe_step(at, wake, bound, v, value, slope)
-    # At a simple root the two steps agree; at a double one Newton's is not to be trusted.
+    # Near a simple root the two steps agree; near a double one a Newton step may be far too long.
     limit = xp.where(sure, xp.inf, 4.0 * xp.abs(safe))
     newton = xp.clip(newton, -limit, limit)
-    # A guess proves nothing where the residual is positive or rises: back to what is proven.
+    # Where the residual is positive or rises the guess was wrong: go back to ``bound.start``.
     back = (steps == 0) & ((value >= 0.0) | (slope >= 0.0)) & (v < bound.start)
     near = (value >= 0.0) | (safe <= within.safe_step * scale) | (walk.newtons < NEWTON_STEPS)
     near, sure = near & ~sure & ~back, (near | sure) & ~back
@@ -138,7 +141,7 @@ def _step(
     beyond, cubic = _beyond_newton(walk.before, here)
     closes = xp.abs(walk.before.v - v) <= CUBIC_FROM[0] * scale
     closes = closes & (xp.abs(newton) <= CUBIC_FROM[1] * scale)
-    # The terms of the series fall off: what is left of it is far less than its last one.
+    # The error of the cubic is far less than its last term.
     closes = closes & (cubic <= 10.0 * within.left_over * scale)
     ends = 0.5 * curvature * newton * newton <= within.left_over * scale * xp.abs(slope)
     last = sure & (ends | closes | (xp.abs(newton) <= within.newton_step * scale))
@@ -157,8 +160,8 @@ def _step(
 
 
 def _beyond_newton(before: _Evaluated, here: _Evaluated) -> tuple[Array, Array]:
-    """How much further down than Newton's step from ``here`` the root lies [m/s], taking v_i for a
-    cubic in the residual; and the cubic's own share of that."""
+    """How far the root is below the end of a Newton step from ``here`` [m/s], for v_i as a cubic of
+    the residual; and the absolute value of the cubic term in that."""
     rise, apart = before.value - here.value, before.v - here.v
     share = -here.value / rise
     at_here, at_before = rise * here.per_slope, rise * before.per_slope
@@ -168,7 +171,7 @@ def _beyond_newton(before: _Evaluated, here: _Evaluated) -> tuple[Array, Array]:
 
 
 def find_root(problem: AnnulusProblem, max_steps: Array, azimuth: AzimuthNodes) -> Array:
-    """The largest root v_i of eq. (11), as a mere number whose derivative is zero.
+    """The largest root v_i of eq. (11), without derivatives.
 
     Parameters
     ----------
@@ -177,7 +180,7 @@ def find_root(problem: AnnulusProblem, max_steps: Array, azimuth: AzimuthNodes) 
     max_steps : Array
         Evaluations of the residual after which the search is given up.
     azimuth : AzimuthNodes
-        Nodes to average over.
+        Azimuths to average over.
 
     Returns
     -------
@@ -208,19 +211,19 @@ def find_root(problem: AnnulusProblem, max_steps: Array, azimuth: AzimuthNodes) 
 
 
 def inflow_root(problem: AnnulusProblem, max_steps: Array, azimuth: AzimuthNodes) -> Array:
-    """``find_root``, differentiable by everything in ``problem``, see ``moving_root``."""
+    """``find_root``, differentiable with respect to everything in ``problem``."""
     return moving_root(problem, find_root(problem, max_steps, azimuth), azimuth)
 
 
 @custom_jvp
 def moving_root(
-    problem: AnnulusProblem,  # noqa: ARG001 - what the root moves with, in the derivative below
+    problem: AnnulusProblem,  # noqa: ARG001 - the derivative below needs it
     root: Array,
     azimuth: AzimuthNodes,  # noqa: ARG001
 ) -> Array:
-    """A root of (11) that is known [m/s], made to move with ``problem``.
+    """A known ``root`` of (11) [m/s], differentiable with respect to everything in ``problem``.
 
-    Differentiable by everything in ``problem`` by the implicit function theorem.
+    The derivative follows from the implicit function theorem.
     """
     return root
 

@@ -1,4 +1,4 @@
-"""Whether equation (11) has further roots below the largest, where stall is not followed."""
+"""Whether equation (11) has roots below the largest, for blades whose stall is not followed."""
 
 from __future__ import annotations
 
@@ -11,30 +11,29 @@ from propmap.solve.hump import Angle, angles_about_stall, inflow_at_angle, stall
 from propmap.solve.problem import AnnulusProblem, residual
 
 _PAST_STALL = np.array([0.0, 0.04, 0.1, 0.2])
-"""[rad] from the stall angle at which the residual is sampled."""
+"""Angles from the stall angle [rad] at which the residual is sampled."""
 
 EVERY = 3
-"""Every how many stations."""
+"""The residual is sampled at every third station."""
 
 AZIMUTHS = 32
-"""Azimuth nodes over a full turn, at most.  With 24 of them, one fast point in five hundred is told
-to have several roots that has one; with 8, one in twenty."""
+"""Azimuth nodes over a full turn, at most.  With 24 nodes, one in five hundred fast points with a
+single root is said to have several; with 8 nodes, one in twenty."""
 
 
 def several_roots(solved: tuple[AnnulusProblem, Array], azimuth: AzimuthNodes) -> Array:
     """Whether (11) has more than one root at a station; bool (B,).
 
-    Below the largest root the residual is positive, unless there are further roots, which come in
-    pairs and arise past stall: so a negative residual there tells of three.  It is sampled at four
-    angles of every third station, with no more azimuth nodes than it takes: a diagnosis, on which
-    the largest root does not depend.
+    Below a single root the residual is positive.  Further roots come in pairs, past stall, so that
+    a negative residual below the largest root means three roots.  It is sampled at four angles of
+    every third station and at few azimuths; the largest root does not depend on this diagnosis.
 
     Parameters
     ----------
     solved : tuple of AnnulusProblem and Array
         Equation (11) at the stations, and its largest root [m/s], (S, B).
     azimuth : AzimuthNodes
-        Nodes to average over.
+        Azimuths to average over.
     """
     some = azimuth if 2 * len(azimuth.sines) <= AZIMUTHS else azimuth_nodes(AZIMUTHS)
     problem, root = solved[0].stations(slice(None, None, EVERY)), solved[1][::EVERY]

@@ -1,4 +1,4 @@
-"""Loads of a rotor at any operating point: solve (11) over the disk, then sum."""
+"""Loads of a rotor at any operating point: solve (11) over the disk, then integrate."""
 
 from __future__ import annotations
 
@@ -17,24 +17,24 @@ from propmap.solve.resolution import Resolution
 
 
 class RotorLoads(NamedTuple):
-    """Loads of one rotor and how they came about; every field of shape (B,).
+    """Loads of one rotor, and what statuses are made of; every field of shape (B,).
 
     Attributes
     ----------
     loads : AnnulusLoads
         Thrust, drag [N], torque and moments [N m] of the rotor, as in ``propmap.Loads``.
     roots : Array
-        Number of roots of (11), the largest over the blade: 1 or 3.
+        Largest number of roots of (11) along the blade: 1 or 3.
     ring : Array
-        Share of the vortex ring's inflow [-].
+        Share of the vortex ring's inflow in the inflow [-].
     mean_inflow : Array
         v_i averaged over the disk's area [m/s].
     attached : Array
-        Smallest attached share over the nodes, at the mean angle of attack [-].
+        Smallest share of attached flow along the blade, at the mean angle of attack [-].
     mirrored : Array
-        Whether, on the windmill branch, the mean inflow is past the limit of momentum theory.
+        Whether on the windmill branch the mean inflow is past the range of momentum theory.
     thrust_tail, torque_tail : Array
-        What the nodes may have missed of a load [N], [N m], see ``quadrature.tail``.
+        Estimated quadrature error of a load [N], [N m], see ``quadrature.tail``.
     """
 
     loads: element.AnnulusLoads
@@ -48,19 +48,19 @@ class RotorLoads(NamedTuple):
 
     @property
     def rows(self) -> tuple[Array, ...]:
-        """Every array, the loads first."""
+        """All arrays, the loads first."""
         return *self.loads, *self[1:]
 
     @classmethod
     def of_rows(cls, rows: Iterable[Array]) -> RotorLoads:
-        """From its ``rows``."""
+        """The inverse of ``rows``."""
         every = tuple(rows)
         count = len(element.AnnulusLoads._fields)
         return cls(element.AnnulusLoads(*every[:count]), *every[count:])
 
 
 def disk_loads(case: Case, panels: tuple[int, ...], azimuth: AzimuthNodes) -> RotorLoads:
-    """Loads, eqs. (13)-(15), where the static inflow is known; differentiable by ``case``.
+    """Loads, eqs. (13)-(15), with a known static inflow; differentiable with respect to ``case``.
 
     ``panels`` and ``azimuth`` are those of ``solve_disk``.
     """
@@ -76,18 +76,18 @@ def loads_over_disk(
     panels: tuple[int, ...],
     azimuth: AzimuthNodes,
 ) -> RotorLoads:
-    """Loads, eqs. (13)-(15), where (11) is solved; differentiable by ``case`` and ``disk``.
+    """Loads, eqs. (13)-(15), with a known inflow; differentiable by ``case`` and ``disk``.
 
     Parameters
     ----------
     case : Case
-        What was solved.
+        The case that was solved.
     disk : DiskInflow
         Its inflow.
     several : Array, shape (B,)
-        Whether (11) has several roots.
+        Whether several roots of (11) were found.
     panels, azimuth
-        Nodes, as in ``solve_disk``.
+        Radial nodes and azimuths, as in ``solve_disk``.
     """
     rotor, v_axial, v_inplane = case.rotor, case.v_axial, case.v_inplane
     ring, inflow = xp.zeros_like(v_axial), disk.inflow
@@ -163,7 +163,7 @@ def rotor_loads(
     Returns
     -------
     RotorLoads
-        Arrays of shape (B,); loads that were not found are NaN.
+        Arrays of shape (B,); loads are NaN where an inflow was not found.
     """
     resolution = resolution or Resolution()
     v_hover = hover_inflow(rotor, omega, resolution.stations)

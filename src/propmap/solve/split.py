@@ -1,14 +1,13 @@
 """Where along the blade the inflow jumps from one branch of (11) to another.
 
-Over v_i, the residual of (11) has a hump just before stall: coming from above, the attached
-root lies on the far side of it.  Along the blade the hump sinks, and where its top passes
-zero, at a fold, the attached root ends and the largest root drops to the stalled branch.
-The fold moves with the operating point; radial nodes that stay put flip one by one, and the
-loads jump.  So folds are looked for, and radial panels are split there.
+Over v_i, the residual of (11) has a maximum near stall, the hump.  The attached root is at a larger
+v_i than its top.  Along the blade the hump's height changes; the radius at which it passes zero is
+a fold: there the attached root vanishes, and the largest root jumps to the stalled branch.  The
+fold moves with the operating point.  Past fixed radial nodes it would move one by one, and each
+time the loads would jump.  So folds are looked for, and radial panels meet there.
 
-The same happens with the signs exchanged at negative stall, in climb too fast for the pitch.
-Which of the two stalls a blade is near is told by the sign of its angle of attack at
-three fifths of its span without any inflow.
+The same happens with opposite signs at negative stall, in climb too fast for the pitch.  The sign
+of the angle of attack without inflow, at 0.6 of the span, tells at which stall to look.
 """
 
 from __future__ import annotations
@@ -28,17 +27,17 @@ from propmap.solve.islands import Sight, find_zeros, look_closer, nearest_extrem
 from propmap.solve.problem import residual
 
 GRID = 20
-"""Radii at which the hump is looked for."""
+"""Number of evenly spaced radii at which the hump is computed."""
 
 DEFAULT_EDGES = (0.25, 0.6)
-"""Shares of the span at which panels meet where there is nothing to follow, for two edges."""
+"""Shares of the span at which the three panels meet where there is no fold."""
 
 
 def _at_extremes(t: Array, height: Array) -> tuple[Array, Array, Array]:
-    """Move the samples (S, B) that are local extremes to the extremes of parabolas.
+    """Move samples (S, B) that are local extremes to the extremes of parabolas.
 
-    So an attached stretch that is shorter than the spacing still shows as two crossings.
-    Also whether a sample is such an extreme.
+    So a stretch of attached flow shorter than the spacing may still give two zeros.  The third
+    result is whether a sample is such an extreme.
     """
     left, right = height[1:-1] - height[:-2], height[2:] - height[1:-1]
     extreme = left * right < 0.0
@@ -54,7 +53,7 @@ def _at_extremes(t: Array, height: Array) -> tuple[Array, Array, Array]:
 
 
 def _even_zeros(radius: Array, hump: Hump, count: int) -> tuple[Array, Array, Array]:
-    """The first ``count`` zeros of the hump's height at even spacing, all (count, B).
+    """The first ``count`` zeros of the hump's height, from evenly spaced radii; all (count, B).
 
     Whether there is one, its radius [m] and the inflow [m/s] there.
     """
@@ -65,7 +64,7 @@ def _even_zeros(radius: Array, hump: Hump, count: int) -> tuple[Array, Array, Ar
     changes = xp.sign(height[:-1]) * xp.sign(height[1:]) < 0.0
     gap = xp.where(changes, height[:-1] - height[1:], 1.0)
     share = xp.where(changes, height[:-1] / gap, 0.5)
-    # From an extreme the hump falls off like a parabola, elsewhere like a line.
+    # Next to an extreme the height is like a parabola, elsewhere like a line.
     share = xp.where(extreme[:-1], xp.sqrt(share), share)
     share = xp.where(extreme[1:] & ~extreme[:-1], 1.0 - xp.sqrt(1.0 - share), share)
     at = root + span * (place[:-1] + share * xp.diff(place, axis=0))
@@ -80,10 +79,10 @@ def _even_zeros(radius: Array, hump: Hump, count: int) -> tuple[Array, Array, Ar
 
 
 def _spare_edges(some: Array, share: Array, first: Array) -> Array:
-    """Shares of the span (E, B) for the edges that have nothing to follow.
+    """Shares of the span (E, B) for all edges, those without a fold included.
 
-    ``some`` (E, B) have, at ``share`` (E, B).  ``first`` (B,) is for the first spare edge, or
-    infinite; each other one halves the widest panel so far, by area.
+    Edges where ``some`` (E, B) have a fold, at ``share`` (E, B).  Of the others the first is at
+    ``first`` (B,), unless that is infinite; each further one halves the panel of largest area.
     """
     place = xp.where(some, share, 1.0)
     unused = xp.isfinite(first)
@@ -103,8 +102,7 @@ def _spare_edges(some: Array, share: Array, first: Array) -> Array:
 def hump_crossings(
     problem_at: ProblemAt, root: Array, tip: Array, edges: int, azimuth: AzimuthNodes
 ) -> tuple[Crossing, Array]:
-    """The first radii at which the hump passes zero; and whether (11) was seen to have several
-    roots, (B,).
+    """The first radii at which the hump's height is zero; whether several roots were found, (B,).
 
     Parameters
     ----------
@@ -113,12 +111,12 @@ def hump_crossings(
     root, tip : Array
         Ends of the blade [m].
     edges : int
-        2, or 4 where attached flow may be left on two stretches.
+        2, or 4 where flow may be attached on two separate stretches.
     azimuth : AzimuthNodes
-        Nodes to average over.
+        Azimuths to average over.
     """
     radius = root + (tip - root) * xp.linspace(0.0, 1.0 - 1e-6, GRID)[:, None]
-    # One look-up of the blade's shape for both.
+    # Both in one look-up of the blade's shape.
     outer = (root + 0.6 * (tip - root))[None, None]
     both = problem_at(xp.concatenate([radius, outer]))
     problem, beside = both.stations(slice(GRID)), both.stations(slice(GRID, None))
@@ -129,7 +127,7 @@ def hump_crossings(
     several = xp.any(hump.folded, axis=0)
 
     def sight_of(radii: Array, found: Hump) -> Sight:
-        # At the hump's top, by the envelope theorem, only the radius itself counts.
+        # At the top the residual's slope by v_i is zero, so that v_i may be kept.
         step = -precision_of(radii).difference * radii
         along = residual(problem_at(radii + step), found.inflow, azimuth)
         slope = (along - residual(problem_at(radii), found.inflow, azimuth)) / step
@@ -142,7 +140,7 @@ def hump_crossings(
     if islands:
         sight = look_closer(sight_of(radius, hump), look, edges)
         some, y, v, known, _ = find_zeros(sight, edges)
-        # Half way to the next zero at most, lest the search for one ends at the other.
+        # At most half way to the next zero, lest the search for one end at the other.
         gap = xp.where(some[:-1] & some[1:], xp.diff(y, axis=0), xp.inf)
         gap = xp.pad(gap, ((1, 1), (0, 0)), constant_values=xp.inf)
         spacing = xp.minimum(spacing, 0.25 * xp.minimum(gap[:-1], gap[1:]))

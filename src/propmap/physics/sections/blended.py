@@ -10,7 +10,7 @@ from propmap.arrays.namespace import Array, xp
 from propmap.physics.sections.law import Coefficients, LawBounds, SectionFlow
 
 PLATE_FRICTION = 2.0 * 1.02
-"""Both sides of a plate, with Blasius' factor for its finite length; in front of c_p in (4)."""
+"""The factor of c_p in (4): two sides of a plate, and 1.02 for its finite length."""
 
 
 class BlendedLaw(NamedTuple):
@@ -54,7 +54,7 @@ class BlendedLaw(NamedTuple):
 
     @property
     def parameters(self) -> tuple[str, ...]:
-        """By what loads can be differentiated."""
+        """Names of the parameters with respect to which loads can be differentiated."""
         return tuple(name for name in self._fields if name != "attached")
 
     def plus(self, **changes: Array) -> BlendedLaw:
@@ -64,7 +64,7 @@ class BlendedLaw(NamedTuple):
     def coefficients(self, flow: SectionFlow) -> Coefficients:
         """C_L by eq. (3) and C_D by eq. (4) in a ``flow``, with their derivatives.
 
-        ``c_l2 = c_l`` and ``attached = 0`` give C_L = c_l sin(a) cos(a), footnote 1.
+        With ``attached = 0``, C_L = c_l sin(a) cos(a) of footnote 1, where c_l is ``c_l2``.
         """
         share, share_slope = self._attached_share_and_slope(flow.angle)
         attached = self.c_l1 * flow.angle
@@ -88,22 +88,22 @@ class BlendedLaw(NamedTuple):
         """1 - sigma(alpha) of eq. (3) [-] at ``angle`` from zero lift [rad].
 
         The paper writes sigma as (1 + A + B) / ((1 + A)(1 + B)) with A = exp(-M (a - a0)) and
-        B = exp(M (a + a0)), which overflows in float32 near 1.4 rad.  For a >= 0 the same
-        function, which is even, is 1 - x / ((1 + x)(x + e)) with x = 1/A and e = exp(-2 M a0):
-        one exponential, and with a cap on its argument no overflow and no lost derivative.
+        B = exp(M (a + a0)), which overflows in float32 near 1.4 rad.  The function is even.  For
+        a >= 0 it equals 1 - x / ((1 + x)(x + e)) with x = 1/A and e = exp(-2 M a0): a single
+        exponential, which cannot overflow once its argument is limited.
         """
         return self._attached_share_and_slope(angle)[0]
 
     def _attached_share_and_slope(self, angle: Array) -> tuple[Array, Array]:
-        """The share of ``attached_share``, which (3) is made with, and its slope by the angle."""
+        """``attached_share``, and its derivative with respect to the angle [1/rad]."""
         far = xp.exp(-2.0 * self.sharpness * self.alpha_0)
         exponent = self.sharpness * (1.0 / math.log(2.0)) * (xp.abs(angle) - self.alpha_0)
-        # Not ``clip``, whose derivative divides; the square of 2^58 fits into float32.
+        # Not ``clip``, whose derivative has a division; the square of 2^58 fits into float32.
         x = power_of_two(
             xp.where(exponent > -58.0, xp.where(exponent < 58.0, exponent, 58.0), -58.0)
         )
         inverse = 1.0 / ((1.0 + x) * (x + far))
-        share = self.attached * x * inverse
+        share = self.attached * x * inverse  # 1 - sigma of Eq. (3)
         steepness = (x * x - far) * inverse
         return share, xp.where(angle < 0.0, self.sharpness, -self.sharpness) * share * steepness
 
@@ -112,21 +112,21 @@ class BlendedLaw(NamedTuple):
         return side * self.alpha_0
 
     def bounds(self) -> LawBounds:
-        """Bounds in closed form."""
+        """Bounds on the coefficients, in closed form."""
         m, attached, separated = self.sharpness, self.attached * self.c_l1, self.c_l2
         largest = self._largest_lift()
-        # The logistic blend has a second derivative of at most 0.0963 M^2 and a slope of at most
-        # M/4.  They act on the difference of attached and separated lift a little past stall.
+        # The logistic blend has slopes up to M/4 and second derivatives up to 0.0963 M^2.  They
+        # multiply the difference of attached and separated lift, taken a little past stall.
         knee = self.alpha_0 + 3.0 / m
         drop = xp.abs(attached * knee - 0.5 * separated * xp.sin(2.0 * knee))
-        # Where c_l1 >= c_l2 the blend only takes lift away.
+        # Where c_l1 >= c_l2 separation only lowers the lift.
         gain = xp.maximum(separated - attached, 0.0)
         blend_bend = 0.0963 * m * m * drop + 2.0 * separated
         return LawBounds(
             lift=largest,
             lift_bend=blend_bend + 0.5 * m * xp.abs(attached + separated),
             foot_bend=blend_bend + 0.5 * m * gain,
-            # (1 - sigma) c_l1 alpha is past no inflection there.
+            # (1 - sigma) c_l1 alpha has no inflection in the attached range.
             attached_bend=0.0 * largest,
             drag_bend=5.0 * self.c_d + 3.0 * self.c_d0,
             friction=PLATE_FRICTION * self.c_p,
@@ -139,7 +139,7 @@ class BlendedLaw(NamedTuple):
 
     def _largest_lift(self) -> Array:
         # alpha (1 - sigma) <= alpha / (1 + exp(M (alpha - a0))), whose largest value is w/M with
-        # w + ln(w) = M a0 - 1.  Newton's steps stay below w, and z - ln of what is below, above.
+        # w + ln(w) = z = M a0 - 1.  Newton's steps stay below w; from w' < w, z - ln(w') > w.
         z = self.sharpness * self.alpha_0 - 1.0
         below = xp.maximum(z, 1.0)
         for _ in range(2):

@@ -1,7 +1,7 @@
-"""What a section law is: lift and drag of a blade section, and bounds on them.
+"""The protocol of a section law: lift and drag of a blade section, and bounds on them.
 
-A law is a pytree of arrays, so that loads can be differentiated by its parameters.  To add one,
-write a file beside this one and name it in ``propmap.physics.sections``.
+A law is a pytree of arrays, so that loads can be differentiated with respect to its parameters.
+How to add one: docs/architecture.md.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from propmap.physics.velocities import angle_of
 
 
 class SectionFlow(NamedTuple):
-    """The flow that a section meets; arrays of one shape.
+    """The flow at a section; arrays of one shape.
 
     Attributes
     ----------
@@ -35,16 +35,16 @@ class SectionFlow(NamedTuple):
 
 
 class Coefficients(NamedTuple):
-    """Lift and drag coefficients and how they change.
+    """Lift and drag coefficients with their derivatives.
 
     Attributes
     ----------
     lift, drag : Array
         C_L and C_D [-].
     lift_slope, drag_slope : Array
-        Derivatives by the angle of attack [1/rad].
+        Derivatives with respect to the angle of attack [1/rad].
     lift_by_log_re, drag_by_log_re : Array or float
-        Derivatives by the natural logarithm of Re [-].
+        Derivatives with respect to ln Re [-].
     """
 
     lift: Array
@@ -56,9 +56,10 @@ class Coefficients(NamedTuple):
 
 
 class LawBounds(NamedTuple):
-    """Bounds over all angles of attack and Reynolds numbers, from which safe steps follow.
+    """Bounds on a law over all angles of attack and Reynolds numbers, for ``solve.bounds``.
 
-    A dash is a derivative by the angle, an l one by ln Re, which changes with the inflow too.
+    A prime is a derivative with respect to the angle; an index l, one with respect to ln Re, which
+    like the angle depends on the inflow.
 
     Attributes
     ----------
@@ -67,22 +68,22 @@ class LawBounds(NamedTuple):
     lift_bend : Array
         Largest |C_L''| + |C_L,l| + |C_L,l'| + |C_L,ll| [-].
     foot_bend : Array
-        The same with C_L'' upwards alone, where alpha > ``attached_from`` [-].
+        The same for alpha > ``attached_from``, with max(C_L'', 0) in place of |C_L''| [-].
     attached_bend : Array
-        The same between ``attached_from`` and ``attached_to`` [-]; zero where C_L depends on alpha
-        alone and bends downwards only.
+        ``foot_bend`` between ``attached_from`` and ``attached_to`` [-]; zero for a concave C_L that
+        depends on alpha alone.
     drag_bend : Array
         Largest |k^2 s (C_D + C_D'')| + 2 |s C_D - k C_D'| for any k^2 + s^2 = 1, and
         3 (|C_D,l| + |C_D,l'| + |C_D,ll|) [-]; without friction.
     friction : Array or float
-        f of a part f / sqrt(Re) of C_D [-].
+        f, where C_D has a term f / sqrt(Re) [-].
     attached_from, attached_to : Array
-        Angles from zero lift [rad] between which no part of the section is near stall.
+        Angles from zero lift [rad] between which the section is far from stall.
     attached_slope : Array
-        c with C_L <= c alpha for attached flow, alpha > 0, and near it [1/rad]; 0 if there is
-        no such slope.
+        c such that in attached flow, for alpha > 0, C_L is little less than c alpha and never more
+        [1/rad]; 0 if there is no such c.
     least_stall_angle, stall_width : Array
-        Angle from zero lift about which lift breaks down, and over how much of it [rad].
+        Angle from zero lift at which the section stalls, and width of that range [rad].
     """
 
     lift: Array
@@ -108,12 +109,12 @@ class SectionLaw(Protocol):
 
     @property
     def drag_factor(self) -> Array | float:
-        """What the rotor drag (14) is multiplied by [-]; 1 in the paper."""
+        """Factor on the rotor drag (14) [-]; 1 in the paper."""
         ...
 
     @property
     def parameters(self) -> tuple[str, ...]:
-        """Names of the numbers by which loads can be differentiated."""
+        """Names of the parameters with respect to which loads can be differentiated."""
         ...
 
     def plus(self, **changes: Array) -> SectionLaw:
@@ -125,18 +126,18 @@ class SectionLaw(Protocol):
         ...
 
     def attached_share(self, angle: Array) -> Array:
-        """Share of attached flow [-], 1 far from stall; ``angle`` from zero lift [rad]."""
+        """Share of attached flow [-], 1 below stall; ``angle`` is from zero lift [rad]."""
         ...
 
     def stall_angle(self, reynolds: Array, side: Array) -> Array:
-        """Angle from zero lift about which lift breaks down [rad].
+        """Angle from zero lift at which the section stalls [rad].
 
         Parameters
         ----------
         reynolds : Array
             Re [-].
         side : Array
-            1 for positive angles, -1 for negative ones, whose sign the result has.
+            1 for stall at positive angles, -1 at negative ones; the result has this sign.
         """
         ...
 
@@ -146,7 +147,7 @@ class SectionLaw(Protocol):
 
 
 def coefficients_at(law: SectionLaw, alpha: Array, reynolds: Array) -> Coefficients:
-    """C_L and C_D of a law, as an aerodynamicist asks for them.
+    """C_L and C_D of a law at an angle from the chord line and a Reynolds number.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Bounds on a tabulated section law, and where it stalls, from its cubics."""
+"""Bounds and stall angles of a tabulated section law, from its cubics."""
 
 from __future__ import annotations
 
@@ -10,23 +10,23 @@ from propmap.arrays.types import Floats
 from propmap.physics.sections.law import LawBounds
 
 ATTACHED = 0.9
-"""Share of the largest lift, of either sign, up to which a section counts as attached."""
+"""Share of the lift at stall, of either sign, up to which a section counts as attached."""
 
 STALL_WIDTH = 0.014
-"""[rad] over which a table's lift is taken to break down; what is sharper shows in the loads."""
+"""Assumed width of stall in a table [rad]; a sharper stall shows as a large tail of the loads."""
 
 
 class _Largest(NamedTuple):
-    """Sizes over the cubics of one coefficient, (R, K) each, and what Re adds to bends."""
+    """Largest absolute values over the cubics of one coefficient, (R, K) unless said otherwise."""
 
     value: Floats
     slope: Floats
-    bend: Floats  # at both ends of an interval, signed, (R, K, 2)
-    by_log_re: float  # |C_l| + |C_l'| + |C_ll|
+    bend: Floats  # second derivatives at both ends of an interval, signed, (R, K, 2)
+    by_log_re: float  # bound of |C_l| + |C_l'| + |C_ll|, see ``LawBounds``
 
 
 def _largest(knots: Floats, log_re: Floats, cubics: Floats) -> _Largest:
-    """Of the cubics (R, K, 4)."""
+    """``_Largest`` of the cubics (R, K, 4)."""
     h = np.diff(knots)[:, None]
     c0, c1, c2, c3 = (cubics[..., n, None] for n in range(4))
     ends = np.concatenate([0.0 * h, h], axis=1)
@@ -37,7 +37,7 @@ def _largest(knots: Floats, log_re: Floats, cubics: Floats) -> _Largest:
     value = np.abs(c0 + ends * (c1 + ends * (c2 + ends * c3))).max(axis=-1)
     along = 0.0
     if len(log_re) > 1:
-        # A monotone cubic is at most 3 times as steep as its chord, and bends by 12 chords/width.
+        # With a chord of slope s a monotone cubic has |f'| <= 3 s and |f''| <= 12 s / width.
         width = np.diff(log_re)[:, None]
         chord = np.abs(np.diff(cubics[..., 0], axis=0)) / width
         tilt = np.abs(np.diff(cubics[..., 1], axis=0)) / width
@@ -48,9 +48,9 @@ def _largest(knots: Floats, log_re: Floats, cubics: Floats) -> _Largest:
 def table_bounds(
     knots: Floats, log_re: Floats, cubics: Floats, lift: Floats, stall: Floats
 ) -> LawBounds:
-    """Bounds from the cubics (4, R, K, 4) of C_L, its slope by ln Re, C_D and its slope."""
+    """Bounds from the cubics (4, R, K, 4) of C_L, dC_L/d ln Re, C_D and dC_D/d ln Re."""
     of_lift, lift_more, of_drag, drag_more = (_largest(knots, log_re, c) for c in cubics)
-    # What slopes by ln Re add between two Reynolds numbers: at most 4/27 of each, times the gap.
+    # Between two Reynolds numbers each slope by ln Re adds at most 4/27 of itself times the gap.
     reach = 0.3 * np.diff(log_re).max(initial=0.0)
 
     def largest(name: str, one: _Largest, more: _Largest) -> float:
@@ -68,7 +68,7 @@ def table_bounds(
         "lift": largest("value", of_lift, lift_more),
         "lift_bend": lift_bend,
         "foot_bend": lift_bend,
-        # A table is never quite concave; zero would say that it is.
+        # Never zero, which would say that C_L is concave: no table is exactly so.
         "attached_bend": upwards + 1e-9,
         "drag_bend": 3.0 * drag + drag_bend + 2.0 * drag_slope + 3.0 * of_drag.by_log_re,
         "friction": 0.0,
@@ -83,9 +83,9 @@ def table_bounds(
 
 
 def stall_angles(knots: Floats, lift: Floats) -> Floats:
-    """Angle from zero lift of each table's first peak of lift, upwards and downwards [rad]; (2, R).
+    """Angles [rad] of the first peak of lift above and below zero lift, at each Re; (2, R).
 
-    Not of the largest lift: at low Reynolds numbers a plate at 45 deg may have more.
+    The largest lift may be elsewhere: at low Reynolds numbers it may be that at 45 deg.
     """
     found = np.empty((2, len(lift)))
     middle = int(np.searchsorted(knots, 0.0))
@@ -97,13 +97,13 @@ def stall_angles(knots: Floats, lift: Floats) -> Floats:
 
 
 def _first_peak(lift: Floats) -> int:
-    """Where lift (K,) first falls from a positive value; the last entry if it does not."""
+    """Index at which lift (K,) first falls from a positive value; the last one if it never does."""
     falls = np.flatnonzero((lift[:-1] > 0.0) & (np.diff(lift) < 0.0))
     return int(falls[0]) if falls.size else len(lift) - 1
 
 
 def _attached_range(knots: Floats, lift: Floats, stall: Floats) -> tuple[float, float]:
-    """Between which angles from zero lift all tables are attached [rad]."""
+    """Angles from zero lift between which flow is attached at every Reynolds number [rad]."""
     low, high = -np.pi, np.pi
     for row, (up, down) in zip(lift, stall.T, strict=True):
         rising, falling = (knots >= 0.0) & (knots <= up), (knots <= 0.0) & (knots >= down)

@@ -1,4 +1,4 @@
-"""A section law from a table: C_L and C_D at angles all round and at Reynolds numbers."""
+"""A section law from a table of C_L and C_D over +-180 deg and Reynolds numbers."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from propmap.physics.sections.table_bounds import stall_angles, table_bounds
 
 
 class _Cubics(NamedTuple):
-    """Cubics in the angle, per interval of the table."""
+    """Values and slopes of the four cubics of an interval."""
 
     lift: Array
     lift_by_log_re: Array
@@ -25,31 +25,31 @@ class _Cubics(NamedTuple):
 class TabulatedLaw(NamedTuple):
     """C_L and C_D by monotone cubics (PCHIP) in the angle and in ln Re, once differentiable.
 
-    At the table's angles the values at its Reynolds numbers, and their slopes by ln Re, are
-    joined by PCHIP in the angle; between two Reynolds numbers by the cubic with these values and
-    slopes.  Outside the table's Reynolds numbers the nearest one holds: the slopes are zero there.
+    At each Reynolds number of the table PCHIP in the angle gives the coefficients and their slopes
+    by ln Re.  Between two Reynolds numbers the cubic with these values and slopes is taken.
+    Outside the table's range the nearest Reynolds number holds; slopes by ln Re are zero there.
 
     Attributes
     ----------
     knots : Array
         Angles from zero lift [rad], rising from -pi to pi, (K + 1,).
     first : Array
-        For each of equal steps of the angle, narrower than any two knots, the interval in which it
-        begins, integers.
+        Look-up of the interval: the circle is divided into equal steps, shorter than any interval;
+        for each the index of the interval in which it begins.
     rows : Array
         Coefficients of the cubics of C_L, dC_L/d ln Re, C_D, dC_D/d ln Re, lowest power first,
         for each Reynolds number and interval, (R K, 16).
     log_re : Array
         ln Re of the table, rising, (R,).
     zero_lift_angle : Array
-        Angle of attack of zero lift [rad] at the middle one of the Reynolds numbers.
+        Angle of attack of zero lift [rad], at the middle one of the Reynolds numbers.
     drag_factor : Array
         Multiplies the rotor drag (14) [-].
     stall : Array
-        Angles from zero lift about which lift breaks down [rad], at positive and at negative
-        angles, for each Reynolds number, (2, R).
+        Stall angles from zero lift [rad], the positive and the negative one at each Reynolds
+        number, (2, R).
     limits : LawBounds
-        Its bounds, from the cubics.
+        Bounds on the law, from the cubics.
     """
 
     knots: Array
@@ -63,7 +63,7 @@ class TabulatedLaw(NamedTuple):
 
     @property
     def parameters(self) -> tuple[str, ...]:
-        """By what loads can be differentiated."""
+        """Names of the parameters with respect to which loads can be differentiated."""
         return ("zero_lift_angle", "drag_factor")
 
     def plus(self, **changes: Array) -> TabulatedLaw:
@@ -94,20 +94,20 @@ class TabulatedLaw(NamedTuple):
         )
 
     def attached_share(self, angle: Array) -> Array:
-        """1 where ``angle`` [rad] is in the attached range, and falling beyond it."""
+        """1 where ``angle`` [rad] is in the attached range; it falls off outside."""
         law = self.limits
         beyond = xp.maximum(angle - law.attached_to, law.attached_from - angle)
         return xp.where(beyond > 0.0, 1.0 / (1.0 + (beyond / law.stall_width) ** 2), 1.0)
 
     def _among_reynolds(self, reynolds: Array) -> tuple[Array, Array, Array]:
-        """Which interval of ln Re, how wide it is, and where in it, from 0 to 1."""
+        """Interval of ln Re, its width, and the place in it from 0 to 1."""
         log_re = xp.clip(xp.log(reynolds), self.log_re[0], self.log_re[-1])
         r = xp.sum(log_re[..., None] >= self.log_re[1:-1], axis=-1)
         width = self.log_re[r + 1] - self.log_re[r]
         return r, width, (log_re - self.log_re[r]) / width
 
     def stall_angle(self, reynolds: Array, side: Array) -> Array:
-        """That of the nearest Reynolds numbers [rad], on a ``side``; see ``SectionLaw``."""
+        """Stall angle [rad] on a ``side``, linear in ln Re; see ``SectionLaw``."""
         up, down = self.stall
         if self.log_re.shape[0] == 1:
             return xp.where(side > 0.0, up[0], down[0]) + 0.0 * reynolds
@@ -116,12 +116,12 @@ class TabulatedLaw(NamedTuple):
         return xp.where(side > 0.0, above, below)
 
     def bounds(self) -> LawBounds:
-        """Bounds found from the cubics when the law was made."""
+        """Bounds on the coefficients, found when the law was made."""
         return self.limits
 
 
 def _cubics(rows: Array, along: Array) -> _Cubics:
-    """Values and slopes by the angle, ``along`` [rad] past the interval's start."""
+    """Values and slopes by the angle at ``along`` [rad] from the interval's start."""
     c = xp.moveaxis(rows, -1, 0)
 
     def at(n: int) -> Array:
@@ -133,7 +133,7 @@ def _cubics(rows: Array, along: Array) -> _Cubics:
 
 
 def _between(t: Array, width: Array, f0: Array, m0: Array, f1: Array, m1: Array) -> Array:
-    """The cubic in ln Re: its value, slope by the angle, and slope by ln Re; t from 0 to 1."""
+    """The cubic in ln Re at t from 0 to 1: value, slope by the angle, slope by ln Re."""
     rise = f1 - f0
     a, b = width * m0, width * m1
     c2, c3 = 3.0 * rise - 2.0 * a - b, a + b - 2.0 * rise
@@ -159,14 +159,14 @@ def tabulated_law(
     reynolds : ndarray
         Reynolds numbers, rising, (R,).
     lift, drag : ndarray
-        C_L and C_D [-], (R, K + 1); the same at -pi and pi.
+        C_L and C_D [-], (R, K + 1); equal at -pi and pi.
     drag_factor : float
         Multiplies the rotor drag (14).
     """
     with by_numpy():
         middle = lift[len(reynolds) // 2]
         zero = _zero_lift_angle(angle, middle)
-        # The table turned so that it begins at -pi from zero lift.
+        # Measure angles from zero lift, and let the table begin at -pi from there.
         turned = _turned(angle, np.concatenate([lift, drag]), zero)
         knots, lift, drag = turned[0], turned[1 : 1 + len(reynolds)], turned[1 + len(reynolds) :]
         log_re = np.log(np.asarray(reynolds, dtype=np.float64))
@@ -186,7 +186,7 @@ def tabulated_law(
 
 
 def _zero_lift_angle(angle: Floats, lift: Floats) -> float:
-    """Where the lift passes zero, rising, nearest to zero angle [rad]."""
+    """The angle [rad] at which lift rises through zero; of several, the one nearest to zero."""
     k = np.flatnonzero((lift[:-1] <= 0.0) & (lift[1:] > 0.0))
     share = -lift[k] / (lift[k + 1] - lift[k])
     zeros = angle[k] + share * (angle[k + 1] - angle[k])
@@ -194,7 +194,7 @@ def _zero_lift_angle(angle: Floats, lift: Floats) -> float:
 
 
 def _turned(angle: Floats, values: Floats, zero: float) -> Floats:
-    """Angles from ``zero`` between -pi and pi, and the periodic ``values`` there, stacked."""
+    """Angles from ``zero``, rising from -pi to pi, and the periodic ``values`` there, stacked."""
     inner = (angle[:-1] - zero + np.pi) % (2.0 * np.pi) - np.pi
     order = np.argsort(inner)
     x, y = inner[order], values[:, :-1][:, order]
@@ -209,7 +209,7 @@ def _turned(angle: Floats, values: Floats, zero: float) -> Floats:
 
 
 def _slopes_along_re(log_re: Floats, values: Floats) -> Floats:
-    """Slopes by ln Re (R, K), zero at both ends."""
+    """Slopes by ln Re (R, K), zero at the lowest and the highest Reynolds number."""
     slopes = np.zeros_like(values)
     if len(log_re) > 2:
         slopes[1:-1] = np.stack([pchip_slopes(log_re, column) for column in values.T], axis=1)[1:-1]
