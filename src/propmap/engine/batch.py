@@ -19,7 +19,7 @@ BLOCK = 32
 """Operating points per call of a program."""
 
 LARGE_NODES = 24576
-"""Radial nodes per call in a large batch, at most; each call has a fixed cost besides."""
+"""Radial nodes per call in a large batch, at most; each call also has a fixed cost."""
 
 KERNEL_NODES = 3072
 """The same for programs made of many kernels, see ``engine.lanes``: with more nodes the arrays that

@@ -95,7 +95,7 @@ def evaluate(
 
 
 def _in_parts(rotor: Prepared, setting: Accuracy, flow: Flow) -> RotorLoads:
-    # Parts of equal size, lest a small remainder need further programs.
+    # Parts of equal size: a small remainder would need further programs.
     points = np.arange(flow.omega.size)
     which = np.array_split(points, max(1, -(-points.size // CHUNK)))
     found = [evaluate_flow(rotor, setting, flow.part(part)) for part in which]

@@ -3,7 +3,7 @@
 On (8): the paper negates its right-hand side when the wake is above the disk.  That is right for a
 mass flow with a sign.  The mass flow of (10) has none, and the air's velocity changes by 2 v_i
 against the thrust whichever way the air crosses the disk.  So the thrust has the sign of v_i in
-climb and in windmill descent alike, and nothing is negated here.
+climb as in windmill descent, and nothing is negated here.
 """
 
 from __future__ import annotations

@@ -17,7 +17,7 @@ from propmap.physics.wake import FactorBounds
 
 LEAST_REACH = 5e-5
 """Least value of f sin(phi) [-].  Otherwise F would go to zero over the last 0.005 % of the blade,
-which carries nothing, and change there within some um/s of U_P."""
+which has hardly any load, and change there within some um/s of U_P."""
 
 
 class PrandtlLoss(NamedTuple):

@@ -52,7 +52,8 @@ def _rise_jvp(primals, tangents):  # type: ignore[no-untyped-def]
 def vortex_ring_weight(v_axial: Array, v_inplane: Array, v_hover: Array) -> Array:
     """Share of ``vortex_ring_inflow`` in the inflow used [-], twice differentiable.
 
-    It is zero outside the vortex ring's region.  All arguments [m/s] are of one shape.
+    It is zero outside the vortex ring's region.  ``v_axial``, ``v_inplane`` and ``v_hover`` [m/s]
+    are of one shape.
     """
     v_h = xp.maximum(v_hover, 1e-9)
     z, x = v_axial / v_h, v_inplane / v_h

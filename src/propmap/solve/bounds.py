@@ -123,7 +123,7 @@ def _attached_guess(
     attached_from: Array,
     attached_to: Array,
 ) -> Array:
-    """A v_i [m/s] a little above the root of attached flow; infinite where none can be vouched for.
+    """A v_i [m/s] a little above the root of attached flow; infinite where that cannot be shown.
 
     Without drag and stall, and with sin(alpha) for alpha, the blade-element thrust is linear in
     v_i, and Newton's steps from ``start`` come down to the root without passing it.  If they go
@@ -137,7 +137,7 @@ def _attached_guess(
     if not wake.is_plain:
         return xp.full_like(start, xp.inf)
     sine, cosine = at.station.sine, at.station.cosine
-    # alpha exceeds sin(alpha) whatever its sign.
+    # |alpha| > |sin(alpha)|: with positive lift the margin makes up for it.
     lifting = speed * speed * sine > at.turning * cosine * at.v_axial
     margin = xp.where(lifting, GUESS_MARGIN, 1.0)
     k = margin * 0.5 * at.blades * at.chord * law.attached_slope / (4.0 * np.pi * at.radius)
@@ -207,7 +207,7 @@ def _step_within(
     u = at.v_axial + v
     u_low = u - reach
     # Without in-plane flow the wake's thrust has a kink at u = 0, where the parabola ends.  A step
-    # may go slightly past it, lest its size, falling to zero there, end the walk.
+    # may go slightly past it: one that becomes tiny before it would end the safe steps.
     u_end = xp.where(u > 0.0, xp.maximum(u_low, 0.0), u_low)
     to_kink = u - u_end + 2.0 * precision_of(v).safe_step * (bound.speed + xp.abs(at.v_axial))
     wake_bend = wake.largest_bend(at, v - reach, v)

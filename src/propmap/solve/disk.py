@@ -1,4 +1,4 @@
-"""The inflow over the whole disk: radial nodes, placed where stall asks for them, and their v_i."""
+"""The inflow over the whole disk: radial nodes that follow stall, and v_i at each of them."""
 
 from __future__ import annotations
 

@@ -140,7 +140,7 @@ def hump_crossings(
     if islands:
         sight = look_closer(sight_of(radius, hump), look, edges)
         some, y, v, known, _ = find_zeros(sight, edges)
-        # At most half way to the next zero, lest the search for one end at the other.
+        # At most half way to the next zero, so that the search for one does not end at the other.
         gap = xp.where(some[:-1] & some[1:], xp.diff(y, axis=0), xp.inf)
         gap = xp.pad(gap, ((1, 1), (0, 0)), constant_values=xp.inf)
         spacing = xp.minimum(spacing, 0.25 * xp.minimum(gap[:-1], gap[1:]))

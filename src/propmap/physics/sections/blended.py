@@ -108,7 +108,7 @@ class BlendedLaw(NamedTuple):
         return share, xp.where(angle < 0.0, self.sharpness, -self.sharpness) * share * steepness
 
     def stall_angle(self, reynolds: Array, side: Array) -> Array:  # noqa: ARG002 - as every law
-        """alpha_0 [rad] with the sign of ``side``, at any Re."""
+        """alpha_0 [rad] with the sign of ``side``, at any ``reynolds``."""
         return side * self.alpha_0
 
     def bounds(self) -> LawBounds:

@@ -107,7 +107,7 @@ class TabulatedLaw(NamedTuple):
         return r, width, (log_re - self.log_re[r]) / width
 
     def stall_angle(self, reynolds: Array, side: Array) -> Array:
-        """Stall angle [rad] on a ``side``, linear in ln Re; see ``SectionLaw``."""
+        """Stall angle [rad] on a ``side``, linear in ln ``reynolds``; see ``SectionLaw``."""
         up, down = self.stall
         if self.log_re.shape[0] == 1:
             return xp.where(side > 0.0, up[0], down[0]) + 0.0 * reynolds
