@@ -5,7 +5,7 @@ READY := $(VENV)/ready
 DOCS_READY := $(VENV)/docs-ready
 PEERS_READY := $(VENV)/peers-ready
 
-.PHONY: demo reproduce test test-fast test-readers test-numpy test-slow lint types bench bench-table bench-fine-table bench-choice bench-identification bench-peers bench-phases bench-roofline bench-accelerator convergence docs clean
+.PHONY: demo reproduce test test-fast test-readers test-numpy test-slow lint types bench bench-table bench-fine-table bench-choice bench-identification bench-peers bench-phases bench-options bench-roofline bench-accelerator convergence docs clean
 
 $(READY): pyproject.toml constraints.txt
 	python3 -m venv $(VENV)
@@ -80,6 +80,9 @@ bench-table: $(READY)
 
 bench-fine-table: $(READY)
 	$(BIN)/python -m benchmarks.table fine
+
+bench-options: $(READY)
+	$(BIN)/python -m benchmarks.options
 
 bench-phases: $(READY)
 	$(BIN)/python -m benchmarks.phases

@@ -26,7 +26,16 @@ def write(folder: Path) -> None:
     """All generated parts, as Markdown."""
     found = {
         name: json.loads((RESULTS / f"{name}.json").read_text(encoding="utf-8"))
-        for name in ("choice", "convergence", "demo", "identification", "peers", "phases", "speed")
+        for name in (
+            "choice",
+            "convergence",
+            "demo",
+            "identification",
+            "options",
+            "peers",
+            "phases",
+            "speed",
+        )
     }
     parts = {
         "numerical-accuracy": readme_tables.numerical_accuracy(found["convergence"]),
@@ -39,6 +48,7 @@ def write(folder: Path) -> None:
         "choice-cost": choice_cost(found["choice"]),
         "choice-measured": choice_measured(found["choice"]),
         "choice-table": choice_table(found["choice"]),
+        "performance-options": performance_tables.options(found["options"]),
         "performance-jobs": performance_tables.jobs(found["phases"]),
         "performance-following": performance_tables.following(found["phases"]),
         "performance-peers": performance_tables.peers(found["peers"]),

@@ -1,0 +1,69 @@
+"""What corrections and section tables cost: `make bench-options`.  Writes results/options.json.
+
+Processor time per point of the oblique batch for each model, by turns in one run, and its ratio to
+the paper's model.  The tables are samples of the paper's own law, so that the blade is loaded
+alike: what differs is the physics and the rule by which nodes are chosen.
+"""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+import numpy as np
+
+import propmap
+from benchmarks.results_file import machine, write_results
+from benchmarks.speed import BATCH, oblique
+from propmap.model.section_table import SectionTable
+from propmap.physics.sections.law import coefficients_at
+
+REPEATS = 5
+
+
+def sampled(name: str, reynolds: tuple[float, ...]) -> SectionTable:
+    """A parameter set as a table of one row per Reynolds number, at every half degree."""
+    law: Any = propmap.airfoil(name).law()
+    angle = np.linspace(-np.pi, np.pi, 721)
+    found: Any = [coefficients_at(law, angle, np.full_like(angle, re)) for re in reynolds]
+    lift, drag = (np.array([np.asarray(getattr(c, k)) for c in found]) for k in ("lift", "drag"))
+    lift[:, -1], drag[:, -1] = lift[:, 0], drag[:, 0]
+    return SectionTable(angle, np.array(reynolds), lift, drag)
+
+
+def models() -> dict[str, propmap.Model]:
+    """What is compared, the paper's model first."""
+    blade, law = propmap.propeller("apc-8x6e"), propmap.airfoil("paper-apc")
+    losses = [propmap.correction(name) for name in ("tip-loss", "hub-loss")]
+    return {
+        "paper": propmap.Model(blade, law),
+        "tip loss": propmap.Model(blade, law, corrections=losses[:1]),
+        "tip and hub loss": propmap.Model(blade, law, corrections=losses),
+        "table, one Re": propmap.Model(blade, sampled("paper-apc", (5e4,))),
+        "table, four Re": propmap.Model(blade, sampled("paper-apc", (1e4, 3e4, 1e5, 3e5))),
+    }
+
+
+def main() -> None:
+    """Measure, print, and write the results."""
+    points = oblique(BATCH)
+    rotors = {name: propmap.Rotor(model) for name, model in models().items()}
+    least = dict.fromkeys(rotors, np.inf)
+    for turn in range(1 + REPEATS):
+        for name, rotor in rotors.items():
+            start = time.process_time()
+            rotor.loads(*points)
+            if turn:  # the first compiles
+                least[name] = min(least[name], time.process_time() - start)
+    found = {name: 1e6 * seconds / BATCH for name, seconds in least.items()}
+    for name, cost in found.items():
+        print(f"{name:18} {cost:6.1f} us per point, {cost / found['paper']:.2f} of the paper's")
+    rows = [
+        {"model": name, "microseconds": cost, "ratio": cost / found["paper"]}
+        for name, cost in found.items()
+    ]
+    print(write_results("options.json", {"points": BATCH, "rows": rows, "machine": machine()}))
+
+
+if __name__ == "__main__":
+    main()
