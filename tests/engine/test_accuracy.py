@@ -79,6 +79,24 @@ def test_numpy_and_the_compiler_evaluate_the_same_points_again() -> None:
     assert sum(len(one) > 1 for one in compiled) > 5
 
 
+def test_what_no_nodes_resolve_is_said() -> None:
+    """A blade stalled at rest, whose annuli attach and stall by turns in slow climb."""
+    law = pm.Airfoil(
+        c_l1=5.86, c_l2=0.04, c_d=1.24, alpha_0=0.23, zero_lift_angle=-0.12, sharpness=110.0
+    )
+    model = pm.Model(replace(pm.propeller("apc-9x6e"), blades=3), law)
+    rotor = pm.Rotor(model, compiled=False)
+    found = rotor.loads(600.0, [3.0508, 12.0], 0.0)
+    assert found.status.tolist() == ["coarse", "ok"]
+    assert np.isfinite(found.thrust).all()
+    slow = tuple(np.array([v]) for v in (600.0, 3.0508, 0.0))
+    once = evaluate(prepare(model.arrays(), compiled=False), ONCE, *slow).loads.thrust
+    assert found.thrust[0] == pytest.approx(float(once[0]), rel=0.02)
+    # Each further evaluation is asked for before that is said.
+    told = panels_of(model, slow, compiled=False)
+    assert len(told[0]) == 1 + len(STANDARD.finer)
+
+
 def test_a_sharper_stall_gets_more_azimuths_and_smaller_tails() -> None:
     sharp = STANDARD.for_stall(0.5 * STALL_WIDTH)
     wanted = [(limit, 2 * count) for limit, count in STANDARD.azimuths]
@@ -87,7 +105,8 @@ def test_a_sharper_stall_gets_more_azimuths_and_smaller_tails() -> None:
     assert all(
         got <= 1.5 * want for (_, got), (_, want) in zip(sharp.azimuths, wanted, strict=True)
     )
-    assert sharp.largest_tail == pytest.approx(0.5 * STANDARD.largest_tail)
+    assert sharp.largest_tail == pytest.approx(0.25 * STANDARD.largest_tail)
+    assert sharp.finer[0][1] == pytest.approx(0.25 * STANDARD.finer[0][1])
     assert [nodes for nodes, _ in sharp.finer] == [nodes for nodes, _ in STANDARD.finer]
     # What is left at last is not judged by the sharpness.
     assert sharp.finer[-1] == STANDARD.finer[-1]
