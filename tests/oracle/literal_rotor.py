@@ -58,6 +58,11 @@ class LiteralRotor:
         return chord, PchipInterpolator(self.station, self.twist)
 
     @cached_property
+    def sharper(self) -> float:
+        """How much sharper the section stalls than the paper's, 1 at least."""
+        return sharper_stall(self.section)
+
+    @cached_property
     def azimuth(self) -> tuple[Array, Array]:
         """Angles [rad] and weights of the nodes that make the loads."""
         return _azimuth_nodes(self.n_azimuth)
@@ -248,7 +253,7 @@ def radial_nodes(
     for a, b in pairwise(edges):
         inside = seen[(seen[:, 0] > a) & (seen[:, 0] < b), 1]
         change = np.ptp(inside) if inside.size else 0.0
-        pieces = resolution * max(1, int(np.ceil(change / PANEL_ANGLE)))
+        pieces = resolution * max(1, int(np.ceil(change * rotor.sharper / PANEL_ANGLE)))
         clustered = bool(np.any((a == breaks) | (b == breaks)))
         x, w = np.polynomial.legendre.leggauss(4)
         cuts = np.linspace(0.0, 1.0, (4 if clustered else 1) * pieces + 1)
@@ -262,11 +267,17 @@ def radial_nodes(
     return np.concatenate(nodes), np.concatenate(weights), jumps
 
 
-def azimuth_count(omega: float, radius: float, v_inplane: float) -> int:
+def sharper_stall(section: Section) -> float:
+    """M of the section over the paper's 50, 1 at least; 1 for a table."""
+    return max(1.0, section.get("M", 50.0) / 50.0) if isinstance(section, dict) else 1.0
+
+
+def azimuth_count(omega: float, radius: float, v_inplane: float, sharper: float = 1.0) -> int:
     """How many azimuth nodes make the loads converge (even, or 1 in axial flow)."""
     if v_inplane == 0.0:
         return 1
-    return 128 if v_inplane < 0.25 * omega * radius else 360
+    count = 128 if v_inplane < 0.25 * omega * radius else 360
+    return 2 * int(np.ceil(0.5 * count * sharper))
 
 
 def literal_loads(
@@ -311,7 +322,7 @@ def literal_loads(
         ring = vortex_ring(v_axial, v_inplane, v_hover)
     motion = (omega, v_axial, v_inplane)
     wake = LiteralWake(rho, *motion, blades, float(y[-1]), **losses, windmill=windmill)
-    count = azimuth_count(omega, float(y[-1]), v_inplane)
+    count = azimuth_count(omega, float(y[-1]), v_inplane, sharper_stall(section))
     n_azimuth = count if count == 1 else count * resolution
     numbers = (rho, mu, *motion, zero_lift_angle, n_azimuth, SCAN_STEP / resolution)
     rotor = LiteralRotor(y, c, theta, blades, section, wake, ring, *numbers)

@@ -32,15 +32,7 @@ def extended_model(name: str) -> pm.Model:
     return pm.Model(BLADE, section, corrections=corrections)
 
 
-NOT_FOLLOWED = pytest.mark.xfail(
-    strict=True, reason="a table's stall is not foreseen where a plate's lift exceeds it"
-)
-
-
-@pytest.mark.parametrize(
-    "name",
-    [pytest.param(n, marks=NOT_FOLLOWED if n == "naca-0015" else ()) for n in EXTENDED],
-)
+@pytest.mark.parametrize("name", EXTENDED)
 def test_loads_agree_with_the_extended_reference(name: str) -> None:
     """0.1 % of static thrust and torque, as of the paper's own rotor."""
     rotor = pm.Rotor(extended_model(name), compiled=False)

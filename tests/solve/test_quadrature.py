@@ -6,7 +6,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from propmap.solve.quadrature import crowded_rule, panel_nodes
+from propmap.solve.quadrature import TAIL, crowded_rule, panel_nodes, tail
 
 
 @pytest.mark.parametrize("nodes", [4, 12, 24, 48])
@@ -71,3 +71,51 @@ def test_one_panel_takes_a_rounded_tip_exactly() -> None:
     nodes = panel_nodes(jnp.asarray([[0.02], [0.1]]), (16,))
     got = np.sum(np.asarray(nodes.weight) * np.sqrt(0.1 - np.asarray(nodes.radius)))
     assert got == pytest.approx(2.0 / 3.0 * 0.08**1.5, rel=1e-13)
+
+
+COUNTS = (12, 16, 16)
+
+
+def weighted(values: np.ndarray) -> np.ndarray:
+    """Values (S,) at the nodes of three panels as ``tail`` takes them, (1, S, 1)."""
+    weights = np.concatenate([np.polynomial.legendre.leggauss(n)[1] for n in COUNTS])
+    return (weights * values)[None, :, None]
+
+
+def position() -> np.ndarray:
+    """From -1 to 1 on each panel, (S,)."""
+    return np.concatenate([np.polynomial.legendre.leggauss(n)[0] for n in COUNTS])
+
+
+@pytest.mark.parametrize("degree", range(min(COUNTS) - TAIL))
+def test_no_tail_where_the_rest_of_the_polynomials_serve(degree: int) -> None:
+    assert tail(weighted(position() ** degree), COUNTS) == pytest.approx(0.0, abs=1e-13)
+
+
+def test_each_polynomial_of_a_tail_counts_with_its_coefficient() -> None:
+    """Of all panels together: root of the sum of squares."""
+    x = position()
+    one = np.polynomial.legendre.Legendre.basis(min(COUNTS) - 1)(x) * (np.arange(x.size) < 12)
+    # The series of the weighted sum has (2 k + 1)/2 times the integral: 2 P_k has that of P_k.
+    assert tail(weighted(one), COUNTS) == pytest.approx(2.0, rel=1e-12)
+    both = one + np.concatenate([np.zeros(12), np.polynomial.legendre.Legendre.basis(15)(x[12:])])
+    assert tail(weighted(both), COUNTS) == pytest.approx(2.0 * np.sqrt(3.0), rel=1e-12)
+
+
+def test_a_step_and_a_kink_have_a_tail_and_a_smooth_bump_has_none() -> None:
+    x = position()
+    step, kink, bump = (
+        float(tail(weighted(f), COUNTS)[0, 0])
+        for f in ((x > 0.1) * 1.0, np.abs(x - 0.1), np.exp(-(x**2) / 4.0))
+    )
+    assert step > 0.3
+    assert 0.01 < kink < step
+    assert bump < 1e-4
+
+
+def test_tails_are_in_the_unit_of_what_they_are_of() -> None:
+    rng = np.random.default_rng(1)
+    values = rng.normal(size=(3, sum(COUNTS), 2))
+    np.testing.assert_allclose(tail(-7.0 * values, COUNTS), 7.0 * tail(values, COUNTS), rtol=1e-13)
+    # Loads and points do not mix.
+    np.testing.assert_allclose(tail(values[1:2, :, 1:], COUNTS)[0, 0], tail(values, COUNTS)[1, 1])

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import functools
+
 import numpy as np
 
 from propmap.arrays.namespace import Array, xp
@@ -17,6 +19,10 @@ All the way, its outermost nodes come so close to a fold that finding their root
 twice the steps of all others."""
 
 
+gauss_legendre = functools.cache(np.polynomial.legendre.leggauss)
+"""Nodes and weights on [-1, 1]; made once, as hundreds of them take longer than a search."""
+
+
 def crowded_rule(nodes: int, *, inner: bool) -> tuple[np.ndarray, np.ndarray]:
     """Nodes and weights on [0, 1], each of shape (nodes,) [-], crowded towards the edges.
 
@@ -25,7 +31,7 @@ def crowded_rule(nodes: int, *, inner: bool) -> tuple[np.ndarray, np.ndarray]:
     branch jump the inflow runs into the panel's edge like a square root and at the tip the
     chord does; in t both are smoother.
     """
-    t, w = np.polynomial.legendre.leggauss(nodes)
+    t, w = gauss_legendre(nodes)
     t, w = 0.5 * (t + 1.0), 0.5 * w
     if inner:
         s, slope = t * t * (3.0 - 2.0 * t), 6.0 * t * (1.0 - t)
@@ -65,15 +71,18 @@ def tail(values: Array, counts: tuple[int, ...]) -> Array:
     """
     start, total = 0, 0.0 * values[:, 0]
     for nodes in counts:
-        x, _ = np.polynomial.legendre.leggauss(nodes)
-        degrees = np.arange(nodes - TAIL, nodes)
-        matrix = (2 * degrees + 1)[:, None] * np.polynomial.legendre.legvander(x, nodes - 1).T[
-            degrees
-        ]
         part = values[:, None, start : start + nodes]
-        coefficients = xp.sum(
-            xp.asarray(matrix, dtype=values.dtype)[None, :, :, None] * part, axis=2
-        )
+        last = xp.asarray(_last_polynomials(nodes), dtype=values.dtype)
+        coefficients = xp.sum(last[None, :, :, None] * part, axis=2)
         total = total + xp.sum(coefficients**2, axis=1)
         start += nodes
     return xp.sqrt(total)
+
+
+@functools.cache
+def _last_polynomials(nodes: int) -> np.ndarray:
+    """2 k + 1 times P_k at a panel's Gauss nodes for its ``TAIL`` highest k, (TAIL, nodes)."""
+    x, _ = gauss_legendre(nodes)
+    degrees = np.arange(nodes - TAIL, nodes)
+    polynomials: np.ndarray = np.polynomial.legendre.legvander(x, nodes - 1).T[degrees]
+    return (2 * degrees + 1)[:, None] * polynomials
