@@ -25,6 +25,7 @@ from tests.oracle.literal_wake import WINDMILL_BELOW, LiteralWake, static_inflow
 SCAN_STEP = 0.004  # [rad] of inflow angle; the stall blend is about 1/M = 0.02 rad wide
 SCAN_AZIMUTHS = 120  # the scan only brackets roots; they are refined with all azimuth nodes
 DETECTION_STATIONS = 60
+LOWEST = 1.0  # [rad] of inflow angle from below, where nothing above serves
 STEEPEST = 1.5  # [rad] of inflow angle, where no better bound on the inflow is known
 JUMP_WIDTH = 1e-7  # [m] to which the radius of a jump is bisected
 STEEP_WIDTH = 3e-4  # [m] over which 0.002 rad of inflow angle count as a near-vertical rise
@@ -153,6 +154,12 @@ class LiteralRotor:
         order = np.argsort(grid)
         grid, g = grid[order], g[order]
         crossings = np.flatnonzero((g[:-1] > 0.0) != (g[1:] > 0.0))
+        if crossings.size == 0:
+            # The annulus pushes: what it needs is air that comes from below.
+            angle = np.linspace(-LOWEST, 0.0, int(np.ceil(LOWEST / self.scan_step)))
+            grid = self.omega * y * np.tan(angle) - self.v_axial
+            g = self.residual(y, grid, self.scan_azimuth)
+            crossings = np.flatnonzero((g[:-1] > 0.0) != (g[1:] > 0.0))
         if crossings.size == 0:
             raise ValueError(f"eq. (11) has no root among those looked for at y = {y} m")
         if g[-1] > 0.0:

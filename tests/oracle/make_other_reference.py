@@ -14,8 +14,6 @@ import multiprocessing
 from pathlib import Path
 from typing import NamedTuple
 
-import numpy as np
-
 from tests.oracle.literal_rotor import literal_loads
 from tests.oracle.points import MU, RHO
 from tests.other_laws import OtherRotor, other_flow, other_rotors
@@ -98,8 +96,7 @@ def main() -> None:
     ):
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(OtherRow._fields)
-        for row in pool.starmap(other_row, questions(), chunksize=4):
-            writer.writerow(float(v) if isinstance(v, np.floating) else v for v in row)
+        writer.writerows(pool.starmap(other_row, questions(), chunksize=4))
 
 
 if __name__ == "__main__":

@@ -22,6 +22,10 @@ gauss_legendre = functools.cache(np.polynomial.legendre.leggauss)
 """Nodes and weights on [-1, 1]; made once, as hundreds of them take longer than a search."""
 
 
+gauss_legendre = functools.cache(np.polynomial.legendre.leggauss)
+"""Nodes and weights on [-1, 1]; made once, as hundreds of them take longer than a search."""
+
+
 def crowded_rule(nodes: int, *, inner: bool) -> tuple[np.ndarray, np.ndarray]:
     """Nodes and weights on [0, 1], each of shape (nodes,) [-], crowded towards the edges.
 
@@ -70,10 +74,17 @@ def tail(values: Array, counts: tuple[int, ...]) -> Array:
     """
     start, total = 0, 0.0 * values[:, 0]
     for nodes in counts:
+<<<<<<< HEAD
         last = xp.asarray(_last_polynomials(nodes), dtype=values.dtype)
         # Of each load by itself: XLA computes the operands of a product of matrices once.
         parts = [load[start : start + nodes] for load in values]
         total = total + xp.stack([xp.sum(xp.matmul(last, part) ** 2, axis=0) for part in parts])
+=======
+        part = values[:, None, start : start + nodes]
+        last = xp.asarray(_last_polynomials(nodes), dtype=values.dtype)
+        coefficients = xp.sum(last[None, :, :, None] * part, axis=2)
+        total = total + xp.sum(coefficients**2, axis=1)
+>>>>>>> accuracy
         start += nodes
     return xp.sqrt(total)
 
