@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.engine.lanes import LANES, serve
+from propmap.engine.lanes import LANES, use_lanes
 from propmap.engine.plan import Job
 from propmap.physics.velocities import AzimuthNodes, azimuth_nodes
 
@@ -92,7 +92,7 @@ def cut(
         large_size = accelerator_block(job) if accelerator else large_block(job)
         wide = large_size if large or points >= LARGE_BATCH else BLOCK
         width = wide = size or (1 if points == 1 and not large else wide)
-        if wide == large_size and serve(job.panels) and not accelerator:
+        if wide == large_size and use_lanes(job.panels) and not accelerator:
             # One block for each core: each call costs as much as ten points or more.
             share = -(-job.points.size // cores())
             width = min(wide, -(-share // LANES) * LANES)
@@ -113,7 +113,7 @@ def cores() -> int:
 def large_block(job: Job) -> int:
     """Operating points per block of the job in a large batch, at most."""
     nodes = LARGE_NODES
-    if not serve(job.panels):
+    if not use_lanes(job.panels):
         nodes = KERNEL_NODES_AXIAL if int(job.azimuths.max()) == 1 else KERNEL_NODES
     return max(nodes // sum(job.panels) // BLOCK, 1) * BLOCK
 

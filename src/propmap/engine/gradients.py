@@ -16,7 +16,7 @@ from propmap.arrays.types import Floats
 from propmap.engine.accuracy import Accuracy
 from propmap.engine.batch import BLOCK, Block, nodes_of_each
 from propmap.engine.evaluation import FEW, Prepared, evaluate_flow, nodes_of
-from propmap.engine.lanes import in_groups, in_lanes, serve
+from propmap.engine.lanes import in_groups, in_lanes, use_lanes
 from propmap.engine.plan import alike_panels
 from propmap.engine.programs import COMPILER_OPTIONS, Flow, compiled_search
 from propmap.loads import LOADS
@@ -108,7 +108,7 @@ def _gradients(
     def differentiate(block: Block, solution: DiskSolution) -> None:
         program, solution = _program(block.panels), jax.tree.map(np.asarray, solution)
         # Programs made of many kernels get few points, so that their arrays fit in the cache.
-        width = block.size if serve(block.panels) else min(BLOCK, block.size)
+        width = block.size if use_lanes(block.panels) else min(BLOCK, block.size)
         for start in range(0, block.points.size, width):
             part = slice(start, start + width)
             points, azimuths = block.points[part], block.azimuths[part]

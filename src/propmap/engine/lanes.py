@@ -35,7 +35,7 @@ LANES = 8
 """Operating points at a time: as many float64 as a processor's widest vector register holds."""
 
 
-def serve(panels: tuple[int, ...]) -> bool:
+def use_lanes(panels: tuple[int, ...]) -> bool:
     """Whether programs for these ``panels`` use lanes.
 
     Those for ``solve.islands`` do not: they sort, which XLA cannot compile into a function.
@@ -46,7 +46,7 @@ def serve(panels: tuple[int, ...]) -> bool:
 def in_groups(points: int, panels: tuple[int, ...]) -> bool:
     """Whether a program for so many points uses lanes."""
     # Not for the few points of a fit, one group of lanes: without lanes programs compile sooner.
-    return points > LANES and points % LANES == 0 and serve(panels)
+    return points > LANES and points % LANES == 0 and use_lanes(panels)
 
 
 @functools.cache
