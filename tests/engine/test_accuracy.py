@@ -16,11 +16,7 @@ from propmap.engine.forecast import LEAST_LIFT, static_loads
 from propmap.engine.programs import Flow
 
 STANDARD = ACCURACIES["standard"]
-<<<<<<< HEAD
-ONCE = replace(STANDARD, finer=())
-=======
 ONCE = replace(STANDARD, largest_tail=np.inf)
->>>>>>> accuracy
 FIT = pm.Airfoil(c_l1=4.03, c_l2=0.0, c_d=1.44, alpha_0=0.584, zero_lift_angle=-0.078)
 BLADE = pm.propeller("apc-8x6e")
 

@@ -26,9 +26,9 @@ def _rotor(precision: str = "float64") -> pm.Rotor:
 
 
 def test_the_installed_jaxlib_is_one_that_compiles_them() -> None:
-    assert lanes.serve((24,))
-    assert lanes.serve((12, 18, 18))
-    assert not lanes.serve((11,) * 5)  # islands are sorted along the blade
+    assert lanes.use_lanes((24,))
+    assert lanes.use_lanes((12, 18, 18))
+    assert not lanes.use_lanes((11,) * 5)  # islands are sorted along the blade
 
 
 def test_no_program_for_an_unknown_jaxlib_or_an_accelerator(
@@ -36,11 +36,11 @@ def test_no_program_for_an_unknown_jaxlib_or_an_accelerator(
 ) -> None:
     with monkeypatch.context() as patch:
         patch.setattr(lanes, "on_accelerator", lambda: True)
-        assert not lanes.serve((24,))
+        assert not lanes.use_lanes((24,))
     lanes._known.cache_clear()
     monkeypatch.setattr(lanes.importlib.metadata, "version", lambda _: "0.11.0")
     try:
-        assert not lanes.serve((24,))
+        assert not lanes.use_lanes((24,))
     finally:
         lanes._known.cache_clear()
 

@@ -74,17 +74,10 @@ def tail(values: Array, counts: tuple[int, ...]) -> Array:
     """
     start, total = 0, 0.0 * values[:, 0]
     for nodes in counts:
-<<<<<<< HEAD
         last = xp.asarray(_last_polynomials(nodes), dtype=values.dtype)
         # Of each load by itself: XLA computes the operands of a product of matrices once.
         parts = [load[start : start + nodes] for load in values]
         total = total + xp.stack([xp.sum(xp.matmul(last, part) ** 2, axis=0) for part in parts])
-=======
-        part = values[:, None, start : start + nodes]
-        last = xp.asarray(_last_polynomials(nodes), dtype=values.dtype)
-        coefficients = xp.sum(last[None, :, :, None] * part, axis=2)
-        total = total + xp.sum(coefficients**2, axis=1)
->>>>>>> accuracy
         start += nodes
     return xp.sqrt(total)
 
