@@ -15,6 +15,7 @@ import numpy as np
 import propmap
 from benchmarks.results_file import machine, write_results
 from benchmarks.speed import BATCH, oblique
+from propmap.model.airfoil import parameter_set
 from propmap.model.section_table import SectionTable
 from propmap.physics.sections.law import coefficients_at
 
@@ -23,7 +24,7 @@ REPEATS = 5
 
 def sampled(name: str, reynolds: tuple[float, ...]) -> SectionTable:
     """A parameter set as a table of one row per Reynolds number, at every half degree."""
-    law: Any = propmap.airfoil(name).law()
+    law: Any = parameter_set(name).law()
     angle = np.linspace(-np.pi, np.pi, 721)
     found: Any = [coefficients_at(law, angle, np.full_like(angle, re)) for re in reynolds]
     lift, drag = (np.array([np.asarray(getattr(c, k)) for c in found]) for k in ("lift", "drag"))
@@ -33,8 +34,8 @@ def sampled(name: str, reynolds: tuple[float, ...]) -> SectionTable:
 
 def models() -> dict[str, propmap.Model]:
     """What is compared, the paper's model first."""
-    blade, law = propmap.propeller("apc-8x6e"), propmap.airfoil("paper-apc")
-    losses = [propmap.correction(name) for name in ("tip-loss", "hub-loss")]
+    blade, law = propmap.propeller("apc-8x6e"), parameter_set("paper-apc")
+    losses = (propmap.correction("tip-loss"), propmap.correction("hub-loss"))
     return {
         "paper": propmap.Model(blade, law),
         "tip loss": propmap.Model(blade, law, corrections=losses[:1]),

@@ -98,7 +98,7 @@ ACCURACIES = {
         free=24,
         stalled=48,
         fast=64,
-        largest_tail=0.03,
+        largest_tail=0.028,
         finer=((80, 0.02), (240, 0.05), (960, 0.09)),
     ),
     "fine": Accuracy(
