@@ -25,8 +25,8 @@ REPEATS = 5
 def sampled(name: str, reynolds: tuple[float, ...]) -> SectionTable:
     """A parameter set as a table of one row per Reynolds number, at every half degree."""
     law: Any = parameter_set(name).law()
-    angle = np.linspace(-np.pi, np.pi, 721)
-    found: Any = [coefficients_at(law, angle, np.full_like(angle, re)) for re in reynolds]
+    angle: Any = np.linspace(-np.pi, np.pi, 721)
+    found: Any = [coefficients_at(law, angle, re + 0.0 * angle) for re in reynolds]
     lift, drag = (np.array([np.asarray(getattr(c, k)) for c in found]) for k in ("lift", "drag"))
     lift[:, -1], drag[:, -1] = lift[:, 0], drag[:, 0]
     return SectionTable(angle, np.array(reynolds), lift, drag)
