@@ -60,3 +60,16 @@ def test_a_section_table_may_have_corrections_too() -> None:
     close = np.sort(np.append(angle, 1e-6))
     with pytest.raises(InputError, match=r"0\.01 deg apart"):
         propmap.SectionTable(close, np.array([1e5]), np.sin(2.0 * close)[None], 0.0 * close[None])
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("hub-loss:radius_m=0.012,radius_m=0.02", "radius_m is given twice; give it once"),
+        ("hub-loss:", "'' is no field with a number"),
+        ("hub-loss:radius_m=0.012,", "'' is no field with a number"),
+    ],
+)
+def test_no_part_of_a_correction_is_ignored(text: str, says: str) -> None:
+    with pytest.raises(InputError, match=says):
+        propmap.correction(text)

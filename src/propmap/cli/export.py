@@ -98,7 +98,7 @@ def _built(rotor: Rotor, covariance: SectionCovariance | None) -> LoadTable:
     typer.echo(
         f"building a map of {rotor.model.propeller.name}, {rotor.model.law_title}, "
         f"at {rpm[0]:.0f} to {rpm[1]:.0f} rpm, {SPEED[0]:g} to {SPEED[1]:g} m/s, "
-        "beta 0 to 180 deg, which takes a minute or so; "
+        "beta 0 to 180 deg, which takes minutes; "
         "for another range, build it with propmap table",
         err=True,
     )

@@ -36,16 +36,19 @@ def correction(text: str) -> Correction:
     InputError
         For an unknown name or field, or a value that is no number.
     """
-    name, _, given = text.partition(":")
+    name, colon, given = text.partition(":")
     if name not in CORRECTIONS:
         raise InputError(
             f"correction {name!r} is not known", f"give one of {', '.join(CORRECTIONS)}"
         )
     fields: dict[str, float] = {}
-    for part in filter(None, given.split(",")):
+    for part in given.split(",") if colon else ():
         field, _, value = part.partition("=")
+        field = field.strip()
+        if field in fields:
+            raise InputError(f"correction {text!r}: {field} is given twice", "give it once")
         try:
-            fields[field.strip()] = float(value)
+            fields[field] = float(value)
         except ValueError:
             raise InputError(
                 f"correction {text!r}: {part!r} is no field with a number",
