@@ -44,7 +44,8 @@ Corrections = Annotated[
     typer.Option(
         "--correction",
         metavar="NAME[:FIELD=VALUE]",
-        help=f"Added to the paper's physics: {', '.join(CORRECTIONS)}; may be repeated. "
+        help=f"Added to the paper's physics: {', '.join(CORRECTIONS)} (a field as in "
+        "hub-loss:radius_m=0.012); may be repeated. "
         "A fit brings those that it was made with.",
     ),
 ]
