@@ -161,7 +161,7 @@ def derivatives() -> Any:
             law = arrays.law.plus(alpha_0=change)
             moved = case._replace(rotor=case.rotor._replace(law=law))
             found = disk.disk_inflow(moved, solution, panels, nodes)
-            return rotor_loads.loads_over_disk(moved, found, solution.several, nodes).loads
+            return rotor_loads.loads_over_disk(moved, found, solution.several, panels, nodes).loads
 
         return one, jax.jvp(whole, (0.0,), (1.0,))[1]
 
