@@ -53,7 +53,7 @@ def test_the_loads_are_those_of_programs_made_of_kernels(
     points = _points(count)  # not a multiple of anything: some groups are filled up
     few_at_a_time = _rotor().loads(*points)
     for module in (batch, lanes):
-        monkeypatch.setattr(module, "serve", lambda _panels: False)
+        monkeypatch.setattr(module, "use_lanes", lambda _panels: False)
     programs.compiled_search.cache_clear()
     try:
         by_kernels = _rotor().loads(*points)

@@ -13,7 +13,7 @@ import numpy as np
 from propmap.arrays.namespace import by_numpy, on_accelerator
 from propmap.arrays.types import Floats
 from propmap.engine.accuracy import Accuracy
-from propmap.engine.batch import BLOCK, Block, cut, filled_up, nodes_of_each, run
+from propmap.engine.batch import BLOCK, LARGE_BATCH, Block, cut, filled_up, nodes_of_each, run
 from propmap.engine.forecast import Forecast, static_loads
 from propmap.engine.plan import Job, Outlook, may_leave_islands, plan, plan_again
 from propmap.engine.programs import Flow, compiled_search, search_by_numpy
@@ -138,9 +138,12 @@ def evaluate_flow(
     on_device = rotor.compiled and on_accelerator()
     kinds = {"axial_apart": not _few(rotor, flow), "descent": v_hover is not None}
 
+    # An accelerator gets large blocks of the points that are left, too.
+    large = rotor.uniform or (on_device and omega.size >= LARGE_BATCH)
+
     def run_jobs(jobs: list[Job], size: int | None) -> RotorLoads:
         here = {"accelerator": on_device, "compiled": rotor.compiled}
-        blocks = cut(jobs, size, large=rotor.uniform, **here)
+        blocks = cut(jobs, size, large=large, **here)
         _run(rotor, blocks, flow, results, solved)
         return RotorLoads.of_rows(results)
 
