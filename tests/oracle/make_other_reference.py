@@ -19,7 +19,7 @@ from tests.oracle.points import MU, RHO
 from tests.other_laws import OtherRotor, other_flow, other_rotors
 
 TABLE = Path(__file__).with_name("reference_loads_other_laws.csv")
-ROTORS, POINTS = 15, 5
+ROTORS, POINTS = 60, 5
 LAW = ("c_l1", "c_l2", "c_d", "alpha_0", "zero_lift_angle", "c_d0", "sharpness")
 LOADS = ("thrust", "drag", "torque", "roll_moment")
 

@@ -133,5 +133,5 @@ def test_twenty_thousand_points_meet_what_is_promised_or_say_so() -> None:
 
 @pytest.mark.slow
 def test_the_frozen_loads_are_what_the_literal_code_gives() -> None:
-    for question, row in list(zip(questions(), frozen_rows(), strict=True))[::43]:
+    for question, row in list(zip(questions(), frozen_rows(), strict=True))[::97]:
         assert other_row(*question)[1:] == pytest.approx(row[1:], rel=1e-9)
