@@ -8,6 +8,9 @@ from numpy.typing import ArrayLike
 from propmap.arrays.types import Floats
 from propmap.errors import InputError
 
+SPIN_REMEDY = "give the spin by its direction, not by a sign [rad/s]"
+"""What to do instead of a negative omega."""
+
 
 def broadcast(**named: ArrayLike) -> list[Floats]:
     """Arguments as arrays of one shape, of numbers that are all finite.
@@ -36,7 +39,7 @@ def broadcast(**named: ArrayLike) -> list[Floats]:
 def rates(omega: ArrayLike) -> Floats:
     """Rotational speeds ``omega`` [rad/s], none of them negative."""
     (w,) = broadcast(omega=omega)
-    _refuse_negative("omega", w, "give the spin by its direction, not by a sign [rad/s]")
+    _refuse_negative("omega", w, SPIN_REMEDY)
     return w
 
 
@@ -50,7 +53,7 @@ def resolved(
     w, v, b = broadcast(omega=omega, speed=speed, beta=beta)
     if one and w.ndim:
         raise InputError("this takes one operating point: give scalars")
-    rates(w)
+    _refuse_negative("omega", w, SPIN_REMEDY)
     _refuse_negative("speed", v, "give the direction by beta, pi for descent [m/s]")
     cosine, sine = np.cos(b), np.abs(np.sin(b))
     rounding = 4e-16 * np.maximum(1.0, np.abs(b))
@@ -67,7 +70,8 @@ def split_velocity(omega: ArrayLike, velocity: ArrayLike) -> tuple[Floats, Float
     across = np.hypot(x, y)
     unit = np.where(across > 0.0, across, 1.0)
     direction = np.stack([np.where(across > 0.0, x / unit, 1.0), y / unit, np.zeros_like(x)], -1)
-    return rates(w), z, across, direction
+    _refuse_negative("omega", w, SPIN_REMEDY)
+    return w, z, across, direction
 
 
 def reverse_flow_share(omega: Floats, v_inplane: Floats, root: float, tip: float) -> Floats:

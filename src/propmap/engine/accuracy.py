@@ -59,6 +59,14 @@ class Accuracy:
         """Largest number of azimuth nodes in a first evaluation."""
         return self.azimuths[-1][1]
 
+    @property
+    def with_few_programs(self) -> Accuracy:
+        """The setting whose panels that follow stall have the nodes of a further evaluation.
+
+        Such points take longer, but a program of some seconds to compile is saved.
+        """
+        return replace(self, stalled=self.finer[0][0])
+
     def for_stall(self, width: float) -> Accuracy:
         """The setting for a section that stalls over another ``width`` [rad] of angle of attack.
 

@@ -127,6 +127,8 @@ def evaluate_flow(
     """
     omega, v_axial, v_inplane, v_hover = flow
     setting = setting.for_stall(rotor.forecast.stall_width)
+    if rotor.uniform:
+        setting = setting.with_few_programs
     everyone = np.arange(omega.size)
     outlook = Outlook(
         advance=advance_ratio(rotor, omega, v_inplane),
@@ -136,7 +138,11 @@ def evaluate_flow(
     )
     results = np.full((ROWS, omega.size), np.nan)
     on_device = rotor.compiled and on_accelerator()
-    kinds = {"axial_apart": not _few(rotor, flow), "descent": v_hover is not None}
+    kinds = {
+        "axial_apart": not _few(rotor, flow),
+        "descent": v_hover is not None,
+        "again_alike": rotor.uniform,
+    }
 
     # An accelerator gets large blocks of the points that are left, too.
     large = rotor.uniform or (on_device and omega.size >= LARGE_BATCH)
@@ -162,7 +168,7 @@ def evaluate_flow(
                 break
             jobs = plan_again(setting, times, outlook.part(rough), everyone[rough])
             # Blocks of one size need only one further program.
-            found = run_jobs(jobs, None if on_device else BLOCK)
+            found = run_jobs(jobs, None if on_device or rotor.uniform else BLOCK)
     # ``SPEED_FLOOR`` leaves loads of 1e-45 and the like at rest: make them zero.
     results[np.abs(results) < 1e-30] = 0.0
     found = RotorLoads.of_rows(results)
@@ -179,10 +185,9 @@ def tail_share(
     thrust, torque = rotor.static
     # A rotor that turns slowly in a wind has the loads of the wind.
     tip = float(rotor.arrays.blade.tip)
-    rate = np.maximum(omega, np.hypot(v_axial, v_inplane) / tip)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        tails = np.maximum(found.thrust_tail / thrust, found.torque_tail / torque) / rate**2
-    return np.where(rate > 0.0, tails, 0.0)
+    square = np.maximum(omega**2, (v_axial**2 + v_inplane**2) / tip**2)
+    tails = np.maximum(found.thrust_tail / thrust, found.torque_tail / torque)
+    return np.divide(tails, square, out=np.zeros_like(tails), where=square > 0.0)
 
 
 def advance_ratio(rotor: Prepared, omega: Floats, velocity: Floats) -> Floats:

@@ -87,6 +87,7 @@ def plan(
     alike: bool = False,
     axial_apart: bool = True,
     descent: bool = True,
+    again_alike: bool = False,
 ) -> list[Job]:
     """Sort points into jobs for a first evaluation.
 
@@ -105,6 +106,8 @@ def plan(
         Whether axial flow, for which one azimuth suffices, gets separate jobs.
     descent : bool
         Whether the programs are those that also serve descent.
+    again_alike : bool
+        Whether panels that follow stall get the programs of the first further evaluation.
     """
     advance, climb, stalls, islands = outlook
     azimuths = np.where(advance == 0.0, 1, setting.azimuths_at(advance))
@@ -129,7 +132,7 @@ def plan(
         mine = most_first[kinds[most_first] == kind]
         panels = _island_panels(nodes) if four else _panels(nodes, bool(followed))
         highest = np.inf
-        if followed and not alike:
+        if followed and not (alike or again_alike):
             highest = FOLLOW_DESCENT_BELOW if descent else FOLLOW_BELOW
         elif not followed and not spread[mine[0]]:
             highest = REVERSED_ABOVE

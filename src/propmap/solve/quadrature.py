@@ -22,10 +22,6 @@ gauss_legendre = functools.cache(np.polynomial.legendre.leggauss)
 """Nodes and weights on [-1, 1]; made once, as hundreds of them take longer than a search."""
 
 
-gauss_legendre = functools.cache(np.polynomial.legendre.leggauss)
-"""Nodes and weights on [-1, 1]; made once, as hundreds of them take longer than a search."""
-
-
 def crowded_rule(nodes: int, *, inner: bool) -> tuple[np.ndarray, np.ndarray]:
     """Nodes and weights on [0, 1], each of shape (nodes,) [-], crowded towards the edges.
 
