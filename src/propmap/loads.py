@@ -93,6 +93,24 @@ LOADS = {
             "thrust",
             inplane=True,
         ),
+        Load(
+            "side_force",
+            "side force",
+            "Y",
+            "N",
+            "force in the disk plane across the in-plane velocity, towards the retreating side",
+            "thrust",
+            inplane=True,
+        ),
+        Load(
+            "pitch_moment",
+            "pitching moment",
+            "",
+            "N m",
+            "moment about the axis across the in-plane velocity, positive: front lifted",
+            "thrust",
+            inplane=True,
+        ),
     )
 }
 """Every load by its name."""

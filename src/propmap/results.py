@@ -29,6 +29,11 @@ class Loads:
     roll_moment : ndarray
         About the direction of the in-plane velocity [N m], positive where the advancing side is
         lifted, before the sign of the spin is applied.
+    side_force : ndarray
+        In the disk plane across the in-plane velocity [N], positive towards the retreating side.
+        Zero, like the pitching moment, where the inflow does not vary around the disk.
+    pitch_moment : ndarray
+        About the axis across the in-plane velocity [N m], positive where the front is lifted.
     power : ndarray
         Torque times omega [W].
     status : ndarray of str
@@ -51,6 +56,8 @@ class Loads:
     drag: Floats
     torque: Floats
     roll_moment: Floats
+    side_force: Floats
+    pitch_moment: Floats
     power: Floats
     status: NDArray[np.str_]
     roots: NDArray[np.int64]

@@ -26,7 +26,7 @@ from propmap.solve.rotor_loads import RotorLoads
 if TYPE_CHECKING:
     from propmap.engine.disk_field import Inflow
     from propmap.engine.search_report import SearchReport
-    from propmap.solve.problem import RotorArrays
+    from propmap.physics.rotor import RotorArrays
 
 PRECISIONS = ("float64", "float32")
 
@@ -150,8 +150,11 @@ class Rotor:
         # Counter-clockwise, the advancing side is on the right: lifting it rolls about -x.
         sign = 1.0 if spin == "ccw" else -1.0
         z = np.array([0.0, 0.0, 1.0])
-        force = loads.thrust[..., None] * z - loads.drag[..., None] * direction
+        left = np.cross(z, direction)
+        side, pitch = sign * loads.side_force[..., None], loads.pitch_moment[..., None]
+        force = loads.thrust[..., None] * z - loads.drag[..., None] * direction + side * left
         moment = -sign * (loads.torque[..., None] * z + loads.roll_moment[..., None] * direction)
+        moment = moment - pitch * left
         return Wrench(force, moment)
 
     def hover_inflow(self, omega: ArrayLike) -> Floats:

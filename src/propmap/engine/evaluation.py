@@ -19,9 +19,9 @@ from propmap.engine.plan import Job, Outlook, may_leave_islands, plan, plan_agai
 from propmap.engine.programs import Flow, compiled_search, search_by_numpy
 from propmap.physics.element import AnnulusLoads
 from propmap.physics.momentum import static_inflow as equation_12
+from propmap.physics.rotor import RotorArrays
 from propmap.physics.velocities import AzimuthNodes, azimuth_nodes
 from propmap.solve.disk import DiskSolution
-from propmap.solve.problem import RotorArrays
 from propmap.solve.rotor_loads import RotorLoads
 
 FEW = 512

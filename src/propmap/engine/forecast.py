@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 from propmap.arrays.namespace import by_numpy
 from propmap.arrays.types import Floats
 from propmap.engine.accuracy import STALL_WIDTH
+from propmap.physics.rotor import RotorArrays
 from propmap.physics.velocities import azimuth_nodes
-from propmap.solve.problem import Case, RotorArrays
+from propmap.solve.problem import Case
 from propmap.solve.rotor_loads import disk_loads
 
 Singles = NDArray[np.float32]

@@ -21,10 +21,11 @@ from propmap.engine.plan import alike_panels
 from propmap.engine.programs import COMPILER_OPTIONS, Flow, compiled_search
 from propmap.loads import LOADS
 from propmap.physics.momentum import static_inflow
+from propmap.physics.rotor import RotorArrays
 from propmap.physics.velocities import AzimuthNodes
 from propmap.solve.disk import DiskSolution
 from propmap.solve.load_slopes import Directions, directions_of, load_slopes, moving
-from propmap.solve.problem import Case, RotorArrays
+from propmap.solve.problem import Case
 
 FIT_BLOCK = 8
 """Operating points per call if there are few: as many as fit in a vector register.  The program

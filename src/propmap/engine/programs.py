@@ -12,10 +12,11 @@ import numpy as np
 from propmap.arrays.namespace import by_numpy, xp
 from propmap.arrays.types import Floats
 from propmap.engine.lanes import in_groups, in_lanes
+from propmap.physics.rotor import RotorArrays
 from propmap.physics.velocities import AzimuthNodes
-from propmap.solve.disk import DiskSolution, solve_disk
-from propmap.solve.problem import Case, RotorArrays
-from propmap.solve.rotor_loads import loads_over_disk
+from propmap.solve.disk import DiskSolution
+from propmap.solve.problem import Case
+from propmap.solve.rotor_loads import search_loads
 
 COMPILER_OPTIONS = {
     # An evaluation takes a third less time on a processor with such vectors.
@@ -67,9 +68,7 @@ of points that are evaluated, from the first on."""
 def _search(
     panels: tuple[int, ...], rotor: RotorArrays, flow: Any, azimuth: AzimuthNodes
 ) -> tuple[Any, DiskSolution]:
-    case = Case(rotor, *flow)
-    solution, disk = solve_disk(case, panels, azimuth)
-    found = loads_over_disk(case, disk, solution.several, panels, azimuth)
+    found, solution = search_loads(Case(rotor, *flow), panels, azimuth)
     # One array: to hand over a further one takes as long as to evaluate some points.
     return xp.stack([values * 1.0 for values in found.rows]), solution
 

@@ -4,13 +4,21 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Sequence
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 from propmap.errors import InputError
+
+if TYPE_CHECKING:
+    from propmap.physics.rotor import RotorArrays
 
 CORRECTIONS = {
     "tip-loss": "propmap.physics.tip_loss.TipLoss",
     "hub-loss": "propmap.physics.tip_loss.HubLoss",
+    "pitt-peters": "propmap.physics.inflow_harmonics.PittPeters",
+    "pitt-peters-gradient": "propmap.physics.inflow_harmonics.PittPetersGradient",
+    "coleman": "propmap.physics.inflow_harmonics.Coleman",
+    "drees": "propmap.physics.inflow_harmonics.Drees",
+    "white-blake": "propmap.physics.inflow_harmonics.WhiteBlake",
 }
 """Where each is; a new correction is one file of physics and one line here."""
 
@@ -18,8 +26,8 @@ CORRECTIONS = {
 class Correction(Protocol):
     """A change to the physics, as a validated value: a frozen dataclass of numbers."""
 
-    def factor(self, root: float) -> Any:
-        """The ``WakeFactor`` that it stands for; ``root`` [m] is where the blade begins."""
+    def applied(self, rotor: RotorArrays) -> RotorArrays:
+        """The ``rotor`` with this change."""
         ...
 
 

@@ -15,8 +15,8 @@ from propmap.model.corrections import Correction, agreed, as_text, correction, n
 from propmap.model.propeller import Propeller
 
 if TYPE_CHECKING:
+    from propmap.physics.rotor import RotorArrays
     from propmap.physics.sections.law import SectionLaw
-    from propmap.solve.problem import RotorArrays
 
 
 @runtime_checkable
@@ -87,8 +87,8 @@ class Model:
         for name in names:
             if names.count(name) > 1:
                 raise InputError(f"correction {name} is given twice: give it once")
-        for value in self.corrections:
-            value.factor(self.propeller.root)
+        if self.corrections:
+            self.arrays()  # refuses a correction that does not fit
 
     def with_airfoil(self, airfoil: Section) -> Model:
         """The same model with another section law, ``airfoil``."""
@@ -99,15 +99,23 @@ class Model:
         from propmap.arrays.namespace import by_numpy
         from propmap.physics.element import Medium
         from propmap.physics.geometry import make_blade
-        from propmap.solve.problem import RotorArrays
+        from propmap.physics.rotor import RotorArrays
 
         p, number = self.propeller, np.float64
         blades: Any = (number(p.blades), number(p.root))
         with by_numpy():
             blade = make_blade(p.station, p.chord, p.twist, *blades)
         air: Any = (number(self.air.density), number(self.air.viscosity))
-        factors = tuple(value.factor(p.root) for value in self.corrections)
-        return RotorArrays(blade, self.airfoil.law(), Medium(*air), factors)
+        rotor = RotorArrays(blade, self.airfoil.law(), Medium(*air))
+        shapes = [name_of(value) for value in self.corrections if hasattr(value, "response")]
+        if len(shapes) > 1:
+            raise InputError(
+                f"{' and '.join(shapes)} both set how the inflow varies around the disk",
+                "give one of them",
+            )
+        for value in self.corrections:
+            rotor = value.applied(rotor)
+        return rotor
 
     @property
     def correction_texts(self) -> list[str]:

@@ -8,6 +8,7 @@ from propmap.arrays.elementary import sine_and_cosine
 from propmap.arrays.materialize import materialize
 from propmap.arrays.namespace import Array, xp
 from propmap.physics.geometry import Blade, blade_shape
+from propmap.physics.inflow_harmonics import Harmonics
 from propmap.physics.sections.law import SectionFlow, SectionLaw
 from propmap.physics.velocities import (
     AzimuthNodes,
@@ -126,18 +127,21 @@ class ElementForces(NamedTuple):
         Against the rotation, dL sin(phi) + dD cos(phi) [m^3/s^2].
     normal_slope : Array
         Derivative of ``normal`` with respect to the inflow [m^2/s].
+    tangential_slope : Array
+        Derivative of ``tangential`` with respect to the inflow [m^2/s].
     """
 
     normal: Array
     tangential: Array
     normal_slope: Array
+    tangential_slope: Array
 
 
 def element_forces(at: Annulus, inflow: Array, sine: Array) -> ElementForces:
     """Forces of one blade element, eqs. (1)-(4).
 
     With sin(phi) = U_P / U and cos(phi) = U_T / U, reverse flow needs no case of its own.  The
-    derivative is written out because automatic differentiation takes longer.
+    derivatives are written out because automatic differentiation takes longer.
 
     Parameters
     ----------
@@ -162,8 +166,9 @@ def element_forces(at: Annulus, inflow: Array, sine: Array) -> ElementForces:
     # d(alpha)/dv_i = -cos(phi)/U, dU/dv_i = sin(phi).
     lift = (c.lift + c.lift_by_log_re) * sin_phi - c.lift_slope * cos_phi
     drag = (c.drag + c.drag_by_log_re) * sin_phi - c.drag_slope * cos_phi
-    slope = 0.5 * at.chord * (u_t * lift - u_p * drag - u * c.drag)
-    return ElementForces(normal, tangential, slope)
+    normal_slope = 0.5 * at.chord * (u_t * lift - u_p * drag - u * c.drag)
+    tangential_slope = 0.5 * at.chord * (u_p * lift + u_t * drag + u * c.lift)
+    return ElementForces(normal, tangential, normal_slope, tangential_slope)
 
 
 def _section_flow(
@@ -192,16 +197,38 @@ class AnnulusLoads(NamedTuple):
         [m^4/s^2], eq. (7).
     roll_moment : Array
         [m^4/s^2], about the in-plane velocity, positive where the advancing side is lifted.
-        Not in the paper.
+        Not in the paper, like the two below.
+    side_force : Array
+        [m^3/s^2], in the disk plane across the in-plane velocity, positive towards the retreating
+        side.
+    pitch_moment : Array
+        [m^4/s^2], about the axis across the in-plane velocity, positive where the front is lifted.
     """
 
     thrust: Array
     drag: Array
     torque: Array
     roll_moment: Array
+    side_force: Array
+    pitch_moment: Array
 
 
-def annulus_loads(at: Annulus, inflow: Array, azimuth: AzimuthNodes) -> AnnulusLoads:
+def local_inflow(
+    at: Annulus, inflow: Array, harmonics: Harmonics, sine: Array
+) -> tuple[Array, Array]:
+    """v_i [m/s] at the azimuths psi and pi - psi, which have the same sin(psi), see ``Harmonics``.
+
+    The first of them has cos(psi) >= 0.
+    """
+    share = at.radius / at.tip
+    even = inflow + harmonics.mean + share * harmonics.lateral * sine
+    odd = share * harmonics.longitudinal * xp.sqrt(xp.maximum(1.0 - sine * sine, 0.0))
+    return even + odd, even - odd
+
+
+def annulus_loads(
+    at: Annulus, inflow: Array, azimuth: AzimuthNodes, harmonics: Harmonics | None = None
+) -> AnnulusLoads:
     """Loads of an annulus, eqs. (5)-(7), averaged over a turn.
 
     Parameters
@@ -212,19 +239,34 @@ def annulus_loads(at: Annulus, inflow: Array, azimuth: AzimuthNodes) -> AnnulusL
         v_i [m/s], shape (S, B); the results are of that shape.
     azimuth : AzimuthNodes
         Azimuths to average over.
+    harmonics : Harmonics, optional
+        How the inflow varies around the disk.
     """
 
     def terms(sine: Array) -> tuple[Array, ...]:
-        normal, tangential = materialize(lambda: element_forces(at, inflow, sine)[:2], at.blades)
-        return normal, tangential * sine, tangential, normal * sine
+        if harmonics is None:
+            forces = materialize(lambda: element_forces(at, inflow, sine)[:2], at.blades)
+            # The forces at psi and pi - psi are the same: nothing is left of those across.
+            return forces[0], forces[1] * sine, forces[1], forces[0] * sine
+        rear, front = local_inflow(at, inflow, harmonics, sine)
+        behind = materialize(lambda: element_forces(at, rear, sine)[:2], at.blades)
+        before = materialize(lambda: element_forces(at, front, sine)[:2], at.blades)
+        normal, tangential = (0.5 * (a + b) for a, b in zip(behind, before, strict=True))
+        cosine = 0.5 * xp.sqrt(xp.maximum(1.0 - sine * sine, 0.0))
+        along = (normal, tangential * sine, tangential, normal * sine)
+        return *along, (behind[1] - before[1]) * cosine, (before[0] - behind[0]) * cosine
 
-    thrust, drag, turning, rolling = azimuth.mean(terms)
+    means = azimuth.mean(terms)
+    thrust, drag, turning, rolling = means[:4]
+    across, pitching = means[4:] or (xp.zeros_like(thrust), xp.zeros_like(thrust))
     n = at.blades
     return AnnulusLoads(
         thrust=n * thrust,  # Eq. (5)
         drag=n * at.law.drag_factor * drag,  # Eq. (6)
         torque=n * at.radius * turning,  # Eq. (7)
         roll_moment=n * at.radius * rolling,
+        side_force=n * at.law.drag_factor * across,
+        pitch_moment=n * at.radius * pitching,
     )
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -14,6 +14,9 @@ from propmap.errors import InputError
 from propmap.physics.element import Annulus
 from propmap.physics.velocities import floored_norm
 from propmap.physics.wake import FactorBounds
+
+if TYPE_CHECKING:
+    from propmap.physics.rotor import RotorArrays
 
 LEAST_REACH = 5e-5
 """Least value of f sin(phi) [-].  Otherwise F would go to zero over the last 0.005 % of the blade,
@@ -122,9 +125,9 @@ def _largest_second(low: Array, high: Array) -> Array:
 class TipLoss:
     """Prandtl's loss at the tip, as a correction of a ``Model``; see ``PrandtlLoss``."""
 
-    def factor(self, root: float) -> PrandtlLoss:  # noqa: ARG002 - as every correction takes it
-        """The factor on the wake's thrust; the blade begins at ``root`` [m]."""
-        return PrandtlLoss()
+    def applied(self, rotor: RotorArrays) -> RotorArrays:
+        """The rotor with this factor on its wake's thrust."""
+        return rotor._replace(factors=(*rotor.factors, PrandtlLoss()))
 
 
 @dataclass(frozen=True)
@@ -143,12 +146,14 @@ class HubLoss:
         if self.radius_m is not None and not 0.0 < self.radius_m < math.inf:
             raise InputError(f"radius_m is {self.radius_m}: give the hub's radius in metres")
 
-    def factor(self, root: float) -> PrandtlLoss:
-        """The factor on the wake's thrust; the blade begins at ``root`` [m]."""
+    def applied(self, rotor: RotorArrays) -> RotorArrays:
+        """The rotor with this factor on its wake's thrust."""
+        root = float(rotor.blade.root)
         radius = root if self.radius_m is None else self.radius_m
         if radius > root * (1.0 + 1e-9):
             raise InputError(
                 f"radius_m of the hub loss is {radius:g} m, but the blade begins at {root:g} m",
                 "give a smaller radius, or a root cut-out",
             )
-        return PrandtlLoss(np.float64(radius))  # type: ignore[arg-type]
+        hub: Any = np.float64(radius)
+        return rotor._replace(factors=(*rotor.factors, PrandtlLoss(hub)))

@@ -9,6 +9,7 @@ import jax
 
 from propmap.arrays.namespace import Array, custom_jvp, stop_gradient, xp
 from propmap.physics.geometry import Blade
+from propmap.physics.inflow_harmonics import Harmonics
 from propmap.physics.loads import RadialNodes
 from propmap.physics.velocities import AzimuthNodes
 from propmap.solve import folds, split
@@ -31,12 +32,15 @@ class DiskSolution(NamedTuple):
         v_i at the radial nodes [m/s], NaN where it was not found.
     several : Array, shape (B,)
         Whether several roots of (11) were found.
+    harmonics : Harmonics or None
+        How the inflow varies around the disk; None before it is known and where it does not.
     """
 
     fold: folds.Fold | None
     spare: Array | None
     inflow: Array
     several: Array
+    harmonics: Harmonics | None = None
 
 
 class DiskInflow(NamedTuple):

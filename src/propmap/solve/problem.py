@@ -6,33 +6,11 @@ from typing import NamedTuple
 
 from propmap.arrays.namespace import Array
 from propmap.physics import element
-from propmap.physics.element import Annulus, Medium, annulus
-from propmap.physics.geometry import Blade
-from propmap.physics.sections.law import SectionLaw
+from propmap.physics.element import Annulus, annulus
+from propmap.physics.rotor import RotorArrays
 from propmap.physics.velocities import AzimuthNodes
 from propmap.physics.vortex_ring import on_windmill_branch
-from propmap.physics.wake import Wake, WakeFactor
-
-
-class RotorArrays(NamedTuple):
-    """A rotor in air, as arrays that can be differentiated; a pytree.
-
-    Attributes
-    ----------
-    blade : Blade
-        Geometry.
-    law : SectionLaw
-        Lift and drag of its sections.
-    medium : Medium
-        The air.
-    factors : tuple of WakeFactor
-        Corrections that multiply the momentum thrust.
-    """
-
-    blade: Blade
-    law: SectionLaw
-    medium: Medium
-    factors: tuple[WakeFactor, ...] = ()
+from propmap.physics.wake import Wake
 
 
 class Case(NamedTuple):
@@ -72,10 +50,11 @@ class AnnulusProblem(NamedTuple):
 
 def annulus_problem(case: Case, radius: Array) -> AnnulusProblem:
     """Equation (11) at ``radius`` [m], (S, 1) or (S, B)."""
-    blade, law, medium, factors = case.rotor
-    at = annulus(blade, law, medium, radius, case.omega, case.v_axial, case.v_inplane)
+    rotor = case.rotor
+    blade = (rotor.blade, rotor.law, rotor.medium)
+    at = annulus(*blade, radius, case.omega, case.v_axial, case.v_inplane)
     windmill = None if case.v_hover is None else on_windmill_branch(case.v_axial, case.v_hover)
-    return AnnulusProblem(at, Wake(windmill, factors))
+    return AnnulusProblem(at, Wake(windmill, rotor.factors))
 
 
 def residual(problem: AnnulusProblem, inflow: Array, azimuth: AzimuthNodes) -> Array:

@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from propmap.arrays.materialize import materialize
 from propmap.arrays.namespace import Array, stop_gradient, xp
 from propmap.physics import element, momentum, vortex_ring
+from propmap.physics.element import AnnulusLoads
+from propmap.physics.inflow_harmonics import DiskFlow, Harmonics
 from propmap.physics.loads import integrate, mean_over_disk
+from propmap.physics.rotor import RotorArrays
 from propmap.physics.velocities import AzimuthNodes, azimuth_nodes
-from propmap.solve.disk import DiskInflow, disk_inflow, solve_disk
-from propmap.solve.problem import Case, RotorArrays
+from propmap.solve.disk import DiskInflow, DiskSolution, disk_inflow, solve_disk
+from propmap.solve.harmonics import HarmonicProblem, find_harmonics, moving_harmonics
+from propmap.solve.problem import Case
 from propmap.solve.quadrature import tail
 from propmap.solve.resolution import Resolution
 
@@ -64,14 +68,33 @@ def disk_loads(case: Case, panels: tuple[int, ...], azimuth: AzimuthNodes) -> Ro
 
     ``panels`` and ``azimuth`` are those of ``solve_disk``.
     """
-    solution, _ = solve_disk(case, panels, azimuth)
+    solution, found = solve_disk(case, panels, azimuth)
+    harmonics = None
+    if case.rotor.shape is not None:
+        harmonics = find_harmonics(_harmonic_problem(case, found), azimuth).harmonics
     disk = disk_inflow(case, solution, panels, azimuth)
-    return loads_over_disk(case, disk, solution.several, panels, azimuth)
+    return loads_over_disk(case, disk, harmonics, solution.several, panels, azimuth)
+
+
+def search_loads(
+    case: Case, panels: tuple[int, ...], azimuth: AzimuthNodes
+) -> tuple[RotorLoads, DiskSolution]:
+    """``disk_loads`` without derivatives, and the solution; the arguments are the same."""
+    case = stop_gradient(case)
+    solution, disk = solve_disk(case, panels, azimuth)
+    if case.rotor.shape is None:
+        return loads_over_disk(case, disk, None, solution.several, panels, azimuth), solution
+    found = find_harmonics(_harmonic_problem(case, disk), azimuth)
+    density = case.rotor.medium.density
+    total = AnnulusLoads(*(density * load for load in found.loads))
+    loads = _rotor_loads(case, disk, total, found.integrand, solution.several, panels)
+    return loads, solution._replace(harmonics=found.harmonics)
 
 
 def loads_over_disk(
     case: Case,
     disk: DiskInflow,
+    harmonics: Harmonics | None,
     several: Array,
     panels: tuple[int, ...],
     azimuth: AzimuthNodes,
@@ -84,27 +107,48 @@ def loads_over_disk(
         The case that was solved.
     disk : DiskInflow
         Its inflow.
+    harmonics : Harmonics or None
+        How the inflow varies around the disk, found before; None where it does not.
     several : Array, shape (B,)
         Whether several roots of (11) were found.
     panels, azimuth
         Radial nodes and azimuths, as in ``solve_disk``.
     """
-    rotor, v_axial, v_inplane = case.rotor, case.v_axial, case.v_inplane
-    ring, inflow = xp.zeros_like(v_axial), disk.inflow
-    mirrored = xp.zeros_like(v_axial) > 0.0
-    if case.v_hover is not None:
-        inflow, ring = vortex_ring.blend_vortex_ring(v_axial, v_inplane, case.v_hover, inflow)
+    rotor = case.rotor
+    inflow, _ = _with_vortex_ring(case, disk)
     at = disk.problem.at
-    per_radius = materialize(lambda: element.annulus_loads(at, inflow, azimuth), rotor.blade.root)
+    if harmonics is not None:
+        harmonics = moving_harmonics(_harmonic_problem(case, disk), harmonics, azimuth)
+    per_radius = materialize(
+        lambda: element.annulus_loads(at, inflow, azimuth, harmonics), rotor.blade.root
+    )
     total = integrate(per_radius, disk.nodes, rotor.medium.density)
+    integrand = disk.nodes.weight * xp.stack([per_radius.thrust, per_radius.torque])
+    return _rotor_loads(case, disk, total, integrand, several, panels)
+
+
+def _rotor_loads(
+    case: Case,
+    disk: DiskInflow,
+    total: AnnulusLoads,
+    integrand: Array,
+    several: Array,
+    panels: tuple[int, ...],
+) -> RotorLoads:
+    """Loads with what statuses are made of.
+
+    ``integrand`` (2, S, B) is thrust and torque of the annuli, times weights, per density.
+    """
+    rotor, v_axial, v_inplane = case.rotor, case.v_axial, case.v_inplane
+    inflow, ring = _with_vortex_ring(case, disk)
     mean_inflow = mean_over_disk(inflow, disk.nodes)
+    mirrored = xp.zeros_like(v_axial) > 0.0
     windmill = disk.problem.wake.windmill
     if windmill is not None:
         past_limit = momentum.past_momentum_theory(v_axial, v_inplane, mean_inflow)
         mirrored = (windmill > 0.0) & past_limit
-    attached = rotor.law.attached_share(element.mean_angle_of_attack(at, inflow))
-    weighted = disk.nodes.weight * xp.stack([per_radius.thrust, per_radius.torque])
-    tails = rotor.medium.density * tail(stop_gradient(weighted), panels)
+    attached = rotor.law.attached_share(element.mean_angle_of_attack(disk.problem.at, inflow))
+    tails = rotor.medium.density * tail(stop_gradient(integrand), panels)
     return RotorLoads(
         total,
         roots=xp.where(several, 3, 1),
@@ -115,6 +159,22 @@ def loads_over_disk(
         thrust_tail=tails[0],
         torque_tail=tails[1],
     )
+
+
+def _with_vortex_ring(case: Case, disk: DiskInflow) -> tuple[Array, Array]:
+    """The annuli's inflow [m/s], (S, B), and the share of the vortex ring's in it [-], (B,)."""
+    if case.v_hover is None:
+        return disk.inflow, xp.zeros_like(case.v_axial)
+    flow = (case.v_axial, case.v_inplane, case.v_hover)
+    return vortex_ring.blend_vortex_ring(*flow, disk.inflow)
+
+
+def _harmonic_problem(case: Case, disk: DiskInflow) -> HarmonicProblem:
+    inflow, ring = _with_vortex_ring(case, disk)
+    mean_inflow = mean_over_disk(inflow, disk.nodes)
+    flow = DiskFlow(case.omega, case.v_axial, case.v_inplane, mean_inflow)
+    shape: Any = case.rotor.shape
+    return HarmonicProblem(disk.problem.at, disk.nodes, inflow, flow, 1.0 - ring, shape)
 
 
 def hover_inflow(rotor: RotorArrays, omega: Array, stations: int) -> Array:
