@@ -6,7 +6,7 @@ import dataclasses
 
 import pytest
 
-from propmap import Loads, Model, Rotor, airfoil, propeller
+from propmap import Loads, Model, Rotor, airfoil, correction, propeller
 from propmap.loads import LOADS, Load, error_scales
 from propmap.physics.element import AnnulusLoads
 
@@ -39,7 +39,14 @@ def test_errors_are_shares_of_a_static_load_of_their_own_dimension() -> None:
 def test_loads_by_the_inplane_velocity_are_those_that_axial_flow_has_not(
     load: Load,
 ) -> None:
-    rotor = Rotor(Model(propeller("apc-8x6e"), airfoil("paper-apc")), compiled=False)
+    rotor = Rotor(
+        Model(
+            propeller("apc-8x6e"),
+            airfoil("paper-apc"),
+            corrections=(correction("pitt-peters"),),
+        ),
+        compiled=False,
+    )
     axial, oblique = (rotor.loads(500.0, 5.0, beta) for beta in (0.0, 1.0))
     assert (getattr(axial, load.name) == 0.0) == load.inplane
     assert abs(getattr(oblique, load.name)) > 0.0

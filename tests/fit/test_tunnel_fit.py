@@ -80,7 +80,15 @@ def twin() -> TunnelData:
     beta = np.radians(np.concatenate([np.zeros(12), np.resize([20.0, 40.0, 60.0, 85.0], 14)]))
     omega = np.resize([450.0, 550.0, 650.0], 26)
     found = propmap.Rotor(propmap.Model(PROPELLER, LAW, AIR)).loads(omega, speed, beta)
-    return TunnelData("twin", omega, speed, beta, {n: getattr(found, n) for n in LOADS})
+    # The paper's rotor has no force across and no pitching moment.
+    loads = {name: values for name in LOADS if (values := getattr(found, name)).any()}
+    return TunnelData("twin", omega, speed, beta, loads)
+
+
+def test_a_load_that_is_always_zero_is_refused(twin: TunnelData) -> None:
+    still = replace(twin, loads=twin.loads | {"side_force": 0.0 * twin.omega})
+    with pytest.raises(InputError, match="every value of side_force is zero.*--loads"):
+        rows_for(still)
 
 
 @pytest.fixture(scope="module")

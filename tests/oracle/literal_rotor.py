@@ -287,6 +287,44 @@ def azimuth_count(omega: float, radius: float, v_inplane: float, sharper: float 
     return 2 * int(np.ceil(0.5 * count * sharper))
 
 
+def literal_rotor(
+    station: ArrayLike,
+    chord: ArrayLike,
+    twist: ArrayLike,
+    blades: int,
+    section: Section,
+    rho: float,
+    mu: float,
+    omega: float,
+    v_axial: float,
+    v_inplane: float,
+    root: float | None = None,
+    zero_lift_angle: float = 0.0,
+    *,
+    tip_loss: bool = False,
+    hub_radius: float | None = None,
+    v_hover: float | None = None,
+    resolution: int = 1,
+) -> LiteralRotor:
+    """The rotor of `literal_loads`, whose arguments these are."""
+    y, c, theta = (np.asarray(a, dtype=float) for a in (station, chord, twist))
+    losses = {"tip_loss": tip_loss, "hub_radius": hub_radius}
+    windmill, ring = False, (0.0, 0.0)
+    if v_axial < 0.0:
+        if v_hover is None:
+            still = (y, c, theta, blades, section, rho, mu, omega, 0.0, 0.0, root, zero_lift_angle)
+            hover = literal_loads(*still, **losses, resolution=resolution)
+            v_hover = static_inflow(hover["thrust"], rho, float(y[-1]))
+        windmill = v_axial < WINDMILL_BELOW * v_hover
+        ring = vortex_ring(v_axial, v_inplane, v_hover)
+    motion = (omega, v_axial, v_inplane)
+    wake = LiteralWake(rho, *motion, blades, float(y[-1]), **losses, windmill=windmill)
+    count = azimuth_count(omega, float(y[-1]), v_inplane, sharper_stall(section))
+    n_azimuth = count if count == 1 else count * resolution
+    numbers = (rho, mu, *motion, zero_lift_angle, n_azimuth, SCAN_STEP / resolution)
+    return LiteralRotor(y, c, theta, blades, section, wake, ring, *numbers)
+
+
 def literal_loads(
     station: ArrayLike,
     chord: ArrayLike,
@@ -317,24 +355,16 @@ def literal_loads(
     count. Returns thrust [N], drag [N], torque [N m], roll_moment [N m], and the number of radii at
     which the inflow jumps (`jumps`).
     """
-    y, c, theta = (np.asarray(a, dtype=float) for a in (station, chord, twist))
     losses = {"tip_loss": tip_loss, "hub_radius": hub_radius}
-    windmill, ring = False, (0.0, 0.0)
-    if v_axial < 0.0:
-        if v_hover is None:
-            still = (y, c, theta, blades, section, rho, mu, omega, 0.0, 0.0, root, zero_lift_angle)
-            hover = literal_loads(*still, **losses, resolution=resolution)
-            v_hover = static_inflow(hover["thrust"], rho, float(y[-1]))
-        windmill = v_axial < WINDMILL_BELOW * v_hover
-        ring = vortex_ring(v_axial, v_inplane, v_hover)
-    motion = (omega, v_axial, v_inplane)
-    wake = LiteralWake(rho, *motion, blades, float(y[-1]), **losses, windmill=windmill)
-    count = azimuth_count(omega, float(y[-1]), v_inplane, sharper_stall(section))
-    n_azimuth = count if count == 1 else count * resolution
-    numbers = (rho, mu, *motion, zero_lift_angle, n_azimuth, SCAN_STEP / resolution)
-    rotor = LiteralRotor(y, c, theta, blades, section, wake, ring, *numbers)
-    low = float(y[0]) if root is None else root
-    nodes, weights, jumps = radial_nodes(rotor, low, float(y[-1]), resolution)
+    rotor = literal_rotor(
+        *(station, chord, twist, blades, section, rho, mu, omega, v_axial, v_inplane, root),
+        zero_lift_angle,
+        **losses,
+        v_hover=v_hover,
+        resolution=resolution,
+    )
+    low = float(rotor.station[0]) if root is None else root
+    nodes, weights, jumps = radial_nodes(rotor, low, float(rotor.station[-1]), resolution)
     totals = weights @ np.array([rotor.load_densities(r) for r in nodes])  # Eqs (13)-(15)
     names = ("thrust", "drag", "torque", "roll_moment")
     return dict(zip(names, map(float, totals), strict=True)) | {"jumps": float(jumps.size)}

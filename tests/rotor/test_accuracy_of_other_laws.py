@@ -25,6 +25,9 @@ from tests.oracle.make_other_reference import (
     other_row,
     questions,
 )
+from tests.oracle.make_other_reference import (
+    LOADS as PAPER_LOADS,
+)
 from tests.other_laws import Flow, OtherRotor, error_scales_of, other_flow, other_rotors
 
 FLOW = ("omega", "v_axial", "v_inplane")
@@ -71,7 +74,7 @@ def errors_of(
 ) -> Checked:
     """Of "standard"."""
     got, scales = loads(model, flow, "standard", compiled=compiled), error_scales_of(model, flow[0])
-    errors = [np.abs(getattr(got, k) - truth[k]) / scales[k] for k in LOADS]
+    errors = [np.abs(getattr(got, k) - truth[k]) / scales[k] for k in LOADS if k in truth]
     return Checked(np.max(errors, axis=0), got.status == "coarse")
 
 
@@ -102,7 +105,7 @@ def test_other_laws_meet_what_is_promised_against_the_literal_reference() -> Non
         rows.setdefault(OtherRotor(row.blade, row.blades, pm.Airfoil(**law)), []).append(row)
     parts = []
     for one, mine in rows.items():
-        columns = {k: np.array([getattr(row, k) for row in mine]) for k in (*FLOW, *LOADS)}
+        columns = {k: np.array([getattr(row, k) for row in mine]) for k in (*FLOW, *PAPER_LOADS)}
         flow = tuple(columns[k] for k in FLOW)
         model = pm.Model(one.propeller(), one.airfoil)
         parts.append(errors_of(model, flow, columns, compiled=False))

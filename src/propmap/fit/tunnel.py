@@ -123,6 +123,11 @@ def tunnel_rows(
     force = np.maximum(model.air.density * data.omega**2 * radius**4, 1e-12)
     size = force[:, None] * [radius if LOADS[name].moment else 1.0 for name in names]
     typical = np.sqrt(np.nanmean((measured / size) ** 2, axis=0))
+    for name, value in zip(names, np.ravel(typical), strict=True):
+        if value == 0.0:
+            raise InputError(
+                f"every value of {name} is zero", "leave it out, by --loads", data.source
+            )
     columns = [list(LOADS).index(name) for name in names]
 
     def modelled(values: Mapping[str, float], free: tuple[str, ...]) -> tuple[Floats, Floats]:

@@ -258,7 +258,7 @@ def annulus_loads(
 
     means = azimuth.mean(terms)
     thrust, drag, turning, rolling = means[:4]
-    across, pitching = means[4:] or (xp.zeros_like(thrust), xp.zeros_like(thrust))
+    across, pitching = means[4:] or (0.0 * thrust, 0.0 * thrust)
     n = at.blades
     return AnnulusLoads(
         thrust=n * thrust,  # Eq. (5)

@@ -146,9 +146,7 @@ class InflowShape(Protocol):
         ...
 
 
-def _gradient(
-    flow: DiskFlow, tip: Array, lateral: Array, longitudinal: Array
-) -> HarmonicResponse:
+def _gradient(flow: DiskFlow, tip: Array, lateral: Array, longitudinal: Array) -> HarmonicResponse:
     """v_s and v_c in proportion to the mean inflow, by factors [-]."""
     none = xp.zeros_like(flow.inflow)
     own = (lateral * flow.inflow, longitudinal * flow.inflow)
@@ -160,7 +158,7 @@ class _Shape:
     """A correction of a ``Model`` that sets the shape of the inflow."""
 
     def applied(self, rotor: RotorArrays) -> RotorArrays:
-        """The rotor with this inflow."""
+        """The ``rotor`` with this inflow."""
         return rotor._replace(shape=self)  # type: ignore[arg-type]
 
 
@@ -188,7 +186,7 @@ class PittPeters(_Shape):
     """
 
     def response(self, flow: DiskFlow, tip: Array) -> HarmonicResponse:
-        """As ``InflowShape.response``."""
+        """As ``InflowShape.response`` of ``flow`` and ``tip``."""
         none, cosine = xp.zeros_like(flow.inflow), flow.skew_cosine
         per_load = 1.0 / (np.pi * tip**2 * flow.mass_flow)
         per_moment = 4.0 * per_load / (tip * (1.0 + cosine))
@@ -211,7 +209,7 @@ class PittPetersGradient(_Shape):
     """
 
     def response(self, flow: DiskFlow, tip: Array) -> HarmonicResponse:
-        """As ``InflowShape.response``."""
+        """As ``InflowShape.response`` of ``flow`` and ``tip``."""
         none = xp.zeros_like(flow.inflow)
         return _gradient(flow, tip, none, 15.0 * np.pi / 32.0 * flow.half_skew_tangent)
 
@@ -228,7 +226,7 @@ class Coleman(_Shape):
     """
 
     def response(self, flow: DiskFlow, tip: Array) -> HarmonicResponse:
-        """As ``InflowShape.response``."""
+        """As ``InflowShape.response`` of ``flow`` and ``tip``."""
         return _gradient(flow, tip, xp.zeros_like(flow.inflow), flow.half_skew_tangent)
 
 
@@ -244,7 +242,7 @@ class WhiteBlake(_Shape):
     """
 
     def response(self, flow: DiskFlow, tip: Array) -> HarmonicResponse:
-        """As ``InflowShape.response``."""
+        """As ``InflowShape.response`` of ``flow`` and ``tip``."""
         sine = flow.v_inplane / flow.speed
         return _gradient(flow, tip, xp.zeros_like(sine), math.sqrt(2.0) * sine)
 
@@ -263,7 +261,7 @@ class Drees(_Shape):
     """
 
     def response(self, flow: DiskFlow, tip: Array) -> HarmonicResponse:
-        """As ``InflowShape.response``."""
+        """As ``InflowShape.response`` of ``flow`` and ``tip``."""
         tip_speed = flow.omega * tip
         slow = xp.maximum(tip_speed, flow.v_inplane / LARGEST_ADVANCE) + SPEED_FLOOR
         # mu^2 / sin(chi) = V sin(beta) W / (Omega R)^2, W being the speed at the disk.

@@ -126,7 +126,7 @@ class TipLoss:
     """Prandtl's loss at the tip, as a correction of a ``Model``; see ``PrandtlLoss``."""
 
     def applied(self, rotor: RotorArrays) -> RotorArrays:
-        """The rotor with this factor on its wake's thrust."""
+        """The ``rotor`` with this factor on its wake's thrust."""
         return rotor._replace(factors=(*rotor.factors, PrandtlLoss()))
 
 
@@ -147,7 +147,7 @@ class HubLoss:
             raise InputError(f"radius_m is {self.radius_m}: give the hub's radius in metres")
 
     def applied(self, rotor: RotorArrays) -> RotorArrays:
-        """The rotor with this factor on its wake's thrust."""
+        """The ``rotor`` with this factor on its wake's thrust."""
         root = float(rotor.blade.root)
         radius = root if self.radius_m is None else self.radius_m
         if radius > root * (1.0 + 1e-9):

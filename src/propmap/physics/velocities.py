@@ -122,10 +122,15 @@ class AzimuthNodes:
         """The inverse of ``tree_flatten``."""
         return cls(*children) if static is None else cls(children[0], static)
 
+    @property
+    def axial(self) -> bool:
+        """Whether there is a single azimuth, as suffices where loads do not vary with it."""
+        return isinstance(self.count, int) and self.count == 1
+
     def mean(self, term: Callable[[Array], Any]) -> Any:
         """The mean over azimuth of ``term(sin(psi))``, an array or a tree of arrays."""
         sines = xp.asarray(self.sines)
-        if isinstance(self.count, int) and self.count == 1:
+        if self.axial:
             return materialize(lambda: term(sines[0]), sines[0])
         return mean_over(term, sines, self.count)
 

@@ -108,13 +108,11 @@ def find_harmonics(problem: HarmonicProblem, azimuth: AzimuthNodes) -> HarmonicS
     def again(
         state: tuple[HarmonicSolution, Array, Array],
     ) -> tuple[HarmonicSolution, Array, Array]:
-        before, _, steps = state
-        now = before.harmonics
+        before, last, steps = state
+        now, active = before.harmonics, last > within
         loads, slopes, integrand = _loads_and_slopes(problem, now, azimuth)
         own = tuple(_moments_of(by) for by in slopes)
-        change, size = _newton_step(
-            problem, now, _moments_of(loads), own, moments.thrust, speed
-        )
+        change, size = _newton_step(problem, now, _moments_of(loads), own, moments.thrust, speed)
         ahead = AnnulusLoads(
             *(
                 load + sum(by * step for by, step in zip(bys, change, strict=True))
@@ -122,7 +120,13 @@ def find_harmonics(problem: HarmonicProblem, azimuth: AzimuthNodes) -> HarmonicS
             )
         )
         moved = Harmonics(*(a + b for a, b in zip(now, change, strict=True)))
-        return HarmonicSolution(moved, ahead, integrand), size, steps + 1
+        # A point that has been found stays as it is: its loads do not depend on its neighbours.
+        solution = jax.tree.map(
+            lambda new, old: xp.where(active, new, old),
+            HarmonicSolution(moved, ahead, integrand),
+            before,
+        )
+        return solution, xp.where(active, size, last), steps + 1
 
     nothing = AnnulusLoads(*(zero for _ in AnnulusLoads._fields))
     start = HarmonicSolution(first, nothing, xp.zeros((2, *xp.shape(problem.inflow))))

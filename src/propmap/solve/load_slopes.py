@@ -112,9 +112,7 @@ def load_slopes(
     def loads(change: Change, here: RadialNodes, inflow: Array, v_hover: Array | None) -> Array:
         now = _moved(case, change)._replace(v_hover=v_hover)
         disk = DiskInflow(here, annulus_problem(now, here.radius), inflow)
-        found = loads_over_disk(
-            now, disk, solution.harmonics, solution.several, panels, azimuth
-        )
+        found = loads_over_disk(now, disk, solution.harmonics, solution.several, panels, azimuth)
         return jnp.stack(found.loads)
 
     def along(direction: Change, v_hover_slope: Array | None, by_case: Array) -> Array:

@@ -70,7 +70,7 @@ def disk_loads(case: Case, panels: tuple[int, ...], azimuth: AzimuthNodes) -> Ro
     """
     solution, found = solve_disk(case, panels, azimuth)
     harmonics = None
-    if case.rotor.shape is not None:
+    if case.rotor.shape is not None and not azimuth.axial:
         harmonics = find_harmonics(_harmonic_problem(case, found), azimuth).harmonics
     disk = disk_inflow(case, solution, panels, azimuth)
     return loads_over_disk(case, disk, harmonics, solution.several, panels, azimuth)
@@ -82,7 +82,7 @@ def search_loads(
     """``disk_loads`` without derivatives, and the solution; the arguments are the same."""
     case = stop_gradient(case)
     solution, disk = solve_disk(case, panels, azimuth)
-    if case.rotor.shape is None:
+    if case.rotor.shape is None or azimuth.axial:
         return loads_over_disk(case, disk, None, solution.several, panels, azimuth), solution
     found = find_harmonics(_harmonic_problem(case, disk), azimuth)
     density = case.rotor.medium.density
