@@ -35,6 +35,7 @@ def test_columns_belong_together(name: str) -> None:
 def test_names() -> None:
     assert measurement_names() == [
         "davoudi-8x4.5mr-thrust",
+        "gill-dandrea-2019-8x6e",
         "gill-dandrea-2019-8x6e-fit",
         "uiuc-8x6e",
     ]
@@ -47,6 +48,7 @@ def test_what_was_not_measured_is_absent() -> None:
     assert set(measurement("uiuc-8x6e").loads) == {"thrust", "torque"}
     assert set(measurement("davoudi-8x4.5mr-thrust").loads) == {"thrust"}
     assert "roll_moment" in measurement("gill-dandrea-2019-8x6e-fit").loads
+    assert "pitch_moment" in measurement("gill-dandrea-2019-8x6e").loads
 
 
 @with_data
@@ -72,6 +74,7 @@ def test_uiuc_coefficients_come_back() -> None:
 @pytest.mark.parametrize(
     ("name", "file"),
     [
+        ("gill-dandrea-2019-8x6e", "apc_8x6e_published_polynomials.csv"),
         ("gill-dandrea-2019-8x6e-fit", "apc_8x6e_published_fit.csv"),
         ("davoudi-8x4.5mr-thrust", "apc_8x45mr_thrust.csv"),
     ],

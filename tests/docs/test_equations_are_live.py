@@ -129,6 +129,25 @@ def loads() -> Any:
     return found.thrust, found.drag, found.torque, found.roll_moment
 
 
+def varying_inflow() -> Any:
+    """Loads with each inflow that varies around the disk, and one of their derivatives."""
+    found = []
+    for name in ("pitt-peters", "pitt-peters-gradient", "coleman", "white-blake", "drees"):
+        model = dataclasses.replace(rotor().model, corrections=(pm.correction(name),))
+        one = pm.Rotor(model, compiled=False)
+        found.append(dataclasses.astuple(one.loads(600.0, 9.0, 1.2))[:6])
+    arrays, panels, nodes = one.arrays, (12,), azimuth_nodes(16)
+    with jax.enable_x64(True):
+
+        def thrust(v: Any) -> Any:
+            flow = (jax.numpy.array([value]) for value in (600.0, 3.0))
+            case = Case(arrays, *flow, jax.numpy.reshape(v, 1), None)
+            return rotor_loads.disk_loads(case, panels, nodes).loads.thrust[0]
+
+        found.append(jax.jvp(thrust, (8.0,), (1.0,))[1])
+    return found
+
+
 def inflow() -> Any:
     found = rotor().inflow(600.0, 5.0, 1.0, radius=[0.05, 0.09], azimuth=[0.0, 2.0])
     return found.inflow, found.thrust_per_radius
@@ -161,7 +180,8 @@ def derivatives() -> Any:
             law = arrays.law.plus(alpha_0=change)
             moved = case._replace(rotor=case.rotor._replace(law=law))
             found = disk.disk_inflow(moved, solution, panels, nodes)
-            return rotor_loads.loads_over_disk(moved, found, solution.several, panels, nodes).loads
+            several = solution.several
+            return rotor_loads.loads_over_disk(moved, found, None, several, panels, nodes).loads
 
         return one, jax.jvp(whole, (0.0,), (1.0,))[1]
 
@@ -204,7 +224,9 @@ def made_up_fit() -> Any:
 
 PROBES: dict[str, Callable[[], Any]] = {
     "propmap.physics": loads,
+    "propmap.physics.inflow_harmonics": varying_inflow,
     "propmap.solve": loads,
+    "propmap.solve.harmonics": varying_inflow,
     "propmap.model": loads,
     "propmap.rotor": inflow,
     "propmap.solve.disk_field": inflow,

@@ -87,7 +87,7 @@ def twin() -> TunnelData:
 
 def test_a_load_that_is_always_zero_is_refused(twin: TunnelData) -> None:
     still = replace(twin, loads=twin.loads | {"side_force": 0.0 * twin.omega})
-    with pytest.raises(InputError, match="every value of side_force is zero.*--loads"):
+    with pytest.raises(InputError, match=r"every value of side_force is zero.*--loads"):
         rows_for(still)
 
 

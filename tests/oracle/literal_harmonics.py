@@ -57,8 +57,10 @@ def harmonic_loads(rotor: LiteralRotor, root: float, azimuths: int = 96) -> dict
     climb, induced = rotor.v_axial / tip_speed, mean / tip_speed
     through = climb + induced
     total = np.hypot(mu, through)
-    mass_flow = max((mu**2 + through * (through + induced)) / total, 0.5 * total)
-    chi = np.arctan2(mu, abs(through))
+    meets = max(min(-climb, induced), 0.0)  # of the inflow, what meets air from below
+    mass_flow = (mu**2 + through * (through + induced)) / total
+    mass_flow = max(mass_flow, 0.5 * total, meets)
+    chi = np.arctan2(mu, max(abs(through), meets))
 
     def wanted(added: Array) -> Array:
         found = loads(added)

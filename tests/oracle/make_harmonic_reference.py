@@ -52,11 +52,11 @@ class HarmonicRow(NamedTuple):
 
 
 def questions() -> list[tuple[str, float, float, float]]:
-    """Sets and random flows, a tenth of them in descent, in the table's order."""
+    """Sets and random flows, an eighth of them in descent, in the table's order."""
     random = np.random.default_rng(1981)
     omega = random.uniform(2000.0, 10000.0, POINTS) * np.pi / 30.0
     speed = random.uniform(0.0, 20.0, POINTS)
-    beta = np.radians(random.uniform(0.0, 100.0, POINTS))
+    beta = np.radians(np.resize([90.0, 90.0, 90.0, 180.0], POINTS) * random.uniform(size=POINTS))
     names = [tuple(SECTIONS)[k % len(SECTIONS)] for k in range(POINTS)]
     flow = (omega, speed * np.cos(beta), speed * np.sin(beta))
     return [(name, *map(float, point)) for name, *point in zip(names, *flow, strict=True)]

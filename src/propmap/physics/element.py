@@ -245,28 +245,46 @@ def annulus_loads(
 
     def terms(sine: Array) -> tuple[Array, ...]:
         if harmonics is None:
-            forces = materialize(lambda: element_forces(at, inflow, sine)[:2], at.blades)
+            normal, tangential = materialize(
+                lambda: element_forces(at, inflow, sine)[:2], at.blades
+            )
             # The forces at psi and pi - psi are the same: nothing is left of those across.
-            return forces[0], forces[1] * sine, forces[1], forces[0] * sine
+            return normal, normal * sine, tangential, tangential * sine
         rear, front = local_inflow(at, inflow, harmonics, sine)
         behind = materialize(lambda: element_forces(at, rear, sine)[:2], at.blades)
         before = materialize(lambda: element_forces(at, front, sine)[:2], at.blades)
-        normal, tangential = (0.5 * (a + b) for a, b in zip(behind, before, strict=True))
         cosine = 0.5 * xp.sqrt(xp.maximum(1.0 - sine * sine, 0.0))
-        along = (normal, tangential * sine, tangential, normal * sine)
-        return *along, (behind[1] - before[1]) * cosine, (before[0] - behind[0]) * cosine
+        normal, tangential = (0.5 * (a + b) for a, b in zip(behind, before, strict=True))
+        along = (normal, normal * sine, tangential, tangential * sine)
+        return *along, *((a - b) * cosine for a, b in zip(behind, before, strict=True))
 
-    means = azimuth.mean(terms)
-    thrust, drag, turning, rolling = means[:4]
-    across, pitching = means[4:] or (0.0 * thrust, 0.0 * thrust)
+    n, n_sine, t, t_sine, *across = azimuth.mean(terms)
+    n_cosine, t_cosine = across or (0.0 * n, 0.0 * n)
+    return loads_of_forces(at, (n, n_sine, n_cosine), (t, t_sine, t_cosine))
+
+
+def loads_of_forces(
+    at: Annulus, normal: tuple[Array, Array, Array], tangential: tuple[Array, Array, Array]
+) -> AnnulusLoads:
+    """Loads of an annulus from the means over azimuth of its element's forces.
+
+    Parameters
+    ----------
+    at : Annulus
+        Blade and flow.
+    normal, tangential : tuple of 3 Array
+        Means of ``ElementForces`` [m^3/s^2], of their products with sin(psi), and of those with
+        cos(psi).
+    """
+    arm, drag_factor = at.radius, at.law.drag_factor
     n = at.blades
     return AnnulusLoads(
-        thrust=n * thrust,  # Eq. (5)
-        drag=n * at.law.drag_factor * drag,  # Eq. (6)
-        torque=n * at.radius * turning,  # Eq. (7)
-        roll_moment=n * at.radius * rolling,
-        side_force=n * at.law.drag_factor * across,
-        pitch_moment=n * at.radius * pitching,
+        thrust=n * normal[0],  # Eq. (5)
+        drag=n * drag_factor * tangential[1],  # Eq. (6)
+        torque=n * arm * tangential[0],  # Eq. (7)
+        roll_moment=n * arm * normal[1],
+        side_force=n * drag_factor * tangential[2],
+        pitch_moment=-(n * arm * normal[2]),
     )
 
 

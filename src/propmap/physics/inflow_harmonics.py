@@ -25,8 +25,8 @@ if TYPE_CHECKING:
     from propmap.physics.rotor import RotorArrays
 
 LEAST_MASS_FLOW = 0.5
-"""Least ``DiskFlow.mass_flow``, as a share of the air's speed at the disk [-]: it goes to zero in
-the vortex ring and where a braking rotor turns the air back, which no such theory describes."""
+"""Least ``DiskFlow.mass_flow``, as a share of the air's speed at the disk [-]: it goes to zero
+where a braking rotor turns the air back, which no such theory describes."""
 
 LARGEST_ADVANCE = 0.5
 """mu [-] up to which the factors of ``Drees`` are used; they were meant for less."""
@@ -77,10 +77,21 @@ class DiskFlow(NamedTuple):
     def mass_flow(self) -> Array:
         """The mass-flow parameter V of Peters and HaQuang [m/s].
 
-        It is d(v_i W)/dv_i, W being ``speed``: 2 v_i in hover, W in fast flight.
+        It is d(v_i W)/dv_i, W being ``speed``: 2 v_i in hover, W in fast flight.  It has a lower
+        limit, see ``LEAST_MASS_FLOW`` and ``recirculation``.
         """
         through, speed = self.v_axial + self.inflow, self.speed
-        return xp.maximum(speed + self.inflow * through / speed, LEAST_MASS_FLOW * speed)
+        least = xp.maximum(LEAST_MASS_FLOW * speed, self.recirculation)
+        return xp.maximum(speed + self.inflow * through / speed, least)
+
+    @property
+    def recirculation(self) -> Array:
+        """The part of the inflow that meets air from below [m/s]; zero but in descent.
+
+        Where the two are equal, no air goes through the disk in axial descent, and the wake has no
+        direction.  The flow is then taken to have this speed along the axis.
+        """
+        return xp.maximum(xp.minimum(-self.v_axial, self.inflow), 0.0)
 
     @property
     def skew_cosine(self) -> Array:
@@ -88,12 +99,19 @@ class DiskFlow(NamedTuple):
 
         A wake above the disk is taken as the mirror image of one below.
         """
-        return xp.abs(self.v_axial + self.inflow) / self.speed
+        along = self._along
+        return along / floored_norm(self.v_inplane, along)
 
     @property
     def half_skew_tangent(self) -> Array:
         """tan(chi/2) [-]: 0 in axial flow, 1 edgewise."""
-        return self.v_inplane / (self.speed * (1.0 + self.skew_cosine))
+        along = self._along
+        return self.v_inplane / (floored_norm(self.v_inplane, along) + along)
+
+    @property
+    def _along(self) -> Array:
+        """Speed along the axis that carries the wake away [m/s]."""
+        return xp.maximum(xp.abs(self.v_axial + self.inflow), self.recirculation)
 
     def mean_by_thrust(self, tip: Array) -> Array:
         """Change of the mean inflow per thrust and density, 1/(2 pi R^2 V) [s/m^3]."""

@@ -15,7 +15,13 @@ from propmap.arrays.loops import while_loop
 from propmap.arrays.materialize import materialize
 from propmap.arrays.namespace import Array, custom_jvp, stop_gradient, xp
 from propmap.arrays.precision import precision_of
-from propmap.physics.element import Annulus, AnnulusLoads, element_forces, local_inflow
+from propmap.physics.element import (
+    Annulus,
+    AnnulusLoads,
+    element_forces,
+    loads_of_forces,
+    local_inflow,
+)
 from propmap.physics.inflow_harmonics import DiskFlow, HarmonicResponse, Harmonics, InflowShape
 from propmap.physics.loads import RadialNodes
 from propmap.physics.velocities import AzimuthNodes
@@ -249,32 +255,26 @@ def _loads_and_slopes(
             *(along[2] * sine, odd[2] * sine, along[3] * sine, odd[3] * sine),
         )
 
-    n, t, n_m, t_m, ns, ts, n_ms, t_ms, nc, tc, n_mc, t_mc, n_ss, n_sc, t_ss, t_sc = (
-        at.blades * mean for mean in azimuth.mean(terms)
+    n, t, n_m, t_m, ns, ts, n_ms, t_ms, nc, tc, n_mc, t_mc, n_ss, n_sc, t_ss, t_sc = azimuth.mean(
+        terms
     )
-    arm, share, weight = at.radius, at.radius / at.tip, problem.nodes.weight
-    cut = at.law.drag_factor
+    share, weight = at.radius / at.tip, problem.nodes.weight
 
-    def loads(normal: Triple, tangential: Triple, factor: Array | float) -> AnnulusLoads:
-        """Totals of forces and of their products with sin(psi) and cos(psi)."""
-        w = weight * factor
-        parts = (
-            normal[0],
-            cut * tangential[1],
-            arm * tangential[0],
-            arm * normal[1],
-            cut * tangential[2],
-            -arm * normal[2],
-        )
-        return AnnulusLoads(*(xp.sum(w * part, axis=0) for part in parts))
+    def total(per_radius: AnnulusLoads, by: Array) -> AnnulusLoads:
+        return AnnulusLoads(*(xp.sum(by * part, axis=0) for part in per_radius))
 
-    found = loads((n, ns, nc), (t, ts, tc), 1.0)
+    here = loads_of_forces(at, (n, ns, nc), (t, ts, tc))
+    by_mean = loads_of_forces(at, (n_m, n_ms, n_mc), (t_m, t_ms, t_mc))
+    by_lateral = loads_of_forces(at, (n_ms, n_ss, n_sc), (t_ms, t_ss, t_sc))
+    # cos^2 = 1 - sin^2
+    squares = (n_mc, n_sc, n_m - n_ss), (t_mc, t_sc, t_m - t_ss)
+    by_longitudinal = loads_of_forces(at, *squares)
     slopes = (
-        loads((n_m, n_ms, n_mc), (t_m, t_ms, t_mc), 1.0),
-        loads((n_ms, n_ss, n_sc), (t_ms, t_ss, t_sc), share),
-        loads((n_mc, n_sc, n_m - n_ss), (t_mc, t_sc, t_m - t_ss), share),
+        total(by_mean, weight),
+        total(by_lateral, weight * share),
+        total(by_longitudinal, weight * share),
     )
-    return found, slopes, weight * xp.stack([n, arm * t])
+    return total(here, weight), slopes, weight * xp.stack([here.thrust, here.torque])
 
 
 @custom_jvp
