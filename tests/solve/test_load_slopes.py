@@ -61,4 +61,5 @@ def test_two_passes_give_what_differentiation_of_the_whole_does() -> None:
         got = np.asarray(jax.jit(two_passes)(directions_of(movable, NAMES, len(NAMES))))
     scale = np.max(np.abs(want), axis=2, keepdims=True)
     assert (scale[:, 0] > 0.0).all()
+    scale = np.where(scale > 0.0, scale, 1.0)  # the paper's rotor has no force across
     np.testing.assert_allclose(got / scale, want / scale, atol=1e-9)
