@@ -1,4 +1,4 @@
-"""Tables of docs/performance.md, from phases.json and peers.json of the results."""
+"""Tables of docs/performance.md, from phases.json, options.json and peers.json of the results."""
 
 from __future__ import annotations
 
@@ -32,6 +32,22 @@ def following(found: dict[str, Any]) -> str:
     for split in found["following"]:
         cells = (f"{split[phase]:.1f} µs" for phase in ("survey", "folds", "roots", "loads"))
         rows.append(f"| {split['azimuths']} | {' | '.join(cells)} |")
+    return "\n".join(rows)
+
+
+def options(found: dict[str, Any]) -> str:
+    """What corrections and section tables cost beside the paper's model."""
+    place = found["machine"]
+    rows = [
+        f"{place['cpu']}, {found['points']} oblique points of the APC 8x6E with `paper-apc`, and "
+        "with tables sampled from it; processor time.",
+        "",
+        "| model | µs per point | beside the paper's |",
+        "|---|---:|---:|",
+    ]
+    for row in found["rows"]:
+        cells = (row["model"], f"{row['microseconds']:.0f}", f"{row['ratio']:.2f}")
+        rows.append(f"| {' | '.join(cells)} |")
     return "\n".join(rows)
 
 
