@@ -15,7 +15,7 @@ from propmap.errors import InputError
 # makes the package's attribute the function.
 from propmap.model.air import Air
 from propmap.model.airfoil import Airfoil, airfoil_names
-from propmap.model.corrections import correction
+from propmap.model.corrections import correction, corrections_of
 from propmap.model.model import Model
 from propmap.model.propeller import Propeller
 from propmap.model.section_table import SectionTable
@@ -41,6 +41,7 @@ __all__ = [
     "airfoil",
     "airfoil_names",
     "correction",
+    "corrections_of",
     "propeller",
 ]
 

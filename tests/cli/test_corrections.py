@@ -147,19 +147,21 @@ def test_or_is_refused_in_one_line(run: Run, name: str) -> None:
 
 def test_a_fit_brings_its_corrections(run: Run, tunnel_csv: Path, tmp_path: Path) -> None:
     done = run("fit", "tunnel", "apc-8x6e", tunnel_csv, *QUICK, *TIP_LOSS, "-o", "with.toml")
-    assert "with tip-loss, which come along wherever the fit is used" in done.out
+    assert "with pitt-peters, tip-loss, which comes along wherever the fit is used" in done.out
     law = parameter_set("with.toml")
-    assert law.corrections == ("tip-loss",)
+    assert law.corrections == ("pitt-peters", "tip-loss")
     # In Python as on the command line.
     blade = propmap.propeller("apc-8x6e")
-    bare = law.with_parameters(corrections=())
-    explicit = propmap.Model(blade, bare, corrections=(propmap.correction("tip-loss"),))
+    bare = law.with_parameters(corrections=None)
+    explicit = propmap.Model(
+        blade, bare, corrections=propmap.corrections_of("recommended", ["tip-loss"])
+    )
     point = (4000.0 * np.pi / 30.0, 14.0, np.radians(80.0))
     wanted, other = (propmap.Rotor(m).loads(*point) for m in (explicit, propmap.Model(blade, bare)))
     found = propmap.Rotor(propmap.Model(blade, law)).loads(*point)
     assert found.thrust == wanted.thrust != other.thrust
     told = run("predict", "apc-8x6e", "--airfoil", "with.toml", *POINT)
-    assert "airfoil with + tip-loss" in told.out
+    assert "airfoil with + pitt-peters + tip-loss" in told.out
     as_json = run("predict", "apc-8x6e", "--airfoil", "with.toml", *POINT, "--format", "json")
     assert json.loads(as_json.out)["thrust_N"] == pytest.approx(float(wanted.thrust), rel=1e-9)
     # Others than those of the fit are refused, by every command.
@@ -170,12 +172,15 @@ def test_a_fit_brings_its_corrections(run: Run, tunnel_csv: Path, tmp_path: Path
     ):
         refused = run(*command, "--correction", "hub-loss")
         assert refused.code == 2 and refused.err.count("\n") == 1
-        assert "with was found with tip-loss, not with hub-loss" in refused.err
+        assert (
+            "with was found with pitt-peters, tip-loss, not with pitt-peters, hub-loss"
+            in refused.err
+        )
     # Used as a start, it hands them on.
     run("fit", "tunnel", "apc-8x6e", tunnel_csv, "--airfoil", "with.toml", *QUICK, "-o", "on.toml")
-    assert parameter_set("on.toml").corrections == ("tip-loss",)
+    assert parameter_set("on.toml").corrections == ("pitt-peters", "tip-loss")
     checked = json.loads(run("check", "with.toml", tunnel_csv, "--format", "json").out)
-    assert checked["corrections"] == ["tip-loss"]
+    assert checked["corrections"] == ["pitt-peters", "tip-loss"]
     filed = fit_record(tmp_path / "with.toml")["residuals"]["thrust"]["rms"]
     assert checked["loads"]["thrust_N"]["rms"] == pytest.approx(filed, rel=0.02)
 
@@ -190,14 +195,17 @@ def test_tables_and_what_is_made_of_them_tell_the_corrections(
     model = propmap.Model(
         propmap.propeller("apc-8x6e"),
         propmap.airfoil("paper-apc"),
-        corrections=(propmap.correction("tip-loss"),),
+        corrections=propmap.corrections_of("recommended", ["tip-loss"]),
     )
-    assert table.info["corrections"] == ["tip-loss"]
+    assert table.info["corrections"] == ["pitt-peters", "tip-loss"]
     assert table.info["model_sha256"] == model.fingerprint()
-    assert "corrections: tip-loss" in run("show", "x.npz").out
-    assert json.loads(run("show", "x.npz", "--format", "json").out)["corrections"] == ["tip-loss"]
+    assert "corrections: pitt-peters, tip-loss" in run("show", "x.npz").out
+    assert json.loads(run("show", "x.npz", "--format", "json").out)["corrections"] == [
+        "pitt-peters",
+        "tip-loss",
+    ]
     assert run("export", "x.npz", "--to", "csv", "-o", "to").code == 0
-    assert "corrections: tip-loss" in Path("to/README-csv.txt").read_text()
+    assert "corrections: pitt-peters, tip-loss" in Path("to/README-csv.txt").read_text()
     assert run("export", "x.npz", "--to", "nc", "-o", "to").code == 0
     refused = run("export", "x.npz", "--to", "c", "-o", "to", *TIP_LOSS)
     assert "--correction is given with a map" in refused.err
@@ -210,7 +218,7 @@ def test_old_files_have_no_corrections(run: Run) -> None:
     assert "corrections: none" in run("show", "old.npz").out
     Path("old.toml").write_text(fit_text())
     assert "corrections" not in Path("old.toml").read_text()
-    assert parameter_set("old.toml").corrections == ()
+    assert parameter_set("old.toml").corrections is None
 
 
 def test_what_a_parameter_file_says_of_corrections_is_checked(run: Run) -> None:
@@ -223,3 +231,34 @@ def test_what_a_parameter_file_says_of_corrections_is_checked(run: Run) -> None:
         Path("bad.toml").write_text(f"{text}{line}\n")
         done = run("predict", "apc-8x6e", "--airfoil", "bad.toml", *POINT)
         assert done.code == 2 and says in done.err
+
+
+def test_the_model_is_recommended_unless_it_is_named(run: Run, tunnel_csv: Path) -> None:
+    blade, law = propmap.propeller("apc-8x6e"), propmap.airfoil("paper-apc")
+    point = (4000.0 * np.pi / 30.0, 14.0, np.radians(80.0))
+    for option, name in (([], "recommended"), (["--model", "paper"], "paper")):
+        out = run("predict", *ROTOR, *POINT, *option, "--format", "json").out
+        model = propmap.Model(blade, law, corrections=propmap.corrections_of(name))
+        wanted = propmap.Rotor(model, compiled=False).loads(*point)
+        found = json.loads(out)
+        assert found["roll_moment_Nm"] == pytest.approx(float(wanted.roll_moment), rel=1e-9)
+        assert found["side_force_N"] == pytest.approx(float(wanted.side_force), rel=1e-9)
+    # An inflow shape takes the place of the model's own.
+    done = run("predict", *ROTOR, *POINT, "--correction", "coleman", "--correction", "tip-loss")
+    assert "airfoil paper-apc + coleman + tip-loss" in done.out
+    # A fit under the paper's model says so, and is used with it.
+    run("fit", "tunnel", "apc-8x6e", tunnel_csv, *QUICK, "--model", "paper", "-o", "paper.toml")
+    assert parameter_set("paper.toml").corrections == ()
+    told = run("predict", "apc-8x6e", "--airfoil", "paper.toml", *POINT)
+    assert "airfoil paper;" in told.out
+    refused = run("check", "paper.toml", tunnel_csv, "--model", "recommended")
+    assert refused.code == 2
+    assert "paper was found with the paper's model, not with pitt-peters" in refused.err
+    assert run("predict", *ROTOR, *POINT, "--model", "2017").code == 2
+
+
+def test_corrections_of_a_model() -> None:
+    assert propmap.corrections_of("paper") == ()
+    assert propmap.corrections_of() == (propmap.correction("pitt-peters"),)
+    with pytest.raises(propmap.InputError, match="give one of recommended, paper"):
+        propmap.corrections_of("2017")

@@ -21,9 +21,10 @@ from propmap.cli.output import (
     json_text,
     show,
 )
-from propmap.cli.rotor_options import Corrections, say_reynolds
+from propmap.cli.rotor_options import Corrections, ModelOption, say_reynolds, with_physics
 from propmap.errors import InputError
 from propmap.model.air import Air
+from propmap.model.corrections import in_words
 from propmap.model.model import Model
 
 if TYPE_CHECKING:
@@ -47,13 +48,14 @@ def check(
         str | None,
         typer.Option("--prop", metavar="PROP", help="Propeller, where the file has no [fit]."),
     ] = None,
+    model: ModelOption = None,
     correction: Corrections = None,
     format_: FormatOption = None,
     output: TextOutput = None,
 ) -> None:
     """Errors per load and band of speed, beside the hover model's."""
     chosen = chosen_format(format_, output)
-    law = airfoil(fit).with_corrections(correction or ())
+    law = with_physics(airfoil(fit), model, correction)
     found = _compare(fit, law, data, vehicle, prop)
     if chosen is Format.table:
         show(output, _table(found, law))
@@ -64,7 +66,7 @@ def check(
     }
     if chosen is Format.json:
         rows = max((c.all.rows for c in found.values()), default=0)
-        told = {"corrections": list(law.corrections), "rows": rows, "loads": loads}
+        told = {"corrections": list(law.corrections or ()), "rows": rows, "loads": loads}
         emit(json_text(told), output)
         return
     columns = ("load", "band", "rows", "rms", "relative_rms", "bias", "worst", "hover_rms")
@@ -132,6 +134,6 @@ def _table(found: dict[str, Comparison], law: Airfoil | SectionTable) -> Table:
         for name, c in found.items()
         for band, e in {"all": c.all, **c.by_speed}.items()
     ]
-    added = f", with {', '.join(law.corrections)}" if law.corrections else ""
+    added = f", with {in_words(law.corrections or ())}"
     heads = "<load|<speed|rows|rms|relative|bias|worst|hover model's rms"
     return grid(heads, rows, f"Model minus measurement{added}")

@@ -10,7 +10,13 @@ import numpy as np
 import typer
 
 from propmap.cli.output import Force
-from propmap.cli.rotor_options import Corrections, say_reynolds
+from propmap.cli.rotor_options import (
+    Corrections,
+    ModelName,
+    ModelOption,
+    say_reynolds,
+    with_physics,
+)
 from propmap.cli.table_report import building
 from propmap.errors import InputError
 from propmap.model.model import Model
@@ -48,6 +54,7 @@ def export(
         str | None,
         typer.Option("--prop", metavar="PROP", help="For a section law: name or geometry file."),
     ] = None,
+    model: ModelOption = None,
     correction: Corrections = None,
     force: Force = False,
 ) -> None:
@@ -56,7 +63,7 @@ def export(
 
     check_target(to)
     check_folder(output)
-    table = _table(source, prop, correction or [])
+    table = _table(source, prop, model, correction)
     try:
         paths = export_table(table, to, output, replace=force)
     except InputError as error:
@@ -66,11 +73,17 @@ def export(
         typer.echo(f"wrote {path}")
 
 
-def _table(source: Path, prop: str | None, corrections: list[str]) -> LoadTable:
+def _table(
+    source: Path, prop: str | None, physics: ModelName | None, corrections: list[str] | None
+) -> LoadTable:
     if source.suffix.lower() in (".npz", ".nc") or (prop is None and source.suffix != ".toml"):
         from propmap.table import LoadTable
 
-        for option, given in (("--prop", prop), ("--correction", corrections)):
+        for option, given in (
+            ("--prop", prop),
+            ("--model", physics),
+            ("--correction", corrections),
+        ):
             if given:
                 raise InputError(f"{option} is given with a map, which has its own", "leave it out")
         return LoadTable.load(source)
@@ -80,7 +93,7 @@ def _table(source: Path, prop: str | None, corrections: list[str]) -> LoadTable:
     from propmap.rotor import Rotor
 
     keep_compiled()
-    law = airfoil(source).with_corrections(corrections)
+    law = with_physics(airfoil(source), physics, corrections)
     fit = read_fit(source) if prop is None or is_fit(source) else None
     model = (
         fit.model.with_airfoil(law) if fit and prop is None else Model(propeller(prop or ""), law)

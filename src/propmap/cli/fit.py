@@ -22,7 +22,14 @@ from propmap.cli.fit_options import (
     settings_of,
 )
 from propmap.cli.output import check_output, check_pictures, show, write_text
-from propmap.cli.rotor_options import Corrections, RotorChoice, constants, takes_rotor
+from propmap.cli.rotor_options import (
+    Corrections,
+    ModelOption,
+    RotorChoice,
+    constants,
+    takes_rotor,
+    with_physics,
+)
 from propmap.errors import InputError
 
 if TYPE_CHECKING:
@@ -100,7 +107,7 @@ def fit_tunnel(
     from propmap.model.model import Model
 
     keep_compiled()
-    base = (base or first_guess()).with_corrections(choice.correction or ())
+    base = with_physics(base or first_guess(), choice.model, choice.correction)
     model = Model(blade, base, air)
     named = [name.strip() for name in loads.split(",")] if loads else []
 
@@ -155,6 +162,7 @@ def fit_flight(
         str | None,
         typer.Option("--airfoil", metavar="NAME|FILE", help="Values of what is not free."),
     ] = None,
+    physics: ModelOption = None,
     correction: Corrections = None,
     seconds: Annotated[float, typer.Option("--seconds", help="Shortest steady stretch [s].")] = 2.0,
     samples: Annotated[
@@ -201,7 +209,7 @@ def fit_flight(
     default = PAPER_FOUR if flights.level else (*PAPER_FOUR, "zero_lift_angle", *drags)
     chosen = choice_of(free, fix, prior, default, base, wing_values(file.vehicle))
     settings = settings_of(starts, robust, folds, bootstrap, seed)
-    law = (base or first_guess()).with_corrections(correction or ())
+    law = with_physics(base or first_guess(), physics, correction)
     model = ForceModel(file.vehicle, flights.log, law)
     make = level_rows if flights.level else balance_rows
     fitted = fit(make(model, chosen), chosen, settings)
@@ -255,5 +263,5 @@ def _finish(fitted: Fitted, law: Airfoil, remarks: Sequence[str], text: str, out
     from propmap.cli.fit_report import told
 
     write_text(text, output)
-    show(None, *told(fitted, law.corrections, remarks))
+    show(None, *told(fitted, law.corrections or (), remarks))
     typer.echo(f"wrote {output}", err=True)

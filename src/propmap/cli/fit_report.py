@@ -10,6 +10,7 @@ from propmap.cli.output import grid
 from propmap.fit.fitted import Fitted
 from propmap.fit.parameters import EVERY
 from propmap.fit.residuals import errors
+from propmap.model.corrections import in_words
 
 
 def told(fitted: Fitted, corrections: Sequence[str], remarks: Sequence[str]) -> Iterator[object]:
@@ -25,8 +26,7 @@ def told(fitted: Fitted, corrections: Sequence[str], remarks: Sequence[str]) -> 
     ends = fitted.minimum.ends
     best = sum(end.minimum == 1 for end in ends)
     yield f"{len(ends)} starts, {best} of them to the best minimum; {fitted.seconds:.1f} s"
-    if corrections:
-        yield f"with {', '.join(corrections)}, which come along wherever the fit is used"
+    yield f"with {in_words(corrections)}, which comes along wherever the fit is used"
     yield from (f"note: {remark}" for remark in remarks)
 
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import functools
 import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
 from enum import StrEnum
-from typing import TYPE_CHECKING, Annotated, Any, Concatenate, ParamSpec, get_type_hints
+from typing import TYPE_CHECKING, Annotated, Any, Concatenate, ParamSpec, TypeVar, get_type_hints
 
 import numpy as np
 import typer
@@ -16,7 +16,7 @@ from propmap.catalogue.lookup import airfoil, propeller
 from propmap.errors import InputError
 from propmap.model.air import PAPER_DENSITY, PAPER_VISCOSITY, Air
 from propmap.model.airfoil import Airfoil, airfoil_names
-from propmap.model.corrections import CORRECTIONS
+from propmap.model.corrections import CORRECTIONS, as_text, corrections_of
 from propmap.model.model import Model
 from propmap.model.propeller import Propeller
 from propmap.model.section_table import SectionTable
@@ -44,9 +44,26 @@ Corrections = Annotated[
     typer.Option(
         "--correction",
         metavar="NAME[:FIELD=VALUE]",
-        help=f"Added to the paper's physics: {', '.join(CORRECTIONS)} (a field as in "
-        "hub-loss:radius_m=0.012); may be repeated. "
-        "A fit brings those that it was made with.",
+        help=f"Added to the model: {', '.join(CORRECTIONS)} (a field as in "
+        "hub-loss:radius_m=0.012); may be repeated.",
+    ),
+]
+
+
+class ModelName(StrEnum):
+    """The keys of ``MODELS``."""
+
+    recommended = "recommended"
+    paper = "paper"
+
+
+ModelOption = Annotated[
+    ModelName | None,
+    typer.Option(
+        "--model",
+        help="Physics: recommended, the paper's with an inflow that varies around the disk "
+        "(pitt-peters), or paper, Gill & D'Andrea 2017 to the letter. By default that with which "
+        "the section law's constants were found, else recommended.",
     ),
 ]
 
@@ -89,6 +106,7 @@ class RotorChoice:
         float | None,
         typer.Option("--temperature-offset", help="Warmer than the standard atmosphere by [K]."),
     ] = None
+    model: ModelOption = None
     correction: Corrections = None
     root_cutout: RootCutout = None
     blades: Blades = None
@@ -106,7 +124,7 @@ class RotorChoice:
                 f"pass --airfoil with one of {names}, a .toml file or a section table",
             )
         blade, air = self.blade(), self.medium()
-        section = airfoil(self.airfoil).with_corrections(self.correction or ())
+        section = with_physics(airfoil(self.airfoil), self.model, self.correction)
 
         from propmap.engine.compilation import keep_compiled
         from propmap.rotor import Rotor
@@ -134,6 +152,17 @@ class RotorChoice:
             PAPER_DENSITY if self.rho is None else self.rho,
             PAPER_VISCOSITY if self.mu is None else self.mu,
         )
+
+
+Law = TypeVar("Law", Airfoil, SectionTable)
+
+
+def with_physics(law: Law, model: ModelName | None, added: Sequence[str] | None) -> Law:
+    """The section law with the corrections that ``--model`` and ``--correction`` ask for."""
+    if model is None and not added and law.corrections is not None:
+        return law
+    chosen = corrections_of(model or ModelName.recommended, added or ())
+    return law.with_corrections([as_text(value) for value in chosen])
 
 
 def constants(name_or_path: str) -> Airfoil:

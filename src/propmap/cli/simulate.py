@@ -12,7 +12,7 @@ import typer
 
 from propmap.cli.operating_points import RPM, parse_axis
 from propmap.cli.output import Force, check_output, grid, show, write_text
-from propmap.cli.rotor_options import Corrections, constants
+from propmap.cli.rotor_options import Corrections, ModelOption, constants, with_physics
 from propmap.errors import InputError
 
 if TYPE_CHECKING:
@@ -51,6 +51,7 @@ def simulate_flight(
     output: Annotated[
         Path, typer.Option("--output", "-o", metavar="FILE.csv", help="The log, as CSV.")
     ],
+    model: ModelOption = None,
     correction: Corrections = None,
     radius: Annotated[float, typer.Option("--radius", help="Of the circles [m].")] = 1.7,
     banked: Annotated[
@@ -103,7 +104,7 @@ def simulate_flight(
             f"--noise is {noise:g}, a share of the weight", f"give at most {LARGEST_ERROR:g}"
         )
     check_output(output, (".csv",), keep_existing=not force)
-    law = constants(section).with_corrections(correction or ())
+    law = with_physics(constants(section), model, correction)
 
     from propmap.fit.parameters import Choice
     from propmap.flight.simulated import SensorNoise, check_sampling, fly, log_csv
@@ -132,7 +133,7 @@ def simulate_flight(
     typer.echo(
         f"wrote {output}: {speeds.size} speeds, {log.time[-1]:.0f} s, "
         f"{np.min(points.rotor_speed) / RPM:.0f} to {np.max(points.rotor_speed) / RPM:.0f} rpm, "
-        f"flown with {' + '.join([law.name, *law.corrections])}"
+        f"flown with {' + '.join([law.name, *(law.corrections or ())])}"
     )
     _how_to_read(read, str(vehicle))
 

@@ -62,9 +62,9 @@ class Airfoil:
         factor of two; it lets a fit say so.
     lift_law : str
         "blended", eq. (3), or "simplified", footnote 1: C_L = c_l2 sin(a) cos(a).
-    corrections : tuple of str
+    corrections : tuple of str or None
         Corrections with which the constants were found, as ``propmap.correction`` reads them.  A
-        ``Model`` with this airfoil has them too.
+        ``Model`` with this airfoil has them too.  None where nothing is said of them.
     name, source : str
         What the set is called and where its numbers come from.
 
@@ -86,7 +86,7 @@ class Airfoil:
     lift_law: str = "blended"
     name: str = "unnamed"
     source: str = ""
-    corrections: tuple[str, ...] = ()
+    corrections: tuple[str, ...] | None = None
 
     def __post_init__(self) -> None:
         for field, (low, high, unit) in LIMITS.items():
@@ -119,7 +119,7 @@ class Airfoil:
         return replace(self, **changes)
 
     def with_corrections(self, texts: Sequence[str]) -> Airfoil:
-        """The set as it is to be used with these corrections; its own where ``texts`` is empty.
+        """The set as it is to be used with corrections of these ``texts``.
 
         Raises
         ------
@@ -130,7 +130,7 @@ class Airfoil:
 
     def to_toml(self) -> str:
         """The set as the text of a parameter file."""
-        told = {key: value for key, value in asdict(self).items() if value != ()}
+        told = {key: value for key, value in asdict(self).items() if value is not None}
         lines = [f"schema = {SCHEMA}", *(f"{key} = {_toml(value)}" for key, value in told.items())]
         return "\n".join(lines) + "\n"
 
@@ -140,7 +140,7 @@ class Airfoil:
 
     def fingerprint(self) -> str:
         """SHA-256 of the parameter file, without its corrections."""
-        text = replace(self, corrections=()).to_toml()
+        text = replace(self, corrections=None).to_toml()
         return hashlib.sha256(text.encode()).hexdigest()
 
 

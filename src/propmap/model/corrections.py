@@ -22,6 +22,10 @@ CORRECTIONS = {
 }
 """Where each is; a new correction is one file of physics and one line here."""
 
+MODELS = {"recommended": ("pitt-peters",), "paper": ()}
+"""Corrections by the model's name.  The commands take "recommended" where nothing else is said;
+"paper" is Gill & D'Andrea, CCTA 2017, doi 10.1109/CCTA.2017.8062533, to the letter."""
+
 
 class Correction(Protocol):
     """A change to the physics, as a validated value: a frozen dataclass of numbers."""
@@ -65,6 +69,38 @@ def correction(text: str) -> Correction:
     return from_fields(name, fields)
 
 
+def corrections_of(model: str = "recommended", added: Sequence[str] = ()) -> tuple[Correction, ...]:
+    """The corrections of a model by its name, for ``propmap.Model``.
+
+    Parameters
+    ----------
+    model : str
+        "recommended" or "paper", see ``MODELS``.
+    added : sequence of str
+        More of them, as ``correction`` reads them.  One that sets how the inflow varies around the
+        disk, and one with other fields, takes the place of the model's own.
+
+    Raises
+    ------
+    InputError
+        For an unknown model or correction.
+    """
+    if model not in MODELS:
+        raise InputError(f"model {model!r} is not known", f"give one of {', '.join(MODELS)}")
+    more = tuple(correction(text) for text in added)
+    own = (correction(text) for text in MODELS[model])
+    return *(value for value in own if not any(_replaces(one, value) for one in more)), *more
+
+
+def _replaces(one: Correction, other: Correction) -> bool:
+    return type(one) is type(other) or (sets_inflow_shape(one) and sets_inflow_shape(other))
+
+
+def sets_inflow_shape(value: Correction) -> bool:
+    """Whether a correction sets how the inflow varies around the disk."""
+    return hasattr(value, "response")
+
+
 def from_fields(name: str, fields: dict[str, Any]) -> Correction:
     """A correction from its name and fields, as they are kept in files."""
     import importlib
@@ -86,28 +122,38 @@ def from_fields(name: str, fields: dict[str, Any]) -> Correction:
     return value
 
 
-def as_texts(texts: Any) -> tuple[str, ...]:
-    """Checked texts of corrections, as they stand in a file; ``InputError`` for anything else."""
+def as_texts(texts: Any) -> tuple[str, ...] | None:
+    """Checked texts of corrections, as they stand in a file; ``InputError`` for anything else.
+
+    None stays None: nothing is said of them.
+    """
+    if texts is None:
+        return None
     if not isinstance(texts, (list, tuple)) or not all(isinstance(text, str) for text in texts):
         raise InputError(f'corrections is {texts!r}: write a list such as ["tip-loss"]')
     return tuple(as_text(correction(text)) for text in texts)
 
 
-def agreed(section: str, own: Sequence[str], given: Sequence[str]) -> tuple[str, ...]:
-    """The corrections to use with a section law that was found with ``own``.
+def agreed(section: str, own: Sequence[str] | None, given: Sequence[str]) -> tuple[str, ...]:
+    """The corrections ``given`` to a section law that was found with ``own``, None if unknown.
 
     Raises
     ------
     InputError
-        Where others than its own are ``given``; ``section`` is its name.
+        Where others than its own are given; ``section`` is its name.
     """
-    wanted = as_texts(given)
-    if own and wanted and sorted(own) != sorted(wanted):
+    wanted = as_texts(given) or ()
+    if own is not None and sorted(own) != sorted(wanted):
         raise InputError(
-            f"{section} was found with {', '.join(own)}, not with {', '.join(wanted)}",
-            "leave the corrections out, which takes those it was found with, or fit again",
+            f"{section} was found with {in_words(own)}, not with {in_words(wanted)}",
+            "leave --model and --correction out, which takes what it was found with, or fit again",
         )
-    return wanted or tuple(own)
+    return wanted
+
+
+def in_words(texts: Sequence[str]) -> str:
+    """Corrections in words: "tip-loss, pitt-peters", or that there are none."""
+    return ", ".join(texts) or "the paper's model"
 
 
 def name_of(value: Correction) -> str:

@@ -11,7 +11,14 @@ from numpy.typing import ArrayLike
 
 from propmap.errors import InputError
 from propmap.model.air import Air
-from propmap.model.corrections import Correction, agreed, as_text, correction, name_of
+from propmap.model.corrections import (
+    Correction,
+    agreed,
+    as_text,
+    correction,
+    name_of,
+    sets_inflow_shape,
+)
 from propmap.model.propeller import Propeller
 
 if TYPE_CHECKING:
@@ -56,7 +63,8 @@ class Model:
         Density and viscosity; the paper's by default.
     corrections : tuple
         Values of ``propmap.correction``, each kind once: what is added to the paper's physics.
-        Where none is given, those with which the airfoil's constants were found.
+        Where none is given, those with which the airfoil's constants were found, as a fit's file
+        says; else none.  ``propmap.corrections_of("recommended")`` gives those of the commands.
 
     Raises
     ------
@@ -80,8 +88,11 @@ class Model:
             if not isinstance(value, kind):
                 raise InputError(f"{name} is {value!r}: give {told}")
         object.__setattr__(self, "corrections", tuple(self.corrections))
-        if own := getattr(self.airfoil, "corrections", ()):
-            texts = agreed(self.airfoil.name, own, self.correction_texts)
+        own = getattr(self.airfoil, "corrections", None)
+        if own is not None:
+            texts = (
+                agreed(self.airfoil.name, own, self.correction_texts) if self.corrections else own
+            )
             object.__setattr__(self, "corrections", tuple(correction(text) for text in texts))
         names = [name_of(value) for value in self.corrections]
         for name in names:
@@ -107,7 +118,7 @@ class Model:
             blade = make_blade(p.station, p.chord, p.twist, *blades)
         air: Any = (number(self.air.density), number(self.air.viscosity))
         rotor = RotorArrays(blade, self.airfoil.law(), Medium(*air))
-        shapes = [name_of(value) for value in self.corrections if hasattr(value, "response")]
+        shapes = [name_of(value) for value in self.corrections if sets_inflow_shape(value)]
         if len(shapes) > 1:
             raise InputError(
                 f"{' and '.join(shapes)} both set how the inflow varies around the disk",

@@ -38,8 +38,9 @@ class SectionTable:
         C_L and C_D [-], the same at -pi and pi.
     drag_factor : float
         Multiplies the rotor drag, 1 in the paper.
-    corrections : tuple of str
-        Corrections that a ``Model`` with this table has, as ``propmap.correction`` reads them.
+    corrections : tuple of str or None
+        Corrections that a ``Model`` with this table has, as ``propmap.correction`` reads them; None
+        where nothing is said of them.
     name, source : str
         What the table is called and where its numbers come from.
 
@@ -56,7 +57,7 @@ class SectionTable:
     drag_factor: float = 1.0
     name: str = "unnamed"
     source: str = ""
-    corrections: tuple[str, ...] = ()
+    corrections: tuple[str, ...] | None = None
 
     def __post_init__(self) -> None:
         for field in ("angle", "reynolds", "lift", "drag"):
