@@ -72,7 +72,12 @@ def run(capsys: pytest.CaptureFixture[str]) -> Run:
 @pytest.fixture(scope="session")
 def rotor() -> propmap.Rotor:
     return propmap.Rotor(
-        propmap.Model(propmap.propeller("apc-8x6e"), propmap.airfoil("paper-apc")), compiled=False
+        propmap.Model(
+            propmap.propeller("apc-8x6e"),
+            propmap.airfoil("paper-apc"),
+            corrections=propmap.corrections_of("recommended"),
+        ),
+        compiled=False,
     )
 
 

@@ -54,7 +54,9 @@ def test_a_parameter_set_with_a_propeller(
     (tmp_path / "law.toml").write_text(propmap.airfoil("paper-apc").to_toml())
     done = run("export", "law.toml", "--prop", "apc-8x6e", "--to", "npz", "-o", "to")
     assert done.code == 0
-    assert done.err.startswith("building a map of apc-8x6e, paper-apc, at 1880 to 9869 rpm")
+    assert done.err.startswith(
+        "building a map of apc-8x6e, paper-apc + pitt-peters, at 1880 to 9869 rpm"
+    )
     ((rotor, named),) = built
     assert rotor.model.propeller.name == "apc-8x6e" and rotor.model.airfoil.name == "paper-apc"
     assert named["speed"] == (0.0, 20.0) and named["beta"] == (0.0, np.pi)

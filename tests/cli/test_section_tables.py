@@ -32,7 +32,9 @@ def _table(_workplace: None) -> None:
 def test_loads_are_those_of_the_table(run: Run) -> None:
     done = run("predict", *ROTOR, *POINT, "--format", "json")
     assert done.code == 0 and NOTE in done.err and done.err.count("\n") == 1
-    model = propmap.Model(propmap.propeller("apc-8x6e"), propmap.airfoil("plate.csv"))
+    law = propmap.airfoil("plate.csv")
+    recommended = propmap.corrections_of("recommended")
+    model = propmap.Model(propmap.propeller("apc-8x6e"), law, corrections=recommended)
     rotor = propmap.Rotor(model, compiled=False)
     wanted = rotor.loads(4000.0 * np.pi / 30.0, 14.0, np.radians(80.0))
     assert json.loads(done.out)["thrust_N"] == pytest.approx(float(wanted.thrust), rel=1e-9)
@@ -53,7 +55,7 @@ def test_a_sweep_names_the_table(run: Run) -> None:
     done = run("sweep", *ROTOR, *axes, "-o", "x.nc")
     assert done.code == 0 and NOTE in done.err
     found = xarray.load_dataset("x.nc")
-    assert found.attrs["airfoil_name"] == "plate" and found.attrs["corrections"] == "none"
+    assert found.attrs["airfoil_name"] == "plate" and found.attrs["corrections"] == "pitt-peters"
 
 
 def test_check_and_export_take_a_table(
@@ -71,7 +73,7 @@ def test_check_and_export_take_a_table(
     monkeypatch.setattr("propmap.table.build.build_table", record)
     done = run("export", "plate.csv", "--prop", "apc-8x6e", "--to", "csv", "-o", "to")
     assert done.code == 0 and NOTE in done.err
-    assert built[0].model.airfoil == propmap.airfoil("plate.csv")
+    assert built[0].model.airfoil == propmap.airfoil("plate.csv").with_corrections(["pitt-peters"])
 
 
 @pytest.mark.parametrize(
