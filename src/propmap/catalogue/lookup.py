@@ -7,6 +7,8 @@ from dataclasses import replace
 from pathlib import Path
 
 from propmap import catalogue
+from propmap.catalogue.designation import candidates, designation, nearest
+from propmap.errors import InputError, quoted
 from propmap.io.blade_table import check_radius
 from propmap.io.geometry_file import read_geometry_file
 from propmap.io.section_tables import looks_like_section_table, read_section_table
@@ -26,7 +28,8 @@ def propeller(
     Parameters
     ----------
     name_or_path : str or path
-        A name that ``propmap props`` lists, in upper or lower case, or a path.
+        A name that ``propmap props`` lists, in upper or lower case; a designation that means one
+        of them, such as "APC 11x7E" or "master airscrew 9x6"; or a path.
     blades : int, optional
         Number of blades, where the file gives none or another number is wanted.
     radius : float, optional
@@ -38,20 +41,38 @@ def propeller(
     Raises
     ------
     InputError
-        For an unknown name, with close ones, and for a file that holds no propeller.
+        For an unknown name, with close ones, a designation that several propellers have, and a file
+        that holds no propeller.
     """
     text = os.fspath(name_or_path)
-    if text.strip().lower() in catalogue.names():
-        found = catalogue.load(text)
+    name = text.strip().lower()
+    path = name not in catalogue.names() and looks_like_path(name_or_path)
+    if not path:
+        found = catalogue.load(name if name in catalogue.names() else designated(text).name)
         if radius is not None:
             check_radius(found.radius, radius, where=found.name)
         if blades is not None:
             found = replace(found, blades=blades)
-    elif looks_like_path(name_or_path):
-        found = read_geometry_file(text, blades=blades, radius=radius)
     else:
-        raise catalogue.unknown_name(text)
+        found = read_geometry_file(text, blades=blades, radius=radius)
     return found if root_cutout is None else found.with_root_cutout(root_cutout)
+
+
+def designated(text: str) -> catalogue.Entry:
+    """The one propeller of the catalogue that a designation means; ``InputError`` if not one."""
+    wanted = designation(text)
+    if wanted is None:
+        raise catalogue.unknown_name(text)
+    found = candidates(wanted)
+    if not found:
+        raise InputError(
+            f"no propeller of the catalogue is {quoted(text)}",
+            f"the next in size are {', '.join(nearest(wanted))}; or give a geometry file",
+        )
+    if len(found) > 1:
+        names = ", ".join(entry.name for entry in found)
+        raise InputError(f"{quoted(text)} may be {names}", "give one of these names")
+    return found[0]
 
 
 def airfoil(name_or_path: str | os.PathLike[str]) -> Airfoil | SectionTable:

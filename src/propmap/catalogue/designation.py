@@ -1,0 +1,186 @@
+"""Designations of propellers, as they are printed on the blade: 8x6E, 5x4.3x3, 1045, 130x70 mm."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+
+from propmap import catalogue
+from propmap.errors import InputError, quoted
+
+INCH = 0.0254
+"""[m]."""
+
+LARGEST_INCHES = 40.0
+"""Diameter above which a bare number is taken for millimetres."""
+
+LEAST_DIAMETER, LARGEST_DIAMETER = 0.02, 3.0
+"""[m] of any propeller that is meant to be known here."""
+
+STEEPEST = 2.5
+"""Largest ratio of pitch to diameter."""
+
+MOST_BLADES = 8
+
+SAME = 0.006
+"""Relative difference up to which two lengths are the same: makers round to a twentieth of an
+inch."""
+
+_NUMBER = r"(\d{1,3}(?:[.,]\d+)?)"
+_TIMES = "[x\u00d7*]"
+_SIZE = re.compile(
+    rf"(?<![\d.,])(?<!{_TIMES}){_NUMBER}\s*{_TIMES}\s*{_NUMBER}(?:\s*{_TIMES}\s*(\d+))?"
+    rf"(?![\d.,]|{_TIMES}\d)"
+)
+_FOUR_DIGITS = re.compile(rf"(?<![\w.])(\d\d)(\d\d)(?:\s*{_TIMES}\s*(\d+))?(?!\d)")
+_BLADES = 8
+
+SAME = 0.006
+"""Relative difference up to which two lengths are the same: makers round to a twentieth of an
+inch."""
+
+_NUMBER = r"(\d{1,3}(?:[.,]\d+)?)"
+_SIZE = re.compile(
+    rf"(?<![\d.,x×*]){_NUMBER}\s*[x×*]\s*{_NUMBER}(?:\s*[x×*]\s*(\d+))?(?![\d.,]|[x×*]\d)"
+)
+_FOUR_DIGITS = re.compile(r"(?<![\w.])(\d\d)(\d\d)(?:\s*[x×*]\s*(\d+))?(?!\d)")
+_BLADES = re.compile(r"(\d+)\s*-?\s*blades?\b")
+_WORD = re.compile(r"[a-z]+\d*[a-z]*")
+
+
+@dataclass(frozen=True)
+class Designation:
+    """A propeller by maker, size and number of blades.
+
+    Attributes
+    ----------
+    words : tuple of str
+        Maker and series in lower case, in the order given; empty where none is named.
+    diameter, pitch : float
+        [m].
+    blades : int or None
+        None where the text does not say.
+    """
+
+    words: tuple[str, ...]
+    diameter: float
+    pitch: float
+    blades: int | None
+
+
+def designation(text: str) -> Designation | None:
+    """Read a designation; None where it has no size.
+
+    Diameter and pitch are in inches; in millimetres where the text says ``mm`` or the diameter is
+    above 40.  Four digits are diameter and pitch as makers of multirotors write them: 1045 is
+    10x4.5, 6040 is 6x4, 9450 is 9.4x5.
+
+    Parameters
+    ----------
+    text : str
+        Such as "apc 10x4.7sf", "5x4.3x3", "HQ 5x4.3 3-blade", "130x70" or "DJI 9450".
+
+    Raises
+    ------
+    InputError
+        For a size or a number of blades that no propeller has.
+    """
+    lower = text.strip().lower()
+    blades = _BLADES.search(lower)
+    rest = lower[: blades.start()] + " " + lower[blades.end() :] if blades else lower
+    sized, digits = _SIZE.search(rest), _FOUR_DIGITS.search(rest)
+    if sized:
+        numbers = [float(part.replace(",", ".")) for part in sized.groups()[:2]]
+    elif digits:
+        first, second = digits.groups()[:2]
+        # Ten inches and more are whole inches, less are tenths.
+        numbers = [float(first) / (1.0 if first[0] == "1" else 10.0), float(second) / 10.0]
+    else:
+        return None
+    found = sized or digits
+    assert found is not None
+    words = _WORD.findall(rest[: found.start()] + " " + rest[found.end() :])
+    unit = 1e-3 if "mm" in words or numbers[0] > LARGEST_INCHES else INCH
+    said = blades[1] if blades else found[3]
+    return _checked(
+        text,
+        Designation(
+            words=tuple(word for word in words if word not in ("mm", "in", "inch")),
+            diameter=numbers[0] * unit,
+            pitch=numbers[1] * unit,
+            blades=int(said) if said else None,
+        ),
+    )
+
+
+def _checked(text: str, found: Designation) -> Designation:
+    if not LEAST_DIAMETER <= found.diameter <= LARGEST_DIAMETER:
+        raise InputError(
+            f"{quoted(text)} has a diameter of {found.diameter:.3g} m",
+            f"give {LEAST_DIAMETER:g} to {LARGEST_DIAMETER:g} m, in inches or with mm",
+        )
+    if not 0.0 < found.pitch <= STEEPEST * found.diameter:
+        raise InputError(
+            f"{quoted(text)} has a pitch of {found.pitch:.3g} m",
+            f"give a pitch above 0, up to {STEEPEST:g} diameters",
+        )
+    if found.blades is not None and not 2 <= found.blades <= MOST_BLADES:
+        raise InputError(
+            f"{quoted(text)} has {found.blades} blades", f"give 2 to {MOST_BLADES} blades"
+        )
+    return found
+
+
+def candidates(wanted: Designation) -> list[catalogue.Entry]:
+    """The propellers of the catalogue that a designation may mean, one for each series.
+
+    Of several blades of one series and size the first that was measured is given.  Where the words
+    are the whole name of a series, others whose names go on are left out.
+    """
+    found: dict[tuple[str, int], catalogue.Entry] = {}
+    whole = set()
+    for entry in catalogue.entries():
+        own = designation(entry.title)
+        if own is None or not _same_size(wanted, own) or wanted.blades not in (None, entry.blades):
+            continue
+        if not _names_series(wanted.words, entry.family, own.words):
+            continue
+        key = (entry.family, entry.blades)
+        if key not in found or (_measured(entry) and not _measured(found[key])):
+            found[key] = entry
+        if wanted.words == own.words:
+            whole.add(key)
+    return [entry for key, entry in found.items() if key in whole or not whole]
+
+
+def nearest(wanted: Designation, count: int = 3) -> list[str]:
+    """Names of the ``count`` propellers of the catalogue next in size, of the same maker if any."""
+    ranked = []
+    for entry in catalogue.entries():
+        own = designation(entry.title)
+        if own is None:
+            continue
+        lengths = ((wanted.diameter, own.diameter), (wanted.pitch, own.pitch))
+        away = sum(abs(math.log(a / b)) for a, b in lengths)
+        other = wanted.words and wanted.words[0] not in (*own.words, entry.family)
+        ranked.append((bool(other), away, entry.name))
+    return [name for _, _, name in sorted(ranked)[:count]]
+
+
+def _same_size(a: Designation, b: Designation) -> bool:
+    pairs = ((a.diameter, b.diameter), (a.pitch, b.pitch))
+    return all(abs(one - other) <= SAME * other for one, other in pairs)
+
+
+def _measured(entry: catalogue.Entry) -> bool:
+    return entry.name.startswith("uiuc-")
+
+
+def _names_series(words: tuple[str, ...], family: str, title: tuple[str, ...]) -> bool:
+    """Whether each of the ``words`` is one of the title, or the series' code is made of them."""
+    if all(word in title or word == family for word in words):
+        return True
+    # "apc" and "sf" make apcsf; a maker alone stands for all its series.
+    first, *rest = words
+    return family == "".join(words) or (not rest and family.startswith(first))
