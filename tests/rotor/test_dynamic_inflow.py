@@ -151,7 +151,8 @@ def test_steps_follow_the_rates() -> None:
     assert errors[0] < 0.1 and errors[1] < 0.35 * errors[0]  # of the first order
     at = (start, OMEGA, velocity)
     slope = (inflow.step(start, 1e-7, OMEGA, velocity) - start) / 1e-7
-    np.testing.assert_allclose(slope, inflow.rates(*at), rtol=1e-3)
+    rates = inflow.rates(*at)
+    np.testing.assert_allclose(slope, rates, atol=1e-4 * abs(rates).max())
 
 
 @pytest.mark.parametrize("dt", [1e-5, 1e-3, 0.02, 10.0, 1e9])
@@ -175,14 +176,17 @@ def test_free_responses_decay_for_any_step(dt: float) -> None:
 def test_free_responses_decay_in_any_flight() -> None:
     """Of random states at random points, in stall and descent too: nothing of them is left."""
     inflow, random = dynamic("paper-apc"), np.random.default_rng(8)
-    omega = random.uniform(250.0, 1000.0, 60)
-    velocity = random.uniform(-12.0, 12.0, (60, 3))
+    count = 16
+    omega = random.uniform(250.0, 1000.0, count)
+    velocity = random.uniform(-12.0, 12.0, (count, 3))
     steady = inflow.steady(omega, velocity)
     assert np.isfinite(steady).all()
-    first = state = steady + random.uniform(-4.0, 4.0, (60, 3))
-    for _ in range(30):
-        state = inflow.step(state, 4e-3, omega, velocity)
-        assert (abs(state - steady) < 4.0 * abs(first - steady).max(axis=1)[:, None]).all()
+    first = state = steady + random.uniform(-4.0, 4.0, (count, 3))
+    largest = abs(first - steady).max(axis=1)[:, None]
+    # The gradient that thrust drives may grow for a while, with the thrust.
+    for dt in (1e-3, 4e-3, 0.02, 0.1, 0.5, 0.5):
+        state = inflow.step(state, dt, omega, velocity)
+        assert (abs(state - steady) < 2.0 * largest).all()
     assert abs(state - steady).max() < 1e-3
     np.testing.assert_allclose(inflow.step(first, 1e6, omega, velocity), steady, atol=1e-9)
 
