@@ -34,15 +34,18 @@ class Quadrotor(Multirotor):
             self.inflow[mine] = dynamic.steady(speeds[mine], hubs[mine])
 
     def hub_velocities(self, body_rates, velocity):
+        """Of every rotor, where the vehicle turns [m/s]."""
         return velocity + np.cross(body_rates, self.rotor_geometry)
 
     def step(self, state, control, t_step):
+        """As RotorPy's, after a step of the inflow."""
         hubs, speeds = self.hub_velocities(state["w"], airspeed(state)), state["rotor_speeds"]
         for mine, dynamic in self.groups:
             self.inflow[mine] = dynamic.step(self.inflow[mine], t_step, speeds[mine], hubs[mine])
         return super().step(state, control, t_step)
 
     def compute_body_wrench(self, body_rates, rotor_speeds, body_airspeed_vector):
+        """Of all rotors, about the centre of mass."""
         hubs = self.hub_velocities(body_rates, body_airspeed_vector)
         force, moment = np.zeros((2, self.num_rotors, 3))
         for mine, dynamic in self.groups:

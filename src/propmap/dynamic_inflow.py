@@ -169,7 +169,9 @@ class DynamicInflow:
         }
         changed |= {"power": changed["torque"] * points.flow[0], "mean_inflow": points.state[:, 0]}
         each = {name: getattr(static, name) for name in static.__dataclass_fields__} | changed
-        return replace(static, **{name: values.reshape(points.shape) for name, values in each.items()})
+        return replace(
+            static, **{name: values.reshape(points.shape) for name, values in each.items()}
+        )
 
 
 class _Points:

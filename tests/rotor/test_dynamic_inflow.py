@@ -25,7 +25,9 @@ OBLIQUE = np.array([[7.0, 3.0, 2.0], [-10.0, 2.0, 0.0], [0.0, 5.0, -4.0], [12.0,
 """Climb, edgewise flight, vortex ring and windmill."""
 
 
-def dynamic(law: str = "paper-stiff", spin: str = "ccw", *, compiled: bool = False) -> pm.DynamicInflow:
+def dynamic(
+    law: str = "paper-stiff", spin: str = "ccw", *, compiled: bool = False
+) -> pm.DynamicInflow:
     corrections = (pm.correction("pitt-peters"),)
     model = pm.Model(BLADE, pm.airfoil(law), corrections=corrections)
     return pm.DynamicInflow(pm.Rotor(model, compiled=compiled), spin=spin)
@@ -88,7 +90,7 @@ def test_small_steps_in_hover_answer_with_the_closed_form(hover: Hover) -> None:
 
 
 def test_a_jump_of_the_rotor_is_followed_as_carpenter_and_fridovich_have_it(hover: Hover) -> None:
-    """m dv/dt = T(v) - 2 rho pi R^2 v^2, from half of the inflow on and from one that is too large."""
+    """m dv/dt = T(v) - 2 rho pi R^2 v^2, from far below the steady inflow and from far above."""
     changes = np.linspace(-0.8, 0.8, 33) * hover.mean
     thrust = CubicSpline(changes, [hover.forces(by, 0.0)[0] for by in changes])
     static = float(thrust(0.0))
@@ -206,12 +208,12 @@ def test_thrust_shoots_over_when_the_rotor_is_faster_at_once() -> None:
 def test_more_downwash_on_one_side_lifts_it_less() -> None:
     inflow, still = dynamic(), [0.0, 0.0, 0.0]
     steady = inflow.steady(OMEGA, still)
-    towards_x = inflow.wrench(steady + [0.0, 1.0, 0.0], OMEGA, still)
-    towards_y = inflow.wrench(steady + [0.0, 0.0, 1.0], OMEGA, still)
+    towards_x = inflow.wrench(steady + np.array([0.0, 1.0, 0.0]), OMEGA, still)
+    towards_y = inflow.wrench(steady + np.array([0.0, 0.0, 1.0]), OMEGA, still)
     # Less lift at +x turns about +y, less lift at +y about -x.
     assert towards_x.moment[1] > 1e-3 > abs(towards_x.moment[0])
     assert towards_y.moment[0] < -1e-3 < -abs(towards_y.moment[1])
-    more = inflow.wrench(steady + [1.0, 0.0, 0.0], OMEGA, still)
+    more = inflow.wrench(steady + np.array([1.0, 0.0, 0.0]), OMEGA, still)
     assert more.force[2] < inflow.wrench(steady, OMEGA, still).force[2]
 
 
@@ -277,7 +279,7 @@ def test_compiled_programs_agree_with_numpy() -> None:
 
 def test_what_it_cannot_do_is_refused() -> None:
     plain = pm.Rotor(pm.Model(BLADE, pm.airfoil("paper-apc")), compiled=False)
-    with pytest.raises(pm.InputError, match="add propmap.correction"):
+    with pytest.raises(pm.InputError, match=r"add propmap\.correction"):
         pm.DynamicInflow(plain)
     with pytest.raises(pm.InputError, match="must be 'ccw' or 'cw'"):
         pm.DynamicInflow(dynamic().rotor, spin="left")

@@ -13,7 +13,7 @@ from propmap.loads import LOADS
 from propmap.physics.inflow_harmonics import DiskFlow
 from propmap.physics.velocities import azimuth_nodes
 from propmap.solve.disk import DiskSolution
-from propmap.solve.harmonics import HarmonicProblem, loads_and_slopes, find_harmonics
+from propmap.solve.harmonics import HarmonicProblem, find_harmonics, loads_and_slopes
 from propmap.solve.load_slopes import directions_of, load_slopes, moving
 from propmap.solve.problem import Case
 from propmap.solve.rotor_loads import RotorLoads, harmonic_problem, search_loads, solve_disk

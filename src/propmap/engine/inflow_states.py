@@ -98,7 +98,7 @@ def with_states(
 
 
 def _moving(loads: Floats) -> Floats:
-    """Of loads (L, ...) those that set air in motion: thrust, roll, the moment that lifts the rear."""
+    """Of loads (L, ...) those that move air: thrust, roll, and the moment that lifts the rear."""
     order = list(LOADS)
     thrust, roll, pitch = (
         loads[order.index(name)] for name in ("thrust", "roll_moment", "pitch_moment")

@@ -2,8 +2,8 @@
 
 With the velocity through the air split along and across the axis, the plugin applies thrust =
 motorConstant Omega^2, torque = momentConstant thrust, drag = |Omega| rotorDragCoefficient
-v_across and, about v_across, |Omega| rollingMomentCoefficient v_across.  It has no side force and no
-pitching moment.
+v_across and, about v_across, |Omega| rollingMomentCoefficient v_across.  It has no side force and
+no pitching moment.
 """
 
 from __future__ import annotations

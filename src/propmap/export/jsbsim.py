@@ -1,7 +1,8 @@
 """Target ``jsbsim``: a propeller of thrust and power coefficients against J = V/(n D).
 
-JSBSim's propeller has thrust and torque alone.  The four loads by the in-plane velocity are written as
-external reactions: Omega and the axial velocity, times the in-plane velocity, as in ``multinomial``.
+JSBSim's propeller has thrust and torque alone.  The four loads by the in-plane velocity are
+external reactions: a line in Omega and the axial velocity, times the in-plane velocity, as in
+``multinomial``.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
 """Target ``rotorpy``: the rotor's part of a RotorPy vehicle.
 
 RotorPy's rotor gives thrust = k_eta Omega^2 + k_h v_across^2 - k_z Omega v_axial, torque = k_m
-Omega^2, drag = k_d Omega v_across, and a flapping moment k_flap Omega v_across about the axis to the
-left of the in-plane velocity, which is minus the pitching moment.  It has no rolling moment and no
-side force: the exported module adds k_roll and k_side times Omega v_across.
+Omega^2, drag = k_d Omega v_across, and a flapping moment k_flap Omega v_across about the axis to
+the left of the in-plane velocity, which is minus the pitching moment.  It has no rolling moment and
+no side force: the exported module adds k_roll and k_side times Omega v_across.
 """
 
 from __future__ import annotations

@@ -8,15 +8,16 @@ advancing side and M the one that lifts the rear:
     16/45 R^4  dv_s/dt = dL - dv_s / k_s,
     16/45 R^4  dv_c/dt = dM - (dv_c - k_t 2 pi R^2 W dv_0) / k_c,
 
-d being the deviation and k_t, k_s and k_c the static gains of ``HarmonicResponse``.  The masses are
-8/(3 pi), 16/(45 pi) and 16/(45 pi) times rho A R and rho A R^2.  2 pi R^2 W dv_0 is the change of the
-momentum's thrust 2 pi R^2 v sqrt((V sin(beta))^2 + (V cos(beta) + v)^2) between both mean inflows, so
-that W, half of it in hover, depends on the state: in hover the mean inflow follows Carpenter and
-Fridovich.
+d being the deviation and k_t, k_s and k_c the static gains of ``HarmonicResponse``.  The masses
+are 8/(3 pi), 16/(45 pi) and 16/(45 pi) times rho A R and rho A R^2.  2 pi R^2 W dv_0 is the change
+of the momentum's thrust 2 pi R^2 v sqrt((V sin(beta))^2 + (V cos(beta) + v)^2) between both mean
+inflows; W, the sum of both in hover, is the mass-flow parameter for small deviations.  In hover the
+mean inflow thus follows Carpenter and Fridovich.
 
 References
 ----------
-D. M. Pitt, D. A. Peters, "Theoretical Prediction of Dynamic-Inflow Derivatives", Vertica 5(1), 1981.
+D. M. Pitt, D. A. Peters, "Theoretical Prediction of Dynamic-Inflow Derivatives", Vertica 5(1),
+1981.
 D. A. Peters, N. HaQuang, "Dynamic Inflow for Practical Applications", J. American Helicopter
 Society 33(4), 1988.
 P. J. Carpenter, B. Fridovich, "Effect of a Rapid Blade-Pitch Increase on the Thrust and Induced-
@@ -120,8 +121,8 @@ def rates(disk: Disk, deviation: Floats, forces: Floats) -> Floats:
     deviation : ndarray, shape (N, 3)
         The state minus the static one [m/s].
     forces : ndarray, shape (N, 3)
-        Thrust, rolling moment and moment that lifts the rear, per density, minus those at the static
-        solution [m^4/s^2], [m^5/s^2].
+        Thrust, rolling moment and moment that lifts the rear, per density, minus those at the
+        static solution [m^4/s^2], [m^5/s^2].
     """
     momentum = momentum_matrix(disk, deviation)
     return forces * _mobility(disk) + np.einsum("nij,nj->ni", momentum, deviation)
@@ -137,9 +138,10 @@ def later(disk: Disk, deviation: Floats, forces: Floats, time: Floats) -> Floats
     """The deviation (N, 3) [m/s] a ``time`` (N,) [s] later.
 
     The operating point stays as it is meanwhile.  The rates are taken to be a matrix times the
-    deviation, the one that gives ``rates`` now and is nearest to the one at the static solution; its
-    exponential is exact where the forces are linear, and stable for any time.  Where the blades, in
-    stall, would drive the inflow away from the static solution, they are left out of that matrix.
+    deviation, the one that gives ``rates`` now and is nearest to the one at the static solution.
+    Its exponential is exact where the forces are linear, and stable for any time.  Where the
+    blades, in stall, would drive the inflow away from the static solution, they are left out of
+    that matrix.
 
     Parameters
     ----------

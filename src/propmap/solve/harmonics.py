@@ -239,8 +239,7 @@ def _without_harmonics(
 def loads_and_slopes(
     problem: HarmonicProblem, harmonics: Harmonics, azimuth: AzimuthNodes
 ) -> tuple[AnnulusLoads, tuple[AnnulusLoads, ...], Array]:
-    """Loads of the disk per density, their derivatives with each of the ``harmonics`` [m/s], and the
-    integrand as in ``HarmonicSolution``; ``problem`` and ``azimuth`` as for ``find_harmonics``."""
+    """Loads of the disk per density, derivatives with each of the ``harmonics``, the integrand."""
     at = problem.at
 
     def terms(sine: Array) -> tuple[Array, ...]:

@@ -49,8 +49,8 @@ def state_loads(
 ) -> StateLoads:
     """Loads with the inflow of a state instead of the static one, eqs. (13)-(15).
 
-    The inflow at a blade element is that of the static solution, its mean and its gradients replaced
-    by those of the state.
+    The inflow at a blade element is that of the static solution, its mean and its gradients
+    replaced by those of the state.
 
     Parameters
     ----------
