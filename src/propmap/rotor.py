@@ -237,8 +237,8 @@ class Rotor:
 
     def _told(self, found: Any, omega: Floats, v_axial: Floats, v_inplane: Floats) -> Loads:
         """The ``RotorLoads`` that were ``found``, with a status."""
-        coarse = tail_share(self._prepared, omega, v_axial, v_inplane, found)
-        coarse = coarse > self._setting.finer[-1][1]
+        tails = tail_share(self._prepared, omega, v_axial, v_inplane, found)
+        coarse = tails > self._setting.finer[-1][1]
         blade = self.model.propeller
         reverse = reverse_flow_share(omega, v_inplane, blade.root, blade.radius)
         return Loads(

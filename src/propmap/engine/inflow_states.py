@@ -86,13 +86,17 @@ def with_states(
     density, count = float(rotor.arrays.medium.density), len(LOADS)
     change = rows[7 : 7 + count]
     slopes = rows[7 + count :].reshape(3, count, -1)
+    mass_flow, by_thrust, by_roll, by_pitch = rows[3:7]
     disk = Disk(
         float(rotor.arrays.blade.tip),
         v_axial,
         v_inplane,
         rows[:3].T,
-        *rows[3:7],
-        slopes=_moving(slopes.transpose(1, 0, 2)).transpose(2, 0, 1),
+        mass_flow,
+        by_thrust,
+        by_roll,
+        by_pitch,
+        _moving(slopes.transpose(1, 0, 2)).transpose(2, 0, 1),
     )
     return Found(own, disk, density * change, _moving(change).T)
 
