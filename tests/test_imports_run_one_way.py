@@ -19,6 +19,7 @@ LEFT_TO_RIGHT = (
     "operating_points",
     "results",
     "rotor",
+    "dynamic_inflow",
     "baselines",
     "io",
     "catalogue",

@@ -22,6 +22,7 @@ from propmap.model.section_table import SectionTable
 
 if TYPE_CHECKING:
     from propmap.baselines.hover import HoverModel
+    from propmap.dynamic_inflow import DynamicInflow
     from propmap.results import Loads, Wrench
     from propmap.rotor import Rotor
 
@@ -30,6 +31,7 @@ __version__ = "0.1.0"
 __all__ = [
     "Air",
     "Airfoil",
+    "DynamicInflow",
     "HoverModel",
     "InputError",
     "Loads",
@@ -45,7 +47,13 @@ __all__ = [
     "propeller",
 ]
 
-_LAZY = {"HoverModel": "baselines.hover", "Loads": "results", "Rotor": "rotor", "Wrench": "results"}
+_LAZY = {
+    "DynamicInflow": "dynamic_inflow",
+    "HoverModel": "baselines.hover",
+    "Loads": "results",
+    "Rotor": "rotor",
+    "Wrench": "results",
+}
 
 
 def __getattr__(name: str) -> Any:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from propmap.arrays.types import Floats
+from propmap.errors import InputError
 
 STATUSES = ("ok", "multiple_roots", "windmill", "coarse", "vortex_ring", "not_converged")
 """From harmless to fatal; where several apply, the last is given."""
@@ -78,6 +79,34 @@ class Wrench:
 
     force: Floats
     moment: Floats
+
+
+def spin_sign(spin: str) -> float:
+    """1 for a ``spin`` "ccw", -1 for "cw"; ``InputError`` for another."""
+    if spin not in ("ccw", "cw"):
+        raise InputError(f"spin is {spin!r}: it must be 'ccw' or 'cw', seen from above")
+    return 1.0 if spin == "ccw" else -1.0
+
+
+def hub_wrench(loads: Loads, direction: Floats, sign: float) -> Wrench:
+    """Loads as vectors in the right-handed rotor frame with z along the thrust.
+
+    Parameters
+    ----------
+    loads : Loads
+        Of shape (...).
+    direction : ndarray, shape (..., 3)
+        Unit vector of the in-plane velocity.
+    sign : float
+        That of the spin, see ``spin_sign``.
+    """
+    # Counter-clockwise, the advancing side is on the right: lifting it rolls about -x.
+    z = np.array([0.0, 0.0, 1.0])
+    left = np.cross(z, direction)
+    side, pitch = sign * loads.side_force[..., None], loads.pitch_moment[..., None]
+    force = loads.thrust[..., None] * z - loads.drag[..., None] * direction + side * left
+    moment = -sign * (loads.torque[..., None] * z + loads.roll_moment[..., None] * direction)
+    return Wrench(force, moment - pitch * left)
 
 
 def statuses(found: Any, v_axial: Floats, coarse: NDArray[np.bool_]) -> NDArray[np.str_]:

@@ -20,7 +20,7 @@ from propmap.operating_points import (
     reverse_flow_share,
     split_velocity,
 )
-from propmap.results import Loads, Wrench, statuses
+from propmap.results import Loads, Wrench, hub_wrench, spin_sign, statuses
 from propmap.solve.rotor_loads import RotorLoads
 
 if TYPE_CHECKING:
@@ -143,19 +143,9 @@ class Rotor:
         spin : str
             "ccw" or "cw", seen from above with the thrust up.
         """
-        if spin not in ("ccw", "cw"):
-            raise InputError(f"spin is {spin!r}: it must be 'ccw' or 'cw', seen from above")
+        sign = spin_sign(spin)
         w, along, across, direction = split_velocity(omega, velocity)
-        loads = self._loads(w, along, across)
-        # Counter-clockwise, the advancing side is on the right: lifting it rolls about -x.
-        sign = 1.0 if spin == "ccw" else -1.0
-        z = np.array([0.0, 0.0, 1.0])
-        left = np.cross(z, direction)
-        side, pitch = sign * loads.side_force[..., None], loads.pitch_moment[..., None]
-        force = loads.thrust[..., None] * z - loads.drag[..., None] * direction + side * left
-        moment = -sign * (loads.torque[..., None] * z + loads.roll_moment[..., None] * direction)
-        moment = moment - pitch * left
-        return Wrench(force, moment)
+        return hub_wrench(self._loads(w, along, across), direction, sign)
 
     def hover_inflow(self, omega: ArrayLike) -> Floats:
         """Static inflow v_i0 [m/s] of eq. (12) at ``omega`` [rad/s], from own static thrust."""
@@ -242,14 +232,19 @@ class Rotor:
         shape = omega.shape
         flow = (omega.ravel(), v_axial.ravel(), v_inplane.ravel())
         flat = evaluate(self._prepared, self._setting, *flow)
-        coarse = tail_share(self._prepared, *flow, flat) > self._setting.finer[-1][1]
         found: Any = RotorLoads.of_rows(row.reshape(shape) for row in flat.rows)
+        return self._told(found, omega, v_axial, v_inplane)
+
+    def _told(self, found: Any, omega: Floats, v_axial: Floats, v_inplane: Floats) -> Loads:
+        """The ``RotorLoads`` that were ``found``, with a status."""
+        tails = tail_share(self._prepared, omega, v_axial, v_inplane, found)
+        coarse = tails > self._setting.finer[-1][1]
         blade = self.model.propeller
         reverse = reverse_flow_share(omega, v_inplane, blade.root, blade.radius)
         return Loads(
             **found.loads._asdict(),
             power=found.loads.torque * omega,
-            status=statuses(found, v_axial, coarse.reshape(shape)),
+            status=statuses(found, v_axial, coarse),
             roots=found.roots,
             reverse_flow=reverse,
             vortex_ring=found.ring,

@@ -148,6 +148,17 @@ def varying_inflow() -> Any:
     return found
 
 
+def moving_inflow() -> Any:
+    """Of a state of the inflow its rates, its time constants, what it is later, and its loads."""
+    corrections = (pm.correction("pitt-peters"),)
+    model = dataclasses.replace(rotor().model, corrections=corrections)
+    dynamic = pm.DynamicInflow(pm.Rotor(model, compiled=False))
+    state, point = np.array([3.0, 1.0, -1.0]), (600.0, [6.0, 2.0, 1.0])
+    times = dynamic.time_constants(*point)
+    found = dynamic.rates(state, *point) * 1e-3, dynamic.step(state, 1e-3, *point)
+    return *found, times * 1e3, dynamic.loads(state, *point).thrust
+
+
 def inflow() -> Any:
     found = rotor().inflow(600.0, 5.0, 1.0, radius=[0.05, 0.09], azimuth=[0.0, 2.0])
     return found.inflow, found.thrust_per_radius
@@ -225,8 +236,10 @@ def made_up_fit() -> Any:
 PROBES: dict[str, Callable[[], Any]] = {
     "propmap.physics": loads,
     "propmap.physics.inflow_harmonics": varying_inflow,
+    "propmap.physics.dynamic_inflow": moving_inflow,
     "propmap.solve": loads,
     "propmap.solve.harmonics": varying_inflow,
+    "propmap.solve.state_loads": moving_inflow,
     "propmap.model": loads,
     "propmap.rotor": inflow,
     "propmap.solve.disk_field": inflow,

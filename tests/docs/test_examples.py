@@ -22,10 +22,11 @@ from .pages import ROOT
 EXAMPLES = ROOT / "examples"
 EXPORTED = {
     "rotorpy_hover.py": ("rotorpy", "rotorpy"),
+    "rotorpy_dynamic_inflow.py": (None, "rotorpy"),
     "casadi_drag.py": ("multinomial", "casadi"),
     "gazebo_model.py": ("gazebo", None),
 }
-"""Examples that start from an export: its target, and the package that they need."""
+"""Examples that start from an export, or need a package: the target and the package."""
 
 
 def derivatives_agree(text: str) -> None:
@@ -40,8 +41,16 @@ def newton_arrives(text: str) -> None:
     assert re.findall(r"(\S+) m/s at the end", text)[-1] == "+0.5000"
 
 
+def thrust_shoots_over(text: str) -> None:
+    """The inflow that lags behind leaves more thrust at first, and none in the end."""
+    pairs = np.array(re.findall(r"weight (\S+), without delay (\S+)", text), float)
+    excess = pairs[:, 0] - pairs[:, 1]
+    assert excess.max() > 0.03 and abs(excess[-1]) < 0.01
+
+
 CHECKS = {
     "differentiate_rotor.py": derivatives_agree,
+    "rotorpy_dynamic_inflow.py": thrust_shoots_over,
     "differentiate_table.py": newton_arrives,
 }
 """Of what an example prints, beyond that it prints numbers."""

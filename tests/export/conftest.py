@@ -33,6 +33,16 @@ def table() -> LoadTable:
 
 
 @pytest.fixture(scope="session")
+def oblique() -> tuple[propmap.Rotor, LoadTable]:
+    """A rotor with a side force and a pitching moment, and its table, good to 0.3 %."""
+    corrections = (propmap.correction("pitt-peters"),)
+    blade, law = propmap.propeller("apc-8x6e"), propmap.airfoil("paper-apc")
+    rotor = propmap.Rotor(propmap.Model(blade, law, corrections=corrections))
+    ends = {"omega": OMEGA, "speed": SPEED, "beta": BETA}
+    return rotor, build_table(rotor, **ends, tolerance=0.003, certificate_points=512)
+
+
+@pytest.fixture(scope="session")
 def invented() -> LoadTable:
     """A table of loads that a polynomial is, without a model behind it."""
     return LoadTable(invented_content())

@@ -73,7 +73,7 @@ def test_descent_ends_where_the_map_does() -> None:
 
 
 def test_the_file_says_units_and_blades(invented: LoadTable, tmp_path: Path) -> None:
-    path, _ = export_table(invented, "jsbsim", tmp_path)
+    path, *_ = export_table(invented, "jsbsim", tmp_path)
     root = ET.parse(path).getroot()
     diameter = root.find("diameter")
     assert diameter is not None and diameter.get("unit") == "IN"

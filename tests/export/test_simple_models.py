@@ -51,7 +51,7 @@ def test_the_multinomial_module_gives_the_fitted_loads(table: LoadTable, module:
     fitted = fit_multinomial(samples, table.content.density)
     loads = multinomial_loads(fitted, samples, table.content.density)
     x, y = 0.6 * samples.inplane, 0.8 * samples.inplane
-    force = np.stack(written.force(samples.omega, x, y, samples.axial))
+    force = np.stack(written.force(samples.omega, x, y, samples.axial, 1.0))
     moment = np.stack(written.moment(samples.omega, x, y, samples.axial, 1.0))
     thrust, drag, torque, roll = (loads[n] for n in ("thrust", "drag", "torque", "roll_moment"))
     expected = np.stack([-0.6 * drag, -0.8 * drag, thrust])
@@ -72,7 +72,7 @@ def test_casadi_evaluates_the_multinomial_and_its_gradient(
     written = module(table, "multinomial")
     symbols = casadi.SX.sym("omega_x_y_z", 4)
     outputs = casadi.vertcat(
-        *written.force(*casadi.vertsplit(symbols)),
+        *written.force(*casadi.vertsplit(symbols), -1),
         *written.moment(*casadi.vertsplit(symbols), -1),
     )
     both = casadi.Function("both", [symbols], [outputs, casadi.jacobian(outputs, symbols)])
@@ -81,7 +81,7 @@ def test_casadi_evaluates_the_multinomial_and_its_gradient(
         value, slopes = (np.asarray(m) for m in both(point))
 
         def wrench(p: np.ndarray) -> np.ndarray:
-            return np.array([*written.force(*p), *written.moment(*p, -1)])
+            return np.array([*written.force(*p, -1), *written.moment(*p, -1)])
 
         np.testing.assert_allclose(value[:, 0], wrench(point), rtol=1e-12, atol=1e-15)
         step = 1e-3 * np.eye(4)

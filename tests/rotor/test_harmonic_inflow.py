@@ -13,10 +13,10 @@ from propmap.loads import LOADS
 from propmap.physics.inflow_harmonics import DiskFlow
 from propmap.physics.velocities import azimuth_nodes
 from propmap.solve.disk import DiskSolution
-from propmap.solve.harmonics import HarmonicProblem, _loads_and_slopes, find_harmonics
+from propmap.solve.harmonics import HarmonicProblem, find_harmonics, loads_and_slopes
 from propmap.solve.load_slopes import directions_of, load_slopes, moving
 from propmap.solve.problem import Case
-from propmap.solve.rotor_loads import RotorLoads, _harmonic_problem, search_loads, solve_disk
+from propmap.solve.rotor_loads import RotorLoads, harmonic_problem, search_loads, solve_disk
 from tests.oracle.make_harmonic_reference import LOADS as SIX
 from tests.oracle.make_harmonic_reference import (
     POINTS,
@@ -113,9 +113,9 @@ def test_the_harmonics_belong_to_the_loads() -> None:
     nodes = azimuth_nodes(32)
     with by_numpy():
         _, disk = solve_disk(case, (12, 12, 12), nodes)
-        problem: HarmonicProblem = _harmonic_problem(case, disk)
+        problem: HarmonicProblem = harmonic_problem(case, disk)
         found = find_harmonics(problem, nodes)
-        loads, _, _ = _loads_and_slopes(problem, found.harmonics, nodes)
+        loads, _, _ = loads_and_slopes(problem, found.harmonics, nodes)
     flow: DiskFlow = problem.flow
     area, radius = np.pi * BLADE.radius**2, BLADE.radius
     chi = np.arctan2(flow.v_inplane, np.abs(flow.v_axial + flow.inflow))

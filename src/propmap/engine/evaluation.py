@@ -86,12 +86,19 @@ def evaluate(
     rotor: Prepared, setting: Accuracy, omega: Floats, v_axial: Floats, v_inplane: Floats
 ) -> RotorLoads:
     """Loads at N operating points; omega [rad/s], velocities [m/s], all (N,), v_inplane >= 0."""
+    return _in_parts(rotor, setting, flow_at(rotor, setting, omega, v_axial, v_inplane))
+
+
+def flow_at(
+    rotor: Prepared, setting: Accuracy, omega: Floats, v_axial: Floats, v_inplane: Floats
+) -> Flow:
+    """The flow with the static inflow that descending points need; arguments as in ``evaluate``."""
     down = v_axial < 0.0
     v_hover = np.zeros_like(omega) if rotor.uniform or down.any() else None
     if v_hover is not None and down.any():
         rates, where = np.unique(omega[down], return_inverse=True)
         v_hover[down] = static_inflow(rotor, setting, rates)[where]
-    return _in_parts(rotor, setting, Flow(omega, v_axial, v_inplane, v_hover))
+    return Flow(omega, v_axial, v_inplane, v_hover)
 
 
 def _in_parts(rotor: Prepared, setting: Accuracy, flow: Flow) -> RotorLoads:

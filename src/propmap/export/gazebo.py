@@ -2,7 +2,8 @@
 
 With the velocity through the air split along and across the axis, the plugin applies thrust =
 motorConstant Omega^2, torque = momentConstant thrust, drag = |Omega| rotorDragCoefficient
-v_across and, about v_across, |Omega| rollingMomentCoefficient v_across.
+v_across and, about v_across, |Omega| rollingMomentCoefficient v_across.  It has no side force and
+no pitching moment.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from propmap.arrays.types import Floats
 from propmap.export.folder import Files
 from propmap.export.note import note
 from propmap.export.provenance import identifier
-from propmap.export.samples import Samples, errors, middle_omega, sample, static_loads
+from propmap.export.samples import Samples, errors, middle_omega, sample, slope, static_loads
 from propmap.export.template import rendered
 from propmap.table.query import LoadTable
 
@@ -45,15 +46,8 @@ def fit_motor_model(table: LoadTable, samples: Samples) -> MotorModel:
     omega = middle_omega(table)
     static = static_loads(table, np.array([omega]))
     thrust, torque = float(static["thrust"][0]), float(static["torque"][0])
-    chosen = samples.simple
-    across = (samples.omega * samples.inplane)[chosen]
-
-    def slope(load: str) -> float:
-        scale = samples.static[load][chosen]
-        x, y = across / scale, samples.loads[load][chosen] / scale
-        return float(x @ y / (x @ x))
-
-    return MotorModel(thrust / omega**2, torque / thrust, slope("drag"), slope("roll_moment"))
+    drag, roll = slope(samples, "drag"), slope(samples, "roll_moment")
+    return MotorModel(thrust / omega**2, torque / thrust, drag, roll)
 
 
 def files(table: LoadTable) -> Files:

@@ -1,4 +1,9 @@
-"""Target ``jsbsim``: a propeller of thrust and power coefficients against J = V/(n D)."""
+"""Target ``jsbsim``: a propeller of thrust and power coefficients against J = V/(n D).
+
+JSBSim's propeller has thrust and torque alone.  The four loads by the in-plane velocity are
+external reactions: a line in Omega and the axial velocity, times the in-plane velocity, as in
+``multinomial``.
+"""
 
 from __future__ import annotations
 
@@ -7,13 +12,18 @@ import numpy as np
 from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.export.folder import Files
+from propmap.export.multinomial import Forms, fit_multinomial, multinomial_loads
 from propmap.export.note import note
 from propmap.export.provenance import identifier
 from propmap.export.samples import Samples, errors, middle_omega, sample
 from propmap.export.template import rendered
+from propmap.loads import LOADS
 from propmap.table.query import LoadTable
 
 METERS_PER_INCH = 0.0254
+METERS_PER_FOOT = 0.3048
+NEWTONS_PER_POUND = 4.4482216152605
+KG_M3_PER_SLUG_FT3 = 515.378818393
 
 POINTS = 121
 """Of the table.  JSBSim interpolates linearly: 1e-4 of the static coefficient between these."""
@@ -55,16 +65,19 @@ def coefficients(table: LoadTable) -> tuple[Floats, Floats, Floats]:
     return each[0], each[1], each[2]
 
 
-def model_loads(table: LoadTable, samples: Samples) -> dict[str, Floats]:
-    """What JSBSim's propeller makes of the samples' velocities, (n,) [N], [N m]."""
+def model_loads(table: LoadTable, samples: Samples, forms: Forms) -> dict[str, Floats]:
+    """What JSBSim makes of the samples' velocities with these ``forms``, (n,) [N], [N m]."""
     thrust, torque = _axial_loads(table, samples.omega, samples.axial)
-    return {"thrust": thrust, "torque": torque}
+    across = multinomial_loads(forms, samples, table.content.density)
+    found = {name: across[name] for name, load in LOADS.items() if load.inplane}
+    return found | {"thrust": thrust, "torque": torque}
 
 
 def files(table: LoadTable) -> Files:
-    """The propeller's XML and the note."""
+    """The propeller's XML, that of the reactions across its axis, and the note."""
     samples = sample(table)
-    found = errors(samples, model_loads(table, samples))
+    forms = fit_multinomial(samples, table.content.density)
+    found = errors(samples, model_loads(table, samples, forms))
     of_thrust, of_torque = axial_error(table)
     advance, thrust, power = coefficients(table)
     values = {"advance": advance, "thrust": thrust, "power": power}
@@ -72,7 +85,22 @@ def files(table: LoadTable) -> Files:
     told = {"advance": advance, "of_thrust": of_thrust, "of_torque": of_torque}
     return {
         f"{identifier(table)}.xml": rendered("jsbsim.xml", table, inches=inches, **values),
+        f"{identifier(table)}_reactions.xml": rendered(
+            "jsbsim_reactions.xml", table, forms=forms, **_reaction_units()
+        ),
         "README-jsbsim.txt": note(table, "jsbsim", found, **told),
+    }
+
+
+def _reaction_units() -> dict[str, float]:
+    """Of the reactions' factors: density in slug/ft^3, a velocity in ft/s, force and moment in lbf
+    and lbf ft."""
+    per_pound = KG_M3_PER_SLUG_FT3 * METERS_PER_FOOT / NEWTONS_PER_POUND
+    return {
+        "per_lbs": per_pound,
+        "per_lbsft": per_pound / METERS_PER_FOOT,
+        "rad_s_per_rpm": np.pi / 30.0,
+        "m_per_ft": METERS_PER_FOOT,
     }
 
 

@@ -122,6 +122,15 @@ def static_loads(table: LoadTable, omega: Floats) -> dict[str, Floats]:
     return error_scales(static, table.content.radius)
 
 
+def slope(samples: Samples, load: str) -> float:
+    """A ``load`` over Omega times the in-plane speed, for simple models, by least squares of the
+    ``samples``' shares of static loads [N s^2/m], [N s^2]."""
+    chosen = samples.simple
+    scale = samples.static[load][chosen]
+    x = (samples.omega * samples.inplane)[chosen] / scale
+    return float(x @ (samples.loads[load][chosen] / scale) / (x @ x))
+
+
 def middle_omega(table: LoadTable) -> float:
     """Omega [rad/s] at which the Reynolds term is halfway between the envelope's ends."""
     return float(np.mean(table.content.omega**-0.5) ** -2.0)

@@ -116,7 +116,7 @@ def find_harmonics(problem: HarmonicProblem, azimuth: AzimuthNodes) -> HarmonicS
     ) -> tuple[HarmonicSolution, Array, Array]:
         before, last, steps = state
         now, active = before.harmonics, last > within
-        loads, slopes, integrand = _loads_and_slopes(problem, now, azimuth)
+        loads, slopes, integrand = loads_and_slopes(problem, now, azimuth)
         own = tuple(_moments_of(by) for by in slopes)
         change, size = _newton_step(problem, now, _moments_of(loads), own, moments.thrust, speed)
         ahead = AnnulusLoads(
@@ -236,10 +236,10 @@ def _without_harmonics(
     )
 
 
-def _loads_and_slopes(
+def loads_and_slopes(
     problem: HarmonicProblem, harmonics: Harmonics, azimuth: AzimuthNodes
 ) -> tuple[AnnulusLoads, tuple[AnnulusLoads, ...], Array]:
-    """Loads of the disk per density, their derivatives by the harmonics, and the integrand."""
+    """Loads of the disk per density, derivatives with each of the ``harmonics``, the integrand."""
     at = problem.at
 
     def terms(sine: Array) -> tuple[Array, ...]:
@@ -296,11 +296,11 @@ def _moving_harmonics_jvp(primals, tangents):  # type: ignore[no-untyped-def]
     now = moving_harmonics(problem, found, azimuth)
 
     def wanted(asked: HarmonicProblem) -> Harmonics:
-        loads = _moments_of(_loads_and_slopes(asked, now, azimuth)[0])
+        loads = _moments_of(loads_and_slopes(asked, now, azimuth)[0])
         without = _without_harmonics(asked, azimuth)[0].thrust
         return asked.response.harmonics(*loads, without)
 
     _, change = jax.jvp(wanted, (problem,), (problem_dot,))
-    slopes = tuple(_moments_of(by) for by in _loads_and_slopes(problem, now, azimuth)[1])
+    slopes = tuple(_moments_of(by) for by in loads_and_slopes(problem, now, azimuth)[1])
     found_dot = _solve(_rows(problem.response, slopes), tuple(change))
     return now, Harmonics(*found_dot)

@@ -71,7 +71,7 @@ def disk_loads(case: Case, panels: tuple[int, ...], azimuth: AzimuthNodes) -> Ro
     solution, found = solve_disk(case, panels, azimuth)
     harmonics = None
     if case.rotor.shape is not None and not azimuth.axial:
-        harmonics = find_harmonics(_harmonic_problem(case, found), azimuth).harmonics
+        harmonics = find_harmonics(harmonic_problem(case, found), azimuth).harmonics
     disk = disk_inflow(case, solution, panels, azimuth)
     return loads_over_disk(case, disk, harmonics, solution.several, panels, azimuth)
 
@@ -84,7 +84,7 @@ def search_loads(
     solution, disk = solve_disk(case, panels, azimuth)
     if case.rotor.shape is None or azimuth.axial:
         return loads_over_disk(case, disk, None, solution.several, panels, azimuth), solution
-    found = find_harmonics(_harmonic_problem(case, disk), azimuth)
+    found = find_harmonics(harmonic_problem(case, disk), azimuth)
     density = case.rotor.medium.density
     total = AnnulusLoads(*(density * load for load in found.loads))
     loads = _rotor_loads(case, disk, total, found.integrand, solution.several, panels)
@@ -118,7 +118,7 @@ def loads_over_disk(
     inflow, _ = _with_vortex_ring(case, disk)
     at = disk.problem.at
     if harmonics is not None:
-        harmonics = moving_harmonics(_harmonic_problem(case, disk), harmonics, azimuth)
+        harmonics = moving_harmonics(harmonic_problem(case, disk), harmonics, azimuth)
     per_radius = materialize(
         lambda: element.annulus_loads(at, inflow, azimuth, harmonics), rotor.blade.root
     )
@@ -169,7 +169,8 @@ def _with_vortex_ring(case: Case, disk: DiskInflow) -> tuple[Array, Array]:
     return vortex_ring.blend_vortex_ring(*flow, disk.inflow)
 
 
-def _harmonic_problem(case: Case, disk: DiskInflow) -> HarmonicProblem:
+def harmonic_problem(case: Case, disk: DiskInflow) -> HarmonicProblem:
+    """What the harmonics depend on at a ``case`` whose annulus inflow is ``disk``."""
     inflow, ring = _with_vortex_ring(case, disk)
     mean_inflow = mean_over_disk(inflow, disk.nodes)
     flow = DiskFlow(case.omega, case.v_axial, case.v_inplane, mean_inflow)

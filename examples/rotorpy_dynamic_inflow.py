@@ -1,0 +1,71 @@
+"""RotorPy's quadrotor on rotors of the full model, whose inflow lags behind."""
+
+import numpy as np
+from rotorpy.vehicles.hummingbird_params import quad_params
+from rotorpy.vehicles.multirotor import Multirotor
+from scipy.spatial.transform import Rotation
+
+import propmap
+
+law, corrections = propmap.airfoil("paper-apc"), (propmap.correction("pitt-peters"),)
+model = propmap.Model(propmap.propeller("apc-8x6e"), law, corrections=corrections)
+rotor = propmap.Rotor(model)
+
+
+def airspeed(state):
+    """Velocity of the vehicle through the air, in its own axes [m/s]."""
+    return Rotation.from_quat(state["q"]).inv().apply(state["v"] - state["wind"])
+
+
+class Quadrotor(Multirotor):
+    """Its inflow is a state of each rotor, held during a step of RotorPy's integrator."""
+
+    def __init__(self, parameters, **options):
+        super().__init__(parameters, **options)
+        # RotorPy's direction is that of the torque on the body, against the spin.
+        self.groups = [
+            (np.flatnonzero(self.rotor_dir == direction), propmap.DynamicInflow(rotor, spin=spin))
+            for direction, spin in ((1, "cw"), (-1, "ccw"))
+        ]
+        start = self.initial_state
+        hubs, speeds = self.hub_velocities(start["w"], airspeed(start)), start["rotor_speeds"]
+        self.inflow = np.zeros((self.num_rotors, 3))
+        for mine, dynamic in self.groups:
+            self.inflow[mine] = dynamic.steady(speeds[mine], hubs[mine])
+
+    def hub_velocities(self, body_rates, velocity):
+        """Of every rotor, where the vehicle turns [m/s]."""
+        return velocity + np.cross(body_rates, self.rotor_geometry)
+
+    def step(self, state, control, t_step):
+        """As RotorPy's, after a step of the inflow."""
+        hubs, speeds = self.hub_velocities(state["w"], airspeed(state)), state["rotor_speeds"]
+        for mine, dynamic in self.groups:
+            self.inflow[mine] = dynamic.step(self.inflow[mine], t_step, speeds[mine], hubs[mine])
+        return super().step(state, control, t_step)
+
+    def compute_body_wrench(self, body_rates, rotor_speeds, body_airspeed_vector):
+        """Of all rotors, about the centre of mass."""
+        hubs = self.hub_velocities(body_rates, body_airspeed_vector)
+        force, moment = np.zeros((2, self.num_rotors, 3))
+        for mine, dynamic in self.groups:
+            found = dynamic.wrench(self.inflow[mine], rotor_speeds[mine], hubs[mine])
+            force[mine], moment[mine] = found.force, found.moment
+        arms = np.cross(self.rotor_geometry, force)
+        return force.sum(axis=0), (moment + arms).sum(axis=0)
+
+
+weight = quad_params["mass"] * 9.81
+speeds = np.linspace(300.0, 900.0, 61)  # rad/s
+hover = np.interp(weight / 4.0, rotor.loads(speeds, 0.0, 0.0).thrust, speeds)
+state = {name: np.zeros(3) for name in ("x", "v", "w", "wind")}
+state |= {"q": np.array([0.0, 0.0, 0.0, 1.0]), "rotor_speeds": np.full(4, hover)}
+# A motor this quick shows the inflow's own delay.
+motor = {"rotor_speed_min": 300.0, "rotor_speed_max": 900.0, "tau_m": 0.002}
+vehicle = Quadrotor(quad_params | motor, initial_state=state, integrator_kwargs={"method": "RK23"})
+for k in range(1, 11):
+    state = vehicle.step(state, {"cmd_motor_speeds": np.full(4, 1.15 * hover)}, 2e-3)
+    at = (state["rotor_speeds"], airspeed(state))
+    lagging = vehicle.compute_body_wrench(state["w"], *at)[0][2] / weight
+    steady = rotor.loads_at_velocity(*at).thrust.sum() / weight
+    print(f"{2 * k:2d} ms: thrust over weight {lagging:.4f}, without delay {steady:.4f}")

@@ -1,0 +1,229 @@
+"""The inflow as a state, for simulators: loads that lag behind the rotor and the flight."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from propmap.arrays.types import Floats
+from propmap.engine.inflow_states import Found, with_states
+from propmap.errors import InputError
+from propmap.loads import LOADS
+from propmap.operating_points import broadcast, split_velocity
+from propmap.physics.dynamic_inflow import later, linear_rates, rates
+from propmap.physics.inflow_harmonics import PittPeters
+from propmap.results import Loads, Wrench, hub_wrench, spin_sign
+from propmap.rotor import Rotor
+
+
+class DynamicInflow:
+    """The inflow of Pitt and Peters as a state that follows rotor and flight with a delay.
+
+    A state is an array (..., 3) [m/s] in the rotor frame of ``Rotor.wrench``: the mean inflow over
+    the disk, positive against the thrust, and by how much the inflow grows from the hub to the tip
+    along x and along y.  Its steady value is the static solution that ``rotor.loads`` uses.
+    ``physics.dynamic_inflow`` has the equations, docs/theory.md what they leave out.
+
+    Parameters
+    ----------
+    rotor : Rotor
+        Its model has the correction "pitt-peters".
+    spin : str
+        "ccw" or "cw", seen from above with the thrust up.
+
+    Raises
+    ------
+    InputError
+        For a rotor without this correction and another spin.
+
+    References
+    ----------
+    D. A. Peters, N. HaQuang, "Dynamic Inflow for Practical Applications", J. American Helicopter
+    Society 33(4), 1988.
+    """
+
+    def __init__(self, rotor: Rotor, *, spin: str = "ccw") -> None:
+        if not isinstance(rotor, Rotor) or not isinstance(rotor.arrays.shape, PittPeters):
+            raise InputError(
+                "dynamic inflow needs a rotor with the inflow of Pitt and Peters",
+                'add propmap.correction("pitt-peters") to the model\'s corrections',
+            )
+        self.rotor, self.spin, self._sign = rotor, spin, spin_sign(spin)
+
+    def steady(self, omega: ArrayLike, velocity: ArrayLike) -> Floats:
+        """The state (..., 3) [m/s] that stays as it is.
+
+        Parameters
+        ----------
+        omega : array_like, shape (...)
+            Rotational speed [rad/s], >= 0.
+        velocity : array_like, shape (..., 3)
+            Of the hub through the air, z along the thrust [m/s]; broadcast over the leading axes.
+
+        Raises
+        ------
+        InputError
+            For values that are not finite, negative omega and shapes that do not fit together.
+        """
+        points = _Points(self._sign, omega, velocity)
+        return points.in_rotor_frame(self._find(points, None).disk.steady)
+
+    def rates(self, state: ArrayLike, omega: ArrayLike, velocity: ArrayLike) -> Floats:
+        """The rates (..., 3) [m/s^2] at which a state changes.
+
+        Parameters
+        ----------
+        state : array_like, shape (..., 3)
+            As above [m/s].
+        omega, velocity : array_like
+            As in ``steady``.
+        """
+        points = _Points(self._sign, omega, velocity, state=state)
+        found = self._find(points, points.state)
+        deviation = points.state - found.disk.steady
+        return points.in_rotor_frame(rates(found.disk, deviation, found.forces))
+
+    def step(
+        self, state: ArrayLike, dt: ArrayLike, omega: ArrayLike, velocity: ArrayLike
+    ) -> Floats:
+        """The state (..., 3) [m/s] after a time step.
+
+        Exact where the loads are linear in the state, and stable however long the step is: after a
+        long one the state is ``steady``.
+
+        Parameters
+        ----------
+        state : array_like, shape (..., 3)
+            At the step's beginning [m/s].
+        dt : array_like, shape (...)
+            Its length [s], >= 0.
+        omega, velocity : array_like
+            As in ``steady``; they hold throughout the step.
+
+        Raises
+        ------
+        InputError
+            Also for a negative ``dt``.
+        """
+        points = _Points(self._sign, omega, velocity, state=state, dt=dt)
+        found = self._find(points, points.state)
+        deviation = points.state - found.disk.steady
+        moved = later(found.disk, deviation, found.forces, points.dt)
+        return points.in_rotor_frame(found.disk.steady + moved)
+
+    def loads(self, state: ArrayLike, omega: ArrayLike, velocity: ArrayLike) -> Loads:
+        """Loads of the blades in the inflow of a state.
+
+        Parameters
+        ----------
+        state : array_like, shape (..., 3)
+            As above [m/s]; it is the ``mean_inflow`` of the result.
+        omega, velocity : array_like
+            As in ``steady``.
+        """
+        points = _Points(self._sign, omega, velocity, state=state)
+        return self._loads(points)
+
+    def wrench(self, state: ArrayLike, omega: ArrayLike, velocity: ArrayLike) -> Wrench:
+        """Force and moment on the vehicle in the rotor frame, as ``Rotor.wrench``.
+
+        Parameters
+        ----------
+        state : array_like, shape (..., 3)
+            As above [m/s].
+        omega, velocity : array_like
+            As in ``steady``.
+        """
+        points = _Points(self._sign, omega, velocity, state=state)
+        return hub_wrench(self._loads(points), points.direction, self._sign)
+
+    def time_constants(self, omega: ArrayLike, velocity: ArrayLike) -> Floats:
+        """Times (..., 3) [s] in which small deviations fall to 1/e, the longest first.
+
+        They are -1 over the real parts of the eigenvalues at the steady state: in hover of the mean
+        inflow and twice of the gradients.  Negative where a deviation grows, in stall.
+
+        Parameters
+        ----------
+        omega, velocity : array_like
+            As in ``steady``.
+        """
+        points = _Points(self._sign, omega, velocity)
+        matrices = linear_rates(self._find(points, None).disk)
+        known = np.isfinite(matrices).all(axis=(1, 2))
+        values = np.full((len(matrices), 3), np.nan)
+        values[known] = np.sort(np.linalg.eigvals(matrices[known]).real, axis=1)[:, ::-1]
+        with np.errstate(divide="ignore"):
+            return points.shaped(-1.0 / values)
+
+    def _find(self, points: _Points, state: Floats | None) -> Found:
+        return with_states(self.rotor._prepared, self.rotor._setting, *points.flow, state)
+
+    def _loads(self, points: _Points) -> Loads:
+        found = self._find(points, points.state)
+        static = self.rotor._told(found.static, *points.flow)
+        changed = {
+            name: getattr(static, name) + by for name, by in zip(LOADS, found.change, strict=True)
+        }
+        changed |= {"power": changed["torque"] * points.flow[0], "mean_inflow": points.state[:, 0]}
+        each = {name: getattr(static, name) for name in static.__dataclass_fields__} | changed
+        return replace(
+            static, **{name: values.reshape(points.shape) for name, values in each.items()}
+        )
+
+
+class _Points:
+    """Operating points and states, broadcast and flat, with states along and across the flight."""
+
+    def __init__(
+        self,
+        sign: float,
+        omega: ArrayLike,
+        velocity: ArrayLike,
+        *,
+        state: ArrayLike = (0.0, 0.0, 0.0),
+        dt: ArrayLike = 0.0,
+    ) -> None:
+        (given,) = broadcast(state=state)
+        if given.ndim == 0 or given.shape[-1] != 3:
+            raise InputError(
+                f"state has shape {given.shape}: its last axis must hold the mean inflow and two "
+                "gradients"
+            )
+        w, along, across, direction = split_velocity(omega, velocity)
+        w, along, across, d_x, d_y, mean, x, y, time = broadcast(
+            omega=w, v_axial=along, v_inplane=across, d_x=direction[..., 0], d_y=direction[..., 1],
+            mean=given[..., 0], x=given[..., 1], y=given[..., 2], dt=dt,
+        )  # fmt: skip
+        if (time < 0.0).any():
+            raise InputError(f"dt is negative ({time.min():g}): give the step's length [s]")
+        self.shape = w.shape
+        self.direction = np.stack([d_x, d_y, 0.0 * d_x], axis=-1)
+        self.flow = (w.ravel(), along.ravel(), across.ravel())
+        self.dt = time.ravel()
+        self._sign, self._x, self._y = sign, d_x.ravel(), d_y.ravel()
+        self.state = self._turned(np.stack([mean.ravel(), x.ravel(), y.ravel()], axis=-1))
+
+    def _turned(self, vectors: Floats) -> Floats:
+        """Mean, v_s and v_c from mean, x and y (N, 3).
+
+        The rear is against the flight.  The advancing side is on the right of it where the rotor
+        turns counter-clockwise.
+        """
+        mean, x, y = vectors.T
+        right = x * self._y - y * self._x
+        return np.stack([mean, self._sign * right, -(x * self._x + y * self._y)], axis=-1)
+
+    def in_rotor_frame(self, vectors: Floats) -> Floats:
+        """Mean, x and y (..., 3) from mean, v_s and v_c (N, 3)."""
+        mean, lateral, longitudinal = vectors.T
+        right = self._sign * lateral
+        x = right * self._y - longitudinal * self._x
+        y = -right * self._x - longitudinal * self._y
+        return self.shaped(np.stack([mean, x, y], axis=-1))
+
+    def shaped(self, vectors: Floats) -> Floats:
+        """Of flat (N, 3) the shape (..., 3) of the points."""
+        return vectors.reshape(*self.shape, 3)
