@@ -129,6 +129,14 @@ def loads() -> Any:
     return found.thrust, found.drag, found.torque, found.roll_moment
 
 
+def section_laws() -> Any:
+    """Loads of the paper's law, and of one with the terms that the paper does not have."""
+    model = rotor().model
+    terms = {"zero_lift_angle": -0.05, "reynolds_camber": -0.02, "drag_angle": 0.07}
+    other = pm.Rotor(model.with_airfoil(model.airfoil.with_parameters(**terms)), compiled=False)
+    return loads(), dataclasses.astuple(other.loads(OMEGA, SPEED, BETA))[:4]
+
+
 def varying_inflow() -> Any:
     """Loads with each inflow that varies around the disk, and one of their derivatives."""
     found = []
@@ -237,6 +245,7 @@ PROBES: dict[str, Callable[[], Any]] = {
     "propmap.physics": loads,
     "propmap.physics.inflow_harmonics": varying_inflow,
     "propmap.physics.dynamic_inflow": moving_inflow,
+    "propmap.physics.sections": section_laws,
     "propmap.solve": loads,
     "propmap.solve.harmonics": varying_inflow,
     "propmap.solve.state_loads": moving_inflow,

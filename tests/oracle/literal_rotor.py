@@ -19,7 +19,14 @@ from numpy.typing import ArrayLike
 from scipy.interpolate import PchipInterpolator
 from scipy.optimize import brentq, minimize_scalar
 
-from tests.oracle.literal_section import Array, Section, coefficients, largest_lift, wrap
+from tests.oracle.literal_section import (
+    Array,
+    Section,
+    coefficients,
+    drag_coefficient,
+    largest_lift,
+    wrap,
+)
 from tests.oracle.literal_wake import WINDMILL_BELOW, LiteralWake, static_inflow, vortex_ring
 
 SCAN_STEP = 0.004  # [rad] of inflow angle; the stall blend is about 1/M = 0.02 rad wide
@@ -85,11 +92,22 @@ class LiteralRotor:
         u_p = self.v_axial + np.asarray(v_i)[:, None]  # Eq. (2)
         u_squared = u_t**2 + u_p**2
         phi = np.arctan2(u_p, u_t)
-        alpha = wrap(theta - phi - self.zero_lift_angle)
+        from_nominal = theta - phi - self.zero_lift_angle
+        alpha = wrap(from_nominal - self.reynolds_camber(y, c))
         reynolds = self.rho * np.sqrt(u_squared) * c / self.mu
         pressure = 0.5 * self.rho * u_squared * c
         c_lift, c_drag = coefficients(alpha, reynolds, self.section)
+        if isinstance(self.section, dict):
+            least = self.section.get("drag_angle", 0.0)
+            c_drag = drag_coefficient(wrap(from_nominal - least), reynolds, self.section)
         return phi, pressure * c_lift, pressure * c_drag
+
+    def reynolds_camber(self, y: float, c: float) -> float:
+        """How much larger the zero-lift angle [rad] is at y [m] and chord c [m] than at Re 5e4."""
+        if not isinstance(self.section, dict):
+            return 0.0
+        turning = min(max(self.rho * self.omega * y * c / self.mu, 1e4), 1.2e5)
+        return self.section.get("reynolds_camber", 0.0) * float(np.log(turning / 5e4))
 
     def blade_thrust(self, y: float, v_i: Array, azimuth: tuple[Array, Array]) -> Array:
         """dT/dy [N/m] by eq. (5) for each v_i [m/s]."""

@@ -1,6 +1,7 @@
 """Section laws of the literal reference: eqs (3) and (4) as printed, and a table.
 
-`section` holds c_l1, c_l2, c_d, alpha_0 [rad] and, if they differ from the paper's, M, c_p, c_d0.
+`section` holds c_l1, c_l2, c_d, alpha_0 [rad] and, if they differ from the paper's, M, c_p, c_d0,
+and reynolds_camber and drag_angle [rad], which the paper does not have and the rotor applies.
 """
 
 from __future__ import annotations

@@ -283,3 +283,34 @@ def test_the_bounds_hold(check: Callable[[], None]) -> None:
 
 def test_the_walk_passes_no_root_in_oblique_flow() -> None:
     the_walk_passes_no_root(azimuths=8)
+
+
+@pytest.mark.parametrize("azimuths", [1, 8])
+def test_a_drag_angle_leaves_the_bounds_true(azimuths: int) -> None:
+    """Of the blended law with its pressure drag least at any angle, against a scan."""
+    random, count = np.random.default_rng(27), 3000
+    law = blended(random, count)
+    tilt, law = random.uniform(-0.3, 0.3, count), law._replace(c_d=2.0 * law.c_d)
+    with by_numpy():
+        at = annuli(random, law, count, descent=False)
+        least = np.arctan2(at.station.sine, at.station.cosine) - tilt
+        station = at.station._replace(drag_sine=np.sin(least), drag_cosine=np.cos(least))
+        at = at._replace(station=station)
+        problem, azimuth = AnnulusProblem(at, Wake(None)), azimuth_nodes(azimuths)
+        ended = root.search(problem, np.array(root.MAX_STEPS), azimuth)
+        bound = bounds.find_bounds(at, problem.wake)
+        grid = -at.v_axial + (bound.start + at.v_axial) * np.linspace(0.0, 1.0, 1201)[:, None, None]
+        lower, values = largest_by_scan(problem, azimuth, grid)
+        # The second derivative by v_i of the blade's thrust at one azimuth, as above.
+        v, h = at.turning * np.tan(random.uniform(-0.2, 1.2, count)) - at.v_axial, 1e-5 * at.turning
+        up, down = (
+            element.element_forces(at, v + d, np.float64(0.0)).normal_slope for d in (h, -h)
+        )
+        friction = 2.0 * bound.friction * np.sqrt(bound.speed) / bound.speed
+        most = friction + bound.half * bounds._blade_bend(bound.law, bound.law.lift_bend)
+    assert (values[-1] <= 0.0).all()
+    assert ((up - down) / h <= most).all()
+    found = ended.found[0]
+    assert found.mean() > 0.98
+    passed = found & (ended.inflow[0] < lower - 1e-9)
+    assert not passed.any(), f"{passed.sum()} of {count} walks passed a root"

@@ -6,7 +6,7 @@ is evaluated again.  A wrong forecast costs time, not accuracy: it is noticed fr
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,7 @@ from propmap.arrays.namespace import by_numpy
 from propmap.arrays.types import Floats
 from propmap.engine.accuracy import STALL_WIDTH
 from propmap.physics.rotor import RotorArrays
+from propmap.physics.sections.law import SectionLaw
 from propmap.physics.velocities import azimuth_nodes
 from propmap.solve.problem import Case
 from propmap.solve.rotor_loads import disk_loads
@@ -43,16 +44,22 @@ class Forecast(NamedTuple):
 
     Attributes
     ----------
-    radius, pitch : ndarray, shape (S,)
-        y [m], and angle of the zero-lift line to the disk plane [rad].
+    law : SectionLaw
+        Lift of the sections.
+    radius, twist : ndarray, shape (S,)
+        y [m], and angle of the chord line to the disk plane [rad].
+    reynolds_per_omega : ndarray, shape (S,)
+        rho y c / mu [s].
     solidity_slope : ndarray, shape (S,)
         N_b c dC_L/dalpha / (8 pi y) of attached flow [-].
     stall_angle, stall_width : float
         Least stall angle from zero lift, and width of stall [rad].
     """
 
+    law: SectionLaw
     radius: Floats
-    pitch: Floats
+    twist: Floats
+    reynolds_per_omega: Floats
     solidity_slope: Floats
     stall_angle: float
     stall_width: float
@@ -60,15 +67,16 @@ class Forecast(NamedTuple):
     @classmethod
     def of(cls, arrays: RotorArrays) -> Forecast:
         """The forecast for a rotor given as NumPy arrays."""
-        blade, law = arrays.blade, arrays.law
+        blade, law, air = arrays.blade, arrays.law, arrays.medium
         with by_numpy():
             bounds = law.bounds()
         radius = np.linspace(float(blade.root), float(blade.tip), 12)
         chord = np.interp(radius, blade.station, blade.chord)
         twist = np.interp(radius, blade.station, blade.twist)
         slope = chord * float(blade.blades * bounds.attached_slope) / (8.0 * np.pi * radius)
-        pitch = twist - float(law.zero_lift_angle)
-        return cls(radius, pitch, slope, float(bounds.least_stall_angle), float(bounds.stall_width))
+        reynolds = float(air.density / air.viscosity) * radius * chord
+        stall = float(bounds.least_stall_angle), float(bounds.stall_width)
+        return cls(law, radius, twist, reynolds, slope, *stall)
 
     def may_stall(self, omega: Floats, v_axial: Floats, v_inplane: Floats) -> NDArray[np.bool_]:
         """Where some of the blade may stall, (N,), from attached lift alone; always in descent."""
@@ -81,10 +89,17 @@ class Forecast(NamedTuple):
             margin = (STALL_MARGIN[0] + STALL_MARGIN[1] * advance) * width
             limit = np.clip(self.stall_angle - margin, 0.0, np.pi)
             # float32 takes half of the time.
-            blade = (self.radius, self.solidity_slope, self.pitch)
+            blade = (self.radius[:, None], self.solidity_slope[:, None], self._pitch(flow[0]))
             asked = (values.astype(np.float32) for values in (limit, *blade, *flow))
             found[part] = _exceeds(*asked) | (flow[1] < 0.0)
         return found
+
+    def _pitch(self, omega: Floats) -> Floats:
+        """Angle of the zero-lift line to the disk plane [rad], (S, N) or (S, 1)."""
+        reynolds: Any = self.reynolds_per_omega[:, None] * omega
+        with by_numpy():
+            zero_lift = self.law.zero_lift_at(reynolds)
+        return np.asarray(self.twist[:, None] - zero_lift)
 
 
 def _exceeds(
@@ -97,8 +112,9 @@ def _exceeds(
     v_inplane: Singles,
 ) -> NDArray[np.bool_]:
     """Whether somewhere along the blade the angle of attack from zero lift exceeds ``limit`` (N,)
-    in absolute value; ``limit`` is between 0 and pi [rad]."""
-    r, k, theta = radius[:, None], solidity_slope[:, None], pitch[:, None]
+    in absolute value; ``limit`` is between 0 and pi [rad].  The blade's arrays are (S, 1), or
+    (S, N)."""
+    r, k, theta = radius, solidity_slope, pitch
     turning = omega * r
     edgewise = v_inplane**2
     speed = np.sqrt(turning**2 + 0.5 * edgewise)

@@ -15,7 +15,7 @@ from propmap.arrays.loops import TOGETHER
 from propmap.arrays.types import Floats
 from propmap.engine.accuracy import Accuracy
 from propmap.engine.batch import BLOCK, Block, nodes_of_each
-from propmap.engine.evaluation import FEW, Prepared, evaluate_flow, nodes_of
+from propmap.engine.evaluation import FEW, Prepared, evaluate_flow, nodes_of, prepare
 from propmap.engine.lanes import in_groups, in_lanes, use_lanes
 from propmap.engine.plan import alike_panels
 from propmap.engine.programs import COMPILER_OPTIONS, Flow, compiled_search
@@ -67,6 +67,7 @@ def load_gradients(
     omega, v_axial, v_inplane : ndarray, shape (N,)
         [rad/s], [m/s]; v_inplane >= 0.
     """
+    rotor = _with_terms(rotor, names)
     down = v_axial < 0.0
     if not down.any():
         return _gradients(rotor, setting, names, Flow(omega, v_axial, v_inplane, None), None)
@@ -79,6 +80,16 @@ def load_gradients(
     v_hover_slope[: len(names), down] = slope[:, where]
     flow = Flow(omega, v_axial, v_inplane, v_hover)
     return _gradients(rotor, setting, names, flow, v_hover_slope)
+
+
+def _with_terms(rotor: Prepared, names: tuple[str, ...]) -> Prepared:
+    """The rotor with those terms of its law among ``names`` that were left out of it as zero."""
+    arrays = rotor.arrays
+    left_out = [name for name in names if name not in moving(arrays.law)]
+    if not left_out:
+        return rotor
+    law = arrays.law.plus(**{name: np.float64(0.0) for name in left_out})  # type: ignore[arg-type]
+    return prepare(arrays._replace(law=law), uniform=rotor.uniform, double=rotor.double)
 
 
 @functools.cache

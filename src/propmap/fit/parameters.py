@@ -43,6 +43,8 @@ SECTION = {
     "zero_lift_angle": Parameter("rad", 0.0, -0.25, 0.15, 0.03, "camber"),
     "c_d0": Parameter("-", 0.01, 0.0, 0.2, 0.02, "constant drag"),
     "drag_factor": Parameter("-", 1.0, 0.2, 5.0, 0.5, "factor on the rotor drag"),
+    "reynolds_camber": Parameter("rad", 0.0, -0.1, 0.1, 0.02, "camber by ln Re"),
+    "drag_angle": Parameter("rad", 0.0, -0.2, 0.3, 0.03, "angle of least pressure drag"),
 }
 """Parameters of the section law; x0 of (18) is that of the first four."""
 

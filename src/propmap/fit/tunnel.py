@@ -71,7 +71,7 @@ def first_guess() -> Airfoil:
 
 def section_with(base: Section, values: Mapping[str, float]) -> Airfoil:
     """The section law with the section parameters among ``values``."""
-    return constants_of(base).with_parameters(**{name: values[name] for name in SECTION})
+    return constants_of(base).with_parameters(**{n: values[n] for n in SECTION if n in values})
 
 
 def rotor_with(model: Model, values: Mapping[str, float], setting: str) -> Rotor:

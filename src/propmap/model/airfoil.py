@@ -34,8 +34,12 @@ LIMITS = {
     "c_p": (0.0, 10.0, "-"),
     "sharpness": (5.0, 500.0, "1/rad"),
     "drag_factor": (0.0, 10.0, "-"),
+    "reynolds_camber": (-0.2, 0.2, "rad"),
+    "drag_angle": (-0.5, 0.5, "rad"),
 }
 """Least and largest value of each constant, and its unit."""
+BEYOND_THE_PAPER = ("reynolds_camber", "drag_angle")
+"""Constants that files leave out where they are zero, as in the paper's law."""
 
 
 @dataclass(frozen=True)
@@ -60,6 +64,12 @@ class Airfoil:
     drag_factor : float
         Multiplies the rotor drag [-], 1 in the paper.  Published measurements of it differ by a
         factor of two; it lets a fit say so.
+    reynolds_camber : float
+        Growth of the zero-lift angle by ln(Re / 5e4) [rad], Re = rho Omega y c / mu of the rotation
+        alone, from 1e4 to 1.2e5; about -0.02 for small propellers, 0 in the paper.
+    drag_angle : float
+        How far above zero_lift_angle the pressure drag is least [rad]: c_d sin^2(alpha -
+        zero_lift_angle - drag_angle) in (4).  About 0.07 for small propellers, 0 in the paper.
     lift_law : str
         "blended", eq. (3), or "simplified", footnote 1: C_L = c_l2 sin(a) cos(a).
     corrections : tuple of str or None
@@ -83,6 +93,8 @@ class Airfoil:
     c_p: float = 1.328
     sharpness: float = 50.0
     drag_factor: float = 1.0
+    reynolds_camber: float = 0.0
+    drag_angle: float = 0.0
     lift_law: str = "blended"
     name: str = "unnamed"
     source: str = ""
@@ -112,6 +124,7 @@ class Airfoil:
 
         attached = np.float64(1.0 if self.lift_law == "blended" else 0.0)
         numbers: Any = {name: np.float64(getattr(self, name)) for name in LIMITS}
+        numbers |= {name: None for name in BEYOND_THE_PAPER if numbers[name] == 0.0}
         return BlendedLaw(attached=attached, **numbers)  # type: ignore[arg-type]
 
     def with_parameters(self, **changes: Any) -> Airfoil:
@@ -130,7 +143,11 @@ class Airfoil:
 
     def to_toml(self) -> str:
         """The set as the text of a parameter file."""
-        told = {key: value for key, value in asdict(self).items() if value is not None}
+        told = {
+            key: value
+            for key, value in asdict(self).items()
+            if value is not None and not (key in BEYOND_THE_PAPER and value == 0.0)
+        }
         lines = [f"schema = {SCHEMA}", *(f"{key} = {_toml(value)}" for key, value in told.items())]
         return "\n".join(lines) + "\n"
 

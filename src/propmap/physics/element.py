@@ -35,7 +35,7 @@ class Medium(NamedTuple):
 
 
 class Station(NamedTuple):
-    """The blade at S radii; arrays (S, 1), or (S, B) where each operating point has its own radii.
+    """The blade at S radii; arrays (S, 1), or (S, B) where each operating point has its own.
 
     Attributes
     ----------
@@ -47,6 +47,9 @@ class Station(NamedTuple):
         rho c / mu [s/m].
     inverse_root : Array
         ``reynolds_per_speed`` to the power -1/2 [m^0.5/s^0.5].
+    drag_sine, drag_cosine : Array or None
+        Of the angle of the line of least pressure drag to the disk plane [-]; None where the law
+        takes the zero-lift line for it.
     """
 
     radius: Array
@@ -55,6 +58,8 @@ class Station(NamedTuple):
     cosine: Array
     reynolds_per_speed: Array
     inverse_root: Array
+    drag_sine: Array | None = None
+    drag_cosine: Array | None = None
 
 
 class Annulus(NamedTuple):
@@ -96,6 +101,11 @@ class Annulus(NamedTuple):
         """Omega y [m/s]."""
         return self.omega * self.station.radius
 
+    @property
+    def zero_lift(self) -> Array:
+        """Angle of attack of zero lift, from the chord line [rad]."""
+        return self.law.zero_lift_at(self.station.reynolds_per_speed * self.turning)
+
 
 def annulus(
     blade: Blade,
@@ -108,11 +118,16 @@ def annulus(
 ) -> Annulus:
     """The annulus at ``radius`` [m], shape (S, 1) or (S, B); the flow is as in ``Annulus``."""
     chord, twist = blade_shape(blade, radius)
-    sine, cosine = materialize(lambda: sine_and_cosine(twist - law.zero_lift_angle), blade.root)
     reynolds_per_speed = medium.density / medium.viscosity * chord
+    zero_lift = law.zero_lift_at(reynolds_per_speed * (omega * radius))
+    sine, cosine = materialize(lambda: sine_and_cosine(twist - zero_lift), blade.root)
+    tilted: tuple[Array | None, Array | None] = (None, None)
+    least_drag = law.least_drag_angle
+    if least_drag is not None:
+        tilted = materialize(lambda: sine_and_cosine(twist - least_drag), blade.root)
     # At a pointed tip Re goes to zero and C_D to infinity, but C_D times the chord goes to zero.
     root = xp.sqrt(1.0 / xp.maximum(reynolds_per_speed, 1e-30))
-    station = Station(radius, chord, sine, cosine, reynolds_per_speed, root)
+    station = Station(radius, chord, sine, cosine, reynolds_per_speed, root, *tilted)
     return Annulus(station, omega, v_axial, v_inplane, blade.blades, blade.root, blade.tip, law)
 
 
@@ -177,12 +192,18 @@ def _section_flow(
     """The flow at alpha = theta - phi; ``station`` has theta from the zero-lift line."""
     sine = station.sine * cos_phi - station.cosine * sin_phi
     cosine = station.cosine * cos_phi + station.sine * sin_phi
+    drag_sine = drag_cosine = None
+    if station.drag_sine is not None and station.drag_cosine is not None:
+        drag_sine = station.drag_sine * cos_phi - station.drag_cosine * sin_phi
+        drag_cosine = station.drag_cosine * cos_phi + station.drag_sine * sin_phi
     return SectionFlow(
         angle=angle_of(cosine, sine, xp.ones_like(cosine)),
         sine=sine,
         cosine=cosine,
         reynolds=station.reynolds_per_speed * speed,
         inverse_root_reynolds=station.inverse_root * xp.sqrt(speed) * per_speed,
+        drag_sine=drag_sine,
+        drag_cosine=drag_cosine,
     )
 
 

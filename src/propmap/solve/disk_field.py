@@ -77,7 +77,7 @@ def disk_field(case: Case, radius: Array, sines: Array, azimuth: AzimuthNodes) -
     return DiskField(
         inflow=inflow[:, 0],
         per_radius=AnnulusLoads(*(density * part[:, 0] for part in loads)),
-        alpha=angle + at.law.zero_lift_angle,
+        alpha=angle + at.zero_lift,
         past_stall=past_stall,
         u_t=u_t,
         u_p=u_p,

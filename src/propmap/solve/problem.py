@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+import jax
+
 from propmap.arrays.namespace import Array
 from propmap.physics import element
 from propmap.physics.element import Annulus, annulus
@@ -44,7 +46,7 @@ class AnnulusProblem(NamedTuple):
 
     def stations(self, part: slice) -> AnnulusProblem:
         """Equation (11) at some of the stations."""
-        station = type(self.at.station)(*(a[part] for a in self.at.station))
+        station = jax.tree.map(lambda a: a[part], self.at.station)
         return self._replace(at=self.at._replace(station=station))
 
 

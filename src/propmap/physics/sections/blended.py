@@ -12,9 +12,15 @@ from propmap.physics.sections.law import Coefficients, LawBounds, SectionFlow
 PLATE_FRICTION = 2.0 * 1.02
 """The factor of c_p in (4): two sides of a plate, and 1.02 for its finite length."""
 
+CAMBER_REYNOLDS = 5e4
+"""Reynolds number of the rotation at which the zero-lift angle is ``zero_lift_angle`` [-]."""
+
+CAMBER_RANGE = (1e4, 1.2e5)
+"""Reynolds numbers between which the zero-lift angle changes; outside, that of the nearer [-]."""
+
 
 class BlendedLaw(NamedTuple):
-    """Eqs. (3) and (4); all parameters scalars.
+    """Eqs. (3) and (4), and two terms that are not in the paper; all parameters scalars.
 
     Attributes
     ----------
@@ -28,7 +34,7 @@ class BlendedLaw(NamedTuple):
         Angle of attack about which the stall blend is centred [rad].
     zero_lift_angle : Array
         Angle of attack of zero lift [rad]; (3) and (4) see alpha minus it.  Not in the paper,
-        whose law has no camber.
+        whose law has no camber.  See ``zero_lift_at``.
     c_d0 : Array
         Constant drag [-].
     c_p : Array
@@ -39,6 +45,12 @@ class BlendedLaw(NamedTuple):
         1 for eq. (3); 0 for the simplified lift of footnote 1, with c_l2 as its c_l.
     drag_factor : Array or float
         Multiplies the rotor drag (14) [-]; 1 in the paper.
+    reynolds_camber : Array or None
+        h, the growth of the zero-lift angle by ln Re [rad], see ``zero_lift_at``.  None, like 0, is
+        the paper's law, and leaves the term out of programs.
+    drag_angle : Array or None
+        How far above ``zero_lift_angle`` the pressure drag is least [rad], see
+        ``least_drag_angle``.  None as above.
     """
 
     c_l1: Array
@@ -51,20 +63,55 @@ class BlendedLaw(NamedTuple):
     sharpness: Array
     attached: Array
     drag_factor: Array | float = 1.0
+    reynolds_camber: Array | None = None
+    drag_angle: Array | None = None
 
     @property
     def parameters(self) -> tuple[str, ...]:
         """Names of the parameters with respect to which loads can be differentiated."""
-        return tuple(name for name in self._fields if name != "attached")
+        off = [name for name in self._fields if getattr(self, name) is None]
+        return tuple(name for name in self._fields if name not in (*off, "attached"))
 
     def plus(self, **changes: Array) -> BlendedLaw:
         """The law with ``changes`` added to its parameters of these names."""
-        return self._replace(**{name: getattr(self, name) + d for name, d in changes.items()})
+        old = {name: getattr(self, name) for name in changes}
+        return self._replace(**{n: d if old[n] is None else old[n] + d for n, d in changes.items()})
+
+    def zero_lift_at(self, reynolds: Array) -> Array:
+        """Angle of attack of zero lift [rad], ``zero_lift_angle`` + h ln(Re / 5e4).
+
+        h is ``reynolds_camber``, and Re that of the rotation alone, rho Omega y c / mu, held
+        between 1e4 and 1.2e5.  Not in the paper.  As the inflow is left out, the term turns the
+        blade by an angle that is known before (11) is solved, and no bound on (11) changes.
+
+        Parameters
+        ----------
+        reynolds : Array
+            Re [-].
+        """
+        if self.reynolds_camber is None:
+            return self.zero_lift_angle
+        low, high = CAMBER_RANGE
+        # Not ``clip``, whose derivative has a division.
+        inside = xp.where(reynolds > low, xp.where(reynolds < high, reynolds, high), low)
+        return self.zero_lift_angle + self.reynolds_camber * xp.log(inside / CAMBER_REYNOLDS)
+
+    @property
+    def least_drag_angle(self) -> Array | None:
+        """Angle of attack from the chord line at which the pressure drag is least [rad].
+
+        ``zero_lift_angle`` + ``drag_angle``, at any Reynolds number; None stands for the angle of
+        zero lift, as in the paper.
+        """
+        if self.reynolds_camber is None and self.drag_angle is None:
+            return None
+        return self.zero_lift_angle + (0.0 if self.drag_angle is None else self.drag_angle)
 
     def coefficients(self, flow: SectionFlow) -> Coefficients:
         """C_L by eq. (3) and C_D by eq. (4) in a ``flow``, with their derivatives.
 
-        With ``attached = 0``, C_L = c_l sin(a) cos(a) of footnote 1, where c_l is ``c_l2``.
+        The pressure drag is c_d sin^2 of the angle from ``least_drag_angle``.  With
+        ``attached = 0``, C_L = c_l sin(a) cos(a) of footnote 1, where c_l is ``c_l2``.
         """
         share, share_slope = self._attached_share_and_slope(flow.angle)
         attached = self.c_l1 * flow.angle
@@ -72,14 +119,15 @@ class BlendedLaw(NamedTuple):
         separated_slope = self.c_l2 * (flow.cosine * flow.cosine - flow.sine * flow.sine)
         excess = attached - separated
         friction = PLATE_FRICTION * self.c_p * flow.inverse_root_reynolds
-        pressure = self.c_d * flow.sine
+        sine, cosine = flow.from_least_drag
+        pressure = self.c_d * sine
         return Coefficients(
             lift=separated + share * excess,  # Eq. (3)
-            drag=pressure * flow.sine + friction + self.c_d0,  # Eq. (4)
+            drag=pressure * sine + friction + self.c_d0,  # Eq. (4)
             lift_slope=separated_slope
             + share * (self.c_l1 - separated_slope)
             + share_slope * excess,
-            drag_slope=2.0 * pressure * flow.cosine,
+            drag_slope=2.0 * pressure * cosine,
             lift_by_log_re=0.0,
             drag_by_log_re=-0.5 * friction,
         )

@@ -25,6 +25,9 @@ class SectionFlow(NamedTuple):
         Re = rho U c / mu [-].
     inverse_root_reynolds : Array
         1 / sqrt(Re) [-].
+    drag_sine, drag_cosine : Array or None
+        Sine and cosine of the angle of attack from ``SectionLaw.least_drag_angle`` [-]; None where
+        that is None.
     """
 
     angle: Array
@@ -32,6 +35,15 @@ class SectionFlow(NamedTuple):
     cosine: Array
     reynolds: Array
     inverse_root_reynolds: Array
+    drag_sine: Array | None = None
+    drag_cosine: Array | None = None
+
+    @property
+    def from_least_drag(self) -> tuple[Array, Array]:
+        """Sine and cosine of the angle from that of least pressure drag [-]."""
+        if self.drag_sine is None or self.drag_cosine is None:
+            return self.sine, self.cosine
+        return self.drag_sine, self.drag_cosine
 
 
 class Coefficients(NamedTuple):
@@ -102,9 +114,23 @@ class LawBounds(NamedTuple):
 class SectionLaw(Protocol):
     """Lift and drag of a section at any angle of attack and Reynolds number."""
 
+    def zero_lift_at(self, reynolds: Array) -> Array:
+        """Angle of attack, from the chord line, at which ``SectionFlow.angle`` is zero [rad].
+
+        Parameters
+        ----------
+        reynolds : Array
+            Re of the rotation alone, rho Omega y c / mu [-].  The result is broadcast with it, or a
+            scalar where it does not depend on it.
+        """
+        ...
+
     @property
-    def zero_lift_angle(self) -> Array:
-        """Angle of attack, from the chord line, at which ``SectionFlow.angle`` is zero [rad]."""
+    def least_drag_angle(self) -> Array | None:
+        """Angle of attack, from the chord line, about which ``SectionFlow.drag_sine`` is [rad].
+
+        None where the law knows no other angle than that from zero lift.
+        """
         ...
 
     @property
@@ -156,9 +182,14 @@ def coefficients_at(law: SectionLaw, alpha: Array, reynolds: Array) -> Coefficie
     alpha : Array
         Angle of attack from the chord line [rad].
     reynolds : Array
-        Re [-]; broadcast with ``alpha``.
+        Re [-], also that of the rotation; broadcast with ``alpha``.
     """
-    alpha, reynolds = xp.broadcast_arrays(alpha - law.zero_lift_angle, reynolds)
+    chord, reynolds = xp.broadcast_arrays(alpha, reynolds)
+    alpha = chord - law.zero_lift_at(reynolds)
     sine, cosine = xp.sin(alpha), xp.cos(alpha)
     angle = angle_of(cosine, sine, xp.ones_like(sine))
-    return law.coefficients(SectionFlow(angle, sine, cosine, reynolds, 1.0 / xp.sqrt(reynolds)))
+    flow = SectionFlow(angle, sine, cosine, reynolds, 1.0 / xp.sqrt(reynolds))
+    if law.least_drag_angle is not None:
+        tilt = chord - law.least_drag_angle
+        flow = flow._replace(drag_sine=xp.sin(tilt), drag_cosine=xp.cos(tilt))
+    return law.coefficients(flow)

@@ -93,6 +93,15 @@ class TabulatedLaw(NamedTuple):
             drag_by_log_re=drag[2],
         )
 
+    def zero_lift_at(self, reynolds: Array) -> Array:  # noqa: ARG002 - as every law
+        """``zero_lift_angle`` [rad], at any ``reynolds``."""
+        return self.zero_lift_angle
+
+    @property
+    def least_drag_angle(self) -> Array | None:
+        """None: the table has its drag over the same angle as its lift."""
+        return None
+
     def attached_share(self, angle: Array) -> Array:
         """1 where ``angle`` [rad] is in the attached range; it falls off outside."""
         law = self.limits
