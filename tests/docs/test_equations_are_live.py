@@ -169,7 +169,7 @@ def derivatives() -> Any:
     flow = [np.array([value]) for value in (600.0, 1.0, 0.0)]
     with by_numpy():
         solution, _ = disk.solve_disk(Case(arrays, *flow, None), panels, nodes)
-    movable = load_slopes.moving(arrays.law)
+    movable = load_slopes.moving(arrays)
     ways = load_slopes.directions_of(movable, ("alpha_0",), 1)
     with jax.enable_x64(True):
         case = jax.tree.map(jax.numpy.asarray, Case(arrays, *flow, None))

@@ -104,7 +104,7 @@ def _gradients(
     count, points = _count(names), flow.omega.size
     few = points < FEW
     slopes = np.full((len(LOADS), len(names), points), np.nan)
-    ways = _directions(moving(rotor.arrays.law), names, count)
+    ways = _directions(moving(rotor.arrays), names, count)
 
     def differentiate(block: Block, solution: DiskSolution) -> None:
         program, solution = _program(block.panels), jax.tree.map(np.asarray, solution)
@@ -175,7 +175,7 @@ def _compile_both(rotor: Prepared, setting: Accuracy, count: int, *, descends: b
         searched = beside.submit(run_search)
         _, shapes = search.eval_shape(*arguments)
         solution = jax.tree.map(lambda a: np.zeros(a.shape, a.dtype), shapes)
-        movable = moving(rotor.arrays.law)
+        movable = moving(rotor.arrays)
         here = (flow, solution, directions_of(movable, (), count), slopes, nodes, FIT_BLOCK)
         _program(panels)(rotor.on_device, *here)
         searched.result()

@@ -46,6 +46,9 @@ SECTION = {
 }
 """Parameters of the section law; x0 of (18) is that of the first four."""
 
+MOUNT = {"mount_area": Parameter("m^2", 0.0, 0.0, 0.1, 5e-4, "what is mounted in the slipstream")}
+"""Of the correction ``mount-drag``.  Where it is neither free nor fixed a model keeps its own."""
+
 BODY = {
     "drag_area_x": Parameter("m^2", 0.0, 0.0, 1.0, 0.01, "drag of the body along x"),
     "drag_area_y": Parameter("m^2", 0.0, 0.0, 1.0, 0.01, "drag of the body along y"),
@@ -63,8 +66,8 @@ WING = {
 
 
 PAPER_FOUR = ("c_l1", "c_l2", "c_d", "alpha_0")
-EVERY = SECTION | BODY | WING
-FIRST_GUESS = {name: parameter.start for name, parameter in EVERY.items()}
+EVERY = SECTION | MOUNT | BODY | WING
+FIRST_GUESS = {name: parameter.start for name, parameter in EVERY.items() if name not in MOUNT}
 
 
 def constants_of(section: Section) -> Airfoil:
@@ -167,7 +170,7 @@ class Choice:
     @property
     def first(self) -> Floats:
         """Where the search starts (P,)."""
-        return np.array([self.start.get(name, FIRST_GUESS[name]) for name in self.free])
+        return np.array([self.start.get(name, EVERY[name].start) for name in self.free])
 
 
 def known(name: str) -> str:

@@ -19,8 +19,14 @@ CORRECTIONS = {
     "coleman": "propmap.physics.inflow_harmonics.Coleman",
     "drees": "propmap.physics.inflow_harmonics.Drees",
     "white-blake": "propmap.physics.inflow_harmonics.WhiteBlake",
+    "mount-drag": "propmap.physics.mount_drag.MountDrag",
 }
 """Where each is; a new correction is one file of physics and one line here."""
+
+
+MOUNT_DRAG = "mount-drag"
+"""The one that tells of the surroundings of a rotor: no section constant depends on it, so that it
+may be another than in the test that the constants are from."""
 
 
 class Correction(Protocol):
@@ -96,18 +102,28 @@ def as_texts(texts: Any) -> tuple[str, ...]:
 def agreed(section: str, own: Sequence[str], given: Sequence[str]) -> tuple[str, ...]:
     """The corrections to use with a section law that was found with ``own``.
 
+    What is mounted may be another than where the constants were found: ``given``, it takes the
+    place of its own.
+
     Raises
     ------
     InputError
         Where others than its own are ``given``; ``section`` is its name.
     """
-    wanted = as_texts(given)
-    if own and wanted and sorted(own) != sorted(wanted):
+    wanted, mount = _apart(as_texts(given))
+    found, own_mount = _apart(own)
+    if found and wanted and sorted(found) != sorted(wanted):
         raise InputError(
-            f"{section} was found with {', '.join(own)}, not with {', '.join(wanted)}",
+            f"{section} was found with {', '.join(found)}, not with {', '.join(wanted)}",
             "leave the corrections out, which takes those it was found with, or fit again",
         )
-    return wanted or tuple(own)
+    return (*(wanted or found), *(mount or own_mount))
+
+
+def _apart(texts: Sequence[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """The corrections of the physics, and those that tell what is mounted."""
+    mount = tuple(text for text in texts if text.partition(":")[0] == MOUNT_DRAG)
+    return tuple(text for text in texts if text not in mount), mount
 
 
 def name_of(value: Correction) -> str:

@@ -11,7 +11,14 @@ from numpy.typing import ArrayLike
 
 from propmap.errors import InputError
 from propmap.model.air import Air
-from propmap.model.corrections import Correction, agreed, as_text, correction, name_of
+from propmap.model.corrections import (
+    MOUNT_DRAG,
+    Correction,
+    agreed,
+    as_text,
+    correction,
+    name_of,
+)
 from propmap.model.propeller import Propeller
 
 if TYPE_CHECKING:
@@ -93,6 +100,11 @@ class Model:
     def with_airfoil(self, airfoil: Section) -> Model:
         """The same model with another section law, ``airfoil``."""
         return replace(self, airfoil=airfoil)
+
+    def with_mount(self, mount: Correction) -> Model:
+        """The same model with another value of ``mount-drag``, or with its first."""
+        others = [value for value in self.corrections if name_of(value) != MOUNT_DRAG]
+        return replace(self, corrections=(*others, mount))
 
     def arrays(self) -> RotorArrays:
         """The model as arrays of NumPy float64, for the solver."""
