@@ -13,6 +13,7 @@ from propmap.fit.residuals import rms
 from propmap.fit.rows import Rows
 from propmap.fit.search import search
 from propmap.fit.uncertainty import uncertainty
+from propmap.model.drag_factor import drag_factor_accepted
 
 TELLING = 0.7
 """Share of the residuals' size below which giving up an assumption is worth saying."""
@@ -109,5 +110,6 @@ def body_terms_verdict(fitted: Fitted, rows_for: Callable[[Choice], Rows]) -> li
 def _with(fitted: Fitted, name: str) -> tuple[Choice, Floats]:
     """The choice of a fit with one more free parameter, the last, and where to begin."""
     fixed = {k: v for k, v in fitted.choice.fixed.items() if k != name}
-    choice = Choice((*fitted.choice.free, name), fixed, fitted.choice.priors)
+    with drag_factor_accepted():
+        choice = Choice((*fitted.choice.free, name), fixed, fitted.choice.priors)
     return choice, np.append(fitted.x, fitted.values.get(name, EVERY[name].start))

@@ -11,6 +11,7 @@ import numpy as np
 from propmap.arrays.types import Floats
 from propmap.errors import InputError, quoted
 from propmap.model.airfoil import Airfoil
+from propmap.model.drag_factor import warn_of_drag_factor
 from propmap.model.model import Section
 
 
@@ -42,7 +43,7 @@ SECTION = {
     "alpha_0": Parameter("rad", 0.47, 0.1, 0.9, 0.06, "angle of stall"),
     "zero_lift_angle": Parameter("rad", 0.0, -0.25, 0.15, 0.03, "camber"),
     "c_d0": Parameter("-", 0.01, 0.0, 0.2, 0.02, "constant drag"),
-    "drag_factor": Parameter("-", 1.0, 0.2, 5.0, 0.5, "factor on the rotor drag"),
+    "drag_factor": Parameter("-", 1.0, 0.2, 5.0, 0.5, "factor on the rotor drag, deprecated"),
 }
 """Parameters of the section law; x0 of (18) is that of the first four."""
 
@@ -140,6 +141,8 @@ class Choice:
                     f"the prior of {name} has the deviation {prior.deviation:g}",
                     "give one above zero, as in c_l2=2.0:0.3",
                 )
+        if "drag_factor" in self.free or self.fixed.get("drag_factor", 1.0) != 1.0:
+            warn_of_drag_factor(stacklevel=3)
         for name, value in (*self.fixed.items(), *self.start.items()):
             p = EVERY[name]
             if not p.lower <= value <= p.upper:

@@ -30,6 +30,7 @@ from propmap.fit.residuals import by_band, errors
 from propmap.fit.tunnel import model_with, section_with
 from propmap.io.section_tables import looks_like_section_table
 from propmap.model.airfoil import Airfoil, read_airfoil
+from propmap.model.drag_factor import drag_factor_accepted
 from propmap.model.model import Model
 from propmap.model.section_covariance import SectionCovariance
 
@@ -103,9 +104,10 @@ def fit_text(
 
     found = model_with(model, fitted.values)
     told = {"name": name, "source": f"fitted by propmap, {kind}"}
-    law = section_with(model.airfoil, fitted.values).with_parameters(
-        **told, corrections=tuple(found.correction_texts)
-    )
+    with drag_factor_accepted():
+        law = section_with(model.airfoil, fitted.values).with_parameters(
+            **told, corrections=tuple(found.correction_texts)
+        )
     sure, choice = fitted.uncertainty, fitted.choice
     record = FitRecord(
         kind=kind,

@@ -18,6 +18,7 @@ from propmap.fit.parameters import BODY, FIRST_GUESS, SECTION, WING, Choice, con
 from propmap.fit.rows import Rows
 from propmap.loads import LOADS
 from propmap.model.airfoil import Airfoil
+from propmap.model.drag_factor import drag_factor_accepted
 from propmap.model.model import Model, Section
 from propmap.physics.mount_drag import MountDrag
 from propmap.rotor import Rotor
@@ -72,7 +73,8 @@ def first_guess() -> Airfoil:
 
 def section_with(base: Section, values: Mapping[str, float]) -> Airfoil:
     """The section law with the section parameters among ``values``."""
-    return constants_of(base).with_parameters(**{name: values[name] for name in SECTION})
+    with drag_factor_accepted():  # whoever freed or fixed it has been warned
+        return constants_of(base).with_parameters(**{name: values[name] for name in SECTION})
 
 
 def model_with(model: Model, values: Mapping[str, float]) -> Model:

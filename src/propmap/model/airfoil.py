@@ -8,7 +8,7 @@ import importlib.resources
 import json
 import math
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, fields, replace
 from importlib.resources.abc import Traversable
 from pathlib import Path
@@ -18,6 +18,7 @@ import numpy as np
 
 from propmap.errors import InputError
 from propmap.model.corrections import agreed, as_texts
+from propmap.model.drag_factor import drag_factor_accepted, warn_of_drag_factor
 
 if TYPE_CHECKING:
     from propmap.physics.sections.blended import BlendedLaw
@@ -58,8 +59,8 @@ class Airfoil:
     c_d0, c_p, sharpness : float
         The paper's constants c_d0 [-], c_p [-] and M [1/rad].
     drag_factor : float
-        Multiplies the rotor drag [-], 1 in the paper.  Published measurements of it differ by a
-        factor of two; it lets a fit say so.
+        Multiplies the rotor drag [-], 1 in the paper.  Deprecated: another value warns; the
+        correction ``mount-drag`` has what a factor cannot tell.
     lift_law : str
         "blended", eq. (3), or "simplified", footnote 1: C_L = c_l2 sin(a) cos(a).
     corrections : tuple of str
@@ -104,6 +105,8 @@ class Airfoil:
                 raise InputError(f"{field} is {getattr(self, field)!r}: it must be text")
         if self.lift_law not in LIFT_LAWS:
             raise InputError(f"lift_law is {self.lift_law!r}: it must be one of {LIFT_LAWS}")
+        if self.drag_factor != 1.0:
+            warn_of_drag_factor(stacklevel=3)
         object.__setattr__(self, "corrections", as_texts(self.corrections))
 
     def law(self) -> BlendedLaw:
@@ -126,13 +129,12 @@ class Airfoil:
         InputError
             Where the constants were found with others.
         """
-        return replace(self, corrections=agreed(self.name, self.corrections, texts))
+        with drag_factor_accepted():
+            return replace(self, corrections=agreed(self.name, self.corrections, texts))
 
     def to_toml(self) -> str:
         """The set as the text of a parameter file."""
-        told = {key: value for key, value in asdict(self).items() if value != ()}
-        lines = [f"schema = {SCHEMA}", *(f"{key} = {_toml(value)}" for key, value in told.items())]
-        return "\n".join(lines) + "\n"
+        return _toml_file({key: value for key, value in asdict(self).items() if value != ()})
 
     def metadata(self) -> dict[str, Any]:
         """The constants by name."""
@@ -140,8 +142,7 @@ class Airfoil:
 
     def fingerprint(self) -> str:
         """SHA-256 of the parameter file, without its corrections."""
-        text = replace(self, corrections=()).to_toml()
-        return hashlib.sha256(text.encode()).hexdigest()
+        return hashlib.sha256(_toml_file(self.metadata()).encode()).hexdigest()
 
 
 def parameter_set(name_or_path: str | Path) -> Airfoil:
@@ -214,6 +215,12 @@ def read_airfoil(path: Path | Traversable) -> Airfoil:
 
 def _sets() -> Traversable:
     return importlib.resources.files("propmap.catalogue") / "airfoils"
+
+
+def _toml_file(told: Mapping[str, Any]) -> str:
+    """The text of a parameter file."""
+    lines = [f"schema = {SCHEMA}", *(f"{key} = {_toml(value)}" for key, value in told.items())]
+    return "\n".join(lines) + "\n"
 
 
 def _toml(value: Any) -> str:
