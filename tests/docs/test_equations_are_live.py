@@ -23,7 +23,7 @@ from propmap.baselines import hover
 from propmap.engine import evaluation
 from propmap.engine.gradients import LoadGradients
 from propmap.fit import added_parameter, body_forces, fitted, flight
-from propmap.fit.parameters import BODY, EVERY, SECTION, Choice
+from propmap.fit.parameters import BODY, FIRST_GUESS, SECTION, Choice
 from propmap.papers.gill_dandrea_2017 import rotor_drag
 from propmap.physics.velocities import azimuth_nodes
 from propmap.solve import disk, load_slopes, rotor_loads
@@ -148,6 +148,12 @@ def varying_inflow() -> Any:
     return found
 
 
+def mounted() -> Any:
+    """Rotor drag with a motor of the usual size in the slipstream."""
+    model = dataclasses.replace(rotor().model, corrections=(pm.correction("mount-drag"),))
+    return pm.Rotor(model, compiled=False).loads(600.0, 9.0, 1.2).drag
+
+
 def inflow() -> Any:
     found = rotor().inflow(600.0, 5.0, 1.0, radius=[0.05, 0.09], azimuth=[0.0, 2.0])
     return found.inflow, found.thrust_per_radius
@@ -213,8 +219,7 @@ def made_up_fit() -> Any:
     columns = dict(zip(("c_l1", "alpha_0", "lift_area"), random.normal(size=(3, 40)), strict=True))
     columns["lift_area"] = columns["lift_area"] * 100.0
     model = paper.linear_model(columns)
-    start = {name: p.start for name, p in EVERY.items()}
-    start |= {name: getattr(paper.LAW, name) for name in SECTION}
+    start = FIRST_GUESS | {name: getattr(paper.LAW, name) for name in SECTION}
     value, _ = model(start | {"lift_area": 0.03}, ("c_l1",))
     data = paper.rows_of(model, np.asarray(value) + 0.05 * random.normal(size=40))
     found = fitted.fit(data, paper.TWO, fitted.Settings(starts=1, folds=0))
@@ -225,6 +230,7 @@ def made_up_fit() -> Any:
 PROBES: dict[str, Callable[[], Any]] = {
     "propmap.physics": loads,
     "propmap.physics.inflow_harmonics": varying_inflow,
+    "propmap.physics.mount_drag": mounted,
     "propmap.solve": loads,
     "propmap.solve.harmonics": varying_inflow,
     "propmap.model": loads,

@@ -141,14 +141,14 @@ class Choice:
                     f"the prior of {name} has the deviation {prior.deviation:g}",
                     "give one above zero, as in c_l2=2.0:0.3",
                 )
-        if "drag_factor" in self.free or self.fixed.get("drag_factor", 1.0) != 1.0:
-            warn_of_drag_factor(stacklevel=3)
         for name, value in (*self.fixed.items(), *self.start.items()):
             p = EVERY[name]
             if not p.lower <= value <= p.upper:
                 raise InputError(
                     f"{name} is {value:g} {p.unit}", f"give a value from {p.lower:g} to {p.upper:g}"
                 )
+        if "drag_factor" in self.free or self.fixed.get("drag_factor", 1.0) != 1.0:
+            warn_of_drag_factor(stacklevel=3)
 
     def values(self, x: Floats) -> dict[str, float]:
         """All parameters by name.
