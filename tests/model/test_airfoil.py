@@ -142,7 +142,9 @@ def test_a_drag_factor_is_deprecated() -> None:
         lambda: Airfoil(5.0, 1.0, 1.0, 0.4, drag_factor=2.0),
         lambda: law.with_parameters(drag_factor=2.0),
     ):
-        with pytest.warns(DeprecationWarning, match="drag_factor is deprecated.*mount_area") as told:
+        with pytest.warns(
+            DeprecationWarning, match="drag_factor is deprecated.*mount_area"
+        ) as told:
             factored = make()
         assert len(told) == 1
     # Whoever has been warned is not warned again.

@@ -34,9 +34,7 @@ def rotor(*corrections: str, compiled: bool = False) -> propmap.Rotor:
 
 @pytest.mark.parametrize("others", [(), ("pitt-peters",)])
 def test_it_adds_its_drag_at_the_mean_inflow_and_nothing_else(others: tuple[str, ...]) -> None:
-    bare, mounted = (
-        rotor(*others, *added).loads(OMEGA, SPEED, BETA) for added in ((), (MOUNT,))
-    )
+    bare, mounted = (rotor(*others, *added).loads(OMEGA, SPEED, BETA) for added in ((), (MOUNT,)))
     across, along = SPEED * np.sin(BETA), SPEED * np.cos(BETA)
     air = np.sqrt(across**2 + (along + WAKE * bare.mean_inflow) ** 2)
     expected = 0.5 * 1.225 * AREA * across * air

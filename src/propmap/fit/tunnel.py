@@ -83,7 +83,9 @@ def model_with(model: Model, values: Mapping[str, float]) -> Model:
     if "mount_area" not in values:
         return model.with_airfoil(law)
     # The share of the inflow is the model's own.
-    wake = next((one.wake for one in model.corrections if isinstance(one, MountDrag)), MountDrag.wake)
+    wake = next(
+        (one.wake for one in model.corrections if isinstance(one, MountDrag)), MountDrag.wake
+    )
     return model.with_airfoil(law).with_mount(MountDrag(values["mount_area"], wake))
 
 

@@ -102,7 +102,7 @@ class Model:
         return replace(self, airfoil=airfoil)
 
     def with_mount(self, mount: Correction) -> Model:
-        """The same model with another value of ``mount-drag``, or with its first."""
+        """The same model with ``mount``, a ``mount-drag``, in the place of its own if any."""
         others = [value for value in self.corrections if name_of(value) != MOUNT_DRAG]
         return replace(self, corrections=(*others, mount))
 

@@ -22,7 +22,19 @@ from propmap.vehicle.log_map import CHOICES, LogMap, read_log_map
 from propmap.vehicle.vehicle import SPINS, Body, Mount, Vector, Vehicle, Wing
 
 SCHEMA = 1
-KEYS = ("schema", "name", "frame", "mass", "propeller", "air", "rotors", "mount", "body", "wing", "log")
+KEYS = (
+    "schema",
+    "name",
+    "frame",
+    "mass",
+    "propeller",
+    "air",
+    "rotors",
+    "mount",
+    "body",
+    "wing",
+    "log",
+)
 PROPELLER_KEYS = ("geometry", "blades", "radius", "root_cutout")
 WING_KEYS = ("area", "incidence", "c_l1", "c_l2", "alpha_0")
 GEOMETRY = '"apc-8x6e", a name of `propmap props` or a geometry file beside this file'
@@ -69,9 +81,7 @@ def read_vehicle(path: str | os.PathLike[str]) -> VehicleFile:
     flip = top.choice("frame", CHOICES["body_frame"]) == "frd"
     rotors = top.tables("rotors", ("position", "axis", "spin"))
     drags = _mount_drags(top, len(rotors))
-    mounts = tuple(
-        _mount(rotor, flip, drag) for rotor, drag in zip(rotors, drags, strict=True)
-    )
+    mounts = tuple(_mount(rotor, flip, drag) for rotor, drag in zip(rotors, drags, strict=True))
     mass = top.number("mass", "the take-off mass in kg, battery included")
     vehicle = _located(
         where,
