@@ -106,20 +106,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 @contextmanager
 def _deprecations_in_one_line() -> Iterator[None]:
-    """Warnings of what is deprecated in propmap as a line of their own, each once."""
-    said = set()
+    """What is deprecated in propmap as a line of its own, once."""
+    said: list[str] = []
     with warnings.catch_warnings():
         show = warnings.showwarning
 
-        def tell(message: Warning | str, category: type[Warning], *where: Any) -> None:
+        def tell(message: Any, *where: Any) -> None:
             if str(message) != DRAG_FACTOR:
-                show(message, category, *where)
-            elif str(message) not in said:
-                said.add(str(message))
+                show(message, *where)
+            elif not said:
+                said.append(DRAG_FACTOR)
                 typer.echo(f"propmap: warning: {message}", err=True)
 
         warnings.filterwarnings("always", DRAG_FACTOR, DeprecationWarning)
-        warnings.showwarning = tell
+        warnings.showwarning = tell  # type: ignore[assignment]
         yield
 
 

@@ -144,7 +144,7 @@ def _with_harmonics(rotor: RotorArrays, solution: DiskSolution) -> DiskSolution:
     """The solution with the harmonics of axial flow, zero, where these were not looked for."""
     if rotor.shape is None or solution.harmonics is not None:
         return solution
-    none = np.zeros_like(solution.inflow[0])
+    none: Any = np.zeros_like(solution.inflow[0])
     return solution._replace(harmonics=Harmonics(none, none, none))
 
 

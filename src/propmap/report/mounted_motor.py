@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -30,11 +32,12 @@ def rise_by_motor(rotor: Rotor, loads: Loads, speed: ArrayLike, beta: ArrayLike)
         Of the shape of the loads; NaN without an in-plane velocity, and where the drag is not
         positive.
     """
-    motor, air = MountDrag().applied(rotor.arrays).mount, rotor.arrays.medium
+    motor: Any = MountDrag().applied(rotor.arrays).mount
     velocity, angle = np.broadcast_arrays(np.asarray(speed, float), np.asarray(beta, float))
     along, across = velocity * np.cos(angle), velocity * np.abs(np.sin(angle))
     with by_numpy():
-        drag = np.asarray(motor.drag(air.density, along, across, loads.mean_inflow))
+        density = rotor.arrays.medium.density
+        drag = np.asarray(motor.drag(density, along, across, loads.mean_inflow))
     known = (across > 1e-9 * np.maximum(velocity, 1.0)) & (loads.drag > 0.0)
     return np.divide(drag, loads.drag, out=np.full(np.shape(loads.drag), np.nan), where=known)
 
