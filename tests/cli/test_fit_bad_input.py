@@ -50,7 +50,7 @@ CASES: list[tuple[list[str], str]] = [
     ([*GOOD, "--free", ""], "'' is not a parameter"),
     ([*GOOD, "--free", "c_l1,c_l1"], "c_l1 is named twice"),
     ([*GOOD, "--free", "c_l1,lift_area"], "lift_area has no part in a tunnel test"),
-    ([*GOOD, "--free", "c_l1,drag_factor"], "add drag to the loads"),
+    ([*GOOD, "--free", "c_l1,mount_area"], "add drag to the loads"),
     ([*GOOD, "--fix", "c_d0"], "--fix 'c_d0' has no '='; write --fix c_l1=6.0"),
     ([*GOOD, "--fix", "c_d0=small"], "--fix c_d0: 'small' is not a number"),
     ([*GOOD, "--fix", "c_d0=nan"], "c_d0 is nan"),

@@ -23,7 +23,7 @@ from propmap.baselines import hover
 from propmap.engine import evaluation
 from propmap.engine.gradients import LoadGradients
 from propmap.fit import added_parameter, body_forces, fitted, flight
-from propmap.fit.parameters import BODY, EVERY, SECTION, Choice
+from propmap.fit.parameters import BODY, FIRST_GUESS, SECTION, Choice
 from propmap.papers.gill_dandrea_2017 import rotor_drag
 from propmap.physics.velocities import azimuth_nodes
 from propmap.solve import disk, load_slopes, rotor_loads
@@ -167,6 +167,12 @@ def moving_inflow() -> Any:
     return *found, times * 1e3, dynamic.loads(state, *point).thrust
 
 
+def mounted() -> Any:
+    """Rotor drag with a motor of the usual size in the slipstream."""
+    model = dataclasses.replace(rotor().model, corrections=(pm.correction("mount-drag"),))
+    return pm.Rotor(model, compiled=False).loads(600.0, 9.0, 1.2).drag
+
+
 def inflow() -> Any:
     found = rotor().inflow(600.0, 5.0, 1.0, radius=[0.05, 0.09], azimuth=[0.0, 2.0])
     return found.inflow, found.thrust_per_radius
@@ -188,7 +194,7 @@ def derivatives() -> Any:
     flow = [np.array([value]) for value in (600.0, 1.0, 0.0)]
     with by_numpy():
         solution, _ = disk.solve_disk(Case(arrays, *flow, None), panels, nodes)
-    movable = load_slopes.moving(arrays.law)
+    movable = load_slopes.moving(arrays)
     ways = load_slopes.directions_of(movable, ("alpha_0",), 1)
     with jax.enable_x64(True):
         case = jax.tree.map(jax.numpy.asarray, Case(arrays, *flow, None))
@@ -232,8 +238,7 @@ def made_up_fit() -> Any:
     columns = dict(zip(("c_l1", "alpha_0", "lift_area"), random.normal(size=(3, 40)), strict=True))
     columns["lift_area"] = columns["lift_area"] * 100.0
     model = paper.linear_model(columns)
-    start = {name: p.start for name, p in EVERY.items()}
-    start |= {name: getattr(paper.LAW, name) for name in SECTION}
+    start = FIRST_GUESS | {name: getattr(paper.LAW, name) for name in SECTION}
     value, _ = model(start | {"lift_area": 0.03}, ("c_l1",))
     data = paper.rows_of(model, np.asarray(value) + 0.05 * random.normal(size=40))
     found = fitted.fit(data, paper.TWO, fitted.Settings(starts=1, folds=0))
@@ -246,6 +251,7 @@ PROBES: dict[str, Callable[[], Any]] = {
     "propmap.physics.inflow_harmonics": varying_inflow,
     "propmap.physics.dynamic_inflow": moving_inflow,
     "propmap.physics.sections": section_laws,
+    "propmap.physics.mount_drag": mounted,
     "propmap.solve": loads,
     "propmap.solve.harmonics": varying_inflow,
     "propmap.solve.state_loads": moving_inflow,

@@ -14,7 +14,7 @@ from propmap.fit.body_forces import body_force, wing_values
 from propmap.fit.comparison import compare_flight
 from propmap.fit.coverage import range_warnings
 from propmap.fit.flight import ForceModel, balance_rows, level_rows
-from propmap.fit.parameters import EVERY, SECTION, Choice
+from propmap.fit.parameters import FIRST_GUESS, SECTION, Choice
 from propmap.physics.sections.blended import BlendedLaw
 from propmap.physics.sections.law import coefficients_at
 from propmap.vehicle.flight_log import GRAVITY, FlightLog
@@ -24,7 +24,7 @@ from propmap.vehicle.vehicle import Body, Mount, Vehicle, Wing
 PROPELLER = propmap.propeller("apc-8x6e")
 LAW = propmap.airfoil("paper-apc")
 LAW_VALUES = {name: getattr(LAW, name) for name in SECTION}
-VALUES = {name: p.start for name, p in EVERY.items()} | LAW_VALUES
+VALUES = FIRST_GUESS | LAW_VALUES
 TWO = Choice(("c_l1", "alpha_0"))
 """One choice for all, so that few programs serve."""
 

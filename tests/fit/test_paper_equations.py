@@ -9,7 +9,7 @@ import propmap
 from propmap.fit.added_parameter import body_terms_verdict
 from propmap.fit.fitted import Fitted, Settings, fit
 from propmap.fit.flight import ForceModel, level_rows
-from propmap.fit.parameters import EVERY, PAPER_FOUR, SECTION, Choice
+from propmap.fit.parameters import FIRST_GUESS, PAPER_FOUR, SECTION, Choice
 from propmap.fit.rows import Rows
 from propmap.fit.search import search
 from propmap.vehicle.flight_log import GRAVITY, FlightLog
@@ -24,7 +24,7 @@ MOUNTS = tuple(
     for x, y, spin in ((0.2, 0.2, "cw"), (0.2, -0.2, "ccw"), (-0.2, 0.2, "ccw"), (-0.2, -0.2, "cw"))
 )
 QUADROTOR = Vehicle("paper", 0.9, BLADE, MOUNTS)
-VALUES = {name: p.start for name, p in EVERY.items()} | {n: getattr(LAW, n) for n in SECTION}
+VALUES = FIRST_GUESS | {n: getattr(LAW, n) for n in SECTION}
 TWO = Choice(("c_l1", "alpha_0"))
 
 SPEED = np.array([2.0, 6.0, 10.0])

@@ -8,7 +8,17 @@ import numpy as np
 import pytest
 
 from propmap.errors import InputError
-from propmap.fit.parameters import BODY, EVERY, PAPER_FOUR, SECTION, WING, Choice, Prior
+from propmap.fit.parameters import (
+    BODY,
+    EVERY,
+    FIRST_GUESS,
+    MOUNT,
+    PAPER_FOUR,
+    SECTION,
+    WING,
+    Choice,
+    Prior,
+)
 from propmap.fit.search import starts
 from propmap.model.airfoil import Airfoil
 
@@ -54,10 +64,28 @@ def test_values_are_free_then_fixed_then_first_guesses() -> None:
     choice = Choice(("c_d", "c_l1"), {"c_d0": 0.02}, start={"c_l1": 5.0})
     np.testing.assert_array_equal(choice.first, [0.0, 5.0])
     values = choice.values(np.array([1.5, 5.5]))
-    assert set(values) == set(EVERY)
+    assert set(values) == set(FIRST_GUESS)
     assert (values["c_d"], values["c_l1"], values["c_d0"]) == (1.5, 5.5, 0.02)
     assert values["alpha_0"] == EVERY["alpha_0"].start
     assert all(type(value) is float for value in values.values())
+
+
+@pytest.mark.parametrize("given", [{"free": ("mount_area",)}, {"fixed": {"mount_area": 0.002}}])
+def test_a_mount_s_area_is_a_value_where_it_is_free_or_fixed(given: dict[str, Any]) -> None:
+    """Otherwise a model keeps the one that it has."""
+    assert "mount_area" not in Choice().values(Choice().first)
+    choice = Choice(**given)
+    x = np.full(len(choice.free), 0.002)
+    assert choice.values(x)["mount_area"] == 0.002
+
+
+@pytest.mark.parametrize(
+    "given", [{"free": ("c_l1", "drag_factor")}, {"fixed": {"drag_factor": 1.5}}]
+)
+def test_a_drag_factor_is_deprecated(given: dict[str, Any]) -> None:
+    with pytest.warns(DeprecationWarning, match="drag_factor is deprecated.*mount_area"):
+        Choice(**given)
+    Choice(fixed={"drag_factor": 1.0})  # without a warning
 
 
 def test_columns_are_in_the_order_of_the_free() -> None:
@@ -73,6 +101,7 @@ def test_first_guesses_are_within_bounds(name: str) -> None:
     assert p.spread > 0.0
 
 
+@pytest.mark.filterwarnings("ignore:drag_factor is deprecated")
 @pytest.mark.parametrize("name", SECTION)
 def test_bounds_are_those_that_a_section_law_accepts(name: str) -> None:
     law = Airfoil(5.0, 1.0, 1.0, 0.4)
@@ -81,7 +110,7 @@ def test_bounds_are_those_that_a_section_law_accepts(name: str) -> None:
 
 
 def test_kinds_of_parameters_do_not_overlap() -> None:
-    assert len(EVERY) == len(SECTION) + len(BODY) + len(WING)
+    assert len(EVERY) == len(SECTION) + len(MOUNT) + len(BODY) + len(WING)
 
 
 def test_starts_begin_at_the_first_guess_and_stay_within_bounds() -> None:

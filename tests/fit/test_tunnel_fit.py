@@ -154,7 +154,7 @@ def test_without_camber_the_fit_fails_and_says_why(uiuc: TunnelData) -> None:
     told = failing_assumptions(four.fitted, four.rows)
     assert told and "C_L(0) = 0, an uncambered section, does not hold" in told[0]
     assert "zero_lift_angle" in told[0]
-    assert not any("drag_factor" in sentence for sentence in told)
+    assert not any("mount_area" in sentence for sentence in told)
 
 
 @pytest.fixture(scope="module")
@@ -174,6 +174,7 @@ def test_oblique_thrust_and_torque_predict_the_roll_moment(published: TunnelData
 
 
 @pytest.mark.slow
+@pytest.mark.filterwarnings("ignore:drag_factor is deprecated")
 def test_a_drag_factor_takes_up_the_drag(published: TunnelData) -> None:
     fitted = done(published, (*FIVE, "drag_factor"), ("thrust", "torque", "drag"))
     assert fitted.relative_rms("drag") <= 0.06
@@ -228,7 +229,7 @@ def test_refusals(twin: TunnelData) -> None:
         ({"loads": ("drag",)}, "twin has no drag; fit thrust"),
         ({"choice": Choice(("lift_area",))}, "lift_area has no part in a tunnel test"),
         ({"choice": Choice(("c_l1", "wing_c_l1"))}, "wing_c_l1 has no part in a tunnel test"),
-        ({"choice": Choice(("drag_factor",))}, "drag_factor is free but drag is not fitted"),
+        ({"choice": Choice(("mount_area",))}, "mount_area is free but drag is not fitted"),
     ):
         with pytest.raises(InputError, match=says):
             rows_for(thrust, **options)

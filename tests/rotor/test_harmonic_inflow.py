@@ -185,7 +185,7 @@ def test_derivatives_agree_with_differences(monkeypatch: pytest.MonkeyPatch) -> 
             name: [np.stack(solved({name: by})[1].loads) for by in (1e-5, -1e-5)] for name in names
         }
         case, _, solution = solved({})
-    movable = moving(arrays.law)
+    movable = moving(arrays)
     with jax.enable_x64(True):
         found = load_slopes(
             jax.tree.map(jnp.asarray, case),

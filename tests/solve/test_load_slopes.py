@@ -32,7 +32,7 @@ AZIMUTHS = np.array([8, 8, 24, 16, 8, 8])
 def test_two_passes_give_what_differentiation_of_the_whole_does() -> None:
     rotor = pm.Rotor(pm.Model(pm.propeller("apc-8x6e"), pm.airfoil("paper-soft")))
     arrays = rotor.arrays
-    movable = moving(arrays.law)
+    movable = moving(arrays)
     v_hover = np.asarray(rotor.hover_inflow(OMEGA))
     nodes = nodes_of_each(AZIMUTHS, 24)
     with jax.enable_x64(True):

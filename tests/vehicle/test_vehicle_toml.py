@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from propmap.errors import InputError
+from propmap.physics.mount_drag import MountDrag
 from propmap.vehicle.vehicle import Body, Wing
 from propmap.vehicle.vehicle_toml import VehicleFile, read_vehicle
 from tests.io import samples
@@ -170,3 +171,33 @@ def test_no_rotor_and_no_file(tmp_path: Path) -> None:
         read("", tmp_path)
     with pytest.raises(InputError, match="no such file"):
         read_vehicle(tmp_path / "nowhere.toml")
+
+
+MOUNT = "\n[mount]\narea = 0.0014\n\n[body]"
+
+
+def test_what_the_rotors_are_mounted_on(tmp_path: Path) -> None:
+    drags = [m.drag for m in read(VEHICLE.replace("\n[body]", MOUNT), tmp_path).vehicle.mounts]
+    assert drags == [MountDrag(0.0014), MountDrag(0.0014)]
+    each = MOUNT.replace("0.0014", "[0.001, 0]\nwake = 1.5")
+    drags = [m.drag for m in read(VEHICLE.replace("\n[body]", each), tmp_path).vehicle.mounts]
+    assert drags == [MountDrag(0.001, wake=1.5), MountDrag(0.0, wake=1.5)]
+    assert [m.drag for m in read(VEHICLE, tmp_path).vehicle.mounts] == [None, None]
+
+
+@pytest.mark.parametrize(
+    ("given", "says"),
+    [
+        ("area = 0.0014", "[mount]: no area; add area = an area in m^2, or a list"),
+        ("area = [0.001]", "area has 1 numbers for 2 rotors"),
+        ('area = "large"', "area has 'large', expected a finite number"),
+        ("area = [0.001, -0.002]", "[mount]: area_m2 is -0.002: give an area"),
+        ("area = 0.0014\nwake = 3", "wake is 3.0: give a share of the inflow"),
+        ("area = 0.0014\ndepth = 1", "unknown key 'depth'"),
+    ],
+)
+def test_mounts_that_cannot_be(tmp_path: Path, given: str, says: str) -> None:
+    table = MOUNT.replace("area = 0.0014", "" if says.startswith("[mount]: no") else given)
+    with pytest.raises(InputError) as caught:
+        read(VEHICLE.replace("\n[body]", table), tmp_path)
+    assert says in str(caught.value)

@@ -21,7 +21,20 @@ LEAST_DIAMETER, LARGEST_DIAMETER = 0.02, 3.0
 STEEPEST = 2.5
 """Largest ratio of pitch to diameter."""
 
-MOST_BLADES = re.compile(r"(\d+)\s*-?\s*blades?\b")
+MOST_BLADES = 8
+
+SAME = 0.006
+"""Relative difference up to which two lengths are the same: makers round to a twentieth of an
+inch."""
+
+_NUMBER = r"(\d{1,3}(?:[.,]\d+)?)"
+_TIMES = "[x\u00d7*]"
+_SIZE = re.compile(
+    rf"(?<![\d.,])(?<!{_TIMES}){_NUMBER}\s*{_TIMES}\s*{_NUMBER}(?:\s*{_TIMES}\s*(\d+))?"
+    rf"(?![\d.,]|{_TIMES}\d)"
+)
+_FOUR_DIGITS = re.compile(rf"(?<![\w.])(\d\d)(\d\d)(?:\s*{_TIMES}\s*(\d+))?(?!\d)")
+_BLADES = re.compile(r"(\d+)\s*-?\s*blades?\b")
 _WORD = re.compile(r"[a-z]+\d*[a-z]*")
 
 

@@ -5,8 +5,10 @@ from __future__ import annotations
 import io
 import os
 import sys
-from collections.abc import Sequence
-from typing import Annotated
+import warnings
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from typing import Annotated, Any
 
 import typer
 
@@ -26,6 +28,7 @@ from propmap.cli.sweep import sweep
 from propmap.cli.table import table
 from propmap.engine.compilation import compile_quickly
 from propmap.errors import InputError
+from propmap.model.drag_factor import MESSAGE as DRAG_FACTOR
 
 INTERRUPTED = 130
 
@@ -80,7 +83,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         sys.stdout.reconfigure(errors="replace")
     command = typer.main.get_command(app)
     try:
-        code = command.main(given or ["--help"], "propmap", standalone_mode=False, obj=given)
+        with _deprecations_in_one_line():
+            code = command.main(given or ["--help"], "propmap", standalone_mode=False, obj=given)
         sys.stdout.flush()
     except InputError as error:
         return _fail(str(error))
@@ -98,6 +102,25 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if code == INTERRUPTED:
         typer.echo("propmap: interrupted", err=True)
     return code or 0
+
+
+@contextmanager
+def _deprecations_in_one_line() -> Iterator[None]:
+    """What is deprecated in propmap as a line of its own, once."""
+    said: list[str] = []
+    with warnings.catch_warnings():
+        show = warnings.showwarning
+
+        def tell(message: Any, *where: Any) -> None:
+            if str(message) != DRAG_FACTOR:
+                show(message, *where)
+            elif not said:
+                said.append(DRAG_FACTOR)
+                typer.echo(f"propmap: warning: {message}", err=True)
+
+        warnings.filterwarnings("always", DRAG_FACTOR, DeprecationWarning)
+        warnings.showwarning = tell  # type: ignore[assignment]
+        yield
 
 
 def _fail(message: str) -> int:

@@ -83,14 +83,17 @@ def _show_table(
     output: Path | None, rotor: Rotor, where: OperatingPoints, loads: Loads, *, one: bool
 ) -> None:
     from propmap.baselines.hover import HoverModel
+    from propmap.report.mounted_motor import motor_note
 
     hover = HoverModel.of(rotor)
+    note = motor_note(rotor, loads, *where.si[1:])
     blade = rotor.model.propeller
     show(
         output,
         f"{blade.name}, {blade.blades} blades, R = {blade.radius:.4g} m; airfoil "
         f"{rotor.model.law_title}; rho = {rotor.model.air.density:.4g} kg/m^3",
         _one_point(where, loads, hover) if one else _many_points(where, loads, hover),
+        *([f"note: {note}"] if note else []),
     )
 
 

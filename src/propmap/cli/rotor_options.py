@@ -16,7 +16,7 @@ from propmap.catalogue.lookup import airfoil, propeller
 from propmap.errors import InputError
 from propmap.model.air import PAPER_DENSITY, PAPER_VISCOSITY, Air
 from propmap.model.airfoil import Airfoil, airfoil_names
-from propmap.model.corrections import CORRECTIONS, as_text, corrections_of
+from propmap.model.corrections import CORRECTIONS, apart, as_text, correction, corrections_of
 from propmap.model.model import Model
 from propmap.model.propeller import Propeller
 from propmap.model.section_table import SectionTable
@@ -159,10 +159,13 @@ Law = TypeVar("Law", Airfoil, SectionTable)
 
 def with_physics(law: Law, model: ModelName | None, added: Sequence[str] | None) -> Law:
     """The section law with the corrections that ``--model`` and ``--correction`` ask for."""
-    if model is None and not added and law.corrections is not None:
-        return law
-    chosen = corrections_of(model or ModelName.recommended, added or ())
-    return law.with_corrections([as_text(value) for value in chosen])
+    chosen = [
+        as_text(value) for value in corrections_of(model or ModelName.recommended, added or ())
+    ]
+    only_mount = not apart([as_text(correction(text)) for text in added or ()])[0]
+    if model is None and only_mount and law.corrections is not None:
+        chosen = [*apart(law.corrections)[0], *apart(chosen)[1]]
+    return law.with_corrections(chosen)
 
 
 def constants(name_or_path: str) -> Airfoil:

@@ -18,6 +18,7 @@ from propmap.cli.table_report import building, told
 from propmap.errors import InputError, quoted
 
 if TYPE_CHECKING:
+    from propmap.model.model import Model
     from propmap.model.section_covariance import SectionCovariance
     from propmap.table import LoadTable
 
@@ -53,7 +54,7 @@ def table(
     rotor = choice.rotor()
     ends = np.meshgrid(*(np.array(pair) for pair in ranges), indexing="ij")
     say_reynolds(rotor.model, ends[0] * RPM, ends[1], np.radians(ends[2]))
-    covariance = _covariance(choice.airfoil or "")
+    covariance = _covariance(choice.airfoil or "", rotor.model)
     with building() as progress:
         built = build_table(
             rotor,
@@ -104,12 +105,19 @@ def _save(built: LoadTable, output: Path, command: str) -> None:
         filed.save(output)
 
 
-def _covariance(section: str) -> SectionCovariance | None:
-    """The covariance in a fit's file, where ``section`` is one."""
+def _covariance(section: str, model: Model) -> SectionCovariance | None:
+    """The covariance in a fit's file, where ``section`` is one; of what the model has from it."""
+    from propmap.fit.parameters import MOUNT
     from propmap.fit.result_file import is_fit, read_fit
     from propmap.model.airfoil import airfoil_names
 
     path = Path(section)
     if section.lower() in airfoil_names() or not is_fit(path):
         return None
-    return read_fit(path).covariance
+    file = read_fit(path)
+    covariance = file.covariance
+    if covariance is None or model.corrections == file.model.corrections:
+        return covariance
+    # What is mounted was given instead: it is known.
+    names = [name for name in covariance.names if name not in MOUNT]
+    return covariance.of(names) if names else None

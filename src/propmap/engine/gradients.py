@@ -20,6 +20,7 @@ from propmap.engine.lanes import in_groups, in_lanes, use_lanes
 from propmap.engine.plan import alike_panels
 from propmap.engine.programs import COMPILER_OPTIONS, Flow, compiled_search
 from propmap.loads import LOADS
+from propmap.physics.inflow_harmonics import Harmonics
 from propmap.physics.momentum import static_inflow
 from propmap.physics.rotor import RotorArrays
 from propmap.physics.velocities import AzimuthNodes
@@ -34,6 +35,11 @@ compiles in a third less time than one for 32."""
 DIRECTIONS = 4
 """Programs are compiled for multiples of so many parameters, so that another choice of parameters
 seldom needs another program.  Directions in excess are zero."""
+
+
+TURNING = 4
+"""Azimuths that tell how loads leave axial flow with the in-plane velocity: the mean of sin(psi)^2
+is theirs.  In axial flow itself the loads are those of a single azimuth."""
 
 
 class LoadGradients(NamedTuple):
@@ -115,7 +121,7 @@ def _gradients(
     count, points = _count(names), flow.omega.size
     few = points < FEW
     slopes = np.full((len(LOADS), len(names), points), np.nan)
-    ways = _directions(moving(rotor.arrays.law), names, count)
+    ways = _directions(moving(rotor.arrays), names, count)
 
     def differentiate(block: Block, solution: DiskSolution) -> None:
         program, solution = _program(block.panels), jax.tree.map(np.asarray, solution)
@@ -127,6 +133,9 @@ def _gradients(
             piece = block._replace(points=points, azimuths=azimuths, size=width)
             which, kept = piece.padded, piece.points
             mine = jax.tree.map(functools.partial(_some, part), solution)
+            if "v_inplane" in names:
+                piece = piece._replace(azimuths=np.maximum(azimuths, TURNING))
+                mine = _with_harmonics(rotor.arrays, mine)
             along = None if v_hover_slope is None else v_hover_slope[:, which]
             nodes = nodes_of(piece, few=few)
             asked = (flow.part(which), mine, ways, along, nodes, kept.size)
@@ -140,6 +149,14 @@ def _gradients(
         _compile_both(rotor, sized, count, descends=flow.v_hover is not None)
     flat = evaluate_flow(rotor, setting, flow, alike=few, size=size, solved=differentiate)
     return LoadGradients(np.stack(flat.loads), slopes)
+
+
+def _with_harmonics(rotor: RotorArrays, solution: DiskSolution) -> DiskSolution:
+    """The solution with the harmonics of axial flow, zero, where these were not looked for."""
+    if rotor.shape is None or solution.harmonics is not None:
+        return solution
+    none: Any = np.zeros_like(solution.inflow[0])
+    return solution._replace(harmonics=Harmonics(none, none, none))
 
 
 def _some(points: slice, values: Any) -> Any:
@@ -186,7 +203,7 @@ def _compile_both(rotor: Prepared, setting: Accuracy, count: int, *, descends: b
         searched = beside.submit(run_search)
         _, shapes = search.eval_shape(*arguments)
         solution = jax.tree.map(lambda a: np.zeros(a.shape, a.dtype), shapes)
-        movable = moving(rotor.arrays.law)
+        movable = moving(rotor.arrays)
         here = (flow, solution, directions_of(movable, (), count), slopes, nodes, FIT_BLOCK)
         _program(panels)(rotor.on_device, *here)
         searched.result()

@@ -8,11 +8,12 @@ import numpy as np
 
 from propmap.arrays.types import Floats
 from propmap.fit.fitted import Fitted
-from propmap.fit.parameters import SECTION, Choice
+from propmap.fit.parameters import EVERY, MOUNT, Choice
 from propmap.fit.residuals import rms
 from propmap.fit.rows import Rows
 from propmap.fit.search import search
 from propmap.fit.uncertainty import uncertainty
+from propmap.model.drag_factor import drag_factor_accepted
 
 TELLING = 0.7
 """Share of the residuals' size below which giving up an assumption is worth saying."""
@@ -23,7 +24,7 @@ POOR = 0.03
 ASSUMPTIONS = {
     "zero_lift_angle": "C_L(0) = 0, an uncambered section",
     "c_d0": "c_d0 = 0.01, the constant drag",
-    "drag_factor": "the rotor drag of blade element theory",
+    "mount_area": "the rotor drag without more in the slipstream",
 }
 """What holds as long as the parameter is not free."""
 
@@ -54,7 +55,7 @@ def failing_assumptions(fitted: Fitted, rows_for: Callable[[Choice], Rows]) -> l
         return []
     told = []
     for name, assumption in ASSUMPTIONS.items():
-        acts = name != "drag_factor" or "drag" in fitted.rows.names
+        acts = name not in MOUNT or "drag" in fitted.rows.names
         if name in fitted.choice.free or not acts:
             continue
         choice, begin = _with(fitted, name)
@@ -63,7 +64,7 @@ def failing_assumptions(fitted: Fitted, rows_for: Callable[[Choice], Rows]) -> l
         if left < TELLING:
             told.append(
                 f"{assumption}, does not hold: with {name} free ({again.x[-1]:.3g} "
-                f"{SECTION[name].unit}) the residuals fall to {100.0 * left:.0f} %"
+                f"{EVERY[name].unit}) the residuals fall to {100.0 * left:.0f} %"
             )
     return told
 
@@ -109,5 +110,6 @@ def body_terms_verdict(fitted: Fitted, rows_for: Callable[[Choice], Rows]) -> li
 def _with(fitted: Fitted, name: str) -> tuple[Choice, Floats]:
     """The choice of a fit with one more free parameter, the last, and where to begin."""
     fixed = {k: v for k, v in fitted.choice.fixed.items() if k != name}
-    choice = Choice((*fitted.choice.free, name), fixed, fitted.choice.priors)
-    return choice, np.append(fitted.x, fitted.values[name])
+    with drag_factor_accepted():
+        choice = Choice((*fitted.choice.free, name), fixed, fitted.choice.priors)
+    return choice, np.append(fitted.x, fitted.values.get(name, EVERY[name].start))

@@ -20,6 +20,7 @@ from propmap.model.model import Model, Section
 from propmap.rotor import Rotor
 from propmap.vehicle.flight_log import GRAVITY, FlightLog
 from propmap.vehicle.hub_flow import hub_flow, rotor_forces
+from propmap.vehicle.mounted_rotors import mounted_rotors
 from propmap.vehicle.vehicle import Vehicle
 
 
@@ -114,13 +115,16 @@ def _forces(
     vehicle: Vehicle, log: FlightLog, law: Section, values: Mapping[str, float]
 ) -> tuple[Floats, Floats]:
     """All forces but gravity (n, 3) [N] by this model, and those of the hover model."""
-    rotor = Rotor(Model(vehicle.propeller, law, vehicle.air))
+    model = Model(vehicle.propeller, law, vehicle.air)
     flow = hub_flow(vehicle, log)
     velocity = np.stack([flow.inplane, np.zeros_like(flow.inplane), flow.axial], axis=-1)
-    loads = rotor.loads_at_velocity(flow.omega, velocity)
+    thrust, drag = np.empty_like(flow.omega), np.empty_like(flow.omega)
+    for mounted, mine in mounted_rotors(vehicle, model):
+        loads = Rotor(mounted).loads_at_velocity(flow.omega[:, mine], velocity[:, mine])
+        thrust[:, mine], drag[:, mine] = loads.thrust, loads.drag
     body, _ = body_force(vehicle, log, {**FIRST_GUESS, **values}, ())
-    force = rotor_forces(flow, loads.thrust, loads.drag) + body
-    return force, hover_force(HoverModel.of(rotor), flow)
+    force = rotor_forces(flow, thrust, drag) + body
+    return force, hover_force(HoverModel.of(Rotor(model)), flow)
 
 
 def _compared(model: Floats, measured: Floats, speed: Floats, hover: Floats) -> Comparison:

@@ -16,14 +16,15 @@ from propmap.engine.gradients import load_gradients
 from propmap.errors import InputError
 from propmap.fit.body_forces import body_force
 from propmap.fit.coverage import Coverage, coverage
-from propmap.fit.parameters import SECTION, WING, Choice
+from propmap.fit.parameters import MOUNT, SECTION, WING, Choice
 from propmap.fit.rows import Rows
-from propmap.fit.tunnel import hover_after_fit, rotor_with
+from propmap.fit.tunnel import hover_after_fit, model_with, rotor_with
 from propmap.loads import LOADS
 from propmap.model.airfoil import Airfoil
 from propmap.model.model import Model
 from propmap.vehicle.flight_log import GRAVITY, FlightLog
 from propmap.vehicle.hub_flow import HubFlow, hub_flow, rotor_forces
+from propmap.vehicle.mounted_rotors import mounted_rotors
 from propmap.vehicle.vehicle import Vehicle
 
 AXES, VERTICAL = ("force_x", "force_y", "force_z"), ("vertical_force",)
@@ -88,13 +89,17 @@ class ForceModel:
         free : tuple of str
             Names of the P by which to differentiate.
         """
-        section = tuple(name for name in free if name in SECTION)
+        section = tuple(name for name in free if name in SECTION | MOUNT)
         flow, shape = self.flow, self.flow.omega.shape
-        rotor = rotor_with(self.model, values, self.setting)
-        points = (flow.omega.ravel(), flow.axial.ravel(), flow.inplane.ravel())
-        found = load_gradients(prepare(rotor.arrays), accuracy(self.setting), section, *points)
-        loads = found.loads.reshape(len(LOADS), *shape)
-        by_section = found.slopes.reshape(len(LOADS), len(section), *shape)
+        loads = np.empty((len(LOADS), *shape))
+        by_section = np.empty((len(LOADS), len(section), *shape))
+        for model, mine in mounted_rotors(self.vehicle, model_with(self.model, values)):
+            some = [a[:, mine] for a in (flow.omega, flow.axial, flow.inplane)]
+            points = (a.ravel() for a in some)
+            rotor = prepare(model.arrays())
+            found = load_gradients(rotor, accuracy(self.setting), section, *points)
+            loads[..., mine] = found.loads.reshape(-1, *some[0].shape)
+            by_section[..., mine] = found.slopes.reshape(len(LOADS), -1, *some[0].shape)
         force, slopes = body_force(self.vehicle, self.log, values, free)
         slopes[[name in section for name in free]] = rotor_forces(flow, *by_section[:2])
         return Balance(rotor_forces(flow, *loads[:2]) + force, slopes)
@@ -165,6 +170,13 @@ def _rows(
     group: NDArray[np.intp] | None = None,
 ) -> Rows:
     """A row per force ``measured`` (n, L) [N], in units of the weight."""
+    if any(mount.drag is not None for mount in model.vehicle.mounts):
+        known = [name for name in (*choice.free, *choice.fixed) if name in MOUNT]
+        if known:
+            raise InputError(
+                f"{known[0]} is given for a vehicle whose file has it as well",
+                "remove the [mount] table, or leave the parameter to the file",
+            )
     if model.vehicle.wing is None:
         useless = [name for name in choice.free if name in WING]
         if useless:

@@ -11,6 +11,7 @@ import numpy as np
 from propmap.arrays.types import Floats
 from propmap.errors import InputError, quoted
 from propmap.model.airfoil import Airfoil
+from propmap.model.drag_factor import warn_of_drag_factor
 from propmap.model.model import Section
 
 
@@ -42,11 +43,14 @@ SECTION = {
     "alpha_0": Parameter("rad", 0.47, 0.1, 0.9, 0.06, "angle of stall"),
     "zero_lift_angle": Parameter("rad", 0.0, -0.25, 0.15, 0.03, "camber"),
     "c_d0": Parameter("-", 0.01, 0.0, 0.2, 0.02, "constant drag"),
-    "drag_factor": Parameter("-", 1.0, 0.2, 5.0, 0.5, "factor on the rotor drag"),
+    "drag_factor": Parameter("-", 1.0, 0.2, 5.0, 0.5, "factor on the rotor drag, deprecated"),
     "reynolds_camber": Parameter("rad", 0.0, -0.1, 0.1, 0.02, "camber by ln Re"),
     "drag_angle": Parameter("rad", 0.0, -0.2, 0.3, 0.03, "angle of least pressure drag"),
 }
 """Parameters of the section law; x0 of (18) is that of the first four."""
+
+MOUNT = {"mount_area": Parameter("m^2", 0.0, 0.0, 0.1, 5e-4, "what is mounted in the slipstream")}
+"""Of the correction ``mount-drag``.  Where it is neither free nor fixed a model keeps its own."""
 
 BODY = {
     "drag_area_x": Parameter("m^2", 0.0, 0.0, 1.0, 0.01, "drag of the body along x"),
@@ -65,8 +69,8 @@ WING = {
 
 
 PAPER_FOUR = ("c_l1", "c_l2", "c_d", "alpha_0")
-EVERY = SECTION | BODY | WING
-FIRST_GUESS = {name: parameter.start for name, parameter in EVERY.items()}
+EVERY = SECTION | MOUNT | BODY | WING
+FIRST_GUESS = {name: parameter.start for name, parameter in EVERY.items() if name not in MOUNT}
 
 
 def constants_of(section: Section) -> Airfoil:
@@ -145,6 +149,8 @@ class Choice:
                 raise InputError(
                     f"{name} is {value:g} {p.unit}", f"give a value from {p.lower:g} to {p.upper:g}"
                 )
+        if "drag_factor" in self.free or self.fixed.get("drag_factor", 1.0) != 1.0:
+            warn_of_drag_factor(stacklevel=3)
 
     def values(self, x: Floats) -> dict[str, float]:
         """All parameters by name.
@@ -169,7 +175,7 @@ class Choice:
     @property
     def first(self) -> Floats:
         """Where the search starts (P,)."""
-        return np.array([self.start.get(name, FIRST_GUESS[name]) for name in self.free])
+        return np.array([self.start.get(name, EVERY[name].start) for name in self.free])
 
 
 def known(name: str) -> str:

@@ -25,11 +25,12 @@ from propmap.fit.fit_record import (
     read_record,
 )
 from propmap.fit.fitted import Fitted
-from propmap.fit.parameters import BODY, EVERY, SECTION, WING
+from propmap.fit.parameters import BODY, EVERY, MOUNT, SECTION, WING
 from propmap.fit.residuals import by_band, errors
-from propmap.fit.tunnel import section_with
+from propmap.fit.tunnel import model_with, section_with
 from propmap.io.section_tables import looks_like_section_table
 from propmap.model.airfoil import Airfoil, read_airfoil
+from propmap.model.drag_factor import drag_factor_accepted
 from propmap.model.model import Model
 from propmap.model.section_covariance import SectionCovariance
 
@@ -43,7 +44,7 @@ class FitFile:
     airfoil : Airfoil
         The section law that was found.
     covariance : SectionCovariance or None
-        Of the section law's parameters that were free; None where none was.
+        Of the parameters of the section law and of the mount that were free; None where none was.
     record : FitRecord
         All that the file tells of the fit.
     """
@@ -101,9 +102,12 @@ def fit_text(
     """
     import tomli_w
 
-    law = section_with(model.airfoil, fitted.values)
+    found = model_with(model, fitted.values)
     told = {"name": name, "source": f"fitted by propmap, {kind}"}
-    law = law.with_parameters(**told, corrections=tuple(model.correction_texts))
+    with drag_factor_accepted():
+        law = section_with(model.airfoil, fitted.values).with_parameters(
+            **told, corrections=tuple(found.correction_texts)
+        )
     sure, choice = fitted.uncertainty, fitted.choice
     record = FitRecord(
         kind=kind,
@@ -163,7 +167,7 @@ def read_fit(path: Path) -> FitFile:
     try:
         record = read_record(table)
         covariance = SectionCovariance(tuple(record.free), record.covariance)
-        section = [name for name in record.free if name in SECTION]
+        section = [name for name in record.free if name in SECTION | MOUNT]
         file = FitFile(law, covariance.of(section) if section else None, record)
         _ = file.model  # Raises where there can be no such blade.
     except InputError as error:

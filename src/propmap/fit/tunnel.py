@@ -18,7 +18,9 @@ from propmap.fit.parameters import BODY, FIRST_GUESS, SECTION, WING, Choice, con
 from propmap.fit.rows import Rows
 from propmap.loads import LOADS
 from propmap.model.airfoil import Airfoil
+from propmap.model.drag_factor import drag_factor_accepted
 from propmap.model.model import Model, Section
+from propmap.physics.mount_drag import MountDrag
 from propmap.rotor import Rotor
 
 
@@ -71,12 +73,25 @@ def first_guess() -> Airfoil:
 
 def section_with(base: Section, values: Mapping[str, float]) -> Airfoil:
     """The section law with the section parameters among ``values``."""
-    return constants_of(base).with_parameters(**{n: values[n] for n in SECTION if n in values})
+    with drag_factor_accepted():  # whoever freed or fixed it has been warned
+        return constants_of(base).with_parameters(**{n: values[n] for n in SECTION if n in values})
+
+
+def model_with(model: Model, values: Mapping[str, float]) -> Model:
+    """The model with the section parameters, and the mount's if it is, among ``values``."""
+    law = section_with(model.airfoil, values)
+    if "mount_area" not in values:
+        return model.with_airfoil(law)
+    # The share of the inflow is the model's own.
+    wake = next(
+        (one.wake for one in model.corrections if isinstance(one, MountDrag)), MountDrag.wake
+    )
+    return model.with_airfoil(law).with_mount(MountDrag(values["mount_area"], wake))
 
 
 def rotor_with(model: Model, values: Mapping[str, float], setting: str) -> Rotor:
-    """A rotor of the model with the section parameters among ``values``."""
-    return Rotor(model.with_airfoil(section_with(model.airfoil, values)), accuracy=setting)
+    """A rotor of ``model_with``."""
+    return Rotor(model_with(model, values), accuracy=setting)
 
 
 def tunnel_rows(
@@ -165,8 +180,9 @@ def _check(
             raise InputError(f"{name!r} has a weight but is not fitted", f"fit {', '.join(names)}")
         if not 0.0 < weight < np.inf:
             raise InputError(f"the weight of {name} is {weight:g}", "give a number above 0")
-    if "drag_factor" in choice.free and "drag" not in names:
-        raise InputError("drag_factor is free but drag is not fitted", "add drag to the loads")
+    for name in ("drag_factor", "mount_area"):
+        if name in choice.free and "drag" not in names:
+            raise InputError(f"{name} is free but drag is not fitted", "add drag to the loads")
 
 
 def hover_after_fit(rotor: Rotor) -> HoverModel:

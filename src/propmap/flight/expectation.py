@@ -10,7 +10,7 @@ import numpy as np
 from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.fit.flight import ForceModel, level_rows
-from propmap.fit.parameters import EVERY, PAPER_FOUR, Choice
+from propmap.fit.parameters import EVERY, MOUNT, PAPER_FOUR, Choice
 from propmap.fit.search import NOISE_FLOOR, Minimum
 from propmap.fit.uncertainty import AT_BOUND, Uncertainty, uncertainty
 from propmap.flight.trim import true_values
@@ -68,7 +68,8 @@ def expectation(
     InputError
         For a true value outside the bounds of a fit.
     """
-    truth = true_values(vehicle, airfoil)
+    truth = {name: EVERY[name].start for name in free if name in MOUNT}
+    truth |= true_values(vehicle, airfoil)
     for name in EVERY.keys() & set(free):
         low, high = EVERY[name].lower, EVERY[name].upper
         if not low <= truth[name] <= high:

@@ -12,6 +12,7 @@ from propmap.fit.body_forces import wing_values
 from propmap.fit.flight import ForceModel
 from propmap.fit.parameters import FIRST_GUESS, PAPER_FOUR, SECTION, constants_of
 from propmap.model.airfoil import Airfoil
+from propmap.model.model import Model
 from propmap.vehicle.flight_log import GRAVITY, FlightLog, in_vehicle_frame
 from propmap.vehicle.vehicle import Vehicle
 
@@ -37,10 +38,16 @@ accepted, as the forces jump where the number of azimuths, which depends on the 
 
 
 def true_values(vehicle: Vehicle, airfoil: Airfoil) -> dict[str, float]:
-    """All parameters of a fit by name, as they are; what a fit would add to the body is zero."""
+    """All parameters of a fit by name, as they are; what a fit would add to the body is zero.
+
+    Of what the rotors are mounted on, where the vehicle tells it, a fit has no parameter.
+    """
     law = constants_of(airfoil)
     section = {name: getattr(law, name) for name in SECTION}
-    return FIRST_GUESS | section | wing_values(vehicle)
+    told = any(mount.drag is not None for mount in vehicle.mounts)
+    mounted = Model(vehicle.propeller, law, vehicle.air).arrays().mount
+    mount = {} if told or mounted is None else {"mount_area": float(mounted.area)}
+    return FIRST_GUESS | section | mount | wing_values(vehicle)
 
 
 def trim(

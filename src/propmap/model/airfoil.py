@@ -8,7 +8,7 @@ import importlib.resources
 import json
 import math
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, fields, replace
 from importlib.resources.abc import Traversable
 from pathlib import Path
@@ -18,6 +18,7 @@ import numpy as np
 
 from propmap.errors import InputError
 from propmap.model.corrections import agreed, as_texts
+from propmap.model.drag_factor import drag_factor_accepted, warn_of_drag_factor
 
 if TYPE_CHECKING:
     from propmap.physics.sections.blended import BlendedLaw
@@ -62,8 +63,8 @@ class Airfoil:
     c_d0, c_p, sharpness : float
         The paper's constants c_d0 [-], c_p [-] and M [1/rad].
     drag_factor : float
-        Multiplies the rotor drag [-], 1 in the paper.  Published measurements of it differ by a
-        factor of two; it lets a fit say so.
+        Multiplies the rotor drag [-], 1 in the paper.  Deprecated: another value warns; the
+        correction ``mount-drag`` has what a factor cannot tell.
     reynolds_camber : float
         Growth of the zero-lift angle by ln(Re / 5e4) [rad], Re = rho Omega y c / mu of the rotation
         alone, from 1e4 to 1.2e5; about -0.02 for small propellers, 0 in the paper.
@@ -116,6 +117,8 @@ class Airfoil:
                 raise InputError(f"{field} is {getattr(self, field)!r}: it must be text")
         if self.lift_law not in LIFT_LAWS:
             raise InputError(f"lift_law is {self.lift_law!r}: it must be one of {LIFT_LAWS}")
+        if self.drag_factor != 1.0:
+            warn_of_drag_factor(stacklevel=3)
         object.__setattr__(self, "corrections", as_texts(self.corrections))
 
     def law(self) -> BlendedLaw:
@@ -139,17 +142,20 @@ class Airfoil:
         InputError
             Where the constants were found with others.
         """
-        return replace(self, corrections=agreed(self.name, self.corrections, texts))
+        with drag_factor_accepted():
+            return replace(self, corrections=agreed(self.name, self.corrections, texts))
 
     def to_toml(self) -> str:
         """The set as the text of a parameter file."""
-        told = {
+        return _toml_file(self._told())
+
+    def _told(self) -> dict[str, Any]:
+        """What a parameter file says: terms beyond the paper's only where they act."""
+        return {
             key: value
             for key, value in asdict(self).items()
             if value is not None and not (key in BEYOND_THE_PAPER and value == 0.0)
         }
-        lines = [f"schema = {SCHEMA}", *(f"{key} = {_toml(value)}" for key, value in told.items())]
-        return "\n".join(lines) + "\n"
 
     def metadata(self) -> dict[str, Any]:
         """The constants by name."""
@@ -157,8 +163,8 @@ class Airfoil:
 
     def fingerprint(self) -> str:
         """SHA-256 of the parameter file, without its corrections."""
-        text = replace(self, corrections=None).to_toml()
-        return hashlib.sha256(text.encode()).hexdigest()
+        told = {key: value for key, value in self._told().items() if key != "corrections"}
+        return hashlib.sha256(_toml_file(told).encode()).hexdigest()
 
 
 def parameter_set(name_or_path: str | Path) -> Airfoil:
@@ -231,6 +237,12 @@ def read_airfoil(path: Path | Traversable) -> Airfoil:
 
 def _sets() -> Traversable:
     return importlib.resources.files("propmap.catalogue") / "airfoils"
+
+
+def _toml_file(told: Mapping[str, Any]) -> str:
+    """The text of a parameter file."""
+    lines = [f"schema = {SCHEMA}", *(f"{key} = {_toml(value)}" for key, value in told.items())]
+    return "\n".join(lines) + "\n"
 
 
 def _toml(value: Any) -> str:

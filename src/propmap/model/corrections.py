@@ -19,12 +19,18 @@ CORRECTIONS = {
     "coleman": "propmap.physics.inflow_harmonics.Coleman",
     "drees": "propmap.physics.inflow_harmonics.Drees",
     "white-blake": "propmap.physics.inflow_harmonics.WhiteBlake",
+    "mount-drag": "propmap.physics.mount_drag.MountDrag",
 }
 """Where each is; a new correction is one file of physics and one line here."""
 
 MODELS = {"recommended": ("pitt-peters",), "paper": ()}
 """Corrections by the model's name.  The commands take "recommended" where nothing else is said;
 "paper" is Gill & D'Andrea, CCTA 2017, doi 10.1109/CCTA.2017.8062533, to the letter."""
+
+
+MOUNT_DRAG = "mount-drag"
+"""The one that tells of the surroundings of a rotor: no section constant depends on it, so that it
+may be another than in the test that the constants are from."""
 
 
 class Correction(Protocol):
@@ -137,18 +143,30 @@ def as_texts(texts: Any) -> tuple[str, ...] | None:
 def agreed(section: str, own: Sequence[str] | None, given: Sequence[str]) -> tuple[str, ...]:
     """The corrections ``given`` to a section law that was found with ``own``, None if unknown.
 
+    What is mounted may be another than where the constants were found: ``given``, it takes the
+    place of its own.
+
     Raises
     ------
     InputError
         Where others than its own are given; ``section`` is its name.
     """
-    wanted = as_texts(given) or ()
-    if own is not None and sorted(own) != sorted(wanted):
+    wanted, mount = apart(as_texts(given) or ())
+    if own is None:
+        return *wanted, *mount
+    found, own_mount = apart(own)
+    if sorted(found) != sorted(wanted):
         raise InputError(
-            f"{section} was found with {in_words(own)}, not with {in_words(wanted)}",
+            f"{section} was found with {in_words(found)}, not with {in_words(wanted)}",
             "leave --model and --correction out, which takes what it was found with, or fit again",
         )
-    return wanted
+    return *found, *(mount or own_mount)
+
+
+def apart(texts: Sequence[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """The corrections of the physics, and those that tell what is mounted."""
+    mount = tuple(text for text in texts if text.partition(":")[0] == MOUNT_DRAG)
+    return tuple(text for text in texts if text not in mount), mount
 
 
 def in_words(texts: Sequence[str]) -> str:

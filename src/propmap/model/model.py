@@ -12,8 +12,10 @@ from numpy.typing import ArrayLike
 from propmap.errors import InputError
 from propmap.model.air import Air
 from propmap.model.corrections import (
+    MOUNT_DRAG,
     Correction,
     agreed,
+    apart,
     as_text,
     correction,
     name_of,
@@ -90,9 +92,8 @@ class Model:
         object.__setattr__(self, "corrections", tuple(self.corrections))
         own = getattr(self.airfoil, "corrections", None)
         if own is not None:
-            texts = (
-                agreed(self.airfoil.name, own, self.correction_texts) if self.corrections else own
-            )
+            physics, mount = apart(self.correction_texts)
+            texts = agreed(self.airfoil.name, own, [*(physics or apart(own)[0]), *mount])
             object.__setattr__(self, "corrections", tuple(correction(text) for text in texts))
         names = [name_of(value) for value in self.corrections]
         for name in names:
@@ -104,6 +105,11 @@ class Model:
     def with_airfoil(self, airfoil: Section) -> Model:
         """The same model with another section law, ``airfoil``."""
         return replace(self, airfoil=airfoil)
+
+    def with_mount(self, mount: Correction) -> Model:
+        """The same model with ``mount``, a ``mount-drag``, in the place of its own if any."""
+        others = [value for value in self.corrections if name_of(value) != MOUNT_DRAG]
+        return replace(self, corrections=(*others, mount))
 
     def arrays(self) -> RotorArrays:
         """The model as arrays of NumPy float64, for the solver."""

@@ -13,6 +13,7 @@ import numpy as np
 from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.model.corrections import agreed, as_texts
+from propmap.model.drag_factor import drag_factor_accepted, warn_of_drag_factor
 
 if TYPE_CHECKING:
     from propmap.physics.sections.tabulated import TabulatedLaw
@@ -37,7 +38,7 @@ class SectionTable:
     lift, drag : ndarray, shape (R, K)
         C_L and C_D [-], the same at -pi and pi.
     drag_factor : float
-        Multiplies the rotor drag, 1 in the paper.
+        Multiplies the rotor drag, 1 in the paper; deprecated, see ``Airfoil``.
     corrections : tuple of str or None
         Corrections that a ``Model`` with this table has, as ``propmap.correction`` reads them; None
         where nothing is said of them.
@@ -75,6 +76,8 @@ class SectionTable:
         object.__setattr__(self, "corrections", as_texts(self.corrections))
         self._check_axes()
         self._check_figures()
+        if self.drag_factor != 1.0:
+            warn_of_drag_factor(stacklevel=3)
 
     def _check_axes(self) -> None:
         if self.angle.size < 8 or not (np.diff(self.angle) > 0.0).all():
@@ -125,7 +128,8 @@ class SectionTable:
 
     def with_corrections(self, texts: Sequence[str]) -> SectionTable:
         """The table as it is to be used with corrections of these ``texts``; see ``Airfoil``."""
-        return replace(self, corrections=agreed(self.name, self.corrections, texts))
+        with drag_factor_accepted():
+            return replace(self, corrections=agreed(self.name, self.corrections, texts))
 
     def metadata(self) -> dict[str, Any]:
         """Name, source and Reynolds numbers; not the coefficients."""

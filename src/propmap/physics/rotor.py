@@ -7,6 +7,7 @@ from typing import NamedTuple
 from propmap.physics.element import Medium
 from propmap.physics.geometry import Blade
 from propmap.physics.inflow_harmonics import InflowShape
+from propmap.physics.mount_drag import Mounted
 from propmap.physics.sections.law import SectionLaw
 from propmap.physics.wake import WakeFactor
 
@@ -26,6 +27,8 @@ class RotorArrays(NamedTuple):
         Corrections that multiply the momentum thrust.
     shape : InflowShape or None
         How the inflow varies around the disk; None where it does not, as in the paper.
+    mount : Mounted or None
+        What is mounted in the slipstream; None for nothing, as in the paper.
     """
 
     blade: Blade
@@ -33,3 +36,4 @@ class RotorArrays(NamedTuple):
     medium: Medium
     factors: tuple[WakeFactor, ...] = ()
     shape: InflowShape | None = None
+    mount: Mounted | None = None

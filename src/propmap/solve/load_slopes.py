@@ -18,7 +18,7 @@ import numpy as np
 
 from propmap.arrays.namespace import Array
 from propmap.physics.loads import RadialNodes
-from propmap.physics.sections.law import SectionLaw
+from propmap.physics.rotor import RotorArrays
 from propmap.physics.velocities import AzimuthNodes
 from propmap.solve.disk import DiskInflow, DiskSolution, edges_about
 from propmap.solve.problem import Case, annulus_problem, residual
@@ -32,9 +32,15 @@ Change = tuple[Array, ...]
 """Changes, or a direction: an entry for each name of ``moving``, or for these and more."""
 
 
-def moving(law: SectionLaw) -> tuple[str, ...]:
-    """Names of what loads can be differentiated by: the law's parameters and the flow."""
-    return (*law.parameters, *FLOW)
+MOUNT_AREA = "mount_area"
+"""The area of what is mounted in the slipstream [m^2], where the rotor has one."""
+
+
+def moving(rotor: RotorArrays) -> tuple[str, ...]:
+    """Names of what the loads of a rotor can be differentiated by: the law's parameters, the area
+    of what is mounted, the flow."""
+    mounted = () if rotor.mount is None else (MOUNT_AREA,)
+    return (*rotor.law.parameters, *mounted, *FLOW)
 
 
 class Directions(NamedTuple):
@@ -149,11 +155,13 @@ def _edge_slope(solution: DiskSolution, by_case: Array, by_radius: Array) -> Arr
 
 def _moved(case: Case, change: Change) -> Case:
     """The case with ``change`` added to the quantities of ``moving``."""
-    law = case.rotor.law
-    *by_law, omega, v_axial, v_inplane = change
-    law = law.plus(**dict(zip(law.parameters, by_law, strict=True)))
+    rotor, by_name = case.rotor, dict(zip(moving(case.rotor), change, strict=True))
+    omega, v_axial, v_inplane = (by_name.pop(name) for name in FLOW)
+    if rotor.mount is not None:
+        area = rotor.mount.area + by_name.pop(MOUNT_AREA)
+        rotor = rotor._replace(mount=rotor.mount._replace(area=area))
     return case._replace(
-        rotor=case.rotor._replace(law=law),
+        rotor=rotor._replace(law=rotor.law.plus(**by_name)),
         omega=case.omega + omega,
         v_axial=case.v_axial + v_axial,
         v_inplane=case.v_inplane + v_inplane,

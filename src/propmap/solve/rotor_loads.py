@@ -142,6 +142,10 @@ def _rotor_loads(
     rotor, v_axial, v_inplane = case.rotor, case.v_axial, case.v_inplane
     inflow, ring = _with_vortex_ring(case, disk)
     mean_inflow = mean_over_disk(inflow, disk.nodes)
+    if rotor.mount is not None:
+        flow = (v_axial, v_inplane, mean_inflow)
+        mounted = rotor.mount.drag(rotor.medium.density, *flow)
+        total = total._replace(drag=total.drag + mounted)
     mirrored = xp.zeros_like(v_axial) > 0.0
     windmill = disk.problem.wake.windmill
     if windmill is not None:

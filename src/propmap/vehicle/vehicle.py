@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from propmap.errors import InputError
 from propmap.model.air import Air
 from propmap.model.propeller import Propeller
+from propmap.physics.mount_drag import MountDrag
 
 SPINS = ("ccw", "cw")
 Vector = tuple[float, float, float]
@@ -14,7 +15,7 @@ Vector = tuple[float, float, float]
 
 @dataclass(frozen=True)
 class Mount:
-    """Where a rotor sits, in the vehicle's frame: x forward, y left, z up.
+    """Where a rotor sits, in the vehicle's frame: x forward, y left, z up; and on what.
 
     Attributes
     ----------
@@ -24,11 +25,15 @@ class Mount:
         Unit vector along the thrust [-].
     spin : str
         "ccw" or "cw", seen from above with the thrust up.
+    drag : MountDrag or None
+        Of what carries it in its slipstream, as motor and arm; None for what the section law
+        brings along, where it was fitted with a mount.
     """
 
     position: Vector
     axis: Vector = (0.0, 0.0, 1.0)
     spin: str = "ccw"
+    drag: MountDrag | None = None
 
 
 @dataclass(frozen=True)

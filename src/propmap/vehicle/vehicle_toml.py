@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import functools
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
@@ -15,12 +16,25 @@ from propmap.io.text_file import read_lines
 from propmap.io.toml_table import TomlTable, parse_toml
 from propmap.model.air import PAPER_DENSITY, PAPER_VISCOSITY, Air
 from propmap.model.propeller import Propeller
+from propmap.physics.mount_drag import MountDrag
 from propmap.vehicle import log_map
 from propmap.vehicle.log_map import CHOICES, LogMap, read_log_map
 from propmap.vehicle.vehicle import SPINS, Body, Mount, Vector, Vehicle, Wing
 
 SCHEMA = 1
-KEYS = ("schema", "name", "frame", "mass", "propeller", "air", "rotors", "body", "wing", "log")
+KEYS = (
+    "schema",
+    "name",
+    "frame",
+    "mass",
+    "propeller",
+    "air",
+    "rotors",
+    "mount",
+    "body",
+    "wing",
+    "log",
+)
 PROPELLER_KEYS = ("geometry", "blades", "radius", "root_cutout")
 WING_KEYS = ("area", "incidence", "c_l1", "c_l2", "alpha_0")
 GEOMETRY = '"apc-8x6e", a name of `propmap props` or a geometry file beside this file'
@@ -45,7 +59,9 @@ def read_vehicle(path: str | os.PathLike[str]) -> VehicleFile:
     them, ``blades``, ``radius`` [m], ``root_cutout`` [m].
     ``[[rotors]]``, one per rotor: ``position`` [m], ``spin`` ("ccw" or "cw", seen from above),
     ``axis`` (unit vector along the thrust, by default up).
-    Optional: ``[air]`` ``density``, ``viscosity`` (by default the paper's); ``[body]``
+    Optional: ``[air]`` ``density``, ``viscosity`` (by default the paper's); ``[mount]``, what is in
+    the rotors' slipstreams, see ``MountDrag``: ``area`` [m^2], one for all rotors or a list with
+    one for each, ``wake`` (by default 1); ``[body]``
     ``drag_area`` (3 numbers [m^2]), ``lift_area`` [m^2]; ``[wing]`` ``area`` [m^2],
     ``incidence`` [rad], ``c_l1``, ``c_l2``, ``alpha_0`` [rad]; ``[log]``, see ``LogMap``.
 
@@ -63,9 +79,9 @@ def read_vehicle(path: str | os.PathLike[str]) -> VehicleFile:
     fields = parse_toml("\n".join(read_lines(path, "vehicle description")), where, SCHEMA)
     top = TomlTable(fields, where, KEYS)
     flip = top.choice("frame", CHOICES["body_frame"]) == "frd"
-    mounts = tuple(
-        _mount(rotor, flip) for rotor in top.tables("rotors", ("position", "axis", "spin"))
-    )
+    rotors = top.tables("rotors", ("position", "axis", "spin"))
+    drags = _mount_drags(top, len(rotors))
+    mounts = tuple(_mount(rotor, flip, drag) for rotor, drag in zip(rotors, drags, strict=True))
     mass = top.number("mass", "the take-off mass in kg, battery included")
     vehicle = _located(
         where,
@@ -90,13 +106,32 @@ def _located(where: str, make: Callable[[], Made]) -> Made:
         raise InputError(error.found, error.remedy, error.where or where) from None
 
 
-def _mount(table: TomlTable, flip: bool) -> Mount:
+def _mount_drags(top: TomlTable, rotors: int) -> Sequence[MountDrag | None]:
+    if "mount" not in top:
+        return [None] * rotors
+    table = top.table("mount", ("area", "wake"))
+    example = "an area in m^2, or a list with one for each rotor"
+    given = table.need("area", example)
+    areas = given if isinstance(given, list) else [given] * rotors
+    if len(areas) != rotors:
+        raise InputError(
+            f"area has {len(areas)} numbers for {rotors} rotors", f"give {example}", table.where
+        )
+    each = [TomlTable({"area": area}, table.where, ("area",)) for area in areas]
+    wake = table.number("wake", "a share of the inflow, 1 at the disk", MountDrag.wake)
+    return [
+        _located(table.where, functools.partial(MountDrag, one.number("area", example), wake))
+        for one in each
+    ]
+
+
+def _mount(table: TomlTable, flip: bool, drag: MountDrag | None) -> Mount:
     position = table.vector("position", "[x, y, z], in m from the centre of mass")
     spin = table.choice("spin", SPINS)
     if "axis" not in table:
-        return Mount(_flu(position, flip), spin=spin)
+        return Mount(_flu(position, flip), spin=spin, drag=drag)
     axis = _flu(table.vector("axis", "a unit vector along the thrust"), flip)
-    return Mount(_flu(position, flip), axis, spin)
+    return Mount(_flu(position, flip), axis, spin, drag)
 
 
 def _flu(vector: Vector, flip: bool) -> Vector:

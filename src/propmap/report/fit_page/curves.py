@@ -22,6 +22,7 @@ from propmap.fit.result_file import FitFile
 from propmap.fit.tunnel import TunnelData
 from propmap.loads import LOADS
 from propmap.report.fit_page.parameter_draws import drawn_changes
+from propmap.report.mounted_motor import motor_note
 from propmap.report.page import csv_of_columns
 from propmap.report.style import (
     COLOURS,
@@ -101,6 +102,8 @@ class Curves:
         Loads that the data tell of.
     draws : int
         How many sets of parameters make the bands.
+    motor : str
+        A sentence on ``motor_note``, empty where the model has what is mounted.
     """
 
     omega: float
@@ -110,6 +113,7 @@ class Curves:
     hover: dict[str, float]
     seen: Collection[str]
     draws: int
+    motor: str
 
     @property
     def rpm(self) -> float:
@@ -150,9 +154,9 @@ def load_curves(file: FitFile) -> Curves:
     ]
     still = HoverModel.of(rotor).loads(omega)
     hover = {name: float(value) for name, value in still.items()}
-    return Curves(
-        omega, file.model.propeller.radius, speed, curves, hover, _seen(fit), len(changes)
-    )
+    motor = motor_note(rotor, found, speed, betas[:, None])
+    radius = file.model.propeller.radius
+    return Curves(omega, radius, speed, curves, hover, _seen(fit), len(changes), motor)
 
 
 @style()

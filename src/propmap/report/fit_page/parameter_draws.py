@@ -6,7 +6,7 @@ import numpy as np
 
 from propmap.arrays.types import Floats
 from propmap.fit.fit_record import FitRecord
-from propmap.fit.parameters import SECTION
+from propmap.fit.parameters import MOUNT, SECTION
 
 DRAWS = 200
 """Sets of parameters that make a band."""
@@ -18,7 +18,7 @@ SEED = 2017
 
 
 def drawn_changes(fit: FitRecord) -> tuple[tuple[str, ...], Floats]:
-    """Section parameters drawn from the normal distribution with the fit's covariance.
+    """Parameters of section and mount drawn from the normal distribution with the fit's covariance.
 
     All parameters are drawn together; draws with any of them outside its bounds are thrown away.
     Parameters of infinite variance keep their value.
@@ -26,13 +26,13 @@ def drawn_changes(fit: FitRecord) -> tuple[tuple[str, ...], Floats]:
     Returns
     -------
     tuple of str
-        Names of P section parameters.
+        Names of P of these parameters.
     ndarray, shape (``DRAWS``, P)
         By how much the draws differ from the fit; (0, P) where almost no draw is within the bounds.
     """
     known = [k for k in range(len(fit.parameters)) if np.isfinite(fit.covariance[k, k])]
     chosen = [fit.parameters[k] for k in known]
-    section = [k for k, p in enumerate(chosen) if p.name in SECTION]
+    section = [k for k, p in enumerate(chosen) if p.name in SECTION | MOUNT]
     names = tuple(chosen[k].name for k in section)
     covariance = fit.covariance[np.ix_(known, known)]
     if not section or not np.isfinite(covariance).all():
@@ -55,9 +55,9 @@ def drawn_changes(fit: FitRecord) -> tuple[tuple[str, ...], Floats]:
 
 
 def held(fit: FitRecord) -> list[str]:
-    """Names of the section's free parameters that keep their value in every draw."""
+    """Names of these free parameters that keep their value in every draw."""
     return [
         p.name
         for k, p in enumerate(fit.parameters)
-        if p.name in SECTION and not np.isfinite(fit.covariance[k, k])
+        if p.name in SECTION | MOUNT and not np.isfinite(fit.covariance[k, k])
     ]
