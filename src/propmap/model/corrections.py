@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from propmap.physics.rotor import RotorArrays
 
 CORRECTIONS = {
+    "blade-to-hub": "propmap.physics.blade_to_hub.BladeToHub",
     "tip-loss": "propmap.physics.tip_loss.TipLoss",
     "hub-loss": "propmap.physics.tip_loss.HubLoss",
     "pitt-peters": "propmap.physics.inflow_harmonics.PittPeters",
@@ -19,8 +20,10 @@ CORRECTIONS = {
     "coleman": "propmap.physics.inflow_harmonics.Coleman",
     "drees": "propmap.physics.inflow_harmonics.Drees",
     "white-blake": "propmap.physics.inflow_harmonics.WhiteBlake",
+    "radial-friction": "propmap.physics.radial_friction.RadialFriction",
 }
-"""Where each is; a new correction is one file of physics and one line here."""
+"""Where each is; a new correction is one file of physics and one line here.  A model applies its
+corrections in this order, whichever way they are given: the blade's shape comes first."""
 
 
 class Correction(Protocol):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from propmap.physics.added_loads import AddedLoads
 from propmap.physics.element import Medium
 from propmap.physics.geometry import Blade
 from propmap.physics.inflow_harmonics import InflowShape
@@ -26,6 +27,8 @@ class RotorArrays(NamedTuple):
         Corrections that multiply the momentum thrust.
     shape : InflowShape or None
         How the inflow varies around the disk; None where it does not, as in the paper.
+    added : tuple of AddedLoads
+        Corrections that add to the loads and leave the inflow alone.
     """
 
     blade: Blade
@@ -33,3 +36,4 @@ class RotorArrays(NamedTuple):
     medium: Medium
     factors: tuple[WakeFactor, ...] = ()
     shape: InflowShape | None = None
+    added: tuple[AddedLoads, ...] = ()
