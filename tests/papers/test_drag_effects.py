@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 import propmap as pm
 from propmap.papers.gill_dandrea_2017.drag_effects import ADDED, ANGLES, SPEEDS, drag_effects
@@ -19,7 +20,8 @@ def test_each_is_added_to_those_before() -> None:
     assert ((more > 0.02) & (more < 0.05)).all()
     model = pm.Model(pm.propeller("apc-8x6e"), pm.airfoil("paper-apc"))
     edgewise = pm.Rotor(model, compiled=False).loads(200.0 * np.pi, 10.0, np.pi / 2)
-    assert paper.drag[3, 1] == edgewise.drag
+    # A batch has other nodes than a single point, within the accuracy promised.
+    assert paper.drag[3, 1] == pytest.approx(float(edgewise.drag), rel=1e-3)
 
 
 def test_the_table_says_the_change_in_per_cent() -> None:

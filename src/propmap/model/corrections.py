@@ -20,6 +20,7 @@ CORRECTIONS = {
     "coleman": "propmap.physics.inflow_harmonics.Coleman",
     "drees": "propmap.physics.inflow_harmonics.Drees",
     "white-blake": "propmap.physics.inflow_harmonics.WhiteBlake",
+    "prandtl-glauert": "propmap.physics.sections.compressible.PrandtlGlauert",
     "radial-friction": "propmap.physics.radial_friction.RadialFriction",
 }
 """Where each is; a new correction is one file of physics and one line here.  A model applies its

@@ -183,6 +183,9 @@ def _section_flow(
         cosine=cosine,
         reynolds=station.reynolds_per_speed * speed,
         inverse_root_reynolds=station.inverse_root * xp.sqrt(speed) * per_speed,
+        speed=speed,
+        chord=station.chord,
+        radius=station.radius,
     )
 
 

@@ -79,5 +79,8 @@ def _viscous_drag(at: Annulus, speed: Array) -> Array:
         cosine=still + 1.0,
         reynolds=at.station.reynolds_per_speed * speed,
         inverse_root_reynolds=at.station.inverse_root / xp.sqrt(speed),
+        speed=speed,
+        chord=at.chord,
+        radius=at.radius,
     )
     return at.law.coefficients(flow).drag

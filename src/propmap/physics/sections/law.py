@@ -25,6 +25,10 @@ class SectionFlow(NamedTuple):
         Re = rho U c / mu [-].
     inverse_root_reynolds : Array
         1 / sqrt(Re) [-].
+    speed : Array or float
+        U [m/s]; 0 where it is not known, as for curves of a section by itself.
+    chord, radius : Array or float
+        c and y [m]; by default a section that is far from the axis.
     """
 
     angle: Array
@@ -32,6 +36,9 @@ class SectionFlow(NamedTuple):
     cosine: Array
     reynolds: Array
     inverse_root_reynolds: Array
+    speed: Array | float = 0.0
+    chord: Array | float = 0.0
+    radius: Array | float = 1.0
 
 
 class Coefficients(NamedTuple):
@@ -44,7 +51,8 @@ class Coefficients(NamedTuple):
     lift_slope, drag_slope : Array
         Derivatives with respect to the angle of attack [1/rad].
     lift_by_log_re, drag_by_log_re : Array or float
-        Derivatives with respect to ln Re [-].
+        Derivatives with respect to ln Re [-]; at a section that is the logarithm of the speed, so
+        they include whatever else depends on the speed.
     """
 
     lift: Array
