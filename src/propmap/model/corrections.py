@@ -20,6 +20,7 @@ CORRECTIONS = {
     "coleman": "propmap.physics.inflow_harmonics.Coleman",
     "drees": "propmap.physics.inflow_harmonics.Drees",
     "white-blake": "propmap.physics.inflow_harmonics.WhiteBlake",
+    "stall-delay": "propmap.physics.sections.stall_delay.StallDelay",
     "prandtl-glauert": "propmap.physics.sections.compressible.PrandtlGlauert",
     "radial-friction": "propmap.physics.radial_friction.RadialFriction",
 }
