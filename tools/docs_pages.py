@@ -3,7 +3,7 @@
 Usage: python -m tools.docs_pages FOLDER
 
 The documentation's build calls ``write``.  Figures come from benchmarks/results/ alone; the
-command reference from the commands themselves.
+command reference from the commands themselves, the table of effects on rotor drag from the model.
 """
 
 from __future__ import annotations
@@ -16,6 +16,8 @@ from pathlib import Path
 from typing import Any
 
 from propmap.io.atomic_file import replacing
+from propmap.papers.gill_dandrea_2017.drag_effects import drag_effects
+from tools import drag_effects as drag_effects_table
 from tools import performance_tables, readme_tables
 
 RESULTS = Path(__file__).resolve().parent.parent / "benchmarks" / "results"
@@ -54,6 +56,7 @@ def write(folder: Path) -> None:
         "performance-jobs": performance_tables.jobs(found["phases"]),
         "performance-following": performance_tables.following(found["phases"]),
         "performance-peers": performance_tables.peers(found["peers"]),
+        "drag-effects": drag_effects_table.table(drag_effects()),
         "cli": command_reference(),
     }
     for name, text in parts.items():

@@ -179,12 +179,12 @@ class Rotor:
         from propmap.engine.disk_field import look_at_disk
 
         w, along, across = resolved(omega, speed, beta, one=True)
-        blade = self.model.propeller
-        y = np.linspace(blade.root, blade.radius, 60) if radius is None else np.ravel(radius)
+        root, tip = self._span
+        y = np.linspace(root, tip, 60) if radius is None else np.ravel(radius)
         psi = np.linspace(0.0, 2.0 * np.pi, 73) if azimuth is None else np.ravel(azimuth)
         y, psi = broadcast(radius=y)[0], broadcast(azimuth=psi)[0]
-        if (y < blade.root).any() or (y > blade.radius).any():
-            raise InputError(f"radius must lie between {blade.root:g} and {blade.radius:g} m")
+        if (y < root).any() or (y > tip).any():
+            raise InputError(f"radius must lie between {root:g} and {tip:g} m")
         still = self.hover_inflow(w) if along < 0.0 else np.zeros(())
         flow = (float(w), float(along), float(across), float(still))
         return look_at_disk(self.arrays, flow, y, psi, compiled=self.compiled)
@@ -223,6 +223,11 @@ class Rotor:
         """The model as arrays of NumPy float64, for ``propmap.solve.rotor_loads``."""
         return self.model.arrays()
 
+    @property
+    def _span(self) -> tuple[float, float]:
+        """Where the blade begins and ends [m], corrections included."""
+        return float(self.arrays.blade.root), float(self.arrays.blade.tip)
+
     @functools.cached_property
     def _prepared(self) -> Prepared:
         double = self.precision == PRECISIONS[0]
@@ -239,8 +244,7 @@ class Rotor:
         """The ``RotorLoads`` that were ``found``, with a status."""
         tails = tail_share(self._prepared, omega, v_axial, v_inplane, found)
         coarse = tails > self._setting.finer[-1][1]
-        blade = self.model.propeller
-        reverse = reverse_flow_share(omega, v_inplane, blade.root, blade.radius)
+        reverse = reverse_flow_share(omega, v_inplane, *self._span)
         return Loads(
             **found.loads._asdict(),
             power=found.loads.torque * omega,

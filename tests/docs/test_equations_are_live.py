@@ -173,6 +173,16 @@ def mounted() -> Any:
     return pm.Rotor(model, compiled=False).loads(600.0, 9.0, 1.2).drag
 
 
+def blade_corrections() -> Any:
+    """Loads with a longer blade and with friction along it."""
+    found = []
+    for name in ("blade-to-hub", "radial-friction"):
+        model = dataclasses.replace(rotor().model, corrections=(pm.correction(name),))
+        loads = pm.Rotor(model, compiled=False).loads(600.0, 9.0, 1.2)
+        found.append((loads.thrust, loads.drag, loads.torque))
+    return found
+
+
 def inflow() -> Any:
     found = rotor().inflow(600.0, 5.0, 1.0, radius=[0.05, 0.09], azimuth=[0.0, 2.0])
     return found.inflow, found.thrust_per_radius
@@ -252,6 +262,8 @@ PROBES: dict[str, Callable[[], Any]] = {
     "propmap.physics.dynamic_inflow": moving_inflow,
     "propmap.physics.sections": section_laws,
     "propmap.physics.mount_drag": mounted,
+    "propmap.physics.blade_to_hub": blade_corrections,
+    "propmap.physics.radial_friction": blade_corrections,
     "propmap.solve": loads,
     "propmap.solve.harmonics": varying_inflow,
     "propmap.solve.state_loads": moving_inflow,

@@ -7,7 +7,7 @@ import inspect
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
 from enum import StrEnum
-from typing import TYPE_CHECKING, Annotated, Any, Concatenate, ParamSpec, TypeVar, get_type_hints
+from typing import TYPE_CHECKING, Annotated, Any, Concatenate, ParamSpec, get_type_hints, overload
 
 import numpy as np
 import typer
@@ -154,18 +154,26 @@ class RotorChoice:
         )
 
 
-Law = TypeVar("Law", Airfoil, SectionTable)
+@overload
+def with_physics(law: Airfoil, model: ModelName | None, added: Sequence[str] | None) -> Airfoil: ...
 
 
-def with_physics(law: Law, model: ModelName | None, added: Sequence[str] | None) -> Law:
+@overload
+def with_physics(
+    law: Airfoil | SectionTable, model: ModelName | None, added: Sequence[str] | None
+) -> Airfoil | SectionTable: ...
+
+
+def with_physics(
+    law: Airfoil | SectionTable, model: ModelName | None, added: Sequence[str] | None
+) -> Airfoil | SectionTable:
     """The section law with the corrections that ``--model`` and ``--correction`` ask for."""
-    chosen = [
-        as_text(value) for value in corrections_of(model or ModelName.recommended, added or ())
-    ]
-    only_mount = not apart([as_text(correction(text)) for text in added or ()])[0]
-    if model is None and only_mount and law.corrections is not None:
-        chosen = [*apart(law.corrections)[0], *apart(chosen)[1]]
-    return law.with_corrections(chosen)
+    own, more = law.corrections, [as_text(correction(text)) for text in added or ()]
+    physics, mount = apart(more)
+    if model is None and not physics and own is not None:
+        return law.with_corrections([*apart(own)[0], *mount])
+    chosen = corrections_of(model or ModelName.recommended, more)
+    return law.with_corrections([as_text(value) for value in chosen])
 
 
 def constants(name_or_path: str) -> Airfoil:

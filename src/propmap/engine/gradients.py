@@ -91,7 +91,7 @@ def load_gradients(
 def _with_terms(rotor: Prepared, names: tuple[str, ...]) -> Prepared:
     """The rotor with those terms of its law among ``names`` that were left out of it as zero."""
     arrays = rotor.arrays
-    left_out = [name for name in names if name not in moving(arrays.law)]
+    left_out = [name for name in names if name not in moving(arrays)]
     if not left_out:
         return rotor
     law = arrays.law.plus(**{name: np.float64(0.0) for name in left_out})  # type: ignore[arg-type]

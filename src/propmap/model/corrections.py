@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from propmap.physics.rotor import RotorArrays
 
 CORRECTIONS = {
+    "blade-to-hub": "propmap.physics.blade_to_hub.BladeToHub",
     "tip-loss": "propmap.physics.tip_loss.TipLoss",
     "hub-loss": "propmap.physics.tip_loss.HubLoss",
     "pitt-peters": "propmap.physics.inflow_harmonics.PittPeters",
@@ -20,8 +21,12 @@ CORRECTIONS = {
     "drees": "propmap.physics.inflow_harmonics.Drees",
     "white-blake": "propmap.physics.inflow_harmonics.WhiteBlake",
     "mount-drag": "propmap.physics.mount_drag.MountDrag",
+    "stall-delay": "propmap.physics.sections.stall_delay.StallDelay",
+    "prandtl-glauert": "propmap.physics.sections.compressible.PrandtlGlauert",
+    "radial-friction": "propmap.physics.radial_friction.RadialFriction",
 }
-"""Where each is; a new correction is one file of physics and one line here."""
+"""Where each is; a new correction is one file of physics and one line here.  A model applies its
+corrections in this order, whichever way they are given: the blade's shape comes first."""
 
 MODELS = {"recommended": ("pitt-peters",), "paper": ()}
 """Corrections by the model's name.  The commands take "recommended" where nothing else is said;

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from propmap.errors import InputError
 from propmap.model.air import Air
 from propmap.model.corrections import (
+    CORRECTIONS,
     MOUNT_DRAG,
     Correction,
     agreed,
@@ -130,7 +131,8 @@ class Model:
                 f"{' and '.join(shapes)} both set how the inflow varies around the disk",
                 "give one of them",
             )
-        for value in self.corrections:
+        order = list(CORRECTIONS)
+        for value in sorted(self.corrections, key=lambda one: order.index(name_of(one))):
             rotor = value.applied(rotor)
         return rotor
 
@@ -162,8 +164,9 @@ class Model:
             left out.
         """
         w, v, b = (np.ravel(a)[:, None, None] for a in np.broadcast_arrays(omega, speed, beta))
-        y = np.linspace(self.propeller.root, self.propeller.radius, 61)[:, None]
-        chord = np.interp(y, self.propeller.station, self.propeller.chord)
+        blade = self.arrays().blade
+        y = np.linspace(float(blade.root), float(blade.tip), 61)[:, None]
+        chord = np.interp(y, blade.station, blade.chord)
         psi = 2.0 * np.pi * np.arange(24) / 24
         flow = np.hypot(w * y + v * np.sin(b) * np.sin(psi), v * np.cos(b))
         re = (self.air.density / self.air.viscosity * flow * chord).reshape(flow.shape[0], -1)

@@ -204,6 +204,9 @@ def _section_flow(
         inverse_root_reynolds=station.inverse_root * xp.sqrt(speed) * per_speed,
         drag_sine=drag_sine,
         drag_cosine=drag_cosine,
+        speed=speed,
+        chord=station.chord,
+        radius=station.radius,
     )
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from propmap.physics.added_loads import AddedLoads
 from propmap.physics.element import Medium
 from propmap.physics.geometry import Blade
 from propmap.physics.inflow_harmonics import InflowShape
@@ -29,6 +30,8 @@ class RotorArrays(NamedTuple):
         How the inflow varies around the disk; None where it does not, as in the paper.
     mount : Mounted or None
         What is mounted in the slipstream; None for nothing, as in the paper.
+    added : tuple of AddedLoads
+        Corrections that add to the loads and leave the inflow alone.
     """
 
     blade: Blade
@@ -37,3 +40,4 @@ class RotorArrays(NamedTuple):
     factors: tuple[WakeFactor, ...] = ()
     shape: InflowShape | None = None
     mount: Mounted | None = None
+    added: tuple[AddedLoads, ...] = ()

@@ -41,7 +41,8 @@ def disk_picture(rotor: Rotor, omega: float, speed: float, beta: float) -> Figur
         Where the inflow did not converge everywhere.
     """
     blade = rotor.model.propeller
-    radius = np.linspace(blade.root, blade.radius, 160)
+    span = rotor.arrays.blade  # with corrections
+    radius = np.linspace(float(span.root), float(span.tip), 160)
     azimuth = np.radians(np.linspace(0.0, 360.0, 361))
     field = rotor.inflow(omega, speed, beta, radius=radius, azimuth=azimuth)
     if not np.isfinite(field.alpha).all():

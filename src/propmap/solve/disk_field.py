@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 from propmap.arrays.namespace import Array, xp
 from propmap.physics import element, vortex_ring
+from propmap.physics.added_loads import with_added
 from propmap.physics.element import AnnulusLoads
 from propmap.physics.velocities import (
     AzimuthNodes,
@@ -65,6 +66,8 @@ def disk_field(case: Case, radius: Array, sines: Array, azimuth: AzimuthNodes) -
         )
     at = problem.at
     loads = element.annulus_loads(at, inflow, azimuth)
+    if not azimuth.axial:
+        loads = with_added(loads, case.rotor.added, at, inflow, azimuth)
     u_t = tangential_velocity(at.omega, at.radius, at.v_inplane, sines[None, :])
     u_p = normal_velocity(at.v_axial, inflow) * xp.ones_like(u_t)
     blade = at.station

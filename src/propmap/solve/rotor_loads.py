@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 from propmap.arrays.materialize import materialize
 from propmap.arrays.namespace import Array, stop_gradient, xp
 from propmap.physics import element, momentum, vortex_ring
+from propmap.physics.added_loads import with_added
 from propmap.physics.element import AnnulusLoads
 from propmap.physics.inflow_harmonics import DiskFlow, Harmonics
 from propmap.physics.loads import integrate, mean_over_disk
@@ -87,6 +88,10 @@ def search_loads(
     found = find_harmonics(harmonic_problem(case, disk), azimuth)
     density = case.rotor.medium.density
     total = AnnulusLoads(*(density * load for load in found.loads))
+    if case.rotor.added:
+        nothing = AnnulusLoads(*(xp.zeros_like(disk.inflow) for _ in total))
+        added = integrate(_with_added(case, disk, nothing, azimuth), disk.nodes, density)
+        total = AnnulusLoads(*(a + b for a, b in zip(total, added, strict=True)))
     loads = _rotor_loads(case, disk, total, found.integrand, solution.several, panels)
     return loads, solution._replace(harmonics=found.harmonics)
 
@@ -122,6 +127,7 @@ def loads_over_disk(
     per_radius = materialize(
         lambda: element.annulus_loads(at, inflow, azimuth, harmonics), rotor.blade.root
     )
+    per_radius = _with_added(case, disk, per_radius, azimuth)
     total = integrate(per_radius, disk.nodes, rotor.medium.density)
     integrand = disk.nodes.weight * xp.stack([per_radius.thrust, per_radius.torque])
     return _rotor_loads(case, disk, total, integrand, several, panels)
@@ -163,6 +169,16 @@ def _rotor_loads(
         thrust_tail=tails[0],
         torque_tail=tails[1],
     )
+
+
+def _with_added(
+    case: Case, disk: DiskInflow, loads: AnnulusLoads, azimuth: AzimuthNodes
+) -> AnnulusLoads:
+    """Loads of the annuli with those that corrections add; none do so in axial flow."""
+    if azimuth.axial:
+        return loads
+    inflow, _ = _with_vortex_ring(case, disk)
+    return with_added(loads, case.rotor.added, disk.problem.at, inflow, azimuth)
 
 
 def _with_vortex_ring(case: Case, disk: DiskInflow) -> tuple[Array, Array]:

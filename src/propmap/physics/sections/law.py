@@ -28,6 +28,10 @@ class SectionFlow(NamedTuple):
     drag_sine, drag_cosine : Array or None
         Sine and cosine of the angle of attack from ``SectionLaw.least_drag_angle`` [-]; None where
         that is None.
+    speed : Array or float
+        U [m/s]; 0 where it is not known, as for curves of a section by itself.
+    chord, radius : Array or float
+        c and y [m]; by default a section that is far from the axis.
     """
 
     angle: Array
@@ -37,6 +41,9 @@ class SectionFlow(NamedTuple):
     inverse_root_reynolds: Array
     drag_sine: Array | None = None
     drag_cosine: Array | None = None
+    speed: Array | float = 0.0
+    chord: Array | float = 0.0
+    radius: Array | float = 1.0
 
     @property
     def from_least_drag(self) -> tuple[Array, Array]:
@@ -56,7 +63,8 @@ class Coefficients(NamedTuple):
     lift_slope, drag_slope : Array
         Derivatives with respect to the angle of attack [1/rad].
     lift_by_log_re, drag_by_log_re : Array or float
-        Derivatives with respect to ln Re [-].
+        Derivatives with respect to ln Re [-]; at a section that is the logarithm of the speed, so
+        they include whatever else depends on the speed.
     """
 
     lift: Array
