@@ -116,6 +116,7 @@ def test_without_viscous_drag_there_is_none() -> None:
     np.testing.assert_array_equal(rough.drag, plain.drag)
 
 
+@pytest.mark.filterwarnings("ignore:drag_factor is deprecated")
 def test_it_is_part_of_the_rotor_drag_that_the_factor_multiplies() -> None:
     once, twice = (
         [rotor.loads(*OBLIQUE) for rotor in rotors(APC.with_parameters(drag_factor=factor))]

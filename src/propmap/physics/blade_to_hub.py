@@ -49,7 +49,7 @@ def continued_to(blade: Blade, hub: float) -> Blade:
         chord = np.clip(widest + taper * (y - first), LEAST_CHORD * widest, widest)
         pitch_line = np.arctan2(first * math.sin(twist), y * math.cos(twist))
         inner = make_blade(y, chord, pitch_line, blade.blades, np.float64(hub))
-        columns = [
+        columns: Any = [
             np.concatenate([inside[:-1], outside])
             for inside, outside in zip(inner[:3], blade[:3], strict=True)
         ]
