@@ -70,13 +70,11 @@ def cases() -> dict[str, Case]:
             0.01,
         ),
         "slow flyer 10x4.7, section table": Case(
-            Model(
-                propeller("uiuc-apcsf-10x4.7"), sampled("paper-stiff", (1e4, 3e4, 1e5, 3e5))
-            ),
-            (2000, 7000),
-            (0, 15),
+            Model(propeller("uiuc-apcsf-10x4.7"), sampled("paper-stiff", (2e4, 1e5))),
+            (3000, 7000),
+            (0, 12),
             (0, 90),
-            0.005,
+            0.01,
         ),
     }
 

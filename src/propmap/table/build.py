@@ -42,8 +42,8 @@ NARROWINGS = 6
 
 ATTEMPTS = 8
 REFINEMENTS = 3
-"""How often a certificate is tried, and after how many failures cells in which the error is too large are
-halved; later they are marked as unresolved."""
+"""How often a certificate is tried, and after how many failures cells in which the error is too
+large are halved; later they are marked as unresolved."""
 
 FIRST_SEED = 20_171
 

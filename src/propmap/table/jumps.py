@@ -98,9 +98,7 @@ def exceeding(content: TableContent, found: Comparison, limit: float) -> NDArray
 def with_marks_of(old: TableContent, new: TableContent) -> TableContent:
     """The ``new`` table with those cells marked too whose middles the ``old`` one had marked."""
     middles = (0.5 * (k[:-1] + k[1:]) for k in (new.advance, new.beta))
-    row, column = (
-        locate(k, x)[0] for k, x in zip((old.advance, old.beta), middles, strict=True)
-    )
+    row, column = (locate(k, x)[0] for k, x in zip((old.advance, old.beta), middles, strict=True))
     return replace(new, cells=new.cells | (old.cells[np.ix_(row, column)] & np.uint8(UNRESOLVED)))
 
 

@@ -2,9 +2,9 @@
 
 An error that fills one ten-thousandth of the envelope is seldom met by chance, but mostly has
 slopes that are.  So each cell of the table is sampled, however small a share of the envelope it
-is, and from the worst points of each load, each in a cell of its own, the error is climbed by
-random steps that grow where they succeed and shrink where they fail.  The worse half of the climbs is
-given up again and again for more steps of the others.
+is.  From the worst points of each load, each in a cell of its own, the error is climbed by random
+steps, which grow where they succeed and shrink where they fail.  The worse half of the climbs is
+given up again and again, for more steps of the others.
 """
 
 from __future__ import annotations
@@ -25,14 +25,14 @@ if TYPE_CHECKING:
     from propmap.table.model import Model
     from propmap.table.query import LoadTable
 
-CELL_POINTS = 16_384
-"""Spread over the cells, as many on each; a power of two."""
-
 OVERHANG = np.array([0.5, 0.5, 0.25])
-"""How far beyond the envelope these are spread, then held back, so that its edges get their part."""
+"""How far beyond the envelope points are spread over the cells, then held back, so that its edges
+and corners get their part."""
 
 CLIMBS = 32
-"""At first, per load."""
+"""At first, per load and 32768 points known."""
+
+FEWEST_CLIMBS = 8
 
 TRIES = 4
 """Steps that each climb tries in a round, at first."""
@@ -46,9 +46,7 @@ STEP = np.array([0.5, 0.5, 0.25])
 GROWTH, SHRINKAGE = 1.5, 0.6
 
 
-def largest_errors(
-    table: LoadTable, model: Model, sampled: Comparison, seed: int
-) -> Comparison:
+def largest_errors(table: LoadTable, model: Model, sampled: Comparison, seed: int) -> Comparison:
     """The points that a search for the largest errors, by load, has come by.
 
     Errors inside unresolved cells are climbed apart from the others.
@@ -64,9 +62,10 @@ def largest_errors(
     """
     rng = np.random.default_rng(seed)
     content = table.content
-    found = compare(table, model, *points_at(content, _over_cells(content, seed)))
+    points = sampled.omega.size
+    found = compare(table, model, *points_at(content, _over_cells(content, points // 2, seed)))
     known = sampled.and_also(found)
-    climbs = _Climbs.begin(content, known)
+    climbs = _Climbs.begin(content, known, max(FEWEST_CLIMBS, CLIMBS * points // 32_768))
     for halving in range(HALVINGS):
         for _ in range(ROUNDS):
             position = climbs.steps(TRIES * 2**halving, rng, most_position(content))
@@ -86,15 +85,15 @@ class _Climbs:
         self.length = np.ones(goal.size)
 
     @classmethod
-    def begin(cls, content: TableContent, known: Comparison) -> _Climbs:
-        """From the worst points of each goal, no two in the same cell."""
+    def begin(cls, content: TableContent, known: Comparison, most: int) -> _Climbs:
+        """From the worst points of each goal, the ``most``, no two in the same cell."""
         position = positions_of(content, known.omega, known.advance, known.beta)
         cell = np.floor(position[:, 0]) * content.beta.size + np.floor(position[:, 1])
         sizes = _sizes(known)
         starts, goals = [], []
         for goal, size in enumerate(sizes.T):
             order = np.argsort(-size)[: np.count_nonzero(size > 0.0)]
-            first = np.sort(np.unique(cell[order], return_index=True)[1])[:CLIMBS]
+            first = np.sort(np.unique(cell[order], return_index=True)[1])[:most]
             starts.append(order[first])
             goals.append(np.full(first.size, goal))
         start, goal_of = np.concatenate(starts), np.concatenate(goals)
@@ -142,10 +141,10 @@ def _sizes(found: Comparison) -> Floats:
     return np.concatenate([np.where(loose, 0.0, size), np.where(loose, size, 0.0)], axis=1)
 
 
-def _over_cells(content: TableContent, seed: int) -> Floats:
-    """Positions (n, 3) spread evenly over the table's cells."""
+def _over_cells(content: TableContent, count: int, seed: int) -> Floats:
+    """Positions (n, 3) spread evenly over the table's cells, ``count`` or some less."""
     from scipy.stats import qmc
 
     most = most_position(content)
-    unit = qmc.Sobol(3, seed=seed).random(CELL_POINTS)
+    unit = qmc.Sobol(3, seed=seed).random_base2(int(np.log2(max(count, 1))))
     return np.clip(unit * (most + 2.0 * OVERHANG) - OVERHANG, 0.0, most)
