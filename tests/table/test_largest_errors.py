@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -10,9 +11,10 @@ import pytest
 
 import propmap
 from propmap.loads import LOADS
-from propmap.table import LoadTable, build_table
+from propmap.table import STATUSES, LoadTable, build_table
 from propmap.table.certificate import certify
 from propmap.table.comparison import compare, quasi_random
+from propmap.table.content import UNRESOLVED
 from propmap.table.model import Model
 from propmap.table.positions import points_at, positions_of
 
@@ -73,6 +75,21 @@ def test_a_spike_between_samples_is_found(invented: LoadTable, spiked: Model, se
         # What is stated is the error there.
         there = compare(invented, spiked, omega, speed, beta).errors[0, k]
         assert told.max_error[load] == pytest.approx(abs(there), rel=1e-12)
+
+
+def test_errors_in_unresolved_cells_are_climbed_apart(invented: LoadTable, spiked: Model) -> None:
+    """With the cell of the thrust's spike marked, what is left of it is largest at the cell's
+    nearest edge, 0.3 of a cell away along beta."""
+    content = invented.content
+    cells = content.cells.copy()
+    cells[23, 11] = UNRESOLVED
+    table = LoadTable(replace(content, cells=cells))
+    told, known = certify(table, spiked, 0.005, points=4096, seed=1)
+    assert told.unresolved_max_error["thrust"] == pytest.approx(PEAK, rel=0.05)
+    beside = PEAK * (0.001 + 0.999 * np.exp(-((0.3 / WIDTH) ** 2)))
+    assert told.max_error["thrust"] == pytest.approx(beside, rel=0.05)
+    assert told.max_error["torque"] == pytest.approx(PEAK, rel=0.05)
+    assert (known.code != STATUSES.index("unresolved")).all()
 
 
 def test_the_search_is_bounded(invented: LoadTable, spiked: Model) -> None:
