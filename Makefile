@@ -5,7 +5,7 @@ READY := $(VENV)/ready
 DOCS_READY := $(VENV)/docs-ready
 PEERS_READY := $(VENV)/peers-ready
 
-.PHONY: demo reproduce test test-fast test-readers test-numpy test-slow lint types bench bench-table bench-fine-table bench-choice bench-identification bench-peers bench-phases bench-options bench-mount bench-roofline bench-accelerator convergence docs clean
+.PHONY: demo reproduce test test-fast test-readers test-numpy test-slow lint types bench bench-table bench-fine-table bench-choice bench-identification bench-peers bench-phases bench-options bench-mount bench-roofline bench-accelerator convergence docs clean bench-certificates
 
 $(READY): pyproject.toml constraints.txt
 	python3 -m venv $(VENV)
@@ -86,6 +86,8 @@ bench-options: $(READY)
 
 bench-mount: $(READY)
 	$(BIN)/python -m benchmarks.mount_drag
+bench-certificates: $(READY)
+	$(BIN)/python -m benchmarks.certificates
 
 bench-phases: $(READY)
 	$(BIN)/python -m benchmarks.phases

@@ -48,4 +48,8 @@ def certificate(unresolved_cells: int) -> dict[str, Any]:
         "unresolved_rms_error": dict.fromkeys(LOADS, 0.01),
         "vortex_ring": 300,
         "no_value": 0,
+        "search_points": 26_000,
+        "max_omega": dict.fromkeys(LOADS, 200.0 * np.pi),
+        "max_speed": dict.fromkeys(LOADS, 7.25),
+        "max_beta": dict.fromkeys(LOADS, 0.25 * np.pi),
     }

@@ -147,6 +147,10 @@ def test_a_table(run: Run, tmp_path: Path) -> None:
     assert "within 0.21 % of the static loads" in text and "errors reach 3.1 %" in text
     assert "As a model of the propeller: not known from this file" in text
     assert "Tolerance 0.50% holds on 4096 points" in text
+    assert "were searched for, on 26000 points more" in text
+    for row in rows_of(tmp_path / "out" / "table-certificate.csv"):
+        place = [float(row[name]) for name in ("at_rpm", "at_speed_mps", "at_beta_deg")]
+        assert place == pytest.approx([6000.0, 7.25, 45.0])
     cells = rows_of(tmp_path / "out" / "table-cells.csv")
     statuses = [row["status"] for row in cells]
     assert statuses.count("unresolved") == 4

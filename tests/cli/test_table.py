@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -94,10 +95,27 @@ def test_unresolved_cells_are_told(run: Run) -> None:
     done = run("show", "map.npz")
     assert (done.code, done.err) == (0, "")
     assert "tolerance 0.50% holds on 4096 points" in done.out
+    assert "searched for, on 26000 points more" in done.out
+    assert "at [1/min]" in done.out
+    assert len(re.findall(r"│ +6000 │ +7\.25 │ +45 │", done.out)) == len(LOADS)
     assert "unresolved: 12 cells, 0.98% of the envelope" in done.out
     assert "there errors reach 3.10% on 1020 points" in done.out
     assert "300 are vortex ring and 0 without loads" in done.out
     assert "envelope: 1909.86 to 9549.3 rpm" in done.out
+
+
+def test_a_certificate_from_before_the_search_is_shown(run: Run) -> None:
+    """It does not say where its largest errors are, nor that they were searched for."""
+    content = invented().content
+    later = ("search_points", "max_omega", "max_speed", "max_beta")
+    told = {k: v for k, v in certificate(unresolved_cells=0).items() if k not in later}
+    LoadTable(replace(content, info={**content.info, "certificate": told})).save("map.npz")
+    done = run("show", "map.npz")
+    assert (done.code, done.err) == (0, "")
+    assert "tolerance 0.50% holds on 4096 points" in done.out
+    assert "searched" not in done.out and "at [" not in done.out
+    assert run("report", "map.npz", "-o", "out").code == 0
+    assert "at_rpm" not in Path("out/table-certificate.csv").read_text()
 
 
 @pytest.mark.parametrize(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import zipfile
 from collections.abc import Callable
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,8 @@ import numpy as np
 import pytest
 
 import propmap
-from propmap.table import LoadTable
+from propmap.loads import LOADS
+from propmap.table import Certificate, LoadTable
 from propmap.table.table_file import FORMAT_VERSION
 
 from .conftest import random_points
@@ -144,6 +146,22 @@ def test_inconsistent_tables(path: Path, change: Any, message: str) -> None:
     with np.errstate(invalid="ignore"):
         _rewritten(path, change)
     assert message in _refusal(path)
+
+
+def test_a_table_from_before_the_search_still_opens(path: Path) -> None:
+    """Its certificate does not say how many points a search took, nor where the largest are."""
+    by_load = dict.fromkeys(LOADS, 0.001)
+    told = {
+        field.name: by_load if str(field.type).startswith("dict") else 1
+        for field in fields(Certificate)
+    }
+    later = ("search_points", "max_omega", "max_speed", "max_beta")
+    old = {name: value for name, value in told.items() if name not in later}
+    for certificate in (told, old):
+        _rewritten(path, lambda h, _, found=certificate: h.update(certificate=found))
+        assert LoadTable.load(path).certificate == certificate
+    _rewritten(path, lambda h, _: h.update(certificate={**told, "max_omega": {"thrust": 1.0}}))
+    assert "does not say max_omega" in _refusal(path)
 
 
 def test_a_table_of_another_propeller(path: Path, rotor: propmap.Rotor, table: LoadTable) -> None:

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from propmap.cli.output import grid
-from propmap.report.certificate_text import TITLES, claims, parameter_claims
+from propmap.report.certificate_text import PLACE, TITLES, claims, largest_at, parameter_claims
 
 if TYPE_CHECKING:
     from propmap.table import LoadTable
@@ -51,10 +51,16 @@ def told(table: LoadTable) -> Iterator[object]:
             "parameters, median": parameters["median"],
             "parameters, 95 %": parameters["percentile_95"],
         }
+    places = largest_at(found)
+    heads = [*columns, *(f"at [{unit}]" for unit in PLACE.values() if places)]
     rows = [
-        (title, *(f"{100.0 * by_load[name]:.3f} %" for by_load in columns.values()))
+        (
+            title,
+            *(f"{100.0 * by_load[name]:.3f} %" for by_load in columns.values()),
+            *(f"{value:.4g}" for value in places.get(name) or ()),
+        )
         for name, title in TITLES.items()
     ]
-    yield grid("|".join(["<error, share of static", *columns]), rows, "Certificate")
+    yield grid("|".join(["<error, share of static", *heads]), rows, "Certificate")
     yield from claims(found)
     yield from parameter_claims(parameters) if parameters else ()

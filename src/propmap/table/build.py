@@ -7,6 +7,7 @@ from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 import propmap
 from propmap.arrays.types import Floats
@@ -14,7 +15,7 @@ from propmap.errors import InputError
 from propmap.loads import LOADS
 from propmap.table.certificate import POINTS, certify, unresolved_share
 from propmap.table.content import UNRESOLVED, VORTEX_RING, TableContent, coefficient_scale
-from propmap.table.jumps import find_jumps, marked
+from propmap.table.jumps import exceeding, find_jumps, marked, with_marks_of
 from propmap.table.model import Model, Progress
 from propmap.table.query import LoadTable
 from propmap.table.refine import CELL_SHARE, Refined, refine, starting_axes
@@ -39,7 +40,11 @@ fell between the middles of wide cells takes little of the envelope once they ar
 
 NARROWINGS = 6
 
-ATTEMPTS = 4
+ATTEMPTS = 8
+REFINEMENTS = 3
+"""How often a certificate is tried, and after how many failures cells in which the error is too
+large are halved; later they are marked as unresolved."""
+
 FIRST_SEED = 20_171
 
 
@@ -100,7 +105,9 @@ def build_table(
         content = _content(model, refined, ends, info)
         narrow = ~refined.advance.divisible[:, None] & ~refined.beta.divisible[None, :]
         content = find_jumps(content, model, CELL_SHARE * tolerance, narrow)
-        if unresolved_share(LoadTable(content)) <= NARROW_ABOVE or not _narrowed(content, refined):
+        if unresolved_share(LoadTable(content)) <= NARROW_ABOVE:
+            break
+        if not _halved((content.cells & UNRESOLVED) > 0, refined):
             break
     for attempt in range(1, ATTEMPTS + 1):
         table = LoadTable(content)
@@ -109,8 +116,13 @@ def build_table(
         )
         if certificate.holds:
             break
-        # Points that failed have been seen now: mark their cells, certify on others.
-        content = marked(content, found, CELL_SHARE * tolerance)
+        # Points that failed have been seen now: refine there, certify on others.
+        too_large = exceeding(content, found, tolerance)
+        if attempt <= REFINEMENTS and _halved(too_large, refined):
+            refined = refine(model, *axes, tolerance)
+            content = with_marks_of(content, _content(model, refined, ends, info))
+        else:
+            content = marked(content, found, CELL_SHARE * tolerance)
     unresolved = certificate.unresolved_volume
     if not certificate.holds or unresolved > MOST_UNRESOLVED:
         worst = max(certificate.max_error.values())
@@ -128,11 +140,10 @@ def build_table(
     return LoadTable(replace(content, info={**info, **filed}))
 
 
-def _narrowed(content: TableContent, refined: Refined) -> bool:
-    """Halve unresolved cells where they may be; whether there were any such."""
-    loose = (content.cells & UNRESOLVED) > 0
-    rows = loose.any(axis=1) & refined.advance.divisible
-    columns = loose.any(axis=0) & refined.beta.divisible
+def _halved(cells: NDArray[np.bool_], refined: Refined) -> bool:
+    """Halve the intervals of these cells where they may be; whether there were any such."""
+    rows = cells.any(axis=1) & refined.advance.divisible
+    columns = cells.any(axis=0) & refined.beta.divisible
     refined.advance.split(rows)
     refined.beta.split(columns)
     return bool(rows.any() or columns.any())

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from propmap.arrays.types import Floats
 from propmap.loads import LOADS
 from propmap.table.axis import locate
+from propmap.table.comparison import Comparison, compare, quasi_random
 from propmap.table.content import UNRESOLVED as UNRESOLVED_BIT
-from propmap.table.lookup import NO_VALUE, UNRESOLVED, VORTEX_RING
+from propmap.table.largest_errors import largest_errors
+from propmap.table.lookup import UNRESOLVED, VORTEX_RING
 
 if TYPE_CHECKING:
     from propmap.table.model import Model
@@ -33,7 +34,8 @@ MOST_INSIDE = 4
 class Certificate:
     """Errors of a table against the model on quasi-random points of its envelope.
 
-    Errors are shares of the static loads at the same omega, by load; see ``loads.error_scales``.
+    The largest are searched for from these; see ``propmap.table.largest_errors``.  Errors are
+    shares of the static loads at the same omega, by load; see ``loads.error_scales``.
 
     Attributes
     ----------
@@ -42,7 +44,8 @@ class Certificate:
     points, seed : int
         How many, and of which scrambled Sobol sequence over (omega, speed, beta).
     max_error, rms_error : dict of str to float
-        Over the points that have a value and are not "unresolved".
+        Over the points that have a value and are not "unresolved"; the largest also over those
+        of the search.
     unresolved : int
         Points with that status, in cells where the model's loads jump or nearly so.
     unresolved_cells, unresolved_volume : int, float
@@ -50,9 +53,14 @@ class Certificate:
     unresolved_points : int
         Points inside them, spread evenly, of the next two.
     unresolved_max_error, unresolved_rms_error : dict of str to float
-        Errors inside them.
+        Errors inside them; the largest also over the points of the search.
     vortex_ring, no_value : int
         Points with that status, which count in the errors; and points without loads.
+    search_points : int
+        How many the search for the largest errors took; 0 in tables of earlier versions, whose
+        largest errors are of the sample alone.
+    max_omega, max_speed, max_beta : dict of str to float
+        Where ``max_error`` was met [rad/s], [m/s], [rad]; empty in tables of earlier versions.
     """
 
     tolerance: float
@@ -68,6 +76,10 @@ class Certificate:
     unresolved_rms_error: dict[str, float]
     vortex_ring: int
     no_value: int
+    search_points: int = 0
+    max_omega: dict[str, float] = field(default_factory=dict)
+    max_speed: dict[str, float] = field(default_factory=dict)
+    max_beta: dict[str, float] = field(default_factory=dict)
 
     @property
     def holds(self) -> bool:
@@ -79,41 +91,12 @@ class Certificate:
         return {**asdict(self), "holds": self.holds}
 
 
-@dataclass(frozen=True)
-class Comparison:
-    """Errors (n, L) as shares of static loads, codes (n,), advance ratios and angles (n,)."""
-
-    errors: Floats
-    code: NDArray[np.uint8]
-    advance: Floats
-    beta: Floats
-
-
-def quasi_random(table: LoadTable, points: int, seed: int) -> tuple[Floats, Floats, Floats]:
-    """omega, speed and beta of points that fill the envelope evenly, (n,) each."""
-    from scipy.stats import qmc
-
-    unit = qmc.Sobol(3, seed=seed).random(points)
-    low, high = np.array(list(table.envelope.values())).T
-    omega, speed, beta = (low + (high - low) * unit).T
-    return omega, speed, beta
-
-
-def compare(
-    table: LoadTable, model: Model, omega: Floats, speed: Floats, beta: Floats
-) -> Comparison:
-    """The table's errors at n points of its envelope, (n,) each."""
-    expected, _ = model.loads(omega, speed, beta)
-    found = table.loads(omega, speed, beta)
-    values = np.stack(found[: len(LOADS)], axis=-1)
-    errors = (values - expected) / static_loads(model, omega)
-    return Comparison(errors, found.code, speed / (omega * table.content.radius), beta)
-
-
 def certify(
     table: LoadTable, model: Model, tolerance: float, *, points: int = POINTS, seed: int = 1
 ) -> tuple[Certificate, Comparison]:
-    """Compare on fresh points; the certificate, and what it was drawn from.
+    """Compare on fresh points, search for the worst: the certificate, and what it was drawn from.
+
+    The latter are the points with loads outside unresolved cells.
 
     Points in unresolved cells do not count in the claim that the tolerance holds.  They are few,
     so that more are taken for the bound that is stated for these cells.
@@ -128,30 +111,36 @@ def certify(
         How many, a power of two, and the seed of their Sobol sequence.
     """
     model.stage = "certifying"
-    found = compare(table, model, *quasi_random(table, points, seed))
-    lost = np.isnan(found.errors).any(axis=1) | (found.code == NO_VALUE)
-    loose = ~lost & (found.code == UNRESOLVED)
-    most, rms = _sizes(found.errors[~lost & ~loose])
+    sample = compare(table, model, *quasi_random(table, points, seed))
     volume, inside = _unresolved(table, points, seed + 1)
-    errors = np.concatenate([found.errors[loose], compare(table, model, *inside).errors])
-    errors = errors[np.isfinite(errors).all(axis=1)]
-    loose_most, loose_rms = _sizes(errors)
+    within = compare(table, model, *inside)
+    model.stage = "looking for the largest errors"
+    searched = largest_errors(table, model, sample.and_also(within), seed)
+    sound, loose = _kinds(sample)
+    known = sound.and_also(_kinds(searched)[0])
+    most, (omega, speed, beta) = _largest(known)
+    all_loose = loose.and_also(_kinds(within)[1])
+    loose_most, _ = _largest(all_loose.and_also(_kinds(searched)[1]))
     certificate = Certificate(
         tolerance=tolerance,
         points=points,
         seed=seed,
         max_error=most,
-        rms_error=rms,
-        unresolved=int(loose.sum()),
+        rms_error=_rms(sound.errors),
+        unresolved=loose.omega.size,
         unresolved_cells=int(np.count_nonzero(table.content.cells & UNRESOLVED_BIT)),
         unresolved_volume=volume,
-        unresolved_points=len(errors),
+        unresolved_points=all_loose.omega.size,
         unresolved_max_error=loose_most,
-        unresolved_rms_error=loose_rms,
-        vortex_ring=int((found.code == VORTEX_RING).sum()),
-        no_value=int(lost.sum()),
+        unresolved_rms_error=_rms(all_loose.errors),
+        vortex_ring=int((sample.code == VORTEX_RING).sum()),
+        no_value=int(sample.lost.sum()),
+        search_points=searched.omega.size,
+        max_omega=omega,
+        max_speed=speed,
+        max_beta=beta,
     )
-    return certificate, found
+    return certificate, known
 
 
 def unresolved_share(table: LoadTable) -> float:
@@ -174,24 +163,25 @@ def _unresolved(
     return float(inside.mean()), (omega[kept], speed[kept], beta[kept])
 
 
-def static_loads(model: Model, omega: Floats) -> Floats:
-    """Static loads (n, L) at omega (n,).
-
-    Over Omega^2 they are linear in Omega^(-1/2), between the ends of the envelope to 1e-5, as
-    the model's friction is.
-    """
-    roots, ends = omega**-0.5, model.omega**-0.5
-    share = ((roots - ends[0]) / (ends[1] - ends[0]))[:, None]
-    low, high = model.static / (model.omega**2)[:, None]
-    return np.asarray((low + share * (high - low)) * (omega**2)[:, None])
+def _kinds(found: Comparison) -> tuple[Comparison, Comparison]:
+    """The points with loads in resolved cells, and those in the others."""
+    loose = found.code == UNRESOLVED
+    return found.where(~found.lost & ~loose), found.where(~found.lost & loose)
 
 
-def _sizes(errors: Floats) -> tuple[dict[str, float], dict[str, float]]:
-    """Largest and root mean square by load; zeros where there are no points."""
-    if not errors.size:
-        errors = np.zeros((1, len(LOADS)))
-    most, rms = np.abs(errors).max(axis=0), np.sqrt((errors**2).mean(axis=0))
-    return by_load(most), by_load(rms)
+def _largest(found: Comparison) -> tuple[dict[str, float], list[dict[str, float]]]:
+    """The largest error by load, and omega, speed and beta where it is; zeros without points."""
+    if not found.omega.size:
+        return dict.fromkeys(LOADS, 0.0), [{}, {}, {}]
+    errors = np.abs(found.errors)
+    at = errors.argmax(axis=0)
+    places = [by_load(values[at]) for values in (found.omega, found.speed, found.beta)]
+    return by_load(errors.max(axis=0)), places
+
+
+def _rms(errors: Floats) -> dict[str, float]:
+    """Root mean square by load; zeros where there are no points."""
+    return by_load(np.sqrt((errors**2).sum(axis=0) / max(len(errors), 1)))
 
 
 def by_load(values: Floats) -> dict[str, float]:

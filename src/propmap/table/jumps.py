@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 
 from propmap.arrays.types import Floats
 from propmap.table.axis import locate
-from propmap.table.certificate import Comparison, compare, quasi_random
+from propmap.table.comparison import Comparison, compare, quasi_random
 from propmap.table.content import UNRESOLVED, TableContent
+from propmap.table.positions import points_at
 from propmap.table.query import LoadTable
 from propmap.table.refine import spread
 
@@ -78,14 +79,27 @@ def _searched(
 
 def marked(content: TableContent, found: Comparison, limit: float) -> TableContent:
     """The table with the cells in which an error exceeds the limit, and those around, marked."""
+    cells = exceeding(content, found, limit)
+    unresolved = closed(spread(cells) | ((content.cells & UNRESOLVED) > 0))
+    flags = (unresolved * UNRESOLVED).astype(np.uint8)
+    return replace(content, cells=content.cells | flags)
+
+
+def exceeding(content: TableContent, found: Comparison, limit: float) -> NDArray[np.bool_]:
+    """Cells (n - 1, m - 1) in which an error exceeds the limit."""
     bad = (np.abs(found.errors) > limit).any(axis=1)
     cells: NDArray[np.bool_] = np.zeros(content.cells.shape, bool)
     cells[
         locate(content.advance, found.advance[bad])[0], locate(content.beta, found.beta[bad])[0]
     ] = True
-    unresolved = closed(spread(cells) | ((content.cells & UNRESOLVED) > 0))
-    flags = (unresolved * UNRESOLVED).astype(np.uint8)
-    return replace(content, cells=content.cells | flags)
+    return cells
+
+
+def with_marks_of(old: TableContent, new: TableContent) -> TableContent:
+    """The ``new`` table with those cells marked too whose middles the ``old`` one had marked."""
+    middles = (0.5 * (k[:-1] + k[1:]) for k in (new.advance, new.beta))
+    row, column = (locate(k, x)[0] for k, x in zip((old.advance, old.beta), middles, strict=True))
+    return replace(new, cells=new.cells | (old.cells[np.ix_(row, column)] & np.uint8(UNRESOLVED)))
 
 
 def closed(cells: NDArray[np.bool_]) -> NDArray[np.bool_]:
@@ -98,11 +112,4 @@ def _inside(
 ) -> tuple[Floats, Floats, Floats]:
     """Random omega, speed and beta in these cells, at omegas for which they are in the envelope."""
     i, j = (np.repeat(index, tries) for index in np.nonzero(cells))
-    share = rng.random((3, i.size))
-    advance = content.advance[i] + share[0] * np.diff(content.advance)[i]
-    beta = content.beta[j] + share[1] * np.diff(content.beta)[j]
-    per_omega = advance * content.radius
-    least = np.maximum(content.omega[0], content.speed[0] / per_omega)
-    most = np.minimum(content.omega[1], content.speed[1] / per_omega)
-    omega = least + share[2] * (most - least)
-    return omega, per_omega * omega, beta
+    return points_at(content, np.stack([i, j, 0 * i], axis=1) + rng.random((3, i.size)).T)

@@ -10,7 +10,8 @@ from propmap.arrays.types import Floats
 from propmap.engine.accuracy import accuracy
 from propmap.engine.evaluation import prepare
 from propmap.engine.gradients import load_gradients
-from propmap.table.certificate import by_load, quasi_random, static_loads
+from propmap.table.certificate import by_load
+from propmap.table.comparison import quasi_random, static_loads
 
 if TYPE_CHECKING:
     from propmap.model.section_covariance import SectionCovariance

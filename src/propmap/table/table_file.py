@@ -6,7 +6,7 @@ import json
 import os
 import zipfile
 import zlib
-from dataclasses import Field, fields
+from dataclasses import MISSING, Field, fields
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -112,10 +112,14 @@ def _info(found: dict[str, Any], where: str) -> dict[str, Any]:
 
 
 def _told(certificate: Any, field: Field[Any]) -> bool:
-    """Whether a certificate has a number there, or one for each load."""
+    """Whether a certificate has a number there, or one for each load; or nothing, where earlier
+    versions wrote nothing."""
     if not isinstance(certificate, dict):
         return False
+    later = field.default is not MISSING or field.default_factory is not MISSING
     value = certificate.get(field.name)
+    if later and value in (None, {}):
+        return True
     numbers = [value]
     if str(field.type).startswith("dict"):
         if not (isinstance(value, dict) and sorted(value) == sorted(LOADS)):

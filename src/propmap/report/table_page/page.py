@@ -5,13 +5,21 @@ from __future__ import annotations
 import numpy as np
 
 from propmap.export.provenance import map_sha256
-from propmap.report.certificate_text import TITLES, claims, parameter_claims
+from propmap.report.certificate_text import (
+    PLACE,
+    TITLES,
+    claims,
+    largest_at,
+    parameter_claims,
+)
 from propmap.report.page import csv_of_rows, number, report_files
 from propmap.report.style import RPM
 from propmap.report.table_page import hover, loads
 from propmap.report.table_page.envelope import cell_figure, cell_sheet
 from propmap.report.table_page.samples import sample
 from propmap.table.query import LoadTable
+
+PLACE_COLUMNS = ("at_rpm", "at_speed_mps", "at_beta_deg")
 
 
 def table_pages(table: LoadTable, where: str) -> dict[str, str | bytes]:
@@ -39,17 +47,36 @@ def table_pages(table: LoadTable, where: str) -> dict[str, str | bytes]:
         if parameters:
             columns["by the parameters, median"] = parameters["median"]
             columns["by the parameters, 95 %"] = parameters["percentile_95"]
+        places = largest_at(found)
+        nowhere = len(PLACE) * [None] if places else []
         slugs = (name.replace(" ", "_").replace(",", "") + "_share" for name in columns)
         sheets["table-certificate"] = csv_of_rows(
-            " ".join(("load", *slugs)),
-            [(load, *(float(by_load[load]) for by_load in columns.values())) for load in TITLES],
+            " ".join(("load", *slugs, *(PLACE_COLUMNS if places else ()))),
+            [
+                (
+                    load,
+                    *(float(by_load[load]) for by_load in columns.values()),
+                    *(places.get(load) or nowhere),
+                )
+                for load in TITLES
+            ],
         )
         values = {
             "holds": found.get("holds", max(found["max_error"].values()) <= found["tolerance"]),
             "claims": [*claims(found), *(parameter_claims(parameters) if parameters else ())],
-            "error_heads": "|".join(("error, as a share of", *(f"{name} [%]" for name in columns))),
+            "error_heads": "|".join(
+                (
+                    "error, as a share of",
+                    *(f"{name} [%]" for name in columns),
+                    *(f"largest at [{unit}]" for unit in PLACE.values() if places),
+                )
+            ),
             "errors": [
-                (title, *(number(100.0 * by_load[load], 2) for by_load in columns.values()))
+                (
+                    title,
+                    *(number(100.0 * by_load[load], 2) for by_load in columns.values()),
+                    *(number(value, 4) for value in places.get(load) or nowhere),
+                )
                 for load, title in TITLES.items()
             ],
         }
