@@ -103,8 +103,8 @@ def notes(results: Results) -> list[str]:
         "this propeller alone does not tell a plate from a factor: see propmap reproduce. Nothing "
         "is tuned here.",
         "The paper's section law has no camber (zero-lift angle 0), the blade has: with "
-        f"{SECTIONS['paper']} mean thrust is off by {_bias(results.groups, 'paper', 'thrust')}, mean "
-        f"torque by {_bias(results.groups, 'paper', 'torque')}.",
+        f"{SECTIONS['paper']} mean thrust is off by {_bias(results.groups, 'paper', 'thrust')}, "
+        f"mean torque by {_bias(results.groups, 'paper', 'torque')}.",
     ]
 
 
