@@ -15,6 +15,8 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from propmap.io.atomic_file import replacing
+from propmap.papers.gill_dandrea_2017.pages.rotor_drag import DATA as FORMS
+from propmap.papers.gill_dandrea_2017.pages.rotor_drag import MODELS as INFLOWS
 
 Rows = list[dict[str, str]]
 
@@ -30,11 +32,6 @@ LOADS = {
     "drag": "rotor drag",
     "roll_moment": "roll moment",
     "pitch_moment": "pitch moment",
-}
-FORMS = {"gill-dandrea-2019-8x6e": "polynomials", "gill-dandrea-2019-8x6e-fit": "model of 2019"}
-INFLOWS = {
-    "with camber, 2019": "paper's inflow",
-    "the same, recommended inflow": "recommended inflow",
 }
 
 

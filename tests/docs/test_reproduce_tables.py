@@ -77,5 +77,10 @@ def test_sources_and_fits_of_the_drag() -> None:
     }
     nb = "\N{NO-BREAK SPACE}"
     assert cells(docs_reproduce.drag_plate([fit]))[2] == [
-        "paper's inflow", "polynomials", "2", f"2.3 (10{nb}%)", f"37 (9.6{nb}%)", f"1.6, 21 (9.1{nb}%)",
-    ]  # fmt: skip
+        "the paper's inflow",
+        "polynomials",
+        "2",
+        f"2.3 (10{nb}%)",
+        f"37 (9.6{nb}%)",
+        f"1.6, 21 (9.1{nb}%)",
+    ]

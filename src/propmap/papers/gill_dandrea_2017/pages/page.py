@@ -76,7 +76,10 @@ def pages(numbers: Numbers) -> dict[str, str | bytes]:
         ],
         incidence=np.degrees(drag.INCIDENCE),
         seconds=_seconds,
-        data=[measurement(name) for name in (*tunnel.DATA_SETS, OTHER_FORM)],
+        data={
+            **{title: measurement(name) for name, title in tunnel.DATA_SETS.items()},
+            "2019 campaign, oblique (its blade-element model)": measurement(OTHER_FORM),
+        },
         software={"JAX": jax.__version__, "NumPy": np.__version__},
     )
 
