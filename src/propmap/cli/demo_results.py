@@ -159,7 +159,7 @@ def write_pictures(results: Results, folder: Path) -> tuple[Path, Path]:
         data.beta[mine],
         {load: values[mine] for load, values in oblique.measured.items()},
         {load: values[mine] for load, values in oblique.other.items()},
-        "from there to the same campaign's own model",
+        "to the campaign's own model",
     )
     curves, disk = folder / "demo-loads.png", folder / "demo-disk.png"
     fastest = float(data.speed[mine].max())

@@ -28,16 +28,16 @@ LITERATURE = (
     ),
     (
         "polynomial of a lift rotor computed by another agency (NASA GUAM, Simmons 2021)",
-        "H/T = 0.49 mu; this theory 0.57 mu",
+        "H/T = 0.49 μ; this theory 0.57 μ",
         "bare blades",
     ),
     (
         "quadcopter with 15 in rotors in a tunnel",
-        "somewhat less than four times this theory's rotor drag",
+        "somewhat less than four rotors of this theory",
         "whole vehicle",
     ),
-    ("Crazyflie 2.0 in flight (Foerster 2015)", "H/T = 0.74 mu", "whole vehicle"),
-    ("Parrot Bebop in flight", "H/T = 1.2 to 1.4 mu", "whole vehicle"),
+    ("Crazyflie 2.0 in flight (Förster 2015)", "H/T = 0.74 μ", "whole vehicle"),
+    ("Parrot Bebop in flight", "H/T = 1.2 to 1.4 μ", "whole vehicle"),
 )
 """Source, finding, and what was looked at; not computed here."""
 
