@@ -86,6 +86,7 @@ bench-options: $(READY)
 
 bench-mount: $(READY)
 	$(BIN)/python -m benchmarks.mount_drag
+
 bench-certificates: $(READY)
 	$(BIN)/python -m benchmarks.certificates
 

@@ -1,10 +1,10 @@
 """What each way to a rotor's loads costs and how far it is off: `make bench-choice`.
 
 Hover model, closed form, table and full model of one rotor: the APC 8x6E with constants fitted
-to thrust and torque of the oblique campaign of 2019 (results/identification.json), compared with
-the model over that campaign's range, as shares of static loads, and with the campaign itself.
-Beside it what constants fitted to UIUC's axial rows make of the same campaign, which that fit has
-not seen.  Writes results/choice.json.
+to thrust and torque of ``DATA`` (results/identification.json), compared with the model over the
+range of these data, as shares of static loads, and with the data themselves.  Beside it what
+constants fitted to UIUC's axial rows make of the same data, which that fit has not seen.  Writes
+results/choice.json.
 """
 
 from __future__ import annotations
@@ -37,6 +37,7 @@ RPM = np.pi / 30.0
 OMEGA, SPEED, BETA = (3700.0 * RPM, 8000.0 * RPM), (0.0, 14.0), (0.0, 0.5 * np.pi)
 TOLERANCE = 0.01
 DATA = "gill-dandrea-2019-8x6e-fit"
+"""The closed-form blade-element model of the oblique campaign of 2019: no measurements."""
 POINTS, SEED = 4096, 2017
 SINGLE = 200
 

@@ -183,7 +183,10 @@ def bundled(name: str) -> TunnelData:
 
 
 def published() -> list[dict[str, Any]]:
-    """Fits of the APC 8x6E to published data, and each checked on all of the data."""
+    """Fits of the APC 8x6E to published data, and each checked on all of the data.
+
+    The oblique data are the closed-form blade-element model of the campaign of 2019.
+    """
     model = Model(propmap.propeller("apc-8x6e"), first_guess())
     five = (*PAPER_FOUR, "zero_lift_angle")
     axial, oblique = bundled("uiuc-8x6e"), bundled("gill-dandrea-2019-8x6e-fit")

@@ -21,7 +21,13 @@ from tools import drag_effects as drag_effects_table
 from tools import performance_tables, readme_tables
 
 RESULTS = Path(__file__).resolve().parent.parent / "benchmarks" / "results"
-LOADS = {"thrust": "thrust", "torque": "torque", "drag": "rotor drag", "roll_moment": "roll moment"}
+LOADS = {
+    "thrust": "thrust",
+    "torque": "torque",
+    "drag": "rotor drag",
+    "roll_moment": "roll moment",
+    "pitch_moment": "pitch moment",
+}
 
 
 def write(folder: Path) -> None:
@@ -99,7 +105,7 @@ def coverage(found: dict[str, Any]) -> str:
 
 
 def by_angle(found: dict[str, Any]) -> str:
-    """Oblique data, by angle: this model and the hover model."""
+    """Oblique data, by angle: recommended, paper's and hover model."""
     groups = [g for g in found["groups"] if g["title"].startswith("oblique ")]
     loads = [one["load"] for one in groups[0]["errors"]]
     names = " | ".join(LOADS[load] for load in loads)
@@ -107,7 +113,7 @@ def by_angle(found: dict[str, Any]) -> str:
     for group in groups:
         cells = []
         for one in group["errors"]:
-            shares = (one["model"]["relative_rms"], one["hover"]["relative_rms"])
+            shares = [one["models"][model]["relative_rms"] for model in readme_tables.MODELS]
             cells.append(" / ".join("-" if s is None else f"{100.0 * s:.0f} %" for s in shares))
         points = group["errors"][0]["points"]
         rows.append(f"| {group['beta_deg']:g} | {points} | {' | '.join(cells)} |")

@@ -15,16 +15,24 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from propmap.io.atomic_file import replacing
+from propmap.papers.gill_dandrea_2017.pages.rotor_drag import DATA as FORMS
+from propmap.papers.gill_dandrea_2017.pages.rotor_drag import MODELS as INFLOWS
 
 Rows = list[dict[str, str]]
 
 SETS = {"paper-soft": "soft", "paper-stiff": "stiff"}
 DATA = {
     "uiuc-8x6e": "8x6E, axial (UIUC)",
-    "gill-dandrea-2019-8x6e-fit": "8x6E, oblique (2019 fit)",
+    "gill-dandrea-2019-8x6e": "8x6E, oblique (2019 polynomials)",
     "davoudi-8x4.5mr-thrust": "8x4.5MR, thrust",
 }
-LOADS = {"thrust": "thrust", "torque": "torque", "drag": "rotor drag", "roll_moment": "roll moment"}
+LOADS = {
+    "thrust": "thrust",
+    "torque": "torque",
+    "drag": "rotor drag",
+    "roll_moment": "roll moment",
+    "pitch_moment": "pitch moment",
+}
 
 
 def folder_of_page(folder: Path) -> Path:
@@ -51,6 +59,8 @@ def finish(process: subprocess.Popen[bytes], folder: Path) -> None:
         "reproduce-failures": failures(read(site / "figure-6-failure-speeds.csv")),
         "reproduce-errors": errors(read(site / "figure-7-errors.csv")),
         "reproduce-rotor-drag": rotor_drag(read(site / "rotor-drag-by-angle.csv")),
+        "reproduce-drag-sources": drag_sources(read(site / "rotor-drag-sources.csv")),
+        "reproduce-drag-plate": drag_plate(read(site / "rotor-drag-plate.csv")),
     }
     for name, text in tables.items():
         with replacing(folder / f"{name}.md") as part:
@@ -115,10 +125,54 @@ def errors(found: Rows) -> str:
 
 
 def rotor_drag(found: Rows) -> str:
-    """A line per angle: the published fit's drag over the theory's."""
-    names = ("beta_deg", "published_over_theory", "lowest", "highest")
-    heads = ["β [deg]", "2019 fit over theory, mean", "lowest", "highest"]
+    """A line per angle: the drag of 2019 over the theory's."""
+    names = (
+        "beta_deg", "polynomials_over_theory", "lowest", "highest",
+        "polynomials_over_recommended", "model_over_theory",
+    )  # fmt: skip
+    heads = [
+        "β [deg]", "polynomials over theory, mean", "lowest", "highest",
+        "polynomials over recommended", "their model over theory",
+    ]  # fmt: skip
     return _table(heads, [[_number(row[name], 3) for name in names] for row in found])
+
+
+def drag_sources(found: Rows) -> str:
+    """A line per source: drag in figures that propellers share."""
+    names = ("incidence_H_over_mu", "edgewise_H_over_mu", "edgewise_H_over_T_mu")
+    theory = float(found[0][names[0]])
+    rows = [
+        [
+            row["source"],
+            *(_number(row[name], 3) for name in names),
+            _number(str(float(row[names[0]]) / theory), 3),
+        ]
+        for row in found
+    ]
+    heads = ["source", "H'/μ, 15°", "H'/μ, edgewise", "H/(T μ), edgewise", "15°, over the theory"]
+    return _table(heads, rows)
+
+
+def drag_plate(found: Rows) -> str:
+    """A line per fit of the drag's excess, the error left in brackets."""
+    rows = [
+        [
+            INFLOWS[row["model"]],
+            FORMS[row["data"]],
+            _number(row["slipstream_factor"], 2),
+            f"{_number(row['factor_alone'], 3)} ({_percent(row['factor_rms_over_rms_measured'])})",
+            f"{_area(row['plate_alone_m2'])} ({_percent(row['plate_rms_over_rms_measured'])})",
+            f"{_number(row['both_factor'], 3)}, {_area(row['both_plate_m2'])} "
+            f"({_percent(row['both_rms_over_rms_measured'])})",
+        ]
+        for row in found
+    ]
+    heads = ["theory", "drag of", "k", "factor alone", "plate alone [cm²]", "factor, plate [cm²]"]
+    return _table(heads, rows)
+
+
+def _area(square_metres: str) -> str:
+    return f"{1e4 * float(square_metres):.0f}"
 
 
 def _interval(row: dict[str, str]) -> str:

@@ -24,6 +24,9 @@ README = ROOT / "README.md"
 RESULTS = ROOT / "benchmarks" / "results"
 PICTURE = ROOT / "docs" / "figures" / "apc-8x6e-loads.png"
 
+MODELS = {"recommended": "recommended model", "paper": "paper's model", "hover": "hover model"}
+"""The demo's models, in words."""
+
 
 def take_demo(folder: Path) -> None:
     """Keep the demo's figures and its picture."""
@@ -47,7 +50,11 @@ def fits(found: dict[str, Any]) -> str:
         "| fitted to | free | thrust | torque | rotor drag | roll moment |",
         "|---|---|---:|---:|---:|---:|",
     ]
-    names = {"uiuc-8x6e": "UIUC", "gill-dandrea-2019-8x6e-fit": "oblique"}
+    names = {
+        "uiuc-8x6e": "UIUC",
+        "gill-dandrea-2019-8x6e": "2019 polynomials",
+        "gill-dandrea-2019-8x6e-fit": "2019 model",
+    }
     loads = ("thrust_N", "torque_Nm", "drag_N", "roll_moment_Nm")
     for case in found["published"]:
         cells = []
@@ -85,25 +92,33 @@ def numerical_accuracy(found: dict[str, Any]) -> str:
 
 
 def model_accuracy(found: dict[str, Any]) -> str:
-    """Model and hover model against measurements."""
+    """The models against measurements, and by how much two forms of the data differ."""
     rows = [
-        "| data | load | points | measured rms | this model, rms | hover model, rms |",
-        "|---|---|---:|---:|---:|---:|",
+        "| data | load | points | measured rms | band of the data | "
+        + " | ".join(f"{title}, rms" for title in MODELS.values())
+        + " |",
+        "|---|---|---:|---:|---:|" + "---:|" * len(MODELS),
     ]
     for group in found["groups"]:
         if group["title"] not in ("static", "axial", "oblique"):
             continue
         for one in group["errors"]:
-            unit, load = one["unit"], one["load"].replace("_", " ")
-            cells = [f"{one['measured_rms']:.3g} {unit}"]
-            for model in (one["model"], one["hover"]):
-                share = model["relative_rms"]
-                relative = "" if share is None else f" ({100.0 * share:.0f} %)"
-                cells.append(f"{model['rms']:.2g} {unit}{relative}")
+            unit, load, band = one["unit"], one["load"].replace("_", " "), one["band"]
+            cells = [f"{one['measured_rms']:.3g} {unit}", "" if band is None else _share(band)]
+            for model in MODELS:
+                errors = one["models"][model]
+                share = errors["relative_rms"]
+                relative = "" if share is None else f" ({_share(share)})"
+                cells.append(f"{errors['rms']:.2g} {unit}{relative}")
             rows.append(f"| {group['title']} | {load} | {one['points']} | {' | '.join(cells)} |")
     rows += ["", "In words, from the same run:", ""]
     rows += [f"- {note}" for note in found["notes"]]
     return "\n".join(rows)
+
+
+def _share(share: float) -> str:
+    """In per cent, to a tenth below ten."""
+    return f"{100.0 * share:.0f} %" if share >= 0.0995 else f"{100.0 * share:.1f} %"
 
 
 def speed(found: dict[str, Any]) -> str:

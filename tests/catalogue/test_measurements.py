@@ -51,6 +51,12 @@ def test_what_was_not_measured_is_absent() -> None:
     assert "pitch_moment" in measurement("gill-dandrea-2019-8x6e").loads
 
 
+def test_both_forms_of_the_oblique_campaign_have_the_same_points() -> None:
+    both = [measurement(f"gill-dandrea-2019-8x6e{end}") for end in ("", "-fit")]
+    for field in ("omega", "speed", "beta"):
+        np.testing.assert_array_equal(*(getattr(one, field) for one in both))
+
+
 @with_data
 def test_uiuc_coefficients_come_back() -> None:
     with (DATA / "uiuc" / "loads.csv").open(newline="") as stream:

@@ -43,6 +43,15 @@ def test_names_are_listed() -> None:
     assert set(airfoil_names()) >= {"paper-soft", "paper-stiff", "paper-apc"}
 
 
+def test_identified_constants_serve_every_model() -> None:
+    found = airfoil("apc-8x6e-2019")
+    assert "10.3390/drones3040077" in found.source and "propmap fit tunnel" in found.source
+    # Camber, which the paper's law lacks.
+    assert -0.1 < found.zero_lift_angle < -0.05
+    for corrections in ((), ("pitt-peters",)):
+        assert found.with_corrections(corrections).corrections == corrections
+
+
 def test_a_file_is_read(tmp_path: Path) -> None:
     text = GOOD + 'zero_lift_angle = -0.05\nsharpness = 40\nname = "mine"\n'
     assert airfoil(written(tmp_path, text)) == Airfoil(

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from propmap.catalogue.measurements import Measurement, measurement
-from propmap.papers.gill_dandrea_2017.tunnel import Compared, errors, static_constants
+from propmap.papers.gill_dandrea_2017.tunnel import DATA_SETS, Compared, errors, static_constants
 
 
 def _data(thrust: np.ndarray, torque: np.ndarray | None) -> Measurement:
@@ -36,7 +36,7 @@ def test_errors_of_a_load() -> None:
 
 
 def test_every_data_set_has_a_static_test() -> None:
-    for name in ("uiuc-8x6e", "gill-dandrea-2019-8x6e-fit", "davoudi-8x4.5mr-thrust"):
+    for name in DATA_SETS:
         data = measurement(name)
         still = data.speed == 0.0
         assert still.any()

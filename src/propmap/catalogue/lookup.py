@@ -81,9 +81,10 @@ def airfoil(name_or_path: str | os.PathLike[str]) -> Airfoil | SectionTable:
     Parameters
     ----------
     name_or_path : str or path
-        "paper-soft", "paper-stiff" or "paper-apc" (Table I), the path of a parameter file or a fit
-        (.toml), or that of a section table as ``read_section_table`` takes it: a file of AeroDyn,
-        XFOIL, CACTUS or CSV, or a folder with XFOIL's polars.
+        "paper-soft", "paper-stiff" or "paper-apc" (Table I), "apc-8x6e-2019" (fitted to a wind
+        tunnel's oblique flow), the path of a parameter file or a fit (.toml), or that of a section
+        table as ``read_section_table`` takes it: a file of AeroDyn, XFOIL, CACTUS or CSV, or a
+        folder with XFOIL's polars.
 
     Raises
     ------

@@ -13,17 +13,26 @@ import numpy as np
 import propmap
 from propmap.arrays.types import Floats
 from propmap.catalogue.lookup import propeller
-from propmap.catalogue.measurements import measurement
+from propmap.catalogue.measurements import Measurement, measurement
 from propmap.cli.operating_points import RPM
 from propmap.cli.output import csv_text, json_text, write_text
 from propmap.loads import LOADS
 from propmap.model.airfoil import parameter_set
+from propmap.model.corrections import MODELS, corrections_of
 from propmap.model.model import Model
 from propmap.report.comparison import Comparison, LoadErrors, compare
 from propmap.rotor import Rotor
 
-PROPELLER, AIRFOIL = "apc-8x6e", "paper-apc"
-TUNNEL, OBLIQUE = "uiuc-8x6e", "gill-dandrea-2019-8x6e-fit"
+PROPELLER = "apc-8x6e"
+SECTIONS = {"recommended": "apc-8x6e-2019", "paper": "paper-apc"}
+"""Constants by the name of the model: identified on the oblique data, and as the paper has them."""
+
+TUNNEL, OBLIQUE, OTHER_FORM = "uiuc-8x6e", "gill-dandrea-2019-8x6e", "gill-dandrea-2019-8x6e-fit"
+"""Axial and static rows; the polynomials of the oblique campaign; its blade-element model."""
+
+FITTED = ("thrust", "torque")
+"""Loads of the polynomials to which the identified constants were fitted."""
+
 CURVES = np.radians([0.0, 30.0, 60.0, 90.0])
 DISK = (4000.0 * RPM, 14.0, np.radians(80.0))
 """An operating point with stall and reverse flow to be seen: [rad/s], [m/s], [rad]."""
@@ -43,6 +52,11 @@ class Group:
     beta_deg: float | None
     errors: list[LoadErrors]
 
+    def of(self, load: str) -> LoadErrors:
+        """The errors in one load."""
+        (found,) = (one for one in self.errors if one.load == load)
+        return found
+
 
 @dataclass(frozen=True)
 class Timing:
@@ -54,86 +68,74 @@ class Timing:
 
 @dataclass(frozen=True, eq=False)
 class Results:
-    """Comparisons at every point, errors by data set and of the oblique one by angle, and the time
-    of these points at once and of ten times as many."""
+    """What was found.
+
+    Attributes
+    ----------
+    rotor : Rotor
+        That of the recommended model.
+    tunnel, oblique : Comparison
+        At every point of both data sets.
+    groups, by_angle : list of Group
+        Errors by data set, and of the oblique one by angle.
+    timings : list of Timing
+        Of these points at once and of ten times as many.
+    cores : int
+        Of this machine.
+    """
 
     rotor: Rotor
-    comparisons: tuple[Comparison, Comparison]
+    tunnel: Comparison
+    oblique: Comparison
     groups: list[Group]
     by_angle: list[Group]
     timings: list[Timing]
     cores: int
 
-    def notes(self) -> list[str]:
-        """What is off, and why, with this run's figures."""
-        thrust, torque = self._bias("thrust"), self._bias("torque")
-        return [
-            "The paper's section law has no camber (zero-lift angle 0), the blade has: mean "
-            f"thrust is off by {thrust}, mean torque by {torque}. Constants fitted together with "
-            "a zero-lift angle, about -4 degrees, mend most of it.",
-            f"Rotor drag of the 2019 fit is {self.drag_ratio():.1f} times the theory's with these "
-            "parameters. Sources disagree: the 2017 paper's own measurements and Ribner's fin "
-            "analogy (NACA TR 819) are near the theory. Nothing is tuned here.",
-            "The oblique data are a published smooth fit of measurements, not raw points.",
-        ]
-
-    def _bias(self, load: str) -> str:
-        """Mean error over the mean measured load, in words, by data set."""
-        found = []
-        for group in self.groups:
-            (errors,) = (one for one in group.errors if one.load == load)
-            found.append(f"{errors.model.mean / errors.measured_mean:+.0%} {group.title}")
-        return ", ".join(found)
-
-    def drag_ratio(self) -> float:
-        """Rotor drag of the oblique data over the predicted one [-], rms over rms."""
-        both = self.comparisons[1]
-        sizes = [np.square(drag["drag"]).sum() for drag in (both.measured, both.predicted)]
-        return float(np.sqrt(sizes[0] / sizes[1]))
-
 
 def compute() -> Results:
     """Compare, and time the whole batch."""
-    tunnel, oblique = measurement(TUNNEL), measurement(OBLIQUE)
-    blade, section = propeller(PROPELLER), parameter_set(AIRFOIL)
-    rotors = [
-        Rotor(Model(blade, section, propmap.Air(density=data.air_density)))
-        for data in (tunnel, oblique)
-    ]
-    both = (compare(rotors[0], tunnel), compare(rotors[1], oblique))
-    still = tunnel.speed == 0.0
-    everything = np.full(oblique.speed.shape, True)
+    data, slanted, other = (measurement(name) for name in (TUNNEL, OBLIQUE, OTHER_FORM))
+    rotors = _rotors(slanted)
+    tunnel, oblique = compare(_rotors(data), data), compare(rotors, slanted, other)
+    still = data.speed == 0.0
     groups = [
-        Group("static", TUNNEL, None, both[0].errors(still)),
-        Group("axial", TUNNEL, 0.0, both[0].errors(~still)),
-        Group("oblique", OBLIQUE, None, both[1].errors(everything)),
+        Group("static", TUNNEL, None, tunnel.errors(still)),
+        Group("axial", TUNNEL, 0.0, tunnel.errors(~still)),
+        Group("oblique", OBLIQUE, None, oblique.errors(np.full(slanted.speed.shape, True))),
     ]
-    degrees = np.round(np.degrees(oblique.beta), 1)
+    degrees = np.round(np.degrees(slanted.beta), 1)
     by_angle = [
-        Group(f"oblique {beta:g}", OBLIQUE, float(beta), both[1].errors(degrees == beta))
+        Group(f"oblique {beta:g}", OBLIQUE, float(beta), oblique.errors(degrees == beta))
         for beta in np.unique(degrees)
     ]
     fields = ("omega", "speed", "beta")
-    flow = [np.concatenate([getattr(tunnel, f), getattr(oblique, f)]) for f in fields]
-    timings = [_timing(rotors[1], flow, copies) for copies in (1, COPIES)]
-    return Results(rotors[1], both, groups, by_angle, timings, os.cpu_count() or 1)
+    flow = [np.concatenate([getattr(data, f), getattr(slanted, f)]) for f in fields]
+    timings = [_timing(rotors["recommended"], flow, copies) for copies in (1, COPIES)]
+    return Results(
+        rotors["recommended"], tunnel, oblique, groups, by_angle, timings, os.cpu_count() or 1
+    )
 
 
-def write_tables(results: Results, folder: Path) -> None:
-    """``demo.csv``, every point, and ``demo.json``, the errors."""
-    rows = [row for one in results.comparisons for row in _rows(one)]
+def write_tables(results: Results, folder: Path, notes: list[str]) -> None:
+    """``demo.csv``, every point, and ``demo.json``, the errors and the ``notes`` on them."""
+    rows = [row for one in (results.tunnel, results.oblique) for row in _rows(one)]
     write_text(csv_text(list(rows[0]), rows), folder / "demo.csv")
     groups = [asdict(group) for group in (*results.groups, *results.by_angle)]
     found = {
         "propmap_version": propmap.__version__,
         "propeller": results.rotor.model.propeller.name,
-        "airfoil": results.rotor.model.airfoil.name,
+        "models": {
+            name: {"airfoil": section, "corrections": list(MODELS[name])}
+            for name, section in SECTIONS.items()
+        },
+        "fitted_loads": list(FITTED),
         "air_density_kg_m3": results.rotor.model.air.density,
         "accuracy": results.rotor.accuracy,
         "relative_rms": "rms of the error over the rms of the measured load",
+        "band": f"rms of {OTHER_FORM} less {OBLIQUE} over the rms of the latter",
         "groups": groups,
-        "drag_ratio": results.drag_ratio(),
-        "notes": results.notes(),
+        "notes": notes,
         "timings": [asdict(timing) for timing in results.timings],
         "cores": results.cores,
     }
@@ -146,16 +148,18 @@ def write_pictures(results: Results, folder: Path) -> tuple[Path, Path]:
     from propmap.report.load_curves import MeasuredLoads, load_curves
     from propmap.report.style import save
 
-    oblique = results.comparisons[1]
+    oblique = results.oblique
     data = oblique.measurement
     speeds, counts = np.unique(data.omega, return_counts=True)
     omega = float(speeds[np.argmax(counts)])
     mine = data.omega == omega
     points = MeasuredLoads(
-        "fit of measurements, Gill & D'Andrea 2019",
+        "polynomials, Gill & D'Andrea 2019",
         data.speed[mine],
         data.beta[mine],
         {load: values[mine] for load, values in oblique.measured.items()},
+        {load: values[mine] for load, values in oblique.other.items()},
+        "to the campaign's own model",
     )
     curves, disk = folder / "demo-loads.png", folder / "demo-disk.png"
     fastest = float(data.speed[mine].max())
@@ -163,6 +167,21 @@ def write_pictures(results: Results, folder: Path) -> tuple[Path, Path]:
     save(load_curves(results.rotor, omega, speed, CURVES.tolist(), points), curves)
     save(disk_picture(results.rotor, *DISK), disk)
     return curves, disk
+
+
+def _rotors(data: Measurement) -> dict[str, Rotor]:
+    """The rotor by the name of the model, in the air of the ``data``.
+
+    The recommended one is compiled, since it is timed; the others have too few points for it.
+    """
+    blade, air = propeller(PROPELLER), propmap.Air(density=data.air_density)
+    return {
+        name: Rotor(
+            Model(blade, parameter_set(section), air, corrections_of(name)),
+            compiled=name == "recommended",
+        )
+        for name, section in SECTIONS.items()
+    }
 
 
 def _timing(rotor: Rotor, flow: list[Floats], copies: int) -> Timing:
@@ -183,8 +202,9 @@ def _rows(both: Comparison) -> list[dict[str, Any]]:
     }
     for name, load in LOADS.items():
         columns[f"measured_{load.column}"] = both.measured.get(name, none)
-        columns[f"predicted_{load.column}"] = both.predicted[name]
-        columns[f"hover_{load.column}"] = both.hover[name]
+        columns[f"other_form_{load.column}"] = both.other.get(name, none)
+        for model, predicted in both.models.items():
+            columns[f"{model}_{load.column}"] = predicted[name]
     columns["status"] = both.status
     listed = [values.tolist() for values in columns.values()]
     return [dict(zip(columns, row, strict=True)) for row in zip(*listed, strict=True)]

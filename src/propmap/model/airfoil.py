@@ -173,7 +173,8 @@ def parameter_set(name_or_path: str | Path) -> Airfoil:
     Parameters
     ----------
     name_or_path : str or Path
-        "paper-soft", "paper-stiff" or "paper-apc" (Table I), or a file's path.
+        "paper-soft", "paper-stiff" or "paper-apc" (Table I), "apc-8x6e-2019" (fitted), or a file's
+        path.
 
     Raises
     ------

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.patches import Patch
 
 from propmap.arrays.types import Floats
 from propmap.baselines.hover import HoverModel
 from propmap.errors import InputError
 from propmap.loads import LOADS
 from propmap.report.style import (
+    BAND,
     COLOURS,
     HOVER,
     MEASURED,
@@ -28,6 +30,9 @@ from propmap.report.style import (
 )
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from numpy.typing import NDArray
+
     from propmap.rotor import Rotor
 
 NEAR_ANGLE = np.radians(0.5)
@@ -45,12 +50,26 @@ class MeasuredLoads:
         Operating points [m/s], [rad].
     loads : dict of str to ndarray, shape (n,)
         By name; NaN where not measured.
+    other : dict of str to ndarray, shape (n,)
+        The same loads as another evaluation of the same data has them; the band between both is
+        what the data leave open.
+    other_label : str
+        For the legend.
     """
 
     label: str
     speed: Floats
     beta: Floats
     loads: dict[str, Floats]
+    other: Mapping[str, Floats] = field(default_factory=dict)
+    other_label: str = ""
+
+    def along(self, beta: float, *, at_rest: bool) -> NDArray[np.intp]:
+        """Which points lie within half a degree of ``beta`` [rad], in the order of their speed;
+        those at rest too, at any angle, if ``at_rest``."""
+        near = np.abs(self.beta - beta) < NEAR_ANGLE
+        mine = np.flatnonzero(near | (at_rest & (self.speed == 0.0)))
+        return mine[np.argsort(self.speed[mine], kind="stable")]
 
 
 @style()
@@ -75,7 +94,7 @@ def load_curves(
         Up to 7 angles [rad].
     measured : MeasuredLoads, optional
         Points, drawn where their angle is within half a degree of a curve's; those at rest belong
-        to every curve and are drawn with the first.
+        to every curve and are drawn with the first.  Shaded: from them to ``other``.
 
     Raises
     ------
@@ -94,12 +113,7 @@ def load_curves(
         for curve, colour in zip(getattr(found, load.name), COLOURS, strict=False):
             ax.plot(speed, curve, color=colour, **MODEL)
         if measured is not None and load.name in measured.loads:
-            for k, beta in enumerate(betas):
-                mine = np.abs(measured.beta - beta) < NEAR_ANGLE
-                if k == 0:
-                    mine |= measured.speed == 0.0
-                values = measured.loads[load.name][mine]
-                ax.plot(measured.speed[mine], values, **marked(k), **MEASURED)
+            _draw_measured(ax, load.name, betas, measured)
         ax.set_ylabel(load.title)
         ax.margins(x=0.02)
     for ax in axes[-1]:
@@ -107,6 +121,21 @@ def load_curves(
     model = rotor.model
     title = f"{model.propeller.name}, airfoil {model.law_title}, {omega * RPM:.0f} rpm"
     figure.suptitle(title if measured is None else f"{title}; points: {measured.label}")
-    keys = angle_keys(betas, markersize=0.0 if measured is None else 4.5, **MODEL)
-    legend_below(figure, [*keys, key("hover model", **HOVER)])
+    keys: list[Any] = angle_keys(betas, markersize=0.0 if measured is None else 4.5, **MODEL)
+    keys.append(key("hover model", **HOVER))
+    if measured is not None and measured.other:
+        keys.append(Patch(label=measured.other_label, color="0.4", **BAND))
+    legend_below(figure, keys)
     return figure
+
+
+def _draw_measured(ax: Axes, load: str, betas: Sequence[float], measured: MeasuredLoads) -> None:
+    """The points of a load, and the bands behind them; points at rest belong to every band."""
+    values, other = measured.loads[load], measured.other.get(load)
+    for k, beta in enumerate(betas):
+        if other is not None:
+            mine = measured.along(beta, at_rest=True)
+            edges = (values[mine], other[mine])
+            ax.fill_between(measured.speed[mine], *edges, color=COLOURS[k], **BAND)
+        mine = measured.along(beta, at_rest=k == 0)
+        ax.plot(measured.speed[mine], values[mine], **marked(k), **MEASURED)

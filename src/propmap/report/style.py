@@ -33,6 +33,7 @@ MODEL: dict[str, Any] = {"linestyle": "-", "linewidth": 1.6}
 DASHED: dict[str, Any] = {"linestyle": (0, (5, 3)), "linewidth": 1.2}
 HOVER: dict[str, Any] = {**DASHED, "color": "0.35"}
 MEASURED: dict[str, Any] = {"linestyle": "none", "markersize": 4.5, "clip_on": False}
+BAND: dict[str, Any] = {"alpha": 0.25, "linewidth": 0.0}
 
 _SETTINGS: dict[Any, Any] = {
     "font.size": 9.0,

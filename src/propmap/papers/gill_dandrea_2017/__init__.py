@@ -22,6 +22,8 @@ TABLES = (
     "figure-6-failure-speeds",
     "figure-7-errors",
     "rotor-drag-by-angle",
+    "rotor-drag-sources",
+    "rotor-drag-plate",
     "rotor-drag-in-flight",
     "times",
 )

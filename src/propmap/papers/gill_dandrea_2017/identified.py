@@ -12,7 +12,11 @@ from propmap.model.airfoil import Airfoil
 from propmap.model.model import Model
 from propmap.papers.gill_dandrea_2017.blades import TUNNEL_PROPELLER, blade
 
-AXIAL, OBLIQUE = "uiuc-8x6e", "gill-dandrea-2019-8x6e-fit"
+AXIAL, OBLIQUE, OTHER_FORM = "uiuc-8x6e", "gill-dandrea-2019-8x6e", "gill-dandrea-2019-8x6e-fit"
+"""UIUC's rows; the polynomials of the 2019 campaign, one fitted to each load's measurements; the
+blade-element model that the same paper fitted to all of them."""
+
+OBLIQUE_LABEL = "with camber, 2019"
 FITTED_LOADS = ("thrust", "torque")
 """Rotor drag is left out of every fit: it is the load in dispute."""
 
@@ -33,7 +37,7 @@ class Identified:
 @dataclass(frozen=True)
 class TunnelFits:
     """The paper's four parameters fitted to the UIUC rows; and, with a zero-lift angle as a fifth,
-    the fits to the UIUC rows and to the published fit of 2019."""
+    the fits to the UIUC rows and to the polynomials of 2019."""
 
     axial_four: Identified
     axial: Identified
@@ -45,7 +49,7 @@ def tunnel_fits() -> TunnelFits:
     return TunnelFits(
         axial_four=_identify("four parameters, UIUC", AXIAL, PAPER_FOUR),
         axial=_identify("with camber, UIUC", AXIAL, FIVE),
-        oblique=_identify("with camber, 2019 fit", OBLIQUE, FIVE),
+        oblique=_identify(OBLIQUE_LABEL, OBLIQUE, FIVE),
     )
 
 

@@ -6,9 +6,21 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 from propmap.arrays.types import Floats
-from propmap.papers.gill_dandrea_2017 import rotor_drag, tunnel, tunnel_curves
+from propmap.papers.gill_dandrea_2017 import (
+    drag_sources,
+    plate,
+    rotor_drag,
+    tunnel,
+    tunnel_curves,
+)
 from propmap.papers.gill_dandrea_2017.cost import Times, measured_times
-from propmap.papers.gill_dandrea_2017.identified import AXIAL, OBLIQUE, TunnelFits, tunnel_fits
+from propmap.papers.gill_dandrea_2017.identified import (
+    AXIAL,
+    OBLIQUE,
+    OBLIQUE_LABEL,
+    TunnelFits,
+    tunnel_fits,
+)
 from propmap.papers.gill_dandrea_2017.level_circles import SetFlown, fly
 from propmap.papers.gill_dandrea_2017.paper import FLOWN
 
@@ -26,6 +38,8 @@ class Numbers:
     thrust_curves: list[tunnel_curves.ThrustCurve]
     small_incidence: list[rotor_drag.SmallIncidence]
     ratios: list[rotor_drag.Ratio]
+    drag_sources: list[drag_sources.Source]
+    plates: list[plate.PlateFits]
     consequences: list[rotor_drag.Consequence]
     times: Times
 
@@ -39,12 +53,15 @@ def compute() -> Numbers:
         found = tunnel.compared(fits)
         printed = dict(list(found[AXIAL].laws.items())[:1])
         axial = printed | {one.label: one.law for one in (fits.axial_four, fits.axial)}
-        oblique = printed | {fits.oblique.label: fits.oblique.law}
+        slanted = found[OBLIQUE].laws
+        oblique = printed | {
+            label: slanted[label] for label in (OBLIQUE_LABEL, tunnel.RECOMMENDED_LABEL)
+        }
         lines = tunnel_curves.axial_curves(found[AXIAL], axial)
         sweeps = tunnel_curves.oblique_curves(found[OBLIQUE], oblique)
         thrusts = tunnel_curves.thrust_curves(found[tunnel.MULTIROTOR])
         small = rotor_drag.small_incidence(fits.oblique.law)
-        ratios = rotor_drag.ratios(fits.oblique.law)
+        ratios = rotor_drag.ratios(found[OBLIQUE])
         flown = flights.result()
     return Numbers(
         flown=flown,
@@ -56,6 +73,8 @@ def compute() -> Numbers:
         thrust_curves=thrusts,
         small_incidence=small,
         ratios=ratios,
+        drag_sources=drag_sources.sources(found[OBLIQUE]),
+        plates=plate.plate_fits(found[OBLIQUE]),
         consequences=[rotor_drag.consequence(name, ratios[0].ratio) for name in FLOWN],
         times=measured_times(flown["paper-soft"].twin.fitted, fits.axial.fitted),
     )

@@ -1,4 +1,4 @@
-"""Rotor drag, on which published sources differ: theory, the fit of 2019, Ribner's fin."""
+"""Rotor drag, on which published sources differ: theory, the campaign of 2019, Ribner's fin."""
 
 from __future__ import annotations
 
@@ -14,18 +14,19 @@ from propmap.model.air import Air
 from propmap.model.airfoil import Airfoil, parameter_set
 from propmap.model.drag_factor import drag_factor_accepted
 from propmap.model.model import Model
-from propmap.papers.gill_dandrea_2017.blades import TUNNEL_PROPELLER, blade
-from propmap.papers.gill_dandrea_2017.identified import OBLIQUE
+from propmap.papers.gill_dandrea_2017.blades import blade
+from propmap.papers.gill_dandrea_2017.identified import OBLIQUE, OBLIQUE_LABEL, OTHER_FORM
 from propmap.papers.gill_dandrea_2017.level_circles import SPEEDS as CIRCLE_SPEEDS
 from propmap.papers.gill_dandrea_2017.level_circles import Circles, circles, quadrotor
+from propmap.papers.gill_dandrea_2017.tunnel import OTHER_LABEL, RECOMMENDED_LABEL, Compared
 from propmap.rotor import Rotor
 
 PROPELLERS = ("apc-8x6e", "apc-9x6e", "apc-11x7e", "apc-8x4.5mr", "apc-8x6sf")
 INCIDENCE = np.radians(15.0)
-"""Of the comparison with the fin: the smallest at which the 2019 fit was evaluated."""
+"""Of the comparison with the fin: the smallest of the 2019 data."""
 
 TIP_SPEED = 70.0
-"""[m/s] of all propellers, that of the APC 8x6E at 6579 rpm, at which the fit was evaluated."""
+"""[m/s] of all propellers, that of the APC 8x6E at 6579 rpm, of which there are data."""
 
 SPEEDS = np.arange(2.0, 15.0, 2.0)
 """[m/s]."""
@@ -45,8 +46,9 @@ class SmallIncidence:
         Rotational speed [rad/s], flight speeds [m/s].
     inflow : ndarray
         a, the inflow over the flight speed [-].
-    theory, published : ndarray
-        Rotor drag [N]; published None where there is none.
+    theory, published, other : ndarray
+        Rotor drag [N] by this theory, by the polynomials of 2019 and by the blade-element model of
+        the same campaign; both None where there are none.
     fin_low, fin_high : ndarray
         Side force [N] with the side area by the chord line's and by the zero-lift line's pitch.
     """
@@ -59,6 +61,7 @@ class SmallIncidence:
     fin_low: Floats
     fin_high: Floats
     published: Floats | None
+    other: Floats | None
 
     @property
     def theory_over_fin(self) -> Floats:
@@ -70,7 +73,16 @@ class SmallIncidence:
 class Ratio:
     """Published over theoretical drag of the APC 8x6E at one angle [deg].
 
-    ``ratio`` is that of the root mean squares, ``lowest`` and ``highest`` those of single points.
+    Attributes
+    ----------
+    beta, points : float, int
+        Angle [deg], and number of points at it.
+    ratio, lowest, highest : float
+        Of the polynomials to this theory: root mean squares, single points.
+    recommended : float
+        Of the polynomials to this theory with the recommended inflow.
+    other : float
+        Of the campaign's blade-element model to this theory.
     """
 
     beta: float
@@ -78,6 +90,8 @@ class Ratio:
     ratio: float
     lowest: float
     highest: float
+    recommended: float
+    other: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,7 +105,7 @@ class Consequence:
 
 
 def small_incidence(law: Airfoil) -> list[SmallIncidence]:
-    """The theory, the fin and, for the 8x6E, the published fit, for several propellers.
+    """The theory, the fin and, for the 8x6E, both forms of 2019, for several propellers.
 
     ``law`` is identified from thrust and torque of the APC 8x6E; the sections of the others are
     taken to be alike.
@@ -99,18 +113,26 @@ def small_incidence(law: Airfoil) -> list[SmallIncidence]:
     return [_small_incidence(name, law) for name in PROPELLERS]
 
 
-def ratios(law: Airfoil) -> list[Ratio]:
+def ratios(one: Compared) -> list[Ratio]:
     """Published over theoretical drag by angle, all speeds above zero."""
-    data = measurement(OBLIQUE)
-    rotor = Rotor(Model(blade(TUNNEL_PROPELLER), law, Air(density=data.air_density)))
-    theory = rotor.loads(data.omega, data.speed, data.beta).drag
+    data = one.data
+    drag = {label: loads["drag"] for label, loads in one.predicted.items()}
     angle, found = np.round(np.degrees(data.beta)), []
     for degrees in np.unique(angle[angle > 0.0]).tolist():
         mine = (angle == degrees) & (data.speed > 0.0)
-        published, mean = data.loads["drag"][mine], theory[mine]
+        published, mean = data.loads["drag"][mine], drag[OBLIQUE_LABEL][mine]
         each = published / mean
-        overall = rms(published) / rms(mean)
-        found.append(Ratio(degrees, published.size, overall, float(each.min()), float(each.max())))
+        found.append(
+            Ratio(
+                beta=degrees,
+                points=published.size,
+                ratio=rms(published) / rms(mean),
+                lowest=float(each.min()),
+                highest=float(each.max()),
+                recommended=rms(published) / rms(drag[RECOMMENDED_LABEL][mine]),
+                other=rms(drag[OTHER_LABEL][mine]) / rms(mean),
+            )
+        )
     return found
 
 
@@ -126,13 +148,16 @@ def consequence(name: str, factor: float) -> Consequence:
 def _small_incidence(name: str, law: Airfoil) -> SmallIncidence:
     shape, air = blade(name), Air()
     omega = TIP_SPEED / shape.radius
-    data = measurement(OBLIQUE)
-    published = None
+    data, form = measurement(OBLIQUE), measurement(OTHER_FORM)
+    published = other = None
     if name == data.propeller:
         # The rows have a rotational speed of their own, the nearest one.
         omega = float(data.omega[np.argmin(np.abs(data.omega - omega))])
         at = (data.omega == omega) & (np.abs(data.beta - INCIDENCE) < np.radians(0.5))
-        published = np.interp(SPEEDS, data.speed[at], data.loads["drag"][at], np.nan, np.nan)
+        published, other = (
+            np.interp(SPEEDS, data.speed[at], drag[at], np.nan, np.nan)
+            for drag in (data.loads["drag"], form.loads["drag"])
+        )
     rotor = Rotor(Model(shape, law, air))
     beta = np.concatenate([np.zeros_like(SPEEDS), np.full_like(SPEEDS, INCIDENCE)])
     loads = rotor.loads(omega, np.concatenate([SPEEDS, SPEEDS]), beta)
@@ -142,4 +167,4 @@ def _small_incidence(name: str, law: Airfoil) -> SmallIncidence:
         for angle in (0.0, law.zero_lift_angle)
     )
     inflow = inflow_factor(thrust, SPEEDS, shape.radius, air.density)
-    return SmallIncidence(name, omega, SPEEDS, inflow, drag, low, high, published)
+    return SmallIncidence(name, omega, SPEEDS, inflow, drag, low, high, published, other)

@@ -20,7 +20,7 @@ AXIAL_OMEGA = 5000.0 * np.pi / 30.0
 """[rad/s] of the axial lines; the Reynolds number moves them by a per cent at most."""
 
 OBLIQUE_OMEGA = 6579.0 * np.pi / 30.0
-"""[rad/s]: the rotational speed at which the published fit has most points."""
+"""[rad/s]: the rotational speed at which the 2019 campaign has most points."""
 
 BETAS = np.radians([0.0, 30.0, 60.0, 90.0])
 LARGEST_ADVANCE = 1.1

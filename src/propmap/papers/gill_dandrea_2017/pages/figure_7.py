@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.patches import Patch
 
 from propmap.arrays.types import Floats
 from propmap.fit.residuals import rms
@@ -13,6 +14,7 @@ from propmap.loads import LOADS
 from propmap.papers.gill_dandrea_2017.tunnel import (
     DIGITISED,
     HOVER_LABEL,
+    OTHER_LABEL,
     Compared,
     LoadError,
     static_constants,
@@ -26,6 +28,7 @@ from propmap.papers.gill_dandrea_2017.tunnel_curves import (
 )
 from propmap.report.page import csv_of_columns, csv_of_rows, number
 from propmap.report.style import (
+    BAND,
     COLOURS,
     HOVER,
     MARKERS,
@@ -78,21 +81,26 @@ def oblique_figure(one: Compared, curves: tuple[Floats, dict[str, dict[str, Floa
     hover = static_constants(data).loads(OBLIQUE_OMEGA)
     measured = {name: load for name, load in LOADS.items() if name in data.loads}
     mine = np.abs(data.omega - OBLIQUE_OMEGA) < 0.01 * OBLIQUE_OMEGA
-    figure = new_figure(8.6, 2.55 * len(measured))
-    axes = figure.subplots(len(measured), 2, sharex=True, sharey="row")
+    other = one.predicted[OTHER_LABEL]
+    figure = new_figure(9.6, 2.3 * len(measured))
+    axes = figure.subplots(len(measured), len(by_label), sharex=True, sharey="row")
     for column, (label, loads) in zip(axes.T, by_label.items(), strict=True):
         column[0].set_title(label, fontsize=9.0)
         for ax, name in zip(column, measured, strict=True):
             ax.axhline(float(hover[name]), **HOVER)
             for k, beta in enumerate(BETAS):
                 at = mine & (np.abs(data.beta - beta) < np.radians(0.5))
+                if name in other:
+                    edges = (data.loads[name][at], other[name][at])
+                    ax.fill_between(data.speed[at], *edges, color=COLOURS[k], **BAND)
                 ax.plot(speed, loads[name][k], color=COLOURS[k], **MODEL)
                 ax.plot(data.speed[at], data.loads[name][at], **marked(k), **MEASURED)
             ax.margins(x=0.02)
         column[-1].set_xlabel("speed V [m/s]")
     for ax, load in zip(axes[:, 0], measured.values(), strict=True):
         ax.set_ylabel(load.title)
-    handles = [*angle_keys(BETAS, markersize=4.5, **MODEL), key(HOVER_LABEL, **HOVER)]
+    handles: list[Any] = [*angle_keys(BETAS, markersize=4.5, **MODEL), key(HOVER_LABEL, **HOVER)]
+    handles.append(Patch(label="to the campaign's model", color="0.4", **BAND))
     legend_below(figure, handles)
     return figure
 
@@ -212,7 +220,8 @@ def _rows(one: Compared) -> str:
     for load, truth in data.loads.items():
         columns[f"measured_{LOADS[load].column}"] = truth
         for model, values in one.predicted.items():
-            columns[f"{_slug(model)}_{LOADS[load].column}"] = values[load]
+            if load in values:
+                columns[f"{_slug(model)}_{LOADS[load].column}"] = values[load]
     return csv_of_columns([columns])
 
 

@@ -6,10 +6,10 @@ import jax
 import numpy as np
 
 from propmap.catalogue.measurements import measurement
-from propmap.papers.gill_dandrea_2017 import level_circles, paper, tunnel
+from propmap.papers.gill_dandrea_2017 import drag_sources, level_circles, paper, tunnel
 from propmap.papers.gill_dandrea_2017 import rotor_drag as drag
 from propmap.papers.gill_dandrea_2017.cost import Times
-from propmap.papers.gill_dandrea_2017.identified import AXIAL, OBLIQUE
+from propmap.papers.gill_dandrea_2017.identified import AXIAL, OBLIQUE, OTHER_FORM
 from propmap.papers.gill_dandrea_2017.numbers import Numbers
 from propmap.papers.gill_dandrea_2017.pages import figure_6, figure_7, rotor_drag, table_1
 from propmap.papers.gill_dandrea_2017.tunnel_curves import OBLIQUE_OMEGA
@@ -54,6 +54,8 @@ def pages(numbers: Numbers) -> dict[str, str | bytes]:
         circles=level_circles,
         tunnel=tunnel,
         drag=drag,
+        sources=drag_sources,
+        plate_words=rotor_drag.plate_words,
         table_1=table_1,
         figure_6=figure_6,
         rotor_drag=rotor_drag,
@@ -74,7 +76,10 @@ def pages(numbers: Numbers) -> dict[str, str | bytes]:
         ],
         incidence=np.degrees(drag.INCIDENCE),
         seconds=_seconds,
-        data=[measurement(name) for name in tunnel.DATA_SETS],
+        data={
+            **{title: measurement(name) for name, title in tunnel.DATA_SETS.items()},
+            "2019 campaign, oblique (its blade-element model)": measurement(OTHER_FORM),
+        },
         software={"JAX": jax.__version__, "NumPy": np.__version__},
     )
 
