@@ -22,7 +22,7 @@ INDEPENDENT = 10.0
 FIRST_ERRORS = (0.003, 0.002)
 """Errors of C_T and C_P [-] that a first fit assumes; the second takes those that it left."""
 
-LEAST_ERRORS, MOST_ERRORS = (0.0015, 0.001), (0.003, 0.002)
+LEAST_ERRORS, MOST_ERRORS = (0.0015, 0.001), (0.004, 0.003)
 """Least and largest errors that the second fit assumes: where the model fails, its prior should not
 make it fail the more.  The covariance is with all errors that were left."""
 
