@@ -31,10 +31,11 @@ def fit_catalogue(
     after each of them: started again, the command goes on where it was.
     """
     from propmap.fit.population.catalogue import identify_all
+    from propmap.fit.population.misfiled import refiled
     from propmap.io.uiuc_database import read_uiuc_database
 
     check_output(output, (".csv",))
-    every = read_uiuc_database(loads)
+    every = refiled(read_uiuc_database(loads))
     known = {}
     if output.exists():
         earlier = parse_identified(output.read_text(encoding="utf-8"), str(output))
