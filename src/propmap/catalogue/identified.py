@@ -1,0 +1,181 @@
+"""Section constants identified from published loads, propeller by propeller, in one CSV file."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from importlib.resources import files
+from typing import Any
+
+import numpy as np
+
+from propmap.arrays.types import Floats
+from propmap.errors import InputError
+from propmap.model.airfoil import Airfoil
+
+PARAMETERS = (
+    "c_l1",
+    "c_d",
+    "alpha_0",
+    "zero_lift_angle",
+    "c_d0",
+    "reynolds_camber",
+    "drag_angle",
+)
+"""The constants that were identified; the others are held, c_l2 at the value in the file."""
+
+_PAIRS = [(i, j) for i in range(len(PARAMETERS)) for j in range(i, len(PARAMETERS))]
+_TEXTS = ("propeller", "family", "tested", "key", "verdict")
+_COUNTS = ("blades", "rows", "static_rows")
+_RANGES = ("rpm_low", "rpm_high", "advance_high")
+_ERRORS = ("thrust_rms", "power_rms", "static_thrust_rms", "static_power_rms")
+
+
+@dataclass(frozen=True, eq=False)
+class Identified:
+    """Constants of one propeller, and how far they can be trusted.
+
+    Attributes
+    ----------
+    propeller : str
+        Name of its blade in the catalogue.
+    blades : int
+        Number of blades.
+    family, tested : str
+        Code of its series, and what the source calls it.
+    airfoil : Airfoil
+        The constants.
+    covariance : ndarray, shape (7, 7)
+        Of ``PARAMETERS``, in their units.
+    thrust_rms, power_rms, static_thrust_rms, static_power_rms : float
+        Root mean squares of the errors of C_T and C_P over all rows and over those at rest [-];
+        NaN where there are none.
+    rows, static_rows : int
+        Operating points in all, and at rest.
+    rpm_low, rpm_high, advance_high : float
+        Range of the data: rotational speed [1/min], and J = V/(n D) up to this [-].
+    verdict : str
+        "good", or what is wrong with the data or the fit.
+    key : str
+        Tells the data and the settings of the fit from others.
+    """
+
+    propeller: str
+    blades: int
+    family: str
+    tested: str
+    airfoil: Airfoil
+    covariance: Floats
+    thrust_rms: float
+    power_rms: float
+    static_thrust_rms: float
+    static_power_rms: float
+    rows: int
+    static_rows: int
+    rpm_low: float
+    rpm_high: float
+    advance_high: float
+    verdict: str
+    key: str
+
+    @property
+    def constants(self) -> Floats:
+        """Values of ``PARAMETERS``, (7,)."""
+        return np.array([getattr(self.airfoil, name) for name in PARAMETERS])
+
+
+def identified(propeller: str, blades: int) -> Identified | None:
+    """The bundled constants of a propeller; None where there are none.
+
+    Parameters
+    ----------
+    propeller : str
+        Name of the blade in the catalogue, in upper or lower case.
+    blades : int
+        How many of them the rotor has.
+    """
+    return _bundled().get((propeller.strip().lower(), blades))
+
+
+def all_identified() -> list[Identified]:
+    """All bundled constants, in the order of the file."""
+    return list(_bundled().values())
+
+
+def as_csv(entries: Sequence[Identified]) -> str:
+    """The entries as the text of a file that ``parse_identified`` reads."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(_header())
+    for one in entries:
+        numbers = [
+            *(getattr(one, name) for name in _RANGES),
+            one.airfoil.c_l2,
+            *one.constants,
+            *(one.covariance[pair] for pair in _PAIRS),
+        ]
+        writer.writerow(
+            [
+                *(getattr(one, name) for name in _TEXTS),
+                *(getattr(one, name) for name in _COUNTS),
+                *(f"{value:.8g}" for value in numbers),
+                *(f"{getattr(one, name):.5f}" for name in _ERRORS),
+            ]
+        )
+    return text.getvalue()
+
+
+def parse_identified(text: str, where: str) -> list[Identified]:
+    """The entries of a file's ``text``; ``where`` names it in errors.
+
+    Raises
+    ------
+    InputError
+        For other columns than those of ``as_csv`` and for what is not a number.
+    """
+    reader = csv.DictReader(io.StringIO(text))
+    if reader.fieldnames != _header():
+        raise InputError(
+            "the columns are not those of identified constants",
+            "write the file anew with `propmap fit catalogue`",
+            where,
+        )
+    found = []
+    for line, row in enumerate(reader, start=2):
+        try:
+            found.append(_entry(row))
+        except (TypeError, ValueError) as error:
+            raise InputError(f"line {line}: {error}", "correct the row", where) from None
+    return found
+
+
+def _entry(row: dict[str, str]) -> Identified:
+    covariance = np.zeros((len(PARAMETERS), len(PARAMETERS)))
+    for i, j in _PAIRS:
+        covariance[i, j] = covariance[j, i] = float(row[_pair(i, j)])
+    values: Any = {name: float(row[name]) for name in ("c_l2", *PARAMETERS)}
+    texts: Any = {name: row[name] for name in _TEXTS}
+    counts: Any = {name: int(row[name]) for name in _COUNTS}
+    numbers: Any = {name: float(row[name]) for name in (*_RANGES, *_ERRORS)}
+    source = f"identified by propmap from the UIUC Propeller Database, {row['tested']}"
+    airfoil = Airfoil(**values, name=f"{row['propeller']} identified", source=source)
+    return Identified(airfoil=airfoil, covariance=covariance, **texts, **counts, **numbers)
+
+
+def _header() -> list[str]:
+    pairs = [_pair(i, j) for i, j in _PAIRS]
+    return [*_TEXTS, *_COUNTS, *_RANGES, "c_l2", *PARAMETERS, *pairs, *_ERRORS]
+
+
+def _pair(i: int, j: int) -> str:
+    return f"cov_{PARAMETERS[i]}_{PARAMETERS[j]}"
+
+
+@lru_cache(maxsize=1)
+def _bundled() -> dict[tuple[str, int], Identified]:
+    file = files("propmap.catalogue") / "identified" / "uiuc.csv"
+    entries = parse_identified(file.read_text(encoding="utf-8"), "catalogue of constants")
+    return {(one.propeller, one.blades): one for one in entries}

@@ -1,0 +1,79 @@
+"""Runs of the UIUC database that are filed under the wrong number of blades.
+
+Seven runs of the NR640 name three or four blades and have the loads of others: those of two blades
+(one of them, of four) to within the scatter of repeated runs, where the number they name is off by
+a third to all of the thrust and power.  In each the number named is the first digit of the run's
+rotational speed.  Runs at one rotational speed that disagreed by a quarter then agree.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from propmap.io.uiuc_database import MeasuredPropeller
+
+MISFILED = {
+    ("nr640 5x3.16 - 4", 4031.0): 2,
+    ("nr640 5x4.29 - 4", 4027.0): 2,
+    ("nr640 9x5.68 - 3", 3023.0): 2,
+    ("nr640 9x5.68 - 3", 3024.0): 4,
+    ("nr640 9x5.68 - 4", 4035.0): 2,
+    ("nr640 9x7.72 - 3", 3020.0): 2,
+    ("nr640 9x7.72 - 4", 4051.0): 2,
+    ("nr640 9x7.72 - 4", 4058.0): 2,
+}
+"""Number of blades by the propeller's name in the database and the rotational speed [1/min]."""
+
+
+def refiled(every: Sequence[MeasuredPropeller]) -> list[MeasuredPropeller]:
+    """The database with each run under the number of blades that its loads have.
+
+    Parameters
+    ----------
+    every : sequence of MeasuredPropeller
+        As the database files them.
+
+    Returns
+    -------
+    list of MeasuredPropeller
+        In the same order; a propeller of which nothing is left is left out.
+    """
+    rows = {one.name: [(one, _own(one))] for one in every}
+    for one in every:
+        for (name, rpm), blades in MISFILED.items():
+            moved = _at(one, rpm)
+            if name == one.name and moved.any():
+                home = f"{one.blade} - {blades}"
+                rows.setdefault(home, []).append((one._replace(blades=blades), moved))
+    joined = [_joined(name, parts) for name, parts in rows.items()]
+    return [one for one in joined if one.rpm.size > 0]
+
+
+def _at(one: MeasuredPropeller, rpm: float) -> NDArray[np.bool_]:
+    return (np.round(one.rpm) == rpm) & (one.advance > 0.0)
+
+
+def _own(one: MeasuredPropeller) -> NDArray[np.bool_]:
+    """Which rows belong to the number of blades that they are filed under."""
+    others = [_at(one, rpm) for name, rpm in MISFILED if name == one.name]
+    return ~np.any(others, axis=0) if others else np.ones(one.rpm.size, bool)
+
+
+def _joined(
+    name: str, parts: Sequence[tuple[MeasuredPropeller, NDArray[np.bool_]]]
+) -> MeasuredPropeller:
+    first = parts[0][0]
+    if len(parts) == 1 and parts[0][1].all():
+        return first
+    columns = [
+        np.concatenate([getattr(one, field)[which] for one, which in parts])
+        for field in ("rpm", "advance", "thrust", "power")
+    ]
+    apart = [one.run[which] + 1000 * k for k, (one, which) in enumerate(parts)]
+    blades = parts[-1][0].blades
+    return MeasuredPropeller(
+        name, first.blade, first.family, blades, *columns, np.concatenate(apart)
+    )

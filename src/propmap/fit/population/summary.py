@@ -1,0 +1,102 @@
+"""How well identified constants fit as a whole, and how they are spread over propellers."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from propmap.arrays.types import Floats
+from propmap.catalogue.identified import Identified
+from propmap.fit.population.prior import coordinates, slopes_of
+from propmap.fit.population.verdict import POOR
+
+WORST = 10
+"""How many propellers are named as the worst."""
+
+
+class Spread(NamedTuple):
+    """Means and standard deviations of coordinates over propellers, (7,) each.
+
+    Attributes
+    ----------
+    mean : ndarray
+        Over families' means and propellers.
+    between, within : ndarray
+        Between families, and between propellers of a family, without the errors of the fits.
+    """
+
+    mean: Floats
+    between: Floats
+    within: Floats
+
+
+class Summary(NamedTuple):
+    """Errors of C_T and C_P over propellers.
+
+    Attributes
+    ----------
+    propellers : int
+        Their number; of a propeller of which several blades were measured, the best counts.
+    thrust, power : tuple of float
+        Median and 90th percentile of the root mean squares [-].
+    worst : list of Identified
+        Those farthest beyond the errors of nine in ten.
+    spread : Spread
+        Of the constants.
+    """
+
+    propellers: int
+    thrust: tuple[float, float]
+    power: tuple[float, float]
+    worst: list[Identified]
+    spread: Spread
+
+
+def summary(entries: Sequence[Identified]) -> Summary:
+    """What all ``entries`` together say."""
+    best: dict[str, Identified] = {}
+    for one in entries:
+        kept = best.get(one.tested)
+        if kept is None or _badness(one) < _badness(kept):
+            best[one.tested] = one
+    chosen = list(best.values())
+    thrust, power = (
+        _median_and_tail([getattr(one, name) for one in chosen])
+        for name in ("thrust_rms", "power_rms")
+    )
+    worst = sorted(chosen, key=_badness, reverse=True)[:WORST]
+    return Summary(len(chosen), thrust, power, worst, spread(chosen))
+
+
+def _median_and_tail(errors: Sequence[float]) -> tuple[float, float]:
+    return float(np.median(errors)), float(np.quantile(errors, 0.9))
+
+
+def _badness(one: Identified) -> float:
+    return max(one.thrust_rms / POOR[0], one.power_rms / POOR[1])
+
+
+def spread(entries: Sequence[Identified]) -> Spread:
+    """Means and spreads of the coordinates of ``prior.PopulationPrior``, by moments.
+
+    The variance within families is that about their means, less the mean variance of the fits;
+    that between them is the variance of the means, less what the other two put into it.
+    """
+    place = coordinates(np.stack([one.constants for one in entries]))
+    fit = np.stack([_variance(one) for one in entries])
+    family = np.array([one.family for one in entries])
+    codes, which, count = np.unique(family, return_inverse=True, return_counts=True)
+    means = np.stack([place[which == k].mean(axis=0) for k in range(codes.size)])
+    about = ((place - means[which]) ** 2).sum(axis=0) / max(len(entries) - codes.size, 1)
+    within = np.maximum(about - fit.mean(axis=0), 0.0)
+    of_means = means.var(axis=0, ddof=1)
+    between = np.maximum(of_means - ((within + fit.mean(axis=0)) * (1.0 / count).mean()), 0.0)
+    return Spread(means.mean(axis=0), np.sqrt(between), np.sqrt(within))
+
+
+def _variance(one: Identified) -> Floats:
+    """Variances (7,) of the coordinates."""
+    back = np.linalg.inv(slopes_of(coordinates(one.constants)))
+    return np.diag(back @ one.covariance @ back.T)
