@@ -91,6 +91,8 @@ def test_a_root_cut_out_and_a_longer_blade_contradict_each_other() -> None:
 
 def test_corrections_act_alike_in_any_order() -> None:
     """The loss at the hub begins where the blade does: at the hub in either order."""
-    one, other = (arrays(*pair) for pair in (("blade-to-hub", "hub-loss"), ("hub-loss", "blade-to-hub")))
+    one, other = (
+        arrays(*pair) for pair in (("blade-to-hub", "hub-loss"), ("hub-loss", "blade-to-hub"))
+    )
     assert one.factors == other.factors
     assert float(one.factors[0].hub_radius) == pytest.approx(0.08 * BLADE.radius)  # type: ignore[attr-defined]

@@ -61,7 +61,9 @@ def literal(law: pm.Airfoil, speed: float, beta: float) -> tuple[float, float]:
     return float(drag), float(torque)
 
 
-@pytest.mark.parametrize(("speed", "beta"), [(10.0, 90.0), (12.0, 45.0), (18.0, 75.0), (6.0, 100.0)])
+@pytest.mark.parametrize(
+    ("speed", "beta"), [(10.0, 90.0), (12.0, 45.0), (18.0, 75.0), (6.0, 100.0)]
+)
 def test_it_adds_what_vectors_in_space_give(speed: float, beta: float) -> None:
     plain, rough = (
         rotor.loads(OMEGA, speed, np.radians(beta)) for rotor in rotors(APC, accuracy="fine")

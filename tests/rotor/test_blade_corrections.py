@@ -50,7 +50,13 @@ def literal(omega: float, along: float, across: float, hub: float) -> dict[str, 
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("omega", "along", "across"),
-    [(600.0, 0.0, 0.0), (600.0, 6.0, 8.0), (500.0, 0.0, 15.0), (700.0, 3.0, 1.0), (600.0, 12.0, 0.0)],
+    [
+        (600.0, 0.0, 0.0),
+        (600.0, 6.0, 8.0),
+        (500.0, 0.0, 15.0),
+        (700.0, 3.0, 1.0),
+        (600.0, 12.0, 0.0),
+    ],
 )
 def test_a_longer_blade_has_the_loads_of_the_literal_rotor(
     omega: float, along: float, across: float

@@ -99,7 +99,9 @@ def test_slopes_of_the_forces_are_their_derivatives() -> None:
         inflow = np.random.default_rng(4).uniform(-5.0, 20.0, (1, 300))
         for sine in (-1.0, 0.3, 1.0):
             here = element_forces(at, inflow, np.float64(sine))
-            up, down = (element_forces(at, inflow + step, np.float64(sine)) for step in (1e-5, -1e-5))
+            up, down = (
+                element_forces(at, inflow + step, np.float64(sine)) for step in (1e-5, -1e-5)
+            )
             for force, slope in ((0, 2), (1, 3)):
                 want = (up[force] - down[force]) / 2e-5
                 off = np.abs(here[slope] - want)
