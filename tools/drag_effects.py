@@ -1,4 +1,4 @@
-"""Print what corrections change in the rotor drag of the APC 8x6E, as a table for the documentation.
+"""Print what corrections change in the rotor drag of the APC 8x6E, as a table in Markdown.
 
 Usage: python -m tools.drag_effects
 """

@@ -174,9 +174,9 @@ def mounted() -> Any:
 
 
 def blade_corrections() -> Any:
-    """Loads with a longer blade and with friction along it."""
+    """Loads with each correction of the blade and of its sections."""
     found = []
-    for name in ("blade-to-hub", "radial-friction"):
+    for name in ("blade-to-hub", "radial-friction", "prandtl-glauert", "stall-delay"):
         model = dataclasses.replace(rotor().model, corrections=(pm.correction(name),))
         loads = pm.Rotor(model, compiled=False).loads(600.0, 9.0, 1.2)
         found.append((loads.thrust, loads.drag, loads.torque))
@@ -264,6 +264,8 @@ PROBES: dict[str, Callable[[], Any]] = {
     "propmap.physics.mount_drag": mounted,
     "propmap.physics.blade_to_hub": blade_corrections,
     "propmap.physics.radial_friction": blade_corrections,
+    "propmap.physics.sections.compressible": blade_corrections,
+    "propmap.physics.sections.stall_delay": blade_corrections,
     "propmap.solve": loads,
     "propmap.solve.harmonics": varying_inflow,
     "propmap.solve.state_loads": moving_inflow,

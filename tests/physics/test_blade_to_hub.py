@@ -85,7 +85,7 @@ def test_a_hub_outside_the_first_station_is_refused() -> None:
 
 
 def test_a_root_cut_out_and_a_longer_blade_contradict_each_other() -> None:
-    with pytest.raises(pm.InputError, match="root is cut out at 0.03 m"):
+    with pytest.raises(pm.InputError, match=r"root is cut out at 0\.03 m"):
         arrays("blade-to-hub", blade=BLADE.with_root_cutout(0.03))
 
 

@@ -38,23 +38,28 @@ def continued_to(blade: Blade, hub: float) -> Blade:
     ``TAPER_SPAN``, but no wider than at the first station and no narrower than ``LEAST_CHORD`` of
     it.  The measured part stays as it is.
     """
-    first, widest, twist = (
-        float(values[0]) for values in (blade.station, blade.chord, blade.twist)
+    first, widest, twist, tip = (
+        float(value) for value in (blade.station[0], blade.chord[0], blade.twist[0], blade.tip)
     )
+    further: Any = np.array(min(first + TAPER_SPAN * tip, tip))
     with by_numpy():
-        span = TAPER_SPAN * float(blade.tip)
-        further: Any = np.array([min(first + span, float(blade.tip))])
-        taper = (float(blade_shape(blade, further)[0][0]) - widest) / (float(further[0]) - first)
+        taper = (float(blade_shape(blade, further)[0]) - widest) / (float(further) - first)
         y = np.linspace(hub, first, INTERVALS + 1)
         chord = np.clip(widest + taper * (y - first), LEAST_CHORD * widest, widest)
         pitch_line = np.arctan2(first * math.sin(twist), y * math.cos(twist))
         inner = make_blade(y, chord, pitch_line, blade.blades, np.float64(hub))
-        columns: Any = [
-            np.concatenate([inside[:-1], outside])
-            for inside, outside in zip(inner[:3], blade[:3], strict=True)
-        ]
-        cubics: Any = np.concatenate([inner.cubics, blade.cubics])
-    return Blade(*columns, cubics, blade.blades, inner.root)
+
+    def joined(inside: Any, outside: Any) -> Any:
+        return np.concatenate([inside, outside])
+
+    return Blade(
+        station=joined(inner.station[:-1], blade.station),
+        chord=joined(inner.chord[:-1], blade.chord),
+        twist=joined(inner.twist[:-1], blade.twist),
+        cubics=joined(inner.cubics, blade.cubics),
+        blades=blade.blades,
+        root=inner.root,
+    )
 
 
 @dataclass(frozen=True)

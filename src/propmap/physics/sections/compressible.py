@@ -32,7 +32,7 @@ _LAST = 2.0 * LARGEST_MACH**2 - _FIRST
 
 LARGEST_FACTOR = 1.0 / math.sqrt(1.0 - LARGEST_MACH**2)
 LARGEST_SLOPE, LARGEST_BEND = 0.75, 8.3
-"""Bounds on the factor [-], and on its first and second derivative by the logarithm of the speed."""
+"""Bounds on the factor [-] and on its first and second derivative by the logarithm of speed."""
 
 
 @register_dataclass
@@ -45,6 +45,8 @@ class CompressibleLaw(WrappedLaw):
 
     Attributes
     ----------
+    law : SectionLaw
+        The law in it.
     speed_of_sound : Array
         [m/s].
 

@@ -21,7 +21,7 @@ STRENGTH = 3.0
 """Snel's factor of (c/y)^2 [-]."""
 
 FADE_FROM, FADE_TO = math.radians(30.0), math.radians(60.0)
-"""Angles from zero lift [rad] between which the effect fades; the method is for the first of them."""
+"""Angles from zero lift [rad] between which the effect fades; Snel's method is for small ones."""
 
 _WIDTH = FADE_TO - FADE_FROM
 _STEEPEST, _BENT = 0.5 * math.pi / _WIDTH, 0.5 * (math.pi / _WIDTH) ** 2
@@ -40,6 +40,8 @@ class StallDelayLaw(WrappedLaw):
 
     Attributes
     ----------
+    law : SectionLaw
+        The law in it.
     strength : Array
         k [-].
 
