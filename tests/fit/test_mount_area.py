@@ -17,10 +17,11 @@ from propmap.fit.flight import ForceModel, level_rows
 from propmap.fit.parameters import FIRST_GUESS, SECTION, Choice
 from propmap.fit.result_file import FitFile, fit_text, read_fit
 from propmap.fit.tunnel import TunnelData, model_with, tunnel_rows
+from propmap.flight.expectation import expectation
 from propmap.flight.trim import true_values
 from propmap.physics.mount_drag import MountDrag
 from propmap.vehicle.vehicle import Vehicle
-from tests.fit.test_flight_fit import MOUNTS, OMEGA, log
+from tests.fit.test_flight_fit import MOUNTS, OMEGA, VELOCITIES, log
 
 BLADE, LAW = propmap.propeller("apc-8x6e"), propmap.airfoil("paper-apc")
 MODEL = propmap.Model(BLADE, LAW)
@@ -148,6 +149,18 @@ def test_an_area_in_flight_is_that_of_every_rotor() -> None:
     slope = (at[0.003].force - at[0.001].force) / 0.002
     np.testing.assert_allclose(at[0.001].slopes[1], slope, rtol=1e-9, atol=1e-9)
     assert slope[0, 0] < -50.0
+
+
+@pytest.mark.parametrize(
+    ("corrections", "area"), [((), 0.0), (("mount-drag:area_m2=0.004",), 0.004)]
+)
+def test_a_planned_flight_knows_the_area_that_is_true(
+    corrections: tuple[str, ...], area: float
+) -> None:
+    law, vehicle = replace(LAW, corrections=corrections), replace(VEHICLE, mounts=MOUNTS)
+    found = expectation(vehicle, law, log(VELOCITIES), free=("c_l1", "mount_area"))
+    assert found.truth.tolist() == [LAW.c_l1, area]
+    assert found.uncertainty.low[1] <= area <= found.uncertainty.high[1]
 
 
 def test_a_vehicle_that_states_its_mounts_leaves_none_to_find() -> None:

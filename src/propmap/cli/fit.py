@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from propmap.fit.flight import ForceModel
     from propmap.fit.parameters import Choice
     from propmap.fit.rows import Rows
-    from propmap.model.airfoil import Airfoil
+    from propmap.model.model import Model
     from propmap.vehicle.flight_log import FlightLog
 
 fit_app = typer.Typer(
@@ -134,7 +134,7 @@ def fit_tunnel(
         from propmap.report.style import save
 
         save(tunnel_fit(measured, rotor), picture)
-    _finish(fitted, base, remarks, text, output)
+    _finish(fitted, rotor.model, remarks, text, output)
 
 
 @fit_app.command("flight")
@@ -199,7 +199,7 @@ def fit_flight(
     from propmap.fit.flight import ForceModel, balance_rows, hover_rows, level_rows
     from propmap.fit.parameters import BODY, PAPER_FOUR
     from propmap.fit.result_file import fit_text
-    from propmap.fit.tunnel import first_guess
+    from propmap.fit.tunnel import first_guess, model_with
 
     keep_compiled()
     flights = read_flights(
@@ -229,7 +229,7 @@ def fit_flight(
     )
     if picture is not None:
         _picture_of_flight(picture, fitted, model, flights.log)
-    _finish(fitted, law, remarks, text, output)
+    _finish(fitted, model_with(model.model, fitted.values), remarks, text, output)
 
 
 def _picture_of_flight(picture: Path, fitted: Fitted, model: ForceModel, log: FlightLog) -> None:
@@ -259,9 +259,9 @@ def _weights(texts: Sequence[str] | None) -> dict[str, float]:
     return found
 
 
-def _finish(fitted: Fitted, law: Airfoil, remarks: Sequence[str], text: str, output: Path) -> None:
+def _finish(fitted: Fitted, found: Model, remarks: Sequence[str], text: str, output: Path) -> None:
     from propmap.cli.fit_report import told
 
     write_text(text, output)
-    show(None, *told(fitted, law.corrections or (), remarks))
+    show(None, *told(fitted, found.correction_texts, remarks))
     typer.echo(f"wrote {output}", err=True)
