@@ -130,7 +130,7 @@ def _part(
             own = jax.tree.map(functools.partial(_some, some, piece.size), solution)
             nodes = nodes_of_each(turn, most)
             program = _program(block.panels) if rotor.compiled else _by_numpy(block.panels)
-            with jax.enable_x64(True):
+            with jax.enable_x64(rotor.double):
                 found = program(rotor.on_device, here.part(which), own, mine[which].T, nodes)
             into[:, points] = np.asarray(found)[:, : points.size]
 
