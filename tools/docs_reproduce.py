@@ -189,7 +189,8 @@ def _number(text: str, digits: int) -> str:
 
 
 def _percent(text: str) -> str:
-    return f"{100.0 * float(text):.2g}".replace("1e+02", "100") + "\N{NO-BREAK SPACE}%"
+    share = 100.0 * float(text)
+    return (f"{share:.0f}" if share >= 9.95 else f"{share:.2g}") + "\N{NO-BREAK SPACE}%"
 
 
 def _table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:

@@ -23,7 +23,7 @@ WITHOUT_UNIT = {
     "low_95", "high_95", "verdict", "load", "model", "unit", "points", "blades", "c_l2", "c_d",
     "solidity", "what", "drag_factor", "advance_ratio", "inflow_over_speed", "lowest", "highest",
     "source", "factor_alone", "both_factor", "slipstream_factor", "incidence_H_over_mu",
-    "edgewise_H_over_mu", "edgewise_H_over_T_mu",
+    "edgewise_H_over_mu", "edgewise_H_over_T_mu", "polynomials_over_recommended",
 }  # fmt: skip
 UNITS = re.compile(
     r"(_N|_Nm|_m|_m2|_mm|_deg|_rpm|_mps|_kg|_s|per_rad|_in_unit|_C_[TP]|_C_[TP]_error|rpm"

@@ -22,6 +22,9 @@ def test_errors_name_data_and_load_once() -> None:
     assert first == ["8x6E, axial (UIUC)", "thrust", "this", "5.5\N{NO-BREAK SPACE}%",
                      "100\N{NO-BREAK SPACE}%"]  # fmt: skip
     assert second[:3] == ["", "", "hover model"]
+    # Above the measured load itself there is no exponent.
+    large = docs_reproduce.errors([{**row, "worst_over_largest_measured": "1.66"}])
+    assert cells(large)[2][4] == "166\N{NO-BREAK SPACE}%"
     assert third[:2] == ["", "torque"]
 
 
