@@ -17,6 +17,7 @@ from propmap.table.comparison import compare, quasi_random
 from propmap.table.content import UNRESOLVED
 from propmap.table.model import Model
 from propmap.table.positions import points_at, positions_of
+from propmap.table.refine import refine
 
 from .conftest import invented_content, random_points
 
@@ -125,17 +126,14 @@ def test_cells_in_which_the_certificate_fails_are_halved(
 ) -> None:
     """Knots placed for ten times the tolerance, and no jumps looked for: the certificate sees to
     it."""
-    from propmap.table import build
-
     axes: list[int] = []
 
     def coarse(model: Any, advance: Any, beta: Any, tolerance: float) -> Any:
         axes.append(advance.knots.size * beta.knots.size)
-        return build_refine(model, advance, beta, 10.0 * tolerance)
+        return refine(model, advance, beta, 10.0 * tolerance)
 
-    build_refine = build.refine
-    monkeypatch.setattr(build, "refine", coarse)
-    monkeypatch.setattr(build, "find_jumps", lambda content, *_: content)
+    monkeypatch.setattr("propmap.table.build.refine", coarse)
+    monkeypatch.setattr("propmap.table.build.find_jumps", lambda content, *_: content)
     monkeypatch.setattr("propmap.table.refine.FIRST_KNOTS", 4)
     table = build_table(
         rotor,
