@@ -15,6 +15,8 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from propmap.catalogue.identified import all_identified
+from propmap.fit.population.summary import summary
 from propmap.io.atomic_file import replacing
 from propmap.papers.gill_dandrea_2017.drag_effects import drag_effects
 from tools import drag_effects as drag_effects_table
@@ -63,6 +65,7 @@ def write(folder: Path) -> None:
         "performance-following": performance_tables.following(found["phases"]),
         "performance-peers": performance_tables.peers(found["peers"]),
         "drag-effects": drag_effects_table.table(drag_effects()),
+        "identified": identified(),
         "cli": command_reference(),
     }
     for name, text in parts.items():
@@ -209,6 +212,32 @@ def choice_table(found: dict[str, Any]) -> str:
         f"{place['python']}, least of many; the machine's load was {place['load_before']} at the "
         "start."
     )
+
+
+def identified() -> str:
+    """How well the bundled constants fit, and the propellers that they fit worst."""
+    found = summary(all_identified())
+    rows = [
+        f"Root mean square errors over all rows of {found.propellers} propellers, by "
+        "`propmap fit catalogue`:",
+        "",
+        "| | median | 90 % below |",
+        "|---|---:|---:|",
+        *(
+            f"| {name} | {median:.4f} | {tail:.4f} |"
+            for name, (median, tail) in (("C_T", found.thrust), ("C_P", found.power))
+        ),
+        "",
+        "The worst:",
+        "",
+        "| propeller | C_T | C_P | what is known of it |",
+        "|---|---:|---:|---|",
+        *(
+            f"| {one.tested} | {one.thrust_rms:.4f} | {one.power_rms:.4f} | {one.verdict} |"
+            for one in found.worst
+        ),
+    ]
+    return "\n".join(rows)
 
 
 def command_reference() -> str:

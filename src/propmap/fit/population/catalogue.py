@@ -20,9 +20,14 @@ from propmap.io.uiuc_database import MeasuredPropeller
 SPECIMENS = ("", "-b", "-c")
 """Endings of the names of a blade of which several were measured."""
 
+MAKERS_FILES = {"apce": "apc-{}e", "apcsf": "apc-{}sf"}
+"""Names in the catalogue of blades of these families by their maker's own files."""
+
 
 def blade_names(tested: MeasuredPropeller) -> list[str]:
     """Names in the catalogue of the blades that a propeller of the database may have.
+
+    Those that the database measured come first, then that of the maker's file.
 
     Parameters
     ----------
@@ -36,8 +41,11 @@ def blade_names(tested: MeasuredPropeller) -> list[str]:
         raise InputError(
             f"the blade's name is {tested.blade!r}", "expected one as in 'apce 8.0x6.0'"
         ) from None
+    possible = [f"uiuc-{family}-{size}{end}" for end in SPECIMENS]
+    if family in MAKERS_FILES:
+        possible.append(MAKERS_FILES[family].format(size))
     known = catalogue.names()
-    return [name for end in SPECIMENS if (name := f"uiuc-{family}-{size}{end}") in known]
+    return [name for name in possible if name in known]
 
 
 def identify_all(
@@ -60,11 +68,12 @@ def identify_all(
     found: list[Identified] = []
     for tested in every:
         names = blade_names(tested)
+        specimens = sum(name.startswith("uiuc") for name in names)
         for name in names:
             test = AxialTest(replace(catalogue.load(name), blades=tested.blades), tested)
             key = _key(test)
             if key not in known:
-                found.append(_entry(name, len(names), test, key))
+                found.append(_entry(name, specimens, test, key))
                 done(found)
             else:
                 found.append(known[key])
@@ -74,7 +83,9 @@ def identify_all(
 def _entry(name: str, specimens: int, test: AxialTest, key: str) -> Identified:
     result, tested = identification.identify(test), test.tested
     told = verdict(tested, result)
-    if specimens > 1:
+    if not name.startswith("uiuc"):
+        told = f"blade by its maker's file; {told}"
+    elif specimens > 1:
         told = f"one of {specimens} blades measured, each tested in some of the runs; {told}"
     return Identified(
         propeller=name,

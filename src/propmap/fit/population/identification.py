@@ -135,14 +135,16 @@ def identify(test: AxialTest, prior: PopulationPrior = POPULATION) -> Identifica
     to_constants = slopes_of(place)
     still = test.tested.advance == 0.0
 
-    def rms(of: Floats) -> list[float]:
-        return [float(np.sqrt(np.nanmean(row**2))) if row.size else np.nan for row in of]
+    def rms(of: Floats) -> float:
+        return float(np.sqrt(np.nanmean(of**2))) if of.size else np.nan
 
     return Identification(
-        constants_of(place),
-        to_constants @ covariance @ to_constants.T,
-        np.sqrt(np.diag(covariance)) / prior.deviation,
-        *rms(error),
-        *rms(error[:, still]),
+        constants=constants_of(place),
+        covariance=to_constants @ covariance @ to_constants.T,
+        held=np.sqrt(np.diag(covariance)) / prior.deviation,
+        thrust_rms=rms(error[0]),
+        power_rms=rms(error[1]),
+        static_thrust_rms=rms(error[0, still]),
+        static_power_rms=rms(error[1, still]),
         residual=error,
     )

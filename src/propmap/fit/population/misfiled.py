@@ -1,6 +1,6 @@
 """Runs of the UIUC database that are filed under the wrong number of blades.
 
-Seven runs of the NR640 name three or four blades and have the loads of others: those of two blades
+Eight runs of the NR640 name three or four blades and have the loads of others: those of two blades
 (one of them, of four) to within the scatter of repeated runs, where the number they name is off by
 a third to all of the thrust and power.  In each the number named is the first digit of the run's
 rotational speed.  Runs at one rotational speed that disagreed by a quarter then agree.
@@ -13,6 +13,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from propmap.arrays.types import Floats
 from propmap.io.uiuc_database import MeasuredPropeller
 
 MISFILED = {
@@ -68,12 +69,17 @@ def _joined(
     first = parts[0][0]
     if len(parts) == 1 and parts[0][1].all():
         return first
-    columns = [
-        np.concatenate([getattr(one, field)[which] for one, which in parts])
-        for field in ("rpm", "advance", "thrust", "power")
-    ]
+
+    def column(field: str) -> Floats:
+        return np.concatenate([getattr(one, field)[which] for one, which in parts])
+
     apart = [one.run[which] + 1000 * k for k, (one, which) in enumerate(parts)]
-    blades = parts[-1][0].blades
-    return MeasuredPropeller(
-        name, first.blade, first.family, blades, *columns, np.concatenate(apart)
+    return first._replace(
+        name=name,
+        blades=parts[-1][0].blades,
+        rpm=column("rpm"),
+        advance=column("advance"),
+        thrust=column("thrust"),
+        power=column("power"),
+        run=np.concatenate(apart),
     )

@@ -24,7 +24,8 @@ class Spread(NamedTuple):
     mean : ndarray
         Over families' means and propellers.
     between, within : ndarray
-        Between families, and between propellers of a family, without the errors of the fits.
+        Between families, and between propellers of a family, without the errors of the fits; the
+        first is NaN of a single family.
     """
 
     mean: Floats
@@ -91,6 +92,8 @@ def spread(entries: Sequence[Identified]) -> Spread:
     means = np.stack([place[which == k].mean(axis=0) for k in range(codes.size)])
     about = ((place - means[which]) ** 2).sum(axis=0) / max(len(entries) - codes.size, 1)
     within = np.maximum(about - fit.mean(axis=0), 0.0)
+    if codes.size < 2:
+        return Spread(means[0], np.full(place.shape[1], np.nan), np.sqrt(within))
     of_means = means.var(axis=0, ddof=1)
     between = np.maximum(of_means - ((within + fit.mean(axis=0)) * (1.0 / count).mean()), 0.0)
     return Spread(means.mean(axis=0), np.sqrt(between), np.sqrt(within))
