@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from propmap.errors import InputError
-from propmap.flight.level_table import read_level_table
+from propmap.flight.level_table import is_level_table, read_level_table
 from propmap.flight.plausible_rpm import check_rotor_speed
 from propmap.flight.steady import airborne, operating_points, steady_stretches
 from propmap.vehicle.flight_log import FlightLog, joined
@@ -112,12 +112,4 @@ def _rpm_remarks(log: FlightLog, file: VehicleFile) -> list[str]:
 
 def all_level_tables(paths: Sequence[Path]) -> bool:
     """Whether all files are tables of operating points."""
-    return all(_is_level_table(path) for path in paths)
-
-
-def _is_level_table(path: Path) -> bool:
-    if path.suffix.lower() != ".csv" or not path.is_file():
-        return False
-    with path.open(encoding="utf-8-sig", errors="replace") as file:
-        header = [cell.strip() for cell in file.readline().split(",")]
-    return "pitch_deg" in header and "rpm_1" in header
+    return all(is_level_table(path) for path in paths)
