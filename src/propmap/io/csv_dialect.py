@@ -158,7 +158,7 @@ def has_decimal_commas(cells: Iterable[tuple[int, str]], separator: str, where: 
         ((mark, (number, cell)),) = first.items()
         whole = cell.replace(mark, "")
         raise InputError(
-            f"{quoted(cell)} may be {whole} or {cell.replace(mark, '.')}, and no other number tells",
+            f"{quoted(cell)} may be {whole} or {cell.replace(mark, '.')}, no other tells",
             f"write {whole} or {cell}0",
             f"{where}: line {number}",
         )

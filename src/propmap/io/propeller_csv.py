@@ -39,8 +39,9 @@ def read_propeller_csv(
     """A propeller from a CSV file with one row per station, from root to tip.
 
     One column each of radius_m, radius_mm, radius_in or r_over_R; chord_m, chord_mm, chord_in
-    or c_over_R; twist_deg or twist_rad; in any dialect of ``propmap.io.csv_dialect``.  Lines that start with # are comments, in which
-    ``# blades: 3``, ``# radius_m: 0.1``, ``# name:``, ``# source:`` and ``# citation:`` count.
+    or c_over_R; twist_deg or twist_rad; in any dialect of ``propmap.io.csv_dialect``.  Lines that
+    start with # are comments, in which ``# blades: 3``, ``# radius_m: 0.1``, ``# name:``,
+    ``# source:`` and ``# citation:`` count.
 
     Parameters
     ----------

@@ -31,7 +31,8 @@ def read_csv_log(path: Path, log: LogMap) -> Recording:
     ``velocity`` [m/s], ``rates`` [rad/s] and the optional ``specific_force`` [m/s^2] (3 each),
     ``rotor_speed``, and either ``qw, qx, qy, qz`` or ``roll, pitch, yaw`` [rad] (yaw about z,
     then pitch about y, then roll about x of the stated body frame).
-    Any dialect of ``propmap.io.csv_dialect`` is read.  Empty cells are samples that are not finite; text is refused.  Raises ``InputError``.
+    Any dialect of ``propmap.io.csv_dialect`` is read.  Empty cells are samples that are not
+    finite; text is refused.  Raises ``InputError``.
     """
     where = str(path)
     stated = {key: log.stated(key) for key in ("body_frame", "world_frame", "velocity_in")}
