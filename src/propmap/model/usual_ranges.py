@@ -85,6 +85,7 @@ LENGTH_SLIPS = (
     Slip("centimetres", 1e2),
     Slip("inches", 1.0 / INCH),
     Slip("inches taken for millimetres", 1e-3 / INCH),
+    Slip("millimetres taken for inches", 1e3 * INCH),
     Slip("metres taken for millimetres", 1e-3),
     Slip("metres taken for inches", INCH),
 )
