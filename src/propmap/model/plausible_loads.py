@@ -52,6 +52,13 @@ ENERGY_MARGIN = 1.15
 WEAK = 0.25
 """Share of the slow thrust below which rows do not tell how far a propeller pulls."""
 
+DRAG_SHARE = 0.02
+"""Drag over thrust that no axial flow has."""
+
+AXIAL_KEEPS, EDGEWISE_KEEPS = 0.8, 0.5
+"""Of the thrust at rest, the most that is left at 0.7 of the pitch speed along the axis, and the
+least at this speed across it; measured at most 0.52, and more than 1."""
+
 Loads = Mapping[str, "Floats"]
 
 SHARED_SLIPS: tuple[tuple[str, float, float], ...] = (
@@ -97,7 +104,7 @@ def doubts_on_loads(
     if backwards:
         return [f"{name} is negative near rest; its sign looks reversed" for name in backwards]
     found = _doubts_on_size(ratios, LOAD_RATIO) or [
-        *_doubts_on_reach(propeller, w, v, b, known),
+        *_doubts_on_reach(propeller, air, w, v, b, known),
         *_doubts_on_direction(propeller, w, v, b, known),
     ]
     impossible = _impossible(propeller, air, w, v, b, known)
@@ -222,13 +229,14 @@ def _impossible(
 
 
 def _doubts_on_reach(
-    propeller: Propeller, w: Floats, v: Floats, b: Floats, known: Loads
+    propeller: Propeller, air: Air, w: Floats, v: Floats, b: Floats, known: Loads
 ) -> list[str]:
     """A propeller that pulls faster than its pitch moves: the speeds are in another unit."""
     if "thrust" not in known:
         return []
-    coefficient = known["thrust"] / w**2
-    rows = (v > 0.0) & (np.cos(b) > AXIAL) & (coefficient > WEAK * np.nanmax(coefficient))
+    at_rest = estimated_loads(propeller, air, w, np.zeros_like(w))["thrust"]
+    pulling = known["thrust"] > WEAK * np.maximum(at_rest, np.nanmax(known["thrust"] / w**2) * w**2)
+    rows = pulling & (v > 0.0) & (np.cos(b) > AXIAL)
     if not rows.any():
         return []
     along = v[rows] * np.cos(b[rows]) / (w[rows] * propeller.radius)
@@ -244,22 +252,27 @@ def _doubts_on_direction(
     propeller: Propeller, w: Floats, v: Floats, b: Floats, known: Loads
 ) -> list[str]:
     """Axial flow with the loads of edgewise flow, or the reverse: beta from the disk plane."""
-    cosine, moving = np.abs(np.cos(b)), v > 0.0
-    axial, edgewise = moving & (cosine > AXIAL), moving & (cosine < EDGEWISE)
+    axial = (v > 0.0) & (np.abs(np.cos(b)) > AXIAL)
+    edgewise = (v > 0.0) & (np.abs(np.cos(b)) < EDGEWISE)
     told = "beta looks as if measured from the disk plane, 0 is along the axis here"
     thrust = known.get("thrust", np.full_like(w, np.nan))
-    if "drag" in known and axial.any():
-        share = np.abs(known["drag"]) / np.maximum(np.abs(thrust), 1e-9)
-        across = share[axial & np.isfinite(share)]
-        if across.size and float(np.median(across)) > 0.02:
+    if "drag" in known:
+        across = np.abs(known["drag"]) / np.maximum(np.abs(thrust), 1e-9)
+        across = across[axial & np.isfinite(across)]
+        if across.size and float(np.median(across)) > DRAG_SHARE:
             return [f"there is drag in the disk plane in axial flow; {told}"]
-    fast = v / (w * propeller.radius) > 0.7 * max(pitch_ratio(propeller), 1e-3)
-    rest = float(np.nanmedian((thrust / w**2)[v == v.min()]))
-    for rows, wrong in ((axial, lambda s: s > 0.8), (edgewise, lambda s: s < 0.5)):
-        some = rows & fast & np.isfinite(thrust)
-        if some.any() and rest > 0.0:
-            kept = float(np.median((thrust / w**2)[some])) / rest
-            if wrong(kept):
-                flow = "axial" if rows is axial else "edgewise"
-                return [f"in fast {flow} flow thrust is {kept:.2g} times that at rest; {told}"]
+    # The speed over that of the blade's pitch: what is fast along the axis.
+    reach = v / (w * propeller.radius * max(pitch_ratio(propeller), 1e-3))
+    coefficient, measured = thrust / w**2, np.isfinite(thrust)
+    slow, fast = measured & (reach < 0.3), measured & (reach > 0.7)
+    if not (slow.any() and fast.any()):
+        return []
+    rest = float(np.median(coefficient[slow]))
+    for flow, rows in (("axial", axial & fast), ("edgewise", edgewise & fast)):
+        if not rows.any():
+            continue
+        kept = float(np.median(coefficient[rows])) / rest
+        # Axial flow takes thrust away, edgewise flow adds to it.
+        if kept > AXIAL_KEEPS if flow == "axial" else kept < EDGEWISE_KEEPS:
+            return [f"in fast {flow} flow thrust is {kept:.2g} times that at rest; {told}"]
     return []
