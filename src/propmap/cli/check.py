@@ -21,11 +21,13 @@ from propmap.cli.output import (
     json_text,
     show,
 )
+from propmap.cli.plausibility import say_doubts
 from propmap.cli.rotor_options import Corrections, ModelOption, say_reynolds, with_physics
 from propmap.errors import InputError
 from propmap.model.air import Air
 from propmap.model.corrections import in_words
 from propmap.model.model import Model
+from propmap.model.plausible import doubts_on_blade
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -100,7 +102,7 @@ def _compare(
         paths = [Path(item) for item in data]
         flights = read_flights(paths, file, "balance", seconds=2.0, samples=2**31)
         return compare_flight(file.vehicle, flights.log, law, values)
-    from propmap.cli.tunnel_files import read_tunnel
+    from propmap.cli.tunnel_files import doubts_on_tunnel, read_tunnel
 
     if fitted is None and prop is None:
         raise InputError(
@@ -112,6 +114,7 @@ def _compare(
     measured = read_tunnel(data, blade, air)
     keep_compiled()
     say_reynolds(model, measured.omega, measured.speed, measured.beta)
+    say_doubts([*doubts_on_blade(blade), *doubts_on_tunnel(data, blade, air)])
     return compare_tunnel(model, measured)
 
 

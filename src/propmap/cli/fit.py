@@ -22,6 +22,7 @@ from propmap.cli.fit_options import (
     settings_of,
 )
 from propmap.cli.output import check_output, check_pictures, show, write_text
+from propmap.cli.plausibility import say_doubts
 from propmap.cli.rotor_options import (
     Corrections,
     ModelOption,
@@ -31,6 +32,7 @@ from propmap.cli.rotor_options import (
     with_physics,
 )
 from propmap.errors import InputError
+from propmap.model.plausible import doubts_on_air, doubts_on_blade
 
 if TYPE_CHECKING:
     from propmap.fit.fitted import Fitted
@@ -87,7 +89,7 @@ def fit_tunnel(
     picture: Picture = None,
 ) -> None:
     """Fit loads measured in a tunnel or on a bench."""
-    from propmap.cli.tunnel_files import read_tunnel, sources
+    from propmap.cli.tunnel_files import doubts_on_tunnel, read_tunnel, sources
 
     _check_outputs(output, picture)
     base = constants(choice.airfoil) if choice.airfoil else None
@@ -97,6 +99,8 @@ def fit_tunnel(
     weights = _weights(weight)
     blade, air = choice.blade(), choice.medium()
     measured = read_tunnel(data, blade, air)
+    doubts = doubts_on_tunnel(data, blade, air)
+    say_doubts(doubts)
 
     from propmap.engine.compilation import keep_compiled
     from propmap.fit.added_parameter import failing_assumptions
@@ -126,7 +130,7 @@ def fit_tunnel(
         data=sources(data),
         covered=coverage(measured.omega, measured.speed, measured.folded_beta, blade.radius),
         hover=hover_rows(rotor, measured, fitted.rows),
-        remarks=remarks,
+        remarks=[*remarks, *doubts_on_blade(blade), *doubts_on_air(air), *doubts],
         options={"loads": list(fitted.rows.names), "weights": weights},
     )
     if picture is not None:
@@ -190,6 +194,8 @@ def fit_flight(
     _check_outputs(output, picture, stretches_picture)
     base = constants(name_or_file) if name_or_file else None
     file = read_vehicle(vehicle)
+    doubts = [*doubts_on_blade(file.vehicle.propeller), *doubts_on_air(file.vehicle.air)]
+    say_doubts(doubts)
 
     from propmap.engine.compilation import keep_compiled
     from propmap.fit.added_parameter import body_terms_verdict
@@ -224,7 +230,7 @@ def fit_flight(
         data=[*logs, vehicle],
         covered=model.coverage(),
         hover=hover_rows(model, fitted.values, fitted.rows),
-        remarks=remarks,
+        remarks=[*remarks, *doubts],
         options={"seconds": seconds, "samples": samples, "vehicle": file.vehicle.name},
     )
     if picture is not None:

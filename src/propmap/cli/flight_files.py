@@ -5,16 +5,20 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from propmap.errors import InputError
-from propmap.flight.level_table import read_level_table
+from propmap.flight.level_table import is_level_table, read_level_table
 from propmap.flight.plausible_rpm import check_rotor_speed
 from propmap.flight.steady import airborne, operating_points, steady_stretches
 from propmap.vehicle.flight_log import FlightLog, joined
 from propmap.vehicle.logs import read_flight_log
 from propmap.vehicle.vehicle_toml import VehicleFile
+
+if TYPE_CHECKING:
+    from propmap.rotor import Rotor
 
 ENOUGH_STRETCHES = 4
 
@@ -57,7 +61,9 @@ def read_flights(
             raise InputError(
                 "a level-flight table has no accelerations", "fit it with --method level"
             )
-        return Flights(True, joined([read_level_table(p, file.vehicle) for p in paths]), ())
+        tables = [read_level_table(path, file.vehicle) for path in paths]
+        found = [text for table in tables for text in _table_remarks(table, file)]
+        return Flights(True, joined(tables), tuple(found))
     logs = [read_flight_log(path, file) for path in paths]
     remarks = [text for log in logs for text in _rpm_remarks(log, file)]
     if method != "balance":
@@ -100,24 +106,28 @@ def _points(
     return joined(found)
 
 
+def _table_remarks(table: FlightLog, file: VehicleFile) -> list[str]:
+    try:
+        return check_rotor_speed(table, _nominal_rotor(file), file.vehicle, "rpm")
+    except InputError as error:
+        remedy = "give rpm_1, rpm_2 ... in revolutions per minute of the propeller"
+        raise InputError(error.found, remedy, table.source) from None
+
+
 def _rpm_remarks(log: FlightLog, file: VehicleFile) -> list[str]:
+    unit = file.log.rotor_unit or ("rpm" if log.source.endswith(".ulg") else None)
+    return check_rotor_speed(log, _nominal_rotor(file), file.vehicle, unit)
+
+
+def _nominal_rotor(file: VehicleFile) -> Rotor:
     from propmap.model.airfoil import parameter_set
     from propmap.model.model import Model
     from propmap.rotor import Rotor
 
-    rotor = Rotor(Model(file.vehicle.propeller, parameter_set("paper-apc"), file.vehicle.air))
-    unit = file.log.rotor_unit or ("rpm" if log.source.endswith(".ulg") else None)
-    return check_rotor_speed(log, rotor, file.vehicle, unit)
+    model = Model(file.vehicle.propeller, parameter_set("paper-apc"), file.vehicle.air)
+    return Rotor(model, compiled=False)
 
 
 def all_level_tables(paths: Sequence[Path]) -> bool:
     """Whether all files are tables of operating points."""
-    return all(_is_level_table(path) for path in paths)
-
-
-def _is_level_table(path: Path) -> bool:
-    if path.suffix.lower() != ".csv" or not path.is_file():
-        return False
-    with path.open(encoding="utf-8-sig", errors="replace") as file:
-        header = [cell.strip() for cell in file.readline().split(",")]
-    return "pitch_deg" in header and "rpm_1" in header
+    return all(is_level_table(path) for path in paths)

@@ -11,6 +11,7 @@ import typer
 from propmap.catalogue.lookup import propeller
 from propmap.cli.operating_points import RPM, parse_axis, single_point
 from propmap.cli.output import PictureOutput, check_pictures
+from propmap.cli.plausibility import say_doubts, say_doubts_on_points
 from propmap.cli.points_file import LOAD_COLUMNS, read_points
 from propmap.cli.rotor_options import (
     Blades,
@@ -22,6 +23,7 @@ from propmap.cli.rotor_options import (
     takes_rotor,
 )
 from propmap.errors import InputError
+from propmap.model.plausible import doubts_on_blade
 
 if TYPE_CHECKING:
     from propmap.report.load_curves import MeasuredLoads
@@ -60,7 +62,9 @@ def plot_map(
     check_pictures(output)
     points = None if measured is None else _measured(measured, rpm)
     rotor = choice.rotor(speeds.size * (betas.size + 1))
-    say_reynolds(rotor.model, np.array(omega), speeds[:, None], betas)
+    points_drawn = np.array(omega), speeds[:, None], betas
+    say_reynolds(rotor.model, *points_drawn)
+    say_doubts_on_points(rotor.model, *points_drawn)
 
     from propmap.report.load_curves import load_curves
     from propmap.report.style import save
@@ -80,6 +84,7 @@ def plot_planform(
     """A blade's outline, chord and twist."""
     check_pictures(output)
     blade = propeller(prop, blades, radius, root_cutout)
+    say_doubts(doubts_on_blade(blade))
 
     from propmap.report.planform import planform
     from propmap.report.style import save
@@ -102,6 +107,7 @@ def plot_disk(
     check_pictures(output)
     rotor = choice.rotor(1)
     say_reynolds(rotor.model, *point.si)
+    say_doubts_on_points(rotor.model, *point.si)
 
     from propmap.report.disk_picture import disk_picture
     from propmap.report.style import save

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -13,6 +12,7 @@ from numpy.typing import NDArray
 
 from propmap.cli.operating_points import REMEDIES, OperatingPoints
 from propmap.errors import InputError, quoted
+from propmap.io.csv_dialect import read_csv_table
 from propmap.io.text_file import read_lines
 from propmap.loads import LOADS
 
@@ -38,7 +38,8 @@ def read_points(path: Path, further: Iterable[str] = ()) -> PointsFile:
     Parameters
     ----------
     path : Path
-        Of a file with the columns rpm, speed_mps and beta_deg in any order.
+        Of a file with the columns rpm, speed_mps and beta_deg in any order, in any dialect of
+        ``propmap.io.csv_dialect``.
     further : sequence of str
         Columns to read as well, where the file has them; others are left.
 
@@ -48,15 +49,10 @@ def read_points(path: Path, further: Iterable[str] = ()) -> PointsFile:
         Naming the file, the line and the column.
     """
     where = str(path)
+    further = tuple(further)
     lines = read_lines(path, "list of operating points")
-    reader = csv.reader([f"{line}\n" for line in lines], strict=True)
-    try:
-        rows = [(reader.line_num, row) for row in reader if any(cell.strip() for cell in row)]
-    except csv.Error as error:
-        raise InputError(
-            f"line {reader.line_num}: {error}", "save the file as plain CSV", where
-        ) from None
-    header = [cell.strip() for cell in rows[0][1]] if rows else []
+    file = read_csv_table(lines, [*POINT_COLUMNS, *further], where)
+    header = file.header if file else []
     missing = [name for name in POINT_COLUMNS if name not in header]
     if missing:
         raise InputError(
@@ -64,7 +60,7 @@ def read_points(path: Path, further: Iterable[str] = ()) -> PointsFile:
             f"the first line must name {', '.join(POINT_COLUMNS)}",
             where,
         )
-    if len(rows) == 1:
+    if file is None or not file.rows:
         raise InputError("there is no row below the header", "add a row per point", where)
     wanted = [*POINT_COLUMNS, *(name for name in further if name in header)]
     repeated = [name for name in wanted if header.count(name) > 1]
@@ -72,9 +68,9 @@ def read_points(path: Path, further: Iterable[str] = ()) -> PointsFile:
         raise InputError(f"line 1: column {repeated[0]} occurs twice", "keep one of them", where)
     columns: dict[str, list[float]] = {name: [] for name in wanted}
     places = {name: header.index(name) for name in wanted}
-    for line, row in rows[1:]:
+    for line, row in file.rows:
         for name, place in places.items():
-            cell = row[place].strip() if place < len(row) else ""
+            cell = row[place] if place < len(row) else ""
             columns[name].append(_value(cell, name, f"{where}, line {line}, column {name}"))
     arrays = {name: np.array(values) for name, values in columns.items()}
     points = OperatingPoints(*(arrays.pop(name) for name in POINT_COLUMNS))

@@ -19,6 +19,7 @@ from propmap.cli.output import (
     json_text,
     show,
 )
+from propmap.cli.plausibility import say_doubts_on_points
 from propmap.cli.points_file import read_points
 from propmap.cli.rotor_options import RotorChoice, say_reynolds, takes_rotor
 from propmap.errors import InputError
@@ -55,6 +56,7 @@ def predict(
     chosen = chosen_format(format_, output)
     rotor = choice.rotor(where.count)
     say_reynolds(rotor.model, *where.si)
+    say_doubts_on_points(rotor.model, *where.si)
     loads = where.loads(rotor)
     if chosen is Format.table:
         _show_table(output, rotor, where, loads, one=points is None)

@@ -13,11 +13,13 @@ import numpy as np
 import typer
 
 from propmap.catalogue.lookup import airfoil, propeller
+from propmap.cli.plausibility import say_doubts
 from propmap.errors import InputError
 from propmap.model.air import PAPER_DENSITY, PAPER_VISCOSITY, Air
 from propmap.model.airfoil import Airfoil, airfoil_names
 from propmap.model.corrections import CORRECTIONS, apart, as_text, correction, corrections_of
 from propmap.model.model import Model
+from propmap.model.plausible import doubts_on_air, doubts_on_blade
 from propmap.model.propeller import Propeller
 from propmap.model.section_table import SectionTable
 
@@ -134,11 +136,13 @@ class RotorChoice:
         return Rotor(Model(blade, section, air), accuracy=self.accuracy.value, compiled=compiled)
 
     def blade(self) -> Propeller:
-        """The propeller."""
-        return propeller(self.prop, self.blades, self.radius, self.root_cutout)
+        """The propeller; notes say what is odd about it."""
+        found = propeller(self.prop, self.blades, self.radius, self.root_cutout)
+        say_doubts(doubts_on_blade(found))
+        return found
 
     def medium(self) -> Air:
-        """The air."""
+        """The air; notes say what is odd about its figures."""
         stated = self.rho is not None or self.mu is not None
         standard = self.altitude is not None or self.temperature_offset is not None
         if stated and standard:
@@ -148,10 +152,12 @@ class RotorChoice:
             )
         if standard:
             return Air.standard(self.altitude or 0.0, self.temperature_offset or 0.0)
-        return Air(
+        air = Air(
             PAPER_DENSITY if self.rho is None else self.rho,
             PAPER_VISCOSITY if self.mu is None else self.mu,
         )
+        say_doubts(doubts_on_air(air))
+        return air
 
 
 @overload

@@ -12,6 +12,7 @@ import typer
 
 from propmap.cli.operating_points import COLUMNS, OperatingPoints, parse_axis
 from propmap.cli.output import Force, check_output, csv_text, write_text
+from propmap.cli.plausibility import say_doubts_on_points
 from propmap.cli.rotor_options import RotorChoice, say_reynolds, takes_rotor
 from propmap.errors import InputError
 
@@ -54,6 +55,7 @@ def sweep(
     rotor = choice.rotor(count)
     points = OperatingPoints.grid(*axes)
     say_reynolds(rotor.model, *points.si)
+    say_doubts_on_points(rotor.model, *points.si)
     loads = _compute(rotor, points)
     if output.suffix.lower() == ".nc":
         from propmap.cli.sweep_dataset import dataset

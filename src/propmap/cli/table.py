@@ -13,6 +13,7 @@ import typer
 
 from propmap.cli.operating_points import RPM, parse_axis
 from propmap.cli.output import Force, check_output, show
+from propmap.cli.plausibility import say_doubts_on_points
 from propmap.cli.rotor_options import RotorChoice, say_reynolds, takes_rotor
 from propmap.cli.table_report import building, told
 from propmap.errors import InputError, quoted
@@ -53,7 +54,9 @@ def table(
     check_tolerance(share, choice.accuracy.value)
     rotor = choice.rotor()
     ends = np.meshgrid(*(np.array(pair) for pair in ranges), indexing="ij")
-    say_reynolds(rotor.model, ends[0] * RPM, ends[1], np.radians(ends[2]))
+    corners = ends[0] * RPM, ends[1], np.radians(ends[2])
+    say_reynolds(rotor.model, *corners)
+    say_doubts_on_points(rotor.model, *corners)
     covariance = _covariance(choice.airfoil or "", rotor.model)
     with building() as progress:
         built = build_table(

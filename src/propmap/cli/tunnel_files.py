@@ -14,6 +14,8 @@ from propmap.errors import InputError, quoted
 from propmap.fit.tunnel import TunnelData, merged
 from propmap.io.uiuc_loads import looks_like_uiuc_loads, read_uiuc_loads
 from propmap.model.air import Air
+from propmap.model.plausible import doubts_on_points
+from propmap.model.plausible_loads import doubts_on_loads
 from propmap.model.propeller import Propeller
 
 
@@ -37,6 +39,24 @@ def sources(data: Sequence[str]) -> list[Path | str]:
 def read_tunnel(data: Sequence[str], propeller: Propeller, air: Air) -> TunnelData:
     """All of it as one set; coefficients become loads with this propeller and air."""
     return merged([_read(item, propeller, air) for item in sources(data)])
+
+
+def doubts_on_tunnel(data: Sequence[str], propeller: Propeller, air: Air) -> list[str]:
+    """What does not fit this propeller, for each file by itself, with the likely cause.
+
+    Raises ``InputError`` where there can be no such loads or points.
+    """
+    found = []
+    for item in sources(data):
+        part = _read(item, propeller, air)
+        points = part.omega, part.speed, part.beta
+        try:
+            doubts = doubts_on_points(propeller, *points)
+            doubts += doubts_on_loads(propeller, air, *points, part.loads)
+        except InputError as error:
+            raise InputError(error.found, error.remedy, part.source) from None
+        found += [f"{part.source}: {doubt}" for doubt in doubts]
+    return found
 
 
 def _read(item: Path | str, propeller: Propeller, air: Air) -> TunnelData:

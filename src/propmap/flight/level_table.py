@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-import csv
 import os
 import re
+from pathlib import Path
 
 import numpy as np
 
 from propmap.errors import InputError
 from propmap.io.blade_table import parse_number
+from propmap.io.csv_dialect import header_names, read_csv_table
 from propmap.io.text_file import read_lines
 from propmap.vehicle.flight_log import FlightLog, in_vehicle_frame
 from propmap.vehicle.log_map import RPM
@@ -31,7 +32,7 @@ def read_level_table(path: str | os.PathLike[str], vehicle: Vehicle) -> FlightLo
     down), ``rpm_1`` ... ``rpm_n`` (of the vehicle's rotors in their order, mechanical, >= 0), and,
     0 where missing, ``roll_deg`` (about the vehicle's x axis, after the pitch; positive right side
     down), ``climb_mps`` (up positive), ``yaw_rate_dps`` (about the vertical, positive to the left).
-    Other columns are ignored.
+    Other columns are ignored.  Any dialect of ``propmap.io.csv_dialect`` is read.
 
     Parameters
     ----------
@@ -51,13 +52,14 @@ def read_level_table(path: str | os.PathLike[str], vehicle: Vehicle) -> FlightLo
         Naming the file, the line and the column.
     """
     where = os.fspath(path)
-    rows = _rows(read_lines(path, "table of operating points"), where)
-    header = [cell.strip() for cell in rows[0][1]]
     rotors = len(vehicle.mounts)
+    known = (*REQUIRED, *OPTIONAL, *_speeds(rotors))
+    file = read_csv_table(read_lines(path, "table of operating points"), known, where)
+    header = file.header if file else []
     names = _columns(header, rotors, where)
-    if len(rows) == 1:
+    if file is None or not file.rows:
         raise InputError("there is no row below the header", "add a row per point", where)
-    table = np.array([_row(cells, line, header, names, where) for line, cells in rows[1:]])
+    table = np.array([_row(cells, line, header, names, where) for line, cells in file.rows])
     columns = dict(zip(names, table.T, strict=True))
     zero = np.zeros(len(table))
     pitch = np.radians(columns["pitch_deg"])
@@ -75,20 +77,23 @@ def read_level_table(path: str | os.PathLike[str], vehicle: Vehicle) -> FlightLo
     )
 
 
-def _rows(lines: list[str], where: str) -> list[tuple[int, list[str]]]:
-    """Line numbers and cells of the lines that are not blank."""
-    reader = csv.reader(lines, strict=True)
-    try:
-        return [(reader.line_num, row) for row in reader if any(cell.strip() for cell in row)]
-    except csv.Error as error:
-        raise InputError(
-            f"line {reader.line_num}: {error}", "save the file as plain CSV", where
-        ) from None
+def is_level_table(path: Path) -> bool:
+    """Whether the first line of the file at ``path`` names the columns of such a table."""
+    if path.suffix.lower() != ".csv" or not path.is_file():
+        return False
+    with path.open(encoding="utf-8-sig", errors="replace") as file:
+        line = file.readline()
+    needed = ("pitch_deg", "rpm_1")
+    return set(needed) <= set(header_names(line, needed))
+
+
+def _speeds(rotors: int) -> list[str]:
+    return [f"rpm_{k}" for k in range(1, rotors + 1)]
 
 
 def _columns(header: list[str], rotors: int, where: str) -> list[str]:
     """The columns to read: those of REQUIRED and OPTIONAL, then the rotors'."""
-    speeds = [f"rpm_{k}" for k in range(1, rotors + 1)]
+    speeds = _speeds(rotors)
     found = sum(RPM_COLUMN.fullmatch(name) is not None for name in header)
     for name in REQUIRED:
         if name not in header:

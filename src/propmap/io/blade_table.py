@@ -124,7 +124,8 @@ def check_fractions(fraction: Floats, where: str, labels: Sequence[str]) -> None
     high = int(np.argmax(fraction))
     if fraction[high] > 1.0:
         raise InputError(
-            f"{labels[high]}: r/R is {fraction[high]:g}, expected at most 1",
+            f"{labels[high]}: r/R is {fraction[high]:g}, expected at most 1"
+            + ("; it looks like per cent" if fraction[high] == 100.0 else ""),
             "divide by the tip radius, or name the column after its unit",
             where,
         )

@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 
 from propmap.errors import InputError, quoted
 from propmap.io.apc_pe0 import read_apc_pe0
+from propmap.io.csv_dialect import header_names, is_comment
 from propmap.io.propeller_csv import QUANTITIES, read_propeller_csv
 from propmap.io.propeller_toml import read_propeller_toml
 from propmap.io.text_file import read_lines
@@ -47,7 +48,7 @@ def read_geometry_file(
 
 def recognise(lines: Sequence[str], where: str) -> str:
     """The format of a file, one of ``READERS``, from its lines; ``InputError`` if unknown."""
-    body = [line for line in lines if line.strip() and not line.lstrip().startswith("#")]
+    body = [line for line in lines if line.strip() and not is_comment(line)]
     first = body[0] if body else ""
     if any(line.split()[:2] == ["STATION", "CHORD"] for line in body) or any(
         "AIRFOIL SUMMARY DATA" in line for line in body
@@ -70,5 +71,6 @@ def recognise(lines: Sequence[str], where: str) -> str:
 def _is_csv_header(line: str) -> bool:
     """Whether a column is named after a blade quantity, its unit right or wrong."""
     stems = {name.split("_")[0].lower() for names in QUANTITIES.values() for name in names}
-    cells = [cell.strip().lower() for cell in line.replace(";", ",").replace("\t", ",").split(",")]
+    known = [name for several in QUANTITIES.values() for name in several]
+    cells = header_names(line, known)
     return len(cells) > 1 and any(cell.split("_")[0] in stems for cell in cells)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import os
 from collections.abc import Sequence
 from pathlib import Path
@@ -21,6 +20,7 @@ from propmap.io.blade_table import (
     parse_rows,
     usable_radius,
 )
+from propmap.io.csv_dialect import read_csv_table
 from propmap.io.text_file import read_lines
 from propmap.model.blade_check import twist_from_degrees
 from propmap.model.propeller import Propeller
@@ -39,8 +39,9 @@ def read_propeller_csv(
     """A propeller from a CSV file with one row per station, from root to tip.
 
     One column each of radius_m, radius_mm, radius_in or r_over_R; chord_m, chord_mm, chord_in
-    or c_over_R; twist_deg or twist_rad.  Lines that start with # are comments, in which
-    ``# blades: 3``, ``# radius_m: 0.1``, ``# name:``, ``# source:`` and ``# citation:`` count.
+    or c_over_R; twist_deg or twist_rad; in any dialect of ``propmap.io.csv_dialect``.  Lines that
+    start with # are comments, in which ``# blades: 3``, ``# radius_m: 0.1``, ``# name:``,
+    ``# source:`` and ``# citation:`` count.
 
     Parameters
     ----------
@@ -57,21 +58,19 @@ def read_propeller_csv(
         Naming the line or the column.
     """
     where = os.fspath(path)
-    numbered = [(n, line) for n, line in enumerate(read_lines(path), 1) if line.strip()]
-    stated = _comments([line for _, line in numbered])
-    body = [(n, line) for n, line in numbered if not line.lstrip().startswith("#")]
-    if not body:
+    known = [name for several in QUANTITIES.values() for name in several]
+    file = read_csv_table(read_lines(path), known, where, comments=True)
+    if file is None:
         remedy = "name the columns, for example radius_m,chord_m,twist_deg"
         raise InputError("found comments only", remedy, where)
-    header = _cells(body[0][1], f"{where}: line {body[0][0]}")
-    columns = _choose_columns(header, f"{where}: line {body[0][0]}")
-    if len(body) == 1:
+    stated = _comments(file.comments)
+    columns = _choose_columns(file.header, f"{where}: line {file.line}")
+    if not file.rows:
         raise InputError(
             "found a header and no rows", "give one row per station of the blade", where
         )
-    rows = [(number, _cells(line, f"{where}: line {number}")) for number, line in body[1:]]
     wanted = tuple(columns.values())
-    labels, table = parse_rows(rows, header, wanted, where, "use a decimal point, and ")
+    labels, table = parse_rows(file.rows, file.header, wanted, where)
     if "radius_m" in stated:
         place = f"{where}: # radius_m"
         in_file = usable_radius(parse_number(stated["radius_m"], "the radius", place), place)
@@ -99,19 +98,10 @@ def read_propeller_csv(
     )
 
 
-def _cells(line: str, where: str) -> list[str]:
-    try:
-        return [cell.strip() for cell in next(csv.reader([line]), [])]
-    except csv.Error as error:
-        raise InputError(f"not CSV: {error}", "separate columns by commas", where) from None
-
-
 def _comments(lines: Sequence[str]) -> dict[str, str]:
     """What the comments state, first statement first."""
     stated: dict[str, str] = {}
     for line in lines:
-        if not line.lstrip().startswith("#"):
-            continue
         key, _, value = line.lstrip().removeprefix("#").partition(":")
         if key.strip().lower() in COMMENT_KEYS and value.strip():
             stated.setdefault(key.strip().lower(), value.strip())
@@ -123,10 +113,9 @@ def _choose_columns(header: Sequence[str], where: str) -> dict[str, str]:
     known = [name for names in QUANTITIES.values() for name in names]
     for cell in header:
         if cell not in known:
-            separator = ";" in cell or "\t" in cell
             raise InputError(
                 f"found column {quoted(cell)}, expected one of {', '.join(known)}",
-                "separate columns by commas" if separator else "rename, comment or remove it",
+                "rename, comment or remove it",
                 where,
             )
     chosen: dict[str, str] = {}

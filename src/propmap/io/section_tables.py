@@ -11,6 +11,7 @@ import numpy as np
 
 from propmap.errors import InputError, quoted
 from propmap.io.blade_table import parse_number
+from propmap.io.csv_dialect import header_names, read_csv_table
 from propmap.io.section_extension import Polar, all_round, at_common_angles
 from propmap.io.text_file import read_lines
 from propmap.model.section_table import SectionTable
@@ -84,7 +85,7 @@ def section_format(lines: Lines) -> str | None:
         return "XFOIL"
     if any(line.lower().startswith("reynolds number:") for line in head):
         return "CACTUS"
-    if head and set(CSV_COLUMNS) <= set(_cells(head[0])):
+    if head and set(CSV_COLUMNS) <= set(header_names(head[0], CSV_COLUMNS)):
         return "CSV"
     return None
 
@@ -163,11 +164,15 @@ def _cactus(lines: Lines, where: str) -> Iterator[tuple[float, list[Row]]]:
 
 def _csv(lines: Lines, where: str) -> Iterator[tuple[float, list[Row]]]:
     """Columns by name; rows of one Reynolds number are a table."""
-    header = _cells(lines[0][1])
+    numbered = dict(lines)
+    every = [numbered.get(n, "") for n in range(1, lines[-1][0] + 1)]
+    file = read_csv_table(every, CSV_COLUMNS, where)
+    assert file is not None  # its header has told the format
+    header = [name.lower() for name in file.header]
     places = [header.index(name) for name in CSV_COLUMNS]
     tables: dict[float, list[Row]] = {}
-    for number, line in lines[1:]:
-        cells, place = line.split(","), f"{where}, line {number}"
+    for number, cells in file.rows:
+        place = f"{where}, line {number}"
         if len(cells) < len(header):
             raise InputError(
                 f"found {len(cells)} fields, expected {len(header)}", "complete the row", place
@@ -294,7 +299,3 @@ def _value_of(lines: Sequence[str], keyword: str) -> str | None:
     """The value in front of an AeroDyn v15 keyword."""
     pairs = (line.partition("!")[0].split() for line in lines)
     return next((words[0] for words in pairs if words[1:2] == [keyword]), None)
-
-
-def _cells(line: str) -> list[str]:
-    return [cell.strip().lower() for cell in line.split(",")]

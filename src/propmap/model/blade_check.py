@@ -10,6 +10,7 @@ import numpy as np
 
 from propmap.arrays.types import Floats
 from propmap.errors import InputError, quoted
+from propmap.model.usual_ranges import CHORD_SLIPS, LENGTH_SLIPS, WIDEST_CHORD, Range, guessed
 
 MIN_STATIONS = 4
 MAX_BLADES = 12
@@ -93,7 +94,8 @@ def _check_stations(station: Floats, where: str, labels: Sequence[str]) -> None:
         )
     if station[-1] > MAX_RADIUS:
         raise InputError(
-            f"{labels[-1]}: the radius is {station[-1]:g} m, expected at most {MAX_RADIUS:g} m",
+            f"{labels[-1]}: the radius is {station[-1]:g} m, expected at most {MAX_RADIUS:g} m"
+            + guessed(float(station[-1]), Range(0.025, 0.4), LENGTH_SLIPS),
             "check the units; lengths are in metres",
             where,
         )
@@ -112,7 +114,8 @@ def _check_chord(chord: Floats, radius: float, where: str, labels: Sequence[str]
     if chord[high] >= radius:
         raise InputError(
             f"{labels[high]}: chord is {chord[high]:g} m, "
-            f"expected less than the radius of {radius:g} m",
+            f"expected less than the radius of {radius:g} m"
+            + guessed(float(chord[high]) / radius, WIDEST_CHORD, CHORD_SLIPS),
             "check the units of chord and radius",
             where,
         )

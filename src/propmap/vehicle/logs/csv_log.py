@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import csv
 import difflib
+from collections.abc import Collection
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +12,7 @@ import numpy as np
 
 from propmap.arrays.types import Floats
 from propmap.errors import InputError, quoted
+from propmap.io.csv_dialect import has_decimal_commas, separator_of, too_many_fields
 from propmap.vehicle.log_map import EULER_COLUMNS, QUATERNION_COLUMNS, LogMap
 from propmap.vehicle.logs.frames import quaternion_of_angles
 from propmap.vehicle.logs.recording import Recording, Signal
@@ -28,7 +31,8 @@ def read_csv_log(path: Path, log: LogMap) -> Recording:
     ``velocity`` [m/s], ``rates`` [rad/s] and the optional ``specific_force`` [m/s^2] (3 each),
     ``rotor_speed``, and either ``qw, qx, qy, qz`` or ``roll, pitch, yaw`` [rad] (yaw about z,
     then pitch about y, then roll about x of the stated body frame).
-    Empty cells are samples that are not finite; text is refused.  Raises ``InputError``.
+    Any dialect of ``propmap.io.csv_dialect`` is read.  Empty cells are samples that are not
+    finite; text is refused.  Raises ``InputError``.
     """
     where = str(path)
     stated = {key: log.stated(key) for key in ("body_frame", "world_frame", "velocity_in")}
@@ -41,7 +45,7 @@ def read_csv_log(path: Path, log: LogMap) -> Recording:
                 f"no {key}", f"add {key} = the column's name", f"{log.file}: [log.columns]"
             )
     names = {key: log.columns[key] for key in wanted if key in log.columns}
-    table = _table(path, where)
+    table = _table(path, where, {name for several in names.values() for name in several})
     values = {key: _columns(table, columns, key, where, log) for key, columns in names.items()}
     time = values["time"][:, 0]
 
@@ -85,25 +89,17 @@ def _quaternions(columns: list[Floats], where: str) -> Floats:
     return quaternion_of_angles(*columns)
 
 
-def _table(path: Path, where: str) -> Any:
-    """The file as a pandas data frame; of a CSV file, all cells as text."""
+def _table(path: Path, where: str, wanted: Collection[str]) -> Any:
+    """The file as a pandas data frame; of a CSV file, all cells as text with decimal points."""
     import pandas as pd  # type: ignore[import-untyped]
 
     try:
         if path.suffix.lower() != ".csv":
             table = pd.read_parquet(path, engine="pyarrow")
         else:
-            # Blank lines are kept, so that a row's place tells its line, and the header is read
-            # as a row, as pandas would rename a column that occurs twice.
-            cells = pd.read_csv(
-                path,
-                header=None,
-                dtype=str,
-                skipinitialspace=True,
-                skip_blank_lines=False,
-                encoding="utf-8-sig",
-            )
-            table = cells.iloc[1:].set_axis(cells.iloc[0], axis=1)
+            table = _csv_table(path, where, wanted)
+    except InputError:
+        raise
     except ImportError:
         raise InputError(
             "Parquet files need pyarrow, which is not installed",
@@ -115,6 +111,50 @@ def _table(path: Path, where: str) -> Any:
         raise InputError(f"cannot be read: {error}", "export the log again", where) from None
     table.columns = [str(name).strip() for name in table.columns]
     return table
+
+
+def _csv_table(path: Path, where: str, wanted: Collection[str]) -> Any:
+    import pandas as pd
+
+    with path.open(encoding="utf-8-sig", newline="") as file:
+        head = [file.readline(), file.readline()]
+    separator = separator_of(head[0].rstrip("\r\n"), wanted)
+    # Room for what spreadsheets add at the end of a row.
+    width = max(len(row) for row in csv.reader(head, delimiter=separator, skipinitialspace=True))
+    # Blank lines are kept, so that a row's place tells its line, and the header is read as a row,
+    # as pandas would rename a column that occurs twice.
+    cells = pd.read_csv(
+        path,
+        sep=separator,
+        header=None,
+        names=range(width),
+        dtype=str,
+        skipinitialspace=True,
+        skip_blank_lines=False,
+        encoding="utf-8-sig",
+    )
+    named = int(np.flatnonzero(cells.iloc[0].notna()).max(initial=-1)) + 1
+    beyond = np.flatnonzero(cells.iloc[:, named:].notna().any(axis=1))
+    if beyond.size:
+        raise too_many_fields(width, named, separator, f"{where}, line {beyond[0] + 1}")
+    table = cells.iloc[1:, :named].set_axis(cells.iloc[0, :named], axis=1)
+    _use_points(table, separator, where, wanted)
+    return table
+
+
+def _use_points(table: Any, separator: str, where: str, wanted: Collection[str]) -> None:
+    """Put decimal points into the columns ``wanted`` of a table that is separated otherwise."""
+    if separator == ",":
+        return
+    places = [k for k, name in enumerate(table.columns) if str(name).strip() in wanted]
+    marked = []
+    for k in places:
+        column = table.iloc[:, k]
+        some = column[column.str.contains("[.,]", na=False)]
+        marked += [(int(row) + 1, cell.strip()) for row, cell in some.items()]
+    if has_decimal_commas(marked, separator, where):
+        for k in places:
+            table.isetitem(k, table.iloc[:, k].str.replace(",", ".", regex=False))
 
 
 def _columns(table: Any, names: tuple[str, ...], key: str, where: str, log: LogMap) -> Floats:

@@ -1,0 +1,28 @@
+"""What is unlike small propellers, as notes beside the output of a command."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+import typer
+
+from propmap.model.plausible import doubts_on_points
+
+if TYPE_CHECKING:
+    from propmap.arrays.types import Floats
+    from propmap.model.model import Model
+
+
+def say_doubts(doubts: Iterable[str]) -> None:
+    """A line on standard error for each."""
+    for doubt in doubts:
+        typer.echo(f"note: {doubt}", err=True)
+
+
+def say_doubts_on_points(model: Model, omega: Floats, speed: Floats, beta: Floats) -> None:
+    """Say what is odd about operating points [rad/s], [m/s], [rad], before loads are computed.
+
+    Raises ``InputError`` where a blade tip is faster than sound.
+    """
+    say_doubts(doubts_on_points(model.propeller, omega, speed, beta))

@@ -1,0 +1,122 @@
+"""Every reader of a CSV file gives the same values for each dialect of spreadsheets."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from propmap.catalogue.lookup import propeller
+from propmap.cli.flight_files import all_level_tables
+from propmap.cli.points_file import LOAD_COLUMNS, read_points
+from propmap.cli.tunnel_files import read_tunnel
+from propmap.errors import InputError
+from propmap.flight.level_table import read_level_table
+from propmap.io.geometry_file import read_geometry_file
+from propmap.io.section_tables import looks_like_section_table, read_section_table
+from propmap.model.air import Air
+from propmap.vehicle.logs import read_flight_log
+from propmap.vehicle.vehicle_toml import read_vehicle
+from tests.flight.synthetic import NEUROBEM, vehicle_with
+from tests.io import samples
+from tests.io.samples_csv import DIALECTS, rewritten
+from tests.vehicle.refusals import LOG
+from tests.vehicle.write_logs import write_csv
+
+from .conftest import Run
+
+POINTS = "beta_deg,note,rpm,speed_mps,thrust_N\n80,first,4000,14.5,1.25\n85.5,b,4100.25,0,\n"
+LEVEL = "speed_mps,note,pitch_deg,rpm_1,rpm_2,rpm_3,rpm_4\n0.5,a,0,9000.5,9100,9200,9300\n"
+SECTION = "alpha_deg,Re,CL,CD,CM\n" + "".join(
+    f"{angle},{re},{np.sin(np.radians(2 * angle)):.6f},{0.02 + abs(angle) / 90:.6f},0.1\n"
+    for re in (50000, 100000)
+    for angle in range(-180, 181, 5)
+)
+
+Values = list[np.ndarray]
+
+
+def geometry(path: Path) -> Values:
+    blade = read_geometry_file(path)
+    assert (blade.name, blade.blades) == ("hand-made, short", 3)
+    return [blade.station, blade.chord, blade.twist]
+
+
+def points(path: Path) -> Values:
+    file = read_points(path, LOAD_COLUMNS)
+    return [*file.points.si, file.further["thrust_N"]]
+
+
+def tunnel(path: Path) -> Values:
+    found = read_tunnel([str(path)], propeller("apc-8x6e"), Air())
+    return [found.omega, found.speed, found.beta, found.loads["thrust"]]
+
+
+def level_table(path: Path) -> Values:
+    assert all_level_tables([path])
+    log = read_level_table(path, read_vehicle(NEUROBEM).vehicle)
+    return [log.velocity, log.rotor_speed, log.up]
+
+
+def section_table(path: Path) -> Values:
+    assert looks_like_section_table(path)
+    table = read_section_table(path)
+    return [table.angle, table.reynolds, table.lift, table.drag]
+
+
+READERS: dict[str, tuple[str, Callable[[Path], Values]]] = {
+    "geometry": ("# name: hand-made, short\n" + samples.CSV.split("\n", 1)[1], geometry),
+    "points": (POINTS, points),
+    "tunnel": (POINTS, tunnel),
+    "level table": (LEVEL, level_table),
+    "section table": (SECTION, section_table),
+}
+
+
+@pytest.mark.parametrize("dialect", DIALECTS)
+@pytest.mark.parametrize("reader", READERS)
+def test_every_reader(reader: str, dialect: str, tmp_path: Path) -> None:
+    text, read = READERS[reader]
+    (tmp_path / "plain.csv").write_text(text)
+    (tmp_path / "other.csv").write_bytes(rewritten(text, dialect).encode())
+    pairs = zip(read(tmp_path / "plain.csv"), read(tmp_path / "other.csv"), strict=True)
+    for plain, other in pairs:
+        np.testing.assert_array_equal(plain, other)
+
+
+@pytest.mark.parametrize("dialect", DIALECTS)
+def test_flight_log(dialect: str, tmp_path: Path) -> None:
+    plain, other = tmp_path / "plain.csv", tmp_path / "other.csv"
+    vehicle = vehicle_with(write_csv(LOG, plain), tmp_path)
+    other.write_bytes(rewritten(plain.read_text(), dialect).encode())
+    expected, found = read_flight_log(plain, vehicle), read_flight_log(other, vehicle)
+    for field in ("time", "velocity", "rates", "up", "specific_force", "rotor_speed"):
+        np.testing.assert_array_equal(getattr(expected, field), getattr(found, field))
+
+
+@pytest.mark.parametrize("separator", [",", ";"])
+def test_flight_log_with_more_fields_than_names(separator: str, tmp_path: Path) -> None:
+    path = tmp_path / "log.csv"
+    vehicle = vehicle_with(write_csv(LOG, path), tmp_path)
+    first, second, *rest = path.read_text().splitlines()
+    text = "\n".join([first, f"{second},5", *rest])
+    path.write_text(text.replace(",", separator))
+    with pytest.raises(InputError, match=r"line 2: found \d+ figures"):
+        read_flight_log(path, vehicle)
+
+
+def test_points_of_a_spreadsheet_by_the_command(run: Run, tmp_path: Path) -> None:
+    text = "rpm,speed_mps,beta_deg\n4000,14.5,80\n"
+    outs = []
+    for dialect in (None, "decimal commas of a spreadsheet"):
+        path = tmp_path / "points.csv"
+        path.write_bytes((rewritten(text, dialect) if dialect else text).encode())
+        result = run(
+            "predict", "apc-8x6e", "--airfoil", "paper-apc", "--points", path, "--format", "json"
+        )
+        assert result.code == 0
+        outs.append(json.loads(result.out))
+    assert outs[0] == outs[1]
