@@ -5,7 +5,7 @@ READY := $(VENV)/ready
 DOCS_READY := $(VENV)/docs-ready
 PEERS_READY := $(VENV)/peers-ready
 
-.PHONY: demo reproduce test test-fast test-readers test-numpy test-slow lint types bench bench-table bench-fine-table bench-choice bench-identification bench-peers bench-phases bench-options bench-roofline bench-accelerator convergence docs clean
+.PHONY: demo reproduce test test-fast test-readers test-numpy test-slow lint types bench bench-table bench-fine-table bench-choice bench-identification bench-peers bench-phases bench-options bench-lifting-line bench-roofline bench-accelerator convergence docs clean
 
 $(READY): pyproject.toml constraints.txt
 	python3 -m venv $(VENV)
@@ -83,6 +83,10 @@ bench-fine-table: $(READY)
 
 bench-options: $(READY)
 	$(BIN)/python -m benchmarks.options
+
+# Its matrices are too small for several threads.
+bench-lifting-line: $(READY)
+	OMP_NUM_THREADS=1 $(BIN)/python -m benchmarks.lifting_line
 
 bench-phases: $(READY)
 	$(BIN)/python -m benchmarks.phases

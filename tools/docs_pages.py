@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from propmap.io.atomic_file import replacing
-from tools import performance_tables, readme_tables
+from tools import lifting_line_tables, performance_tables, readme_tables
 
 RESULTS = Path(__file__).resolve().parent.parent / "benchmarks" / "results"
 LOADS = {"thrust": "thrust", "torque": "torque", "drag": "rotor drag", "roll_moment": "roll moment"}
@@ -31,6 +31,7 @@ def write(folder: Path) -> None:
             "convergence",
             "demo",
             "identification",
+            "lifting_line",
             "options",
             "peers",
             "phases",
@@ -48,6 +49,10 @@ def write(folder: Path) -> None:
         "choice-cost": choice_cost(found["choice"]),
         "choice-measured": choice_measured(found["choice"]),
         "choice-table": choice_table(found["choice"]),
+        "lifting-line-checks": lifting_line_tables.known_answers(found["lifting_line"]),
+        "lifting-line-convergence": lifting_line_tables.convergence(found["lifting_line"]),
+        "lifting-line-four": lifting_line_tables.four_points(found["lifting_line"]),
+        "lifting-line-everywhere": lifting_line_tables.everywhere(found["lifting_line"]),
         "performance-options": performance_tables.options(found["options"]),
         "performance-jobs": performance_tables.jobs(found["phases"]),
         "performance-following": performance_tables.following(found["phases"]),

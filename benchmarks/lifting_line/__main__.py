@@ -13,8 +13,10 @@ from benchmarks.lifting_line.rotor import RotorLoads
 from benchmarks.lifting_line.wake import Resolution
 from benchmarks.results_file import machine, write_results
 
-MAIN = Resolution(stations=16, phases=24, turns=8)
-COARSE = Resolution(stations=12, phases=24, turns=5)
+MAIN = Resolution(stations=12, phases=24, turns=6)
+
+FREE_WAKE = Resolution(stations=8, phases=24, turns=4)
+"""That of the free wake, and of the rigid one that it starts from."""
 
 FOUR = [Point(10.0, 30.0), Point(5.0, 60.0), Point(10.0, 75.0), Point(15.0, 90.0)]
 """Where the comparison counts; chosen before it was made."""
@@ -25,9 +27,10 @@ AXIAL = [Point(0.0, 0.0), Point(5.0, 0.0), Point(10.0, 0.0)]
 
 DIVISIONS = {
     "as used": MAIN,
-    "12 stations": replace(MAIN, stations=12),
-    "24 stations": replace(MAIN, stations=24),
+    "8 stations": replace(MAIN, stations=8),
+    "18 stations": replace(MAIN, stations=18),
     "36 steps a turn": replace(MAIN, phases=36),
+    "48 steps a turn": replace(MAIN, phases=48),
     "4 turns of wake": replace(MAIN, turns=4),
     "12 turns of wake": replace(MAIN, turns=12),
     "cores of 0.5 % of R": replace(MAIN, first_core=0.005),
@@ -57,9 +60,9 @@ def convergence(point: Point) -> list[dict[str, Any]]:
     """Loads at a ``point`` by other divisions and cores."""
     rows = []
     for name, division in DIVISIONS.items():
-        loads, left = compare.by_rigid_wake(CONSTANTS, point, division)
-        rows.append({"name": name, "left": left, "loads": loads._asdict()})
-        print(f"{name:20}", _text(loads), flush=True)
+        found = compare.by_rigid_wake(CONSTANTS, point, division)
+        rows.append({"name": name, "left": found.left, "loads": found.loads._asdict()})
+        print(f"{name:20}", _text(found.loads), flush=True)
     return rows
 
 
@@ -73,34 +76,34 @@ def main() -> None:
     divisions = convergence(FOUR[2])
     everywhere = [*AXIAL, *GRID]
     theories = compare.by_theory(everywhere)
-    own = compare.identified(everywhere, theories["pitt_peters"], COARSE)
+    own = compare.identified(everywhere, theories["pitt_peters"], MAIN)
     print("constants of the lifting line", {name: getattr(own, name) for name in FREE})
     rows = []
     for number, point in enumerate(everywhere):
-        row = {name: loads[number]._asdict() for name, loads in theories.items()}
-        found, row["left"] = compare.by_rigid_wake(CONSTANTS, point, MAIN)
-        row["rigid_wake"] = found._asdict()
-        same, row["left_same"] = compare.by_rigid_wake(own, point, MAIN)
-        row["rigid_wake_own_constants"] = same._asdict()
-        if point in FOUR:
-            for name, constants, at in (
-                ("free_wake", CONSTANTS, found),
-                ("free_wake_own_constants", own, same),
-            ):
-                free, moved = compare.by_free_wake(constants, point, at.thrust, COARSE)
-                row[name], row[f"{name}_moved"] = free._asdict(), moved
-        rows.append({"speed": point.speed, "beta_deg": point.beta_deg, **row})
+        row: dict[str, Any] = {"speed": point.speed, "beta_deg": point.beta_deg}
+        row |= {name: loads[number]._asdict() for name, loads in theories.items()}
+        for ending, constants in (("", CONSTANTS), ("_own_constants", own)):
+            rigid = compare.by_rigid_wake(constants, point, MAIN)
+            row[f"rigid_wake{ending}"] = rigid.loads._asdict()
+            row[f"same_all_around{ending}"] = rigid.same_all_around._asdict()
+            row[f"left{ending}"] = rigid.left
+            if point in FOUR:
+                free = compare.by_free_wake(constants, point, rigid.loads.thrust, FREE_WAKE)
+                row[f"start_of_free_wake{ending}"] = free.start._asdict()
+                row[f"free_wake{ending}"] = free.end._asdict()
+                row[f"moved{ending}"] = free.moved
+        rows.append(row)
         print(f"{point.speed:g} m/s, {point.beta_deg:g} degrees")
         for name, loads in row.items():
             if isinstance(loads, dict):
-                print(f"  {name:26}", _text(RotorLoads(**loads)), flush=True)
+                print(f"  {name:35}", _text(RotorLoads(**loads)), flush=True)
     four = [{"speed": point.speed, "beta_deg": point.beta_deg} for point in FOUR]
     results = {
         "omega": OMEGA,
         "constants": {"source": CONSTANTS.source, **_numbers(CONSTANTS)},
         "own_constants": _numbers(own),
         "resolution": asdict(MAIN),
-        "free_wake_resolution": asdict(COARSE),
+        "free_wake_resolution": asdict(FREE_WAKE),
         "known_answers": answers,
         "hover": hover._asdict(),
         "convergence": {"at": four[2], "rows": divisions},

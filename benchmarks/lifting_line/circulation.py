@@ -68,12 +68,38 @@ def flow_at(sections: Sections, law: SectionLaw, circulation: Floats) -> Flow:
         Of the sections.
     """
     shape, flat = circulation.shape, circulation.ravel()
-    tangential = sections.tangential + (sections.by_tangential @ flat).reshape(shape)
-    normal = sections.normal + (sections.by_normal @ flat).reshape(shape)
+    tangential = (sections.by_tangential @ flat).reshape(shape)
+    normal = (sections.by_normal @ flat).reshape(shape)
+    return _flow(sections, law, tangential, normal)
+
+
+def averaged_flow(sections: Sections, law: SectionLaw, flow: Flow) -> Flow:
+    """The flow if what the wake induces were the same all around, its mean at each radius.
+
+    Parameters
+    ----------
+    sections : Sections
+        The blade.
+    law : SectionLaw
+        Its lift and drag.
+    flow : Flow
+        With what the wake does induce.
+    """
+    tangential = (flow.tangential - sections.tangential).mean(axis=0)
+    normal = (flow.normal - sections.normal).mean(axis=0)
+    return _flow(sections, law, tangential, normal)
+
+
+def _flow(
+    sections: Sections, law: SectionLaw, induced_tangential: Floats, induced_normal: Floats
+) -> Flow:
+    tangential = sections.tangential + induced_tangential
+    normal = sections.normal + induced_normal
     speed = np.hypot(tangential, normal)
     alpha: Any = sections.twist - np.arctan2(normal, tangential)
+    reynolds: Any = sections.reynolds_per_speed * speed
     with by_numpy():
-        found: Any = coefficients_at(law, alpha, sections.reynolds_per_speed * speed)
+        found: Any = coefficients_at(law, alpha, reynolds)
     lift, drag, slope = (
         np.asarray(a) + 0.0 * speed for a in (found.lift, found.drag, found.lift_slope)
     )
@@ -124,4 +150,5 @@ def _newton_step(sections: Sections, flow: Flow, error: Floats) -> Floats:
     matrix = np.eye(error.size)
     matrix -= by_normal.ravel()[:, None] * sections.by_normal
     matrix -= by_tangential.ravel()[:, None] * sections.by_tangential
-    return np.linalg.solve(matrix, error.ravel()).reshape(error.shape)
+    step: Any = np.linalg.solve(matrix, error.ravel())
+    return step.reshape(error.shape)

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.optimize import least_squares
 
 import propmap
+from benchmarks.lifting_line.circulation import averaged_flow
 from benchmarks.lifting_line.free_wake import free_wake
-from benchmarks.lifting_line.rotor import LiftingRotor, RotorLoads, consistent, in_rigid_wake
+from benchmarks.lifting_line.rotor import RotorLoads, consistent, in_rigid_wake
 from benchmarks.lifting_line.vortices import Floats
 from benchmarks.lifting_line.wake import Flight, Resolution
 
@@ -25,7 +27,7 @@ CONSTANTS = propmap.Airfoil(
         "--free c_l1,c_d,alpha_0,zero_lift_angle --fix c_l2=2 --folds 0 --starts 2 -o fit.toml"
     ),
 )
-"""Constants fitted to the thrust and torque of the 2019 polynomials, by the command of its source."""
+"""Fitted to thrust and torque of the 2019 polynomials, by the command that is their source."""
 
 OMEGA = 6000.0 * np.pi / 30.0
 """[rad/s]."""
@@ -79,10 +81,26 @@ def by_theory(points: list[Point]) -> dict[str, list[RotorLoads]]:
     return found
 
 
-def by_rigid_wake(
-    constants: propmap.Airfoil, point: Point, resolution: Resolution
-) -> tuple[RotorLoads, float]:
-    """Loads in the rigid wake of the rotor's own thrust, and the error left.
+class InRigidWake(NamedTuple):
+    """Loads in the rigid wake of the rotor's own thrust.
+
+    Attributes
+    ----------
+    loads : RotorLoads
+        The loads.
+    same_all_around : RotorLoads
+        What they would be if what the wake induces were its mean over the turn at each radius.
+    left : float
+        Error of the circulation, over the largest [-].
+    """
+
+    loads: RotorLoads
+    same_all_around: RotorLoads
+    left: float
+
+
+def by_rigid_wake(constants: propmap.Airfoil, point: Point, resolution: Resolution) -> InRigidWake:
+    """Loads in a rigid wake.
 
     Parameters
     ----------
@@ -90,13 +108,30 @@ def by_rigid_wake(
         Section law, operating point and division.
     """
     rotor, solution = consistent(model(constants), point.flight, resolution)
-    return rotor.loads(solution.flow), solution.left
+    averaged = averaged_flow(rotor.sections, rotor.law, solution.flow)
+    return InRigidWake(rotor.loads(solution.flow), rotor.loads(averaged), solution.left)
+
+
+class InFreeWake(NamedTuple):
+    """Loads in a free wake, and in the rigid one that it started as.
+
+    Attributes
+    ----------
+    start, end : RotorLoads
+        In the rigid and in the free wake.
+    moved : list of float
+        Root mean square by which the wake moved at each round, over R [-].
+    """
+
+    start: RotorLoads
+    end: RotorLoads
+    moved: list[float]
 
 
 def by_free_wake(
     constants: propmap.Airfoil, point: Point, thrust: float, resolution: Resolution
-) -> tuple[RotorLoads, list[float]]:
-    """Loads in a free wake, and by how much the wake moved at each round, over R [-].
+) -> InFreeWake:
+    """Loads in a free wake.
 
     Parameters
     ----------
@@ -105,8 +140,12 @@ def by_free_wake(
     thrust : float
         With which the wake starts [N].
     """
-    found = free_wake(model(constants), point.flight, thrust, resolution, free_turns=2, rounds=12)
-    return found.rotor.loads(found.solution.flow), found.moved
+    rotor = model(constants)
+    start = in_rigid_wake(rotor, point.flight, thrust, resolution)
+    found = free_wake(rotor, point.flight, thrust, resolution, free_turns=2, rounds=10)
+    return InFreeWake(
+        start.loads(start.solved().flow), found.rotor.loads(found.solution.flow), found.moved
+    )
 
 
 def identified(
@@ -127,14 +166,18 @@ def identified(
         in_rigid_wake(model(), point.flight, want.thrust, resolution)
         for point, want in zip(points, wanted, strict=True)
     ]
+    before = [rotor.solved().circulation for rotor in rotors]
     start: Floats = np.array([getattr(CONSTANTS, name) for name in FREE])
     target = np.array([[want.thrust, want.torque] for want in wanted])
 
     def residuals(relative: Floats) -> Floats:
-        constants = _constants(relative * start)
-        found = [_loads(rotor, constants) for rotor in rotors]
-        got = np.array([[loads.thrust, loads.torque] for loads in found])
-        return ((got - target) / target.mean(axis=0)).ravel()
+        changed = model(_constants(relative * start))
+        found = []
+        for rotor, circulation in zip(rotors, before, strict=True):
+            other = replace(rotor, model=changed)
+            loads = other.loads(other.solved(circulation).flow)
+            found.append((loads.thrust, loads.torque))
+        return ((np.array(found) - target) / target.mean(axis=0)).ravel()
 
     best = least_squares(residuals, np.ones(len(FREE)), diff_step=1e-2, xtol=1e-3, max_nfev=8)
     return _constants(best.x * start)
@@ -145,10 +188,3 @@ def _constants(values: Floats) -> propmap.Airfoil:
     return CONSTANTS.with_parameters(
         name="8x6E, lifting line", source="thrust and torque of pitt-peters", **changes
     )
-
-
-def _loads(rotor: LiftingRotor, constants: propmap.Airfoil) -> RotorLoads:
-    changed = LiftingRotor(
-        model(constants), rotor.flight, rotor.radius, rotor.width, rotor.azimuth, rotor.sections
-    )
-    return changed.loads(changed.solved().flow)

@@ -96,12 +96,12 @@ def _carried(
 ) -> Floats:
     """Places of the edges by the trapezoidal rule along the paths of what was shed."""
     n = resolution.phases
-    step = 2.0 * np.pi / n
+    step = 2.0 * float(np.pi) / n
     time = step / flight.omega
     radius = cosine_edges(blade.root, blade.radius, resolution.stations)
     uniform = flight.stream - np.array([0.0, 0.0, inflow])
     places = np.empty((n, resolution.turns * n + 1, radius.size, 3))
-    azimuth = step * np.arange(n)
+    azimuth: Floats = step * np.arange(n, dtype=np.float64)
     places[:, 0] = radius[:, None] * radial(azimuth)[:, None, :]
     # The first edge in age is half a step old.
     shed = radius[:, None] * radial(azimuth - 0.5 * step)[:, None, :]
@@ -111,9 +111,7 @@ def _carried(
         before = np.roll(places[:, k - 1], 1, axis=0)
         velocity = uniform
         if k < induced.shape[1]:
-            velocity = flight.stream + 0.5 * (
-                np.roll(induced[:, k - 1], 1, axis=0) + induced[:, k]
-            )
+            velocity = flight.stream + 0.5 * (np.roll(induced[:, k - 1], 1, axis=0) + induced[:, k])
         places[:, k] = before + time * velocity
     return places
 

@@ -208,9 +208,11 @@ def consistent(
     # To begin with, a thrust coefficient of 0.01 by rho A (Omega R)^2, about that of a hover.
     tip_speed = flight.omega * model.propeller.radius
     thrust = 0.01 * model.air.density * np.pi * model.propeller.radius**2 * tip_speed**2
+    start = None
     for _ in range(MOST_ROUNDS):
         rotor = in_rigid_wake(model, flight, thrust, resolution)
-        solution = rotor.solved()
+        solution = rotor.solved(start)
+        start = solution.circulation
         found = rotor.loads(solution.flow).thrust
         if abs(found - thrust) < 1e-3 * abs(found):
             break

@@ -128,10 +128,12 @@ def cores(
 ) -> tuple[Floats, Floats]:
     """Radii of the cores [m], of what trails (K - 1, M + 1) and of what is shed (M,).
 
-    Trailing vortices diffuse as those of Lamb and Oseen, faster by Squire's eddy viscosity.  What is
-    shed has a quarter of the chord: thin-airfoil theory has the sheet begin at the trailing edge
-    and asks for its downwash at three quarters of the chord, and with h / (h^2 + core^2) in place
-    of 1 / (h + c/4) a sheet that begins at the quarter-chord line has the same.
+    Trailing vortices diffuse as those of Lamb and Oseen, faster by Squire's eddy viscosity.
+
+    What is shed has a core of a quarter of the chord.  Thin-airfoil theory has the sheet begin at
+    the trailing edge and asks for its downwash at three quarters of the chord, c/4 in front of it.
+    Here it begins where the downwash is asked for, and h / (h^2 + (c/4)^2), summed along the sheet,
+    comes to the same as 1 / (h + c/4).
 
     Parameters
     ----------

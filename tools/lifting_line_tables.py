@@ -1,0 +1,81 @@
+"""Tables of docs/validation.md on the lifting line, from lifting_line.json of the results."""
+
+from __future__ import annotations
+
+from typing import Any
+
+WAKES = {
+    "rigid_wake": "rigid, same constants",
+    "free_wake": "free, same constants",
+    "rigid_wake_own_constants": "rigid, own constants",
+    "free_wake_own_constants": "free, own constants",
+}
+LOADS = ("thrust", "torque", "drag", "roll_moment", "pitch_moment")
+
+
+def known_answers(found: dict[str, Any]) -> str:
+    """The lifting line where the answer is known."""
+    rows = ["| | lifting line | known |", "|---|---:|---:|"]
+    for name, one in found["known_answers"].items():
+        rows.append(f"| {name} | {one['found']:.3f} | {one['known'] + 0.0:.3f} |")
+    return "\n".join(rows)
+
+
+def four_points(found: dict[str, Any]) -> str:
+    """Loads with harmonic inflow over the lifting line's, at the four points."""
+    rows = [
+        "| V [m/s] | β [deg] | wake | thrust | torque | rotor drag | pitch | roll "
+        "| roll over thrust | annulus: roll | annulus: roll over thrust |",
+        "|---:|---:|---|" + "---:|" * 8,
+    ]
+    for point in _four(found):
+        theory, annulus = point["pitt_peters"], point["annulus"]
+        for wake, name in WAKES.items():
+            line = point[wake]
+            cells = [theory[load] / line[load] for load in ("thrust", "torque", "drag")]
+            cells.append(theory["pitch_moment"] / line["pitch_moment"])
+            cells += [*_roll(theory, line), *_roll(annulus, line)]
+            numbers = " | ".join(f"{cell:.2f}" for cell in cells)
+            rows.append(f"| {point['speed']:g} | {point['beta_deg']:g} | {name} | {numbers} |")
+    return "\n".join(rows)
+
+
+def everywhere(found: dict[str, Any]) -> str:
+    """Rolling moment over the lifting line's in a rigid wake, by speed and angle."""
+    points = [point for point in found["points"] if point["beta_deg"]]
+    angles = sorted({point["beta_deg"] for point in points})
+    rows = [
+        "| V [m/s] | " + " | ".join(f"β = {angle:g}°" for angle in angles) + " |",
+        "|---:|" + "---:|" * len(angles),
+    ]
+    for speed in sorted({point["speed"] for point in points}):
+        cells = []
+        for point in sorted(points, key=lambda point: point["beta_deg"]):
+            if point["speed"] == speed:
+                line = point["rigid_wake_own_constants"]["roll_moment"]
+                theories = (point["pitt_peters"], point["annulus"])
+                cells.append(" / ".join(f"{t['roll_moment'] / line:.2f}" for t in theories))
+        rows.append(f"| {speed:g} | {' | '.join(cells)} |")
+    return "\n".join(rows)
+
+
+def convergence(found: dict[str, Any]) -> str:
+    """How the lifting line's loads change with its division and cores."""
+    first, *others = found["convergence"]["rows"]
+    names = " | ".join(load.removesuffix("_moment") for load in LOADS)
+    rows = [f"| | {names} |", "|---|" + "---:|" * len(LOADS)]
+    for row in others:
+        changes = (row["loads"][load] / first["loads"][load] - 1.0 for load in LOADS)
+        cells = " | ".join(f"{100.0 * change:+.1f} %" for change in changes)
+        rows.append(f"| {row['name']} | {cells} |")
+    return "\n".join(rows)
+
+
+def _four(found: dict[str, Any]) -> list[dict[str, Any]]:
+    places = [(four["speed"], four["beta_deg"]) for four in found["four"]]
+    return [point for point in found["points"] if (point["speed"], point["beta_deg"]) in places]
+
+
+def _roll(theory: dict[str, float], line: dict[str, float]) -> tuple[float, float]:
+    ratio = theory["roll_moment"] / line["roll_moment"]
+    return ratio, ratio / (theory["thrust"] / line["thrust"])
