@@ -52,6 +52,7 @@ def write(folder: Path) -> None:
         "lifting-line-checks": lifting_line_tables.known_answers(found["lifting_line"]),
         "lifting-line-convergence": lifting_line_tables.convergence(found["lifting_line"]),
         "lifting-line-four": lifting_line_tables.four_points(found["lifting_line"]),
+        "lifting-line-variation": lifting_line_tables.variation(found["lifting_line"]),
         "lifting-line-everywhere": lifting_line_tables.everywhere(found["lifting_line"]),
         "performance-options": performance_tables.options(found["options"]),
         "performance-jobs": performance_tables.jobs(found["phases"]),

@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
+
+import numpy as np
+
+from propmap.catalogue.measurements import measurement
 
 WAKES = {
     "rigid_wake": "rigid, same constants",
@@ -24,24 +29,61 @@ def known_answers(found: dict[str, Any]) -> str:
 def four_points(found: dict[str, Any]) -> str:
     """Loads with harmonic inflow over the lifting line's, at the four points."""
     rows = [
-        "| V [m/s] | β [deg] | wake | thrust | torque | rotor drag | pitch | roll "
-        "| roll over thrust | annulus: roll | annulus: roll over thrust |",
-        "|---:|---:|---|" + "---:|" * 8,
+        "| V [m/s], β | wake | thrust | torque | rotor drag | pitch | roll | roll over thrust "
+        "| annulus: roll | roll over thrust | polynomials: roll |",
+        "|---|---|" + "---:|" * 9,
     ]
     for point in _four(found):
         theory, annulus = point["pitt_peters"], point["annulus"]
+        published = published_roll(found["omega"], point["speed"], point["beta_deg"])
         for wake, name in WAKES.items():
             line = point[wake]
             cells = [theory[load] / line[load] for load in ("thrust", "torque", "drag")]
             cells.append(theory["pitch_moment"] / line["pitch_moment"])
             cells += [*_roll(theory, line), *_roll(annulus, line)]
+            cells.append(published / line["roll_moment"])
             numbers = " | ".join(f"{cell:.2f}" for cell in cells)
-            rows.append(f"| {point['speed']:g} | {point['beta_deg']:g} | {name} | {numbers} |")
+            rows.append(f"| {point['speed']:g}, {point['beta_deg']:g}° | {name} | {numbers} |")
     return "\n".join(rows)
 
 
 def everywhere(found: dict[str, Any]) -> str:
-    """Rolling moment over the lifting line's in a rigid wake, by speed and angle."""
+    """Roll over thrust, beside the lifting line's in a rigid wake, with the same constants."""
+
+    def ratios(point: dict[str, Any]) -> tuple[float, ...]:
+        theories = (point["pitt_peters"], point["annulus"])
+        return tuple(_roll(theory, point["rigid_wake"])[1] for theory in theories)
+
+    return _by_speed_and_angle(found, ratios)
+
+
+def variation(found: dict[str, Any]) -> str:
+    """What variation of the inflow around the disk leaves of roll: lifting line, harmonics."""
+
+    def ratios(point: dict[str, Any]) -> tuple[float, ...]:
+        pairs = (("rigid_wake", "same_all_around"), ("pitt_peters", "annulus"))
+        return tuple(point[a]["roll_moment"] / point[b]["roll_moment"] for a, b in pairs)
+
+    return _by_speed_and_angle(found, ratios)
+
+
+def published_roll(omega: float, speed: float, beta_deg: float) -> float:
+    """Rolling moment [N m] of the 2019 polynomials, which have it in proportion to Omega V sin(b).
+
+    Parameters
+    ----------
+    omega, speed, beta_deg : float
+        [rad/s], [m/s] and degrees.
+    """
+    data = measurement("gill-dandrea-2019-8x6e")
+    advance = data.omega * data.speed * np.sin(data.beta)
+    slope = (advance @ data.loads["roll_moment"]) / (advance @ advance)
+    return float(slope * omega * speed * np.sin(np.radians(beta_deg)))
+
+
+def _by_speed_and_angle(
+    found: dict[str, Any], ratios: Callable[[dict[str, Any]], tuple[float, ...]]
+) -> str:
     points = [point for point in found["points"] if point["beta_deg"]]
     angles = sorted({point["beta_deg"] for point in points})
     rows = [
@@ -49,12 +91,8 @@ def everywhere(found: dict[str, Any]) -> str:
         "|---:|" + "---:|" * len(angles),
     ]
     for speed in sorted({point["speed"] for point in points}):
-        cells = []
-        for point in sorted(points, key=lambda point: point["beta_deg"]):
-            if point["speed"] == speed:
-                line = point["rigid_wake_own_constants"]["roll_moment"]
-                theories = (point["pitt_peters"], point["annulus"])
-                cells.append(" / ".join(f"{t['roll_moment'] / line:.2f}" for t in theories))
+        at = {point["beta_deg"]: ratios(point) for point in points if point["speed"] == speed}
+        cells = (" / ".join(f"{one:.2f}" for one in at[angle]) for angle in angles)
         rows.append(f"| {speed:g} | {' | '.join(cells)} |")
     return "\n".join(rows)
 
