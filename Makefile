@@ -87,6 +87,7 @@ bench-options: $(READY)
 # Its matrices are too small for several threads.
 bench-lifting-line: $(READY)
 	OMP_NUM_THREADS=1 $(BIN)/python -m benchmarks.lifting_line
+	OMP_NUM_THREADS=1 $(BIN)/python -m benchmarks.lifting_line.causes
 
 bench-phases: $(READY)
 	$(BIN)/python -m benchmarks.phases

@@ -22,7 +22,8 @@ def known_answers(found: dict[str, Any]) -> str:
     """The lifting line where the answer is known."""
     rows = ["| | lifting line | known |", "|---|---:|---:|"]
     for name, one in found["known_answers"].items():
-        rows.append(f"| {name} | {one['found']:.3f} | {one['known'] + 0.0:.3f} |")
+        cells = (f"{round(one[which], 3) + 0.0:.3f}" for which in ("found", "known"))
+        rows.append(f"| {name} | {' | '.join(cells)} |")
     return "\n".join(rows)
 
 
@@ -59,12 +60,22 @@ def everywhere(found: dict[str, Any]) -> str:
 
 def variation(found: dict[str, Any]) -> str:
     """What variation of the inflow around the disk leaves of roll: lifting line, harmonics."""
+    return _by_speed_and_angle(found, _left_of_roll)
 
-    def ratios(point: dict[str, Any]) -> tuple[float, ...]:
-        pairs = (("rigid_wake", "same_all_around"), ("pitt_peters", "annulus"))
-        return tuple(point[a]["roll_moment"] / point[b]["roll_moment"] for a, b in pairs)
 
-    return _by_speed_and_angle(found, ratios)
+def causes(found: dict[str, Any]) -> str:
+    """What variation of the inflow leaves of roll, without stall and with more blades."""
+    points = [(row["speed"], row["beta_deg"]) for row in found["rows"]]
+    places = list(dict.fromkeys(points))
+    rows = [
+        "| | " + " | ".join(f"{speed:g} m/s, {angle:g}°" for speed, angle in places) + " |",
+        "|---|" + "---:|" * len(places),
+    ]
+    for name in dict.fromkeys(row["name"] for row in found["rows"]):
+        cells = (_left_of_roll(row) for row in found["rows"] if row["name"] == name)
+        texts = (" / ".join(f"{one:.2f}" for one in cell) for cell in cells)
+        rows.append(f"| {name} | {' | '.join(texts)} |")
+    return "\n".join(rows)
 
 
 def published_roll(omega: float, speed: float, beta_deg: float) -> float:
@@ -112,6 +123,11 @@ def convergence(found: dict[str, Any]) -> str:
 def _four(found: dict[str, Any]) -> list[dict[str, Any]]:
     places = [(four["speed"], four["beta_deg"]) for four in found["four"]]
     return [point for point in found["points"] if (point["speed"], point["beta_deg"]) in places]
+
+
+def _left_of_roll(point: dict[str, Any]) -> tuple[float, ...]:
+    pairs = (("rigid_wake", "same_all_around"), ("pitt_peters", "annulus"))
+    return tuple(point[a]["roll_moment"] / point[b]["roll_moment"] for a, b in pairs)
 
 
 def _roll(theory: dict[str, float], line: dict[str, float]) -> tuple[float, float]:
