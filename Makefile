@@ -5,7 +5,7 @@ READY := $(VENV)/ready
 DOCS_READY := $(VENV)/docs-ready
 PEERS_READY := $(VENV)/peers-ready
 
-.PHONY: demo reproduce test test-fast test-readers test-numpy test-slow lint types bench bench-table bench-fine-table bench-choice bench-identification bench-peers bench-phases bench-options bench-mount bench-roofline bench-accelerator convergence docs clean bench-certificates
+.PHONY: demo reproduce test test-fast test-readers test-numpy test-slow lint types bench bench-table bench-fine-table bench-choice bench-identification bench-peers bench-phases bench-options bench-mount bench-roofline bench-accelerator convergence docs clean bench-certificates bench-lifting-line
 
 $(READY): pyproject.toml constraints.txt
 	python3 -m venv $(VENV)
@@ -89,6 +89,10 @@ bench-mount: $(READY)
 
 bench-certificates: $(READY)
 	$(BIN)/python -m benchmarks.certificates
+# Its matrices are too small for several threads.
+bench-lifting-line: $(READY)
+	OMP_NUM_THREADS=1 $(BIN)/python -m benchmarks.lifting_line
+	OMP_NUM_THREADS=1 $(BIN)/python -m benchmarks.lifting_line.causes
 
 bench-phases: $(READY)
 	$(BIN)/python -m benchmarks.phases

@@ -21,6 +21,7 @@ from propmap.io.atomic_file import replacing
 from propmap.papers.gill_dandrea_2017.drag_effects import drag_effects
 from tools import drag_effects as drag_effects_table
 from tools import performance_tables, readme_tables
+from tools import lifting_line_tables, performance_tables, readme_tables
 
 RESULTS = Path(__file__).resolve().parent.parent / "benchmarks" / "results"
 LOADS = {
@@ -42,6 +43,8 @@ def write(folder: Path) -> None:
             "demo",
             "identification",
             "mount_drag",
+            "lifting_line",
+            "lifting_line_causes",
             "options",
             "peers",
             "phases",
@@ -60,6 +63,12 @@ def write(folder: Path) -> None:
         "choice-cost": choice_cost(found["choice"]),
         "choice-measured": choice_measured(found["choice"]),
         "choice-table": choice_table(found["choice"]),
+        "lifting-line-checks": lifting_line_tables.known_answers(found["lifting_line"]),
+        "lifting-line-convergence": lifting_line_tables.convergence(found["lifting_line"]),
+        "lifting-line-four": lifting_line_tables.four_points(found["lifting_line"]),
+        "lifting-line-causes": lifting_line_tables.causes(found["lifting_line_causes"]),
+        "lifting-line-variation": lifting_line_tables.variation(found["lifting_line"]),
+        "lifting-line-everywhere": lifting_line_tables.everywhere(found["lifting_line"]),
         "performance-options": performance_tables.options(found["options"]),
         "performance-jobs": performance_tables.jobs(found["phases"]),
         "performance-following": performance_tables.following(found["phases"]),

@@ -1,0 +1,154 @@
+"""Circulation along the blade over a turn: Kutta and Joukowski's law in the wake's own velocity."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from benchmarks.lifting_line.vortices import Floats
+from propmap.arrays.namespace import by_numpy
+from propmap.physics.sections.law import SectionLaw, coefficients_at
+
+TOLERANCE = 1e-6
+"""Largest error of the circulation, over the largest circulation [-]."""
+
+MOST_STEPS = 300
+
+STALLED_SHARE = 0.3
+"""Share of Newton's step that is taken where a section is stalled [-]."""
+
+
+class Sections(NamedTuple):
+    """The blade's sections at all phases; shape (n, M) but for ``by_circulation``.
+
+    Attributes
+    ----------
+    chord, twist : Floats
+        [m], and angle of the chord line to the disk [rad].
+    tangential, normal : Floats
+        The air's velocity without the wake's: along the rotor's plane from the leading edge, and
+        against the thrust [m/s].
+    by_tangential, by_normal : Floats
+        What the wake adds per circulation [1/m], shape (n M, n M).
+    reynolds_per_speed : Floats
+        Re over the speed of the air [s/m].
+    """
+
+    chord: Floats
+    twist: Floats
+    tangential: Floats
+    normal: Floats
+    by_tangential: Floats
+    by_normal: Floats
+    reynolds_per_speed: Floats
+
+
+class Flow(NamedTuple):
+    """Air and coefficients at the sections, all (n, M): velocities [m/s], slopes [1/rad]."""
+
+    tangential: Floats
+    normal: Floats
+    speed: Floats
+    lift: Floats
+    drag: Floats
+    lift_slope: Floats
+
+
+def flow_at(sections: Sections, law: SectionLaw, circulation: Floats) -> Flow:
+    """The flow that belongs to a ``circulation`` [m^2/s], shape (n, M).
+
+    Parameters
+    ----------
+    sections : Sections
+        The blade.
+    law : SectionLaw
+        Its lift and drag.
+    circulation : Floats
+        Of the sections.
+    """
+    shape, flat = circulation.shape, circulation.ravel()
+    tangential = (sections.by_tangential @ flat).reshape(shape)
+    normal = (sections.by_normal @ flat).reshape(shape)
+    return _flow(sections, law, tangential, normal)
+
+
+def averaged_flow(sections: Sections, law: SectionLaw, flow: Flow) -> Flow:
+    """The flow if what the wake induces were the same all around, its mean at each radius.
+
+    Parameters
+    ----------
+    sections : Sections
+        The blade.
+    law : SectionLaw
+        Its lift and drag.
+    flow : Flow
+        With what the wake does induce.
+    """
+    tangential = (flow.tangential - sections.tangential).mean(axis=0)
+    normal = (flow.normal - sections.normal).mean(axis=0)
+    return _flow(sections, law, tangential, normal)
+
+
+def _flow(
+    sections: Sections, law: SectionLaw, induced_tangential: Floats, induced_normal: Floats
+) -> Flow:
+    tangential = sections.tangential + induced_tangential
+    normal = sections.normal + induced_normal
+    speed = np.hypot(tangential, normal)
+    alpha: Any = sections.twist - np.arctan2(normal, tangential)
+    reynolds: Any = sections.reynolds_per_speed * speed
+    with by_numpy():
+        found: Any = coefficients_at(law, alpha, reynolds)
+    lift, drag, slope = (
+        np.asarray(a) + 0.0 * speed for a in (found.lift, found.drag, found.lift_slope)
+    )
+    return Flow(tangential, normal, speed, lift, drag, slope)
+
+
+def solve(sections: Sections, law: SectionLaw, start: Floats) -> tuple[Floats, float]:
+    """The circulation [m^2/s] at which Gamma = 1/2 c U C_L everywhere, and what is left of it.
+
+    Newton's steps.  Where some section's lift falls with the angle of attack that slope is taken as
+    zero, and the steps are short: stalled sections beside each other have many solutions, and long
+    steps end at those that alternate along the blade.
+
+    Parameters
+    ----------
+    sections : Sections
+        The blade.
+    law : SectionLaw
+        Its lift and drag.
+    start : Floats
+        Where to begin; an attached blade finds an attached one.
+
+    Returns
+    -------
+    Floats
+        Shape (n, M).
+    float
+        Largest error over the largest circulation [-].
+    """
+    circulation = start.copy()
+    left = np.inf
+    for _ in range(MOST_STEPS):
+        flow = flow_at(sections, law, circulation)
+        error = 0.5 * sections.chord * flow.speed * flow.lift - circulation
+        left = float(np.abs(error).max() / np.abs(circulation).max())
+        if left < TOLERANCE:
+            break
+        share = STALLED_SHARE if (flow.lift_slope < 0.0).any() else 1.0
+        circulation = circulation + share * _newton_step(sections, flow, error)
+    return circulation, left
+
+
+def _newton_step(sections: Sections, flow: Flow, error: Floats) -> Floats:
+    slope = np.maximum(flow.lift_slope, 0.0)
+    half = 0.5 * sections.chord / flow.speed
+    by_normal = half * (flow.lift * flow.normal - slope * flow.tangential)
+    by_tangential = half * (flow.lift * flow.tangential + slope * flow.normal)
+    matrix = np.eye(error.size)
+    matrix -= by_normal.ravel()[:, None] * sections.by_normal
+    matrix -= by_tangential.ravel()[:, None] * sections.by_tangential
+    step: Any = np.linalg.solve(matrix, error.ravel())
+    return step.reshape(error.shape)

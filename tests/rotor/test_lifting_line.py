@@ -1,0 +1,86 @@
+"""Inflow that varies around the disk, against an unsteady lifting line."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from benchmarks.lifting_line import checks
+from benchmarks.lifting_line.compare import (
+    CONSTANTS,
+    OMEGA,
+    Point,
+    by_free_wake,
+    by_rigid_wake,
+    by_theory,
+    model,
+)
+from benchmarks.lifting_line.vortices import segment_velocity
+from benchmarks.lifting_line.wake import Resolution
+
+
+def test_a_long_straight_vortex() -> None:
+    """1 / (2 pi h), less inside the core, right-handed."""
+    start, end = np.array([0.0, 0.0, -1e5]), np.array([0.0, 0.0, 1e5])
+    point = np.array([0.5, 0.0, 0.0])
+    found = segment_velocity(point, start, end, np.array(0.0))
+    np.testing.assert_allclose(found, [0.0, 1.0 / np.pi, 0.0], rtol=1e-6, atol=1e-12)
+    thick = segment_velocity(point, start, end, np.array(0.5))
+    np.testing.assert_allclose(thick, 0.5 * found, rtol=1e-6, atol=1e-12)
+
+
+def test_an_elliptic_wing_has_prandtls_lift() -> None:
+    found, known = checks.elliptic_wing()
+    assert found == pytest.approx(known, rel=2e-3)
+
+
+@pytest.mark.parametrize("k", [0.05, 0.15, 0.3])
+def test_a_heaving_section_has_theodorsens_lift(k: float) -> None:
+    """Within what a vortex at a quarter of the chord loses against thin-airfoil theory."""
+    for found, known in checks.heaving_section(k, phases=48):
+        assert found == pytest.approx(known, abs=0.02)
+
+
+@pytest.mark.parametrize("degrees", [0.0, 40.0, 75.0])
+def test_a_wake_of_constant_circulation_is_colemans_cylinder(degrees: float) -> None:
+    mean, slope = checks.skewed_cylinder(
+        float(np.radians(degrees)), Resolution(stations=2, phases=24, turns=20)
+    )
+    assert mean.found == pytest.approx(mean.known, rel=3e-3)
+    assert slope.found == pytest.approx(slope.known, rel=0.02, abs=1e-9)
+
+
+@pytest.mark.slow
+def test_roll_in_oblique_flow_is_that_of_a_lifting_line() -> None:
+    """Within 20 % on a coarse lattice with the same constants, where the annulus is 20 % above."""
+    point = Point(10.0, 75.0)
+    found = by_rigid_wake(CONSTANTS, point, Resolution(stations=10, phases=24, turns=4))
+    line = found.loads
+    assert found.left < 1e-5
+    theories = by_theory([point])
+    (harmonic,), (annulus,) = theories["pitt_peters"], theories["annulus"]
+    assert harmonic.roll_moment == pytest.approx(line.roll_moment, rel=0.2)
+    miss = abs(harmonic.roll_moment - line.roll_moment)
+    assert miss < 0.5 * abs(annulus.roll_moment - line.roll_moment)
+    assert line.pitch_moment * harmonic.pitch_moment > 0.0
+    assert harmonic.drag == pytest.approx(line.drag, rel=0.25)
+
+
+@pytest.mark.slow
+def test_hover_thrust_of_a_lifting_line_is_a_little_below_momentums() -> None:
+    """The loss at tip and root, and the swirl, take off at most a seventh."""
+    (annulus,) = by_theory([Point(0.0, 0.0)])["annulus"]
+    found = checks.hover(model(), OMEGA, Resolution(stations=10, phases=24, turns=8))
+    assert 6.0 / 7.0 * annulus.thrust < found.thrust < annulus.thrust
+    assert 1.0 < found.power_factor < 1.35
+
+
+@pytest.mark.slow
+def test_a_free_wake_comes_to_rest_near_a_rigid_one_where_the_stream_is_fast() -> None:
+    found = by_free_wake(
+        CONSTANTS, Point(15.0, 30.0), 1.0, Resolution(stations=6, phases=12, turns=3)
+    )
+    assert found.moved[-1] < 0.2 * found.moved[0]
+    for load in ("thrust", "torque", "roll_moment"):
+        assert getattr(found.end, load) == pytest.approx(getattr(found.start, load), rel=0.05)
+    assert found.end.roll_moment != found.start.roll_moment
