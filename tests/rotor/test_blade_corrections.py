@@ -1,4 +1,4 @@
-"""Loads with the blade continued to the hub and with friction along it."""
+"""Loads with corrections of the blade and of its sections."""
 
 from __future__ import annotations
 
@@ -112,22 +112,21 @@ def test_a_mirrored_rotor_has_a_mirrored_wrench() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("others", [(), ("pitt-peters",)])
 def test_compiled_batches_agree_with_numpy_anywhere(others: tuple[str, ...]) -> None:
+    """Points of the whole envelope, each with loads or a status that says why not."""
     random = np.random.default_rng(5)
     points = (
-        random.uniform(200.0, 900.0, 600),
-        random.uniform(0.0, 20.0, 600),
-        random.uniform(0.0, np.pi, 600),
+        random.uniform(200.0, 900.0, 60),
+        random.uniform(0.0, 20.0, 60),
+        random.uniform(0.0, np.pi, 60),
     )
-    some = tuple(values[:40] for values in points)
-    want = rotor(*others, *BOTH).loads(*some)
-    whole = rotor(*others, *BOTH, compiled=True).loads(*points)
-    assert (whole.status[:40] == want.status).all()
-    lost = np.isin(whole.status, ("not_converged",))
+    want = rotor(*others, *BOTH).loads(*points)
+    got = rotor(*others, *BOTH, compiled=True).loads(*points)
+    assert (got.status == want.status).all()
+    lost = got.status == "not_converged"
     for name in LOADS:
-        values = getattr(whole, name)
-        # A batch may choose other nodes than a few points do, within the accuracy promised.
-        assert np.abs(values[:40] - getattr(want, name)).max() < 1e-3 * np.abs(want.thrust).max()
-        assert (np.isfinite(values) == ~lost).all()
+        a, b = getattr(got, name), getattr(want, name)
+        np.testing.assert_allclose(a, b, atol=1e-7 * np.nanmax(np.abs(want.thrust)))
+        assert (np.isfinite(a) == ~lost).all()
 
 
 @pytest.mark.parametrize(
@@ -135,6 +134,7 @@ def test_compiled_batches_agree_with_numpy_anywhere(others: tuple[str, ...]) -> 
     [
         ("radial-friction",),
         pytest.param(("blade-to-hub",), marks=pytest.mark.slow),
+        pytest.param(("stall-delay", "prandtl-glauert"), marks=pytest.mark.slow),
         pytest.param(("pitt-peters", *BOTH), marks=pytest.mark.slow),
     ],
 )

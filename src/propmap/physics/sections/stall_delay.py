@@ -36,7 +36,8 @@ class StallDelayLaw(WrappedLaw):
 
     C_L + min(k (c/y)^2, 1) w (s a - C_L), s being the attached lift's slope, a the angle from zero
     lift and w a weight, 1 up to ``FADE_FROM`` on either side and 0 from ``FADE_TO`` on.  Drag is
-    left as it is.
+    left as it is.  Made for the slender blades of wind turbines: where c/y is large no stall is
+    left.
 
     Attributes
     ----------
