@@ -10,12 +10,14 @@ import pytest
 
 import propmap
 from propmap.catalogue.measurements import measurement
+from propmap.cli.flight_files import read_flights
 from propmap.cli.tunnel_files import doubts_on_tunnel
 from propmap.errors import InputError
 from propmap.model.plausible import doubts_on_blade
+from propmap.vehicle.vehicle_toml import read_vehicle
 
 from .conftest import Run
-from .fit_inputs import QUICK, UIUC, picked, tunnel_table
+from .fit_inputs import LEVEL, QUICK, UIUC, VEHICLE, picked, tunnel_table
 
 BLADE = propmap.propeller("apc-8x6e")
 RADIUS, CHORD, TWIST = BLADE.station, BLADE.chord, np.degrees(BLADE.twist)
@@ -171,7 +173,7 @@ POINTS: dict[str, tuple[str, int, str]] = {
         0,
         "beta is 1.309 deg at most; it looks like radians",
     ),
-    "huge": (points_csv(rpm=1e9), 2, "nothing here holds above 1"),
+    "huge": (points_csv(rpm=1e9), 2, "nothing here holds above Mach 1"),
     "Mach 0.8": (points_csv(rpm=3.6), 0, "Mach 0.788"),
 }
 
@@ -337,3 +339,19 @@ def test_fit_keeps_its_doubts(run: Run, tmp_path: Path) -> None:
     assert "thrust looks like pounds" in (tmp_path / "fit.toml").read_text()
     result = run("check", "fit.toml", "tunnel.csv")
     assert "thrust looks like pounds" in result.err
+
+
+SLOW_TURNING = {"rad/s": (1.0 / RPM_PER_RADIAN, "rad/s"), "electrical rpm": (7.0, "electrical rpm")}
+
+
+@pytest.mark.parametrize("case", SLOW_TURNING)
+def test_level_table(tmp_path: Path, case: str) -> None:
+    (tmp_path / "vehicle.toml").write_text(VEHICLE)
+    vehicle, path = read_vehicle(tmp_path / "vehicle.toml"), tmp_path / "level.csv"
+    path.write_text(LEVEL)
+    assert read_flights([path], vehicle, "level", seconds=2.0, samples=100).remarks == ()
+    factor, cause = SLOW_TURNING[case]
+    path.write_text(scaled(LEVEL, **{f"rpm_{k}": factor for k in range(1, 5)}))
+    with pytest.raises(InputError, match=cause) as caught:
+        read_flights([path], vehicle, "level", seconds=2.0, samples=100)
+    assert "revolutions per minute" in str(caught.value)

@@ -71,11 +71,11 @@ def read_csv_table(
         numbers cannot be told apart.
     """
     body, told = [], []
-    for line in lines:
-        comment = comments and is_comment(line)
-        told += [line] if comment else []
-        body.append("" if comment else line)
-    first = next((line for line in body if line.strip(" \t;,")), None)
+    for text in lines:
+        comment = comments and is_comment(text)
+        told += [text] if comment else []
+        body.append("" if comment else text)
+    first = next((text for text in body if text.strip(" \t;,")), None)
     if first is None:
         return None
     separator = separator_of(first, columns)

@@ -161,12 +161,14 @@ def _doubts_on_mach(tip: Floats, speed: Floats) -> list[str]:
     )
     like = ""
     if speed[k] > tip[k]:
-        like = guessed(float(speed[k]), Range(1.0, 60.0), SPEED_SLIPS, "the speed")
+        like = guessed(float(speed[k]), Range(1.0, 130.0), SPEED_SLIPS, "the speed")
     else:
         like = guessed(float(tip[k]), Range(40.0, 130.0), FAST_SLIPS, "the rotational speed")
         like += ", or the radius like the diameter" if like else ""
     if mach > 1.0:
-        raise InputError(f"{told}{like}", "check rpm, speed and radius: nothing here holds above 1")
+        raise InputError(
+            f"{told}{like}", "check rpm, speed and radius: nothing here holds above Mach 1"
+        )
     return [
         f"{told}; above {FAST_TIP_MACH:g} drag rises, which the section law does not have{like}"
     ]

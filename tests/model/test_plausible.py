@@ -1,0 +1,162 @@
+"""Estimates of loads, slips of units, and where notes begin."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import propmap
+from propmap.errors import InputError
+from propmap.model.plausible import doubts_on_air, doubts_on_blade, doubts_on_points, pitch_ratio
+from propmap.model.plausible_loads import (
+    LIFT_SLOPE,
+    SMALL_BLADES,
+    ZERO_LIFT,
+    doubts_on_loads,
+    estimated_loads,
+)
+from propmap.model.usual_ranges import (
+    CHORD,
+    CHORD_SLIPS,
+    DENSITY_SLIPS,
+    LENGTH_SLIPS,
+    LOAD_RATIO,
+    SPEED_OF_SOUND,
+    THRUST_SLIPS,
+    TORQUE_SLIPS,
+    Range,
+    Slip,
+    guessed,
+    likely_slips,
+)
+
+BLADE = propmap.propeller("apc-8x6e")
+AIR = propmap.Air()
+OMEGA = np.array([300.0, 500.0, 700.0])
+STILL = np.zeros(3)
+
+
+@pytest.mark.parametrize("climb", [0.0, 0.05, 0.1])
+def test_estimate_balances_momentum_and_blade_element(climb: float) -> None:
+    """The inflow by bisection, from lift and momentum of the annulus at 0.75 R."""
+    tip = OMEGA[1] * BLADE.radius
+    chord = np.interp(0.75 * BLADE.radius, BLADE.station, BLADE.chord)
+    twist = np.interp(0.75 * BLADE.radius, BLADE.station, BLADE.twist) - ZERO_LIFT
+
+    def excess(inflow: float) -> float:
+        speed, width = 0.75 * tip, 2.0 * np.pi * 0.75 * BLADE.radius
+        angle = twist - inflow * tip / speed
+        lift = 0.5 * AIR.density * speed**2 * LIFT_SLOPE * angle * BLADE.blades * chord
+        through = AIR.density * inflow * tip * width
+        return float(lift - through * 2.0 * (inflow - climb) * tip)
+
+    low, high = climb, 1.0
+    for _ in range(80):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if excess(middle) > 0.0 else (low, middle)
+    thrust = 2.0 * AIR.density * np.pi * BLADE.radius**2 * low * (low - climb) * tip**2
+    found = estimated_loads(BLADE, AIR, OMEGA[1:2], np.array([climb * tip]))["thrust"][0]
+    assert found == pytest.approx(SMALL_BLADES * thrust, rel=1e-9)
+
+
+def test_estimate_responds_to_the_blade_and_the_flight() -> None:
+    base = estimated_loads(BLADE, AIR, OMEGA, STILL)
+    wide = estimated_loads(replace(BLADE, chord=1.2 * BLADE.chord), AIR, OMEGA, STILL)
+    flat = estimated_loads(replace(BLADE, twist=0.8 * BLADE.twist), AIR, OMEGA, STILL)
+    moving = estimated_loads(BLADE, AIR, OMEGA, STILL + 5.0)
+    for load, values in base.items():
+        assert (wide[load] > values).all()
+        assert (flat[load] < values).all()
+        np.testing.assert_allclose(values / OMEGA**2, values[0] / OMEGA[0] ** 2)
+    assert (moving["thrust"] < base["thrust"]).all()
+
+
+@pytest.mark.parametrize(
+    ("usual", "slips"),
+    [
+        (Range(0.025, 0.4), LENGTH_SLIPS),
+        (CHORD, CHORD_SLIPS),
+        (Range(0.9, 1.45), DENSITY_SLIPS),
+        (LOAD_RATIO, THRUST_SLIPS),
+        (LOAD_RATIO, TORQUE_SLIPS),
+    ],
+)
+def test_each_slip_is_named_first_for_a_typical_figure(
+    usual: Range, slips: tuple[Slip, ...]
+) -> None:
+    typical = float(np.sqrt(usual.low * usual.high))
+    for slip in slips:
+        found = likely_slips(typical * slip.factor, usual, slips)
+        assert found[0] == slip
+        assert slip.like in guessed(typical * slip.factor, usual, slips)
+    for value in (0.0, -1.0, np.inf, 1e30):
+        assert likely_slips(value, usual, slips) == []
+
+
+def test_mach_numbers() -> None:
+    def told(mach: float) -> list[str]:
+        return doubts_on_points(
+            BLADE, np.array([mach * SPEED_OF_SOUND / BLADE.radius]), np.zeros(1), np.zeros(1)
+        )
+
+    assert told(0.74) == []
+    (note,) = told(0.76)
+    assert "Mach 0.76" in note
+    (note,) = told(0.99)
+    assert "Mach 0.99" in note
+    with pytest.raises(InputError, match=r"Mach 1\.01"):
+        told(1.01)
+    with pytest.raises(InputError, match="speed looks like km/h"):
+        doubts_on_points(BLADE, np.array([100.0]), np.array([400.0]) * 0.9, np.zeros(1))
+
+
+def test_pitch_of_the_blade() -> None:
+    """6 in of pitch and 8 in of diameter: V / (Omega R) = P / (pi D)."""
+    assert pitch_ratio(BLADE) == pytest.approx(6.0 / 8.0 / np.pi, rel=0.1)
+
+
+def test_what_is_unusual_but_sound_is_passed() -> None:
+    flat = replace(BLADE, twist=np.full_like(BLADE.twist, 0.2))
+    assert doubts_on_blade(flat) == []
+    assert doubts_on_air(propmap.Air.standard(10000.0)) == []
+    # Rest, standing rotors, descent, and one fast row among slow ones.
+    omega = np.array([0.0, 0.0, 500.0, 500.0, 500.0, 100.0])
+    speed = np.array([0.0, 10.0, 0.0, 9.0, 12.0, 30.0])
+    beta = np.array([0.0, 1.0, 0.0, np.pi, 1.2, 1.5])
+    assert doubts_on_points(BLADE, omega, speed, beta) == []
+    assert doubts_on_points(BLADE, np.zeros(2), np.ones(2), np.zeros(2)) == []
+
+
+def test_scatter_is_no_slip() -> None:
+    """Loads that err by a third, in both directions, and gaps among them."""
+    rng = np.random.default_rng(5)
+    omega, speed = rng.uniform(300.0, 800.0, 60), np.tile([0.0, 4.0, 8.0], 20)
+    loads = {
+        name: values * np.exp(0.3 * rng.standard_normal(60))
+        for name, values in estimated_loads(BLADE, AIR, omega, speed).items()
+    }
+    loads["thrust"][::7] = np.nan
+    loads["torque"] = np.full(60, np.nan)
+    assert doubts_on_loads(BLADE, AIR, omega, speed, 0.0 * speed, loads) == []
+
+
+def test_loads_of_one_fast_speed_are_not_taken_for_edgewise_flow() -> None:
+    speed = np.full(3, 0.75 * pitch_ratio(BLADE) * 500.0 * BLADE.radius)
+    omega = np.full(3, 500.0)
+    loads = estimated_loads(BLADE, AIR, omega, speed)
+    assert doubts_on_loads(BLADE, AIR, omega, speed, 0.0 * speed, loads) == []
+
+
+def test_without_loads_there_is_nothing_to_say() -> None:
+    nothing = {"thrust": np.full(3, np.nan), "drag": np.ones(3)}
+    assert doubts_on_loads(BLADE, AIR, OMEGA, STILL, STILL, nothing) == []
+    assert doubts_on_loads(BLADE, AIR, STILL, STILL, STILL, {"thrust": np.ones(3)}) == []
+
+
+def test_more_power_in_the_air_than_on_the_shaft() -> None:
+    loads = estimated_loads(BLADE, AIR, OMEGA, STILL)
+    loads["thrust"], loads["torque"] = 1.8 * loads["thrust"], 0.5 * loads["torque"]
+    with pytest.raises(InputError, match="times the power on the shaft"):
+        doubts_on_loads(BLADE, AIR, OMEGA, STILL, STILL, loads)
