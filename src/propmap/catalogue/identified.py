@@ -82,6 +82,17 @@ class Identified:
     key: str
 
     @property
+    def told(self) -> str:
+        """In one line: whose constants these are, what they rest on, and how well they fit."""
+        size = "and at rest " if self.static_rows else ""
+        return (
+            f"constants identified from {self.rows} loads of {self.tested!r} in axial flow {size}"
+            f"(UIUC), {self.rpm_low:.0f} to {self.rpm_high:.0f} rpm, J up to "
+            f"{self.advance_high:.2f}: rms error of C_T {self.thrust_rms:.4f}, of C_P "
+            f"{self.power_rms:.4f}; {self.verdict}"
+        )
+
+    @property
     def constants(self) -> Floats:
         """Values of ``PARAMETERS``, (7,)."""
         return np.array([getattr(self.airfoil, name) for name in PARAMETERS])

@@ -44,11 +44,9 @@ def propeller(
         For an unknown name, with close ones, a designation that several propellers have, and a file
         that holds no propeller.
     """
-    text = os.fspath(name_or_path)
-    name = text.strip().lower()
-    path = name not in catalogue.names() and looks_like_path(name_or_path)
-    if not path:
-        found = catalogue.load(name if name in catalogue.names() else designated(text).name)
+    text, name = os.fspath(name_or_path), catalogue_name(name_or_path)
+    if name is not None:
+        found = catalogue.load(name)
         if radius is not None:
             check_radius(found.radius, radius, where=found.name)
         if blades is not None:
@@ -56,6 +54,21 @@ def propeller(
     else:
         found = read_geometry_file(text, blades=blades, radius=radius)
     return found if root_cutout is None else found.with_root_cutout(root_cutout)
+
+
+def catalogue_name(name_or_path: str | os.PathLike[str]) -> str | None:
+    """The name in the catalogue of what ``propeller`` would give; None for a file.
+
+    Raises
+    ------
+    InputError
+        For what is neither a file nor means one propeller.
+    """
+    text = os.fspath(name_or_path)
+    name = text.strip().lower()
+    if name in catalogue.names():
+        return name
+    return None if looks_like_path(name_or_path) else designated(text).name
 
 
 def designated(text: str) -> catalogue.Entry:

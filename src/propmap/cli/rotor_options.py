@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Concatenate, ParamSpec, get_ty
 import numpy as np
 import typer
 
-from propmap.catalogue.lookup import airfoil, propeller
+from propmap.catalogue.identified import identified
+from propmap.catalogue.lookup import airfoil, catalogue_name, propeller
 from propmap.cli.plausibility import say_doubts
 from propmap.errors import InputError
 from propmap.model.air import PAPER_DENSITY, PAPER_VISCOSITY, Air
@@ -92,7 +93,8 @@ class RotorChoice:
             "--airfoil",
             metavar="NAME|FILE",
             help="Section law: a name of propmap airfoils, a fit or parameter set (.toml), or a "
-            "section table of AeroDyn, XFOIL (a file or a folder), CACTUS or CSV.",
+            "section table of AeroDyn, XFOIL (a file or a folder), CACTUS or CSV. By default the "
+            "constants that come with propmap for PROP, if there are any.",
         ),
     ] = None
     rho: Annotated[
@@ -119,14 +121,8 @@ class RotorChoice:
 
     def rotor(self, points: int | None = None) -> Rotor:
         """The rotor; its programs are not compiled for few ``points``, None for many."""
-        if self.airfoil is None:
-            names = ", ".join(airfoil_names())
-            raise InputError(
-                "no section law is given",
-                f"pass --airfoil with one of {names}, a .toml file or a section table",
-            )
         blade, air = self.blade(), self.medium()
-        section = with_physics(airfoil(self.airfoil), self.model, self.correction)
+        section = with_physics(self.section(blade), self.model, self.correction)
 
         from propmap.engine.compilation import keep_compiled
         from propmap.rotor import Rotor
@@ -134,6 +130,21 @@ class RotorChoice:
         keep_compiled()
         compiled = points is None or points > FEW_POINTS[self.accuracy]
         return Rotor(Model(blade, section, air), accuracy=self.accuracy.value, compiled=compiled)
+
+    def section(self, blade: Propeller) -> Airfoil | SectionTable:
+        """The section law: that which is named, else the constants identified for the ``blade``."""
+        if self.airfoil is not None:
+            return airfoil(self.airfoil)
+        name = catalogue_name(self.prop)
+        found = identified(name, blade.blades) if name is not None else None
+        if found is None:
+            names = ", ".join(airfoil_names())
+            raise InputError(
+                "no section law is given, and no constants are identified for this propeller",
+                f"pass --airfoil with one of {names}, a .toml file or a section table",
+            )
+        typer.echo(f"note: {found.told}", err=True)
+        return found.airfoil
 
     def blade(self) -> Propeller:
         """The propeller; notes say what is odd about it."""
