@@ -57,18 +57,23 @@ class Summary(NamedTuple):
 
 def summary(entries: Sequence[Identified]) -> Summary:
     """What all ``entries`` together say."""
-    best: dict[str, Identified] = {}
-    for one in entries:
-        kept = best.get(one.tested)
-        if kept is None or _badness(one) < _badness(kept):
-            best[one.tested] = one
-    chosen = list(best.values())
+    chosen = one_of_each(entries)
     thrust, power = (
         _median_and_tail([getattr(one, name) for one in chosen])
         for name in ("thrust_rms", "power_rms")
     )
     worst = sorted(chosen, key=_badness, reverse=True)[:WORST]
     return Summary(len(chosen), thrust, power, worst, spread(chosen))
+
+
+def one_of_each(entries: Sequence[Identified]) -> list[Identified]:
+    """Of ``entries`` for several blades of one tested propeller, the one that fits best."""
+    best: dict[str, Identified] = {}
+    for one in entries:
+        kept = best.get(one.tested)
+        if kept is None or _badness(one) < _badness(kept):
+            best[one.tested] = one
+    return list(best.values())
 
 
 def _median_and_tail(errors: Sequence[float]) -> tuple[float, float]:
@@ -86,7 +91,7 @@ def spread(entries: Sequence[Identified]) -> Spread:
     that between them is the variance of the means, less what the other two put into it.
     """
     place = coordinates(np.stack([one.constants for one in entries]))
-    fit = np.stack([_variance(one) for one in entries])
+    fit = np.stack([variance_of(one) for one in entries])
     family = np.array([one.family for one in entries])
     codes, which, count = np.unique(family, return_inverse=True, return_counts=True)
     means = np.stack([place[which == k].mean(axis=0) for k in range(codes.size)])
@@ -99,7 +104,7 @@ def spread(entries: Sequence[Identified]) -> Spread:
     return Spread(means.mean(axis=0), np.sqrt(between), np.sqrt(within))
 
 
-def _variance(one: Identified) -> Floats:
-    """Variances (7,) of the coordinates."""
+def variance_of(one: Identified) -> Floats:
+    """Variances (7,) of the coordinates of ``one``, by its fit."""
     back = np.linalg.inv(slopes_of(coordinates(one.constants)))
     return np.diag(back @ one.covariance @ back.T)

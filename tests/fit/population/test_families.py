@@ -1,0 +1,57 @@
+"""What a family says of a further propeller."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from propmap.catalogue.identified import all_identified
+from propmap.fit.population.coefficients import airfoil_of
+from propmap.fit.population.families import family_prior
+from propmap.fit.population.left_out import left_out
+from propmap.fit.population.misfiled import refiled
+from propmap.fit.population.prior import POPULATION, constants_of, coordinates
+from propmap.fit.population.summary import Spread, variance_of
+from propmap.io.uiuc_database import read_uiuc_database
+from tests.fit.population.test_catalogue import LOADS, with_data
+
+MEAN, TOTAL = POPULATION.mean, POPULATION.deviation
+SPREAD = Spread(MEAN, 0.8 * TOTAL, 0.6 * TOTAL)
+
+
+def test_of_an_unknown_family_all_propellers_are_the_prior() -> None:
+    found = family_prior([], SPREAD)
+    np.testing.assert_allclose(found.mean, MEAN)
+    np.testing.assert_allclose(found.deviation, TOTAL, rtol=1e-12)
+
+
+def test_many_members_leave_the_spread_within_the_family() -> None:
+    place = MEAN + 0.5 * TOTAL
+    one = replace(all_identified()[0], airfoil=airfoil_of(constants_of(place)))
+    found = family_prior([one] * 3000, SPREAD)
+    np.testing.assert_allclose(found.mean, place, rtol=1e-2)
+    np.testing.assert_allclose(found.deviation, SPREAD.within, rtol=1e-2)
+
+
+def test_one_member_is_weighed_by_its_own_error() -> None:
+    one = all_identified()[0]
+    found = family_prior([one], SPREAD)
+    doubt = SPREAD.within**2 + variance_of(one)
+    share = SPREAD.between**2 / (SPREAD.between**2 + doubt)
+    np.testing.assert_allclose(
+        found.mean, MEAN + share * (coordinates(one.constants) - MEAN), rtol=1e-10
+    )
+
+
+@with_data
+def test_a_family_predicts_better_than_all_propellers() -> None:
+    """Of one family, whose blades are alike, with all others as the population."""
+    chosen = [one for one in all_identified() if one.family in ("apcsf", "gwssf", "kyosho", "mae")]
+    found = left_out(chosen, refiled(read_uiuc_database(LOADS)))
+    own, family, population = (
+        np.median([getattr(one, name) for one in found], axis=0)
+        for name in ("own", "family", "population")
+    )
+    assert (own < 0.05).all()
+    assert (own < family).all() and (family < population).all()
