@@ -67,8 +67,8 @@ class BladeToHub:
     """The blade continued to the hub, as a correction of a ``Model``; see ``continued_to``.
 
     Geometry files begin where the blade leaves the hub's fairing.  What lies inside stands steeply
-    in the in-plane flow: on the APC 8x6E it is a hundredth of the thrust and a tenth of the rotor
-    drag.  A blade that reaches the hub stays as it is.
+    in the in-plane flow: on the APC 8x6E it is a hundredth or two of the thrust and more than a
+    tenth of the rotor drag.  A blade that reaches the hub stays as it is.
 
     Attributes
     ----------

@@ -35,7 +35,7 @@ class RadialFriction:
 
     A law's drag at zero lift is taken to be viscous: c_d0 and the friction in eq. (4).
 
-    Not taken into account: what friction adds to the forces along the axis, less than 1e-4 of the
+    Not taken into account: what friction adds to the forces along the axis, less than 1e-3 of the
     thrust, and hence to the inflow; and how it differs between the rear and the front of a disk
     whose inflow varies, which would give a force across.
 
