@@ -73,8 +73,8 @@ def cases() -> dict[str, Case]:
         ),
         "slow flyer 10x4.7, section table": Case(
             Model(propeller("uiuc-apcsf-10x4.7"), sampled("paper-stiff", (2e4, 1e5))),
-            (3000, 7000),
-            (0, 12),
+            (5000, 7000),
+            (0, 10),
             (0, 90),
             0.01,
         ),
