@@ -49,7 +49,6 @@ def parse_rows(
     header: Sequence[str],
     columns: Sequence[str],
     where: str,
-    doubled: str = "",
 ) -> tuple[list[str], Floats]:
     """The numbers of a table, and "line 7" for each of its rows.
 
@@ -61,8 +60,6 @@ def parse_rows(
         Names of all columns, and of those wanted.
     where : str
         The file, for messages.
-    doubled : str
-        Begins the remedy where a row has twice the cells.
 
     Returns
     -------
@@ -76,10 +73,9 @@ def parse_rows(
     for number, cells in rows:
         place = f"{where}: line {number}"
         if len(cells) != len(header):
-            hint = doubled if len(cells) == 2 * len(header) else ""
             raise InputError(
                 f"found {len(cells)} figures, expected {len(header)}",
-                f"{hint}complete the row or remove it",
+                "complete the row or remove it",
                 place,
             )
         labels.append(f"line {number}")
