@@ -68,6 +68,11 @@ def load(name: str) -> Propeller:
     return parse_propeller_toml(_files()[key].read_text(encoding="utf-8"), f"catalogue {key}")
 
 
+def family_of(name: str) -> str:
+    """The code of the series of the propeller called ``name``."""
+    return next(entry.family for entry in _entries() if entry.name == name)
+
+
 def unknown_name(name: str) -> InputError:
     """The error for a name that the catalogue does not have, with those close to it."""
     close = difflib.get_close_matches(name.strip().lower(), names(), n=3, cutoff=0.5)

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Concatenate, ParamSpec, get_ty
 import numpy as np
 import typer
 
+from propmap.catalogue import family_of
 from propmap.catalogue.identified import identified
 from propmap.catalogue.lookup import airfoil, catalogue_name, propeller
 from propmap.cli.plausibility import say_doubts
@@ -94,7 +95,7 @@ class RotorChoice:
             metavar="NAME|FILE",
             help="Section law: a name of propmap airfoils, a fit or parameter set (.toml), or a "
             "section table of AeroDyn, XFOIL (a file or a folder), CACTUS or CSV. By default the "
-            "constants that come with propmap for PROP, if there are any.",
+            "constants identified for PROP, else those to be expected of its family or of any.",
         ),
     ] = None
     rho: Annotated[
@@ -132,19 +133,23 @@ class RotorChoice:
         return Rotor(Model(blade, section, air), accuracy=self.accuracy.value, compiled=compiled)
 
     def section(self, blade: Propeller) -> Airfoil | SectionTable:
-        """The section law: that which is named, else the constants identified for the ``blade``."""
+        """The section law: that which is named, else constants known for the ``blade``.
+
+        These are the identified ones, else those to be expected of its family or of any propeller;
+        a note says which.
+        """
         if self.airfoil is not None:
             return airfoil(self.airfoil)
         name = catalogue_name(self.prop)
         found = identified(name, blade.blades) if name is not None else None
-        if found is None:
-            names = ", ".join(airfoil_names())
-            raise InputError(
-                "no section law is given, and no constants are identified for this propeller",
-                f"pass --airfoil with one of {names}, a .toml file or a section table",
-            )
-        typer.echo(f"note: {found.told}", err=True)
-        return found.airfoil
+        if found is not None:
+            law, told = found.airfoil, found.told
+        else:
+            from propmap.fit.population.expected import expected_constants
+
+            law, told = expected_constants(family_of(name) if name is not None else None)
+        typer.echo(f"note: {told}; another law by --airfoil", err=True)
+        return law
 
     def blade(self) -> Propeller:
         """The propeller; notes say what is odd about it."""

@@ -1,0 +1,50 @@
+"""Section constants to expect of a propeller that was not identified: its family's, or any's."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from propmap.catalogue.identified import PARAMETERS, all_identified
+from propmap.fit.population.families import family_prior
+from propmap.fit.population.prior import HELD, constants_of
+from propmap.fit.population.summary import spread
+from propmap.model.airfoil import Airfoil
+
+MEDIAN_ERRORS = {"family": 0.11, "population": 0.14}
+"""Of C_T and C_P of propellers that were left out, by ``python -m tools.left_out``: half of them
+err less, rms over rms."""
+
+
+def expected_constants(family: str | None = None) -> tuple[Airfoil, str]:
+    """The most likely constants of a small propeller, and in one line what they rest on.
+
+    Parameters
+    ----------
+    family : str, optional
+        Code of its series in the catalogue, such as "apcsf"; None where it is not known.
+
+    Returns
+    -------
+    airfoil : Airfoil
+        The constants.
+    told : str
+        How many propellers they are from and how far loads computed with them may err.
+    """
+    every = all_identified()
+    members = [one for one in every if one.family == family]
+    place = family_prior(members, spread(every)).mean
+    values: Any = dict(zip(PARAMETERS, constants_of(place).tolist(), strict=True))
+    name = f"{family} expected" if members else "small propeller expected"
+    source = f"prior over propellers by propmap, family {family if members else 'unknown'}"
+    likely = MEDIAN_ERRORS["family" if members else "population"]
+    of = (
+        f"of its family, {family}, {len(members)} propellers"
+        if members
+        else f"of {len(every)} small propellers, none of its family"
+    )
+    told = (
+        f"constants as to be expected by those {of}; it was not identified itself: half of such "
+        f"propellers have thrust and torque within {likely:.0%} (rms) in axial flow, one in ten is "
+        "off by twice that"
+    )
+    return Airfoil(**HELD, **values, name=name, source=source), told

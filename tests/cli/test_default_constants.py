@@ -1,0 +1,75 @@
+"""Without --airfoil a propeller has the constants that are known for it, and a note says which."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import propmap
+from propmap.catalogue.identified import all_identified, identified
+from propmap.fit.population.expected import expected_constants
+
+from .conftest import POINT, Run
+
+BLADE = "radius_mm,chord_mm,twist_deg\n20,18,35\n50,20,22\n80,16,15\n100,8,12\n"
+
+
+def thrust_with(prop: str, law: propmap.Airfoil) -> float:
+    blade = propmap.propeller(prop, blades=2)
+    model = propmap.Model(blade, law, corrections=propmap.corrections_of("recommended"))
+    loads = propmap.Rotor(model, compiled=False).loads(
+        4000.0 * np.pi / 30.0, 14.0, np.radians(80.0)
+    )
+    return float(loads.thrust)
+
+
+@pytest.mark.parametrize("prop", ["apc-8x6e", "APC 8x6E", "kyosho 11x9"])
+def test_identified_constants(run: Run, prop: str) -> None:
+    name = propmap.propeller(prop).name
+    found = identified(name, 2)
+    assert found is not None
+    done = run("predict", prop, *POINT, "--format", "json")
+    assert done.code == 0 and done.err.count("\n") == 1
+    assert done.err.startswith(f"note: constants identified from {found.rows} loads of ")
+    wanted = pytest.approx(thrust_with(name, found.airfoil), rel=1e-9)
+    assert json.loads(done.out)["thrust_N"] == wanted
+    assert f"airfoil {name} identified + pitt-peters" in run("predict", prop, *POINT).out
+
+
+def test_constants_of_the_family(run: Run) -> None:
+    law, _ = expected_constants("apcsf")
+    done = run("predict", "apc-8x6sf", *POINT, "--format", "json")
+    assert done.code == 0 and done.err.count("\n") == 1
+    assert "those of its family, apcsf" in done.err
+    wanted = pytest.approx(thrust_with("apc-8x6sf", law), rel=1e-9)
+    assert json.loads(done.out)["thrust_N"] == wanted
+
+
+def test_constants_of_any_propeller(run: Run, tmp_path: Path) -> None:
+    path = tmp_path / "mine.csv"
+    path.write_text(BLADE)
+    done = run("predict", path, "--blades", "2", *POINT, "--format", "json")
+    assert done.code == 0
+    assert "small propellers, none of its family" in done.err
+    law, _ = expected_constants()
+    wanted = pytest.approx(thrust_with(str(path), law), rel=1e-9)
+    assert json.loads(done.out)["thrust_N"] == wanted
+
+
+def test_a_law_that_is_named_is_used_without_a_note(run: Run) -> None:
+    assert run("predict", "apc-8x6e", "--airfoil", "paper-apc", *POINT).err == ""
+
+
+def test_expected_constants_lie_among_those_of_their_propellers() -> None:
+    every = all_identified()
+    for family in ("apcsf", "grcp", None):
+        law, told = expected_constants(family)
+        members = [one for one in every if family in (None, one.family)]
+        assert f"{len(members)} " in told
+        for name in ("c_l1", "c_d", "alpha_0", "zero_lift_angle", "c_d0"):
+            values = [getattr(one.airfoil, name) for one in members]
+            assert min(values) < getattr(law, name) < max(values), (family, name)
+        assert law.c_l2 == 2.0
