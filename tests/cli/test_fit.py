@@ -117,7 +117,7 @@ def test_another_set_gives_what_is_not_free(run: Run, tunnel_csv: Path) -> None:
 def test_a_narrow_range_of_speeds_is_said_in_words(
     run: Run, tmp_path: Path, speed: float, says: str
 ) -> None:
-    rows = "".join(f"{rpm},{speed},0,{3e-8 * rpm**2}\n" for rpm in range(4000, 7000, 300))
+    rows = "".join(f"{rpm},{speed},0,{5e-8 * rpm**2}\n" for rpm in range(4000, 7000, 300))
     (tmp_path / "narrow.csv").write_text("rpm,speed_mps,beta_deg,thrust_N\n" + rows)
     found, out = fitted(run, "tunnel", "apc-8x6e", tmp_path / "narrow.csv", *QUICK)
     assert any(says in remark for remark in found["remarks"])
