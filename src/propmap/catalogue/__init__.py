@@ -68,19 +68,23 @@ def load(name: str) -> Propeller:
     return parse_propeller_toml(_files()[key].read_text(encoding="utf-8"), f"catalogue {key}")
 
 
-def family_of(name: str) -> str:
-    """The code of the series of the propeller called ``name``."""
-    return next(entry.family for entry in _entries() if entry.name == name)
+def entry(name: str) -> Entry:
+    """The line of the propeller called ``name``, one of ``names``."""
+    return _entry(name, _files()[name].read_text(encoding="utf-8"))
 
 
 def unknown_name(name: str) -> InputError:
     """The error for a name that the catalogue does not have, with those close to it."""
-    close = difflib.get_close_matches(name.strip().lower(), names(), n=3, cutoff=0.5)
-    hint = f"did you mean {', '.join(close)}? " if close else ""
     return InputError(
         f"{quoted(name)} is neither a propeller of the catalogue nor a file",
-        f"{hint}see `propmap props`",
+        f"{close_names(name)} see `propmap props`",
     )
+
+
+def close_names(text: str) -> str:
+    """A question that holds the names in the catalogue closest to ``text``."""
+    close = difflib.get_close_matches(text.strip().lower(), names(), n=3, cutoff=0.0)
+    return f"did you mean {', '.join(close)}?"
 
 
 @lru_cache(maxsize=1)

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import math
 import re
 from dataclasses import dataclass
+from functools import lru_cache
 
 from propmap import catalogue
 from propmap.errors import InputError, quoted
@@ -27,6 +27,9 @@ SAME = 0.006
 """Relative difference up to which two lengths are the same: makers round to a twentieth of an
 inch."""
 
+NO_MAKER = ("mm", "in", "inch", "uiuc")
+"""Units, and where names in the catalogue are from."""
+
 _NUMBER = r"(\d{1,3}(?:[.,]\d+)?)"
 _TIMES = "[x\u00d7*]"
 _SIZE = re.compile(
@@ -34,7 +37,8 @@ _SIZE = re.compile(
     rf"(?![\d.,]|{_TIMES}\d)"
 )
 _FOUR_DIGITS = re.compile(rf"(?<![\w.])(\d\d)(\d\d)(?:\s*{_TIMES}\s*(\d+))?(?!\d)")
-_BLADES = re.compile(r"(\d+)\s*-?\s*blades?\b")
+# The UIUC database writes "gwsdd 5.0x4.3 - 2".
+_BLADES = re.compile(r"(\d+)\s*-?\s*blades?\b|(?<=\s)-\s+(\d+)$")
 _WORD = re.compile(r"[a-z]+\d*[a-z]*")
 
 
@@ -91,11 +95,11 @@ def designation(text: str) -> Designation | None:
     assert found is not None
     words = _WORD.findall(rest[: found.start()] + " " + rest[found.end() :])
     unit = 1e-3 if "mm" in words or numbers[0] > LARGEST_INCHES else INCH
-    said = blades[1] if blades else found[3]
+    said = blades[1] or blades[2] if blades else found[3]
     return _checked(
         text,
         Designation(
-            words=tuple(word for word in words if word not in ("mm", "in", "inch")),
+            words=tuple(word for word in words if word not in NO_MAKER),
             diameter=numbers[0] * unit,
             pitch=numbers[1] * unit,
             blades=int(said) if said else None,
@@ -107,12 +111,13 @@ def _checked(text: str, found: Designation) -> Designation:
     if not LEAST_DIAMETER <= found.diameter <= LARGEST_DIAMETER:
         raise InputError(
             f"{quoted(text)} has a diameter of {found.diameter:.3g} m",
-            f"give {LEAST_DIAMETER:g} to {LARGEST_DIAMETER:g} m, in inches or with mm",
+            f"give {LEAST_DIAMETER:g} to {LARGEST_DIAMETER:g} m, in inches or with mm; "
+            + catalogue.close_names(text),
         )
     if not 0.0 < found.pitch <= STEEPEST * found.diameter:
         raise InputError(
             f"{quoted(text)} has a pitch of {found.pitch:.3g} m",
-            f"give a pitch above 0, up to {STEEPEST:g} diameters",
+            f"give a pitch above 0, up to {STEEPEST:g} diameters; {catalogue.close_names(text)}",
         )
     if found.blades is not None and not 2 <= found.blades <= MOST_BLADES:
         raise InputError(
@@ -125,36 +130,39 @@ def candidates(wanted: Designation) -> list[catalogue.Entry]:
     """The propellers of the catalogue that a designation may mean, one for each series.
 
     Of several blades of one series and size the first that was measured is given.  Where the words
-    are the whole name of a series, others whose names go on are left out.
+    are the whole name of a series, others whose names go on are left out.  The number of blades
+    counts only where no maker is named: makers put one blade on hubs for two and for more.
     """
-    found: dict[tuple[str, int], catalogue.Entry] = {}
-    whole = set()
+    found: dict[str, catalogue.Entry] = {}
+    named, whole = _series(wanted.words), set()
     for entry in catalogue.entries():
         own = designation(entry.title)
-        if own is None or not _same_size(wanted, own) or wanted.blades not in (None, entry.blades):
+        if own is None or not _same_size(wanted, own):
             continue
-        if not _names_series(wanted.words, entry.family, own.words):
+        if wanted.words and entry.family not in named:
             continue
-        key = (entry.family, entry.blades)
-        if key not in found or (_measured(entry) and not _measured(found[key])):
-            found[key] = entry
-        if wanted.words == own.words:
-            whole.add(key)
-    return [entry for key, entry in found.items() if key in whole or not whole]
+        if not wanted.words and wanted.blades not in (None, entry.blades):
+            continue
+        family = entry.family
+        if family not in found or (_measured(entry) and not _measured(found[family])):
+            found[family] = entry
+        if wanted.words in _title_words()[family]:
+            whole.add(family)
+    return [entry for family, entry in found.items() if family in whole or not whole]
 
 
-def nearest(wanted: Designation, count: int = 3) -> list[str]:
-    """Names of the ``count`` propellers of the catalogue next in size, of the same maker if any."""
-    ranked = []
-    for entry in catalogue.entries():
-        own = designation(entry.title)
-        if own is None:
-            continue
-        lengths = ((wanted.diameter, own.diameter), (wanted.pitch, own.pitch))
-        away = sum(abs(math.log(a / b)) for a, b in lengths)
-        other = wanted.words and wanted.words[0] not in (*own.words, entry.family)
-        ranked.append((bool(other), away, entry.name))
-    return [name for _, _, name in sorted(ranked)[:count]]
+def series_named(words: tuple[str, ...]) -> tuple[list[str], tuple[str, ...]]:
+    """Codes of the series that a designation's ``words`` name, and the words that name none.
+
+    Words are given up from the last on until the others name a series: "gws hd" stands for all
+    series of GWS.  The list is empty where the first word is unknown, or there is none.
+    """
+    for count in range(len(words), 0, -1):
+        found = _series(words[:count])
+        whole = [family for family in found if words[:count] in _title_words()[family]]
+        if found:
+            return whole or found, words[count:]
+    return [], words
 
 
 def _same_size(a: Designation, b: Designation) -> bool:
@@ -166,10 +174,32 @@ def _measured(entry: catalogue.Entry) -> bool:
     return entry.name.startswith("uiuc-")
 
 
+@lru_cache(maxsize=1)
+def _title_words() -> dict[str, set[tuple[str, ...]]]:
+    """Of each series, what its propellers' titles call it."""
+    found: dict[str, set[tuple[str, ...]]] = {}
+    for entry in catalogue.entries():
+        own = designation(entry.title)
+        if own is not None:
+            found.setdefault(entry.family, set()).add(own.words)
+    return found
+
+
+def _series(words: tuple[str, ...]) -> list[str]:
+    return [
+        family
+        for family, titles in _title_words().items()
+        if words and any(_names_series(words, family, title) for title in titles)
+    ]
+
+
 def _names_series(words: tuple[str, ...], family: str, title: tuple[str, ...]) -> bool:
     """Whether each of the ``words`` is one of the title, or the series' code is made of them."""
+    first, *rest = words
+    if not rest and len(first) == 1:
+        # A letter alone is a series' mark, as in 12x6E, and no maker's.
+        return first in title[1:]
     if all(word in title or word == family for word in words):
         return True
     # "apc" and "sf" make apcsf; a maker alone stands for all its series.
-    first, *rest = words
     return family == "".join(words) or (not rest and family.startswith(first))

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import os
+import re
 from dataclasses import replace
 from pathlib import Path
 
 from propmap import catalogue
-from propmap.catalogue.designation import candidates, designation, nearest
+from propmap.catalogue.designation import candidates, designation, series_named
+from propmap.catalogue.expected_blade import ExpectedBlade, expected_blade
 from propmap.errors import InputError, quoted
 from propmap.io.blade_table import check_radius
 from propmap.io.geometry_file import read_geometry_file
@@ -16,6 +18,8 @@ from propmap.model.airfoil import Airfoil, airfoil_names, parameter_set
 from propmap.model.propeller import Propeller
 from propmap.model.section_table import SectionTable
 
+_NAME = re.compile(r"[A-Za-z][^\s-]*(-[^\s-]+)+")
+
 
 def propeller(
     name_or_path: str | os.PathLike[str],
@@ -23,13 +27,17 @@ def propeller(
     radius: float | None = None,
     root_cutout: float | None = None,
 ) -> Propeller:
-    """A propeller from the catalogue, or from a geometry file of any format propmap reads.
+    """A propeller from the catalogue, from a geometry file, or as its designation lets expect.
+
+    In this order: a name in the catalogue; a file; the one measured propeller that a designation
+    with a maker or series means; the means over the series that it names, or over all series, for
+    a size that was not measured or a size alone.
 
     Parameters
     ----------
     name_or_path : str or path
-        A name that ``propmap props`` lists, in upper or lower case; a designation that means one
-        of them, such as "APC 11x7E" or "master airscrew 9x6"; or a path.
+        A name that ``propmap props`` lists, in upper or lower case; a designation such as "APC
+        11x7E" or "HQ 5x4.3x3"; or the path of a file of any format propmap reads.
     blades : int, optional
         Number of blades, where the file gives none or another number is wanted.
     radius : float, optional
@@ -41,51 +49,63 @@ def propeller(
     Raises
     ------
     InputError
-        For an unknown name, with close ones, a designation that several propellers have, and a file
-        that holds no propeller.
+        For an unknown name, with close ones, a designation that propellers of several series have,
+        and a file that holds no propeller.
     """
-    text, name = os.fspath(name_or_path), catalogue_name(name_or_path)
-    if name is not None:
-        found = catalogue.load(name)
+    meant = meant_by(name_or_path)
+    if meant is None:
+        found = read_geometry_file(os.fspath(name_or_path), blades=blades, radius=radius)
+    else:
+        if isinstance(meant, ExpectedBlade):
+            found = meant.propeller
+        else:
+            found = replace(catalogue.load(meant.name), blades=meant.blades)
         if radius is not None:
             check_radius(found.radius, radius, where=found.name)
         if blades is not None:
             found = replace(found, blades=blades)
-    else:
-        found = read_geometry_file(text, blades=blades, radius=radius)
     return found if root_cutout is None else found.with_root_cutout(root_cutout)
 
 
-def catalogue_name(name_or_path: str | os.PathLike[str]) -> str | None:
-    """The name in the catalogue of what ``propeller`` would give; None for a file.
+def meant_by(name_or_path: str | os.PathLike[str]) -> catalogue.Entry | ExpectedBlade | None:
+    """What ``propeller`` would give the blade of; None for a file.
 
     Raises
     ------
     InputError
-        For what is neither a file nor means one propeller.
+        As ``propeller``, but for what is wrong in a file.
     """
     text = os.fspath(name_or_path)
     name = text.strip().lower()
     if name in catalogue.names():
-        return name
-    return None if looks_like_path(name_or_path) else designated(text).name
+        return catalogue.entry(name)
+    return None if looks_like_path(name_or_path) else designated(text)
 
 
-def designated(text: str) -> catalogue.Entry:
-    """The one propeller of the catalogue that a designation means; ``InputError`` if not one."""
+def designated(text: str) -> catalogue.Entry | ExpectedBlade:
+    """The measured propeller that a designation means, else what is to be expected of it.
+
+    The entry has the number of blades that the designation says.  A size alone means no maker, even
+    where only one of that size was measured.  What is written like a name of the catalogue, maker
+    and size joined by hyphens, must be one.
+
+    Raises
+    ------
+    InputError
+        For what is no designation, and where measured propellers of several series have it.
+    """
     wanted = designation(text)
     if wanted is None:
         raise catalogue.unknown_name(text)
     found = candidates(wanted)
-    if not found:
-        raise InputError(
-            f"no propeller of the catalogue is {quoted(text)}",
-            f"the next in size are {', '.join(nearest(wanted))}; or give a geometry file",
-        )
-    if len(found) > 1:
+    if wanted.words and len(found) == 1:
+        return replace(found[0], blades=wanted.blades or found[0].blades)
+    if series_named(wanted.words)[0] and _NAME.fullmatch(text.strip()):
+        raise catalogue.unknown_name(text)
+    if wanted.words and found:
         names = ", ".join(entry.name for entry in found)
         raise InputError(f"{quoted(text)} may be {names}", "give one of these names")
-    return found[0]
+    return expected_blade(text, wanted, [entry.name for entry in found])
 
 
 def airfoil(name_or_path: str | os.PathLike[str]) -> Airfoil | SectionTable:

@@ -21,7 +21,7 @@ from propmap.cli.output import (
     json_text,
     show,
 )
-from propmap.cli.plausibility import say_doubts
+from propmap.cli.plausibility import say_doubts, say_expected
 from propmap.cli.rotor_options import Corrections, ModelOption, say_reynolds, with_physics
 from propmap.errors import InputError
 from propmap.model.air import Air
@@ -114,6 +114,8 @@ def _compare(
     measured = read_tunnel(data, blade, air)
     keep_compiled()
     say_reynolds(model, measured.omega, measured.speed, measured.beta)
+    if prop is not None:
+        say_expected(prop)
     say_doubts([*doubts_on_blade(blade), *doubts_on_tunnel(data, blade, air)])
     return compare_tunnel(model, measured)
 

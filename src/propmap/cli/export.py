@@ -10,6 +10,7 @@ import numpy as np
 import typer
 
 from propmap.cli.output import Force
+from propmap.cli.plausibility import say_expected
 from propmap.cli.rotor_options import (
     Corrections,
     ModelName,
@@ -92,6 +93,8 @@ def _table(
     from propmap.fit.result_file import is_fit, read_fit
     from propmap.rotor import Rotor
 
+    if prop is not None:
+        say_expected(prop)
     keep_compiled()
     law = with_physics(airfoil(source), physics, corrections)
     fit = read_fit(source) if prop is None or is_fit(source) else None

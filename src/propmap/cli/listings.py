@@ -24,7 +24,7 @@ from propmap.cli.output import (
     grid,
     show,
 )
-from propmap.cli.plausibility import say_doubts
+from propmap.cli.plausibility import say_doubts, say_expected
 from propmap.cli.rotor_options import Blades, PropArgument, Radius, constants
 from propmap.model.airfoil import airfoil_names, parameter_set
 from propmap.model.plausible import doubts_on_blade
@@ -129,6 +129,7 @@ def show_prop(
 
     check_pictures(output)
     blade = propeller(prop, blades, radius)
+    say_expected(prop)
     say_doubts(doubts_on_blade(blade))
     rows = [
         (f"{y:.5f}", f"{y / blade.radius:.4f}", f"{1e3 * c:.3f}", f"{np.degrees(twist):.2f}")

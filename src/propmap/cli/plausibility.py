@@ -1,4 +1,4 @@
-"""What is unlike small propellers, as notes beside the output of a command."""
+"""What is unlike small propellers or not measured, as notes beside the output of a command."""
 
 from __future__ import annotations
 
@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import typer
 
+from propmap.catalogue.expected_blade import ExpectedBlade
+from propmap.catalogue.lookup import meant_by
 from propmap.model.plausible import doubts_on_points
 
 if TYPE_CHECKING:
@@ -18,6 +20,13 @@ def say_doubts(doubts: Iterable[str]) -> None:
     """A line on standard error for each."""
     for doubt in doubts:
         typer.echo(f"note: {doubt}", err=True)
+
+
+def say_expected(prop: str) -> None:
+    """Say what a blade rests on that was not measured."""
+    meant = meant_by(prop)
+    if isinstance(meant, ExpectedBlade):
+        typer.echo(f"note: {meant.told}", err=True)
 
 
 def say_doubts_on_points(model: Model, omega: Floats, speed: Floats, beta: Floats) -> None:

@@ -11,7 +11,7 @@ import typer
 from propmap.catalogue.lookup import propeller
 from propmap.cli.operating_points import RPM, parse_axis, single_point
 from propmap.cli.output import PictureOutput, check_pictures
-from propmap.cli.plausibility import say_doubts, say_doubts_on_points
+from propmap.cli.plausibility import say_doubts, say_doubts_on_points, say_expected
 from propmap.cli.points_file import LOAD_COLUMNS, read_points
 from propmap.cli.rotor_options import (
     Blades,
@@ -84,6 +84,7 @@ def plot_planform(
     """A blade's outline, chord and twist."""
     check_pictures(output)
     blade = propeller(prop, blades, radius, root_cutout)
+    say_expected(prop)
     say_doubts(doubts_on_blade(blade))
 
     from propmap.report.planform import planform

@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, Annotated, Any, Concatenate, ParamSpec, get_ty
 import numpy as np
 import typer
 
-from propmap.catalogue import family_of
+from propmap.catalogue import Entry
 from propmap.catalogue.identified import identified
-from propmap.catalogue.lookup import airfoil, catalogue_name, propeller
-from propmap.cli.plausibility import say_doubts
+from propmap.catalogue.lookup import airfoil, meant_by, propeller
+from propmap.cli.plausibility import say_doubts, say_expected
 from propmap.errors import InputError
 from propmap.model.air import PAPER_DENSITY, PAPER_VISCOSITY, Air
 from propmap.model.airfoil import Airfoil, airfoil_names
@@ -32,7 +32,11 @@ if TYPE_CHECKING:
 Others = ParamSpec("Others")
 
 PropArgument = Annotated[
-    str, typer.Argument(metavar="PROP", help="Name in the catalogue, or a geometry file.")
+    str,
+    typer.Argument(
+        metavar="PROP",
+        help="Name in the catalogue, designation such as 'HQ 5x4.3x3', or geometry file.",
+    ),
 ]
 Blades = Annotated[int | None, typer.Option("--blades", metavar="N", help="Number of blades.")]
 Radius = Annotated[
@@ -140,20 +144,24 @@ class RotorChoice:
         """
         if self.airfoil is not None:
             return airfoil(self.airfoil)
-        name = catalogue_name(self.prop)
-        found = identified(name, blade.blades) if name is not None else None
+        meant = meant_by(self.prop)
+        entry = meant if isinstance(meant, Entry) else None
+        found = identified(entry.name, blade.blades) if entry is not None else None
         if found is not None:
             law, told = found.airfoil, found.told
         else:
             from propmap.fit.population.expected import expected_constants
 
-            law, told = expected_constants(family_of(name) if name is not None else None)
+            law, told = expected_constants(meant.family if meant is not None else None)
+            if meant is not None and entry is None:
+                return law  # the note on the blade tells of the constants too
         typer.echo(f"note: {told}; another law by --airfoil", err=True)
         return law
 
     def blade(self) -> Propeller:
-        """The propeller; notes say what is odd about it."""
+        """The propeller; notes say what is odd about it, and if it was not measured."""
         found = propeller(self.prop, self.blades, self.radius, self.root_cutout)
+        say_expected(self.prop)
         say_doubts(doubts_on_blade(found))
         return found
 

@@ -10,12 +10,15 @@ import numpy as np
 
 from propmap import catalogue
 from propmap.arrays.types import Floats
+from propmap.catalogue.designation import designation
+from propmap.catalogue.expected_blade import mean_blade, shapes_without
 from propmap.catalogue.identified import Identified
 from propmap.fit.population.coefficients import AxialTest
 from propmap.fit.population.families import family_prior
 from propmap.fit.population.prior import constants_of
 from propmap.fit.population.summary import one_of_each, spread
 from propmap.io.uiuc_database import MeasuredPropeller
+from propmap.model.propeller import Propeller
 
 
 class LeftOut(NamedTuple):
@@ -31,16 +34,21 @@ class LeftOut(NamedTuple):
         With the mean of its family, itself left out; None of the only one of its family.
     population : ndarray
         With the mean of all families, itself left out.
+    family_blade, population_blade : ndarray or None
+        As these two, with the mean of the others' blades in place of its own; None where the
+        family has no other constants or no other blade.
     """
 
     tested: str
     own: Floats
     family: Floats | None
     population: Floats
+    family_blade: Floats | None
+    population_blade: Floats
 
 
 def left_out(entries: Sequence[Identified], every: Sequence[MeasuredPropeller]) -> list[LeftOut]:
-    """The errors of each of ``entries``, with its blade known and its rows left out.
+    """The errors of each of ``entries``, with its rows left out, and its blade known or left out.
 
     Parameters
     ----------
@@ -56,12 +64,36 @@ def left_out(entries: Sequence[Identified], every: Sequence[MeasuredPropeller]) 
         rest = [other for other in chosen if other is not one]
         over = spread(rest)
         family = [other for other in rest if other.family == one.family]
+        of_family, of_all = (constants_of(family_prior(some, over).mean) for some in (family, []))
         blade = replace(catalogue.load(one.propeller), blades=one.blades)
-        test = AxialTest(blade, rows[one.tested])
-        at_mean = [constants_of(family_prior(some, over).mean) for some in (family, [])]
-        own, of_family, of_all = (_errors(test, c) for c in (one.constants, *at_mean))
-        found.append(LeftOut(one.tested, own, of_family if family else None, of_all))
+        known = AxialTest(blade, rows[one.tested])
+        like_family, like_all = (
+            None if like is None else AxialTest(like, rows[one.tested]) for like in _means(one)
+        )
+        found.append(
+            LeftOut(
+                tested=one.tested,
+                own=_errors(known, one.constants),
+                family=_errors(known, of_family) if family else None,
+                population=_errors(known, of_all),
+                family_blade=_errors(like_family, of_family) if family and like_family else None,
+                population_blade=_errors(like_all, of_all),
+            )
+        )
     return found
+
+
+def _means(one: Identified) -> tuple[Propeller | None, Propeller]:
+    """The blade of ``one`` by the means of its family and of all, itself left out."""
+    entry = catalogue.entry(one.propeller)
+    label = designation(entry.title)
+    assert label is not None  # a test reads all titles
+    size = (one.tested, label.diameter, label.pitch, one.blades)
+    others = shapes_without(entry)
+    of_all = mean_blade(others).propeller(*size)
+    if entry.family not in {other.family for other in others}:
+        return None, of_all
+    return mean_blade(others, [entry.family]).propeller(*size), of_all
 
 
 def _errors(test: AxialTest, constants: Floats) -> Floats:
