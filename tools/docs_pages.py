@@ -31,6 +31,13 @@ LOADS = {
     "pitch_moment": "pitch moment",
 }
 
+LEFT_OUT = {
+    "family": "constants of its family; its blade is known",
+    "population": "constants of all; its blade is known",
+    "family_blade": "blade and constants of its family",
+    "population_blade": "blade and constants of all",
+}
+
 
 def write(folder: Path) -> None:
     """All generated parts, as Markdown."""
@@ -41,6 +48,7 @@ def write(folder: Path) -> None:
             "convergence",
             "demo",
             "identification",
+            "left_out",
             "mount_drag",
             "lifting_line",
             "lifting_line_causes",
@@ -74,6 +82,7 @@ def write(folder: Path) -> None:
         "performance-peers": performance_tables.peers(found["peers"]),
         "drag-effects": drag_effects_table.table(drag_effects()),
         "identified": identified(),
+        "left-out": left_out(found["left_out"]),
         "cli": command_reference(),
     }
     for name, text in parts.items():
@@ -220,6 +229,22 @@ def choice_table(found: dict[str, Any]) -> str:
         f"{place['python']}, least of many; the machine's load was {place['load_before']} at the "
         "start."
     )
+
+
+def left_out(found: dict[str, Any]) -> str:
+    """How well propellers are predicted from the others."""
+    rows = [
+        "| from the others | propellers | C_T: median, 90 % below | C_P: median, 90 % below |",
+        "|---|---:|---:|---:|",
+    ]
+    for name, told in LEFT_OUT.items():
+        one = found[name]
+        cells = [
+            f"{100.0 * half:.1f} %, {100.0 * most:.1f} %"
+            for half, most in zip(one["median"], one["nine_in_ten"], strict=True)
+        ]
+        rows.append(f"| {told} | {one['propellers']} | {' | '.join(cells)} |")
+    return "\n".join(rows)
 
 
 def identified() -> str:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -32,6 +34,7 @@ MM = 1e-3
         ("DJI 9450", ("dji",), 9.4 * INCH, 5 * INCH, None),
         ("6040x3", (), 6 * INCH, 4 * INCH, 3),
         ("da4002 5x1.58", ("da4002",), 5 * INCH, 1.58 * INCH, None),
+        ("gwsdd 5.0x4.3 - 2", ("gwsdd",), 5 * INCH, 4.3 * INCH, 2),
         ("Dantsker 5\u00d73.75", ("dantsker",), 5 * INCH, 3.75 * INCH, None),
     ],
 )
@@ -67,8 +70,11 @@ def test_no_size(text: str) -> None:
         ("5x4x1", "1 blades"),
         ("5x4x12", "12 blades"),
         ("apc 10x7", "may be uiuc-apce-10x7, uiuc-apcsf-10x7"),
-        ("gws 8x4.5 hd", "no propeller of the catalogue is 'gws 8x4.5 hd'.*uiuc-gws"),
-        ("5x4.3x3", "the next in size are uiuc-gwsdd-5x4.3"),
+        ("0x5", "did you mean .*x5"),
+        ("apc-8x6q", "did you mean apc-8x6e"),
+        ("apc-8x6", "did you mean apc-8x6e"),
+        ("abc", "did you mean apc-"),
+        ("5x", "did you mean uiuc-.*5x"),
     ],
 )
 def test_refusals_are_one_line(text: str, says: str) -> None:
@@ -93,11 +99,21 @@ def test_refusals_are_one_line(text: str, says: str) -> None:
         ("E-flite 130x70", "uiuc-ef-130x70"),
         ("graupner cam slim 10x6", "uiuc-grcsp-10x6"),
         ("kyosho 11x9 2-blade", "uiuc-kyosho-11x9"),
+        ("10x4.7SF", "uiuc-apcsf-10x4.7"),
+        ("gwssf 10.0x4.7 - 2", "uiuc-gwssf-10x4.7"),
     ],
 )
 def test_one_propeller(text: str, name: str) -> None:
-    assert designated(text).name == name
+    found = designated(text)
+    assert isinstance(found, catalogue.Entry) and found.name == name
     assert propmap.propeller(text) == propmap.propeller(name)
+
+
+@pytest.mark.parametrize("text", ["nr640 9x5.68 3-blade", "nr640 9x5.68 - 3", "NR640 9x5.68x3"])
+def test_a_measured_blade_on_another_hub(text: str) -> None:
+    own = propmap.propeller("uiuc-nr640-9x5.68")
+    assert own.blades == 2
+    assert propmap.propeller(text) == replace(own, blades=3)
 
 
 def test_every_title_means_its_own_propeller() -> None:

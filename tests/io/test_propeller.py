@@ -123,7 +123,7 @@ def test_an_unknown_name_brings_close_ones(name: str, close: str) -> None:
         propeller(name)
 
 
-@pytest.mark.parametrize("name", ["zzz", "", "8x4.5", "two\nlines", "nu\0ll"])
+@pytest.mark.parametrize("name", ["zzz", "", "8 by 4.5", "two\nlines", "nu\0ll"])
 def test_a_hopeless_name(name: str) -> None:
     with pytest.raises(InputError) as caught:
         propeller(name)

@@ -24,9 +24,10 @@ from propmap.model.propeller import Propeller
 SHARES = np.linspace(0.15, 1.0, 18)
 """Radii over the tip radius at which blades are averaged, those of most measured blades."""
 
-MEDIAN_ERRORS = {"family": (0.11, 0.12), "population": (0.20, 0.22)}
-"""Of C_T and C_P of propellers that were left out, blade and section constants alike, by
-``python -m tools.left_out``: half of them err less, rms over rms."""
+ERRORS = {"family": ((0.11, 0.12), (0.25, 0.30)), "population": ((0.21, 0.22), (0.39, 0.38))}
+"""Of C_T and C_P of propellers that were left out, blade and section constants alike, rms over rms,
+by ``python -m tools.left_out``: half of them err less than the first two, nine in ten less than the
+others."""
 
 
 class MeasuredShape(NamedTuple):
@@ -69,7 +70,8 @@ class MeanBlade:
     chord_within, offset_within : ndarray, shape (n,)
         Standard deviations between the propellers of a series, over all series [-], [rad].
     chord_between, offset_between : ndarray, shape (n,)
-        Standard deviations between the means of series, over all series [-], [rad].
+        Standard deviations between the means of series, over all series [-], [rad]; these and
+        those within are NaN where there are too few blades.
     """
 
     families: tuple[str, ...]
@@ -152,7 +154,7 @@ class ExpectedBlade:
         some = f"{shape.propellers} propellers" if shape.propellers > 1 else "one propeller"
         # Where none of the family was identified, its constants are as little known as any's.
         identified = any(one.family == self.family for one in all_identified())
-        thrust, torque = MEDIAN_ERRORS["family" if identified else "population"]
+        half, most = ERRORS["family" if identified else "population"]
         reason = "no measured blade of this size"
         if not self.wanted.words:
             reason = "no maker is named"
@@ -161,10 +163,10 @@ class ExpectedBlade:
         elif self.unknown:
             reason += f" ({' '.join(self.unknown)} names no series known here)"
         return (
-            f"{reason}: geometry by the means of {some} of {of}; with "
-            f"section constants expected likewise, half of such propellers have thrust within "
-            f"{thrust:.0%} and torque within {torque:.0%} (rms) in axial flow, one in ten is off "
-            "by twice that"
+            f"{reason}: geometry by the means of {some} of {of}; with section constants expected "
+            f"likewise, half of such propellers err in thrust and torque by less than "
+            f"{half[0]:.0%} and {half[1]:.0%} (rms) in axial flow, nine in ten by less than "
+            f"{most[0]:.0%} and {most[1]:.0%}"
         )
 
 
@@ -206,7 +208,7 @@ def shapes_without(entry: catalogue.Entry) -> list[MeasuredShape]:
 
 @lru_cache(maxsize=1)
 def measured_shapes() -> tuple[MeasuredShape, ...]:
-    """All propellers of the catalogue, one each for series and size, blades of one size averaged."""
+    """The propellers of the catalogue, one for each series and size: the mean of its blades."""
     alike: dict[tuple[str, tuple[float, float]], list[tuple[Floats, Floats]]] = {}
     for entry in catalogue.entries():
         label = designation(entry.title)
@@ -251,13 +253,11 @@ def mean_blade(shapes: Sequence[MeasuredShape], families: Collection[str] = ()) 
     counted = sum(len(by_family[family]) for family in chosen)
     about = np.stack([one - means[f] for f, some in by_family.items() for one in some])
     freedom = np.isfinite(about).sum(axis=0) - np.isfinite(list(means.values())).sum(axis=0)
-    within = np.sqrt(np.nansum(about**2, axis=0) / np.maximum(freedom, 1))
-    between = np.nanstd(list(means.values()), axis=0, ddof=1)
+    within = np.sqrt(np.nansum(about**2, axis=0) / np.where(freedom > 0, freedom, np.nan))
+    between = _deviation(np.stack(list(means.values())))
     begun = np.mean([np.isfinite(means[family][0]) for family in chosen], axis=0) >= 0.5
     mean = _mean(np.stack([means[family] for family in chosen])[..., begun])
-    return MeanBlade(
-        chosen, counted, SHARES[begun], *mean, *within[:, begun], *between[:, begun]
-    )
+    return MeanBlade(chosen, counted, SHARES[begun], *mean, *within[:, begun], *between[:, begun])
 
 
 def _size(label: Designation) -> tuple[float, float]:
@@ -270,3 +270,10 @@ def _mean(some: Floats) -> Floats:
     count = known.sum(axis=0)
     total = np.where(known, some, 0.0).sum(axis=0)
     return np.where(count > 0, total / np.maximum(count, 1), np.nan)
+
+
+def _deviation(some: Floats) -> Floats:
+    """Standard deviation over the first axis, NaN where fewer than two are known."""
+    count = np.isfinite(some).sum(axis=0)
+    squares = np.nansum((some - _mean(some)) ** 2, axis=0)
+    return np.sqrt(squares / np.where(count > 1, count - 1, np.nan))

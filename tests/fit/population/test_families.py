@@ -55,3 +55,6 @@ def test_a_family_predicts_better_than_all_propellers() -> None:
     )
     assert (own < 0.05).all()
     assert (own < family).all() and (family < population).all()
+    blades = np.median([[one.family_blade, one.population_blade] for one in found], axis=0)
+    # One propeller in its family's blade may do better by chance, half of them do not.
+    assert (blades[0] > own).all() and (blades[0] < blades[1]).all()

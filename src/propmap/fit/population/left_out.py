@@ -67,17 +67,16 @@ def left_out(entries: Sequence[Identified], every: Sequence[MeasuredPropeller]) 
         of_family, of_all = (constants_of(family_prior(some, over).mean) for some in (family, []))
         blade = replace(catalogue.load(one.propeller), blades=one.blades)
         known = AxialTest(blade, rows[one.tested])
-        like_family, like_all = (
-            None if like is None else AxialTest(like, rows[one.tested]) for like in _means(one)
-        )
+        family_mean, mean = _means(one)
+        like_family = AxialTest(family_mean, rows[one.tested]) if family_mean and family else None
         found.append(
             LeftOut(
                 tested=one.tested,
                 own=_errors(known, one.constants),
                 family=_errors(known, of_family) if family else None,
                 population=_errors(known, of_all),
-                family_blade=_errors(like_family, of_family) if family and like_family else None,
-                population_blade=_errors(like_all, of_all),
+                family_blade=_errors(like_family, of_family) if like_family else None,
+                population_blade=_errors(AxialTest(mean, rows[one.tested]), of_all),
             )
         )
     return found

@@ -1,0 +1,229 @@
+"""Blades that were not measured: means of those that were, of any size."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import propmap
+from propmap import catalogue
+from propmap.catalogue.designation import designation
+from propmap.catalogue.expected_blade import (
+    ERRORS,
+    SHARES,
+    ExpectedBlade,
+    MeasuredShape,
+    bundled_mean,
+    mean_blade,
+    measured_shapes,
+    screw_angle,
+    shapes_without,
+)
+from propmap.catalogue.lookup import designated
+from propmap.fit.population.expected import expected_constants
+from propmap.model.plausible import at_share, doubts_on_blade
+
+RESULTS = Path(__file__).resolve().parents[2] / "benchmarks" / "results" / "left_out.json"
+FAMILIES = sorted({entry.family for entry in catalogue.entries()})
+family = st.sampled_from([(), *((name,) for name in FAMILIES), ("gwsdd", "gwssf")])
+length = st.floats(0.05, 1.0)
+
+
+def invented(name: str, size: float, chord: float, offset: float, begin: int = 0) -> MeasuredShape:
+    some = np.where(np.arange(SHARES.size) < begin, np.nan, 1.0)
+    return MeasuredShape(name, (size, size), chord * some, offset * some)
+
+
+def test_blades_that_are_alike_are_their_own_mean() -> None:
+    found = mean_blade([invented("a", size, 0.2, 0.01) for size in (0.1, 0.2, 0.3)], ["a"])
+    assert np.isnan(found.chord_between).all(), "of one series"
+    np.testing.assert_allclose(found.chord, 0.2, rtol=1e-14)
+    np.testing.assert_allclose(found.offset, 0.01, rtol=1e-14)
+    np.testing.assert_allclose([found.chord_within, found.offset_within], 0.0, atol=1e-15)
+    assert found.propellers == 3
+
+
+def test_a_series_has_one_vote_however_many_its_propellers() -> None:
+    many = [invented("a", size, 0.2, 0.0) for size in np.linspace(0.1, 0.3, 9)]
+    found = mean_blade([*many, invented("b", 0.2, 0.1, 0.04)])
+    np.testing.assert_allclose(found.chord, 0.15, rtol=1e-14)
+    np.testing.assert_allclose(found.offset, 0.02, rtol=1e-14)
+    # Of 0.1 and 0.2.
+    np.testing.assert_allclose(found.chord_between, 0.05 * np.sqrt(2.0), rtol=1e-12)
+
+
+def test_spread_within_series_is_about_their_own_means() -> None:
+    chords = {"a": (0.10, 0.14), "b": (0.30, 0.36, 0.24)}
+    shapes = [
+        invented(f, k + 1.0, c, 0.0) for f, some in chords.items() for k, c in enumerate(some)
+    ]
+    found = mean_blade(shapes, ["a"])
+    squares = sum(len(some) * np.var(some) for some in chords.values())
+    np.testing.assert_allclose(found.chord_within, np.sqrt(squares / (5 - 2)), rtol=1e-12)
+
+
+def test_the_blade_begins_where_most_members_do() -> None:
+    late = [invented("a", 0.1, 0.2, 0.0, begin=3), invented("b", 0.1, 0.1, 0.0, begin=3)]
+    early = invented("c", 0.1, 0.3, 0.0)
+    assert mean_blade([*late, early]).share[0] == pytest.approx(SHARES[3])
+    found = mean_blade([late[0], early])
+    assert found.share[0] == pytest.approx(SHARES[0])
+    # Only the early one is there at the root, both further out.
+    assert found.chord[0] == pytest.approx(0.3)
+    assert found.chord[5] == pytest.approx(0.25)
+    assert bundled_mean(("nr640",)).share[0] == pytest.approx(0.3)
+
+
+def pitch_of(entry: catalogue.Entry) -> float:
+    label = designation(entry.title)
+    assert label is not None
+    return label.pitch
+
+
+@pytest.mark.parametrize("name", ["uiuc-apc29ff-9x5", "uiuc-ef-130x70", "uiuc-union-9x7.72"])
+def test_the_only_one_of_its_series_is_found_again(name: str) -> None:
+    entry, own = catalogue.entry(name), catalogue.load(name)
+    mean = bundled_mean((entry.family,))
+    found = mean.propeller("again", own.diameter, pitch_of(entry), own.blades)
+    assert mean.propellers == 1
+    np.testing.assert_allclose(found.station, own.station, rtol=1e-6)
+    np.testing.assert_allclose(found.chord, own.chord, rtol=1e-6)
+    np.testing.assert_allclose(found.twist, own.twist, atol=1e-6)
+
+
+def test_blades_of_one_size_count_as_one_propeller() -> None:
+    """Three specimens of the GWS 5x4.3, and the APC 9x6E of its maker and of the database."""
+    sizes = [(one.family, one.size) for one in measured_shapes()]
+    assert len(set(sizes)) == len(sizes)
+    assert len([family for family, _ in sizes if family == "gwsdd"]) == 13
+    assert len([family for family, _ in sizes if family == "apce"]) == 13
+
+
+@given(family, length, st.floats(0.2, 1.5), st.floats(0.01, 0.5))
+def test_more_pitch_is_more_twist_everywhere(
+    of: tuple[str, ...], diameter: float, ratio: float, more: float
+) -> None:
+    mean = bundled_mean(of)
+    low, high = (
+        mean.propeller("p", diameter, diameter * pitch, 2) for pitch in (ratio, ratio + more)
+    )
+    assert (high.twist > low.twist).all()
+    np.testing.assert_array_equal(high.chord, low.chord)
+
+
+@given(family, length, st.floats(0.2, 2.0), st.floats(0.3, 3.0))
+def test_size_is_a_scale(of: tuple[str, ...], diameter: float, ratio: float, scale: float) -> None:
+    mean = bundled_mean(of)
+    one, other = (mean.propeller("p", d, ratio * d, 2) for d in (diameter, scale * diameter))
+    np.testing.assert_allclose(other.station, scale * one.station, rtol=1e-12)
+    np.testing.assert_allclose(other.chord, scale * one.chord, rtol=1e-12)
+    np.testing.assert_allclose(other.twist, one.twist, rtol=1e-12)
+    assert one.diameter == pytest.approx(diameter, rel=1e-12)
+
+
+def test_coefficients_of_two_sizes_at_one_reynolds_number() -> None:
+    law, _ = expected_constants()
+    found = []
+    for text, turns in (("5x4", 400.0), ("10x8", 100.0)):
+        blade = propmap.propeller(text)
+        rotor = propmap.Rotor(propmap.Model(blade, law), compiled=False)
+        speed = 0.3 * turns * blade.diameter
+        loads = rotor.loads(2.0 * np.pi * turns, speed, 1.0)
+        found.append(np.array([loads.thrust, loads.drag]) / (turns**2 * blade.diameter**4))
+    np.testing.assert_allclose(found[1], found[0], rtol=1e-6)
+
+
+def test_a_number_of_blades_changes_nothing_else() -> None:
+    two, three = propmap.propeller("HQ 5x4.3"), propmap.propeller("HQ 5x4.3x3")
+    assert (two.blades, three.blades) == (2, 3)
+    assert replace(two, blades=3, name=three.name) == three
+    assert propmap.propeller("HQ 5x4.3", blades=3).blades == 3
+
+
+def test_a_screw_advances_by_its_pitch_in_a_turn() -> None:
+    angle = screw_angle(SHARES, 0.8)
+    np.testing.assert_allclose(2.0 * np.pi * (0.5 * SHARES) * np.tan(angle), 0.8, rtol=1e-12)
+
+
+@pytest.mark.parametrize("name", ["uiuc-apce-11x7", "uiuc-apcsf-10x4.7", "uiuc-ma-11x6"])
+def test_a_blade_is_foretold_by_its_siblings(name: str) -> None:
+    entry, own = catalogue.entry(name), catalogue.load(name)
+    rest = shapes_without(entry)
+    assert len(rest) == len(measured_shapes()) - 1
+    found = mean_blade(rest, [entry.family]).propeller("p", own.diameter, pitch_of(entry), 2)
+    for share in (0.5, 0.75, 0.9):
+        (chord, twist), (own_chord, own_twist) = at_share(found, share), at_share(own, share)
+        assert chord == pytest.approx(own_chord, rel=0.12)
+        assert np.degrees(twist) == pytest.approx(np.degrees(own_twist), abs=2.0)
+
+
+FIFTY = [
+    *("5x4.3x3", "HQ 5x4.3x3", "apc 10x4.5mr", "gws 8x4.5 hd", "1045", "130x70", "11x3.8 3-blade"),
+    *("5x4.3", "10x7", "8x4.5", "6040x3", "DJI 9450", "APC 12x6E", "apc 7x5e", "apcsf 8x3.8"),
+    *("apc slow flyer 12x3.8", "apc sport 12x6", "APC 15x8", "apc 5.5x4.5", "APC 8x8 E"),
+    *("GWS 6x3", "gws slow flyer 8x6", "gws 12x8 3-blade", "graupner 12x6", "kyosho 12x8"),
+    *("graupner cam slim 11x8", "graupner super nylon 12x8", "master airscrew 12x6"),
+    *("master airscrew electric 12x8", "E-flite 120x80", "kpf 110x70", "da4002 9x3", "da4052 7x5"),
+    *("nr640 9x5 4-blade", "mi 6x4", "vp 130x50", "Gemfan 5149", "T-Motor 15x5"),
+    *("tmotor 28x9.2 in", "DAL 5045x3", "HQ 5x4,8x3", "HQProp 7 x 3.5 x 3", "emax 5x4.5 3 blades"),
+    *("foxeer 5.1x4.6x3", "aeronaut 9x5", "Xoar 17x8", "zinger 20x10", "robbe 13x6.5", "31x10 mm"),
+    *("65x40 mm 4-blade", "apcff 6x3", "gwsdd 6.0x3.0 - 2", "16x5.5", "wingflying 6.5x3.5x2"),
+    *("parrot 200x100 mm", "hubsan 55x35mm"),
+]
+
+
+def test_fifty_designations_give_loads() -> None:
+    laws = {name: expected_constants(name)[0] for name in (None, *FAMILIES)}
+    assert len(set(FIFTY)) >= 50
+    for text in FIFTY:
+        meant = designated(text)
+        assert isinstance(meant, ExpectedBlade), text
+        blade = propmap.propeller(text)
+        assert doubts_on_blade(blade) == [], text
+        rotor = propmap.Rotor(propmap.Model(blade, laws[meant.family]), compiled=False)
+        omega = 80.0 / blade.radius
+        loads = rotor.loads(np.array([omega, omega]), np.array([0.0, 6.0]), np.array([0.0, 1.2]))
+        assert (loads.thrust > 0.0).all() and (loads.torque > 0.0).all(), text
+        n, area = omega / (2.0 * np.pi), blade.diameter**4
+        coefficient = loads.thrust / (1.225 * n**2 * area)
+        assert ((coefficient > 0.02) & (coefficient < 0.4)).all(), text
+
+
+def test_errors_that_are_told_are_those_of_propellers_left_out() -> None:
+    found = json.loads(RESULTS.read_text(encoding="utf-8"))
+    for name, (half, most) in ERRORS.items():
+        np.testing.assert_allclose(half, found[f"{name}_blade"]["median"], atol=0.005)
+        np.testing.assert_allclose(most, found[f"{name}_blade"]["nine_in_ten"], atol=0.005)
+
+
+@pytest.mark.parametrize(
+    ("text", "families", "unknown", "measured"),
+    [
+        ("5x4.3x3", 27, (), ()),
+        ("130x70", 27, (), ("uiuc-ef-130x70",)),
+        ("HQ 5x4.3x3", 27, ("hq",), ()),
+        ("gws 8x4.5 hd", 2, ("hd",), ()),
+        ("apc 12x6e", 1, (), ()),
+        ("12x6E", 1, (), ()),
+        ("apc 10x4.5mr", 1, (), ()),
+        ("master airscrew 12x6", 1, (), ()),
+    ],
+)
+def test_what_is_told(
+    text: str, families: int, unknown: tuple[str, ...], measured: tuple[str, ...]
+) -> None:
+    meant = designated(text)
+    assert isinstance(meant, ExpectedBlade)
+    assert len(meant.shape.families) == families
+    assert (meant.unknown, meant.measured) == (unknown, measured)
+    assert (meant.family is not None) == (families == 1)
+    for told in (*unknown, *measured, str(meant.shape.propellers if families > 1 else "")):
+        assert told in meant.told
+    assert "\n" not in meant.told
+    assert "not measured" in meant.propeller.source
