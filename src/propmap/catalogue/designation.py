@@ -152,7 +152,8 @@ def nearest(wanted: Designation, count: int = 3) -> list[str]:
             continue
         lengths = ((wanted.diameter, own.diameter), (wanted.pitch, own.pitch))
         away = sum(abs(math.log(a / b)) for a, b in lengths)
-        other = wanted.words and wanted.words[0] not in (*own.words, entry.family)
+        maker = [word for word in wanted.words if word != "uiuc"][:1]
+        other = maker and maker[0] not in (*own.words, entry.family)
         ranked.append((bool(other), away, entry.name))
     return [name for _, _, name in sorted(ranked)[:count]]
 
