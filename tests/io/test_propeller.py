@@ -116,7 +116,8 @@ def test_a_catalogue_propeller_has_its_own_radius() -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "close"), [("apc-8x6", "apc-8x6e"), ("uiuc-apce-9x7", "uiuc-apce-9x6"), ("uiuc-apce", "uiuc-apce-9x6")]
+    ("name", "close"),
+    [("apc-8x6", "apc-8x6e"), ("uiuc-apce-9x7", "uiuc-apce-9x6"), ("uiuc-apce", "uiuc-apce-9x6")],
 )
 def test_an_unknown_name_brings_close_ones(name: str, close: str) -> None:
     with pytest.raises(InputError, match=f"{close}.*see `propmap props`"):

@@ -80,11 +80,14 @@ def designated(text: str) -> catalogue.Entry:
     if not found:
         raise InputError(
             f"no propeller of the catalogue is {quoted(text)}",
-            f"the next in size are {', '.join(nearest(wanted))}; or give a geometry file; see `propmap props`",
+            f"the next in size are {', '.join(nearest(wanted))}; see `propmap props`, or give a "
+            "geometry file",
         )
     if len(found) > 1:
         names = ", ".join(entry.name for entry in found)
-        raise InputError(f"{quoted(text)} may be {names}", "give one of these names; see `propmap props`")
+        raise InputError(
+            f"{quoted(text)} may be {names}", "give one of these names; see `propmap props`"
+        )
     return found[0]
 
 
