@@ -84,7 +84,7 @@ MAKERS: dict[str, tuple[list[str], Found]] = {
 """Commands that make a model: their arguments, and what shows its loads."""
 
 OTHERS = {
-    "show", "report", "reproduce", "demo",
+    "show", "report", "reproduce", "demo", "fit catalogue",
     "plot planform", "props list", "props show", "airfoils list", "airfoils show",
 }  # fmt: skip
 """Commands that read a model or make none: they have no such option."""

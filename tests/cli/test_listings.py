@@ -75,7 +75,7 @@ def test_process_predicts(run: Run, tmp_path: Path) -> None:
 
 
 def test_process_fails_in_one_line(tmp_path: Path) -> None:
-    done = _process("predict", "apc-8x6e", *POINT, cache=tmp_path / "cache")
+    done = _process("predict", "apc-8x6q", *POINT, cache=tmp_path / "cache")
     assert done.returncode == 2
     assert done.stderr.count("\n") == 1
     assert done.stdout == ""

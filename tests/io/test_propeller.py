@@ -116,14 +116,15 @@ def test_a_catalogue_propeller_has_its_own_radius() -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "close"), [("apc-8x6", "apc-8x6e"), ("uiuc-apce-9x7", "uiuc-apce-9x6")]
+    ("name", "close"),
+    [("apc-8x6", "apc-8x6e"), ("uiuc-apce-9x7", "uiuc-apce-9x6"), ("uiuc-apce", "uiuc-apce-9x6")],
 )
 def test_an_unknown_name_brings_close_ones(name: str, close: str) -> None:
-    with pytest.raises(InputError, match=f"did you mean .*{close}.*see `propmap props`"):
+    with pytest.raises(InputError, match=f"{close}.*see `propmap props`"):
         propeller(name)
 
 
-@pytest.mark.parametrize("name", ["zzz", "", "8 by 4.5", "two\nlines", "nu\0ll"])
+@pytest.mark.parametrize("name", ["zzz", "", "5x", "two\nlines", "nu\0ll"])
 def test_a_hopeless_name(name: str) -> None:
     with pytest.raises(InputError) as caught:
         propeller(name)

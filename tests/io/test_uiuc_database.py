@@ -10,6 +10,8 @@ import pytest
 from propmap.errors import InputError
 from propmap.io.uiuc_database import read_uiuc_database
 
+from .samples_csv import DIALECTS, rewritten
+
 HEADER = "PropName,BladeName,Family,B,D,P,J,N,CT,CP,eta,volume\n"
 ROWS = """a 9.0x6.0 - 2,a 9.0x6.0,a,2,9.0,6.0,0.2,4000.0,0.09,0.05,0.3,1
 a 9.0x6.0 - 2,a 9.0x6.0,a,2,9.0,6.0,0.3,4000.0,0.08,0.05,0.4,1
@@ -47,3 +49,14 @@ def test_bad_tables_are_refused(tmp_path: Path) -> None:
         read_uiuc_database(written(tmp_path, HEADER + ROWS.replace("0.08,0.05,0.4", "x,1,1", 1)))
     with pytest.raises(InputError, match="no such file"):
         read_uiuc_database(tmp_path / "none.csv")
+
+
+@pytest.mark.parametrize("dialect", DIALECTS)
+def test_dialects_of_spreadsheets(tmp_path: Path, dialect: str) -> None:
+    plain = read_uiuc_database(written(tmp_path, HEADER + ROWS))
+    other = tmp_path / "other.csv"
+    other.write_bytes(rewritten(HEADER + ROWS, dialect).encode())
+    for one, two in zip(plain, read_uiuc_database(other), strict=True):
+        assert one[:4] == two[:4]
+        for expected, found in zip(one[4:], two[4:], strict=True):
+            np.testing.assert_array_equal(expected, found)

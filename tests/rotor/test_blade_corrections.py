@@ -166,7 +166,7 @@ def test_derivatives_agree_with_differences(
             name: [np.stack(solved({name: by})[1].loads) for by in (1e-5, -1e-5)] for name in names
         }
         case, _, solution = solved({})
-    ways = directions_of(moving(arrays.law), names, len(names))
+    ways = directions_of(moving(arrays), names, len(names))
     with jax.enable_x64(True):
         on_device = (jax.tree.map(jnp.asarray, one) for one in (case, solution))
         found = load_slopes(*on_device, panels, nodes, ways, None)

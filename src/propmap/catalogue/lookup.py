@@ -104,7 +104,9 @@ def designated(text: str) -> catalogue.Entry | ExpectedBlade:
         raise catalogue.unknown_name(text)
     if wanted.words and found:
         names = ", ".join(entry.name for entry in found)
-        raise InputError(f"{quoted(text)} may be {names}", "give one of these names")
+        raise InputError(
+            f"{quoted(text)} may be {names}", "give one of these names; see `propmap props`"
+        )
     return expected_blade(text, wanted, [entry.name for entry in found])
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import itertools
 from collections.abc import Mapping
 from pathlib import Path
@@ -14,6 +13,7 @@ from numpy.typing import NDArray
 from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.io.blade_table import parse_blades, parse_number
+from propmap.io.csv_dialect import read_csv_table
 from propmap.io.text_file import read_lines
 
 COLUMNS = ("PropName", "BladeName", "Family", "B", "J", "N", "CT", "CP")
@@ -53,7 +53,8 @@ def read_uiuc_database(path: Path) -> list[MeasuredPropeller]:
     Parameters
     ----------
     path : Path
-        A CSV file with the columns PropName, BladeName, Family, B, J, N, CT and CP.
+        A CSV file with the columns PropName, BladeName, Family, B, J, N, CT and CP, in any dialect
+        of ``propmap.io.csv_dialect``.
 
     Raises
     ------
@@ -61,16 +62,18 @@ def read_uiuc_database(path: Path) -> list[MeasuredPropeller]:
         For a missing file or column, and naming the line for what is not a number.
     """
     where = str(path)
-    reader = csv.DictReader(read_lines(path, "table of loads"))
-    missing = [name for name in COLUMNS if name not in (reader.fieldnames or ())]
-    if missing:
+    file = read_csv_table(read_lines(path, "table of loads"), COLUMNS[3:], where)
+    header = file.header if file else []
+    missing = [name for name in COLUMNS if name not in header]
+    if file is None or missing:
         raise InputError(
             f"there is no column {missing[0]}",
             f"give the database's loads as CSV with {', '.join(COLUMNS)}",
             where,
         )
     found: dict[str, list[tuple[int, Mapping[str, str]]]] = {}
-    for line, row in enumerate(reader, start=2):
+    for line, cells in file.rows:
+        row = dict(itertools.zip_longest(header, cells, fillvalue=""))
         found.setdefault(row["PropName"], []).append((line, row))
     return [_propeller(name, rows, where) for name, rows in found.items()]
 
@@ -80,7 +83,7 @@ def _propeller(
 ) -> MeasuredPropeller:
     def column(field: str) -> Floats:
         return np.array(
-            [parse_number(row[field] or "", f"line {line}: {field}", where) for line, row in rows]
+            [parse_number(row[field], f"line {line}: {field}", where) for line, row in rows]
         )
 
     _, first = rows[0]

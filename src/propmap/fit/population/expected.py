@@ -33,7 +33,8 @@ def expected_constants(family: str | None = None) -> tuple[Airfoil, str]:
     every = all_identified()
     members = [one for one in every if one.family == family]
     place = family_prior(members, spread(every)).mean
-    values: Any = dict(zip(PARAMETERS, constants_of(place).tolist(), strict=True))
+    found = zip(PARAMETERS, constants_of(place).tolist(), strict=True)
+    values: Any = {**HELD, **dict(found)}
     name = f"{family} expected" if members else "small propeller expected"
     source = f"prior over propellers by propmap, family {family if members else 'unknown'}"
     likely = MEDIAN_ERRORS["family" if members else "population"]
@@ -47,4 +48,4 @@ def expected_constants(family: str | None = None) -> tuple[Airfoil, str]:
         f"propellers have thrust and torque within {likely:.0%} (rms) in axial flow, one in ten is "
         "off by twice that"
     )
-    return Airfoil(**HELD, **values, name=name, source=source), told
+    return Airfoil(**values, name=name, source=source), told
