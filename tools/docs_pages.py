@@ -36,6 +36,8 @@ LEFT_OUT = {
     "population": "constants of all; its blade is known",
     "family_blade": "blade and constants of its family",
     "population_blade": "blade and constants of all",
+    "family_label": "the same of their family, for propellers whose blades were never measured",
+    "population_label": "the same of all, for those of no known family",
 }
 
 

@@ -4,7 +4,8 @@ Usage: python -m tools.left_out LOADS
 
 LOADS is the UIUC database's loads.csv; the constants are the bundled ones.  Errors are root mean
 squares over those of what was measured, over all rows of a propeller.  "Blade too" is without its
-geometry: chord and twist are the means of the others.  The figures go into
+geometry: chord and twist are the means of the others.  "Never measured" are those without geometry
+in the database, whose loads play no part in any constants.  The figures go into
 benchmarks/results/left_out.json as well.
 """
 
@@ -16,8 +17,9 @@ from pathlib import Path
 
 import numpy as np
 
+from propmap.arrays.types import Floats
 from propmap.catalogue.identified import all_identified
-from propmap.fit.population.left_out import left_out
+from propmap.fit.population.left_out import by_designation, left_out
 from propmap.fit.population.misfiled import refiled
 from propmap.io.atomic_file import replacing
 from propmap.io.uiuc_database import read_uiuc_database
@@ -29,22 +31,32 @@ ROWS = {
     "population": "population",
     "family_blade": "family, blade too",
     "population_blade": "population, blade too",
+    "family_label": "family, never measured",
+    "population_label": "population, never measured",
 }
-"""Fields of ``LeftOut`` and what they are called."""
+"""Fields of ``LeftOut``, two groups of ``by_designation``, and what they are called."""
 
 
 def main(loads: Path) -> None:
     """Print medians and 90th percentiles over propellers, in per cent, and write them."""
-    found = left_out(all_identified(), refiled(read_uiuc_database(loads)))
+    every = refiled(read_uiuc_database(loads))
+    groups: dict[str, list[Floats]] = {name: [] for name in ROWS}
+    for one in left_out(all_identified(), every):
+        for name in ROWS:
+            errors = getattr(one, name, None)
+            if errors is not None:
+                groups[name].append(errors)
+    for label in by_designation(every):
+        groups["family_label" if label.family else "population_label"].append(label.errors)
     results = {}
-    print("constants from         propellers   C_T median, 90 %   C_P median, 90 %")
+    print("constants from              propellers   C_T median, 90 %   C_P median, 90 %")
     for name, told in ROWS.items():
-        errors = np.stack([value for one in found if (value := getattr(one, name)) is not None])
-        half, most = np.quantile(errors, (0.5, 0.9), axis=0)
+        half, most = np.quantile(groups[name], (0.5, 0.9), axis=0)
         cells = [f"{a:6.1%}, {b:6.1%}" for a, b in zip(half, most, strict=True)]
-        print(f"{told:<22} {len(errors):>10}   {cells[0]:>16}   {cells[1]:>16}")
+        count = len(groups[name])
+        print(f"{told:<27} {count:>10}   {cells[0]:>16}   {cells[1]:>16}")
         results[name] = {
-            "propellers": len(errors),
+            "propellers": count,
             "median": np.round(half, 4).tolist(),
             "nine_in_ten": np.round(most, 4).tolist(),
         }

@@ -99,6 +99,7 @@ def test_refusals_are_one_line(text: str, says: str) -> None:
         ("E-flite 130x70", "uiuc-ef-130x70"),
         ("graupner cam slim 10x6", "uiuc-grcsp-10x6"),
         ("kyosho 11x9 2-blade", "uiuc-kyosho-11x9"),
+        ("ma 9x6", "uiuc-ma-9x6"),
         ("10x4.7SF", "uiuc-apcsf-10x4.7"),
         ("gwssf 10.0x4.7 - 2", "uiuc-gwssf-10x4.7"),
     ],

@@ -130,8 +130,8 @@ def candidates(wanted: Designation) -> list[catalogue.Entry]:
     """The propellers of the catalogue that a designation may mean, one for each series.
 
     Of several blades of one series and size the first that was measured is given.  Where the words
-    are the whole name of a series, others whose names go on are left out.  The number of blades
-    counts only where no maker is named: makers put one blade on hubs for two and for more.
+    are the whole name of a series or its code, others whose names go on are left out.  The number
+    of blades counts only where no maker is named: makers put one blade on hubs for two and more.
     """
     found: dict[str, catalogue.Entry] = {}
     named, whole = _series(wanted.words), set()
@@ -146,7 +146,7 @@ def candidates(wanted: Designation) -> list[catalogue.Entry]:
         family = entry.family
         if family not in found or (_measured(entry) and not _measured(found[family])):
             found[family] = entry
-        if wanted.words in _title_words()[family]:
+        if _whole(wanted.words, family):
             whole.add(family)
     return [entry for family, entry in found.items() if family in whole or not whole]
 
@@ -159,7 +159,7 @@ def series_named(words: tuple[str, ...]) -> tuple[list[str], tuple[str, ...]]:
     """
     for count in range(len(words), 0, -1):
         found = _series(words[:count])
-        whole = [family for family in found if words[:count] in _title_words()[family]]
+        whole = [family for family in found if _whole(words[:count], family)]
         if found:
             return whole or found, words[count:]
     return [], words
@@ -191,6 +191,11 @@ def _series(words: tuple[str, ...]) -> list[str]:
         for family, titles in _title_words().items()
         if words and any(_names_series(words, family, title) for title in titles)
     ]
+
+
+def _whole(words: tuple[str, ...], family: str) -> bool:
+    """Whether ``words`` are all of a title, or the series' code."""
+    return words in _title_words()[family] or "".join(words) == family
 
 
 def _names_series(words: tuple[str, ...], family: str, title: tuple[str, ...]) -> bool:

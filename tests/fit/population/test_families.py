@@ -9,7 +9,7 @@ import numpy as np
 from propmap.catalogue.identified import all_identified
 from propmap.fit.population.coefficients import airfoil_of
 from propmap.fit.population.families import family_prior
-from propmap.fit.population.left_out import left_out
+from propmap.fit.population.left_out import by_designation, left_out
 from propmap.fit.population.misfiled import refiled
 from propmap.fit.population.prior import POPULATION, constants_of, coordinates
 from propmap.fit.population.summary import Spread, variance_of
@@ -58,3 +58,21 @@ def test_a_family_predicts_better_than_all_propellers() -> None:
     blades = np.median([[one.family_blade, one.population_blade] for one in found], axis=0)
     # One propeller in its family's blade may do better by chance, half of them do not.
     assert (blades[0] > own).all() and (blades[0] < blades[1]).all()
+
+
+@with_data
+def test_propellers_whose_blades_were_never_measured() -> None:
+    """Of three series; their loads are in none of the constants."""
+    every = [
+        one
+        for one in read_uiuc_database(LOADS)
+        if one.family in ("apcsf", "grsn", "kyosho") or one.name.startswith("ancf 1")
+    ]
+    found = {one.tested: one for one in by_designation(every)}
+    assert {one.family for one in found.values()} == {"apcsf", "grsn", None}
+    assert not any("125" in name or "x65" in name for name in found)
+    known = [one.errors for one in found.values() if one.family]
+    other = [one.errors for one in found.values() if not one.family]
+    assert len(known) == 7 and len(other) > 20
+    assert (np.median(known, axis=0) < 0.15).all()
+    assert (np.median(known, axis=0) < np.median(other, axis=0)).all()

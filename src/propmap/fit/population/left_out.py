@@ -11,9 +11,11 @@ import numpy as np
 from propmap import catalogue
 from propmap.arrays.types import Floats
 from propmap.catalogue.designation import designation
-from propmap.catalogue.expected_blade import mean_blade, shapes_without
-from propmap.catalogue.identified import Identified
+from propmap.catalogue.expected_blade import ExpectedBlade, mean_blade, shapes_without
+from propmap.catalogue.identified import PARAMETERS, Identified
+from propmap.catalogue.lookup import designated
 from propmap.fit.population.coefficients import AxialTest
+from propmap.fit.population.expected import expected_constants
 from propmap.fit.population.families import family_prior
 from propmap.fit.population.prior import constants_of
 from propmap.fit.population.summary import one_of_each, spread
@@ -79,6 +81,49 @@ def left_out(entries: Sequence[Identified], every: Sequence[MeasuredPropeller]) 
                 population_blade=_errors(AxialTest(mean, rows[one.tested]), of_all),
             )
         )
+    return found
+
+
+LOST_POINT = ("ancf 125.0x", "ancf 12.0x65.0", "ancf 13.0x65.0")
+"""Propellers whose labels in the database have lost a decimal point: 12.5x7.5, 12x6.5."""
+
+
+class ByDesignation(NamedTuple):
+    """Errors of C_T and C_P of one propeller that is known by its label alone.
+
+    Attributes
+    ----------
+    tested : str
+        The label.
+    family : str or None
+        Code of the series by which it was predicted; None of all.
+    errors : ndarray
+        Rms over rms of what was measured [-], (2,).
+    """
+
+    tested: str
+    family: str | None
+    errors: Floats
+
+
+def by_designation(every: Sequence[MeasuredPropeller]) -> list[ByDesignation]:
+    """The errors of those propellers whose blades were never measured, by blade and constants.
+
+    None of their rows plays any part in what they are predicted from.
+
+    Parameters
+    ----------
+    every : sequence of MeasuredPropeller
+        Rows of all propellers.
+    """
+    found = []
+    for tested in every:
+        meant = None if tested.name.startswith(LOST_POINT) else designated(tested.name)
+        if isinstance(meant, ExpectedBlade):
+            law, _ = expected_constants(meant.family)
+            constants = np.array([getattr(law, name) for name in PARAMETERS])
+            errors = _errors(AxialTest(meant.propeller, tested), constants)
+            found.append(ByDesignation(tested.name, meant.family, errors))
     return found
 
 
