@@ -57,8 +57,8 @@ def main(loads: Path) -> None:
         print(f"{told:<27} {count:>10}   {cells[0]:>16}   {cells[1]:>16}")
         results[name] = {
             "propellers": count,
-            "median": np.round(half, 4).tolist(),
-            "nine_in_ten": np.round(most, 4).tolist(),
+            "median": np.round(half, 5).tolist(),
+            "nine_in_ten": np.round(most, 5).tolist(),
         }
     with replacing(RESULTS) as path:
         path.write_text(json.dumps(results, indent=2) + "\n", encoding="utf-8")
