@@ -42,7 +42,6 @@ CASES: list[tuple[list[str], str]] = [
     (["predict", "apc-8x6f", "--airfoil", "paper-apc", *POINT], "apc-8x6e"),
     (["predict", "nowhere.txt", "--airfoil", "paper-apc", *POINT], "no such file"),
     (["predict", "not_a_blade.txt", "--airfoil", "paper-apc", *POINT], "not_a_blade.txt"),
-    (["predict", "apc-8x6e", *POINT], "paper-soft"),
     (["predict", "apc-8x6e", "--airfoil", "paper-apx", *POINT], "paper-apc"),
     (["predict", "apc-8x6e", "--airfoil", "nowhere.toml", *POINT], "no such file"),
     (["predict", "apc-8x6e", "--airfoil", "unknown.toml", *POINT], "c_l3"),

@@ -132,6 +132,7 @@ def test_the_harmonics_belong_to_the_loads() -> None:
         np.testing.assert_allclose(given, own, atol=1e-6 * loads.thrust.max())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("beta", [np.pi / 2, 0.0, np.radians(110.0)])
 def test_loads_are_continuous(beta: float) -> None:
     """Through edgewise and axial flow, and where the vortex ring fades in."""
@@ -143,6 +144,7 @@ def test_loads_are_continuous(beta: float) -> None:
         assert steps.max() < 3e-4 * np.abs(found.thrust).max(), load
 
 
+@pytest.mark.slow
 def test_compiled_programs_agree_with_numpy() -> None:
     omega = np.random.default_rng(5).uniform(200.0, 900.0, 60)
     points = (omega, np.linspace(0.0, 18.0, 60), np.linspace(0.0, 2.0, 60))

@@ -216,9 +216,13 @@ def _without_harmonics(
     at = problem.at
 
     def terms(sine: Array) -> tuple[Array, ...]:
-        forces = materialize(lambda: element_forces(at, problem.inflow, sine), at.blades)
-        along = forces.normal_slope * sine
-        return forces.normal, forces.normal * sine, forces.normal_slope, along, along * sine
+        def forces() -> tuple[Array, Array]:
+            found = element_forces(at, problem.inflow, sine)
+            return found.normal, found.normal_slope
+
+        normal, slope = materialize(forces, at.blades)
+        along = slope * sine
+        return normal, normal * sine, slope, along, along * sine
 
     normal, rolling, m, s, ss = azimuth.mean(terms)
     weight = at.blades * problem.nodes.weight
