@@ -132,7 +132,6 @@ def test_the_harmonics_belong_to_the_loads() -> None:
         np.testing.assert_allclose(given, own, atol=1e-6 * loads.thrust.max())
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("beta", [np.pi / 2, 0.0, np.radians(110.0)])
 def test_loads_are_continuous(beta: float) -> None:
     """Through edgewise and axial flow, and where the vortex ring fades in."""
@@ -158,6 +157,7 @@ def test_compiled_programs_agree_with_numpy() -> None:
         np.testing.assert_allclose(a, b, atol=1e-7 * np.abs(want.thrust).max())
 
 
+@pytest.mark.slow
 def test_derivatives_agree_with_differences(monkeypatch: pytest.MonkeyPatch) -> None:
     """To 1e-6 of the largest derivative, at nodes that stay where they are.
 
