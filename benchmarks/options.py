@@ -36,8 +36,12 @@ def models() -> dict[str, propmap.Model]:
     """What is compared, the paper's model first."""
     blade, law = propmap.propeller("apc-8x6e"), parameter_set("paper-apc")
     losses = (propmap.correction("tip-loss"), propmap.correction("hub-loss"))
+    recommended = propmap.corrections_of("recommended")
+    whole = propmap.corrections_of("recommended", ("blade-to-hub", "radial-friction"))
     return {
         "paper": propmap.Model(blade, law),
+        "recommended": propmap.Model(blade, law, corrections=recommended),
+        "recommended, blade to hub, radial friction": propmap.Model(blade, law, corrections=whole),
         "tip loss": propmap.Model(blade, law, corrections=losses[:1]),
         "tip and hub loss": propmap.Model(blade, law, corrections=losses),
         "table, one Re": propmap.Model(blade, sampled("paper-apc", (5e4,))),
