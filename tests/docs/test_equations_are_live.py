@@ -37,9 +37,17 @@ FACTOR = 1.07
 BY_DERIVATIVE = ("moving_root", "follow", "load_slopes")
 """These move what was found; only derivatives come from them."""
 
+DIFFERENTIATED = ("propmap.physics.inflow_harmonics", "propmap.solve.harmonics")
+"""Modules whose probe takes a derivative, for which JAX traces the solver."""
+
+
+def _named(module: str, name: str) -> Any:
+    long = name in BY_DERIVATIVE or module in DIFFERENTIATED
+    return pytest.param(module, name, marks=(pytest.mark.slow,) if long else ())
+
+
 NAMED = [
-    pytest.param(*pair, marks=(pytest.mark.slow,) if pair[1] in BY_DERIVATIVE else ())
-    for pair in sorted({pair for _, cell, _ in rows() for pair in functions(cell)})
+    _named(*pair) for pair in sorted({pair for _, cell, _ in rows() for pair in functions(cell)})
 ]
 
 OMEGA = np.array([600.0, 600.0, 500.0, 600.0, 600.0, 600.0])
