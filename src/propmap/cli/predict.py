@@ -51,7 +51,7 @@ def predict(
     format_: FormatOption = None,
     output: TextOutput = None,
 ) -> None:
-    """Thrust, rotor drag, torque, rolling moment and power at operating points."""
+    """All six loads and the power at operating points."""
     where = _points(rpm, speed, beta, points)
     chosen = chosen_format(format_, output)
     rotor = choice.rotor(where.count)

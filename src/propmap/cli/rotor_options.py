@@ -99,7 +99,8 @@ class RotorChoice:
             metavar="NAME|FILE",
             help="Section law: a name of propmap airfoils, a fit or parameter set (.toml), or a "
             "section table of AeroDyn, XFOIL (a file or a folder), CACTUS or CSV. By default the "
-            "constants identified for PROP, else those to be expected of its family or of any.",
+            "constants identified for PROP, else those to be expected of its family or of any; a "
+            "fit starts from the paper's first guess.",
         ),
     ] = None
     rho: Annotated[
