@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import json
 from pathlib import Path
 
@@ -11,6 +12,7 @@ import pytest
 import propmap
 from propmap.catalogue.identified import all_identified, identified
 from propmap.fit.population.expected import expected_constants
+from propmap.table import LoadTable, build_table
 
 from .conftest import POINT, Run
 
@@ -73,3 +75,19 @@ def test_expected_constants_lie_among_those_of_their_propellers() -> None:
             values = [getattr(one.airfoil, name) for one in members]
             assert min(values) < getattr(law, name) < max(values), (family, name)
         assert law.c_l2 == 2.0
+
+
+@pytest.mark.slow
+def test_a_table_by_name_tells_how_uncertain_its_constants_are(
+    run: Run, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    brief = functools.partial(build_table, certificate_points=512)
+    monkeypatch.setattr("propmap.table.build.build_table", brief)
+    envelope = ["--rpm", "5000:5400", "--speed", "2:4", "--beta", "75:90", "--tolerance", "5%"]
+    path = tmp_path / "x.npz"
+    done = run("table", "apc-8x6e", *envelope, "-o", path)
+    assert done.code == 0, done.err
+    assert "covariance of c_l1, c_d, alpha_0, zero_lift_angle, c_d0, reynolds_camber" in done.out
+    info = LoadTable.load(path).info
+    assert info["airfoil"]["name"] == "apc-8x6e identified"
+    assert info["airfoil_covariance"]["names"][0] == "c_l1"

@@ -15,6 +15,7 @@ import numpy as np
 from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.model.airfoil import Airfoil
+from propmap.model.section_covariance import SectionCovariance
 
 PARAMETERS = (
     "c_l1",
@@ -80,6 +81,11 @@ class Identified:
     advance_high: float
     verdict: str
     key: str
+
+    @property
+    def section_covariance(self) -> SectionCovariance:
+        """``covariance`` with its names, as tables take it."""
+        return SectionCovariance(PARAMETERS, self.covariance)
 
     @property
     def told(self) -> str:

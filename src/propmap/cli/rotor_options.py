@@ -13,7 +13,7 @@ import numpy as np
 import typer
 
 from propmap.catalogue import Entry
-from propmap.catalogue.identified import identified
+from propmap.catalogue.identified import Identified, identified
 from propmap.catalogue.lookup import airfoil, meant_by, propeller
 from propmap.cli.plausibility import say_doubts, say_expected
 from propmap.errors import InputError
@@ -145,19 +145,23 @@ class RotorChoice:
         """
         if self.airfoil is not None:
             return airfoil(self.airfoil)
-        meant = meant_by(self.prop)
-        entry = meant if isinstance(meant, Entry) else None
-        found = identified(entry.name, blade.blades) if entry is not None else None
+        found = self.identified(blade.blades)
         if found is not None:
             law, told = found.airfoil, found.told
         else:
             from propmap.fit.population.expected import expected_constants
 
+            meant = meant_by(self.prop)
             law, told = expected_constants(meant.family if meant is not None else None)
-            if meant is not None and entry is None:
+            if meant is not None and not isinstance(meant, Entry):
                 return law  # the note on the blade tells of the constants too
         typer.echo(f"note: {told}; another law by --airfoil", err=True)
         return law
+
+    def identified(self, blades: int) -> Identified | None:
+        """The constants identified for PROP with so many ``blades``, where none are named."""
+        meant = meant_by(self.prop) if self.airfoil is None else None
+        return identified(meant.name, blades) if isinstance(meant, Entry) else None
 
     def blade(self) -> Propeller:
         """The propeller; notes say what is odd about it, and if it was not measured."""

@@ -57,7 +57,10 @@ def table(
     corners = ends[0] * RPM, ends[1], np.radians(ends[2])
     say_reynolds(rotor.model, *corners)
     say_doubts_on_points(rotor.model, *corners)
-    covariance = _covariance(choice.airfoil or "", rotor.model)
+    known = choice.identified(rotor.model.propeller.blades)
+    covariance = (
+        known.section_covariance if known else _covariance(choice.airfoil or "", rotor.model)
+    )
     with building() as progress:
         built = build_table(
             rotor,
