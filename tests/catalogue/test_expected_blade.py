@@ -25,8 +25,8 @@ from propmap.catalogue.expected_blade import (
     screw_angle,
     shapes_without,
 )
+from propmap.catalogue.expected_constants import expected_constants
 from propmap.catalogue.lookup import designated
-from propmap.fit.population.expected import expected_constants
 from propmap.model.plausible import at_share, doubts_on_blade
 
 RESULTS = Path(__file__).resolve().parents[2] / "benchmarks" / "results" / "left_out.json"

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import propmap
+from propmap.catalogue.expected_constants import expected_constants
 from propmap.catalogue.identified import all_identified, identified
-from propmap.fit.population.expected import expected_constants
 from propmap.table import LoadTable, build_table
 
 from .conftest import POINT, Run

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import propmap
-from propmap.fit.population.expected import expected_constants
+from propmap.catalogue.expected_constants import expected_constants
 
 from .conftest import Run
 

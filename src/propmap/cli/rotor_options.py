@@ -149,7 +149,7 @@ class RotorChoice:
         if found is not None:
             law, told = found.airfoil, found.told
         else:
-            from propmap.fit.population.expected import expected_constants
+            from propmap.catalogue.expected_constants import expected_constants
 
             meant = meant_by(self.prop)
             law, told = expected_constants(meant.family if meant is not None else None)

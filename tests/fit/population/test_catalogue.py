@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 
 from propmap.catalogue.identified import Identified, all_identified
+from propmap.catalogue.prior import coordinates
+from propmap.catalogue.spread import spread
 from propmap.fit.population import catalogue, identification
 from propmap.fit.population.misfiled import MISFILED, refiled
-from propmap.fit.population.prior import coordinates
-from propmap.fit.population.summary import spread, summary
+from propmap.fit.population.summary import summary
 from propmap.fit.population.verdict import conflict
 from propmap.io.uiuc_database import MeasuredPropeller, read_uiuc_database
 
@@ -85,8 +86,8 @@ def test_the_spread_over_propellers_is_that_of_the_draws() -> None:
     rng, entries = np.random.default_rng(27), []
     from dataclasses import replace
 
+    from propmap.catalogue.prior import POPULATION, constants_of, slopes_of
     from propmap.fit.population.coefficients import airfoil_of
-    from propmap.fit.population.prior import POPULATION, constants_of, slopes_of
 
     template = all_identified()[0]
     for family in range(60):

@@ -6,13 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 
+from propmap.catalogue.family_prior import family_prior
 from propmap.catalogue.identified import all_identified
+from propmap.catalogue.prior import POPULATION, constants_of, coordinates
+from propmap.catalogue.spread import Spread, variance_of
 from propmap.fit.population.coefficients import airfoil_of
-from propmap.fit.population.families import family_prior
 from propmap.fit.population.left_out import by_designation, left_out
 from propmap.fit.population.misfiled import refiled
-from propmap.fit.population.prior import POPULATION, constants_of, coordinates
-from propmap.fit.population.summary import Spread, variance_of
 from propmap.io.uiuc_database import read_uiuc_database
 from tests.fit.population.test_catalogue import LOADS, with_data
 

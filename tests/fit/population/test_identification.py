@@ -7,9 +7,9 @@ import pytest
 
 import propmap as pm
 from propmap.catalogue.identified import PARAMETERS
+from propmap.catalogue.prior import POPULATION, PopulationPrior, constants_of
 from propmap.fit.population.coefficients import AxialTest, airfoil_of
 from propmap.fit.population.identification import Identification, identify
-from propmap.fit.population.prior import POPULATION, PopulationPrior, constants_of
 from propmap.fit.population.verdict import conflict, verdict
 from propmap.io.uiuc_database import MeasuredPropeller
 

@@ -10,10 +10,10 @@ import numpy as np
 
 from propmap import catalogue
 from propmap.catalogue.identified import Identified
+from propmap.catalogue.prior import POPULATION
 from propmap.errors import InputError
 from propmap.fit.population import identification
 from propmap.fit.population.coefficients import AxialTest, airfoil_of
-from propmap.fit.population.prior import POPULATION
 from propmap.fit.population.verdict import verdict
 from propmap.io.uiuc_database import MeasuredPropeller
 

@@ -12,10 +12,10 @@ import numpy as np
 
 from propmap.arrays.types import Floats
 from propmap.catalogue.identified import PARAMETERS
+from propmap.catalogue.prior import HELD
 from propmap.engine.accuracy import accuracy
 from propmap.engine.evaluation import prepare
 from propmap.engine.gradients import load_gradients
-from propmap.fit.population.prior import HELD
 from propmap.io.uiuc_database import MeasuredPropeller
 from propmap.loads import LOADS
 from propmap.model.airfoil import Airfoil

@@ -8,13 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from propmap.arrays.types import Floats
-from propmap.fit.population.coefficients import AxialTest
-from propmap.fit.population.prior import (
+from propmap.catalogue.prior import (
     POPULATION,
     PopulationPrior,
     constants_of,
     slopes_of,
 )
+from propmap.fit.population.coefficients import AxialTest
 
 INDEPENDENT = 10.0
 """Independent numbers that the rows of one load are worth: rows of one run err together."""

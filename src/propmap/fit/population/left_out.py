@@ -12,13 +12,14 @@ from propmap import catalogue
 from propmap.arrays.types import Floats
 from propmap.catalogue.designation import designation
 from propmap.catalogue.expected_blade import ExpectedBlade, mean_blade, shapes_without
+from propmap.catalogue.expected_constants import expected_constants
+from propmap.catalogue.family_prior import family_prior
 from propmap.catalogue.identified import PARAMETERS, Identified
 from propmap.catalogue.lookup import designated
+from propmap.catalogue.prior import constants_of
+from propmap.catalogue.spread import spread
 from propmap.fit.population.coefficients import AxialTest
-from propmap.fit.population.expected import expected_constants
-from propmap.fit.population.families import family_prior
-from propmap.fit.population.prior import constants_of
-from propmap.fit.population.summary import one_of_each, spread
+from propmap.fit.population.summary import one_of_each
 from propmap.io.uiuc_database import MeasuredPropeller
 from propmap.model.propeller import Propeller
 

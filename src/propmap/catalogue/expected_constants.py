@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
+from propmap.catalogue.family_prior import family_prior
 from propmap.catalogue.identified import PARAMETERS, all_identified
-from propmap.fit.population.families import family_prior
-from propmap.fit.population.prior import HELD, constants_of
-from propmap.fit.population.summary import spread
+from propmap.catalogue.prior import HELD, constants_of
+from propmap.catalogue.spread import spread
 from propmap.model.airfoil import Airfoil
 
 MEDIAN_ERRORS = {"family": 0.11, "population": 0.14}

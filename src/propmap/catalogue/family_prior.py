@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from propmap.catalogue.identified import Identified
-from propmap.fit.population.prior import PopulationPrior, coordinates
-from propmap.fit.population.summary import Spread, variance_of
+from propmap.catalogue.prior import PopulationPrior, coordinates
+from propmap.catalogue.spread import Spread, variance_of
 
 LEAST_WITHIN = 0.3
 """Least spread within families, as a share of that between them: by moments it may come out 0."""
@@ -26,7 +26,7 @@ def family_prior(members: Sequence[Identified], spread: Spread) -> PopulationPri
     members : sequence of Identified
         Other propellers of the family.
     spread : Spread
-        Of families and within them, from ``summary.spread``.
+        Of families and within them, from ``spread.spread``.
     """
     between = spread.between**2
     within = np.maximum(spread.within, LEAST_WITHIN * spread.between) ** 2
