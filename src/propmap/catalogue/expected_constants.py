@@ -4,15 +4,22 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 from propmap.catalogue.family_prior import family_prior
 from propmap.catalogue.identified import PARAMETERS, all_identified
-from propmap.catalogue.prior import HELD, constants_of
+from propmap.catalogue.prior import HELD, constants_of, slopes_of
 from propmap.catalogue.spread import spread
 from propmap.model.airfoil import Airfoil
+from propmap.model.section_covariance import SectionCovariance
+from propmap.model.uncertainty import SectionUncertainty
 
 MEDIAN_ERRORS = {"family": 0.11, "population": 0.14}
 """Of C_T and C_P of propellers that were left out, by ``python -m tools.left_out``: half of them
 err less, rms over rms."""
+
+DISCREPANCY = (0.0025, 0.0017)
+"""Errors of C_T and C_P that the best constants leave, of a typical propeller."""
 
 
 def expected_constants(family: str | None = None) -> tuple[Airfoil, str]:
@@ -32,7 +39,12 @@ def expected_constants(family: str | None = None) -> tuple[Airfoil, str]:
     """
     every = all_identified()
     members = [one for one in every if one.family == family]
-    place = family_prior(members, spread(every)).mean
+    prior = family_prior(members, spread(every))
+    place, slopes = prior.mean, slopes_of(prior.mean)
+    known = SectionUncertainty(
+        SectionCovariance(PARAMETERS, slopes @ np.diag(prior.deviation**2) @ slopes.T),
+        *DISCREPANCY,
+    )
     found = zip(PARAMETERS, constants_of(place).tolist(), strict=True)
     values: Any = {**HELD, **dict(found)}
     name = f"{family} expected" if members else "small propeller expected"
@@ -48,4 +60,4 @@ def expected_constants(family: str | None = None) -> tuple[Airfoil, str]:
         f"propellers have thrust and torque within {likely:.0%} (rms) in axial flow, one in ten is "
         "off by twice that"
     )
-    return Airfoil(**values, name=name, source=source), told
+    return Airfoil(**values, name=name, source=source, uncertainty=known), told

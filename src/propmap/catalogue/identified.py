@@ -16,6 +16,7 @@ from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.model.airfoil import Airfoil
 from propmap.model.section_covariance import SectionCovariance
+from propmap.model.uncertainty import SectionUncertainty
 
 PARAMETERS = (
     "c_l1",
@@ -48,7 +49,7 @@ class Identified:
     family, tested : str
         Code of its series, and what the source calls it.
     airfoil : Airfoil
-        The constants.
+        The constants, with how well they are known.
     covariance : ndarray, shape (7, 7)
         Of ``PARAMETERS``, in their units.
     thrust_rms, power_rms, static_thrust_rms, static_power_rms : float
@@ -178,7 +179,11 @@ def _entry(row: dict[str, str]) -> Identified:
     counts: Any = {name: int(row[name]) for name in _COUNTS}
     numbers: Any = {name: float(row[name]) for name in (*_RANGES, *_ERRORS)}
     source = f"identified by propmap from the UIUC Propeller Database, {row['tested']}"
-    airfoil = Airfoil(**values, name=f"{row['propeller']} identified", source=source)
+    known = SectionUncertainty(
+        SectionCovariance(PARAMETERS, covariance), numbers["thrust_rms"], numbers["power_rms"]
+    )
+    name = f"{row['propeller']} identified"
+    airfoil = Airfoil(**values, name=name, source=source, uncertainty=known)
     return Identified(airfoil=airfoil, covariance=covariance, **texts, **counts, **numbers)
 
 

@@ -23,6 +23,7 @@ from propmap.model.corrections import (
     sets_inflow_shape,
 )
 from propmap.model.propeller import Propeller
+from propmap.model.uncertainty import ModelUncertainty
 
 if TYPE_CHECKING:
     from propmap.physics.rotor import RotorArrays
@@ -135,6 +136,12 @@ class Model:
         for value in sorted(self.corrections, key=lambda one: order.index(name_of(one))):
             rotor = value.applied(rotor)
         return rotor
+
+    @property
+    def uncertainty(self) -> ModelUncertainty:
+        """How well the section law and the blade are known, as they say of themselves."""
+        section = getattr(self.airfoil, "uncertainty", None)
+        return ModelUncertainty(section, self.propeller.spread)
 
     @property
     def correction_texts(self) -> list[str]:

@@ -11,6 +11,7 @@ import numpy as np
 from propmap.arrays.types import Floats
 from propmap.errors import InputError, quoted
 from propmap.model.blade_check import check_blade, check_blades, check_root_cutout
+from propmap.model.uncertainty import GeometrySpread
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -35,6 +36,8 @@ class Propeller:
         Where the loaded part of the blade begins [m]; None is the first station.
     source, citation : str
         Where the figures are from and what was done to them, and whom to cite.
+    spread : GeometrySpread or None
+        How far the true blade may differ, where it was not measured; not compared.
 
     Raises
     ------
@@ -50,6 +53,7 @@ class Propeller:
     root_cutout: float | None = None
     source: str = ""
     citation: str = ""
+    spread: GeometrySpread | None = None
 
     def __post_init__(self) -> None:
         for field in ("station", "chord", "twist"):

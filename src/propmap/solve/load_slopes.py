@@ -9,7 +9,7 @@ the radius and the inflow; a second pass gives the derivatives of the loads.  Di
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import jax
@@ -32,6 +32,10 @@ Change = tuple[Array, ...]
 """Changes, or a direction: an entry for each name of ``moving``, or for these and more."""
 
 
+GEOMETRY = ("chord_scale", "twist_offset")
+"""The blade's common relative change of the chord [-] and common offset of the twist [rad]; see
+``Blade``."""
+
 MOUNT_AREA = "mount_area"
 """The area of what is mounted in the slipstream [m^2], where the rotor has one."""
 
@@ -41,6 +45,30 @@ def moving(rotor: RotorArrays) -> tuple[str, ...]:
     of what is mounted, the flow."""
     mounted = () if rotor.mount is None else (MOUNT_AREA,)
     return (*rotor.law.parameters, *mounted, *FLOW)
+
+
+def _of(value: Array | None) -> Array | float:
+    return 0.0 if value is None else value
+
+
+def with_terms(rotor: RotorArrays, names: Sequence[str]) -> RotorArrays:
+    """The rotor with those terms of its law among ``names`` that were left out of it as zero."""
+    left_out = [name for name in names if name not in (*moving(rotor), *GEOMETRY)]
+    if not left_out:
+        return rotor
+    return rotor._replace(law=rotor.law.plus(**{name: np.float64(0.0) for name in left_out}))  # type: ignore[arg-type]
+
+
+def moved_rotor(rotor: RotorArrays, change: Mapping[str, Array]) -> RotorArrays:
+    """The rotor with ``change`` added to those of its quantities in ``moving`` that it names."""
+    changes, blade = dict(change), rotor.blade
+    shape = {name: changes.pop(name) for name in GEOMETRY if name in changes}
+    shape = {name: _of(getattr(blade, name)) + added for name, added in shape.items()}
+    rotor = rotor._replace(blade=blade._replace(**shape))
+    area = changes.pop(MOUNT_AREA, None)
+    if area is not None and rotor.mount is not None:
+        rotor = rotor._replace(mount=rotor.mount._replace(area=rotor.mount.area + area))
+    return rotor._replace(law=rotor.law.plus(**changes))
 
 
 class Directions(NamedTuple):
@@ -157,11 +185,8 @@ def _moved(case: Case, change: Change) -> Case:
     """The case with ``change`` added to the quantities of ``moving``."""
     rotor, by_name = case.rotor, dict(zip(moving(case.rotor), change, strict=True))
     omega, v_axial, v_inplane = (by_name.pop(name) for name in FLOW)
-    if rotor.mount is not None:
-        area = rotor.mount.area + by_name.pop(MOUNT_AREA)
-        rotor = rotor._replace(mount=rotor.mount._replace(area=area))
     return case._replace(
-        rotor=rotor._replace(law=rotor.law.plus(**by_name)),
+        rotor=moved_rotor(rotor, by_name),
         omega=case.omega + omega,
         v_axial=case.v_axial + v_axial,
         v_inplane=case.v_inplane + v_inplane,

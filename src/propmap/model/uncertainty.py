@@ -1,0 +1,114 @@
+"""How far the loads of a model may err: by its constants, its geometry, itself, and its tunnel."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from propmap.errors import InputError
+from propmap.model.section_covariance import SectionCovariance
+
+SOURCES = ("parameters", "geometry", "discrepancy", "tunnel")
+"""What a load's error is made of; independent of each other."""
+
+TUNNEL_GAIN = 0.08
+"""Standard deviation of a tunnel's readings of one propeller about another tunnel's, as a share of
+the load.  Loads identified from the UIUC database differ from those of the 2019 campaign (Gill and
+D'Andrea, Drones 3(4):77, doi 10.3390/drones3040077) by 6-18 % in thrust and 3-14 % in torque."""
+
+TUNNEL_TILT = 1.0
+"""The same of the thrust's slope by the axial advance ratio V cos(beta)/(Omega R): 0.10 per 0.1."""
+
+INPLANE_SHARES = {"drag": 0.10, "roll_moment": 0.10, "side_force": 0.5, "pitch_moment": 0.5}
+"""Standard deviations of what the theory itself errs by in loads that no axial test has seen, as
+shares of the load: rotor drag of bare blades is within about 20 % of a free-wake lifting line, of
+Ribner's fin analogy and of measurements, rolling moments within 0 to -18 % of the lifting line, and
+pitching moments differ by a factor of about 2 (docs/validation.md)."""
+
+
+@dataclass(frozen=True, eq=False)
+class SectionUncertainty:
+    """How well a set of section constants is known.
+
+    Attributes
+    ----------
+    covariance : SectionCovariance
+        Of the constants.
+    thrust_coefficient, power_coefficient : float
+        Standard deviations of the errors of C_T and C_P that the best constants would leave [-].
+    another_tunnel : bool
+        Whether the constants rest on a tunnel other than the one, or the flight, that the loads
+        are to agree with, so that ``TUNNEL_GAIN`` and ``TUNNEL_TILT`` count.
+
+    Raises
+    ------
+    InputError
+        For a standard deviation that is negative or no number.
+    """
+
+    covariance: SectionCovariance
+    thrust_coefficient: float = 0.0
+    power_coefficient: float = 0.0
+    another_tunnel: bool = True
+
+    def __post_init__(self) -> None:
+        for name in ("thrust_coefficient", "power_coefficient"):
+            value = getattr(self, name)
+            if not (math.isfinite(value) and value >= 0.0):
+                raise InputError(f"{name} is {value}", "give a standard deviation, 0 or more")
+
+
+@dataclass(frozen=True)
+class GeometrySpread:
+    """How far a blade that was not measured may differ from the one that is expected.
+
+    Attributes
+    ----------
+    chord_scale : float
+        Standard deviation of a factor on all chords [-].
+    twist_offset : float
+        Standard deviation of an angle added to the twist everywhere [rad].
+
+    Raises
+    ------
+    InputError
+        For a standard deviation that is negative or no number.
+    """
+
+    chord_scale: float
+    twist_offset: float
+
+    def __post_init__(self) -> None:
+        for name in ("chord_scale", "twist_offset"):
+            value = getattr(self, name)
+            if not (math.isfinite(value) and value >= 0.0):
+                raise InputError(f"{name} is {value}", "give a standard deviation, 0 or more")
+
+    @property
+    def covariance(self) -> SectionCovariance:
+        """The two as variances by name."""
+        spread = np.array([self.chord_scale, self.twist_offset])
+        return SectionCovariance(("chord_scale", "twist_offset"), np.diag(spread**2))
+
+
+@dataclass(frozen=True, eq=False)
+class ModelUncertainty:
+    """How well a model's section law and blade are known; None of either counts as known.
+
+    Attributes
+    ----------
+    section : SectionUncertainty or None
+        Of the section law.
+    geometry : GeometrySpread or None
+        Of the blade.
+    """
+
+    section: SectionUncertainty | None
+    geometry: GeometrySpread | None
+
+    @property
+    def known(self) -> bool:
+        """Whether anything is said of it."""
+        return self.section is not None or self.geometry is not None
