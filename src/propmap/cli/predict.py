@@ -124,7 +124,7 @@ def _one_point(
     ]
 
     def deviations(columns: Iterable[str]) -> list[str]:
-        return [_digits(spread[column][0]) for column in columns]
+        return [f"{spread[column][0]:.2g}" for column in columns]
 
     rows = [
         *(

@@ -79,6 +79,8 @@ def load_curves(
     speed: Floats,
     betas: Sequence[float],
     measured: MeasuredLoads | None = None,
+    *,
+    bands: bool = True,
 ) -> Figure:
     """Every load against flight speed, a curve for each angle, the hover model dashed.
 
@@ -95,6 +97,9 @@ def load_curves(
     measured : MeasuredLoads, optional
         Points, drawn where their angle is within half a degree of a curve's; those at rest belong
         to every curve and are drawn with the first.  Shaded: from them to ``other``.
+    bands : bool
+        Whether the band that holds the true loads with a probability of 95 % is shaded, where the
+        model says how well it is known.
 
     Raises
     ------
@@ -106,12 +111,17 @@ def load_curves(
             f"{len(betas)} angles make an unreadable picture", f"give at most {len(COLOURS)}"
         )
     found = rotor.loads(omega, speed, np.array(betas)[:, None])
+    known = bool(bands and found.std_by_source)
+    low, high = found.interval() if known else (None, None)
     hover = HoverModel.of(rotor).loads(omega)
     figure, axes = load_panels(3.3, sharex=True)
     for ax, load in zip(axes.ravel(), LOADS.values(), strict=True):
         ax.axhline(float(hover[load.name]), **HOVER)
-        for curve, colour in zip(getattr(found, load.name), COLOURS, strict=False):
-            ax.plot(speed, curve, color=colour, **MODEL)
+        for k, curve in enumerate(getattr(found, load.name)):
+            ax.plot(speed, curve, color=COLOURS[k], **MODEL)
+            if low is not None:
+                edges = (getattr(low, load.name)[k], getattr(high, load.name)[k])
+                ax.fill_between(speed, *edges, color=COLOURS[k], **BAND)
         if measured is not None and load.name in measured.loads:
             _draw_measured(ax, load.name, betas, measured)
         ax.set_ylabel(load.title)
@@ -123,6 +133,8 @@ def load_curves(
     figure.suptitle(title if measured is None else f"{title}; points: {measured.label}")
     keys: list[Any] = angle_keys(betas, markersize=0.0 if measured is None else 4.5, **MODEL)
     keys.append(key("hover model", **HOVER))
+    if known:
+        keys.append(Patch(label="95 % band of the model", color="0.4", **BAND))
     if measured is not None and measured.other:
         keys.append(Patch(label=measured.other_label, color="0.4", **BAND))
     legend_below(figure, keys)
