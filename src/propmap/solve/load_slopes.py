@@ -10,7 +10,7 @@ the radius and the inflow; a second pass gives the derivatives of the loads.  Di
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -35,12 +35,23 @@ Change = tuple[Array, ...]
 MOUNT_AREA = "mount_area"
 """The area of what is mounted in the slipstream [m^2], where the rotor has one."""
 
+GEOMETRY = ("chord_scale", "twist_offset")
+"""The blade's common relative change of the chord [-] and common offset of the twist [rad]; see
+``Blade``."""
+
+
+def with_geometry(rotor: RotorArrays) -> RotorArrays:
+    """The ``rotor`` with its ``GEOMETRY`` at 0, where it can be differentiated by that."""
+    still: Any = dict.fromkeys(GEOMETRY, np.float64(0.0))
+    return rotor._replace(blade=rotor.blade._replace(**still))
+
 
 def moving(rotor: RotorArrays) -> tuple[str, ...]:
     """Names of what the loads of a rotor can be differentiated by: the law's parameters, the area
-    of what is mounted, the flow."""
+    of what is mounted, those of its ``GEOMETRY`` that are not None, the flow."""
     mounted = () if rotor.mount is None else (MOUNT_AREA,)
-    return (*rotor.law.parameters, *mounted, *FLOW)
+    shape = tuple(name for name in GEOMETRY if getattr(rotor.blade, name) is not None)
+    return (*rotor.law.parameters, *mounted, *shape, *FLOW)
 
 
 class Directions(NamedTuple):
@@ -160,6 +171,8 @@ def _moved(case: Case, change: Change) -> Case:
     if rotor.mount is not None:
         area = rotor.mount.area + by_name.pop(MOUNT_AREA)
         rotor = rotor._replace(mount=rotor.mount._replace(area=area))
+    shape = {n: getattr(rotor.blade, n) + by_name.pop(n) for n in GEOMETRY if n in by_name}
+    rotor = rotor._replace(blade=rotor.blade._replace(**shape))
     return case._replace(
         rotor=rotor._replace(law=rotor.law.plus(**by_name)),
         omega=case.omega + omega,
