@@ -26,10 +26,12 @@ from propmap.physics.rotor import RotorArrays
 from propmap.physics.velocities import AzimuthNodes
 from propmap.solve.disk import DiskSolution
 from propmap.solve.load_slopes import (
+    GEOMETRY,
     Directions,
     directions_of,
     load_slopes,
     moving,
+    with_geometry,
     with_terms,
 )
 from propmap.solve.problem import Case
@@ -75,7 +77,7 @@ def load_gradients(
     rotor, setting : Prepared, Accuracy
         As for ``evaluation.evaluate``.
     names : tuple of str
-        The parameters.
+        The parameters; those of ``load_slopes.GEOMETRY`` too.
     omega, v_axial, v_inplane : ndarray, shape (N,)
         [rad/s], [m/s]; v_inplane >= 0.
     """
@@ -102,6 +104,11 @@ def _with_terms(rotor: Prepared, names: tuple[str, ...]) -> Prepared:
     return prepare(arrays, uniform=rotor.uniform, double=rotor.double)
 
 
+def _differentiated(rotor: RotorArrays, names: tuple[str, ...]) -> RotorArrays:
+    """The rotor for the programs of derivatives; that of a search is without ``GEOMETRY``."""
+    return with_geometry(rotor) if any(name in GEOMETRY for name in names) else rotor
+
+
 @functools.cache
 def _directions(movable: tuple[str, ...], names: tuple[str, ...], count: int) -> Directions:
     """Directions on the device, sent there once and not in each evaluation of a fit."""
@@ -125,7 +132,8 @@ def _gradients(
     count, points = _count(names), flow.omega.size
     few = points < FEW
     slopes = np.full((len(LOADS), len(names), points), np.nan)
-    ways = _directions(moving(rotor.arrays), names, count)
+    ways = _directions(moving(_differentiated(rotor.arrays, names)), names, count)
+    on_device = _differentiated(rotor.on_device, names)
 
     def differentiate(block: Block, solution: DiskSolution) -> None:
         program, solution = _program(block.panels), jax.tree.map(np.asarray, solution)
@@ -143,14 +151,14 @@ def _gradients(
             along = None if v_hover_slope is None else v_hover_slope[:, which]
             nodes = nodes_of(piece, few=few)
             asked = (flow.part(which), mine, ways, along, nodes, kept.size)
-            found = program(rotor.on_device, *asked)
+            found = program(on_device, *asked)
             by_name = np.asarray(found)[: len(names)].transpose(1, 0, 2)
             slopes[:, :, kept] = by_name[:, :, : kept.size]
 
     size = FIT_BLOCK if few else None
     if few:
         sized = setting.for_stall(rotor.forecast.stall_width)
-        _compile_both(rotor, sized, count, descends=flow.v_hover is not None)
+        _compile_both(rotor, sized, names, descends=flow.v_hover is not None)
     flat = evaluate_flow(rotor, setting, flow, alike=few, size=size, solved=differentiate)
     return LoadGradients(np.stack(flat.loads), slopes)
 
@@ -181,12 +189,16 @@ def _static_inflow(rotor: Prepared, static: LoadGradients) -> tuple[Floats, Floa
     return v, per_thrust * slope
 
 
-_COMPILED: set[tuple[Accuracy, int, int, bool]] = set()
+_COMPILED: set[tuple[Accuracy, int, int, int, bool]] = set()
 
 
-def _compile_both(rotor: Prepared, setting: Accuracy, count: int, *, descends: bool) -> None:
+def _compile_both(
+    rotor: Prepared, setting: Accuracy, names: tuple[str, ...], *, descends: bool
+) -> None:
     """Compile the two programs for few points at the same time instead of one after the other."""
-    key = (setting, rotor.arrays.blade.station.size, count, descends)
+    count, differentiated = _count(names), _differentiated(rotor.on_device, names)
+    movable = moving(differentiated)
+    key = (setting, rotor.arrays.blade.station.size, len(movable), count, descends)
     if key in _COMPILED:
         return
     _COMPILED.add(key)
@@ -207,9 +219,8 @@ def _compile_both(rotor: Prepared, setting: Accuracy, count: int, *, descends: b
         searched = beside.submit(run_search)
         _, shapes = search.eval_shape(*arguments)
         solution = jax.tree.map(lambda a: np.zeros(a.shape, a.dtype), shapes)
-        movable = moving(rotor.arrays)
         here = (flow, solution, directions_of(movable, (), count), slopes, nodes, FIT_BLOCK)
-        _program(panels)(rotor.on_device, *here)
+        _program(panels)(differentiated, *here)
         searched.result()
 
 

@@ -10,7 +10,7 @@ the radius and the inflow; a second pass gives the derivatives of the loads.  Di
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -32,23 +32,26 @@ Change = tuple[Array, ...]
 """Changes, or a direction: an entry for each name of ``moving``, or for these and more."""
 
 
+MOUNT_AREA = "mount_area"
+"""The area of what is mounted in the slipstream [m^2], where the rotor has one."""
+
 GEOMETRY = ("chord_scale", "twist_offset")
 """The blade's common relative change of the chord [-] and common offset of the twist [rad]; see
 ``Blade``."""
 
-MOUNT_AREA = "mount_area"
-"""The area of what is mounted in the slipstream [m^2], where the rotor has one."""
+
+def with_geometry(rotor: RotorArrays) -> RotorArrays:
+    """The ``rotor`` with its ``GEOMETRY`` at 0, where it can be differentiated by that."""
+    still: Any = dict.fromkeys(GEOMETRY, np.float64(0.0))
+    return rotor._replace(blade=rotor.blade._replace(**still))
 
 
 def moving(rotor: RotorArrays) -> tuple[str, ...]:
     """Names of what the loads of a rotor can be differentiated by: the law's parameters, the area
-    of what is mounted, the flow."""
+    of what is mounted, those of its ``GEOMETRY`` that are not None, the flow."""
     mounted = () if rotor.mount is None else (MOUNT_AREA,)
-    return (*rotor.law.parameters, *mounted, *FLOW)
-
-
-def _of(value: Array | None) -> Array | float:
-    return 0.0 if value is None else value
+    shape = tuple(name for name in GEOMETRY if getattr(rotor.blade, name) is not None)
+    return (*rotor.law.parameters, *mounted, *shape, *FLOW)
 
 
 def with_terms(rotor: RotorArrays, names: Sequence[str]) -> RotorArrays:
@@ -56,19 +59,18 @@ def with_terms(rotor: RotorArrays, names: Sequence[str]) -> RotorArrays:
     left_out = [name for name in names if name not in (*moving(rotor), *GEOMETRY)]
     if not left_out:
         return rotor
-    return rotor._replace(law=rotor.law.plus(**{name: np.float64(0.0) for name in left_out}))  # type: ignore[arg-type]
+    zero: Any = dict.fromkeys(left_out, np.float64(0.0))
+    return rotor._replace(law=rotor.law.plus(**zero))
 
 
 def moved_rotor(rotor: RotorArrays, change: Mapping[str, Array]) -> RotorArrays:
     """The rotor with ``change`` added to those of its quantities in ``moving`` that it names."""
-    changes, blade = dict(change), rotor.blade
-    shape = {name: changes.pop(name) for name in GEOMETRY if name in changes}
-    shape = {name: _of(getattr(blade, name)) + added for name, added in shape.items()}
-    rotor = rotor._replace(blade=blade._replace(**shape))
+    changes = dict(change)
     area = changes.pop(MOUNT_AREA, None)
     if area is not None and rotor.mount is not None:
         rotor = rotor._replace(mount=rotor.mount._replace(area=rotor.mount.area + area))
-    return rotor._replace(law=rotor.law.plus(**changes))
+    shape = {n: getattr(rotor.blade, n) + changes.pop(n) for n in GEOMETRY if n in changes}
+    return rotor._replace(blade=rotor.blade._replace(**shape), law=rotor.law.plus(**changes))
 
 
 class Directions(NamedTuple):
@@ -183,10 +185,10 @@ def _edge_slope(solution: DiskSolution, by_case: Array, by_radius: Array) -> Arr
 
 def _moved(case: Case, change: Change) -> Case:
     """The case with ``change`` added to the quantities of ``moving``."""
-    rotor, by_name = case.rotor, dict(zip(moving(case.rotor), change, strict=True))
+    by_name = dict(zip(moving(case.rotor), change, strict=True))
     omega, v_axial, v_inplane = (by_name.pop(name) for name in FLOW)
     return case._replace(
-        rotor=moved_rotor(rotor, by_name),
+        rotor=moved_rotor(case.rotor, by_name),
         omega=case.omega + omega,
         v_axial=case.v_axial + v_axial,
         v_inplane=case.v_inplane + v_inplane,
