@@ -19,7 +19,7 @@ import numpy as np
 from propmap.errors import InputError
 from propmap.model.corrections import agreed, as_texts
 from propmap.model.drag_factor import drag_factor_accepted, warn_of_drag_factor
-from propmap.model.uncertainty import SectionUncertainty
+from propmap.model.uncertainty import SectionUncertainty, fitted_uncertainty
 
 if TYPE_CHECKING:
     from propmap.physics.sections.blended import BlendedLaw
@@ -216,8 +216,21 @@ def airfoil_names() -> list[str]:
     return sorted(f.name[:-5] for f in _sets().iterdir() if f.name.endswith(".toml"))
 
 
-def read_airfoil(path: Path | Traversable) -> Airfoil:
-    """Read a parameter file; raises ``InputError`` naming the file and the field."""
+def read_airfoil(path: Path | Traversable, *, uncertainty: bool = True) -> Airfoil:
+    """Read a parameter file.
+
+    Parameters
+    ----------
+    path : Path
+        Of the file.
+    uncertainty : bool
+        Whether what a fit's file says of its constants' uncertainty is read as well.
+
+    Raises
+    ------
+    InputError
+        Naming the file and the field.
+    """
     name = path.name if not isinstance(path, Path) else str(path)
     try:
         table = tomllib.loads(path.read_bytes().decode("utf-8"))
@@ -246,7 +259,9 @@ def read_airfoil(path: Path | Traversable) -> Airfoil:
     if required:
         raise InputError(f"{name}: {required[0]} is missing; add a line '{required[0]} = ...'")
     try:
-        return Airfoil(**{k: v for k, v in table.items() if k in FILED})
+        fit = table.get("fit") if uncertainty else None
+        known = fitted_uncertainty(fit, (*LIMITS, "mount_area"))
+        return Airfoil(**{k: v for k, v in table.items() if k in FILED}, uncertainty=known)
     except InputError as error:
         raise InputError(f"{name}: {error}") from None
 

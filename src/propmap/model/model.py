@@ -141,6 +141,11 @@ class Model:
     def uncertainty(self) -> ModelUncertainty:
         """How well the section law and the blade are known, as they say of themselves."""
         section = getattr(self.airfoil, "uncertainty", None)
+        found_with = getattr(self.airfoil, "corrections", None) or ()
+        mounts = [apart(list(texts))[1] for texts in (self.correction_texts, found_with)]
+        if section is not None and mounts[0] != mounts[1]:
+            # What is mounted was given instead of found: it is known.
+            section = section.without("mount_area")
         return ModelUncertainty(section, self.propeller.spread)
 
     @property

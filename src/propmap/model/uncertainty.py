@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -26,6 +28,10 @@ INPLANE_SHARES = {"drag": 0.10, "roll_moment": 0.10, "side_force": 0.5, "pitch_m
 shares of the load: rotor drag of bare blades is within about 20 % of a free-wake lifting line, of
 Ribner's fin analogy and of measurements, rolling moments within 0 to -18 % of the lifting line, and
 pitching moments differ by a factor of about 2 (docs/validation.md)."""
+
+
+DISCREPANCIES = ("thrust_coefficient", "power_coefficient")
+"""Loads of an axial test, as coefficients, and fields of ``SectionUncertainty``."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,10 +60,45 @@ class SectionUncertainty:
     another_tunnel: bool = True
 
     def __post_init__(self) -> None:
-        for name in ("thrust_coefficient", "power_coefficient"):
+        for name in DISCREPANCIES:
             value = getattr(self, name)
             if not (math.isfinite(value) and value >= 0.0):
                 raise InputError(f"{name} is {value}", "give a standard deviation, 0 or more")
+
+    def without(self, name: str) -> SectionUncertainty:
+        """The same with the constant ``name`` taken as known."""
+        names = [each for each in self.covariance.names if each != name]
+        return replace(self, covariance=self.covariance.of(names))
+
+
+def fitted_uncertainty(table: Any, names: Collection[str]) -> SectionUncertainty | None:
+    """What the table ``[fit]`` of a fit's file says of the constants; None where there is none.
+
+    Parameters
+    ----------
+    table : mapping or None
+        With the names "free", their "covariance", and a table "discrepancy".
+    names : collection of str
+        Those of the free parameters that belong to the section law.
+
+    Raises
+    ------
+    InputError
+        Where the covariance does not fit the names.
+    """
+    if not isinstance(table, Mapping):
+        return None
+    try:
+        free, left = table["free"], table.get("discrepancy", {})
+        matrix = np.array(table["covariance"], np.float64).reshape(len(free), len(free))
+        every = SectionCovariance(tuple(free), matrix)
+        kept = [name for name in free if name in names]
+        shares = {name: float(left[name]) for name in DISCREPANCIES if name in left}
+    except (KeyError, TypeError, ValueError) as error:
+        raise InputError(
+            f"the table [fit] is damaged: covariance ({error})", "write it again with propmap fit"
+        ) from None
+    return SectionUncertainty(every.of(kept), **shares, another_tunnel=False)
 
 
 @dataclass(frozen=True)
