@@ -182,11 +182,20 @@ def test_at_rest_in_still_air_there_is_nothing_to_be_unsure_of(model: pm.Model) 
     assert found.std.thrust[1] > 0.0
 
 
-def test_a_parameter_file_carries_no_covariance(model: pm.Model, tmp_path: Path) -> None:
+def test_a_parameter_file_carries_how_well_its_constants_are_known(
+    model: pm.Model, tmp_path: Path
+) -> None:
     """A parameter file carries no covariance; the constants themselves are the same."""
     law = model.airfoil
     assert isinstance(law, pm.Airfoil)
     path = tmp_path / "constants.toml"
     path.write_text(law.to_toml())
     assert pm.airfoil(path) == law
-    assert pm.airfoil(path).uncertainty is None  # type: ignore[union-attr]
+    there = pm.airfoil(path).uncertainty  # type: ignore[union-attr]
+    assert there is not None and law.uncertainty is not None
+    assert there.as_dict() == law.uncertainty.as_dict()
+    path.write_text(path.read_text().replace("another_tunnel", "other"))
+    with pytest.raises(
+        pm.InputError, match=r"constants.toml: the table \[uncertainty\]"
+    ):
+        pm.airfoil(path)

@@ -19,7 +19,7 @@ import numpy as np
 from propmap.errors import InputError
 from propmap.model.corrections import agreed, as_texts
 from propmap.model.drag_factor import drag_factor_accepted, warn_of_drag_factor
-from propmap.model.uncertainty import SectionUncertainty, fitted_uncertainty
+from propmap.model.uncertainty import SectionUncertainty, filed_uncertainty, fitted_uncertainty
 
 if TYPE_CHECKING:
     from propmap.physics.sections.blended import BlendedLaw
@@ -80,8 +80,7 @@ class Airfoil:
     name, source : str
         What the set is called and where its numbers come from.
     uncertainty : SectionUncertainty or None
-        How well the constants are known; None where nothing is said of it.  Not compared, and not
-        part of a parameter file.
+        How well the constants are known; None where nothing is said of it.  Not compared.
 
     Raises
     ------
@@ -155,7 +154,12 @@ class Airfoil:
 
     def to_toml(self) -> str:
         """The set as the text of a parameter file."""
-        return _toml_file(self._told())
+        text = _toml_file(self._told())
+        if self.uncertainty is None:
+            return text
+        import tomli_w
+
+        return f"{text}\n{tomli_w.dumps({'uncertainty': self.uncertainty.as_dict()})}"
 
     def _filed(self) -> dict[str, Any]:
         """What a parameter file may say."""
@@ -261,6 +265,7 @@ def read_airfoil(path: Path | Traversable, *, uncertainty: bool = True) -> Airfo
     try:
         fit = table.get("fit") if uncertainty else None
         known = fitted_uncertainty(fit, (*LIMITS, "mount_area"))
+        known = known or filed_uncertainty(table.get("uncertainty"))
         return Airfoil(**{k: v for k, v in table.items() if k in FILED}, uncertainty=known)
     except InputError as error:
         raise InputError(f"{name}: {error}") from None

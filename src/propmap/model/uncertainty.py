@@ -70,6 +70,41 @@ class SectionUncertainty:
         names = [each for each in self.covariance.names if each != name]
         return replace(self, covariance=self.covariance.of(names))
 
+    def as_dict(self) -> dict[str, Any]:
+        """Plain data, as ``filed_uncertainty`` reads it."""
+        return {
+            "names": list(self.covariance.names),
+            "covariance": self.covariance.matrix.tolist(),
+            **{name: getattr(self, name) for name in DISCREPANCIES},
+            "another_tunnel": self.another_tunnel,
+        }
+
+
+def filed_uncertainty(table: Any) -> SectionUncertainty | None:
+    """What the table ``[uncertainty]`` of a parameter file says; None where there is none.
+
+    Parameters
+    ----------
+    table : mapping or None
+        As ``SectionUncertainty.as_dict`` gives it.
+
+    Raises
+    ------
+    InputError
+        Where an entry is missing or of another kind.
+    """
+    if table is None:
+        return None
+    try:
+        names, other = tuple(map(str, table["names"])), bool(table["another_tunnel"])
+        matrix = np.array(table["covariance"], np.float64).reshape(len(names), len(names))
+        left = {name: float(table[name]) for name in DISCREPANCIES}
+    except (KeyError, TypeError, ValueError) as error:
+        raise InputError(
+            f"the table [uncertainty] is damaged ({error})", "remove it, or write the file anew"
+        ) from None
+    return SectionUncertainty(SectionCovariance(names, matrix), **left, another_tunnel=other)
+
 
 def fitted_uncertainty(table: Any, names: Collection[str]) -> SectionUncertainty | None:
     """What the table ``[fit]`` of a fit's file says of the constants; None where there is none.
