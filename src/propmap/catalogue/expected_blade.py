@@ -229,7 +229,12 @@ def measured_shapes() -> tuple[MeasuredShape, ...]:
     )
 
 
-@lru_cache(maxsize=8)
+def families_measured() -> set[str]:
+    """Codes of the series of which a blade was measured."""
+    return {one.family for one in measured_shapes()}
+
+
+@lru_cache(maxsize=32)
 def bundled_mean(families: tuple[str, ...] = ()) -> MeanBlade:
     """``mean_blade`` of the catalogue."""
     return mean_blade(measured_shapes(), families)
