@@ -59,38 +59,36 @@ def load_deviations(
         derivatives were not found.
     """
     known = model.uncertainty
-    covariances = {}
-    if known.section is not None:
-        covariances["parameters"] = known.section.covariance.determined
-    if known.geometry is not None:
-        covariances["geometry"] = known.geometry.covariance
-    found = _by_parameters(covariances, rotor, setting, at)
-    if known.section is not None:
-        found["discrepancy"] = _discrepancy(model, known.section, at, loads)
-        if known.section.another_tunnel:
-            found["tunnel"] = _tunnel(model, at, loads)
+    if known is None:
+        return {}
+    found = _by_parameters(known, rotor, setting, at)
+    found["discrepancy"] = _discrepancy(model, known, at, loads)
+    if known.another_tunnel:
+        found["tunnel"] = _tunnel(model, at, loads)
     return found
 
 
 def _by_parameters(
-    covariances: dict[str, SectionCovariance], rotor: Prepared, setting: Accuracy, at: FlowPoints
+    known: SectionUncertainty, rotor: Prepared, setting: Accuracy, at: FlowPoints
 ) -> dict[str, Floats]:
-    """Standard deviations (L, N) that follow from each covariance of parameters."""
-    names = tuple(name for one in covariances.values() for name in one.names)
-    if not names:
+    """Standard deviations (L, N) that follow from what is not known of constants and blade."""
+    whole = known.covariance.determined
+    if not whole.names:
         return {}
     if rotor.compiled or at.omega.size > FEW:
-        slopes = load_gradients(rotor, setting, names, *at).slopes
+        slopes = load_gradients(rotor, setting, whole.names, *at).slopes
     else:
-        spreads = [float(s) for one in covariances.values() for s in np.diag(one.matrix) ** 0.5]
-        scales = [spread or 1e-3 for spread in spreads]
-        slopes = load_differences(rotor, setting, names, scales, *at).slopes
-    found = {}
-    for source, one in covariances.items():
-        mine = slopes[:, [names.index(name) for name in one.names]]
-        variance = np.einsum("lpn,pq,lqn->ln", mine, one.matrix, mine)
-        found[source] = np.sqrt(np.maximum(variance, 0.0))
-    return found
+        scales = [float(spread) or 1e-3 for spread in np.diag(whole.matrix) ** 0.5]
+        slopes = load_differences(rotor, setting, whole.names, scales, *at).slopes
+
+    def variance(of: SectionCovariance) -> Floats:
+        return np.maximum(np.einsum("lpn,pq,lqn->ln", slopes, of.matrix, slopes), 0.0)
+
+    if known.with_blade is None:
+        return {"parameters": np.sqrt(variance(whole))}
+    own = variance(known.with_blade)
+    rest = np.maximum(variance(whole) - own, 0.0)
+    return {"parameters": np.sqrt(own), "geometry": np.sqrt(rest)}
 
 
 def _discrepancy(model: Model, known: SectionUncertainty, at: FlowPoints, loads: Floats) -> Floats:

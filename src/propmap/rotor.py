@@ -249,7 +249,7 @@ class Rotor:
         flat = evaluate(self._prepared, self._setting, *flow)
         found: Any = RotorLoads.of_rows(row.reshape(shape) for row in flat.rows)
         # Derivatives are compiled in float64 alone.
-        known = self.model.uncertainty.known and self.precision == PRECISIONS[0]
+        known = self.model.uncertainty is not None and self.precision == PRECISIONS[0]
         at = functools.partial(self._deviations, FlowPoints(*flow), np.stack(flat.loads), shape)
         return self._told(found, omega, v_axial, v_inplane, at if known else None)
 

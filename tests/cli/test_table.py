@@ -48,7 +48,7 @@ def test_a_fit_brings_its_covariance(
     given: dict[str, Any] = {}
 
     def build(rotor: propmap.Rotor, **_: object) -> LoadTable:
-        known = rotor.model.uncertainty.section
+        known = rotor.model.uncertainty
         assert known is not None
         given["covariance"] = known.covariance
         return _uncertain(known.covariance)

@@ -9,12 +9,13 @@ import numpy as np
 import pytest
 
 import propmap as pm
-from propmap.catalogue.expected_constants import expected_constants
+from propmap.catalogue.expected_blade import ExpectedBlade
+from propmap.catalogue.expected_constants import expected_constants, size_of
 from propmap.catalogue.identified import identified
 from propmap.catalogue.lookup import meant_by
 from propmap.loads import LOADS
 from propmap.model.section_covariance import SectionCovariance
-from propmap.model.uncertainty import GeometrySpread, SectionUncertainty
+from propmap.model.uncertainty import SectionUncertainty
 from propmap.results import LoadValues, joined
 
 POINTS = (np.array([500.0, 600.0, 700.0]), np.array([6.0, 10.0, 14.0]), np.array([0.4, 1.2, 1.5]))
@@ -40,37 +41,41 @@ def model() -> pm.Model:
     return _identified()
 
 
-def test_loads_of_drawn_constants_and_blades_spread_as_said(model: pm.Model) -> None:
-    """The meaning of a covariance: draw constants, chords and twists, and look at the loads."""
-    law, blade = model.airfoil, model.propeller
+def test_loads_of_drawn_constants_spread_as_said(model: pm.Model) -> None:
+    """The meaning of a covariance: draw constants and look at the loads."""
+    law = model.airfoil
     assert isinstance(law, pm.Airfoil) and law.uncertainty is not None
-    small = SectionUncertainty(
-        SectionCovariance(law.uncertainty.covariance.names, law.uncertainty.covariance.matrix / 9.0)
+    names = law.uncertainty.covariance.names
+    small = SectionCovariance(names, law.uncertainty.covariance.matrix / 9.0)
+    uncertain = _with(model, SectionUncertainty(small))
+    told = pm.Rotor(uncertain, compiled=False).loads(*POINTS).std_by_source["parameters"]
+    random, found = np.random.default_rng(3), []
+    for draw in random.multivariate_normal(np.zeros(len(names)), small.matrix, 250).tolist():
+        changed = {name: getattr(law, name) + by for name, by in zip(names, draw, strict=True)}
+        other = model.with_airfoil(law.with_parameters(**changed))
+        loads = pm.Rotor(other, compiled=False).loads(*POINTS)
+        found.append([getattr(loads, name) for name in NAMES])
+    for name, want in zip(NAMES, np.std(found, axis=0), strict=True):
+        # 250 draws: 4.5 % of a standard deviation, and three times that.
+        np.testing.assert_allclose(getattr(told, name), want, rtol=0.14, err_msg=name)
+
+
+def test_what_is_not_known_of_the_blade_is_told_apart(model: pm.Model) -> None:
+    law = model.airfoil
+    assert isinstance(law, pm.Airfoil) and law.uncertainty is not None
+    own = law.uncertainty.covariance
+    whole = SectionCovariance(own.names, 5.0 * own.matrix)
+    plain, told = (
+        pm.Rotor(_with(model, known), compiled=False).loads(*POINTS).std_by_source
+        for known in (SectionUncertainty(own), SectionUncertainty(whole, with_blade=own))
     )
-    spread = GeometrySpread(0.01, 0.002)
-    uncertain = replace(_with(model, small), propeller=replace(blade, spread=spread))
-    told = pm.Rotor(uncertain, compiled=False).loads(*POINTS).std_by_source
-    random = np.random.default_rng(3)
-    draws = random.multivariate_normal(np.zeros(7), small.covariance.matrix, 250)
-    by_section, by_geometry = [], []
-    for draw in draws.tolist():
-        changed = {
-            n: getattr(law, n) + d for n, d in zip(small.covariance.names, draw, strict=True)
-        }
-        wider, turned = random.normal(0.0, (spread.chord_scale, spread.twist_offset)).tolist()
-        other = replace(blade, chord=blade.chord * (1.0 + wider), twist=blade.twist + turned)
-        for found, one in (
-            (by_section, model.with_airfoil(law.with_parameters(**changed))),
-            (by_geometry, replace(model, propeller=other)),
-        ):
-            loads = pm.Rotor(one, compiled=False).loads(*POINTS)
-            found.append([getattr(loads, name) for name in NAMES])
-    for source, found in (("parameters", by_section), ("geometry", by_geometry)):
-        expected = dict(zip(NAMES, np.std(found, axis=0), strict=True))
-        for name in NAMES:
-            # 250 draws: 4.5 % of a standard deviation, and three times that.
-            want = expected[name]
-            np.testing.assert_allclose(getattr(told[source], name), want, rtol=0.14, err_msg=name)
+    assert "geometry" not in plain
+    for name in NAMES:
+        want = getattr(plain["parameters"], name)
+        np.testing.assert_allclose(getattr(told["parameters"], name), want, rtol=1e-3)
+        np.testing.assert_allclose(getattr(told["geometry"], name), 2.0 * want, rtol=1e-3)
+    with pytest.raises(pm.InputError, match="for the same constants"):
+        SectionUncertainty(whole, with_blade=own.of(["c_l1"]))
 
 
 def test_sources_add_up_in_squares_and_make_the_interval(model: pm.Model) -> None:
@@ -92,21 +97,17 @@ def test_sources_add_up_in_squares_and_make_the_interval(model: pm.Model) -> Non
 
 @pytest.mark.slow
 def test_the_compiler_s_derivatives_and_numpy_s_differences_agree(model: pm.Model) -> None:
-    blade = replace(model.propeller, spread=GeometrySpread(0.1, 0.02))
-    uncertain = replace(model, propeller=blade)
     random = np.random.default_rng(1)
     omega, speed = random.uniform(150.0, 900.0, 12), random.uniform(0.0, 20.0, 12)
     beta = random.uniform(0.0, np.pi, 12)
     speed[0], beta[1], beta[2] = 0.0, 0.0, np.pi
     here, there = (
-        pm.Rotor(uncertain, compiled=compiled).loads(omega, speed, beta).std_by_source
+        pm.Rotor(model, compiled=compiled).loads(omega, speed, beta).std_by_source
         for compiled in (False, True)
     )
-    for source in ("parameters", "geometry"):
-        for name in NAMES:
-            want = getattr(there[source], name)
-            got = getattr(here[source], name)
-            np.testing.assert_allclose(got, want, rtol=0.02, atol=1e-5 * np.nanmax(want))
+    for name in NAMES:
+        want, got = (getattr(one["parameters"], name) for one in (there, here))
+        np.testing.assert_allclose(got, want, rtol=0.02, atol=1e-5 * np.nanmax(want))
 
 
 def test_what_the_other_sources_are(model: pm.Model) -> None:
@@ -137,14 +138,15 @@ def test_what_the_other_sources_are(model: pm.Model) -> None:
 
 def test_a_blade_that_was_not_measured_is_less_sure() -> None:
     def share(name: str) -> float:
-        meant = meant_by(name)
-        family = getattr(meant, "family", None)
-        model = pm.Model(pm.propeller(name), expected_constants(family)[0])
+        meant, blade = meant_by(name), pm.propeller(name)
+        family, geometry = getattr(meant, "family", None), "measured"
+        if isinstance(meant, ExpectedBlade):
+            geometry = "family" if family else "population"
+        law = expected_constants(family, size_of(meant, blade), geometry).airfoil
+        model = pm.Model(blade, law)
         loads = pm.Rotor(model, compiled=False).loads(1200.0, 10.0, 1.3)
         return float(loads.std.thrust / loads.thrust)
 
-    assert pm.propeller("5x4.3x3").spread is not None
-    assert pm.propeller("uiuc-apce-10x5").spread is None
     assert share("uiuc-apce-10x5") < share("apc 10x4.4e") < share("10x4.4")
 
 
@@ -195,7 +197,5 @@ def test_a_parameter_file_carries_how_well_its_constants_are_known(
     assert there is not None and law.uncertainty is not None
     assert there.as_dict() == law.uncertainty.as_dict()
     path.write_text(path.read_text().replace("another_tunnel", "other"))
-    with pytest.raises(
-        pm.InputError, match=r"constants.toml: the table \[uncertainty\]"
-    ):
+    with pytest.raises(pm.InputError, match=r"constants.toml: the table \[uncertainty\]"):
         pm.airfoil(path)

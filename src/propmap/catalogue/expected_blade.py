@@ -20,13 +20,9 @@ from propmap.arrays.types import Floats
 from propmap.catalogue.designation import Designation, designation, series_named
 from propmap.catalogue.identified import all_identified
 from propmap.model.propeller import Propeller
-from propmap.model.uncertainty import GeometrySpread
 
 SHARES = np.linspace(0.15, 1.0, 18)
 """Radii over the tip radius at which blades are averaged, those of most measured blades."""
-
-LOADED_FROM = 0.5
-"""Share of the radius outside of which most of the thrust arises."""
 
 ERRORS = {"family": ((0.11, 0.12), (0.25, 0.30)), "population": ((0.21, 0.22), (0.39, 0.38))}
 """Of C_T and C_P of propellers that were left out, blade and section constants alike, rms over rms,
@@ -111,19 +107,6 @@ class MeanBlade:
             source=f"not measured: chord over radius, and twist less that of a screw of the "
             f"labelled pitch, are the means of {self.propellers} propellers of {of}",
             citation="geometry: that of the propellers of the catalogue",
-            spread=self.spread,
-        )
-
-    @property
-    def spread(self) -> GeometrySpread:
-        """How far a further blade of the series, or of any, may differ."""
-        between = 0.0 if len(self.families) == 1 else 1.0
-        loaded = self.share >= LOADED_FROM
-        chord = np.hypot(self.chord_within, between * self.chord_between) / self.chord
-        offset = np.hypot(self.offset_within, between * self.offset_between)
-        return GeometrySpread(
-            float(np.sqrt(np.nanmean(chord[loaded] ** 2))),
-            float(np.sqrt(np.nanmean(offset[loaded] ** 2))),
         )
 
 
@@ -246,7 +229,12 @@ def measured_shapes() -> tuple[MeasuredShape, ...]:
     )
 
 
-@lru_cache(maxsize=8)
+def families_measured() -> set[str]:
+    """Codes of the series of which a blade was measured."""
+    return {one.family for one in measured_shapes()}
+
+
+@lru_cache(maxsize=32)
 def bundled_mean(families: tuple[str, ...] = ()) -> MeanBlade:
     """``mean_blade`` of the catalogue."""
     return mean_blade(measured_shapes(), families)

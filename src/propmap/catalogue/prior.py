@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -18,7 +18,7 @@ _DRAG_ANGLE, _ZERO_LIFT = PARAMETERS.index("drag_angle"), PARAMETERS.index("zero
 
 @dataclass(frozen=True, eq=False)
 class PopulationPrior:
-    """Independent normal distributions of coordinates of the constants.
+    """A normal distribution of coordinates of the constants.
 
     Coordinates are logarithms of c_l1, c_d, alpha_0 and c_d0, the zero-lift angle and Reynolds
     camber themselves, and the angle of least pressure drag from the chord line, which is
@@ -28,10 +28,29 @@ class PopulationPrior:
     ----------
     mean, deviation : ndarray, shape (7,)
         Of each coordinate.
+    correlation : ndarray, shape (7, 7)
+        Of the coordinates; independent ones unless given.
     """
 
     mean: Floats
     deviation: Floats
+    correlation: Floats = field(default_factory=lambda: np.eye(len(PARAMETERS)))
+
+    @classmethod
+    def of(cls, mean: Floats, covariance: Floats) -> PopulationPrior:
+        """The distribution with this ``mean`` (7,) and ``covariance`` (7, 7)."""
+        deviation = np.sqrt(np.diag(covariance))
+        return cls(mean, deviation, covariance / np.outer(deviation, deviation))
+
+    @property
+    def covariance(self) -> Floats:
+        """Of the coordinates, (7, 7)."""
+        return np.outer(self.deviation, self.deviation) * self.correlation
+
+    @property
+    def whitening(self) -> Floats:
+        """W (7, 7), with which W (place - ``mean``) has independent parts of variance 1."""
+        return np.linalg.inv(np.linalg.cholesky(self.correlation)) / self.deviation
 
 
 def _population() -> PopulationPrior:

@@ -13,7 +13,7 @@ from propmap.engine.accuracy import Accuracy
 from propmap.engine.evaluation import Prepared, evaluate_flow, flow_at
 from propmap.engine.gradients import LoadGradients
 from propmap.loads import LOADS
-from propmap.solve.load_slopes import moved_rotor, with_geometry, with_terms
+from propmap.solve.load_slopes import moved_rotor, with_terms
 
 STEP = 1e-4
 """Step over the scale of a parameter: errors of the search's tolerance and of the curvature are
@@ -44,7 +44,7 @@ def load_differences(
     omega, v_axial, v_inplane : ndarray, shape (N,)
         [rad/s], [m/s]; v_inplane >= 0.
     """
-    arrays = with_geometry(with_terms(rotor.arrays, names))
+    arrays = with_terms(rotor.arrays, names)
 
     def loads(name: str | None, step: float) -> Floats:
         changed: Any = np.float64(step)

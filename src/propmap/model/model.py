@@ -23,7 +23,7 @@ from propmap.model.corrections import (
     sets_inflow_shape,
 )
 from propmap.model.propeller import Propeller
-from propmap.model.uncertainty import ModelUncertainty
+from propmap.model.uncertainty import SectionUncertainty
 
 if TYPE_CHECKING:
     from propmap.physics.rotor import RotorArrays
@@ -138,15 +138,15 @@ class Model:
         return rotor
 
     @property
-    def uncertainty(self) -> ModelUncertainty:
-        """How well the section law and the blade are known, as they say of themselves."""
-        section = getattr(self.airfoil, "uncertainty", None)
+    def uncertainty(self) -> SectionUncertainty | None:
+        """How well the section law is known; None where it says nothing of it."""
+        known = getattr(self.airfoil, "uncertainty", None)
         found_with = getattr(self.airfoil, "corrections", None) or ()
         mounts = [apart(list(texts))[1] for texts in (self.correction_texts, found_with)]
-        if section is not None and mounts[0] != mounts[1]:
+        if known is not None and mounts[0] != mounts[1]:
             # What is mounted was given instead of found: it is known.
-            section = section.without("mount_area")
-        return ModelUncertainty(section, self.propeller.spread)
+            known = known.without("mount_area")
+        return known
 
     @property
     def correction_texts(self) -> list[str]:

@@ -11,7 +11,6 @@ import numpy as np
 from propmap.arrays.types import Floats
 from propmap.errors import InputError, quoted
 from propmap.model.blade_check import check_blade, check_blades, check_root_cutout
-from propmap.model.uncertainty import GeometrySpread
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -36,8 +35,6 @@ class Propeller:
         Where the loaded part of the blade begins [m]; None is the first station.
     source, citation : str
         Where the figures are from and what was done to them, and whom to cite.
-    spread : GeometrySpread or None
-        How far the true blade may differ, where it was not measured; not compared.
 
     Raises
     ------
@@ -53,7 +50,6 @@ class Propeller:
     root_cutout: float | None = None
     source: str = ""
     citation: str = ""
-    spread: GeometrySpread | None = None
 
     def __post_init__(self) -> None:
         for field in ("station", "chord", "twist"):

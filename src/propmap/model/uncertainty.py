@@ -1,4 +1,4 @@
-"""How far the loads of a model may err: by its constants, its geometry, itself, and its tunnel."""
+"""How far loads computed with a set of constants may err, and by what."""
 
 from __future__ import annotations
 
@@ -41,12 +41,15 @@ class SectionUncertainty:
     Attributes
     ----------
     covariance : SectionCovariance
-        Of the constants.
+        Of the constants.  Where the blade was not measured it holds what is not known of chord and
+        twist, too, as changes of the constants that have the same loads.
     thrust_coefficient, power_coefficient : float
         Standard deviations of the errors of C_T and C_P that the best constants would leave [-].
     another_tunnel : bool
         Whether the constants rest on a tunnel other than the one, or the flight, that the loads
         are to agree with, so that ``TUNNEL_GAIN`` and ``TUNNEL_TILT`` count.
+    with_blade : SectionCovariance or None
+        What ``covariance`` would be with the blade measured; None where it was.
 
     Raises
     ------
@@ -58,17 +61,25 @@ class SectionUncertainty:
     thrust_coefficient: float = 0.0
     power_coefficient: float = 0.0
     another_tunnel: bool = True
+    with_blade: SectionCovariance | None = None
 
     def __post_init__(self) -> None:
         for name in DISCREPANCIES:
             value = getattr(self, name)
             if not (math.isfinite(value) and value >= 0.0):
                 raise InputError(f"{name} is {value}", "give a standard deviation, 0 or more")
+        if self.with_blade is not None and self.with_blade.names != self.covariance.names:
+            raise InputError(
+                f"the covariances are of {self.with_blade.names} and {self.covariance.names}",
+                "give them for the same constants",
+            )
 
     def without(self, name: str) -> SectionUncertainty:
         """The same with the constant ``name`` taken as known."""
         names = [each for each in self.covariance.names if each != name]
-        return replace(self, covariance=self.covariance.of(names))
+        kept = self.covariance.of(names)
+        blade = None if self.with_blade is None else self.with_blade.of(names)
+        return replace(self, covariance=kept, with_blade=blade)
 
     def as_dict(self) -> dict[str, Any]:
         """Plain data, as ``filed_uncertainty`` reads it."""
@@ -77,6 +88,7 @@ class SectionUncertainty:
             "covariance": self.covariance.matrix.tolist(),
             **{name: getattr(self, name) for name in DISCREPANCIES},
             "another_tunnel": self.another_tunnel,
+            **({} if self.with_blade is None else {"with_blade": self.with_blade.matrix.tolist()}),
         }
 
 
@@ -97,13 +109,18 @@ def filed_uncertainty(table: Any) -> SectionUncertainty | None:
         return None
     try:
         names, other = tuple(map(str, table["names"])), bool(table["another_tunnel"])
-        matrix = np.array(table["covariance"], np.float64).reshape(len(names), len(names))
-        left = {name: float(table[name]) for name in DISCREPANCIES}
+        _ = table["covariance"]
+        matrices: Any = {
+            key: SectionCovariance(names, np.array(table[key], np.float64))
+            for key in ("covariance", "with_blade")
+            if key in table
+        }
+        left: Any = {name: float(table[name]) for name in DISCREPANCIES}
     except (KeyError, TypeError, ValueError) as error:
         raise InputError(
             f"the table [uncertainty] is damaged ({error})", "remove it, or write the file anew"
         ) from None
-    return SectionUncertainty(SectionCovariance(names, matrix), **left, another_tunnel=other)
+    return SectionUncertainty(**matrices, **left, another_tunnel=other)
 
 
 def fitted_uncertainty(table: Any, names: Collection[str]) -> SectionUncertainty | None:
@@ -128,63 +145,9 @@ def fitted_uncertainty(table: Any, names: Collection[str]) -> SectionUncertainty
         matrix = np.array(table["covariance"], np.float64).reshape(len(free), len(free))
         every = SectionCovariance(tuple(free), matrix)
         kept = [name for name in free if name in names]
-        shares = {name: float(left[name]) for name in DISCREPANCIES if name in left}
+        shares: Any = {name: float(left[name]) for name in DISCREPANCIES if name in left}
     except (KeyError, TypeError, ValueError) as error:
         raise InputError(
             f"the table [fit] is damaged: covariance ({error})", "write it again with propmap fit"
         ) from None
     return SectionUncertainty(every.of(kept), **shares, another_tunnel=False)
-
-
-@dataclass(frozen=True)
-class GeometrySpread:
-    """How far a blade that was not measured may differ from the one that is expected.
-
-    Attributes
-    ----------
-    chord_scale : float
-        Standard deviation of a factor on all chords [-].
-    twist_offset : float
-        Standard deviation of an angle added to the twist everywhere [rad].
-
-    Raises
-    ------
-    InputError
-        For a standard deviation that is negative or no number.
-    """
-
-    chord_scale: float
-    twist_offset: float
-
-    def __post_init__(self) -> None:
-        for name in ("chord_scale", "twist_offset"):
-            value = getattr(self, name)
-            if not (math.isfinite(value) and value >= 0.0):
-                raise InputError(f"{name} is {value}", "give a standard deviation, 0 or more")
-
-    @property
-    def covariance(self) -> SectionCovariance:
-        """The two as variances by name."""
-        spread = np.array([self.chord_scale, self.twist_offset])
-        return SectionCovariance(("chord_scale", "twist_offset"), np.diag(spread**2))
-
-
-@dataclass(frozen=True, eq=False)
-class ModelUncertainty:
-    """How well a model's section law and blade are known; None of either counts as known.
-
-    Attributes
-    ----------
-    section : SectionUncertainty or None
-        Of the section law.
-    geometry : GeometrySpread or None
-        Of the blade.
-    """
-
-    section: SectionUncertainty | None
-    geometry: GeometrySpread | None
-
-    @property
-    def known(self) -> bool:
-        """Whether anything is said of it."""
-        return self.section is not None or self.geometry is not None

@@ -129,12 +129,12 @@ def build_table(
         )
     filed: dict[str, Any] = {"certificate": certificate.as_dict()}
     known, deviations = rotor.model.uncertainty, None
-    if known.section is not None and known.section.covariance.determined.names:
+    if known is not None and known.covariance.determined.names:
         from propmap.table.parameter_uncertainty import parameter_uncertainty
 
-        covariance = known.section.covariance
+        covariance = known.covariance
         filed["parameter_uncertainty"] = parameter_uncertainty(table, model, covariance)
-    if known.known:
+    if known is not None:
         from propmap.table.deviations import deviation_coefficients
 
         model.stage = "standard deviations"
@@ -210,7 +210,7 @@ def _content(
 
 def _provenance(rotor: Rotor, leave_out_vortex_ring: bool) -> dict[str, Any]:
     blade, section = rotor.model.propeller, rotor.model.airfoil
-    known = rotor.model.uncertainty.section
+    known = rotor.model.uncertainty
     return {
         "title": f"Loads of {blade.name}",
         "propmap_version": propmap.__version__,
