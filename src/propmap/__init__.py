@@ -18,7 +18,9 @@ from propmap.model.airfoil import Airfoil, airfoil_names
 from propmap.model.corrections import correction, corrections_of
 from propmap.model.model import Model
 from propmap.model.propeller import Propeller
+from propmap.model.section_covariance import SectionCovariance
 from propmap.model.section_table import SectionTable
+from propmap.model.uncertainty import SectionUncertainty
 
 if TYPE_CHECKING:
     from propmap.baselines.hover import HoverModel
@@ -38,7 +40,9 @@ __all__ = [
     "Model",
     "Propeller",
     "Rotor",
+    "SectionCovariance",
     "SectionTable",
+    "SectionUncertainty",
     "Wrench",
     "airfoil",
     "airfoil_names",
