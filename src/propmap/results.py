@@ -165,12 +165,15 @@ class Loads:
         return low, high
 
 
+def array_fields() -> list[str]:
+    """Fields of ``Loads`` that are arrays over the operating points."""
+    return [each.name for each in fields(Loads) if each.name != "deviations"]
+
+
 def joined(parts: Sequence[Loads]) -> Loads:
     """Loads of some shapes (n,) as those of all points together."""
     arrays: Any = {
-        each.name: np.concatenate([getattr(part, each.name) for part in parts])
-        for each in fields(Loads)
-        if each.name != "deviations"
+        name: np.concatenate([getattr(part, name) for part in parts]) for name in array_fields()
     }
     if parts[0].deviations is None:
         return Loads(**arrays)
