@@ -48,7 +48,9 @@ def as_text(every: Iterable[MeasuredPropeller]) -> str:
         _, runs = np.unique(one.run, return_inverse=True)
         for row in zip(runs, one.rpm, one.advance, one.thrust, one.power, strict=True):
             run, rpm, *rest = row
-            numbers = ",".join(_short(value, digits) for value, digits in zip(rest, (4, 5, 5), strict=True))
+            numbers = ",".join(
+                _short(value, digits) for value, digits in zip(rest, (4, 5, 5), strict=True)
+            )
             lines.append(f"{head},{run},{rpm:.0f},{numbers}")
             head = ",,"
     return "\n".join([*lines, ""])
