@@ -71,13 +71,18 @@ def read(path: Path = FILE) -> dict[str, MeasuredPropeller]:
 
 def _propeller(name: str, rows: Sequence[dict[str, str]]) -> MeasuredPropeller:
     first = rows[0]
-    numbers = [np.array([float(row[column]) for row in rows]) for column in COLUMNS[4:]]
+    rpm, advance, thrust, power = (
+        np.array([float(row[column]) for row in rows]) for column in COLUMNS[4:]
+    )
     return MeasuredPropeller(
-        name,
-        name.rpartition(" - ")[0],
-        first["family"],
-        int(first["blades"]),
-        *numbers,
+        name=name,
+        blade=name.rpartition(" - ")[0],
+        family=first["family"],
+        blades=int(first["blades"]),
+        rpm=rpm,
+        advance=advance,
+        thrust=thrust,
+        power=power,
         run=np.array([int(row["run"]) for row in rows]),
     )
 

@@ -5,20 +5,21 @@
   const told = box.querySelector("output");
   const items = [...document.querySelectorAll("#propellers > li")];
 
-  // "10 x 4,7" is 10x4.7, as it is for the commands.
+  // "10 x 4,7" is 10x4.7, as it is for the commands; "3 blades" is one word, lest 3x2 be meant.
   const words = (text) =>
     text
       .toLowerCase()
       .replace(/(\d)\s*[x×*]\s*(?=\d)/g, "$1x")
       .replace(/(\d),(?=\d)/g, "$1.")
-      .split(/\s+/)
+      .replace(/(\d)[\s-]*blades?\b/g, "$1blades")
+      .split(/[\s-]+/)
       .filter(Boolean);
 
   const filter = () => {
     const wanted = words(input.value);
     let shown = 0;
     for (const item of items) {
-      item.hidden = !wanted.every((word) => item.dataset.words.includes(word));
+      item.hidden = !wanted.every((word) => item.dataset.words.includes(` ${word}`));
       shown += !item.hidden;
     }
     told.textContent = wanted.length ? `${shown} of ${items.length}` : `${items.length}`;

@@ -66,7 +66,9 @@ def test_props_show_tells_what_is_expected_of_others(run: Run) -> None:
 
 def test_props_show_knows_no_constants_of_a_file(run: Run, tmp_path: Path) -> None:
     path = tmp_path / "blade.csv"
-    path.write_text("station_m,chord_m,twist_deg\n0.02,0.01,30\n0.05,0.012,15\n0.1,0.005,10\n")
+    path.write_text(
+        "radius_m,chord_m,twist_deg\n0.02,0.01,30\n0.05,0.012,15\n0.08,0.01,12\n0.1,0.005,10\n"
+    )
     done = run("props", "show", path, "--blades", "2")
     assert done.code == 0 and "c_l1" not in done.out
 

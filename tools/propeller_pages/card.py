@@ -60,7 +60,8 @@ def card(one: Identified, tested: MeasuredPropeller | None) -> str:
         parts += [
             raw(fit_pictures.keys(compared), _side_by_side(fit_pictures.pictures(compared))),
             "Points: measured. Lines: the model with the constants below, over J at the mean "
-            "rotational speed of the runs. Shaded: the root mean square of all errors.",
+            "rotational speed of the runs. Shaded: the root mean square of all errors. The last four "
+            "columns split the sum of their squares.",
             _errors(one, compared),
         ]
     parts += [

@@ -50,5 +50,6 @@ def error_parts(tested: MeasuredPropeller, error: Floats) -> ErrorParts:
         runs += mine.sum() * mean**2
         if along.any():
             course += (along @ error[mine]) ** 2 / (along @ along)
-    parts = np.array([np.sum(error[seen & still] ** 2), runs, course]) / np.sum(error[seen] ** 2)
-    return ErrorParts(*parts.tolist(), scatter=float(1.0 - parts.sum()))
+    rest = np.sum(error[seen & still] ** 2)
+    rest, runs, course = (part / np.sum(error[seen] ** 2) for part in (rest, runs, course))
+    return ErrorParts(float(rest), float(runs), float(course), float(1.0 - rest - runs - course))

@@ -83,9 +83,9 @@ def _item(one: Identified) -> str:
     # As people write it: 10x7e, 10x4.7sf.
     size = one.propeller.rpartition("-")[2] if one.propeller[-1].isdigit() else ""
     mark = one.family.removeprefix("apc")
-    words = f"{words} {size}{mark} {one.blades} blades {kind}".lower()
+    words = f"{words} {size}{mark} {one.blades}blades {kind}".lower().replace("-", " ")
     return (
-        f'<li class="{kind}" data-words="{escape(words)}">'
+        f'<li class="{kind}" data-words=" {escape(words)}">'
         f'<a href="{FOLDER}/{page_name(one)}.html">{blade_picture.small(blade)}'
         f"<strong>{escape(title(one))}</strong></a> <code>{escape(one.propeller)}</code> "
         f"<span>{one.blades} blades, {2e3 * blade.radius:.0f} mm; rms error C_T "

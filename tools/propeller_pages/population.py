@@ -95,19 +95,19 @@ def picture(entries: Sequence[Identified]) -> str:
     height = TOP + ROW * len(families) + BOTTOM
     parts = [_frame(column, k, found, height) for k, column in enumerate(columns)]
     for row, code in enumerate(families):
-        which = np.flatnonzero(family == code)
+        which = np.flatnonzero(family == code).tolist()
         members = [entries[n] for n in which]
         middle = TOP + (row + 0.5) * ROW
         parts.append(
             f'<text class="y" x="{LEFT - 12.0:g}" y="{middle + 4.0:g}">'
-            f"{escape(series_title(code))} ({which.size})</text>"
+            f"{escape(series_title(code))} ({len(which)})</text>"
         )
         expected = family_prior(members, found)
-        for column, *of in zip(columns, expected.mean, expected.deviation, strict=True):
-            parts.append(_expected(column, *of, middle))
+        for column, mean, sd in zip(columns, expected.mean, expected.deviation, strict=True):
+            parts.append(_expected(column, mean, sd, middle))
         for n, one in enumerate(members):
             # One below the other, in the order of the list.
-            height_of_one = middle + SPREAD * ((n + 0.5) / which.size - 0.5)
+            height_of_one = middle + SPREAD * ((n + 0.5) / len(which) - 0.5)
             parts.append(_member(one, columns, place[which[n]], error[which[n]], height_of_one))
     width = LEFT + len(AXES) * (COLUMN + GAP)
     told = "Constants of all propellers by family, with errors, beside the prior"
@@ -122,26 +122,22 @@ def table(entries: Sequence[Identified]) -> str:
         "|---|---:|---:|---:|---:|",
     ]
     for k, axis in enumerate(AXES):
-        middles, spreads = (
-            (POPULATION.mean[k], found.mean[k]),
-            (
-                POPULATION.deviation[k],
-                found.between[k],
-                found.within[k],
-            ),
-        )
-        if axis.logarithmic:
-            middles = tuple(np.exp(middles))
-            factors = [fixed(float(np.exp(s)), 2) for s in spreads]
-            prior = f"\u00d7\u00f7 {factors[0]}"
-            apart = [f"factor {factor}" for factor in factors[1:]]
-        else:
-            prior = f"± {fixed(spreads[0], 3)}"
-            apart = [fixed(s, 3) for s in spreads[1:]]
         name = f"`{axis.name}`" if axis.name in PARAMETERS else axis.name
-        first, second = (fixed(m, 3) for m in middles)
-        rows.append(f"| {name} | {first} {prior} | {second} | {' | '.join(apart)} |")
+        first, *apart = (_apart(axis, s[k]) for s in (POPULATION.deviation, *found[1:]))
+        before, middle = (_value(axis, m[k]) for m in (POPULATION.mean, found.mean))
+        rows.append(f"| {name} | {before} {first} | {middle} | {' | '.join(apart)} |")
     return "\n".join(rows)
+
+
+def _value(axis: Axis, coordinate: float) -> str:
+    return fixed(float(np.exp(coordinate)) if axis.logarithmic else coordinate, 3)
+
+
+def _apart(axis: Axis, deviation: float) -> str:
+    """A standard deviation of a coordinate: a factor either way, or a difference."""
+    if axis.logarithmic:
+        return f"\u00d7\u00f7 {fixed(float(np.exp(deviation)), 2)}"
+    return f"± {fixed(deviation, 3)}"
 
 
 def _frame(column: Column, k: int, found: Spread, height: float) -> str:
