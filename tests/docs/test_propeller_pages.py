@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from html.parser import HTMLParser
 from pathlib import Path
@@ -14,6 +15,7 @@ import propmap
 from propmap.catalogue.identified import PARAMETERS, Identified, all_identified, identified
 from propmap.catalogue.prior import POPULATION, coordinates
 from propmap.catalogue.spread import spread
+from propmap.cli import main
 from propmap.fit.population.misfiled import refiled
 from propmap.fit.population.summary import summary
 from propmap.io.uiuc_database import read_uiuc_database
@@ -138,6 +140,20 @@ def test_a_card_tells_the_bundled_numbers_and_the_verdict(name: str, blades: int
         assert number in plain
     assert f"| {one.rows}, " in plain.replace("| rows ", "") and one.tested in plain
     assert "UIUC Propeller Database" in text
+
+
+def test_the_command_on_a_card_gives_loads_within_the_data(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    one = entry("uiuc-nr640-5x3.16", 4)
+    (command,) = re.findall(r"`propmap (predict [^`]*)`", card(one, ROWS[one.tested]))
+    assert main([*command.split(), "--format", "json"]) == 0
+    told = capsys.readouterr()
+    assert one.tested in told.err
+    row = json.loads(told.out)
+    advance = row["speed_mps"] / (row["rpm"] / 60.0 * 0.127)
+    assert 0.0 < advance < one.advance_high and one.rpm_low < row["rpm"] < one.rpm_high
+    assert row["thrust_N"] > 0.0
 
 
 def test_errors_of_the_rows_kept_are_those_of_the_fit() -> None:

@@ -60,8 +60,8 @@ def card(one: Identified, tested: MeasuredPropeller | None) -> str:
         parts += [
             raw(fit_pictures.keys(compared), _side_by_side(fit_pictures.pictures(compared))),
             "Points: measured. Lines: the model with the constants below, over J at the mean "
-            "rotational speed of the runs. Shaded: the root mean square of all errors. The last four "
-            "columns split the sum of their squares.",
+            "rotational speed of the runs. Shaded: the root mean square of all errors. The last "
+            "four columns split the sum of their squares.",
             _errors(one, compared),
         ]
     parts += [
@@ -153,6 +153,6 @@ def _data(one: Identified, blade: Propeller) -> str:
             f"| J | up to {one.advance_high:.2f} |",
             f"| Re at 3/4 of the radius | {low} to {high} |",
             f"| such loads by command | `propmap predict {one.propeller}{blades} --rpm {rpm:.0f} "
-            f"--speed {speed:.1f}` |",
+            f"--speed {speed:.1f} --beta 0` |",
         ]
     )
