@@ -3,7 +3,7 @@
   const box = document.querySelector(".propeller-filter");
   const input = box.querySelector("input");
   const told = box.querySelector("output");
-  const items = [...document.querySelectorAll("#propellers > li")];
+  const items = [...document.querySelectorAll("#propeller-list > li")];
 
   // "10 x 4,7" is 10x4.7, as it is for the commands; "3 blades" is one word, lest 3x2 be meant.
   const words = (text) =>

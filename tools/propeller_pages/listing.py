@@ -23,7 +23,7 @@ FILTER = """\
 <div class="propeller-filter" hidden>
 <label for="propeller-filter">Filter</label>
 <input type="search" id="propeller-filter" autocomplete="off" spellcheck="false"
- aria-controls="propellers" placeholder="apc 10x7, 3 blades, flagged">
+ aria-controls="propeller-list" placeholder="apc 10x7, 3 blades, flagged">
 <output for="propeller-filter" aria-live="polite"></output>
 </div>"""
 """Hidden until the script that makes it work is there."""
@@ -73,7 +73,7 @@ def listing(entries: Sequence[Identified]) -> str:
         ),
     )
     items = "\n".join(_item(one) for one in ordered)
-    return raw(FILTER, f'<ul class="propellers" id="propellers">\n{items}\n</ul>', SCRIPT)
+    return raw(FILTER, f'<ul class="propellers" id="propeller-list">\n{items}\n</ul>', SCRIPT)
 
 
 def _item(one: Identified) -> str:

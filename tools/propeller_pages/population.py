@@ -51,7 +51,7 @@ class Axis(NamedTuple):
 AXES = (
     Axis("c_l1", "1/rad", True, (3.0, 5.0, 10.0)),
     Axis("c_d", "-", True, (1.0, 2.0, 5.0, 10.0)),
-    Axis("alpha_0", "rad", True, (0.2, 0.25, 0.3, 0.4)),
+    Axis("alpha_0", "rad", True, (0.2, 0.3, 0.4)),
     Axis("zero_lift_angle", "rad", False, (-0.1, 0.0)),
     Axis("c_d0", "-", True, (0.01, 0.03, 0.1)),
     Axis("reynolds_camber", "rad", False, (-0.05, 0.0, 0.05)),
@@ -118,7 +118,7 @@ def table(entries: Sequence[Identified]) -> str:
     """The prior that the fits took, and the mean and the spread that they found."""
     found = spread(entries)
     rows = [
-        "| constant | prior of the fits | found: middle | between families | within |",
+        "| constant | prior of the fits | found: mean | between families | within |",
         "|---|---:|---:|---:|---:|",
     ]
     for k, axis in enumerate(AXES):
