@@ -156,6 +156,17 @@ def test_the_command_on_a_card_gives_loads_within_the_data(
     assert row["thrust_N"] > 0.0
 
 
+def test_a_card_without_rows_says_so() -> None:
+    one = entry("apc-8x6e", 2)
+    text = card(one, None)
+    assert "not at hand" in text and one.verdict in text.replace("&#x27;", "'")
+    assert set(plots(text)) == {
+        f"Outline of a blade of {one.propeller}, the axis at the left, to scale",
+        "chord c/R over y/R",
+        "twist θ [deg] over y/R",
+    }
+
+
 def test_errors_of_the_rows_kept_are_those_of_the_fit() -> None:
     """The rows are rounded, the constants bundled: they still belong together."""
     for name, blades in SOME:
