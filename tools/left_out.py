@@ -36,29 +36,24 @@ def main(loads: Path) -> None:
     measured = all_identified()
     found: dict[str, list[Foretold]] = {name: [] for name in GROUPS}
     populations = populations_of(measured)
-    for one in itertools.chain(
+    for each in itertools.chain(
         left_out(measured, every),
         never_measured(measured, identified_without_blade(), every, populations),
     ):
-        found[one.group].append(one.found)
+        found[each.group].append(each.found)
     results = {name: _summary(some) for name, some in found.items()}
-    print("                                 errors, median (90 %)                  bands hold")
-    print("constants from                  n  C_T            C_P            at rest      moving")
+    print(f"{'':<37}errors, median (90 %)           bands hold, C_T and C_P")
+    print(f"{'constants from':<34}n  C_T            C_P            at rest      moving")
     for name, told in GROUPS.items():
         one = results[name]
-        cells = [
+        shown = [
             *(
-                f"{a:5.1%} ({b:5.1%})"
-                for a, b in zip(one["median"], one["nine_in_ten"], strict=True)
+                f"{half:5.1%} ({most:5.1%})"
+                for half, most in zip(one["median"], one["nine_in_ten"], strict=True)
             ),
-            *(
-                " ".join("  -  " if s is None else f"{s:5.1%}" for s in one[key])
-                for key in ("at_rest", "moving")
-            ),
+            *(" ".join(f"{share:5.1%}" for share in one[key]) for key in ("at_rest", "moving")),
         ]
-        print(
-            f"{told:<31} {one['propellers']:>3} {cells[0]:>14} {cells[1]:>14}  {cells[2]}  {cells[3]}"
-        )
+        print(f"{told:<32}{one['propellers']:>3}  {'  '.join(shown)}")
     with replacing(RESULTS) as path:
         path.write_text(json.dumps(results, indent=2) + "\n", encoding="utf-8")
 

@@ -17,17 +17,21 @@ import numpy as np
 
 from propmap import catalogue
 from propmap.arrays.types import Floats
-from propmap.catalogue.designation import Designation, designation, series_named
-from propmap.catalogue.identified import all_identified
+from propmap.catalogue.designation import Designation, designation, same_size, series_named
+from propmap.catalogue.identified import Identified, all_identified, identified_without_blade
 from propmap.model.propeller import Propeller
 
 SHARES = np.linspace(0.15, 1.0, 18)
 """Radii over the tip radius at which blades are averaged, those of most measured blades."""
 
-ERRORS = {"family": ((0.11, 0.12), (0.25, 0.30)), "population": ((0.21, 0.22), (0.39, 0.38))}
+ERRORS = {
+    "family_blade": ((0.09, 0.08), (0.23, 0.21)),
+    "siblings_label": ((0.09, 0.10), (0.18, 0.22)),
+    "population_blade": ((0.20, 0.19), (0.40, 0.41)),
+}
 """Of C_T and C_P of propellers that were left out, blade and section constants alike, rms over rms,
 by ``python -m tools.left_out``: half of them err less than the first two, nine in ten less than the
-others."""
+others; by the group there."""
 
 
 class MeasuredShape(NamedTuple):
@@ -120,24 +124,35 @@ class ExpectedBlade:
         The designation as it was given.
     wanted : Designation
         What it says.
+    families : tuple of str
+        Codes of the series that its words name, or of the series of the maker.
     unknown : tuple of str
-        Its words that name no series of the catalogue.
+        Its words that name no series.
     shape : MeanBlade
-        Of the series that its other words name, or of all.
-    measured : tuple of str
-        Names of measured propellers of this size, where no maker is named.
+        Of the measured blades of these series, or of all.
+    own : Identified or None
+        Constants that were identified with this blade, from the propeller's own loads.
+    alike : tuple of str
+        Names of other propellers of this size that it may be.
     """
 
     text: str
     wanted: Designation
+    families: tuple[str, ...]
     unknown: tuple[str, ...]
     shape: MeanBlade
-    measured: tuple[str, ...] = ()
+    own: Identified | None = None
+    alike: tuple[str, ...] = ()
 
     @property
     def family(self) -> str | None:
         """Code of the series; None where it is not known."""
-        return self.shape.families[0] if len(self.shape.families) == 1 else None
+        return self.families[0] if len(self.families) == 1 else None
+
+    @property
+    def geometry(self) -> str:
+        """Whose mean the blade is, "family" or "population", as ``expected_constants`` takes it."""
+        return "family" if self.shape.families == self.families[:1] else "population"
 
     @property
     def propeller(self) -> Propeller:
@@ -150,24 +165,42 @@ class ExpectedBlade:
     def told(self) -> str:
         """In one line: what the blade rests on, and how far loads may err."""
         shape = self.shape
-        of = f"its family, {self.family}" if self.family else f"{len(shape.families)} families"
+        of = f"{len(shape.families)} families"
+        if self.geometry == "family":
+            of = f"its family, {self.family}"
         some = f"{shape.propellers} propellers" if shape.propellers > 1 else "one propeller"
-        # Where none of the family was identified, its constants are as little known as any's.
-        identified = any(one.family == self.family for one in all_identified())
-        half, most = ERRORS["family" if identified else "population"]
         reason = "no measured blade of this size"
-        if not self.wanted.words:
+        if self.own is not None:
+            reason = f"the blade of {self.own.tested!r} was not measured"
+        elif not self.wanted.words:
             reason = "no maker is named"
-            if self.measured:
-                reason += f" (measured of this size: {', '.join(self.measured)})"
         elif self.unknown:
             reason += f" ({' '.join(self.unknown)} names no series known here)"
+        if self.alike:
+            reason += f" (known of this size: {', '.join(self.alike)})"
+        geometry = f"{reason}: geometry by the means of {some} of {of}"
+        if self.own is not None:
+            return geometry
+        half, most = ERRORS[self._group]
         return (
-            f"{reason}: geometry by the means of {some} of {of}; with section constants expected "
+            f"{geometry}; with section constants expected "
             f"likewise, half of such propellers err in thrust and torque by less than "
             f"{half[0]:.0%} and {half[1]:.0%} (rms) in axial flow, nine in ten by less than "
             f"{most[0]:.0%} and {most[1]:.0%}"
         )
+
+    @property
+    def _group(self) -> str:
+        # Where none of the family was identified, its constants are as little known as any's.
+        if self.geometry == "family" and _identified(all_identified(), self.family):
+            return "family_blade"
+        if self.geometry != "family" and _identified(identified_without_blade(), self.family):
+            return "siblings_label"
+        return "population_blade"
+
+
+def _identified(entries: Sequence[Identified], family: str | None) -> bool:
+    return any(one.family == family for one in entries)
 
 
 def expected_blade(text: str, wanted: Designation, measured: Sequence[str] = ()) -> ExpectedBlade:
@@ -183,7 +216,27 @@ def expected_blade(text: str, wanted: Designation, measured: Sequence[str] = ())
         Names of measured propellers of the same size, to be told.
     """
     families, unknown = series_named(wanted.words)
-    return ExpectedBlade(text, wanted, unknown, bundled_mean(tuple(families)), tuple(measured))
+    known = [
+        one
+        for one in identified_without_blade()
+        if one.family in families and same_size((wanted.diameter, wanted.pitch), one.size)
+    ]
+    if len(known) == 1 and wanted.blades in (None, known[0].blades):
+        return blade_of(text, wanted, known[0])
+    names = (*measured, *(one.propeller for one in known))
+    return ExpectedBlade(
+        text, wanted, tuple(families), unknown, _shape_of(families), alike=tuple(names)
+    )
+
+
+def blade_of(text: str, wanted: Designation, own: Identified) -> ExpectedBlade:
+    """The blade with which ``own`` was identified, for what is called ``text``."""
+    return ExpectedBlade(text, wanted, (own.family,), (), _shape_of([own.family]), own)
+
+
+def _shape_of(families: Sequence[str]) -> MeanBlade:
+    """The mean of those of the ``families`` that were measured, of all where none was."""
+    return bundled_mean(tuple(f for f in families if f in families_measured()))
 
 
 def screw_angle(share: Floats, pitch_ratio: float) -> Floats:

@@ -14,7 +14,7 @@ from propmap.catalogue.prior import POPULATION, PopulationPrior, coordinates, sl
 
 
 class Member(NamedTuple):
-    """What one propeller's own data say, its prior taken out again: exp(pull x - x precision x / 2).
+    """What one propeller's own data say, without its prior: exp(pull x - x precision x / 2).
 
     Attributes
     ----------
