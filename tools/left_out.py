@@ -19,6 +19,7 @@ from typing import Any
 
 import numpy as np
 
+from propmap.arrays.types import Floats
 from propmap.catalogue.identified import all_identified, identified_without_blade
 from propmap.fit.population.foretold import Foretold
 from propmap.fit.population.left_out import GROUPS, left_out, never_measured
@@ -51,7 +52,7 @@ def main(loads: Path) -> None:
                 f"{half:5.1%} ({most:5.1%})"
                 for half, most in zip(one["median"], one["nine_in_ten"], strict=True)
             ),
-            *(" ".join(f"{share:5.1%}" for share in one[key]) for key in ("at_rest", "moving")),
+            *(" ".join(map(_percent, one[key])) for key in ("at_rest", "moving")),
         ]
         print(f"{told:<32}{one['propellers']:>3}  {'  '.join(shown)}")
     with replacing(RESULTS) as path:
@@ -60,16 +61,25 @@ def main(loads: Path) -> None:
 
 def _summary(some: list[Foretold]) -> dict[str, Any]:
     half, most = np.quantile([one.errors for one in some], (0.5, 0.9), axis=0)
-    held = {
-        name: np.nanmean([getattr(one, name) for one in some], axis=0)
-        for name in ("at_rest", "moving")
-    }
+    held = {name: _mean([getattr(one, name) for one in some]) for name in ("at_rest", "moving")}
     return {
         "propellers": len(some),
         "median": np.round(half, 5).tolist(),
         "nine_in_ten": np.round(most, 5).tolist(),
-        **{name: np.round(share, 4).tolist() for name, share in held.items()},
+        **held,
     }
+
+
+def _percent(share: float | None) -> str:
+    return "    -" if share is None else f"{share:5.1%}"
+
+
+def _mean(shares: list[Floats]) -> list[float | None]:
+    """Over propellers that have such rows; None where none has."""
+    known = [share for share in shares if np.isfinite(share).all()]
+    if not known:
+        return [None, None]
+    return [round(float(share), 4) for share in np.mean(known, axis=0)]
 
 
 if __name__ == "__main__":
