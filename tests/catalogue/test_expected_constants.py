@@ -38,7 +38,7 @@ def coefficients(blade: propmap.Propeller, airfoil: propmap.Airfoil) -> Floats:
 def test_a_wider_blade_turned_further_has_the_loads_of_equivalent_constants() -> None:
     blade = propmap.propeller("uiuc-apce-10x7")
     other = replace(blade, chord=1.1 * blade.chord, twist=blade.twist + 0.02)
-    # Without camber by the Reynolds number, which the chord is in: skin friction is all that is left.
+    # Without camber by the Reynolds number, which the chord is in, skin friction is left.
     law = replace(expected_constants("apce", SIZE).airfoil, reynolds_camber=0.0)
     place = coordinates(np.array([getattr(law, name) for name in PARAMETERS]))
     moved = constants_of(place + equivalent(other, blade))
@@ -50,7 +50,7 @@ def test_a_wider_blade_turned_further_has_the_loads_of_equivalent_constants() ->
     )
     np.testing.assert_allclose(found, wanted, rtol=5e-3)
     # At rest the root is stalled, where c_l2 counts, which is held for all propellers.
-    np.testing.assert_allclose(with_held, wanted, rtol=0.03)
+    np.testing.assert_allclose(with_held, wanted, rtol=0.04)
     assert (np.abs(before / wanted - 1.0) > 0.05).all()
 
 
