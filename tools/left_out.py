@@ -19,6 +19,7 @@ from typing import Any
 
 import numpy as np
 
+from propmap.arrays.types import Floats
 from propmap.catalogue.identified import all_identified, identified_without_blade
 from propmap.fit.population.foretold import Foretold
 from propmap.fit.population.left_out import GROUPS, left_out, never_measured
@@ -36,45 +37,49 @@ def main(loads: Path) -> None:
     measured = all_identified()
     found: dict[str, list[Foretold]] = {name: [] for name in GROUPS}
     populations = populations_of(measured)
-    for one in itertools.chain(
+    for each in itertools.chain(
         left_out(measured, every),
         never_measured(measured, identified_without_blade(), every, populations),
     ):
-        found[one.group].append(one.found)
+        found[each.group].append(each.found)
     results = {name: _summary(some) for name, some in found.items()}
-    print("                                 errors, median (90 %)                  bands hold")
-    print("constants from                  n  C_T            C_P            at rest      moving")
+    print(f"{'':<37}errors, median (90 %)           bands hold, C_T and C_P")
+    print(f"{'constants from':<34}n  C_T            C_P            at rest      moving")
     for name, told in GROUPS.items():
         one = results[name]
-        cells = [
+        shown = [
             *(
-                f"{a:5.1%} ({b:5.1%})"
-                for a, b in zip(one["median"], one["nine_in_ten"], strict=True)
+                f"{half:5.1%} ({most:5.1%})"
+                for half, most in zip(one["median"], one["nine_in_ten"], strict=True)
             ),
-            *(
-                " ".join("  -  " if s is None else f"{s:5.1%}" for s in one[key])
-                for key in ("at_rest", "moving")
-            ),
+            *(" ".join(map(_percent, one[key])) for key in ("at_rest", "moving")),
         ]
-        print(
-            f"{told:<31} {one['propellers']:>3} {cells[0]:>14} {cells[1]:>14}  {cells[2]}  {cells[3]}"
-        )
+        print(f"{told:<32}{one['propellers']:>3}  {'  '.join(shown)}")
     with replacing(RESULTS) as path:
         path.write_text(json.dumps(results, indent=2) + "\n", encoding="utf-8")
 
 
 def _summary(some: list[Foretold]) -> dict[str, Any]:
     half, most = np.quantile([one.errors for one in some], (0.5, 0.9), axis=0)
-    held = {
-        name: np.nanmean([getattr(one, name) for one in some], axis=0)
-        for name in ("at_rest", "moving")
-    }
+    held = {name: _mean([getattr(one, name) for one in some]) for name in ("at_rest", "moving")}
     return {
         "propellers": len(some),
         "median": np.round(half, 5).tolist(),
         "nine_in_ten": np.round(most, 5).tolist(),
-        **{name: np.round(share, 4).tolist() for name, share in held.items()},
+        **held,
     }
+
+
+def _percent(share: float | None) -> str:
+    return "    -" if share is None else f"{share:5.1%}"
+
+
+def _mean(shares: list[Floats]) -> list[float | None]:
+    """Over propellers that have such rows; None where none has."""
+    known = [share for share in shares if np.isfinite(share).all()]
+    if not known:
+        return [None, None]
+    return [round(float(share), 4) for share in np.mean(known, axis=0)]
 
 
 if __name__ == "__main__":

@@ -8,6 +8,7 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
+from propmap.catalogue.known import known_model
 from propmap.catalogue.lookup import airfoil, propeller
 from propmap.errors import InputError
 
@@ -48,6 +49,7 @@ __all__ = [
     "airfoil_names",
     "correction",
     "corrections_of",
+    "known_model",
     "propeller",
 ]
 

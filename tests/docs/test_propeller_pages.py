@@ -13,8 +13,8 @@ import pytest
 
 import propmap
 from propmap.catalogue.identified import PARAMETERS, Identified, all_identified, identified
+from propmap.catalogue.population import bundled_population
 from propmap.catalogue.prior import POPULATION, coordinates
-from propmap.catalogue.spread import spread
 from propmap.cli import main
 from propmap.fit.population.misfiled import refiled
 from propmap.fit.population.summary import summary
@@ -327,8 +327,8 @@ def test_the_population_shows_every_propeller_where_it_is() -> None:
     assert len(set(unique)) == len(unique)
     for k in range(7):
         assert np.corrcoef(places[:, k], own[:, k])[0, 1] > 0.99999
-    table = population.table(entries)
-    assert f"{np.exp(spread(entries).mean[0]):.3f}" in table
+    table = population.table()
+    assert f"{np.exp(bundled_population('measured').mean[0]):.3f}" in table
     assert f"{np.exp(POPULATION.mean[1]):.3f}" in table
 
 

@@ -9,8 +9,7 @@ import numpy as np
 
 from propmap.catalogue.identified import PARAMETERS, Identified
 from propmap.catalogue.lookup import propeller
-from propmap.catalogue.prior import POPULATION
-from propmap.catalogue.spread import variance_of
+from propmap.catalogue.prior import POPULATION, coordinate_covariance
 from propmap.io.uiuc_database import MeasuredPropeller
 from propmap.model.propeller import Propeller
 from tools.measured_rows import SOURCE
@@ -115,7 +114,8 @@ def _errors(one: Identified, found: Comparison) -> str:
 
 def _constants(one: Identified) -> str:
     deviation = np.sqrt(np.diag(one.covariance))
-    left = np.sqrt(variance_of(one)) / POPULATION.deviation
+    fitted = coordinate_covariance(one.constants, one.covariance)
+    left = np.sqrt(np.diag(fitted)) / POPULATION.deviation
     rows = [
         "| constant | | value | standard deviation | of the prior's |",
         "|---|---|---:|---:|---:|",

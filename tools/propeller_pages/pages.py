@@ -36,7 +36,7 @@ def write(docs: Path) -> None:
         "list": listing.listing(entries),
         "worst": listing.worst(entries, rows),
         "population": raw('<div class="wide">', population.picture(entries), "</div>"),
-        "population-table": population.table(entries),
+        "population-table": population.table(),
     }
     for name, text in parts.items():
         _write(docs / "generated" / f"propellers-{name}.md", text + "\n")

@@ -9,10 +9,10 @@ from typing import NamedTuple
 import numpy as np
 
 from propmap.arrays.types import Floats
-from propmap.catalogue.family_prior import family_prior
+from propmap.catalogue.expected_constants import expected_prior
 from propmap.catalogue.identified import PARAMETERS, Identified
-from propmap.catalogue.prior import POPULATION, coordinates
-from propmap.catalogue.spread import Spread, spread, variance_of
+from propmap.catalogue.population import Population, bundled_population
+from propmap.catalogue.prior import POPULATION, coordinate_covariance, coordinates
 from tools.propeller_pages.plot import figure
 from tools.propeller_pages.words import fixed, series_title, title
 
@@ -86,9 +86,11 @@ def picture(entries: Sequence[Identified]) -> str:
     entries : sequence of Identified
         All propellers.
     """
-    found = spread(entries)
+    found = bundled_population("measured")
     place = coordinates(np.stack([one.constants for one in entries]))
-    error = np.sqrt(np.stack([variance_of(one) for one in entries]))
+    error = np.sqrt(
+        [np.diag(coordinate_covariance(one.constants, one.covariance)) for one in entries]
+    )
     columns = [Column(k, place[:, k], error[:, k]) for k in range(len(AXES))]
     family = np.array([one.family for one in entries])
     families = sorted(set(family.tolist()), key=lambda f: series_title(f).lower())
@@ -102,7 +104,7 @@ def picture(entries: Sequence[Identified]) -> str:
             f'<text class="y" x="{LEFT - 12.0:g}" y="{middle + 4.0:g}">'
             f"{escape(series_title(code))} ({len(which)})</text>"
         )
-        expected = family_prior(members, found)
+        expected = expected_prior(code)
         for column, mean, sd in zip(columns, expected.mean, expected.deviation, strict=True):
             parts.append(_expected(column, mean, sd, middle))
         for n, one in enumerate(members):
@@ -114,16 +116,17 @@ def picture(entries: Sequence[Identified]) -> str:
     return figure(width, height, told, parts, "population")
 
 
-def table(entries: Sequence[Identified]) -> str:
+def table() -> str:
     """The prior that the fits took, and the mean and the spread that they found."""
-    found = spread(entries)
+    found = bundled_population("measured")
+    between, within = (np.sqrt(np.diag(part)) for part in (found.between, found.within))
     rows = [
         "| constant | prior of the fits | found: mean | between families | within |",
         "|---|---:|---:|---:|---:|",
     ]
     for k, axis in enumerate(AXES):
         name = f"`{axis.name}`" if axis.name in PARAMETERS else axis.name
-        first, *apart = (_apart(axis, s[k]) for s in (POPULATION.deviation, *found[1:]))
+        first, *apart = (_apart(axis, s[k]) for s in (POPULATION.deviation, between, within))
         before, middle = (_value(axis, m[k]) for m in (POPULATION.mean, found.mean))
         rows.append(f"| {name} | {before} {first} | {middle} | {' | '.join(apart)} |")
     return "\n".join(rows)
@@ -140,10 +143,11 @@ def _apart(axis: Axis, deviation: float) -> str:
     return f"± {fixed(deviation, 3)}"
 
 
-def _frame(column: Column, k: int, found: Spread, height: float) -> str:
+def _frame(column: Column, k: int, found: Population, height: float) -> str:
     """Heading, marks, and the band of a propeller of an unknown family."""
     axis, foot = AXES[k], height - BOTTOM
-    low, high = column.ends(found.mean[k], float(np.hypot(found.between[k], found.within[k])))
+    spread = float(np.sqrt(found.between[k, k] + found.within[k, k]))
+    low, high = column.ends(found.mean[k], spread)
     parts = [
         f'<rect class="band" x="{low:.1f}" y="{TOP:g}" width="{high - low:.1f}" '
         f'height="{foot - TOP:g}"/>',

@@ -10,7 +10,7 @@ import numpy as np
 from propmap import catalogue
 from propmap.catalogue.designation import designation
 from propmap.catalogue.equivalent import equivalent
-from propmap.catalogue.expected_blade import ExpectedBlade, MeanBlade, bundled_mean
+from propmap.catalogue.expected_blade import ExpectedBlade
 from propmap.catalogue.family_prior import Member, family_prior, member
 from propmap.catalogue.identified import (
     PARAMETERS,
@@ -19,6 +19,7 @@ from propmap.catalogue.identified import (
     identified_without_blade,
     one_of_each,
 )
+from propmap.catalogue.mean_blade import MeanBlade, bundled_mean
 from propmap.catalogue.population import MIDDLE, Size, bundled_population
 from propmap.catalogue.prior import HELD, PopulationPrior, constants_of, slopes_of
 from propmap.model.airfoil import Airfoil

@@ -10,11 +10,11 @@ import numpy as np
 from propmap.arrays.types import Floats
 from propmap.catalogue.identified import Identified
 from propmap.catalogue.population import Population, Size, likeness
-from propmap.catalogue.prior import POPULATION, PopulationPrior, coordinates, slopes_of
+from propmap.catalogue.prior import POPULATION, PopulationPrior, coordinate_covariance, coordinates
 
 
 class Member(NamedTuple):
-    """What one propeller's own data say, its prior taken out again: exp(pull x - x precision x / 2).
+    """What one propeller's own data say, without its prior: exp(pull x - x precision x / 2).
 
     Attributes
     ----------
@@ -42,8 +42,7 @@ class Member(NamedTuple):
 def member(one: Identified, prior: PopulationPrior = POPULATION) -> Member:
     """What the data of ``one`` say, which was identified with this ``prior``."""
     place = coordinates(one.constants)
-    back = np.linalg.inv(slopes_of(place))
-    both = np.linalg.inv(back @ one.covariance @ back.T)
+    both = np.linalg.inv(coordinate_covariance(one.constants, one.covariance))
     before = np.linalg.inv(prior.covariance)
     values, vectors = np.linalg.eigh(both - before)
     # Data say nothing where rounding makes them say less.

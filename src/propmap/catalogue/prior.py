@@ -85,3 +85,9 @@ def slopes_of(place: Floats) -> Floats:
     slopes = np.diag(np.where(_LOGARITHMIC, constants_of(place), 1.0))
     slopes[_DRAG_ANGLE, _ZERO_LIFT] = -1.0
     return slopes
+
+
+def coordinate_covariance(constants: Floats, covariance: Floats) -> Floats:
+    """Covariance (7, 7) of the coordinates, by that of the ``constants`` (7,)."""
+    back = np.linalg.inv(slopes_of(coordinates(constants)))
+    return np.asarray(back @ covariance @ back.T)

@@ -7,18 +7,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from propmap.catalogue import Entry
-from propmap.catalogue.expected_constants import expected_constants
-from propmap.catalogue.family_prior import family_prior
-from propmap.catalogue.identified import PARAMETERS, all_identified, identified
-from propmap.catalogue.lookup import meant_by
-from propmap.catalogue.prior import HELD, constants_of, slopes_of
-from propmap.catalogue.spread import spread
+from propmap.catalogue.identified import PARAMETERS, all_identified
+from propmap.catalogue.known import constants_to_expect, own_constants
+from propmap.catalogue.lookup import meant_by, propeller
+from propmap.catalogue.prior import HELD
 from propmap.cli.output import grid
+from propmap.model.airfoil import Airfoil
 
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from propmap.arrays.types import Floats
 
 UNITS = {
     "c_l1": "1/rad",
@@ -44,37 +42,32 @@ def known_constants(prop: str, blades: int) -> list[object]:
     meant = meant_by(prop)
     if meant is None:
         return []
-    if not isinstance(meant, Entry):
-        # A note on the blade has said what both rest on.
-        return [_expected(meant.family)]
     others = sorted(
         one.blades
         for one in all_identified()
-        if one.propeller == meant.name and one.blades != blades
+        if isinstance(meant, Entry) and one.propeller == meant.name and one.blades != blades
     )
     also = [f"identified with {' and '.join(map(str, others))} blades too: --blades N"]
-    found = identified(meant.name, blades)
+    found = own_constants(meant, blades)
     if found is None:
-        told = [_expected(meant.family), expected_constants(meant.family)[1]]
+        expected = constants_to_expect(meant, propeller(prop, blades))
+        told: list[object] = [_table(expected.airfoil)]
+        if isinstance(meant, Entry):
+            # Else a note on the blade has said what both rest on.
+            told.append(expected.told)
     else:
         rest = found.told.removesuffix(f"; {found.verdict}")
-        table = _table(found.constants, np.sqrt(np.diag(found.covariance)))
-        told = [table, rest, f"verdict: {found.verdict}"]
+        told = [_table(found.airfoil), rest, f"verdict: {found.verdict}"]
     return [*told, *(also if others else [])]
 
 
-def _expected(family: str | None) -> Table:
-    """The constants to be expected of a propeller of the family, with their spread."""
-    every = all_identified()
-    prior = family_prior([one for one in every if one.family == family], spread(every))
-    slopes = slopes_of(prior.mean)
-    return _table(constants_of(prior.mean), np.sqrt(slopes**2 @ prior.deviation**2))
-
-
-def _table(values: Floats, deviations: Floats) -> Table:
+def _table(law: Airfoil) -> Table:
+    """The constants with their standard deviations, and those that are held."""
+    assert law.uncertainty is not None  # both kinds carry it
+    deviations = np.sqrt(np.diag(law.uncertainty.covariance.matrix))
     rows = [
-        (name, f"{value:.4f}", f"{deviation:.4f}", UNITS[name])
-        for name, value, deviation in zip(PARAMETERS, values, deviations, strict=True)
+        (name, f"{getattr(law, name):.4f}", f"{deviation:.4f}", UNITS[name])
+        for name, deviation in zip(PARAMETERS, deviations, strict=True)
     ]
     held = [(name, f"{value:.4f}", "held", "-") for name, value in HELD.items()]
     return grid("<constant|value|standard deviation|<unit", [*rows, *held])

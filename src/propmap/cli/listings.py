@@ -10,8 +10,7 @@ import numpy as np
 import typer
 from typer.core import TyperGroup
 
-from propmap import catalogue
-from propmap.catalogue.lookup import propeller
+from propmap.catalogue.lookup import propeller, search
 from propmap.cli.known_constants import known_constants
 from propmap.cli.output import (
     Format,
@@ -105,7 +104,7 @@ def list_props(
     """List the catalogue, or what in it matches all words."""
     chosen = chosen_format(format_, output)
     text = " ".join(words or [])
-    entries = catalogue.search(text)
+    entries = search(text)
     if chosen is not Format.table:
         emit_rows(ENTRY, [asdict(entry) for entry in entries], chosen, output)
         return

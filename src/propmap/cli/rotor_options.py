@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Concatenate, ParamSpec, get_ty
 import numpy as np
 import typer
 
-from propmap.catalogue import Entry
-from propmap.catalogue.identified import Identified, identified
+from propmap.catalogue.expected_blade import ExpectedBlade
+from propmap.catalogue.identified import Identified
 from propmap.catalogue.lookup import airfoil, meant_by, propeller
 from propmap.cli.plausibility import say_doubts, say_expected
 from propmap.errors import InputError
@@ -149,19 +149,17 @@ class RotorChoice:
         if found is not None:
             law, told = found.airfoil, found.told
         else:
-            from propmap.catalogue.expected_constants import expected_constants
-
             meant = meant_by(self.prop)
-            law, told = expected_constants(meant.family if meant is not None else None)
-            if meant is not None and not isinstance(meant, Entry):
+            expected = constants_to_expect(meant, blade)
+            law, told = expected.airfoil, expected.told
+            if isinstance(meant, ExpectedBlade) and meant.own is None:
                 return law  # the note on the blade tells of the constants too
         typer.echo(f"note: {told}; another law by --airfoil", err=True)
         return law
 
     def identified(self, blades: int) -> Identified | None:
         """The constants identified for PROP with so many ``blades``, where none are named."""
-        meant = meant_by(self.prop) if self.airfoil is None else None
-        return identified(meant.name, blades) if isinstance(meant, Entry) else None
+        return own_constants(meant_by(self.prop), blades) if self.airfoil is None else None
 
     def blade(self) -> Propeller:
         """The propeller; notes say what is odd about it, and if it was not measured."""

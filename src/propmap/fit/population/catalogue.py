@@ -10,9 +10,9 @@ import numpy as np
 
 from propmap import catalogue
 from propmap.catalogue.designation import Designation, designation
-from propmap.catalogue.expected_blade import MeanBlade, bundled_mean, families_measured
 from propmap.catalogue.family_prior import family_prior
 from propmap.catalogue.identified import Identified
+from propmap.catalogue.mean_blade import MeanBlade, bundled_mean, families_measured
 from propmap.catalogue.population import ALIKE, APART, Population
 from propmap.catalogue.prior import POPULATION, PopulationPrior
 from propmap.errors import InputError

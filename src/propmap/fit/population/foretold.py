@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from propmap.arrays.types import Floats
-from propmap.catalogue.identified import Identified
 from propmap.catalogue.prior import PopulationPrior, constants_of, coordinates, slopes_of
 from propmap.fit.population.coefficients import AxialTest
 
@@ -65,11 +64,11 @@ def foretold(
     )
 
 
-def own(one: Identified) -> PopulationPrior:
-    """The distribution of the constants of ``one`` after its identification."""
-    place = coordinates(one.constants)
+def posterior(constants: Floats, covariance: Floats) -> PopulationPrior:
+    """The distribution of constants (7,) with a ``covariance`` (7, 7), in coordinates."""
+    place = coordinates(constants)
     back = np.linalg.inv(slopes_of(place))
-    return PopulationPrior.of(place, back @ one.covariance @ back.T)
+    return PopulationPrior.of(place, back @ covariance @ back.T)
 
 
 def _share(inside: NDArray[np.bool_]) -> Floats:

@@ -130,14 +130,15 @@ def _expected(population: Population, family: _Family) -> _Expected:
         n * np.linalg.slogdet(population.within)[1] + k * np.linalg.slogdet(family.alike)[1]
     )
     for j, one in enumerate(family.members):
-        shift, own = population.shift(one.size), slice((j + 1) * k, (j + 2) * k)
+        shift = population.shift(one.size)
+        places = slice(0, k), slice((j + 1) * k, (j + 2) * k)
         left = one.pull - one.precision @ shift
         evidence += shift @ (one.pull + left) / 2.0
-        for a in (slice(0, k), own):
+        for a in places:
             pull[a] += left
-            for b in (slice(0, k), own):
+            for b in places:
                 precision[a, b] += one.precision
-    covariance = np.linalg.inv(precision)
+    covariance = np.asarray(np.linalg.inv(precision), float)
     place = covariance @ pull
     evidence += 0.5 * pull @ place - 0.5 * np.linalg.slogdet(precision)[1]
     own = place[k:].reshape(n, k)

@@ -176,4 +176,4 @@ def updated(test: AxialTest, prior: PopulationPrior, errors: Floats) -> Populati
     penalised = _Penalised(test, prior, errors, AT_REST)
     place = penalised.minimum(prior.mean, EVALUATIONS[0])
     slopes = penalised.at(place)[2]
-    return PopulationPrior.of(place, np.linalg.inv(slopes.T @ slopes))
+    return PopulationPrior.of(place, np.asarray(np.linalg.inv(slopes.T @ slopes), float))

@@ -10,23 +10,23 @@ import numpy as np
 
 from propmap import catalogue
 from propmap.arrays.types import Floats
-from propmap.catalogue.expected_blade import (
+from propmap.catalogue.expected_constants import member_without_blade, on_mean_blade
+from propmap.catalogue.family_prior import Member, family_prior
+from propmap.catalogue.identified import Identified, one_of_each
+from propmap.catalogue.mean_blade import (
     MeanBlade,
     families_measured,
     mean_blade,
     measured_shapes,
     shapes_without,
 )
-from propmap.catalogue.expected_constants import member_without_blade, on_mean_blade
-from propmap.catalogue.family_prior import Member, family_prior
-from propmap.catalogue.identified import Identified, one_of_each
 from propmap.catalogue.population import Population
 from propmap.catalogue.prior import PopulationPrior
 from propmap.fit.population.catalogue import label_of, mean_propeller
 from propmap.fit.population.coefficients import AxialTest
-from propmap.fit.population.foretold import Foretold, foretold, own
+from propmap.fit.population.foretold import Foretold, foretold, posterior
 from propmap.fit.population.hierarchy import population_of
-from propmap.fit.population.identification import updated
+from propmap.fit.population.identification import identify, updated
 from propmap.fit.population.populations import all_members, errors_of
 from propmap.io.uiuc_database import MeasuredPropeller
 
@@ -35,6 +35,8 @@ STEPS = 8
 
 GROUPS = {
     "own": "own",
+    "own_run": "own, one run left out",
+    "own_fastest": "own, fastest run left out",
     "family": "family",
     "other_blade_of_family": "family, same blade left out too",
     "population": "population",
@@ -48,11 +50,13 @@ GROUPS = {
 }
 """What propellers are predicted from, and what that is called.
 
-"Own" are a propeller's own constants; all others leave its rows out.  "Blade too" is with the mean
-blade of the others in place of its own.  "After a static test", its rows at rest, and they alone,
-have updated what the others say, and errors and bands are those of its moving rows.  "Never
-measured" are propellers without geometry in the database, whose loads play no part in any
-population; "siblings" are of the same family and no more measured.
+"Own" are a propeller's own constants, and with a run left out, those found without the run at the
+middle one of its rotational speeds or at the highest, of which errors and bands are; all others
+leave its rows out.  "Blade too" is with the mean blade of the others in place of its own.  "After a
+static test", its rows at rest, and they alone, have updated what the others say, and errors and
+bands are those of its moving rows.  "Never measured" are propellers without geometry in the
+database, whose loads play no part in any population; "siblings" are of the same family and no more
+measured.
 """
 
 
@@ -84,13 +88,15 @@ def left_out(
     entries : sequence of Identified
         Constants of all propellers with measured blades.
     every : sequence of MeasuredPropeller
-        Their rows, as ``misfiled.refiled`` gives them.
+        Rows, as ``misfiled.refiled`` gives them, of those that are to be left out in turn.
     """
     rows = {tested.name: tested for tested in every}
     chosen = one_of_each(entries)
     members, errors = all_members(chosen), errors_of(chosen)
     whole = {name: population_of(some, errors)[0] for name, some in members.items()}
     for one in chosen:
+        if one.tested not in rows:
+            continue
         rest = [other for other in chosen if other is not one]
         without = {
             name: population_of(
@@ -105,9 +111,32 @@ def left_out(
         test = AxialTest(
             replace(catalogue.load(one.propeller), blades=one.blades), rows[one.tested]
         )
-        yield LeftOut("own", one.tested, foretold(test, own(one), np.array(one.discrepancy)))
+        yield LeftOut(
+            "own",
+            one.tested,
+            foretold(test, posterior(one.constants, one.covariance), np.array(one.discrepancy)),
+        )
+        yield from _one_run(one.tested, test)
         yield from _known_blade(one, siblings, members["measured"], without["measured"], test)
         yield from _mean_blade(one, siblings, without, rows[one.tested])
+
+
+def _one_run(name: str, test: AxialTest) -> Iterator[LeftOut]:
+    tested = test.tested
+    moving = tested.advance > 0.0
+    runs = {int(k): float(tested.rpm[tested.run == k].mean()) for k in set(tested.run[moving])}
+    if len(runs) < 2:
+        return
+    order = sorted(runs, key=lambda k: (runs[k], k))
+    for group, run in (("own_run", order[len(order) // 2]), ("own_fastest", order[-1])):
+        left = tested.run == run
+        result = identify(AxialTest(test.propeller, _rows(tested, ~left)))
+        found = foretold(
+            AxialTest(test.propeller, _rows(tested, left)),
+            posterior(result.constants, result.covariance),
+            np.array([result.thrust_rms, result.power_rms]),
+        )
+        yield LeftOut(group, name, found)
 
 
 def _known_blade(

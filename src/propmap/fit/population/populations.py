@@ -8,10 +8,10 @@ import numpy as np
 
 from propmap import catalogue
 from propmap.arrays.types import Floats
-from propmap.catalogue.expected_blade import MeanBlade, mean_blade, shapes_without
 from propmap.catalogue.expected_constants import on_mean_blade
 from propmap.catalogue.family_prior import Member, member
 from propmap.catalogue.identified import Identified, one_of_each
+from propmap.catalogue.mean_blade import MeanBlade, mean_blade, shapes_without
 from propmap.catalogue.population import GEOMETRIES, Population
 from propmap.fit.population.hierarchy import population_of
 
