@@ -89,14 +89,16 @@ def test_what_is_less_known_is_less_sure() -> None:
 
 
 def test_the_blade_s_part_is_told_apart() -> None:
-    known = expected_constants("apce", SIZE)
-    np.testing.assert_array_equal(known.covariance.matrix, known.with_blade.matrix)
-    unknown = expected_constants("apce", SIZE, "family")
+    known = expected_constants("apce", SIZE).airfoil.uncertainty
+    unknown = expected_constants("apce", SIZE, "family").airfoil.uncertainty
+    assert known is not None and unknown is not None and unknown.with_blade is not None
+    assert known.with_blade is None
     np.testing.assert_array_equal(unknown.with_blade.matrix, known.covariance.matrix)
     lift = PARAMETERS.index("c_l1")
     assert unknown.covariance.matrix[lift, lift] > known.covariance.matrix[lift, lift]
     for one in (known, unknown):
-        assert one.covariance.names == PARAMETERS and one.discrepancy[0] > one.discrepancy[1] > 0.0
+        assert one.covariance.names == PARAMETERS
+        assert one.thrust_coefficient > one.power_coefficient > 0.0
 
 
 def test_larger_propellers_have_more_lift_and_those_of_more_pitch_stall_later() -> None:
@@ -192,6 +194,6 @@ def test_they_are_listed_and_every_name_is_found_again() -> None:
 def test_their_constants_are_those_of_propellers() -> None:
     # Strokes of chord and twist that the mean blade lacks are in them.
     for one in identified_without_blade():
-        assert np.linalg.eigvalsh(one.covariance).min() > 0.0, one.propeller
+        assert np.linalg.eigvalsh(one.airfoil.uncertainty.covariance).min() > 0.0, one.propeller
         assert 2.0 < one.airfoil.c_l1 < 11.0 and 0.0 < one.airfoil.c_d0 < 0.12, one.propeller
         assert one.thrust_rms < 0.008 and one.power_rms < 0.008

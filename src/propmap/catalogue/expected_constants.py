@@ -79,12 +79,14 @@ def expected_constants(
         "off by twice that"
     )
     errors = bundled_population(geometry).errors
-    with_blade = prior if geometry == "measured" else expected_prior(family, size)
+    with_blade = None
+    if geometry != "measured":
+        with_blade = _of_constants(expected_prior(family, size))
     known_to = SectionUncertainty(
         _of_constants(prior),
         float(errors[0]),
         float(errors[1]),
-        with_blade=_of_constants(with_blade),
+        with_blade=with_blade,
     )
     return ExpectedConstants(
         Airfoil(**values, name=name, source=source, uncertainty=known_to), told

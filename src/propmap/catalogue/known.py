@@ -1,4 +1,4 @@
-"""A model of a propeller from its name alone: blade, and the best constants that are known of it."""
+"""A model of a propeller from its name alone: blade, and the best constants known of it."""
 
 from __future__ import annotations
 

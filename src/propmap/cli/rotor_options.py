@@ -14,6 +14,7 @@ import typer
 
 from propmap.catalogue.expected_blade import ExpectedBlade
 from propmap.catalogue.identified import Identified
+from propmap.catalogue.known import constants_to_expect, own_constants
 from propmap.catalogue.lookup import airfoil, meant_by, propeller
 from propmap.cli.plausibility import say_doubts, say_expected
 from propmap.errors import InputError
