@@ -14,13 +14,15 @@ import pytest
 
 import propmap
 from propmap import catalogue
+from propmap.catalogue.identified import identified_without_blade
 
 from .conftest import POINT, ROTOR, Run
 
 
 def test_props_lists_everything(run: Run) -> None:
     rows = json.loads(run("props", "--format", "json").out)
-    assert [row["name"] for row in rows] == catalogue.names()
+    others = [one.propeller for one in identified_without_blade()]
+    assert [row["name"] for row in rows] == [*catalogue.names(), *others]
     assert run("props").out.count("\n") > len(rows)
 
 
