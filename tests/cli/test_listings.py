@@ -14,15 +14,16 @@ import pytest
 
 import propmap
 from propmap import catalogue
-from propmap.catalogue.expected_constants import expected_constants
-from propmap.catalogue.identified import PARAMETERS, identified
+from propmap.catalogue.identified import PARAMETERS, identified, identified_without_blade
+from propmap.catalogue.known import known_model
 
 from .conftest import POINT, ROTOR, Run
 
 
 def test_props_lists_everything(run: Run) -> None:
     rows = json.loads(run("props", "--format", "json").out)
-    assert [row["name"] for row in rows] == catalogue.names()
+    others = [one.propeller for one in identified_without_blade()]
+    assert [row["name"] for row in rows] == [*catalogue.names(), *others]
     assert run("props").out.count("\n") > len(rows)
 
 
@@ -55,13 +56,19 @@ def test_props_show_tells_the_identified_constants(run: Run) -> None:
 
 def test_props_show_tells_what_is_expected_of_others(run: Run) -> None:
     """Not identified, or not even measured: the family's constants, with a wider spread."""
-    law, told = expected_constants("apcsf")
+
+    def lift(name: str) -> str:
+        law = known_model(name).airfoil
+        assert isinstance(law, propmap.Airfoil)
+        return f"{law.c_l1:.4f}"
+
     done = run("props", "show", "apc-8x6sf")
     words = " ".join(done.out.split())
-    assert f"{law.c_l1:.4f}" in words and told in words and "verdict" not in words
+    assert lift("apc-8x6sf") in words and "of its family, apcsf" in words
+    assert "verdict" not in words
     other = run("props", "show", "apc 12x6sf")
-    assert f"{law.c_l1:.4f}" in other.out and "no measured blade" in other.err
-    assert f"{expected_constants()[0].c_l1:.4f}" in run("props", "show", "5x4.3x3").out
+    assert lift("apc 12x6sf") in other.out and "no measured blade" in other.err
+    assert lift("5x4.3x3") in run("props", "show", "5x4.3x3").out
 
 
 def test_props_show_knows_no_constants_of_a_file(run: Run, tmp_path: Path) -> None:
