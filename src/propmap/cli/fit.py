@@ -23,6 +23,7 @@ from propmap.cli.fit_options import (
 )
 from propmap.cli.output import check_output, check_pictures, show, write_text
 from propmap.cli.plausibility import say_doubts
+from propmap.cli.prior_options import PriorFrom, section_prior
 from propmap.cli.rotor_options import (
     Corrections,
     ModelOption,
@@ -81,6 +82,7 @@ def fit_tunnel(
     ] = None,
     fix: Fix = None,
     prior: Priors = None,
+    prior_from: PriorFrom = None,
     starts: Starts = 4,
     robust: Robust = False,
     folds: Folds = 5,
@@ -94,7 +96,9 @@ def fit_tunnel(
     _check_outputs(output, picture)
     base = constants(choice.airfoil) if choice.airfoil else None
     default = ("c_l1", "c_l2", "c_d", "alpha_0", "zero_lift_angle")
-    chosen = choice_of(free, fix, prior, default, base)
+    by_default = free is None and base is None
+    expected = section_prior(prior_from, choice.prop, by_default=by_default)
+    chosen = choice_of(free, fix, prior, default, base, expected=expected)
     settings = settings_of(starts, robust, folds, bootstrap, seed)
     weights = _weights(weight)
     blade, air = choice.blade(), choice.medium()
@@ -111,8 +115,8 @@ def fit_tunnel(
     from propmap.model.model import Model
 
     keep_compiled()
-    base = with_physics(base or first_guess(), choice.model, choice.correction)
-    model = Model(blade, base, air)
+    law = base or (expected.airfoil if expected else first_guess())
+    model = Model(blade, with_physics(law, choice.model, choice.correction), air)
     named = [name.strip() for name in loads.split(",")] if loads else []
 
     def rows_for(c: Choice) -> Rows:
@@ -121,6 +125,8 @@ def fit_tunnel(
 
     fitted = fit(rows_for(chosen), chosen, settings)
     remarks = [*range_warnings(fitted.rows), *failing_assumptions(fitted, rows_for)]
+    if expected is not None:
+        remarks.append(expected.told)
     rotor = rotor_with(model, fitted.values, choice.accuracy.value)
     text = fit_text(
         fitted,
@@ -162,6 +168,7 @@ def fit_flight(
     free: Free = None,
     fix: Fix = None,
     prior: Priors = None,
+    prior_from: PriorFrom = None,
     name_or_file: Annotated[
         str | None,
         typer.Option("--airfoil", metavar="NAME|FILE", help="Values of what is not free."),
@@ -213,13 +220,19 @@ def fit_flight(
     )
     drags = tuple(name for name in BODY if name.startswith("drag_area"))
     default = PAPER_FOUR if flights.level else (*PAPER_FOUR, "zero_lift_angle", *drags)
-    chosen = choice_of(free, fix, prior, default, base, wing_values(file.vehicle))
+    by_default = free is None and base is None
+    expected = section_prior(prior_from, file.vehicle.propeller.name, by_default=by_default)
+    wing = wing_values(file.vehicle)
+    chosen = choice_of(free, fix, prior, default, base, wing, expected)
     settings = settings_of(starts, robust, folds, bootstrap, seed)
-    law = with_physics(base or first_guess(), physics, correction)
+    law = base or (expected.airfoil if expected else first_guess())
+    law = with_physics(law, physics, correction)
     model = ForceModel(file.vehicle, flights.log, law)
     make = level_rows if flights.level else balance_rows
     fitted = fit(make(model, chosen), chosen, settings)
     remarks = [*flights.remarks, *range_warnings(fitted.rows)]
+    if expected is not None:
+        remarks.append(expected.told)
     if body_study:
         remarks += body_terms_verdict(fitted, lambda c: make(model, c))
     text = fit_text(

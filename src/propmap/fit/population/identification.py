@@ -15,9 +15,7 @@ from propmap.catalogue.prior import (
     slopes_of,
 )
 from propmap.fit.population.coefficients import AxialTest
-
-INDEPENDENT = 10.0
-"""Independent numbers that the rows of one load are worth: rows of one run err together."""
+from propmap.fit.rows import INDEPENDENT
 
 FIRST_ERRORS = (0.003, 0.002)
 """Errors of C_T and C_P [-] that a first fit assumes; the second takes those that it left."""

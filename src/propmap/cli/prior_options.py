@@ -1,0 +1,84 @@
+"""What a fit starts from: section constants to be expected of the propeller's family, or of any."""
+
+from __future__ import annotations
+
+import difflib
+from typing import Annotated
+
+import typer
+
+from propmap.catalogue import Entry
+from propmap.catalogue.expected_constants import airfoil_at, expected_prior
+from propmap.catalogue.identified import all_identified
+from propmap.catalogue.lookup import meant_by
+from propmap.errors import InputError, quoted
+from propmap.fit.section_prior import SectionPrior
+
+PriorFrom = Annotated[
+    str | None,
+    typer.Option(
+        "--prior-from",
+        metavar="family|population|none|CODE",
+        help="Propellers that tell what constants to expect: those of its family, or any where it "
+        "is not known; any; none; those of the family CODE, as apcsf. By default family, and none "
+        "where --free or --airfoil says what to fit.",
+    ),
+]
+
+
+def section_prior(wanted: str | None, prop: str, *, by_default: bool) -> SectionPrior | None:
+    """What other propellers tell of ``prop``, and a note of it; None for no prior.
+
+    Parameters
+    ----------
+    wanted : str or None
+        As ``--prior-from``.
+    prop : str
+        The propeller: a name of the catalogue, a designation, or anything else for an unknown one.
+    by_default : bool
+        Whether there is a prior where none is asked for.
+
+    Raises
+    ------
+    InputError
+        For an unknown family.
+    """
+    source = (wanted or ("family" if by_default else "none")).strip().lower()
+    if source == "none":
+        return None
+    own, family = _known_of(prop)
+    if source == "population":
+        family = None
+    elif source != "family":
+        family = _family(source)
+    distribution, members = expected_prior(family, without=own)
+    few = "one propeller" if members == 1 else f"{members} propellers"
+    of = f"{few} of the family {family}" if members else "small propellers of all families"
+    told = f"what {of} let expect is the prior of the section constants"
+    if own:
+        told += " (its own in the catalogue left out)"
+    typer.echo(f"note: {told}; without, by --prior-from none", err=True)
+    return SectionPrior(distribution, airfoil_at(distribution.mean, "expected", told), told)
+
+
+def _known_of(prop: str) -> tuple[str | None, str | None]:
+    """Name in the catalogue and family of a propeller, None where not known."""
+    try:
+        meant = meant_by(prop)
+    except InputError:  # the name of a blade in a file
+        return None, None
+    if isinstance(meant, Entry):
+        return meant.name, meant.family
+    return None, meant.family if meant is not None else None
+
+
+def _family(code: str) -> str:
+    known = sorted({one.family for one in all_identified()})
+    if code not in known:
+        close = difflib.get_close_matches(code, known, n=3) or known
+        raise InputError(
+            f"{quoted(code)} is no family of identified propellers",
+            f"give family, population, none or a code such as {', '.join(close)}",
+            "--prior-from",
+        )
+    return code
