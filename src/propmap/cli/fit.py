@@ -93,7 +93,7 @@ def fit_tunnel(
     """Fit loads measured in a tunnel or on a bench."""
     from propmap.cli.tunnel_files import doubts_on_tunnel, read_tunnel, sources
 
-    _check_outputs(output, picture)
+    check_outputs(output, picture)
     base = constants(choice.airfoil) if choice.airfoil else None
     default = ("c_l1", "c_l2", "c_d", "alpha_0", "zero_lift_angle")
     by_default = free is None and base is None
@@ -144,7 +144,7 @@ def fit_tunnel(
         from propmap.report.style import save
 
         save(tunnel_fit(measured, rotor), picture)
-    _finish(fitted, rotor.model, remarks, text, output)
+    finish(fitted, rotor.model, remarks, text, output)
 
 
 @fit_app.command("flight")
@@ -198,7 +198,7 @@ def fit_flight(
     from propmap.cli.flight_files import read_flights
     from propmap.vehicle.vehicle_toml import read_vehicle
 
-    _check_outputs(output, picture, stretches_picture)
+    check_outputs(output, picture, stretches_picture)
     base = constants(name_or_file) if name_or_file else None
     file = read_vehicle(vehicle)
     doubts = [*doubts_on_blade(file.vehicle.propeller), *doubts_on_air(file.vehicle.air)]
@@ -248,7 +248,7 @@ def fit_flight(
     )
     if picture is not None:
         _picture_of_flight(picture, fitted, model, flights.log)
-    _finish(fitted, model_with(model.model, fitted.values), remarks, text, output)
+    finish(fitted, model_with(model.model, fitted.values), remarks, text, output)
 
 
 def _picture_of_flight(picture: Path, fitted: Fitted, model: ForceModel, log: FlightLog) -> None:
@@ -260,7 +260,8 @@ def _picture_of_flight(picture: Path, fitted: Fitted, model: ForceModel, log: Fl
     save(level_flight(model.vehicle, log, law), picture)
 
 
-def _check_outputs(output: Path, *pictures: Path | None) -> None:
+def check_outputs(output: Path, *pictures: Path | None) -> None:
+    """Raise ``InputError`` where a fit or its pictures cannot be written."""
     check_output(output, (".toml",))
     check_pictures(*pictures)
 
@@ -278,9 +279,14 @@ def _weights(texts: Sequence[str] | None) -> dict[str, float]:
     return found
 
 
-def _finish(fitted: Fitted, found: Model, remarks: Sequence[str], text: str, output: Path) -> None:
+def finish(
+    fitted: Fitted, found: Model, remarks: Sequence[str], text: str, output: Path | None
+) -> None:
+    """Write the ``text`` of a fit file and show the fit."""
     from propmap.cli.fit_report import told
 
-    write_text(text, output)
+    if output is not None:
+        write_text(text, output)
     show(None, *told(fitted, found.correction_texts, remarks))
-    typer.echo(f"wrote {output}", err=True)
+    if output is not None:
+        typer.echo(f"wrote {output}", err=True)

@@ -12,7 +12,7 @@ from propmap.arrays.types import Floats
 from propmap.fit.parameters import Choice
 from propmap.fit.rows import Rows
 from propmap.fit.search import NOISE_FLOOR, Minimum, search, starts
-from propmap.fit.section_prior import FIRST_ERROR, LEAST_ERROR
+from propmap.fit.section_prior import LEAST_ERROR
 from propmap.fit.uncertainty import Uncertainty, uncertainty
 
 MEDIAN_TO_DEVIATION = 1.4826
@@ -115,7 +115,7 @@ def fit(rows: Rows, choice: Choice, settings: Settings | None = None) -> Fitted:
     """
     settings = settings or Settings()
     begin = time.perf_counter()
-    error = NOISE_FLOOR if choice.expected is None else FIRST_ERROR
+    error = NOISE_FLOOR if choice.expected is None else LEAST_ERROR
     found = search(rows, choice, starts(choice, settings.starts, settings.seed), error=error)
     sure = uncertainty(rows, choice, found, error)
     if choice.priors or choice.expected is not None or settings.loss != "linear":

@@ -19,6 +19,9 @@ INDEPENDENT = 10
 """Independent numbers that the rows of one load are worth at most, beside what is known of
 propellers in general: what a model or a stand gets wrong, it gets wrong in neighbouring rows alike."""
 
+INDEPENDENT_AT_REST = 4
+"""The same of rows that are all at rest, which differ in rotational speed alone."""
+
 REMEMBERED = 16
 """Evaluations that are kept: more than one refit takes."""
 
@@ -126,7 +129,8 @@ class Rows:
     @property
     def independent(self) -> NDArray[np.intp]:
         """How many independent numbers the rows of each load (L,) are worth."""
-        return np.minimum(self.counts, INDEPENDENT)
+        moving = [np.any(self.speed[self.of_load(k)] > 0.0) for k in range(len(self.names))]
+        return np.minimum(self.counts, np.where(moving, INDEPENDENT, INDEPENDENT_AT_REST))
 
     def left(self, kept: NDArray[np.bool_]) -> Rows:
         """The same rows, without weight where ``kept``, shape (M,), is false."""

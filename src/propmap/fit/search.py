@@ -42,6 +42,9 @@ FAR = 1.5
 MOST_UNSOLVED = 0.05
 """Share of the rows that may have no solution in the model."""
 
+ONE_OF_FEW = 0.2
+"""The same where they are of one operating point."""
+
 
 class End(msgspec.Struct, frozen=True):
     """Where a search from one start ended.
@@ -181,7 +184,7 @@ def search(
     ------
     InputError
         Where there are fewer numbers than parameters, or where the model has no solution for more
-        than one row in twenty.
+        than one row in twenty, or of few rows for more than those of one operating point.
     """
     from scipy.optimize import least_squares
 
@@ -231,7 +234,8 @@ def search(
     for bound in (lower, upper):
         x = np.where(np.abs(x - bound) < ON_BOUND * spread, bound, x)
     residual, slopes = evaluator.at(x)
-    if evaluator.unsolved > MOST_UNSOLVED * rows.measured.size:
+    size = rows.measured.size
+    if evaluator.unsolved > max(MOST_UNSOLVED * size, min(len(rows.names), ONE_OF_FEW * size)):
         raise InputError(
             f"the model has no solution at {evaluator.unsolved} of {rows.measured.size} rows",
             "check the units of the operating points",

@@ -278,5 +278,5 @@ def _verdict(
 def _beside_prior(verdict: tuple[str, bool], left: float) -> tuple[str, bool]:
     """The verdict with how much of a prior's standard deviation is ``left`` over."""
     text, good = verdict
-    text = text.replace("held by its start, the data leave it", "the data leave it")
-    return f"{text}; {left:.2f} of the prior's deviation", good
+    text = text.replace("held by its start, the data leave it", "data and prior leave it")
+    return f"{text}; {left:.2f} of the prior's deviation are left", good
