@@ -23,7 +23,7 @@ from propmap.cli.fit_options import (
 )
 from propmap.cli.output import check_output, check_pictures, show, write_text
 from propmap.cli.plausibility import say_doubts
-from propmap.cli.prior_options import PriorFrom, section_prior
+from propmap.cli.prior_options import PriorFrom, say_prior, section_prior
 from propmap.cli.rotor_options import (
     Corrections,
     ModelOption,
@@ -110,6 +110,7 @@ def fit_tunnel(
     from propmap.fit.added_parameter import failing_assumptions
     from propmap.fit.coverage import coverage, range_warnings
     from propmap.fit.fitted import fit
+    from propmap.fit.prior_conflict import doubts_on_constants
     from propmap.fit.result_file import fit_text
     from propmap.fit.tunnel import first_guess, hover_rows, rotor_with, tunnel_rows
     from propmap.model.model import Model
@@ -125,8 +126,7 @@ def fit_tunnel(
 
     fitted = fit(rows_for(chosen), chosen, settings)
     remarks = [*range_warnings(fitted.rows), *failing_assumptions(fitted, rows_for)]
-    if expected is not None:
-        remarks.append(expected.told)
+    remarks += doubts_on_constants(fitted)
     rotor = rotor_with(model, fitted.values, choice.accuracy.value)
     text = fit_text(
         fitted,
@@ -136,7 +136,13 @@ def fit_tunnel(
         data=sources(data),
         covered=coverage(measured.omega, measured.speed, measured.folded_beta, blade.radius),
         hover=hover_rows(rotor, measured, fitted.rows),
-        remarks=[*remarks, *doubts_on_blade(blade), *doubts_on_air(air), *doubts],
+        remarks=[
+            *say_prior(expected),
+            *remarks,
+            *doubts_on_blade(blade),
+            *doubts_on_air(air),
+            *doubts,
+        ],
         options={"loads": list(fitted.rows.names), "weights": weights},
     )
     if picture is not None:
@@ -211,6 +217,7 @@ def fit_flight(
     from propmap.fit.fitted import fit
     from propmap.fit.flight import ForceModel, balance_rows, hover_rows, level_rows
     from propmap.fit.parameters import BODY, PAPER_FOUR
+    from propmap.fit.prior_conflict import doubts_on_constants
     from propmap.fit.result_file import fit_text
     from propmap.fit.tunnel import first_guess, model_with
 
@@ -231,8 +238,7 @@ def fit_flight(
     make = level_rows if flights.level else balance_rows
     fitted = fit(make(model, chosen), chosen, settings)
     remarks = [*flights.remarks, *range_warnings(fitted.rows)]
-    if expected is not None:
-        remarks.append(expected.told)
+    remarks += doubts_on_constants(fitted)
     if body_study:
         remarks += body_terms_verdict(fitted, lambda c: make(model, c))
     text = fit_text(
@@ -243,7 +249,7 @@ def fit_flight(
         data=[*logs, vehicle],
         covered=model.coverage(),
         hover=hover_rows(model, fitted.values, fitted.rows),
-        remarks=[*remarks, *doubts],
+        remarks=[*say_prior(expected), *remarks, *doubts],
         options={"seconds": seconds, "samples": samples, "vehicle": file.vehicle.name},
     )
     if picture is not None:

@@ -25,7 +25,7 @@ from propmap.cli.fit_options import (
 from propmap.cli.operating_points import RPM
 from propmap.cli.output import grid, show
 from propmap.cli.plausibility import say_doubts
-from propmap.cli.prior_options import PriorFrom, section_prior
+from propmap.cli.prior_options import PriorFrom, say_prior, section_prior
 from propmap.cli.rotor_options import (
     PropOption,
     RotorChoice,
@@ -99,6 +99,7 @@ def fit_static(
     from propmap.fit.coverage import coverage, range_warnings
     from propmap.fit.fitted import fit
     from propmap.fit.forward_trust import forward_trust
+    from propmap.fit.prior_conflict import doubts_on_constants
     from propmap.fit.result_file import fit_text
     from propmap.fit.tunnel import first_guess, hover_rows, rotor_with, tunnel_rows
     from propmap.model.model import Model
@@ -108,9 +109,8 @@ def fit_static(
     model = Model(blade, with_physics(law, choice.model, choice.correction), air)
     setting = choice.accuracy.value
     fitted = fit(tunnel_rows(model, measured, chosen, setting=setting), chosen, settings)
-    remarks = [*range_warnings(fitted.rows)]
+    remarks = [*range_warnings(fitted.rows), *doubts_on_constants(fitted)]
     if expected is not None:
-        remarks.append(expected.told)
         remarks += _like_electrical(fitted, files)
     rotor = rotor_with(model, fitted.values, setting)
     text = fit_text(
@@ -121,7 +121,13 @@ def fit_static(
         data=files,
         covered=coverage(measured.omega, measured.speed, measured.beta, blade.radius),
         hover=hover_rows(rotor, measured, fitted.rows),
-        remarks=[*remarks, *doubts_on_blade(blade), *doubts_on_air(air), *doubts],
+        remarks=[
+            *say_prior(expected),
+            *remarks,
+            *doubts_on_blade(blade),
+            *doubts_on_air(air),
+            *doubts,
+        ],
         options={"loads": list(fitted.rows.names), "weights": {}},
     )
     if picture is not None:
@@ -169,8 +175,8 @@ def _tell(trust: ForwardTrust) -> None:
     show(
         None,
         grid(heads, rows, title),
-        f"sd: standard deviation of what the constants leave open, and {MODEL_ERROR:.0%} of the load "
-        "at rest for the model; checked in axial flow; stands differ by some per cent besides",
+        f"sd: standard deviation of what the constants leave open, and {MODEL_ERROR:.0%} of the "
+        "load at rest for the model; checked in axial flow; stands differ by some per cent besides",
     )
 
 

@@ -27,7 +27,7 @@ PriorFrom = Annotated[
 
 
 def section_prior(wanted: str | None, prop: str, *, by_default: bool) -> SectionPrior | None:
-    """What other propellers tell of ``prop``, and a note of it; None for no prior.
+    """What other propellers tell of ``prop``; None for no prior.
 
     Parameters
     ----------
@@ -57,8 +57,15 @@ def section_prior(wanted: str | None, prop: str, *, by_default: bool) -> Section
     told = f"what {of} let expect is the prior of the section constants"
     if own:
         told += " (its own in the catalogue left out)"
-    typer.echo(f"note: {told}; without, by --prior-from none", err=True)
     return SectionPrior(distribution, airfoil_at(distribution.mean, "expected", told), told)
+
+
+def say_prior(prior: SectionPrior | None) -> list[str]:
+    """Say on standard error what a fit started from; the same as remarks for its file."""
+    if prior is None:
+        return []
+    typer.echo(f"note: {prior.told}; without, by --prior-from none", err=True)
+    return [prior.told]
 
 
 def _known_of(prop: str) -> tuple[str | None, str | None]:

@@ -94,7 +94,7 @@ def forward_trust(model: Model, fitted: Fitted, omega: float, setting: str) -> F
         relative = np.sqrt(variance + (MODEL_ERROR * load[0]) ** 2) / np.abs(load)
         return load, np.where(load < SMALL * load[0], np.nan, relative)
 
-    first, was = loads(choice.first, before)
+    _, was = loads(choice.first, before)
     if unknown:
         was = np.where(np.isfinite(was), np.inf, was)
     load, now = loads(fitted.x, fitted.uncertainty.covariance)

@@ -15,11 +15,11 @@ Evaluation = tuple[Floats, Floats]
 Model = Callable[[Mapping[str, float], tuple[str, ...]], Evaluation]
 """From all parameters by name and the P free names: values (M,) and derivatives (M, P)."""
 
-INDEPENDENT = 10
+INDEPENDENT = 10.0
 """Independent numbers that the rows of one load are worth at most, beside what is known of
-propellers in general: what a model or a stand gets wrong, it gets wrong in neighbouring rows alike."""
+propellers in general: what a model or a stand gets wrong, neighbouring rows have in common."""
 
-INDEPENDENT_AT_REST = 4
+INDEPENDENT_AT_REST = 4.0
 """The same of rows that are all at rest, which differ in rotational speed alone."""
 
 REMEMBERED = 16
@@ -127,7 +127,7 @@ class Rows:
         return np.array([np.count_nonzero(self.of_load(k)) for k in range(len(self.names))])
 
     @property
-    def independent(self) -> NDArray[np.intp]:
+    def independent(self) -> Floats:
         """How many independent numbers the rows of each load (L,) are worth."""
         moving = [np.any(self.speed[self.of_load(k)] > 0.0) for k in range(len(self.names))]
         return np.minimum(self.counts, np.where(moving, INDEPENDENT, INDEPENDENT_AT_REST))

@@ -135,7 +135,7 @@ def weight_of_priors(rows: Rows, choice: Choice, error: float) -> float:
     """
     if choice.expected is None:
         return error
-    return error * float(np.sqrt(rows.counts.sum() / max(int(rows.independent.sum()), 1)))
+    return error * float(np.sqrt(rows.counts.sum() / max(float(rows.independent.sum()), 1.0)))
 
 
 def starts(choice: Choice, count: int, seed: int) -> list[Floats]:

@@ -22,9 +22,9 @@ SMALLEST = 1e-6
 """Taken for a constant at its bound of 0, which is infinitely far in coordinates that are logs."""
 
 LEAST_ERROR = 0.03
-"""Standard deviation of residuals at least, as a share of their scale, where such a prior is weighed
-against them: no stand and no model is better, however well few rows are fitted.  With this, after a
-fit to a propeller's static rows, its rows in flight lie within the intervals as often as they
+"""Standard deviation of residuals at least, as a share of their scale, where such a prior is
+weighed against them: no stand and no model is better, however well few rows are fitted.  With it,
+after a fit to static rows, a propeller's rows in flight lie within their intervals as often as they
 should: ``python -m tools.after_static``."""
 
 

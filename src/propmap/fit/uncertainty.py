@@ -19,7 +19,7 @@ AT_BOUND = 1e-6
 """Distance from a bound, in spreads, within which the bound holds a parameter."""
 
 HELD_BY_PRIOR = 0.7
-"""Share of the deviation beforehand above which the prior says more of a parameter than the data."""
+"""Share of the deviation beforehand above which a prior says more of a parameter than the data."""
 
 LARGEST_STRETCH = 4.0
 """Of an interval where the model is not linear; by then the parameter is no longer identified."""
@@ -112,7 +112,7 @@ def uncertainty(
         alike = counts / np.maximum(rows.independent, 1)
         variance = alike * np.maximum(errors, LEAST_ERROR) ** 2
         middle = (slopes * variance[rows.load][:, None]).T @ slopes
-        freedom = max(int(rows.independent.sum()), 1)
+        freedom = max(round(float(rows.independent.sum())), 1)
     elif rows.group is None:
         middle = (slopes * errors[rows.load][:, None] ** 2).T @ slopes
         freedom = max(int(counts.sum()) - x.size, 1)

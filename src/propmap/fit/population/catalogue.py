@@ -15,6 +15,7 @@ from propmap.errors import InputError
 from propmap.fit.population import identification
 from propmap.fit.population.coefficients import AxialTest, airfoil_of
 from propmap.fit.population.verdict import verdict
+from propmap.fit.rows import INDEPENDENT
 from propmap.io.uiuc_database import MeasuredPropeller
 
 SPECIMENS = ("", "-b", "-c")
@@ -111,7 +112,7 @@ def _entry(name: str, specimens: int, test: AxialTest, key: str) -> Identified:
 def _key(test: AxialTest) -> str:
     """A short digest of all that a result depends on but the program itself."""
     settings = (
-        identification.INDEPENDENT,
+        INDEPENDENT,
         identification.FIRST_ERRORS,
         identification.LEAST_ERRORS,
         identification.MOST_ERRORS,
