@@ -4,9 +4,9 @@ Usage: python -m tools.after_static LOADS [N]
 
 LOADS is the UIUC database's loads.csv; every propeller with static rows and a measured blade, or N
 of them drawn at random, is fitted as ``propmap fit static`` does, its own constants in the
-catalogue left out.  Its other rows with a fifth of the static thrust or more are then predicted.  Errors are
-root mean squares over those of what was measured; coverage is the share of rows within the 95 %
-intervals.  The figures go into benchmarks/results/after_static.json where all were fitted.
+catalogue left out.  Its other rows with a fifth of the static thrust or more are then predicted.
+Errors are root mean squares over those of what was measured; coverage is the share of rows within
+the 95 % intervals.  The figures go into benchmarks/results/after_static.json where all were fitted.
 """
 
 from __future__ import annotations

@@ -14,6 +14,7 @@ from propmap.cli.points_file import read_columns
 from propmap.cli.tunnel_files import read_tunnel
 from propmap.errors import InputError
 from propmap.fit.tunnel import TunnelData
+from propmap.io.text_file import read_lines
 from propmap.io.uiuc_loads import looks_like_uiuc_loads
 from propmap.model.air import Air
 from propmap.model.propeller import Propeller
@@ -95,5 +96,5 @@ def _check_rest(speed: Floats, path: Path) -> None:
 
 
 def has_power(path: Path) -> bool:
-    """Whether a CSV file gives the power in place of the torque."""
-    return not looks_like_uiuc_loads(path) and "power_W" in path.read_text(encoding="utf-8-sig")
+    """Whether a CSV file that was read gives the power in place of the torque."""
+    return not looks_like_uiuc_loads(path) and "power_W" in "".join(read_lines(path, "CSV file"))

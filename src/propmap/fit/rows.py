@@ -128,8 +128,14 @@ class Rows:
 
     @property
     def independent(self) -> Floats:
-        """How many independent numbers the rows of each load (L,) are worth."""
-        moving = [np.any(self.speed[self.of_load(k)] > 0.0) for k in range(len(self.names))]
+        """How many independent numbers the rows of each load (L,) are worth.
+
+        In flight that is one for each group; each manoeuvre meets another flow.
+        """
+        parts = [self.of_load(k) for k in range(len(self.names))]
+        if self.group is not None:
+            return np.array([float(np.unique(self.group[part]).size) for part in parts])
+        moving = [np.any(self.speed[part] > 0.0) for part in parts]
         return np.minimum(self.counts, np.where(moving, INDEPENDENT, INDEPENDENT_AT_REST))
 
     def left(self, kept: NDArray[np.bool_]) -> Rows:

@@ -108,16 +108,16 @@ def uncertainty(
     errors = np.array([_standard_error(found.residual[part], share) for part in parts])
     if choice.expected is None:
         weight = float(np.sqrt(np.sum(counts * errors**2) / max(counts.sum(), 1)))
-    if choice.expected is not None:
-        alike = counts / np.maximum(rows.independent, 1)
+    if rows.group is not None:
+        middle, freedom = _by_group(slopes, found.residual, rows.group[used], used)
+    elif choice.expected is not None:
+        alike = counts / np.maximum(rows.independent, 1.0)
         variance = alike * np.maximum(errors, LEAST_ERROR) ** 2
         middle = (slopes * variance[rows.load][:, None]).T @ slopes
         freedom = max(round(float(rows.independent.sum())), 1)
-    elif rows.group is None:
+    else:
         middle = (slopes * errors[rows.load][:, None] ** 2).T @ slopes
         freedom = max(int(counts.sum()) - x.size, 1)
-    else:
-        middle, freedom = _by_group(slopes, found.residual, rows.group[used], used)
     known = _sandwich(
         information + weight**2 * prior_information, middle + weight**4 * prior_information
     )
@@ -279,4 +279,4 @@ def _beside_prior(verdict: tuple[str, bool], left: float) -> tuple[str, bool]:
     """The verdict with how much of a prior's standard deviation is ``left`` over."""
     text, good = verdict
     text = text.replace("held by its start, the data leave it", "data and prior leave it")
-    return f"{text}; {left:.2f} of the prior's deviation are left", good
+    return f"{text}; {left:.2f} of the prior's deviation is left", good
