@@ -266,9 +266,10 @@ def _picture_of_flight(picture: Path, fitted: Fitted, model: ForceModel, log: Fl
     save(level_flight(model.vehicle, log, law), picture)
 
 
-def check_outputs(output: Path, *pictures: Path | None) -> None:
+def check_outputs(output: Path | None, *pictures: Path | None) -> None:
     """Raise ``InputError`` where a fit or its pictures cannot be written."""
-    check_output(output, (".toml",))
+    if output is not None:
+        check_output(output, (".toml",))
     check_pictures(*pictures)
 
 

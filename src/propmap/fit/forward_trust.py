@@ -77,7 +77,7 @@ def forward_trust(model: Model, fitted: Fitted, omega: float, setting: str) -> F
     """
     choice = fitted.choice
     by_prior = choice.apart(choice.first)[1]
-    before = np.linalg.pinv(by_prior.T @ by_prior)
+    before = np.asarray(np.linalg.pinv(by_prior.T @ by_prior), np.float64)
     unknown = [k for k, name in enumerate(choice.free) if choice.prior_of(name) is None]
     speed = np.array(ADVANCE) * omega / (2.0 * np.pi) * model.propeller.diameter
     flow = np.full(speed.size, omega), speed * np.cos(BETA), speed * np.sin(BETA)
