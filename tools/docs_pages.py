@@ -53,6 +53,7 @@ def write(folder: Path) -> None:
     found = {
         name: json.loads((RESULTS / f"{name}.json").read_text(encoding="utf-8"))
         for name in (
+            "after_static",
             "choice",
             "convergence",
             "demo",
@@ -91,6 +92,7 @@ def write(folder: Path) -> None:
         "performance-peers": performance_tables.peers(found["peers"]),
         "drag-effects": drag_effects_table.table(drag_effects()),
         "identified": identified(),
+        "after-static": after_static(found["after_static"]),
         "left-out": left_out(found["left_out"]),
         "cli": command_reference(),
     }
@@ -238,6 +240,19 @@ def choice_table(found: dict[str, Any]) -> str:
         f"{place['python']}, least of many; the machine's load was {place['load_before']} at the "
         "start."
     )
+
+
+def after_static(found: dict[str, Any]) -> str:
+    """How well flight is predicted before and after a fit to static rows."""
+    lines = [
+        f"| {found['propellers']} propellers | thrust, median error | torque, median error | "
+        "rows within 95 %, thrust | torque |",
+        "|---|---|---|---|---|",
+    ]
+    for when in ("before", "after"):
+        cells = [*found[when]["error"], *found[when]["held"]]
+        lines.append(f"| {when} | " + " | ".join(f"{100.0 * v:.1f} %" for v in cells) + " |")
+    return "\n".join(lines) + "\n"
 
 
 def left_out(found: dict[str, Any]) -> str:

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from propmap import catalogue
+from propmap.arrays.types import Floats
 from propmap.catalogue.designation import designation
 from propmap.catalogue.equivalent import equivalent
 from propmap.catalogue.expected_blade import ExpectedBlade
@@ -63,7 +64,6 @@ def expected_constants(
     """
     prior = expected_prior(family, size, geometry)
     members = _members(family, geometry)
-    values: Any = {**HELD, **dict(zip(PARAMETERS, constants_of(prior.mean).tolist(), strict=True))}
     known = members and geometry != "population"
     name = f"{family} expected" if members else "small propeller expected"
     source = f"prior over propellers by propmap, family {family if members else 'unknown'}"
@@ -88,19 +88,56 @@ def expected_constants(
         float(errors[1]),
         with_blade=with_blade,
     )
-    return ExpectedConstants(
-        Airfoil(**values, name=name, source=source, uncertainty=known_to), told
-    )
+    law = airfoil_at(prior.mean, name, source).with_parameters(uncertainty=known_to)
+    return ExpectedConstants(law, told)
+
+
+def airfoil_at(place: Floats, name: str, source: str) -> Airfoil:
+    """The section law at coordinates of the constants.
+
+    Parameters
+    ----------
+    place : ndarray, shape (7,)
+        As in ``prior.PopulationPrior``.
+    name, source : str
+        Of the set.
+    """
+    found = zip(PARAMETERS, constants_of(place).tolist(), strict=True)
+    values: Any = {**HELD, **dict(found)}
+    return Airfoil(**values, name=name, source=source)
 
 
 def expected_prior(
-    family: str | None = None, size: Size | None = None, geometry: str = "measured"
+    family: str | None = None,
+    size: Size | None = None,
+    geometry: str = "measured",
+    without: str | None = None,
 ) -> PopulationPrior:
-    """What is known of a propeller's constants without its own data; see ``expected_constants``."""
+    """The distribution of a propeller's constants without its own data.
+
+    Parameters
+    ----------
+    family, size, geometry
+        As in ``expected_constants``.
+    without : str, optional
+        What the database calls a propeller that is left out.
+    """
+    members = [one for one in _members(family, geometry) if one.tested != without]
     population = bundled_population(geometry)
-    return family_prior(
-        _members(family, geometry), population, size or (MIDDLE[0], MIDDLE[0] * MIDDLE[1])
-    )
+    return family_prior(members, population, size or (MIDDLE[0], MIDDLE[0] * MIDDLE[1]))
+
+
+def siblings(family: str | None, without: str | None = None) -> int:
+    """How many propellers of a ``family`` were identified, one that is left out apart.
+
+    Parameters
+    ----------
+    family : str or None
+        Code of its series in the catalogue; None where it is not known.
+    without : str, optional
+        What the database calls a propeller that is left out.
+    """
+    return sum(one.tested != without for one in _members(family, "measured"))
 
 
 def size_of(meant: catalogue.Entry | ExpectedBlade | None, blade: Propeller) -> Size:

@@ -39,6 +39,14 @@ PropArgument = Annotated[
         help="Name in the catalogue, designation such as 'HQ 5x4.3x3', or geometry file.",
     ),
 ]
+PropOption = Annotated[
+    str,
+    typer.Option(
+        "--prop",
+        metavar="PROP",
+        help="Name in the catalogue, designation such as 'HQ 5x4.3x3', or geometry file.",
+    ),
+]
 Blades = Annotated[int | None, typer.Option("--blades", metavar="N", help="Number of blades.")]
 Radius = Annotated[
     float | None, typer.Option("--radius", help="Tip radius [m], where the file gives none.")
@@ -239,16 +247,19 @@ def say_reynolds(model: Model, omega: Floats, speed: Floats, beta: Floats) -> No
 
 
 def takes_rotor(
-    command: Callable[Concatenate[RotorChoice, Others], None],
+    command: Callable[Concatenate[RotorChoice, Others], None], prop: Any = PropArgument
 ) -> Callable[..., None]:
-    """A command with the parameters of ``RotorChoice`` in place of its first argument."""
+    """A command with the parameters of ``RotorChoice`` in place of its first argument.
+
+    ``prop`` says how the propeller is given: as an argument, or by an option.
+    """
     own = list(inspect.signature(command, eval_str=True).parameters.values())[1:]
     types = get_type_hints(RotorChoice, include_extras=True)
     shared = [
         inspect.Parameter(
             field.name,
             inspect.Parameter.KEYWORD_ONLY,
-            annotation=types[field.name],
+            annotation=types[field.name] if field.name != "prop" else prop,
             default=field.default if field.name != "prop" else inspect.Parameter.empty,
         )
         for field in fields(RotorChoice)

@@ -186,7 +186,7 @@ def read_fit(path: Path) -> FitFile:
 def _parameter(fitted: Fitted, k: int) -> FreeParameter:
     choice, sure = fitted.choice, fitted.uncertainty
     name = choice.free[k]
-    known, prior = EVERY[name], choice.priors.get(name)
+    known, prior = EVERY[name], choice.prior_of(name)
     low, high = None, None
     if fitted.bootstrapped.size:
         low, high = np.percentile(fitted.bootstrapped[:, k], [2.5, 97.5]).tolist()

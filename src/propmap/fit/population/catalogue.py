@@ -20,6 +20,7 @@ from propmap.fit.population import identification
 from propmap.fit.population.coefficients import AxialTest, airfoil_of
 from propmap.fit.population.populations import members_on
 from propmap.fit.population.verdict import verdict
+from propmap.fit.rows import INDEPENDENT
 from propmap.io.uiuc_database import MeasuredPropeller
 from propmap.model.propeller import Propeller
 
@@ -196,7 +197,7 @@ def _key(test: AxialTest, before: Sequence[str] = ()) -> str:
         Keys of the results that its prior is made of.
     """
     settings = (
-        identification.INDEPENDENT,
+        INDEPENDENT,
         identification.FIRST_ERRORS,
         identification.LEAST_ERRORS,
         identification.MOST_ERRORS,

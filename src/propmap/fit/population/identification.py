@@ -15,9 +15,7 @@ from propmap.catalogue.prior import (
     slopes_of,
 )
 from propmap.fit.population.coefficients import AxialTest
-
-INDEPENDENT = 10.0
-"""Independent numbers that the rows of one load are worth: rows of one run err together."""
+from propmap.fit.rows import INDEPENDENT
 
 AT_REST = 2.0
 """The same of rows at rest alone: level and slope of one curve over the rotational speed."""
