@@ -33,7 +33,7 @@ def test_a_stand_narrows_what_the_family_leaves_open(run: Run, stand: Path) -> N
     done = run("fit", "static", stand, *PROP, "-o", "fit.toml")
     assert done.code == 0
     note, wrote = done.err.splitlines()
-    assert note.startswith("note: what 14 propellers of the family apce let expect is the prior")
+    assert note.startswith("note: what 12 propellers of the family apce let expect is the prior")
     assert "its own in the catalogue left out" in note and "--prior-from none" in note
     assert wrote == "wrote fit.toml"
     found = fit_record(Path("fit.toml"))
@@ -41,7 +41,7 @@ def test_a_stand_narrows_what_the_family_leaves_open(run: Run, stand: Path) -> N
         "c_l1", "c_d", "alpha_0", "zero_lift_angle", "c_d0", "reynolds_camber", "drag_angle",
     ]  # fmt: skip
     assert found["fixed"]["c_l2"] == 2.0
-    assert any("14 propellers of the family apce" in text for text in found["remarks"])
+    assert any("12 propellers of the family apce" in text for text in found["remarks"])
     law = parameter_set("fit.toml")
     assert 4.5 < law.c_l1 < 7.0 and law.zero_lift_angle < 0.0 and 1.0 < law.c_d < 5.0
     for name, told in found["parameters"].items():
