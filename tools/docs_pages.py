@@ -20,7 +20,7 @@ from propmap.fit.population.summary import summary
 from propmap.io.atomic_file import replacing
 from propmap.papers.gill_dandrea_2017.drag_effects import drag_effects
 from tools import drag_effects as drag_effects_table
-from tools import lifting_line_tables, performance_tables, readme_tables
+from tools import lifting_line_tables, other_tunnel, performance_tables, readme_tables
 
 RESULTS = Path(__file__).resolve().parent.parent / "benchmarks" / "results"
 LOADS = {
@@ -94,6 +94,7 @@ def write(folder: Path) -> None:
         "identified": identified(),
         "after-static": after_static(found["after_static"]),
         "left-out": left_out(found["left_out"]),
+        "other-tunnel": other_tunnel.table(),
         "cli": command_reference(),
     }
     for name, text in parts.items():
