@@ -70,7 +70,7 @@ class SectionPrior:
         return (place - self.distribution.mean) / deviation, slopes
 
     def of_constant(self, name: str) -> tuple[float, float] | None:
-        """Mean and standard deviation of the constant ``name``; None where it has no distribution."""
+        """Mean and standard deviation of the constant ``name``; None where there is none."""
         if name not in PARAMETERS:
             return None
         k = PARAMETERS.index(name)
