@@ -90,7 +90,7 @@ class SectionPrior:
         return np.linalg.solve(root, apart[own]), np.linalg.solve(root, slopes[own])
 
     def of_constant(self, name: str) -> tuple[float, float] | None:
-        """Mean and standard deviation of a constant; None of one that has no distribution."""
+        """Mean and standard deviation of the constant ``name``; None where there is none."""
         if name not in PARAMETERS:
             return None
         k = PARAMETERS.index(name)
