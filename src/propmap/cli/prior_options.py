@@ -68,7 +68,7 @@ def section_prior(
     few = "one propeller" if members == 1 else f"{members} propellers"
     of = f"{few} of the family {family}" if members else "small propellers of all families"
     told = f"what {of} let expect is the prior of the section constants"
-    if own in {one.propeller for one in all_identified()}:
+    if own:
         told += " (its own in the catalogue left out)"
     return SectionPrior(distribution, airfoil_at(distribution.mean, "expected", told), told)
 
