@@ -26,11 +26,11 @@ from propmap.physics.rotor import RotorArrays
 from propmap.physics.velocities import AzimuthNodes
 from propmap.solve.disk import DiskSolution
 from propmap.solve.load_slopes import (
-    GEOMETRY,
     Directions,
     directions_of,
     load_slopes,
     moving,
+    with_terms,
 )
 from propmap.solve.problem import Case
 
@@ -91,12 +91,10 @@ def load_gradients(
 
 def _with_terms(rotor: Prepared, names: tuple[str, ...]) -> Prepared:
     """The rotor with those terms of its law among ``names`` that were left out of it as zero."""
-    arrays = rotor.arrays
-    left_out = [name for name in names if name not in (*moving(arrays), *GEOMETRY)]
-    if not left_out:
+    arrays = with_terms(rotor.arrays, names)
+    if arrays is rotor.arrays:
         return rotor
-    law = arrays.law.plus(**{name: np.float64(0.0) for name in left_out})  # type: ignore[arg-type]
-    return prepare(arrays._replace(law=law), uniform=rotor.uniform, double=rotor.double)
+    return prepare(arrays, uniform=rotor.uniform, double=rotor.double)
 
 
 def _gradients(

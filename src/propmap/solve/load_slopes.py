@@ -30,13 +30,24 @@ from propmap.solve.moved_case import (
     RADIUS,
     change_of,
     motion_of,
+    moved_rotor,
     moving,
     sources_of,
+    with_terms,
 )
 from propmap.solve.problem import Case, annulus_problem
 from propmap.solve.quadrature import panel_nodes
 
-__all__ = ["FLOW", "GEOMETRY", "Directions", "directions_of", "load_slopes", "moving"]
+__all__ = [
+    "FLOW",
+    "GEOMETRY",
+    "Directions",
+    "directions_of",
+    "load_slopes",
+    "moved_rotor",
+    "moving",
+    "with_terms",
+]
 
 
 @jax.tree_util.register_static

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
+
+import numpy as np
 
 from propmap.arrays.namespace import Array
 from propmap.arrays.sparse_derivative import derivative
@@ -33,14 +35,22 @@ def moving(rotor: RotorArrays) -> tuple[str, ...]:
     return (*rotor.law.parameters, *mounted, *FLOW)
 
 
-def moved(case: Case, change: Mapping[str, Array]) -> Case:
-    """The case with ``change`` added to what it names."""
+def with_terms(rotor: RotorArrays, names: Sequence[str]) -> RotorArrays:
+    """The rotor with those terms of its law among ``names`` that were left out of it as zero."""
+    left_out = [name for name in names if name not in (*moving(rotor), *GEOMETRY)]
+    if not left_out:
+        return rotor
+    zero: Any = dict.fromkeys(left_out, np.float64(0.0))
+    return rotor._replace(law=rotor.law.plus(**zero))
+
+
+def moved_rotor(rotor: RotorArrays, change: Mapping[str, Array]) -> RotorArrays:
+    """The rotor with ``change`` added to what it names of ``moving``, but the flow, and
+    ``GEOMETRY``."""
     by_name = dict(change)
-    rotor = case.rotor
-    flow = {name: getattr(case, name) + by_name.pop(name) for name in FLOW if name in by_name}
-    if MOUNT_AREA in by_name and rotor.mount is not None:
-        area = rotor.mount.area + by_name.pop(MOUNT_AREA)
-        rotor = rotor._replace(mount=rotor.mount._replace(area=area))
+    area = by_name.pop(MOUNT_AREA, None)
+    if area is not None and rotor.mount is not None:
+        rotor = rotor._replace(mount=rotor.mount._replace(area=rotor.mount.area + area))
     shape = {}
     for name in GEOMETRY:
         if name in by_name:
@@ -48,9 +58,14 @@ def moved(case: Case, change: Mapping[str, Array]) -> Case:
             shape[name] = by if old is None else old + by
     if shape:
         rotor = rotor._replace(blade=rotor.blade._replace(**shape))
-    if by_name:
-        rotor = rotor._replace(law=rotor.law.plus(**by_name))
-    return case._replace(rotor=rotor, **flow)
+    return rotor._replace(law=rotor.law.plus(**by_name)) if by_name else rotor
+
+
+def moved(case: Case, change: Mapping[str, Array]) -> Case:
+    """The case with ``change`` added to what it names of ``moving`` and ``GEOMETRY``."""
+    flow = {name: getattr(case, name) + by for name, by in change.items() if name in FLOW}
+    other = {name: by for name, by in change.items() if name not in FLOW}
+    return case._replace(rotor=moved_rotor(case.rotor, other), **flow)
 
 
 class Change(NamedTuple):
