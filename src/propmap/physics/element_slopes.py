@@ -198,7 +198,7 @@ def mean_slopes(
     def weighted(name: str, sine: Array, even: Force, odd: Force) -> Means:
         along = name == TURNING and sources.inplane
         if thrust_alone:
-            return Means((even[:1], _times(sine, even[:1])) if along else (even[:1],))
+            return Means((even, _times(sine, even)) if along else (even,))
         by_sine = _times(sine, even)
         if not along and not (name == THROUGH and odd):
             return Means((even, by_sine, odd) if odd else (even, by_sine))
@@ -209,7 +209,11 @@ def mean_slopes(
 
     def terms(sine: Array) -> dict[str, Means]:
         def around(v: Array) -> dict[str, Force]:
-            return materialize(lambda: _element_slopes(at, v, sine, sources), at.blades)
+            def forces() -> dict[str, Force]:
+                found = _element_slopes(at, v, sine, sources)
+                return {name: f[:1] for name, f in found.items()} if thrust_alone else found
+
+            return materialize(forces, at.blades)
 
         if harmonics is None:
             return {name: weighted(name, sine, f, ()) for name, f in around(inflow).items()}
