@@ -13,7 +13,7 @@ from propmap.engine.accuracy import Accuracy
 from propmap.engine.evaluation import Prepared, evaluate_flow, flow_at
 from propmap.engine.gradients import LoadGradients
 from propmap.loads import LOADS
-from propmap.solve.load_slopes import moved_rotor, with_terms
+from propmap.solve.moved_case import moved_rotor, with_terms
 
 STEP = 1e-4
 """Step over the scale of a parameter: errors of the search's tolerance and of the curvature are
