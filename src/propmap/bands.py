@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from propmap.arrays.types import Floats
-from propmap.engine.accuracy import Accuracy
+from propmap.engine.accuracy import FOR_DEVIATIONS
 from propmap.engine.differences import load_differences
 from propmap.engine.evaluation import Prepared
 from propmap.engine.gradients import load_gradients
@@ -21,8 +21,9 @@ from propmap.model.uncertainty import (
     SectionUncertainty,
 )
 
-FEW = 16
-"""Operating points up to which differences by NumPy are done before a compiler would be."""
+FEW = {True: 0, False: 128}
+"""Operating points up to which differences by NumPy are done before a compiler would be, by whether
+the rotor's programs are compiled anyway."""
 
 
 class FlowPoints(NamedTuple):
@@ -34,7 +35,7 @@ class FlowPoints(NamedTuple):
 
 
 def load_deviations(
-    model: Model, rotor: Prepared, setting: Accuracy, at: FlowPoints, loads: Floats
+    model: Model, rotor: Prepared, at: FlowPoints, loads: Floats
 ) -> dict[str, Floats]:
     """Standard deviations of the loads by their source.
 
@@ -45,7 +46,7 @@ def load_deviations(
     ----------
     model : Model
         With its uncertainty.
-    rotor, setting : Prepared, Accuracy
+    rotor : Prepared
         The same model, ready for evaluation.
     at : FlowPoints
         N operating points.
@@ -61,25 +62,23 @@ def load_deviations(
     known = model.uncertainty
     if known is None:
         return {}
-    found = _by_parameters(known, rotor, setting, at)
+    found = _by_parameters(known, rotor, at)
     found["discrepancy"] = _discrepancy(model, known, at, loads)
     if known.another_tunnel:
         found["tunnel"] = _tunnel(model, at, loads)
     return found
 
 
-def _by_parameters(
-    known: SectionUncertainty, rotor: Prepared, setting: Accuracy, at: FlowPoints
-) -> dict[str, Floats]:
+def _by_parameters(known: SectionUncertainty, rotor: Prepared, at: FlowPoints) -> dict[str, Floats]:
     """Standard deviations (L, N) that follow from what is not known of constants and blade."""
     whole = known.covariance.determined
     if not whole.names:
         return {}
-    if rotor.compiled or at.omega.size > FEW:
-        slopes = load_gradients(rotor, setting, whole.names, *at).slopes
+    if at.omega.size > FEW[rotor.compiled]:
+        slopes = load_gradients(rotor, FOR_DEVIATIONS, whole.names, *at, alike=True).slopes
     else:
         scales = [float(spread) or 1e-3 for spread in np.diag(whole.matrix) ** 0.5]
-        slopes = load_differences(rotor, setting, whole.names, scales, *at).slopes
+        slopes = load_differences(rotor, FOR_DEVIATIONS, whole.names, scales, *at).slopes
 
     def variance(of: SectionCovariance) -> Floats:
         return np.maximum(np.einsum("lpn,pq,lqn->ln", slopes, of.matrix, slopes), 0.0)

@@ -257,7 +257,7 @@ class Rotor:
         self, at: FlowPoints, loads: Floats, shape: tuple[int, ...]
     ) -> dict[str, LoadValues]:
         """``Loads.std_by_source`` of loads (L, N) at N points, as arrays of this ``shape``."""
-        found = load_deviations(self.model, self._prepared, self._setting, at, loads)
+        found = load_deviations(self.model, self._prepared, at, loads)
         values = {}
         for source, rows in found.items():
             lost = np.where(np.isnan(loads), np.nan, rows)

@@ -38,6 +38,10 @@ FIT_BLOCK = 8
 """Operating points per call if there are few: as many as fit in a vector register.  The program
 compiles in a third less time than one for 32."""
 
+ALIKE_BLOCK = 32
+"""The same where there are many: half as long per point, and the program takes longer to
+compile."""
+
 TURNING = 4
 """Azimuths that tell how loads leave axial flow with the in-plane velocity: the mean of sin(psi)^2
 is theirs.  In axial flow itself the loads are those of a single azimuth."""
@@ -58,6 +62,8 @@ def load_gradients(
     omega: Floats,
     v_axial: Floats,
     v_inplane: Floats,
+    *,
+    alike: bool = False,
 ) -> LoadGradients:
     """Loads at N operating points and their derivatives by P of ``load_slopes.moving``.
 
@@ -73,20 +79,25 @@ def load_gradients(
         The parameters; those of ``load_slopes.GEOMETRY`` too.
     omega, v_axial, v_inplane : ndarray, shape (N,)
         [rad/s], [m/s]; v_inplane >= 0.
+    alike : bool
+        Whether any number of points gets the same nodes, so that a single pair of programs is
+        compiled for a large batch, too.
     """
     rotor = _with_terms(rotor, names)
+    size = ALIKE_BLOCK if alike else FIT_BLOCK if omega.size < FEW else None
     down = v_axial < 0.0
     if not down.any():
-        return _gradients(rotor, setting, names, Flow(omega, v_axial, v_inplane, None), None)
+        flow = Flow(omega, v_axial, v_inplane, None)
+        return _gradients(rotor, setting, names, flow, None, size)
     v_hover, v_hover_slope = np.zeros_like(omega), np.zeros((len(names), omega.size))
     rates, where = np.unique(omega[down], return_inverse=True)
     still, no = np.zeros_like(rates), np.zeros((len(names), rates.size))
-    static = _gradients(rotor, setting, names, Flow(rates, still, still, still), no)
+    static = _gradients(rotor, setting, names, Flow(rates, still, still, still), no, size)
     v, slope = _static_inflow(rotor, static)
     v_hover[down] = v[where]
     v_hover_slope[:, down] = slope[:, where]
     flow = Flow(omega, v_axial, v_inplane, v_hover)
-    return _gradients(rotor, setting, names, flow, v_hover_slope)
+    return _gradients(rotor, setting, names, flow, v_hover_slope, size)
 
 
 def _with_terms(rotor: Prepared, names: tuple[str, ...]) -> Prepared:
@@ -103,10 +114,14 @@ def _gradients(
     names: tuple[str, ...],
     flow: Flow,
     v_hover_slope: Floats | None,
+    size: int | None,
 ) -> LoadGradients:
-    """``load_gradients`` with known static inflow and its derivatives (D, N) along directions."""
+    """``load_gradients`` with known static inflow and its derivatives (D, N) along directions.
+
+    ``size`` is the number of points per block, all with the same nodes; None as in a plain batch.
+    """
     points = flow.omega.size
-    few = points < FEW
+    few = size is not None
     slopes = np.full((len(LOADS), len(names), points), np.nan)
     ways = directions_of(moving(rotor.arrays), names, len(names))
 
@@ -130,10 +145,9 @@ def _gradients(
             by_name = np.asarray(found).transpose(1, 0, 2)
             slopes[:, :, kept] = by_name[:, :, : kept.size]
 
-    size = FIT_BLOCK if few else None
-    if few and names:
+    if size is not None and names:
         sized = setting.for_stall(rotor.forecast.stall_width)
-        _compile_both(rotor, sized, names, descends=flow.v_hover is not None)
+        _compile_both(rotor, sized, names, size, descends=flow.v_hover is not None)
     flat = evaluate_flow(
         rotor, setting, flow, alike=few, size=size, solved=differentiate if names else None
     )
@@ -166,23 +180,23 @@ def _static_inflow(rotor: Prepared, static: LoadGradients) -> tuple[Floats, Floa
     return v, per_thrust * slope
 
 
-_COMPILED: set[tuple[Accuracy, int, tuple[str, ...], bool]] = set()
+_COMPILED: set[tuple[Accuracy, int, tuple[str, ...], int, bool]] = set()
 
 
 def _compile_both(
-    rotor: Prepared, setting: Accuracy, names: tuple[str, ...], *, descends: bool
+    rotor: Prepared, setting: Accuracy, names: tuple[str, ...], size: int, *, descends: bool
 ) -> None:
     """Compile the two programs for few points at the same time instead of one after the other."""
-    key = (setting, rotor.arrays.blade.station.size, names, descends)
+    key = (setting, rotor.arrays.blade.station.size, names, size, descends)
     if key in _COMPILED:
         return
     _COMPILED.add(key)
-    panels, still = alike_panels(setting), np.zeros(FIT_BLOCK)
-    nodes = nodes_of_each(np.ones(FIT_BLOCK, int), setting.most_azimuths)
+    panels, still = alike_panels(setting), np.zeros(size)
+    nodes = nodes_of_each(np.ones(size, int), setting.most_azimuths)
     flow = Flow(still, still, still, still if descends else None)
-    slopes = np.zeros((len(names), FIT_BLOCK)) if descends else None
+    slopes = np.zeros((len(names), size)) if descends else None
     search = compiled_search(panels, axial=False)
-    arguments = (rotor.on_device, flow, nodes, FIT_BLOCK)
+    arguments = (rotor.on_device, flow, nodes, size)
 
     def run_search() -> None:
         with jax.enable_x64(True):
@@ -195,7 +209,7 @@ def _compile_both(
         _, shapes = search.eval_shape(*arguments)
         solution = jax.tree.map(lambda a: np.zeros(a.shape, a.dtype), shapes)
         ways = directions_of(moving(rotor.arrays), names, len(names))
-        here = (flow, solution, ways, slopes, nodes, FIT_BLOCK)
+        here = (flow, solution, ways, slopes, nodes, size)
         _program(panels)(rotor.on_device, *here)
         searched.result()
 
