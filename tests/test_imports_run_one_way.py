@@ -27,6 +27,7 @@ LEFT_TO_RIGHT = (
     "fit",
     "flight",
     "table",
+    "aircraft",
     "export",
     "report",
     "papers",

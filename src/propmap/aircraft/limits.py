@@ -51,9 +51,7 @@ class Limits:
         if not 0.0 < self.charge <= 1.0:
             raise InputError(f"charge is {self.charge:g}", "give a share, 1 for a full battery")
 
-    def used(
-        self, omega: Floats, tip_speed: Floats, electric: ElectricState
-    ) -> dict[str, Floats]:
+    def used(self, omega: Floats, tip_speed: Floats, electric: ElectricState) -> dict[str, Floats]:
         """Share of each limit that is used, 1 at the limit.
 
         Parameters
@@ -79,7 +77,9 @@ class Limits:
             "battery_limit": nothing,
         }
         if motor is not None:
-            found["motor_current_limit"] = electric.motor_current.max(axis=1) / motor.maximum_current
+            found["motor_current_limit"] = (
+                electric.motor_current.max(axis=1) / motor.maximum_current
+            )
         if battery is not None:
             there = battery.voltage_or_least(electric.power, np.full_like(nothing, self.charge))
             found["voltage_limit"] = electric.controller_voltage.max(axis=1) / there

@@ -130,7 +130,7 @@ def read_mission(path: str | os.PathLike[str]) -> Mission:
             at = f"{where}, line {line}, column {name}"
             place = header.index(name)
             value = parse_number(cells[place] if place < len(cells) else "", name, at)
-            if value < 0.0 and name == "speed_mps" or value <= 0.0 and name == "duration_s":
+            if (value < 0.0 and name == "speed_mps") or (value <= 0.0 and name == "duration_s"):
                 raise InputError(f"{name} is {value:g}", "give a positive number", at)
             row.append(value)
         rows.append(row)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -18,8 +17,15 @@ BEYOND = 1.25
 FASTEST = 150.0
 """[m/s] up to which it is looked for."""
 
-FINER, ROUNDS = 8, 3
-"""The interval with the top speed is cut into so many, so many times."""
+FINER, ROUNDS = 8, 2
+"""The interval with the top speed is cut into so many, so many times; then shares of the limit are
+interpolated."""
+
+WITHIN = 0.999
+"""Share of the last interval, so that rounding does not put the top speed beyond the limit."""
+
+FURTHER = 16
+"""Speeds between the last that was asked for and the top speed at which power is looked at."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,15 +116,16 @@ def performance(
     if speed.size < 2 or not (np.diff(speed) > 0.0).all():
         raise InputError("the speeds must rise", "give two or more, each once")
     fastest, limit = _fastest(aircraft, states, climb)
-    ok = np.isfinite(states.power)
-    least = best = math.nan
-    if ok.sum() >= 2:
-        power = states.power[ok]
-        least = _lowest(speed[ok], power)
-        # Distance per energy; where the wind is faster there is none.
-        ahead = speed[ok] - wind
-        if (ahead > 0.0).sum() >= 2:
-            best = _lowest(speed[ok][ahead > 0.0], power[ahead > 0.0] / ahead[ahead > 0.0])
+    power = states.power
+    if fastest > speed[-1]:
+        further = np.linspace(speed[-1], fastest, FURTHER + 1)[1:]
+        beyond = aircraft.steady(further, climb, margin=False)
+        speed, power = np.append(speed, further), np.append(power, beyond.power)
+    ok = np.isfinite(power)
+    # Distance per energy; where the wind is faster there is none.
+    ahead = ok & (speed > wind)
+    least = _lowest(speed[ok], power[ok])
+    best = _lowest(speed[ahead], power[ahead] / (speed[ahead] - wind))
     wanted = np.array([0.0, least, best, fastest])
     asked = np.isfinite(wanted)
     named: list[NamedState | None] = [None] * len(wanted)
@@ -129,7 +136,7 @@ def performance(
             if found.found[place]:
                 named[k] = _named(found, place, float(time[place]), wind)
     times = endurance(aircraft, states)
-    ground = speed - wind
+    ground = states.speed - wind
     return Performance(states, times, times * ground, *named, limit=limit, wind=wind)
 
 
@@ -147,6 +154,8 @@ def _named(states: SteadyStates, k: int, time: float, wind: float) -> NamedState
 
 def _lowest(x: Floats, y: Floats) -> float:
     """Where y is least, by the parabola through the least sample and its neighbours."""
+    if not x.size:
+        return math.nan
     k = int(np.argmin(y))
     if k in (0, x.size - 1):
         return float(x[k])
@@ -159,23 +168,30 @@ def _lowest(x: Floats, y: Floats) -> float:
 
 def _fastest(aircraft: Aircraft, states: SteadyStates, climb: float) -> tuple[float, str]:
     """The top speed [m/s], NaN where there is none, and what limits it."""
-    low, high, why = _last_and_next(states)
-    while math.isnan(high):
-        start = max(low, 1.0)
-        if start >= FASTEST:
-            return math.nan, ""
-        further = start * BEYOND ** np.arange(1.0, 6.0)
-        found = aircraft.steady(np.append(low, further), climb, margin=False)
-        low, high, why = _last_and_next(found)
-    if math.isnan(low):
-        return math.nan, why
-    for _ in range(ROUNDS):
-        between = np.linspace(low, high, FINER + 1)
-        found = aircraft.steady(between, climb, margin=False)
-        low, high, why = _last_and_next(found)
-        if math.isnan(high):
+    while True:
+        low, high, why = _last_and_next(states)
+        if not math.isnan(high):
             break
-    return low, why
+        if low >= FASTEST:
+            return math.nan, ""
+        further = max(low, 1.0) * BEYOND ** np.arange(1.0, 3.0)
+        states = aircraft.steady(np.append(low, further), climb, margin=False)
+    for _ in range(ROUNDS):
+        if math.isnan(low) or math.isnan(high):
+            return low, why
+        states = aircraft.steady(np.linspace(low, high, FINER + 1), climb, margin=False)
+        low, high, why = _last_and_next(states)
+    return _met(states, low, why), why
+
+
+def _met(states: SteadyStates, low: float, why: str) -> float:
+    """Where the share of the limit reaches 1, just after the state at speed ``low`` [m/s]."""
+    k = int(np.searchsorted(states.speed, low))
+    if why not in states.used or k + 1 >= len(states):
+        return low
+    before, after = states.used[why][k : k + 2]
+    step = (1.0 - before) / (after - before) * (states.speed[k + 1] - low)
+    return float(low + WITHIN * step) if step >= 0.0 else low
 
 
 def _last_and_next(states: SteadyStates) -> tuple[float, float, str]:
@@ -187,34 +203,3 @@ def _last_and_next(states: SteadyStates) -> tuple[float, float, str]:
     if last == len(states) - 1:
         return float(states.speed[last]), math.nan, ""
     return float(states.speed[last]), float(states.speed[last + 1]), str(states.status[last + 1])
-
-
-def rows_of(states: SteadyStates) -> list[dict[str, Any]]:
-    """The states as plain rows in the units of files: m/s, degrees, rpm, W, A; None for NaN."""
-    rpm, degrees = 30.0 / math.pi, 180.0 / math.pi
-    columns: dict[str, Floats] = {
-        "speed_mps": states.speed,
-        "climb_mps": states.climb,
-        "bank_deg": states.bank * degrees,
-        "pitch_deg": states.pitch * degrees,
-        "roll_deg": states.roll * degrees,
-    }
-    for k in range(states.rotor_speed.shape[1]):
-        columns[f"rpm_{k + 1}"] = states.rotor_speed[:, k] * rpm
-    for k in range(states.rotor_speed.shape[1]):
-        columns[f"thrust_{k + 1}_N"] = states.thrust[:, k]
-    columns |= {
-        "shaft_power_W": states.shaft_power,
-        "electrical_power_W": states.electrical_power,
-        "motor_current_A": states.motor_current.max(axis=1),
-        "throttle": states.throttle.max(axis=1),
-        "battery_current_A": states.battery_current,
-        "battery_voltage_V": states.battery_voltage,
-        "thrust_margin": states.thrust_margin,
-    }
-    lists = {name: values.tolist() for name, values in columns.items()}
-    return [
-        {name: value if math.isfinite(value) else None for name, value in zip(lists, row, strict=True)}
-        | {"status": status}
-        for *row, status in zip(*lists.values(), states.status.tolist(), strict=True)
-    ]

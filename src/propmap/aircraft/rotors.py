@@ -93,7 +93,9 @@ class Rotors:
                 "the rotor has another propeller or air than the vehicle",
                 "give Rotor(Model(vehicle.propeller, airfoil, vehicle.air))",
             )
-        return cls(vehicle, [(_rotor_with(loads, own), k) for own, k in mounted_rotors(vehicle, model)])
+        return cls(
+            vehicle, [(_rotor_with(loads, own), k) for own, k in mounted_rotors(vehicle, model)]
+        )
 
     def wrenches(self, omega: Floats, velocity: Floats) -> RotorWrenches:
         """Force and moment of each rotor.

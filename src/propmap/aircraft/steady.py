@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -155,7 +155,9 @@ class Aircraft:
         other.__dict__ |= self.__dict__
         omega = REFERENCE_TIP_SPEED / self.vehicle.propeller.radius
         if not isinstance(self.loads, Rotor):
-            omega = min(max(omega, self.loads.envelope["omega"][0]), self.loads.envelope["omega"][1])
+            omega = min(
+                max(omega, self.loads.envelope["omega"][0]), self.loads.envelope["omega"][1]
+            )
         still = self.loads.loads(omega, 0.0, 0.0)
         hover = HoverModel(float(still.thrust) / omega**2, float(still.torque) / omega**2, omega)
         everyone = np.arange(len(self._rotors))

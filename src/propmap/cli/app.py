@@ -27,6 +27,7 @@ from propmap.cli.show import show_table
 from propmap.cli.simulate import simulate_app
 from propmap.cli.sweep import sweep
 from propmap.cli.table import table
+from propmap.cli.trim import trim
 from propmap.engine.compilation import compile_quickly
 from propmap.errors import InputError
 from propmap.model.drag_factor import MESSAGE as DRAG_FACTOR
@@ -47,6 +48,7 @@ app.command()(export)
 fit_app.command("catalogue")(fit_catalogue)
 app.add_typer(fit_app)
 app.add_typer(simulate_app)
+app.command()(trim)
 app.command()(check)
 app.command()(report)
 app.add_typer(plot_app)

@@ -109,7 +109,7 @@ class Vehicle:
     air: Air = field(default_factory=Air)
     body: Body = Body()
     wing: Wing | None = None
-    powertrain: Powertrain = Powertrain()
+    powertrain: Powertrain = field(default_factory=Powertrain)
 
     def __post_init__(self) -> None:
         if not 0.001 <= self.mass <= 1000.0:
