@@ -110,22 +110,34 @@ class Balance:
         self.reference = omega[0, 0] ** 2 * lifted / thrust
         """Squared rotor speed in hover, about [rad^2/s^2]."""
 
-    def solve(self, flight: Flight, tolerance: float) -> Balanced:
-        """The attitude and rotor speeds of n flights, to an unbalanced share of the weight."""
-        count = flight.speed.size
-        first = np.zeros((count, 2 + self.controls.patterns.shape[1]))
-        area = self.vehicle.body.drag_area[0]
-        push = 0.5 * self.vehicle.air.density * area * flight.speed**2
-        first[:, 0] = np.minimum(np.arctan(push / self.weight), 0.6)
-        first[:, 1] = flight.bank
-        lift = 1.0 / np.cos(flight.bank)
-        first[:, 2] = np.hypot(lift, push / self.weight)
+    def solve(self, flight: Flight, tolerance: float, first: Floats | None = None) -> Balanced:
+        """The attitude and rotor speeds of n flights, to an unbalanced share of the weight.
+
+        The search begins at ``first``, unknowns (n, u), by default at what hover and the body's
+        drag make likely.
+        """
+        if first is None:
+            first = self._likely(flight)
 
         def linearised(unknowns: Floats, which: Floats) -> tuple[Floats, Floats]:
             return self._linearised(unknowns, flight.part(which))
 
         found = solve(linearised, self._bounded, first, flight.speed, tolerance)
         return self._told(found, flight)
+
+    def unknowns(self, pitch: Floats, roll: Floats, squares: Floats) -> Floats:
+        """Unknowns (n, u) of attitudes (n,) [rad] and squared rotor speeds (n, k)."""
+        shares = squares @ np.linalg.pinv(self.controls.patterns).T / self.reference
+        return np.column_stack([pitch, roll, shares])
+
+    def _likely(self, flight: Flight) -> Floats:
+        area = self.vehicle.body.drag_area[0]
+        push = 0.5 * self.vehicle.air.density * area * flight.speed**2 / self.weight
+        first = np.zeros((flight.speed.size, 2 + self.controls.patterns.shape[1]))
+        first[:, 0] = np.minimum(np.arctan(push), 0.6)
+        first[:, 1] = flight.bank
+        first[:, 2] = np.hypot(1.0 / np.cos(flight.bank), push)
+        return first
 
     def _bounded(self, unknowns: Floats, step: Floats) -> Floats:
         """The step (n, u), shortened to what may be trusted."""

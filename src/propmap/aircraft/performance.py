@@ -11,21 +11,21 @@ from propmap.aircraft.steady import VORTEX_RING, Aircraft, SteadyStates
 from propmap.arrays.types import Floats
 from propmap.errors import InputError
 
-BEYOND = 1.25
+BEYOND = 1.3
 """Ratio of the speeds at which the top speed is looked for beyond those that were asked for."""
 
 FASTEST = 150.0
 """[m/s] up to which it is looked for."""
 
-FINER, ROUNDS = 8, 2
-"""The interval with the top speed is cut into so many, so many times; then shares of the limit are
-interpolated."""
+ROUNDS, CLOSE, NARROW = 8, 2e-3, 0.1
+"""The interval with the top speed is narrowed up to so many times, until it is so small a share of
+it, to so much about where the share of the limit is likely to reach 1."""
 
 WITHIN = 0.999
 """Share of the last interval, so that rounding does not put the top speed beyond the limit."""
 
-FURTHER = 16
-"""Speeds between the last that was asked for and the top speed at which power is looked at."""
+SPEEDS = 41
+"""At which power is looked at, from rest to the top speed."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,17 +115,15 @@ def performance(
     speed = states.speed
     if speed.size < 2 or not (np.diff(speed) > 0.0).all():
         raise InputError("the speeds must rise", "give two or more, each once")
-    fastest, limit = _fastest(aircraft, states, climb)
-    power = states.power
-    if fastest > speed[-1]:
-        further = np.linspace(speed[-1], fastest, FURTHER + 1)[1:]
-        beyond = aircraft.steady(further, climb, margin=False)
-        speed, power = np.append(speed, further), np.append(power, beyond.power)
+    fastest, limit = top_speed(aircraft, states, climb)
+    last = speed[-1] if math.isnan(fastest) else fastest
+    grid = np.linspace(0.0, last, SPEEDS)
+    power = aircraft.steady(grid, climb, margin=False, near=states).power
     ok = np.isfinite(power)
     # Distance per energy; where the wind is faster there is none.
-    ahead = ok & (speed > wind)
-    least = _lowest(speed[ok], power[ok])
-    best = _lowest(speed[ahead], power[ahead] / (speed[ahead] - wind))
+    ahead = ok & (grid > wind)
+    least = _lowest(grid[ok], power[ok])
+    best = _lowest(grid[ahead], power[ahead] / (grid[ahead] - wind))
     wanted = np.array([0.0, least, best, fastest])
     asked = np.isfinite(wanted)
     named: list[NamedState | None] = [None] * len(wanted)
@@ -166,32 +164,54 @@ def _lowest(x: Floats, y: Floats) -> float:
     return float(np.clip(0.5 * (a + b) - 0.5 * first / second, a, c)) if second > 0.0 else float(b)
 
 
-def _fastest(aircraft: Aircraft, states: SteadyStates, climb: float) -> tuple[float, str]:
-    """The top speed [m/s], NaN where there is none, and what limits it."""
+def top_speed(aircraft: Aircraft, states: SteadyStates, climb: float) -> tuple[float, str]:
+    """The top speed [m/s], NaN where there is none, and the status beyond it.
+
+    Parameters
+    ----------
+    aircraft : Aircraft
+        What flies.
+    states : SteadyStates
+        At two or more rising speeds, all at one climb rate.
+    climb : float
+        That climb rate [m/s].
+    """
     while True:
         low, high, why = _last_and_next(states)
         if not math.isnan(high):
             break
         if low >= FASTEST:
             return math.nan, ""
-        further = max(low, 1.0) * BEYOND ** np.arange(1.0, 3.0)
-        states = aircraft.steady(np.append(low, further), climb, margin=False)
+        further = [max(low, 1.0) * BEYOND]
+        # Both to begin from, and the first again where it is the last that is flown.
+        before = states.speed[states.found][-2:-1]
+        speeds = np.concatenate([before, [low], further])
+        states = aircraft.steady(speeds, climb, margin=False, near=states)
+    if math.isnan(low):
+        return math.nan, why
     for _ in range(ROUNDS):
-        if math.isnan(low) or math.isnan(high):
-            return low, why
-        states = aircraft.steady(np.linspace(low, high, FINER + 1), climb, margin=False)
+        if high - low <= CLOSE * high:
+            break
+        met = _met(states, low, high, why)
+        inner = met + NARROW * (high - low) * np.array([-1.0, 0.0, 1.0])
+        if math.isnan(met):
+            inner = low + (high - low) * np.array([0.25, 0.5, 0.75])
+        inner = inner[(inner > low) & (inner < high)]
+        speeds = np.concatenate([[low], inner, [high]])
+        states = aircraft.steady(speeds, climb, margin=False, near=states)
         low, high, why = _last_and_next(states)
-    return _met(states, low, why), why
+    met = _met(states, low, high, why)
+    return (low if math.isnan(met) else low + WITHIN * (met - low)), why
 
 
-def _met(states: SteadyStates, low: float, why: str) -> float:
-    """Where the share of the limit reaches 1, just after the state at speed ``low`` [m/s]."""
-    k = int(np.searchsorted(states.speed, low))
-    if why not in states.used or k + 1 >= len(states):
-        return low
-    before, after = states.used[why][k : k + 2]
-    step = (1.0 - before) / (after - before) * (states.speed[k + 1] - low)
-    return float(low + WITHIN * step) if step >= 0.0 else low
+def _met(states: SteadyStates, low: float, high: float, why: str) -> float:
+    """Where the share of a limit reaches 1 between two neighbouring speeds; NaN if not known."""
+    if why not in states.used:
+        return math.nan
+    k = int(np.argmin(np.abs(states.speed - low)))
+    before, after = np.log(np.maximum(states.used[why][k : k + 2], 1e-9))
+    step = -before / (after - before)
+    return low + step * (high - low) if 0.0 <= step <= 1.0 else math.nan
 
 
 def _last_and_next(states: SteadyStates) -> tuple[float, float, str]:

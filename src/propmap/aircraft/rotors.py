@@ -94,7 +94,7 @@ class Rotors:
                 "give Rotor(Model(vehicle.propeller, airfoil, vehicle.air))",
             )
         return cls(
-            vehicle, [(_rotor_with(loads, own), k) for own, k in mounted_rotors(vehicle, model)]
+            vehicle, [(loads.with_model(own), k) for own, k in mounted_rotors(vehicle, model)]
         )
 
     def wrenches(self, omega: Floats, velocity: Floats) -> RotorWrenches:
@@ -152,14 +152,6 @@ def _frame(axis: Floats) -> Floats:
     x = nearest - np.dot(nearest, axis) * axis
     x /= np.linalg.norm(x)
     return np.stack([x, np.cross(axis, x), axis], axis=1)
-
-
-def _rotor_with(rotor: Rotor, model: Any) -> Rotor:
-    if model == rotor.model:
-        return rotor
-    kind: Any = {"accuracy": rotor.accuracy, "compiled": rotor.compiled}
-    other = Rotor(model, precision=rotor.precision, **kind)
-    return other.for_all_sizes() if rotor.compiled else other
 
 
 def _check_table(vehicle: Vehicle, table: LoadTable) -> None:

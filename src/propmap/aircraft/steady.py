@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from propmap.aircraft.balance import Balance, Balanced, Flight
 from propmap.aircraft.hover_loads import HoverLoads
 from propmap.aircraft.limits import LIMITS, Limits
+from propmap.aircraft.margin import thrust_margin
 from propmap.aircraft.rotors import Rotors
 from propmap.arrays.types import Floats
 from propmap.baselines.hover import REFERENCE_TIP_SPEED, HoverModel
@@ -27,6 +28,9 @@ STEEPEST_BANK = math.radians(80.0)
 
 SOLVED, ACCEPTED = 1e-10, 1e-8
 """Unbalanced share of the weight at which the search ends, and up to which a state is found."""
+
+EXTRAPOLATED = 2.0
+"""Intervals of known states over which a search begins on their line, at most."""
 
 NOT_FOUND = "no_trim"
 OUTSIDE_TABLE = "outside_table"
@@ -141,8 +145,8 @@ class Aircraft:
         maximum_rotor_speed: float = math.inf,
         charge: float = 1.0,
     ) -> None:
-        # One set of programs: every search has batches of other sizes.
-        self.loads = loads.for_all_sizes() if isinstance(loads, Rotor) else loads
+        # Every search has batches of other sizes, every propeller another number of stations.
+        self.loads = loads.for_all_blades() if isinstance(loads, Rotor) else loads
         self.vehicle = vehicle
         self.limits = Limits(vehicle.powertrain, maximum_rotor_speed, charge)
         self._rotors = Rotors.of(vehicle, self.loads)
@@ -173,6 +177,7 @@ class Aircraft:
         bank: ArrayLike = 0.0,
         *,
         margin: bool = True,
+        near: SteadyStates | None = None,
     ) -> SteadyStates:
         """Steady states, nose first.
 
@@ -186,6 +191,9 @@ class Aircraft:
             Of a coordinated level turn, positive to the right [rad]; all three broadcast to (n,).
         margin : bool
             Whether the thrust margin is wanted, which takes as long again.
+        near : SteadyStates, optional
+            States at rising speeds between and beyond which the search begins; it takes less time
+            then.
 
         Raises
         ------
@@ -202,8 +210,23 @@ class Aircraft:
         if ((turn != 0.0) & ((v == 0.0) | (w != 0.0))).any():
             raise InputError("a turn is level and takes speed", "give speed above 0 and climb 0")
         flight = Flight(v, w, turn)
-        found = self._balance.solve(flight, SOLVED)
+        first = None if near is None else self._between(near, v)
+        found = self._balance.solve(flight, SOLVED, first)
         return self._states(flight, found, margin=margin)
+
+    def _between(self, near: SteadyStates, speed: Floats) -> Floats | None:
+        """Unknowns (n, u) on the lines through known states, None where there are too few."""
+        known = np.flatnonzero(near.found)
+        if known.size < 2:
+            return None
+        at = near.speed[known]
+        values = self._balance.unknowns(
+            near.pitch[known], near.roll[known], near.rotor_speed[known] ** 2
+        )
+        k = np.clip(np.searchsorted(at, speed), 1, known.size - 1)
+        share = ((speed - at[k - 1]) / (at[k] - at[k - 1]))[:, None]
+        share = np.minimum(share, EXTRAPOLATED)
+        return values[k - 1] + share * (values[k] - values[k - 1])
 
     def _used(self, omega: Floats, velocity: Floats, torque: Floats) -> dict[str, Floats]:
         axial = np.einsum("...kj,kj->...k", velocity, self._rotors.axis)
@@ -222,10 +245,9 @@ class Aircraft:
         electric = self.vehicle.powertrain.driven(wrenches.torque, omega, self.limits.charge)
         gone = ~np.isin(status, ("ok", VORTEX_RING))
         nothing = np.full(len(gone), math.nan)
-        thrust_margin = nothing
+        margins = np.array(nothing)
         if margin and not gone.all():
-            thrust_margin = np.array(nothing)
-            thrust_margin[~gone] = self._thrust_margin(omega[~gone], found.velocity[~gone])
+            margins[~gone] = self._thrust_margin(omega[~gone], found.velocity[~gone])
 
         def known(values: Floats, where: NDArray[np.bool_] = gone) -> Floats:
             return np.where(where.reshape(-1, *[1] * (values.ndim - 1)), math.nan, values)
@@ -245,41 +267,21 @@ class Aircraft:
             battery_current=known(electric.battery_current),
             battery_voltage=known(electric.battery_voltage),
             moment=known(found.moment),
-            thrust_margin=thrust_margin,
+            thrust_margin=margins,
             residual=known(found.residual),
             status=status,
         )
 
     def _thrust_margin(self, omega: Floats, velocity: Floats) -> Floats:
-        """Thrust with all rotors sped up alike to the first limit over that at ``omega``, (n,)."""
-
-        def at(factor: Floats) -> tuple[Floats, Floats]:
-            turning = omega * factor[:, None]
-            wrenches = self._rotors.wrenches(turning, velocity)
-            shares = self._used(turning, velocity, wrenches.torque)
-            return np.max(list(shares.values()), axis=0), wrenches.thrust.sum(axis=1)
-
-        low, high = np.ones(len(omega)), np.full(len(omega), FASTEST)
-        share_low, needed = at(low)
-        share_high, thrust_low, thrust_high = np.full_like(low, math.inf), needed, needed
-        for _ in range(MARGIN_HALVINGS):
-            factor = np.sqrt(low * high)
-            share, thrust = at(factor)
-            beyond = ~(share <= 1.0)
-            low, high = np.where(beyond, low, factor), np.where(beyond, factor, high)
-            share_low, share_high = (
-                np.where(beyond, share_low, share),
-                np.where(beyond, share, share_high),
+        def at(factors: Floats) -> tuple[Floats, Floats]:
+            turning = omega * factors[..., None]
+            moving = np.broadcast_to(velocity, (*turning.shape, 3))
+            wrenches = self._rotors.wrenches(turning, moving)
+            flat = (-1, omega.shape[1])
+            shares = self._used(
+                turning.reshape(flat), moving.reshape(*flat, 3), wrenches.torque.reshape(flat)
             )
-            thrust_low, thrust_high = (
-                np.where(beyond, thrust_low, thrust),
-                np.where(beyond, thrust, thrust_high),
-            )
-        within = (1.0 - share_low) / (share_high - share_low)
-        return (thrust_low + within * (thrust_high - thrust_low)) / needed
+            largest = np.max(list(shares.values()), axis=0)
+            return largest.reshape(factors.shape), wrenches.thrust.sum(axis=-1)
 
-
-FASTEST = 20.0
-"""Largest factor on rotor speeds that is looked at for a thrust margin."""
-
-MARGIN_HALVINGS = 13
+        return thrust_margin(at, len(omega))
