@@ -91,9 +91,7 @@ def catalogue_candidates(
         # 10 in are 0.254 m but for rounding in the catalogue.
         if low - 1e-6 <= blade.diameter <= high + 1e-6:
             name = one.propeller if one.blades == 2 else f"{one.propeller}, {one.blades} blades"
-            found.append(
-                Candidate(name, blade, one.airfoil, one.section_covariance, one.verdict)
-            )
+            found.append(Candidate(name, blade, one.airfoil, one.section_covariance, one.verdict))
     if not found:
         raise InputError(
             f"no propeller of the catalogue has {low / 0.0254:.3g} to {high / 0.0254:.3g} in"

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from propmap.aircraft.steady import VORTEX_RING, Aircraft, SteadyStates
+from propmap.aircraft.steady import Aircraft, SteadyStates
 from propmap.arrays.types import Floats
 from propmap.errors import InputError
 
@@ -17,9 +17,12 @@ BEYOND = 1.3
 FASTEST = 150.0
 """[m/s] up to which it is looked for."""
 
-ROUNDS, CLOSE, NARROW = 8, 2e-3, 0.1
-"""The interval with the top speed is narrowed up to so many times, until it is so small a share of
-it, to so much about where the share of the limit is likely to reach 1."""
+STEPS = 40
+"""Of a search for the top speed, at most."""
+
+CLOSE, NARROW = 2e-3, 0.1
+"""The interval with the top speed is narrowed until it is so small a share of it, each time to so
+much about where the share of the limit is likely to reach 1."""
 
 WITHIN = 0.999
 """Share of the last interval, so that rounding does not put the top speed beyond the limit."""
@@ -176,30 +179,29 @@ def top_speed(aircraft: Aircraft, states: SteadyStates, climb: float) -> tuple[f
     climb : float
         That climb rate [m/s].
     """
-    while True:
-        low, high, why = _last_and_next(states)
-        if not math.isnan(high):
+    low, high, why = _last_and_next(states)
+    for _ in range(STEPS):
+        if math.isnan(low):
+            return math.nan, why
+        if math.isnan(high):
+            if low >= FASTEST:
+                return math.nan, ""
+            # The last two that are flown, to begin from, and one beyond.
+            speeds = np.array([*states.speed[states.found][-2:], max(low, 1.0) * BEYOND])
+        elif high - low <= CLOSE * high:
             break
-        if low >= FASTEST:
-            return math.nan, ""
-        further = [max(low, 1.0) * BEYOND]
-        # Both to begin from, and the first again where it is the last that is flown.
-        before = states.speed[states.found][-2:-1]
-        speeds = np.concatenate([before, [low], further])
-        states = aircraft.steady(speeds, climb, margin=False, near=states)
-    if math.isnan(low):
-        return math.nan, why
-    for _ in range(ROUNDS):
-        if high - low <= CLOSE * high:
-            break
-        met = _met(states, low, high, why)
-        inner = met + NARROW * (high - low) * np.array([-1.0, 0.0, 1.0])
-        if math.isnan(met):
-            inner = low + (high - low) * np.array([0.25, 0.5, 0.75])
-        inner = inner[(inner > low) & (inner < high)]
-        speeds = np.concatenate([[low], inner, [high]])
-        states = aircraft.steady(speeds, climb, margin=False, near=states)
-        low, high, why = _last_and_next(states)
+        else:
+            met = _met(states, low, high, why)
+            inner = met + NARROW * (high - low) * np.array([-1.0, 0.0, 1.0])
+            if math.isnan(met):
+                inner = low + (high - low) * np.array([0.25, 0.5, 0.75])
+            inner = inner[(inner > low) & (inner < high)]
+            speeds = np.concatenate([[low], inner, [high]])
+        following = aircraft.steady(speeds, climb, margin=False, near=states)
+        found = _last_and_next(following)
+        if math.isnan(found[0]):
+            break  # at the edge of what can be solved
+        states, (low, high, why) = following, found
     met = _met(states, low, high, why)
     return (low if math.isnan(met) else low + WITHIN * (met - low)), why
 
@@ -216,7 +218,7 @@ def _met(states: SteadyStates, low: float, high: float, why: str) -> float:
 
 def _last_and_next(states: SteadyStates) -> tuple[float, float, str]:
     """The last speed that is flown, the next that is not, and why not; NaN where there is none."""
-    flown = np.flatnonzero(np.isin(states.status, ("ok", VORTEX_RING)))
+    flown = np.flatnonzero(states.found)
     if not flown.size:
         return math.nan, float(states.speed[0]), str(states.status[0])
     last = int(flown[-1])

@@ -327,6 +327,8 @@ def pareto(judged: Sequence[Judged]) -> Floats:
         k
         for k in range(len(judged))
         if math.isfinite(power[k] + speed[k])
-        and not ((power <= power[k]) & (speed >= speed[k]) & ((power < power[k]) | (speed > speed[k]))).any()
+        and not (
+            (power <= power[k]) & (speed >= speed[k]) & ((power < power[k]) | (speed > speed[k]))
+        ).any()
     ]
     return np.array(sorted(found, key=lambda k: power[k]), dtype=np.intp)

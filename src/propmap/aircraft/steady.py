@@ -26,8 +26,9 @@ if TYPE_CHECKING:
 
 STEEPEST_BANK = math.radians(80.0)
 
-SOLVED, ACCEPTED = 1e-10, 1e-8
-"""Unbalanced share of the weight at which the search ends, and up to which a state is found."""
+SOLVED, ACCEPTED, JUMP = 1e-10, 1e-8, 2e-3
+"""Unbalanced share of the weight at which the search ends; up to which a state is balanced; and up
+to which a rotor's loads may jump past the balance, where their nodes change with the speed."""
 
 EXTRAPOLATED = 2.0
 """Intervals of known states over which a search begins on their line, at most."""
@@ -36,8 +37,13 @@ NOT_FOUND = "no_trim"
 OUTSIDE_TABLE = "outside_table"
 VORTEX_RING = "vortex_ring"
 
+COARSE = "coarse"
+FLOWN = ("ok", COARSE, VORTEX_RING)
+"""Statuses of states with numbers."""
+
 STATUSES = {
     "ok": "found, within every limit",
+    COARSE: f"found, but the loads jump past the balance, by less than {JUMP:.1%} of the weight",
     VORTEX_RING: "found, but a rotor is in the vortex ring state: not to be trusted",
     **{name: f"beyond {words}" for name, words in LIMITS.items()},
     OUTSIDE_TABLE: "nothing balances the aircraft inside the table's envelope",
@@ -238,12 +244,14 @@ class Aircraft:
     def _states(self, flight: Flight, found: Balanced, *, margin: bool) -> SteadyStates:
         omega, wrenches = found.omega, found.wrenches
         used = self._used(omega, found.velocity, wrenches.torque)
-        lost = ~(found.residual <= ACCEPTED)
+        lost = ~(found.residual <= JUMP)
         ring = (wrenches.status == VORTEX_RING).any(axis=1)
         over = [share > 1.0 for share in used.values()]
-        status = np.select([lost, *over, ring], [self._lost, *used, VORTEX_RING], "ok")
+        rough = found.residual > ACCEPTED
+        names = [self._lost, *used, VORTEX_RING, COARSE]
+        status = np.select([lost, *over, ring, rough], names, "ok")
         electric = self.vehicle.powertrain.driven(wrenches.torque, omega, self.limits.charge)
-        gone = ~np.isin(status, ("ok", VORTEX_RING))
+        gone = ~np.isin(status, FLOWN)
         nothing = np.full(len(gone), math.nan)
         margins = np.array(nothing)
         if margin and not gone.all():

@@ -14,6 +14,7 @@ import typer
 
 import propmap
 from propmap.cli.check import check
+from propmap.cli.choose import choose
 from propmap.cli.demo import demo
 from propmap.cli.export import export
 from propmap.cli.fit import fit_app
@@ -49,6 +50,7 @@ fit_app.command("catalogue")(fit_catalogue)
 app.add_typer(fit_app)
 app.add_typer(simulate_app)
 app.command()(trim)
+app.command()(choose)
 app.command()(check)
 app.command()(report)
 app.add_typer(plot_app)
