@@ -195,7 +195,8 @@ class Ranking:
         vehicle = replace(self.vehicle, propeller=candidate.propeller)
         own = getattr(candidate.airfoil, "corrections", None)
         corrections = self.corrections if own is None else ()
-        rotor = Rotor(Model(candidate.propeller, candidate.airfoil, air, corrections))
+        model = Model(candidate.propeller, candidate.airfoil, air, corrections)
+        rotor = Rotor(model).for_all_blades()
         return Aircraft(
             vehicle, rotor, maximum_rotor_speed=self.maximum_rotor_speed, charge=self.charge
         )

@@ -131,7 +131,8 @@ class Aircraft:
     vehicle : Vehicle
         What flies, from ``read_vehicle(path).vehicle``.
     loads : Rotor or LoadTable
-        Of its rotors.
+        Of its rotors.  A search has batches of many sizes: ``Rotor(...).for_all_blades()`` takes
+        least time in all.
     maximum_rotor_speed : float
         [rad/s] besides what the vehicle's motor tells.
     charge : float
@@ -151,11 +152,9 @@ class Aircraft:
         maximum_rotor_speed: float = math.inf,
         charge: float = 1.0,
     ) -> None:
-        # Every search has batches of other sizes, every propeller another number of stations.
-        self.loads = loads.for_all_blades() if isinstance(loads, Rotor) else loads
-        self.vehicle = vehicle
+        self.vehicle, self.loads = vehicle, loads
         self.limits = Limits(vehicle.powertrain, maximum_rotor_speed, charge)
-        self._rotors = Rotors.of(vehicle, self.loads)
+        self._rotors = Rotors.of(vehicle, loads)
         self._balance = Balance(vehicle, self._rotors)
         self._lost = NOT_FOUND if isinstance(loads, Rotor) else OUTSIDE_TABLE
 

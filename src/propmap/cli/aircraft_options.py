@@ -84,7 +84,8 @@ def aircraft_of(
     from propmap.rotor import Rotor
 
     keep_compiled()
-    return Aircraft(vehicle, Rotor(chosen, accuracy=accuracy.value), **limits)
+    rotor = Rotor(chosen, accuracy=accuracy.value).for_all_blades()
+    return Aircraft(vehicle, rotor, **limits)
 
 
 def checked_rpm(maximum: float | None) -> float:
