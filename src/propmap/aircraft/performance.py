@@ -121,7 +121,8 @@ def performance(
     fastest, limit = top_speed(aircraft, states, climb)
     last = speed[-1] if math.isnan(fastest) else fastest
     grid = np.linspace(0.0, last, SPEEDS)
-    power = aircraft.steady(grid, climb, margin=False, near=states).power
+    curve = aircraft.steady(grid, climb, margin=False, near=states)
+    power = curve.power
     ok = np.isfinite(power)
     # Distance per energy; where the wind is faster there is none.
     ahead = ok & (grid > wind)
@@ -131,7 +132,7 @@ def performance(
     asked = np.isfinite(wanted)
     named: list[NamedState | None] = [None] * len(wanted)
     if asked.any():
-        found = aircraft.steady(wanted[asked], climb, margin=False)
+        found = aircraft.steady(wanted[asked], climb, margin=False, near=curve)
         time = endurance(aircraft, found)
         for place, k in enumerate(np.flatnonzero(asked)):
             if found.found[place]:
