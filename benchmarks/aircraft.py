@@ -19,8 +19,9 @@ import numpy as np
 import propmap
 from benchmarks.results_file import machine, write_results
 from propmap.aircraft.candidates import catalogue_candidates
-from propmap.aircraft.ranking import Ranking, Task
+from propmap.aircraft.ranking import Ranking
 from propmap.aircraft.steady import Aircraft
+from propmap.aircraft.task import Task
 from propmap.catalogue.expected_constants import expected_constants
 from propmap.engine.compilation import compile_quickly, keep_compiled
 from propmap.fit.fitted import Settings, fit

@@ -11,8 +11,10 @@ import pytest
 import propmap
 from propmap.aircraft.candidates import Candidate, catalogue_candidates, file_candidate
 from propmap.aircraft.mission import Mission
-from propmap.aircraft.ranking import Judged, Ranking, Task, beats, pareto
+from propmap.aircraft.ranking import Judged, Ranking
+from propmap.aircraft.ranking_comparison import beats, pareto
 from propmap.aircraft.steady import Aircraft
+from propmap.aircraft.task import Task
 from propmap.catalogue.identified import identified
 from propmap.errors import InputError
 

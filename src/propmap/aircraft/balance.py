@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from propmap.aircraft.controls import controls
 from propmap.aircraft.newton import solve
@@ -42,7 +43,7 @@ class Flight(NamedTuple):
     climb: Floats
     bank: Floats
 
-    def part(self, which: Floats) -> Flight:
+    def part(self, which: NDArray[np.intp]) -> Flight:
         """Some of them."""
         return Flight(*(array[which] for array in self))
 
@@ -119,7 +120,7 @@ class Balance:
         if first is None:
             first = self._likely(flight)
 
-        def linearised(unknowns: Floats, which: Floats) -> tuple[Floats, Floats]:
+        def linearised(unknowns: Floats, which: NDArray[np.intp]) -> tuple[Floats, Floats]:
             return self._linearised(unknowns, flight.part(which))
 
         found = solve(linearised, self._bounded, first, flight.speed, tolerance)
@@ -183,7 +184,7 @@ class Balance:
         velocity, hubs, specific = (np.stack(each) for each in zip(*motions, strict=True))
         turning = np.stack([omega, omega, omega, omega * (1.0 + CHANGE)])
         found = self.rotors.wrenches(turning, hubs)
-        parts = RotorWrenches(*(array[:3] for array in found))
+        parts = found.first(3)
         residual, _ = self._residual(velocity[:3], specific[:3], parts)
         by_angles = (residual[1:] - residual[0]) / CHANGE
         # d/d(omega^2) of each rotor alone.

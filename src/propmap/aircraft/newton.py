@@ -86,6 +86,6 @@ def _newton(
 
 def _newton_step(residual: Floats, slopes: Floats) -> Floats:
     """The step (m, u) to where the linear systems vanish; no step without derivatives."""
-    known = np.isfinite(slopes).all(axis=(1, 2))
+    known = np.asarray(np.isfinite(slopes).all(axis=(1, 2)))
     inverse = np.linalg.pinv(np.where(known[:, None, None], slopes, 0.0), rcond=1e-12)
     return -np.einsum("mij,mj->mi", inverse, residual)

@@ -86,7 +86,13 @@ class Performance:
 
 
 def endurance(aircraft: Aircraft, states: SteadyStates) -> Floats:
-    """Time of flight in each state on one battery [s], (n,); NaN without a battery."""
+    """Time of flight in each state on one battery [s], (n,); NaN without a battery.
+
+    Parameters
+    ----------
+    aircraft, states : Aircraft, SteadyStates
+        What flies, and how.
+    """
     battery = aircraft.vehicle.powertrain.battery
     if battery is None:
         return np.full(len(states), math.nan)
@@ -139,7 +145,10 @@ def performance(
                 named[k] = _named(found, place, float(time[place]), wind)
     times = endurance(aircraft, states)
     ground = states.speed - wind
-    return Performance(states, times, times * ground, *named, limit=limit, wind=wind)
+    hover, least_power, best_range, top = named
+    return Performance(
+        states, times, times * ground, hover, least_power, best_range, top, limit, wind
+    )
 
 
 def _named(states: SteadyStates, k: int, time: float, wind: float) -> NamedState:

@@ -10,68 +10,18 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from propmap.aircraft.candidates import Candidate
-from propmap.aircraft.mission import Mission
 from propmap.aircraft.mission import fly as fly_mission
 from propmap.aircraft.performance import endurance, top_speed
 from propmap.aircraft.steady import STATUSES, Aircraft, SteadyStates
-from propmap.arrays.types import Floats
+from propmap.aircraft.task import Task
 from propmap.engine.batch import cores
-from propmap.errors import InputError
 from propmap.model.corrections import Correction
 from propmap.model.model import Model
 from propmap.rotor import Rotor
 from propmap.vehicle.vehicle import Vehicle
 
-TASKS = {
-    "hover": "power in hover [W]",
-    "cruise": "energy per distance at the speed [J/m]",
-    "fast": "top speed [m/s]",
-    "mission": "energy of the mission [J]",
-}
-"""What candidates are ranked by; the least is best, but for the top speed."""
-
 ALONE = 1e-3
 """Distance of two axes over the radius below which rotors are one above the other [-]."""
-
-
-@dataclass(frozen=True, eq=False)
-class Task:
-    """What an aircraft is for.
-
-    Attributes
-    ----------
-    name : str
-        A key of ``TASKS``.
-    speed : float
-        Of the cruise [m/s].
-    mission : Mission or None
-        For the task "mission".
-    thrust_margin : float
-        That hover must leave.
-
-    Raises
-    ------
-    InputError
-        For another name, a speed that is not positive, and a missing mission.
-    """
-
-    name: str
-    speed: float
-    mission: Mission | None = None
-    thrust_margin: float = 1.5
-
-    def __post_init__(self) -> None:
-        if self.name not in TASKS:
-            raise InputError(f"the task is {self.name!r}", f"choose from {', '.join(TASKS)}")
-        if not self.speed > 0.0:
-            raise InputError(f"the speed is {self.speed:g} m/s", "give a speed above 0")
-        if (self.name == "mission") != (self.mission is not None):
-            raise InputError("the task and the mission do not fit", "give a mission for this task")
-        if not self.thrust_margin >= 1.0:
-            raise InputError(
-                f"the thrust margin is {self.thrust_margin:g}",
-                "give 1 or more: with less thrust than weight nothing flies",
-            )
 
 
 @dataclass(frozen=True, eq=False)
@@ -178,7 +128,15 @@ class Ranking:
     def with_deviations(
         self, judged: Sequence[Judged], progress: Callable[[], None] | None = None
     ) -> list[Judged]:
-        """The same with the standard deviation of the scores, which takes seven times as long."""
+        """The same with the standard deviation of the scores, from seven more trims of each.
+
+        Parameters
+        ----------
+        judged : sequence of Judged
+            Candidates, as ``judged`` gives them.
+        progress : callable, optional
+            Called after each.
+        """
 
         def one(known: Judged) -> Judged:
             found = replace(known, deviation=self.deviation(known))
@@ -190,7 +148,7 @@ class Ranking:
             return list(pool.map(one, judged))
 
     def aircraft(self, candidate: Candidate) -> Aircraft:
-        """The vehicle with the candidate."""
+        """The vehicle with the ``candidate``."""
         air = self.vehicle.air
         vehicle = replace(self.vehicle, propeller=candidate.propeller)
         own = getattr(candidate.airfoil, "corrections", None)
@@ -202,7 +160,7 @@ class Ranking:
         )
 
     def judge(self, candidate: Candidate) -> Judged:
-        """One candidate."""
+        """One ``candidate``, without the deviation of its score."""
         overlap = _overlap(self.vehicle, candidate.propeller.radius)
         if overlap:
             return _refused(candidate, overlap)
@@ -211,7 +169,7 @@ class Ranking:
         time = endurance(craft, states)
         why_not = self._why_not(states)
         top, limit = math.nan, ""
-        if states.found[0]:
+        if not why_not:
             top, limit = top_speed(craft, states, 0.0)
         score = math.nan
         if not why_not:
@@ -231,7 +189,7 @@ class Ranking:
         )
 
     def deviation(self, judged: Judged) -> float:
-        """Standard deviation of the score to first order; NaN where constants have none."""
+        """Standard deviation of the score of one ``judged``, to first order; NaN if not known."""
         if not judged.feasible or judged.candidate.covariance is None:
             return math.nan
         changes = [self._score_of(one) - judged.score for one in judged.candidate.varied()]
@@ -278,7 +236,10 @@ class Ranking:
 
 
 def _refused(candidate: Candidate, why: str) -> Judged:
-    return Judged(candidate, *[math.nan] * 8, limit="", why_not=why)
+    unknown = math.nan
+    return Judged(
+        candidate, unknown, unknown, unknown, unknown, unknown, unknown, unknown, unknown, "", why
+    )
 
 
 def _overlap(vehicle: Vehicle, radius: float) -> str:
@@ -299,37 +260,3 @@ def _overlap(vehicle: Vehicle, radius: float) -> str:
     if closest >= 2.0 * radius:
         return ""
     return f"the rotors overlap: hubs are {closest:.3g} m apart, the disks {2.0 * radius:.3g} m"
-
-
-def beats(better: Judged, worse: Judged) -> float:
-    """Probability that one candidate beats another, from the uncertainty of their constants alone.
-
-    What the model itself gets wrong is not counted, and is alike for both; constants of different
-    propellers were found from different data and are taken as independent.  NaN where either has
-    no deviation.
-
-    Parameters
-    ----------
-    better, worse : Judged
-        With deviations; both of one task whose least score is best, or with negated scores.
-    """
-    spread = math.hypot(better.deviation, worse.deviation)
-    gap = abs(worse.score - better.score)
-    if not math.isfinite(spread):
-        return math.nan
-    return 0.5 * (1.0 + math.erf(gap / (spread * math.sqrt(2.0)))) if spread > 0.0 else 1.0
-
-
-def pareto(judged: Sequence[Judged]) -> Floats:
-    """Indices of feasible candidates that no other beats in hover power and top speed both."""
-    power = np.array([one.hover_power if one.feasible else math.nan for one in judged])
-    speed = np.array([one.top_speed if one.feasible else math.nan for one in judged])
-    found = [
-        k
-        for k in range(len(judged))
-        if math.isfinite(power[k] + speed[k])
-        and not (
-            (power <= power[k]) & (speed >= speed[k]) & ((power < power[k]) | (speed > speed[k]))
-        ).any()
-    ]
-    return np.array(sorted(found, key=lambda k: power[k]), dtype=np.intp)

@@ -17,9 +17,6 @@ from propmap.vehicle.vehicle import Vehicle
 if TYPE_CHECKING:
     from propmap.table.query import LoadTable
 
-UNTRUSTED = ("vortex_ring", "clamped", "unresolved")
-"""Statuses of a rotor's loads that a trim hands on, from harmless to fatal; see ``Loads``."""
-
 
 class LoadSource(Protocol):
     """What gives loads for a velocity in the rotor frame, as ``Rotor`` and ``LoadTable`` do."""
@@ -47,6 +44,10 @@ class RotorWrenches(NamedTuple):
     thrust: Floats
     torque: Floats
     status: NDArray[np.str_]
+
+    def first(self, count: int) -> RotorWrenches:
+        """The first ``count`` states."""
+        return RotorWrenches(*(array[:count] for array in self))  # type: ignore[arg-type]
 
 
 class Rotors:

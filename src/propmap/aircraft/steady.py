@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -160,8 +161,7 @@ class Aircraft:
 
     def with_hover_model(self) -> Aircraft:
         """The same aircraft with the hover model of its rotors: no drag, loads as at rest."""
-        other = object.__new__(Aircraft)
-        other.__dict__ |= self.__dict__
+        other = copy.copy(self)
         omega = REFERENCE_TIP_SPEED / self.vehicle.propeller.radius
         if not isinstance(self.loads, Rotor):
             omega = min(

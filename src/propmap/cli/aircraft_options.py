@@ -110,3 +110,24 @@ def say_missing(vehicle: Vehicle) -> None:
             typer.echo(f"note: {told}", err=True)
             if name == "motor":
                 return
+
+
+def title(craft: Aircraft) -> str:
+    """The aircraft ``craft`` in a line."""
+    vehicle = craft.vehicle
+    return (
+        f"{vehicle.name}, {vehicle.mass:g} kg, {len(vehicle.mounts)} x {vehicle.propeller.name}; "
+        f"rho = {vehicle.air.density:.4g} kg/m^3"
+    )
+
+
+def number_or_none(value: float) -> float | None:
+    """The ``value``, None for NaN."""
+    return float(value) if math.isfinite(value) else None
+
+
+def digits(value: float) -> str:
+    """A cell of a table for a ``value``; a dash for NaN."""
+    if not math.isfinite(value):
+        return "-"
+    return "0" if abs(value) < 5e-4 else f"{value:.4g}"

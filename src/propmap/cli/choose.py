@@ -34,7 +34,8 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from propmap.aircraft.candidates import Candidate
-    from propmap.aircraft.ranking import Judged, Ranking, Task
+    from propmap.aircraft.ranking import Judged, Ranking
+    from propmap.aircraft.task import Task
 
 INCH = 0.0254
 
@@ -112,7 +113,8 @@ def choose(
     read = read_vehicle(vehicle).vehicle
 
     from propmap.aircraft.candidates import catalogue_candidates, file_candidate
-    from propmap.aircraft.ranking import Ranking, Task
+    from propmap.aircraft.ranking import Ranking
+    from propmap.aircraft.task import Task
     from propmap.catalogue.lookup import airfoil as section_law
     from propmap.engine.compilation import keep_compiled
     from propmap.model.corrections import corrections_of
@@ -142,7 +144,7 @@ def choose(
         rows = _rows(wanted, judged)
         emit_rows(list(rows[0]), rows, form, output)
     if picture is not None:
-        from propmap.aircraft.ranking import pareto
+        from propmap.aircraft.ranking_comparison import pareto
         from propmap.report.propeller_choice import propeller_choice
         from propmap.report.style import save
 
@@ -188,7 +190,8 @@ def _judged(ranking: Ranking, candidates: list[Candidate], top: int) -> list[Jud
 
 
 def _table(task: Task, judged: list[Judged]) -> Table:
-    from propmap.aircraft.ranking import TASKS, beats
+    from propmap.aircraft.ranking_comparison import beats
+    from propmap.aircraft.task import TASKS
 
     unit, size = UNITS[task.name]
     times = any(math.isfinite(one.hover_time) for one in judged)
@@ -223,7 +226,7 @@ def _table(task: Task, judged: list[Judged]) -> Table:
 
 def _told(judged: list[Judged], top: int, *, all_: bool) -> list[Any]:
     """What the uncertainty does not separate, and why the rest do not fit."""
-    from propmap.aircraft.ranking import beats
+    from propmap.aircraft.ranking_comparison import beats
 
     fit = [one for one in judged if one.feasible]
     rest = [one for one in judged if not one.feasible]
@@ -252,7 +255,7 @@ SURE = 0.95
 
 
 def _rows(task: Task, judged: list[Judged]) -> list[dict[str, Any]]:
-    from propmap.aircraft.ranking import beats
+    from propmap.aircraft.ranking_comparison import beats
 
     unit, _ = UNITS[task.name]
     name = "energy_J" if task.name == "mission" else f"score_{unit.replace('/', '_per_')}"

@@ -16,6 +16,9 @@ from propmap.cli.aircraft_options import (
     VehicleArgument,
     Wind,
     aircraft_of,
+    digits,
+    number_or_none,
+    title,
 )
 from propmap.cli.operating_points import parse_axis
 from propmap.cli.output import (
@@ -37,7 +40,6 @@ from propmap.errors import InputError
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from propmap.aircraft.mission import Mission
     from propmap.aircraft.performance import NamedState, Performance
     from propmap.aircraft.steady import Aircraft, SteadyStates
 
@@ -124,7 +126,9 @@ def trim(
         charge=charge,
     )
     if legs is not None:
-        _fly(craft, legs, form, output)
+        from propmap.cli.mission_table import fly_and_show
+
+        fly_and_show(craft, legs, form, output)
         return
     if bank and speeds[0] == 0.0:
         speeds = speeds[1:]
@@ -143,7 +147,7 @@ def trim(
         write_dataset(dataset(craft, flown, command), output)
         typer.echo(f"wrote {output}", err=True)
     elif form is Format.table:
-        show(output, _title(craft), *(_table(states, found) for states in flown), *_told(found))
+        show(output, title(craft), *(_table(states, found) for states in flown), *_told(found))
     else:
         _emit(craft, flown, found, form, output)
     if picture is not None:
@@ -152,16 +156,8 @@ def trim(
 
         hover = craft.with_hover_model()
         still = [hover.steady(speeds, each, math.radians(bank)) for each in climbs.tolist()]
-        save(power_curves(_title(craft), flown, still, found), picture)
+        save(power_curves(title(craft), flown, still, found), picture)
         typer.echo(f"wrote {picture}", err=True)
-
-
-def _title(craft: Aircraft) -> str:
-    vehicle = craft.vehicle
-    return (
-        f"{vehicle.name}, {vehicle.mass:g} kg, {len(vehicle.mounts)} x {vehicle.propeller.name}; "
-        f"rho = {vehicle.air.density:.4g} kg/m^3"
-    )
 
 
 def _emit(
@@ -176,7 +172,7 @@ def _emit(
     listed = [row for states in flown for row in rows(states)]
     if found is not None:
         for row, time, way in zip(listed, found.endurance, found.distance, strict=True):
-            row["endurance_s"], row["distance_m"] = _number(time), _number(way)
+            row["endurance_s"], row["distance_m"] = number_or_none(time), number_or_none(way)
     if form is Format.csv:
         emit_rows(list(listed[0]), listed, form, output)
         return
@@ -188,11 +184,7 @@ def _emit(
 
 
 def _plain(state: NamedState | None) -> dict[str, float | None] | None:
-    return None if state is None else {k: _number(v) for k, v in vars(state).items()}
-
-
-def _number(value: float) -> float | None:
-    return float(value) if math.isfinite(value) else None
+    return None if state is None else {k: number_or_none(v) for k, v in vars(state).items()}
 
 
 def _table(states: SteadyStates, found: Performance | None) -> Table:
@@ -200,29 +192,29 @@ def _table(states: SteadyStates, found: Performance | None) -> Table:
     heads = ["V [m/s]", "pitch [deg]", "roll [deg]", "rpm", "T [N]", "P shaft [W]"]
     columns: list[list[str]] = [
         [f"{v:.4g}" for v in states.speed],
-        [_digits(v) for v in np.degrees(states.pitch)],
-        [_digits(v) for v in np.degrees(states.roll)],
+        [digits(v) for v in np.degrees(states.pitch)],
+        [digits(v) for v in np.degrees(states.roll)],
         [_span(each) for each in rpm],
-        [_digits(v) for v in states.thrust.sum(axis=1)],
-        [_digits(v) for v in states.shaft_power],
+        [digits(v) for v in states.thrust.sum(axis=1)],
+        [digits(v) for v in states.shaft_power],
     ]
     if np.isfinite(states.electrical_power).any():
         heads += ["P electric [W]", "I motor [A]"]
         columns += [
-            [_digits(v) for v in states.electrical_power],
-            [_digits(v) for v in states.motor_current.max(axis=1)],
+            [digits(v) for v in states.electrical_power],
+            [digits(v) for v in states.motor_current.max(axis=1)],
         ]
     if np.isfinite(states.throttle).any():
         heads.append("throttle [%]")
-        columns.append([_digits(v) for v in 100.0 * states.throttle.max(axis=1)])
+        columns.append([digits(v) for v in 100.0 * states.throttle.max(axis=1)])
     if found is not None and np.isfinite(found.endurance).any():
         heads += ["time [min]", "way [km]"]
         columns += [
-            [_digits(v) for v in found.endurance / 60.0],
-            [_digits(v) for v in found.distance / 1000.0],
+            [digits(v) for v in found.endurance / 60.0],
+            [digits(v) for v in found.distance / 1000.0],
         ]
     heads += ["thrust margin", "<status"]
-    columns += [[_digits(v) for v in states.thrust_margin], states.status.tolist()]
+    columns += [[digits(v) for v in states.thrust_margin], states.status.tolist()]
     climb, bank = float(states.climb[0]), math.degrees(float(states.bank[0]))
     title = f"climb {climb:g} m/s" if climb else (f"bank {bank:g} deg" if bank else "level flight")
     caption = "rpm: slowest to fastest rotor; thrust margin: T at the first limit over T needed"
@@ -238,12 +230,6 @@ def _span(rpm: Any) -> str:
         return "-"
     low, high = f"{rpm.min():.0f}", f"{rpm.max():.0f}"
     return low if low == high else f"{low}-{high}"
-
-
-def _digits(value: float) -> str:
-    if not math.isfinite(value):
-        return "-"
-    return "0" if abs(value) < 5e-4 else f"{value:.4g}"
 
 
 def _named(found: Performance) -> list[tuple[str, str, NamedState | None]]:
@@ -288,43 +274,3 @@ def _told(found: Performance | None) -> list[str]:
                 parts.append(f"{state.distance / 1000.0:.3g} km")
         lines.append(f"{words}: {', '.join(parts)}")
     return lines
-
-
-def _fly(craft: Aircraft, legs: Mission, form: Format, output: Path | None) -> None:
-    from propmap.aircraft.mission import fly
-
-    flown = fly(craft, legs)
-    columns = {
-        "speed_mps": legs.speed,
-        "climb_mps": legs.climb,
-        "duration_s": legs.duration,
-        "pitch_deg": np.degrees(flown.states.pitch),
-        "power_W": flown.states.power,
-        "energy_J": flown.energy,
-        "charge": flown.charge,
-    }
-    names = [*columns, "status"]
-    if form is not Format.table:
-        values = zip(*(v.tolist() for v in columns.values()), flown.status.tolist(), strict=True)
-        listed = [
-            dict(zip(names, [*(_number(v) for v in row[:-1]), row[-1]], strict=True))
-            for row in values
-        ]
-        emit_rows(names, listed, form, output)
-        return
-    digits = [[_digits(v) for v in values] for values in columns.values()]
-    body = grid(
-        "V [m/s]|climb [m/s]|time [s]|pitch [deg]|P [W]|energy [J]|charge|<status",
-        zip(*digits, flown.status.tolist(), strict=True),
-        f"mission {legs.source}",
-        "charge: at the end of the leg, 1 when full",
-    )
-    total, lost = float(np.sum(flown.energy)), ~np.isfinite(flown.energy)
-    told = f"{total / 3600.0:.4g} Wh in {legs.duration.sum() / 60.0:.4g} min"
-    if lost.any():
-        told = f"leg {int(np.argmax(lost)) + 1} cannot be flown"
-    elif (flown.status == "battery_empty").any():
-        told += (
-            f"; the battery is empty in leg {int(np.argmax(flown.status == 'battery_empty')) + 1}"
-        )
-    show(output, _title(craft), body, told)

@@ -108,17 +108,17 @@ class Battery:
             return 2.0 * power / (voltage + np.sqrt(np.where(left >= 0.0, left, np.nan)))
 
     def voltage(self, power: Floats, charge: Floats) -> Floats:
-        """At the terminals [V] while it delivers ``power`` [W]; arguments as in ``current``."""
+        """At the terminals [V] while it delivers ``power`` [W] at this ``charge``."""
         current = self.current(power, charge)
         return self.open_circuit_voltage(charge) - self.resistance * current
 
     def voltage_or_least(self, power: Floats, charge: Floats) -> Floats:
-        """As ``voltage``, but that at the largest power where it cannot deliver ``power``."""
+        """As ``voltage``, of ``power`` and ``charge``, but that at the largest power beyond it."""
         least = 0.5 * self.open_circuit_voltage(charge)
         return np.where(np.isnan(found := self.voltage(power, charge)), least, found)
 
     def share_used(self, power: Floats, charge: Floats) -> Floats:
-        """What is taken of the largest power or current, the larger share; as in ``current``."""
+        """Share of the largest power or current that ``power`` at this ``charge`` takes."""
         voltage = self.open_circuit_voltage(charge)
         of_power = 4.0 * self.resistance * np.maximum(power, 0.0) / voltage**2
         current = np.nan_to_num(self.current(power, charge), nan=0.0)

@@ -43,9 +43,9 @@ class SpeedController:
             )
 
     def power(self, motor: MotorState) -> Floats:
-        """What is taken from the battery [W], of the motor's shape."""
+        """What is taken from the battery for a ``motor`` in this state [W]."""
         return (motor.power + self.resistance * motor.current**2) / self.efficiency
 
     def voltage(self, motor: MotorState) -> Floats:
-        """Of a battery that just drives the motor so, at full throttle [V]."""
+        """Of a battery that just keeps a ``motor`` in this state, at full throttle [V]."""
         return motor.voltage + self.resistance * motor.current
