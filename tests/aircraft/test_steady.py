@@ -206,16 +206,18 @@ def test_limits_are_statuses_not_numbers(vehicle: Vehicle) -> None:
     slow = aircraft_of(vehicle, maximum_rotor_speed=640.0).steady([8.0, 20.0])
     assert slow.status.tolist() == ["ok", "rpm_limit"]
     assert slow.used["rpm_limit"][1] > 1.0
-    for name in ("pitch", "shaft_power", "electrical_power", "thrust_margin", "residual"):
+    for name in ("pitch", "shaft_power", "electrical_power", "residual"):
         values = getattr(slow, name)
         assert np.isfinite(values[0]) and np.isnan(values[1]), name
     assert np.isnan(slow.rotor_speed[1]).all()
+    assert slow.thrust_margin[0] > 1.0 > slow.thrust_margin[1] > 0.5
     weak = replace(vehicle.powertrain, motor=replace(vehicle.powertrain.motor, maximum_current=5.0))
     states = aircraft_of(replace(vehicle, powertrain=weak)).steady(0.0)
     assert states.status.tolist() == ["motor_current_limit"]
     heavy = aircraft_of(replace(vehicle, mass=12.0)).steady(0.0)
     assert heavy.status[0] in ("voltage_limit", "motor_current_limit", "battery_limit")
     assert np.isnan(heavy.shaft_power[0])
+    assert heavy.thrust_margin[0] < 1.0  # less thrust than weight
 
 
 def test_what_cannot_be_balanced_has_no_number(vehicle: Vehicle) -> None:

@@ -228,6 +228,9 @@ class Ranking:
                 status = str(states.status[k])
                 used = states.used.get(status)
                 more = f", {100.0 * used[k]:.0f} % of it" if used is not None else ""
+                margin = float(states.thrust_margin[k])
+                if math.isfinite(margin):
+                    more += f"; thrust is {margin:.2f} of what is needed"
                 return f"{what}: {STATUSES[status]}{more}"
         margin = float(states.thrust_margin[0])
         if not margin >= self.task.thrust_margin:

@@ -57,7 +57,8 @@ STATUSES = {
 class SteadyStates:
     """n steady states of an aircraft with k rotors.
 
-    Of a state that was not found, or is beyond a limit, all but the first four are NaN.
+    Of a state that was not found, or is beyond a limit, all are NaN but the first three and, beyond
+    a limit, the next two, which say by how much.
 
     Attributes
     ----------
@@ -66,6 +67,9 @@ class SteadyStates:
         turn [rad], positive to the right.
     used : dict of str to ndarray, shape (n,)
         Share of each of ``LIMITS`` that the state uses or would use, 1 at the limit.
+    thrust_margin : ndarray, shape (n,)
+        Thrust of all rotors, were all sped up alike to the first limit, over that which is needed;
+        below 1 beyond a limit.
     pitch, roll : ndarray, shape (n,)
         Positive nose down, and right side down [rad].
     rotor_speed, thrust, torque : ndarray, shape (n, k)
@@ -80,8 +84,6 @@ class SteadyStates:
         [A], [V]; NaN where the vehicle has no battery.
     moment : ndarray, shape (n, 3)
         About the centre of mass, what rotors cannot balance and control surfaces must [N m].
-    thrust_margin : ndarray, shape (n,)
-        Thrust of all rotors, were all sped up alike to the first limit, over that which is needed.
     residual : ndarray, shape (n,)
         The largest unbalanced force over the weight, and moment over the weight times the longest
         arm [-].
@@ -93,6 +95,7 @@ class SteadyStates:
     climb: Floats
     bank: Floats
     used: dict[str, Floats]
+    thrust_margin: Floats
     pitch: Floats
     roll: Floats
     rotor_speed: Floats
@@ -105,7 +108,6 @@ class SteadyStates:
     battery_current: Floats
     battery_voltage: Floats
     moment: Floats
-    thrust_margin: Floats
     residual: Floats
     status: NDArray[np.str_]
 
@@ -253,8 +255,8 @@ class Aircraft:
         gone = ~np.isin(status, FLOWN)
         nothing = np.full(len(gone), math.nan)
         margins = np.array(nothing)
-        if margin and not gone.all():
-            margins[~gone] = self._thrust_margin(omega[~gone], found.velocity[~gone])
+        if margin and not lost.all():
+            margins[~lost] = self._thrust_margin(omega[~lost], found.velocity[~lost])
 
         def known(values: Floats, where: NDArray[np.bool_] = gone) -> Floats:
             return np.where(where.reshape(-1, *[1] * (values.ndim - 1)), math.nan, values)

@@ -250,12 +250,17 @@ def _told(found: Performance | None) -> list[str]:
     from propmap.aircraft.steady import STATUSES
 
     lines = []
-    for name, words, state in _named(found):
+    climbs = bool(found.states.climb[0])
+    for name, label, state in _named(found):
+        words = "straight up or down" if climbs and name == "hover" else label
         if state is None:
             if name == "fastest" and not found.limit:
                 lines.append(f"{words}: above {FASTEST:g} m/s, no limit was met")
             else:
                 lines.append(f"{words}: none; {STATUSES.get(found.limit, 'not found')}")
+            margin = float(found.states.thrust_margin[0])
+            if name == "hover" and found.states.speed[0] == 0.0 and margin < 1.0:
+                lines[-1] += f"; thrust there is {margin:.2f} of what is needed"
             continue
         electric = math.isfinite(state.electrical_power)
         parts = [
