@@ -46,6 +46,9 @@ if TYPE_CHECKING:
 SPEEDS = 21
 """Where --speed is A:B."""
 
+NOTHING = 1e-4
+"""Unbalanced moment over mass and radius [m/s^2] that is not worth a word."""
+
 
 def trim(
     context: typer.Context,
@@ -134,6 +137,7 @@ def trim(
         speeds = speeds[1:]
         typer.echo("note: a turn takes speed: 0 m/s is left out", err=True)
     flown = [craft.steady(speeds, each, math.radians(bank)) for each in climbs.tolist()]
+    _say_moments(craft, flown)
     found = None
     if not bank and climbs.size == 1 and speeds.size > 1:
         from propmap.aircraft.performance import performance
@@ -158,6 +162,21 @@ def trim(
         still = [hover.steady(speeds, each, math.radians(bank)) for each in climbs.tolist()]
         save(power_curves(title(craft), flown, still, found), picture)
         typer.echo(f"wrote {picture}", err=True)
+
+
+def _say_moments(craft: Aircraft, flown: list[SteadyStates]) -> None:
+    """Say what rotors cannot balance: of a wing's flaps, or of a spin that is wrong."""
+    left = np.concatenate([np.abs(states.moment) for states in flown])
+    if not np.isfinite(left).any():
+        return
+    largest = np.nanmax(left, axis=0)
+    if largest.max() > NOTHING * craft.vehicle.mass * craft.vehicle.propeller.radius:
+        told = ", ".join(f"{name} {m:.2g}" for name, m in zip("xyz", largest, strict=True))
+        typer.echo(
+            f"note: the rotors cannot balance all moments; up to {told} N m about these axes are "
+            "left to control surfaces (check position and spin, if there are none)",
+            err=True,
+        )
 
 
 def _emit(
