@@ -112,6 +112,7 @@ BAD = {
     "speeds that fall": ([*TRIM, "--speed", "5,3"], "do not rise"),
     "a climb in words": ([*TRIM, "--climb", "fast"], "cannot be read"),
     "max rpm of 0": ([*TRIM, "--max-rpm", "0"], "above 0"),
+    "wind that is no number": ([*TRIM, "--speed", "0,5", "--wind", "nan"], "headwind"),
     "charge in percent": ([*TRIM, "--charge", "80"], "1 for a full battery"),
     "a mission of words": ([*TRIM, "--mission", "words.csv"], "line 2"),
     "a mission and a climb": ([*TRIM, "--mission", "legs.csv", "--climb", "2"], "legs say all"),

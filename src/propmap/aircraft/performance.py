@@ -119,11 +119,13 @@ def performance(
     Raises
     ------
     InputError
-        For speeds that do not rise.
+        For speeds that do not rise, and a wind that is no number.
     """
     speed = states.speed
     if speed.size < 2 or not (np.diff(speed) > 0.0).all():
         raise InputError("the speeds must rise", "give two or more, each once")
+    if not math.isfinite(wind):
+        raise InputError(f"the wind is {wind}", "give a headwind in m/s, negative from behind")
     fastest, limit = top_speed(aircraft, states, climb)
     last = speed[-1] if math.isnan(fastest) else fastest
     grid = np.linspace(0.0, last, SPEEDS)
