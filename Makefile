@@ -107,4 +107,4 @@ docs: $(DOCS_READY)
 	$(BIN)/sphinx-build --fail-on-warning --keep-going docs docs/_build/html
 
 clean:
-	rm -rf $(VENV) propmap-demo propmap-reproduce docs/_build docs/generated
+	rm -rf $(VENV) propmap-demo propmap-reproduce docs/_build docs/generated docs/propellers

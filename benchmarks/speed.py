@@ -24,6 +24,7 @@ from propmap.engine.accuracy import accuracy
 from propmap.engine.evaluation import prepare
 from propmap.engine.gradients import load_gradients
 from propmap.engine.programs import COMPILER_OPTIONS
+from propmap.model.airfoil import parameter_set
 from propmap.model.model import Model
 from propmap.physics.velocities import AzimuthNodes, azimuth_nodes
 from propmap.rotor import Rotor
@@ -31,6 +32,11 @@ from propmap.solve.problem import Case, annulus_problem, residual, residual_slop
 
 FLOW, LAW = ("omega", "v_axial", "v_inplane"), ("c_l1", "c_l2", "c_d", "alpha_0", "zero_lift_angle")
 GRADIENT = (*FLOW, *LAW)
+
+BAND_LAW = ("c_l1", "c_d", "alpha_0", "zero_lift_angle", "c_d0", "reynolds_camber", "drag_angle")
+BANDS = (*BAND_LAW, "chord_scale", "twist_offset")
+"""What the uncertainty of a load is made of: the seven section constants of the catalogue, and the
+blade's shape."""
 
 GROWING = (1000, 10_000, 100_000, 1_000_000)
 """Operating points."""
@@ -117,8 +123,10 @@ def element_nanoseconds(rotor: Rotor) -> dict[str, float]:
     return cost
 
 
-def gradient_microseconds(rotor: Rotor, batch: tuple[Floats, Floats, Floats]) -> dict[str, float]:
-    """Loads with their derivatives by the flow and five section parameters; the same without."""
+def gradient_microseconds(
+    rotor: Rotor, batch: tuple[Floats, Floats, Floats], names: tuple[str, ...]
+) -> dict[str, float]:
+    """Loads with their derivatives by ``names``, and the same without [us] per point."""
     omega, speed, beta = batch
     flow = (omega, speed * np.cos(beta), speed * np.sin(beta))
     ready, setting = prepare(rotor.arrays), accuracy("standard")
@@ -127,7 +135,7 @@ def gradient_microseconds(rotor: Rotor, batch: tuple[Floats, Floats, Floats]) ->
         start = time.perf_counter()
         rotor.loads(*batch)
         middle = time.perf_counter()
-        load_gradients(ready, setting, GRADIENT, *flow)
+        load_gradients(ready, setting, names, *flow)
         if kept:
             plain.append(middle - start)
             with_slopes.append(time.perf_counter() - middle)
@@ -170,6 +178,8 @@ def measure() -> dict[str, Any]:
     place = machine()
     blade, section = propmap.propeller("apc-8x6e"), propmap.airfoil("paper-apc")
     rotor, fine = Rotor(Model(blade, section)), Rotor(Model(blade, section), accuracy="fine")
+    terms = parameter_set("paper-apc").with_parameters(reynolds_camber=-0.02, drag_angle=0.025)
+    of_catalogue = Rotor(Model(blade, terms))
     omega = 6000.0 * RPM
     batches = {
         "oblique": oblique(BATCH),
@@ -201,7 +211,8 @@ def measure() -> dict[str, Any]:
         "design_notes_ns_per_element_on_another_machine": DESIGN_NOTES,
         "process": whole_process(PREDICT, 3),
         "ratios": ratios,
-        "gradient": gradient_microseconds(rotor, batches["oblique"]),
+        "gradient": gradient_microseconds(rotor, batches["oblique"], GRADIENT),
+        "bands": gradient_microseconds(of_catalogue, batches["oblique"], BANDS),
         "growth": growth(rotor),
     }
 
@@ -228,6 +239,8 @@ def main() -> None:
         print(f"{name}: {value:.1f}")
     for name, value in found["gradient"].items():
         print(f"gradient by {len(GRADIENT)} parameters, {name}: {value:.1f}")
+    for name, value in found["bands"].items():
+        print(f"bands by {len(BANDS)} parameters, {name}: {value:.1f}")
     for count, value in found["growth"]["cpu_microseconds_per_point"].items():
         print(f"oblique batch of {count}: {value:.1f} us of processor time per point")
     print(f"peak memory: {found['growth']['peak_megabytes']:.0f} MB")

@@ -14,11 +14,13 @@ sys.path[:0] = [str(ROOT), str(ROOT / "docs" / "extensions")]
 
 import propmap  # noqa: E402
 from tools import docs_figures, docs_pages  # noqa: E402
+from tools.propeller_pages import pages as propeller_pages  # noqa: E402
 
 GENERATED = ROOT / "docs" / "generated"
 GENERATED.mkdir(exist_ok=True)
 docs_figures.write(GENERATED)
 docs_pages.write(GENERATED)
+propeller_pages.write(ROOT / "docs")
 
 # Cells run the command of this environment, with tables as wide as a page.
 os.environ["PATH"] = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
@@ -92,6 +94,8 @@ html_sidebars = {
         "equations",
         "validation",
         "architecture",
+        "propellers",
+        "propellers/*",
     )
 }
 

@@ -18,6 +18,7 @@ LEFT_TO_RIGHT = (
     "model",
     "operating_points",
     "results",
+    "bands",
     "rotor",
     "dynamic_inflow",
     "baselines",

@@ -32,12 +32,19 @@ LOADS = {
 }
 
 LEFT_OUT = {
+    "own": "its own constants",
+    "own_run": "its own, found without the run at the middle of its rotational speeds: that run",
+    "own_fastest": "its own, found without the run at the highest: that run",
     "family": "constants of its family; its blade is known",
+    "other_blade_of_family": "the same without those of its own blade in other numbers",
     "population": "constants of all; its blade is known",
     "family_blade": "blade and constants of its family",
     "population_blade": "blade and constants of all",
-    "family_label": "the same of their family, for propellers whose blades were never measured",
-    "population_label": "the same of all, for those of no known family",
+    "family_static": "constants of its family, after a static test: moving rows",
+    "population_static": "constants of all, after a static test: moving rows",
+    "family_label": "blade and constants of its family; its own blade was never measured",
+    "siblings_label": "blade of all, constants of its family; none of its blades was measured",
+    "population_label": "blade and constants of all, for the same propellers and single ones",
 }
 
 
@@ -46,6 +53,7 @@ def write(folder: Path) -> None:
     found = {
         name: json.loads((RESULTS / f"{name}.json").read_text(encoding="utf-8"))
         for name in (
+            "after_static",
             "aircraft",
             "choice",
             "convergence",
@@ -87,7 +95,9 @@ def write(folder: Path) -> None:
         "performance-peers": performance_tables.peers(found["peers"]),
         "drag-effects": drag_effects_table.table(drag_effects()),
         "identified": identified(),
+        "after-static": after_static(found["after_static"]),
         "left-out": left_out(found["left_out"]),
+        "other-tunnel": other_tunnel(found["demo"]),
         "cli": command_reference(),
     }
     for name, text in parts.items():
@@ -269,17 +279,49 @@ def choice_table(found: dict[str, Any]) -> str:
     )
 
 
+def after_static(found: dict[str, Any]) -> str:
+    """How well flight is predicted before and after a fit to static rows."""
+    lines = [
+        f"| {found['propellers']} propellers | thrust, median error | torque, median error | "
+        "rows within 95 %, thrust | torque |",
+        "|---|---|---|---|---|",
+    ]
+    for when in ("before", "after"):
+        cells = [*found[when]["error"], *found[when]["held"]]
+        lines.append(f"| {when} | " + " | ".join(f"{100.0 * v:.1f} %" for v in cells) + " |")
+    return "\n".join(lines) + "\n"
+
+
+def other_tunnel(found: dict[str, Any]) -> str:
+    """Loads of the 8x6E by name against another tunnel's oblique data."""
+    rows = [
+        "| load | inside 95 % | mean error, standard deviations | rms error |",
+        "|---|---:|---:|---:|",
+    ]
+    for one in found["by_name"]:
+        rows.append(
+            f"| {LOADS[one['load']]} | {one['inside']:.0%} | {one['apart']:+.1f} | "
+            f"{one['relative_rms']:.0%} |"
+        )
+    return "\n".join(rows)
+
+
 def left_out(found: dict[str, Any]) -> str:
     """How well propellers are predicted from the others."""
     rows = [
-        "| from the others | propellers | C_T: median, 90 % below | C_P: median, 90 % below |",
-        "|---|---:|---:|---:|",
+        "| predicted from | propellers | C_T: median, 90 % below | C_P: median, 90 % below | "
+        "band of 95 % holds, at rest: C_T, C_P | moving: C_T, C_P |",
+        "|---|---:|---:|---:|---:|---:|",
     ]
     for name, told in LEFT_OUT.items():
         one = found[name]
         cells = [
             f"{100.0 * half:.1f} %, {100.0 * most:.1f} %"
             for half, most in zip(one["median"], one["nine_in_ten"], strict=True)
+        ]
+        cells += [
+            "-" if None in one[key] else ", ".join(f"{100.0 * share:.1f} %" for share in one[key])
+            for key in ("at_rest", "moving")
         ]
         rows.append(f"| {told} | {one['propellers']} | {' | '.join(cells)} |")
     return "\n".join(rows)

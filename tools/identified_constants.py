@@ -13,12 +13,16 @@ from __future__ import annotations
 import subprocess
 import sys
 import tempfile
+from dataclasses import replace
 from pathlib import Path
+
+import tomli_w
 
 from propmap.fit.result_file import read_fit
 from propmap.io.atomic_file import replacing
 from propmap.model.airfoil import Airfoil
 from propmap.model.corrections import MODELS
+from propmap.model.uncertainty import DISCREPANCIES, SectionUncertainty
 
 NAME = "apc-8x6e-2019"
 TARGET = Path(__file__).resolve().parent.parent / "src/propmap/catalogue/airfoils" / f"{NAME}.toml"
@@ -42,25 +46,30 @@ def main() -> None:
         command = [sys.executable, "-m", *COMMAND, "--output", str(file)]
         subprocess.run(command, check=True)
         found = read_fit(file).airfoil
+    assert found.uncertainty is not None  # a fit has it
+    known = replace(found.uncertainty, another_tunnel=True)
     with replacing(TARGET) as part:
-        part.write_text("schema = 1\n" + _text(found), encoding="utf-8")
+        part.write_text(_text(found, known), encoding="utf-8")
 
 
-def _text(found: Airfoil) -> str:
-    """Name, source and constants of the set as TOML."""
+def _text(found: Airfoil, known: SectionUncertainty) -> str:
+    """Name, source, constants and their uncertainty, as a parameter file."""
     source = (
         f"Fitted to thrust and torque of {DATA}, with the recommended model "
         f"({', '.join(MODELS['recommended'])}), by {' '.join(COMMAND)}"
     )
     constants = ("c_l1", "c_l2", "c_d", "alpha_0", "zero_lift_angle", "c_d0")
-    return "\n".join(
-        [
-            f'name = "{NAME}"',
-            f'source = "{source}"',
-            *(f"{name} = {round(getattr(found, name), DECIMALS)!r}" for name in constants),
-            "",
-        ]
-    )
+    rounded = known.as_dict()
+    rounded["covariance"] = [[float(f"{v:.6g}") for v in row] for row in rounded["covariance"]]
+    for name in DISCREPANCIES:
+        rounded[name] = float(f"{rounded[name]:.4g}")
+    lines = [
+        "schema = 1",
+        f'name = "{NAME}"',
+        f'source = "{source}"',
+        *(f"{name} = {round(getattr(found, name), DECIMALS)!r}" for name in constants),
+    ]
+    return "\n".join(lines) + f"\n\n{tomli_w.dumps({'uncertainty': rounded})}"
 
 
 if __name__ == "__main__":

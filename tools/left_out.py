@@ -3,65 +3,83 @@
 Usage: python -m tools.left_out LOADS
 
 LOADS is the UIUC database's loads.csv; the constants are the bundled ones.  Errors are root mean
-squares over those of what was measured, over all rows of a propeller.  "Blade too" is without its
-geometry: chord and twist are the means of the others.  "Never measured" are those without geometry
-in the database, whose loads play no part in any constants.  The figures go into
-benchmarks/results/left_out.json as well.
+squares over those of what was measured, over the rows of a propeller; bands are those of 95 %, and
+what they hold is the mean over propellers of the share of rows.  Nothing of the bands is fitted to
+what they hold: their width is that of the distribution over the other propellers, and of the errors
+that own constants leave.  The figures go into benchmarks/results/left_out.json as well.
 """
 
 from __future__ import annotations
 
+import itertools
 import json
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from propmap.arrays.types import Floats
-from propmap.catalogue.identified import all_identified
-from propmap.fit.population.left_out import by_designation, left_out
+from propmap.catalogue.identified import all_identified, identified_without_blade
+from propmap.fit.population.foretold import Foretold
+from propmap.fit.population.left_out import GROUPS, left_out, never_measured
 from propmap.fit.population.misfiled import refiled
+from propmap.fit.population.populations import populations_of
 from propmap.io.atomic_file import replacing
 from propmap.io.uiuc_database import read_uiuc_database
 
 RESULTS = Path(__file__).resolve().parent.parent / "benchmarks" / "results" / "left_out.json"
-ROWS = {
-    "own": "own",
-    "family": "family",
-    "population": "population",
-    "family_blade": "family, blade too",
-    "population_blade": "population, blade too",
-    "family_label": "family, never measured",
-    "population_label": "population, never measured",
-}
-"""Fields of ``LeftOut``, two groups of ``by_designation``, and what they are called."""
 
 
 def main(loads: Path) -> None:
-    """Print medians and 90th percentiles over propellers, in per cent, and write them."""
+    """Print medians and 90th percentiles over propellers, and what bands hold, and write them."""
     every = refiled(read_uiuc_database(loads))
-    groups: dict[str, list[Floats]] = {name: [] for name in ROWS}
-    for one in left_out(all_identified(), every):
-        for name in ROWS:
-            errors = getattr(one, name, None)
-            if errors is not None:
-                groups[name].append(errors)
-    for label in by_designation(every):
-        groups["family_label" if label.family else "population_label"].append(label.errors)
-    results = {}
-    print("constants from              propellers   C_T median, 90 %   C_P median, 90 %")
-    for name, told in ROWS.items():
-        half, most = np.quantile(groups[name], (0.5, 0.9), axis=0)
-        cells = [f"{a:6.1%}, {b:6.1%}" for a, b in zip(half, most, strict=True)]
-        count = len(groups[name])
-        print(f"{told:<27} {count:>10}   {cells[0]:>16}   {cells[1]:>16}")
-        results[name] = {
-            "propellers": count,
-            "median": np.round(half, 5).tolist(),
-            "nine_in_ten": np.round(most, 5).tolist(),
-        }
+    measured = all_identified()
+    found: dict[str, list[Foretold]] = {name: [] for name in GROUPS}
+    populations = populations_of(measured)
+    for each in itertools.chain(
+        left_out(measured, every),
+        never_measured(measured, identified_without_blade(), every, populations),
+    ):
+        found[each.group].append(each.found)
+    results = {name: _summary(some) for name, some in found.items()}
+    print(f"{'':<37}errors, median (90 %)           bands hold, C_T and C_P")
+    print(f"{'constants from':<34}n  C_T            C_P            at rest      moving")
+    for name, told in GROUPS.items():
+        one = results[name]
+        shown = [
+            *(
+                f"{half:5.1%} ({most:5.1%})"
+                for half, most in zip(one["median"], one["nine_in_ten"], strict=True)
+            ),
+            *(" ".join(map(_percent, one[key])) for key in ("at_rest", "moving")),
+        ]
+        print(f"{told:<32}{one['propellers']:>3}  {'  '.join(shown)}")
     with replacing(RESULTS) as path:
         path.write_text(json.dumps(results, indent=2) + "\n", encoding="utf-8")
+
+
+def _summary(some: list[Foretold]) -> dict[str, Any]:
+    half, most = np.quantile([one.errors for one in some], (0.5, 0.9), axis=0)
+    held = {name: _mean([getattr(one, name) for one in some]) for name in ("at_rest", "moving")}
+    return {
+        "propellers": len(some),
+        "median": np.round(half, 5).tolist(),
+        "nine_in_ten": np.round(most, 5).tolist(),
+        **held,
+    }
+
+
+def _percent(share: float | None) -> str:
+    return "    -" if share is None else f"{share:5.1%}"
+
+
+def _mean(shares: list[Floats]) -> list[float | None]:
+    """Over propellers that have such rows; None where none has."""
+    known = [share for share in shares if np.isfinite(share).all()]
+    if not known:
+        return [None, None]
+    return [round(float(share), 4) for share in np.mean(known, axis=0)]
 
 
 if __name__ == "__main__":

@@ -8,6 +8,7 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
+from propmap.catalogue.known import known_model
 from propmap.catalogue.lookup import airfoil, propeller
 from propmap.errors import InputError
 
@@ -18,7 +19,9 @@ from propmap.model.airfoil import Airfoil, airfoil_names
 from propmap.model.corrections import correction, corrections_of
 from propmap.model.model import Model
 from propmap.model.propeller import Propeller
+from propmap.model.section_covariance import SectionCovariance
 from propmap.model.section_table import SectionTable
+from propmap.model.uncertainty import SectionUncertainty
 
 if TYPE_CHECKING:
     from propmap.baselines.hover import HoverModel
@@ -38,12 +41,15 @@ __all__ = [
     "Model",
     "Propeller",
     "Rotor",
+    "SectionCovariance",
     "SectionTable",
+    "SectionUncertainty",
     "Wrench",
     "airfoil",
     "airfoil_names",
     "correction",
     "corrections_of",
+    "known_model",
     "propeller",
 ]
 

@@ -14,7 +14,7 @@ from propmap.loads import LOADS
 from propmap.operating_points import broadcast, split_velocity
 from propmap.physics.dynamic_inflow import later, linear_rates, rates
 from propmap.physics.inflow_harmonics import PittPeters
-from propmap.results import Loads, Wrench, hub_wrench, spin_sign
+from propmap.results import Loads, Wrench, array_fields, hub_wrench, spin_sign
 from propmap.rotor import Rotor
 
 
@@ -168,7 +168,7 @@ class DynamicInflow:
             name: getattr(static, name) + by for name, by in zip(LOADS, found.change, strict=True)
         }
         changed |= {"power": changed["torque"] * points.flow[0], "mean_inflow": points.state[:, 0]}
-        each = {name: getattr(static, name) for name in static.__dataclass_fields__} | changed
+        each = {name: getattr(static, name) for name in array_fields()} | changed
         return replace(
             static, **{name: values.reshape(points.shape) for name, values in each.items()}
         )

@@ -47,6 +47,10 @@ class Load:
         """Its name with the unit, as in files: "torque_Nm"."""
         return f"{self.name}_{self.unit.replace(' ', '')}"
 
+    def column_of(self, what: str) -> str:
+        """The same of a quantity of it: "torque_std_Nm" where ``what`` is "std"."""
+        return f"{self.name}_{what}_{self.unit.replace(' ', '')}"
+
     @property
     def head(self) -> str:
         """A short name, for the heads of tables: "T"."""

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import functools
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, fields
+from statistics import NormalDist
 from typing import Any
 
 import numpy as np
@@ -13,6 +16,33 @@ from propmap.errors import InputError
 
 STATUSES = ("ok", "multiple_roots", "windmill", "coarse", "vortex_ring", "not_converged")
 """From harmless to fatal; where several apply, the last is given."""
+
+
+@dataclass(frozen=True)
+class LoadValues:
+    """A value of each load and of the power; every field has the shape of the operating points.
+
+    Attributes
+    ----------
+    thrust, drag, side_force : ndarray
+        [N].
+    torque, roll_moment, pitch_moment : ndarray
+        [N m].
+    power : ndarray
+        [W].
+    """
+
+    thrust: Floats
+    drag: Floats
+    torque: Floats
+    roll_moment: Floats
+    side_force: Floats
+    pitch_moment: Floats
+    power: Floats
+
+
+Deviations = Callable[[], Mapping[str, LoadValues]]
+"""Standard deviations of loads by their source; empty where nothing is known of them."""
 
 
 @dataclass(frozen=True)
@@ -51,6 +81,8 @@ class Loads:
         Share of the measured vortex-ring inflow in the inflow used [-].
     mean_inflow : ndarray
         v_i averaged over the disk [m/s].
+    deviations : callable, optional
+        Gives ``std_by_source``.
     """
 
     thrust: Floats
@@ -65,6 +97,101 @@ class Loads:
     reverse_flow: Floats
     vortex_ring: Floats
     mean_inflow: Floats
+    deviations: Deviations | None = field(default=None, repr=False, compare=False)
+
+    @functools.cached_property
+    def std_by_source(self) -> Mapping[str, LoadValues]:
+        """Standard deviations by what they are from; empty where nothing is known of them.
+
+        "parameters": those of the section law, with the covariance that its identification found.
+        "geometry": chord and twist of a blade that was not measured.  "discrepancy": what the model
+        errs by with the best constants.  "tunnel": what another tunnel, or the open air, would read
+        differently.  They are independent.  Computed when first asked for, once; to first order in
+        the parameters, which takes about twice as long as the loads did.
+        """
+        return self.deviations() if self.deviations is not None else {}
+
+    @functools.cached_property
+    def std(self) -> LoadValues:
+        """Standard deviations of the loads and of the power, all sources together.
+
+        NaN where the loads are.
+
+        Raises
+        ------
+        InputError
+            Where neither the section law nor the blade says how well it is known.
+        """
+        parts = list(self.std_by_source.values())
+        if not parts:
+            raise InputError(
+                "nothing is known of the errors of these section constants",
+                "use constants identified or expected by name, or those of a fit's file",
+            )
+        return LoadValues(
+            **{
+                each.name: np.sqrt(sum(getattr(part, each.name) ** 2 for part in parts))
+                for each in fields(LoadValues)
+            }
+        )
+
+    def interval(self, share: float = 0.95) -> tuple[LoadValues, LoadValues]:
+        """Low and high ends of a band that holds the true load with a probability.
+
+        The errors are taken to be normal.
+
+        Parameters
+        ----------
+        share : float
+            The probability, between 0 and 1.
+
+        Raises
+        ------
+        InputError
+            For another ``share``, and as ``std``.
+        """
+        if not 0.0 < share < 1.0:
+            raise InputError(f"the share is {share}", "give a probability such as 0.95")
+        wide = NormalDist().inv_cdf(0.5 + 0.5 * share)
+        low, high = (
+            LoadValues(
+                **{
+                    each.name: getattr(self, each.name) + sign * wide * getattr(self.std, each.name)
+                    for each in fields(LoadValues)
+                }
+            )
+            for sign in (-1.0, 1.0)
+        )
+        return low, high
+
+
+def array_fields() -> list[str]:
+    """Fields of ``Loads`` that are arrays over the operating points."""
+    return [each.name for each in fields(Loads) if each.name != "deviations"]
+
+
+def joined(parts: Sequence[Loads]) -> Loads:
+    """Loads of some shapes (n,) as those of all points together."""
+    arrays: Any = {
+        name: np.concatenate([getattr(part, name) for part in parts]) for name in array_fields()
+    }
+    if parts[0].deviations is None:
+        return Loads(**arrays)
+
+    def deviations() -> dict[str, LoadValues]:
+        return {
+            source: LoadValues(
+                **{
+                    each.name: np.concatenate(
+                        [getattr(part.std_by_source[source], each.name) for part in parts]
+                    )
+                    for each in fields(LoadValues)
+                }
+            )
+            for source in parts[0].std_by_source
+        }
+
+    return Loads(**arrays, deviations=deviations)
 
 
 @dataclass(frozen=True)

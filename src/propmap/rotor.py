@@ -9,9 +9,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from propmap.arrays.types import Floats
+from propmap.bands import FlowPoints, load_deviations
 from propmap.engine.accuracy import accuracy as accuracy_setting
 from propmap.engine.evaluation import Prepared, evaluate, prepare, tail_share
 from propmap.errors import InputError
+from propmap.loads import LOADS
 from propmap.model.model import Model
 from propmap.operating_points import (
     broadcast,
@@ -20,7 +22,15 @@ from propmap.operating_points import (
     reverse_flow_share,
     split_velocity,
 )
-from propmap.results import Loads, Wrench, hub_wrench, spin_sign, statuses
+from propmap.results import (
+    Deviations,
+    Loads,
+    LoadValues,
+    Wrench,
+    hub_wrench,
+    spin_sign,
+    statuses,
+)
 from propmap.solve.rotor_loads import RotorLoads
 
 if TYPE_CHECKING:
@@ -262,9 +272,33 @@ class Rotor:
         flow = (omega.ravel(), v_axial.ravel(), v_inplane.ravel())
         flat = evaluate(self._prepared, self._setting, *flow)
         found: Any = RotorLoads.of_rows(row.reshape(shape) for row in flat.rows)
-        return self._told(found, omega, v_axial, v_inplane)
+        # Derivatives are compiled in float64 alone.
+        known = self.model.uncertainty is not None and self.precision == PRECISIONS[0]
+        at = functools.partial(self._deviations, FlowPoints(*flow), np.stack(flat.loads), shape)
+        return self._told(found, omega, v_axial, v_inplane, at if known else None)
 
-    def _told(self, found: Any, omega: Floats, v_axial: Floats, v_inplane: Floats) -> Loads:
+    def _deviations(
+        self, at: FlowPoints, loads: Floats, shape: tuple[int, ...]
+    ) -> dict[str, LoadValues]:
+        """``Loads.std_by_source`` of loads (L, N) at N points, as arrays of this ``shape``."""
+        found = load_deviations(self.model, self._prepared, self._setting, at, loads)
+        values = {}
+        for source, rows in found.items():
+            lost = np.where(np.isnan(loads), np.nan, rows)
+            by_name = dict(zip(LOADS, (row.reshape(shape) for row in lost), strict=True))
+            values[source] = LoadValues(
+                **by_name, power=by_name["torque"] * at.omega.reshape(shape)
+            )
+        return values
+
+    def _told(
+        self,
+        found: Any,
+        omega: Floats,
+        v_axial: Floats,
+        v_inplane: Floats,
+        deviations: Deviations | None = None,
+    ) -> Loads:
         """The ``RotorLoads`` that were ``found``, with a status."""
         tails = tail_share(self._prepared, omega, v_axial, v_inplane, found)
         coarse = tails > self._setting.finer[-1][1]
@@ -277,4 +311,5 @@ class Rotor:
             reverse_flow=reverse,
             vortex_ring=found.ring,
             mean_inflow=found.mean_inflow,
+            deviations=deviations,
         )

@@ -14,10 +14,11 @@ from hypothesis import strategies as st
 import propmap
 from propmap import catalogue
 from propmap.catalogue.designation import designation
-from propmap.catalogue.expected_blade import (
-    ERRORS,
+from propmap.catalogue.expected_blade import ERRORS, ExpectedBlade
+from propmap.catalogue.expected_constants import expected_constants, size_of
+from propmap.catalogue.lookup import designated
+from propmap.catalogue.mean_blade import (
     SHARES,
-    ExpectedBlade,
     MeasuredShape,
     bundled_mean,
     mean_blade,
@@ -25,8 +26,6 @@ from propmap.catalogue.expected_blade import (
     screw_angle,
     shapes_without,
 )
-from propmap.catalogue.expected_constants import expected_constants
-from propmap.catalogue.lookup import designated
 from propmap.model.plausible import at_share, doubts_on_blade
 
 RESULTS = Path(__file__).resolve().parents[2] / "benchmarks" / "results" / "left_out.json"
@@ -128,7 +127,7 @@ def test_size_is_a_scale(of: tuple[str, ...], diameter: float, ratio: float, sca
 
 
 def test_coefficients_of_two_sizes_at_one_reynolds_number() -> None:
-    law, _ = expected_constants()
+    law = expected_constants().airfoil
     found = []
     for text, turns in (("5x4", 400.0), ("10x8", 100.0)):
         blade = propmap.propeller(text)
@@ -179,14 +178,15 @@ FIFTY = [
 
 
 def test_fifty_designations_give_loads() -> None:
-    laws = {name: expected_constants(name)[0] for name in (None, *FAMILIES)}
     assert len(set(FIFTY)) >= 50
     for text in FIFTY:
         meant = designated(text)
         assert isinstance(meant, ExpectedBlade), text
         blade = propmap.propeller(text)
         assert doubts_on_blade(blade) == [], text
-        rotor = propmap.Rotor(propmap.Model(blade, laws[meant.family]), compiled=False)
+        size = size_of(meant, blade)
+        law = expected_constants(meant.family, size, meant.geometry).airfoil
+        rotor = propmap.Rotor(propmap.Model(blade, law), compiled=False)
         omega = 80.0 / blade.radius
         loads = rotor.loads(np.array([omega, omega]), np.array([0.0, 6.0]), np.array([0.0, 1.2]))
         assert (loads.thrust > 0.0).all() and (loads.torque > 0.0).all(), text
@@ -198,8 +198,8 @@ def test_fifty_designations_give_loads() -> None:
 def test_errors_that_are_told_are_those_of_propellers_left_out() -> None:
     found = json.loads(RESULTS.read_text(encoding="utf-8"))
     for name, (half, most) in ERRORS.items():
-        np.testing.assert_allclose(half, found[f"{name}_blade"]["median"], atol=0.005)
-        np.testing.assert_allclose(most, found[f"{name}_blade"]["nine_in_ten"], atol=0.005)
+        np.testing.assert_allclose(half, found[name]["median"], atol=0.005)
+        np.testing.assert_allclose(most, found[name]["nine_in_ten"], atol=0.005)
 
 
 @pytest.mark.parametrize(
@@ -221,7 +221,7 @@ def test_what_is_told(
     meant = designated(text)
     assert isinstance(meant, ExpectedBlade)
     assert len(meant.shape.families) == families
-    assert (meant.unknown, meant.measured) == (unknown, measured)
+    assert (meant.unknown, meant.alike) == (unknown, measured)
     assert (meant.family is not None) == (families == 1)
     for told in (*unknown, *measured, str(meant.shape.propellers if families > 1 else "")):
         assert told in meant.told

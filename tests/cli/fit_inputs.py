@@ -71,6 +71,10 @@ LEVEL = "speed_mps,pitch_deg,rpm_1,rpm_2,rpm_3,rpm_4\n" + "".join(
     for v, rpm in ((0, 5620), (0, 5630), (3, 5580), (6, 5500), (8, 5560), (9, 5600), (10, 5680))
 )
 
+STAND = "rpm,thrust_N,torque_Nm\n" + "".join(
+    f"{rpm},{9e-8 * rpm**2:.4f},{1.5e-9 * rpm**2:.5f}\n" for rpm in range(3000, 7000, 500)
+)
+
 
 def fit_record(path: Path) -> dict[str, Any]:
     """The table [fit] of a fit file."""

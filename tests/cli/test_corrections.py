@@ -19,7 +19,7 @@ from propmap.table import LoadTable, build_table
 from tests.fit.fit_records import fit_text
 
 from .conftest import POINT, ROTOR, Run
-from .fit_inputs import LEVEL, QUICK, VEHICLE, fit_record
+from .fit_inputs import LEVEL, QUICK, STAND, VEHICLE, fit_record
 from .invented_tables import invented
 
 TIP_LOSS = ["--correction", "tip-loss"]
@@ -66,6 +66,10 @@ MAKERS: dict[str, tuple[list[str], Found]] = {
         _file("to/invented.csv"),
     ),
     "fit tunnel": (["apc-8x6e", "tunnel.csv", *QUICK, "-o", "fit.toml"], _parameters),
+    "fit static": (
+        ["stand.csv", "--prop", "apc-8x6e", *QUICK, "-o", "fit.toml"],
+        _parameters,
+    ),
     "fit flight": (
         ["level.csv", "--vehicle", "vehicle.toml", *QUICK, "-o", "fit.toml"],
         _parameters,
@@ -106,6 +110,7 @@ ALL = sorted(_commands(typer.main.get_command(app)))
 def _files(tmp_path: Path, tunnel_csv: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "law.toml").write_text(parameter_set("paper-apc").to_toml())
     (tmp_path / "tunnel.csv").write_text(tunnel_csv.read_text())
+    (tmp_path / "stand.csv").write_text(STAND)
     (tmp_path / "vehicle.toml").write_text(VEHICLE)
     (tmp_path / "level.csv").write_text(LEVEL)
     monkeypatch.setattr("propmap.report.style.save", lambda figure, _: KEPT.append(figure))

@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 import propmap
-from propmap.catalogue.expected_constants import expected_constants
+from propmap.catalogue.expected_blade import ExpectedBlade
+from propmap.catalogue.expected_constants import expected_constants, size_of
+from propmap.catalogue.lookup import designated
 
 from .conftest import Run
 
@@ -27,7 +29,9 @@ def test_predict(run: Run, prop: str, family: str | None, blades: int, said: str
     done = run("predict", prop, *point, "--format", "json")
     assert done.code == 0
     assert done.err.startswith(f"note: {said}") and done.err.count("\n") == 1
-    blade, (law, _) = propmap.propeller(prop), expected_constants(family)
+    blade, meant = propmap.propeller(prop), designated(prop)
+    assert isinstance(meant, ExpectedBlade) and meant.family == family
+    law = expected_constants(family, size_of(meant, blade), meant.geometry).airfoil
     assert blade.blades == blades
     model = propmap.Model(blade, law, corrections=propmap.corrections_of("recommended"))
     loads = propmap.Rotor(model, compiled=False).loads(

@@ -43,6 +43,7 @@ FILES = {
 }
 TUNNEL = ["fit", "tunnel", "apc-8x6e"]
 TO = ["-o", "out.toml"]
+NO_PRIOR = ["--prior-from", "none"]
 GOOD = [*TUNNEL, "good.csv", *TO]
 FLIGHT = ["fit", "flight", "--vehicle", "vehicle.toml", *TO]
 CASES: list[tuple[list[str], str]] = [
@@ -54,14 +55,15 @@ CASES: list[tuple[list[str], str]] = [
     ([*GOOD, "--fix", "c_d0"], "--fix 'c_d0' has no '='; write --fix c_l1=6.0"),
     ([*GOOD, "--fix", "c_d0=small"], "--fix c_d0: 'small' is not a number"),
     ([*GOOD, "--fix", "c_d0=nan"], "c_d0 is nan"),
-    ([*GOOD, "--fix", "c_l1=5"], "c_l1 is both free and fixed"),
+    ([*GOOD, "--free", "c_l1", "--fix", "c_l1=5"], "c_l1 is both free and fixed"),
     ([*GOOD, "--fix", "c_d0=0.5"], "give a value from 0 to 0.2"),
     ([*GOOD, "--fix", "cd0=0.01"], "choose from c_d0"),
     ([*GOOD, "--prior", "c_l2=2.0"], "--prior c_l2 has no deviation; write --prior c_l2=2.0:0.3"),
     ([*GOOD, "--prior", "c_l2=2.0:0"], "the prior of c_l2 has the deviation 0"),
     ([*GOOD, "--prior", "c_l2=two:1"], "'two' is not a number"),
     ([*GOOD, "--prior", "c_l2=nan:1"], "the prior of c_l2"),
-    ([*GOOD, "--prior", "c_d0=0.01:0.01"], "c_d0 has a prior but is not free"),
+    ([*GOOD, "--free", "c_l1", "--prior", "c_d0=0.01:0.01"], "c_d0 has a prior but is not free"),
+    ([*GOOD, "--prior-from", "apcfs"], "'apcfs' is no family of identified propellers; give"),
     ([*GOOD, "--loads", "drag"], "good.csv has no drag; fit thrust, torque"),
     ([*GOOD, "--loads", "thrust,lift"], "'lift' is not a load; choose from thrust"),
     ([*GOOD, "--weight", "thrust"], "--weight 'thrust' has no number; write --weight thrust=2"),
@@ -79,7 +81,7 @@ CASES: list[tuple[list[str], str]] = [
     ([*TUNNEL, "uiuc-8x6", *TO], "uiuc-8x6e"),
     ([*TUNNEL, "no_load.csv", *TO], "there is no column with a load; add one of thrust_N"),
     ([*TUNNEL, "empty_load.csv", *TO], "empty_load.csv has no thrust"),
-    ([*TUNNEL, "two.csv", *TO], "2 measured numbers for 5 free parameters"),
+    ([*TUNNEL, "two.csv", *TO, *NO_PRIOR], "2 measured numbers for 5 free parameters"),
     ([*TUNNEL, "negative.csv", *TO], "line 3, column rpm: -5000 is negative"),
     ([*TUNNEL, "nan.csv", *TO], "line 3, column speed_mps: nan is not a finite"),
     ([*TUNNEL, "nan_load.csv", *TO], "line 3, column thrust_N: nan is not a finite"),
@@ -103,7 +105,7 @@ CASES: list[tuple[list[str], str]] = [
     ([*FLIGHT, "level.csv", "--free", "c_l1,wing_c_l1"], "the vehicle has no wing"),
     ([*FLIGHT, "six.csv"], "the vehicle has 4 rotors"),
     ([*FLIGHT, "nan_level.csv"], "line 2, column rpm_3"),
-    ([*FLIGHT, "two_level.csv"], "2 measured numbers for 4 free parameters"),
+    ([*FLIGHT, "two_level.csv", *NO_PRIOR], "2 measured numbers for 4 free parameters"),
     ([*FLIGHT, "nowhere.csv"], "nowhere.csv"),
     ([*FLIGHT, "good.csv"], "no body_frame; add body_frame"),
     (["fit", "flight", "level.csv", "--vehicle", "nowhere.toml", *TO], "nowhere.toml"),

@@ -14,13 +14,16 @@ import pytest
 
 import propmap
 from propmap import catalogue
+from propmap.catalogue.identified import PARAMETERS, identified, identified_without_blade
+from propmap.catalogue.known import known_model
 
 from .conftest import POINT, ROTOR, Run
 
 
 def test_props_lists_everything(run: Run) -> None:
     rows = json.loads(run("props", "--format", "json").out)
-    assert [row["name"] for row in rows] == catalogue.names()
+    others = [one.propeller for one in identified_without_blade()]
+    assert [row["name"] for row in rows] == [*catalogue.names(), *others]
     assert run("props").out.count("\n") > len(rows)
 
 
@@ -36,6 +39,45 @@ def test_props_show_prints_stations_and_outline(run: Run, tmp_path: Path) -> Non
     for text in ("twist [deg]", "45.04", "█", "Landing Products"):
         assert text in done.out
     assert (tmp_path / "blade.svg").read_text().startswith("<?xml")
+
+
+def test_props_show_tells_the_identified_constants(run: Run) -> None:
+    one = identified("uiuc-nr640-5x3.16", 3)
+    assert one is not None
+    out = run("props", "show", "uiuc-nr640-5x3.16", "--blades", "3").out
+    for name, value, variance in zip(
+        PARAMETERS, one.constants, one.covariance.diagonal(), strict=True
+    ):
+        (row,) = [line for line in out.splitlines() if f" {name} " in line]
+        assert f"{value:.4f}" in row and f"{variance**0.5:.4f}" in row
+    for text in (f"verdict: {one.verdict}", one.tested, f"{one.rpm_high:.0f} rpm", "with 2 and 4"):
+        assert text in out
+
+
+def test_props_show_tells_what_is_expected_of_others(run: Run) -> None:
+    """Not identified, or not even measured: the family's constants, with a wider spread."""
+
+    def lift(name: str) -> str:
+        law = known_model(name).airfoil
+        assert isinstance(law, propmap.Airfoil)
+        return f"{law.c_l1:.4f}"
+
+    done = run("props", "show", "apc-8x6sf")
+    words = " ".join(done.out.split())
+    assert lift("apc-8x6sf") in words and "of its family, apcsf" in words
+    assert "verdict" not in words
+    other = run("props", "show", "apc 12x6sf")
+    assert lift("apc 12x6sf") in other.out and "no measured blade" in other.err
+    assert lift("5x4.3x3") in run("props", "show", "5x4.3x3").out
+
+
+def test_props_show_knows_no_constants_of_a_file(run: Run, tmp_path: Path) -> None:
+    path = tmp_path / "blade.csv"
+    path.write_text(
+        "radius_m,chord_m,twist_deg\n0.02,0.01,30\n0.05,0.012,15\n0.08,0.01,12\n0.1,0.005,10\n"
+    )
+    done = run("props", "show", path, "--blades", "2")
+    assert done.code == 0 and "c_l1" not in done.out
 
 
 def test_airfoil_shown_is_an_airfoil_file(run: Run, tmp_path: Path) -> None:

@@ -114,3 +114,38 @@ def test_every_option_of_the_rotor_changes_the_loads(run: Run) -> None:
     ):
         assert thrust(*options) != plain, options
     assert thrust("--radius", "0.1016") == plain
+
+
+STD = [load.column_of("std") for load in LOADS.values()] + ["power_std_W"]
+NAMED = ("apc 10x5e", "--rpm", "6000", "--speed", "10", "--beta", "60")
+
+
+def test_standard_deviations_stand_beside_the_loads_of_a_propeller_by_name(run: Run) -> None:
+    assert STD[:3] == ["thrust_std_N", "drag_std_N", "torque_std_Nm"]
+    assert STD[3:5] == ["roll_moment_std_Nm", "side_force_std_N"]
+    found = json.loads(run("predict", *NAMED, "--format", "json").out)
+    assert tuple(found) == (*COLUMNS, *STD)
+    assert all(found[column] > 0.0 for column in STD)
+    assert found["power_std_W"] == pytest.approx(found["torque_std_Nm"] * 6000.0 * OMEGA)
+    (row,) = csv.DictReader(io.StringIO(run("predict", *NAMED, "--format", "csv").out))
+    assert [float(row[column]) for column in STD] == [found[column] for column in STD]
+    shown = run("predict", *NAMED).out
+    assert "std. dev." in shown and f"{found['thrust_std_N']:.2g}" in shown
+
+
+def test_standard_deviations_by_source_and_none(run: Run) -> None:
+    found = json.loads(run("predict", *NAMED, "--std-by-source", "--format", "json").out)
+    parts = [found[f"thrust_std_{name}_N"] for name in ("parameters", "discrepancy", "tunnel")]
+    assert found["thrust_std_N"] == pytest.approx(np.sqrt(np.sum(np.square(parts))))
+    assert "thrust_std_geometry_N" not in found  # it was measured
+    assert "by tunnel" in run("predict", *NAMED, "--std-by-source").out
+    plain = json.loads(run("predict", *NAMED, "--no-bands", "--format", "json").out)
+    assert tuple(plain) == COLUMNS
+    assert "std. dev." not in run("predict", *NAMED, "--no-bands").out
+    guessed = run("predict", "10x4.3x3", *NAMED[1:], "--std-by-source", "--format", "json")
+    assert json.loads(guessed.out)["thrust_std_geometry_N"] > 0.0
+
+
+def test_a_table_of_points_shows_those_of_thrust_and_torque(run: Run, points_csv: Path) -> None:
+    shown = run("predict", "apc 10x5e", "--points", points_csv).out
+    assert "s(T)" in shown and "s(Q)" in shown and "standard deviations" in shown

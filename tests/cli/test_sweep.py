@@ -77,3 +77,25 @@ def test_nothing_is_left_when_writing_stops(
     assert done.code == code
     assert done.err.count("\n") == 1
     assert list(tmp_path.iterdir()) == []
+
+
+def test_standard_deviations_are_variables_with_units(run: Run, tmp_path: Path) -> None:
+    grid = ["--rpm", "5000", "--speed", "5", "--beta", "60:80:2"]
+    path = tmp_path / "out.nc"
+    assert run("sweep", "apc 10x5e", *grid, "--std-by-source", "-o", path).code == 0
+    with xarray.open_dataset(path, engine="h5netcdf") as found:
+        assert found["thrust_std"].attrs["units"] == "N"
+        assert found["thrust_std"].attrs["long_name"].startswith("standard deviation of")
+        assert found["roll_moment_std"].attrs["units"] == "N m"
+        assert found["power_std_tunnel"].attrs["long_name"].endswith("by tunnel alone")
+        parts = [found[f"thrust_std_{s}"] for s in ("parameters", "discrepancy", "tunnel")]
+        total = np.sqrt(sum(part.values**2 for part in parts))
+        np.testing.assert_allclose(found["thrust_std"].values, total)
+        expected = found["thrust_std"].values.ravel()
+    table = tmp_path / "out.csv"
+    assert run("sweep", "apc 10x5e", *grid, "-o", table).code == 0
+    with table.open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [float(row["thrust_std_N"]) for row in rows] == expected.tolist()
+    assert run("sweep", "apc 10x5e", *grid, "--no-bands", "-o", table, "--force").code == 0
+    assert "std" not in table.read_text()

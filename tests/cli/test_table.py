@@ -47,9 +47,11 @@ def test_a_fit_brings_its_covariance(
 ) -> None:
     given: dict[str, Any] = {}
 
-    def build(*_: object, **named: Any) -> LoadTable:
-        given.update(named)
-        return _uncertain(named["covariance"])
+    def build(rotor: propmap.Rotor, **_: object) -> LoadTable:
+        known = rotor.model.uncertainty
+        assert known is not None
+        given["covariance"] = known.covariance
+        return _uncertain(known.covariance)
 
     monkeypatch.setattr("propmap.table.build.build_table", build)
     text = fit_text(

@@ -28,7 +28,10 @@ from tests.vehicle.write_logs import write_ulog
 from .pages import ROOT, Step, edited, steps
 
 DOCS = ROOT / "docs"
-PAGES = sorted(p for p in DOCS.rglob("*.md") if not {"_build", "generated"} & set(p.parts))
+WRITTEN = {"_build", "generated", "propellers"}
+"""Folders that the documentation's build writes."""
+
+PAGES = sorted(p for p in DOCS.rglob("*.md") if not WRITTEN & set(p.parts))
 BUILT = ("pip install", "make ")
 """What begins a block that installs or builds: CI itself does that, from a fresh clone."""
 

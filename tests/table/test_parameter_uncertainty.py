@@ -10,6 +10,7 @@ import pytest
 import propmap
 from propmap.loads import LOADS
 from propmap.model.section_covariance import SectionCovariance
+from propmap.model.uncertainty import SectionUncertainty
 from propmap.table import build_table
 from propmap.table.parameter_uncertainty import load_deviations
 
@@ -42,14 +43,18 @@ def test_the_table_tells_what_the_parameters_cost(rotor: propmap.Rotor) -> None:
     names = (*COVARIANCE.names, "alpha_0")
     matrix = np.full((3, 3), np.inf)
     matrix[:2, :2] = COVARIANCE.matrix
+    model = rotor.model
+    law = model.airfoil.with_parameters(
+        uncertainty=SectionUncertainty(SectionCovariance(names, matrix), 0.002, 0.001)
+    )
+    uncertain = propmap.Rotor(model.with_airfoil(law))
     table = build_table(
-        rotor,
+        uncertain,
         omega=(400.0, 440.0),
         speed=(14.0, 16.0),
         beta=(1.3, 1.5),
         tolerance=0.05,
         certificate_points=512,
-        covariance=SectionCovariance(names, matrix),
     )
     info = json.loads(json.dumps(table.info, allow_nan=False))
     assert info["airfoil_covariance"]["names"] == list(names)

@@ -101,10 +101,13 @@ def _entries(values: Any) -> list[Any]:
     return [jax.tree.map(lambda a, k=k: a[k], values) for k in range(count)]
 
 
-def mean_over(term: Callable[[Any], Value], values: Any, count: Any) -> Value:
+def mean_over(
+    term: Callable[[Any], Value], values: Any, count: Any, together: int | None = None
+) -> Value:
     """The mean of ``term(v)``, a tree of arrays, over the first ``count`` of ``values``.
 
     ``values`` are (n,) and ``count`` an integer, or (n, B) and (B,): each column has its own.
+    ``together`` is the number of terms in one step, by default ``TOGETHER``.
     """
     if on_numpy():
         # All at once, along a new first axis.
@@ -114,7 +117,7 @@ def mean_over(term: Callable[[Any], Value], values: Any, count: Any) -> Value:
         share = 1.0 / count
         return jax.tree.map(lambda a: np.sum(np.where(among, a, 0.0), axis=0) * share, terms)
     own = jnp.ndim(count) > 0
-    together = _IN_ONE_FUNCTION.get() or TOGETHER
+    together = together or _IN_ONE_FUNCTION.get() or TOGETHER
     masked = not isinstance(count, int) or count % together > 0
 
     def one(k: Any) -> Any:

@@ -30,6 +30,16 @@ inch."""
 NO_MAKER = ("mm", "in", "inch", "uiuc")
 """Units, and where names in the catalogue are from."""
 
+WITHOUT_BLADE = {
+    "ance": "Aeronaut CAM Carbon Electric",
+    "ancf": "Aeronaut CAM Carbon Folding",
+    "apccf": "APC Carbon Fiber",
+    "kavfk": "Kavon FK",
+    "rusp": "Rev Up Special",
+    "zin": "Zingali",
+}
+"""Series of which loads were measured and no blade."""
+
 _NUMBER = r"(\d{1,3}(?:[.,]\d+)?)"
 _TIMES = "[x\u00d7*]"
 _SIZE = re.compile(
@@ -137,7 +147,7 @@ def candidates(wanted: Designation) -> list[catalogue.Entry]:
     named, whole = _series(wanted.words), set()
     for entry in catalogue.entries():
         own = designation(entry.title)
-        if own is None or not _same_size(wanted, own):
+        if own is None or not same_size((wanted.diameter, wanted.pitch), (own.diameter, own.pitch)):
             continue
         if wanted.words and entry.family not in named:
             continue
@@ -165,9 +175,9 @@ def series_named(words: tuple[str, ...]) -> tuple[list[str], tuple[str, ...]]:
     return [], words
 
 
-def _same_size(a: Designation, b: Designation) -> bool:
-    pairs = ((a.diameter, b.diameter), (a.pitch, b.pitch))
-    return all(abs(one - other) <= SAME * other for one, other in pairs)
+def same_size(one: tuple[float, float], other: tuple[float, float]) -> bool:
+    """Whether two pairs of diameter and pitch are the same but for what makers round."""
+    return all(abs(a - b) <= SAME * b for a, b in zip(one, other, strict=True))
 
 
 def _measured(entry: catalogue.Entry) -> bool:
@@ -177,7 +187,9 @@ def _measured(entry: catalogue.Entry) -> bool:
 @lru_cache(maxsize=1)
 def _title_words() -> dict[str, set[tuple[str, ...]]]:
     """Of each series, what its propellers' titles call it."""
-    found: dict[str, set[tuple[str, ...]]] = {}
+    found: dict[str, set[tuple[str, ...]]] = {
+        family: {tuple(_WORD.findall(title.lower()))} for family, title in WITHOUT_BLADE.items()
+    }
     for entry in catalogue.entries():
         own = designation(entry.title)
         if own is not None:

@@ -16,6 +16,7 @@ from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.model.airfoil import Airfoil
 from propmap.model.section_covariance import SectionCovariance
+from propmap.model.uncertainty import SectionUncertainty
 
 PARAMETERS = (
     "c_l1",
@@ -28,10 +29,13 @@ PARAMETERS = (
 )
 """The constants that were identified; the others are held, c_l2 at the value in the file."""
 
+POOR = (0.0048, 0.0036)
+"""Errors of C_T and C_P [-] that nine propellers in ten stay below."""
+
 _PAIRS = [(i, j) for i in range(len(PARAMETERS)) for j in range(i, len(PARAMETERS))]
-_TEXTS = ("propeller", "family", "tested", "key", "verdict")
+_TEXTS = ("propeller", "family", "tested", "geometry", "key", "verdict")
 _COUNTS = ("blades", "rows", "static_rows")
-_RANGES = ("rpm_low", "rpm_high", "advance_high")
+_RANGES = ("diameter_m", "pitch_m", "rpm_low", "rpm_high", "advance_high")
 _ERRORS = ("thrust_rms", "power_rms", "static_thrust_rms", "static_power_rms")
 
 
@@ -42,13 +46,18 @@ class Identified:
     Attributes
     ----------
     propeller : str
-        Name of its blade in the catalogue.
+        Name of its blade in the catalogue; that of an unmeasured blade is made likewise.
     blades : int
         Number of blades.
     family, tested : str
         Code of its series, and what the source calls it.
+    geometry : str
+        Which blade the constants belong to: "measured", or the mean of the measured blades of its
+        "family" or of the whole "population", of its size (``expected_blade``).
+    diameter_m, pitch_m : float
+        As labelled [m].
     airfoil : Airfoil
-        The constants.
+        The constants, with how well they are known.
     covariance : ndarray, shape (7, 7)
         Of ``PARAMETERS``, in their units.
     thrust_rms, power_rms, static_thrust_rms, static_power_rms : float
@@ -68,6 +77,9 @@ class Identified:
     blades: int
     family: str
     tested: str
+    geometry: str
+    diameter_m: float
+    pitch_m: float
     airfoil: Airfoil
     covariance: Floats
     thrust_rms: float
@@ -86,6 +98,16 @@ class Identified:
     def section_covariance(self) -> SectionCovariance:
         """``covariance`` with its names, as tables take it."""
         return SectionCovariance(PARAMETERS, self.covariance)
+
+    @property
+    def size(self) -> tuple[float, float]:
+        """Labelled diameter and pitch [m]."""
+        return self.diameter_m, self.pitch_m
+
+    @property
+    def discrepancy(self) -> tuple[float, float]:
+        """Standard deviations of C_T and C_P [-] that these constants leave, beside their own."""
+        return self.thrust_rms, self.power_rms
 
     @property
     def told(self) -> str:
@@ -118,8 +140,28 @@ def identified(propeller: str, blades: int) -> Identified | None:
 
 
 def all_identified() -> list[Identified]:
-    """All bundled constants, in the order of the file."""
-    return list(_bundled().values())
+    """All bundled constants of measured blades, in the order of the file."""
+    return [one for one in _bundled().values() if one.geometry == "measured"]
+
+
+def identified_without_blade() -> list[Identified]:
+    """All bundled constants of propellers whose blades were never measured."""
+    return [one for one in _bundled().values() if one.geometry != "measured"]
+
+
+def one_of_each(entries: Sequence[Identified]) -> list[Identified]:
+    """Of ``entries`` for several blades of one tested propeller, the one that fits best."""
+    best: dict[str, Identified] = {}
+    for one in entries:
+        kept = best.get(one.tested)
+        if kept is None or badness(one) < badness(kept):
+            best[one.tested] = one
+    return list(best.values())
+
+
+def badness(one: Identified) -> float:
+    """The larger of the errors of C_T and C_P, each over ``POOR``."""
+    return max(one.thrust_rms / POOR[0], one.power_rms / POOR[1])
 
 
 def as_csv(entries: Sequence[Identified]) -> str:
@@ -178,7 +220,11 @@ def _entry(row: dict[str, str]) -> Identified:
     counts: Any = {name: int(row[name]) for name in _COUNTS}
     numbers: Any = {name: float(row[name]) for name in (*_RANGES, *_ERRORS)}
     source = f"identified by propmap from the UIUC Propeller Database, {row['tested']}"
-    airfoil = Airfoil(**values, name=f"{row['propeller']} identified", source=source)
+    known = SectionUncertainty(
+        SectionCovariance(PARAMETERS, covariance), numbers["thrust_rms"], numbers["power_rms"]
+    )
+    name = f"{row['propeller']} identified"
+    airfoil = Airfoil(**values, name=name, source=source, uncertainty=known)
     return Identified(airfoil=airfoil, covariance=covariance, **texts, **counts, **numbers)
 
 

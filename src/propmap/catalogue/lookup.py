@@ -8,8 +8,16 @@ from dataclasses import replace
 from pathlib import Path
 
 from propmap import catalogue
-from propmap.catalogue.designation import candidates, designation, series_named
-from propmap.catalogue.expected_blade import ExpectedBlade, expected_blade
+from propmap.catalogue.designation import (
+    INCH,
+    WITHOUT_BLADE,
+    Designation,
+    candidates,
+    designation,
+    series_named,
+)
+from propmap.catalogue.expected_blade import ExpectedBlade, blade_of, expected_blade
+from propmap.catalogue.identified import Identified, identified_without_blade
 from propmap.errors import InputError, quoted
 from propmap.io.blade_table import check_radius
 from propmap.io.geometry_file import read_geometry_file
@@ -18,6 +26,7 @@ from propmap.model.airfoil import Airfoil, airfoil_names, parameter_set
 from propmap.model.propeller import Propeller
 from propmap.model.section_table import SectionTable
 
+_SIZE_AT_END = re.compile(r"\s+\d\S*( mm)?( \(.*\))?$")
 _NAME = re.compile(r"[A-Za-z][^\s-]*(-[^\s-]+)+")
 
 
@@ -79,6 +88,9 @@ def meant_by(name_or_path: str | os.PathLike[str]) -> catalogue.Entry | Expected
     name = text.strip().lower()
     if name in catalogue.names():
         return catalogue.entry(name)
+    for one in identified_without_blade():
+        if name == one.propeller:
+            return blade_of(text, Designation((one.family,), *one.size, None), one)
     return None if looks_like_path(name_or_path) else designated(text)
 
 
@@ -132,6 +144,34 @@ def airfoil(name_or_path: str | os.PathLike[str]) -> Airfoil | SectionTable:
     if not named and path.exists() and looks_like_section_table(path):
         return read_section_table(path)
     return parameter_set(text)
+
+
+def search(text: str) -> list[catalogue.Entry]:
+    """``catalogue.search``, and the propellers whose loads are known and whose blades are not."""
+    words = text.lower().split()
+    others = [_without_blade(one) for one in identified_without_blade()]
+    return catalogue.search(text) + [
+        entry
+        for entry in others
+        if all(word in f"{entry.name} {entry.title} {entry.family}".lower() for word in words)
+    ]
+
+
+def _without_blade(one: Identified) -> catalogue.Entry:
+    series = WITHOUT_BLADE.get(one.family)
+    if series is None:
+        titles = [entry.title for entry in catalogue.entries() if entry.family == one.family]
+        # The database's entries come after the makers', and have the size at the end.
+        series = _SIZE_AT_END.sub("", titles[-1])
+    size = "x".join(f"{length / INCH:.4g}" for length in one.size)
+    return catalogue.Entry(
+        name=one.propeller,
+        title=f"{series} {size}, blade not measured",
+        family=one.family,
+        blades=one.blades,
+        diameter_m=one.diameter_m,
+        source=f"loads: UIUC Propeller Database; geometry by the means of its {one.geometry}",
+    )
 
 
 def looks_like_path(name_or_path: str | os.PathLike[str]) -> bool:

@@ -66,6 +66,28 @@ class Timing:
     seconds_per_point: float
 
 
+@dataclass(frozen=True)
+class Foretold:
+    """A load of the rotor by name against the oblique data.
+
+    Attributes
+    ----------
+    load : str
+        Its name.
+    relative_rms : float
+        Root mean square of the errors over that of what was measured [-].
+    inside : float
+        Share of the points inside the band of 95 %, where the load is not zero by symmetry [-].
+    apart : float
+        Mean of measured less computed, in standard deviations [-].
+    """
+
+    load: str
+    relative_rms: float
+    inside: float
+    apart: float
+
+
 @dataclass(frozen=True, eq=False)
 class Results:
     """What was found.
@@ -74,6 +96,10 @@ class Results:
     ----------
     rotor : Rotor
         That of the recommended model.
+    by_name : Rotor
+        What is known of the propeller by its name: constants from another tunnel's axial loads.
+    foretold : Foretold
+        How that compares with the oblique data.
     tunnel, oblique : Comparison
         At every point of both data sets.
     groups, by_angle : list of Group
@@ -85,6 +111,8 @@ class Results:
     """
 
     rotor: Rotor
+    by_name: Rotor
+    foretold: list[Foretold]
     tunnel: Comparison
     oblique: Comparison
     groups: list[Group]
@@ -112,9 +140,34 @@ def compute() -> Results:
     fields = ("omega", "speed", "beta")
     flow = [np.concatenate([getattr(data, f), getattr(slanted, f)]) for f in fields]
     timings = [_timing(rotors["recommended"], flow, copies) for copies in (1, COPIES)]
+    by_name = Rotor(propmap.known_model(PROPELLER, air=propmap.Air(slanted.air_density)))
     return Results(
-        rotors["recommended"], tunnel, oblique, groups, by_angle, timings, os.cpu_count() or 1
+        rotors["recommended"],
+        by_name,
+        foretold(by_name, slanted),
+        tunnel,
+        oblique,
+        groups,
+        by_angle,
+        timings,
+        os.cpu_count() or 1,
     )
+
+
+def foretold(rotor: Rotor, data: Measurement) -> list[Foretold]:
+    """Every measured load against that of the ``rotor``, with its band."""
+    loads = rotor.loads(data.omega, data.speed, data.beta)
+    low, high = loads.interval(0.95)
+    found = []
+    for name, measured in data.loads.items():
+        error = getattr(loads, name) - measured
+        inside = (getattr(low, name) <= measured) & (measured <= getattr(high, name))
+        there = getattr(loads.std, name) > 0.0
+        relative = np.sqrt(np.mean(error**2) / np.mean(measured**2))
+        apart = (-error[there] / getattr(loads.std, name)[there]).mean()
+        shares = (float(value) for value in (relative, inside[there].mean(), apart))
+        found.append(Foretold(name, *shares))
+    return found
 
 
 def write_tables(results: Results, folder: Path, notes: list[str]) -> None:
@@ -135,6 +188,7 @@ def write_tables(results: Results, folder: Path, notes: list[str]) -> None:
         "relative_rms": "rms of the error over the rms of the measured load",
         "band": f"rms of {OTHER_FORM} less {OBLIQUE} over the rms of the latter",
         "groups": groups,
+        "by_name": [asdict(one) for one in results.foretold],
         "notes": notes,
         "timings": [asdict(timing) for timing in results.timings],
         "cores": results.cores,
@@ -143,7 +197,10 @@ def write_tables(results: Results, folder: Path, notes: list[str]) -> None:
 
 
 def write_pictures(results: Results, folder: Path) -> tuple[Path, Path]:
-    """Load curves at the rotational speed with most oblique points, and a disk; the paths."""
+    """Load curves at the rotational speed with most oblique points, and a disk; the paths.
+
+    The curves are those of the rotor by name, with its bands.
+    """
     from propmap.report.disk_picture import disk_picture
     from propmap.report.load_curves import MeasuredLoads, load_curves
     from propmap.report.style import save
@@ -158,13 +215,11 @@ def write_pictures(results: Results, folder: Path) -> tuple[Path, Path]:
         data.speed[mine],
         data.beta[mine],
         {load: values[mine] for load, values in oblique.measured.items()},
-        {load: values[mine] for load, values in oblique.other.items()},
-        "to the campaign's own model",
     )
     curves, disk = folder / "demo-loads.png", folder / "demo-disk.png"
     fastest = float(data.speed[mine].max())
     speed = np.linspace(0.0, fastest, 61)
-    save(load_curves(results.rotor, omega, speed, CURVES.tolist(), points), curves)
+    save(load_curves(results.by_name, omega, speed, CURVES.tolist(), points), curves)
     save(disk_picture(results.rotor, *DISK), disk)
     return curves, disk
 

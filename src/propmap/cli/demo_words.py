@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from propmap.cli.demo_results import FITTED, SECTIONS, Group, Results
 from propmap.cli.output import grid
+from propmap.loads import LOADS
 from propmap.model.corrections import MODELS, in_words
 from propmap.report.comparison import HOVER
 
@@ -79,6 +80,7 @@ def notes(results: Results) -> list[str]:
     def band(load: str) -> str:
         return f"{_percent(oblique.of(load).band)} %"
 
+    by_name = {one.load: one for one in results.foretold}
     drag, pitch = (_sizes(results.by_angle, load) for load in ("drag", "pitch_moment"))
     first, *_, last = pitch
     *elsewhere, _ = results.groups
@@ -94,6 +96,13 @@ def notes(results: Results) -> list[str]:
         "tunnel, where the same propeller's loads differ already at rest: "
         f"{_bias(elsewhere, 'recommended', 'thrust')} in mean thrust, "
         f"{_bias(elsewhere, 'recommended', 'torque')} in mean torque.",
+        "The picture shows what is known of the propeller by its name alone: constants identified "
+        "from UIUC's axial loads, and bands of 95 %. Of the oblique points, "
+        + ", ".join(
+            f"{one.inside:.0%} are inside in {LOADS[name].label} (rms {one.relative_rms:.0%})"
+            for name, one in by_name.items()
+        )
+        + ". All points of a tunnel err together; bands of rotor drag are those of the blades.",
         f"Pitching moment: of their sign, {pitch[first]:.1f} times theirs at {first:g} degrees and "
         f"{pitch[last]:.1f} times at {last:g}. Theirs is linear in the advance ratio. The paper's "
         "model has none.",

@@ -23,7 +23,6 @@ from propmap.errors import InputError
 from propmap.model.model import Model
 
 if TYPE_CHECKING:
-    from propmap.model.section_covariance import SectionCovariance
     from propmap.rotor import Rotor
     from propmap.table import LoadTable
 
@@ -101,10 +100,10 @@ def _table(
     model = (
         fit.model.with_airfoil(law) if fit and prop is None else Model(propeller(prop or ""), law)
     )
-    return _built(Rotor(model), fit.covariance if fit else None)
+    return _built(Rotor(model))
 
 
-def _built(rotor: Rotor, covariance: SectionCovariance | None) -> LoadTable:
+def _built(rotor: Rotor) -> LoadTable:
     """A map over an envelope that suits most multirotors."""
     from propmap.table import build_table
 
@@ -126,6 +125,5 @@ def _built(rotor: Rotor, covariance: SectionCovariance | None) -> LoadTable:
             speed=SPEED,
             beta=BETA,
             tolerance=TOLERANCE,
-            covariance=covariance,
             progress=progress,
         )

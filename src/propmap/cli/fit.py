@@ -23,6 +23,7 @@ from propmap.cli.fit_options import (
 )
 from propmap.cli.output import check_output, check_pictures, show, write_text
 from propmap.cli.plausibility import say_doubts
+from propmap.cli.prior_options import PriorFrom, say_prior, section_prior
 from propmap.cli.rotor_options import (
     Corrections,
     ModelOption,
@@ -81,6 +82,7 @@ def fit_tunnel(
     ] = None,
     fix: Fix = None,
     prior: Priors = None,
+    prior_from: PriorFrom = None,
     starts: Starts = 4,
     robust: Robust = False,
     folds: Folds = 5,
@@ -91,13 +93,16 @@ def fit_tunnel(
     """Fit loads measured in a tunnel or on a bench."""
     from propmap.cli.tunnel_files import doubts_on_tunnel, read_tunnel, sources
 
-    _check_outputs(output, picture)
+    check_outputs(output, picture)
     base = constants(choice.airfoil) if choice.airfoil else None
+    blade = choice.blade()
     default = ("c_l1", "c_l2", "c_d", "alpha_0", "zero_lift_angle")
-    chosen = choice_of(free, fix, prior, default, base)
+    by_default = free is None and base is None
+    expected = section_prior(prior_from, choice.prop, blade, by_default=by_default)
+    chosen = choice_of(free, fix, prior, default, base, expected=expected)
     settings = settings_of(starts, robust, folds, bootstrap, seed)
     weights = _weights(weight)
-    blade, air = choice.blade(), choice.medium()
+    air = choice.medium()
     measured = read_tunnel(data, blade, air)
     doubts = doubts_on_tunnel(data, blade, air)
     say_doubts(doubts)
@@ -106,13 +111,14 @@ def fit_tunnel(
     from propmap.fit.added_parameter import failing_assumptions
     from propmap.fit.coverage import coverage, range_warnings
     from propmap.fit.fitted import fit
+    from propmap.fit.prior_conflict import doubts_on_constants
     from propmap.fit.result_file import fit_text
     from propmap.fit.tunnel import first_guess, hover_rows, rotor_with, tunnel_rows
     from propmap.model.model import Model
 
     keep_compiled()
-    base = with_physics(base or first_guess(), choice.model, choice.correction)
-    model = Model(blade, base, air)
+    law = base or (expected.airfoil if expected else first_guess())
+    model = Model(blade, with_physics(law, choice.model, choice.correction), air)
     named = [name.strip() for name in loads.split(",")] if loads else []
 
     def rows_for(c: Choice) -> Rows:
@@ -121,6 +127,7 @@ def fit_tunnel(
 
     fitted = fit(rows_for(chosen), chosen, settings)
     remarks = [*range_warnings(fitted.rows), *failing_assumptions(fitted, rows_for)]
+    remarks += doubts_on_constants(fitted)
     rotor = rotor_with(model, fitted.values, choice.accuracy.value)
     text = fit_text(
         fitted,
@@ -130,7 +137,13 @@ def fit_tunnel(
         data=sources(data),
         covered=coverage(measured.omega, measured.speed, measured.folded_beta, blade.radius),
         hover=hover_rows(rotor, measured, fitted.rows),
-        remarks=[*remarks, *doubts_on_blade(blade), *doubts_on_air(air), *doubts],
+        remarks=[
+            *say_prior(expected),
+            *remarks,
+            *doubts_on_blade(blade),
+            *doubts_on_air(air),
+            *doubts,
+        ],
         options={"loads": list(fitted.rows.names), "weights": weights},
     )
     if picture is not None:
@@ -138,7 +151,7 @@ def fit_tunnel(
         from propmap.report.style import save
 
         save(tunnel_fit(measured, rotor), picture)
-    _finish(fitted, rotor.model, remarks, text, output)
+    finish(fitted, rotor.model, remarks, text, output)
 
 
 @fit_app.command("flight")
@@ -162,6 +175,7 @@ def fit_flight(
     free: Free = None,
     fix: Fix = None,
     prior: Priors = None,
+    prior_from: PriorFrom = None,
     name_or_file: Annotated[
         str | None,
         typer.Option("--airfoil", metavar="NAME|FILE", help="Values of what is not free."),
@@ -191,7 +205,7 @@ def fit_flight(
     from propmap.cli.flight_files import read_flights
     from propmap.vehicle.vehicle_toml import read_vehicle
 
-    _check_outputs(output, picture, stretches_picture)
+    check_outputs(output, picture, stretches_picture)
     base = constants(name_or_file) if name_or_file else None
     file = read_vehicle(vehicle)
     doubts = [*doubts_on_blade(file.vehicle.propeller), *doubts_on_air(file.vehicle.air)]
@@ -204,6 +218,7 @@ def fit_flight(
     from propmap.fit.fitted import fit
     from propmap.fit.flight import ForceModel, balance_rows, hover_rows, level_rows
     from propmap.fit.parameters import BODY, PAPER_FOUR
+    from propmap.fit.prior_conflict import doubts_on_constants
     from propmap.fit.result_file import fit_text
     from propmap.fit.tunnel import first_guess, model_with
 
@@ -213,13 +228,19 @@ def fit_flight(
     )
     drags = tuple(name for name in BODY if name.startswith("drag_area"))
     default = PAPER_FOUR if flights.level else (*PAPER_FOUR, "zero_lift_angle", *drags)
-    chosen = choice_of(free, fix, prior, default, base, wing_values(file.vehicle))
+    by_default = free is None and base is None
+    blade = file.vehicle.propeller
+    expected = section_prior(prior_from, blade.name, blade, by_default=by_default)
+    wing = wing_values(file.vehicle)
+    chosen = choice_of(free, fix, prior, default, base, wing, expected)
     settings = settings_of(starts, robust, folds, bootstrap, seed)
-    law = with_physics(base or first_guess(), physics, correction)
+    law = base or (expected.airfoil if expected else first_guess())
+    law = with_physics(law, physics, correction)
     model = ForceModel(file.vehicle, flights.log, law)
     make = level_rows if flights.level else balance_rows
     fitted = fit(make(model, chosen), chosen, settings)
     remarks = [*flights.remarks, *range_warnings(fitted.rows)]
+    remarks += doubts_on_constants(fitted)
     if body_study:
         remarks += body_terms_verdict(fitted, lambda c: make(model, c))
     text = fit_text(
@@ -230,12 +251,12 @@ def fit_flight(
         data=[*logs, vehicle],
         covered=model.coverage(),
         hover=hover_rows(model, fitted.values, fitted.rows),
-        remarks=[*remarks, *doubts],
+        remarks=[*say_prior(expected), *remarks, *doubts],
         options={"seconds": seconds, "samples": samples, "vehicle": file.vehicle.name},
     )
     if picture is not None:
         _picture_of_flight(picture, fitted, model, flights.log)
-    _finish(fitted, model_with(model.model, fitted.values), remarks, text, output)
+    finish(fitted, model_with(model.model, fitted.values), remarks, text, output)
 
 
 def _picture_of_flight(picture: Path, fitted: Fitted, model: ForceModel, log: FlightLog) -> None:
@@ -247,8 +268,10 @@ def _picture_of_flight(picture: Path, fitted: Fitted, model: ForceModel, log: Fl
     save(level_flight(model.vehicle, log, law), picture)
 
 
-def _check_outputs(output: Path, *pictures: Path | None) -> None:
-    check_output(output, (".toml",))
+def check_outputs(output: Path | None, *pictures: Path | None) -> None:
+    """Raise ``InputError`` where a fit or its pictures cannot be written."""
+    if output is not None:
+        check_output(output, (".toml",))
     check_pictures(*pictures)
 
 
@@ -265,9 +288,14 @@ def _weights(texts: Sequence[str] | None) -> dict[str, float]:
     return found
 
 
-def _finish(fitted: Fitted, found: Model, remarks: Sequence[str], text: str, output: Path) -> None:
+def finish(
+    fitted: Fitted, found: Model, remarks: Sequence[str], text: str, output: Path | None
+) -> None:
+    """Write the ``text`` of a fit file and show the fit."""
     from propmap.cli.fit_report import told
 
-    write_text(text, output)
+    if output is not None:
+        write_text(text, output)
     show(None, *told(fitted, found.correction_texts, remarks))
-    typer.echo(f"wrote {output}", err=True)
+    if output is not None:
+        typer.echo(f"wrote {output}", err=True)

@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from propmap.catalogue.identified import Identified, as_csv, parse_identified
 from propmap.cli.output import check_output, grid, show, write_text
+
+if TYPE_CHECKING:
+    from propmap.catalogue.population import Population
+
+LEAST_FAMILIES = 8
+"""Below this number there is no saying how constants are spread over propellers."""
 
 
 def fit_catalogue(
@@ -27,11 +33,15 @@ def fit_catalogue(
 ) -> None:
     """Identify the section constants of every propeller of the UIUC database, with a prior.
 
-    Those whose blade is in the catalogue are fitted, in about a second each.  The file is written
-    after each of them: started again, the command goes on where it was.
+    Those whose blade is in the catalogue come first; from them, the spread over propellers goes
+    into population.toml beside FILE. It is the prior of the others, which are fitted with the mean
+    blade of their family or of all. Each takes about a second. FILE is written after each of them:
+    started again, the command goes on where it was.
     """
-    from propmap.fit.population.catalogue import identify_all
+    from propmap.catalogue.population import as_toml
+    from propmap.fit.population.catalogue import identify_all, identify_without_blade
     from propmap.fit.population.misfiled import refiled
+    from propmap.fit.population.populations import populations_of
     from propmap.io.uiuc_database import read_uiuc_database
 
     check_output(output, (".csv",))
@@ -41,6 +51,8 @@ def fit_catalogue(
         earlier = parse_identified(output.read_text(encoding="utf-8"), str(output))
         known = {one.key: one for one in earlier}
 
+    measured: list[Identified] = []
+
     def done(found: list[Identified]) -> None:
         last = found[-1]
         typer.echo(
@@ -48,16 +60,24 @@ def fit_catalogue(
             f"C_T {last.thrust_rms:.4f}, C_P {last.power_rms:.4f}; {last.verdict}",
             err=True,
         )
-        rest = {one.key for one in found}
+        so_far = [*measured, *found]
+        rest = {one.key for one in so_far}
         kept = [one for key, one in known.items() if key not in rest]
-        write_text(as_csv([*found, *kept]), output)
+        write_text(as_csv([*so_far, *kept]), output)
 
-    found = identify_all(every, known, done)
-    write_text(as_csv(found), output)
-    _tell(found)
+    measured = identify_all(every, known, done)
+    if len({one.family for one in measured}) < LEAST_FAMILIES:
+        write_text(as_csv(measured), output)
+        _tell(measured, None)
+        return
+    populations = populations_of(measured)
+    others = identify_without_blade(every, measured, populations, known, done)
+    write_text(as_csv([*measured, *others]), output)
+    write_text(as_toml(populations), output.with_name("population.toml"))
+    _tell(measured, populations["measured"])
 
 
-def _tell(found: list[Identified]) -> None:
+def _tell(found: list[Identified], population: Population | None) -> None:
     import numpy as np
 
     from propmap.catalogue.identified import PARAMETERS
@@ -72,14 +92,22 @@ def _tell(found: list[Identified]) -> None:
         (one.tested, f"{one.thrust_rms:.4f}", f"{one.power_rms:.4f}", one.verdict)
         for one in all_in_all.worst
     ]
-    spread = [
-        (name, *(f"{value:.3f}" for value in row))
-        for name, row in zip(PARAMETERS, np.stack(all_in_all.spread, axis=1), strict=True)
-    ]
-    show(
-        None,
-        f"{all_in_all.propellers} propellers",
+    told = [
+        f"{all_in_all.propellers} propellers with a measured blade",
         grid("<rms over all rows|median|90 % below", errors),
         grid("<the ten worst|C_T|C_P|<verdict", worst),
-        grid("<ln, or value; drag angle from chord|mean|between families|within", spread),
-    )
+    ]
+    if population is not None:
+        columns = (
+            population.mean,
+            *population.trend.T,
+            np.sqrt(np.diag(population.between)),
+            np.sqrt(np.diag(population.within)),
+        )
+        spread = [
+            (name, *(f"{value:.3f}" for value in row))
+            for name, *row in zip(PARAMETERS, *columns, strict=True)
+        ]
+        head = "<ln, or value; drag angle from chord|mean|by ln D|by P/D|between families|within"
+        told.append(grid(head, spread))
+    show(None, *told)

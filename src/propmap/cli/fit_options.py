@@ -7,9 +7,11 @@ from typing import Annotated
 
 import typer
 
+from propmap.catalogue.identified import PARAMETERS
 from propmap.errors import InputError, quoted
 from propmap.fit.fitted import Settings
 from propmap.fit.parameters import EVERY, SECTION, Choice, Prior, known
+from propmap.fit.section_prior import SectionPrior
 from propmap.model.airfoil import Airfoil
 
 Free = Annotated[
@@ -39,25 +41,36 @@ def choice_of(
     default: Sequence[str],
     base: Airfoil | None,
     also_fixed: dict[str, float] | None = None,
+    expected: SectionPrior | None = None,
 ) -> Choice:
     """The free parameters and what holds the others.
 
     ``base`` gives the values of what is not free and the first start, ``also_fixed`` values known
-    from elsewhere, as those of a vehicle's wing.
+    from elsewhere, as those of a vehicle's wing.  Where other propellers tell what is ``expected``,
+    the constants of which they do are free by default, but those that are fixed, and any further
+    ones of which ``priors`` tell.
     """
-    wanted = tuple(name.strip() for name in free.split(",")) if free is not None else tuple(default)
-    given = {name: getattr(base, name) for name in SECTION} if base else {}
+    law = base or (expected.airfoil if expected else None)
+    given = {name: getattr(law, name) for name in SECTION} if law else {}
     stated = dict(_pair(text, "--fix") for text in fix or ())
+    told = dict(_pair(text, "--prior") for text in priors or ())
+    wanted = tuple(default)
+    if free is not None:
+        wanted = tuple(name.strip() for name in free.split(","))
+    elif expected is not None:
+        more = [name for name in (*default, *told) if name not in SECTION or name in told]
+        wanted = tuple(dict.fromkeys((*PARAMETERS, *more)))
+        wanted = tuple(name for name in wanted if name not in stated)
     values = given | (also_fixed or {}) | {n: _number(v, f"--fix {n}") for n, v in stated.items()}
     fixed = {n: v for n, v in values.items() if n not in wanted or n in stated}
     beliefs = {}
-    for name, text in (_pair(text, "--prior") for text in priors or ()):
+    for name, text in told.items():
         mean, colon, deviation = text.partition(":")
         if not colon:
             raise InputError(f"--prior {name} has no deviation", "write --prior c_l2=2.0:0.3")
         beliefs[name] = Prior(*(_number(v, f"--prior {name}") for v in (mean, deviation)))
     start = {n: v for n, v in values.items() if n in wanted}
-    return Choice(wanted, fixed, beliefs, start)
+    return Choice(wanted, fixed, beliefs, start, expected)
 
 
 def settings_of(starts: int, robust: bool, folds: int, bootstrap: int, seed: int) -> Settings:

@@ -10,8 +10,8 @@ import numpy as np
 import typer
 from typer.core import TyperGroup
 
-from propmap import catalogue
-from propmap.catalogue.lookup import propeller
+from propmap.catalogue.lookup import propeller, search
+from propmap.cli.known_constants import known_constants
 from propmap.cli.output import (
     Format,
     FormatOption,
@@ -104,7 +104,7 @@ def list_props(
     """List the catalogue, or what in it matches all words."""
     chosen = chosen_format(format_, output)
     text = " ".join(words or [])
-    entries = catalogue.search(text)
+    entries = search(text)
     if chosen is not Format.table:
         emit_rows(ENTRY, [asdict(entry) for entry in entries], chosen, output)
         return
@@ -124,7 +124,7 @@ def show_prop(
         typer.Option("--output", "-o", metavar="FILE", help="Picture as well: .png, .svg, .pdf."),
     ] = None,
 ) -> None:
-    """A propeller's stations, where they are from, and its outline."""
+    """A propeller's stations and outline, where they are from, and its section constants."""
     from rich.text import Text
 
     check_pictures(output)
@@ -143,6 +143,7 @@ def show_prop(
         Text("\n".join(outline(blade)), no_wrap=True),
         f"source: {blade.source or 'not given'}",
         f"citation: {blade.citation or 'not given'}",
+        *known_constants(prop, blade.blades),
     )
     if output is not None:
         from propmap.report.planform import planform

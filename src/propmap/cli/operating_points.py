@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -72,16 +73,30 @@ class OperatingPoints:
         """Loads of the rotor at these points, fields of shape (n,)."""
         return rotor.loads(*self.si)
 
-    def rows(self, loads: Loads) -> list[dict[str, Any]]:
-        """One mapping of ``COLUMNS`` per point; None where a load is not a number."""
+    def rows(
+        self, loads: Loads, further: Mapping[str, Floats] | None = None
+    ) -> list[dict[str, Any]]:
+        """One mapping of ``COLUMNS`` per point; None where a number is NaN.
+
+        Parameters
+        ----------
+        loads : Loads
+            At these points.
+        further : mapping of str to ndarray, shape (n,)
+            Columns to follow.
+        """
         numbers = (*(getattr(loads, name) for name in LOADS), loads.power)
         given = (self.rpm, self.speed_mps, self.beta_deg)
         columns = [values.tolist() for values in (*given, *numbers)]
         status = loads.status.tolist()
-        return [
+        rows = [
             dict(zip(COLUMNS, [*(_number(v) for v in row[:-1]), row[-1]], strict=True))
             for row in zip(*columns, status, strict=True)
         ]
+        for name, values in (further or {}).items():
+            for one, value in zip(rows, values.tolist(), strict=True):
+                one[name] = _number(value)
+        return rows
 
 
 def check_value(quantity: str, value: float) -> float:

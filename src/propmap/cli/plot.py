@@ -9,6 +9,7 @@ import numpy as np
 import typer
 
 from propmap.catalogue.lookup import propeller
+from propmap.cli.bands import Bands
 from propmap.cli.operating_points import RPM, parse_axis, single_point
 from propmap.cli.output import PictureOutput, check_pictures
 from propmap.cli.plausibility import say_doubts, say_doubts_on_points, say_expected
@@ -54,8 +55,9 @@ def plot_map(
         Path | None,
         typer.Option("--measured", metavar="FILE.csv", help="Points to draw, such as thrust_N."),
     ] = None,
+    bands: Bands = True,
 ) -> None:
-    """Thrust, drag, torque and rolling moment against flight speed, the hover model dashed."""
+    """All loads against flight speed, the hover model dashed."""
     omega = float(single_point(rpm, 0.0, 0.0).rpm[0]) * RPM
     speeds = parse_axis("--speed", "speed", speed, SPEEDS_PER_CURVE)
     betas = np.radians(parse_axis("--beta", "beta", beta))
@@ -69,7 +71,7 @@ def plot_map(
     from propmap.report.load_curves import load_curves
     from propmap.report.style import save
 
-    save(load_curves(rotor, omega, speeds, betas.tolist(), points), output)
+    save(load_curves(rotor, omega, speeds, betas.tolist(), points, bands=bands), output)
     typer.echo(output)
 
 

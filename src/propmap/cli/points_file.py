@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from propmap.arrays.types import Floats
 from propmap.cli.operating_points import REMEDIES, OperatingPoints
 from propmap.errors import InputError, quoted
 from propmap.io.csv_dialect import read_csv_table
@@ -29,7 +29,7 @@ class PointsFile:
     """
 
     points: OperatingPoints
-    further: dict[str, NDArray[np.float64]]
+    further: dict[str, Floats]
 
 
 def read_points(path: Path, further: Iterable[str] = ()) -> PointsFile:
@@ -48,21 +48,45 @@ def read_points(path: Path, further: Iterable[str] = ()) -> PointsFile:
     InputError
         Naming the file, the line and the column.
     """
-    where = str(path)
-    further = tuple(further)
-    lines = read_lines(path, "list of operating points")
-    file = read_csv_table(lines, [*POINT_COLUMNS, *further], where)
+    columns = read_columns(path, POINT_COLUMNS, further, "list of operating points")
+    points = OperatingPoints(*(columns.pop(name) for name in POINT_COLUMNS))
+    return PointsFile(points, columns)
+
+
+def read_columns(
+    path: Path, needed: Collection[str], further: Iterable[str], what: str
+) -> dict[str, Floats]:
+    """Columns (n,) of a CSV file with a header, by their names.
+
+    Parameters
+    ----------
+    path : Path
+        Of a file in any dialect of ``propmap.io.csv_dialect``.
+    needed, further : collection and iterable of str
+        Columns that the file must have, and those to read where it has them, with NaN for an empty
+        field unless it is of an operating point.
+    what : str
+        What the file should be, for messages.
+
+    Raises
+    ------
+    InputError
+        Naming the file, the line and the column.
+    """
+    where, further = str(path), tuple(further)
+    lines = read_lines(path, what)
+    file = read_csv_table(lines, [*needed, *further], where)
     header = file.header if file else []
-    missing = [name for name in POINT_COLUMNS if name not in header]
+    missing = [name for name in needed if name not in header]
     if missing:
         raise InputError(
             f"line 1: column {missing[0]} is missing",
-            f"the first line must name {', '.join(POINT_COLUMNS)}",
+            f"the first line must name {', '.join(needed)}",
             where,
         )
     if file is None or not file.rows:
         raise InputError("there is no row below the header", "add a row per point", where)
-    wanted = [*POINT_COLUMNS, *(name for name in further if name in header)]
+    wanted = [*needed, *(name for name in further if name in header)]
     repeated = [name for name in wanted if header.count(name) > 1]
     if repeated:
         raise InputError(f"line 1: column {repeated[0]} occurs twice", "keep one of them", where)
@@ -72,9 +96,7 @@ def read_points(path: Path, further: Iterable[str] = ()) -> PointsFile:
         for name, place in places.items():
             cell = row[place] if place < len(row) else ""
             columns[name].append(_value(cell, name, f"{where}, line {line}, column {name}"))
-    arrays = {name: np.array(values) for name, values in columns.items()}
-    points = OperatingPoints(*(arrays.pop(name) for name in POINT_COLUMNS))
-    return PointsFile(points, arrays)
+    return {name: np.array(values) for name, values in columns.items()}
 
 
 def _value(cell: str, column: str, where: str) -> float:

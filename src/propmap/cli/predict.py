@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from propmap.cli.bands import Bands, StdBySource, std_columns
 from propmap.cli.operating_points import COLUMNS, OperatingPoints, single_point
 from propmap.cli.output import (
     Format,
@@ -24,10 +26,12 @@ from propmap.cli.points_file import read_points
 from propmap.cli.rotor_options import RotorChoice, say_reynolds, takes_rotor
 from propmap.errors import InputError
 from propmap.loads import LOADS
+from propmap.model.uncertainty import SOURCES
 
 if TYPE_CHECKING:
     from rich.table import Table
 
+    from propmap.arrays.types import Floats
     from propmap.baselines.hover import HoverModel
     from propmap.results import Loads
     from propmap.rotor import Rotor
@@ -50,20 +54,23 @@ def predict(
     ] = None,
     format_: FormatOption = None,
     output: TextOutput = None,
+    bands: Bands = True,
+    std_by_source: StdBySource = False,
 ) -> None:
-    """All six loads and the power at operating points."""
+    """All six loads and the power at operating points, and how sure they are."""
     where = _points(rpm, speed, beta, points)
     chosen = chosen_format(format_, output)
     rotor = choice.rotor(where.count)
     say_reynolds(rotor.model, *where.si)
     say_doubts_on_points(rotor.model, *where.si)
     loads = where.loads(rotor)
+    spread = std_columns(loads, by_source=std_by_source) if bands else {}
     if chosen is Format.table:
-        _show_table(output, rotor, where, loads, one=points is None)
+        _show_table(output, rotor, where, loads, spread, one=points is None)
     elif points is None and chosen is Format.json:
-        emit(json_text(where.rows(loads)[0]), output)
+        emit(json_text(where.rows(loads, spread)[0]), output)
     else:
-        emit_rows(COLUMNS, where.rows(loads), chosen, output)
+        emit_rows([*COLUMNS, *spread], where.rows(loads, spread), chosen, output)
 
 
 def _points(
@@ -82,7 +89,13 @@ def _points(
 
 
 def _show_table(
-    output: Path | None, rotor: Rotor, where: OperatingPoints, loads: Loads, *, one: bool
+    output: Path | None,
+    rotor: Rotor,
+    where: OperatingPoints,
+    loads: Loads,
+    spread: Mapping[str, Floats],
+    *,
+    one: bool,
 ) -> None:
     from propmap.baselines.hover import HoverModel
     from propmap.report.mounted_motor import motor_note
@@ -94,34 +107,66 @@ def _show_table(
         output,
         f"{blade.name}, {blade.blades} blades, R = {blade.radius:.4g} m; airfoil "
         f"{rotor.model.law_title}; rho = {rotor.model.air.density:.4g} kg/m^3",
-        _one_point(where, loads, hover) if one else _many_points(where, loads, hover),
+        _one_point(where, loads, spread, hover)
+        if one
+        else _many_points(where, loads, spread, hover),
         *([f"note: {note}"] if note else []),
     )
 
 
-def _one_point(where: OperatingPoints, loads: Loads, hover: HoverModel) -> Table:
+def _one_point(
+    where: OperatingPoints, loads: Loads, spread: Mapping[str, Floats], hover: HoverModel
+) -> Table:
     (rpm,), (speed,), (beta,) = where.rpm, where.speed_mps, where.beta_deg
     still = {name: float(values[0]) for name, values in hover.loads(where.si[0]).items()}
+    kinds = [
+        what for what in ("std", *(f"std_{s}" for s in SOURCES)) if f"power_{what}_W" in spread
+    ]
+
+    def deviations(columns: Iterable[str]) -> list[str]:
+        return [f"{spread[column][0]:.2g}" for column in columns]
+
     rows = [
         *(
-            (load.label, _digits(getattr(loads, name)[0]), _digits(still[name]), load.unit)
+            (
+                load.label,
+                _digits(getattr(loads, name)[0]),
+                *deviations(load.column_of(what) for what in kinds),
+                _digits(still[name]),
+                load.unit,
+            )
             for name, load in LOADS.items()
         ),
-        ("power", _digits(loads.power[0]), _digits(still["torque"] * where.si[0][0]), "W"),
-        ("mean inflow", _digits(loads.mean_inflow[0]), "", "m/s"),
-        ("reverse flow", _digits(100.0 * loads.reverse_flow[0]), "", "% of the disk"),
-        ("roots of (11)", str(loads.roots[0]), "", ""),
-        ("status", str(loads.status[0]), "", ""),
+        (
+            "power",
+            _digits(loads.power[0]),
+            *deviations(f"power_{what}_W" for what in kinds),
+            _digits(still["torque"] * where.si[0][0]),
+            "W",
+        ),
+    ]
+    none = [""] * len(kinds)
+    rows += [
+        ("mean inflow", _digits(loads.mean_inflow[0]), *none, "", "m/s"),
+        ("reverse flow", _digits(100.0 * loads.reverse_flow[0]), *none, "", "% of the disk"),
+        ("roots of (11)", str(loads.roots[0]), *none, "", ""),
+        ("status", str(loads.status[0]), *none, "", ""),
     ]
     title = f"{rpm:g} rpm, {speed:g} m/s, beta {beta:g} deg"
-    return grid("<|propmap|hover model|<unit", rows, title)
+    heads = [what.replace("std_", "by ").replace("std", "std. dev.") for what in kinds]
+    caption = "within two standard deviations with a probability of 95 %" if kinds else ""
+    return grid("|".join(("<", "propmap", *heads, "hover model", "<unit")), rows, title, caption)
 
 
-def _many_points(where: OperatingPoints, loads: Loads, hover: HoverModel) -> Table:
+def _many_points(
+    where: OperatingPoints, loads: Loads, spread: Mapping[str, Floats], hover: HoverModel
+) -> Table:
     still, columns = hover.loads(where.si[0]), {}
     for name, load in LOADS.items():
         columns[f"{load.head} [{load.unit}]"] = getattr(loads, name)
         if not load.inplane:
+            if spread:
+                columns[f"s({load.head}) [{load.unit}]"] = spread[load.column_of("std")]
             columns[f"{load.head} h [{load.unit}]"] = still[name]
     columns |= {"P [W]": loads.power, "reverse [%]": 100.0 * loads.reverse_flow}
     rows = []
@@ -130,6 +175,8 @@ def _many_points(where: OperatingPoints, loads: Loads, hover: HoverModel) -> Tab
         cells = [f"{v:g}" for v in given] + [_digits(column[i]) for column in columns.values()]
         rows.append([*cells, str(loads.roots[i]), status])
     caption = "T h, Q h: thrust and torque of the hover model"
+    if spread:
+        caption += "; s: standard deviations, those of the other loads with --format csv"
     heads = "|".join(("rpm", "V [m/s]", "beta [deg]", *columns, "roots", "<status"))
     return grid(heads, rows, caption=caption)
 

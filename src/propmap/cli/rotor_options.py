@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING, Annotated, Any, Concatenate, ParamSpec, get_ty
 import numpy as np
 import typer
 
-from propmap.catalogue import Entry
-from propmap.catalogue.identified import Identified, identified
+from propmap.catalogue.expected_blade import ExpectedBlade
+from propmap.catalogue.identified import Identified
+from propmap.catalogue.known import constants_to_expect, own_constants
 from propmap.catalogue.lookup import airfoil, meant_by, propeller
 from propmap.cli.plausibility import say_doubts, say_expected
 from propmap.errors import InputError
@@ -34,6 +35,14 @@ Others = ParamSpec("Others")
 PropArgument = Annotated[
     str,
     typer.Argument(
+        metavar="PROP",
+        help="Name in the catalogue, designation such as 'HQ 5x4.3x3', or geometry file.",
+    ),
+]
+PropOption = Annotated[
+    str,
+    typer.Option(
+        "--prop",
         metavar="PROP",
         help="Name in the catalogue, designation such as 'HQ 5x4.3x3', or geometry file.",
     ),
@@ -149,19 +158,17 @@ class RotorChoice:
         if found is not None:
             law, told = found.airfoil, found.told
         else:
-            from propmap.catalogue.expected_constants import expected_constants
-
             meant = meant_by(self.prop)
-            law, told = expected_constants(meant.family if meant is not None else None)
-            if meant is not None and not isinstance(meant, Entry):
+            expected = constants_to_expect(meant, blade)
+            law, told = expected.airfoil, expected.told
+            if isinstance(meant, ExpectedBlade) and meant.own is None:
                 return law  # the note on the blade tells of the constants too
         typer.echo(f"note: {told}; another law by --airfoil", err=True)
         return law
 
     def identified(self, blades: int) -> Identified | None:
         """The constants identified for PROP with so many ``blades``, where none are named."""
-        meant = meant_by(self.prop) if self.airfoil is None else None
-        return identified(meant.name, blades) if isinstance(meant, Entry) else None
+        return own_constants(meant_by(self.prop), blades) if self.airfoil is None else None
 
     def blade(self) -> Propeller:
         """The propeller; notes say what is odd about it, and if it was not measured."""
@@ -240,16 +247,19 @@ def say_reynolds(model: Model, omega: Floats, speed: Floats, beta: Floats) -> No
 
 
 def takes_rotor(
-    command: Callable[Concatenate[RotorChoice, Others], None],
+    command: Callable[Concatenate[RotorChoice, Others], None], prop: Any = PropArgument
 ) -> Callable[..., None]:
-    """A command with the parameters of ``RotorChoice`` in place of its first argument."""
+    """A command with the parameters of ``RotorChoice`` in place of its first argument.
+
+    ``prop`` says how the propeller is given: as an argument, or by an option.
+    """
     own = list(inspect.signature(command, eval_str=True).parameters.values())[1:]
     types = get_type_hints(RotorChoice, include_extras=True)
     shared = [
         inspect.Parameter(
             field.name,
             inspect.Parameter.KEYWORD_ONLY,
-            annotation=types[field.name],
+            annotation=types[field.name] if field.name != "prop" else prop,
             default=field.default if field.name != "prop" else inspect.Parameter.empty,
         )
         for field in fields(RotorChoice)

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import shlex
-from dataclasses import fields
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import numpy as np
 import typer
 
+from propmap.cli.bands import Bands, StdBySource, std_columns
 from propmap.cli.operating_points import COLUMNS, OperatingPoints, parse_axis
 from propmap.cli.output import Force, check_output, csv_text, write_text
 from propmap.cli.plausibility import say_doubts_on_points
@@ -17,6 +17,7 @@ from propmap.cli.rotor_options import RotorChoice, say_reynolds, takes_rotor
 from propmap.errors import InputError
 
 if TYPE_CHECKING:
+    from propmap.arrays.types import Floats
     from propmap.results import Loads
     from propmap.rotor import Rotor
 
@@ -41,6 +42,8 @@ def sweep(
         typer.Option("--output", "-o", metavar="FILE", help="NetCDF (.nc) or CSV (.csv)."),
     ],
     force: Force = False,
+    bands: Bands = True,
+    std_by_source: StdBySource = False,
 ) -> None:
     """Loads over a grid of rotational speeds, flight speeds and angles."""
     axes = (
@@ -56,25 +59,26 @@ def sweep(
     points = OperatingPoints.grid(*axes)
     say_reynolds(rotor.model, *points.si)
     say_doubts_on_points(rotor.model, *points.si)
-    loads = _compute(rotor, points)
+    loads = _compute(rotor, points, bands=bands)
+    spread = std_columns(loads, by_source=std_by_source) if bands else {}
     if output.suffix.lower() == ".nc":
         from propmap.cli.sweep_dataset import dataset
         from propmap.io.atomic_file import write_dataset
 
         command = shlex.join(["propmap", *context.obj])
-        write_dataset(dataset(rotor, axes, loads, command), output)
+        write_dataset(dataset(rotor, axes, loads, spread, command), output)
     else:
-        write_text(_csv(points, loads), output)
+        write_text(_csv(points, loads, spread), output)
     lost = int((loads.status == "not_converged").sum())
     remark = f", {lost} of them not converged" if lost else ""
     typer.echo(f"wrote {output}: {count} points{remark}")
 
 
-def _compute(rotor: Rotor, points: OperatingPoints) -> Loads:
+def _compute(rotor: Rotor, points: OperatingPoints, *, bands: bool) -> Loads:
     from rich.console import Console
     from rich.progress import Progress
 
-    from propmap.results import Loads
+    from propmap.results import joined
 
     console = Console(stderr=True)
     parts = []
@@ -82,15 +86,14 @@ def _compute(rotor: Rotor, points: OperatingPoints) -> Loads:
         task = progress.add_task("operating points", total=points.count)
         for start in range(0, points.count, CHUNK):
             part = points.part(start, CHUNK)
-            parts.append(part.loads(rotor))
+            found = part.loads(rotor)
+            if bands:
+                _ = found.std_by_source  # now, while the bar tells of the progress
+            parts.append(found)
             progress.advance(task, part.count)
-    names = [field.name for field in fields(Loads)]
-    return Loads(**{n: np.concatenate([getattr(part, n) for part in parts]) for n in names})
+    return joined(parts)
 
 
-def _csv(points: OperatingPoints, loads: Loads) -> str:
-    rows = points.rows(loads)
-    for name in FURTHER:
-        for row, value in zip(rows, getattr(loads, name).tolist(), strict=True):
-            row[name] = value if np.isfinite(value) else None
-    return csv_text([*COLUMNS, *FURTHER], rows)
+def _csv(points: OperatingPoints, loads: Loads, spread: Mapping[str, Floats]) -> str:
+    further = {**{name: getattr(loads, name) for name in FURTHER}, **spread}
+    return csv_text([*COLUMNS, *further], points.rows(loads, further))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Any
 
@@ -32,9 +33,16 @@ VARIABLES = {
 
 
 def dataset(
-    rotor: Rotor, axes: tuple[Floats, Floats, Floats], loads: Loads, command: str
+    rotor: Rotor,
+    axes: tuple[Floats, Floats, Floats],
+    loads: Loads,
+    spread: Mapping[str, Floats],
+    command: str,
 ) -> xarray.Dataset:
-    """Loads (n,) over the axes rpm, speed [m/s] and beta [deg], beta fastest, with provenance."""
+    """Loads (n,) over the axes rpm, speed [m/s] and beta [deg], beta fastest, with provenance.
+
+    ``spread`` has their standard deviations by column, see ``cli.bands.std_columns``.
+    """
     shape = tuple(axis.size for axis in axes)
     dims = tuple(AXES)
     coordinates = {
@@ -45,6 +53,14 @@ def dataset(
         name: (dims, getattr(loads, name).reshape(shape), {"units": unit, "long_name": meaning})
         for name, (unit, meaning) in VARIABLES.items()
     }
+    for column, values in spread.items():
+        load, _, rest = column.partition("_std_")
+        *source, _ = rest.split("_")
+        unit, meaning = VARIABLES[load]
+        told = {"units": unit, "long_name": f"standard deviation of: {meaning}"}
+        if source:
+            told["long_name"] += f", by {source[0]} alone"
+        variables["_".join((load, "std", *source))] = (dims, values.reshape(shape), told)
     codes = np.array([STATUSES.index(status) for status in loads.status.tolist()], np.uint8)
     flags = {
         "long_name": "whether the loads can be trusted",

@@ -19,8 +19,6 @@ from propmap.cli.table_report import building, told
 from propmap.errors import InputError, quoted
 
 if TYPE_CHECKING:
-    from propmap.model.model import Model
-    from propmap.model.section_covariance import SectionCovariance
     from propmap.table import LoadTable
 
 
@@ -57,10 +55,6 @@ def table(
     corners = ends[0] * RPM, ends[1], np.radians(ends[2])
     say_reynolds(rotor.model, *corners)
     say_doubts_on_points(rotor.model, *corners)
-    known = choice.identified(rotor.model.propeller.blades)
-    covariance = (
-        known.section_covariance if known else _covariance(choice.airfoil or "", rotor.model)
-    )
     with building() as progress:
         built = build_table(
             rotor,
@@ -69,7 +63,6 @@ def table(
             beta=(math.radians(ranges[2][0]), math.radians(ranges[2][1])),
             tolerance=share,
             leave_out_vortex_ring=no_vortex_ring,
-            covariance=covariance,
             progress=progress,
         )
     _save(built, output, shlex.join(["propmap", *context.obj]))
@@ -109,21 +102,3 @@ def _save(built: LoadTable, output: Path, command: str) -> None:
         write_netcdf(filed, output)
     else:
         filed.save(output)
-
-
-def _covariance(section: str, model: Model) -> SectionCovariance | None:
-    """The covariance in a fit's file, where ``section`` is one; of what the model has from it."""
-    from propmap.fit.parameters import MOUNT
-    from propmap.fit.result_file import is_fit, read_fit
-    from propmap.model.airfoil import airfoil_names
-
-    path = Path(section)
-    if section.lower() in airfoil_names() or not is_fit(path):
-        return None
-    file = read_fit(path)
-    covariance = file.covariance
-    if covariance is None or model.corrections == file.model.corrections:
-        return covariance
-    # What is mounted was given instead: it is known.
-    names = [name for name in covariance.names if name not in MOUNT]
-    return covariance.of(names) if names else None

@@ -25,17 +25,18 @@ from propmap.physics.momentum import static_inflow
 from propmap.physics.rotor import RotorArrays
 from propmap.physics.velocities import AzimuthNodes
 from propmap.solve.disk import DiskSolution
-from propmap.solve.load_slopes import Directions, directions_of, load_slopes, moving
+from propmap.solve.load_slopes import (
+    Directions,
+    directions_of,
+    load_slopes,
+    moving,
+    with_terms,
+)
 from propmap.solve.problem import Case
 
 FIT_BLOCK = 8
 """Operating points per call if there are few: as many as fit in a vector register.  The program
 compiles in a third less time than one for 32."""
-
-DIRECTIONS = 4
-"""Programs are compiled for multiples of so many parameters, so that another choice of parameters
-seldom needs another program.  Directions in excess are zero."""
-
 
 TURNING = 4
 """Azimuths that tell how loads leave axial flow with the in-plane velocity: the mean of sin(psi)^2
@@ -69,7 +70,7 @@ def load_gradients(
     rotor, setting : Prepared, Accuracy
         As for ``evaluation.evaluate``.
     names : tuple of str
-        The parameters.
+        The parameters; those of ``load_slopes.GEOMETRY`` too.
     omega, v_axial, v_inplane : ndarray, shape (N,)
         [rad/s], [m/s]; v_inplane >= 0.
     """
@@ -77,37 +78,23 @@ def load_gradients(
     down = v_axial < 0.0
     if not down.any():
         return _gradients(rotor, setting, names, Flow(omega, v_axial, v_inplane, None), None)
-    v_hover, v_hover_slope = np.zeros_like(omega), np.zeros((_count(names), omega.size))
+    v_hover, v_hover_slope = np.zeros_like(omega), np.zeros((len(names), omega.size))
     rates, where = np.unique(omega[down], return_inverse=True)
-    still, no = np.zeros_like(rates), np.zeros((_count(names), rates.size))
+    still, no = np.zeros_like(rates), np.zeros((len(names), rates.size))
     static = _gradients(rotor, setting, names, Flow(rates, still, still, still), no)
     v, slope = _static_inflow(rotor, static)
     v_hover[down] = v[where]
-    v_hover_slope[: len(names), down] = slope[:, where]
+    v_hover_slope[:, down] = slope[:, where]
     flow = Flow(omega, v_axial, v_inplane, v_hover)
     return _gradients(rotor, setting, names, flow, v_hover_slope)
 
 
 def _with_terms(rotor: Prepared, names: tuple[str, ...]) -> Prepared:
     """The rotor with those terms of its law among ``names`` that were left out of it as zero."""
-    arrays = rotor.arrays
-    left_out = [name for name in names if name not in moving(arrays)]
-    if not left_out:
+    arrays = with_terms(rotor.arrays, names)
+    if arrays is rotor.arrays:
         return rotor
-    law = arrays.law.plus(**{name: np.float64(0.0) for name in left_out})  # type: ignore[arg-type]
-    return prepare(arrays._replace(law=law), uniform=rotor.uniform, double=rotor.double)
-
-
-@functools.cache
-def _directions(movable: tuple[str, ...], names: tuple[str, ...], count: int) -> Directions:
-    """Directions on the device, sent there once and not in each evaluation of a fit."""
-    with jax.enable_x64(True):
-        return jax.device_put(directions_of(movable, names, count))
-
-
-def _count(names: tuple[str, ...]) -> int:
-    """Number of directions, with those in excess."""
-    return DIRECTIONS * max(1, -(-len(names) // DIRECTIONS))
+    return prepare(arrays, uniform=rotor.uniform, double=rotor.double)
 
 
 def _gradients(
@@ -118,10 +105,10 @@ def _gradients(
     v_hover_slope: Floats | None,
 ) -> LoadGradients:
     """``load_gradients`` with known static inflow and its derivatives (D, N) along directions."""
-    count, points = _count(names), flow.omega.size
+    points = flow.omega.size
     few = points < FEW
     slopes = np.full((len(LOADS), len(names), points), np.nan)
-    ways = _directions(moving(rotor.arrays), names, count)
+    ways = directions_of(moving(rotor.arrays), names, len(names))
 
     def differentiate(block: Block, solution: DiskSolution) -> None:
         program, solution = _program(block.panels), jax.tree.map(np.asarray, solution)
@@ -140,14 +127,16 @@ def _gradients(
             nodes = nodes_of(piece, few=few)
             asked = (flow.part(which), mine, ways, along, nodes, kept.size)
             found = program(rotor.on_device, *asked)
-            by_name = np.asarray(found)[: len(names)].transpose(1, 0, 2)
+            by_name = np.asarray(found).transpose(1, 0, 2)
             slopes[:, :, kept] = by_name[:, :, : kept.size]
 
     size = FIT_BLOCK if few else None
-    if few:
+    if few and names:
         sized = setting.for_stall(rotor.forecast.stall_width)
-        _compile_both(rotor, sized, count, descends=flow.v_hover is not None)
-    flat = evaluate_flow(rotor, setting, flow, alike=few, size=size, solved=differentiate)
+        _compile_both(rotor, sized, names, descends=flow.v_hover is not None)
+    flat = evaluate_flow(
+        rotor, setting, flow, alike=few, size=size, solved=differentiate if names else None
+    )
     return LoadGradients(np.stack(flat.loads), slopes)
 
 
@@ -177,19 +166,21 @@ def _static_inflow(rotor: Prepared, static: LoadGradients) -> tuple[Floats, Floa
     return v, per_thrust * slope
 
 
-_COMPILED: set[tuple[Accuracy, int, int, bool]] = set()
+_COMPILED: set[tuple[Accuracy, int, tuple[str, ...], bool]] = set()
 
 
-def _compile_both(rotor: Prepared, setting: Accuracy, count: int, *, descends: bool) -> None:
+def _compile_both(
+    rotor: Prepared, setting: Accuracy, names: tuple[str, ...], *, descends: bool
+) -> None:
     """Compile the two programs for few points at the same time instead of one after the other."""
-    key = (setting, rotor.arrays.blade.station.size, count, descends)
+    key = (setting, rotor.arrays.blade.station.size, names, descends)
     if key in _COMPILED:
         return
     _COMPILED.add(key)
     panels, still = alike_panels(setting), np.zeros(FIT_BLOCK)
     nodes = nodes_of_each(np.ones(FIT_BLOCK, int), setting.most_azimuths)
     flow = Flow(still, still, still, still if descends else None)
-    slopes = np.zeros((count, FIT_BLOCK)) if descends else None
+    slopes = np.zeros((len(names), FIT_BLOCK)) if descends else None
     search = compiled_search(panels, axial=False)
     arguments = (rotor.on_device, flow, nodes, FIT_BLOCK)
 
@@ -203,8 +194,8 @@ def _compile_both(rotor: Prepared, setting: Accuracy, count: int, *, descends: b
         searched = beside.submit(run_search)
         _, shapes = search.eval_shape(*arguments)
         solution = jax.tree.map(lambda a: np.zeros(a.shape, a.dtype), shapes)
-        movable = moving(rotor.arrays)
-        here = (flow, solution, directions_of(movable, (), count), slopes, nodes, FIT_BLOCK)
+        ways = directions_of(moving(rotor.arrays), names, len(names))
+        here = (flow, solution, ways, slopes, nodes, FIT_BLOCK)
         _program(panels)(rotor.on_device, *here)
         searched.result()
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
@@ -59,7 +60,7 @@ def failing_assumptions(fitted: Fitted, rows_for: Callable[[Choice], Rows]) -> l
         if name in fitted.choice.free or not acts:
             continue
         choice, begin = _with(fitted, name)
-        again = search(rows_for(choice), choice, [choice.first, begin])
+        again = search(rows_for(choice), choice, [choice.first, begin], error=fitted.error)
         left = rms(again.residual) / size
         if left < TELLING:
             told.append(
@@ -93,8 +94,8 @@ def body_terms_verdict(fitted: Fitted, rows_for: Callable[[Choice], Rows]) -> li
             continue
         choice, begin = _with(fitted, name)
         rows = rows_for(choice)
-        again = search(rows, choice, [begin])
-        sure = uncertainty(rows, choice, again)
+        again = search(rows, choice, [begin], error=fitted.error)
+        sure = uncertainty(rows, choice, again, fitted.error)
         fall = 1.0 - rms(again.residual) / size if size > 0.0 else 0.0
         shift = np.max(np.abs(again.x[:-1] - fitted.x) / fitted.choice.column("spread"))
         nonzero = sure.low[-1] > 0.0 or sure.high[-1] < 0.0
@@ -111,5 +112,5 @@ def _with(fitted: Fitted, name: str) -> tuple[Choice, Floats]:
     """The choice of a fit with one more free parameter, the last, and where to begin."""
     fixed = {k: v for k, v in fitted.choice.fixed.items() if k != name}
     with drag_factor_accepted():
-        choice = Choice((*fitted.choice.free, name), fixed, fitted.choice.priors)
+        choice = replace(fitted.choice, free=(*fitted.choice.free, name), fixed=fixed)
     return choice, np.append(fitted.x, fitted.values.get(name, EVERY[name].start))

@@ -126,6 +126,9 @@ class FitRecord(msgspec.Struct, frozen=True):
         Of the sensitivities, relative to the largest.
     starts : list of End
         Where the searches ended, best first.
+    discrepancy : dict of str to float
+        Errors that the fit left, as standard deviations of C_T and C_P [-], by the names of
+        ``model.uncertainty.DISCREPANCIES``; empty where an earlier version wrote the file.
     """
 
     kind: str
@@ -149,6 +152,7 @@ class FitRecord(msgspec.Struct, frozen=True):
     singular_values: Floats
     loads: list[FittedLoad] = msgspec.field(name="residuals")
     starts: list[End]
+    discrepancy: dict[str, float] = msgspec.field(default_factory=dict)
 
     def __post_init__(self) -> None:
         count = len(self.parameters)

@@ -12,6 +12,7 @@ from propmap.arrays.types import Floats
 from propmap.fit.parameters import Choice
 from propmap.fit.rows import Rows
 from propmap.fit.search import NOISE_FLOOR, Minimum, search, starts
+from propmap.fit.section_prior import LEAST_ERROR
 from propmap.fit.uncertainty import Uncertainty, uncertainty
 
 MEDIAN_TO_DEVIATION = 1.4826
@@ -63,6 +64,8 @@ class Fitted:
         Repeated fits to operating points drawn with replacement.
     seconds : float
         Duration of the whole identification [s].
+    error : float
+        Standard deviation of a residual, as a share of its scale, against which priors counted.
     """
 
     choice: Choice
@@ -74,6 +77,7 @@ class Fitted:
     cross_validated: Floats
     bootstrapped: Floats
     seconds: float
+    error: float
 
     @property
     def x(self) -> Floats:
@@ -111,15 +115,17 @@ def fit(rows: Rows, choice: Choice, settings: Settings | None = None) -> Fitted:
     """
     settings = settings or Settings()
     begin = time.perf_counter()
-    found = search(rows, choice, starts(choice, settings.starts, settings.seed))
-    sure = uncertainty(rows, choice, found)
-    error = NOISE_FLOOR
-    if choice.priors or settings.loss != "linear":
+    error = NOISE_FLOOR if choice.expected is None else LEAST_ERROR
+    found = search(rows, choice, starts(choice, settings.starts, settings.seed), error=error)
+    sure = uncertainty(rows, choice, found, error)
+    if choice.priors or choice.expected is not None or settings.loss != "linear":
         # Only now is known how large errors are, against which priors and outliers count.
         error = _typical_error(rows, settings, found, sure)
+        if choice.expected is not None:
+            error = max(error, LEAST_ERROR)
         again = search(rows, choice, [found.x], loss=settings.loss, error=error)
         found = replace(again, ends=found.ends)
-        sure = uncertainty(rows, choice, found)
+        sure = uncertainty(rows, choice, found, error)
 
     def refit(part: Rows) -> Floats:
         """The parameters (P,) that fit much the same rows."""
@@ -129,7 +135,9 @@ def fit(rows: Rows, choice: Choice, settings: Settings | None = None) -> Fitted:
     crossed = _cross_validate(rows, choice, settings, refit)
     bootstrapped = _bootstrap(rows, choice, settings, refit)
     seconds = time.perf_counter() - begin
-    return Fitted(choice, settings, rows, found, sure, residual, crossed, bootstrapped, seconds)
+    return Fitted(
+        choice, settings, rows, found, sure, residual, crossed, bootstrapped, seconds, error
+    )
 
 
 def _typical_error(rows: Rows, settings: Settings, found: Minimum, sure: Uncertainty) -> float:

@@ -9,7 +9,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from propmap.arrays.types import Floats
+from propmap.catalogue.identified import PARAMETERS
 from propmap.errors import InputError, quoted
+from propmap.fit.section_prior import SectionPrior
 from propmap.model.airfoil import Airfoil
 from propmap.model.drag_factor import warn_of_drag_factor
 from propmap.model.model import Section
@@ -111,6 +113,8 @@ class Choice:
         Of free parameters.
     start : mapping of str to float
         Values to start from first, where these are not the first guesses.
+    expected : SectionPrior, optional
+        What other propellers tell of the free section constants that have no prior of their own.
 
     Raises
     ------
@@ -122,6 +126,7 @@ class Choice:
     fixed: Mapping[str, float] = field(default_factory=dict)
     priors: Mapping[str, Prior] = field(default_factory=dict)
     start: Mapping[str, float] = field(default_factory=dict)
+    expected: SectionPrior | None = None
 
     def __post_init__(self) -> None:
         if not self.free:
@@ -166,11 +171,40 @@ class Choice:
         """An ``attribute`` of the free parameters, as (P,)."""
         return np.array([getattr(EVERY[name], attribute) for name in self.free])
 
-    @property
-    def prior_columns(self) -> tuple[Floats, Floats]:
-        """Means and standard deviations of the priors, (P,) each; infinite where there is none."""
-        given = [self.priors.get(name, Prior(0.0, np.inf)) for name in self.free]
-        return np.array([p.mean for p in given]), np.array([p.deviation for p in given])
+    def prior_of(self, name: str) -> Prior | None:
+        """What is known beforehand of the free parameter ``name``; None for nothing."""
+        if name in self.priors or self.expected is None:
+            return self.priors.get(name)
+        found = self.expected.of_constant(name)
+        return Prior(*found) if found else None
+
+    def apart(self, x: Floats) -> tuple[Floats, Floats]:
+        """How many standard deviations ``x`` is from what is known beforehand.
+
+        Parameters
+        ----------
+        x : ndarray, shape (P,)
+            The free parameters.
+
+        Returns
+        -------
+        tuple of ndarray
+            Of each of K priors (K,), and the derivatives by the free parameters (K, P).
+        """
+        own = [k for k, name in enumerate(self.free) if name in self.priors]
+        given = [self.priors[self.free[k]] for k in own]
+        deviation = np.array([p.deviation for p in given])
+        apart = (x[own] - np.array([p.mean for p in given])) / deviation
+        slopes = np.eye(x.size)[own] / deviation[:, None]
+        if self.expected is None:
+            return apart, slopes
+        constants = [name for name in self.free if name in PARAMETERS]
+        kept = [PARAMETERS.index(name) for name in constants if name not in self.priors]
+        more, by_constant = self.expected.penalty(self.values(x), kept)
+        by_free = np.zeros((len(kept), x.size))
+        for name in constants:
+            by_free[:, self.free.index(name)] = by_constant[:, PARAMETERS.index(name)]
+        return np.concatenate([apart, more]), np.concatenate([slopes, by_free])
 
     @property
     def first(self) -> Floats:

@@ -16,6 +16,7 @@ import propmap
 from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.fit.coverage import Coverage
+from propmap.fit.discrepancy import discrepancy
 from propmap.fit.fit_record import (
     FitRecord,
     FittedLoad,
@@ -33,6 +34,7 @@ from propmap.model.airfoil import Airfoil, read_airfoil
 from propmap.model.drag_factor import drag_factor_accepted
 from propmap.model.model import Model
 from propmap.model.section_covariance import SectionCovariance
+from propmap.model.uncertainty import fitted_uncertainty
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,6 +133,7 @@ def fit_text(
         singular_values=sure.singular_values,
         loads=[_load(fitted, k, hover) for k in range(len(fitted.rows.names))],
         starts=sorted(fitted.minimum.ends, key=lambda end: end.minimum),
+        discrepancy=discrepancy(fitted, found, hover),
     )
     return law.to_toml() + "\n" + tomli_w.dumps({"fit": record.table()})
 
@@ -139,7 +142,7 @@ def is_fit(path: Path) -> bool:
     """Whether a file is a parameter set that carries a fit; ``InputError`` for a bad set."""
     if path.exists() and looks_like_section_table(path):
         return False
-    read_airfoil(path)
+    read_airfoil(path, uncertainty=False)
     return "fit" in tomllib.loads(path.read_text(encoding="utf-8"))
 
 
@@ -156,7 +159,7 @@ def read_fit(path: Path) -> FitFile:
     InputError
         Where the file is no fit, or an entry of it is missing or of another kind.
     """
-    law, where = read_airfoil(path), str(path)
+    law, where = read_airfoil(path, uncertainty=False), str(path)
     table = tomllib.loads(path.read_text(encoding="utf-8")).get("fit")
     if table is None:
         raise InputError(
@@ -168,6 +171,9 @@ def read_fit(path: Path) -> FitFile:
         record = read_record(table)
         covariance = SectionCovariance(tuple(record.free), record.covariance)
         section = [name for name in record.free if name in SECTION | MOUNT]
+        known = fitted_uncertainty(table, (*SECTION, *MOUNT))
+        with drag_factor_accepted():
+            law = law.with_parameters(uncertainty=known)
         file = FitFile(law, covariance.of(section) if section else None, record)
         _ = file.model  # Raises where there can be no such blade.
     except InputError as error:
@@ -180,7 +186,7 @@ def read_fit(path: Path) -> FitFile:
 def _parameter(fitted: Fitted, k: int) -> FreeParameter:
     choice, sure = fitted.choice, fitted.uncertainty
     name = choice.free[k]
-    known, prior = EVERY[name], choice.priors.get(name)
+    known, prior = EVERY[name], choice.prior_of(name)
     low, high = None, None
     if fitted.bootstrapped.size:
         low, high = np.percentile(fitted.bootstrapped[:, k], [2.5, 97.5]).tolist()

@@ -15,6 +15,13 @@ Evaluation = tuple[Floats, Floats]
 Model = Callable[[Mapping[str, float], tuple[str, ...]], Evaluation]
 """From all parameters by name and the P free names: values (M,) and derivatives (M, P)."""
 
+INDEPENDENT = 10.0
+"""Independent numbers that the rows of one load are worth at most, beside what is known of
+propellers in general: what a model or a stand gets wrong, neighbouring rows have in common."""
+
+INDEPENDENT_AT_REST = 4.0
+"""The same of rows that are all at rest, which differ in rotational speed alone."""
+
 REMEMBERED = 16
 """Evaluations that are kept: more than one refit takes."""
 
@@ -113,6 +120,23 @@ class Rows:
     def of_load(self, load: int) -> NDArray[np.bool_]:
         """Which rows (M,) are of the ``load`` of this index and have weight."""
         return (self.load == load) & (self.weight > 0.0)
+
+    @property
+    def counts(self) -> NDArray[np.intp]:
+        """How many rows of each load (L,) have weight."""
+        return np.array([np.count_nonzero(self.of_load(k)) for k in range(len(self.names))])
+
+    @property
+    def independent(self) -> Floats:
+        """How many independent numbers the rows of each load (L,) are worth.
+
+        In flight that is one for each group; each manoeuvre meets another flow.
+        """
+        parts = [self.of_load(k) for k in range(len(self.names))]
+        if self.group is not None:
+            return np.array([float(np.unique(self.group[part]).size) for part in parts])
+        moving = [np.any(self.speed[part] > 0.0) for part in parts]
+        return np.minimum(self.counts, np.where(moving, INDEPENDENT, INDEPENDENT_AT_REST))
 
     def left(self, kept: NDArray[np.bool_]) -> Rows:
         """The same rows, without weight where ``kept``, shape (M,), is false."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -35,8 +36,14 @@ EVALUATIONS, FINAL_EVALUATIONS = 20, 30
 REFIT_EVALUATIONS = 6
 """The same where a known minimum is only followed, as in cross-validation."""
 
+FAR = 1.5
+"""Standard deviations of a prior within which searches start."""
+
 MOST_UNSOLVED = 0.05
 """Share of the rows that may have no solution in the model."""
+
+ONE_OF_FEW = 0.2
+"""The same where they are of one operating point."""
 
 
 class End(msgspec.Struct, frozen=True):
@@ -85,9 +92,8 @@ class Evaluator:
     """Residuals of a fit and their derivatives."""
 
     def __init__(self, rows: Rows, choice: Choice, error: float) -> None:
-        self.rows, self.choice, self.error = rows, choice, error
-        self.mean, self.deviation = choice.prior_columns
-        self.known = np.isfinite(self.deviation)
+        self.rows, self.choice = rows, choice
+        self.weight = weight_of_priors(rows, choice, error)
         self.unsolved = 0
 
     def at(self, x: Floats) -> tuple[Floats, Floats]:
@@ -102,13 +108,11 @@ class Evaluator:
 
     def residual(self, x: Floats) -> Floats:
         """The same with priors' residuals below."""
-        prior = (x - self.mean) / self.deviation
-        return np.concatenate([self.at(x)[0], self.error * prior[self.known]])
+        return np.concatenate([self.at(x)[0], self.weight * self.choice.apart(x)[0]])
 
     def jacobian(self, x: Floats) -> Floats:
         """Derivatives of ``residual``."""
-        prior = np.diag(1.0 / self.deviation)[self.known]
-        return np.concatenate([self.at(x)[1], self.error * prior])
+        return np.concatenate([self.at(x)[1], self.weight * self.choice.apart(x)[1]])
 
     def difference_quotients(self, x: Floats) -> Floats:
         """The Jacobian of the residuals as computed.
@@ -123,11 +127,32 @@ class Evaluator:
         return np.asarray(approx_fprime(x, self.residual, inwards))
 
 
+def weight_of_priors(rows: Rows, choice: Choice, error: float) -> float:
+    """By which deviations from priors are multiplied to count beside residuals.
+
+    This is the standard deviation ``error`` of a residual, where every row is a number of its own.
+    Beside what is known of propellers in general, rows are worth ``rows.independent``.
+    """
+    if choice.expected is None:
+        return error
+    return error * float(np.sqrt(rows.counts.sum() / max(float(rows.independent.sum()), 1.0)))
+
+
 def starts(choice: Choice, count: int, seed: int) -> list[Floats]:
-    """The first guess and ``count`` - 1 more, at random within three spreads of it."""
+    """The first guess and ``count`` - 1 more, at random within three spreads of it.
+
+    None is further than ``FAR`` standard deviations from what other propellers let expect.
+    """
     away = np.random.default_rng(seed).uniform(-3.0, 3.0, (count - 1, len(choice.free)))
-    more = choice.first + away * choice.column("spread")
-    return [choice.first, *np.clip(more, choice.column("lower"), choice.column("upper"))]
+    away = away * choice.column("spread")
+    if choice.expected is not None:
+        known = [choice.expected.of_constant(name) or (0.0, np.inf) for name in choice.free]
+        most = FAR * np.array([deviation for _, deviation in known])
+        away = np.clip(away, -most, most)
+    return [
+        choice.first,
+        *np.clip(choice.first + away, choice.column("lower"), choice.column("upper")),
+    ]
 
 
 def search(
@@ -159,17 +184,19 @@ def search(
     ------
     InputError
         Where there are fewer numbers than parameters, or where the model has no solution for more
-        than one row in twenty.
+        than one row in twenty, or of few rows for more than those of one operating point.
     """
     from scipy.optimize import least_squares
 
     used = int(np.count_nonzero(rows.weight))
-    if used + len(choice.priors) < len(choice.free):
+    first = choice.first
+    if used + choice.apart(first)[0].size < first.size:
         raise InputError(
             f"{used} measured numbers for {len(choice.free)} free parameters",
             "give more data or free fewer parameters",
         )
     evaluator = Evaluator(rows, choice, error)
+    softened = functools.partial(_softened, rows.measured.size)
     lower, upper, spread = (choice.column(a) for a in ("lower", "upper", "spread"))
 
     def run(
@@ -184,7 +211,7 @@ def search(
                 jacobian,
                 bounds=(lower, upper),
                 x_scale=spread,
-                loss=loss,
+                loss="linear" if loss == "linear" else softened,
                 f_scale=2.0 * error,
                 ftol=gain,
                 xtol=step,
@@ -207,12 +234,21 @@ def search(
     for bound in (lower, upper):
         x = np.where(np.abs(x - bound) < ON_BOUND * spread, bound, x)
     residual, slopes = evaluator.at(x)
-    if evaluator.unsolved > MOST_UNSOLVED * rows.measured.size:
+    size = rows.measured.size
+    if evaluator.unsolved > max(MOST_UNSOLVED * size, min(len(rows.names), ONE_OF_FEW * size)):
         raise InputError(
             f"the model has no solution at {evaluator.unsolved} of {rows.measured.size} rows",
             "check the units of the operating points",
         )
     return Minimum(x, residual, slopes, ends, evaluator.unsolved)
+
+
+def _softened(rows: int, squares: Floats) -> Floats:
+    """SciPy's ``soft_l1`` of so many first squares; priors, which follow, are no outliers."""
+    more = 1.0 + squares
+    found = np.array([2.0 * (more**0.5 - 1.0), more**-0.5, -0.5 * more**-1.5])
+    found[:, rows:] = [squares[rows:], np.ones(squares.size - rows), np.zeros(squares.size - rows)]
+    return found
 
 
 def _cost(end: End) -> float:

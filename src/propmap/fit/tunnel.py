@@ -107,7 +107,9 @@ def tunnel_rows(
 
     Residuals are compared as coefficients, relative to rho Omega^2 R^4 (R^5 for moments), because
     that is how measurement errors scale over a sweep of rotational speed; each load by the root
-    mean square of its own measured coefficient, divided by its weight.
+    mean square of its own measured coefficient, divided by its weight.  Where rows are weighed
+    against what other propellers let expect, half of an error is taken to be the load cell's,
+    which is the same in all rows: at low rotational speed that is most of it.
 
     Parameters
     ----------
@@ -143,6 +145,9 @@ def tunnel_rows(
             raise InputError(
                 f"every value of {name} is zero", "leave it out, by --loads", data.source
             )
+    scale = typical * size
+    if choice.expected is not None:
+        scale = np.hypot(scale, scale.max(axis=0))
     columns = [list(LOADS).index(name) for name in names]
 
     def modelled(values: Mapping[str, float], free: tuple[str, ...]) -> tuple[Floats, Floats]:
@@ -154,7 +159,7 @@ def tunnel_rows(
         names,
         tuple(LOADS[name].unit for name in names),
         measured,
-        typical * size / [weights.get(name, 1.0) for name in names],
+        scale / [weights.get(name, 1.0) for name in names],
         data.speed,
         modelled,
     )

@@ -12,10 +12,14 @@ from propmap.arrays.types import Floats
 from propmap.fit.bounded_interval import Quadratic, bounded_intervals
 from propmap.fit.parameters import EVERY, Choice
 from propmap.fit.rows import Rows
-from propmap.fit.search import NOISE_FLOOR, Evaluator, Minimum
+from propmap.fit.search import NOISE_FLOOR, Evaluator, Minimum, weight_of_priors
+from propmap.fit.section_prior import LEAST_ERROR
 
 AT_BOUND = 1e-6
 """Distance from a bound, in spreads, within which the bound holds a parameter."""
+
+HELD_BY_PRIOR = 0.7
+"""Share of the deviation beforehand above which a prior says more of a parameter than the data."""
 
 LARGEST_STRETCH = 4.0
 """Of an interval where the model is not linear; by then the parameter is no longer identified."""
@@ -45,6 +49,9 @@ class Uncertainty:
         Whether the data determine it.
     error : ndarray, shape (L,)
         Standard deviation of a residual of each load, as a share of its scale.
+    left : ndarray, shape (P,)
+        Standard deviation over that beforehand [-]: 1 where the data say nothing, 0 where nothing
+        was known.
     """
 
     covariance: Floats
@@ -55,14 +62,18 @@ class Uncertainty:
     verdicts: tuple[str, ...]
     identified: tuple[bool, ...]
     error: Floats
+    left: Floats
 
 
-def uncertainty(rows: Rows, choice: Choice, found: Minimum) -> Uncertainty:
+def uncertainty(
+    rows: Rows, choice: Choice, found: Minimum, error: float = NOISE_FLOOR
+) -> Uncertainty:
     """Gauss-Newton covariance, with errors of the size that the residuals of each load have.
 
     Where ``rows.group`` tells of stretches within which errors are alike, sums over stretches
     take the place of sums over rows (the cluster-robust covariance), or correlated samples
-    would count as independent ones.
+    would count as independent ones.  Where other propellers tell what to expect, the rows of each
+    load err together as far as ``rows.independent`` says, by ``LEAST_ERROR`` at least.
 
     Parameters
     ----------
@@ -70,6 +81,8 @@ def uncertainty(rows: Rows, choice: Choice, found: Minimum) -> Uncertainty:
         What was fitted, and which parameters were free.
     found : Minimum
         Where the search ended.
+    error : float
+        Of a residual, as in the ``search``; counts where other propellers tell what to expect.
     """
     from scipy.special import stdtrit  # scipy.stats takes half a second to import
 
@@ -81,42 +94,58 @@ def uncertainty(rows: Rows, choice: Choice, found: Minimum) -> Uncertainty:
     held &= seen > NEGLIGIBLE * max(float(seen.max()), 1e-300)
     used = rows.weight > 0.0
     parts = [rows.of_load(k) for k in range(len(rows.names))]
-    counts = np.array([np.count_nonzero(part) for part in parts])
-    share = x.size / max(int(counts.sum()), 1)
-    error = np.array([_standard_error(found.residual[part], share) for part in parts])
+    counts = rows.counts
+    apart, by_prior = choice.apart(x)
+    by_prior = by_prior * spread
     slopes = found.slopes * spread
-    information = slopes.T @ slopes
-    mean, prior = choice.prior_columns
-    mean_error = float(np.sqrt(np.sum(counts * error**2) / max(counts.sum(), 1)))
-    held_by_prior = (mean_error * spread / prior) ** 2
-    if rows.group is None:
-        middle = (slopes * error[rows.load][:, None] ** 2).T @ slopes
-        freedom = max(int(counts.sum()) - x.size, 1)
-    else:
+    information, prior_information = slopes.T @ slopes, by_prior.T @ by_prior
+    determined: float = x.size
+    if choice.expected is not None:
+        weight = weight_of_priors(rows, choice, error)
+        whole = information + weight**2 * prior_information
+        determined = float(np.trace(np.linalg.pinv(whole) @ information))
+    share = determined / max(int(counts.sum()), 1)
+    errors = np.array([_standard_error(found.residual[part], share) for part in parts])
+    if choice.expected is None:
+        weight = float(np.sqrt(np.sum(counts * errors**2) / max(counts.sum(), 1)))
+    if rows.group is not None:
         middle, freedom = _by_group(slopes, found.residual, rows.group[used], used)
+    elif choice.expected is not None:
+        alike = counts / np.maximum(rows.independent, 1.0)
+        variance = alike * np.maximum(errors, LEAST_ERROR) ** 2
+        middle = (slopes * variance[rows.load][:, None]).T @ slopes
+        freedom = max(round(float(rows.independent.sum())), 1)
+    else:
+        middle = (slopes * errors[rows.load][:, None] ** 2).T @ slopes
+        freedom = max(int(counts.sum()) - x.size, 1)
     known = _sandwich(
-        information + np.diag(held_by_prior), middle + np.diag(held_by_prior * mean_error**2)
+        information + weight**2 * prior_information, middle + weight**4 * prior_information
     )
     covariance = known.covariance * np.outer(spread, spread)
     deviation = np.sqrt(np.diag(covariance))
     # At a minimum the sum of squares only slopes towards bounds.
-    uphill = slopes.T @ found.residual + held_by_prior * (x - mean) / spread
+    uphill = slopes.T @ found.residual + weight**2 * (by_prior.T @ apart)
     centre = x / spread - known.inverse @ np.where(held, uphill, 0.0)
     quantile = float(stdtrit(freedom, 0.975))
     low, high = bounded_intervals(centre, known.root, lower / spread, upper / spread, quantile)
     ends = np.stack([np.minimum(low, x / spread), np.maximum(high, x / spread)])
     narrow = np.flatnonzero(~held & (ends[1] - ends[0] <= 1.0))
-    low, high = _stretched(ends, narrow, rows, choice, found) * spread
+    low, high = _stretched(ends, narrow, rows, choice, found, weight) * spread
     singular = np.linalg.svd(slopes, compute_uv=False)
     scale = np.where(deviation > 0.0, deviation, 1.0)
     with np.errstate(invalid="ignore"):
         correlation = covariance / np.outer(scale, scale)
     np.fill_diagonal(correlation, 1.0)
-    half, by_prior = quantile * deviation, deviation > 0.7 * prior
+    left = _left(deviation / spread, by_prior)
     judged = [
-        _verdict(name, x[k], (low[k], high[k]), half[k], bool(held[k]), bool(by_prior[k]))
+        _verdict(name, x[k], (low[k], high[k]), quantile * deviation[k], bool(held[k]), left[k])
         for k, name in enumerate(choice.free)
     ]
+    if choice.expected is not None:
+        judged = [
+            _beside_prior(verdict, left[k]) if choice.prior_of(name) else verdict
+            for k, (name, verdict) in enumerate(zip(choice.free, judged, strict=True))
+        ]
     return Uncertainty(
         covariance,
         low,
@@ -125,12 +154,27 @@ def uncertainty(rows: Rows, choice: Choice, found: Minimum) -> Uncertainty:
         np.asarray(singular / max(float(singular[0]), 1e-300)),
         tuple(text for text, _ in judged),
         tuple(good for _, good in judged),
-        error,
+        errors,
+        left,
     )
 
 
+def _left(deviation: Floats, by_prior: Floats) -> Floats:
+    """The ``deviation`` (P,) over that of the priors, whose slopes are (K, P); 0 without one."""
+    if not by_prior.size:
+        return np.zeros_like(deviation)
+    beforehand = np.diag(np.linalg.pinv(by_prior.T @ by_prior))
+    known = np.any(by_prior != 0.0, axis=0)
+    return np.where(known, deviation / np.sqrt(np.where(known, beforehand, 1.0)), 0.0)
+
+
 def _stretched(
-    ends: Floats, narrow: NDArray[np.intp], rows: Rows, choice: Choice, found: Minimum
+    ends: Floats,
+    narrow: NDArray[np.intp],
+    rows: Rows,
+    choice: Choice,
+    found: Minimum,
+    weight: float,
 ) -> Floats:
     """Ends (2, P) of intervals, in spreads, moved outwards where the model is not linear.
 
@@ -140,10 +184,17 @@ def _stretched(
     the parameters with the indices ``narrow`` are looked at.
     """
     spread, lower, upper = (choice.column(a) for a in ("spread", "lower", "upper"))
-    x, residual, slopes = found.x / spread, found.residual, found.slopes * spread
+    evaluator = Evaluator(rows, choice, NOISE_FLOOR)
+
+    def with_priors(at: Floats, residual: Floats, slopes: Floats) -> tuple[Floats, Floats]:
+        apart, by_prior = choice.apart(at)
+        both = np.concatenate([slopes, weight * by_prior]) * spread
+        return np.concatenate([residual, weight * apart]), both
+
+    x = found.x / spread
+    residual, slopes = with_priors(found.x, found.residual, found.slopes)
     bounds = (lower / spread, upper / spread)
     first = Quadratic(slopes, slopes @ x - residual, *bounds)
-    evaluator = Evaluator(rows, choice, NOISE_FLOOR)
     moved, at_minimum = ends.copy(), float(residual @ residual)
     for k in narrow:
         for side in range(2):
@@ -151,8 +202,7 @@ def _stretched(
             foreseen, there = first.profile(k, end)
             if end == bounds[side][k] or foreseen <= at_minimum:
                 continue
-            r, j = evaluator.at(there * spread)
-            j = j * spread
+            r, j = with_priors(there * spread, *evaluator.at(there * spread))
             least, _ = Quadratic(j, j @ there - r, *bounds).profile(k, end)
             share = (least - at_minimum) / (foreseen - at_minimum)
             stretch = max(1.0, max(share, LARGEST_STRETCH**-2) ** -0.5)
@@ -204,14 +254,14 @@ def _sandwich(information: Floats, middle: Floats) -> _Known:
 
 
 def _verdict(
-    name: str, x: float, ends: tuple[float, float], half: float, held: bool, by_prior: bool
+    name: str, x: float, ends: tuple[float, float], half: float, held: bool, left: float
 ) -> tuple[str, bool]:
     """In words, and whether the parameter is identified; ``half`` an interval without bounds."""
     known, (low, high) = EVERY[name], ends
     lower, upper, spread = known.lower, known.upper, known.spread
     if held:
         return f"weak: held by its bound {lower if x - lower < upper - x else upper:g}", False
-    if by_prior:
+    if left > HELD_BY_PRIOR:
         return "weak: held by its prior", False
     if high - low <= spread:
         alone = half <= 0.5 * spread
@@ -223,3 +273,10 @@ def _verdict(
         f"differ by about {spread:g}",
         False,
     )
+
+
+def _beside_prior(verdict: tuple[str, bool], left: float) -> tuple[str, bool]:
+    """The verdict with how much of a prior's standard deviation is ``left`` over."""
+    text, good = verdict
+    text = text.replace("held by its start, the data leave it", "data and prior leave it")
+    return f"{text}; {left:.2f} of the prior's deviation is left", good

@@ -9,7 +9,7 @@ import json
 import math
 import tomllib
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from importlib.resources.abc import Traversable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -19,6 +19,7 @@ import numpy as np
 from propmap.errors import InputError
 from propmap.model.corrections import agreed, as_texts
 from propmap.model.drag_factor import drag_factor_accepted, warn_of_drag_factor
+from propmap.model.uncertainty import SectionUncertainty, filed_uncertainty, fitted_uncertainty
 
 if TYPE_CHECKING:
     from propmap.physics.sections.blended import BlendedLaw
@@ -78,6 +79,8 @@ class Airfoil:
         ``Model`` with this airfoil has them too.  None where nothing is said of them.
     name, source : str
         What the set is called and where its numbers come from.
+    uncertainty : SectionUncertainty or None
+        How well the constants are known; None where nothing is said of it.  Not compared.
 
     Raises
     ------
@@ -100,21 +103,22 @@ class Airfoil:
     name: str = "unnamed"
     source: str = ""
     corrections: tuple[str, ...] | None = None
+    uncertainty: SectionUncertainty | None = field(default=None, compare=False, repr=False)
 
     def __post_init__(self) -> None:
-        for field, (low, high, unit) in LIMITS.items():
-            value = getattr(self, field)
+        for constant, (low, high, unit) in LIMITS.items():
+            value = getattr(self, constant)
             if isinstance(value, bool) or not isinstance(value, (int, float)):
-                raise InputError(f"{field} is {value!r}: give a number [{unit}]")
+                raise InputError(f"{constant} is {value!r}: give a number [{unit}]")
             if not (math.isfinite(value) and low <= value <= high):
                 hint = " (angles are in radians)" if unit == "rad" and abs(value) > high else ""
                 raise InputError(
-                    f"{field} is {value}: it must lie between {low} and {high} [{unit}]{hint}"
+                    f"{constant} is {value}: it must lie between {low} and {high} [{unit}]{hint}"
                 )
-            object.__setattr__(self, field, float(value))
-        for field in ("name", "source"):
-            if not isinstance(getattr(self, field), str):
-                raise InputError(f"{field} is {getattr(self, field)!r}: it must be text")
+            object.__setattr__(self, constant, float(value))
+        for text in ("name", "source"):
+            if not isinstance(getattr(self, text), str):
+                raise InputError(f"{text} is {getattr(self, text)!r}: it must be text")
         if self.lift_law not in LIFT_LAWS:
             raise InputError(f"lift_law is {self.lift_law!r}: it must be one of {LIFT_LAWS}")
         if self.drag_factor != 1.0:
@@ -131,8 +135,11 @@ class Airfoil:
         return BlendedLaw(attached=attached, **numbers)  # type: ignore[arg-type]
 
     def with_parameters(self, **changes: Any) -> Airfoil:
-        """A copy with ``changes`` to constants, by name as in the constructor."""
-        return replace(self, **changes)
+        """A copy with ``changes`` to constants, by name as in the constructor.
+
+        How well they are known is that of the changed ones no more, and is left out unless given.
+        """
+        return replace(self, **{"uncertainty": None, **changes})
 
     def with_corrections(self, texts: Sequence[str]) -> Airfoil:
         """The set as it is to be used with corrections of these ``texts``.
@@ -147,24 +154,37 @@ class Airfoil:
 
     def to_toml(self) -> str:
         """The set as the text of a parameter file."""
-        return _toml_file(self._told())
+        text = _toml_file(self._told())
+        if self.uncertainty is None:
+            return text
+        import tomli_w
+
+        return f"{text}\n{tomli_w.dumps({'uncertainty': self.uncertainty.as_dict()})}"
+
+    def _filed(self) -> dict[str, Any]:
+        """What a parameter file may say."""
+        return {name: getattr(self, name) for name in FILED}
 
     def _told(self) -> dict[str, Any]:
         """What a parameter file says: terms beyond the paper's only where they act."""
         return {
             key: value
-            for key, value in asdict(self).items()
+            for key, value in self._filed().items()
             if value is not None and not (key in BEYOND_THE_PAPER and value == 0.0)
         }
 
     def metadata(self) -> dict[str, Any]:
         """The constants by name."""
-        return {key: value for key, value in asdict(self).items() if key != "corrections"}
+        return {key: value for key, value in self._filed().items() if key != "corrections"}
 
     def fingerprint(self) -> str:
         """SHA-256 of the parameter file, without its corrections."""
         told = {key: value for key, value in self._told().items() if key != "corrections"}
         return hashlib.sha256(_toml_file(told).encode()).hexdigest()
+
+
+FILED = tuple(f.name for f in fields(Airfoil) if f.name != "uncertainty")
+"""Fields of ``Airfoil`` that a parameter file has."""
 
 
 def parameter_set(name_or_path: str | Path) -> Airfoil:
@@ -200,8 +220,21 @@ def airfoil_names() -> list[str]:
     return sorted(f.name[:-5] for f in _sets().iterdir() if f.name.endswith(".toml"))
 
 
-def read_airfoil(path: Path | Traversable) -> Airfoil:
-    """Read a parameter file; raises ``InputError`` naming the file and the field."""
+def read_airfoil(path: Path | Traversable, *, uncertainty: bool = True) -> Airfoil:
+    """Read a parameter file.
+
+    Parameters
+    ----------
+    path : Path
+        Of the file.
+    uncertainty : bool
+        Whether what a fit's file says of its constants' uncertainty is read as well.
+
+    Raises
+    ------
+    InputError
+        Naming the file and the field.
+    """
     name = path.name if not isinstance(path, Path) else str(path)
     try:
         table = tomllib.loads(path.read_bytes().decode("utf-8"))
@@ -213,17 +246,16 @@ def read_airfoil(path: Path | Traversable) -> Airfoil:
         raise InputError(f"{name}: not a text file; give a parameter set in TOML") from None
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"{name}: not valid TOML ({error}); see the README's example") from None
-    known = [f.name for f in fields(Airfoil)]
     schema = table.pop("schema", SCHEMA)
     if schema != SCHEMA:
         raise InputError(
             f"{name}: schema is {schema!r}, this version reads {SCHEMA}; upgrade propmap"
         )
     # A table is left to whoever wrote it; a stray key at the top is likely a typing error.
-    extra = sorted(k for k, v in table.items() if k not in known and not isinstance(v, dict))
+    extra = sorted(k for k, v in table.items() if k not in FILED and not isinstance(v, dict))
     if extra:
         raise InputError(
-            f"{name}: unknown field {extra[0]!r}; known fields: {', '.join(sorted(known))}"
+            f"{name}: unknown field {extra[0]!r}; known fields: {', '.join(sorted(FILED))}"
         )
     required = [f for f in ("c_l1", "c_l2", "c_d", "alpha_0") if f not in table]
     if required == ["c_l1"] and table.get("lift_law") == "simplified":
@@ -231,7 +263,10 @@ def read_airfoil(path: Path | Traversable) -> Airfoil:
     if required:
         raise InputError(f"{name}: {required[0]} is missing; add a line '{required[0]} = ...'")
     try:
-        return Airfoil(**{k: v for k, v in table.items() if k in known})
+        fit = table.get("fit") if uncertainty else None
+        known = fitted_uncertainty(fit, (*LIMITS, "mount_area"))
+        known = known or filed_uncertainty(table.get("uncertainty"))
+        return Airfoil(**{k: v for k, v in table.items() if k in FILED}, uncertainty=known)
     except InputError as error:
         raise InputError(f"{name}: {error}") from None
 

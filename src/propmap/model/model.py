@@ -23,6 +23,7 @@ from propmap.model.corrections import (
     sets_inflow_shape,
 )
 from propmap.model.propeller import Propeller
+from propmap.model.uncertainty import SectionUncertainty
 
 if TYPE_CHECKING:
     from propmap.physics.rotor import RotorArrays
@@ -135,6 +136,17 @@ class Model:
         for value in sorted(self.corrections, key=lambda one: order.index(name_of(one))):
             rotor = value.applied(rotor)
         return rotor
+
+    @property
+    def uncertainty(self) -> SectionUncertainty | None:
+        """How well the section law is known; None where it says nothing of it."""
+        known = getattr(self.airfoil, "uncertainty", None)
+        found_with = getattr(self.airfoil, "corrections", None) or ()
+        mounts = [apart(list(texts))[1] for texts in (self.correction_texts, found_with)]
+        if known is not None and mounts[0] != mounts[1]:
+            # What is mounted was given instead of found: it is known.
+            known = known.without("mount_area")
+        return known
 
     @property
     def correction_texts(self) -> list[str]:

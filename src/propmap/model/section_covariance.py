@@ -57,7 +57,7 @@ class SectionCovariance:
         return self.of([name for name in self.names if name not in self.unknown])
 
     def of(self, names: list[str]) -> SectionCovariance:
-        """The part that belongs to these parameters."""
+        """The part that belongs to some of the parameters, ``names``."""
         kept = [self.names.index(name) for name in names]
         return SectionCovariance(tuple(names), self.matrix[np.ix_(kept, kept)])
 

@@ -107,6 +107,43 @@ class Annulus(NamedTuple):
         return self.law.zero_lift_at(self.station.reynolds_per_speed * self.turning)
 
 
+class SectionLines(NamedTuple):
+    """What a section's lift and drag depend on besides the flow; shapes as in ``Station``.
+
+    Attributes
+    ----------
+    chord : Array
+        c [m].
+    reynolds_per_speed, inverse_root : Array
+        As in ``Station``.
+    lift_line : Array
+        Angle of the zero-lift line to the disk plane [rad].
+    drag_line : Array or None
+        Angle of the line of least pressure drag to the disk plane [rad]; None where the law takes
+        the zero-lift line for it.
+    """
+
+    chord: Array
+    reynolds_per_speed: Array
+    inverse_root: Array
+    lift_line: Array
+    drag_line: Array | None
+
+
+def section_lines(
+    blade: Blade, law: SectionLaw, medium: Medium, radius: Array, omega: Array
+) -> SectionLines:
+    """The section at a ``radius`` [m], (S, 1) or (S, B); ``omega`` is as in ``Annulus``."""
+    chord, twist = blade_shape(blade, radius)
+    reynolds_per_speed = medium.density / medium.viscosity * chord
+    # At a pointed tip Re goes to zero and C_D to infinity, but C_D times the chord goes to zero.
+    root = xp.sqrt(1.0 / xp.maximum(reynolds_per_speed, 1e-30))
+    lift_line = twist - law.zero_lift_at(reynolds_per_speed * (omega * radius))
+    least_drag = law.least_drag_angle
+    drag_line = None if least_drag is None else twist - least_drag
+    return SectionLines(chord, reynolds_per_speed, root, lift_line, drag_line)
+
+
 def annulus(
     blade: Blade,
     law: SectionLaw,
@@ -117,17 +154,14 @@ def annulus(
     v_inplane: Array,
 ) -> Annulus:
     """The annulus at ``radius`` [m], shape (S, 1) or (S, B); the flow is as in ``Annulus``."""
-    chord, twist = blade_shape(blade, radius)
-    reynolds_per_speed = medium.density / medium.viscosity * chord
-    zero_lift = law.zero_lift_at(reynolds_per_speed * (omega * radius))
-    sine, cosine = materialize(lambda: sine_and_cosine(twist - zero_lift), blade.root)
+    lines = section_lines(blade, law, medium, radius, omega)
+    sine, cosine = materialize(lambda: sine_and_cosine(lines.lift_line), blade.root)
     tilted: tuple[Array | None, Array | None] = (None, None)
-    least_drag = law.least_drag_angle
-    if least_drag is not None:
-        tilted = materialize(lambda: sine_and_cosine(twist - least_drag), blade.root)
-    # At a pointed tip Re goes to zero and C_D to infinity, but C_D times the chord goes to zero.
-    root = xp.sqrt(1.0 / xp.maximum(reynolds_per_speed, 1e-30))
-    station = Station(radius, chord, sine, cosine, reynolds_per_speed, root, *tilted)
+    drag_line = lines.drag_line
+    if drag_line is not None:
+        tilted = materialize(lambda: sine_and_cosine(drag_line), blade.root)
+    of_chord = lines.reynolds_per_speed, lines.inverse_root
+    station = Station(radius, lines.chord, sine, cosine, *of_chord, *tilted)
     return Annulus(station, omega, v_axial, v_inplane, blade.blades, blade.root, blade.tip, law)
 
 
@@ -172,7 +206,7 @@ def element_forces(at: Annulus, inflow: Array, sine: Array) -> ElementForces:
     u = floored_norm(u_t, u_p)
     per_u = 1.0 / u
     sin_phi, cos_phi = u_p * per_u, u_t * per_u
-    flow = _section_flow(at.station, sin_phi, cos_phi, u, per_u)
+    flow = section_flow(at.station, sin_phi, cos_phi, u, per_u)
     c = at.law.coefficients(flow)  # Eqs. (3)(4)
     # In eqs. (5)-(7): dL = 1/2 rho U^2 C_L c dy, dD = 1/2 rho U^2 C_D c dy.
     half = 0.5 * at.chord * u
@@ -186,7 +220,7 @@ def element_forces(at: Annulus, inflow: Array, sine: Array) -> ElementForces:
     return ElementForces(normal, tangential, normal_slope, tangential_slope)
 
 
-def _section_flow(
+def section_flow(
     station: Station, sin_phi: Array, cos_phi: Array, speed: Array, per_speed: Array
 ) -> SectionFlow:
     """The flow at alpha = theta - phi; ``station`` has theta from the zero-lift line."""

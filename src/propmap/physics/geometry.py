@@ -22,6 +22,11 @@ class Blade(NamedTuple):
         Number of blades N_b [-].
     root : Array
         Radius at which integration starts [m]: first station or root cut-out.
+    chord_scale : Array or None
+        Common relative change of the chord [-], ``chord`` and ``cubics`` being those without it;
+        None, like 0, for none.
+    twist_offset : Array or None
+        Common offset of the twist [rad], likewise.
     """
 
     station: Array
@@ -30,6 +35,8 @@ class Blade(NamedTuple):
     cubics: Array
     blades: Array
     root: Array
+    chord_scale: Array | None = None
+    twist_offset: Array | None = None
 
     @property
     def tip(self) -> Array:
@@ -115,4 +122,8 @@ def blade_shape(blade: Blade, radius: Array) -> tuple[Array, Array]:
     t = (radius - row[0]) / row[1]
     chord = row[2] + t * (row[3] + t * (row[4] + t * row[5]))
     twist = row[6] + t * (row[7] + t * (row[8] + t * row[9]))
+    if blade.chord_scale is not None:
+        chord = chord * (1.0 + blade.chord_scale)
+    if blade.twist_offset is not None:
+        twist = twist + blade.twist_offset
     return chord, twist

@@ -127,12 +127,15 @@ class AzimuthNodes:
         """Whether there is a single azimuth, as suffices where loads do not vary with it."""
         return isinstance(self.count, int) and self.count == 1
 
-    def mean(self, term: Callable[[Array], Any]) -> Any:
-        """The mean over azimuth of ``term(sin(psi))``, an array or a tree of arrays."""
+    def mean(self, term: Callable[[Array], Any], together: int | None = None) -> Any:
+        """The mean over azimuth of ``term(sin(psi))``, an array or a tree of arrays.
+
+        ``together`` is as in ``arrays.loops.mean_over``.
+        """
         sines = xp.asarray(self.sines)
         if self.axial:
             return materialize(lambda: term(sines[0]), sines[0])
-        return mean_over(term, sines, self.count)
+        return mean_over(term, sines, self.count, together)
 
 
 def azimuth_nodes(azimuths: int) -> AzimuthNodes:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -50,19 +50,12 @@ class MeasuredLoads:
         Operating points [m/s], [rad].
     loads : dict of str to ndarray, shape (n,)
         By name; NaN where not measured.
-    other : dict of str to ndarray, shape (n,)
-        The same loads as another evaluation of the same data has them; the band between both is
-        what the data leave open.
-    other_label : str
-        For the legend.
     """
 
     label: str
     speed: Floats
     beta: Floats
     loads: dict[str, Floats]
-    other: Mapping[str, Floats] = field(default_factory=dict)
-    other_label: str = ""
 
     def along(self, beta: float, *, at_rest: bool) -> NDArray[np.intp]:
         """Which points lie within half a degree of ``beta`` [rad], in the order of their speed;
@@ -79,6 +72,8 @@ def load_curves(
     speed: Floats,
     betas: Sequence[float],
     measured: MeasuredLoads | None = None,
+    *,
+    bands: bool = True,
 ) -> Figure:
     """Every load against flight speed, a curve for each angle, the hover model dashed.
 
@@ -94,7 +89,10 @@ def load_curves(
         Up to 7 angles [rad].
     measured : MeasuredLoads, optional
         Points, drawn where their angle is within half a degree of a curve's; those at rest belong
-        to every curve and are drawn with the first.  Shaded: from them to ``other``.
+        to every curve and are drawn with the first.
+    bands : bool
+        Whether the band that holds the true loads with a probability of 95 % is shaded, where the
+        model says how well it is known.
 
     Raises
     ------
@@ -106,12 +104,17 @@ def load_curves(
             f"{len(betas)} angles make an unreadable picture", f"give at most {len(COLOURS)}"
         )
     found = rotor.loads(omega, speed, np.array(betas)[:, None])
+    known = bool(bands and found.std_by_source)
+    low, high = found.interval() if known else (None, None)
     hover = HoverModel.of(rotor).loads(omega)
     figure, axes = load_panels(3.3, sharex=True)
     for ax, load in zip(axes.ravel(), LOADS.values(), strict=True):
         ax.axhline(float(hover[load.name]), **HOVER)
-        for curve, colour in zip(getattr(found, load.name), COLOURS, strict=False):
-            ax.plot(speed, curve, color=colour, **MODEL)
+        for k, curve in enumerate(getattr(found, load.name)):
+            ax.plot(speed, curve, color=COLOURS[k], **MODEL)
+            if low is not None:
+                edges = (getattr(low, load.name)[k], getattr(high, load.name)[k])
+                ax.fill_between(speed, *edges, color=COLOURS[k], **BAND)
         if measured is not None and load.name in measured.loads:
             _draw_measured(ax, load.name, betas, measured)
         ax.set_ylabel(load.title)
@@ -123,19 +126,15 @@ def load_curves(
     figure.suptitle(title if measured is None else f"{title}; points: {measured.label}")
     keys: list[Any] = angle_keys(betas, markersize=0.0 if measured is None else 4.5, **MODEL)
     keys.append(key("hover model", **HOVER))
-    if measured is not None and measured.other:
-        keys.append(Patch(label=measured.other_label, color="0.4", **BAND))
+    if known:
+        keys.append(Patch(label="95 % band of the model", color="0.4", **BAND))
     legend_below(figure, keys)
     return figure
 
 
 def _draw_measured(ax: Axes, load: str, betas: Sequence[float], measured: MeasuredLoads) -> None:
-    """The points of a load, and the bands behind them; points at rest belong to every band."""
-    values, other = measured.loads[load], measured.other.get(load)
+    """The points of a load."""
+    values = measured.loads[load]
     for k, beta in enumerate(betas):
-        if other is not None:
-            mine = measured.along(beta, at_rest=True)
-            edges = (values[mine], other[mine])
-            ax.fill_between(measured.speed[mine], *edges, color=COLOURS[k], **BAND)
         mine = measured.along(beta, at_rest=k == 0)
         ax.plot(measured.speed[mine], values[mine], **marked(k), **MEASURED)

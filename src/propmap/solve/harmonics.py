@@ -305,6 +305,23 @@ def _moving_harmonics_jvp(primals, tangents):  # type: ignore[no-untyped-def]
         return asked.response.harmonics(*loads, without)
 
     _, change = jax.jvp(wanted, (problem,), (problem_dot,))
-    slopes = tuple(_moments_of(by) for by in loads_and_slopes(problem, now, azimuth)[1])
-    found_dot = _solve(_rows(problem.response, slopes), tuple(change))
-    return now, Harmonics(*found_dot)
+    slopes = loads_and_slopes(problem, now, azimuth)[1]
+    return now, followed(problem.response, slopes, change)
+
+
+def followed(
+    response: HarmonicResponse, slopes: tuple[AnnulusLoads, ...], change: Harmonics
+) -> Harmonics:
+    """Change of the harmonics [m/s], (B,), by the implicit function theorem.
+
+    Parameters
+    ----------
+    response : HarmonicResponse
+        How the harmonics depend on the loads.
+    slopes : tuple of 3 AnnulusLoads
+        Derivatives of the loads, per density, by the three ``Harmonics``.
+    change : Harmonics
+        Change of those that belong to the loads, where the harmonics themselves stay.
+    """
+    rows = _rows(response, tuple(_moments_of(by) for by in slopes))
+    return Harmonics(*_solve(rows, tuple(change)))  # type: ignore[arg-type]

@@ -1,75 +1,75 @@
-"""Derivatives of the loads with respect to section parameters and flow, at a solution of (11).
+"""Derivatives of the loads by section parameters, blade and flow, at a solution of (11).
 
 The residual g of (11) is zero at the edges of the radial panels and at the nodes.  So the
-derivatives of the edges' radii and of the nodes' inflow follow from the implicit function theorem.
-One pass over the azimuth gives the partial derivatives of g that it needs, those by the parameters,
-the radius and the inflow; a second pass gives the derivatives of the loads.  Differentiating
-``rotor_loads.disk_loads`` by JAX takes five passes and twice as long to compile.
+derivatives of the edges' radii and of the nodes' inflow follow from the implicit function theorem,
+and those of the harmonics from theirs.  All need the same partial derivatives of the forces of
+blade elements, which ``physics.element_slopes`` gives in one pass over the azimuth: that of (11),
+or a second one where the loads have another inflow than (11).
+
+Differentiating ``rotor_loads.disk_loads`` by JAX takes five passes, each with every direction.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from dataclasses import dataclass
+from typing import Any
 
 import jax
 import jax.numpy as jnp
-import numpy as np
 
 from propmap.arrays.namespace import Array
+from propmap.physics.element_slopes import THROUGH, mean_slopes, moved_forces
 from propmap.physics.loads import RadialNodes
-from propmap.physics.rotor import RotorArrays
 from propmap.physics.velocities import AzimuthNodes
-from propmap.solve.disk import DiskInflow, DiskSolution, edges_about
-from propmap.solve.problem import Case, annulus_problem, residual
+from propmap.solve.disk import DiskSolution, edges_about
+from propmap.solve.followed_loads import EdgeMove, FollowedLoads
+from propmap.solve.moved_case import (
+    FLOW,
+    GEOMETRY,
+    RADIUS,
+    change_of,
+    motion_of,
+    moved_rotor,
+    moving,
+    sources_of,
+    with_terms,
+)
+from propmap.solve.problem import Case, annulus_problem
 from propmap.solve.quadrature import panel_nodes
-from propmap.solve.rotor_loads import loads_over_disk
 
-FLOW = ("omega", "v_axial", "v_inplane")
-"""Flow quantities with respect to which loads can be differentiated."""
-
-Change = tuple[Array, ...]
-"""Changes, or a direction: an entry for each name of ``moving``, or for these and more."""
-
-
-MOUNT_AREA = "mount_area"
-"""The area of what is mounted in the slipstream [m^2], where the rotor has one."""
-
-
-def moving(rotor: RotorArrays) -> tuple[str, ...]:
-    """Names of what the loads of a rotor can be differentiated by: the law's parameters, the area
-    of what is mounted, the flow."""
-    mounted = () if rotor.mount is None else (MOUNT_AREA,)
-    return (*rotor.law.parameters, *mounted, *FLOW)
+__all__ = [
+    "FLOW",
+    "GEOMETRY",
+    "Directions",
+    "directions_of",
+    "load_slopes",
+    "moved_rotor",
+    "moving",
+    "with_terms",
+]
 
 
-class Directions(NamedTuple):
-    """Directions of the derivatives: by how much each of ``moving`` changes along each of them.
-
-    One array for each name, since XLA takes a kernel to cut a column out of a matrix.
+@jax.tree_util.register_static
+@dataclass(frozen=True)
+class Directions:
+    """What to differentiate by; a pytree without arrays, as programs are made for its names.
 
     Attributes
     ----------
-    loads : tuple of Array
-        For each of ``moving``, in its own unit, its change along D directions, (D,).
-    residual : tuple of Array
-        The same for each of ``moving``, then the radius and the inflow, (D + 2,); along the last
-        two directions only the radius or only the inflow changes.
+    names : tuple of str
+        Each of ``moving`` or of ``GEOMETRY``.
     """
 
-    loads: tuple[Array, ...]
-    residual: tuple[Array, ...]
+    names: tuple[str, ...]
 
 
 def directions_of(movable: Sequence[str], names: Sequence[str], count: int) -> Directions:
-    """``count`` directions: one for each of ``names``, all in ``movable``, the others zero."""
-    ways = np.zeros((count, len(movable)))
-    for row, name in enumerate(names):
-        ways[row, movable.index(name)] = 1.0
-    own = np.zeros((count + 2, len(movable) + 2))
-    own[:count, : len(movable)] = ways
-    own[count:, len(movable) :] = np.eye(2)
-    return Directions(tuple(ways.T.copy()), tuple(own.T.copy()))
+    """The ``count`` directions along ``names``, each one of ``movable`` or of ``GEOMETRY``."""
+    unknown = [name for name in names if name not in (*movable, *GEOMETRY)]
+    if unknown or len(names) != count:
+        raise ValueError(f"{count} directions along {names}, of {movable}")
+    return Directions(tuple(names))
 
 
 def load_slopes(
@@ -101,36 +101,60 @@ def load_slopes(
         Derivatives of ``propmap.loads.LOADS``, in their order and units, along each direction;
         (D, loads, B).
     """
+    names = directions.names
     inner = _inner_edges(case, solution)
-    own = inner.shape[0]
-    nodes = panel_nodes(edges_about(case.rotor.blade, inner), panels)
-    by_case, by_radius, by_inflow = _residual_slopes(
-        case, solution, nodes, azimuth, directions.residual
-    )
+    edges = inner.shape[0]
 
-    def follow(inner_slope: Array) -> RadialNodes:
-        def place(edges: Array) -> RadialNodes:
-            return panel_nodes(edges_about(case.rotor.blade, edges), panels)
+    def place(inner: Array) -> RadialNodes:
+        return panel_nodes(edges_about(case.rotor.blade, inner), panels)
 
-        change: RadialNodes = jax.jvp(place, (inner,), (inner_slope,))[1]
-        return change
+    nodes = place(inner)
+    radius, inflow = nodes.radius, solution.inflow
+    if solution.fold is not None:
+        radius = jnp.concatenate([solution.fold.radius, radius])
+        inflow = jnp.concatenate([solution.fold.inflow, inflow])
+    problem = annulus_problem(case, radius)
+    at = problem.at
+    changes = {name: change_of(case, radius, inflow, name) for name in names}
+    if edges:
+        changes[RADIUS] = change_of(case, radius, inflow, RADIUS)
+    motions = {name: motion_of(at, name, by) for name, by in changes.items()}
+    sources = sources_of(at, changes)
 
-    def loads(change: Change, here: RadialNodes, inflow: Array, v_hover: Array | None) -> Array:
-        now = _moved(case, change)._replace(v_hover=v_hover)
-        disk = DiskInflow(here, annulus_problem(now, here.radius), inflow)
-        found = loads_over_disk(now, disk, solution.harmonics, solution.several, panels, azimuth)
-        return jnp.stack(found.loads)
+    # Where the loads have the inflow of (11), one pass over the azimuth is enough.
+    once = solution.harmonics is None and case.v_hover is None
+    means = mean_slopes(at, inflow, azimuth, sources, None, thrust_alone=not once)
 
-    def along(direction: Change, v_hover_slope: Array | None, by_case: Array) -> Array:
-        change = follow(_edge_slope(solution, by_case[:own], by_radius[:own]))
-        drift = by_case[own:] + by_radius[own:] * change.radius
-        fixed = by_inflow[own:] == 0.0
-        inflow_slope = jnp.where(fixed, 0.0, -drift / jnp.where(fixed, 1.0, by_inflow[own:]))
-        still = len(directions.loads) * (jnp.zeros(()),)
-        here = (still, nodes, solution.inflow, case.v_hover)
-        return jax.jvp(loads, here, (direction, change, inflow_slope, v_hover_slope))[1]
+    def residual_slope(name: str) -> Array:
+        blade = at.blades * moved_forces(means, motions[name])[0][0]
+        wake = changes[name].wake
+        return blade if wake is None else blade - wake
 
-    return jax.vmap(along)(directions.loads, v_hover_slopes, by_case)
+    _, wake_slope = problem.wake.thrust_slope(at, inflow)
+    by_inflow = (at.blades * means[THROUGH].turn[0][0] - wake_slope)[edges:]
+    per_inflow = jnp.where(by_inflow == 0.0, 0.0, 1.0 / jnp.where(by_inflow == 0.0, 1.0, by_inflow))
+    drifts = {name: residual_slope(name) for name in names}
+    followed = {name: -per_inflow * drift[edges:] for name, drift in drifts.items()}
+    moves = []
+    if edges:
+        by_radius = residual_slope(RADIUS)
+        slopes = jnp.stack(
+            [_edge_slope(solution, drift[:edges], by_radius[:edges]) for drift in drifts.values()]
+        )
+        for k in range(edges):
+            unit = jnp.broadcast_to((jnp.arange(edges) == k)[:, None] * 1.0, inner.shape)
+            change: RadialNodes = jax.jvp(place, (inner,), (unit,))[1]
+            inflow_slope = -per_inflow * by_radius[edges:] * change.radius
+            moves.append(EdgeMove(change, inflow_slope, slopes[:, k]))
+    station, changes, means = _of_nodes(edges, (at.station, changes, means))
+    here = problem._replace(at=at._replace(station=station))
+    loads = FollowedLoads.at(case, solution, nodes, azimuth, here, changes, means)
+    return loads.slopes(followed, moves, v_hover_slopes)
+
+
+def _of_nodes(edges: int, values: Any) -> Any:
+    """Arrays at edges and nodes (E + S, B) without the edges; those without rows stay."""
+    return jax.tree.map(lambda a: a[edges:] if jnp.ndim(a) == 2 else a, values)
 
 
 def _inner_edges(case: Case, solution: DiskSolution) -> Array:
@@ -143,50 +167,10 @@ def _inner_edges(case: Case, solution: DiskSolution) -> Array:
 
 
 def _edge_slope(solution: DiskSolution, by_case: Array, by_radius: Array) -> Array:
-    """Derivative of the edges' radii along one direction, (E, B) or (0, 1); see ``folds.follow``.
+    """Derivative of the edges' radii along one direction, (E, B); see ``folds.follow``.
 
     At a fold dg/dv_i = 0, so that g stays zero if the radius changes by -(change of g)/(dg/dy).
     """
-    if solution.fold is None:
-        return jnp.zeros((0, 1))
+    assert solution.fold is not None
     moves = solution.fold.found & (by_radius != 0.0)
     return jnp.where(moves, -by_case / jnp.where(moves, by_radius, 1.0), 0.0)
-
-
-def _moved(case: Case, change: Change) -> Case:
-    """The case with ``change`` added to the quantities of ``moving``."""
-    rotor, by_name = case.rotor, dict(zip(moving(case.rotor), change, strict=True))
-    omega, v_axial, v_inplane = (by_name.pop(name) for name in FLOW)
-    if rotor.mount is not None:
-        area = rotor.mount.area + by_name.pop(MOUNT_AREA)
-        rotor = rotor._replace(mount=rotor.mount._replace(area=area))
-    return case._replace(
-        rotor=rotor._replace(law=rotor.law.plus(**by_name)),
-        omega=case.omega + omega,
-        v_axial=case.v_axial + v_axial,
-        v_inplane=case.v_inplane + v_inplane,
-    )
-
-
-def _residual_slopes(
-    case: Case,
-    solution: DiskSolution,
-    nodes: RadialNodes,
-    azimuth: AzimuthNodes,
-    directions: Change,
-) -> tuple[Array, Array, Array]:
-    """Partial derivatives of the residual of (11) at the E folds, then at the S nodes: along the
-    directions (D, E + S, B), by the radius and by the inflow (E + S, B)."""
-    radius, inflow = nodes.radius, solution.inflow
-    if solution.fold is not None:
-        radius = jnp.concatenate([solution.fold.radius, radius])
-        inflow = jnp.concatenate([solution.fold.inflow, inflow])
-
-    def at(change: Change) -> Array:
-        *moved, outwards, more_inflow = change
-        here = annulus_problem(_moved(case, tuple(moved)), radius + outwards)
-        return residual(here, inflow + more_inflow, azimuth)
-
-    still = len(directions) * (jnp.zeros(()),)
-    slopes = jax.vmap(lambda way: jax.jvp(at, (still,), (way,))[1])(directions)
-    return slopes[:-2], slopes[-2], slopes[-1]

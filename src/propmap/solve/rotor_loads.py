@@ -120,7 +120,7 @@ def loads_over_disk(
         Radial nodes and azimuths, as in ``solve_disk``.
     """
     rotor = case.rotor
-    inflow, _ = _with_vortex_ring(case, disk)
+    inflow, _ = with_vortex_ring(case, disk)
     at = disk.problem.at
     if harmonics is not None:
         harmonics = moving_harmonics(harmonic_problem(case, disk), harmonics, azimuth)
@@ -146,7 +146,7 @@ def _rotor_loads(
     ``integrand`` (2, S, B) is thrust and torque of the annuli, times weights, per density.
     """
     rotor, v_axial, v_inplane = case.rotor, case.v_axial, case.v_inplane
-    inflow, ring = _with_vortex_ring(case, disk)
+    inflow, ring = with_vortex_ring(case, disk)
     mean_inflow = mean_over_disk(inflow, disk.nodes)
     if rotor.mount is not None:
         flow = (v_axial, v_inplane, mean_inflow)
@@ -177,11 +177,11 @@ def _with_added(
     """Loads of the annuli with those that corrections add; none do so in axial flow."""
     if azimuth.axial:
         return loads
-    inflow, _ = _with_vortex_ring(case, disk)
+    inflow, _ = with_vortex_ring(case, disk)
     return with_added(loads, case.rotor.added, disk.problem.at, inflow, azimuth)
 
 
-def _with_vortex_ring(case: Case, disk: DiskInflow) -> tuple[Array, Array]:
+def with_vortex_ring(case: Case, disk: DiskInflow) -> tuple[Array, Array]:
     """The annuli's inflow [m/s], (S, B), and the share of the vortex ring's in it [-], (B,)."""
     if case.v_hover is None:
         return disk.inflow, xp.zeros_like(case.v_axial)
@@ -191,7 +191,7 @@ def _with_vortex_ring(case: Case, disk: DiskInflow) -> tuple[Array, Array]:
 
 def harmonic_problem(case: Case, disk: DiskInflow) -> HarmonicProblem:
     """What the harmonics depend on at a ``case`` whose annulus inflow is ``disk``."""
-    inflow, ring = _with_vortex_ring(case, disk)
+    inflow, ring = with_vortex_ring(case, disk)
     mean_inflow = mean_over_disk(inflow, disk.nodes)
     flow = DiskFlow(case.omega, case.v_axial, case.v_inplane, mean_inflow)
     shape: Any = case.rotor.shape

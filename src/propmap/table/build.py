@@ -21,7 +21,6 @@ from propmap.table.query import LoadTable
 from propmap.table.refine import CELL_SHARE, Refined, refine, starting_axes
 
 if TYPE_CHECKING:
-    from propmap.model.section_covariance import SectionCovariance
     from propmap.rotor import Rotor
 
 Range = tuple[float, float]
@@ -56,7 +55,6 @@ def build_table(
     beta: Range,
     tolerance: float = 0.005,
     leave_out_vortex_ring: bool = False,
-    covariance: SectionCovariance | None = None,
     certificate_points: int = POINTS,
     progress: Progress | None = None,
 ) -> LoadTable:
@@ -68,7 +66,7 @@ def build_table(
     Parameters
     ----------
     rotor : Rotor
-        The model.
+        The model.  How well it says it is known is filed, with what that means for the loads.
     omega, speed, beta : tuple of float
         Least and largest value of the envelope [rad/s], [m/s], [rad]; omega above 0, beta within
         0...pi.
@@ -76,8 +74,6 @@ def build_table(
         Largest error as a share of the static loads at the same omega.
     leave_out_vortex_ring : bool
         Whether loads in the vortex ring state are NaN; otherwise they have that status.
-    covariance : SectionCovariance, optional
-        Of the section law's parameters; filed, with what it means for the loads.
     certificate_points : int
         On how many points the errors are measured, a power of two.
     progress : function, optional
@@ -99,7 +95,7 @@ def build_table(
     radius = rotor.model.propeller.radius
     advance = (ends[1][0] / (ends[0][1] * radius), ends[1][1] / (ends[0][0] * radius))
     axes = starting_axes(model, advance, (float(ends[2][0]), float(ends[2][1])))
-    info = _provenance(rotor, leave_out_vortex_ring, covariance)
+    info = _provenance(rotor, leave_out_vortex_ring)
     for _ in range(NARROWINGS):
         refined = refine(model, *axes, tolerance)
         content = _content(model, refined, ends, info)
@@ -132,12 +128,19 @@ def build_table(
             "allow more, or make the envelope smaller",
         )
     filed: dict[str, Any] = {"certificate": certificate.as_dict()}
-    if covariance and covariance.determined.names:
+    known, deviations = rotor.model.uncertainty, None
+    if known is not None and known.covariance.determined.names:
         from propmap.table.parameter_uncertainty import parameter_uncertainty
 
+        covariance = known.covariance
         filed["parameter_uncertainty"] = parameter_uncertainty(table, model, covariance)
+    if known is not None:
+        from propmap.table.deviations import deviation_coefficients
+
+        model.stage = "standard deviations"
+        deviations = deviation_coefficients(rotor, content)
     filed["model_evaluations"] = model.evaluations
-    return LoadTable(replace(content, info={**info, **filed}))
+    return LoadTable(replace(content, info={**info, **filed}, deviations=deviations))
 
 
 def _halved(cells: NDArray[np.bool_], refined: Refined) -> bool:
@@ -205,10 +208,9 @@ def _content(
     )
 
 
-def _provenance(
-    rotor: Rotor, leave_out_vortex_ring: bool, covariance: SectionCovariance | None
-) -> dict[str, Any]:
+def _provenance(rotor: Rotor, leave_out_vortex_ring: bool) -> dict[str, Any]:
     blade, section = rotor.model.propeller, rotor.model.airfoil
+    known = rotor.model.uncertainty
     return {
         "title": f"Loads of {blade.name}",
         "propmap_version": propmap.__version__,
@@ -236,7 +238,7 @@ def _provenance(
         "airfoil": {**section.metadata(), "sha256": section.fingerprint()},
         "corrections": rotor.model.correction_texts,
         "model_sha256": rotor.model.fingerprint(),
-        "airfoil_covariance": covariance.as_dict() if covariance else None,
+        "airfoil_covariance": known.covariance.as_dict() if known else None,
         "air": {
             "density_kg_m3": float(rotor.model.air.density),
             "viscosity_Pa_s": float(rotor.model.air.viscosity),

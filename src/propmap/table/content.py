@@ -42,6 +42,9 @@ class TableContent:
         ``VORTEX_RING`` and ``UNRESOLVED`` added up.
     info : dict
         Provenance and the certificate, as plain data for JSON.
+    deviations : ndarray, shape (2, L, n, m), or None
+        Standard deviations of the model's loads, like ``coefficients`` [-]; None where nothing is
+        known of them.
 
     Raises
     ------
@@ -56,6 +59,7 @@ class TableContent:
     coefficients: Floats
     cells: NDArray[np.uint8]
     info: dict[str, Any]
+    deviations: Floats | None = None
 
     def __post_init__(self) -> None:
         n, m = self.advance.size, self.beta.size
@@ -67,6 +71,10 @@ class TableContent:
             "coefficients": (2, len(LOADS), n, m),
             "cells": (n - 1, m - 1),
         }
+        if self.deviations is not None:
+            shapes["deviations"] = shapes["coefficients"]
+            if (self.deviations < 0.0).any():
+                raise InputError("a standard deviation is negative")
         for name, shape in shapes.items():
             found = getattr(self, name).shape
             if found != shape:

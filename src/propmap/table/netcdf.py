@@ -49,6 +49,17 @@ def table_dataset(table: LoadTable) -> xarray.Dataset:
         )
         for k, (name, load) in enumerate(LOADS.items())
     }
+    if content.deviations is not None:
+        for k, (name, load) in enumerate(LOADS.items()):
+            variables[f"{name}_std"] = (
+                ("omega", "advance", "beta"),
+                content.deviations[:, k].astype(np.float32),
+                {
+                    "units": "1",
+                    "long_name": f"standard deviation of {load.label} over rho pi "
+                    f"R^{4 + load.moment} Omega^2",
+                },
+            )
     found = xarray.Dataset(variables, coordinates, _attributes(table))
     found["cells"] = (
         ("advance_interval", "beta_interval"),

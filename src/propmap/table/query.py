@@ -13,9 +13,10 @@ from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.table.arguments import broadcast, fold, split_velocity
 from propmap.table.content import TableContent
+from propmap.table.deviations import bilinear
 from propmap.table.gradient import polar_gradient, velocity_gradient
 from propmap.table.lookup import CLAMPED, NO_VALUE, OUTSIDE, WIDTH, Lookup
-from propmap.table.results import TORQUE, Gradient, TableLoads
+from propmap.table.results import TORQUE, Deviation, Gradient, TableLoads
 from propmap.table.table_file import read_table, write_table
 
 if TYPE_CHECKING:
@@ -154,6 +155,40 @@ class LoadTable:
         w, x, y, z = split_velocity(omega, velocity)
         across = np.hypot(x, y)
         return self.loads(w, np.hypot(across, z), np.arctan2(across, z), clamp=clamp)
+
+    def std(self, omega: ArrayLike, speed: ArrayLike, beta: ArrayLike) -> Deviation:
+        """Standard deviations of the model's loads; NaN outside the envelope.
+
+        Those of the constants and of the blade, of the model itself and of another tunnel, see
+        ``propmap.Loads.std_by_source``; the table's own errors, see ``certificate``, come on top.
+
+        Parameters
+        ----------
+        omega, speed, beta : array_like
+            As in ``loads``.
+
+        Raises
+        ------
+        InputError
+            Where the table does not say them: its model says nothing of its errors.
+        """
+        content = self.content
+        if content.deviations is None:
+            raise InputError(
+                "the table says nothing of its model's errors",
+                "build it of constants identified or expected by name, or of a fit's file",
+            )
+        w, v, b = broadcast(omega=omega, speed=speed, beta=beta)
+        rate, speeds, folded, _ = self._bounded(w, v, fold(b)[0], clamp=False)
+        lost = np.isnan(rate)
+        advance = speeds / (np.where(lost, content.omega[0], rate) * content.radius)
+        at = np.clip(advance, content.advance[0], content.advance[-1])
+        ends = bilinear(content.advance, content.beta, content.deviations, at, folded)
+        roots = content.omega**-0.5
+        share = (rate**-0.5 - roots[0]) / (roots[1] - roots[0])
+        scale = content.scale.reshape(-1, *w.ndim * (1,)) * rate**2
+        values = (ends[0] * (1.0 - share) + ends[1] * share) * scale
+        return Deviation(*values, values[TORQUE] * rate)
 
     def gradient(self, omega: ArrayLike, speed: ArrayLike, beta: ArrayLike) -> Gradient:
         """Derivatives by ``omega``, ``speed`` and ``beta``, as the last axis (3,); NaN outside.

@@ -57,6 +57,12 @@ class Gradient(_every_load("power")):  # type: ignore[misc]
     __slots__ = ()
 
 
+class Deviation(_every_load("power")):  # type: ignore[misc]
+    """Standard deviations of the fields below; NaN outside the envelope."""
+
+    __slots__ = ()
+
+
 class JaxLoads(_every_load("power")):  # type: ignore[misc]
     """Loads from a table in JAX; NaN outside the envelope."""
 
@@ -67,6 +73,6 @@ _LINES = [
     *(f"{name} : array\n    {load.meaning} [{load.unit}]" for name, load in LOADS.items()),
     "power : array\n    torque times omega [W]",
 ]
-for _kind in (TableLoads, Gradient, JaxLoads):
+for _kind in (TableLoads, Gradient, Deviation, JaxLoads):
     _parts = [cleandoc(_kind.__doc__ or ""), "", "Attributes", "----------", *_LINES]
     _kind.__doc__ = "\n".join(_parts)

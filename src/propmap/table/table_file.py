@@ -23,6 +23,9 @@ FORMAT_VERSION = 1
 
 ARRAYS = ("advance", "beta", "omega", "speed", "coefficients", "cells")
 
+SINGLE = ("coefficients", "deviations")
+"""Arrays in single precision; the second is there where the model's errors are known."""
+
 MOST_BYTES = 200_000_000
 
 _REMEDY = "give a file that `propmap table` wrote"
@@ -36,7 +39,9 @@ def write_table(content: TableContent, path: str | os.PathLike[str]) -> None:
     """
     head = {"format": FORMAT, "format_version": FORMAT_VERSION, **content.info}
     arrays: dict[str, Any] = {name: getattr(content, name) for name in ARRAYS}
-    arrays["coefficients"] = content.coefficients.astype(np.float32)
+    for name in SINGLE:
+        if getattr(content, name) is not None:
+            arrays[name] = getattr(content, name).astype(np.float32)
     text = np.array(json.dumps(head, allow_nan=False, ensure_ascii=False))
     with replacing(Path(path)) as part, part.open("xb") as file:
         np.savez_compressed(file, info=text, **arrays)
@@ -75,7 +80,7 @@ def _arrays(stream: BinaryIO, where: str) -> dict[str, Any]:
     if not isinstance(file, np.lib.npyio.NpzFile):
         raise InputError("this is a single array, no table", _REMEDY, where)
     with file:
-        return {name: file[name] for name in file.files if name in (*ARRAYS, "info")}
+        return {name: file[name] for name in file.files if name in (*ARRAYS, *SINGLE, "info")}
 
 
 def _info(found: dict[str, Any], where: str) -> dict[str, Any]:
@@ -129,9 +134,10 @@ def _told(certificate: Any, field: Field[Any]) -> bool:
 
 
 def _typed(found: dict[str, Any]) -> dict[str, Any]:
-    for name in ARRAYS:
+    names = [name for name in dict.fromkeys((*ARRAYS, *SINGLE)) if name in found]
+    for name in names:
         kind = found[name].dtype.kind
         if kind not in ("u" if name == "cells" else "f"):
             raise InputError(f"{name} holds values of another kind ({found[name].dtype})")
-    numbers = {name: found[name].astype(np.float64) for name in ARRAYS if name != "cells"}
+    numbers = {name: found[name].astype(np.float64) for name in names if name != "cells"}
     return {**numbers, "cells": found["cells"].astype(np.uint8)}

@@ -7,11 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from propmap.catalogue.identified import Identified, all_identified
+from propmap.catalogue.identified import Identified, all_identified, identified_without_blade
+from propmap.catalogue.population import GEOMETRIES, bundled_population
 from propmap.catalogue.prior import coordinates
-from propmap.catalogue.spread import spread
 from propmap.fit.population import catalogue, identification
 from propmap.fit.population.misfiled import MISFILED, refiled
+from propmap.fit.population.populations import populations_of
 from propmap.fit.population.summary import summary
 from propmap.fit.population.verdict import conflict
 from propmap.io.uiuc_database import MeasuredPropeller, read_uiuc_database
@@ -81,35 +82,47 @@ def test_the_bundled_constants_are_what_the_command_finds() -> None:
     assert not called and again[0] is bundled[again[0].key]
 
 
-def test_the_spread_over_propellers_is_that_of_the_draws() -> None:
-    """Within families and between them, from made-up constants of small errors."""
-    rng, entries = np.random.default_rng(27), []
-    from dataclasses import replace
+@with_data
+def test_labels_that_lost_a_decimal_point_are_put_right() -> None:
+    every = {one.name: one for one in refiled(read_uiuc_database(LOADS))}
+    assert not any("125" in name or "x65" in name for name in every)
+    assert {"ancf 12.5x7.5 - 2", "ancf 12.0x6.5 - 2", "ancf 13.0x6.5 - 2"} <= set(every)
+    label = catalogue.label_of(every["ancf 12.5x7.5 - 2"])
+    assert (label.diameter, label.pitch) == pytest.approx((12.5 * 0.0254, 7.5 * 0.0254))
+    # A pitch of 65 inches would stop to give thrust at J above 5.
+    assert every["ancf 12.0x6.5 - 2"].advance.max() < 1.0
 
-    from propmap.catalogue.prior import POPULATION, constants_of, slopes_of
-    from propmap.fit.population.coefficients import airfoil_of
 
-    template = all_identified()[0]
-    for family in range(60):
-        centre = POPULATION.mean + 0.4 * POPULATION.deviation * rng.normal(size=7)
-        for member in range(4):
-            place = centre + 0.2 * POPULATION.deviation * rng.normal(size=7)
-            slopes = slopes_of(place)
-            error = np.diag((0.1 * POPULATION.deviation) ** 2)
-            place = place + 0.1 * POPULATION.deviation * rng.normal(size=7)
-            entries.append(
-                replace(
-                    template,
-                    family=str(family),
-                    tested=f"{family}-{member}",
-                    airfoil=airfoil_of(constants_of(place)),
-                    covariance=slopes @ error @ slopes.T,
-                )
-            )
-    found = spread(entries)
-    np.testing.assert_allclose(found.between / POPULATION.deviation, 0.4, atol=0.12)
-    np.testing.assert_allclose(found.within / POPULATION.deviation, 0.2, atol=0.05)
-    np.testing.assert_allclose((found.mean - POPULATION.mean) / POPULATION.deviation, 0.0, atol=0.2)
+@with_data
+def test_propellers_without_blade_are_what_the_command_finds() -> None:
+    """Of a family with measured blades and of one without, from the bundled constants."""
+    every = refiled(read_uiuc_database(LOADS))
+    some = [one for one in every if one.name in ("apcsp 9.0x9.0 - 2", "ancf 12.5x7.5 - 2")]
+    measured = all_identified()
+    populations = {name: bundled_population(name) for name in GEOMETRIES}
+    found = catalogue.identify_without_blade(some, measured, populations, {}, lambda _: None)
+    assert [one.geometry for one in found] == ["family", "population"]
+    bundled = {one.key: one for one in identified_without_blade()}
+    for one in found:
+        same = bundled[one.key]
+        apart = np.abs(one.constants - same.constants) / np.sqrt(np.diag(one.covariance))
+        assert apart.max() < 1e-3 and same.propeller == one.propeller
+    again = catalogue.identify_without_blade(some, measured, populations, bundled, print)
+    assert [one.key for one in again] == [one.key for one in found]
+
+
+@pytest.mark.slow
+def test_the_bundled_populations_are_what_the_command_finds() -> None:
+    found = populations_of(all_identified())
+    for name, one in found.items():
+        same = bundled_population(name)
+        scale = np.sqrt(np.diag(one.between + one.within))
+        assert np.abs((one.mean - same.mean) / scale).max() < 1e-4
+        assert np.abs((one.trend - same.trend) / scale[:, None]).max() < 1e-4
+        for part in ("between", "within"):
+            apart = getattr(one, part) - getattr(same, part)
+            assert np.abs(apart / np.outer(scale, scale)).max() < 1e-4
+        np.testing.assert_allclose(one.errors, same.errors, rtol=1e-6)
 
 
 def test_the_summary_names_the_worst() -> None:

@@ -1,78 +1,78 @@
-"""What a family says of a further propeller."""
+"""Propellers predicted from the others of their families."""
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
+import pytest
 
-from propmap.catalogue.family_prior import family_prior
-from propmap.catalogue.identified import all_identified
-from propmap.catalogue.prior import POPULATION, constants_of, coordinates
-from propmap.catalogue.spread import Spread, variance_of
-from propmap.fit.population.coefficients import airfoil_of
-from propmap.fit.population.left_out import by_designation, left_out
+from propmap.arrays.types import Floats
+from propmap.catalogue.identified import all_identified, identified_without_blade
+from propmap.catalogue.population import GEOMETRIES, bundled_population
+from propmap.fit.population.left_out import GROUPS, LeftOut, left_out, never_measured
 from propmap.fit.population.misfiled import refiled
 from propmap.io.uiuc_database import read_uiuc_database
 from tests.fit.population.test_catalogue import LOADS, with_data
 
-MEAN, TOTAL = POPULATION.mean, POPULATION.deviation
-SPREAD = Spread(MEAN, 0.8 * TOTAL, 0.6 * TOTAL)
+FAMILIES = ("apcsf", "gwssf", "kyosho", "mae")
 
 
-def test_of_an_unknown_family_all_propellers_are_the_prior() -> None:
-    found = family_prior([], SPREAD)
-    np.testing.assert_allclose(found.mean, MEAN)
-    np.testing.assert_allclose(found.deviation, TOTAL, rtol=1e-12)
+@pytest.fixture(scope="module")
+def found() -> list[LeftOut]:
+    """Of four families whose blades are alike, and of two whose blades were not measured."""
+    every = refiled(read_uiuc_database(LOADS))
+    chosen = all_identified()
+    names = ("apcsf 8.0x3.8 - 2", "apcsf 9.0x3.8 - 2", "ance 8.5x6.0 - 2", "ance 8.5x7.0 - 2")
+    others = [one for one in identified_without_blade() if one.tested in names]
+    populations = {name: bundled_population(name) for name in GEOMETRIES}
+    some = [one for one in every if one.family in FAMILIES]
+    return [*left_out(chosen, some), *never_measured(chosen, others, every, populations)]
 
 
-def test_many_members_leave_the_spread_within_the_family() -> None:
-    place = MEAN + 0.5 * TOTAL
-    one = replace(all_identified()[0], airfoil=airfoil_of(constants_of(place)))
-    found = family_prior([one] * 3000, SPREAD)
-    np.testing.assert_allclose(found.mean, place, rtol=1e-2)
-    np.testing.assert_allclose(found.deviation, SPREAD.within, rtol=1e-2)
-
-
-def test_one_member_is_weighed_by_its_own_error() -> None:
-    one = all_identified()[0]
-    found = family_prior([one], SPREAD)
-    doubt = SPREAD.within**2 + variance_of(one)
-    share = SPREAD.between**2 / (SPREAD.between**2 + doubt)
-    np.testing.assert_allclose(
-        found.mean, MEAN + share * (coordinates(one.constants) - MEAN), rtol=1e-10
-    )
+def median(found: list[LeftOut], group: str) -> Floats:
+    return np.median([one.found.errors for one in found if one.group == group], axis=0)
 
 
 @with_data
-def test_a_family_predicts_better_than_all_propellers() -> None:
-    """Of one family, whose blades are alike, with all others as the population."""
-    chosen = [one for one in all_identified() if one.family in ("apcsf", "gwssf", "kyosho", "mae")]
-    found = left_out(chosen, refiled(read_uiuc_database(LOADS)))
-    own, family, population = (
-        np.median([getattr(one, name) for one in found], axis=0)
-        for name in ("own", "family", "population")
-    )
-    assert (own < 0.05).all()
-    assert (own < family).all() and (family < population).all()
-    blades = np.median([[one.family_blade, one.population_blade] for one in found], axis=0)
-    # One propeller in its family's blade may do better by chance, half of them do not.
-    assert (blades[0] > own).all() and (blades[0] < blades[1]).all()
+@pytest.mark.slow
+def test_what_is_known_makes_errors_smaller(found: list[LeftOut]) -> None:
+    half = {group: median(found, group) for group in GROUPS}
+    assert (half["own"] < 0.05).all()
+    for less, more in (
+        ("own", "family"),
+        ("family", "population"),
+        ("family_blade", "population_blade"),
+        ("family_static", "population_static"),
+    ):
+        assert (half[less] < half[more]).all(), (less, more)
 
 
 @with_data
-def test_propellers_whose_blades_were_never_measured() -> None:
-    """Of three series; their loads are in none of the constants."""
-    every = [
-        one
-        for one in read_uiuc_database(LOADS)
-        if one.family in ("apcsf", "grsn", "kyosho") or one.name.startswith("ancf 1")
-    ]
-    found = {one.tested: one for one in by_designation(every)}
-    assert {one.family for one in found.values()} == {"apcsf", "grsn", None}
-    assert not any("125" in name or "x65" in name for name in found)
-    known = [one.errors for one in found.values() if one.family]
-    other = [one.errors for one in found.values() if not one.family]
-    assert len(known) == 7 and len(other) > 20
-    assert (np.median(known, axis=0) < 0.15).all()
-    assert (np.median(known, axis=0) < np.median(other, axis=0)).all()
+@pytest.mark.slow
+def test_a_static_test_narrows_the_band_and_improves_thrust_in_flight(
+    found: list[LeftOut],
+) -> None:
+    # Rows that move have less thrust: the same error is a larger share of it.
+    assert median(found, "population_static")[0] < 1.2 * median(found, "population")[0]
+    inside = [one.found.moving for one in found if one.group.endswith("_static")]
+    assert (np.mean(inside, axis=0) > 0.85).all()
+
+
+@with_data
+@pytest.mark.slow
+def test_bands_hold_most_rows_and_not_by_being_endless(found: list[LeftOut]) -> None:
+    for group in ("family", "population", "family_blade", "population_blade"):
+        held = [
+            np.concatenate([one.found.at_rest, one.found.moving])
+            for one in found
+            if one.group == group
+        ]
+        assert (np.nanmean(held, axis=0) > 0.85).all(), group
+
+
+@with_data
+@pytest.mark.slow
+def test_each_propeller_is_in_the_groups_that_it_can_be_in(found: list[LeftOut]) -> None:
+    count = {group: sum(one.group == group for one in found) for group in GROUPS}
+    assert count["own"] == count["population"] == count["population_blade"] == 21
+    assert count["family"] == count["family_blade"] == count["other_blade_of_family"] == 21
+    assert count["family_label"] == count["siblings_label"] == count["population_label"] == 2

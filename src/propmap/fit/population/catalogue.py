@@ -1,27 +1,36 @@
-"""Constants for every propeller of the UIUC database whose blade is in the catalogue."""
+"""Constants for every propeller of the UIUC database, and the populations that they make up."""
 
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from propmap import catalogue
+from propmap.catalogue.designation import Designation, designation
+from propmap.catalogue.family_prior import family_prior
 from propmap.catalogue.identified import Identified
-from propmap.catalogue.prior import POPULATION
+from propmap.catalogue.mean_blade import MeanBlade, bundled_mean, families_measured
+from propmap.catalogue.population import ALIKE, APART, Population
+from propmap.catalogue.prior import POPULATION, PopulationPrior
 from propmap.errors import InputError
 from propmap.fit.population import identification
 from propmap.fit.population.coefficients import AxialTest, airfoil_of
+from propmap.fit.population.populations import members_on
 from propmap.fit.population.verdict import verdict
+from propmap.fit.rows import INDEPENDENT
 from propmap.io.uiuc_database import MeasuredPropeller
+from propmap.model.propeller import Propeller
 
 SPECIMENS = ("", "-b", "-c")
 """Endings of the names of a blade of which several were measured."""
 
 MAKERS_FILES = {"apce": "apc-{}e", "apcsf": "apc-{}sf"}
 """Names in the catalogue of blades of these families by their maker's own files."""
+
+Done = Callable[[list[Identified]], None]
 
 
 def blade_names(tested: MeasuredPropeller) -> list[str]:
@@ -34,13 +43,7 @@ def blade_names(tested: MeasuredPropeller) -> list[str]:
     tested : MeasuredPropeller
         The propeller.
     """
-    family, _, size = tested.blade.partition(" ")
-    try:
-        size = "x".join(f"{float(part):g}" for part in size.split("x"))
-    except ValueError:
-        raise InputError(
-            f"the blade's name is {tested.blade!r}", "expected one as in 'apce 8.0x6.0'"
-        ) from None
+    family, size = _named(tested)
     possible = [f"uiuc-{family}-{size}{end}" for end in SPECIMENS]
     if family in MAKERS_FILES:
         possible.append(MAKERS_FILES[family].format(size))
@@ -49,9 +52,7 @@ def blade_names(tested: MeasuredPropeller) -> list[str]:
 
 
 def identify_all(
-    every: Iterable[MeasuredPropeller],
-    known: Mapping[str, Identified],
-    done: Callable[[list[Identified]], None],
+    every: Iterable[MeasuredPropeller], known: Mapping[str, Identified], done: Done
 ) -> list[Identified]:
     """Constants of all propellers with a blade in the catalogue, in the order given.
 
@@ -73,25 +74,102 @@ def identify_all(
             test = AxialTest(replace(catalogue.load(name), blades=tested.blades), tested)
             key = _key(test)
             if key not in known:
-                found.append(_entry(name, specimens, test, key))
+                one = _entry(name, "measured", test, POPULATION, key)
+                if not name.startswith("uiuc"):
+                    one = replace(one, verdict=f"blade by its maker's file; {one.verdict}")
+                elif specimens > 1:
+                    told = f"one of {specimens} blades measured, each tested in some of the runs"
+                    one = replace(one, verdict=f"{told}; {one.verdict}")
+                found.append(one)
                 done(found)
             else:
                 found.append(known[key])
     return found
 
 
-def _entry(name: str, specimens: int, test: AxialTest, key: str) -> Identified:
-    result, tested = identification.identify(test), test.tested
-    told = verdict(tested, result)
-    if not name.startswith("uiuc"):
-        told = f"blade by its maker's file; {told}"
-    elif specimens > 1:
-        told = f"one of {specimens} blades measured, each tested in some of the runs; {told}"
+def identify_without_blade(
+    every: Iterable[MeasuredPropeller],
+    measured: Sequence[Identified],
+    populations: Mapping[str, Population],
+    known: Mapping[str, Identified],
+    done: Done,
+) -> list[Identified]:
+    """Constants of the propellers whose blades were never measured, with their family's mean blade.
+
+    Where none of the family was measured it is the mean of all.  Their prior is that of their
+    family, and wider by what is not known of the blade.
+
+    Parameters
+    ----------
+    every : iterable of MeasuredPropeller
+        The database.
+    measured : sequence of Identified
+        What ``identify_all`` found.
+    populations : mapping of str to Population
+        What ``populations.populations_of`` makes of it.
+    known : mapping of str to Identified
+        As for ``identify_all``.
+    done : callable
+        Called with all results of this kind so far after each new one.
+    """
+    found: list[Identified] = []
+    before = [one.key for one in measured]
+    for tested in every:
+        if blade_names(tested):
+            continue
+        family, size = _named(tested)
+        geometry = "family" if family in families_measured() else "population"
+        shape = bundled_mean((family,) if geometry == "family" else ())
+        test = AxialTest(mean_propeller(tested, shape), tested)
+        key = _key(test, before)
+        if key not in known:
+            members = members_on(measured, family, shape) if geometry == "family" else []
+            label = label_of(tested)
+            prior = family_prior(members, populations[geometry], (label.diameter, label.pitch))
+            found.append(_entry(f"uiuc-{family}-{size}", geometry, test, prior, key))
+            done(found)
+        else:
+            found.append(known[key])
+    return found
+
+
+def mean_propeller(tested: MeasuredPropeller, shape: MeanBlade) -> Propeller:
+    """What was ``tested``, with a blade of this ``shape``."""
+    label = label_of(tested)
+    return shape.propeller(tested.name, label.diameter, label.pitch, tested.blades)
+
+
+def label_of(tested: MeasuredPropeller) -> Designation:
+    """Size of a propeller of the database, by its blade's name."""
+    found = designation(" ".join(_named(tested)))
+    assert found is not None  # `_named` has read the numbers
+    return found
+
+
+def _named(tested: MeasuredPropeller) -> tuple[str, str]:
+    """Family and size, as the catalogue's names have them."""
+    family, _, size = tested.blade.partition(" ")
+    try:
+        return family, "x".join(f"{float(part):g}" for part in size.split("x"))
+    except ValueError:
+        raise InputError(
+            f"the blade's name is {tested.blade!r}", "expected one as in 'apce 8.0x6.0'"
+        ) from None
+
+
+def _entry(
+    name: str, geometry: str, test: AxialTest, prior: PopulationPrior, key: str
+) -> Identified:
+    result, tested = identification.identify(test, prior), test.tested
+    label = label_of(tested)
     return Identified(
         propeller=name,
         blades=tested.blades,
         family=tested.family,
         tested=tested.name,
+        geometry=geometry,
+        diameter_m=label.diameter,
+        pitch_m=label.pitch,
         airfoil=airfoil_of(result.constants),
         covariance=result.covariance,
         thrust_rms=result.thrust_rms,
@@ -103,20 +181,29 @@ def _entry(name: str, specimens: int, test: AxialTest, key: str) -> Identified:
         rpm_low=float(tested.rpm.min()),
         rpm_high=float(tested.rpm.max()),
         advance_high=float(tested.advance.max()),
-        verdict=told,
+        verdict=verdict(tested, result),
         key=key,
     )
 
 
-def _key(test: AxialTest) -> str:
-    """A short digest of all that a result depends on but the program itself."""
+def _key(test: AxialTest, before: Sequence[str] = ()) -> str:
+    """A short digest of all that a result depends on but the program itself.
+
+    Parameters
+    ----------
+    test : AxialTest
+        Blade and data.
+    before : sequence of str
+        Keys of the results that its prior is made of.
+    """
     settings = (
-        identification.INDEPENDENT,
+        INDEPENDENT,
         identification.FIRST_ERRORS,
         identification.LEAST_ERRORS,
         identification.MOST_ERRORS,
         POPULATION.mean.tolist(),
         POPULATION.deviation.tolist(),
+        *((ALIKE, APART, *before) if before else ()),
     )
     digest = hashlib.sha256(repr(settings).encode())
     digest.update(test.propeller.fingerprint().encode())

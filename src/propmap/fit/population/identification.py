@@ -15,9 +15,10 @@ from propmap.catalogue.prior import (
     slopes_of,
 )
 from propmap.fit.population.coefficients import AxialTest
+from propmap.fit.rows import INDEPENDENT
 
-INDEPENDENT = 10.0
-"""Independent numbers that the rows of one load are worth: rows of one run err together."""
+AT_REST = 2.0
+"""The same of rows at rest alone: level and slope of one curve over the rotational speed."""
 
 FIRST_ERRORS = (0.003, 0.002)
 """Errors of C_T and C_P [-] that a first fit assumes; the second takes those that it left."""
@@ -67,10 +68,17 @@ class Identification:
 class _Penalised:
     """Residuals and their derivatives at coordinates, evaluated once for both."""
 
-    def __init__(self, test: AxialTest, prior: PopulationPrior, errors: Floats) -> None:
+    def __init__(
+        self,
+        test: AxialTest,
+        prior: PopulationPrior,
+        errors: Floats,
+        independent: float = INDEPENDENT,
+    ) -> None:
         self.test, self.prior = test, prior
+        self.whitening = prior.whitening
         rows = test.measured.shape[1]
-        weight = np.sqrt(min(INDEPENDENT / rows, 1.0))
+        weight = np.sqrt(min(independent / rows, 1.0))
         self.scale = (weight / errors)[:, None]
         self._place: Floats | None = None
 
@@ -83,11 +91,11 @@ class _Penalised:
             by_place = np.einsum(
                 "lcn,cp->lnp", np.where(lost[:, None], 0.0, slope), slopes_of(place)
             )
-            apart = (place - self.prior.mean) / self.prior.deviation
+            apart = self.whitening @ (place - self.prior.mean)
             rows = [np.ravel(self.scale * np.nan_to_num(error)), apart]
             columns = [
                 np.reshape(self.scale[..., None] * by_place, (-1, place.size)),
-                np.diag(1.0 / self.prior.deviation),
+                self.whitening,
             ]
             self._place = place.copy()
             self._found = error, np.concatenate(rows), np.concatenate(columns)
@@ -148,3 +156,22 @@ def identify(test: AxialTest, prior: PopulationPrior = POPULATION) -> Identifica
         static_power_rms=rms(error[1, still]),
         residual=error,
     )
+
+
+def updated(test: AxialTest, prior: PopulationPrior, errors: Floats) -> PopulationPrior:
+    """The ``prior`` after a static test, for loads in flight.
+
+    Parameters
+    ----------
+    test : AxialTest
+        Rows at rest; they count as ``AT_REST`` independent ones of each load.
+    prior : PopulationPrior
+        Before it.
+    errors : ndarray, shape (2,)
+        Standard deviations of C_T and C_P [-] about the model, such as ``Population.errors``: those
+        that rows at rest leave say nothing of flight.
+    """
+    penalised = _Penalised(test, prior, errors, AT_REST)
+    place = penalised.minimum(prior.mean, EVALUATIONS[0])
+    slopes = penalised.at(place)[2]
+    return PopulationPrior.of(place, np.asarray(np.linalg.inv(slopes.T @ slopes), float))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -10,137 +10,236 @@ import numpy as np
 
 from propmap import catalogue
 from propmap.arrays.types import Floats
-from propmap.catalogue.designation import designation
-from propmap.catalogue.expected_blade import ExpectedBlade, mean_blade, shapes_without
-from propmap.catalogue.expected_constants import expected_constants
-from propmap.catalogue.family_prior import family_prior
-from propmap.catalogue.identified import PARAMETERS, Identified
-from propmap.catalogue.lookup import designated
-from propmap.catalogue.prior import constants_of
-from propmap.catalogue.spread import spread
+from propmap.catalogue.expected_constants import member_without_blade, on_mean_blade
+from propmap.catalogue.family_prior import Member, family_prior
+from propmap.catalogue.identified import Identified, one_of_each
+from propmap.catalogue.mean_blade import (
+    MeanBlade,
+    families_measured,
+    mean_blade,
+    measured_shapes,
+    shapes_without,
+)
+from propmap.catalogue.population import Population
+from propmap.catalogue.prior import PopulationPrior
+from propmap.fit.population.catalogue import label_of, mean_propeller
 from propmap.fit.population.coefficients import AxialTest
-from propmap.fit.population.summary import one_of_each
+from propmap.fit.population.foretold import Foretold, foretold, posterior
+from propmap.fit.population.hierarchy import population_of
+from propmap.fit.population.identification import identify, updated
+from propmap.fit.population.populations import all_members, errors_of
 from propmap.io.uiuc_database import MeasuredPropeller
-from propmap.model.propeller import Propeller
+
+STEPS = 8
+"""Of the search for a population without one propeller, from that with it."""
+
+GROUPS = {
+    "own": "own",
+    "own_run": "own, one run left out",
+    "own_fastest": "own, fastest run left out",
+    "family": "family",
+    "other_blade_of_family": "family, same blade left out too",
+    "population": "population",
+    "family_blade": "family, blade too",
+    "population_blade": "population, blade too",
+    "family_static": "family, after a static test",
+    "population_static": "population, after a static test",
+    "family_label": "family, never measured",
+    "siblings_label": "siblings, family never measured",
+    "population_label": "population, never measured",
+}
+"""What propellers are predicted from, and what that is called.
+
+"Own" are a propeller's own constants, and with a run left out, those found without the run at the
+middle one of its rotational speeds or at the highest, of which errors and bands are; all others
+leave its rows out.  "Blade too" is with the mean blade of the others in place of its own.  "After a
+static test", its rows at rest, and they alone, have updated what the others say, and errors and
+bands are those of its moving rows.  "Never measured" are propellers without geometry in the
+database, whose loads play no part in any population; "siblings" are of the same family and no more
+measured.
+"""
 
 
 class LeftOut(NamedTuple):
-    """Errors of C_T and C_P of one propeller, rms over rms of what was measured [-], (2,) each.
+    """One propeller, predicted in one way.
 
     Attributes
     ----------
+    group : str
+        Which way, one of ``GROUPS``.
     tested : str
         What the database calls it.
-    own : ndarray
-        With its own constants.
-    family : ndarray or None
-        With the mean of its family, itself left out; None of the only one of its family.
-    population : ndarray
-        With the mean of all families, itself left out.
-    family_blade, population_blade : ndarray or None
-        As these two, with the mean of the others' blades in place of its own; None where the
-        family has no other constants or no other blade.
+    found : Foretold
+        Errors, and what the bands hold.
     """
 
+    group: str
     tested: str
-    own: Floats
-    family: Floats | None
-    population: Floats
-    family_blade: Floats | None
-    population_blade: Floats
+    found: Foretold
 
 
-def left_out(entries: Sequence[Identified], every: Sequence[MeasuredPropeller]) -> list[LeftOut]:
-    """The errors of each of ``entries``, with its rows left out, and its blade known or left out.
+def left_out(
+    entries: Sequence[Identified], every: Sequence[MeasuredPropeller]
+) -> Iterator[LeftOut]:
+    """Each of ``entries`` as the others foretell it, its blade known or left out too.
 
     Parameters
     ----------
     entries : sequence of Identified
-        Constants of all propellers.
+        Constants of all propellers with measured blades.
     every : sequence of MeasuredPropeller
-        Their rows, as ``misfiled.refiled`` gives them.
+        Rows, as ``misfiled.refiled`` gives them, of those that are to be left out in turn.
     """
     rows = {tested.name: tested for tested in every}
     chosen = one_of_each(entries)
-    found = []
+    members, errors = all_members(chosen), errors_of(chosen)
+    whole = {name: population_of(some, errors)[0] for name, some in members.items()}
     for one in chosen:
+        if one.tested not in rows:
+            continue
         rest = [other for other in chosen if other is not one]
-        over = spread(rest)
-        family = [other for other in rest if other.family == one.family]
-        of_family, of_all = (constants_of(family_prior(some, over).mean) for some in (family, []))
-        blade = replace(catalogue.load(one.propeller), blades=one.blades)
-        known = AxialTest(blade, rows[one.tested])
-        family_mean, mean = _means(one)
-        like_family = AxialTest(family_mean, rows[one.tested]) if family_mean and family else None
-        found.append(
-            LeftOut(
-                tested=one.tested,
-                own=_errors(known, one.constants),
-                family=_errors(known, of_family) if family else None,
-                population=_errors(known, of_all),
-                family_blade=_errors(like_family, of_family) if like_family else None,
-                population_blade=_errors(AxialTest(mean, rows[one.tested]), of_all),
-            )
+        without = {
+            name: population_of(
+                [m for m in some if (m.family, m.tested) != (one.family, one.tested)],
+                errors_of(rest),
+                whole[name],
+                STEPS,
+            )[0]
+            for name, some in members.items()
+        }
+        siblings = [other for other in rest if other.family == one.family]
+        test = AxialTest(
+            replace(catalogue.load(one.propeller), blades=one.blades), rows[one.tested]
         )
-    return found
+        yield LeftOut(
+            "own",
+            one.tested,
+            foretold(test, posterior(one.constants, one.covariance), np.array(one.discrepancy)),
+        )
+        yield from _one_run(one.tested, test)
+        yield from _known_blade(one, siblings, members["measured"], without["measured"], test)
+        yield from _mean_blade(one, siblings, without, rows[one.tested])
 
 
-LOST_POINT = ("ancf 125.0x", "ancf 12.0x65.0", "ancf 13.0x65.0")
-"""Propellers whose labels in the database have lost a decimal point: 12.5x7.5, 12x6.5."""
+def _one_run(name: str, test: AxialTest) -> Iterator[LeftOut]:
+    tested = test.tested
+    moving = tested.advance > 0.0
+    runs = {int(k): float(tested.rpm[tested.run == k].mean()) for k in set(tested.run[moving])}
+    if len(runs) < 2:
+        return
+    order = sorted(runs, key=lambda k: (runs[k], k))
+    for group, run in (("own_run", order[len(order) // 2]), ("own_fastest", order[-1])):
+        left = tested.run == run
+        result = identify(AxialTest(test.propeller, _rows(tested, ~left)))
+        found = foretold(
+            AxialTest(test.propeller, _rows(tested, left)),
+            posterior(result.constants, result.covariance),
+            np.array([result.thrust_rms, result.power_rms]),
+        )
+        yield LeftOut(group, name, found)
 
 
-class ByDesignation(NamedTuple):
-    """Errors of C_T and C_P of one propeller that is known by its label alone.
+def _known_blade(
+    one: Identified,
+    siblings: Sequence[Identified],
+    members: Sequence[Member],
+    population: Population,
+    test: AxialTest,
+) -> Iterator[LeftOut]:
+    def of(some: Sequence[Identified]) -> PopulationPrior:
+        tested = {other.tested for other in some}
+        known = [m for m in members if m.family == one.family and m.tested in tested]
+        return family_prior(known, population, one.size)
 
-    Attributes
-    ----------
-    tested : str
-        The label.
-    family : str or None
-        Code of the series by which it was predicted; None of all.
-    errors : ndarray
-        Rms over rms of what was measured [-], (2,).
-    """
+    still = test.tested.advance == 0.0
+    at_rest = AxialTest(test.propeller, _rows(test.tested, still)) if still.any() else None
 
-    tested: str
-    family: str | None
-    errors: Floats
+    def both(group: str, prior: PopulationPrior) -> Iterator[LeftOut]:
+        yield LeftOut(group, one.tested, foretold(test, prior, population.errors))
+        if at_rest is not None and not still.all():
+            after = updated(at_rest, prior, population.errors)
+            found = foretold(test, after, population.errors, moving_only=True)
+            yield LeftOut(f"{group}_static", one.tested, found)
+
+    yield from both("population", of([]))
+    if siblings:
+        yield from both("family", of(siblings))
+    others = [other for other in siblings if other.propeller != one.propeller]
+    if others:
+        found = foretold(test, of(others), population.errors)
+        yield LeftOut("other_blade_of_family", one.tested, found)
 
 
-def by_designation(every: Sequence[MeasuredPropeller]) -> list[ByDesignation]:
-    """The errors of those propellers whose blades were never measured, by blade and constants.
+def _mean_blade(
+    one: Identified,
+    siblings: Sequence[Identified],
+    populations: Mapping[str, Population],
+    tested: MeasuredPropeller,
+) -> Iterator[LeftOut]:
+    shapes = shapes_without(catalogue.entry(one.propeller))
+    shape = mean_blade(shapes)
+    yield _on_mean("population_blade", [], populations["population"], shape, tested)
+    if siblings and one.family in {other.family for other in shapes}:
+        shape = mean_blade(shapes, [one.family])
+        members = [on_mean_blade(other, shape) for other in siblings]
+        yield _on_mean("family_blade", members, populations["family"], shape, tested)
 
-    None of their rows plays any part in what they are predicted from.
+
+def never_measured(
+    entries: Sequence[Identified],
+    without_blade: Sequence[Identified],
+    every: Sequence[MeasuredPropeller],
+    populations: Mapping[str, Population],
+) -> Iterator[LeftOut]:
+    """Propellers without measured blades, as those with measured blades foretell them.
 
     Parameters
     ----------
+    entries, without_blade : sequence of Identified
+        Constants of all propellers with measured blades and without.
     every : sequence of MeasuredPropeller
-        Rows of all propellers.
+        Their rows, as ``misfiled.refiled`` gives them.
+    populations : mapping of str to Population
+        Of those with measured blades, by ``populations.populations_of``.
     """
-    found = []
-    for tested in every:
-        meant = None if tested.name.startswith(LOST_POINT) else designated(tested.name)
-        if isinstance(meant, ExpectedBlade):
-            law, _ = expected_constants(meant.family)
-            constants = np.array([getattr(law, name) for name in PARAMETERS])
-            errors = _errors(AxialTest(meant.propeller, tested), constants)
-            found.append(ByDesignation(tested.name, meant.family, errors))
-    return found
+    rows = {tested.name: tested for tested in every}
+    chosen = one_of_each(entries)
+    shapes = measured_shapes()
+    for one in without_blade:
+        tested = rows[one.tested]
+        if one.family in families_measured():
+            shape = mean_blade(shapes, [one.family])
+            members = [on_mean_blade(m, shape) for m in chosen if m.family == one.family]
+            yield _on_mean("family_label", members, populations["family"], shape, tested)
+            continue
+        shape, population = mean_blade(shapes), populations["population"]
+        yield _on_mean("population_label", [], population, shape, tested)
+        siblings = [
+            member_without_blade(other)
+            for other in without_blade
+            if other.family == one.family and other is not one
+        ]
+        if siblings:
+            yield _on_mean("siblings_label", siblings, population, shape, tested)
 
 
-def _means(one: Identified) -> tuple[Propeller | None, Propeller]:
-    """The blade of ``one`` by the means of its family and of all, itself left out."""
-    entry = catalogue.entry(one.propeller)
-    label = designation(entry.title)
-    assert label is not None  # a test reads all titles
-    size = (one.tested, label.diameter, label.pitch, one.blades)
-    others = shapes_without(entry)
-    of_all = mean_blade(others).propeller(*size)
-    if entry.family not in {other.family for other in others}:
-        return None, of_all
-    return mean_blade(others, [entry.family]).propeller(*size), of_all
+def _on_mean(
+    group: str,
+    members: Sequence[Member],
+    population: Population,
+    shape: MeanBlade,
+    tested: MeasuredPropeller,
+) -> LeftOut:
+    label = label_of(tested)
+    prior = family_prior(members, population, (label.diameter, label.pitch))
+    test = AxialTest(mean_propeller(tested, shape), tested)
+    return LeftOut(group, tested.name, foretold(test, prior, population.errors))
 
 
-def _errors(test: AxialTest, constants: Floats) -> Floats:
-    error = test.modelled(constants)[0] - test.measured
-    return np.sqrt(np.nanmean(error**2, axis=1) / np.mean(test.measured**2, axis=1))
+def _rows(tested: MeasuredPropeller, which: Floats) -> MeasuredPropeller:
+    return tested._replace(
+        **{
+            name: getattr(tested, name)[which]
+            for name in ("rpm", "advance", "thrust", "power", "run")
+        }
+    )

@@ -1,4 +1,4 @@
-"""Runs of the UIUC database that are filed under the wrong number of blades.
+"""What is filed wrongly in the UIUC database: numbers of blades, and lost decimal points.
 
 Eight runs of the NR640 name three or four blades and have the loads of others: those of two blades
 (one of them, of four) to within the scatter of repeated runs, where the number they name is off by
@@ -28,9 +28,18 @@ MISFILED = {
 }
 """Number of blades by the propeller's name in the database and the rotational speed [1/min]."""
 
+LOST_POINTS = {
+    "ancf 12.0x65.0": "ancf 12.0x6.5",
+    "ancf 13.0x65.0": "ancf 13.0x6.5",
+    "ancf 125.0x6.0": "ancf 12.5x6.0",
+    "ancf 125.0x75.0": "ancf 12.5x7.5",
+    "ancf 125.0x9.0": "ancf 12.5x9.0",
+}
+"""Blades whose labels have lost a decimal point, and what they are."""
+
 
 def refiled(every: Sequence[MeasuredPropeller]) -> list[MeasuredPropeller]:
-    """The database with each run under the number of blades that its loads have.
+    """The database with each run under its blade's size and the number of blades of its loads.
 
     Parameters
     ----------
@@ -42,6 +51,7 @@ def refiled(every: Sequence[MeasuredPropeller]) -> list[MeasuredPropeller]:
     list of MeasuredPropeller
         In the same order; a propeller of which nothing is left is left out.
     """
+    every = [_with_point(one) for one in every]
     rows = {one.name: [(one, _own(one))] for one in every}
     for one in every:
         for (name, rpm), blades in MISFILED.items():
@@ -51,6 +61,11 @@ def refiled(every: Sequence[MeasuredPropeller]) -> list[MeasuredPropeller]:
                 rows.setdefault(home, []).append((one._replace(blades=blades), moved))
     joined = [_joined(name, parts) for name, parts in rows.items()]
     return [one for one in joined if one.rpm.size > 0]
+
+
+def _with_point(one: MeasuredPropeller) -> MeasuredPropeller:
+    blade = LOST_POINTS.get(one.blade, one.blade)
+    return one._replace(name=one.name.replace(one.blade, blade), blade=blade)
 
 
 def _at(one: MeasuredPropeller, rpm: float) -> NDArray[np.bool_]:

@@ -1,4 +1,4 @@
-"""How well identified constants fit as a whole, and how they are spread over propellers."""
+"""How well identified constants fit as a whole."""
 
 from __future__ import annotations
 
@@ -7,9 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from propmap.catalogue.identified import Identified
-from propmap.catalogue.spread import Spread, spread
-from propmap.fit.population.verdict import POOR
+from propmap.catalogue.identified import Identified, badness, one_of_each
 
 WORST = 10
 """How many propellers are named as the worst."""
@@ -26,15 +24,12 @@ class Summary(NamedTuple):
         Median and 90th percentile of the root mean squares [-].
     worst : list of Identified
         Those farthest beyond the errors of nine in ten.
-    spread : Spread
-        Of the constants.
     """
 
     propellers: int
     thrust: tuple[float, float]
     power: tuple[float, float]
     worst: list[Identified]
-    spread: Spread
 
 
 def summary(entries: Sequence[Identified]) -> Summary:
@@ -44,23 +39,9 @@ def summary(entries: Sequence[Identified]) -> Summary:
         _median_and_tail([getattr(one, name) for one in chosen])
         for name in ("thrust_rms", "power_rms")
     )
-    worst = sorted(chosen, key=_badness, reverse=True)[:WORST]
-    return Summary(len(chosen), thrust, power, worst, spread(chosen))
-
-
-def one_of_each(entries: Sequence[Identified]) -> list[Identified]:
-    """Of ``entries`` for several blades of one tested propeller, the one that fits best."""
-    best: dict[str, Identified] = {}
-    for one in entries:
-        kept = best.get(one.tested)
-        if kept is None or _badness(one) < _badness(kept):
-            best[one.tested] = one
-    return list(best.values())
+    worst = sorted(chosen, key=badness, reverse=True)[:WORST]
+    return Summary(len(chosen), thrust, power, worst)
 
 
 def _median_and_tail(errors: Sequence[float]) -> tuple[float, float]:
     return float(np.median(errors)), float(np.quantile(errors, 0.9))
-
-
-def _badness(one: Identified) -> float:
-    return max(one.thrust_rms / POOR[0], one.power_rms / POOR[1])

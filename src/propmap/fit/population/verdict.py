@@ -7,7 +7,7 @@ import itertools
 import numpy as np
 
 from propmap.arrays.types import Floats
-from propmap.catalogue.identified import PARAMETERS
+from propmap.catalogue.identified import PARAMETERS, POOR
 from propmap.fit.population.identification import Identification
 from propmap.io.uiuc_database import MeasuredPropeller
 
@@ -16,9 +16,6 @@ ALIKE_RPM = 0.02
 
 CONFLICT = 0.05
 """Difference of repeated runs, as a share of the coefficient at the least J, worth saying."""
-
-POOR = (0.0048, 0.0036)
-"""Errors of C_T and C_P [-] that nine propellers in ten stay below."""
 
 SAYS_LITTLE = 0.8
 """Posterior over prior standard deviation from which a constant is the prior's."""

@@ -1,0 +1,118 @@
+"""Standard deviations of a rotor's loads, by what they are from."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from propmap.arrays.types import Floats
+from propmap.engine.accuracy import Accuracy
+from propmap.engine.differences import load_differences
+from propmap.engine.evaluation import Prepared
+from propmap.engine.gradients import load_gradients
+from propmap.loads import LOADS
+from propmap.model.model import Model
+from propmap.model.section_covariance import SectionCovariance
+from propmap.model.uncertainty import (
+    INPLANE_SHARES,
+    TUNNEL_GAIN,
+    TUNNEL_TILT,
+    SectionUncertainty,
+)
+
+FEW = 16
+"""Operating points up to which differences by NumPy are done before a compiler would be."""
+
+
+class FlowPoints(NamedTuple):
+    """N operating points: omega [rad/s], velocity along the axis and in the disk plane [m/s]."""
+
+    omega: Floats
+    v_axial: Floats
+    v_inplane: Floats
+
+
+def load_deviations(
+    model: Model, rotor: Prepared, setting: Accuracy, at: FlowPoints, loads: Floats
+) -> dict[str, Floats]:
+    """Standard deviations of the loads by their source.
+
+    To first order: sqrt(g' S g) with g the derivatives by uncertain parameters and S their
+    covariance.
+
+    Parameters
+    ----------
+    model : Model
+        With its uncertainty.
+    rotor, setting : Prepared, Accuracy
+        The same model, ready for evaluation.
+    at : FlowPoints
+        N operating points.
+    loads : ndarray, shape (L, N)
+        Their loads in the order of ``LOADS`` [N], [N m].
+
+    Returns
+    -------
+    dict of str to ndarray, shape (L, N)
+        For each of ``model.uncertainty.SOURCES`` that is known of the model; NaN where the
+        derivatives were not found.
+    """
+    known = model.uncertainty
+    if known is None:
+        return {}
+    found = _by_parameters(known, rotor, setting, at)
+    found["discrepancy"] = _discrepancy(model, known, at, loads)
+    if known.another_tunnel:
+        found["tunnel"] = _tunnel(model, at, loads)
+    return found
+
+
+def _by_parameters(
+    known: SectionUncertainty, rotor: Prepared, setting: Accuracy, at: FlowPoints
+) -> dict[str, Floats]:
+    """Standard deviations (L, N) that follow from what is not known of constants and blade."""
+    whole = known.covariance.determined
+    if not whole.names:
+        return {}
+    if rotor.compiled or at.omega.size > FEW:
+        slopes = load_gradients(rotor, setting, whole.names, *at).slopes
+    else:
+        scales = [float(spread) or 1e-3 for spread in np.diag(whole.matrix) ** 0.5]
+        slopes = load_differences(rotor, setting, whole.names, scales, *at).slopes
+
+    def variance(of: SectionCovariance) -> Floats:
+        return np.maximum(np.einsum("lpn,pq,lqn->ln", slopes, of.matrix, slopes), 0.0)
+
+    if known.with_blade is None:
+        return {"parameters": np.sqrt(variance(whole))}
+    own = variance(known.with_blade)
+    rest = np.maximum(variance(whole) - own, 0.0)
+    return {"parameters": np.sqrt(own), "geometry": np.sqrt(rest)}
+
+
+def _discrepancy(model: Model, known: SectionUncertainty, at: FlowPoints, loads: Floats) -> Floats:
+    """What the model would err by with the best constants (L, N)."""
+    blade, air = model.propeller, model.air
+    # In a wind a rotor that turns slowly has the loads of the wind.
+    square = at.omega**2 + (at.v_axial**2 + at.v_inplane**2) / blade.radius**2
+    force = air.density * square / (2.0 * np.pi) ** 2 * blade.diameter**4
+    of_axial = {
+        "thrust": known.thrust_coefficient * force,
+        "torque": known.power_coefficient / (2.0 * np.pi) * force * blade.diameter,
+    }
+    return np.stack(
+        [
+            of_axial[name] if name in of_axial else INPLANE_SHARES[name] * np.abs(load)
+            for name, load in zip(LOADS, loads, strict=True)
+        ]
+    )
+
+
+def _tunnel(model: Model, at: FlowPoints, loads: Floats) -> Floats:
+    """By how much another tunnel, or the open air, would read other loads (L, N)."""
+    tip = np.hypot(at.omega * model.propeller.radius, np.hypot(at.v_axial, at.v_inplane))
+    advance = np.divide(np.abs(at.v_axial), tip, out=np.zeros_like(tip), where=tip > 0.0)
+    share = np.full_like(loads, TUNNEL_GAIN)
+    share[list(LOADS).index("thrust")] = np.hypot(TUNNEL_GAIN, TUNNEL_TILT * advance)
+    return np.asarray(share * np.abs(loads))

@@ -1,0 +1,350 @@
+"""The pages on propellers: a card for each with the bundled numbers, the list, the population."""
+
+from __future__ import annotations
+
+import json
+import re
+from html.parser import HTMLParser
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+
+import propmap
+from propmap.catalogue.identified import PARAMETERS, Identified, all_identified, identified
+from propmap.catalogue.population import bundled_population
+from propmap.catalogue.prior import POPULATION, coordinates
+from propmap.cli import main
+from propmap.fit.population.misfiled import refiled
+from propmap.fit.population.summary import summary
+from propmap.io.uiuc_database import read_uiuc_database
+from tools import measured_rows
+from tools.propeller_pages import listing, population, words
+from tools.propeller_pages.card import card
+from tools.propeller_pages.comparison import compare, reynolds
+from tools.propeller_pages.error_parts import error_parts
+from tools.propeller_pages.pages import write
+
+from .pages import ROOT
+
+ROWS = measured_rows.read()
+LOADS = ROOT.parent / "shared" / "data" / "uiuc" / "loads.csv"
+
+# One of each: by its maker's file, with three blades, refiled runs, specimens that differ, flagged.
+SOME = (
+    ("apc-8x6e", 2),
+    ("uiuc-da4022-5x3.75", 3),
+    ("uiuc-nr640-9x7.72", 2),
+    ("uiuc-gwsdd-5x4.3-c", 2),
+    ("uiuc-apcsf-11x3.8", 2),
+)
+
+
+def entry(name: str, blades: int) -> Identified:
+    found = identified(name, blades)
+    assert found is not None
+    return found
+
+
+def plots(text: str) -> dict[str, ElementTree.Element]:
+    """The pictures of a card by what they are said to show."""
+    found = [ElementTree.fromstring(svg) for svg in re.findall(r"<svg .*?</svg>", text)]
+    return {svg.attrib["aria-label"]: svg for svg in found}
+
+
+def axis(svg: ElementTree.Element, kind: str) -> tuple[float, float]:
+    """Slope and offset of values over places along the "x" or the "y" of a plot, by its marks."""
+    marks = []
+    for text in svg.findall("text"):
+        label = (text.text or "").replace("\N{MINUS SIGN}", "-")
+        if text.attrib["class"] == kind and re.fullmatch(r"-?[\d.]+", label):
+            marks.append((float(text.attrib[kind]), float(label)))
+    slope, offset = np.polyfit(*np.array(marks).T, 1)
+    # Letters stand four units below the line that they name.
+    return slope, offset + (4.0 * slope if kind == "y" else 0.0)
+
+
+def drawn(svg: ElementTree.Element, look: str) -> list[np.ndarray]:
+    """Values (n, 2) of each line or set of points, read off the picture."""
+    found = []
+    for path in svg.findall("path"):
+        if path.attrib["class"].split()[0] == look:
+            places = np.array(re.findall(r"[ML]([\d.-]+) ([\d.-]+)", path.attrib["d"]), float)
+            scales = axis(svg, "x"), axis(svg, "y")
+            found.append(
+                np.stack([a * p + b for (a, b), p in zip(scales, places.T, strict=True)], axis=1)
+            )
+    return found
+
+
+@pytest.mark.parametrize(("name", "blades"), SOME)
+def test_the_curves_are_the_loads_of_the_rotor(name: str, blades: int) -> None:
+    one = entry(name, blades)
+    text = card(one, ROWS[one.tested])
+    found = plots(text)
+    rotor = propmap.Rotor(
+        propmap.Model(propmap.propeller(name, blades=blades), one.airfoil), compiled=False
+    )
+    diameter, density = 2.0 * rotor.model.propeller.radius, rotor.model.air.density
+    speeds = [float(rpm) for rpm in re.findall(r'<li class="c\d">(\d+) rpm', text)]
+    for label in ("C_T over J", "C_P over J"):
+        curves = drawn(found[label], "curve")
+        assert len(curves) == len(speeds) >= 2
+        for rpm, curve in zip(speeds, curves, strict=True):
+            turns = rpm / 60.0
+            some = curve[::6]
+            loads = rotor.loads(2.0 * np.pi * turns, some[:, 0] * turns * diameter, 0.0)
+            expected = (
+                loads.thrust / (density * turns**2 * diameter**4)
+                if label.startswith("C_T")
+                else 2.0 * np.pi * loads.torque / (density * turns**2 * diameter**5)
+            )
+            # A twentieth of a unit of the picture, in each direction; rpm is written in whole ones.
+            tolerance = 0.06 * abs(axis(found[label], "y")[0]) + 0.06 * 0.3 * abs(
+                axis(found[label], "x")[0]
+            )
+            np.testing.assert_allclose(some[:, 1], expected, atol=tolerance + 1e-5)
+
+
+@pytest.mark.parametrize(("name", "blades"), SOME)
+def test_the_points_are_the_measured_rows(name: str, blades: int) -> None:
+    one = entry(name, blades)
+    tested = ROWS[one.tested]
+    found = plots(card(one, tested))
+    moving = tested.advance > 0.0
+    for label, measured in (("C_T", tested.thrust), ("C_P", tested.power)):
+        svg = found[f"{label} over J"]
+        points = np.concatenate(drawn(svg, "dots"))
+        assert len(points) == moving.sum()
+        step = 0.06 * abs(axis(svg, "y")[0])
+        np.testing.assert_allclose(np.sort(points[:, 1]), np.sort(measured[moving]), atol=step)
+        still = found[f"{label} at rest over rpm"]
+        assert len(np.concatenate(drawn(still, "dots"))) == (~moving).sum()
+
+
+@pytest.mark.parametrize(("name", "blades"), SOME)
+def test_a_card_tells_the_bundled_numbers_and_the_verdict(name: str, blades: int) -> None:
+    one = entry(name, blades)
+    text = card(one, ROWS[one.tested])
+    plain = text.replace("\N{MINUS SIGN}", "-").replace("&#x27;", "'")
+    assert one.verdict in plain
+    assert ("Take care" in text) == (not one.verdict.endswith("good"))
+    deviations = np.sqrt(np.diag(one.covariance))
+    for parameter, value, deviation in zip(PARAMETERS, one.constants, deviations, strict=True):
+        (row,) = [line for line in plain.splitlines() if line.startswith(f"| `{parameter}` |")]
+        cells = [cell.strip() for cell in row.strip("|").split("|")]
+        assert float(cells[2].split()[0]) == pytest.approx(value, abs=6e-5)
+        assert float(cells[3]) == pytest.approx(deviation, abs=6e-5)
+    for number in (f"{one.thrust_rms:.4f}", f"{one.power_rms:.4f}", f"{one.rpm_low:.0f}"):
+        assert number in plain
+    assert f"| {one.rows}, " in plain.replace("| rows ", "") and one.tested in plain
+    assert "UIUC Propeller Database" in text
+
+
+def test_the_command_on_a_card_gives_loads_within_the_data(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    one = entry("uiuc-nr640-5x3.16", 4)
+    (command,) = re.findall(r"`propmap (predict [^`]*)`", card(one, ROWS[one.tested]))
+    assert main([*command.split(), "--format", "json"]) == 0
+    told = capsys.readouterr()
+    assert one.tested in told.err
+    row = json.loads(told.out)
+    advance = row["speed_mps"] / (row["rpm"] / 60.0 * 0.127)
+    assert 0.0 < advance < one.advance_high and one.rpm_low < row["rpm"] < one.rpm_high
+    assert row["thrust_N"] > 0.0
+
+
+def test_a_card_without_rows_says_so() -> None:
+    one = entry("apc-8x6e", 2)
+    text = card(one, None)
+    assert "not at hand" in text and one.verdict in text.replace("&#x27;", "'")
+    assert set(plots(text)) == {
+        f"Outline of a blade of {one.propeller}, the axis at the left, to scale",
+        "chord c/R over y/R",
+        "twist θ [deg] over y/R",
+    }
+
+
+def test_errors_of_the_rows_kept_are_those_of_the_fit() -> None:
+    """The rows are rounded, the constants bundled: they still belong together."""
+    for name, blades in SOME:
+        one = entry(name, blades)
+        rms = np.sqrt(np.mean(compare(one, ROWS[one.tested]).error ** 2, axis=1))
+        np.testing.assert_allclose(rms, [one.thrust_rms, one.power_rms], atol=2e-5)
+        assert ROWS[one.tested].rpm.size == one.rows
+
+
+def test_every_propeller_has_rows() -> None:
+    """Otherwise run `python -m tools.measured_rows LOADS`."""
+    for one in all_identified():
+        rows = ROWS[one.tested]
+        assert (rows.rpm.size, int((rows.advance == 0.0).sum())) == (one.rows, one.static_rows)
+        assert rows.blades == one.blades
+
+
+@pytest.mark.skipif(not LOADS.exists(), reason="needs the database's table of loads")
+def test_rows_kept_are_those_of_the_database() -> None:
+    every = {one.name: one for one in refiled(read_uiuc_database(LOADS))}
+    for name, kept in ROWS.items():
+        one = every[name]
+        np.testing.assert_allclose(kept.rpm, one.rpm, atol=0.5)
+        np.testing.assert_allclose(kept.advance, one.advance, atol=5.1e-5)
+        np.testing.assert_allclose(kept.thrust, one.thrust, atol=5.1e-6)
+        np.testing.assert_allclose(kept.power, one.power, atol=5.1e-6)
+        assert len(np.unique(kept.run)) == len(np.unique(one.run))
+    assert measured_rows.as_text([every[name] for name in ROWS]) == measured_rows.FILE.read_text(
+        encoding="utf-8"
+    )
+
+
+def test_rows_are_kept_in_a_small_file() -> None:
+    assert measured_rows.FILE.stat().st_size < 1_000_000
+    assert (
+        "UIUC Propeller Database" in measured_rows.FILE.read_text(encoding="utf-8").split("\n")[0]
+    )
+
+
+def test_parts_of_errors() -> None:
+    tested = next(iter(ROWS.values()))
+    still = tested.advance == 0.0
+    first = tested.run == tested.run[0]
+    only_rest = error_parts(tested, np.where(still, 0.01, 0.0))
+    assert only_rest.rest == pytest.approx(1.0) and only_rest.scatter == pytest.approx(0.0)
+    assert error_parts(tested, np.where(first, -0.01, 0.0)).runs == pytest.approx(1.0)
+    tilt = np.where(first, tested.advance - tested.advance[first].mean(), 0.0)
+    assert error_parts(tested, tilt).course == pytest.approx(1.0)
+    noise = np.random.default_rng(1).normal(size=still.size)
+    assert sum(error_parts(tested, noise)) == pytest.approx(1.0)
+    assert error_parts(tested, noise).scatter > 0.5
+    lost = np.where(still, 0.01, np.nan)
+    assert error_parts(tested, lost).rest == pytest.approx(1.0)
+
+
+def test_the_reynolds_number() -> None:
+    one = entry("apc-8x6e", 2)
+    blade = propmap.propeller("apc-8x6e")
+    low, high = reynolds(one, blade)
+    assert low / high == pytest.approx(one.rpm_low / one.rpm_high)
+    radius = 0.75 * 0.1016
+    chord = np.interp(radius, blade.station, blade.chord)
+    omega = one.rpm_high * 2.0 * np.pi / 60.0
+    assert high == pytest.approx(1.225 * omega * radius * chord / 1.983e-5)
+
+
+class _Links(HTMLParser):
+    """Addresses on a page, and what stands in its list."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.links: list[str] = []
+        self.items: list[dict[str, str | None]] = []
+        self.hidden_boxes = 0
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        given = dict(attrs)
+        self.links += [v for k, v in attrs if k in ("href", "src") and v is not None]
+        if tag == "li":
+            self.items.append(given)
+        self.hidden_boxes += tag == "div" and "hidden" in given
+
+
+@pytest.fixture(scope="module")
+def listed() -> _Links:
+    return _Links(listing.listing(all_identified()))
+
+
+def test_the_list_has_every_propeller_and_hides_none(listed: _Links) -> None:
+    """The box is hidden until the script is there; without it all propellers are shown."""
+    cards = {f"propellers/{words.page_name(one)}.html" for one in all_identified()}
+    assert len(cards) == len(all_identified()) == len(listed.items)
+    assert set(listed.links) == {*cards, "_static/propellers.js"}
+    assert listed.hidden_boxes == 1 and not any("hidden" in item for item in listed.items)
+    flagged = sum(item["class"] == "flagged" for item in listed.items)
+    assert flagged == sum(not one.verdict.endswith("good") for one in all_identified()) > 20
+
+
+@pytest.mark.parametrize(
+    ("typed", "expected"),
+    [
+        ("apc 10x7e", "uiuc-apce-10x7"),
+        ("apc-8x6e", "apc-8x6e"),
+        ("slow flyer 10x4.7", "uiuc-apcsf-10x4.7"),
+        ("nr640 4blades", "uiuc-nr640-5x3.16"),
+        ("da4052 9x6.75 3blades", "uiuc-da4052-9x6.75"),
+        ("gwsdd flagged", "uiuc-gwsdd-5x4.3"),
+    ],
+)
+def test_what_people_type_is_found(listed: _Links, typed: str, expected: str) -> None:
+    """Every word begins one of those that the script looks through, which makes "3 blades" one."""
+    found = [
+        str(item["data-words"])
+        for item in listed.items
+        if all(f" {word}" in str(item["data-words"]) for word in re.split("[ -]", typed))
+    ]
+    assert any(text.startswith(f" {expected.replace('-', ' ')} ") for text in found)
+    assert len(found) < 20
+
+
+@pytest.mark.parametrize("file", ["propellers.js", "propmap.css"])
+def test_nothing_is_fetched_from_elsewhere(file: str) -> None:
+    text = (ROOT / "docs" / "_static" / file).read_text(encoding="utf-8")
+    assert not re.search(r"//\w|https?:|\bimport\b|fetch|XMLHttp|url\(", text)
+
+
+def test_the_worst_have_reasons_and_cards() -> None:
+    text = listing.worst(all_identified(), ROWS)
+    assert "not looked into" not in text
+    for one in summary(all_identified()).worst:
+        assert f"propellers/{words.page_name(one)}.md" in text and f"{one.thrust_rms:.4f}" in text
+
+
+def test_the_population_shows_every_propeller_where_it_is() -> None:
+    entries = all_identified()
+    svg = ElementTree.fromstring(population.picture(entries))
+    groups = svg.findall("g")
+    assert sorted(group.findtext("title", "") for group in groups) == sorted(
+        map(words.title, entries)
+    )
+    # Marks are at round values; along each column a place is linear in the coordinate.
+    by_title = {group.findtext("title", ""): group for group in groups}
+    places = np.array(
+        [
+            [
+                float(x)
+                for x in re.findall(
+                    r"M([\d.]+) [\d.]+h0", by_title[words.title(one)][2].attrib["d"]
+                )
+            ]
+            for one in entries
+        ]
+    )
+    own = coordinates(np.stack([one.constants for one in entries]))
+    assert places.shape == own.shape == (len(entries), 7)
+    unique = [words.title(one) for one in entries]
+    assert len(set(unique)) == len(unique)
+    for k in range(7):
+        assert np.corrcoef(places[:, k], own[:, k])[0, 1] > 0.99999
+    table = population.table()
+    assert f"{np.exp(bundled_population('measured').mean[0]):.3f}" in table
+    assert f"{np.exp(POPULATION.mean[1]):.3f}" in table
+
+
+@pytest.mark.slow
+def test_the_pages_are_written(tmp_path: Path) -> None:
+    (tmp_path / "generated").mkdir()
+    (tmp_path / "propellers").mkdir()
+    old = tmp_path / "propellers" / "no-more.md"
+    old.write_text("")
+    write(tmp_path)
+    cards = sorted(file.stem for file in (tmp_path / "propellers").iterdir())
+    assert cards == sorted(map(words.page_name, all_identified()))
+    before = {file: file.stat().st_mtime_ns for file in tmp_path.rglob("*.md")}
+    assert max(file.stat().st_size for file in before if file.parent.name == "propellers") < 40_000
+    write(tmp_path)
+    assert before == {file: file.stat().st_mtime_ns for file in tmp_path.rglob("*.md")}
+    for file in before:
+        text = file.read_text(encoding="utf-8")
+        assert "nan" not in re.findall(r"[a-z]+", text), file

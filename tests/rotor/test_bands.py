@@ -1,0 +1,201 @@
+"""Standard deviations of the loads: against draws, by their sources, and where they are unknown."""
+
+from __future__ import annotations
+
+from dataclasses import fields, replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import propmap as pm
+from propmap.catalogue.expected_blade import ExpectedBlade
+from propmap.catalogue.expected_constants import expected_constants, size_of
+from propmap.catalogue.identified import identified
+from propmap.catalogue.lookup import meant_by
+from propmap.loads import LOADS
+from propmap.model.section_covariance import SectionCovariance
+from propmap.model.uncertainty import SectionUncertainty
+from propmap.results import LoadValues, joined
+
+POINTS = (np.array([500.0, 600.0, 700.0]), np.array([6.0, 10.0, 14.0]), np.array([0.4, 1.2, 1.5]))
+NAMES = tuple(each.name for each in fields(LoadValues))
+
+
+def _identified() -> pm.Model:
+    known = identified("uiuc-apce-10x5", 2)
+    assert known is not None
+    blade = pm.propeller("uiuc-apce-10x5")
+    return pm.Model(blade, known.airfoil, corrections=pm.corrections_of("recommended"))
+
+
+def _with(model: pm.Model, known: SectionUncertainty | None) -> pm.Model:
+    law = model.airfoil
+    assert isinstance(law, pm.Airfoil)
+    return model.with_airfoil(law.with_parameters(uncertainty=known))
+
+
+@pytest.fixture(scope="module")
+def model() -> pm.Model:
+    """An identified propeller in oblique flow."""
+    return _identified()
+
+
+def test_loads_of_drawn_constants_spread_as_said(model: pm.Model) -> None:
+    """The meaning of a covariance: draw constants and look at the loads."""
+    law = model.airfoil
+    assert isinstance(law, pm.Airfoil) and law.uncertainty is not None
+    names = law.uncertainty.covariance.names
+    small = SectionCovariance(names, law.uncertainty.covariance.matrix / 9.0)
+    uncertain = _with(model, SectionUncertainty(small))
+    told = pm.Rotor(uncertain, compiled=False).loads(*POINTS).std_by_source["parameters"]
+    random, found = np.random.default_rng(3), []
+    for draw in random.multivariate_normal(np.zeros(len(names)), small.matrix, 250).tolist():
+        changed = {name: getattr(law, name) + by for name, by in zip(names, draw, strict=True)}
+        other = model.with_airfoil(law.with_parameters(**changed))
+        loads = pm.Rotor(other, compiled=False).loads(*POINTS)
+        found.append([getattr(loads, name) for name in NAMES])
+    for name, want in zip(NAMES, np.std(found, axis=0), strict=True):
+        # 250 draws: 4.5 % of a standard deviation, and three times that.
+        np.testing.assert_allclose(getattr(told, name), want, rtol=0.14, err_msg=name)
+
+
+def test_what_is_not_known_of_the_blade_is_told_apart(model: pm.Model) -> None:
+    law = model.airfoil
+    assert isinstance(law, pm.Airfoil) and law.uncertainty is not None
+    own = law.uncertainty.covariance
+    whole = SectionCovariance(own.names, 5.0 * own.matrix)
+    plain, told = (
+        pm.Rotor(_with(model, known), compiled=False).loads(*POINTS).std_by_source
+        for known in (SectionUncertainty(own), SectionUncertainty(whole, with_blade=own))
+    )
+    assert "geometry" not in plain
+    for name in NAMES:
+        want = getattr(plain["parameters"], name)
+        np.testing.assert_allclose(getattr(told["parameters"], name), want, rtol=1e-3)
+        np.testing.assert_allclose(getattr(told["geometry"], name), 2.0 * want, rtol=1e-3)
+    with pytest.raises(pm.InputError, match="for the same constants"):
+        SectionUncertainty(whole, with_blade=own.of(["c_l1"]))
+
+
+def test_sources_add_up_in_squares_and_make_the_interval(model: pm.Model) -> None:
+    loads = pm.Rotor(model, compiled=False).loads(*POINTS)
+    assert set(loads.std_by_source) == {"parameters", "discrepancy", "tunnel"}
+    low, high = loads.interval(0.95)
+    for name in NAMES:
+        parts = [getattr(one, name) for one in loads.std_by_source.values()]
+        assert all((part > 0.0).all() for part in parts)
+        std, middle = getattr(loads.std, name), getattr(loads, name)
+        np.testing.assert_allclose(std, np.sqrt(np.sum(np.square(parts), axis=0)), rtol=1e-12)
+        np.testing.assert_allclose(getattr(high, name) - middle, 1.959964 * std, rtol=1e-6)
+        np.testing.assert_allclose(middle - getattr(low, name), 1.959964 * std, rtol=1e-6)
+    np.testing.assert_allclose(loads.std.power, loads.std.torque * POINTS[0], rtol=1e-12)
+    for share in (0.0, 1.0, np.nan):
+        with pytest.raises(pm.InputError, match="probability such as"):
+            loads.interval(share)
+
+
+@pytest.mark.slow
+def test_the_compiler_s_derivatives_and_numpy_s_differences_agree(model: pm.Model) -> None:
+    random = np.random.default_rng(1)
+    omega, speed = random.uniform(150.0, 900.0, 12), random.uniform(0.0, 20.0, 12)
+    beta = random.uniform(0.0, np.pi, 12)
+    speed[0], beta[1], beta[2] = 0.0, 0.0, np.pi
+    here, there = (
+        pm.Rotor(model, compiled=compiled).loads(omega, speed, beta).std_by_source
+        for compiled in (False, True)
+    )
+    for name in NAMES:
+        want, got = (getattr(one["parameters"], name) for one in (there, here))
+        np.testing.assert_allclose(got, want, rtol=0.02, atol=1e-5 * np.nanmax(want))
+
+
+def test_what_the_other_sources_are(model: pm.Model) -> None:
+    law = model.airfoil
+    assert isinstance(law, pm.Airfoil) and law.uncertainty is not None
+    rotor, omega = pm.Rotor(model, compiled=False), 600.0
+    tip = omega * model.propeller.radius
+    found = rotor.loads(omega, np.array([0.0, 0.1 * tip]), 0.0)
+    by = found.std_by_source
+    n, diameter = omega / (2.0 * np.pi), model.propeller.diameter
+    force = model.air.density * n**2 * diameter**4
+    expected = law.uncertainty.thrust_coefficient * force
+    assert by["discrepancy"].thrust[0] == pytest.approx(expected, rel=1e-9)
+    expected = law.uncertainty.power_coefficient * force * diameter / (2.0 * np.pi)
+    assert by["discrepancy"].torque[0] == pytest.approx(expected, rel=1e-9)
+    # Another tunnel: 8 % each, and the thrust's tilt of 10 % per 0.1 of axial advance.
+    advance = 0.1 / np.hypot(1.0, 0.1)
+    shares = np.array([0.08, np.hypot(0.08, advance)])
+    np.testing.assert_allclose(by["tunnel"].thrust, shares * found.thrust, rtol=1e-12)
+    np.testing.assert_allclose(by["tunnel"].torque, 0.08 * found.torque, rtol=1e-12)
+    # In axial flow there are no loads in the disk plane to be unsure of.
+    for name, load in LOADS.items():
+        if load.inplane:
+            assert (getattr(found.std, name) == 0.0).all()
+    own = _with(model, replace(law.uncertainty, another_tunnel=False))
+    assert "tunnel" not in pm.Rotor(own, compiled=False).loads(omega, 1.0, 0.0).std_by_source
+
+
+def test_a_blade_that_was_not_measured_is_less_sure() -> None:
+    def share(name: str) -> float:
+        meant, blade = meant_by(name), pm.propeller(name)
+        family, geometry = getattr(meant, "family", None), "measured"
+        if isinstance(meant, ExpectedBlade):
+            geometry = "family" if family else "population"
+        law = expected_constants(family, size_of(meant, blade), geometry).airfoil
+        model = pm.Model(blade, law)
+        loads = pm.Rotor(model, compiled=False).loads(1200.0, 10.0, 1.3)
+        return float(loads.std.thrust / loads.thrust)
+
+    assert share("uiuc-apce-10x5") < share("apc 10x4.4e") < share("10x4.4")
+
+
+def test_nothing_is_said_of_constants_that_say_nothing(model: pm.Model) -> None:
+    loads = pm.Rotor(_with(model, None), compiled=False).loads(600.0, 5.0, 1.0)
+    assert loads.std_by_source == {}
+    with pytest.raises(pm.InputError, match="nothing is known of the errors"):
+        _ = loads.std
+
+
+def test_changed_constants_are_not_those_that_were_identified(model: pm.Model) -> None:
+    law = model.airfoil
+    assert isinstance(law, pm.Airfoil)
+    assert law.with_parameters(c_l1=5.0).uncertainty is None
+    assert law.with_corrections(["pitt-peters"]).uncertainty is law.uncertainty
+    assert law.with_parameters(uncertainty=None) == law
+
+
+def test_shapes_are_those_of_the_points(model: pm.Model) -> None:
+    rotor = pm.Rotor(model, compiled=False)
+    one = rotor.loads(600.0, 5.0, 1.0)
+    assert one.std.thrust.shape == ()
+    grid = rotor.loads(600.0, np.array([0.0, 5.0])[:, None], np.array([0.0, 1.0, 2.0]))
+    assert grid.std.torque.shape == (2, 3)
+    assert grid.std.thrust[1, 1] == pytest.approx(float(one.std.thrust), rel=1e-9)
+    both = joined([rotor.loads(600.0, np.array([speed]), 1.0) for speed in (5.0, 6.0)])
+    np.testing.assert_allclose(both.std.thrust[0], one.std.thrust, rtol=1e-9)
+    assert both.std.thrust.shape == (2,)
+
+
+def test_at_rest_in_still_air_there_is_nothing_to_be_unsure_of(model: pm.Model) -> None:
+    found = pm.Rotor(model, compiled=False).loads(np.array([0.0, 100.0]), 0.0, 0.0)
+    for name in NAMES:
+        assert getattr(found.std, name)[0] == 0.0
+    assert found.std.thrust[1] > 0.0
+
+
+def test_a_parameter_file_carries_how_well_its_constants_are_known(
+    model: pm.Model, tmp_path: Path
+) -> None:
+    """A parameter file carries no covariance; the constants themselves are the same."""
+    law = model.airfoil
+    assert isinstance(law, pm.Airfoil)
+    path = tmp_path / "constants.toml"
+    path.write_text(law.to_toml())
+    assert pm.airfoil(path) == law
+    there = pm.airfoil(path).uncertainty  # type: ignore[union-attr]
+    assert there is not None and law.uncertainty is not None
+    assert there.as_dict() == law.uncertainty.as_dict()
+    path.write_text(path.read_text().replace("another_tunnel", "other"))
+    with pytest.raises(pm.InputError, match=r"constants.toml: the table \[uncertainty\]"):
+        pm.airfoil(path)

@@ -1,0 +1,158 @@
+"""The page of one propeller."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from html import escape
+
+import numpy as np
+
+from propmap.catalogue.identified import PARAMETERS, Identified
+from propmap.catalogue.lookup import propeller
+from propmap.catalogue.prior import POPULATION, coordinate_covariance
+from propmap.io.uiuc_database import MeasuredPropeller
+from propmap.model.propeller import Propeller
+from tools.measured_rows import SOURCE
+from tools.propeller_pages import blade_picture, fit_pictures
+from tools.propeller_pages.comparison import Comparison, compare, reynolds
+from tools.propeller_pages.error_parts import error_parts
+from tools.propeller_pages.words import fixed, flagged, page_name, title
+
+MEANINGS = {
+    "c_l1": "slope of lift before stall [1/rad]",
+    "c_d": "pressure drag [-]",
+    "alpha_0": "stall angle [rad]",
+    "zero_lift_angle": "zero-lift angle at Re = 5e4 [rad]",
+    "c_d0": "constant drag [-]",
+    "reynolds_camber": "its growth with ln Re [rad]",
+    "drag_angle": "least pressure drag, from zero lift [rad]",
+}
+
+
+def card(one: Identified, tested: MeasuredPropeller | None) -> str:
+    """The page as Markdown.
+
+    Parameters
+    ----------
+    one : Identified
+        Constants and what they rest on.
+    tested : MeasuredPropeller or None
+        The rows; without them the page says that they are not at hand.
+    """
+    blade = propeller(one.propeller, blades=one.blades)
+    parts = [
+        f"# {title(one)}",
+        f"`{one.propeller}`, {one.blades} blades, diameter {2e3 * blade.radius:.1f} mm "
+        f"({2.0 * blade.radius / 0.0254:.2f} in).",
+        verdict(one),
+        "## Blade",
+        raw(_side_by_side(blade_picture.pictures(blade))),
+        "Outline about mid-chord, the axis at the left; dotted where the loaded part begins.",
+        "## Fit",
+    ]
+    if tested is None:
+        parts.append(
+            "The measured rows are not at hand; `python -m tools.measured_rows` keeps them."
+        )
+    else:
+        compared = compare(one, tested)
+        parts += [
+            raw(fit_pictures.keys(compared), _side_by_side(fit_pictures.pictures(compared))),
+            "Points: measured. Lines: the model with the constants below, over J at the mean "
+            "rotational speed of the runs. Shaded: the root mean square of all errors. The last "
+            "four columns split the sum of their squares.",
+            _errors(one, compared),
+        ]
+    parts += [
+        "## Constants",
+        _constants(one),
+        "## What they rest on",
+        _data(one, blade),
+        f"Blade: {blade.source}. {blade.citation}.",
+        f"Loads: {SOURCE}.",
+        "[All propellers](../propellers.md)",
+    ]
+    return "\n\n".join(parts) + "\n"
+
+
+def raw(*parts: str) -> str:
+    """HTML that stands in a page as it is."""
+    return "\n".join(["```{raw} html", *parts, "```"])
+
+
+def _side_by_side(pictures: Sequence[str]) -> str:
+    """Where there is room; one below the other on a telephone."""
+    return "\n".join(['<div class="plots">', *pictures, "</div>"])
+
+
+def verdict(one: Identified) -> str:
+    """The verdict in a box that tells good ones from others at a glance."""
+    kind = "flagged" if flagged(one) else "good"
+    head = "Take care" if kind == "flagged" else "Verdict"
+    return raw(f'<p class="verdict {kind}"><strong>{head}:</strong> {escape(one.verdict)}</p>')
+
+
+def _errors(one: Identified, found: Comparison) -> str:
+    measured = np.stack([found.tested.thrust, found.tested.power])
+    rows = [
+        "| | rms error | of the rms measured | rms error at rest | squares: at rest "
+        "| means of runs | slope over J | scatter |",
+        "|---|---:|---:|---:|---:|---:|---:|---:|",
+    ]
+    errors = (
+        ("C_T", one.thrust_rms, one.static_thrust_rms),
+        ("C_P", one.power_rms, one.static_power_rms),
+    )
+    for k, (name, rms, still) in enumerate(errors):
+        share = rms / np.sqrt(np.mean(measured[k] ** 2))
+        parts = error_parts(found.tested, found.error[k])
+        cells = [fixed(rms, 4), f"{100.0 * share:.1f}\u00a0%", fixed(still, 4)]
+        cells += [f"{100.0 * part:.0f}\u00a0%" for part in parts]
+        rows.append(f"| {name} | {' | '.join(cells)} |")
+    return "\n".join(rows)
+
+
+def _constants(one: Identified) -> str:
+    deviation = np.sqrt(np.diag(one.covariance))
+    fitted = coordinate_covariance(one.constants, one.covariance)
+    left = np.sqrt(np.diag(fitted)) / POPULATION.deviation
+    rows = [
+        "| constant | | value | standard deviation | of the prior's |",
+        "|---|---|---:|---:|---:|",
+    ]
+    for k, name in enumerate(PARAMETERS):
+        value, spread = one.constants[k], deviation[k]
+        degrees = f" ({fixed(np.degrees(value), 2)}°)" if "[rad]" in MEANINGS[name] else ""
+        cells = [f"`{name}`", MEANINGS[name], fixed(value, 4) + degrees, fixed(spread, 4)]
+        cells.append(f"{100.0 * left[k]:.0f}\u00a0%")
+        rows.append(f"| {' | '.join(cells)} |")
+    return "\n".join(
+        [
+            *rows,
+            "",
+            f"`c_l2` is held at {one.airfoil.c_l2:g}. The last column is the standard deviation as "
+            "a share of that of the prior over propellers (of its coordinate): near 100 % the rows "
+            "say nothing and the value is the prior's. The covariance of all is in "
+            f"`propmap.catalogue.identified.identified({one.propeller!r}, {one.blades})`.",
+        ]
+    )
+
+
+def _data(one: Identified, blade: Propeller) -> str:
+    low, high = (f"{1e3 * round(number / 1e3, 1):.0f}" for number in reynolds(one, blade))
+    blades = f" --blades {one.blades}" if page_name(one) != one.propeller else ""
+    rpm = 0.5 * (one.rpm_low + one.rpm_high)
+    speed = 0.5 * one.advance_high * rpm / 60.0 * 2.0 * blade.radius
+    return "\n".join(
+        [
+            "| | |",
+            "|---|---|",
+            f"| tested as | {one.tested} |",
+            f"| rows | {one.rows}, {one.static_rows} of them at rest |",
+            f"| rotational speed | {one.rpm_low:.0f} to {one.rpm_high:.0f} rpm |",
+            f"| J | up to {one.advance_high:.2f} |",
+            f"| Re at 3/4 of the radius | {low} to {high} |",
+            f"| such loads by command | `propmap predict {one.propeller}{blades} --rpm {rpm:.0f} "
+            f"--speed {speed:.1f} --beta 0` |",
+        ]
+    )

@@ -1,0 +1,157 @@
+"""Measured and modelled C_T and C_P of a propeller, and where they differ."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from propmap.arrays.types import Floats
+from propmap.catalogue.identified import Identified
+from propmap.catalogue.lookup import propeller
+from propmap.fit.population.verdict import ALIKE_RPM
+from propmap.io.uiuc_database import MeasuredPropeller
+from propmap.model.model import Model
+from propmap.model.propeller import Propeller
+from propmap.rotor import Rotor
+
+Rows = NDArray[np.intp]
+
+CURVE = 25
+"""Points of a curve."""
+
+REFERENCE = 0.75
+"""Radius over that of the tip at which a Reynolds number is given."""
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """The model over J at one rotational speed, or at rest over the rotational speed; n points.
+
+    Attributes
+    ----------
+    rpm, advance : ndarray, shape (n,)
+        Rotational speed [1/min] and J [-].
+    coefficients : ndarray, shape (2, n)
+        C_T and C_P [-]; NaN where no inflow was found.
+    rows : ndarray, shape (m,)
+        Which measured rows belong to it.
+    """
+
+    rpm: Floats
+    advance: Floats
+    coefficients: Floats
+    rows: Rows
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """A propeller with what is drawn of it.
+
+    Attributes
+    ----------
+    entry : Identified
+        Its constants.
+    blade : Propeller
+        Its geometry.
+    tested : MeasuredPropeller
+        Its rows.
+    error : ndarray, shape (2, rows)
+        C_T and C_P of the model less those measured [-].
+    moving : list of Curve
+        One for each rotational speed in axial flow, slowest first.
+    still : Curve or None
+        At rest; None where nothing was measured there.
+    """
+
+    entry: Identified
+    blade: Propeller
+    tested: MeasuredPropeller
+    error: Floats
+    moving: list[Curve]
+    still: Curve | None
+
+
+def reynolds(entry: Identified, blade: Propeller) -> tuple[float, float]:
+    """Re at three quarters of the radius, without inflow, at the least and the largest rpm."""
+    radius = REFERENCE * blade.radius
+    chord = np.interp(radius, blade.station, blade.chord)
+    air = Model(blade, entry.airfoil).air
+    per_rpm = np.pi / 30.0 * radius * chord * air.density / air.viscosity
+    return float(entry.rpm_low * per_rpm), float(entry.rpm_high * per_rpm)
+
+
+def compare(entry: Identified, tested: MeasuredPropeller) -> Comparison:
+    """The model beside the rows that its constants were identified from.
+
+    Parameters
+    ----------
+    entry : Identified
+        The constants.
+    tested : MeasuredPropeller
+        The rows.
+    """
+    blade = propeller(entry.propeller, blades=entry.blades)
+    asked = _asked(tested)
+    # One batch for all, since most of the time of a small one goes elsewhere.
+    found = coefficients(
+        Rotor(Model(blade, entry.airfoil), compiled=False),
+        np.concatenate([*(rpm for rpm, _, _ in asked), tested.rpm]),
+        np.concatenate([*(advance for _, advance, _ in asked), tested.advance]),
+    )
+    curves = [
+        Curve(rpm, advance, found[:, k * CURVE : (k + 1) * CURVE], rows)
+        for k, (rpm, advance, rows) in enumerate(asked)
+    ]
+    return Comparison(
+        entry=entry,
+        blade=blade,
+        tested=tested,
+        error=found[:, len(asked) * CURVE :] - np.stack([tested.thrust, tested.power]),
+        moving=[curve for curve in curves if curve.advance.any()],
+        still=next((curve for curve in curves if not curve.advance.any()), None),
+    )
+
+
+def coefficients(rotor: Rotor, rpm: Floats, advance: Floats) -> Floats:
+    """C_T and C_P [-], (2, n), in axial flow.
+
+    Parameters
+    ----------
+    rotor : Rotor
+        The model.
+    rpm, advance : ndarray, shape (n,)
+        Rotational speed [1/min] and J [-].
+    """
+    turns = rpm / 60.0
+    diameter = 2.0 * rotor.model.propeller.radius
+    found = rotor.loads(2.0 * np.pi * turns, advance * turns * diameter, 0.0)
+    force = rotor.model.air.density * turns**2 * diameter**4
+    # P = 2 pi n tau.
+    return np.stack([found.thrust / force, 2.0 * np.pi * found.torque / (force * diameter)])
+
+
+def _asked(tested: MeasuredPropeller) -> list[tuple[Floats, Floats, Rows]]:
+    """Rpm and J of the curves, and the rows that belong to each.
+
+    Runs in axial flow at nearly one rpm have one curve, up to their largest J.
+    """
+    runs = np.unique(tested.run[tested.advance > 0.0])
+    means = sorted((float(tested.rpm[tested.run == run].mean()), run) for run in runs)
+    groups: list[list[tuple[float, int]]] = []
+    for mean, run in means:
+        if groups and mean <= (1.0 + ALIKE_RPM) * groups[-1][0][0]:
+            groups[-1].append((mean, run))
+        else:
+            groups.append([(mean, run)])
+    found = []
+    for group in groups:
+        rows = np.flatnonzero(np.isin(tested.run, [run for _, run in group]))
+        most = tested.advance[rows].max()
+        found.append((np.full(CURVE, tested.rpm[rows].mean()), np.linspace(0.0, most, CURVE), rows))
+    still = np.flatnonzero(tested.advance == 0.0)
+    if still.size:
+        ends = tested.rpm[still].min(), tested.rpm[still].max()
+        found.append((np.linspace(*ends, CURVE), np.zeros(CURVE), still))
+    return found

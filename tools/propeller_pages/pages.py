@@ -1,0 +1,55 @@
+"""Write the pages on propellers.
+
+Usage: python -m tools.propeller_pages.pages DOCS
+
+DOCS is the documentation's folder: cards go into its folder ``propellers``, parts of the page that
+lists them into ``generated``.  The documentation's build calls ``write``; it takes some twenty
+seconds.
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+from propmap.catalogue.identified import all_identified
+from propmap.io.atomic_file import replacing
+from tools import measured_rows
+from tools.propeller_pages import listing, population
+from tools.propeller_pages.card import card, raw
+from tools.propeller_pages.words import page_name
+
+
+def write(docs: Path) -> None:
+    """All pages; cards of propellers that are no more are removed."""
+    entries, rows = all_identified(), measured_rows.read()
+    folder = docs / listing.FOLDER
+    folder.mkdir(exist_ok=True)
+    cards = {f"{page_name(one)}.md": card(one, rows.get(one.tested)) for one in entries}
+    for name, text in cards.items():
+        _write(folder / name, text)
+    for old in folder.glob("*.md"):
+        if old.name not in cards:
+            old.unlink()
+    parts = {
+        "counts": listing.counts(entries),
+        "list": listing.listing(entries),
+        "worst": listing.worst(entries, rows),
+        "population": raw('<div class="wide">', population.picture(entries), "</div>"),
+        "population-table": population.table(),
+    }
+    for name, text in parts.items():
+        _write(docs / "generated" / f"propellers-{name}.md", text + "\n")
+
+
+def _write(path: Path, text: str) -> None:
+    """What has not changed keeps its date, so that Sphinx does not read it again."""
+    if not path.exists() or path.read_text(encoding="utf-8") != text:
+        with replacing(path) as part:
+            part.write_text(text, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    if len(sys.argv) != 2:
+        sys.exit(__doc__)
+    write(Path(sys.argv[1]))

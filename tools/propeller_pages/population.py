@@ -1,0 +1,189 @@
+"""The constants of all propellers in one picture, with their errors and what is expected."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from html import escape
+from typing import NamedTuple
+
+import numpy as np
+
+from propmap.arrays.types import Floats
+from propmap.catalogue.expected_constants import expected_prior
+from propmap.catalogue.identified import PARAMETERS, Identified
+from propmap.catalogue.population import Population, bundled_population
+from propmap.catalogue.prior import POPULATION, coordinate_covariance, coordinates
+from tools.propeller_pages.plot import figure
+from tools.propeller_pages.words import fixed, series_title, title
+
+ROW, COLUMN, GAP = 22.0, 80.0, 24.0
+"""Height of a family, width of a constant, and what lies between two."""
+
+LEFT, TOP, BOTTOM = 185.0, 58.0, 8.0
+
+BOX, SPREAD = 18.0, 15.0
+"""Height of the box of a family, and of the place that its propellers share."""
+
+
+class Axis(NamedTuple):
+    """How one coordinate of the constants is shown.
+
+    Attributes
+    ----------
+    name, unit : str
+        Of the constant.
+    logarithmic : bool
+        Whether the coordinate is its logarithm.
+    marks : tuple of float
+        Values that are written where the data reach them.
+    """
+
+    name: str
+    unit: str
+    logarithmic: bool
+    marks: tuple[float, ...]
+
+    def coordinate(self, value: float) -> float:
+        """The coordinate of a value."""
+        return float(np.log(value)) if self.logarithmic else value
+
+
+AXES = (
+    Axis("c_l1", "1/rad", True, (3.0, 5.0, 10.0)),
+    Axis("c_d", "-", True, (1.0, 2.0, 5.0, 10.0)),
+    Axis("alpha_0", "rad", True, (0.2, 0.3, 0.4)),
+    Axis("zero_lift_angle", "rad", False, (-0.1, 0.0)),
+    Axis("c_d0", "-", True, (0.01, 0.03, 0.1)),
+    Axis("reynolds_camber", "rad", False, (-0.05, 0.0, 0.05)),
+    Axis("least drag", "rad", False, (-0.05, 0.0, 0.05, 0.1)),
+)
+"""In the order of ``PARAMETERS``; the last is ``zero_lift_angle`` + ``drag_angle``, the angle of
+least pressure drag from the chord line."""
+
+
+class Column:
+    """The column of constant number ``k``, as wide as all of its values with their errors."""
+
+    def __init__(self, k: int, place: Floats, error: Floats) -> None:
+        self.left = LEFT + k * (COLUMN + GAP)
+        self.low, self.high = float((place - error).min()), float((place + error).max())
+
+    def at(self, coordinate: float) -> float:
+        """Where a coordinate lies."""
+        return self.left + COLUMN * (coordinate - self.low) / (self.high - self.low)
+
+    def ends(self, mean: float, deviation: float) -> tuple[float, float]:
+        """Where a standard deviation either way ends, or the column does."""
+        low, high = self.at(mean - deviation), self.at(mean + deviation)
+        return max(low, self.left), min(high, self.left + COLUMN)
+
+
+def picture(entries: Sequence[Identified]) -> str:
+    """The picture as SVG: a column for each constant, a row for each family.
+
+    Parameters
+    ----------
+    entries : sequence of Identified
+        All propellers.
+    """
+    found = bundled_population("measured")
+    place = coordinates(np.stack([one.constants for one in entries]))
+    error = np.sqrt(
+        [np.diag(coordinate_covariance(one.constants, one.covariance)) for one in entries]
+    )
+    columns = [Column(k, place[:, k], error[:, k]) for k in range(len(AXES))]
+    family = np.array([one.family for one in entries])
+    families = sorted(set(family.tolist()), key=lambda f: series_title(f).lower())
+    height = TOP + ROW * len(families) + BOTTOM
+    parts = [_frame(column, k, found, height) for k, column in enumerate(columns)]
+    for row, code in enumerate(families):
+        which = np.flatnonzero(family == code).tolist()
+        members = [entries[n] for n in which]
+        middle = TOP + (row + 0.5) * ROW
+        parts.append(
+            f'<text class="y" x="{LEFT - 12.0:g}" y="{middle + 4.0:g}">'
+            f"{escape(series_title(code))} ({len(which)})</text>"
+        )
+        expected = expected_prior(code)
+        for column, mean, sd in zip(columns, expected.mean, expected.deviation, strict=True):
+            parts.append(_expected(column, mean, sd, middle))
+        for n, one in enumerate(members):
+            # One below the other, in the order of the list.
+            height_of_one = middle + SPREAD * ((n + 0.5) / len(which) - 0.5)
+            parts.append(_member(one, columns, place[which[n]], error[which[n]], height_of_one))
+    width = LEFT + len(AXES) * (COLUMN + GAP)
+    told = "Constants of all propellers by family, with errors, beside the prior"
+    return figure(width, height, told, parts, "population")
+
+
+def table() -> str:
+    """The prior that the fits took, and the mean and the spread that they found."""
+    found = bundled_population("measured")
+    between, within = (np.sqrt(np.diag(part)) for part in (found.between, found.within))
+    rows = [
+        "| constant | prior of the fits | found: mean | between families | within |",
+        "|---|---:|---:|---:|---:|",
+    ]
+    for k, axis in enumerate(AXES):
+        name = f"`{axis.name}`" if axis.name in PARAMETERS else axis.name
+        first, *apart = (_apart(axis, s[k]) for s in (POPULATION.deviation, between, within))
+        before, middle = (_value(axis, m[k]) for m in (POPULATION.mean, found.mean))
+        rows.append(f"| {name} | {before} {first} | {middle} | {' | '.join(apart)} |")
+    return "\n".join(rows)
+
+
+def _value(axis: Axis, coordinate: float) -> str:
+    return fixed(float(np.exp(coordinate)) if axis.logarithmic else coordinate, 3)
+
+
+def _apart(axis: Axis, deviation: float) -> str:
+    """A standard deviation of a coordinate: a factor either way, or a difference."""
+    if axis.logarithmic:
+        return f"\u00d7\u00f7 {fixed(float(np.exp(deviation)), 2)}"
+    return f"± {fixed(deviation, 3)}"
+
+
+def _frame(column: Column, k: int, found: Population, height: float) -> str:
+    """Heading, marks, and the band of a propeller of an unknown family."""
+    axis, foot = AXES[k], height - BOTTOM
+    spread = float(np.sqrt(found.between[k, k] + found.within[k, k]))
+    low, high = column.ends(found.mean[k], spread)
+    parts = [
+        f'<rect class="band" x="{low:.1f}" y="{TOP:g}" width="{high - low:.1f}" '
+        f'height="{foot - TOP:g}"/>',
+        f'<text class="title" x="{column.left:g}" y="14">{axis.name}</text>'
+        f'<text x="{column.left:g}" y="28">[{axis.unit}]</text>',
+    ]
+    for value in axis.marks:
+        if column.low <= axis.coordinate(value) <= column.high:
+            at = column.at(axis.coordinate(value))
+            text = f"{value:g}".replace("-", "\N{MINUS SIGN}")
+            parts.append(f'<path class="grid" d="M{at:.1f} {TOP:g}V{foot:g}"/>')
+            parts.append(f'<text class="x" x="{at:.1f}" y="{TOP - 8.0:g}">{text}</text>')
+    prior = column.at(POPULATION.mean[k])
+    parts.append(f'<path class="zero" d="M{prior:.1f} {TOP:g}V{foot:g}"/>')
+    return "".join(parts)
+
+
+def _expected(column: Column, mean: float, deviation: float, middle: float) -> str:
+    low, high = column.ends(mean, deviation)
+    top, tall = middle - 0.5 * BOX, f"{BOX:g}"
+    return (
+        f'<rect class="family" x="{low:.1f}" y="{top:g}" width="{high - low:.1f}" '
+        f'height="{tall}"/><path class="family" d="M{column.at(mean):.1f} {top:g}v{tall}"/>'
+    )
+
+
+def _member(
+    one: Identified, columns: Sequence[Column], place: Floats, error: Floats, height: float
+) -> str:
+    """The points of one propeller with their error bars, and its name for who points at them."""
+    bars = dots = ""
+    for column, value, deviation in zip(columns, place, error, strict=True):
+        low, high = column.ends(value, deviation)
+        bars += f"M{low:.1f} {height:.1f}H{high:.1f}"
+        dots += f"M{column.at(value):.1f} {height:.1f}h0"
+    return (
+        f'<g><title>{escape(title(one))}</title><path class="bar" d="{bars}"/>'
+        f'<path class="dots c0" d="{dots}"/></g>'
+    )
