@@ -40,6 +40,9 @@ if TYPE_CHECKING:
 
 PRECISIONS = ("float64", "float32")
 
+MOST_STATIONS = 40
+"""Stations that no blade of the catalogue has more of."""
+
 
 class Rotor:
     """Loads of a model at any operating point: the face of the package.
@@ -88,6 +91,7 @@ class Rotor:
         self.model, self.accuracy = model, accuracy
         self.compiled, self.precision = compiled, precision
         self._setting, self._uniform = accuracy_setting(accuracy), False
+        self._stations = 0
 
     def __repr__(self) -> str:
         m = self.model
@@ -101,13 +105,28 @@ class Rotor:
 
         A small batch takes as long as one of some hundred points, but less is compiled in all.
         """
+        rotor = self.with_model(self.model)
+        rotor._uniform = True
+        return rotor
+
+    def for_all_blades(self) -> Rotor:
+        """This rotor, with one set of programs for any blade of up to ``MOST_STATIONS`` stations.
+
+        The loads are the same; it is for a single blade that less is compiled without this.
+        """
+        rotor = self.for_all_sizes()
+        rotor._stations = MOST_STATIONS
+        return rotor
+
+    def with_model(self, model: Model) -> Rotor:
+        """A rotor of another ``model`` with the settings of this one."""
         rotor = Rotor(
-            self.model,
+            model,
             accuracy=self.accuracy,
             compiled=self.compiled,
             precision=self.precision,
         )
-        rotor._uniform = True
+        rotor._uniform, rotor._stations = self._uniform, self._stations
         return rotor
 
     def loads(self, omega: ArrayLike, speed: ArrayLike, beta: ArrayLike) -> Loads:
@@ -231,7 +250,12 @@ class Rotor:
     @functools.cached_property
     def arrays(self) -> RotorArrays:
         """The model as arrays of NumPy float64, for ``propmap.solve.rotor_loads``."""
-        return self.model.arrays()
+        from propmap.arrays.namespace import by_numpy
+        from propmap.physics.geometry import with_stations
+
+        found = self.model.arrays()
+        with by_numpy():
+            return found._replace(blade=with_stations(found.blade, self._stations))
 
     @property
     def _span(self) -> tuple[float, float]:

@@ -14,6 +14,7 @@ import typer
 
 import propmap
 from propmap.cli.check import check
+from propmap.cli.choose import choose
 from propmap.cli.demo import demo
 from propmap.cli.export import export
 from propmap.cli.fit import fit_app
@@ -28,6 +29,7 @@ from propmap.cli.show import show_table
 from propmap.cli.simulate import simulate_app
 from propmap.cli.sweep import sweep
 from propmap.cli.table import table
+from propmap.cli.trim import trim
 from propmap.engine.compilation import compile_quickly
 from propmap.errors import InputError
 from propmap.model.drag_factor import MESSAGE as DRAG_FACTOR
@@ -49,6 +51,8 @@ fit_app.command("static")(fit_static)
 fit_app.command("catalogue")(fit_catalogue)
 app.add_typer(fit_app)
 app.add_typer(simulate_app)
+app.command()(trim)
+app.command()(choose)
 app.command()(check)
 app.command()(report)
 app.add_typer(plot_app)

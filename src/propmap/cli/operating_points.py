@@ -33,7 +33,11 @@ REMEDIES = {
     "rpm": "give revolutions per minute, 0 or more; the spin's direction does not matter here",
     "speed": "give 0 or more m/s; the direction is --beta, 180 in descent",
     "beta": "give degrees: 0 axial climb, 90 edgewise flight, 180 descent",
+    "climb": "give m/s, negative in descent",
 }
+
+SIGNED = ("beta", "climb")
+"""Quantities that may be negative."""
 
 
 @dataclass(frozen=True)
@@ -99,7 +103,7 @@ def check_value(quantity: str, value: float) -> float:
     """``value`` if it can be a ``quantity`` of ``REMEDIES``; else raises ``InputError``."""
     if not np.isfinite(value):
         raise InputError(f"{quantity} is {value}, which is no finite number", REMEDIES[quantity])
-    if value < 0.0 and quantity != "beta":
+    if value < 0.0 and quantity not in SIGNED:
         raise InputError(f"{quantity} is negative ({value:g})", REMEDIES[quantity])
     return value
 

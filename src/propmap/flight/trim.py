@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from propmap.aircraft.newton import solve
 from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.fit.body_forces import wing_values
@@ -31,7 +34,6 @@ LONGEST_STEPS = (0.3, 0.2, 0.2)
 STEEPEST = 1.4
 """Largest pitch and roll [rad]."""
 
-ITERATIONS = 30
 EXACT, ACCEPTED = 1e-9, 1e-4
 """Unbalanced force as a share of the weight: the search ends below the first; up to the second is
 accepted, as the forces jump where the number of azimuths, which depends on the speed, changes."""
@@ -95,7 +97,8 @@ def trim(
     if not radius > 0.0:
         raise InputError(f"the circle's radius is {radius:g} m", "give metres, above 0")
     problem = _Problem(vehicle, airfoil, flown, radius, tether, disturbance)
-    unknowns, left_over = _newton(problem)
+    unknowns = solve(problem.linearised, problem.bounded, problem.first, flown, EXACT)
+    left_over = np.abs(problem.residual(unknowns, np.arange(flown.size))).max(axis=1)
     lost = ~(left_over < ACCEPTED)
     if lost.any():
         first = float(flown[lost].min())
@@ -133,44 +136,53 @@ class _Problem:
         rate = np.full_like(speeds, np.log(TIP_SPEED / vehicle.propeller.radius))
         self.first = np.stack([rate, nothing, bank], axis=1)[:, : self.count]
         # Thrust goes with the square of the rotor speed.
-        carried = np.nan_to_num(self.residual(self.first)[:, 1] + lift, nan=1.0)
+        everyone = np.arange(speeds.size)
+        carried = np.nan_to_num(self.residual(self.first, everyone)[:, 1] + lift, nan=1.0)
         self.first[:, 0] -= 0.5 * np.log(np.clip(carried / lift, 0.05, 20.0))
 
-    def log(self, unknowns: Floats) -> FlightLog:
-        """The circles as operating points."""
-        pitch = unknowns[:, 1]
+    def log(self, unknowns: Floats, which: Any = slice(None)) -> FlightLog:
+        """The circles, or those of some speeds, as operating points."""
+        speeds, pitch = self.speeds[which], unknowns[:, 1]
         roll = unknowns[:, 2] if self.count == 3 else np.zeros_like(pitch)
-        up, turn = in_vehicle_frame(0.0, 0.0, 1.0, pitch, roll), self.speeds / self.radius
-        pull = in_vehicle_frame(0.0, self.speeds * turn, GRAVITY, pitch, roll)
+        up, turn = in_vehicle_frame(0.0, 0.0, 1.0, pitch, roll), speeds / self.radius
+        pull = in_vehicle_frame(0.0, speeds * turn, GRAVITY, pitch, roll)
         rotor_speed = np.exp(unknowns[:, :1])
         return FlightLog(
             source="simulated level circles",
             time=np.arange(pitch.size, dtype=np.float64),
-            velocity=in_vehicle_frame(self.speeds, 0.0, 0.0, pitch, roll),
+            velocity=in_vehicle_frame(speeds, 0.0, 0.0, pitch, roll),
             rates=turn[:, None] * up,
             up=up,
             specific_force=pull,
             rotor_speed=np.repeat(rotor_speed, len(self.vehicle.mounts), axis=1),
         )
 
-    def residual(self, unknowns: Floats) -> Floats:
-        """Forces forward, up and to the left, less those wanted, over the weight; (n, k)."""
-        log = self.log(unknowns)
+    def residual(self, unknowns: Floats, which: NDArray[np.intp]) -> Floats:
+        """Forces forward, up and to the left, less those wanted, over the weight; (m, k)."""
+        log = self.log(unknowns, which)
         # With the derivatives that a fit of the paper's four needs, so as to share its program.
         force = ForceModel(self.vehicle, log, self.airfoil).at(self.values, PAPER_FOUR).force
         forward = np.cross(_left(log.up), log.up)
         parts = np.stack([forward, log.up, _left(log.up)], axis=1)[:, : self.count]
         weight = self.vehicle.mass * GRAVITY
-        return np.asarray(np.einsum("nki,ni->nk", parts, force) / weight - self.wanted)
+        return np.asarray(np.einsum("nki,ni->nk", parts, force) / weight - self.wanted[which])
 
-    def linearised(self, unknowns: Floats) -> tuple[Floats, Floats]:
-        """Residuals (n, k) and their derivatives (n, k, k)."""
-        residual = self.residual(unknowns)
+    def linearised(self, unknowns: Floats, which: NDArray[np.intp]) -> tuple[Floats, Floats]:
+        """Residuals (m, k) and their derivatives (m, k, k)."""
+        residual = self.residual(unknowns, which)
         changed = [
-            self.residual(unknowns + CHANGE * direction) - residual
+            self.residual(unknowns + CHANGE * direction, which) - residual
             for direction in np.eye(self.count)
         ]
         return residual, np.stack(changed, axis=-1) / CHANGE
+
+    def bounded(self, unknowns: Floats, step: Floats) -> Floats:
+        """The step, at most the longest and to the steepest attitude."""
+        longest = np.array(LONGEST_STEPS[: self.count])
+        step = np.clip(step, -longest, longest)
+        angles = unknowns[:, 1:]
+        step[:, 1:] = np.clip(angles + step[:, 1:], -STEEPEST, STEEPEST) - angles
+        return step
 
 
 def _left(up: Floats) -> Floats:
@@ -178,25 +190,3 @@ def _left(up: Floats) -> Floats:
     forward = np.array([1.0, 0.0, 0.0])
     across = np.cross(up, forward)
     return np.asarray(across / np.linalg.norm(across, axis=1, keepdims=True))
-
-
-def _newton(problem: _Problem) -> tuple[Floats, Floats]:
-    """The best unknowns found (n, k), and what they leave over (n,)."""
-    now = problem.first
-    best, left_over = now.copy(), np.full(now.shape[0], np.inf)
-    for _ in range(ITERATIONS):
-        residual, slopes = problem.linearised(now)
-        size = np.nan_to_num(np.max(np.abs(residual), axis=1), nan=np.inf)
-        better = size < left_over
-        best[better], left_over[better] = now[better], size[better]
-        if (left_over < EXACT).all():
-            break
-        known = np.isfinite(slopes).all(axis=(1, 2)) & np.isfinite(size)
-        inverse = np.linalg.pinv(np.where(known[:, None, None], slopes, 0.0))
-        step = -np.einsum("nij,nj->ni", inverse, np.where(known[:, None], residual, 0.0))
-        longest = np.array(LONGEST_STEPS[: problem.count])
-        ahead = now + np.clip(step, -longest, longest)
-        ahead[:, 1:] = np.clip(ahead[:, 1:], -STEEPEST, STEEPEST)
-        # Where there are no loads, back towards where there were some.
-        now = np.where(known[:, None], ahead, 0.5 * (now + best))
-    return best, left_over

@@ -62,6 +62,26 @@ def make_blade(station: Any, chord: Any, twist: Any, blades: Any, root: Any) -> 
     return Blade(station, chord, twist, xp.stack(rows, axis=1), blades, root)
 
 
+def with_stations(blade: Blade, count: int) -> Blade:
+    """The same ``blade`` with up to ``count`` stations, the tip repeated.
+
+    The curves are the same to the last digit: intervals beyond the tip are copies of the last.
+    """
+    more = count - blade.station.shape[0]
+    if more <= 0:
+        return blade
+
+    def longer(values: Array) -> Array:
+        return xp.concatenate([values, *[values[-1:]] * more])
+
+    return blade._replace(
+        station=longer(blade.station),
+        chord=longer(blade.chord),
+        twist=longer(blade.twist),
+        cubics=longer(blade.cubics),
+    )
+
+
 def pchip_slopes(x: Any, y: Any) -> Any:
     """Derivatives at the knots of the monotone piecewise cubic (PCHIP) through (x, y).
 

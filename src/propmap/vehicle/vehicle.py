@@ -8,6 +8,7 @@ from propmap.errors import InputError
 from propmap.model.air import Air
 from propmap.model.propeller import Propeller
 from propmap.physics.mount_drag import MountDrag
+from propmap.vehicle.powertrain import Powertrain
 
 SPINS = ("ccw", "cw")
 Vector = tuple[float, float, float]
@@ -92,6 +93,8 @@ class Vehicle:
         By default the paper's.
     body, wing : Body, Wing or None
         What else carries or drags.
+    powertrain : Powertrain
+        What turns the rotors, as far as it is known.
 
     Raises
     ------
@@ -106,6 +109,7 @@ class Vehicle:
     air: Air = field(default_factory=Air)
     body: Body = Body()
     wing: Wing | None = None
+    powertrain: Powertrain = field(default_factory=Powertrain)
 
     def __post_init__(self) -> None:
         if not 0.001 <= self.mass <= 1000.0:

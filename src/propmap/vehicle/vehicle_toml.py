@@ -17,8 +17,9 @@ from propmap.io.toml_table import TomlTable, parse_toml
 from propmap.model.air import PAPER_DENSITY, PAPER_VISCOSITY, Air
 from propmap.model.propeller import Propeller
 from propmap.physics.mount_drag import MountDrag
-from propmap.vehicle import log_map
+from propmap.vehicle import log_map, powertrain_toml
 from propmap.vehicle.log_map import CHOICES, LogMap, read_log_map
+from propmap.vehicle.powertrain_toml import read_powertrain
 from propmap.vehicle.vehicle import SPINS, Body, Mount, Vector, Vehicle, Wing
 
 SCHEMA = 1
@@ -33,6 +34,7 @@ KEYS = (
     "mount",
     "body",
     "wing",
+    *powertrain_toml.KEYS,
     "log",
 )
 PROPELLER_KEYS = ("geometry", "blades", "radius", "root_cutout")
@@ -63,7 +65,8 @@ def read_vehicle(path: str | os.PathLike[str]) -> VehicleFile:
     the rotors' slipstreams, see ``MountDrag``: ``area`` [m^2], one for all rotors or a list with
     one for each, ``wake`` (by default 1); ``[body]``
     ``drag_area`` (3 numbers [m^2]), ``lift_area`` [m^2]; ``[wing]`` ``area`` [m^2],
-    ``incidence`` [rad], ``c_l1``, ``c_l2``, ``alpha_0`` [rad]; ``[log]``, see ``LogMap``.
+    ``incidence`` [rad], ``c_l1``, ``c_l2``, ``alpha_0`` [rad]; ``[motor]``, ``[esc]`` and
+    ``[battery]``, see ``read_powertrain``; ``[log]``, see ``LogMap``.
 
     Parameters
     ----------
@@ -83,16 +86,18 @@ def read_vehicle(path: str | os.PathLike[str]) -> VehicleFile:
     drags = _mount_drags(top, len(rotors))
     mounts = tuple(_mount(rotor, flip, drag) for rotor, drag in zip(rotors, drags, strict=True))
     mass = top.number("mass", "the take-off mass in kg, battery included")
+    propeller = _propeller(top, Path(where).parent)
     vehicle = _located(
         where,
         lambda: Vehicle(
             name=top.text("name", '"what the vehicle is called"'),
             mass=mass,
-            propeller=_propeller(top, Path(where).parent),
+            propeller=propeller,
             mounts=mounts,
             air=_air(top),
             body=_body(top),
             wing=_wing(top),
+            powertrain=read_powertrain(top, propeller.radius),
         ),
     )
     return VehicleFile(vehicle, read_log_map(top.table("log", log_map.KEYS), len(mounts)))

@@ -1,0 +1,202 @@
+"""Times of trim and of a ranking, and power beside a measurement: `make bench-aircraft`.
+
+Writes results/aircraft.json.  Power: electrical power of an 8 in propeller in TU Delft's open-jet
+tunnel (arXiv 2507.03456, CC BY 4.0), whose shaft power is about 0.874 of it.  Section constants are
+identified on every second steady state, the others are predicted; then motor and controller, as
+three constants, are fitted to the same half.  Left out where the data are not at hand.
+"""
+
+from __future__ import annotations
+
+import csv
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import propmap
+from benchmarks.results_file import machine, write_results
+from propmap.aircraft.candidates import catalogue_candidates
+from propmap.aircraft.ranking import Ranking
+from propmap.aircraft.steady import Aircraft
+from propmap.aircraft.task import Task
+from propmap.catalogue.expected_constants import expected_constants
+from propmap.engine.compilation import compile_quickly, keep_compiled
+from propmap.fit.fitted import Settings, fit
+from propmap.fit.parameters import SECTION, Choice
+from propmap.fit.tunnel import TunnelData, section_with, tunnel_rows
+from propmap.table.build import build_table
+from propmap.vehicle.vehicle import Vehicle
+from propmap.vehicle.vehicle_toml import read_vehicle
+
+EXAMPLE = Path(__file__).parent.parent / "examples" / "aircraft" / "delivery.toml"
+DATA = Path(__file__).parents[2] / "shared" / "data" / "power"
+SPEEDS = np.linspace(0.0, 20.0, 30)
+REPEATS = 5
+
+TABLE_TOLERANCE = 0.05
+"""Of the table that is timed: a query takes as long at any tolerance, a build does not."""
+
+SHAFT_SHARE = 0.874
+RADIUS = 0.1016
+LEAST_POWER, MOST_ADVANCE, LEAST_SAMPLES = 12.0, 0.95, 30
+"""[W], J, and samples of what counts: below, the motor's own losses are most of the power."""
+
+FREE = ("c_l1", "zero_lift_angle", "c_d0")
+
+
+def least(action: Callable[[], object]) -> tuple[float, float]:
+    """Least wall and processor time [s] of some repeats, after one that compiles."""
+    action()
+    times = []
+    for _ in range(REPEATS):
+        start = time.perf_counter(), time.process_time()
+        action()
+        times.append((time.perf_counter() - start[0], time.process_time() - start[1]))
+    return min(t[0] for t in times), min(t[1] for t in times)
+
+
+def trims(vehicle: Vehicle) -> dict[str, Any]:
+    """Times of 30 trims on the rotor and on a table."""
+    law, _ = expected_constants(None)
+    corrections = propmap.corrections_of("recommended")
+    model = propmap.Model(vehicle.propeller, law, vehicle.air, corrections)
+    rotor = propmap.Rotor(model).for_all_blades()
+    table = build_table(
+        propmap.Rotor(model),
+        omega=(350.0, 800.0),
+        speed=(0.0, 22.0),
+        beta=(0.0, 1.7),
+        tolerance=TABLE_TOLERANCE,
+    )
+    found = {}
+    for name, loads in (("rotor", rotor), ("table", table)):
+        aircraft = Aircraft(vehicle, loads)
+        states = aircraft.steady(SPEEDS)
+        wall, processor = least(lambda aircraft=aircraft: aircraft.steady(SPEEDS))  # type: ignore[misc]
+        found[name] = {
+            "speeds": SPEEDS.size,
+            "wall_s": round(wall, 4),
+            "processor_s": round(processor, 4),
+            "found": int(states.found.sum()),
+            "largest_residual": float(np.nanmax(states.residual)),
+        }
+    return found
+
+
+def ranked(vehicle: Vehicle) -> dict[str, Any]:
+    """Times of a ranking of the whole catalogue, programs compiled before."""
+    candidates = catalogue_candidates()
+    ranking = Ranking(vehicle, Task("cruise", 12.0), propmap.corrections_of("recommended"))
+    ranking.judged(candidates[::10])
+    start = time.perf_counter(), time.process_time()
+    judged = ranking.judged(candidates)
+    ranking.with_deviations([one for one in judged if one.feasible][:10])
+    return {
+        "propellers": len(candidates),
+        "feasible": sum(one.feasible for one in judged),
+        "wall_s": round(time.perf_counter() - start[0], 2),
+        "processor_s": round(time.process_time() - start[1], 2),
+    }
+
+
+def steady_rows() -> dict[str, np.ndarray]:
+    """Means over stretches at one airspeed and rotor speed: omega, speed, electrical power."""
+    with (DATA / "wt_10Hz.csv").open(encoding="utf-8") as file:
+        rows = [{k: float(v) for k, v in row.items()} for row in csv.DictReader(file)]
+    groups: dict[tuple[float, float], list[dict[str, float]]] = {}
+    for row in rows:
+        groups.setdefault((round(row["airspeed"]), round(row["rpm"] / 250.0)), []).append(row)
+    found = []
+    for group in (groups[key] for key in sorted(groups)):
+        rpm, speed = (float(np.mean([r[k] for r in group])) for k in ("rpm", "airspeed"))
+        power = float(np.mean([r["voltage"] * r["current"] for r in group]))
+        advance = speed / max(rpm / 60.0 * 2.0 * RADIUS, 1e-9)
+        if len(group) >= LEAST_SAMPLES and power > LEAST_POWER and advance < MOST_ADVANCE:
+            found.append((rpm * np.pi / 30.0, speed, power))
+    omega, speeds, powers = np.array(found).T
+    return {"omega": omega, "speed": speeds, "power": powers}
+
+
+def measured_power() -> dict[str, Any]:
+    """Errors of predicted power on the half that was not fitted, both ways round."""
+    with (DATA / "propeller_geometry.csv").open(encoding="utf-8") as file:
+        blade = [[float(v) for v in row.values()] for row in csv.DictReader(file)]
+    station, chord, twist = np.array(blade).T
+    propeller = propmap.Propeller("tunnel", 2, station * RADIUS, chord * RADIUS, np.radians(twist))
+    law, _ = expected_constants(None)
+    base = propmap.Model(propeller, law)
+    rows = steady_rows()
+    omega, speed, power = rows["omega"], rows["speed"], rows["power"]
+    shaft = SHAFT_SHARE * power
+    unfitted = propmap.Rotor(base, compiled=False).loads(omega, speed, 0.0).power
+    halves = []
+    for first in (0, 1):
+        train = np.arange(omega.size) % 2 == first
+        data = TunnelData(
+            "tunnel",
+            omega[train],
+            speed[train],
+            np.zeros(int(train.sum())),
+            {"torque": shaft[train] / omega[train]},
+        )
+        given: Any = {name: getattr(law, name) for name in SECTION}
+        choice = Choice(
+            FREE,
+            fixed={k: v for k, v in given.items() if k not in FREE},
+            start={k: given[k] for k in FREE},
+        )
+        values = fit(tunnel_rows(base, data, choice), choice, Settings(starts=1, folds=0)).values
+        rotor = propmap.Rotor(base.with_airfoil(section_with(law, values)), compiled=False)
+        predicted = rotor.loads(omega, speed, 0.0).power
+        # R i^2, i_0 omega/Kv and their cross term, with i = Kv Q + i_0.
+        torque = predicted / omega
+        terms = np.stack([torque**2, omega, torque], axis=1)
+        weight = 1.0 / power[train]
+        losses = np.linalg.lstsq(
+            terms[train] * weight[:, None], (power - predicted)[train] * weight, rcond=None
+        )[0]
+        halves.append(
+            {
+                "constants": {k: round(float(values[k]), 4) for k in FREE},
+                "states": int((~train).sum()),
+                "shaft": errors(predicted[~train], shaft[~train]),
+                "electrical_by_the_share": errors(predicted[~train] / SHAFT_SHARE, power[~train]),
+                "electrical_by_a_motor": errors(
+                    (predicted + terms @ losses)[~train], power[~train]
+                ),
+            }
+        )
+    return {"unfitted_shaft": errors(unfitted, shaft), "halves": halves}
+
+
+def errors(predicted: np.ndarray, measured: np.ndarray) -> dict[str, float]:
+    """Root mean squares of the error over that of the power, and of the relative error."""
+    off = predicted - measured
+    return {
+        "rms_of_rms": round(float(np.sqrt(np.mean(off**2) / np.mean(measured**2))), 4),
+        "rms_relative": round(float(np.sqrt(np.mean((off / measured) ** 2))), 4),
+    }
+
+
+def main() -> None:
+    """Measure, print, and write the results."""
+    keep_compiled()
+    vehicle = read_vehicle(EXAMPLE).vehicle
+    found: dict[str, Any] = {
+        "machine": machine(),
+        "trim": trims(vehicle),
+        "choose": ranked(vehicle),
+    }
+    if DATA.exists():
+        found["power"] = measured_power()
+    for name, value in found.items():
+        print(name, value)
+    print(write_results("aircraft.json", found))
+
+
+if __name__ == "__main__":
+    compile_quickly()
+    main()

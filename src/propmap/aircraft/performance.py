@@ -1,0 +1,239 @@
+"""What a power curve says: hover, least power, best range, top speed and what limits it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from propmap.aircraft.steady import Aircraft, SteadyStates
+from propmap.arrays.types import Floats
+from propmap.errors import InputError
+
+BEYOND = 1.3
+"""Ratio of the speeds at which the top speed is looked for beyond those that were asked for."""
+
+FASTEST = 150.0
+"""[m/s] up to which it is looked for."""
+
+STEPS = 40
+"""Of a search for the top speed, at most."""
+
+CLOSE, NARROW = 2e-3, 0.1
+"""The interval with the top speed is narrowed until it is so small a share of it, each time to so
+much about where the share of the limit is likely to reach 1."""
+
+WITHIN = 0.999
+"""Share of the last interval, so that rounding does not put the top speed beyond the limit."""
+
+SPEEDS = 41
+"""At which power is looked at, from rest to the top speed."""
+
+
+@dataclass(frozen=True, eq=False)
+class NamedState:
+    """One steady state that has a name.
+
+    Attributes
+    ----------
+    speed : float
+        Through the air [m/s].
+    ground_speed : float
+        [m/s].
+    power, electrical_power : float
+        Electrical if known, else of the shafts; electrical, NaN if not known [W].
+    endurance, distance : float
+        Time and distance over ground on one battery [s], [m]; NaN without a battery.
+    """
+
+    speed: float
+    ground_speed: float
+    power: float
+    electrical_power: float
+    endurance: float
+    distance: float
+
+
+@dataclass(frozen=True, eq=False)
+class Performance:
+    """What an aircraft does in level flight.
+
+    Attributes
+    ----------
+    states : SteadyStates
+        At the n speeds asked for.
+    endurance, distance : ndarray, shape (n,)
+        On one battery [s], and over ground [m]; NaN without a battery.
+    hover, least_power, best_range, fastest : NamedState or None
+        At rest, at the speed of least power and longest time, at that of the most distance over
+        ground (without a battery: per energy), at the top speed; None where there is none.
+    limit : str
+        Status of states just above the top speed; empty where none was found up to ``FASTEST``.
+    wind : float
+        Headwind [m/s].
+    """
+
+    states: SteadyStates
+    endurance: Floats
+    distance: Floats
+    hover: NamedState | None
+    least_power: NamedState | None
+    best_range: NamedState | None
+    fastest: NamedState | None
+    limit: str
+    wind: float
+
+
+def endurance(aircraft: Aircraft, states: SteadyStates) -> Floats:
+    """Time of flight in each state on one battery [s], (n,); NaN without a battery.
+
+    Parameters
+    ----------
+    aircraft, states : Aircraft, SteadyStates
+        What flies, and how.
+    """
+    battery = aircraft.vehicle.powertrain.battery
+    if battery is None:
+        return np.full(len(states), math.nan)
+    needed = np.max(states.throttle * states.battery_voltage[:, None], axis=1)
+    return battery.endurance(states.electrical_power, needed, aircraft.limits.charge)
+
+
+def performance(
+    aircraft: Aircraft, states: SteadyStates, *, climb: float = 0.0, wind: float = 0.0
+) -> Performance:
+    """Find the states that have a name.
+
+    Parameters
+    ----------
+    aircraft : Aircraft
+        What flies.
+    states : SteadyStates
+        At two or more rising speeds, all at one climb rate, from ``aircraft.steady``.
+    climb : float
+        That climb rate [m/s].
+    wind : float
+        Headwind [m/s]; it changes distances alone.
+
+    Raises
+    ------
+    InputError
+        For speeds that do not rise, and a wind that is no number.
+    """
+    speed = states.speed
+    if speed.size < 2 or not (np.diff(speed) > 0.0).all():
+        raise InputError("the speeds must rise", "give two or more, each once")
+    if not math.isfinite(wind):
+        raise InputError(f"the wind is {wind}", "give a headwind in m/s, negative from behind")
+    fastest, limit = top_speed(aircraft, states, climb)
+    last = speed[-1] if math.isnan(fastest) else fastest
+    grid = np.linspace(0.0, last, SPEEDS)
+    curve = aircraft.steady(grid, climb, margin=False, near=states)
+    power = curve.power
+    ok = np.isfinite(power)
+    # Distance per energy; where the wind is faster there is none.
+    ahead = ok & (grid > wind)
+    least = _lowest(grid[ok], power[ok])
+    best = _lowest(grid[ahead], power[ahead] / (grid[ahead] - wind))
+    wanted = np.array([0.0, least, best, fastest])
+    asked = np.isfinite(wanted)
+    named: list[NamedState | None] = [None] * len(wanted)
+    if asked.any():
+        found = aircraft.steady(wanted[asked], climb, margin=False, near=curve)
+        time = endurance(aircraft, found)
+        for place, k in enumerate(np.flatnonzero(asked)):
+            if found.found[place]:
+                named[k] = _named(found, place, float(time[place]), wind)
+    times = endurance(aircraft, states)
+    ground = states.speed - wind
+    hover, least_power, best_range, top = named
+    return Performance(
+        states, times, times * ground, hover, least_power, best_range, top, limit, wind
+    )
+
+
+def _named(states: SteadyStates, k: int, time: float, wind: float) -> NamedState:
+    v = float(states.speed[k])
+    return NamedState(
+        speed=v,
+        ground_speed=v - wind,
+        power=float(states.power[k]),
+        electrical_power=float(states.electrical_power[k]),
+        endurance=time,
+        distance=time * (v - wind),
+    )
+
+
+def _lowest(x: Floats, y: Floats) -> float:
+    """Where y is least, by the parabola through the least sample and its neighbours."""
+    if not x.size:
+        return math.nan
+    k = int(np.argmin(y))
+    if k in (0, x.size - 1):
+        return float(x[k])
+    # Divided differences, as the speeds need not be evenly spaced.
+    a, b, c = x[k - 1 : k + 2]
+    first = (y[k] - y[k - 1]) / (b - a)
+    second = ((y[k + 1] - y[k]) / (c - b) - first) / (c - a)
+    return float(np.clip(0.5 * (a + b) - 0.5 * first / second, a, c)) if second > 0.0 else float(b)
+
+
+def top_speed(aircraft: Aircraft, states: SteadyStates, climb: float) -> tuple[float, str]:
+    """The top speed [m/s], NaN where there is none, and the status beyond it.
+
+    Parameters
+    ----------
+    aircraft : Aircraft
+        What flies.
+    states : SteadyStates
+        At two or more rising speeds, all at one climb rate.
+    climb : float
+        That climb rate [m/s].
+    """
+    low, high, why = _last_and_next(states)
+    for _ in range(STEPS):
+        if math.isnan(low):
+            return math.nan, why
+        if math.isnan(high):
+            if low >= FASTEST:
+                return math.nan, ""
+            # The last two that are flown, to begin from, and one beyond.
+            speeds = np.array([*states.speed[states.found][-2:], max(low, 1.0) * BEYOND])
+        elif high - low <= CLOSE * high:
+            break
+        else:
+            met = _met(states, low, high, why)
+            inner = met + NARROW * (high - low) * np.array([-1.0, 0.0, 1.0])
+            if math.isnan(met):
+                inner = low + (high - low) * np.array([0.25, 0.5, 0.75])
+            inner = inner[(inner > low) & (inner < high)]
+            speeds = np.concatenate([[low], inner, [high]])
+        following = aircraft.steady(speeds, climb, margin=False, near=states)
+        found = _last_and_next(following)
+        if math.isnan(found[0]):
+            break  # at the edge of what can be solved
+        states, (low, high, why) = following, found
+    met = _met(states, low, high, why)
+    return (low if math.isnan(met) else low + WITHIN * (met - low)), why
+
+
+def _met(states: SteadyStates, low: float, high: float, why: str) -> float:
+    """Where the share of a limit reaches 1 between two neighbouring speeds; NaN if not known."""
+    if why not in states.used:
+        return math.nan
+    k = int(np.argmin(np.abs(states.speed - low)))
+    before, after = np.log(np.maximum(states.used[why][k : k + 2], 1e-9))
+    step = -before / (after - before)
+    return low + step * (high - low) if 0.0 <= step <= 1.0 else math.nan
+
+
+def _last_and_next(states: SteadyStates) -> tuple[float, float, str]:
+    """The last speed that is flown, the next that is not, and why not; NaN where there is none."""
+    flown = np.flatnonzero(states.found)
+    if not flown.size:
+        return math.nan, float(states.speed[0]), str(states.status[0])
+    last = int(flown[-1])
+    if last == len(states) - 1:
+        return float(states.speed[last]), math.nan, ""
+    return float(states.speed[last]), float(states.speed[last + 1]), str(states.status[last + 1])

@@ -1,0 +1,296 @@
+"""An aircraft's steady states: level flight, climb, descent and coordinated turns."""
+
+from __future__ import annotations
+
+import copy
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from propmap.aircraft.balance import Balance, Balanced, Flight
+from propmap.aircraft.hover_loads import HoverLoads
+from propmap.aircraft.limits import LIMITS, Limits
+from propmap.aircraft.margin import thrust_margin
+from propmap.aircraft.rotors import Rotors
+from propmap.arrays.types import Floats
+from propmap.baselines.hover import REFERENCE_TIP_SPEED, HoverModel
+from propmap.errors import InputError
+from propmap.operating_points import broadcast
+from propmap.rotor import Rotor
+from propmap.vehicle.vehicle import Vehicle
+
+if TYPE_CHECKING:
+    from propmap.table.query import LoadTable
+
+STEEPEST_BANK = math.radians(80.0)
+
+SOLVED, ACCEPTED, JUMP = 1e-10, 1e-8, 2e-3
+"""Unbalanced share of the weight at which the search ends; up to which a state is balanced; and up
+to which a rotor's loads may jump past the balance, where their nodes change with the speed."""
+
+EXTRAPOLATED = 2.0
+"""Intervals of known states over which a search begins on their line, at most."""
+
+NOT_FOUND = "no_trim"
+OUTSIDE_TABLE = "outside_table"
+VORTEX_RING = "vortex_ring"
+
+COARSE = "coarse"
+FLOWN = ("ok", COARSE, VORTEX_RING)
+"""Statuses of states with numbers."""
+
+STATUSES = {
+    "ok": "found, within every limit",
+    COARSE: f"found, but the loads jump past the balance, by less than {JUMP:.1%} of the weight",
+    VORTEX_RING: "found, but a rotor is in the vortex ring state: not to be trusted",
+    **{name: f"beyond {words}" for name, words in LIMITS.items()},
+    OUTSIDE_TABLE: "nothing balances the aircraft inside the table's envelope",
+    NOT_FOUND: "no attitude and rotor speeds balance it: too much drag, or a wing that has stalled",
+}
+"""Statuses in words."""
+
+
+@dataclass(frozen=True, eq=False)
+class SteadyStates:
+    """n steady states of an aircraft with k rotors.
+
+    Of a state that was not found, or is beyond a limit, all are NaN but the first three and, beyond
+    a limit, the next two, which say by how much.
+
+    Attributes
+    ----------
+    speed, climb, bank : ndarray, shape (n,)
+        Horizontal speed through the air [m/s], climb rate [m/s], and bank of a coordinated level
+        turn [rad], positive to the right.
+    used : dict of str to ndarray, shape (n,)
+        Share of each of ``LIMITS`` that the state uses or would use, 1 at the limit.
+    thrust_margin : ndarray, shape (n,)
+        Thrust of all rotors, were all sped up alike to the first limit, over that which is needed;
+        below 1 beyond a limit.
+    pitch, roll : ndarray, shape (n,)
+        Positive nose down, and right side down [rad].
+    rotor_speed, thrust, torque : ndarray, shape (n, k)
+        Of each rotor [rad/s], [N], [N m].
+    shaft_power : ndarray, shape (n,)
+        Of all rotors [W].
+    electrical_power : ndarray, shape (n,)
+        At the battery's terminals [W]; NaN where the vehicle has no motor.
+    motor_current, throttle : ndarray, shape (n, k)
+        [A]; share of the battery's voltage [-].  NaN where the vehicle has no motor, no battery.
+    battery_current, battery_voltage : ndarray, shape (n,)
+        [A], [V]; NaN where the vehicle has no battery.
+    moment : ndarray, shape (n, 3)
+        About the centre of mass, what rotors cannot balance and control surfaces must [N m].
+    residual : ndarray, shape (n,)
+        The largest unbalanced force over the weight, and moment over the weight times the longest
+        arm [-].
+    status : ndarray of str, shape (n,)
+        Of ``STATUSES``.
+    """
+
+    speed: Floats
+    climb: Floats
+    bank: Floats
+    used: dict[str, Floats]
+    thrust_margin: Floats
+    pitch: Floats
+    roll: Floats
+    rotor_speed: Floats
+    thrust: Floats
+    torque: Floats
+    shaft_power: Floats
+    electrical_power: Floats
+    motor_current: Floats
+    throttle: Floats
+    battery_current: Floats
+    battery_voltage: Floats
+    moment: Floats
+    residual: Floats
+    status: NDArray[np.str_]
+
+    def __len__(self) -> int:
+        return int(self.speed.size)
+
+    @property
+    def found(self) -> NDArray[np.bool_]:
+        """Where there are numbers, (n,)."""
+        return np.isfinite(self.shaft_power)
+
+    @property
+    def power(self) -> Floats:
+        """Electrical power where it is known, else shaft power [W], (n,)."""
+        known = np.isfinite(self.electrical_power)
+        return np.where(known, self.electrical_power, self.shaft_power)
+
+
+class Aircraft:
+    """A vehicle with the loads of its rotors: the face of this package.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        What flies, from ``read_vehicle(path).vehicle``.
+    loads : Rotor or LoadTable
+        Of its rotors.  A search has batches of many sizes: ``Rotor(...).for_all_blades()`` takes
+        least time in all.
+    maximum_rotor_speed : float
+        [rad/s] besides what the vehicle's motor tells.
+    charge : float
+        State of charge, 0 to 1, at which the limits are taken.
+
+    Raises
+    ------
+    InputError
+        Where the loads are of another propeller or air than the vehicle's.
+    """
+
+    def __init__(
+        self,
+        vehicle: Vehicle,
+        loads: Rotor | LoadTable,
+        *,
+        maximum_rotor_speed: float = math.inf,
+        charge: float = 1.0,
+    ) -> None:
+        self.vehicle, self.loads = vehicle, loads
+        self.limits = Limits(vehicle.powertrain, maximum_rotor_speed, charge)
+        self._rotors = Rotors.of(vehicle, loads)
+        self._balance = Balance(vehicle, self._rotors)
+        self._lost = NOT_FOUND if isinstance(loads, Rotor) else OUTSIDE_TABLE
+
+    def with_hover_model(self) -> Aircraft:
+        """The same aircraft with the hover model of its rotors: no drag, loads as at rest."""
+        other = copy.copy(self)
+        omega = REFERENCE_TIP_SPEED / self.vehicle.propeller.radius
+        if not isinstance(self.loads, Rotor):
+            omega = min(
+                max(omega, self.loads.envelope["omega"][0]), self.loads.envelope["omega"][1]
+            )
+        still = self.loads.loads(omega, 0.0, 0.0)
+        hover = HoverModel(float(still.thrust) / omega**2, float(still.torque) / omega**2, omega)
+        everyone = np.arange(len(self._rotors))
+        other._rotors = Rotors(self.vehicle, [(HoverLoads(hover), everyone)])
+        other._balance = Balance(self.vehicle, other._rotors)
+        other._lost = NOT_FOUND
+        return other
+
+    def steady(
+        self,
+        speed: ArrayLike,
+        climb: ArrayLike = 0.0,
+        bank: ArrayLike = 0.0,
+        *,
+        margin: bool = True,
+        near: SteadyStates | None = None,
+    ) -> SteadyStates:
+        """Steady states, nose first.
+
+        Parameters
+        ----------
+        speed : array_like
+            Horizontal speed through the air [m/s], >= 0.
+        climb : array_like
+            Climb rate through the air, negative in descent [m/s].
+        bank : array_like
+            Of a coordinated level turn, positive to the right [rad]; all three broadcast to (n,).
+        margin : bool
+            Whether the thrust margin is wanted, which takes as long again.
+        near : SteadyStates, optional
+            States at rising speeds between and beyond which the search begins; it takes less time
+            then.
+
+        Raises
+        ------
+        InputError
+            For negative speeds, a bank beyond 80 degrees, and a turn on the spot.
+        """
+        v, w, turn = (np.atleast_1d(a) for a in broadcast(speed=speed, climb=climb, bank=bank))
+        if v.ndim > 1:
+            raise InputError(f"speed, climb and bank have {v.ndim} axes together", "give one")
+        if (v < 0.0).any():
+            raise InputError(f"speed is negative ({v.min():g})", "the nose points into the flight")
+        if (np.abs(turn) > STEEPEST_BANK).any():
+            raise InputError("bank is beyond 80 degrees", "give radians, -1.39 to 1.39")
+        if ((turn != 0.0) & ((v == 0.0) | (w != 0.0))).any():
+            raise InputError("a turn is level and takes speed", "give speed above 0 and climb 0")
+        flight = Flight(v, w, turn)
+        first = None if near is None else self._between(near, v)
+        found = self._balance.solve(flight, SOLVED, first)
+        return self._states(flight, found, margin=margin)
+
+    def _between(self, near: SteadyStates, speed: Floats) -> Floats | None:
+        """Unknowns (n, u) on the lines through known states, None where there are too few."""
+        known = np.flatnonzero(near.found)
+        if known.size < 2:
+            return None
+        at = near.speed[known]
+        values = self._balance.unknowns(
+            near.pitch[known], near.roll[known], near.rotor_speed[known] ** 2
+        )
+        k = np.clip(np.searchsorted(at, speed), 1, known.size - 1)
+        share = ((speed - at[k - 1]) / (at[k] - at[k - 1]))[:, None]
+        share = np.minimum(share, EXTRAPOLATED)
+        return values[k - 1] + share * (values[k] - values[k - 1])
+
+    def _used(self, omega: Floats, velocity: Floats, torque: Floats) -> dict[str, Floats]:
+        axial = np.einsum("...kj,kj->...k", velocity, self._rotors.axis)
+        across = np.sqrt(np.maximum(np.sum(velocity**2, axis=-1) - axial**2, 0.0))
+        tip = np.hypot(omega * self._rotors.radius + across, axial)
+        electric = self.vehicle.powertrain.driven(torque, omega, self.limits.charge)
+        return self.limits.used(omega, tip, electric)
+
+    def _states(self, flight: Flight, found: Balanced, *, margin: bool) -> SteadyStates:
+        omega, wrenches = found.omega, found.wrenches
+        used = self._used(omega, found.velocity, wrenches.torque)
+        lost = ~(found.residual <= JUMP)
+        ring = (wrenches.status == VORTEX_RING).any(axis=1)
+        over = [share > 1.0 for share in used.values()]
+        rough = found.residual > ACCEPTED
+        names = [self._lost, *used, VORTEX_RING, COARSE]
+        status = np.select([lost, *over, ring, rough], names, "ok")
+        electric = self.vehicle.powertrain.driven(wrenches.torque, omega, self.limits.charge)
+        gone = ~np.isin(status, FLOWN)
+        nothing = np.full(len(gone), math.nan)
+        margins = np.array(nothing)
+        if margin and not lost.all():
+            margins[~lost] = self._thrust_margin(omega[~lost], found.velocity[~lost])
+
+        def known(values: Floats, where: NDArray[np.bool_] = gone) -> Floats:
+            return np.where(where.reshape(-1, *[1] * (values.ndim - 1)), math.nan, values)
+
+        return SteadyStates(
+            *flight,
+            used={name: known(share, lost) for name, share in used.items()},
+            pitch=known(found.pitch),
+            roll=known(found.roll),
+            rotor_speed=known(omega),
+            thrust=known(wrenches.thrust),
+            torque=known(wrenches.torque),
+            shaft_power=known(np.sum(wrenches.torque * omega, axis=1)),
+            electrical_power=known(electric.power),
+            motor_current=known(electric.motor_current),
+            throttle=known(electric.controller_voltage / electric.battery_voltage[:, None]),
+            battery_current=known(electric.battery_current),
+            battery_voltage=known(electric.battery_voltage),
+            moment=known(found.moment),
+            thrust_margin=margins,
+            residual=known(found.residual),
+            status=status,
+        )
+
+    def _thrust_margin(self, omega: Floats, velocity: Floats) -> Floats:
+        def at(factors: Floats) -> tuple[Floats, Floats]:
+            turning = omega * factors[..., None]
+            moving = np.broadcast_to(velocity, (*turning.shape, 3))
+            wrenches = self._rotors.wrenches(turning, moving)
+            flat = (-1, omega.shape[1])
+            shares = self._used(
+                turning.reshape(flat), moving.reshape(*flat, 3), wrenches.torque.reshape(flat)
+            )
+            largest = np.max(list(shares.values()), axis=0)
+            return largest.reshape(factors.shape), wrenches.thrust.sum(axis=-1)
+
+        return thrust_margin(at, len(omega))

@@ -1,0 +1,60 @@
+"""An aircraft on a load table flies as on the rotor, within the table's tolerance."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import propmap
+from propmap.aircraft.steady import Aircraft
+from propmap.errors import InputError
+from propmap.physics.mount_drag import MountDrag
+from propmap.table import LoadTable, build_table
+from propmap.vehicle.vehicle import Vehicle
+
+from .conftest import rotor_of
+
+pytestmark = pytest.mark.slow
+
+
+@pytest.fixture(scope="module")
+def table(vehicle: Vehicle) -> LoadTable:
+    rotor = propmap.Rotor(rotor_of(vehicle).model)
+    return build_table(
+        rotor,
+        omega=(450.0, 800.0),
+        speed=(0.0, 14.0),
+        beta=(0.0, 1.7),
+        tolerance=0.03,
+        certificate_points=256,
+    )
+
+
+def test_the_same_states(vehicle: Vehicle, table: LoadTable) -> None:
+    speeds = np.array([0.0, 5.0, 12.0])
+    by_rotor = Aircraft(vehicle, rotor_of(vehicle)).steady(speeds, margin=False)
+    by_table = Aircraft(vehicle, table).steady(speeds, margin=False)
+    assert by_table.status.tolist() == ["ok"] * 3
+    assert by_table.shaft_power == pytest.approx(by_rotor.shaft_power, rel=0.03)
+    assert by_table.pitch == pytest.approx(by_rotor.pitch, abs=0.01)
+    assert by_table.residual.max() < 1e-8
+
+
+def test_outside_is_said(vehicle: Vehicle, table: LoadTable) -> None:
+    states = Aircraft(vehicle, table).steady([20.0], margin=False)
+    assert states.status.tolist() == ["outside_table"]
+    assert np.isnan(states.shaft_power[0])
+
+
+def test_a_table_of_something_else(vehicle: Vehicle, table: LoadTable) -> None:
+    thin = replace(vehicle, air=propmap.Air(1.0, 1.8e-5))
+    with pytest.raises(InputError, match=r"holds for 1\.225"):
+        Aircraft(thin, table)
+    other = replace(vehicle, propeller=propmap.propeller("apc-9x6e"))
+    with pytest.raises(InputError, match="the table is of"):
+        Aircraft(other, table)
+    mounted = tuple(replace(m, drag=MountDrag(1e-3)) for m in vehicle.mounts)
+    with pytest.raises(InputError, match=r"\[mount\]"):
+        Aircraft(replace(vehicle, mounts=mounted), table)

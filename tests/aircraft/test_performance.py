@@ -1,0 +1,151 @@
+"""What is named on a power curve, missions, and tables in place of the rotor."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from propmap.aircraft.columns import rows
+from propmap.aircraft.mission import EMPTY, Mission, fly, read_mission
+from propmap.aircraft.performance import Performance, endurance, performance, top_speed
+from propmap.aircraft.steady import Aircraft
+from propmap.errors import InputError
+from propmap.vehicle.powertrain import Powertrain
+from propmap.vehicle.vehicle import Body, Vehicle
+
+from .conftest import aircraft_of
+
+
+@pytest.fixture(scope="module")
+def weak(vehicle: Vehicle) -> Aircraft:
+    """One that is limited at a moderate speed, so that few states are needed."""
+    return aircraft_of(vehicle, maximum_rotor_speed=720.0)
+
+
+@pytest.fixture(scope="module")
+def found(weak: Aircraft) -> Performance:
+    return performance(weak, weak.steady([0.0, 12.0], margin=False))
+
+
+@pytest.mark.slow
+def test_named_states(weak: Aircraft, found: Performance) -> None:
+    assert found.hover is not None and found.least_power is not None
+    assert found.best_range is not None and found.fastest is not None
+    assert 0.0 < found.least_power.speed < found.best_range.speed <= found.fastest.speed
+    beside = weak.steady(found.least_power.speed + np.array([-1.5, 0.0, 1.5]), margin=False).power
+    assert beside[1] < beside[0] and beside[1] < beside[2]
+    around = found.best_range.speed + np.array([-1.5, 0.0, 1.5])
+    cost = weak.steady(around, margin=False).power / around
+    assert cost[1] < cost[0] and cost[1] < cost[2]
+    assert found.least_power.endurance > found.hover.endurance
+    assert found.best_range.distance == pytest.approx(
+        found.best_range.endurance * found.best_range.speed
+    )
+
+
+@pytest.mark.slow
+def test_top_speed_is_at_its_limit(weak: Aircraft, found: Performance) -> None:
+    assert found.fastest is not None and found.limit == "rpm_limit"
+    edge = weak.steady(found.fastest.speed * np.array([1.0, 1.002]), margin=False)
+    assert edge.status.tolist() == ["ok", "rpm_limit"]
+    assert edge.used["rpm_limit"][0] == pytest.approx(1.0, abs=1e-3)
+
+
+@pytest.mark.slow
+def test_top_speed_falls_with_drag(vehicle: Vehicle) -> None:
+    tops = []
+    for area in (0.01, 0.02, 0.04):
+        craft = aircraft_of(replace(vehicle, body=Body((area,) * 3)), maximum_rotor_speed=750.0)
+        tops.append(top_speed(craft, craft.steady([0.0, 10.0], margin=False), 0.0)[0])
+    assert tops[0] > tops[1] > tops[2] > 10.0
+
+
+@pytest.mark.slow
+def test_wind_changes_distances_alone(weak: Aircraft, found: Performance) -> None:
+    ahead = performance(weak, found.states, wind=4.0)
+    assert ahead.endurance == pytest.approx(found.endurance)
+    assert ahead.distance == pytest.approx(found.endurance * (found.states.speed - 4.0))
+    assert ahead.best_range is not None and found.best_range is not None
+    assert ahead.best_range.speed > found.best_range.speed
+
+
+def test_electrical_power_is_shaft_power_and_losses(aircraft: Aircraft, vehicle: Vehicle) -> None:
+    states = aircraft.steady([0.0, 10.0], margin=False)
+    assert states.shaft_power == pytest.approx(
+        np.sum(states.torque * states.rotor_speed, axis=1), rel=1e-12
+    )
+    current = states.motor_current
+    kv = vehicle.powertrain.motor.speed_constant
+    lost = (0.12 + 0.01) * current**2 + 0.6 * states.rotor_speed / kv
+    assert states.electrical_power == pytest.approx(
+        states.shaft_power + lost.sum(axis=1) + 5.0, rel=1e-12
+    )
+    assert states.battery_current * states.battery_voltage == pytest.approx(
+        states.electrical_power, rel=1e-12
+    )
+
+
+def test_without_a_motor_power_is_that_of_the_shafts(vehicle: Vehicle) -> None:
+    craft = aircraft_of(replace(vehicle, powertrain=Powertrain()))
+    states = craft.steady([0.0], margin=False)
+    assert np.isnan(states.electrical_power).all() and np.isnan(states.throttle).all()
+    assert states.power == pytest.approx(states.shaft_power)
+    assert np.isnan(endurance(craft, states)).all()
+
+
+def test_rows_have_no_nan(vehicle: Vehicle) -> None:
+    listed = rows(aircraft_of(vehicle, maximum_rotor_speed=400.0).steady(0.0))
+    assert listed[0]["status"] == "rpm_limit" and listed[0]["rpm_1"] is None
+    assert listed[0]["thrust_4_N"] is None and listed[0]["speed_mps"] == 0.0
+    assert not any(isinstance(v, float) and math.isnan(v) for v in listed[0].values())
+
+
+def test_a_mission_uses_its_energy(aircraft: Aircraft) -> None:
+    legs = Mission(np.array([0.0, 10.0]), np.array([2.0, 0.0]), np.array([20.0, 300.0]))
+    flown = fly(aircraft, legs)
+    assert flown.status.tolist() == ["ok", "ok"]
+    assert flown.energy == pytest.approx(flown.states.electrical_power * legs.duration)
+    assert 1.0 > flown.charge[0] > flown.charge[1] > 0.5
+    # The same in two halves.
+    halves = Mission(
+        np.array([0.0, 10.0, 10.0]), np.array([2.0, 0.0, 0.0]), np.array([20.0, 150.0, 150.0])
+    )
+    assert fly(aircraft, halves).charge[-1] == pytest.approx(flown.charge[-1], abs=1e-9)
+
+
+def test_a_mission_empties_the_battery(aircraft: Aircraft) -> None:
+    legs = Mission(np.array([0.0, 0.0]), np.array([0.0, 0.0]), np.array([3600.0, 60.0]))
+    flown = fly(aircraft, legs)
+    assert flown.status[0] == EMPTY and np.isnan(flown.charge).all()
+
+
+BAD_MISSIONS = {
+    "text": ("speed_mps,climb_mps,duration_s\nfast,0,10\n", "line 2"),
+    "no row": ("speed_mps,climb_mps,duration_s\n", "no row"),
+    "no column": ("speed_mps,duration_s\n5,10\n", "climb_mps is missing"),
+    "a column twice": ("speed_mps,climb_mps,duration_s,climb_mps\n5,0,10,0\n", "twice"),
+    "no duration": ("speed_mps,climb_mps,duration_s\n5,0,0\n", "duration_s is 0"),
+    "a negative speed": ("speed_mps,climb_mps,duration_s\n-5,0,10\n", "positive"),
+    "a cell missing": ("speed_mps,climb_mps,duration_s\n5,0\n", "line 2"),
+    "nothing": ("", "."),
+}
+
+
+@pytest.mark.parametrize("case", BAD_MISSIONS)
+def test_bad_missions(case: str, tmp_path: Path) -> None:
+    text, told = BAD_MISSIONS[case]
+    path = tmp_path / "legs.csv"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(InputError, match=told) as error:
+        read_mission(path)
+    assert "legs.csv" in str(error.value)
+
+
+def test_speeds_must_rise(aircraft: Aircraft) -> None:
+    states = aircraft.steady([5.0, 5.0], margin=False)
+    with pytest.raises(InputError, match="rise"):
+        performance(aircraft, states)

@@ -1,0 +1,149 @@
+"""The ranking of propellers, checked by flying its first and its last by hand."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import propmap
+from propmap.aircraft.candidates import Candidate, catalogue_candidates, file_candidate
+from propmap.aircraft.mission import Mission
+from propmap.aircraft.ranking import Judged, Ranking
+from propmap.aircraft.ranking_comparison import beats, pareto
+from propmap.aircraft.steady import Aircraft
+from propmap.aircraft.task import Task
+from propmap.catalogue.identified import identified
+from propmap.errors import InputError
+
+from .conftest import quadcopter
+
+INCH = 0.0254
+RECOMMENDED = propmap.corrections_of("recommended")
+
+
+@pytest.fixture(scope="module")
+def candidates() -> list[Candidate]:
+    wanted = ("uiuc-apcsf-10x4.7", "uiuc-apce-10x7", "uiuc-gwssf-9x4.7", "apc-11x7e")
+    fit = [one for one in catalogue_candidates() if one.name in wanted]
+    return [*fit, catalogue_candidates((0.0, 2.5 * INCH))[0]]
+
+
+@pytest.fixture(scope="module")
+def judged(candidates: list[Candidate]) -> list[Judged]:
+    ranking = Ranking(quadcopter(), Task("cruise", 12.0), RECOMMENDED)
+    found = ranking.judged(candidates)
+    feasible = [one for one in found if one.feasible]
+    return ranking.with_deviations(feasible) + found[len(feasible) :]
+
+
+@pytest.mark.slow
+def test_the_best_come_first(judged: list[Judged]) -> None:
+    feasible = [one for one in judged if one.feasible]
+    scores = [one.score for one in feasible]
+    assert len(scores) >= 3 and scores == sorted(scores)
+    assert not judged[-1].feasible and math.isnan(judged[-1].score)
+    assert judged[-1].why_not.startswith("hover: beyond") and "%" in judged[-1].why_not
+
+
+@pytest.mark.slow
+def test_scores_by_hand(judged: list[Judged]) -> None:
+    """By the full model, each on its own, without what the ranking shares."""
+    for one in (j for j in judged if j.feasible):
+        blade = one.candidate.propeller
+        known = identified(blade.name, blade.blades)
+        assert known is not None
+        vehicle = replace(quadcopter(), propeller=blade)
+        model = propmap.Model(blade, known.airfoil, vehicle.air, RECOMMENDED)
+        states = Aircraft(vehicle, propmap.Rotor(model, compiled=False)).steady([0.0, 12.0])
+        assert one.score == pytest.approx(states.electrical_power[1] / 12.0, rel=1e-3)
+        assert one.hover_power == pytest.approx(states.electrical_power[0], rel=1e-3)
+        assert one.thrust_margin == pytest.approx(states.thrust_margin[0], rel=2e-3)
+
+
+@pytest.mark.slow
+def test_deviations_and_what_they_separate(judged: list[Judged]) -> None:
+    feasible = [one for one in judged if one.feasible]
+    for one in feasible:
+        assert 0.0 < one.deviation < 0.3 * one.score
+    sure = beats(feasible[0], feasible[-1])
+    assert 0.5 < beats(feasible[0], feasible[1]) <= sure <= 1.0
+
+
+@pytest.mark.slow
+def test_the_front_is_not_beaten(judged: list[Judged]) -> None:
+    front = pareto(judged)
+    assert front.size >= 1
+    for k in front:
+        for other in judged:
+            if other.feasible:
+                assert not (
+                    other.hover_power < judged[k].hover_power
+                    and other.top_speed > judged[k].top_speed
+                )
+
+
+def invented(score: float, deviation: float) -> Judged:
+    nothing = Candidate("x", propmap.propeller("apc-8x6e"), propmap.airfoil("paper-apc"))
+    return Judged(nothing, score, deviation, 1.0, 1.0, 1.0, 1.0, 2.0, 20.0, "", "")
+
+
+def test_the_probability_of_beating() -> None:
+    """Against a draw of both scores."""
+    a, b = invented(100.0, 3.0), invented(105.0, 4.0)
+    draw = np.random.default_rng(3)
+    share = np.mean(
+        100.0 + 3.0 * draw.standard_normal(200_000) < 105.0 + 4.0 * draw.standard_normal(200_000)
+    )
+    assert beats(a, b) == pytest.approx(share, abs=5e-3)
+    assert beats(a, invented(100.0, 4.0)) == pytest.approx(0.5)
+    assert math.isnan(beats(a, invented(105.0, math.nan)))
+
+
+def test_constants_vary_by_their_covariance() -> None:
+    one = catalogue_candidates((0.2539, 0.2541))[0]
+    varied = one.varied()
+    assert one.covariance is not None
+    names = one.covariance.names
+    steps = np.array(
+        [[getattr(v.airfoil, n) - getattr(one.airfoil, n) for n in names] for v in varied]
+    )
+    assert steps.T @ steps == pytest.approx(one.covariance.matrix, abs=1e-6)
+
+
+def test_candidates() -> None:
+    assert len(catalogue_candidates()) == 138
+    tens = catalogue_candidates((9.9 * INCH, 10.1 * INCH), 2)
+    assert tens and all(abs(one.propeller.diameter - 10.0 * INCH) < 0.1 * INCH for one in tens)
+    with pytest.raises(InputError, match="no propeller of the catalogue"):
+        catalogue_candidates((1.0, 2.0))
+    own = file_candidate("apc-8x6e")
+    assert own.covariance is None and own.varied() == []
+
+
+def test_disks_that_overlap_do_not_fit() -> None:
+    (one,) = [c for c in catalogue_candidates() if c.name == "uiuc-apcsf-10x4.7"]
+    vehicle = quadcopter()
+    close = tuple(
+        replace(m, position=(0.5 * m.position[0], 0.5 * m.position[1], 0.0)) for m in vehicle.mounts
+    )
+    ranking = Ranking(replace(vehicle, mounts=close), Task("hover", 10.0), RECOMMENDED)
+    found = ranking.judge(one)
+    assert not found.feasible and "overlap" in found.why_not
+
+
+def test_bad_tasks() -> None:
+    legs = Mission(np.array([1.0]), np.array([0.0]), np.array([1.0]))
+    for task, told in (
+        (("loiter", 10.0), "choose from hover"),
+        (("cruise", 0.0), "above 0"),
+        (("cruise", math.nan), "above 0"),
+        (("mission", 10.0), "give a mission"),
+        (("hover", 10.0, legs), "give a mission"),
+    ):
+        with pytest.raises(InputError, match=told):
+            Task(*task)  # type: ignore[arg-type]
+    with pytest.raises(InputError, match="less thrust than weight"):
+        Task("hover", 10.0, thrust_margin=0.9)
