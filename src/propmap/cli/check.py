@@ -101,8 +101,7 @@ def _compare(
         values = fitted.values if fitted else wing_values(file.vehicle)
         keep_compiled()
         paths = [Path(item) for item in data]
-        how = fitted.record.settings if fitted else {}
-        cutoff, scaled = float(how.get("low_pass", 0.0)), bool(how.get("hover_scale", False))
+        cutoff, scaled = (fitted.low_pass, fitted.hover_scale) if fitted else (0.0, False)
         flights = read_flights(paths, file, "balance", seconds=2.0, samples=2**31, low_pass=cutoff)
         forces = flight_forces(file.vehicle, flights.log, law, values, scaled=scaled)
         for text in (*flights.remarks, *scales_told(forces.scales)):

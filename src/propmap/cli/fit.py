@@ -254,7 +254,10 @@ def fit_flight(
     make = level_rows if flights.level else balance_rows
     fitted = fit(make(model, chosen), chosen, settings)
     remarks = [*flights.remarks, *range_warnings(fitted.rows)]
-    remarks += [*scales_told(model.scales(fitted.values)), *still_explained(fitted, model.log)]
+    remarks += [
+        *scales_told(model.scales(fitted.values, chosen.free)),
+        *still_explained(fitted, model.log),
+    ]
     remarks += doubts_on_constants(fitted)
     if body_study:
         remarks += body_terms_verdict(fitted, lambda c: make(model, c))

@@ -78,8 +78,6 @@ def read_flights(
             f"fewer than {ENOUGH_STRETCHES} steady stretches of {seconds:g} s: the balance of all "
             "forces at all times is fitted instead"
         )
-    if low_pass == 0.0:
-        remarks.append("signals are as logged: without a low-pass, noise counts as error")
     logs = [low_passed(log, low_pass) for log in logs]
     flying = joined([log.picked(airborne(log)) for log in logs])
     picked = np.unique(np.linspace(0, len(flying) - 1, min(samples, len(flying))).astype(int))

@@ -20,11 +20,12 @@ from propmap.fit.parameters import MOUNT, SECTION, SENSOR, WAKES, WING, Choice
 from propmap.fit.rows import Rows
 from propmap.fit.sensor_forces import sensor_force
 from propmap.fit.thrust_scale import hover_of, thrust_scales
-from propmap.fit.tunnel import hover_after_fit, model_with, rotor_with
+from propmap.fit.tunnel import model_with
 from propmap.fit.wake_parameters import PREFIX, wakes_with
 from propmap.loads import LOADS
 from propmap.model.airfoil import Airfoil
 from propmap.model.model import Model
+from propmap.rotor import Rotor
 from propmap.vehicle.flight_log import GRAVITY, FlightLog
 from propmap.vehicle.hub_flow import HubFlow, hub_flow, rotor_forces
 from propmap.vehicle.interference import check_apart, wake_flow
@@ -113,13 +114,16 @@ class ForceModel:
             rotors = self._scaled(rotors, force, slopes)
         return Balance(rotors.force + force, rotors.slopes + slopes)
 
-    def scales(self, values: Mapping[str, float]) -> dict[int, float]:
-        """Thrust scales by number of flight, see ``thrust_scale``; none where not ``scaled``."""
+    def scales(self, values: Mapping[str, float], free: tuple[str, ...] = ()) -> dict[int, float]:
+        """Thrust scales by number of flight, see ``thrust_scale``; none where not ``scaled``.
+
+        Arguments are those of ``at``, whose programs this uses.
+        """
         if not self.scaled:
             return {}
         others = body_force(self.vehicle, self.log, values, ())[0]
         others = others + sensor_force(self.vehicle, self.log, values, ())[0]
-        return self._scales(self._rotors(values, ()).force, others)
+        return self._scales(self._rotors(values, free).force, others)
 
     def _scales(self, rotors: Floats, others: Floats) -> dict[int, float]:
         measured = self.vehicle.mass * self.log.specific_force
@@ -296,5 +300,6 @@ def hover_rows(model: ForceModel, values: Mapping[str, float], rows: Rows) -> Fl
 
     ``values``, all parameters by name, give the rotor whose constants are taken.
     """
-    hover = hover_after_fit(rotor_with(model.model, values, model.setting))
+    # One point by NumPy, without waiting for the compiler.
+    hover = HoverModel.of(Rotor(model_with(model.model, values), compiled=False))
     return rows.picked(_along(model.log, rows.names, hover_force(hover, model.flow)))

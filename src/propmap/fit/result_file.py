@@ -63,6 +63,16 @@ class FitFile:
         """The parameters of body, wing, sensor and wakes by name."""
         return self.record.body | self.record.wing
 
+    @property
+    def low_pass(self) -> float:
+        """Cut-off of the low-pass that flights passed [Hz]; 0 for none."""
+        return float(self.record.settings.get("low_pass", 0.0))
+
+    @property
+    def hover_scale(self) -> bool:
+        """Whether thrust was scaled by each flight's own hover."""
+        return bool(self.record.settings.get("hover_scale", False))
+
 
 def fit_text(
     fitted: Fitted,

@@ -71,32 +71,33 @@ def _filtered(part: FlightLog, cutoff: float) -> FlightLog:
     """One stretch without gaps."""
 
     def smooth(signal: Floats) -> Floats:
-        return _low_pass(part.time, signal, cutoff)
+        return _low_pass(signal, 2.0 * cutoff * step)
 
-    up = smooth(part.up)
-    rates, force = smooth(part.rates), smooth(part.specific_force)
-    squares = np.maximum(smooth(np.square(part.rotor_speed)), 0.0)
+    step = float(np.median(np.diff(part.time))) if len(part) > 1 else np.inf
+    if cutoff > 0.0 and FEWEST_PER_PERIOD * cutoff * step <= 1.0:
+        up = smooth(part.up)
+        part = replace(
+            part,
+            velocity=smooth(part.velocity),
+            rates=smooth(part.rates),
+            up=up / np.linalg.norm(up, axis=1, keepdims=True),
+            specific_force=smooth(part.specific_force),
+            rotor_speed=np.sqrt(np.maximum(smooth(np.square(part.rotor_speed)), 0.0)),
+        )
     return replace(
         part,
-        velocity=smooth(part.velocity),
-        rates=rates,
-        up=up / np.linalg.norm(up, axis=1, keepdims=True),
-        specific_force=force,
-        rotor_speed=np.sqrt(squares),
-        angular_acceleration=_slope(part.time, rates),
-        specific_force_rate=_slope(part.time, force),
+        angular_acceleration=_slope(part.time, part.rates),
+        specific_force_rate=_slope(part.time, part.specific_force),
     )
 
 
-def _low_pass(time: Floats, signal: Floats, cutoff: float) -> Floats:
-    """Columns (n, k) without what is above the ``cutoff`` [Hz], not shifted in time."""
+def _low_pass(signal: Floats, relative: float) -> Floats:
+    """Columns (n, k) without what is above the cut-off, ``relative`` to half the sampling rate,
+    and not shifted in time."""
     from scipy.signal import butter, sosfiltfilt
 
-    step = float(np.median(np.diff(time))) if time.size > 1 else np.inf
-    if cutoff == 0.0 or FEWEST_PER_PERIOD * cutoff * step > 1.0:
-        return signal
-    sections = butter(ORDER, 2.0 * cutoff * step, output="sos")
-    beyond = min(time.size - 1, round(2.0 / (cutoff * step)))
+    sections = butter(ORDER, relative, output="sos")
+    beyond = min(signal.shape[0] - 1, round(4.0 / relative))
     return np.asarray(sosfiltfilt(sections, signal, axis=0, padlen=beyond))
 
 
