@@ -59,6 +59,11 @@ TRUTH = {
 }
 
 
+def forces(log: FlightLog, more: dict[str, float], vehicle: Vehicle = VEHICLE) -> np.ndarray:
+    """All forces [N] (n, 3) with the true section law and these parameters."""
+    return ForceModel(vehicle, log, LAW).at(FIRST_GUESS | LAW_VALUES | more, ()).force
+
+
 def manoeuvre(seed: int, count: int = 120) -> FlightLog:
     """A climb with quick turns after a hover, all signals smooth; without an accelerometer yet."""
     rng = np.random.default_rng(seed)
@@ -83,12 +88,11 @@ def flown(scales: tuple[float, ...] = (1.0,), noise: float = 0.0) -> FlightLog:
     parts = []
     for seed, scale in enumerate(scales):
         log = manoeuvre(seed)
-        values = FIRST_GUESS | LAW_VALUES | TRUTH
         jerk = np.cos(log.time)[:, None] * np.array([20.0, -10.0, 15.0])
         log = replace(log, specific_force_rate=jerk)
-        still = dict.fromkeys(("drag_area_z", "sensor_x", "sensor_y", "sensor_z"), 0.0)
-        rotors = ForceModel(VEHICLE, log, LAW).at(values | still | {"clock_offset": 0.0}, ()).force
-        others = ForceModel(VEHICLE, log, LAW).at(values, ()).force - rotors
+        alone = {name: value for name, value in TRUTH.items() if name.startswith("wake_")}
+        rotors = forces(log, alone)
+        others = forces(log, TRUTH) - rotors
         force = scale * rotors + others
         mess = noise * np.random.default_rng(100 + seed).standard_normal(force.shape)
         parts.append(replace(log, specific_force=(force + mess) / VEHICLE.mass))
@@ -117,17 +121,12 @@ def test_slopes_of_all_parameters_against_differences() -> None:
 
 def test_without_wakes_nothing_changes_and_without_gains_nothing_is_added() -> None:
     log = manoeuvre(0, 20)
-    values = FIRST_GUESS | LAW_VALUES
-    plain = ForceModel(VEHICLE, log, LAW).at(values, ()).force
+    plain = forces(log, {})
     none = {f"wake_{name}": 0.0 for name in ("ahead", "beside", "downwash")}
-    np.testing.assert_array_equal(ForceModel(VEHICLE, log, LAW).at(values | none, ()).force, plain)
-    by_file = (
-        ForceModel(replace(VEHICLE, wakes=Wakes(2.0, 1.0, 1.0)), log, LAW).at(values, ()).force
-    )
+    np.testing.assert_array_equal(forces(log, none), plain)
+    by_file = forces(log, {}, replace(VEHICLE, wakes=Wakes(2.0, 1.0, 1.0)))
     named = {"wake_ahead": 2.0, "wake_beside": 1.0, "wake_downwash": 1.0}
-    np.testing.assert_array_equal(
-        ForceModel(VEHICLE, log, LAW).at(values | named, ()).force, by_file
-    )
+    np.testing.assert_array_equal(forces(log, named), by_file)
     assert np.max(np.abs(by_file - plain)) > 0.05
 
 

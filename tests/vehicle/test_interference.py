@@ -32,7 +32,7 @@ def square(arm: float) -> Vehicle:
 def flow_of(made: Vehicle, velocity: object) -> HubFlow:
     v = np.atleast_2d(np.array(velocity, float))
     still = np.zeros_like(v)
-    up = still + [0.0, 0.0, 1.0]
+    up = still + np.array([0.0, 0.0, 1.0])
     speeds = np.full((len(v), len(made.mounts)), 600.0)
     return hub_flow(made, FlightLog("test", np.arange(len(v)) * 1.0, v, still, up, up, speeds))
 
@@ -109,7 +109,7 @@ def test_gains_multiply_each_its_own_part() -> None:
 
 def test_derivatives_against_differences() -> None:
     quad, rng = square(0.15), np.random.default_rng(3)
-    flow = flow_of(quad, rng.normal(0.0, 4.0, (30, 3)) + [0.0, 0.0, 3.0])
+    flow = flow_of(quad, rng.normal(0.0, 4.0, (30, 3)) + np.array([0.0, 0.0, 3.0]))
     thrust, wakes, h = rng.uniform(1.0, 4.0, (30, 4)), Wakes(2.0, 0.7, 0.4, 0.8), 1e-5
     found = wake_flow(quad, wakes, flow, thrust)
     size = np.max(np.abs(found.added))
@@ -134,5 +134,5 @@ def test_a_rotor_whose_thrust_is_not_known_leaves_the_others_not_known() -> None
 
 
 def test_two_rotors_in_one_place_are_refused() -> None:
-    with pytest.raises(InputError, match="rotors 1 and 2 are 0.001 m apart"):
+    with pytest.raises(InputError, match=r"rotors 1 and 2 are 0\.001 m apart"):
         check_apart(vehicle((0.0, 0.0, 0.0), (0.001, 0.0, 0.0)))

@@ -245,6 +245,10 @@ def fit_flight(
     by_default = free is None and base is None
     expected = section_prior(prior_from, file.vehicle.propeller.name, by_default=by_default)
     wing = wing_values(file.vehicle)
+    if not flights.level and free is None:
+        # Of one blade in one air, what hardly moves is left where other propellers have it.
+        held = {text.partition("=")[0].strip() for text in fix or ()}
+        free = ",".join(name for name in default if name not in held)
     chosen = with_wake_priors(choice_of(free, fix, prior, default, base, wing, expected))
     settings = settings_of(starts, robust, folds, bootstrap, seed)
     law = base or (expected.airfoil if expected else first_guess())

@@ -28,6 +28,9 @@ HoverScale = Annotated[
 ]
 DEFAULT_CUTOFF = CUTOFF
 
+BLADE = ("c_l1", "c_d", "alpha_0", "zero_lift_angle", "c_d0")
+"""Constants of the blade that a flight moves; those that are left out, it does not tell."""
+
 WAKE_PRIORS = {
     "wake_ahead": Prior(1.0, 3.0),
     "wake_beside": Prior(1.0, 1.0),
@@ -49,7 +52,7 @@ def free_by_default(vehicle: Vehicle, *, level: bool) -> tuple[str, ...]:
         return PAPER_FOUR
     mount = () if any(one.drag for one in vehicle.mounts) else tuple(MOUNT)
     wakes = tuple(WAKES) if len(vehicle.mounts) > 1 else ()
-    return (*PAPER_FOUR, "zero_lift_angle", "c_d0", *mount, "drag_area_z", *SENSOR, *wakes)
+    return (*BLADE, *mount, "drag_area_z", *SENSOR, *wakes)
 
 
 def with_wake_priors(choice: Choice) -> Choice:

@@ -83,7 +83,7 @@ WAKES = {
     "wake_downwash": Parameter("-", 1.0, 0.0, 12.0, 1.0, "downwash of a wake"),
     "wake_share": Parameter("-", 1.0, 0.0, 2.0, 0.5, "share of the inflow that skews a wake"),
 }
-"""Of ``propmap.vehicle.interference``.  What is neither free nor fixed is the vehicle file's own."""
+"""Of ``propmap.vehicle.interference``.  What is neither free nor fixed is the vehicle file's."""
 
 
 PAPER_FOUR = ("c_l1", "c_l2", "c_d", "alpha_0")

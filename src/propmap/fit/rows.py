@@ -128,7 +128,11 @@ class Rows:
 
     @property
     def independent(self) -> Floats:
-        """How many independent numbers the rows of each load (L,) are worth."""
+        """How many independent numbers the rows of each load (L,) are worth: the stretches of whole
+        flights, else no more than the data of one test."""
+        if self.group is not None:
+            each = [self.group[self.of_load(k)] for k in range(len(self.names))]
+            return np.array([np.unique(labels).size for labels in each])
         moving = [np.any(self.speed[self.of_load(k)] > 0.0) for k in range(len(self.names))]
         return np.minimum(self.counts, np.where(moving, INDEPENDENT, INDEPENDENT_AT_REST))
 

@@ -108,7 +108,7 @@ def uncertainty(
     errors = np.array([_standard_error(found.residual[part], share) for part in parts])
     if choice.expected is None:
         weight = float(np.sqrt(np.sum(counts * errors**2) / max(counts.sum(), 1)))
-    if choice.expected is not None:
+    if choice.expected is not None and rows.group is None:
         alike = counts / np.maximum(rows.independent, 1)
         variance = alike * np.maximum(errors, LEAST_ERROR) ** 2
         middle = (slopes * variance[rows.load][:, None]).T @ slopes

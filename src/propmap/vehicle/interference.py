@@ -191,7 +191,7 @@ def _frame(axis: tuple[float, float, float]) -> Floats:
 
 
 def check_apart(vehicle: Vehicle) -> None:
-    """Raise ``InputError`` for two rotors of a ``vehicle`` with wakes whose hubs are in one place."""
+    """Raise ``InputError`` where two rotors of a ``vehicle`` with wakes are in one place."""
     for k, mount in enumerate(vehicle.mounts):
         for j, other in enumerate(vehicle.mounts[:k]):
             apart = float(np.linalg.norm(np.subtract(mount.position, other.position)))
