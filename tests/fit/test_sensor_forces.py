@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 import propmap
 from propmap.errors import InputError
 from propmap.fit.sensor_forces import CLOCK, OFFSET, sensor_force
-from propmap.fit.thrust_scale import hover_of, scales_told, thrust_scales
+from propmap.fit.thrust_scale import HoverScale, scales_told
 from propmap.vehicle.flight_log import GRAVITY, FlightLog, joined
 from propmap.vehicle.vehicle import Mount, Vehicle
 
@@ -81,14 +81,14 @@ def hovering(seconds: float) -> FlightLog:
 
 def test_each_flight_s_thrust_is_scaled_by_its_own_hover() -> None:
     log = joined([hovering(2.0), hovering(0.2), hovering(3.0)])
-    hover = hover_of(log)
-    assert list(hover.masks) == [0, 2]
-    weight = np.tile([0.0, 0.0, 8.0], (len(log), 1))
+    hover = HoverScale.of(log, 0.8, np.array([[0.0, 0.0, 1.0]] * 4))
+    assert list(hover.hovers) == [0, 2]
+    weight = 0.8 * log.specific_force
     rotors = weight / np.array([1.05, 1.3, 0.97])[log.flight.astype(int)][:, None]
     rotors[log.speed > 1.0] *= 3.0  # what is not hover plays no part
-    found = thrust_scales(hover, weight, rotors, 0.0 * weight, np.array([0.0, 0.0, 1.0]))
+    found = hover.scales(rotors, 0.0 * weight)
     assert found == {0: pytest.approx(1.05), 2: pytest.approx(0.97)}
     assert "flight 1: 1.050, flight 3: 0.970" in scales_told(found)[0]
     assert scales_told({}) == []
     # Three times the thrust is another unit of the rotor speeds, not a battery.
-    assert not thrust_scales(hover, weight, weight / 3.0, 0.0 * weight, np.array([0, 0, 1.0]))
+    assert hover.scales(weight / 3.0, 0.0 * weight) == {}

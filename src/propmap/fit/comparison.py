@@ -15,7 +15,7 @@ from propmap.fit.flight import AXES, hover_force
 from propmap.fit.parameters import FIRST_GUESS, SENSOR
 from propmap.fit.residuals import Errors, by_band, errors
 from propmap.fit.sensor_forces import sensor_force
-from propmap.fit.thrust_scale import hover_of, thrust_scales
+from propmap.fit.thrust_scale import HoverScale
 from propmap.fit.tunnel import TunnelData
 from propmap.fit.wake_parameters import wakes_with
 from propmap.loads import LOADS
@@ -114,9 +114,7 @@ def flight_forces(
     others = body_force(vehicle, log, values, ())[0] + sensor_force(vehicle, log, values, ())[0]
     rotors, scales = rotor_forces(flow, thrust, drag), dict[int, float]()
     if scaled:
-        up = np.sum(flow.axis, axis=0)
-        measured, found = vehicle.mass * log.specific_force, hover_of(log)
-        scales = thrust_scales(found, measured, rotors, others, up / np.linalg.norm(up))
+        scales = HoverScale.of(log, vehicle.mass, flow.axis).scales(rotors, others)
         each = np.array([scales.get(int(number), 1.0) for number in log.flight])
         rotors = each[:, None] * rotors
     hover = hover_force(HoverModel.of(Rotor(model)), flow)
@@ -165,7 +163,7 @@ def compare_forces(vehicle: Vehicle, log: FlightLog, forces: FlightForces) -> di
 def compare_flight(
     vehicle: Vehicle, log: FlightLog, law: Section, values: Mapping[str, float]
 ) -> dict[str, Comparison]:
-    """``compare_forces`` of ``flight_forces``, as they are; the arguments are the same."""
+    """``compare_forces`` of ``flight_forces`` with ``vehicle``, ``log``, ``law`` and ``values``."""
     return compare_forces(vehicle, log, flight_forces(vehicle, log, law, values))
 
 

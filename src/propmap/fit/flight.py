@@ -19,7 +19,7 @@ from propmap.fit.coverage import Coverage, coverage
 from propmap.fit.parameters import MOUNT, SECTION, SENSOR, WAKES, WING, Choice
 from propmap.fit.rows import Rows
 from propmap.fit.sensor_forces import sensor_force
-from propmap.fit.thrust_scale import hover_of, thrust_scales
+from propmap.fit.thrust_scale import HoverScale
 from propmap.fit.tunnel import model_with
 from propmap.fit.wake_parameters import PREFIX, wakes_with
 from propmap.loads import LOADS
@@ -92,9 +92,7 @@ class ForceModel:
         self.vehicle, self.log, self.setting = vehicle, log, setting
         self.model = Model(vehicle.propeller, base, vehicle.air)
         self.flow = hub_flow(vehicle, log)
-        self.scaled, self.hover = scaled, hover_of(log)
-        up = np.sum(self.flow.axis, axis=0)
-        self.up = up / max(float(np.linalg.norm(up)), 1e-9)
+        self.scale = HoverScale.of(log, vehicle.mass, self.flow.axis) if scaled else None
 
     def at(self, values: Mapping[str, float], free: tuple[str, ...]) -> Balance:
         """Forces and their derivatives.
@@ -107,39 +105,27 @@ class ForceModel:
             Names of the P by which to differentiate.
         """
         rotors = self._rotors(values, free)
-        force, slopes = body_force(self.vehicle, self.log, values, free)
-        sensed, by_sensor = sensor_force(self.vehicle, self.log, values, free)
-        force, slopes = force + sensed, slopes + by_sensor
-        if self.scaled:
-            rotors = self._scaled(rotors, force, slopes)
-        return Balance(rotors.force + force, rotors.slopes + slopes)
+        others = self._others(values, free)
+        force, slopes = rotors.force, rotors.slopes
+        if self.scale is not None:
+            force, slopes = self.scale.applied(force, slopes, others.force, others.slopes)
+        return Balance(force + others.force, slopes + others.slopes)
 
     def scales(self, values: Mapping[str, float], free: tuple[str, ...] = ()) -> dict[int, float]:
-        """Thrust scales by number of flight, see ``thrust_scale``; none where not ``scaled``.
+        """Thrust scales by number of flight, none where there are none.
 
-        Arguments are those of ``at``, whose programs this uses.
+        They are those at ``values``; ``free`` is as in ``at``, whose programs this uses.
         """
-        if not self.scaled:
+        if self.scale is None:
             return {}
-        others = body_force(self.vehicle, self.log, values, ())[0]
-        others = others + sensor_force(self.vehicle, self.log, values, ())[0]
-        return self._scales(self._rotors(values, free).force, others)
+        others = self._others(values, ())
+        return self.scale.scales(self._rotors(values, free).force, others.force)
 
-    def _scales(self, rotors: Floats, others: Floats) -> dict[int, float]:
-        measured = self.vehicle.mass * self.log.specific_force
-        return thrust_scales(self.hover, measured, rotors, others, self.up)
-
-    def _scaled(self, rotors: Balance, others: Floats, by_others: Floats) -> Balance:
-        """The rotors' forces times the scale of each flight, which depends on all parameters."""
-        force, slopes = rotors.force.copy(), rotors.slopes.copy()
-        for number, scale in self._scales(rotors.force, others).items():
-            mine, mask = self.log.flight == number, self.hover.masks[number]
-            thrust = float(np.sum(rotors.force[mask] @ self.up))
-            lost = np.sum((by_others + scale * rotors.slopes)[:, mask] @ self.up, axis=1)
-            force[mine] *= scale
-            slopes[:, mine] *= scale
-            slopes[:, mine] -= (lost / thrust)[:, None, None] * rotors.force[mine]
-        return Balance(force, slopes)
+    def _others(self, values: Mapping[str, float], free: tuple[str, ...]) -> Balance:
+        """Forces of the body and the wing, and what the accelerometer's place adds."""
+        force, slopes = body_force(self.vehicle, self.log, values, free)
+        sensed, by_sensor = sensor_force(self.vehicle, self.log, values, free)
+        return Balance(force + sensed, slopes + by_sensor)
 
     def _rotors(self, values: Mapping[str, float], free: tuple[str, ...]) -> Balance:
         """Forces of all rotors, in each other's wakes where there are any."""
@@ -266,6 +252,12 @@ def _rows(
             raise InputError(
                 f"{known[0]} is given for a vehicle whose file has it as well",
                 "remove the [mount] table, or leave the parameter to the file",
+            )
+    if len(model.vehicle.mounts) == 1:
+        useless = [name for name in choice.free if name in WAKES]
+        if useless:
+            raise InputError(
+                f"{useless[0]} is free but the vehicle has one rotor", "leave it out of --free"
             )
     if model.vehicle.wing is None:
         useless = [name for name in choice.free if name in WING]
