@@ -24,6 +24,9 @@ def sensor_force(
 ) -> tuple[Floats, Floats]:
     """Mass times what the sensor reads beyond the acceleration of the centre of mass.
 
+    Of steady operating points, which have no time derivatives, the vehicle file's place of the
+    sensor plays no part.
+
     Parameters
     ----------
     vehicle, log : Vehicle, FlightLog
@@ -43,13 +46,14 @@ def sensor_force(
     InputError
         Where a parameter acts and the log has no time derivatives.
     """
-    place = np.array([values.get(name, 0.0) for name in OFFSET]) + vehicle.sensor
-    late = values.get(CLOCK, 0.0)
+    own = np.array([values.get(name, 0.0) for name in OFFSET])
+    place, late = own + vehicle.sensor, values.get(CLOCK, 0.0)
     force, slopes = np.zeros((len(log), 3)), np.zeros((len(free), len(log), 3))
-    acts = place.any() or late != 0.0 or any(name in (*OFFSET, CLOCK) for name in free)
-    if not acts:
+    fitted = own.any() or late != 0.0 or any(name in (*OFFSET, CLOCK) for name in free)
+    points = not np.isfinite(log.angular_acceleration).any()
+    if not fitted and (points or not place.any()):
         return force, slopes
-    if not (np.isfinite(log.angular_acceleration).all() and np.isfinite(log.rates).all()):
+    if not np.isfinite(log.angular_acceleration).all():
         raise InputError(
             "a sensor's place or clock acts on a log without time derivatives",
             "fit whole flights with --method balance, or leave the sensor's parameters out",
