@@ -28,7 +28,7 @@ from propmap.fit.fitted import Settings, fit
 from propmap.fit.flight import ForceModel, balance_rows
 from propmap.fit.parameters import BODY, FIRST_GUESS, MOUNT, SECTION, SENSOR, WAKES, Choice
 from propmap.fit.section_prior import SectionPrior
-from propmap.fit.tunnel import model_with
+from propmap.fit.tunnel import model_with, section_with
 from propmap.flight.steady import airborne
 from propmap.io.atomic_file import replacing
 from propmap.model.model import Model
@@ -82,7 +82,7 @@ def forces(
     """What a fit says of a flight."""
     base = Model(vehicle.propeller, prior.airfoil.with_corrections(["pitt-peters"]), vehicle.air)
     found = model_with(base, values)
-    law = found.airfoil.with_corrections(found.correction_texts)
+    law = section_with(base.airfoil, values).with_corrections(found.correction_texts)
     others = {n: values[n] for n in (BODY | SENSOR | WAKES) if n in values}
     return flight_forces(vehicle, log, law, FIRST_GUESS | others, scaled=scaled)
 

@@ -104,8 +104,8 @@ def _given(file: FitFile, data: Sequence[str], vehicle: Path | None) -> GivenDat
         errors = compare_level(flown, log, file.airfoil, file.values)
     else:
         scaled = file.hover_scale
-        found = flight_forces(flown, log, file.airfoil, file.values, scaled=scaled)
-        errors = compare_forces(flown, log, found)
+        forces = flight_forces(flown, log, file.airfoil, file.values, scaled=scaled)
+        errors = compare_forces(flown, log, forces)
     shown = (described.vehicle, flights.log) if level else None
     return GivenData([Source.of(path) for path in paths], errors, level=shown)
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -61,10 +62,11 @@ def low_passed(log: FlightLog, cutoff: float = CUTOFF) -> FlightLog:
     parts = [log.picked(slice(first, last)) for first, last in itertools.pairwise(ends)]
     found = [_filtered(part, cutoff) for part in parts]
     names = ("velocity", "rates", "up", "specific_force", "rotor_speed")
-    derived = ("angular_acceleration", "specific_force_rate")
-    return replace(
-        log, **{n: np.concatenate([getattr(part, n) for part in found]) for n in names + derived}
-    )
+    arrays: dict[str, Any] = {
+        name: np.concatenate([getattr(part, name) for part in found])
+        for name in (*names, "angular_acceleration", "specific_force_rate")
+    }
+    return replace(log, **arrays)
 
 
 def _filtered(part: FlightLog, cutoff: float) -> FlightLog:
