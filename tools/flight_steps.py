@@ -39,7 +39,7 @@ from propmap.vehicle.vehicle import Vehicle
 from propmap.vehicle.vehicle_toml import VehicleFile, read_vehicle
 
 RESULTS = Path(__file__).resolve().parent.parent / "benchmarks" / "results" / "flight_steps.json"
-SAMPLES = 400
+SAMPLES = 300
 ALMOST_NONE = 1e-9
 """Area [m^2] of a mount that drags nothing, so that one compiled program serves all steps."""
 

@@ -23,7 +23,7 @@ LAW_VALUES = {name: getattr(LAW, name) for name in SECTION}
 ARM = 0.15
 VEHICLE = Vehicle(
     "test",
-    1.0,
+    1.2,  # about what four rotors carry at 560 rad/s
     propmap.propeller("apc-8x6e"),
     tuple(
         Mount((x, y, 0.02), spin=spin)
@@ -37,7 +37,6 @@ VEHICLE = Vehicle(
 )
 FREE = (
     "c_l1",
-    "alpha_0",
     "drag_area_z",
     "sensor_x",
     "sensor_y",

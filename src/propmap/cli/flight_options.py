@@ -28,7 +28,7 @@ HoverScale = Annotated[
 ]
 DEFAULT_CUTOFF = CUTOFF
 
-BLADE = ("c_l1", "c_d", "alpha_0", "zero_lift_angle", "c_d0")
+BLADE = ("c_l1", "c_d", "alpha_0", "zero_lift_angle", "c_d0", "reynolds_camber")
 """Constants of the blade that a flight moves; those that are left out, it does not tell."""
 
 WAKE_PRIORS = {
