@@ -193,7 +193,7 @@ def fit_flight(
         int, typer.Option("--samples", min=10, help="Samples used of a whole flight, at most.")
     ] = 500,
     low_pass: LowPass = DEFAULT_CUTOFF,
-    hover_scale: HoverScale = True,
+    hover_scale: HoverScale = False,
     body_study: Annotated[
         bool,
         typer.Option("--body-study", help="Say whether body lift and drag earn their place."),
