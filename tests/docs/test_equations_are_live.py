@@ -28,7 +28,7 @@ from propmap.papers.gill_dandrea_2017 import rotor_drag
 from propmap.physics.velocities import azimuth_nodes
 from propmap.solve import disk, load_slopes, rotor_loads
 from propmap.solve.problem import Case
-from propmap.vehicle.vehicle import Wing
+from propmap.vehicle.vehicle import Wakes, Wing
 from tests.docs.test_equations import functions, rows
 from tests.fit import test_paper_equations as paper
 
@@ -250,6 +250,19 @@ def flights() -> Any:
     return found
 
 
+def whole_flights() -> Any:
+    """Forces on a turning vehicle whose rotors are in each other's wakes, where its sensor is."""
+    vehicle = dataclasses.replace(
+        paper.QUADROTOR, wakes=Wakes(2.0, 1.0, 1.0, 0.8), sensor=(0.02, 0.01, 0.0)
+    )
+    log = paper.flights()
+    turning = np.tile([0.3, -0.5, 0.8], (len(log), 1))
+    log = dataclasses.replace(
+        log, rates=turning, angular_acceleration=2.0 * turning, specific_force_rate=turning
+    )
+    return flight.ForceModel(vehicle, log, paper.LAW).at(paper.VALUES, ()).force
+
+
 def made_up_fit() -> Any:
     """A fit of a linear model, and what it says of a body that the data ask for."""
     random = np.random.default_rng(3)
@@ -282,7 +295,10 @@ PROBES: dict[str, Callable[[], Any]] = {
     "propmap.solve.disk_field": inflow,
     "propmap.baselines.hover": hover_model,
     "propmap.baselines.fin_analogy": fin,
+    "propmap.physics.vortex_cylinder": whole_flights,
     "propmap.vehicle": flights,
+    "propmap.vehicle.interference": whole_flights,
+    "propmap.fit.sensor_forces": whole_flights,
     "propmap.fit.flight": flights,
     "propmap.fit.body_forces": flights,
     "propmap.fit": made_up_fit,

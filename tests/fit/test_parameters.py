@@ -15,6 +15,8 @@ from propmap.fit.parameters import (
     MOUNT,
     PAPER_FOUR,
     SECTION,
+    SENSOR,
+    WAKES,
     WING,
     Choice,
     Prior,
@@ -110,7 +112,8 @@ def test_bounds_are_those_that_a_section_law_accepts(name: str) -> None:
 
 
 def test_kinds_of_parameters_do_not_overlap() -> None:
-    assert len(EVERY) == len(SECTION) + len(MOUNT) + len(BODY) + len(WING)
+    kinds = (SECTION, MOUNT, BODY, WING, SENSOR, WAKES)
+    assert len(EVERY) == sum(len(kind) for kind in kinds)
 
 
 def test_starts_begin_at_the_first_guess_and_stay_within_bounds() -> None:

@@ -9,7 +9,7 @@ import pytest
 
 from propmap.errors import InputError
 from propmap.physics.mount_drag import MountDrag
-from propmap.vehicle.vehicle import Body, Wing
+from propmap.vehicle.vehicle import Body, Wakes, Wing
 from propmap.vehicle.vehicle_toml import VehicleFile, read_vehicle
 from tests.io import samples
 
@@ -37,6 +37,13 @@ drag_area = [0.01, 0.01, 0.02]
 [wing]
 area = 0.2
 incidence = 0.05
+
+[wakes]
+ahead = 2.5
+share = 0.7
+
+[sensor]
+position = [0.02, 0.03, 0.01]
 
 [log]
 body_frame = "frd"
@@ -75,6 +82,8 @@ def test_a_vehicle_file(tmp_path: Path) -> None:
     assert (first.spin, second.spin) == ("ccw", "cw")
     assert vehicle.body == Body(drag_area=(0.01, 0.01, 0.02))
     assert vehicle.wing == Wing(area=0.2, incidence=0.05)
+    assert vehicle.wakes == Wakes(ahead=2.5, beside=1.0, downwash=1.0, share=0.7)
+    assert vehicle.sensor == (0.02, -0.03, -0.01)
     assert (log.body_frame, log.world_frame, log.velocity_in) == ("frd", "ned", "world")
     np.testing.assert_allclose(log.rotor_factor(log.stated("rotor_unit")), np.pi / 210.0)
     assert log.rotor_order == (2, 1) and log.wind == (1.0, 2.0, 0.0)
@@ -91,6 +100,7 @@ def test_in_flu_nothing_is_turned(tmp_path: Path) -> None:
 def test_what_may_be_left_out(tmp_path: Path) -> None:
     found = read(VEHICLE.partition("[body]")[0].replace("[air]\ndensity = 1.1\n", ""), tmp_path)
     assert found.vehicle.body == Body() and found.vehicle.wing is None
+    assert found.vehicle.wakes is None and found.vehicle.sensor == (0.0, 0.0, 0.0)
     assert found.vehicle.air.density == 1.225
     assert found.log.body_frame is None and found.log.columns == {}
 
@@ -132,6 +142,10 @@ CASES = {
     "negative drag": ("[0.01, 0.01, 0.02]", "[0.01, -1, 0]", "[body]", "areas of 0 or more"),
     "no wing area": ("area = 0.2\n", "", "[wing]: no area", "add area ="),
     "zero wing area": ("area = 0.2", "area = 0", "[wing]: area is 0.0 m^2", "remove [wing]"),
+    "a gain of upwash below 0": ("ahead = 2.5", "ahead = -1", "[wakes]: ahead is -1", "0 to 20"),
+    "a share above 2": ("share = 0.7", "share = 3", "[wakes]: share is 3", "from 0 to 2"),
+    "unknown gain": ("ahead = 2.5", "upwash = 2", "unknown key 'upwash'", "known are"),
+    "sensor in mm": ("[0.02, 0.03, 0.01]", "[20, 30, 10]", "[sensor]", "give it in m"),
     "unknown world": ('"ned"', '"nwu"', "[log]: world_frame is 'nwu'", '"enu" or "ned"'),
     "unknown unit": ('"erpm"', '"Hz"', "[log]: rotor_unit is 'Hz'", '"rad/s" or "rpm" or "erpm"'),
     "half a pole": ("pole_pairs = 7", "pole_pairs = 7.5", "pole_pairs is '7.5'", "whole number"),

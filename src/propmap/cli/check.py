@@ -85,8 +85,9 @@ def _compare(
 ) -> dict[str, Comparison]:
     from propmap.catalogue.lookup import propeller
     from propmap.engine.compilation import keep_compiled
-    from propmap.fit.comparison import compare_flight, compare_tunnel
+    from propmap.fit.comparison import compare_forces, compare_tunnel, flight_forces
     from propmap.fit.result_file import is_fit, read_fit
+    from propmap.fit.thrust_scale import scales_told
 
     fitted = read_fit(fit) if is_fit(fit) else None
     if vehicle is not None:
@@ -100,8 +101,12 @@ def _compare(
         values = fitted.values if fitted else wing_values(file.vehicle)
         keep_compiled()
         paths = [Path(item) for item in data]
-        flights = read_flights(paths, file, "balance", seconds=2.0, samples=2**31)
-        return compare_flight(file.vehicle, flights.log, law, values)
+        cutoff, scaled = (fitted.low_pass, fitted.hover_scale) if fitted else (0.0, False)
+        flights = read_flights(paths, file, "balance", seconds=2.0, samples=2**31, low_pass=cutoff)
+        forces = flight_forces(file.vehicle, flights.log, law, values, scaled=scaled)
+        for text in (*flights.remarks, *scales_told(forces.scales)):
+            typer.echo(f"note: {text}", err=True)
+        return compare_forces(file.vehicle, flights.log, forces)
     from propmap.cli.tunnel_files import doubts_on_tunnel, read_tunnel
 
     if fitted is None and prop is None:

@@ -21,6 +21,13 @@ from propmap.cli.fit_options import (
     choice_of,
     settings_of,
 )
+from propmap.cli.flight_options import (
+    DEFAULT_CUTOFF,
+    HoverScale,
+    LowPass,
+    free_by_default,
+    with_wake_priors,
+)
 from propmap.cli.output import check_output, check_pictures, show, write_text
 from propmap.cli.plausibility import say_doubts
 from propmap.cli.prior_options import PriorFrom, say_prior, section_prior
@@ -186,6 +193,8 @@ def fit_flight(
     samples: Annotated[
         int, typer.Option("--samples", min=10, help="Samples used of a whole flight, at most.")
     ] = 500,
+    low_pass: LowPass = DEFAULT_CUTOFF,
+    hover_scale: HoverScale = False,
     body_study: Annotated[
         bool,
         typer.Option("--body-study", help="Say whether body lift and drag earn their place."),
@@ -217,29 +226,44 @@ def fit_flight(
     from propmap.fit.coverage import range_warnings
     from propmap.fit.fitted import fit
     from propmap.fit.flight import ForceModel, balance_rows, hover_rows, level_rows
-    from propmap.fit.parameters import BODY, PAPER_FOUR
     from propmap.fit.prior_conflict import doubts_on_constants
     from propmap.fit.result_file import fit_text
+    from propmap.fit.still_explained import still_explained
+    from propmap.fit.thrust_scale import scales_told
     from propmap.fit.tunnel import first_guess, model_with
 
     keep_compiled()
     flights = read_flights(
-        logs, file, method.value, seconds=seconds, samples=samples, picture=stretches_picture
+        logs,
+        file,
+        method.value,
+        seconds=seconds,
+        samples=samples,
+        low_pass=low_pass,
+        picture=stretches_picture,
     )
-    drags = tuple(name for name in BODY if name.startswith("drag_area"))
-    default = PAPER_FOUR if flights.level else (*PAPER_FOUR, "zero_lift_angle", *drags)
+    default = free_by_default(file.vehicle, level=flights.level)
     by_default = free is None and base is None
     blade = file.vehicle.propeller
     expected = section_prior(prior_from, blade.name, blade, by_default=by_default)
     wing = wing_values(file.vehicle)
-    chosen = choice_of(free, fix, prior, default, base, wing, expected)
+    if not flights.level and free is None:
+        # Of one blade in one air, what hardly moves is left where other propellers have it.
+        held = {text.partition("=")[0].strip() for text in fix or ()}
+        free = ",".join(name for name in default if name not in held)
+    chosen = with_wake_priors(choice_of(free, fix, prior, default, base, wing, expected))
     settings = settings_of(starts, robust, folds, bootstrap, seed)
     law = base or (expected.airfoil if expected else first_guess())
     law = with_physics(law, physics, correction)
-    model = ForceModel(file.vehicle, flights.log, law)
+    scaled = hover_scale and not flights.level
+    model = ForceModel(file.vehicle, flights.log, law, scaled=scaled)
     make = level_rows if flights.level else balance_rows
     fitted = fit(make(model, chosen), chosen, settings)
     remarks = [*flights.remarks, *range_warnings(fitted.rows)]
+    remarks += [
+        *scales_told(model.scales(fitted.values, chosen.free)),
+        *still_explained(fitted, model.log),
+    ]
     remarks += doubts_on_constants(fitted)
     if body_study:
         remarks += body_terms_verdict(fitted, lambda c: make(model, c))
@@ -252,7 +276,13 @@ def fit_flight(
         covered=model.coverage(),
         hover=hover_rows(model, fitted.values, fitted.rows),
         remarks=[*say_prior(expected), *remarks, *doubts],
-        options={"seconds": seconds, "samples": samples, "vehicle": file.vehicle.name},
+        options={
+            "seconds": seconds,
+            "samples": samples,
+            "low_pass": 0.0 if flights.level else low_pass,
+            "hover_scale": scaled,
+            "vehicle": file.vehicle.name,
+        },
     )
     if picture is not None:
         _picture_of_flight(picture, fitted, model, flights.log)

@@ -15,6 +15,7 @@ from propmap.flight.plausible_rpm import check_rotor_speed
 from propmap.flight.steady import airborne, operating_points, steady_stretches
 from propmap.vehicle.flight_log import FlightLog, joined
 from propmap.vehicle.logs import read_flight_log
+from propmap.vehicle.time_derivatives import low_passed
 from propmap.vehicle.vehicle_toml import VehicleFile
 
 if TYPE_CHECKING:
@@ -39,6 +40,7 @@ def read_flights(
     *,
     seconds: float,
     samples: int,
+    low_pass: float = 0.0,
     picture: Path | None = None,
 ) -> Flights:
     """Read logs, or tables of operating points, for the method "level", "balance" or "auto".
@@ -53,6 +55,8 @@ def read_flights(
         Shortest steady stretch [s].
     samples : int
         Of whole flights, at most; more would be no more information, as neighbours err alike.
+    low_pass : float
+        Cut-off for all signals of whole flights [Hz], 0 for none.
     picture : Path, optional
         Of the steady stretches.
     """
@@ -74,6 +78,7 @@ def read_flights(
             f"fewer than {ENOUGH_STRETCHES} steady stretches of {seconds:g} s: the balance of all "
             "forces at all times is fitted instead"
         )
+    logs = [low_passed(log, low_pass) for log in logs]
     flying = joined([log.picked(airborne(log)) for log in logs])
     picked = np.unique(np.linspace(0, len(flying) - 1, min(samples, len(flying))).astype(int))
     return Flights(False, flying.picked(picked), tuple(remarks))

@@ -77,7 +77,12 @@ def _fit_files(source: Path, data: Sequence[str], vehicle: Path | None) -> dict[
 
 
 def _given(file: FitFile, data: Sequence[str], vehicle: Path | None) -> GivenData:
-    from propmap.fit.comparison import compare_flight, compare_level, compare_tunnel
+    from propmap.fit.comparison import (
+        compare_forces,
+        compare_level,
+        compare_tunnel,
+        flight_forces,
+    )
     from propmap.fit.fit_record import Source
     from propmap.report.fit_page.given_data import GivenData
 
@@ -92,10 +97,15 @@ def _given(file: FitFile, data: Sequence[str], vehicle: Path | None) -> GivenDat
 
     described, paths = read_vehicle(vehicle), [Path(item) for item in data]
     level = all_level_tables(paths)
-    method = "level" if level else "balance"
-    flights = read_flights(paths, described, method, seconds=2.0, samples=2**31)
-    compare = compare_level if level else compare_flight
-    errors = compare(described.vehicle, flights.log, file.airfoil, file.values)
+    method, passed = ("level", 0.0) if level else ("balance", file.low_pass)
+    flights = read_flights(paths, described, method, seconds=2.0, samples=2**31, low_pass=passed)
+    flown, log = described.vehicle, flights.log
+    if level:
+        errors = compare_level(flown, log, file.airfoil, file.values)
+    else:
+        scaled = file.hover_scale
+        forces = flight_forces(flown, log, file.airfoil, file.values, scaled=scaled)
+        errors = compare_forces(flown, log, forces)
     shown = (described.vehicle, flights.log) if level else None
     return GivenData([Source.of(path) for path in paths], errors, level=shown)
 

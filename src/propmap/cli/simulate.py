@@ -113,6 +113,12 @@ def simulate_flight(
     check_sampling(dwell, rate)
     names = Choice(tuple(name.strip() for name in free.split(","))).free
     read = read_vehicle(vehicle)
+    if any(read.vehicle.sensor):
+        raise InputError(
+            "the vehicle has [sensor], and a simulated accelerometer is at the centre of mass",
+            "remove that table",
+            str(vehicle),
+        )
 
     from propmap.engine.compilation import keep_compiled
     from propmap.flight.expectation import expectation

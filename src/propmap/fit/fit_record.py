@@ -119,7 +119,8 @@ class FitRecord(msgspec.Struct, frozen=True):
     rows, unsolved : int
         Numbers that were fitted, and for how many of them the model had no solution.
     fixed, body, wing : dict of str to float
-        Parameters that the user held; all of the body's and the wing's.
+        Parameters that the user held; all of the body's, with the sensor's and the wakes' if any,
+        and of the wing's.
     covariance, correlation : ndarray, shape (P, P)
         A variance is infinite where the data say nothing.
     singular_values : ndarray, shape (P,)

@@ -69,10 +69,26 @@ WING = {
 }
 """The wing of footnote 4, whose lift has the form (3)."""
 
+SENSOR = {
+    "sensor_x": Parameter("m", 0.0, -0.5, 0.5, 0.02, "place of the accelerometer, forward"),
+    "sensor_y": Parameter("m", 0.0, -0.5, 0.5, 0.02, "place of the accelerometer, left"),
+    "sensor_z": Parameter("m", 0.0, -0.5, 0.5, 0.02, "place of the accelerometer, up"),
+    "clock_offset": Parameter("s", 0.0, -0.1, 0.1, 0.01, "how late the accelerometer's stamps are"),
+}
+"""Of the accelerometer, from the centre of mass; its place adds to the vehicle file's."""
+
+WAKES = {
+    "wake_ahead": Parameter("-", 1.0, 0.0, 12.0, 1.0, "upwash ahead of a wake"),
+    "wake_beside": Parameter("-", 1.0, 0.0, 12.0, 1.0, "upwash beside a wake"),
+    "wake_downwash": Parameter("-", 1.0, 0.0, 12.0, 1.0, "downwash of a wake"),
+    "wake_share": Parameter("-", 1.0, 0.0, 2.0, 0.5, "share of the inflow that skews a wake"),
+}
+"""Of ``propmap.vehicle.interference``.  What is neither free nor fixed is the vehicle file's."""
+
 
 PAPER_FOUR = ("c_l1", "c_l2", "c_d", "alpha_0")
-EVERY = SECTION | MOUNT | BODY | WING
-FIRST_GUESS = {name: parameter.start for name, parameter in EVERY.items() if name not in MOUNT}
+EVERY = SECTION | MOUNT | BODY | WING | SENSOR | WAKES
+FIRST_GUESS = {name: p.start for name, p in EVERY.items() if name not in MOUNT | WAKES}
 
 
 def constants_of(section: Section) -> Airfoil:

@@ -26,7 +26,7 @@ from propmap.fit.fit_record import (
     read_record,
 )
 from propmap.fit.fitted import Fitted
-from propmap.fit.parameters import BODY, EVERY, MOUNT, SECTION, WING
+from propmap.fit.parameters import BODY, EVERY, MOUNT, SECTION, SENSOR, WAKES, WING
 from propmap.fit.residuals import by_band, errors
 from propmap.fit.tunnel import model_with, section_with
 from propmap.io.section_tables import looks_like_section_table
@@ -62,8 +62,18 @@ class FitFile:
 
     @property
     def values(self) -> dict[str, float]:
-        """The body's and the wing's parameters by name."""
+        """The parameters of body, wing, sensor and wakes by name."""
         return self.record.body | self.record.wing
+
+    @property
+    def low_pass(self) -> float:
+        """Cut-off of the low-pass that flights passed [Hz]; 0 for none."""
+        return float(self.record.settings.get("low_pass", 0.0))
+
+    @property
+    def hover_scale(self) -> bool:
+        """Whether thrust was scaled by each flight's own hover."""
+        return bool(self.record.settings.get("hover_scale", False))
 
 
 def fit_text(
@@ -126,7 +136,7 @@ def fit_text(
         data=[Source.of(item) for item in data],
         covered=covered,
         parameters=[_parameter(fitted, k) for k in range(len(choice.free))],
-        body={n: fitted.values[n] for n in BODY},
+        body={n: fitted.values[n] for n in BODY | SENSOR | WAKES if n in fitted.values},
         wing={n: fitted.values[n] for n in WING},
         covariance=sure.covariance,
         correlation=sure.correlation,

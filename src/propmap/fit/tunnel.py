@@ -14,7 +14,16 @@ from propmap.engine.accuracy import accuracy
 from propmap.engine.evaluation import prepare
 from propmap.engine.gradients import load_gradients
 from propmap.errors import InputError
-from propmap.fit.parameters import BODY, FIRST_GUESS, SECTION, WING, Choice, constants_of
+from propmap.fit.parameters import (
+    BODY,
+    FIRST_GUESS,
+    SECTION,
+    SENSOR,
+    WAKES,
+    WING,
+    Choice,
+    constants_of,
+)
 from propmap.fit.rows import Rows
 from propmap.loads import LOADS
 from propmap.model.airfoil import Airfoil
@@ -168,7 +177,7 @@ def tunnel_rows(
 def _check(
     data: TunnelData, choice: Choice, names: tuple[str, ...], weights: Mapping[str, float]
 ) -> None:
-    useless = [n for n in choice.free if n in BODY or n in WING]
+    useless = [n for n in choice.free if n in BODY | WING | SENSOR | WAKES]
     if useless:
         raise InputError(f"{useless[0]} has no part in a tunnel test", "fit it from flight")
     for name in names:

@@ -35,6 +35,12 @@ class FlightLog:
         where it was not measured.
     rotor_speed : ndarray, shape (n, rotors)
         Rotational speeds [rad/s], >= 0.
+    angular_acceleration : ndarray, shape (n, 3)
+        Time derivative of ``rates`` [rad/s^2]; NaN where it is not known.
+    specific_force_rate : ndarray, shape (n, 3)
+        Time derivative of ``specific_force`` [m/s^3]; NaN where it is not known.
+    flight : ndarray, shape (n,)
+        Number of the flight among several that were joined, from 0.
     """
 
     source: str
@@ -44,6 +50,17 @@ class FlightLog:
     up: Floats
     specific_force: Floats
     rotor_speed: Floats
+    angular_acceleration: Floats = None  # type: ignore[assignment]
+    specific_force_rate: Floats = None  # type: ignore[assignment]
+    flight: Floats = None  # type: ignore[assignment]
+
+    def __post_init__(self) -> None:
+        unknown = np.full_like(self.rates, np.nan)
+        for name in ("angular_acceleration", "specific_force_rate"):
+            if getattr(self, name) is None:
+                object.__setattr__(self, name, unknown)
+        if self.flight is None:
+            object.__setattr__(self, "flight", np.zeros_like(self.time))
 
     def __len__(self) -> int:
         return int(self.time.size)
@@ -70,6 +87,7 @@ class FlightLog:
 
 def joined(logs: list[FlightLog]) -> FlightLog:
     """Several logs of one vehicle as one, in the order given; their clocks are kept."""
+    logs = [replace(log, flight=np.full_like(log.time, k)) for k, log in enumerate(logs)]
     arrays = {
         f.name: np.concatenate([getattr(log, f.name) for log in logs])
         for f in fields(FlightLog)[1:]

@@ -25,6 +25,12 @@ class HubFlow(NamedTuple):
     axis: Floats
     downstream: Floats
 
+    @property
+    def velocity(self) -> Floats:
+        """Of the hubs through the air, in the vehicle's frame [m/s]; (n, m, 3)."""
+        along: Floats = self.axial[..., None] * self.axis
+        return along - self.inplane[..., None] * self.downstream
+
 
 def hub_flow(vehicle: Vehicle, log: FlightLog) -> HubFlow:
     """The flow at the hubs, V_i = V_vehicle + omega x r_i.

@@ -75,6 +75,26 @@ class Wing:
     alpha_0: float = 0.3
 
 
+@dataclass(frozen=True)
+class Wakes:
+    """How the rotors' wakes act on each other, see ``propmap.vehicle.interference``.
+
+    Attributes
+    ----------
+    ahead, beside, downwash : float
+        Factors on the velocity that a vortex cylinder induces [-]: on upwash at rotors ahead of or
+        behind the one whose wake it is, as the air meets it, on upwash at rotors beside it, and on
+        downwash; 1 is the cylinder's own, 0 none.
+    share : float
+        Of a rotor's inflow in the air that carries its wake away [-]: 1 at the disk, 2 far below.
+    """
+
+    ahead: float = 1.0
+    beside: float = 1.0
+    downwash: float = 1.0
+    share: float = 1.0
+
+
 @dataclass(frozen=True, eq=False)
 class Vehicle:
     """Rotors of one kind on a frame.
@@ -95,6 +115,10 @@ class Vehicle:
         What else carries or drags.
     powertrain : Powertrain
         What turns the rotors, as far as it is known.
+    wakes : Wakes or None
+        How the rotors' wakes act on each other; None for not at all, as in the paper.
+    sensor : tuple of 3 float
+        Where the accelerometer of its logs is, from the centre of mass [m].
 
     Raises
     ------
@@ -110,6 +134,8 @@ class Vehicle:
     body: Body = Body()
     wing: Wing | None = None
     powertrain: Powertrain = field(default_factory=Powertrain)
+    wakes: Wakes | None = None
+    sensor: Vector = (0.0, 0.0, 0.0)
 
     def __post_init__(self) -> None:
         if not 0.001 <= self.mass <= 1000.0:

@@ -20,7 +20,7 @@ from propmap.physics.mount_drag import MountDrag
 from propmap.vehicle import log_map, powertrain_toml
 from propmap.vehicle.log_map import CHOICES, LogMap, read_log_map
 from propmap.vehicle.powertrain_toml import read_powertrain
-from propmap.vehicle.vehicle import SPINS, Body, Mount, Vector, Vehicle, Wing
+from propmap.vehicle.vehicle import SPINS, Body, Mount, Vector, Vehicle, Wakes, Wing
 
 SCHEMA = 1
 KEYS = (
@@ -35,9 +35,15 @@ KEYS = (
     "body",
     "wing",
     *powertrain_toml.KEYS,
+    "wakes",
+    "sensor",
     "log",
 )
 PROPELLER_KEYS = ("geometry", "blades", "radius", "root_cutout")
+WAKE_RANGES = {"ahead": 20.0, "beside": 20.0, "downwash": 20.0, "share": 2.0}
+"""Largest values of the table ``[wakes]``."""
+FARTHEST_SENSOR = 5.0
+"""From the centre of mass, along each axis [m]."""
 WING_KEYS = ("area", "incidence", "c_l1", "c_l2", "alpha_0")
 GEOMETRY = '"apc-8x6e", a name of `propmap props` or a geometry file beside this file'
 
@@ -66,7 +72,9 @@ def read_vehicle(path: str | os.PathLike[str]) -> VehicleFile:
     one for each, ``wake`` (by default 1); ``[body]``
     ``drag_area`` (3 numbers [m^2]), ``lift_area`` [m^2]; ``[wing]`` ``area`` [m^2],
     ``incidence`` [rad], ``c_l1``, ``c_l2``, ``alpha_0`` [rad]; ``[motor]``, ``[esc]`` and
-    ``[battery]``, see ``read_powertrain``; ``[log]``, see ``LogMap``.
+    ``[battery]``, see ``read_powertrain``; ``[wakes]``, the rotors' wakes on each other, see
+    ``Wakes``: ``ahead``, ``beside``, ``downwash``, ``share`` (each by default 1); ``[sensor]``
+    ``position`` [m] of the accelerometer, from the centre of mass; ``[log]``, see ``LogMap``.
 
     Parameters
     ----------
@@ -98,6 +106,8 @@ def read_vehicle(path: str | os.PathLike[str]) -> VehicleFile:
             body=_body(top),
             wing=_wing(top),
             powertrain=read_powertrain(top, propeller.radius),
+            wakes=_wakes(top),
+            sensor=_sensor(top, flip),
         ),
     )
     return VehicleFile(vehicle, read_log_map(top.table("log", log_map.KEYS), len(mounts)))
@@ -188,3 +198,26 @@ def _wing(top: TomlTable) -> Wing | None:
             f"area is {given['area']} m^2", "give the area, or remove [wing]", table.where
         )
     return Wing(**given)
+
+
+def _wakes(top: TomlTable) -> Wakes | None:
+    if "wakes" not in top:
+        return None
+    table = top.table("wakes", tuple(WAKE_RANGES))
+    given = {key: table.number(key, "a factor", 1.0) for key in WAKE_RANGES}
+    for key, most in WAKE_RANGES.items():
+        if not 0.0 <= given[key] <= most:
+            raise InputError(
+                f"{key} is {given[key]:g}", f"give a number from 0 to {most:g}", table.where
+            )
+    return Wakes(**given)
+
+
+def _sensor(top: TomlTable, flip: bool) -> Vector:
+    if "sensor" not in top:
+        return (0.0, 0.0, 0.0)
+    table = top.table("sensor", ("position",))
+    place = table.vector("position", "[x, y, z], in m from the centre of mass")
+    if max(abs(x) for x in place) > FARTHEST_SENSOR:
+        raise InputError(f"position is {list(place)} m", "give it in m", table.where)
+    return _flu(place, flip)

@@ -1,0 +1,61 @@
+"""Options of fits to flights, and which parameters are free in them by default."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Annotated
+
+import typer
+
+from propmap.fit.parameters import MOUNT, PAPER_FOUR, SENSOR, WAKES, Choice, Prior
+from propmap.vehicle.time_derivatives import CUTOFF
+from propmap.vehicle.vehicle import Vehicle
+
+LowPass = Annotated[
+    float,
+    typer.Option(
+        "--low-pass",
+        metavar="HZ",
+        help="Cut-off for all signals of whole flights alike; 0 for none.",
+    ),
+]
+HoverScale = Annotated[
+    bool,
+    typer.Option(
+        "--hover-scale/--no-hover-scale",
+        help="Scale the thrust of each whole flight by its own hover.",
+    ),
+]
+DEFAULT_CUTOFF = CUTOFF
+
+BLADE = ("c_l1", "c_d", "alpha_0", "zero_lift_angle", "c_d0", "reynolds_camber")
+"""Constants of the blade that a flight moves; those that are left out, it does not tell."""
+
+WAKE_PRIORS = {
+    "wake_ahead": Prior(1.0, 3.0),
+    "wake_beside": Prior(1.0, 1.0),
+    "wake_downwash": Prior(1.0, 1.0),
+    "wake_share": Prior(1.0, 0.5),
+}
+"""The vortex cylinder is right within a factor of about two, and a wake is skewed by the inflow at
+the disk (1) or far below it (2) or by less, as air at the rim is slower."""
+
+
+def free_by_default(vehicle: Vehicle, *, level: bool) -> tuple[str, ...]:
+    """Names of what a fit to flights of the ``vehicle`` varies where nothing is stated.
+
+    With steady stretches (``level``) the paper's four; with whole flights what else moves the
+    residuals: drag of the rotors' mounts, which takes the place of the body's in the disk plane,
+    the body's along z, the accelerometer, and the wakes of several rotors on each other.
+    """
+    if level:
+        return PAPER_FOUR
+    mount = () if any(one.drag for one in vehicle.mounts) else tuple(MOUNT)
+    wakes = tuple(WAKES) if len(vehicle.mounts) > 1 else ()
+    return (*BLADE, *mount, "drag_area_z", *SENSOR, *wakes)
+
+
+def with_wake_priors(choice: Choice) -> Choice:
+    """The ``choice`` with ``WAKE_PRIORS`` on those free parameters that have no prior."""
+    more = {n: p for n, p in WAKE_PRIORS.items() if n in choice.free and n not in choice.priors}
+    return replace(choice, priors={**more, **choice.priors}) if more else choice

@@ -1,0 +1,94 @@
+"""An accelerometer off the centre of mass, against a body whose points are followed in space."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+import propmap
+from propmap.errors import InputError
+from propmap.fit.sensor_forces import CLOCK, OFFSET, sensor_force
+from propmap.fit.thrust_scale import HoverScale, scales_told
+from propmap.vehicle.flight_log import GRAVITY, FlightLog, joined
+from propmap.vehicle.vehicle import Mount, Vehicle
+
+VEHICLE = Vehicle("test", 0.8, propmap.propeller("apc-8x6e"), (Mount((0.0, 0.0, 0.0)),))
+PLACE = np.array([0.03, -0.05, 0.02])
+TIME = np.arange(0.0, 4.0, 1e-3)
+
+
+def turning() -> tuple[Rotation, FlightLog]:
+    """A body that tumbles about its resting centre of mass, and its log."""
+    angles = np.stack([np.sin(2.0 * TIME), 0.7 * np.cos(3.0 * TIME), 0.5 * TIME], axis=1)
+    attitude = Rotation.from_euler("xyz", angles)
+    step = attitude[:-1].inv() * attitude[1:]
+    between = step.as_rotvec() / 1e-3
+    rates = np.vstack([between[:1], 0.5 * (between[1:] + between[:-1]), between[-1:]])
+    up = attitude.inv().apply([0.0, 0.0, 1.0])
+    still = np.zeros_like(up)
+    one = np.full((TIME.size, 1), 600.0)
+    found = FlightLog("test", TIME, still, rates, up, GRAVITY * up, one)
+    slopes = np.gradient(rates, TIME, axis=0)
+    jerk = np.gradient(found.specific_force, TIME, axis=0)
+    return attitude, replace(found, angular_acceleration=slopes, specific_force_rate=jerk)
+
+
+def test_the_acceleration_of_a_point_of_a_turning_body() -> None:
+    attitude, log = turning()
+    path = attitude.apply(PLACE)
+    acceleration = np.gradient(np.gradient(path, TIME, axis=0), TIME, axis=0)
+    wanted = VEHICLE.mass * attitude.inv().apply(acceleration)
+    values = dict(zip(OFFSET, PLACE.tolist(), strict=True))
+    found, slopes = sensor_force(VEHICLE, log, values, OFFSET)
+    inside = slice(10, -10)
+    np.testing.assert_allclose(found[inside], wanted[inside], atol=2e-3)
+    np.testing.assert_allclose(np.einsum("k,knj->nj", PLACE, slopes), found)
+    by_file, _ = sensor_force(replace(VEHICLE, sensor=tuple(PLACE)), log, {}, ())
+    np.testing.assert_allclose(by_file, found)
+
+
+def test_late_stamps_read_what_was_before() -> None:
+    _, log = turning()
+    late = 5e-3
+    measured = np.stack([np.interp(TIME - late, TIME, a) for a in log.specific_force.T], axis=1)
+    wanted = VEHICLE.mass * (measured - log.specific_force)
+    found, slopes = sensor_force(VEHICLE, log, {CLOCK: late}, (CLOCK,))
+    inside = slice(20, -20)
+    np.testing.assert_allclose(found[inside], wanted[inside], atol=0.02 * np.abs(wanted).max())
+    np.testing.assert_allclose(late * slopes[0], found)
+
+
+def test_nothing_at_the_centre_of_mass_and_no_derivatives_needed() -> None:
+    _, log = turning()
+    bare = replace(log, angular_acceleration=np.full_like(log.rates, np.nan))
+    force, slopes = sensor_force(VEHICLE, bare, {}, ("c_l1",))
+    assert not force.any() and not slopes.any()
+    with pytest.raises(InputError, match="without time derivatives"):
+        sensor_force(VEHICLE, bare, {}, ("sensor_x",))
+
+
+def hovering(seconds: float) -> FlightLog:
+    time = np.arange(0.0, 5.0, 0.01)
+    still, up = np.zeros((time.size, 3)), np.tile([0.0, 0.0, 1.0], (time.size, 1))
+    velocity = still + np.where(time < seconds, 0.0, 6.0)[:, None] * [1.0, 0.0, 0.0]
+    return FlightLog(
+        "test", time, velocity, still, up, GRAVITY * up, np.full((time.size, 4), 600.0)
+    )
+
+
+def test_each_flight_s_thrust_is_scaled_by_its_own_hover() -> None:
+    log = joined([hovering(2.0), hovering(0.2), hovering(3.0)])
+    hover = HoverScale.of(log, 0.8, np.array([[0.0, 0.0, 1.0]] * 4))
+    assert list(hover.hovers) == [0, 2]
+    weight = 0.8 * log.specific_force
+    rotors = weight / np.array([1.05, 1.3, 0.97])[log.flight.astype(int)][:, None]
+    rotors[log.speed > 1.0] *= 3.0  # what is not hover plays no part
+    found = hover.scales(rotors, 0.0 * weight)
+    assert found == {0: pytest.approx(1.05), 2: pytest.approx(0.97)}
+    assert "flight 1: 1.050, flight 3: 0.970" in scales_told(found)[0]
+    assert scales_told({}) == []
+    # Three times the thrust is another unit of the rotor speeds, not a battery.
+    assert hover.scales(weight / 3.0, 0.0 * weight) == {}
