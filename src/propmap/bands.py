@@ -85,9 +85,10 @@ def _by_parameters(known: SectionUncertainty, rotor: Prepared, at: FlowPoints) -
 
     if known.with_blade is None:
         return {"parameters": np.sqrt(variance(whole))}
-    own = variance(known.with_blade)
-    rest = np.maximum(variance(whole) - own, 0.0)
-    return {"parameters": np.sqrt(own), "geometry": np.sqrt(rest)}
+    # The two populations are estimated apart: their sum is to be the whole all the same.
+    total = variance(whole)
+    own = np.minimum(variance(known.with_blade), total)
+    return {"parameters": np.sqrt(own), "geometry": np.sqrt(total - own)}
 
 
 def _discrepancy(model: Model, known: SectionUncertainty, at: FlowPoints, loads: Floats) -> Floats:

@@ -142,7 +142,7 @@ def test_standard_deviations_by_source_and_none(run: Run) -> None:
     plain = json.loads(run("predict", *NAMED, "--no-bands", "--format", "json").out)
     assert tuple(plain) == COLUMNS
     assert "std. dev." not in run("predict", *NAMED, "--no-bands").out
-    guessed = run("predict", "10x4.3x3", *NAMED[1:], "--std-by-source", "--format", "json")
+    guessed = run("predict", "5x4.3x3", *NAMED[1:], "--std-by-source", "--format", "json")
     assert json.loads(guessed.out)["thrust_std_geometry_N"] > 0.0
 
 

@@ -22,7 +22,6 @@ from propmap.cli.fit_options import (
     settings_of,
 )
 from propmap.cli.flight_options import (
-    DEFAULT_CUTOFF,
     HoverScale,
     LowPass,
     free_by_default,
@@ -193,7 +192,7 @@ def fit_flight(
     samples: Annotated[
         int, typer.Option("--samples", min=10, help="Samples used of a whole flight, at most.")
     ] = 500,
-    low_pass: LowPass = DEFAULT_CUTOFF,
+    low_pass: LowPass = None,
     hover_scale: HoverScale = False,
     body_study: Annotated[
         bool,
@@ -212,6 +211,7 @@ def fit_flight(
 ) -> None:
     """Fit flight logs of a vehicle."""
     from propmap.cli.flight_files import read_flights
+    from propmap.vehicle.time_derivatives import CUTOFF
     from propmap.vehicle.vehicle_toml import read_vehicle
 
     check_outputs(output, picture, stretches_picture)
@@ -233,13 +233,14 @@ def fit_flight(
     from propmap.fit.tunnel import first_guess, model_with
 
     keep_compiled()
+    cutoff = CUTOFF if low_pass is None else low_pass
     flights = read_flights(
         logs,
         file,
         method.value,
         seconds=seconds,
         samples=samples,
-        low_pass=low_pass,
+        low_pass=cutoff,
         picture=stretches_picture,
     )
     default = free_by_default(file.vehicle, level=flights.level)
@@ -279,7 +280,7 @@ def fit_flight(
         options={
             "seconds": seconds,
             "samples": samples,
-            "low_pass": 0.0 if flights.level else low_pass,
+            "low_pass": 0.0 if flights.level else cutoff,
             "hover_scale": scaled,
             "vehicle": file.vehicle.name,
         },

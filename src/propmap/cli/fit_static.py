@@ -33,7 +33,6 @@ from propmap.cli.rotor_options import (
     takes_rotor,
     with_physics,
 )
-from propmap.cli.static_file import has_power, read_static
 from propmap.errors import InputError
 from propmap.model.plausible import doubts_on_air, doubts_on_blade, doubts_on_points
 from propmap.model.plausible_loads import doubts_on_loads
@@ -73,6 +72,7 @@ def fit_static(
     picture: Picture = None,
 ) -> None:
     """Fit a static test, and say what it tells of forward flight."""
+    from propmap.cli.static_file import read_static
     from propmap.fit.tunnel import merged
 
     check_outputs(output, picture)
@@ -141,6 +141,8 @@ def fit_static(
 
 def _like_electrical(fitted: Fitted, files: list[Path]) -> list[str]:
     """A doubt about a power that is larger than a shaft's is likely to be."""
+    from propmap.cli.static_file import has_power
+
     rows = fitted.rows
     if "torque" not in rows.names or not any(has_power(path) for path in files):
         return []

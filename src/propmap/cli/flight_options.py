@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from propmap.fit.parameters import MOUNT, PAPER_FOUR, SENSOR, WAKES, Choice, Prior
-from propmap.vehicle.time_derivatives import CUTOFF
-from propmap.vehicle.vehicle import Vehicle
+
+if TYPE_CHECKING:
+    from propmap.vehicle.vehicle import Vehicle
 
 LowPass = Annotated[
-    float,
+    float | None,
     typer.Option(
         "--low-pass",
         metavar="HZ",
-        help="Cut-off for all signals of whole flights alike; 0 for none.",
+        help="Cut-off for all signals of whole flights alike, by default 6; 0 for none.",
     ),
 ]
 HoverScale = Annotated[
@@ -26,7 +27,6 @@ HoverScale = Annotated[
         help="Scale the thrust of each whole flight by its own hover.",
     ),
 ]
-DEFAULT_CUTOFF = CUTOFF
 
 BLADE = ("c_l1", "c_d", "alpha_0", "zero_lift_angle", "c_d0", "reynolds_camber")
 """Constants of the blade that a flight moves; those that are left out, it does not tell."""
