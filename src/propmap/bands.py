@@ -112,7 +112,8 @@ def _discrepancy(model: Model, known: SectionUncertainty, at: FlowPoints, loads:
 def _tunnel(model: Model, at: FlowPoints, loads: Floats) -> Floats:
     """By how much another tunnel, or the open air, would read other loads (L, N)."""
     tip = np.hypot(at.omega * model.propeller.radius, np.hypot(at.v_axial, at.v_inplane))
-    advance = np.divide(np.abs(at.v_axial), tip, out=np.zeros_like(tip), where=tip > 0.0)
+    speed = np.hypot(at.v_axial, at.v_inplane)
+    advance = np.divide(speed, tip, out=np.zeros_like(tip), where=tip > 0.0)
     share = np.full_like(loads, TUNNEL_GAIN)
     share[list(LOADS).index("thrust")] = np.hypot(TUNNEL_GAIN, TUNNEL_TILT * advance)
     return np.asarray(share * np.abs(loads))

@@ -78,6 +78,14 @@ MAKERS: dict[str, tuple[list[str], Found]] = {
         [*FLIGHT, "--no-expectation", "-o", "x.csv", "--force"],
         _file("x.csv"),
     ),
+    "trim": (
+        ["vehicle.toml", "--airfoil", "paper-apc", "--speed", "0,5", "--format", "json"],
+        json.loads,
+    ),
+    "choose": (
+        ["vehicle.toml", "--speed", "5", "--diameter", "5.1:5.2", "--format", "json"],
+        json.loads,
+    ),
     "check": (
         ["law.toml", "tunnel.csv", "--prop", "apc-8x6e", "--format", "json"],
         lambda out: json.loads(out)["loads"],

@@ -123,7 +123,7 @@ def test_what_the_other_sources_are(model: pm.Model) -> None:
     assert by["discrepancy"].thrust[0] == pytest.approx(expected, rel=1e-9)
     expected = law.uncertainty.power_coefficient * force * diameter / (2.0 * np.pi)
     assert by["discrepancy"].torque[0] == pytest.approx(expected, rel=1e-9)
-    # Another tunnel: 8 % each, and the thrust's tilt of 10 % per 0.1 of axial advance.
+    # Another tunnel: 8 % each, and the thrust's tilt of 10 % per 0.1 of the advance ratio.
     advance = 0.1 / np.hypot(1.0, 0.1)
     shares = np.array([0.08, np.hypot(0.08, advance)])
     np.testing.assert_allclose(by["tunnel"].thrust, shares * found.thrust, rtol=1e-12)

@@ -66,7 +66,6 @@ def aircraft_of(
 ) -> Aircraft:
     """The aircraft with loads from a table or from a rotor; notes say what is not known of it."""
     limits = {"maximum_rotor_speed": checked_rpm(maximum_rpm), "charge": charge}
-    say_missing(vehicle)
     if table is not None:
         if airfoil or model or correction:
             raise InputError(
@@ -76,8 +75,11 @@ def aircraft_of(
         from propmap.aircraft.steady import Aircraft
         from propmap.table.query import LoadTable
 
-        return Aircraft(vehicle, LoadTable.load(table), **limits)
+        found = LoadTable.load(table)
+        say_missing(vehicle)
+        return Aircraft(vehicle, found, **limits)
     chosen = model_of(vehicle, vehicle.propeller, airfoil, model, correction)
+    say_missing(vehicle)
 
     from propmap.aircraft.steady import Aircraft
     from propmap.engine.compilation import keep_compiled

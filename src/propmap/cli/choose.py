@@ -127,9 +127,9 @@ def choose(
         *(file_candidate(name, law) for name in propeller or ()),
         *catalogue_candidates(sizes, blades),
     ]
+    corrections = tuple(corrections_of(model or ModelName.recommended, correction or ()))
     say_missing(read)
     keep_compiled()
-    corrections = tuple(corrections_of(model or ModelName.recommended, correction or ()))
     ranking = Ranking(read, wanted, corrections, maximum_rotor_speed=largest, charge=charge)
     judged = _judged(ranking, candidates, top)
     title = (

@@ -199,7 +199,8 @@ def write_tables(results: Results, folder: Path, notes: list[str]) -> None:
 def write_pictures(results: Results, folder: Path) -> tuple[Path, Path]:
     """Load curves at the rotational speed with most oblique points, and a disk; the paths.
 
-    The curves are those of the rotor by name, with its bands.
+    The curves are of the constants that were identified on these data, the bands those of what is
+    known of the propeller by its name.
     """
     from propmap.report.disk_picture import disk_picture
     from propmap.report.load_curves import MeasuredLoads, load_curves
@@ -219,7 +220,16 @@ def write_pictures(results: Results, folder: Path) -> tuple[Path, Path]:
     curves, disk = folder / "demo-loads.png", folder / "demo-disk.png"
     fastest = float(data.speed[mine].max())
     speed = np.linspace(0.0, fastest, 61)
-    save(load_curves(results.by_name, omega, speed, CURVES.tolist(), points), curves)
+    figure = load_curves(
+        results.rotor,
+        omega,
+        speed,
+        CURVES.tolist(),
+        points,
+        band=results.by_name,
+        band_label="95 % band by name",
+    )
+    save(figure, curves)
     save(disk_picture(results.rotor, *DISK), disk)
     return curves, disk
 

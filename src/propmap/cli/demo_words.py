@@ -96,8 +96,9 @@ def notes(results: Results) -> list[str]:
         "tunnel, where the same propeller's loads differ already at rest: "
         f"{_bias(elsewhere, 'recommended', 'thrust')} in mean thrust, "
         f"{_bias(elsewhere, 'recommended', 'torque')} in mean torque.",
-        "The picture shows what is known of the propeller by its name alone: constants identified "
-        "from UIUC's axial loads, and bands of 95 %. Of the oblique points, "
+        "The bands of the picture are what is known of the propeller by its name alone, with "
+        "constants identified from UIUC's axial loads: they should hold 95 %. Of the oblique "
+        "points, "
         + ", ".join(
             f"{one.inside:.0%} are inside in {LOADS[name].label} (rms {one.relative_rms:.0%})"
             for name, one in by_name.items()

@@ -71,7 +71,8 @@ def plot_map(
     from propmap.report.load_curves import load_curves
     from propmap.report.style import save
 
-    save(load_curves(rotor, omega, speeds, betas.tolist(), points, bands=bands), output)
+    band = rotor if bands else None
+    save(load_curves(rotor, omega, speeds, betas.tolist(), points, band=band), output)
     typer.echo(output)
 
 

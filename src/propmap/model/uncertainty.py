@@ -21,7 +21,10 @@ the load.  Loads identified from the UIUC database differ from those of the 2019
 D'Andrea, Drones 3(4):77, doi 10.3390/drones3040077) by 6-18 % in thrust and 3-14 % in torque."""
 
 TUNNEL_TILT = 1.0
-"""The same of the thrust's slope by the axial advance ratio V cos(beta)/(Omega R): 0.10 per 0.1."""
+"""The same of the thrust's slope by the advance ratio V/(Omega R): 0.10 per 0.1 in axial flow.  In
+flow along the disk it is taken to be as large, where one propeller was measured: the 8x6E's thrust
+there grows in the campaign of 2019 and falls by the constants of UIUC's axial loads, which stall
+earlier (``propmap demo``)."""
 
 INPLANE_SHARES = {"drag": 0.10, "roll_moment": 0.10, "side_force": 0.5, "pitch_moment": 0.5}
 """Standard deviations of what the theory itself errs by in loads that no axial test has seen, as

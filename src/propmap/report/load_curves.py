@@ -73,7 +73,8 @@ def load_curves(
     betas: Sequence[float],
     measured: MeasuredLoads | None = None,
     *,
-    bands: bool = True,
+    band: Rotor | None = None,
+    band_label: str = "95 % band of the model",
 ) -> Figure:
     """Every load against flight speed, a curve for each angle, the hover model dashed.
 
@@ -90,9 +91,11 @@ def load_curves(
     measured : MeasuredLoads, optional
         Points, drawn where their angle is within half a degree of a curve's; those at rest belong
         to every curve and are drawn with the first.
-    bands : bool
-        Whether the band that holds the true loads with a probability of 95 % is shaded, where the
-        model says how well it is known.
+    band : Rotor, optional
+        Of this one, the band that holds the true loads with a probability of 95 % is shaded, where
+        it says how well it is known.
+    band_label : str
+        For the legend.
 
     Raises
     ------
@@ -104,15 +107,17 @@ def load_curves(
             f"{len(betas)} angles make an unreadable picture", f"give at most {len(COLOURS)}"
         )
     found = rotor.loads(omega, speed, np.array(betas)[:, None])
-    known = bool(bands and found.std_by_source)
-    low, high = found.interval() if known else (None, None)
+    low, high = None, None
+    if band is not None and band.model.uncertainty is not None:
+        shaded = found if band is rotor else band.loads(omega, speed, np.array(betas)[:, None])
+        low, high = shaded.interval()
     hover = HoverModel.of(rotor).loads(omega)
     figure, axes = load_panels(3.3, sharex=True)
     for ax, load in zip(axes.ravel(), LOADS.values(), strict=True):
         ax.axhline(float(hover[load.name]), **HOVER)
         for k, curve in enumerate(getattr(found, load.name)):
             ax.plot(speed, curve, color=COLOURS[k], **MODEL)
-            if low is not None:
+            if low is not None and high is not None:
                 edges = (getattr(low, load.name)[k], getattr(high, load.name)[k])
                 ax.fill_between(speed, *edges, color=COLOURS[k], **BAND)
         if measured is not None and load.name in measured.loads:
@@ -126,8 +131,8 @@ def load_curves(
     figure.suptitle(title if measured is None else f"{title}; points: {measured.label}")
     keys: list[Any] = angle_keys(betas, markersize=0.0 if measured is None else 4.5, **MODEL)
     keys.append(key("hover model", **HOVER))
-    if known:
-        keys.append(Patch(label="95 % band of the model", color="0.4", **BAND))
+    if low is not None:
+        keys.append(Patch(label=band_label, color="0.4", **BAND))
     legend_below(figure, keys)
     return figure
 
