@@ -15,7 +15,7 @@ import propmap
 from propmap import catalogue
 from propmap.catalogue.designation import designation
 from propmap.catalogue.expected_blade import ERRORS, ExpectedBlade
-from propmap.catalogue.expected_constants import expected_constants, size_of
+from propmap.catalogue.expected_constants import expected_constants
 from propmap.catalogue.lookup import designated
 from propmap.catalogue.mean_blade import (
     SHARES,
@@ -177,22 +177,23 @@ FIFTY = [
 ]
 
 
-def test_fifty_designations_give_loads() -> None:
+@pytest.mark.slow
+def test_fifty_designations_give_loads_with_bands() -> None:
     assert len(set(FIFTY)) >= 50
     for text in FIFTY:
         meant = designated(text)
         assert isinstance(meant, ExpectedBlade), text
         blade = propmap.propeller(text)
         assert doubts_on_blade(blade) == [], text
-        size = size_of(meant, blade)
-        law = expected_constants(meant.family, size, meant.geometry).airfoil
-        rotor = propmap.Rotor(propmap.Model(blade, law), compiled=False)
+        rotor = propmap.Rotor(propmap.known_model(text), compiled=False)
         omega = 80.0 / blade.radius
         loads = rotor.loads(np.array([omega, omega]), np.array([0.0, 6.0]), np.array([0.0, 1.2]))
         assert (loads.thrust > 0.0).all() and (loads.torque > 0.0).all(), text
         n, area = omega / (2.0 * np.pi), blade.diameter**4
         coefficient = loads.thrust / (1.225 * n**2 * area)
         assert ((coefficient > 0.02) & (coefficient < 0.4)).all(), text
+        for std, load in ((loads.std.thrust, loads.thrust), (loads.std.torque, loads.torque)):
+            assert ((std > 0.08 * load) & (std < 0.6 * load)).all(), text
 
 
 def test_errors_that_are_told_are_those_of_propellers_left_out() -> None:
