@@ -18,6 +18,7 @@ from propmap.model.uncertainty import (
     INPLANE_SHARES,
     TUNNEL_GAIN,
     TUNNEL_TILT,
+    UNKNOWN_SHARE,
     SectionUncertainty,
 )
 
@@ -103,7 +104,9 @@ def _discrepancy(model: Model, known: SectionUncertainty, at: FlowPoints, loads:
     }
     return np.stack(
         [
-            of_axial[name] if name in of_axial else INPLANE_SHARES[name] * np.abs(load)
+            of_axial[name]
+            if name in of_axial
+            else INPLANE_SHARES.get(name, UNKNOWN_SHARE) * np.abs(load)
             for name, load in zip(LOADS, loads, strict=True)
         ]
     )

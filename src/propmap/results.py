@@ -24,33 +24,6 @@ class LoadValues:
 
     Attributes
     ----------
-    thrust, drag, side_force : ndarray
-        [N].
-    torque, roll_moment, pitch_moment : ndarray
-        [N m].
-    power : ndarray
-        [W].
-    """
-
-    thrust: Floats
-    drag: Floats
-    torque: Floats
-    roll_moment: Floats
-    side_force: Floats
-    pitch_moment: Floats
-    power: Floats
-
-
-Deviations = Callable[[], Mapping[str, LoadValues]]
-"""Standard deviations of loads by their source; empty where nothing is known of them."""
-
-
-@dataclass(frozen=True)
-class Loads:
-    """Loads of a rotor; every field has the broadcast shape of the operating points.
-
-    Attributes
-    ----------
     thrust : ndarray
         Along the axis [N].
     drag : ndarray
@@ -67,6 +40,29 @@ class Loads:
         About the axis across the in-plane velocity [N m], positive where the front is lifted.
     power : ndarray
         Torque times omega [W].
+    """
+
+    thrust: Floats
+    drag: Floats
+    torque: Floats
+    roll_moment: Floats
+    side_force: Floats
+    pitch_moment: Floats
+    power: Floats
+
+
+Deviations = Callable[[], Mapping[str, LoadValues]]
+"""Standard deviations of loads by their source; empty where nothing is known of them."""
+
+
+@dataclass(frozen=True)
+class Loads(LoadValues):
+    """Loads of a rotor; every field has the broadcast shape of the operating points.
+
+    Thrust, drag, torque, moments, side force and power are those of ``LoadValues``.
+
+    Attributes
+    ----------
     status : ndarray of str
         Of ``STATUSES``.  "multiple_roots": near stall the inflow has several solutions, the largest
         is used.  "windmill": descent so fast that the wake is above the disk.  "vortex_ring":
@@ -85,13 +81,6 @@ class Loads:
         Gives ``std_by_source``.
     """
 
-    thrust: Floats
-    drag: Floats
-    torque: Floats
-    roll_moment: Floats
-    side_force: Floats
-    pitch_moment: Floats
-    power: Floats
     status: NDArray[np.str_]
     roots: NDArray[np.int64]
     reverse_flow: Floats

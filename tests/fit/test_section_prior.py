@@ -164,6 +164,8 @@ def test_fewer_rows_than_constants_are_enough() -> None:
     rows = rows_on({"c_l1": np.ones(3)}, np.zeros(3), c_l1=6.0)
     found = fit(rows, choice_of(*PARAMETERS), QUICK)
     assert np.isfinite(found.uncertainty.covariance).all()
+    singular = found.uncertainty.singular_values
+    assert singular.shape == (len(PARAMETERS),) and (singular[1:] < 1e-9).all()
 
 
 def test_constants_far_from_all_propellers_are_pointed_out() -> None:

@@ -131,7 +131,10 @@ def uncertainty(
     ends = np.stack([np.minimum(low, x / spread), np.maximum(high, x / spread)])
     narrow = np.flatnonzero(~held & (ends[1] - ends[0] <= 1.0))
     low, high = _stretched(ends, narrow, rows, choice, found, weight) * spread
-    singular = np.linalg.svd(slopes, compute_uv=False)
+    singular = np.zeros(x.size)
+    # Fewer rows than parameters leave directions that the data do not see at all.
+    seen_at_all = np.linalg.svd(slopes, compute_uv=False)
+    singular[: seen_at_all.size] = seen_at_all
     scale = np.where(deviation > 0.0, deviation, 1.0)
     with np.errstate(invalid="ignore"):
         correlation = covariance / np.outer(scale, scale)

@@ -33,6 +33,9 @@ Ribner's fin analogy and of measurements, rolling moments within 0 to -18 % of t
 pitching moments differ by a factor of about 2 (docs/validation.md)."""
 
 
+UNKNOWN_SHARE = 0.5
+"""The same of a load of which there is no such judgement."""
+
 DISCREPANCIES = ("thrust_coefficient", "power_coefficient")
 """Loads of an axial test, as coefficients, and fields of ``SectionUncertainty``."""
 
