@@ -1,13 +1,13 @@
-"""Loads of a rotor in climb, oblique and edgewise flight."""
+"""Loads of a rotor in climb, oblique and edgewise flight, with bands."""
 
 import numpy as np
 
 import propmap
 
-recommended = propmap.corrections_of("recommended")  # () for the paper's model
-blade, section = propmap.propeller("apc-8x6e"), propmap.airfoil("apc-8x6e-2019")
-rotor = propmap.Rotor(propmap.Model(blade, section, corrections=recommended))
+rotor = propmap.Rotor(propmap.known_model("APC 8x6E"))  # or "HQ 5x4.3x3", or your geometry file
 omega, beta = 6000 * np.pi / 30, np.radians([0, 45, 90])  # rad/s; climb, oblique, edgewise
 loads = rotor.loads(omega, 10.0, beta)
-print(loads.thrust, loads.drag, loads.torque, loads.status)
+low, high = loads.interval(0.95)
+print(loads.thrust, low.thrust, high.thrust)  # [N]
+print(loads.drag, loads.torque, loads.std.torque, loads.status)
 print(rotor.wrench(omega, [8.0, 0.0, 2.0], spin="ccw").force)

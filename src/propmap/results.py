@@ -59,7 +59,8 @@ Deviations = Callable[[], Mapping[str, LoadValues]]
 class Loads(LoadValues):
     """Loads of a rotor; every field has the broadcast shape of the operating points.
 
-    Thrust, drag, torque, moments, side force and power are those of ``LoadValues``.
+    Of them ``thrust``, ``drag``, ``torque``, ``roll_moment``, ``side_force``, ``pitch_moment`` and
+    ``power`` are described in ``LoadValues``.
 
     Attributes
     ----------

@@ -42,7 +42,8 @@ def test_they_are_the_model_s(rotor: propmap.Rotor, table: LoadTable) -> None:
     found = told.std(*points)
     for name in LOADS:
         want, got = getattr(loads.std, name)[sure], getattr(found, name)[sure]
-        assert np.sqrt(np.mean((got - want) ** 2)) < 0.05 * np.sqrt(np.mean(want**2)), name
+        # Side force and pitching moment are zero in the paper's model.
+        assert np.sqrt(np.mean((got - want) ** 2)) <= 0.05 * np.sqrt(np.mean(want**2)), name
 
 
 def test_what_is_filed_comes_back(tmp_path: Path) -> None:
