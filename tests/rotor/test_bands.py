@@ -102,15 +102,15 @@ def test_the_compiler_s_derivatives_and_numpy_s_differences_agree(model: pm.Mode
     beta = random.uniform(0.0, np.pi, 12)
     speed[0], beta[1], beta[2] = 0.0, 0.0, np.pi
     here, there = (
-        pm.Rotor(model, compiled=compiled).loads(omega, speed, beta).std_by_source
+        # The paper's physics, which compiles in a fifth of the time.
+        pm.Rotor(replace(model, corrections=()), compiled=compiled)
+        .loads(omega, speed, beta)
+        .std_by_source
         for compiled in (False, True)
     )
     for name in NAMES:
         want, got = (getattr(one["parameters"], name) for one in (there, here))
-        np.testing.assert_allclose(got, want, rtol=0.1, atol=1e-5 * np.nanmax(want))
-        # Where a blade stalls, the inflow's harmonics are found to fewer digits than derived.
-        close = np.abs(got - want) <= 0.01 * want + 1e-5 * np.nanmax(want)
-        assert close.mean() > 0.8, name
+        np.testing.assert_allclose(got, want, rtol=0.05, atol=1e-5 * max(np.nanmax(want), 1e-9))
 
 
 def test_what_the_other_sources_are(model: pm.Model) -> None:
