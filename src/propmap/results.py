@@ -93,7 +93,8 @@ class Loads(LoadValues):
     def std_by_source(self) -> Mapping[str, LoadValues]:
         """Standard deviations by what they are from; empty where nothing is known of them.
 
-        "parameters": those of the section law, with the covariance that its identification found.
+        "parameters": those of the section law, with the covariance that its identification found;
+        those of which its data said nothing are not counted.
         "geometry": chord and twist of a blade that was not measured.  "discrepancy": what the model
         errs by with the best constants.  "tunnel": what another tunnel, or the open air, would read
         differently.  They are independent.  Computed when first asked for, once; to first order in

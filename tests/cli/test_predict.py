@@ -146,6 +146,16 @@ def test_standard_deviations_by_source_and_none(run: Run) -> None:
     assert json.loads(guessed.out)["thrust_std_geometry_N"] > 0.0
 
 
+def test_constants_of_which_a_fit_knows_nothing_are_named(run: Run, tmp_path: Path) -> None:
+    law = propmap.airfoil("paper-apc")
+    assert isinstance(law, propmap.Airfoil)
+    covariance = np.array([[0.04, np.inf], [np.inf, np.inf]])
+    known = propmap.SectionUncertainty(propmap.SectionCovariance(("c_l1", "c_l2"), covariance))
+    (tmp_path / "law.toml").write_text(law.with_parameters(uncertainty=known).to_toml())
+    done = run("predict", "apc-8x6e", "--airfoil", tmp_path / "law.toml", *NAMED[1:])
+    assert "note: standard deviations do not count c_l2" in done.err and "std. dev." in done.out
+
+
 def test_a_table_of_points_shows_those_of_thrust_and_torque(run: Run, points_csv: Path) -> None:
     shown = run("predict", "apc 10x5e", "--points", points_csv).out
     assert "s(T)" in shown and "s(Q)" in shown and "standard deviations" in shown

@@ -11,6 +11,7 @@ from propmap.loads import LOADS
 
 if TYPE_CHECKING:
     from propmap.arrays.types import Floats
+    from propmap.model.model import Model
     from propmap.results import Loads, LoadValues
 
 Bands = Annotated[
@@ -48,6 +49,18 @@ def std_columns(loads: Loads, *, by_source: bool) -> dict[str, Floats]:
         for source, values in loads.std_by_source.items():
             found.update(_columns(f"std_{source}", values))
     return found
+
+
+def say_not_counted(model: Model) -> None:
+    """Name constants of which the data of a fit said nothing, on standard error."""
+    known = model.uncertainty
+    if known is not None and known.covariance.unknown:
+        names = ", ".join(known.covariance.unknown)
+        typer.echo(
+            f"note: standard deviations do not count {names}, of which the data of the fit say "
+            "nothing",
+            err=True,
+        )
 
 
 def _columns(what: str, values: LoadValues) -> Iterator[tuple[str, Floats]]:

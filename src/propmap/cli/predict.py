@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from propmap.cli.bands import Bands, StdBySource, std_columns
+from propmap.cli.bands import Bands, StdBySource, say_not_counted, std_columns
 from propmap.cli.operating_points import COLUMNS, OperatingPoints, single_point
 from propmap.cli.output import (
     Format,
@@ -65,6 +65,8 @@ def predict(
     say_doubts_on_points(rotor.model, *where.si)
     loads = where.loads(rotor)
     spread = std_columns(loads, by_source=std_by_source) if bands else {}
+    if spread:
+        say_not_counted(rotor.model)
     if chosen is Format.table:
         _show_table(output, rotor, where, loads, spread, one=points is None)
     elif points is None and chosen is Format.json:

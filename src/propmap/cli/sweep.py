@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from propmap.cli.bands import Bands, StdBySource, std_columns
+from propmap.cli.bands import Bands, StdBySource, say_not_counted, std_columns
 from propmap.cli.operating_points import COLUMNS, OperatingPoints, parse_axis
 from propmap.cli.output import Force, check_output, csv_text, write_text
 from propmap.cli.plausibility import say_doubts_on_points
@@ -61,6 +61,8 @@ def sweep(
     say_doubts_on_points(rotor.model, *points.si)
     loads = _compute(rotor, points, bands=bands)
     spread = std_columns(loads, by_source=std_by_source) if bands else {}
+    if spread:
+        say_not_counted(rotor.model)
     if output.suffix.lower() == ".nc":
         from propmap.cli.sweep_dataset import dataset
         from propmap.io.atomic_file import write_dataset
