@@ -14,6 +14,7 @@ from __future__ import annotations
 import json
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -26,9 +27,10 @@ from propmap.engine.compilation import keep_compiled
 from propmap.fit.comparison import FlightForces, flight_forces
 from propmap.fit.fitted import Settings, fit
 from propmap.fit.flight import ForceModel, balance_rows
-from propmap.fit.parameters import BODY, FIRST_GUESS, MOUNT, SECTION, SENSOR, WAKES, Choice
+from propmap.fit.parameters import BODY, FIRST_GUESS, FLEX, MOUNT, SECTION, SENSOR, WAKES, Choice
 from propmap.fit.section_prior import SectionPrior
-from propmap.fit.tunnel import model_with, section_with
+from propmap.fit.thrust_scale import HoverScale
+from propmap.fit.tunnel import model_with
 from propmap.flight.steady import airborne
 from propmap.io.atomic_file import replacing
 from propmap.model.model import Model
@@ -44,13 +46,16 @@ ALMOST_NONE = 1e-9
 """Area [m^2] of a mount that drags nothing, so that one compiled program serves all steps."""
 
 DRAGS = ("drag_area_x", "drag_area_y", "drag_area_z")
+DOWN = ("download_area_x", "download_area_y")
 MOUNTED = (*BLADE, *MOUNT, "drag_area_z")
 STEPS: dict[str, tuple[tuple[str, ...], bool]] = {
     "blade and body drag": ((*BLADE, *DRAGS), False),
     "and the accelerometer's place and clock": ((*BLADE, *DRAGS, *SENSOR), False),
     "mounts for body drag in x and y": ((*MOUNTED, *SENSOR), False),
     "and the wakes": ((*MOUNTED, *SENSOR, *WAKES), False),
-    "and a thrust scale of each flight": ((*MOUNTED, *SENSOR, *WAKES), True),
+    "and blades that give way": ((*MOUNTED, *SENSOR, *WAKES, *FLEX), False),
+    "and the body's download": ((*MOUNTED, *DOWN, *SENSOR, *WAKES, *FLEX), False),
+    "and a thrust scale of each flight": ((*MOUNTED, *DOWN, *SENSOR, *WAKES, *FLEX), True),
 }
 """Free parameters, and whether thrust is scaled by hover."""
 
@@ -62,9 +67,9 @@ def flying(path: Path, file: VehicleFile, cutoff: float) -> FlightLog:
 
 
 def fitted_values(
-    vehicle: Vehicle, log: FlightLog, prior: SectionPrior, free: tuple[str, ...], scaled: bool
+    vehicle: Vehicle, log: FlightLog, prior: SectionPrior, free: tuple[str, ...]
 ) -> dict[str, float]:
-    """All parameters by name of a fit to a part of the samples."""
+    """All parameters by name of a fit to a part of the samples of one flight."""
     picked = np.unique(np.linspace(0, len(log) - 1, SAMPLES).astype(int))
     fixed = {n: getattr(prior.airfoil, n) for n in SECTION if n not in free}
     if "mount_area" not in free:
@@ -72,24 +77,30 @@ def fitted_values(
     start = {n: getattr(prior.airfoil, n) for n in SECTION if n in free}
     choice = with_flight_priors(Choice(free, fixed, {}, start, prior))
     law = prior.airfoil.with_corrections(["pitt-peters"])
-    model = ForceModel(vehicle, log.picked(picked), law, scaled=scaled)
+    model = ForceModel(vehicle, log.picked(picked), law)
     return fit(balance_rows(model, choice), choice, Settings(starts=1, folds=0)).values
 
 
 def forces(
-    vehicle: Vehicle, log: FlightLog, prior: SectionPrior, values: dict[str, float], scaled: bool
+    vehicle: Vehicle,
+    log: FlightLog,
+    prior: SectionPrior,
+    values: dict[str, float],
+    seen: FlightLog | None = None,
 ) -> FlightForces:
-    """What a fit says of a flight."""
+    """What a fit says of a flight; its thrust is scaled by its hover over that of one ``seen``."""
     base = Model(vehicle.propeller, prior.airfoil.with_corrections(["pitt-peters"]), vehicle.air)
     found = model_with(base, values)
-    law = section_with(base.airfoil, values).with_corrections(found.correction_texts)
+    law = replace(found.airfoil, corrections=tuple(found.correction_texts))
+    reference = None if seen is None else HoverScale.of(vehicle, seen).reference
+    scale = HoverScale.of(vehicle, log, reference) if reference else None
     others = {n: values[n] for n in (BODY | SENSOR | WAKES) if n in values}
-    return flight_forces(vehicle, log, law, FIRST_GUESS | others, scaled=scaled)
+    return flight_forces(vehicle, log, law, FIRST_GUESS | others, scale=scale)
 
 
 def errors(model: Floats, vehicle: Vehicle, log: FlightLog) -> list[float]:
     """Root mean squares [N] along the three axes."""
-    off = model - vehicle.mass * log.specific_force
+    off = model[:, :3] - vehicle.mass * log.specific_force
     return [round(float(x), 3) for x in np.sqrt(np.nanmean(off**2, axis=0))]
 
 
@@ -118,9 +129,10 @@ def main(vehicle_path: str, *flights: str) -> None:
     for label, (free, scaled) in STEPS.items():
         for seen, unseen in ((0, 1), (1, 0)):
             begin = time.process_time()
-            values = fitted_values(vehicle, logs[seen], prior, free, scaled)
+            values = fitted_values(vehicle, logs[seen], prior, free)
             took = time.process_time() - begin
-            found = [forces(vehicle, log, prior, values, scaled) for log in logs]
+            of = logs[seen] if scaled else None
+            found = [forces(vehicle, log, prior, values, of) for log in logs]
             off = [errors(f.model, vehicle, g) for f, g in zip(found, logs, strict=True)]
             step = {
                 "step": label,
@@ -142,7 +154,7 @@ def main(vehicle_path: str, *flights: str) -> None:
         print(path.stem, reference)
     raw = [flying(path, file, 0.0) for path in paths]
     told["last_fit_without_low_pass_N"] = [
-        errors(forces(vehicle, log, prior, values, True).model, vehicle, log) for log in raw
+        errors(forces(vehicle, log, prior, values, of).model, vehicle, log) for log in raw
     ]
     print("the last fit without low-pass:", told["last_fit_without_low_pass_N"])
     with replacing(RESULTS) as place:

@@ -14,6 +14,7 @@ from propmap.fit.fitted import Settings, fit
 from propmap.fit.flight import ForceModel, balance_rows, level_rows
 from propmap.fit.parameters import FIRST_GUESS, SECTION, Choice
 from propmap.fit.still_explained import still_explained
+from propmap.fit.thrust_scale import HoverScale
 from propmap.vehicle.flight_log import GRAVITY, FlightLog, joined
 from propmap.vehicle.time_derivatives import low_passed
 from propmap.vehicle.vehicle import Mount, Vehicle, Wakes
@@ -106,7 +107,7 @@ pytestmark = pytest.mark.slow
 
 def test_slopes_of_all_parameters_against_differences() -> None:
     log = flown((1.03, 0.98))
-    model = ForceModel(VEHICLE, log, LAW, scaled=True)
+    model = ForceModel(VEHICLE, log, LAW, scale=HoverScale.of(VEHICLE, log))
     free = (*FREE, "wake_beside", "wake_share")
     values = FIRST_GUESS | LAW_VALUES | TRUTH
     found = model.at(values, free)
@@ -135,11 +136,11 @@ def test_without_wakes_nothing_changes_and_without_gains_nothing_is_added() -> N
 def test_the_same_forces_are_checked_as_were_fitted() -> None:
     log = flown((1.03, 0.98))
     values = FIRST_GUESS | LAW_VALUES | TRUTH
-    model = ForceModel(VEHICLE, log, LAW, scaled=True)
-    found = flight_forces(VEHICLE, log, LAW, TRUTH, scaled=True)
-    np.testing.assert_allclose(found.model, model.at(values, ()).force, atol=2e-2)
-    assert found.scales == pytest.approx(model.scales(values), abs=1e-3)
-    assert found.scales == pytest.approx({0: 1.03, 1: 0.98}, abs=0.01)
+    model = ForceModel(VEHICLE, log, LAW, scale=HoverScale.of(VEHICLE, log))
+    scale = HoverScale.of(VEHICLE, log)
+    found = flight_forces(VEHICLE, log, LAW, TRUTH, scale=scale)
+    np.testing.assert_allclose(found.model, model.at(values, ()).loads, atol=2e-2)
+    assert scale.scales == pytest.approx({0: 1.03 / 1.005, 1: 0.98 / 1.005}, abs=0.01)
 
 
 def test_a_twin_is_found_again() -> None:
@@ -148,7 +149,9 @@ def test_a_twin_is_found_again() -> None:
     choice = Choice(FREE, fixed)
     for noise in (0.0, 0.05):
         log = flown((1.03, 0.98), noise)
-        rows = balance_rows(ForceModel(VEHICLE, log, LAW, scaled=True), choice)
+        rows = balance_rows(
+            ForceModel(VEHICLE, log, LAW, scale=HoverScale.of(VEHICLE, log)), choice
+        )
         found = fit(rows, choice, Settings(starts=1, folds=0))
         for name, x, low, high in zip(
             FREE, found.x, found.uncertainty.low, found.uncertainty.high, strict=True

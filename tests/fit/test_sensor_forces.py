@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 import propmap
 from propmap.errors import InputError
 from propmap.fit.sensor_forces import CLOCK, OFFSET, sensor_force
-from propmap.fit.thrust_scale import HoverScale, scales_told
+from propmap.fit.thrust_scale import HoverScale
 from propmap.vehicle.flight_log import GRAVITY, FlightLog, joined
 from propmap.vehicle.vehicle import Mount, Vehicle
 
@@ -80,15 +80,24 @@ def hovering(seconds: float) -> FlightLog:
 
 
 def test_each_flight_s_thrust_is_scaled_by_its_own_hover() -> None:
-    log = joined([hovering(2.0), hovering(0.2), hovering(3.0)])
-    hover = HoverScale.of(log, 0.8, np.array([[0.0, 0.0, 1.0]] * 4))
-    assert list(hover.hovers) == [0, 2]
-    weight = 0.8 * log.specific_force
-    rotors = weight / np.array([1.05, 1.3, 0.97])[log.flight.astype(int)][:, None]
-    rotors[log.speed > 1.0] *= 3.0  # what is not hover plays no part
-    found = hover.scales(rotors, 0.0 * weight)
-    assert found == {0: pytest.approx(1.05), 2: pytest.approx(0.97)}
-    assert "flight 1: 1.050, flight 3: 0.970" in scales_told(found)[0]
-    assert scales_told({}) == []
+    flights = [hovering(2.0), hovering(0.2), hovering(3.0)]
+    # A flight that needs lower rotor speeds for its weight has more thrust per square of them.
+    factors = (1.05, 1.3, 0.97)
+    slower = [
+        replace(log, rotor_speed=log.rotor_speed / np.sqrt(k))
+        for log, k in zip(flights, factors, strict=True)
+    ]
+    log = joined(slower)
+    found = HoverScale.of(VEHICLE, log)
+    # The second hovers for too short a time; the reference is the mean of the others.
+    assert found.scales == {0: pytest.approx(1.05 / 1.01), 2: pytest.approx(0.97 / 1.01)}
+    weight = VEHICLE.mass * GRAVITY
+    assert found.reference == pytest.approx(1.01 * weight / (4 * 600.0**2), rel=1e-6)
+    np.testing.assert_allclose(found.factors(log)[log.flight == 1], 1.0)
+    assert "flight 1: 1.040, flight 3: 0.960" in found.told()[0]
+    alone = HoverScale.of(VEHICLE, slower[0])
+    assert alone.scales == {0: pytest.approx(1.0)} and alone.told() == []
+    known = HoverScale.of(VEHICLE, slower[0], found.reference)
+    assert known.scales == {0: pytest.approx(1.05 / 1.01)}
     # Three times the thrust is another unit of the rotor speeds, not a battery.
-    assert hover.scales(weight / 3.0, 0.0 * weight) == {}
+    assert HoverScale.of(VEHICLE, slower[0], 3.0 * (found.reference or 0.0)).scales == {}

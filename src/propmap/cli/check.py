@@ -87,7 +87,7 @@ def _compare(
     from propmap.engine.compilation import keep_compiled
     from propmap.fit.comparison import compare_forces, compare_tunnel, flight_forces
     from propmap.fit.result_file import is_fit, read_fit
-    from propmap.fit.thrust_scale import scales_told
+    from propmap.fit.thrust_scale import HoverScale
 
     fitted = read_fit(fit) if is_fit(fit) else None
     if vehicle is not None:
@@ -101,10 +101,12 @@ def _compare(
         values = fitted.values if fitted else wing_values(file.vehicle)
         keep_compiled()
         paths = [Path(item) for item in data]
-        cutoff, scaled = (fitted.low_pass, fitted.hover_scale) if fitted else (0.0, False)
+        cutoff = fitted.low_pass if fitted else 0.0
+        reference = fitted.hover_reference if fitted else None
         flights = read_flights(paths, file, "balance", seconds=2.0, samples=2**31, low_pass=cutoff)
-        forces = flight_forces(file.vehicle, flights.log, law, values, scaled=scaled)
-        for text in (*flights.remarks, *scales_told(forces.scales)):
+        scale = HoverScale.of(file.vehicle, flights.log, reference) if reference else None
+        forces = flight_forces(file.vehicle, flights.log, law, values, scale=scale)
+        for text in (*flights.remarks, *(scale.told() if scale else ())):
             typer.echo(f"note: {text}", err=True)
         return compare_forces(file.vehicle, flights.log, forces)
     from propmap.cli.tunnel_files import doubts_on_tunnel, read_tunnel

@@ -229,7 +229,7 @@ def fit_flight(
     from propmap.fit.prior_conflict import doubts_on_constants
     from propmap.fit.result_file import fit_text
     from propmap.fit.still_explained import still_explained
-    from propmap.fit.thrust_scale import scales_told
+    from propmap.fit.thrust_scale import HoverScale as Scale
     from propmap.fit.tunnel import first_guess, model_with
 
     keep_compiled()
@@ -256,13 +256,14 @@ def fit_flight(
     settings = settings_of(starts, robust, folds, bootstrap, seed)
     law = base or (expected.airfoil if expected else first_guess())
     law = with_physics(law, physics, correction)
-    scaled = hover_scale and not flights.level
-    model = ForceModel(file.vehicle, flights.log, law, scaled=scaled)
+    wanted = hover_scale and not flights.level
+    scale = Scale.of(file.vehicle, flights.log) if wanted else None
+    model = ForceModel(file.vehicle, flights.log, law, scale=scale)
     make = level_rows if flights.level else balance_rows
     fitted = fit(make(model, chosen), chosen, settings)
     remarks = [*flights.remarks, *range_warnings(fitted.rows)]
     remarks += [
-        *scales_told(model.scales(fitted.values, chosen.free)),
+        *(scale.told() if scale else ()),
         *still_explained(fitted, model.log),
     ]
     remarks += doubts_on_constants(fitted)
@@ -281,7 +282,7 @@ def fit_flight(
             "seconds": seconds,
             "samples": samples,
             "low_pass": 0.0 if flights.level else cutoff,
-            "hover_scale": scaled,
+            "hover_reference": (scale and scale.reference) or 0.0,
             "vehicle": file.vehicle.name,
         },
     )

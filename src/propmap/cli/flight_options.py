@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from propmap.fit.parameters import FLEX, MOUNT, PAPER_FOUR, SENSOR, WAKES, Choice, Prior
+from propmap.fit.parameters import FLEX, MOUNT, PAPER_FOUR, SENSOR, TURNING, WAKES, Choice, Prior
 
 if TYPE_CHECKING:
     from propmap.vehicle.vehicle import Vehicle
@@ -24,7 +24,7 @@ HoverScale = Annotated[
     bool,
     typer.Option(
         "--hover-scale/--no-hover-scale",
-        help="Scale the thrust of each whole flight by its own hover.",
+        help="Scale rotor loads of each flight by its own hover, over that of the fit's flights.",
     ),
 ]
 
@@ -58,9 +58,10 @@ def free_by_default(vehicle: Vehicle, *, level: bool) -> tuple[str, ...]:
     """
     if level:
         return PAPER_FOUR
+    turning = tuple(TURNING) if vehicle.inertia else ()
     mount = () if any(one.drag for one in vehicle.mounts) else tuple(MOUNT)
     wakes = tuple(WAKES) if len(vehicle.mounts) > 1 else ()
-    return (*BLADE, *FLEX, *mount, *BODY_ALONG_Z, *SENSOR, *wakes)
+    return (*BLADE, *FLEX, *mount, *BODY_ALONG_Z, *SENSOR, *turning, *wakes)
 
 
 def with_flight_priors(choice: Choice) -> Choice:

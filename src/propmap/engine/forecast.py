@@ -77,12 +77,13 @@ class Forecast(NamedTuple):
         radius = np.linspace(float(blade.root), float(blade.tip), 12)
         chord = np.interp(radius, blade.station, blade.chord)
         twist = np.interp(radius, blade.station, blade.twist)
+        at: Any = radius
         one: Any = np.float64(1.0)
-        untwist = np.zeros_like(twist) if blade.untwist is None else untwisting(blade, radius, one)
+        untwist = np.broadcast_to(np.asarray(untwisting(blade, at, one)), radius.shape)
         slope = chord * float(blade.blades * bounds.attached_slope) / (8.0 * np.pi * radius)
         reynolds = float(air.density / air.viscosity) * radius * chord
         stall = float(bounds.least_stall_angle), float(bounds.stall_width)
-        return cls(law, radius, twist, np.asarray(untwist), reynolds, slope, *stall)
+        return cls(law, radius, twist, untwist, reynolds, slope, *stall)
 
     def may_stall(self, omega: Floats, v_axial: Floats, v_inplane: Floats) -> NDArray[np.bool_]:
         """Where some of the blade may stall, (N,), from attached lift alone; always in descent."""

@@ -11,18 +11,19 @@ from propmap.arrays.types import Floats
 from propmap.baselines.hover import HoverModel
 from propmap.errors import InputError
 from propmap.fit.body_forces import body_force
-from propmap.fit.flight import AXES, hover_force
+from propmap.fit.flight import AXES, MOMENTS, UNITS, hover_loads
 from propmap.fit.parameters import FIRST_GUESS, SENSOR
 from propmap.fit.residuals import Errors, by_band, errors
 from propmap.fit.sensor_forces import sensor_force
 from propmap.fit.thrust_scale import HoverScale
 from propmap.fit.tunnel import TunnelData
+from propmap.fit.turning import added_moment, measured_moment
 from propmap.fit.wake_parameters import wakes_with
 from propmap.loads import LOADS
 from propmap.model.model import Model, Section
 from propmap.rotor import Rotor
 from propmap.vehicle.flight_log import GRAVITY, FlightLog
-from propmap.vehicle.hub_flow import HubFlow, hub_flow, rotor_forces
+from propmap.vehicle.hub_flow import HubFlow, hub_flow, rotor_wrench
 from propmap.vehicle.interference import check_apart, wake_flow
 from propmap.vehicle.mounted_rotors import mounted_rotors
 from propmap.vehicle.vehicle import Vehicle
@@ -67,15 +68,13 @@ class FlightForces:
 
     Attributes
     ----------
-    model, hover : ndarray, shape (n, 3)
-        In the vehicle's frame [N], as an accelerometer feels them where it sits.
-    scales : mapping of int to float
-        By which the rotors' forces were multiplied, by number of flight.
+    model, hover : ndarray, shape (n, 6)
+        In the vehicle's frame: forces [N], as an accelerometer feels them where it sits, and
+        moments about the centre of mass [N m].
     """
 
     model: Floats
     hover: Floats
-    scales: Mapping[int, float]
 
 
 def flight_forces(
@@ -84,7 +83,7 @@ def flight_forces(
     law: Section,
     values: Mapping[str, float],
     *,
-    scaled: bool = False,
+    scale: HoverScale | None = None,
 ) -> FlightForces:
     """All forces but gravity on a vehicle, by a section law and what a fit found besides.
 
@@ -95,44 +94,49 @@ def flight_forces(
     law : Airfoil or SectionTable
         The section law to judge.
     values : mapping of str to float
-        The body's, wing's, sensor's and wakes' parameters by name; first guesses, or the vehicle
-        file's, where it has none.
-    scaled : bool
-        Whether to scale the rotors' forces of each flight by its own hover, see ``thrust_scale``.
+        All parameters but the rotor's by name; first guesses, or the vehicle file's, where it has
+        none.
+    scale : HoverScale, optional
+        By which the rotors' loads are multiplied, for each flight by its own hover.
     """
     model = Model(vehicle.propeller, law, vehicle.air)
     flow = hub_flow(vehicle, log)
-    thrust, drag = _thrust_and_drag(vehicle, model, flow)
+    loads = _rotor_loads(vehicle, model, flow)
     wakes = wakes_with(vehicle, values)
     if wakes is not None:
         check_apart(vehicle)
-        wake = wake_flow(vehicle, wakes, flow, thrust)
+        wake = wake_flow(vehicle, wakes, flow, loads[0])
         near = flow._replace(axial=flow.axial + wake.known)
-        thrust, drag = _thrust_and_drag(vehicle, model, near)
-        thrust = np.where(np.isfinite(wake.added), thrust, np.nan)
+        loads = _rotor_loads(vehicle, model, near)
+        loads = np.where(np.isfinite(wake.added), loads, np.nan)
     values = {**FIRST_GUESS, **values}
-    others = body_force(vehicle, log, values, ())[0] + sensor_force(vehicle, log, values, ())[0]
-    rotors, scales = rotor_forces(flow, thrust, drag), dict[int, float]()
-    if scaled:
-        scales = HoverScale.of(log, vehicle.mass, flow.axis).scales(rotors, others)
-        each = np.array([scales.get(int(number), 1.0) for number in log.flight])
-        rotors = each[:, None] * rotors
-    hover = hover_force(HoverModel.of(Rotor(model)), flow)
-    return FlightForces(rotors + others, hover, scales)
+    force, moment = rotor_wrench(flow, loads)
+    if scale is not None:
+        each = scale.factors(log)[:, None]
+        force, moment = each * force, each * moment
+    force = force + body_force(vehicle, log, values, ())[0]
+    none = np.zeros((0, len(log), 3))
+    moment = moment + added_moment(vehicle, log, flow, force, none, values, ())[0]
+    force = force + sensor_force(vehicle, log, values, ())[0]
+    hover = hover_loads(HoverModel.of(Rotor(model)), flow)
+    return FlightForces(np.concatenate([force, moment], axis=1), hover)
 
 
-def _thrust_and_drag(vehicle: Vehicle, model: Model, flow: HubFlow) -> tuple[Floats, Floats]:
-    """[N], (n, m) each."""
+def _rotor_loads(vehicle: Vehicle, model: Model, flow: HubFlow) -> Floats:
+    """In the order of ``LOADS`` [N], [N m]; (L, n, m)."""
     velocity = np.stack([flow.inplane, np.zeros_like(flow.inplane), flow.axial], axis=-1)
-    thrust, drag = np.empty_like(flow.omega), np.empty_like(flow.omega)
+    found = np.empty((len(LOADS), *flow.omega.shape))
     for mounted, mine in mounted_rotors(vehicle, model):
         loads = Rotor(mounted).loads_at_velocity(flow.omega[:, mine], velocity[:, mine])
-        thrust[:, mine], drag[:, mine] = loads.thrust, loads.drag
-    return thrust, drag
+        found[..., mine] = [getattr(loads, name) for name in LOADS]
+    return found
 
 
 def compare_forces(vehicle: Vehicle, log: FlightLog, forces: FlightForces) -> dict[str, Comparison]:
-    """Errors of the forces along the vehicle's axes, against mass times specific force.
+    """Errors of forces and moments along the vehicle's axes.
+
+    Forces are held against mass times specific force, and moments, where the vehicle file has
+    moments of inertia, against what turns the vehicle.
 
     Parameters
     ----------
@@ -151,12 +155,17 @@ def compare_forces(vehicle: Vehicle, log: FlightLog, forces: FlightForces) -> di
     InputError
         Where the log has no specific force.
     """
-    measured = vehicle.mass * log.specific_force
-    if not np.isfinite(measured).any():
+    measured = np.concatenate(
+        [vehicle.mass * log.specific_force, measured_moment(vehicle, log)], axis=1
+    )
+    if not np.isfinite(measured[:, :3]).any():
         raise InputError("there is no specific force to compare with", "log it", log.source)
+    names = (*AXES, *MOMENTS) if np.isfinite(measured[:, 3:]).any() else AXES
     return {
-        f"{name}_N": _compared(forces.model[:, k], measured[:, k], log.speed, forces.hover[:, k])
-        for k, name in enumerate(AXES)
+        f"{name}_{UNITS[name].replace(' ', '')}": _compared(
+            forces.model[:, k], measured[:, k], log.speed, forces.hover[:, k]
+        )
+        for k, name in enumerate(names)
     }
 
 
@@ -189,7 +198,9 @@ def level_forces(
     values = {name: value for name, value in values.items() if name not in SENSOR}
     here = replace(vehicle, sensor=(0.0, 0.0, 0.0))
     found = flight_forces(here, log, law, values)
-    return np.sum(found.model * log.up, axis=1), np.sum(found.hover * log.up, axis=1)
+    vertical = (np.sum(one[:, :3] * log.up, axis=1) for one in (found.model, found.hover))
+    model, hover = vertical
+    return model, hover
 
 
 def _compared(model: Floats, measured: Floats, speed: Floats, hover: Floats) -> Comparison:

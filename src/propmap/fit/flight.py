@@ -16,43 +16,57 @@ from propmap.engine.gradients import load_gradients
 from propmap.errors import InputError
 from propmap.fit.body_forces import body_force
 from propmap.fit.coverage import Coverage, coverage
-from propmap.fit.parameters import MOUNT, ROTOR, SENSOR, WAKES, WING, Choice
+from propmap.fit.parameters import MOUNT, ROTOR, SENSOR, TURNING, WAKES, WING, Choice
 from propmap.fit.rows import Rows
 from propmap.fit.sensor_forces import sensor_force
 from propmap.fit.thrust_scale import HoverScale
 from propmap.fit.tunnel import model_with
+from propmap.fit.turning import added_moment, measured_moment
 from propmap.fit.wake_parameters import PREFIX, wakes_with
 from propmap.loads import LOADS
 from propmap.model.airfoil import Airfoil
 from propmap.model.model import Model
 from propmap.rotor import Rotor
 from propmap.vehicle.flight_log import GRAVITY, FlightLog
-from propmap.vehicle.hub_flow import HubFlow, hub_flow, rotor_forces
+from propmap.vehicle.hub_flow import HubFlow, hub_flow, rotor_wrench
 from propmap.vehicle.interference import check_apart, wake_flow
 from propmap.vehicle.mounted_rotors import mounted_rotors
 from propmap.vehicle.vehicle import Vehicle
 
 AXES, VERTICAL = ("force_x", "force_y", "force_z"), ("vertical_force",)
+MOMENTS = ("moment_x", "moment_y", "moment_z")
+UNITS = {**dict.fromkeys((*AXES, *VERTICAL), "N"), **dict.fromkeys(MOMENTS, "N m")}
 
 
 @dataclass(frozen=True)
 class Balance:
-    """Aerodynamic force on the vehicle at n samples, in its frame.
+    """What acts on the vehicle at n samples, in its frame.
 
     Attributes
     ----------
-    force : ndarray, shape (n, 3)
-        [N], NaN where the loads were not found.
-    slopes : ndarray, shape (P, n, 3)
+    loads : ndarray, shape (n, 6)
+        Force [N] and moment about the centre of mass [N m], NaN where the rotors' loads were not
+        found.
+    slopes : ndarray, shape (P, n, 6)
         By the parameters asked for.
     """
 
-    force: Floats
+    loads: Floats
     slopes: Floats
+
+    @property
+    def force(self) -> Floats:
+        """[N], (n, 3)."""
+        return self.loads[:, :3]
+
+    @property
+    def moment(self) -> Floats:
+        """[N m], (n, 3)."""
+        return self.loads[:, 3:]
 
 
 class ForceModel:
-    """All forces but gravity on a vehicle, at the samples of a log.
+    """All forces but gravity on a vehicle and their moments, at the samples of a log.
 
     Parameters
     ----------
@@ -64,9 +78,8 @@ class ForceModel:
         Gives what no parameter of a fit does.
     setting : str
         Accuracy of the loads, as in ``Rotor``.
-    scaled : bool
-        Whether the rotors' forces are scaled for each flight by its own hover, see
-        ``thrust_scale``.
+    scale : HoverScale, optional
+        By which the rotors' loads are multiplied, for each flight by its own hover.
 
     Raises
     ------
@@ -81,7 +94,7 @@ class ForceModel:
         base: Airfoil,
         setting: str = "standard",
         *,
-        scaled: bool = False,
+        scale: HoverScale | None = None,
     ) -> None:
         if log.rotor_speed.shape[1] != len(vehicle.mounts):
             raise InputError(
@@ -92,10 +105,10 @@ class ForceModel:
         self.vehicle, self.log, self.setting = vehicle, log, setting
         self.model = Model(vehicle.propeller, base, vehicle.air)
         self.flow = hub_flow(vehicle, log)
-        self.scale = HoverScale.of(log, vehicle.mass, self.flow.axis) if scaled else None
+        self.scale = None if scale is None else scale.factors(log)
 
     def at(self, values: Mapping[str, float], free: tuple[str, ...]) -> Balance:
-        """Forces and their derivatives.
+        """Forces and moments, and their derivatives.
 
         Parameters
         ----------
@@ -104,55 +117,47 @@ class ForceModel:
         free : tuple of str
             Names of the P by which to differentiate.
         """
-        rotors = self._rotors(values, free)
-        others = self._others(values, free)
-        force, slopes = rotors.force, rotors.slopes
+        loads, slopes = self._rotors(values, free)
         if self.scale is not None:
-            force, slopes = self.scale.applied(force, slopes, others.force, others.slopes)
-        return Balance(force + others.force, slopes + others.slopes)
-
-    def scales(self, values: Mapping[str, float], free: tuple[str, ...] = ()) -> dict[int, float]:
-        """Thrust scales by number of flight, none where there are none.
-
-        They are those at ``values``; ``free`` is as in ``at``, whose programs this uses.
-        """
-        if self.scale is None:
-            return {}
-        others = self._others(values, ())
-        return self.scale.scales(self._rotors(values, free).force, others.force)
-
-    def _others(self, values: Mapping[str, float], free: tuple[str, ...]) -> Balance:
-        """Forces of the body and the wing, and what the accelerometer's place adds."""
-        force, slopes = body_force(self.vehicle, self.log, values, free)
+            loads, slopes = self.scale[:, None] * loads, self.scale[:, None] * slopes
+        body, by_body = body_force(self.vehicle, self.log, values, free)
+        force, by_force = loads[:, :3] + body, slopes[..., :3] + by_body
+        more, by_more = added_moment(
+            self.vehicle, self.log, self.flow, force, by_force, values, free
+        )
         sensed, by_sensor = sensor_force(self.vehicle, self.log, values, free)
-        return Balance(force + sensed, slopes + by_sensor)
+        return Balance(
+            np.concatenate([force + sensed, loads[:, 3:] + more], axis=-1),
+            np.concatenate([by_force + by_sensor, slopes[..., 3:] + by_more], axis=-1),
+        )
 
-    def _rotors(self, values: Mapping[str, float], free: tuple[str, ...]) -> Balance:
-        """Forces of all rotors, in each other's wakes where there are any."""
+    def _rotors(self, values: Mapping[str, float], free: tuple[str, ...]) -> tuple[Floats, Floats]:
+        """Loads (n, 6) of all rotors, in each other's wakes where there are any, and their
+        derivatives (P, n, 6)."""
         section = tuple(name for name in free if name in ROTOR)
         at_section = [name in section for name in free]
-        slopes = np.zeros((len(free), len(self.log), 3))
+        slopes = np.zeros((len(free), len(self.log), 6))
         wakes = wakes_with(self.vehicle, values)
         if wakes is None:
             loads, by_section = self._loads(values, section, self.flow.axial)
-            slopes[at_section] = rotor_forces(self.flow, *by_section[:2])
-            return Balance(rotor_forces(self.flow, *loads[:2]), slopes)
+            slopes[at_section] = _six(self.flow, by_section)
+            return _six(self.flow, loads), slopes
         check_apart(self.vehicle)
         named = (*section, "v_axial")
         alone, by_named = self._loads(values, named, self.flow.axial)
         wake = wake_flow(self.vehicle, wakes, self.flow, alone[0])
         loads, by_here = self._loads(values, named, self.flow.axial + wake.known)
         loads = np.where(np.isfinite(wake.added), loads, np.nan)
-        by_axial = by_here[:2, -1]
+        by_axial = by_here[:, -1]
         # The wakes change with the thrusts that they are computed from.
         followed = np.einsum("nts,pns->pnt", wake.by_thrust, by_named[0, :-1])
-        by_section = by_here[:2, :-1] + by_axial[:, None] * followed
-        slopes[at_section] = rotor_forces(self.flow, *by_section)
+        by_section = by_here[:, :-1] + by_axial[:, None] * followed
+        slopes[at_section] = _six(self.flow, by_section)
         for row, name in enumerate(free):
             if name in WAKES:
                 added = wake.by_gain[name.removeprefix(PREFIX)]
-                slopes[row] = rotor_forces(self.flow, *(by_axial * added))
-        return Balance(rotor_forces(self.flow, *loads[:2]), slopes)
+                slopes[row] = _six(self.flow, by_axial * added)
+        return _six(self.flow, loads), slopes
 
     def _loads(
         self, values: Mapping[str, float], names: tuple[str, ...], axial: Floats
@@ -179,6 +184,11 @@ class ForceModel:
         return coverage(flow.omega.ravel(), speed.ravel(), beta.ravel(), radius)
 
 
+def _six(flow: HubFlow, loads: Floats) -> Floats:
+    """Force and moment (..., n, 6) of all rotors from loads (L, ..., n, m)."""
+    return np.concatenate(rotor_wrench(flow, loads), axis=-1)
+
+
 def level_rows(model: ForceModel, choice: Choice) -> Rows:
     """A row per steady level flight, where the vertical forces sum up to m g: eqs. (16)(17).
 
@@ -202,7 +212,10 @@ def level_rows(model: ForceModel, choice: Choice) -> Rows:
 
 
 def balance_rows(model: ForceModel, choice: Choice, *, stretch: float = 1.0) -> Rows:
-    """Three rows per sample: all forces but gravity against m times the specific force.
+    """Rows of a whole flight: all forces but gravity against m times the specific force.
+
+    There are three per sample, and three more of moments where the vehicle file has moments of
+    inertia and the log has time derivatives: moments of the air against what turns the vehicle.
 
     Parameters
     ----------
@@ -229,7 +242,12 @@ def balance_rows(model: ForceModel, choice: Choice, *, stretch: float = 1.0) -> 
     since = log.time - np.array([begins[k] for k in log.flight])
     # Stretches of different flights are different, whatever their clocks say.
     _, group = np.unique(np.stack([log.flight, since // stretch]), axis=1, return_inverse=True)
-    return _rows(model, choice, AXES, model.vehicle.mass * log.specific_force, group)
+    measured = model.vehicle.mass * log.specific_force
+    turning = measured_moment(model.vehicle, log)
+    if not np.isfinite(turning).all():
+        return _rows(model, choice, AXES, measured, group)
+    six = np.concatenate([measured, turning], axis=1)
+    return _rows(model, choice, (*AXES, *MOMENTS), six, group)
 
 
 def _rows(
@@ -239,12 +257,20 @@ def _rows(
     measured: Floats,
     group: NDArray[np.intp] | None = None,
 ) -> Rows:
-    """A row per force ``measured`` (n, L) [N], in units of the weight."""
+    """A row per load ``measured`` (n, L), in units of the weight and of that at the hubs' mean
+    distance from the centre of mass."""
     if names == VERTICAL:
-        useless = [name for name in choice.free if name in SENSOR]
+        useless = [name for name in choice.free if name in SENSOR | TURNING]
         if useless:
             raise InputError(
                 f"{useless[0]} has no part in steady stretches", "fit it with --method balance"
+            )
+    elif MOMENTS[0] not in names:
+        useless = [name for name in choice.free if name in TURNING]
+        if useless:
+            raise InputError(
+                f"{useless[0]} is free but moments are not balanced",
+                "add inertia = [about x, about y, about z] in kg m^2 to the vehicle file",
             )
     if any(mount.drag is not None for mount in model.vehicle.mounts):
         known = [name for name in (*choice.free, *choice.fixed) if name in MOUNT]
@@ -269,22 +295,28 @@ def _rows(
     def forces(values: Mapping[str, float], free: tuple[str, ...]) -> tuple[Floats, Floats]:
         balance = model.at(values, free)
         slopes = _along(model.log, names, balance.slopes)
-        return _along(model.log, names, balance.force), np.moveaxis(slopes, 0, -1)
+        return _along(model.log, names, balance.loads), np.moveaxis(slopes, 0, -1)
 
-    scale = np.full_like(measured, model.vehicle.mass * GRAVITY)
-    units = ("N",) * len(names)
+    weight = model.vehicle.mass * GRAVITY
+    places = np.array([mount.position for mount in model.vehicle.mounts])
+    arm = float(np.mean(np.linalg.norm(places, axis=1)))
+    each = np.array([weight * (arm if name in MOMENTS else 1.0) for name in names])
+    scale = np.broadcast_to(each, measured.shape)
+    units = tuple(UNITS[name] for name in names)
     return Rows.of_points(names, units, measured, scale, model.log.speed, forces, group)
 
 
-def _along(log: FlightLog, names: tuple[str, ...], force: Floats) -> Floats:
-    """The forces of these names (..., n, L) of forces (..., n, 3) in the vehicle's frame."""
-    return np.sum(force * log.up, axis=-1, keepdims=True) if names == VERTICAL else force
+def _along(log: FlightLog, names: tuple[str, ...], loads: Floats) -> Floats:
+    """The loads of these names (..., n, L) of forces and moments (..., n, 6)."""
+    if names == VERTICAL:
+        return np.asarray(np.sum(loads[..., :3] * log.up, axis=-1, keepdims=True))
+    return loads[..., : len(names)]
 
 
-def hover_force(hover: HoverModel, flow: HubFlow) -> Floats:
-    """The hover model's force of all rotors on the vehicle [N] (n, 3)."""
-    thrust = hover.thrust(flow.omega)
-    return rotor_forces(flow, thrust, np.zeros_like(thrust))
+def hover_loads(hover: HoverModel, flow: HubFlow) -> Floats:
+    """The hover model's force [N] and moment [N m] of all rotors on the vehicle; (n, 6)."""
+    known = hover.loads(flow.omega)
+    return _six(flow, np.stack([known.get(name, np.zeros_like(flow.omega)) for name in LOADS]))
 
 
 def hover_rows(model: ForceModel, values: Mapping[str, float], rows: Rows) -> Floats:
@@ -294,4 +326,4 @@ def hover_rows(model: ForceModel, values: Mapping[str, float], rows: Rows) -> Fl
     """
     # One point by NumPy, without waiting for the compiler.
     hover = HoverModel.of(Rotor(model_with(model.model, values), compiled=False))
-    return rows.picked(_along(model.log, rows.names, hover_force(hover, model.flow)))
+    return rows.picked(_along(model.log, rows.names, hover_loads(hover, model.flow)))

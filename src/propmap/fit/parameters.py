@@ -87,6 +87,14 @@ SENSOR = {
 }
 """Of the accelerometer, from the centre of mass; its place adds to the vehicle file's."""
 
+TURNING = {
+    "centre_x": Parameter("m", 0.0, -0.2, 0.2, 0.005, "place of the centre of mass, forward"),
+    "centre_y": Parameter("m", 0.0, -0.2, 0.2, 0.005, "place of the centre of mass, left"),
+    "centre_z": Parameter("m", 0.0, -0.2, 0.2, 0.005, "place of the centre of mass, up"),
+    "rotor_inertia": Parameter("kg m^2", 0.0, 0.0, 0.1, 1e-6, "inertia of a rotor with its motor"),
+}
+"""Of the balance of moments; they add to the vehicle file's."""
+
 WAKES = {
     "wake_ahead": Parameter("-", 1.0, 0.0, 12.0, 1.0, "upwash ahead of a wake"),
     "wake_beside": Parameter("-", 1.0, 0.0, 12.0, 1.0, "upwash beside a wake"),
@@ -97,7 +105,7 @@ WAKES = {
 
 
 PAPER_FOUR = ("c_l1", "c_l2", "c_d", "alpha_0")
-EVERY = ROTOR | BODY | WING | SENSOR | WAKES
+EVERY = ROTOR | BODY | WING | SENSOR | TURNING | WAKES
 FIRST_GUESS = {name: p.start for name, p in EVERY.items() if name not in FLEX | MOUNT | WAKES}
 
 

@@ -26,7 +26,7 @@ from propmap.fit.fit_record import (
     read_record,
 )
 from propmap.fit.fitted import Fitted
-from propmap.fit.parameters import BODY, EVERY, SENSOR, WAKES, WING
+from propmap.fit.parameters import BODY, EVERY, ROTOR, SENSOR, TURNING, WAKES, WING
 from propmap.fit.residuals import by_band, errors
 from propmap.fit.tunnel import model_with, section_with
 from propmap.io.section_tables import looks_like_section_table
@@ -71,9 +71,12 @@ class FitFile:
         return float(self.record.settings.get("low_pass", 0.0))
 
     @property
-    def hover_scale(self) -> bool:
-        """Whether thrust was scaled by each flight's own hover."""
-        return bool(self.record.settings.get("hover_scale", False))
+    def hover_reference(self) -> float | None:
+        """Thrust over squares of rotor speeds in the hover of the fit's flights [N s^2].
+
+        None where a flight's own hover plays no part.
+        """
+        return float(self.record.settings.get("hover_reference", 0.0)) or None
 
 
 def fit_text(
@@ -136,7 +139,7 @@ def fit_text(
         data=[Source.of(item) for item in data],
         covered=covered,
         parameters=[_parameter(fitted, k) for k in range(len(choice.free))],
-        body={n: fitted.values[n] for n in BODY | SENSOR | WAKES if n in fitted.values},
+        body={n: fitted.values[n] for n in BODY | SENSOR | TURNING | WAKES if n in fitted.values},
         wing={n: fitted.values[n] for n in WING},
         covariance=sure.covariance,
         correlation=sure.correlation,

@@ -45,12 +45,13 @@ def untwisting(blade: Blade, radius: Array, omega: Array) -> Array:
     Parameters
     ----------
     blade : Blade
-        With an ``untwist``.
+        Rigid where it has no ``untwist``.
     radius, omega : Array
         y [m] and Omega [rad/s]; broadcast.
     """
     share, tip_speed = radius / blade.tip, omega * blade.tip
-    lost: Array = blade.untwist * (tip_speed / TIP_SPEED) ** 2 * share * (2.0 - share)
+    at_tip: Array = 0.0 if blade.untwist is None else blade.untwist  # type: ignore[assignment]
+    lost: Array = at_tip * (tip_speed / TIP_SPEED) ** 2 * share * (2.0 - share)
     return lost
 
 

@@ -12,7 +12,7 @@ from propmap.arrays.types import Floats
 from propmap.baselines.hover import HoverModel
 from propmap.errors import InputError
 from propmap.fit.body_forces import body_force, wing_values
-from propmap.fit.flight import hover_force
+from propmap.fit.flight import hover_loads
 from propmap.fit.parameters import EVERY
 from propmap.fit.residuals import rms
 from propmap.loads import LOADS, Load
@@ -124,7 +124,10 @@ def _level_panels(
     body, _ = body_force(vehicle, points, values | wing_values(vehicle), ())
     error, hover_error = (
         np.sum(force * points.up, axis=1) - vehicle.mass * GRAVITY
-        for force in (rotor_forces(flow, loads.thrust, loads.drag) + body, hover_force(hover, flow))
+        for force in (
+            rotor_forces(flow, loads.thrust, loads.drag) + body,
+            hover_loads(hover, flow)[:, :3],
+        )
     )
     felt, across = vehicle.mass * points.specific_force, points.velocity[:, :2]
     length = np.linalg.norm(across, axis=1, keepdims=True)

@@ -39,6 +39,8 @@ class FlightLog:
         Time derivative of ``rates`` [rad/s^2]; NaN where it is not known.
     specific_force_rate : ndarray, shape (n, 3)
         Time derivative of ``specific_force`` [m/s^3]; NaN where it is not known.
+    rotor_acceleration : ndarray, shape (n, rotors)
+        Time derivative of ``rotor_speed`` [rad/s^2]; NaN where it is not known.
     flight : ndarray, shape (n,)
         Number of the flight among several that were joined, from 0.
     """
@@ -52,6 +54,7 @@ class FlightLog:
     rotor_speed: Floats
     angular_acceleration: Floats = None  # type: ignore[assignment]
     specific_force_rate: Floats = None  # type: ignore[assignment]
+    rotor_acceleration: Floats = None  # type: ignore[assignment]
     flight: Floats = None  # type: ignore[assignment]
 
     def __post_init__(self) -> None:
@@ -59,6 +62,8 @@ class FlightLog:
         for name in ("angular_acceleration", "specific_force_rate"):
             if getattr(self, name) is None:
                 object.__setattr__(self, name, unknown)
+        if self.rotor_acceleration is None:
+            object.__setattr__(self, "rotor_acceleration", np.full_like(self.rotor_speed, np.nan))
         if self.flight is None:
             object.__setattr__(self, "flight", np.zeros_like(self.time))
 

@@ -22,6 +22,9 @@ CUTOFF = 6.0
 """Of the low-pass by default [Hz]: vehicles of up to some kilograms turn within 0.2 s, and rotor
 speeds of motor controllers carry noise above."""
 
+DERIVATIVES = ("angular_acceleration", "specific_force_rate", "rotor_acceleration")
+"""Fields of a log that follow from its others."""
+
 ORDER = 2
 """Of the Butterworth filter, applied twice."""
 
@@ -46,7 +49,7 @@ def low_passed(log: FlightLog, cutoff: float = CUTOFF) -> FlightLog:
     Returns
     -------
     FlightLog
-        With ``angular_acceleration`` and ``specific_force_rate``.
+        With ``angular_acceleration``, ``specific_force_rate`` and ``rotor_acceleration``.
 
     Raises
     ------
@@ -64,7 +67,7 @@ def low_passed(log: FlightLog, cutoff: float = CUTOFF) -> FlightLog:
     names = ("velocity", "rates", "up", "specific_force", "rotor_speed")
     arrays: dict[str, Any] = {
         name: np.concatenate([getattr(part, name) for part in found])
-        for name in (*names, "angular_acceleration", "specific_force_rate")
+        for name in (*names, *DERIVATIVES)
     }
     return replace(log, **arrays)
 
@@ -90,6 +93,7 @@ def _filtered(part: FlightLog, cutoff: float) -> FlightLog:
         part,
         angular_acceleration=_slope(part.time, part.rates),
         specific_force_rate=_slope(part.time, part.specific_force),
+        rotor_acceleration=_slope(part.time, part.rotor_speed),
     )
 
 

@@ -123,6 +123,11 @@ class Vehicle:
         How the rotors' wakes act on each other; None for not at all, as in the paper.
     sensor : tuple of 3 float
         Where the accelerometer of its logs is, from the centre of mass [m].
+    inertia : tuple of 3 float, or None
+        Moments of inertia about its axes through the centre of mass [kg m^2]; None where they are
+        not known.
+    rotor_inertia : float
+        Of one rotor with what turns with it, about its axis [kg m^2].
 
     Raises
     ------
@@ -140,12 +145,21 @@ class Vehicle:
     powertrain: Powertrain = field(default_factory=Powertrain)
     wakes: Wakes | None = None
     sensor: Vector = (0.0, 0.0, 0.0)
+    inertia: Vector | None = None
+    rotor_inertia: float = 0.0
 
     def __post_init__(self) -> None:
         if not 0.001 <= self.mass <= 1000.0:
             raise InputError(f"mass is {self.mass} kg", "give the take-off mass in kg")
         if not self.mounts:
             raise InputError("the vehicle has no rotor", "add a [[rotors]] table per rotor")
+        if self.inertia is not None:
+            _check_inertia(self.inertia)
+        if not 0.0 <= self.rotor_inertia < 0.1 * self.mass:
+            raise InputError(
+                f"rotor_inertia is {self.rotor_inertia:g} kg m^2",
+                "give that of one rotor with its motor's bell about its axis, or leave it out",
+            )
         for k, mount in enumerate(self.mounts, start=1):
             if mount.spin not in SPINS:
                 raise InputError(
@@ -156,3 +170,17 @@ class Vehicle:
                 raise InputError(
                     f"rotor {k}: the axis has length {length:g}", "give a unit vector, [0, 0, 1]"
                 )
+
+
+def _check_inertia(inertia: Vector) -> None:
+    """Raise ``InputError`` for moments of inertia that no body has."""
+    x, y, z = inertia
+    if not min(inertia) > 0.0:
+        raise InputError(
+            f"inertia is {list(inertia)} kg m^2", "give three numbers above zero, or leave it out"
+        )
+    if max(inertia) > (x + y + z - max(inertia)) * 1.001:
+        raise InputError(
+            f"inertia is {list(inertia)} kg m^2, one of which is more than the other two together",
+            "check the order [about x, about y, about z] and the units",
+        )

@@ -30,6 +30,8 @@ KEYS = (
     "name",
     "frame",
     "mass",
+    "inertia",
+    "rotor_inertia",
     "propeller",
     "air",
     "rotors",
@@ -69,12 +71,13 @@ def read_vehicle(path: str | os.PathLike[str]) -> VehicleFile:
     them, ``blades``, ``radius`` [m], ``root_cutout`` [m].
     ``[[rotors]]``, one per rotor: ``position`` [m], ``spin`` ("ccw" or "cw", seen from above),
     ``axis`` (unit vector along the thrust, by default up).
-    Optional: ``[air]`` ``density``, ``viscosity`` (by default the paper's); ``[mount]``, what is in
-    the rotors' slipstreams, see ``MountDrag``: ``area`` [m^2], one for all rotors or a list with
-    one for each, ``wake`` (by default 1); ``[body]``
-    ``drag_area`` (3 numbers [m^2]), ``lift_area`` [m^2], ``download_area`` (2 numbers [m^2]); ``[wing]`` ``area`` [m^2],
-    ``incidence`` [rad], ``c_l1``, ``c_l2``, ``alpha_0`` [rad]; ``[motor]``, ``[esc]`` and
-    ``[battery]``, see ``read_powertrain``; ``[wakes]``, the rotors' wakes on each other, see
+    Optional: ``inertia`` about the three axes [kg m^2] and ``rotor_inertia`` [kg m^2], see
+    ``Vehicle``; ``[air]`` ``density``, ``viscosity`` (by default the paper's);
+    ``[mount]``, what is in the rotors' slipstreams, see ``MountDrag``: ``area`` [m^2], one for all
+    rotors or a list with one for each, ``wake`` (by default 1); ``[body]`` ``drag_area`` (3 numbers [m^2]), ``lift_area`` [m^2], ``download_area`` (2 numbers [m^2]);
+    ``[wing]`` ``area`` [m^2], ``incidence`` [rad], ``c_l1``, ``c_l2``, ``alpha_0`` [rad];
+    ``[motor]``, ``[esc]`` and ``[battery]``, see ``read_powertrain``;
+    ``[wakes]``, the rotors' wakes on each other, see
     ``Wakes``: ``ahead``, ``beside``, ``downwash``, ``share`` (each by default 1); ``[sensor]``
     ``position`` [m] of the accelerometer, from the centre of mass; ``[log]``, see ``LogMap``.
 
@@ -110,6 +113,8 @@ def read_vehicle(path: str | os.PathLike[str]) -> VehicleFile:
             powertrain=read_powertrain(top, propeller.radius),
             wakes=_wakes(top),
             sensor=_sensor(top, flip),
+            inertia=_inertia(top),
+            rotor_inertia=top.number("rotor_inertia", "that of one rotor in kg m^2", 0.0),
         ),
     )
     return VehicleFile(vehicle, read_log_map(top.table("log", log_map.KEYS), len(mounts)))
@@ -227,6 +232,12 @@ def _wakes(top: TomlTable) -> Wakes | None:
                 f"{key} is {given[key]:g}", f"give a number from 0 to {most:g}", table.where
             )
     return Wakes(**given)
+
+
+def _inertia(top: TomlTable) -> Vector | None:
+    if "inertia" not in top:
+        return None
+    return top.vector("inertia", "[about x, about y, about z], in kg m^2")
 
 
 def _sensor(top: TomlTable, flip: bool) -> Vector:

@@ -16,7 +16,7 @@ from propmap.arrays.types import Floats
 from propmap.baselines.hover import HoverModel
 from propmap.fit.body_forces import body_force
 from propmap.fit.fitted import Fitted, Settings, fit
-from propmap.fit.flight import ForceModel, hover_force, level_rows
+from propmap.fit.flight import ForceModel, hover_loads, level_rows
 from propmap.fit.parameters import PAPER_FOUR, Choice
 from propmap.fit.tunnel import first_guess
 from propmap.flight.trim import trim, true_values
@@ -213,5 +213,5 @@ def _hover(vehicle: Vehicle, law: Airfoil) -> HoverModel:
 
 def _hover_error(vehicle: Vehicle, points: FlightLog, law: Airfoil) -> Floats:
     body, _ = body_force(vehicle, points, true_values(vehicle, law), ())
-    force = hover_force(_hover(vehicle, law), hub_flow(vehicle, points)) + body
+    force = hover_loads(_hover(vehicle, law), hub_flow(vehicle, points))[:, :3] + body
     return np.asarray(np.sum(force * points.up, axis=1) - vehicle.mass * GRAVITY)
