@@ -74,7 +74,8 @@ def read_vehicle(path: str | os.PathLike[str]) -> VehicleFile:
     Optional: ``inertia`` about the three axes [kg m^2] and ``rotor_inertia`` [kg m^2], see
     ``Vehicle``; ``[air]`` ``density``, ``viscosity`` (by default the paper's);
     ``[mount]``, what is in the rotors' slipstreams, see ``MountDrag``: ``area`` [m^2], one for all
-    rotors or a list with one for each, ``wake`` (by default 1); ``[body]`` ``drag_area`` (3 numbers [m^2]), ``lift_area`` [m^2], ``download_area`` (2 numbers [m^2]);
+    rotors or a list with one for each, ``wake`` (by default 1); ``[body]``
+    ``drag_area`` (3 numbers [m^2]), ``lift_area`` [m^2], ``download_area`` (2 numbers [m^2]);
     ``[wing]`` ``area`` [m^2], ``incidence`` [rad], ``c_l1``, ``c_l2``, ``alpha_0`` [rad];
     ``[motor]``, ``[esc]`` and ``[battery]``, see ``read_powertrain``;
     ``[wakes]``, the rotors' wakes on each other, see
