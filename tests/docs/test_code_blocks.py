@@ -80,7 +80,7 @@ def uiuc_files(folder: Path) -> None:
     ]
     (folder / "apcsf_10x7_geom.txt").write_text("\n".join(rows) + "\n")
     law = propmap.airfoil("paper-apc").with_parameters(zero_lift_angle=-0.07)
-    rotor = propmap.Rotor(propmap.Model(blade, law))
+    rotor = propmap.Rotor(propmap.Model(blade, law), compiled=False)
 
     def coefficients(turns: np.ndarray, advance: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         loads = rotor.loads(2.0 * np.pi * turns, advance * turns * blade.diameter, 0.0)
