@@ -21,7 +21,7 @@ $(PEERS_READY): $(READY)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --no-deps wisdem
 	touch $@
 
-# Two processes take some 7 GB; each file's tests stay together, for the programs and tables they share.
+# Two processes take 8 GB, the slow tests up to 15; each file's tests stay together, for the programs and tables they share.
 WORKERS := 2
 PYTEST := $(BIN)/python -m pytest --numprocesses $(WORKERS) --dist loadfile
 
