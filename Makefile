@@ -21,6 +21,10 @@ $(PEERS_READY): $(READY)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --no-deps wisdem
 	touch $@
 
+# Two processes take 8 GB, the slow tests up to 15; each file's tests stay together, for the programs and tables they share.
+WORKERS := 2
+PYTEST := $(BIN)/python -m pytest --numprocesses $(WORKERS) --dist loadfile
+
 demo: $(READY)
 	$(BIN)/propmap demo -o propmap-demo
 
@@ -28,7 +32,7 @@ reproduce: $(READY)
 	$(BIN)/propmap reproduce -o propmap-reproduce
 
 test: $(READY)
-	$(BIN)/python -m pytest -m 'not slow'
+	$(PYTEST) -m 'not slow'
 
 # What needs no compiler: every reader, and the physics on NumPy, beside each other.
 READERS := tests/io tests/vehicle tests/model tests/catalogue
@@ -45,7 +49,7 @@ test-numpy: $(READY)
 	$(BIN)/python -m pytest -m 'not slow' $(ON_NUMPY) --deselect tests/rotor/test_limits.py::test_batch_equals_loop_of_scalars
 
 test-slow: $(READY)
-	$(BIN)/python -m pytest -m slow
+	$(PYTEST) -m slow
 
 lint: $(READY)
 	$(BIN)/ruff check .
@@ -107,4 +111,4 @@ docs: $(DOCS_READY)
 	$(BIN)/sphinx-build --fail-on-warning --keep-going docs docs/_build/html
 
 clean:
-	rm -rf $(VENV) propmap-demo propmap-reproduce docs/_build docs/generated docs/propellers
+	rm -rf $(VENV) .pytest_cache propmap-demo propmap-reproduce docs/_build docs/generated docs/propellers

@@ -1,6 +1,8 @@
-"""How the tests have the theory's programs compiled."""
+"""How the tests have the theory's programs compiled, and where they are kept."""
 
 from __future__ import annotations
+
+import os
 
 import pytest
 
@@ -8,10 +10,20 @@ from propmap.engine.compilation import compile_quickly
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """As the command line does, which takes a seventh off `make test`.
+    """As the command line does: compiled in less time, and kept for other processes.
 
-    Tests run by hand, without a choice of marks, have them compiled as the library does; so has
+    Processes that run beside each other, those that tests start and later runs find in pytest's
+    cache folder, or in that of ``JAX_COMPILATION_CACHE_DIR``, what one of them has compiled.  JAX
+    finds a program there by its whole text, the compiler's version and its options: what has
+    changed is compiled again.
+
+    Tests run by hand, without a choice of marks, have programs compiled as the library does; so has
     ``cli/test_compile_quickly.py`` those that compare with what is not compiled.
     """
     if config.option.markexpr in ("slow", "not slow"):
         compile_quickly()
+    # JAX reads these when it is first imported, as do the processes that tests start.
+    if getattr(config, "cache", None) is not None:
+        folder = str(config.cache.mkdir("compiled"))
+        os.environ.setdefault("JAX_COMPILATION_CACHE_DIR", folder)
+    os.environ.setdefault("JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS", "0.3")

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,11 +10,10 @@ import pytest
 
 import propmap
 from propmap.cli import main
+from tests.without_compiling import compile_nothing
 
 from .fit_inputs import QUICK, picked, tunnel_table
 
-# One regime of the solver (nothing axial, advance ratios above 0.3), so that the tests of this
-# folder share their compiled programs.
 RPM, SPEED, BETA = 4000.0, 14.0, 80.0
 POINT = ["--rpm", "4000", "--speed", "14", "--beta", "80"]
 ROTOR = ["apc-8x6e", "--airfoil", "paper-apc"]
@@ -36,11 +36,18 @@ def _workplace(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("propmap.engine.compilation.keep_compiled", lambda: None)
 
 
-@pytest.fixture(scope="session")
-def no_cache() -> Iterator[None]:
+@pytest.fixture
+def by_numpy(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Commands compile nothing: for what they do with few points."""
+    compile_nothing(monkeypatch)
+
+
+@contextlib.contextmanager
+def commands_by_numpy() -> Iterator[None]:
     """The same for what tests share."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("propmap.engine.compilation.keep_compiled", lambda: None)
+        compile_nothing(patch)
         yield
 
 
@@ -52,9 +59,10 @@ def tunnel_csv(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="session")
-def tunnel_fit(tunnel_csv: Path, no_cache: None) -> Path:  # noqa: ARG001
+def tunnel_fit(tunnel_csv: Path) -> Path:
     fit = tunnel_csv.with_name("tunnel_fit.toml")
-    assert main(["fit", "tunnel", "apc-8x6e", str(tunnel_csv), *QUICK, "-o", str(fit)]) == 0
+    with commands_by_numpy():
+        assert main(["fit", "tunnel", "apc-8x6e", str(tunnel_csv), *QUICK, "-o", str(fit)]) == 0
     return fit
 
 

@@ -143,6 +143,7 @@ BAD = {
 }
 
 
+@pytest.mark.usefixtures("by_numpy")
 @pytest.mark.parametrize("case", BAD)
 def test_errors_are_one_line(case: str, run: Run) -> None:
     arguments, told = BAD[case]

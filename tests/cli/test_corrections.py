@@ -17,6 +17,7 @@ from propmap.cli.app import app
 from propmap.model.airfoil import parameter_set
 from propmap.table import LoadTable, build_table
 from tests.fit.fit_records import fit_text
+from tests.without_compiling import compile_nothing
 
 from .conftest import POINT, ROTOR, Run
 from .fit_inputs import LEVEL, QUICK, STAND, VEHICLE, fit_record
@@ -124,10 +125,8 @@ def _files(tmp_path: Path, tunnel_csv: Path, monkeypatch: pytest.MonkeyPatch) ->
     monkeypatch.setattr("propmap.report.style.save", lambda figure, _: KEPT.append(figure))
 
 
-def _brief(rotor: propmap.Rotor, **named: Any) -> LoadTable:
-    """A small table; for the large envelope of an export, an invented one with one true load."""
-    if named["omega"][0] > 400.0:
-        return build_table(rotor, certificate_points=512, **named)
+def _brief(rotor: propmap.Rotor, **_: Any) -> LoadTable:
+    """An invented table with one true load."""
     table = invented()
     table.content.coefficients[:] *= float(rotor.loads(420.0, 14.0, 1.4).thrust)
     return table
@@ -139,7 +138,11 @@ def test_every_command_is_known_here() -> None:
 
 @pytest.mark.parametrize("name", [name for name in ALL if name in MAKERS])
 def test_a_correction_acts(run: Run, monkeypatch: pytest.MonkeyPatch, name: str) -> None:
+    compile_nothing(monkeypatch)
     monkeypatch.setattr("propmap.table.build.build_table", _brief)
+    # It takes most of the time of `trim` and `choose`, and the powers tell enough.
+    for module in ("ranking", "performance"):
+        monkeypatch.setattr(f"propmap.aircraft.{module}.top_speed", lambda *_: (30.0, ""))
     arguments, found = MAKERS[name]
     results = []
     for added in ([], TIP_LOSS):
@@ -158,6 +161,7 @@ def test_or_is_refused_in_one_line(run: Run, name: str) -> None:
     assert ("correction 'foo' is not known" if name in MAKERS else "--correction") in done.err
 
 
+@pytest.mark.usefixtures("by_numpy")
 def test_a_fit_brings_its_corrections(run: Run, tunnel_csv: Path, tmp_path: Path) -> None:
     done = run("fit", "tunnel", "apc-8x6e", tunnel_csv, *QUICK, *TIP_LOSS, "-o", "with.toml")
     assert "with pitt-peters, tip-loss, which comes along wherever the fit is used" in done.out
@@ -246,6 +250,7 @@ def test_what_a_parameter_file_says_of_corrections_is_checked(run: Run) -> None:
         assert done.code == 2 and says in done.err
 
 
+@pytest.mark.usefixtures("by_numpy")
 def test_the_model_is_recommended_unless_it_is_named(run: Run, tunnel_csv: Path) -> None:
     blade, law = propmap.propeller("apc-8x6e"), propmap.airfoil("paper-apc")
     point = (4000.0 * np.pi / 30.0, 14.0, np.radians(80.0))

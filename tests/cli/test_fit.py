@@ -25,6 +25,8 @@ from .fit_inputs import (
     uiuc_files,
 )
 
+pytestmark = pytest.mark.usefixtures("by_numpy")
+
 
 def test_the_file_carries_what_repeats_the_fit(tunnel_fit: Path, tunnel_csv: Path) -> None:
     found = fit_record(tunnel_fit)

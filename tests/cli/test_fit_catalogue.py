@@ -5,11 +5,14 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 import propmap as pm
 from propmap.catalogue.identified import identified, parse_identified
 
 from .conftest import Run
+
+pytestmark = pytest.mark.usefixtures("by_numpy")
 
 HEADER = "PropName,BladeName,Family,B,D,P,J,N,CT,CP,eta,volume\n"
 

@@ -10,19 +10,20 @@ import pytest
 
 from propmap.cli import main
 
-from .conftest import Run
+from .conftest import Run, commands_by_numpy
 from .fit_inputs import CHECKED, FREE, LEVEL, QUICK, VEHICLE, fit_record, fitted
 
 
 @pytest.fixture(scope="module")
-def level_fit(tmp_path_factory: pytest.TempPathFactory, no_cache: None) -> Path:  # noqa: ARG001
+def level_fit(tmp_path_factory: pytest.TempPathFactory) -> Path:
     place = tmp_path_factory.mktemp("fit")
     (place / "vehicle.toml").write_text(VEHICLE)
     (place / "level.csv").write_text(LEVEL)
     fit = place / "level_fit.toml"
     vehicle = ["--vehicle", str(place / "vehicle.toml")]
     level = [str(place / "level.csv"), "--method", "level", "--body-study"]
-    assert main(["fit", "flight", *level, *vehicle, *QUICK, "-o", str(fit)]) == 0
+    with commands_by_numpy():
+        assert main(["fit", "flight", *level, *vehicle, *QUICK, "-o", str(fit)]) == 0
     return fit
 
 

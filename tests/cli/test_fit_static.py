@@ -13,6 +13,8 @@ from propmap.model.airfoil import parameter_set
 from .conftest import Run
 from .fit_inputs import STAND, fit_record, uiuc_files
 
+pytestmark = pytest.mark.usefixtures("by_numpy")
+
 PROP = ["--prop", "apc-8x6e"]
 FREE = ["--free", "c_l1,zero_lift_angle", "--prior-from", "family"]
 GRAM = 9.80665e-3

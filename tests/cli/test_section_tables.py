@@ -15,6 +15,8 @@ from .conftest import POINT, Run
 from .fit_inputs import VEHICLE
 from .invented_tables import invented
 
+pytestmark = pytest.mark.usefixtures("by_numpy")
+
 ROTOR = ["apc-8x6e", "--airfoil", "plate.csv"]
 NOTE = "the table covers 1e+05 to 6e+05, its nearest row is used outside"
 

@@ -14,6 +14,8 @@ from propmap.vehicle.vehicle_toml import read_vehicle
 
 from .conftest import Run
 
+pytestmark = pytest.mark.usefixtures("by_numpy")
+
 VEHICLE = """schema = 1
 name = "quadrotor"
 frame = "flu"

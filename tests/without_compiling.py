@@ -1,0 +1,47 @@
+"""The package with NumPy in the compiler's place, for tests of what lies above the engine.
+
+That both give the same is held by ``tests/engine``: loads by ``test_without_compiling.py``,
+derivatives by ``test_load_gradients.py``.  A program takes ten seconds to compile, and a point
+some milliseconds by NumPy.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from propmap.arrays.types import Floats
+from propmap.engine.accuracy import Accuracy
+from propmap.engine.differences import load_differences
+from propmap.engine.evaluation import Prepared, prepare
+from propmap.engine.gradients import LoadGradients
+from propmap.rotor import Rotor
+
+WITH_GRADIENTS = (
+    "propmap.bands",
+    "propmap.fit.flight",
+    "propmap.fit.forward_trust",
+    "propmap.fit.population.coefficients",
+    "propmap.fit.tunnel",
+    "propmap.report.fit_page.curves",
+    "propmap.table.parameter_uncertainty",
+)
+"""Modules that import ``load_gradients``."""
+
+
+def _by_differences(
+    rotor: Prepared, setting: Accuracy, names: tuple[str, ...], *flow: Floats, alike: bool = False
+) -> LoadGradients:
+    """``load_gradients`` by differences, which may not be by the flow; all points are alike."""
+    del alike
+    return load_differences(rotor, setting, names, [1.0] * len(names), *flow)
+
+
+def compile_nothing(patch: pytest.MonkeyPatch) -> None:
+    """Every rotor made from now on is one with ``compiled=False``, and so are its derivatives."""
+    never: Any = property(lambda _: False, lambda *_: None)
+    patch.setattr(Rotor, "compiled", never, raising=False)
+    patch.setitem(prepare.__kwdefaults__, "compiled", False)
+    for name in WITH_GRADIENTS:
+        patch.setattr(f"{name}.load_gradients", _by_differences)
