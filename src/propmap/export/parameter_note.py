@@ -72,7 +72,7 @@ def _set(part: ParameterSet) -> list[str]:
 def _row(kind: Explained) -> str:
     values = [f"{value:.5g}" for value in kind.values.values()]
     alike = len(set(values)) == 1
-    std = "-" if kind.std is None else f"{kind.std:.2g}"
+    std = "-" if kind.std is None or math.isnan(kind.std) else f"{kind.std:.2g}"
     unit = "" if kind.unit == "-" else kind.unit
     shown = values[0] if alike else ", ".join(values) if len(values) <= SHOWN else "see the file"
     return f"| {kind.title} | {shown} | {std} | {unit} |"

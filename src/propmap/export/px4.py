@@ -56,8 +56,8 @@ INT, REAL = 6, 9
 REMARKS = [
     "The filter uses these coefficients once EKF2_DRAG_CTRL is 1, which is not written here: "
     "fly first, and compare the innovations of the specific force.",
-    "QGroundControl loads the files by Parameters, Tools, Load from file; the vehicle id in them is "
-    "1, which has to be that of the vehicle.",
+    "QGroundControl loads the files by Parameters, Tools, Load from file; the vehicle id in them "
+    "is 1, which has to be that of the vehicle.",
 ]
 
 

@@ -13,6 +13,7 @@ import numpy as np
 from propmap.aircraft.steady import Aircraft
 from propmap.arrays.types import Floats
 from propmap.export.load_errors import rotor_sources
+from propmap.rotor import Rotor
 from propmap.vehicle.motor import RPM, Motor
 
 KNOTS = 12
@@ -67,7 +68,16 @@ def known_curve(aircraft: Aircraft) -> tuple[ThrustCurve | None, str]:
     if missing:
         return None, f"the vehicle file has no {' and no '.join(missing)}"
     curve = thrust_curve(aircraft, aircraft.limits.charge)
-    return curve, "" if curve else "the battery cannot deliver the power of full throttle"
+    if curve is None:
+        return None, "the battery cannot deliver the power of full throttle"
+    if not isinstance(aircraft.loads, Rotor):
+        fastest = aircraft.loads.envelope["omega"][1]
+        if curve.full_speed > fastest:
+            return None, (
+                f"the map ends at {fastest / RPM:.0f} rpm, and full throttle is "
+                f"{curve.full_speed / RPM:.0f}"
+            )
+    return curve, ""
 
 
 def thrust_curve(aircraft: Aircraft, charge: float, more_torque: float = 0.0) -> ThrustCurve | None:
@@ -117,7 +127,7 @@ def thrust_curve(aircraft: Aircraft, charge: float, more_torque: float = 0.0) ->
 def _over_square(aircraft: Aircraft, fastest: float) -> tuple[Floats, Floats, Floats]:
     """Rotor speeds, and mean thrust and torque at rest over their square there."""
     omega = np.linspace(0.1, 1.0, KNOTS) * fastest
-    if hasattr(aircraft.loads, "envelope"):
+    if not isinstance(aircraft.loads, Rotor):
         low, high = aircraft.loads.envelope["omega"]
         omega = np.linspace(low, min(high, fastest), KNOTS)
     thrust, torque = np.zeros(KNOTS), np.zeros(KNOTS)
