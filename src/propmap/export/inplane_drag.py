@@ -153,20 +153,19 @@ def _errors(aircraft: Aircraft, velocity: Floats, omega: Floats) -> Floats:
     axes = np.array([mount.axis for mount in vehicle.mounts])
     forward, upward, turning = [], [], []
     for source, mine in rotor_sources(vehicle, aircraft.loads):
-        for k in mine.tolist():
-            along = velocity @ axes[k]
-            aside = velocity - along[:, None] * axes[k]
-            across = np.linalg.norm(aside, axis=1)
-            back = -aside / across[:, None]
-            seen = np.column_stack([across, np.zeros_like(along), along])
-            found = load_errors(source, omega[:, k], seen)
-            by_load = np.stack([np.full_like(along, axes[k, 0]), back[:, 0]])
-            lifted = np.stack([np.full_like(along, axes[k, 2]), back[:, 2]])
-            both = found.errors[:, :2]
-            forward.append(np.einsum("eln,ln->en", both, by_load))
-            upward.append(np.einsum("eln,ln->en", both, lifted))
-            pair = found.by_speed[:2]
-            turning.append(np.stack([(pair * by_load).sum(axis=0), (pair * lifted).sum(axis=0)]))
+        axis = axes[mine]
+        along = velocity @ axis.T
+        aside = velocity[:, None] - along[..., None] * axis
+        across = np.linalg.norm(aside, axis=-1)
+        seen = np.stack([across, np.zeros_like(along), along], axis=-1).reshape(-1, 3)
+        found = load_errors(source, omega[:, mine].ravel(), seen)
+        both = found.errors[:, :2].reshape(-1, 2, *along.shape)
+        pair = found.by_speed[:2].reshape(2, *along.shape)
+        # Of thrust and drag of each rotor, forward and up.
+        way = np.stack([np.broadcast_to(axis, aside.shape), -aside / across[..., None]])
+        forward.append(np.einsum("elnk,lnk->en", both, way[..., 0]))
+        upward.append(np.einsum("elnk,lnk->en", both, way[..., 2]))
+        turning.append(np.einsum("lnk,lnkj->jn", pair, way[..., [0, 2]]))
     push, lift = np.sum(forward, axis=0), np.sum(upward, axis=0)
     faster = np.sum(turning, axis=0)
     return -(push - lift * faster[0] / faster[1]) / vehicle.mass
