@@ -19,12 +19,15 @@ from propmap.export.autopilot import autopilot_parameters, export_autopilot
 from propmap.export.inplane_drag import inplane_forces
 from propmap.model.section_covariance import SectionCovariance
 from propmap.model.uncertainty import SectionUncertainty
+from propmap.table import LoadTable
 from propmap.vehicle.battery import Battery
 from propmap.vehicle.motor import RPM, Motor
 from propmap.vehicle.powertrain import Powertrain
 from propmap.vehicle.vehicle import Body, Mount, Vehicle, Wing
 from tests.aircraft.conftest import POWERTRAIN, aircraft_of, quadcopter
 from tests.oracle.literal_section import drag_coefficient, lift_coefficient
+
+from .conftest import RADIUS, invented_content
 
 G = 9.80665
 AREAS = (0.015, 0.03, 0.03)
@@ -299,9 +302,12 @@ def test_the_simulator_s_motors_are_in_its_own_order(aircraft: Aircraft) -> None
 
 
 def test_deviations_follow_from_the_constants() -> None:
-    """One uncertain constant: as much as trims with it changed say, the weight carried."""
-    vehicle, spread = in_px4_order(powertrain=Powertrain()), 0.02
-    covariance = SectionCovariance(("c_d0",), np.array([[spread**2]]))
+    """As much as trims with a constant changed say: one of drag, and one of lift, with which the
+    rotors turn slower for the same weight."""
+    vehicle = in_px4_order(powertrain=Powertrain())
+    spreads = {"c_d0": 0.01, "zero_lift_angle": 0.03}
+    matrix = np.diag(np.square(list(spreads.values())))
+    covariance = SectionCovariance(tuple(spreads), matrix)
     base = propmap.airfoil("paper-apc")
     known = SectionUncertainty(covariance, another_tunnel=False)
     law = base.with_parameters(uncertainty=known)
@@ -313,18 +319,35 @@ def test_deviations_follow_from_the_constants() -> None:
 
     speeds = np.array([4.0, 10.0])
     flights = inplane_forces(craft(law), "x", speeds)
-    changed = inplane_forces(
-        craft(base.with_parameters(c_d0=base.c_d0 + 0.2 * spread)), "x", speeds
-    )
-    by_trim = (changed.force - flights.force) / 0.2
-    assert np.abs(flights.errors[0]) == pytest.approx(np.abs(by_trim), rel=0.05)
+    for row, (name, spread) in enumerate(spreads.items()):
+        moved = base.with_parameters(**{name: getattr(base, name) + 0.2 * spread})
+        by_trim = (inplane_forces(craft(moved), "x", speeds).force - flights.force) / 0.2
+        assert np.abs(flights.errors[row]) == pytest.approx(np.abs(by_trim), rel=0.1)
     # The rest is the model's own: a tenth of the rotor drag, its thrust as if it were known.
-    assert flights.errors.shape[0] == 4
+    assert flights.errors.shape[0] == 5
     found = autopilot_parameters(craft(law), "px4", speeds)
     nothing = autopilot_parameters(craft(base), "px4", speeds)
     stds = {kind.title: kind.std for kind in found.sets[0].kinds}
     assert stds["EKF2_MCOEF"] and 0.05 < stds["EKF2_MCOEF"] / 0.1 < 2.0
     assert all(kind.std is None for kind in nothing.sets[0].kinds)
+
+
+def test_a_map_serves_in_place_of_a_rotor() -> None:
+    """One that says nothing of its errors and ends below full throttle."""
+    blade = propmap.propeller("apc-8x6e")
+    content = invented_content(speed=0.0)
+    described = {"name": "apc-8x6e", "geometry_sha256": blade.fingerprint(), "radius_m": RADIUS}
+    known = {"propeller": content.info["propeller"] | described}
+    known["air"] = {"density_kg_m3": 1.225, "viscosity_Pa_s": 1.983e-5}
+    table = LoadTable(replace(content, info=content.info | known))
+    still = table.loads(600.0, 0.0, 0.0)
+    vehicle = in_px4_order(mass=4.0 * float(still.thrust) / G)
+    told = autopilot_parameters(Aircraft(vehicle, table), "px4", np.array([4.0, 8.0]))
+    values = told.sets[0].values
+    assert values["CA_ROTOR0_KM"] == pytest.approx(float(still.torque / still.thrust), rel=1e-6)
+    assert values["EKF2_MCOEF"] > 0.01
+    assert all(kind.std is None for kind in told.sets[0].kinds)
+    assert "the map ends at 9549 rpm, and full throttle is" in told.left_out[0].why
 
 
 def test_files_are_those_of_the_ground_stations(files: dict[str, str]) -> None:
