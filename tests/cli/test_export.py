@@ -92,7 +92,8 @@ def test_a_vehicle_goes_into_an_autopilot(run: Run, tmp_path: Path) -> None:
     shutil.copy(DELIVERY, tmp_path / "quad.toml")
     asked = ["--airfoil", "paper-apc", "--speed", "3:9:2"]
     done = run("export", "quad.toml", "--to", "ardupilot", "-o", "ap", *asked)
-    assert done.code == 0 and done.err == ""
+    assert done.code == 0 and done.err.count("\n") == 1
+    assert done.err.startswith("note: rotor drag is that of bare blades")
     assert done.out == (
         "wrote ap/delivery_quadcopter_ardupilot.param\nwrote ap/README-ardupilot.md\n"
     )
@@ -101,9 +102,11 @@ def test_a_vehicle_goes_into_an_autopilot(run: Run, tmp_path: Path) -> None:
     assert "| 3 |" in note and "| 9 |" in note and "battery at 100%" in note
     again = ["export", "quad.toml", "--to", "ardupilot", "-o", "ap", *asked, "--charge", "0.5"]
     assert "--force" in run(*again).err
-    assert run(*again, "--force", "--model", "paper").code == 0
+    mounted = ["--model", "paper", "--correction", "mount-drag:area_m2=0.001"]
+    done = run(*again, "--force", *mounted)
+    assert done.code == 0 and done.err == ""
     changed = (tmp_path / "ap" / "README-ardupilot.md").read_text()
-    assert "rotors: paper-apc\n" in changed and "battery at 50%" in changed
+    assert "rotors: paper-apc + mount-drag" in changed and "battery at 50%" in changed
 
 
 @pytest.mark.parametrize(

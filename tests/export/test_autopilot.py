@@ -182,6 +182,7 @@ def test_rotor_drag_is_that_of_blade_theory(target: str, power: float) -> None:
     vehicle = quadcopter(propeller=blade, mass=mass, air=air, body=Body(), powertrain=Powertrain())
     rotor = propmap.Rotor(propmap.Model(blade, law, air), compiled=False)
     told = autopilot_parameters(Aircraft(vehicle, rotor), target, np.array([0.5, 1.0]))
+    assert any("no body drag" in remark for remark in told.remarks)
     name = {"px4": "EKF2_MCOEF", "ardupilot": "EK3_DRAG_MCOEF"}[target]
     # The lean at 1 m/s, and the second order of V, are below a per cent.
     value = told.sets[0].values[name]
@@ -264,6 +265,9 @@ def test_what_is_not_known_is_left_out_and_said(tmp_path: Path) -> None:
     speeds = np.array([4.0, 8.0])
     export_autopilot(craft, "px4", tmp_path, speeds=speeds)
     export_autopilot(craft, "ardupilot", tmp_path, speeds=speeds)
+    for note in tmp_path.glob("README*"):
+        assert "Rotor drag is that of bare blades" in note.read_text()
+        assert "no body drag" not in note.read_text()
     names = {path.name for path in tmp_path.iterdir()}
     assert "quadcopter_px4_sih.params" not in names
     px4, ardupilot = (tmp_path / f"README-{name}.md" for name in ("px4", "ardupilot"))
@@ -431,7 +435,10 @@ def test_tilts_that_cancel_are_part_of_the_coefficients() -> None:
 def test_speeds_that_are_not_flown_are_named(tmp_path: Path) -> None:
     craft = aircraft_of(in_px4_order(), maximum_rotor_speed=680.0)
     export_autopilot(craft, "px4", tmp_path, speeds=np.array([4.0, 8.0, 30.0]))
-    assert "30 m/s is not flown: rpm_limit." in (tmp_path / "README-px4.md").read_text()
+    assert (
+        "30 m/s is not flown: beyond the rotors' largest speed."
+        in (tmp_path / "README-px4.md").read_text()
+    )
     with pytest.raises(InputError, match="give two or more that can"):
         autopilot_parameters(craft, "px4", np.array([30.0, 40.0]))
     with pytest.raises(InputError, match="fewer than two speeds"):

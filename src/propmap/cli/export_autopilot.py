@@ -56,6 +56,7 @@ def export_vehicle(
 
     from propmap.export.autopilot import SPEEDS, export_autopilot
     from propmap.export.folder import check_folder
+    from propmap.export.inplane_drag import missing_drag
     from propmap.vehicle.vehicle_toml import read_vehicle
 
     check_folder(output)
@@ -79,6 +80,8 @@ def export_vehicle(
         paths = export_autopilot(craft, to, output, speeds=np.asarray(speeds), replace=replace)
     except InputError as error:
         raise InputError(error.found, error.remedy, error.where or str(source)) from None
+    for words in missing_drag(craft):
+        typer.echo(f"note: {words}", err=True)
     for path in paths:
         typer.echo(f"wrote {path}")
 

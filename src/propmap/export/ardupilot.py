@@ -15,14 +15,13 @@ from propmap.arrays.types import Floats
 from propmap.export.curve_factor import curve_factor, fitted_factor
 from propmap.export.drag_filter import DragFilter
 from propmap.export.parameter_set import (
-    TILTED,
     AutopilotParameters,
     Explained,
     Flights,
     LeftOut,
     ParameterSet,
     comment_lines,
-    is_tilted,
+    common_remarks,
 )
 from propmap.export.static_loads import static_loads
 from propmap.export.thrust_curve import ThrustCurve, known_curve
@@ -79,7 +78,7 @@ def parameters(aircraft: Aircraft, flights: Flights) -> AutopilotParameters:
     else:
         kinds.append(_expo(aircraft, flights, curve))
     sets = [ParameterSet("ardupilot.param", "wind estimation and thrust curve", kinds)]
-    remarks = [*REMARKS, *([TILTED] if is_tilted(vehicle) else [])]
+    remarks = [*common_remarks(aircraft), *REMARKS]
     return AutopilotParameters("ArduPilot", sets, left_out, comparisons, remarks)
 
 

@@ -6,10 +6,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from propmap.aircraft.steady import Aircraft
+from propmap.aircraft.steady import STATUSES, Aircraft
 from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.export.load_errors import load_errors, rotor_sources
+from propmap.model.corrections import MOUNT_DRAG
+from propmap.rotor import Rotor
 from propmap.vehicle.flight_log import GRAVITY, in_vehicle_frame
 from propmap.vehicle.vehicle import Body, Vector, Vehicle
 
@@ -39,8 +41,8 @@ class InplaneForces:
         What each of E independent causes, at one standard deviation, adds to it [m/s^2].
     arm : ndarray, shape (n,)
         Torque over thrust, of all rotors together [m].
-    hover_speed : float
-        Mean speed of the rotors at rest [rad/s].
+    hover_arm, hover_speed : float
+        The same at rest, and the mean speed of the rotors then [rad/s].
     lost : tuple of (float, str)
         Speeds [m/s] that were asked for and are not flown, and why not.
     """
@@ -53,6 +55,7 @@ class InplaneForces:
     force: Floats
     errors: Floats
     arm: Floats
+    hover_arm: float
     hover_speed: float
     lost: tuple[tuple[float, str], ...]
 
@@ -79,7 +82,8 @@ def inplane_forces(aircraft: Aircraft, axis: str, speeds: Floats) -> InplaneForc
     states = turned.steady(np.concatenate([[0.0], speeds]), margin=False)
     if not states.found[0]:
         raise InputError(
-            f"the vehicle does not hover ({states.status[0]})", "check mass, propeller and motor"
+            f"the vehicle does not hover: {STATUSES[str(states.status[0])]}",
+            "check mass, propeller and motor, or the map",
         )
     _check_moments(turned, states.moment[0])
     size = len(states)
@@ -95,9 +99,11 @@ def inplane_forces(aircraft: Aircraft, axis: str, speeds: Floats) -> InplaneForc
     lost = [k for k in range(1, size) if k not in flown]
     if flown.size < 2:
         raise InputError(
-            f"of the speeds, {flown.size} can be flown ({states.status[1]} at {speeds[0]:g} m/s)",
+            f"of the speeds, {flown.size} can be flown ({speeds[lost[0] - 1]:g} m/s: "
+            f"{STATUSES[str(states.status[lost[0]])]})",
             "give two or more that can, with --speed",
         )
+    arm = states.torque.sum(axis=1) / states.thrust.sum(axis=1)
     velocity = in_vehicle_frame(states.speed, 0.0, 0.0, states.pitch, states.roll)[flown]
     return InplaneForces(
         axis=axis,
@@ -107,7 +113,8 @@ def inplane_forces(aircraft: Aircraft, axis: str, speeds: Floats) -> InplaneForc
         through=np.linalg.norm(velocity, axis=1),
         force=specific[flown],
         errors=_errors(turned, velocity, states.rotor_speed[flown]),
-        arm=(states.torque.sum(axis=1) / states.thrust.sum(axis=1))[flown],
+        arm=arm[flown],
+        hover_arm=float(arm[0]),
         hover_speed=float(states.rotor_speed[0].mean()),
         lost=tuple((float(states.speed[k]), str(states.status[k])) for k in lost),
     )
@@ -199,3 +206,24 @@ def check_vehicle(vehicle: Vehicle) -> None:
                     "one's wake does to the other is not in the loads",
                     "add [wakes], or describe each pair as one rotor with a map of its own",
                 )
+
+
+def missing_drag(aircraft: Aircraft) -> list[str]:
+    """What of an ``aircraft``'s drag nothing is known of, a sentence without its full stop each."""
+    vehicle, loads = aircraft.vehicle, aircraft.loads
+    found = []
+    if not any(vehicle.body.drag_area[:2]):
+        found.append("the vehicle file has no [body] drag_area: the coefficients have no body drag")
+    texts = (
+        loads.model.correction_texts
+        if isinstance(loads, Rotor)
+        else loads.info.get("corrections") or []
+    )
+    mounted = any(mount.drag is not None for mount in vehicle.mounts)
+    if not mounted and not any(text.startswith(MOUNT_DRAG) for text in texts):
+        found.append(
+            "rotor drag is that of bare blades, as there is neither [mount] nor the correction "
+            f"{MOUNT_DRAG}: what is mounted in the slipstreams was measured to add as much again; "
+            "fit it to a flight"
+        )
+    return found

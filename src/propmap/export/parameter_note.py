@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 import propmap
-from propmap.aircraft.steady import Aircraft
+from propmap.aircraft.steady import STATUSES, Aircraft
 from propmap.export.drag_fit import CLOSE, Comparison
 from propmap.export.inplane_drag import AXES
 from propmap.export.parameter_set import AutopilotParameters, Explained, ParameterSet
@@ -27,7 +27,7 @@ def note(found: AutopilotParameters, aircraft: Aircraft) -> str:
         "along the body axis, by the full model with its standard deviation, by the filter's "
         "equation with the parameters above; the last column is the error that the filter makes "
         "of the wind. All speeds count alike in the fit, so that slow ones, with little force, "
-        "have the larger share of error.",
+        "have the larger share of error. Backwards and to the right are taken to be alike.",
         "",
     ]
     for comparison in found.comparisons:
@@ -102,7 +102,7 @@ def _table(comparison: Comparison) -> list[str]:
             f"{filtered - full:+.3f} | {100.0 * share:+.1f} | {wind:+.2f} |"
         )
     lines.append("")
-    lines += [f"{v:g} m/s is not flown: {why}." for v, why in flight.lost]
+    lines += [f"{v:g} m/s is not flown: {STATUSES[why]}." for v, why in flight.lost]
     return lines + [""] * bool(flight.lost)
 
 

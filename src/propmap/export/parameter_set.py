@@ -5,15 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import propmap
+from propmap.aircraft.steady import Aircraft
 from propmap.export.drag_fit import Comparison
-from propmap.export.inplane_drag import InplaneForces
+from propmap.export.inplane_drag import InplaneForces, missing_drag
 from propmap.vehicle.vehicle import Vehicle
-
-TILTED = (
-    "Rotors are tilted: what their thrust adds along x and y in forward flight is part of the "
-    "fitted coefficients."
-)
-"""A remark on vehicles whose ``is_tilted`` is true."""
 
 
 @dataclass(frozen=True)
@@ -114,6 +109,12 @@ def comment_lines(part: ParameterSet, vehicle: Vehicle, target: str) -> list[str
     ]
 
 
-def is_tilted(vehicle: Vehicle) -> bool:
-    """Whether some rotor of the ``vehicle`` is not along z."""
-    return any(mount.axis[2] < 0.9999 for mount in vehicle.mounts)
+def common_remarks(aircraft: Aircraft) -> list[str]:
+    """Sentences on what the drag coefficients of an ``aircraft`` have in them and what not."""
+    told = [f"{words[:1].upper()}{words[1:]}." for words in missing_drag(aircraft)]
+    if any(mount.axis[2] < 0.9999 for mount in aircraft.vehicle.mounts):
+        told.append(
+            "Rotors are tilted: what their thrust adds along x and y in forward flight is part of "
+            "the fitted coefficients."
+        )
+    return told

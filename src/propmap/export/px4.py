@@ -15,14 +15,13 @@ from propmap.arrays.types import Floats
 from propmap.export.curve_factor import curve_factor
 from propmap.export.drag_filter import DragFilter
 from propmap.export.parameter_set import (
-    TILTED,
     AutopilotParameters,
     Explained,
     Flights,
     LeftOut,
     ParameterSet,
     comment_lines,
-    is_tilted,
+    common_remarks,
 )
 from propmap.export.px4_allocation import (
     LARGEST_THRUST,
@@ -88,7 +87,7 @@ def parameters(aircraft: Aircraft, flights: Flights) -> AutopilotParameters:
         sets.append(ParameterSet("px4_sih.params", "simulation in hardware (SIH)", simulated))
     else:
         left_out.append(LeftOut("SIH_T_MAX, SIH_Q_MAX, SIH_KDV and the like", why))
-    remarks = [*REMARKS, _gazebo(flights, still), *([TILTED] if is_tilted(vehicle) else [])]
+    remarks = [*common_remarks(aircraft), *REMARKS, _gazebo(flights, still)]
     return AutopilotParameters("PX4", sets, left_out, comparisons, remarks)
 
 

@@ -74,7 +74,7 @@ def moment_ratio(vehicle: Vehicle, still: StaticLoads, flights: Flights) -> Expl
     flights : tuple of 2 InplaneForces
         Level flights along x and y.
     """
-    arm = still.torque / still.thrust
+    arm = flights[0].hover_arm
     arms = np.concatenate([flight.arm for flight in flights]) / arm
     return Explained(
         title="CA_ROTORn_KM",
