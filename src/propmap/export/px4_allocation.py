@@ -119,8 +119,8 @@ def thrust_coefficient(vehicle: Vehicle, still: StaticLoads, curve: ThrustCurve)
             f"{NORMALISED}."
         ),
         source=(
-            f"{ALLOCATOR}/module.yaml, and for the normalisation "
-            "ControlAllocation/ControlAllocationPseudoInverse.cpp"
+            f"{ALLOCATOR}/module.yaml, and for the normalisation src/lib/control_allocation/"
+            "control_allocation/ControlAllocationPseudoInverse.cpp"
         ),
         holds=curve.full_signal(vehicle.powertrain.motor),
     )
