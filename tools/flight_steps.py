@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from propmap.arrays.types import Floats
-from propmap.cli.flight_options import BLADE, with_wake_priors
+from propmap.cli.flight_options import BLADE, with_flight_priors
 from propmap.cli.prior_options import section_prior
 from propmap.engine.compilation import keep_compiled
 from propmap.fit.comparison import FlightForces, flight_forces
@@ -70,7 +70,7 @@ def fitted_values(
     if "mount_area" not in free:
         fixed["mount_area"] = ALMOST_NONE
     start = {n: getattr(prior.airfoil, n) for n in SECTION if n in free}
-    choice = with_wake_priors(Choice(free, fixed, {}, start, prior))
+    choice = with_flight_priors(Choice(free, fixed, {}, start, prior))
     law = prior.airfoil.with_corrections(["pitt-peters"])
     model = ForceModel(vehicle, log.picked(picked), law, scaled=scaled)
     return fit(balance_rows(model, choice), choice, Settings(starts=1, folds=0)).values

@@ -25,7 +25,7 @@ from propmap.cli.flight_options import (
     HoverScale,
     LowPass,
     free_by_default,
-    with_wake_priors,
+    with_flight_priors,
 )
 from propmap.cli.output import check_output, check_pictures, show, write_text
 from propmap.cli.plausibility import say_doubts
@@ -252,7 +252,7 @@ def fit_flight(
         # Of one blade in one air, what hardly moves is left where other propellers have it.
         held = {text.partition("=")[0].strip() for text in fix or ()}
         free = ",".join(name for name in default if name not in held)
-    chosen = with_wake_priors(choice_of(free, fix, prior, default, base, wing, expected))
+    chosen = with_flight_priors(choice_of(free, fix, prior, default, base, wing, expected))
     settings = settings_of(starts, robust, folds, bootstrap, seed)
     law = base or (expected.airfoil if expected else first_guess())
     law = with_physics(law, physics, correction)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from propmap.fit.parameters import MOUNT, PAPER_FOUR, SENSOR, WAKES, Choice, Prior
+from propmap.fit.parameters import FLEX, MOUNT, PAPER_FOUR, SENSOR, WAKES, Choice, Prior
 
 if TYPE_CHECKING:
     from propmap.vehicle.vehicle import Vehicle
@@ -31,14 +31,22 @@ HoverScale = Annotated[
 BLADE = ("c_l1", "c_d", "alpha_0", "zero_lift_angle", "c_d0", "reynolds_camber")
 """Constants of the blade that a flight moves; those that are left out, it does not tell."""
 
-WAKE_PRIORS = {
+BODY_ALONG_Z = ("drag_area_z", "download_area_x", "download_area_y")
+"""Of the body's terms, those that the drag of the rotors' mounts does not take the place of."""
+
+FLIGHT_PRIORS = {
+    "untwist": Prior(0.02, 0.02),
+    "download_area_x": Prior(0.0, 0.02),
+    "download_area_y": Prior(0.0, 0.02),
     "wake_ahead": Prior(1.0, 3.0),
     "wake_beside": Prior(1.0, 1.0),
     "wake_downwash": Prior(1.0, 1.0),
     "wake_share": Prior(1.0, 0.5),
 }
-"""The vortex cylinder is right within a factor of about two, and a wake is skewed by the inflow at
-the disk (1) or far below it (2) or by less, as air at the rim is slower."""
+"""Thin plastic blades give way by 0.02 to 0.05 rad, see ``BladeUntwist``, stiff ones hardly.  A
+download may come from any part of a body.  The vortex cylinder is right within a factor of about
+two, and a wake is skewed by the inflow at the disk (1) or far below it (2) or by less, as air at
+the rim is slower."""
 
 
 def free_by_default(vehicle: Vehicle, *, level: bool) -> tuple[str, ...]:
@@ -52,10 +60,10 @@ def free_by_default(vehicle: Vehicle, *, level: bool) -> tuple[str, ...]:
         return PAPER_FOUR
     mount = () if any(one.drag for one in vehicle.mounts) else tuple(MOUNT)
     wakes = tuple(WAKES) if len(vehicle.mounts) > 1 else ()
-    return (*BLADE, *mount, "drag_area_z", *SENSOR, *wakes)
+    return (*BLADE, *FLEX, *mount, *BODY_ALONG_Z, *SENSOR, *wakes)
 
 
-def with_wake_priors(choice: Choice) -> Choice:
-    """The ``choice`` with ``WAKE_PRIORS`` on those free parameters that have no prior."""
-    more = {n: p for n, p in WAKE_PRIORS.items() if n in choice.free and n not in choice.priors}
+def with_flight_priors(choice: Choice) -> Choice:
+    """The ``choice`` with ``FLIGHT_PRIORS`` on those free parameters that have no prior."""
+    more = {n: p for n, p in FLIGHT_PRIORS.items() if n in choice.free and n not in choice.priors}
     return replace(choice, priors={**more, **choice.priors}) if more else choice

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from propmap.arrays.namespace import by_numpy
 from propmap.arrays.types import Floats
 from propmap.engine.accuracy import STALL_WIDTH
+from propmap.physics.blade_untwist import untwisting
 from propmap.physics.rotor import RotorArrays
 from propmap.physics.sections.law import SectionLaw
 from propmap.physics.velocities import azimuth_nodes
@@ -47,7 +48,9 @@ class Forecast(NamedTuple):
     law : SectionLaw
         Lift of the sections.
     radius, twist : ndarray, shape (S,)
-        y [m], and angle of the chord line to the disk plane [rad].
+        y [m], and angle of the chord line to the disk plane at rest [rad].
+    untwist_per_square : ndarray, shape (S,)
+        What that angle loses over Omega^2 [rad s^2]; see ``BladeUntwist``.
     reynolds_per_omega : ndarray, shape (S,)
         rho y c / mu [s].
     solidity_slope : ndarray, shape (S,)
@@ -59,6 +62,7 @@ class Forecast(NamedTuple):
     law: SectionLaw
     radius: Floats
     twist: Floats
+    untwist_per_square: Floats
     reynolds_per_omega: Floats
     solidity_slope: Floats
     stall_angle: float
@@ -73,10 +77,12 @@ class Forecast(NamedTuple):
         radius = np.linspace(float(blade.root), float(blade.tip), 12)
         chord = np.interp(radius, blade.station, blade.chord)
         twist = np.interp(radius, blade.station, blade.twist)
+        one: Any = np.float64(1.0)
+        untwist = np.zeros_like(twist) if blade.untwist is None else untwisting(blade, radius, one)
         slope = chord * float(blade.blades * bounds.attached_slope) / (8.0 * np.pi * radius)
         reynolds = float(air.density / air.viscosity) * radius * chord
         stall = float(bounds.least_stall_angle), float(bounds.stall_width)
-        return cls(law, radius, twist, reynolds, slope, *stall)
+        return cls(law, radius, twist, np.asarray(untwist), reynolds, slope, *stall)
 
     def may_stall(self, omega: Floats, v_axial: Floats, v_inplane: Floats) -> NDArray[np.bool_]:
         """Where some of the blade may stall, (N,), from attached lift alone; always in descent."""
@@ -99,7 +105,8 @@ class Forecast(NamedTuple):
         reynolds: Any = self.reynolds_per_omega[:, None] * omega
         with by_numpy():
             zero_lift = self.law.zero_lift_at(reynolds)
-        return np.asarray(self.twist[:, None] - zero_lift)
+        twist = self.twist[:, None] - self.untwist_per_square[:, None] * omega**2
+        return np.asarray(twist - zero_lift)
 
 
 def _exceeds(

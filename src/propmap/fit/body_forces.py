@@ -14,6 +14,7 @@ from propmap.vehicle.free_stream_force import free_stream_force
 from propmap.vehicle.vehicle import Body, Vehicle
 
 STEPS = {"drag_area_x": 1e-3, "drag_area_y": 1e-3, "drag_area_z": 1e-3, "lift_area": 1e-3}
+STEPS |= {"download_area_x": 1e-3, "download_area_y": 1e-3}
 STEPS |= {"wing_c_l1": 1e-4, "wing_c_l2": 1e-4, "wing_alpha_0": 1e-5}
 """Of central differences, by parameter; the forces are linear in all but the last."""
 
@@ -56,7 +57,9 @@ def body_force(
 
 def _force(vehicle: Vehicle, log: FlightLog, values: Mapping[str, float]) -> Floats:
     area = np.array([values[f"drag_area_{a}"] for a in "xyz"]) + vehicle.body.drag_area
-    body = Body(tuple(area.tolist()), values["lift_area"] + vehicle.body.lift_area)
+    down = np.array([values[f"download_area_{a}"] for a in "xy"]) + vehicle.body.download_area
+    lift = values["lift_area"] + vehicle.body.lift_area
+    body = Body(tuple(area.tolist()), lift, tuple(down.tolist()))
     wing = vehicle.wing
     if wing is not None:
         wing = replace(wing, **{n.removeprefix("wing_"): values[n] for n in WING})

@@ -16,7 +16,7 @@ from propmap.engine.gradients import load_gradients
 from propmap.errors import InputError
 from propmap.fit.body_forces import body_force
 from propmap.fit.coverage import Coverage, coverage
-from propmap.fit.parameters import MOUNT, SECTION, SENSOR, WAKES, WING, Choice
+from propmap.fit.parameters import MOUNT, ROTOR, SENSOR, WAKES, WING, Choice
 from propmap.fit.rows import Rows
 from propmap.fit.sensor_forces import sensor_force
 from propmap.fit.thrust_scale import HoverScale
@@ -129,7 +129,7 @@ class ForceModel:
 
     def _rotors(self, values: Mapping[str, float], free: tuple[str, ...]) -> Balance:
         """Forces of all rotors, in each other's wakes where there are any."""
-        section = tuple(name for name in free if name in SECTION | MOUNT)
+        section = tuple(name for name in free if name in ROTOR)
         at_section = [name in section for name in free]
         slopes = np.zeros((len(free), len(self.log), 3))
         wakes = wakes_with(self.vehicle, values)

@@ -11,7 +11,7 @@ from propmap.engine.accuracy import accuracy
 from propmap.engine.evaluation import prepare
 from propmap.engine.gradients import load_gradients
 from propmap.fit.fitted import Fitted
-from propmap.fit.parameters import MOUNT, SECTION
+from propmap.fit.parameters import ROTOR
 from propmap.fit.tunnel import rotor_with
 from propmap.loads import LOADS
 from propmap.model.model import Model
@@ -85,7 +85,7 @@ def forward_trust(model: Model, fitted: Fitted, omega: float, setting: str) -> F
 
     def loads(x: Floats, covariance: Floats) -> tuple[Floats, Floats]:
         prepared = prepare(rotor_with(model, choice.values(x), setting).arrays)
-        names = tuple(name for name in choice.free if name in SECTION | MOUNT)
+        names = tuple(name for name in choice.free if name in ROTOR)
         found = load_gradients(prepared, accuracy(setting), names, *flow)
         mine = [choice.free.index(name) for name in names]
         part = covariance[np.ix_(mine, mine)]

@@ -54,13 +54,23 @@ SECTION = {
 MOUNT = {"mount_area": Parameter("m^2", 0.0, 0.0, 0.1, 5e-4, "what is mounted in the slipstream")}
 """Of the correction ``mount-drag``.  Where it is neither free nor fixed a model keeps its own."""
 
+FLEX = {
+    "untwist": Parameter("rad", 0.0, -0.05, 0.15, 0.01, "twist lost at the tip at 100 m/s there"),
+}
+"""Of the correction ``blade-untwist``; likewise."""
+
+ROTOR = SECTION | FLEX | MOUNT
+"""What changes the loads of a rotor at a given flow."""
+
 BODY = {
     "drag_area_x": Parameter("m^2", 0.0, 0.0, 1.0, 0.01, "drag of the body along x"),
     "drag_area_y": Parameter("m^2", 0.0, 0.0, 1.0, 0.01, "drag of the body along y"),
     "drag_area_z": Parameter("m^2", 0.0, 0.0, 1.0, 0.01, "drag of the body along z"),
     "lift_area": Parameter("m^2", 0.0, -1.0, 1.0, 0.01, "lift of the body"),
+    "download_area_x": Parameter("m^2", 0.0, -1.0, 1.0, 0.01, "download of flow along x"),
+    "download_area_y": Parameter("m^2", 0.0, -1.0, 1.0, 0.01, "download of flow along y"),
 }
-"""Terms of section III.A."""
+"""Terms of section III.A, and what flow along the body presses it down."""
 
 WING = {
     "wing_c_l1": Parameter("1/rad", 5.0, 0.5, 12.0, 1.0, "slope of the wing's attached lift"),
@@ -87,8 +97,8 @@ WAKES = {
 
 
 PAPER_FOUR = ("c_l1", "c_l2", "c_d", "alpha_0")
-EVERY = SECTION | MOUNT | BODY | WING | SENSOR | WAKES
-FIRST_GUESS = {name: p.start for name, p in EVERY.items() if name not in MOUNT | WAKES}
+EVERY = ROTOR | BODY | WING | SENSOR | WAKES
+FIRST_GUESS = {name: p.start for name, p in EVERY.items() if name not in FLEX | MOUNT | WAKES}
 
 
 def constants_of(section: Section) -> Airfoil:

@@ -26,7 +26,7 @@ from propmap.fit.fit_record import (
     read_record,
 )
 from propmap.fit.fitted import Fitted
-from propmap.fit.parameters import BODY, EVERY, MOUNT, SECTION, SENSOR, WAKES, WING
+from propmap.fit.parameters import BODY, EVERY, SENSOR, WAKES, WING
 from propmap.fit.residuals import by_band, errors
 from propmap.fit.tunnel import model_with, section_with
 from propmap.io.section_tables import looks_like_section_table
@@ -180,8 +180,8 @@ def read_fit(path: Path) -> FitFile:
     try:
         record = read_record(table)
         covariance = SectionCovariance(tuple(record.free), record.covariance)
-        section = [name for name in record.free if name in SECTION | MOUNT]
-        known = fitted_uncertainty(table, (*SECTION, *MOUNT))
+        section = [name for name in record.free if name in ROTOR]
+        known = fitted_uncertainty(table, tuple(ROTOR))
         with drag_factor_accepted():
             law = law.with_parameters(uncertainty=known)
         file = FitFile(law, covariance.of(section) if section else None, record)

@@ -29,6 +29,7 @@ from propmap.loads import LOADS
 from propmap.model.airfoil import Airfoil
 from propmap.model.drag_factor import drag_factor_accepted
 from propmap.model.model import Model, Section
+from propmap.physics.blade_untwist import BladeUntwist
 from propmap.physics.mount_drag import MountDrag
 from propmap.rotor import Rotor
 
@@ -87,15 +88,17 @@ def section_with(base: Section, values: Mapping[str, float]) -> Airfoil:
 
 
 def model_with(model: Model, values: Mapping[str, float]) -> Model:
-    """The model with the section parameters, and the mount's if it is, among ``values``."""
-    law = section_with(model.airfoil, values)
+    """The model with what ``values`` has of the parameters of ``ROTOR``."""
+    model = model.with_airfoil(section_with(model.airfoil, values))
+    if "untwist" in values:
+        model = model.found_with(BladeUntwist(values["untwist"]))
     if "mount_area" not in values:
-        return model.with_airfoil(law)
+        return model
     # The share of the inflow is the model's own.
     wake = next(
         (one.wake for one in model.corrections if isinstance(one, MountDrag)), MountDrag.wake
     )
-    return model.with_airfoil(law).with_mount(MountDrag(values["mount_area"], wake))
+    return model.with_mount(MountDrag(values["mount_area"], wake))
 
 
 def rotor_with(model: Model, values: Mapping[str, float], setting: str) -> Rotor:

@@ -264,7 +264,7 @@ def read_airfoil(path: Path | Traversable, *, uncertainty: bool = True) -> Airfo
         raise InputError(f"{name}: {required[0]} is missing; add a line '{required[0]} = ...'")
     try:
         fit = table.get("fit") if uncertainty else None
-        known = fitted_uncertainty(fit, (*LIMITS, "mount_area"))
+        known = fitted_uncertainty(fit, (*LIMITS, "mount_area", "untwist"))
         known = known or filed_uncertainty(table.get("uncertainty"))
         return Airfoil(**{k: v for k, v in table.items() if k in FILED}, uncertainty=known)
     except InputError as error:

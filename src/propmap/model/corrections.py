@@ -13,6 +13,7 @@ if TYPE_CHECKING:
 
 CORRECTIONS = {
     "blade-to-hub": "propmap.physics.blade_to_hub.BladeToHub",
+    "blade-untwist": "propmap.physics.blade_untwist.BladeUntwist",
     "tip-loss": "propmap.physics.tip_loss.TipLoss",
     "hub-loss": "propmap.physics.tip_loss.HubLoss",
     "pitt-peters": "propmap.physics.inflow_harmonics.PittPeters",

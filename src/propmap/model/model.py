@@ -113,6 +113,17 @@ class Model:
         others = [value for value in self.corrections if name_of(value) != MOUNT_DRAG]
         return replace(self, corrections=(*others, mount))
 
+    def found_with(self, value: Correction) -> Model:
+        """The same model with ``value`` in the place of its own of that name, if any.
+
+        The section law is then one whose constants were found with it.
+        """
+        corrections = (*(one for one in self.corrections if type(one) is not type(value)), value)
+        law: Any = self.airfoil
+        if getattr(law, "corrections", None) is not None:
+            law = replace(law, corrections=tuple(as_text(one) for one in corrections))
+        return replace(self, airfoil=law, corrections=corrections)
+
     def arrays(self) -> RotorArrays:
         """The model as arrays of NumPy float64, for the solver."""
         from propmap.arrays.namespace import by_numpy

@@ -7,6 +7,7 @@ from typing import NamedTuple
 from propmap.arrays.elementary import sine_and_cosine
 from propmap.arrays.materialize import materialize
 from propmap.arrays.namespace import Array, xp
+from propmap.physics.blade_untwist import untwisting
 from propmap.physics.geometry import Blade, blade_shape
 from propmap.physics.inflow_harmonics import Harmonics
 from propmap.physics.sections.law import SectionFlow, SectionLaw
@@ -135,6 +136,8 @@ def section_lines(
 ) -> SectionLines:
     """The section at a ``radius`` [m], (S, 1) or (S, B); ``omega`` is as in ``Annulus``."""
     chord, twist = blade_shape(blade, radius)
+    if blade.untwist is not None:
+        twist = twist - untwisting(blade, radius, omega)
     reynolds_per_speed = medium.density / medium.viscosity * chord
     # At a pointed tip Re goes to zero and C_D to infinity, but C_D times the chord goes to zero.
     root = xp.sqrt(1.0 / xp.maximum(reynolds_per_speed, 1e-30))

@@ -27,6 +27,9 @@ class Blade(NamedTuple):
         None, like 0, for none.
     twist_offset : Array or None
         Common offset of the twist [rad], likewise.
+    untwist : Array or None
+        What the twist of the tip loses at a tip speed of 100 m/s [rad], see ``BladeUntwist``;
+        None, like 0, for a rigid blade.
     """
 
     station: Array
@@ -37,6 +40,7 @@ class Blade(NamedTuple):
     root: Array
     chord_scale: Array | None = None
     twist_offset: Array | None = None
+    untwist: Array | None = None
 
     @property
     def tip(self) -> Array:
@@ -116,7 +120,8 @@ def _end_slope(h0: Any, h1: Any, d0: Any, d1: Any) -> Any:
 
 
 def blade_shape(blade: Blade, radius: Array) -> tuple[Array, Array]:
-    """Chord [m] and twist [rad] by PCHIP at ``radius`` [m], any shape, inside the measured span."""
+    """Chord [m] and twist at rest [rad] by PCHIP at ``radius`` [m], any shape, inside the measured
+    span."""
     k = xp.sum(radius[..., None] >= blade.station[1:-1], axis=-1)
     row = xp.moveaxis(xp.asarray(blade.cubics)[k], -1, 0)
     t = (radius - row[0]) / row[1]

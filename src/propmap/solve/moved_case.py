@@ -20,9 +20,9 @@ FLOW = ("omega", "v_axial", "v_inplane")
 MOUNT_AREA = "mount_area"
 """The area of what is mounted in the slipstream [m^2], where the rotor has one."""
 
-GEOMETRY = ("chord_scale", "twist_offset")
-"""The blade's common relative change of the chord [-] and common offset of the twist [rad]; see
-``Blade``."""
+GEOMETRY = ("chord_scale", "twist_offset", "untwist")
+"""The blade's common relative change of the chord [-], common offset of the twist [rad], and loss of
+twist as it turns [rad]; see ``Blade``."""
 
 RADIUS = "radius"
 """The radius of a node [m], by which the residual of (11) is differentiated too."""

@@ -41,4 +41,6 @@ def free_stream_force(body: Body, wing: Wing | None, density: float, velocity: F
     # Across the flow: V^2 times the unit vector (-v_z, 0, v_x)/V.
     across = np.stack([-z, np.zeros_like(angle), x], axis=-1)
     drag = 0.5 * density * np.array(body.drag_area) * np.abs(velocity) * velocity
-    return (0.5 * density * lift * speed)[..., None] * across - drag
+    pressed = np.square(velocity[..., :2]) @ np.array(body.download_area)
+    down = 0.5 * density * pressed[..., None] * np.array([0.0, 0.0, 1.0])
+    return (0.5 * density * lift * speed)[..., None] * across - drag - down

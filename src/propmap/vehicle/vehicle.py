@@ -48,10 +48,14 @@ class Body:
     lift_area : float
         Lift across the flow is 1/2 rho V^2 lift_area sin(a) cos(a) [m^2], a the angle of attack of
         the body in its plane of symmetry.
+    download_area : tuple of 2 float
+        Of flow along x and along y [m^2]: F_z = -1/2 rho download_area_k v_k^2, whichever way it
+        flows; negative where it lifts.
     """
 
     drag_area: Vector = (0.0, 0.0, 0.0)
     lift_area: float = 0.0
+    download_area: tuple[float, float] = (0.0, 0.0)
 
 
 @dataclass(frozen=True)

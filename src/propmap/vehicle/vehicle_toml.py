@@ -9,6 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
 
+import numpy as np
+
 from propmap import catalogue
 from propmap.catalogue.lookup import looks_like_path, propeller
 from propmap.errors import InputError, quoted
@@ -70,7 +72,7 @@ def read_vehicle(path: str | os.PathLike[str]) -> VehicleFile:
     Optional: ``[air]`` ``density``, ``viscosity`` (by default the paper's); ``[mount]``, what is in
     the rotors' slipstreams, see ``MountDrag``: ``area`` [m^2], one for all rotors or a list with
     one for each, ``wake`` (by default 1); ``[body]``
-    ``drag_area`` (3 numbers [m^2]), ``lift_area`` [m^2]; ``[wing]`` ``area`` [m^2],
+    ``drag_area`` (3 numbers [m^2]), ``lift_area`` [m^2], ``download_area`` (2 numbers [m^2]); ``[wing]`` ``area`` [m^2],
     ``incidence`` [rad], ``c_l1``, ``c_l2``, ``alpha_0`` [rad]; ``[motor]``, ``[esc]`` and
     ``[battery]``, see ``read_powertrain``; ``[wakes]``, the rotors' wakes on each other, see
     ``Wakes``: ``ahead``, ``beside``, ``downwash``, ``share`` (each by default 1); ``[sensor]``
@@ -178,14 +180,28 @@ def _air(top: TomlTable) -> Air:
 
 
 def _body(top: TomlTable) -> Body:
-    table = top.table("body", ("drag_area", "lift_area"))
+    table = top.table("body", ("drag_area", "lift_area", "download_area"))
     example = "[front, side, top], areas in m^2"
     drag_area = table.vector("drag_area", example) if "drag_area" in table else Body.drag_area
     lift_area = table.number("lift_area", "an area in m^2", Body.lift_area)
     for area in (*drag_area, lift_area):
         if area < 0.0:
             raise InputError(f"found {quoted(area)} m^2", "give areas of 0 or more", table.where)
-    return Body(drag_area, lift_area)
+    return Body(drag_area, lift_area, _download_area(table))
+
+
+def _download_area(table: TomlTable) -> tuple[float, float]:
+    """Areas [m^2] of flow along x and y, of either sign."""
+    if "download_area" not in table:
+        return Body.download_area
+    given = table.numbers("download_area")
+    if given.shape != (2,) or not np.isfinite(given).all():
+        raise InputError(
+            f"download_area is {quoted(table.entries['download_area'])}",
+            "write [along x, along y], two areas in m^2",
+            table.where,
+        )
+    return float(given[0]), float(given[1])
 
 
 def _wing(top: TomlTable) -> Wing | None:

@@ -6,7 +6,7 @@ import numpy as np
 
 from propmap.arrays.types import Floats
 from propmap.fit.fit_record import FitRecord
-from propmap.fit.parameters import MOUNT, SECTION
+from propmap.fit.parameters import ROTOR
 
 DRAWS = 200
 """Sets of parameters that make a band."""
@@ -32,7 +32,7 @@ def drawn_changes(fit: FitRecord) -> tuple[tuple[str, ...], Floats]:
     """
     known = [k for k in range(len(fit.parameters)) if np.isfinite(fit.covariance[k, k])]
     chosen = [fit.parameters[k] for k in known]
-    section = [k for k, p in enumerate(chosen) if p.name in SECTION | MOUNT]
+    section = [k for k, p in enumerate(chosen) if p.name in ROTOR]
     names = tuple(chosen[k].name for k in section)
     covariance = fit.covariance[np.ix_(known, known)]
     if not section or not np.isfinite(covariance).all():
@@ -59,5 +59,5 @@ def held(fit: FitRecord) -> list[str]:
     return [
         p.name
         for k, p in enumerate(fit.parameters)
-        if p.name in SECTION | MOUNT and not np.isfinite(fit.covariance[k, k])
+        if p.name in ROTOR and not np.isfinite(fit.covariance[k, k])
     ]
