@@ -23,7 +23,7 @@ from propmap.table import LoadTable
 from propmap.vehicle.battery import Battery
 from propmap.vehicle.motor import RPM, Motor
 from propmap.vehicle.powertrain import Powertrain
-from propmap.vehicle.vehicle import Body, Mount, Vehicle, Wing
+from propmap.vehicle.vehicle import Body, Mount, Vehicle, Wakes, Wing
 from tests.aircraft.conftest import POWERTRAIN, aircraft_of, quadcopter
 from tests.oracle.literal_section import drag_coefficient, lift_coefficient
 
@@ -187,6 +187,19 @@ def test_rotor_drag_is_that_of_blade_theory(target: str, power: float) -> None:
     # The lean at 1 m/s, and the second order of V, are below a per cent.
     value = told.sets[0].values[name]
     assert value * (air.density / 1.225) ** power == pytest.approx(momentum, rel=0.01)
+
+
+def test_the_body_turns_with_the_flight() -> None:
+    """Download of flow along y, which the rotors carry as well, is met sideways alone."""
+    heavy, plain = (
+        aircraft_of(in_px4_order(body=Body((0.015, 0.015, 0.03), download_area=(0.0, area))))
+        for area in (0.05, 0.0)
+    )
+    speeds = np.array([6.0, 10.0])
+    forward = [inplane_forces(one, "x", speeds).arm for one in (heavy, plain)]
+    sideways = [inplane_forces(one, "y", speeds).pitch for one in (heavy, plain)]
+    assert forward[0] == pytest.approx(forward[1], rel=1e-9)
+    assert (sideways[0] != pytest.approx(sideways[1], rel=1e-3)) and sideways[0].shape == (2,)
 
 
 def test_a_vehicle_alike_along_x_and_y_has_one_ballistic_coefficient() -> None:
@@ -424,9 +437,10 @@ def test_tilts_that_cancel_are_part_of_the_coefficients() -> None:
     front, back = tilted(-0.1), tilted(0.1)
     mounts = (front[0], back[1], front[2], back[3])
     told = autopilot_parameters(
-        aircraft_of(in_px4_order(mounts=mounts)), "px4", np.array([4.0, 8.0])
+        aircraft_of(in_px4_order(mounts=mounts, wakes=Wakes())), "px4", np.array([4.0, 8.0])
     )
     assert any("tilted" in remark for remark in told.remarks)
+    assert any("[wakes] is left out" in remark for remark in told.remarks)
     values = told.sets[0].values
     assert values["CA_ROTOR0_AX"] == pytest.approx(-np.sin(0.1))
     assert values["CA_ROTOR0_AZ"] == pytest.approx(-np.cos(0.1))

@@ -124,6 +124,7 @@ def _turned(aircraft: Aircraft) -> Aircraft:
     """The same aircraft with its left where the nose was."""
     vehicle = aircraft.vehicle
     x, y, z = vehicle.body.drag_area
+    body = Body((y, x, z), download_area=vehicle.body.download_area[::-1])
 
     def turn(vector: Vector) -> Vector:
         return (vector[1], -vector[0], vector[2])
@@ -133,7 +134,7 @@ def _turned(aircraft: Aircraft) -> Aircraft:
         for mount in vehicle.mounts
     )
     # Lift of the body is that in its plane of symmetry: along the left there is none.
-    other = replace(vehicle, mounts=mounts, body=Body((y, x, z)), sensor=turn(vehicle.sensor))
+    other = replace(vehicle, mounts=mounts, body=body, sensor=turn(vehicle.sensor))
     limits = aircraft.limits
     return Aircraft(
         other, aircraft.loads, maximum_rotor_speed=limits.rotor_speed, charge=limits.charge
@@ -200,18 +201,20 @@ def check_vehicle(vehicle: Vehicle) -> None:
         for j, other in enumerate(vehicle.mounts[: k - 1], start=1):
             apart = np.subtract(mount.position, other.position)
             beside = float(np.hypot(apart[0], apart[1]))
-            if vehicle.wakes is None and beside < vehicle.propeller.radius:
+            if beside < vehicle.propeller.radius:
                 raise InputError(
                     f"rotors {j} and {k} are above each other ({beside:g} m apart), and what "
                     "one's wake does to the other is not in the loads",
-                    "add [wakes], or describe each pair as one rotor with a map of its own",
+                    "describe each pair as one rotor with a map of its own",
                 )
 
 
 def missing_drag(aircraft: Aircraft) -> list[str]:
-    """What of an ``aircraft``'s drag nothing is known of, a sentence without its full stop each."""
+    """What of an ``aircraft``'s drag is left out, a sentence without its full stop each."""
     vehicle, loads = aircraft.vehicle, aircraft.loads
     found = []
+    if vehicle.wakes is not None:
+        found.append("[wakes] is left out: level flights know nothing of the rotors' wakes")
     if not any(vehicle.body.drag_area[:2]):
         found.append("the vehicle file has no [body] drag_area: the coefficients have no body drag")
     texts = (
