@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -15,6 +16,8 @@ from tests.fit.fit_records import fit_text
 
 from .conftest import Run
 from .invented_tables import invented
+
+DELIVERY = Path(__file__).parents[2] / "examples" / "aircraft" / "delivery.toml"
 
 
 @pytest.fixture(autouse=True)
@@ -85,9 +88,38 @@ def test_a_map_without_hover_is_refused_in_one_line(run: Run, tmp_path: Path, ta
     assert not (tmp_path / "to").exists()
 
 
+def test_a_vehicle_goes_into_an_autopilot(run: Run, tmp_path: Path) -> None:
+    shutil.copy(DELIVERY, tmp_path / "quad.toml")
+    asked = ["--airfoil", "paper-apc", "--speed", "3:9:2"]
+    done = run("export", "quad.toml", "--to", "ardupilot", "-o", "ap", *asked)
+    assert done.code == 0 and done.err.count("\n") == 1
+    assert done.err.startswith("note: rotor drag is that of bare blades")
+    assert done.out == (
+        "wrote ap/delivery_quadcopter_ardupilot.param\nwrote ap/README-ardupilot.md\n"
+    )
+    note = (tmp_path / "ap" / "README-ardupilot.md").read_text()
+    assert "rotors: paper-apc + pitt-peters" in note and "standard deviations: none" in note
+    assert "| 3 |" in note and "| 9 |" in note and "battery at 100%" in note
+    again = ["export", "quad.toml", "--to", "ardupilot", "-o", "ap", *asked, "--charge", "0.5"]
+    assert "--force" in run(*again).err
+    mounted = ["--model", "paper", "--correction", "mount-drag:area_m2=0.001"]
+    done = run(*again, "--force", *mounted)
+    assert done.code == 0 and done.err == ""
+    changed = (tmp_path / "ap" / "README-ardupilot.md").read_text()
+    assert "rotors: paper-apc + mount-drag" in changed and "battery at 50%" in changed
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
+        (["map.npz", "--to", "px4", "-o", "to"], "px4 takes a vehicle file"),
+        (["absent.toml", "--to", "px4", "-o", "to"], "no such file"),
+        (["law.toml", "--to", "ardupilot", "-o", "to"], "law.toml"),
+        (["quad.toml", "--to", "px4", "--prop", "apc-8x6e", "-o", "to"], "leave it out"),
+        (["quad.toml", "--to", "px4", "--table", "map.npz", "-o", "to"], "the table is of"),
+        (["quad.toml", "--to", "px4", "--speed", "3,x", "-o", "to"], "--speed '3,x'"),
+        (["map.npz", "--to", "c", "--speed", "3,4", "-o", "to"], "--speed is given with --to c"),
+        (["map.npz", "--to", "csv", "--charge", "0", "-o", "to"], "--charge is given"),
         (["map.npz", "--to", "ros", "-o", "to"], "no target 'ros'"),
         (["absent.npz", "--to", "c", "-o", "to"], "no such file"),
         (["absent.toml", "--to", "c", "-o", "to"], "no such file"),
@@ -105,6 +137,7 @@ def test_what_cannot_be_is_told_in_one_line(
 ) -> None:
     (tmp_path / "bad.npz").write_bytes((tmp_path / "map.npz").read_bytes()[:500])
     (tmp_path / "law.toml").write_text(propmap.airfoil("paper-apc").to_toml())
+    shutil.copy(DELIVERY, tmp_path / "quad.toml")
     done = run("export", *arguments)
     assert done.code == 2
     assert message in done.err

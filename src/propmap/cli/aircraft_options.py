@@ -63,8 +63,12 @@ def aircraft_of(
     accuracy: AccuracyName,
     maximum_rpm: float | None,
     charge: float,
+    compiled: bool = True,
 ) -> Aircraft:
-    """The aircraft with loads from a table or from a rotor; notes say what is not known of it."""
+    """The aircraft with loads from a table or from a rotor; notes say what is not known of it.
+
+    For few states, programs are not ``compiled``.
+    """
     limits = {"maximum_rotor_speed": checked_rpm(maximum_rpm), "charge": charge}
     if table is not None:
         if airfoil or model or correction:
@@ -86,7 +90,7 @@ def aircraft_of(
     from propmap.rotor import Rotor
 
     keep_compiled()
-    rotor = Rotor(chosen, accuracy=accuracy.value).for_all_blades()
+    rotor = Rotor(chosen, accuracy=accuracy.value, compiled=compiled).for_all_blades()
     return Aircraft(vehicle, rotor, **limits)
 
 

@@ -9,6 +9,14 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 import typer
 
+from propmap.cli.export_autopilot import (
+    AirfoilOption,
+    ChargeOption,
+    SpeedOption,
+    TableOption,
+    export_vehicle,
+    refuse_options,
+)
 from propmap.cli.output import Force
 from propmap.cli.plausibility import say_expected
 from propmap.cli.rotor_options import (
@@ -37,14 +45,18 @@ static loads."""
 def export(
     source: Annotated[
         Path,
-        typer.Argument(metavar="MAP|FIT", help="Map (.npz), fit (.toml), or any section law."),
+        typer.Argument(
+            metavar="MAP|FIT|VEHICLE",
+            help="Map (.npz), fit (.toml), any section law, or vehicle file.",
+        ),
     ],
     to: Annotated[
         str,
         typer.Option(
             "--to",
             metavar="TARGET",
-            help="c, multinomial, gazebo, rotorpy, jsbsim, npz, nc or csv.",
+            help="c, multinomial, gazebo, rotorpy, jsbsim, npz, nc or csv; of a vehicle file px4 "
+            "or ardupilot.",
         ),
     ],
     output: Annotated[
@@ -56,16 +68,36 @@ def export(
     ] = None,
     model: ModelOption = None,
     correction: Corrections = None,
+    airfoil: AirfoilOption = None,
+    table: TableOption = None,
+    speed: SpeedOption = None,
+    charge: ChargeOption = None,
     force: Force = False,
 ) -> None:
-    """Files for simulators and flight code, with a note of the errors they make."""
-    from propmap.export import check_folder, check_target, export_table
+    """Files for simulators, flight code and autopilots, with a note of the errors they make."""
+    from propmap.export import AUTOPILOTS, check_folder, check_target, export_table
 
     check_target(to)
+    if to in AUTOPILOTS:
+        refuse_options(to, prop=prop)
+        export_vehicle(
+            source,
+            to,
+            output,
+            airfoil=airfoil,
+            table=table,
+            model=model,
+            correction=correction,
+            speed=speed,
+            charge=charge,
+            replace=force,
+        )
+        return
+    refuse_options(to, airfoil=airfoil, table=table, speed=speed, charge=charge)
     check_folder(output)
-    table = _table(source, prop, model, correction)
+    built = _table(source, prop, model, correction)
     try:
-        paths = export_table(table, to, output, replace=force)
+        paths = export_table(built, to, output, replace=force)
     except InputError as error:
         # What is wrong with a map is wrong with this file.
         raise InputError(error.found, error.remedy, error.where or str(source)) from None

@@ -11,7 +11,7 @@ from propmap.errors import InputError, quoted
 from propmap.export.folder import Files, check_folder, write_files
 from propmap.table.query import LoadTable
 
-__all__ = ["TARGETS", "check_folder", "check_target", "export_table"]
+__all__ = ["AUTOPILOTS", "TARGETS", "check_folder", "check_target", "export_table"]
 
 _MAKERS = {
     "c": ("c_header", "files"),
@@ -25,6 +25,9 @@ _MAKERS = {
 }
 
 TARGETS = tuple(_MAKERS)
+
+AUTOPILOTS = ("px4", "ardupilot")
+"""Targets of a vehicle, see ``propmap.export.autopilot``."""
 
 
 def export_table(
@@ -55,6 +58,8 @@ def export_table(
         that lacks what the target needs.
     """
     check_target(target)
+    if target in AUTOPILOTS:
+        raise InputError(f"{target} is of a vehicle", "use propmap.export.autopilot")
     place = Path(folder)
     check_folder(place)
     module, function = _MAKERS[target]
@@ -65,8 +70,9 @@ def export_table(
 
 
 def check_target(target: str) -> None:
-    """Raise ``InputError`` for what is none of ``TARGETS``."""
-    if target not in TARGETS:
+    """Raise ``InputError`` for what is none of ``TARGETS`` and ``AUTOPILOTS``."""
+    known = (*TARGETS, *AUTOPILOTS)
+    if target not in known:
         raise InputError(
-            f"there is no target {quoted(target)}", f"choose one of {', '.join(TARGETS)}"
+            f"there is no target {quoted(target)}", f"choose one of {', '.join(known)}"
         )

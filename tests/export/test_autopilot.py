@@ -1,0 +1,461 @@
+"""Parameters of PX4 and ArduPilot: their equations, written again here, against level flights."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+import propmap
+from propmap.aircraft.steady import Aircraft
+from propmap.errors import InputError
+from propmap.export.autopilot import autopilot_parameters, export_autopilot
+from propmap.export.inplane_drag import inplane_forces
+from propmap.model.section_covariance import SectionCovariance
+from propmap.model.uncertainty import SectionUncertainty
+from propmap.table import LoadTable
+from propmap.vehicle.battery import Battery
+from propmap.vehicle.motor import RPM, Motor
+from propmap.vehicle.powertrain import Powertrain
+from propmap.vehicle.vehicle import Body, Mount, Vehicle, Wakes, Wing
+from tests.aircraft.conftest import POWERTRAIN, aircraft_of, quadcopter
+from tests.oracle.literal_section import drag_coefficient, lift_coefficient
+
+from .conftest import RADIUS, invented_content
+
+G = 9.80665
+AREAS = (0.015, 0.03, 0.03)
+ARM = 0.16
+PX4_X = ((1, -1, "ccw"), (-1, 1, "ccw"), (1, 1, "cw"), (-1, -1, "cw"))
+"""Signs of x and y (to the left) of PX4's rotors, front right first."""
+
+
+def in_px4_order(**changes: Any) -> Vehicle:
+    mounts = tuple(Mount((x * ARM, y * ARM, 0.02), spin=spin) for x, y, spin in PX4_X)
+    return quadcopter(**({"mounts": mounts, "body": Body(AREAS)} | changes))
+
+
+@pytest.fixture(scope="module")
+def aircraft() -> Aircraft:
+    return aircraft_of(in_px4_order())
+
+
+@pytest.fixture(scope="module")
+def files(aircraft: Aircraft, tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
+    folder = tmp_path_factory.mktemp("autopilot")
+    for target in ("px4", "ardupilot"):
+        export_autopilot(aircraft, target, folder)
+    return {path.name: path.read_text() for path in folder.iterdir()}
+
+
+def by_qgroundcontrol(text: str) -> dict[str, float]:
+    """As ParameterManager::readParametersFromStream does: five columns between tabs."""
+    read: dict[str, float] = {}
+    for line in text.splitlines():
+        if line.startswith("#"):
+            continue
+        vehicle, component, name, value, kind = line.split("\t")
+        assert (vehicle, component) == ("1", "1")
+        assert kind in ("6", "9") and (kind == "9" or value == str(int(value)))
+        read[name] = float(value)
+    return read
+
+
+def by_ap_param(text: str) -> dict[str, float]:
+    """As AP_Param::load_defaults_file does: pieces of 98 characters, the second word a number."""
+    read: dict[str, float] = {}
+    for line in text.splitlines():
+        for piece in (line[k : k + 98] for k in range(0, len(line), 98)):
+            if not piece.startswith("#"):
+                name, value = re.split(r"[, =\t]+", piece)[:2]
+                read[name] = float(value)
+    return read
+
+
+def ekf2(p: dict[str, float], rho: float, velocity: np.ndarray) -> np.ndarray:
+    """Ekf::fuseDrag: specific force along x and y [m/s^2] at a velocity (3,) in the body frame."""
+    inverse = np.array([1.0 / p["EKF2_BCOEF_X"], 1.0 / p["EKF2_BCOEF_Y"]])
+    plane = velocity[:2]
+    joined = np.linalg.norm(inverse * plane) / np.linalg.norm(plane)
+    rotors = p["EKF2_MCOEF"] * np.sqrt(rho / 1.225)
+    return -0.5 * joined * rho * plane * np.linalg.norm(velocity) - plane * rotors
+
+
+def ekf3(p: dict[str, float], rho: float, velocity: np.ndarray) -> np.ndarray:
+    """NavEKF3_core::FuseDragForces, the same."""
+    ratio = rho / 1.225
+    forces = []
+    for v, axis in zip(velocity[:2].tolist(), "XY", strict=True):
+        sign = -1.0 if v > 0.0 else 1.0
+        bluff = 0.5 / p[f"EK3_DRAG_BCOEF_{axis}"] * rho * v**2 * sign
+        forces.append(bluff - v * p["EK3_DRAG_MCOEF"] * ratio)
+    return np.array(forces)
+
+
+def stated_error(note: str, way: str) -> float:
+    """ "... over all speeds within 0.028 N" of the way that the note names [N]."""
+    told = re.search(rf"{way} within [^;]*?over all speeds within ([\d.]+) N", note)
+    assert told
+    return float(told[1])
+
+
+@pytest.mark.parametrize(
+    ("target", "file", "read", "equation"),
+    [
+        ("px4", "quadcopter_px4.params", by_qgroundcontrol, ekf2),
+        ("ardupilot", "quadcopter_ardupilot.param", by_ap_param, ekf3),
+    ],
+)
+def test_the_filter_expects_the_force_of_level_flight(
+    aircraft: Aircraft,
+    files: dict[str, str],
+    target: str,
+    file: str,
+    read: Callable[[str], dict[str, float]],
+    equation: Callable[[dict[str, float], float, np.ndarray], np.ndarray],
+) -> None:
+    """Between the speeds of the fit, and sideways as a vehicle whose body is turned."""
+    parameters, vehicle = read(files[file]), aircraft.vehicle
+    note = files[f"README-{target}.md"]
+    speeds = np.array([2.0, 4.0, 8.0, 12.0, 14.0])
+    turned = in_px4_order(body=Body((AREAS[1], AREAS[0], AREAS[2])))
+    for way, flown, axis in (("forward", vehicle, 0), ("sideways", turned, 1)):
+        states = aircraft_of(flown).steady(speeds, margin=False)
+        worst = stated_error(note, way)
+        assert worst < 0.1 * vehicle.mass
+        for pitch, v in zip(states.pitch.tolist(), speeds.tolist(), strict=True):
+            velocity = np.zeros(3)
+            velocity[axis], velocity[2] = v * np.cos(pitch), v * np.sin(pitch)
+            predicted = equation(parameters, vehicle.air.density, velocity)
+            measured = np.zeros(2)
+            measured[axis] = -G * np.sin(pitch)
+            # As near as the note says of the fitted speeds, and a tenth more between them.
+            assert vehicle.mass * np.abs(predicted - measured).max() < 1.1 * worst
+
+
+@pytest.mark.parametrize(("target", "power"), [("px4", 0.5), ("ardupilot", 1.0)])
+def test_rotor_drag_is_that_of_blade_theory(target: str, power: float) -> None:
+    """At low speed, without a body: the closed form that the section velocities give.
+
+    With U_T = Omega y + V sin(psi), the force of (6) is, to first order in V,
+    N_b/2 int d/dU_T [rho/2 c U^2 (C_L sin(phi) + C_D cos(phi))] dy V at the inflow of hover.
+    """
+    station = np.linspace(0.03, 0.12, 10)
+    blade = propmap.Propeller("plain", 2, station, np.full(10, 0.015), np.full(10, 0.14))
+    law = propmap.Airfoil(5.0, 2.0, 1.5, 0.4, c_d0=0.02)
+    section = {"c_l1": 5.0, "c_l2": 2.0, "c_d": 1.5, "alpha_0": 0.4, "c_d0": 0.02}
+    air, mass = propmap.Air(1.1), 0.6
+    y, weight = np.polynomial.legendre.leggauss(40)
+    y, weight = 0.075 + 0.045 * y, 0.045 * weight
+
+    def forces(u_t: np.ndarray, u_p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Per metre of a blade, along the axis and against the rotation."""
+        speed, phi = np.hypot(u_t, u_p), np.arctan2(u_p, u_t)
+        head = 0.5 * air.density * 0.015 * speed**2
+        lift = lift_coefficient(0.14 - phi, section)
+        drag = drag_coefficient(0.14 - phi, air.density * speed * 0.015 / air.viscosity, section)
+        return (
+            head * (lift * np.cos(phi) - drag * np.sin(phi)),
+            head * (lift * np.sin(phi) + drag * np.cos(phi)),
+        )
+
+    def inflow(omega: float) -> np.ndarray:
+        def left(v: float, r: float) -> float:
+            disk = 4.0 * air.density * np.pi * r * v * abs(v)
+            return 2.0 * float(forces(np.array(omega * r), np.array(v))[0]) - disk
+
+        return np.array([brentq(left, 0.0, omega * r * 0.2, args=(r,)) for r in y.tolist()])
+
+    def thrust(omega: float) -> float:
+        return float(2.0 * weight @ forces(omega * y, inflow(omega))[0])
+
+    omega = brentq(lambda w: thrust(w) - mass * G / 4.0, 200.0, 2000.0)
+    v, step = inflow(omega), 1e-3
+    slope = (forces(omega * y + step, v)[1] - forces(omega * y - step, v)[1]) / (2.0 * step)
+    momentum = 4.0 * float(weight @ slope) / mass
+    vehicle = quadcopter(propeller=blade, mass=mass, air=air, body=Body(), powertrain=Powertrain())
+    rotor = propmap.Rotor(propmap.Model(blade, law, air), compiled=False)
+    told = autopilot_parameters(Aircraft(vehicle, rotor), target, np.array([0.5, 1.0]))
+    assert any("no body drag" in remark for remark in told.remarks)
+    name = {"px4": "EKF2_MCOEF", "ardupilot": "EK3_DRAG_MCOEF"}[target]
+    # The lean at 1 m/s, and the second order of V, are below a per cent.
+    value = told.sets[0].values[name]
+    assert value * (air.density / 1.225) ** power == pytest.approx(momentum, rel=0.01)
+
+
+def test_the_body_turns_with_the_flight() -> None:
+    """Download of flow along y, which the rotors carry as well, is met sideways alone."""
+    heavy, plain = (
+        aircraft_of(in_px4_order(body=Body((0.015, 0.015, 0.03), download_area=(0.0, area))))
+        for area in (0.05, 0.0)
+    )
+    speeds = np.array([6.0, 10.0])
+    forward = [inplane_forces(one, "x", speeds).arm for one in (heavy, plain)]
+    sideways = [inplane_forces(one, "y", speeds).pitch for one in (heavy, plain)]
+    assert forward[0] == pytest.approx(forward[1], rel=1e-9)
+    assert (sideways[0] != pytest.approx(sideways[1], rel=1e-3)) and sideways[0].shape == (2,)
+
+
+def test_a_vehicle_alike_along_x_and_y_has_one_ballistic_coefficient() -> None:
+    craft = aircraft_of(quadcopter())
+    values = autopilot_parameters(craft, "px4", np.array([4.0, 8.0])).sets[0].values
+    assert values["EKF2_BCOEF_X"] == pytest.approx(values["EKF2_BCOEF_Y"], rel=1e-4)
+
+
+def test_rotors_are_where_the_firmware_has_them(aircraft: Aircraft, files: dict[str, str]) -> None:
+    """x forward, y right, z down; torque over thrust as the reaction on the vehicle."""
+    p = by_qgroundcontrol(files["quadcopter_px4.params"])
+    assert p["CA_ROTOR_COUNT"] == 4
+    hover = aircraft.steady([0.0])
+    arm = hover.torque[0] / hover.thrust[0]
+    # ActuatorEffectivenessRotors: moment = ct r x a - ct km a; thrust 1 of each rotor in turn.
+    for k, mount in enumerate(aircraft.vehicle.mounts):
+        place = np.array([p[f"CA_ROTOR{k}_P{axis}"] for axis in "XYZ"])
+        axis = np.array([p[f"CA_ROTOR{k}_A{letter}"] for letter in "XYZ"])
+        moment = np.cross(place, axis) - p[f"CA_ROTOR{k}_KM"] * axis
+        x, y, _ = mount.position
+        # Lifting the front raises the nose (+y right), lifting the left rolls right (+x).
+        assert moment[0] == pytest.approx(y) and moment[1] == pytest.approx(x)
+        # A rotor that turns counter-clockwise turns the vehicle clockwise, +z down.
+        sign = 1.0 if mount.spin == "ccw" else -1.0
+        assert moment[2] == pytest.approx(sign * arm[k], rel=1e-3)
+
+
+def test_the_thrust_curve_is_that_of_motor_and_battery(
+    aircraft: Aircraft, files: dict[str, str]
+) -> None:
+    """Rotor speeds at some signals, found anew from the motor's equations."""
+    motor, esc, pack = POWERTRAIN.motor, POWERTRAIN.controller, POWERTRAIN.battery
+    assert motor and esc and pack
+    kv, resistance = motor.speed_constant, motor.resistance + esc.resistance
+    still = aircraft.loads.loads(600.0, 0.0, 0.0)
+    k_t, k_q = float(still.thrust) / 600.0**2, float(still.torque) / 600.0**2
+
+    def unbalanced(omega: float, signal: float) -> float:
+        current = kv * k_q * omega**2 + 0.6
+        needed = omega / kv + current * resistance
+        power = 4.0 * current * needed + pack.auxiliary_power
+        full = float(pack.open_circuit_voltage(np.array(1.0)))
+        drawn = (full - np.sqrt(full**2 - 4.0 * pack.resistance * power)) / (2.0 * pack.resistance)
+        return float(needed - signal * (full - pack.resistance * drawn))
+
+    def thrust(signal: float) -> float:
+        return k_t * brentq(unbalanced, 1.0, 1500.0, args=(signal,)) ** 2
+
+    px4 = by_qgroundcontrol(files["quadcopter_px4.params"])
+    ardupilot = by_ap_param(files["quadcopter_ardupilot.param"])
+    full = thrust(1.0)
+    # Constant coefficients here, those at each Reynolds number there.
+    assert px4["CA_ROTOR0_CT"] == pytest.approx(full, rel=0.02)
+    f, e = px4["THR_MDL_FAC"], ardupilot["MOT_THST_EXPO"]
+    low, most = thrust(0.15), thrust(0.95)
+    for x in (0.25, 0.5, 0.75):
+        assert f * x**2 + (1.0 - f) * x == pytest.approx(thrust(x) / full, abs=0.05)
+        share = (thrust(0.15 + 0.8 * x) - low) / (most - low)
+        assert e * x**2 + (1.0 - e) * x == pytest.approx(share, abs=0.04)
+
+
+def test_a_stiff_source_has_the_curve_of_a_regulated_speed() -> None:
+    """Without resistance the rotor speed is in proportion to the signal: T = s^2."""
+    ideal = Powertrain(Motor(920.0 * RPM, 1e-6, (0.0,)), None, Battery(4, 18000.0))
+    craft = aircraft_of(in_px4_order(powertrain=ideal))
+    speeds = np.array([4.0, 8.0])
+    px4, ardupilot = (autopilot_parameters(craft, name, speeds) for name in ("px4", "ardupilot"))
+    assert px4.sets[0].values["THR_MDL_FAC"] == pytest.approx(1.0, abs=0.03)
+    # (0.15 + 0.8 x)^2 less its value at x = 0, over that at x = 1, is (0.24 x + 0.64 x^2) / 0.88.
+    expo = ardupilot.sets[0].values["MOT_THST_EXPO"]
+    assert expo == pytest.approx(0.64 / 0.88, abs=0.03)
+
+
+def test_what_is_not_known_is_left_out_and_said(tmp_path: Path) -> None:
+    craft = aircraft_of(in_px4_order(powertrain=Powertrain()))
+    speeds = np.array([4.0, 8.0])
+    export_autopilot(craft, "px4", tmp_path, speeds=speeds)
+    export_autopilot(craft, "ardupilot", tmp_path, speeds=speeds)
+    for note in tmp_path.glob("README*"):
+        assert "Rotor drag is that of bare blades" in note.read_text()
+        assert "no body drag" not in note.read_text()
+    names = {path.name for path in tmp_path.iterdir()}
+    assert "quadcopter_px4_sih.params" not in names
+    px4, ardupilot = (tmp_path / f"README-{name}.md" for name in ("px4", "ardupilot"))
+    text = (tmp_path / "quadcopter_px4.params").read_text()
+    assert "THR_MDL_FAC" not in text and "_CT" not in text and "CA_ROTOR0_KM" in text
+    assert "THR_MDL_FAC: the vehicle file has no [motor] and no [battery]." in px4.read_text()
+    assert "would have 1" in px4.read_text()
+    assert "MOT_" not in (tmp_path / "quadcopter_ardupilot.param").read_text()
+    assert "would have 0.73 between MOT_SPIN_MIN 0.15" in ardupilot.read_text()
+
+
+def test_the_simulator_leans_as_the_model_does(aircraft: Aircraft, files: dict[str, str]) -> None:
+    """Sih::generate_force_and_torques: linear drag, so that tan(lean) = SIH_KDV V / (m g)."""
+    p = by_qgroundcontrol(files["quadcopter_px4_sih.params"])
+    assert p["SIH_L_ROLL"] == p["SIH_L_PITCH"] == ARM and p["THR_MDL_FAC"] == 0.0
+    weight = p["SIH_MASS"] * G
+    told = re.search(r"\*\*SIH_KDV\*\*.*within ([\d.]+) N", files["README-px4.md"])
+    assert told
+    states = aircraft.steady([3.0, 8.0, 13.0], margin=False)
+    needed = weight * np.tan(states.pitch)
+    assert np.abs(needed - p["SIH_KDV"] * states.speed).max() < 1.1 * float(told[1])
+    # Hover takes the share of the full signal that the thrust margin says.
+    hover = aircraft.steady([0.0])
+    assert p["SIH_T_MAX"] > hover.thrust[0].max()
+    assert p["SIH_Q_MAX"] / p["SIH_T_MAX"] == pytest.approx(
+        (hover.torque / hover.thrust).mean(), rel=0.05
+    )
+
+
+def test_the_simulator_s_motors_are_in_its_own_order(aircraft: Aircraft) -> None:
+    mounts = aircraft.vehicle.mounts
+    other = aircraft_of(in_px4_order(mounts=mounts[::-1]))
+    told = autopilot_parameters(other, "px4", np.array([4.0, 8.0]))
+    assert [part.suffix for part in told.sets] == ["px4.params"]
+    assert "front right" in told.left_out[-1].why
+
+
+def test_deviations_follow_from_the_constants() -> None:
+    """As much as trims with a constant changed say: one of drag, and one of lift, with which the
+    rotors turn slower for the same weight."""
+    vehicle = in_px4_order(powertrain=Powertrain())
+    spreads = {"c_d0": 0.01, "zero_lift_angle": 0.03}
+    matrix = np.diag(np.square(list(spreads.values())))
+    covariance = SectionCovariance(tuple(spreads), matrix)
+    base = propmap.airfoil("paper-apc")
+    known = SectionUncertainty(covariance, another_tunnel=False)
+    law = base.with_parameters(uncertainty=known)
+
+    def craft(airfoil: propmap.Airfoil) -> Aircraft:
+        corrections = propmap.corrections_of("recommended")
+        model = propmap.Model(vehicle.propeller, airfoil, vehicle.air, corrections)
+        return Aircraft(vehicle, propmap.Rotor(model, compiled=False))
+
+    speeds = np.array([4.0, 10.0])
+    flights = inplane_forces(craft(law), "x", speeds)
+    for row, (name, spread) in enumerate(spreads.items()):
+        moved = base.with_parameters(**{name: getattr(base, name) + 0.2 * spread})
+        by_trim = (inplane_forces(craft(moved), "x", speeds).force - flights.force) / 0.2
+        assert np.abs(flights.errors[row]) == pytest.approx(np.abs(by_trim), rel=0.1)
+    # The rest is the model's own: a tenth of the rotor drag, its thrust as if it were known.
+    assert flights.errors.shape[0] == 5
+    found = autopilot_parameters(craft(law), "px4", speeds)
+    nothing = autopilot_parameters(craft(base), "px4", speeds)
+    stds = {kind.title: kind.std for kind in found.sets[0].kinds}
+    assert stds["EKF2_MCOEF"] and 0.05 < stds["EKF2_MCOEF"] / 0.1 < 2.0
+    assert all(kind.std is None for kind in nothing.sets[0].kinds)
+
+
+def test_a_map_serves_in_place_of_a_rotor() -> None:
+    """One that says nothing of its errors and ends below full throttle."""
+    blade = propmap.propeller("apc-8x6e")
+    content = invented_content(speed=0.0)
+    described = {"name": "apc-8x6e", "geometry_sha256": blade.fingerprint(), "radius_m": RADIUS}
+    known = {"propeller": content.info["propeller"] | described}
+    known["air"] = {"density_kg_m3": 1.225, "viscosity_Pa_s": 1.983e-5}
+    table = LoadTable(replace(content, info=content.info | known))
+    still = table.loads(600.0, 0.0, 0.0)
+    vehicle = in_px4_order(mass=4.0 * float(still.thrust) / G)
+    told = autopilot_parameters(Aircraft(vehicle, table), "px4", np.array([4.0, 8.0]))
+    values = told.sets[0].values
+    assert values["CA_ROTOR0_KM"] == pytest.approx(float(still.torque / still.thrust), rel=1e-6)
+    assert values["EKF2_MCOEF"] > 0.01
+    assert all(kind.std is None for kind in told.sets[0].kinds)
+    assert "the map ends at 9549 rpm, and full throttle is" in told.left_out[0].why
+
+
+def test_files_are_those_of_the_ground_stations(files: dict[str, str]) -> None:
+    assert set(files) == {
+        "quadcopter_px4.params",
+        "quadcopter_px4_sih.params",
+        "quadcopter_ardupilot.param",
+        "README-px4.md",
+        "README-ardupilot.md",
+    }
+    for name in ("quadcopter_px4.params", "quadcopter_px4_sih.params"):
+        read = by_qgroundcontrol(files[name])
+        assert len(read) == sum(not line.startswith("#") for line in files[name].splitlines())
+        # A parameter's name has up to 16 characters in MAVLink.
+        assert all(re.fullmatch(r"[A-Z0-9_]{1,16}", key) for key in read)
+    read = by_ap_param(files["quadcopter_ardupilot.param"])
+    assert set(read) == {
+        "EK3_DRAG_MCOEF",
+        "EK3_DRAG_BCOEF_X",
+        "EK3_DRAG_BCOEF_Y",
+        "MOT_THST_EXPO",
+    }
+    for note in ("README-px4.md", "README-ardupilot.md"):
+        for part in files:
+            if part.endswith(note[7:-3] + ".params") or part.endswith(note[7:-3] + ".param"):
+                reader = by_qgroundcontrol if part.endswith("s") else by_ap_param
+                families = {re.sub(r"ROTOR\d+", "ROTORn", key) for key in reader(files[part])}
+                told = files[note]
+                for family in families:
+                    stem = re.sub(r"_(P|A)[XYZ]$", r"_\1X", family)
+                    assert f"**{stem}" in told, f"{family} is not explained"
+
+
+def tilted(angle: float, which: slice = slice(None)) -> tuple[Mount, ...]:
+    mounts = list(in_px4_order().mounts)
+    for k in range(4)[which]:
+        mounts[k] = replace(mounts[k], axis=(np.sin(angle), 0.0, np.cos(angle)))
+    return tuple(mounts)
+
+
+PLACES = in_px4_order().mounts
+WRONG: dict[str, tuple[dict[str, Any], str]] = {
+    "one rotor": ({"mounts": PLACES[:1]}, "has 1 rotor;"),
+    "a wing": ({"wing": Wing(0.2)}, "has a wing"),
+    "one above the other": (
+        {"mounts": (*PLACES, replace(PLACES[0], position=(ARM, -ARM, -0.05), spin="cw"))},
+        "rotors 1 and 5 are above each other",
+    ),
+    "a pusher": ({"mounts": (*PLACES, Mount((-0.3, 0.0, 0.0), (1.0, 0.0, 0.0)))}, "not upward"),
+    "all leaning forward": ({"mounts": tilted(0.1)}, "the rotors' thrust is not along z"),
+    "one spin for all": (
+        {"mounts": tuple(replace(mount, spin="cw") for mount in PLACES)},
+        "cannot hover without a moment",
+    ),
+    "too heavy": ({"mass": 12.0}, "does not hover"),
+}
+
+
+@pytest.mark.parametrize("case", WRONG)
+def test_a_vehicle_that_the_filters_do_not_know_is_refused(case: str, tmp_path: Path) -> None:
+    changes, message = WRONG[case]
+    with pytest.raises(InputError, match=re.escape(message)) as caught:
+        export_autopilot(aircraft_of(in_px4_order(**changes)), "px4", tmp_path / "to")
+    assert "\n" not in str(caught.value) and caught.value.remedy
+    assert not (tmp_path / "to").exists()
+
+
+def test_tilts_that_cancel_are_part_of_the_coefficients() -> None:
+    """Front and back rotors leaning towards each other, as on many airframes."""
+    front, back = tilted(-0.1), tilted(0.1)
+    mounts = (front[0], back[1], front[2], back[3])
+    told = autopilot_parameters(
+        aircraft_of(in_px4_order(mounts=mounts, wakes=Wakes())), "px4", np.array([4.0, 8.0])
+    )
+    assert any("tilted" in remark for remark in told.remarks)
+    assert any("[wakes] is left out" in remark for remark in told.remarks)
+    values = told.sets[0].values
+    assert values["CA_ROTOR0_AX"] == pytest.approx(-np.sin(0.1))
+    assert values["CA_ROTOR0_AZ"] == pytest.approx(-np.cos(0.1))
+
+
+def test_speeds_that_are_not_flown_are_named(tmp_path: Path) -> None:
+    craft = aircraft_of(in_px4_order(), maximum_rotor_speed=680.0)
+    export_autopilot(craft, "px4", tmp_path, speeds=np.array([4.0, 8.0, 30.0]))
+    assert (
+        "30 m/s is not flown: beyond the rotors' largest speed."
+        in (tmp_path / "README-px4.md").read_text()
+    )
+    with pytest.raises(InputError, match="give two or more that can"):
+        autopilot_parameters(craft, "px4", np.array([30.0, 40.0]))
+    with pytest.raises(InputError, match="fewer than two speeds"):
+        autopilot_parameters(craft, "px4", np.array([0.0, 5.0]))
+    with pytest.raises(InputError, match="no autopilot 'betaflight'"):
+        autopilot_parameters(craft, "betaflight")
