@@ -33,8 +33,9 @@ def read_flight_log(
 ) -> FlightLog:
     """Read a flight log of any kind: CSV, Parquet, PX4's ULog, bags of ROS 1 and ROS 2.
 
-    Signals are interpolated linearly to one clock; gaps above 0.25 s are cut out.  Samples that
-    cannot be used are dropped, which ``source`` then tells, or refused where they are many.
+    Signals are interpolated linearly to one clock, those that are faster after a low-pass; gaps
+    above 0.25 s are cut out.  Samples that cannot be used are dropped, which ``source`` then tells,
+    or refused where they are many.
 
     Parameters
     ----------
