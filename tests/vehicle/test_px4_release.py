@@ -43,8 +43,8 @@ OFF = {
     "angular_acceleration": 0.01,
     "specific_force_rate": 0.2,
 }
-"""By how much low-passed logs may differ: of a vibration of 3 m/s^2 (0.3 rad/s), a hundredth is left,
-and where it is differentiated, by the low-pass at 6 Hz alone, somewhat more."""
+"""By how much low-passed logs may differ: of a vibration of 3 m/s^2 (0.3 rad/s) a hundredth is
+left, and where it is differentiated, by the low-pass at 6 Hz alone, somewhat more."""
 
 
 def shaken(log: FlightLog, frequency: float, size: float) -> FlightLog:

@@ -1,7 +1,7 @@
 """A ULog file as PX4 1.15 and 1.16 write it: whole topics, each at its own rate.
 
-By the published format, https://docs.px4.io/v1.16/en/dev_log/ulog_file_format.html, and the fields of
-PX4's msg/*.msg of those releases, sorted by size as uORB does, with its padding.
+By the published format, https://docs.px4.io/v1.16/en/dev_log/ulog_file_format.html, and the fields
+of PX4's msg/*.msg of those releases, sorted by size as uORB does, with its padding.
 """
 
 from __future__ import annotations
