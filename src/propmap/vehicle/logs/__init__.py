@@ -52,6 +52,22 @@ def read_flight_log(
     InputError
         Where the log cannot be read, or is not one of this vehicle.
     """
+    return flight_log(read_recording(path, vehicle_file), vehicle_file, rate)
+
+
+def read_recording(path: str | os.PathLike[str], vehicle_file: VehicleFile) -> Recording:
+    """What a flight log of any kind holds, as it was recorded.
+
+    Parameters
+    ----------
+    path, vehicle_file : path, VehicleFile
+        As for ``read_flight_log``.
+
+    Raises
+    ------
+    InputError
+        Where the log cannot be read.
+    """
     file = Path(path)
     where = str(file)
     try:
@@ -75,4 +91,4 @@ def read_flight_log(
             "this folder has no metadata.yaml, expected a ROS 2 bag", "name a file inside it", where
         )
     reader = read_rosbag if folder else READERS[kind]
-    return flight_log(reader(file, vehicle_file.log), vehicle_file, rate)
+    return reader(file, vehicle_file.log)

@@ -196,6 +196,10 @@ def _check_frames(log: FlightLog, vehicle_file: VehicleFile) -> None:
         return
     if 0.5 < mean < 1.5:
         remedy = "give it in m/s^2, not in units of g"
+    elif abs(mean) < 0.5:
+        remedy = "gravity was taken off: give what the accelerometer reads, +g upwards in hover"
+    elif abs(mean + GRAVITY) < 0.5:
+        remedy = f"it points down: change its sign, or {remedy}"
     raise InputError(
         f"the specific force along the vertical averages {mean:.3g} m/s^2, expected about "
         f"{GRAVITY:.3g}",
