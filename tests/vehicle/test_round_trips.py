@@ -173,5 +173,6 @@ def test_a_rate_can_be_given(tmp_path: Path) -> None:
     read = read_flight_log(tmp_path / "a.csv", vehicle_file, rate=40.0)
     np.testing.assert_allclose(np.diff(read.time), 0.025, rtol=1e-9)
     expected = np.interp(read.time, LOG.time, LOG.velocity[:, 0])
-    np.testing.assert_allclose(read.velocity[:, 0], expected, atol=2e-4)
+    # Fewer samples than were logged: the corners of the changes of speed are rounded a little.
+    np.testing.assert_allclose(read.velocity[:, 0], expected, atol=3e-3)
     np.testing.assert_allclose(np.linalg.norm(read.up, axis=1), 1.0, rtol=1e-12)

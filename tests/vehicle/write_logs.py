@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import csv
 import struct
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -215,11 +216,13 @@ def write_bag(
     storage: str = "sqlite3",
     rotor_type: str = "std_msgs/msg/Float64MultiArray",
     odometry: bool = True,
+    every: Mapping[str, int] | None = None,
 ) -> str:
     """Write a bag: ``storage`` "sqlite3" or "mcap" (ROS 2, a folder) or "ros1" (a .bag file).
 
     rotor_type : Float64MultiArray, Int32MultiArray or sensor_msgs/msg/JointState.
-    odometry : else a pose and a twist in the world frame.
+    odometry : else a pose and a twist in the world frame.  every : of a topic's messages, one of so
+    many is recorded, by default each.
     """
     from rosbags.rosbag1 import Writer as Writer1
     from rosbags.rosbag2 import StoragePlugin
@@ -264,6 +267,8 @@ def write_bag(
                     "geometry_msgs/msg/TwistStamped", header=make.header(stamp), twist=twist
                 )
             for topic, message in messages.items():
+                if i % (every or {}).get(topic, 1):
+                    continue
                 # What has no header is recorded without delay.
                 delay = 0 if "Array" in topics[topic] else 2_000_000
                 data = serialize(message, topics[topic])

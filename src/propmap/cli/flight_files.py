@@ -11,11 +11,14 @@ import numpy as np
 
 from propmap.errors import InputError
 from propmap.flight.level_table import is_level_table, read_level_table
+from propmap.flight.plausible_rotors import check_rotor_order, mixed_vehicles
 from propmap.flight.plausible_rpm import check_rotor_speed
 from propmap.flight.steady import airborne, operating_points, steady_stretches
 from propmap.vehicle.flight_log import FlightLog, joined
-from propmap.vehicle.logs import read_flight_log
-from propmap.vehicle.time_derivatives import low_passed
+from propmap.vehicle.logs import read_recording
+from propmap.vehicle.logs.assembly import flight_log
+from propmap.vehicle.logs.plausible import check_recording
+from propmap.vehicle.time_derivatives import FEWEST_PER_PERIOD, low_passed
 from propmap.vehicle.vehicle_toml import VehicleFile
 
 if TYPE_CHECKING:
@@ -68,8 +71,7 @@ def read_flights(
         tables = [read_level_table(path, file.vehicle) for path in paths]
         found = [text for table in tables for text in _table_remarks(table, file)]
         return Flights(True, joined(tables), tuple(found))
-    logs = [read_flight_log(path, file) for path in paths]
-    remarks = [text for log in logs for text in _rpm_remarks(log, file)]
+    logs, remarks = _recorded(paths, file)
     if method != "balance":
         points = _points(logs, seconds, picture, needed=method == "level")
         if points is not None:
@@ -78,10 +80,37 @@ def read_flights(
             f"fewer than {ENOUGH_STRETCHES} steady stretches of {seconds:g} s: the balance of all "
             "forces at all times is fitted instead"
         )
+    remarks += [text for log in logs for text in _too_slow_to_filter(log, low_pass)]
     logs = [low_passed(log, low_pass) for log in logs]
     flying = joined([log.picked(airborne(log)) for log in logs])
     picked = np.unique(np.linspace(0, len(flying) - 1, min(samples, len(flying))).astype(int))
     return Flights(False, flying.picked(picked), tuple(remarks))
+
+
+def _recorded(paths: Sequence[Path], file: VehicleFile) -> tuple[list[FlightLog], list[str]]:
+    """Logs, and warnings on what they may not be."""
+    logs, remarks = [], []
+    for path in paths:
+        recording = read_recording(path, file)
+        remarks += check_recording(recording)
+        logs.append(flight_log(recording, file))
+        if logs[-1].source != recording.source:
+            remarks.append(logs[-1].source)
+        remarks += _rpm_remarks(logs[-1], file)
+        check_rotor_order(logs[-1], file.vehicle)
+    return logs, [*remarks, *mixed_vehicles(logs, file.vehicle)]
+
+
+def _too_slow_to_filter(log: FlightLog, low_pass: float) -> list[str]:
+    rate = 1.0 / float(np.median(np.diff(log.time)))
+    needed = FEWEST_PER_PERIOD * low_pass
+    if rate >= needed:
+        return []
+    return [
+        f"{log.source}: {rate:.3g} samples per second are too few for a low-pass at {low_pass:g} "
+        f"Hz, which takes {needed:g}, and are fitted as they are: log the slowest signal faster, "
+        f"or lower --low-pass to {rate / FEWEST_PER_PERIOD:.2g}"
+    ]
 
 
 def _points(

@@ -73,7 +73,7 @@ def check_rotor_speed(
                 "motor controllers report their speed",
                 log.source,
             )
-    chosen = log.picked(_slow(log))
+    chosen = log.picked(slow_flight(log))
     share = _thrust_share(chosen, rotor, vehicle)
     found = (
         f"in slow flight the rotors would carry {share:.3g} times the weight "
@@ -88,8 +88,8 @@ def check_rotor_speed(
     return [f"{log.source}: {found}; check mass, propeller, air density and the rotor speeds"]
 
 
-def _slow(log: FlightLog) -> NDArray[np.bool_]:
-    """Samples of slow and quiet flight, else the slowest tenth of the flight; (n,)."""
+def slow_flight(log: FlightLog) -> NDArray[np.bool_]:
+    """Samples (n,) of slow and quiet flight, else the slowest tenth of the ``log``."""
     flying = airborne(log)
     force = np.linalg.norm(log.specific_force, axis=1)
     quiet = np.isnan(force) | (np.abs(force / GRAVITY - 1.0) < QUIET)

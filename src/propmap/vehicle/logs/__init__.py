@@ -33,8 +33,9 @@ def read_flight_log(
 ) -> FlightLog:
     """Read a flight log of any kind: CSV, Parquet, PX4's ULog, bags of ROS 1 and ROS 2.
 
-    Signals are interpolated linearly to one clock; gaps above 0.25 s are cut out.  Samples that
-    cannot be used are dropped, which ``source`` then tells, or refused where they are many.
+    Signals are interpolated linearly to one clock, those that are faster after a low-pass; gaps
+    above 0.25 s are cut out.  Samples that cannot be used are dropped, which ``source`` then tells,
+    or refused where they are many.
 
     Parameters
     ----------
@@ -50,6 +51,22 @@ def read_flight_log(
     ------
     InputError
         Where the log cannot be read, or is not one of this vehicle.
+    """
+    return flight_log(read_recording(path, vehicle_file), vehicle_file, rate)
+
+
+def read_recording(path: str | os.PathLike[str], vehicle_file: VehicleFile) -> Recording:
+    """What a flight log of any kind holds, as it was recorded.
+
+    Parameters
+    ----------
+    path, vehicle_file : path, VehicleFile
+        As for ``read_flight_log``.
+
+    Raises
+    ------
+    InputError
+        Where the log cannot be read.
     """
     file = Path(path)
     where = str(file)
@@ -74,4 +91,4 @@ def read_flight_log(
             "this folder has no metadata.yaml, expected a ROS 2 bag", "name a file inside it", where
         )
     reader = read_rosbag if folder else READERS[kind]
-    return flight_log(reader(file, vehicle_file.log), vehicle_file, rate)
+    return reader(file, vehicle_file.log)

@@ -21,6 +21,13 @@ if TYPE_CHECKING:
 LONGEST_GAP = 0.25
 """Time [s] between two samples of a signal that are still interpolated."""
 
+FASTER = 1.5
+"""Samples of a signal per time of the common clock from which it is low-passed first."""
+
+CUTOFF, ORDER = 0.4, 4
+"""Of that low-pass, per sample of the common clock, and of the Butterworth filter, applied twice:
+what the clock can show passes, vibrations that it would show as something slower do not."""
+
 
 def flight_log(
     recording: Recording, vehicle_file: VehicleFile, rate: float | None = None
@@ -107,9 +114,31 @@ def common_clock(
 
 
 def interpolated(signal: Signal, time: Floats) -> Floats:
-    """Values of a signal at the times (n,) [s], linearly between its samples; (n, k)."""
-    columns = [np.interp(time, signal.time, column) for column in signal.values.T]
+    """Values of a signal at the times (n,) [s], linearly between its samples; (n, k).
+
+    A signal with many more samples is low-passed first, without a shift in time: a vibration must
+    not appear as a slow motion.
+    """
+    values = _slowed(signal, float(np.median(np.diff(time))))
+    columns = [np.interp(time, signal.time, column) for column in values.T]
     return np.stack(columns, axis=1)
+
+
+def _slowed(signal: Signal, step: float) -> Floats:
+    """Values (m, k) without what a clock of this ``step`` [s] cannot show."""
+    own = float(np.median(np.diff(signal.time)))
+    if step < FASTER * own:
+        return signal.values
+    from scipy.signal import butter, sosfiltfilt
+
+    sections = butter(ORDER, 2.0 * CUTOFF * own / step, output="sos")
+    beyond = 2 * round(step / own)
+    breaks = np.flatnonzero(np.diff(signal.time) > LONGEST_GAP) + 1
+    parts = [
+        sosfiltfilt(sections, part, axis=0, padlen=beyond) if len(part) > 2 * beyond else part
+        for part in np.split(signal.values, breaks)
+    ]
+    return np.concatenate(parts)
 
 
 def _in_gap(signal: Signal, time: Floats) -> NDArray[np.bool_]:
@@ -167,6 +196,10 @@ def _check_frames(log: FlightLog, vehicle_file: VehicleFile) -> None:
         return
     if 0.5 < mean < 1.5:
         remedy = "give it in m/s^2, not in units of g"
+    elif abs(mean) < 0.5:
+        remedy = "gravity was taken off: give what the accelerometer reads, +g upwards in hover"
+    elif abs(mean + GRAVITY) < 0.5:
+        remedy = f"it points down: change its sign, or {remedy}"
     raise InputError(
         f"the specific force along the vertical averages {mean:.3g} m/s^2, expected about "
         f"{GRAVITY:.3g}",

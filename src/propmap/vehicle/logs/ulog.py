@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from propmap.arrays.types import Floats
 from propmap.errors import InputError
@@ -18,6 +19,9 @@ MICROSECOND = 1e-6
 
 ATTITUDE = {"vehicle_attitude": [f"q[{k}]" for k in range(4)]}
 VELOCITY = {"vehicle_local_position": ["vx", "vy", "vz"]}
+VALID = ("v_xy_valid", "v_z_valid")
+"""Flags of vehicle_local_position that say whether its velocity is known."""
+
 RATES = {
     "vehicle_angular_velocity": [f"xyz[{k}]" for k in range(3)],
     "sensor_combined": [f"gyro_rad[{k}]" for k in range(3)],
@@ -29,6 +33,13 @@ SPECIFIC_FORCE = {
 ROTORS = "esc_status"
 """Topics and fields per quantity; the first topic that the log has is used."""
 
+ACCELEROMETER_LATE, NOT_SAMPLED = "accelerometer_timestamp_relative", 2**31 - 1
+"""Field of sensor_combined with the time from its stamp to that of the accelerometer [us], and what
+it holds where there is none: PX4's SensorCombined.msg."""
+
+FIRST_MOTOR = 101
+"""``actuator_function`` of motor 1 in PX4's EscReport.msg; that of motor k is k - 1 more."""
+
 TOPICS = sorted({*ATTITUDE, *VELOCITY, *RATES, *SPECIFIC_FORCE, ROTORS})
 
 
@@ -37,7 +48,9 @@ def read_ulog(path: Path, log: LogMap) -> Recording:
 
     vehicle_attitude, vehicle_local_position, vehicle_angular_velocity (else sensor_combined),
     vehicle_acceleration (else sensor_combined, else none) and esc_status, whose ``esc_rpm`` is
-    in rpm unless the ``log`` map says "erpm".  Times are those of the measurement where logged.
+    in rpm unless the ``log`` map says "erpm", and which are in the order of PX4's motors where the
+    log says which controller turns which.  Times are those of the measurement where logged.
+    Velocities that the log marks as not valid are left out.
     Frames are PX4's, FRD and NED, whatever the map says.  Raises ``InputError``.
     """
     where = str(path)
@@ -91,8 +104,27 @@ def _signal(file: Any, name: str, sources: dict[str, list[str]], where: str) -> 
         data = _dataset(file, topic)
         if data is not None:
             columns = [_field(data, topic, field, where) for field in fields]
-            return Signal(f"{name} ({topic})", _time(data), np.stack(columns, axis=1))
+            values = np.stack(columns, axis=1)
+            valid = _valid(data, name, topic, where)
+            return Signal(f"{name} ({topic})", _time(data, fields[0])[valid], values[valid])
     raise _missing(file, " or ".join(sources), where)
+
+
+def _valid(data: Any, name: str, topic: str, where: str) -> NDArray[np.bool_]:
+    """Which samples (n,) of a topic the log does not mark as unknown."""
+    stamps = data.data["timestamp"]
+    flags = [data.data[flag] for flag in VALID if flag in data.data]
+    late = data.data.get(ACCELEROMETER_LATE)
+    if late is not None and name == "specific force":
+        flags.append(late != NOT_SAMPLED)
+    valid = np.all([np.ones(stamps.size, dtype=np.bool_), *flags], axis=0)
+    if not valid.any():
+        raise InputError(
+            f"{topic} marks all {stamps.size} samples of its {name} as not valid",
+            "fly where the autopilot knows its velocity: with GPS, optical flow or motion capture",
+            where,
+        )
+    return np.asarray(valid)
 
 
 def _rotor_speed(file: Any, factor: float, where: str) -> Signal:
@@ -107,14 +139,26 @@ def _rotor_speed(file: Any, factor: float, where: str) -> Signal:
             "fly with controllers that report rpm, by DShot telemetry or UAVCAN",
             where,
         )
-    return Signal(f"rotor speed ({ROTORS})", _time(data), np.stack(columns, axis=1) * factor)
+    speeds = np.stack(columns, axis=1)[:, _by_motor(data, count)]
+    return Signal(f"rotor speed ({ROTORS})", _time(data), speeds * factor)
 
 
-def _time(data: Any) -> Floats:
-    """[s]; (n,): of the measurement where the topic says it, else of its publication."""
+def _by_motor(data: Any, count: int) -> list[int]:
+    """Places of motors 1 to ``count`` among the controllers, where the log tells them all."""
+    fields = [f"esc[{k}].actuator_function" for k in range(count)]
+    told = [int(np.median(data.data[field])) for field in fields if field in data.data]
+    motors = [FIRST_MOTOR + k for k in range(count)]
+    return [told.index(motor) for motor in motors] if sorted(told) == motors else [*range(count)]
+
+
+def _time(data: Any, field: str = "") -> Floats:
+    """[s]; (n,): of the measurement of a ``field`` where the topic says it, else of publication."""
     stamps = data.data["timestamp"]
     measured = data.data.get("timestamp_sample", stamps)
-    return np.asarray(np.where(measured > 0, measured, stamps) * MICROSECOND, dtype=np.float64)
+    time = np.where(measured > 0, measured, stamps).astype(np.float64)
+    if field.startswith("accelerometer") and ACCELEROMETER_LATE in data.data:
+        time += data.data[ACCELEROMETER_LATE]
+    return np.asarray(time * MICROSECOND)
 
 
 def _field(data: Any, topic: str, field: str, where: str) -> Floats:
@@ -132,6 +176,7 @@ def _missing(file: Any, topic: str, where: str) -> InputError:
     present = sorted({data.name for data in file.data_list}) or ["no topic of use"]
     return InputError(
         f"no topic {topic}; found {', '.join(present)}",
-        "log it: see SDLOG_PROFILE of PX4, and for esc_status motor controllers with telemetry",
+        "log it: see SDLOG_PROFILE of PX4, and for esc_status motor controllers with telemetry "
+        "(actuator_motors and actuator_outputs are commands, no speeds)",
         where,
     )

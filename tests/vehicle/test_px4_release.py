@@ -1,0 +1,150 @@
+"""A flight in the layout of PX4 1.15 and 1.16, as CSV and as bag: the same log, all six axes."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from propmap.arrays.types import Floats
+from propmap.vehicle.flight_log import FlightLog
+from propmap.vehicle.logs import read_flight_log
+from propmap.vehicle.time_derivatives import low_passed
+from propmap.vehicle.vehicle_toml import read_vehicle
+from tests.flight.synthetic import NEUROBEM, flight, vehicle_with
+
+from .refusals import message_of
+from .write_logs import write_bag, write_csv
+from .write_px4_log import topics_of, write_px4_log
+
+VEHICLE = read_vehicle(NEUROBEM).vehicle
+LOG = flight(rate=200.0).picked(slice(700, 1900))
+"""Six seconds: at 3 m/s, and on to 6 m/s."""
+
+RATES = {
+    "vehicle_attitude": 2,
+    "vehicle_local_position": 4,
+    "esc_status": 2,
+    "actuator_motors": 20,
+    "actuator_outputs": 20,
+}
+"""One of so many samples: attitude and rotor speeds at 100 Hz, velocity at 50, the IMU at 200."""
+
+VECTORS = ("velocity", "rates", "up", "specific_force", "rotor_speed")
+OFF = {
+    "velocity": 0.002,
+    "rates": 0.003,
+    "up": 0.0005,
+    "specific_force": 0.03,
+    "rotor_speed": 0.2,
+    "angular_acceleration": 0.01,
+    "specific_force_rate": 0.2,
+}
+"""By how much low-passed logs may differ: of a vibration of 3 m/s^2 (0.3 rad/s) a hundredth is
+left, and where it is differentiated, by the low-pass at 6 Hz alone, somewhat more."""
+
+
+def shaken(log: FlightLog, frequency: float, size: float) -> FlightLog:
+    """The log with a vibration [Hz] in what IMU and motor controllers measure."""
+    wave = np.sin(2.0 * np.pi * frequency * log.time)[:, None]
+    return replace(
+        log,
+        specific_force=log.specific_force + size * wave,
+        rates=log.rates + 0.1 * size * wave,
+    )
+
+
+def read_px4(tables: dict[str, Any], folder: Path) -> FlightLog:
+    write_px4_log(tables, folder / "a.ulg")
+    return read_flight_log(folder / "a.ulg", vehicle_with("", folder))
+
+
+def at(log: FlightLog, name: str, when: Floats) -> Floats:
+    columns = getattr(log, name).T
+    return np.stack([np.interp(when, log.time - log.time[0], column) for column in columns], axis=1)
+
+
+def test_the_three_formats_give_the_same_low_passed_log(tmp_path: Path) -> None:
+    """Each topic on a clock of its own, shaken at 61 Hz: as if all had been sampled alike."""
+    log = shaken(LOG, 61.0, 3.0)
+    found = {"ulg": read_px4(topics_of(log, RATES), tmp_path)}
+    table = write_csv(log, tmp_path / "a.csv")
+    found["csv"] = read_flight_log(tmp_path / "a.csv", vehicle_with(table, tmp_path))
+    table = write_bag(log, tmp_path / "bag", VEHICLE, every={"/odometry": 4, "/rotor_speed": 2})
+    found["bag"] = read_flight_log(tmp_path / "bag", vehicle_with(table, tmp_path))
+    assert {name: round(1.0 / np.diff(each.time).mean()) for name, each in found.items()} == {
+        "ulg": 50,
+        "csv": 200,
+        "bag": 50,
+    }
+    truth = low_passed(LOG)
+    when = np.linspace(0.5, 5.4, 200)
+    for form, each in found.items():
+        passed = low_passed(each)
+        for name, off in OFF.items():
+            seen, wanted = at(passed, name, when), at(truth, name, when)
+            np.testing.assert_allclose(seen, wanted, rtol=0, atol=off, err_msg=f"{form} {name}")
+
+
+def test_a_vibration_does_not_appear_as_a_slow_motion(tmp_path: Path) -> None:
+    """48 Hz seen 50 times a second would be a motion at 2 Hz, which no low-pass removes."""
+    read = read_px4(topics_of(shaken(LOG, 48.0, 3.0), RATES), tmp_path)
+    still = read_px4(topics_of(LOG, RATES), tmp_path)
+    off = (read.specific_force - still.specific_force)[10:-10]
+    assert np.abs(off).max() < 0.05 * 3.0
+
+
+def test_all_topics_are_read_as_they_were_written(tmp_path: Path) -> None:
+    """At one rate, with the stamps of the measurements and not those of the publication."""
+    read = read_px4(topics_of(LOG, {}), tmp_path)
+    np.testing.assert_allclose(read.time - read.time[0], LOG.time - LOG.time[0], atol=2e-6)
+    assert read.time[0] == pytest.approx(LOG.time[0] + 1.0, abs=2e-6)
+    for name, tolerance in zip(VECTORS, (1e-5, 1e-6, 1e-6, 1e-5, 0.06), strict=True):
+        np.testing.assert_allclose(getattr(read, name), getattr(LOG, name), rtol=0, atol=tolerance)
+
+
+def test_the_accelerometer_of_sensor_combined_has_a_time_of_its_own(tmp_path: Path) -> None:
+    tables = topics_of(LOG, {})
+    del tables["vehicle_acceleration"], tables["vehicle_angular_velocity"]
+    read = read_px4(tables, tmp_path)
+    inner = slice(2, -2)
+    wanted = at(LOG, "specific_force", read.time - LOG.time[0] - 1.0)
+    np.testing.assert_allclose(read.specific_force[inner], wanted[inner], atol=2e-4)
+    tables["sensor_combined"]["accelerometer_timestamp_relative"][300:320] = 2**31 - 1
+    again = read_px4(tables, tmp_path)
+    np.testing.assert_allclose(again.specific_force, read.specific_force, atol=0.01)
+
+
+def test_motors_are_told_by_their_function(tmp_path: Path) -> None:
+    """The controllers are wired in another order than the motors are numbered."""
+    read = read_px4(topics_of(LOG, {}, order=(3, 1, 4, 2)), tmp_path)
+    np.testing.assert_allclose(read.rotor_speed, LOG.rotor_speed, atol=0.06)
+    tables = topics_of(LOG, {}, order=(3, 1, 4, 2))
+    tables["esc_status"]["esc"]["actuator_function"] = 0
+    read = read_px4(tables, tmp_path)
+    np.testing.assert_allclose(read.rotor_speed, LOG.rotor_speed[:, [2, 0, 3, 1]], atol=0.06)
+
+
+def test_velocities_that_are_not_valid_are_left_out(tmp_path: Path) -> None:
+    tables = topics_of(LOG, {})
+    place = tables["vehicle_local_position"]
+    place["v_xy_valid"][:400], place["vx"][:400] = False, 1e3
+    read = read_px4(tables, tmp_path)
+    assert len(read) == len(LOG) - 400
+    np.testing.assert_allclose(read.velocity, LOG.velocity[400:], atol=1e-5)
+    place["v_z_valid"] = False
+    write_px4_log(tables, tmp_path / "a.ulg")
+    message = message_of(tmp_path / "a.ulg", vehicle_with("", tmp_path))
+    assert "marks all 1200 samples of its velocity as not valid; fly where" in message
+
+
+def test_commands_are_no_rotor_speeds(tmp_path: Path) -> None:
+    tables = topics_of(LOG, RATES)
+    del tables["esc_status"]
+    write_px4_log(tables, tmp_path / "a.ulg")
+    message = message_of(tmp_path / "a.ulg", vehicle_with("", tmp_path))
+    assert "no topic esc_status" in message and "actuator_motors" in message
+    assert "are commands, no speeds" in message
