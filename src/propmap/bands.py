@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -64,10 +65,55 @@ def load_deviations(
     if known is None:
         return {}
     found = _by_parameters(known, rotor, at)
-    found["discrepancy"] = _discrepancy(model, known, at, loads)
+    return found | errors_of_loads(model, at, loads)
+
+
+def errors_of_loads(model: Model, at: FlowPoints, loads: Floats) -> dict[str, Floats]:
+    """Those of ``load_deviations`` that are of the loads themselves, not of what they rest on.
+
+    ``model``, ``at`` and ``loads`` are those of ``load_deviations``.
+    """
+    known = model.uncertainty
+    if known is None:
+        return {}
+    found = {"discrepancy": _discrepancy(model, known, at, loads)}
     if known.another_tunnel:
         found["tunnel"] = _tunnel(model, at, loads)
     return found
+
+
+def parameter_slopes(
+    rotor: Prepared,
+    names: tuple[str, ...],
+    scales: Sequence[float],
+    at: FlowPoints,
+    few: int | None = None,
+) -> Floats:
+    """Derivatives (L, P, N) of the loads by P parameters: of the section law, or of ``GEOMETRY``.
+
+    By the implicit function theorem in JAX, or for few points by differences.
+
+    Parameters
+    ----------
+    rotor : Prepared
+        Ready for evaluation.
+    names : tuple of str
+        The parameters.
+    scales : sequence of float
+        By how much each may differ, in its unit, above 0.
+    at : FlowPoints
+        N operating points.
+    few : int, optional
+        Points up to which differences are taken, by default ``FEW``.
+    """
+    if at.omega.size > (FEW[rotor.compiled] if few is None else few):
+        return load_gradients(rotor, FOR_DEVIATIONS, names, *at, alike=True).slopes
+    return load_differences(rotor, FOR_DEVIATIONS, names, scales, *at).slopes
+
+
+def scales_of(known: SectionCovariance) -> list[float]:
+    """By how much each of the constants that are ``known`` so well may differ, above 0."""
+    return [float(spread) or 1e-3 for spread in np.diag(known.matrix) ** 0.5]
 
 
 def _by_parameters(known: SectionUncertainty, rotor: Prepared, at: FlowPoints) -> dict[str, Floats]:
@@ -75,11 +121,7 @@ def _by_parameters(known: SectionUncertainty, rotor: Prepared, at: FlowPoints) -
     whole = known.covariance.determined
     if not whole.names:
         return {}
-    if at.omega.size > FEW[rotor.compiled]:
-        slopes = load_gradients(rotor, FOR_DEVIATIONS, whole.names, *at, alike=True).slopes
-    else:
-        scales = [float(spread) or 1e-3 for spread in np.diag(whole.matrix) ** 0.5]
-        slopes = load_differences(rotor, FOR_DEVIATIONS, whole.names, scales, *at).slopes
+    slopes = parameter_slopes(rotor, whole.names, scales_of(whole), at)
 
     def variance(of: SectionCovariance) -> Floats:
         return np.maximum(np.einsum("lpn,pq,lqn->ln", slopes, of.matrix, slopes), 0.0)

@@ -63,23 +63,31 @@ class Balanced(NamedTuple):
         Nose down, right side down [rad].
     omega : ndarray, shape (n, k)
         Rotor speeds [rad/s].
-    velocity : ndarray, shape (n, k, 3)
-        Of the hubs, in the vehicle's frame [m/s].
+    velocity : ndarray, shape (n, 3)
+        Of the centre of mass, in the vehicle's frame [m/s].
+    hubs : ndarray, shape (n, k, 3)
+        That of the hubs [m/s].
     wrenches : RotorWrenches
         Of the rotors.
     moment : ndarray, shape (n, 3)
         What is left for control surfaces where rotors cannot balance it [N m].
-    residual : ndarray, shape (n,)
-        The largest unbalanced force over the weight, and moment over weight times arm.
+    unbalanced : ndarray, shape (n, u)
+        Force over the weight along each axis, and moments over weight times arm [-].
     """
 
     pitch: Floats
     roll: Floats
     omega: Floats
     velocity: Floats
+    hubs: Floats
     wrenches: RotorWrenches
     moment: Floats
-    residual: Floats
+    unbalanced: Floats
+
+    @property
+    def residual(self) -> Floats:
+        """The largest share that is unbalanced (n,)."""
+        return np.abs(self.unbalanced).max(axis=1)
 
 
 class Balance:
@@ -124,7 +132,7 @@ class Balance:
             return self._linearised(unknowns, flight.part(which))
 
         found = solve(linearised, self._bounded, first, flight.speed, tolerance)
-        return self._told(found, flight)
+        return self.told(found, flight)
 
     def unknowns(self, pitch: Floats, roll: Floats, squares: Floats) -> Floats:
         """Unknowns (n, u) of attitudes (n,) [rad] and squared rotor speeds (n, k)."""
@@ -143,17 +151,35 @@ class Balance:
     def _bounded(self, unknowns: Floats, step: Floats) -> Floats:
         """The step (n, u), shortened to what may be trusted."""
         turn = np.abs(step[:, :2]).max(axis=1) / LONGEST_TURN
-        squares = self._squares(unknowns)
+        squares = self.squares(unknowns)
         change = (step[:, 2:] @ self.controls.patterns.T) * self.reference
         grow = (np.abs(change) / squares).max(axis=1) / LONGEST_CHANGE
         return step / np.maximum(np.maximum(turn, grow), 1.0)[:, None]
 
-    def _squares(self, unknowns: Floats) -> Floats:
+    def squares(self, unknowns: Floats) -> Floats:
+        """Squared rotor speeds (n, k) [rad^2/s^2] of ``unknowns`` (n, u)."""
         squares = self.reference * (unknowns[:, 2:] @ self.controls.patterns.T)
         return np.maximum(squares, 1e-4 * self.reference)
 
-    def _motion(self, pitch: Floats, roll: Floats, flight: Flight) -> tuple[Floats, Floats, Floats]:
-        """Velocity, that of the hubs, and specific force, in the vehicle's frame."""
+    def motion(self, pitch: Floats, roll: Floats, flight: Flight) -> tuple[Floats, Floats, Floats]:
+        """Motion in the vehicle's frame.
+
+        Parameters
+        ----------
+        pitch, roll : ndarray, shape (n,)
+            [rad].
+        flight : Flight
+            Of n.
+
+        Returns
+        -------
+        velocity : ndarray, shape (n, 3)
+            Of the centre of mass [m/s].
+        hubs : ndarray, shape (n, k, 3)
+            That of the hubs [m/s].
+        specific : ndarray, shape (n, 3)
+            Specific force [m/s^2].
+        """
         velocity = in_vehicle_frame(flight.speed, 0.0, flight.climb, pitch, roll)
         up = in_vehicle_frame(0.0, 0.0, 1.0, pitch, roll)
         rates = flight.turn_rate[:, None] * up
@@ -168,17 +194,21 @@ class Balance:
         vehicle = self.vehicle
         body = free_stream_force(vehicle.body, vehicle.wing, vehicle.air.density, velocity)
         force = wrenches.force.sum(axis=-2) + body - vehicle.mass * specific
-        moment = (wrenches.moment + np.cross(self.rotors.position, wrenches.force)).sum(axis=-2)
+        moment = self.rotors.moment(wrenches.force, wrenches.moment).sum(axis=-2)
+        return self.shares(force, moment), moment
+
+    def shares(self, force: Floats, moment: Floats) -> Floats:
+        """A force [N] and moment [N m] (..., 3) as what counts of them in a residual (..., u)."""
         turned = moment @ self.controls.moments.T / (self.weight * self.arm)
-        return np.concatenate([force / self.weight, turned], axis=-1), moment
+        return np.concatenate([force / self.weight, turned], axis=-1)
 
     def _linearised(self, unknowns: Floats, flight: Flight) -> tuple[Floats, Floats]:
         """Residuals (n, u) and their derivatives (n, u, u)."""
         pitch, roll = unknowns[:, 0], unknowns[:, 1]
-        squares = self._squares(unknowns)
+        squares = self.squares(unknowns)
         omega = np.sqrt(squares)
         motions = [
-            self._motion(pitch + by_pitch, roll + by_roll, flight)
+            self.motion(pitch + by_pitch, roll + by_roll, flight)
             for by_pitch, by_roll in ((0.0, 0.0), (CHANGE, 0.0), (0.0, CHANGE), (0.0, 0.0))
         ]
         velocity, hubs, specific = (np.stack(each) for each in zip(*motions, strict=True))
@@ -191,18 +221,16 @@ class Balance:
         by_square = 2.0 * CHANGE * squares[..., None]
         force = (found.force[3] - found.force[0]) / by_square
         moment = (found.moment[3] - found.moment[0]) / by_square
-        moment = moment + np.cross(self.rotors.position, force)
-        turned = moment @ self.controls.moments.T / (self.weight * self.arm)
-        each = np.concatenate([force / self.weight, turned], axis=-1)
+        each = self.shares(force, self.rotors.moment(force, moment))
         by_controls = self.reference * np.einsum("nku,kc->nuc", each, self.controls.patterns)
         slopes = np.concatenate([np.moveaxis(by_angles, 0, -1), by_controls], axis=-1)
         return residual[0], slopes
 
-    def _told(self, unknowns: Floats, flight: Flight) -> Balanced:
+    def told(self, unknowns: Floats, flight: Flight) -> Balanced:
+        """What ``unknowns`` (n, u) mean in n flights, balanced or not."""
         pitch, roll = unknowns[:, 0], unknowns[:, 1]
-        velocity, hubs, specific = self._motion(pitch, roll, flight)
-        omega = np.sqrt(self._squares(unknowns))
+        velocity, hubs, specific = self.motion(pitch, roll, flight)
+        omega = np.sqrt(self.squares(unknowns))
         wrenches = self.rotors.wrenches(omega, hubs)
         residual, moment = self._residual(velocity, specific, wrenches)
-        size = np.abs(residual).max(axis=1)
-        return Balanced(pitch, roll, omega, hubs, wrenches, moment, size)
+        return Balanced(pitch, roll, omega, velocity, hubs, wrenches, moment, residual)

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from propmap.aircraft.deviations import Spread
 from propmap.aircraft.steady import SteadyStates
 from propmap.arrays.types import Floats
 
@@ -21,8 +22,30 @@ class Column(NamedTuple):
     meaning: str
 
 
-def columns(states: SteadyStates) -> dict[str, Column]:
-    """All quantities by their names in files."""
+def columns(states: SteadyStates, sure: Spread | None = None) -> dict[str, Column]:
+    """All quantities by their names in files.
+
+    Parameters
+    ----------
+    states : SteadyStates
+        Of n.
+    sure : Spread, optional
+        Their standard deviations, which have columns too.
+    """
+    return _of_states(states) | ({} if sure is None else _deviations(sure))
+
+
+def _deviations(sure: Spread) -> dict[str, Column]:
+    std = "standard deviation of the "
+    return {
+        "pitch_std_deg": Column(sure.pitch * DEGREES, "degree", std + "pitch"),
+        "rpm_std": Column(sure.rotor_speed * RPM, "1/min", std + "rotational speed"),
+        "shaft_power_std_W": Column(sure.shaft_power, "W", std + "shaft power"),
+        "electrical_power_std_W": Column(sure.electrical_power, "W", std + "electrical power"),
+    }
+
+
+def _of_states(states: SteadyStates) -> dict[str, Column]:
     return {
         "speed_mps": Column(states.speed, "m/s", "horizontal speed through the air"),
         "climb_mps": Column(states.climb, "m/s", "climb rate"),
@@ -45,10 +68,13 @@ def columns(states: SteadyStates) -> dict[str, Column]:
     }
 
 
-def rows(states: SteadyStates) -> list[dict[str, Any]]:
-    """One mapping per state, a number per rotor as rpm_1, rpm_2 ...; None for NaN."""
+def rows(states: SteadyStates, sure: Spread | None = None) -> list[dict[str, Any]]:
+    """One mapping per state, a number per rotor as rpm_1, rpm_2 ...; None for NaN.
+
+    ``states`` and ``sure`` are those of ``columns``.
+    """
     flat: dict[str, list[float]] = {}
-    for name, column in columns(states).items():
+    for name, column in columns(states, sure).items():
         if column.values.ndim == 1:
             flat[name] = column.values.tolist()
             continue

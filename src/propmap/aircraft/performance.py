@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from propmap.aircraft.deviations import derivatives, spread
 from propmap.aircraft.steady import Aircraft, SteadyStates
 from propmap.arrays.types import Floats
 from propmap.errors import InputError
@@ -27,6 +28,9 @@ much about where the share of the limit is likely to reach 1."""
 WITHIN = 0.999
 """Share of the last interval, so that rounding does not put the top speed beyond the limit."""
 
+TOP = 3
+"""Number of the top speed among the states with a name."""
+
 SPEEDS = 41
 """At which power is looked at, from rest to the top speed."""
 
@@ -45,6 +49,9 @@ class NamedState:
         Electrical if known, else of the shafts; electrical, NaN if not known [W].
     endurance, distance : float
         Time and distance over ground on one battery [s], [m]; NaN without a battery.
+    speed_std, power_std, endurance_std : float
+        Standard deviations [m/s], [W], [s]: of a top speed, and of power and time at this speed.
+        NaN where they were not asked for or are not known.
     """
 
     speed: float
@@ -53,6 +60,9 @@ class NamedState:
     electrical_power: float
     endurance: float
     distance: float
+    speed_std: float = math.nan
+    power_std: float = math.nan
+    endurance_std: float = math.nan
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,23 +95,31 @@ class Performance:
     wind: float
 
 
-def endurance(aircraft: Aircraft, states: SteadyStates) -> Floats:
+def endurance(aircraft: Aircraft, states: SteadyStates, more_power: Floats | float = 0.0) -> Floats:
     """Time of flight in each state on one battery [s], (n,); NaN without a battery.
 
     Parameters
     ----------
     aircraft, states : Aircraft, SteadyStates
         What flies, and how.
+    more_power : ndarray, shape (n,), or float
+        By which the electrical power is larger [W].
     """
     battery = aircraft.vehicle.powertrain.battery
     if battery is None:
         return np.full(len(states), math.nan)
     needed = np.max(states.throttle * states.battery_voltage[:, None], axis=1)
-    return battery.endurance(states.electrical_power, needed, aircraft.limits.charge)
+    power = states.electrical_power + more_power
+    return battery.endurance(power, needed, aircraft.limits.charge)
 
 
 def performance(
-    aircraft: Aircraft, states: SteadyStates, *, climb: float = 0.0, wind: float = 0.0
+    aircraft: Aircraft,
+    states: SteadyStates,
+    *,
+    climb: float = 0.0,
+    wind: float = 0.0,
+    bands: bool = False,
 ) -> Performance:
     """Find the states that have a name.
 
@@ -115,6 +133,8 @@ def performance(
         That climb rate [m/s].
     wind : float
         Headwind [m/s]; it changes distances alone.
+    bands : bool
+        Whether standard deviations of the named states are wanted.
 
     Raises
     ------
@@ -142,9 +162,13 @@ def performance(
     if asked.any():
         found = aircraft.steady(wanted[asked], climb, margin=False, near=curve)
         time = endurance(aircraft, found)
+        sure = _deviations(aircraft, found, limit) if bands else {}
         for place, k in enumerate(np.flatnonzero(asked)):
             if found.found[place]:
-                named[k] = _named(found, place, float(time[place]), wind)
+                std = {name: float(values[place]) for name, values in sure.items()}
+                if k != TOP:
+                    std.pop("speed_std", None)
+                named[k] = _named(found, place, float(time[place]), wind, std)
     times = endurance(aircraft, states)
     ground = states.speed - wind
     hover, least_power, best_range, top = named
@@ -153,7 +177,26 @@ def performance(
     )
 
 
-def _named(states: SteadyStates, k: int, time: float, wind: float) -> NamedState:
+def _deviations(aircraft: Aircraft, states: SteadyStates, limit: str) -> dict[str, Floats]:
+    """Fields of ``NamedState`` for each state; the speed's as if it were at the ``limit``."""
+    sure = spread(aircraft, states)
+    if sure is None:
+        return {}
+    found = {"power_std": sure.power}
+    more, less = (endurance(aircraft, states, sign * sure.power) for sign in (1.0, -1.0))
+    found["endurance_std"] = 0.5 * (less - more)
+    if limit in sure.used:
+        # Where a share of the limit is 1: what it errs by over its slope by the speed.
+        slope = derivatives(aircraft, states, ["speed"])["speed"].used[limit]
+        found["speed_std"] = np.divide(
+            sure.used[limit], np.abs(slope), out=np.full_like(slope, math.nan), where=slope != 0.0
+        )
+    return found
+
+
+def _named(
+    states: SteadyStates, k: int, time: float, wind: float, std: dict[str, float]
+) -> NamedState:
     v = float(states.speed[k])
     return NamedState(
         speed=v,
@@ -162,6 +205,7 @@ def _named(states: SteadyStates, k: int, time: float, wind: float) -> NamedState
         electrical_power=float(states.electrical_power[k]),
         endurance=time,
         distance=time * (v - wind),
+        **std,
     )
 
 

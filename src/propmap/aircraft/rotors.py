@@ -98,6 +98,10 @@ class Rotors:
             vehicle, [(loads.with_model(own), k) for own, k in mounted_rotors(vehicle, model)]
         )
 
+    def moment(self, force: Floats, moment: Floats) -> Floats:
+        """About the centre of mass, (..., k, 3) [N m], of what acts at the hubs."""
+        return moment + np.cross(self.position, force)
+
     def wrenches(self, omega: Floats, velocity: Floats) -> RotorWrenches:
         """Force and moment of each rotor.
 

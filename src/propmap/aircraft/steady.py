@@ -157,8 +157,8 @@ class Aircraft:
     ) -> None:
         self.vehicle, self.loads = vehicle, loads
         self.limits = Limits(vehicle.powertrain, maximum_rotor_speed, charge)
-        self._rotors = Rotors.of(vehicle, loads)
-        self._balance = Balance(vehicle, self._rotors)
+        self.rotors = Rotors.of(vehicle, loads)
+        self.balance = Balance(vehicle, self.rotors)
         self._lost = NOT_FOUND if isinstance(loads, Rotor) else OUTSIDE_TABLE
 
     def with_hover_model(self) -> Aircraft:
@@ -171,9 +171,9 @@ class Aircraft:
             )
         still = self.loads.loads(omega, 0.0, 0.0)
         hover = HoverModel(float(still.thrust) / omega**2, float(still.torque) / omega**2, omega)
-        everyone = np.arange(len(self._rotors))
-        other._rotors = Rotors(self.vehicle, [(HoverLoads(hover), everyone)])
-        other._balance = Balance(self.vehicle, other._rotors)
+        everyone = np.arange(len(self.rotors))
+        other.rotors = Rotors(self.vehicle, [(HoverLoads(hover), everyone)])
+        other.balance = Balance(self.vehicle, other.rotors)
         other._lost = NOT_FOUND
         return other
 
@@ -218,7 +218,7 @@ class Aircraft:
             raise InputError("a turn is level and takes speed", "give speed above 0 and climb 0")
         flight = Flight(v, w, turn)
         first = None if near is None else self._between(near, v)
-        found = self._balance.solve(flight, SOLVED, first)
+        found = self.balance.solve(flight, SOLVED, first)
         return self._states(flight, found, margin=margin)
 
     def _between(self, near: SteadyStates, speed: Floats) -> Floats | None:
@@ -227,7 +227,7 @@ class Aircraft:
         if known.size < 2:
             return None
         at = near.speed[known]
-        values = self._balance.unknowns(
+        values = self.balance.unknowns(
             near.pitch[known], near.roll[known], near.rotor_speed[known] ** 2
         )
         k = np.clip(np.searchsorted(at, speed), 1, known.size - 1)
@@ -235,16 +235,40 @@ class Aircraft:
         share = np.minimum(share, EXTRAPOLATED)
         return values[k - 1] + share * (values[k] - values[k - 1])
 
-    def _used(self, omega: Floats, velocity: Floats, torque: Floats) -> dict[str, Floats]:
-        axial = np.einsum("...kj,kj->...k", velocity, self._rotors.axis)
+    def rotor_motion(self, states: SteadyStates) -> tuple[Floats, Floats]:
+        """Rotor speeds and the hubs' velocities of those ``states`` that have numbers.
+
+        Returns
+        -------
+        omega : ndarray, shape (m, k)
+            [rad/s].
+        velocity : ndarray, shape (m, k, 3)
+            Through the air, in the vehicle's frame [m/s].
+        """
+        flown = np.flatnonzero(states.found)
+        flight = Flight(states.speed, states.climb, states.bank).part(flown)
+        _, hubs, _ = self.balance.motion(states.pitch[flown], states.roll[flown], flight)
+        return states.rotor_speed[flown], hubs
+
+    def used(self, omega: Floats, velocity: Floats, torque: Floats) -> dict[str, Floats]:
+        """Share of each of ``LIMITS`` that n states use, 1 at the limit, (n,).
+
+        Parameters
+        ----------
+        omega, torque : ndarray, shape (n, k)
+            Of the rotors [rad/s], [N m].
+        velocity : ndarray, shape (n, k, 3)
+            Of the hubs, in the vehicle's frame [m/s].
+        """
+        axial = np.einsum("...kj,kj->...k", velocity, self.rotors.axis)
         across = np.sqrt(np.maximum(np.sum(velocity**2, axis=-1) - axial**2, 0.0))
-        tip = np.hypot(omega * self._rotors.radius + across, axial)
+        tip = np.hypot(omega * self.rotors.radius + across, axial)
         electric = self.vehicle.powertrain.driven(torque, omega, self.limits.charge)
         return self.limits.used(omega, tip, electric)
 
     def _states(self, flight: Flight, found: Balanced, *, margin: bool) -> SteadyStates:
         omega, wrenches = found.omega, found.wrenches
-        used = self._used(omega, found.velocity, wrenches.torque)
+        used = self.used(omega, found.hubs, wrenches.torque)
         lost = ~(found.residual <= JUMP)
         ring = (wrenches.status == VORTEX_RING).any(axis=1)
         over = [share > 1.0 for share in used.values()]
@@ -256,7 +280,7 @@ class Aircraft:
         nothing = np.full(len(gone), math.nan)
         margins = np.array(nothing)
         if margin and not lost.all():
-            margins[~lost] = self._thrust_margin(omega[~lost], found.velocity[~lost])
+            margins[~lost] = self._thrust_margin(omega[~lost], found.hubs[~lost])
 
         def known(values: Floats, where: NDArray[np.bool_] = gone) -> Floats:
             return np.where(where.reshape(-1, *[1] * (values.ndim - 1)), math.nan, values)
@@ -285,9 +309,9 @@ class Aircraft:
         def at(factors: Floats) -> tuple[Floats, Floats]:
             turning = omega * factors[..., None]
             moving = np.broadcast_to(velocity, (*turning.shape, 3))
-            wrenches = self._rotors.wrenches(turning, moving)
+            wrenches = self.rotors.wrenches(turning, moving)
             flat = (-1, omega.shape[1])
-            shares = self._used(
+            shares = self.used(
                 turning.reshape(flat), moving.reshape(*flat, 3), wrenches.torque.reshape(flat)
             )
             largest = np.max(list(shares.values()), axis=0)

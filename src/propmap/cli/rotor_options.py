@@ -92,6 +92,21 @@ class AccuracyName(StrEnum):
     fine = "fine"
 
 
+AirfoilOption = Annotated[
+    str | None,
+    typer.Option(
+        "--airfoil",
+        metavar="NAME|FILE",
+        help="Section law: a name of propmap airfoils, a fit or parameter set (.toml), or a "
+        "section table of AeroDyn, XFOIL (a file or a folder), CACTUS or CSV. By default the "
+        "constants identified for the propeller, else those to be expected of its family or of "
+        "any; a fit starts from the paper's first guess.",
+    ),
+]
+AccuracyOption = Annotated[
+    AccuracyName, typer.Option("--accuracy", help="Loads to 0.1 % or, slower, to 0.01 %.")
+]
+
 FEW_POINTS = {AccuracyName.standard: 2000, AccuracyName.fine: 200}
 """Operating points up to which NumPy is done before the compiler would be."""
 
@@ -101,17 +116,7 @@ class RotorChoice:
     """What the user said about the rotor; the fields are the command's parameters."""
 
     prop: PropArgument
-    airfoil: Annotated[
-        str | None,
-        typer.Option(
-            "--airfoil",
-            metavar="NAME|FILE",
-            help="Section law: a name of propmap airfoils, a fit or parameter set (.toml), or a "
-            "section table of AeroDyn, XFOIL (a file or a folder), CACTUS or CSV. By default the "
-            "constants identified for PROP, else those to be expected of its family or of any; a "
-            "fit starts from the paper's first guess.",
-        ),
-    ] = None
+    airfoil: AirfoilOption = None
     rho: Annotated[
         float | None, typer.Option("--rho", help=f"Air density [kg/m^3], else {PAPER_DENSITY}.")
     ] = None
@@ -130,9 +135,7 @@ class RotorChoice:
     root_cutout: RootCutout = None
     blades: Blades = None
     radius: Radius = None
-    accuracy: Annotated[
-        AccuracyName, typer.Option("--accuracy", help="Loads to 0.1 % or, slower, to 0.01 %.")
-    ] = AccuracyName.standard
+    accuracy: AccuracyOption = AccuracyName.standard
 
     def rotor(self, points: int | None = None) -> Rotor:
         """The rotor; its programs are not compiled for few ``points``, None for many."""

@@ -7,7 +7,6 @@ import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import numpy as np
 import typer
 
 from propmap.cli.aircraft_options import (
@@ -16,10 +15,10 @@ from propmap.cli.aircraft_options import (
     VehicleArgument,
     Wind,
     aircraft_of,
-    digits,
     number_or_none,
     title,
 )
+from propmap.cli.bands import Bands, say_not_counted
 from propmap.cli.operating_points import parse_axis
 from propmap.cli.output import (
     Format,
@@ -30,24 +29,26 @@ from propmap.cli.output import (
     chosen_format,
     emit,
     emit_rows,
-    grid,
     json_text,
     show,
 )
-from propmap.cli.rotor_options import AccuracyName, Corrections, ModelOption
+from propmap.cli.rotor_options import (
+    AccuracyName,
+    AccuracyOption,
+    AirfoilOption,
+    Corrections,
+    ModelOption,
+)
+from propmap.cli.trim_words import named, plain, say_beyond_data, say_moments, table_of, told
 from propmap.errors import InputError
 
 if TYPE_CHECKING:
-    from rich.table import Table
-
-    from propmap.aircraft.performance import NamedState, Performance
+    from propmap.aircraft.deviations import Spread
+    from propmap.aircraft.performance import Performance
     from propmap.aircraft.steady import Aircraft, SteadyStates
 
 SPEEDS = 21
 """Where --speed is A:B."""
-
-NOTHING = 1e-4
-"""Unbalanced moment over mass and radius [m/s^2] that is not worth a word."""
 
 
 def trim(
@@ -63,19 +64,14 @@ def trim(
         float, typer.Option("--bank", help="Of a coordinated level turn [deg], right positive.")
     ] = 0.0,
     wind: Wind = 0.0,
-    airfoil: Annotated[
-        str | None,
-        typer.Option("--airfoil", metavar="NAME|FILE", help="As for `propmap predict`."),
-    ] = None,
+    airfoil: AirfoilOption = None,
     table: Annotated[
         Path | None,
         typer.Option("--table", metavar="FILE.npz", help="Loads from `propmap table` instead."),
     ] = None,
     model: ModelOption = None,
     correction: Corrections = None,
-    accuracy: Annotated[
-        AccuracyName, typer.Option("--accuracy", help="Loads to 0.1 % or, slower, to 0.01 %.")
-    ] = AccuracyName.standard,
+    accuracy: AccuracyOption = AccuracyName.standard,
     max_rpm: MaximumRpm = None,
     charge: Charge = 1.0,
     mission: Annotated[
@@ -86,6 +82,7 @@ def trim(
             help="Fly these legs instead: speed_mps, climb_mps, duration_s.",
         ),
     ] = None,
+    bands: Bands = True,
     picture: Annotated[
         Path | None,
         typer.Option("--picture", metavar="FILE", help="Power, pitch, rpm and thrust margin."),
@@ -137,164 +134,67 @@ def trim(
         speeds = speeds[1:]
         typer.echo("note: a turn takes speed: 0 m/s is left out", err=True)
     flown = [craft.steady(speeds, each, math.radians(bank)) for each in climbs.tolist()]
-    _say_moments(craft, flown)
+    say_moments(craft, flown)
+    say_beyond_data(craft, flown)
     found = None
     if not bank and climbs.size == 1 and speeds.size > 1:
         from propmap.aircraft.performance import performance
 
-        found = performance(craft, flown[0], climb=float(climbs[0]), wind=wind)
+        found = performance(craft, flown[0], climb=float(climbs[0]), wind=wind, bands=bands)
+    sure = _deviations(craft, flown, bands=bands)
     command = shlex.join(["propmap", *context.obj])
     if netcdf and output is not None:
         from propmap.cli.trim_dataset import dataset
         from propmap.io.atomic_file import write_dataset
 
-        write_dataset(dataset(craft, flown, command), output)
+        write_dataset(dataset(craft, flown, sure, command), output)
         typer.echo(f"wrote {output}", err=True)
     elif form is Format.table:
-        show(output, title(craft), *(_table(states, found) for states in flown), *_told(found))
+        tables = (table_of(*both, found) for both in zip(flown, sure, strict=True))
+        show(output, title(craft), *tables, *told(found))
     else:
-        _emit(craft, flown, found, form, output)
+        _emit(craft, flown, sure, found, form, output)
     if picture is not None:
         from propmap.report.power_curves import power_curves
         from propmap.report.style import save
 
         hover = craft.with_hover_model()
         still = [hover.steady(speeds, each, math.radians(bank)) for each in climbs.tolist()]
-        save(power_curves(title(craft), flown, still, found), picture)
+        save(power_curves(title(craft), flown, still, found, sure), picture)
         typer.echo(f"wrote {picture}", err=True)
 
 
-def _say_moments(craft: Aircraft, flown: list[SteadyStates]) -> None:
-    """Say what rotors cannot balance: of a wing's flaps, or of a spin that is wrong."""
-    left = np.concatenate([np.abs(states.moment) for states in flown])
-    if not np.isfinite(left).any():
-        return
-    largest = np.nanmax(left, axis=0)
-    if largest.max() > NOTHING * craft.vehicle.mass * craft.vehicle.propeller.radius:
-        told = ", ".join(f"{name} {m:.2g}" for name, m in zip("xyz", largest, strict=True))
-        typer.echo(
-            f"note: the rotors cannot balance all moments; up to {told} N m about these axes are "
-            "left to control surfaces (check position and spin, if there are none)",
-            err=True,
-        )
+def _deviations(craft: Aircraft, flown: list[SteadyStates], *, bands: bool) -> list[Spread | None]:
+    """Standard deviations of the states, None where they are not asked for or not known."""
+    if not bands:
+        return [None] * len(flown)
+    from propmap.aircraft.deviations import spread
+    from propmap.rotor import Rotor
+
+    if isinstance(craft.loads, Rotor):
+        say_not_counted(craft.loads.model)
+    return [spread(craft, states) for states in flown]
 
 
 def _emit(
     craft: Aircraft,
     flown: list[SteadyStates],
+    sure: list[Spread | None],
     found: Performance | None,
     form: Format,
     output: Path | None,
 ) -> None:
     from propmap.aircraft.columns import rows
 
-    listed = [row for states in flown for row in rows(states)]
+    listed = [row for both in zip(flown, sure, strict=True) for row in rows(*both)]
     if found is not None:
         for row, time, way in zip(listed, found.endurance, found.distance, strict=True):
             row["endurance_s"], row["distance_m"] = number_or_none(time), number_or_none(way)
     if form is Format.csv:
         emit_rows(list(listed[0]), listed, form, output)
         return
-    told: dict[str, Any] = {"vehicle": craft.vehicle.name, "states": listed}
+    whole: dict[str, Any] = {"vehicle": craft.vehicle.name, "states": listed}
     if found is not None:
-        told["performance"] = {name: _plain(state) for name, _, state in _named(found)}
-        told["performance"]["top_speed_limit"] = found.limit or None
-    emit(json_text(told), output)
-
-
-def _plain(state: NamedState | None) -> dict[str, float | None] | None:
-    return None if state is None else {k: number_or_none(v) for k, v in vars(state).items()}
-
-
-def _table(states: SteadyStates, found: Performance | None) -> Table:
-    rpm = states.rotor_speed * 30.0 / math.pi
-    heads = ["V [m/s]", "pitch [deg]", "roll [deg]", "rpm", "T [N]", "P shaft [W]"]
-    columns: list[list[str]] = [
-        [f"{v:.4g}" for v in states.speed],
-        [digits(v) for v in np.degrees(states.pitch)],
-        [digits(v) for v in np.degrees(states.roll)],
-        [_span(each) for each in rpm],
-        [digits(v) for v in states.thrust.sum(axis=1)],
-        [digits(v) for v in states.shaft_power],
-    ]
-    if np.isfinite(states.electrical_power).any():
-        heads += ["P electric [W]", "I motor [A]"]
-        columns += [
-            [digits(v) for v in states.electrical_power],
-            [digits(v) for v in states.motor_current.max(axis=1)],
-        ]
-    if np.isfinite(states.throttle).any():
-        heads.append("throttle [%]")
-        columns.append([digits(v) for v in 100.0 * states.throttle.max(axis=1)])
-    if found is not None and np.isfinite(found.endurance).any():
-        heads += ["time [min]", "way [km]"]
-        columns += [
-            [digits(v) for v in found.endurance / 60.0],
-            [digits(v) for v in found.distance / 1000.0],
-        ]
-    heads += ["thrust margin", "<status"]
-    columns += [[digits(v) for v in states.thrust_margin], states.status.tolist()]
-    climb, bank = float(states.climb[0]), math.degrees(float(states.bank[0]))
-    title = f"climb {climb:g} m/s" if climb else (f"bank {bank:g} deg" if bank else "level flight")
-    caption = "rpm: slowest to fastest rotor; thrust margin: T at the first limit over T needed"
-    from propmap.aircraft.steady import STATUSES
-
-    met = [status for status in STATUSES if status != "ok" and status in states.status]
-    caption += "".join(f"\n{status}: {STATUSES[status]}" for status in met)
-    return grid("|".join(heads), zip(*columns, strict=True), title, caption)
-
-
-def _span(rpm: Any) -> str:
-    if not np.isfinite(rpm).all():
-        return "-"
-    low, high = f"{rpm.min():.0f}", f"{rpm.max():.0f}"
-    return low if low == high else f"{low}-{high}"
-
-
-def _named(found: Performance) -> list[tuple[str, str, NamedState | None]]:
-    return [
-        ("hover", "hover", found.hover),
-        ("least_power", "least power, longest time", found.least_power),
-        ("best_range", "best range", found.best_range),
-        ("fastest", "top speed", found.fastest),
-    ]
-
-
-def _told(found: Performance | None) -> list[str]:
-    """Lines on the states that have a name."""
-    if found is None:
-        return []
-    from propmap.aircraft.limits import LIMITS
-    from propmap.aircraft.performance import FASTEST
-    from propmap.aircraft.steady import STATUSES
-
-    lines = []
-    climbs = bool(found.states.climb[0])
-    for name, label, state in _named(found):
-        words = "straight up or down" if climbs and name == "hover" else label
-        if state is None:
-            if name == "fastest" and not found.limit:
-                lines.append(f"{words}: above {FASTEST:g} m/s, no limit was met")
-            else:
-                lines.append(f"{words}: none; {STATUSES.get(found.limit, 'not found')}")
-            margin = float(found.states.thrust_margin[0])
-            if name == "hover" and found.states.speed[0] == 0.0 and margin < 1.0:
-                lines[-1] += f"; thrust there is {margin:.2f} of what is needed"
-            continue
-        electric = math.isfinite(state.electrical_power)
-        parts = [
-            f"{state.speed:.3g} m/s",
-            f"{state.power:.4g} W {'' if electric else 'shaft '}power",
-        ]
-        if name == "hover":
-            parts = parts[1:]
-        if name == "best_range":
-            parts.append(f"{state.power / state.ground_speed:.3g} J/m")
-        if name == "fastest":
-            parts.append(f"limited by {LIMITS.get(found.limit) or STATUSES[found.limit]}")
-        elif math.isfinite(state.endurance):
-            parts.append(f"{state.endurance / 60.0:.3g} min")
-            if name == "best_range":
-                parts.append(f"{state.distance / 1000.0:.3g} km")
-        lines.append(f"{words}: {', '.join(parts)}")
-    return lines
+        whole["performance"] = {name: plain(state) for name, _, state in named(found)}
+        whole["performance"]["top_speed_limit"] = found.limit or None
+    emit(json_text(whole), output)

@@ -14,14 +14,20 @@ from propmap.aircraft.steady import STATUSES, Aircraft
 from propmap.rotor import Rotor
 
 if TYPE_CHECKING:
+    from propmap.aircraft.deviations import Spread
     from propmap.aircraft.steady import SteadyStates
 
 AXES = ("climb_mps", "speed_mps")
 
 
-def dataset(craft: Aircraft, flown: list[SteadyStates], command: str) -> xarray.Dataset:
-    """States at the same n speeds for each of several climb rates, with provenance."""
-    parts = [columns(states) for states in flown]
+def dataset(
+    craft: Aircraft, flown: list[SteadyStates], sure: list[Spread | None], command: str
+) -> xarray.Dataset:
+    """States at the same n speeds for each of several climb rates, with provenance.
+
+    ``sure`` are their standard deviations.
+    """
+    parts = [columns(*both) for both in zip(flown, sure, strict=True)]
     speed, climb = parts[0]["speed_mps"], parts[0]["climb_mps"]
     rates = np.array([states.climb[0] for states in flown])
     coordinates = {
@@ -31,7 +37,7 @@ def dataset(craft: Aircraft, flown: list[SteadyStates], command: str) -> xarray.
     }
     variables = {}
     for name, column in parts[0].items():
-        if name in AXES:
+        if name in AXES or any(name not in part for part in parts):
             continue
         dims = (*AXES, "rotor") if column.values.ndim == 2 else AXES
         values = np.stack([part[name].values for part in parts])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from statistics import NormalDist
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -23,9 +24,13 @@ from propmap.report.style import (
     style,
 )
 
+WIDE = NormalDist().inv_cdf(0.975)
+"""Standard deviations on either side of a band that holds 95 %."""
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+    from propmap.aircraft.deviations import Spread
     from propmap.aircraft.performance import Performance
     from propmap.aircraft.steady import SteadyStates
 
@@ -36,8 +41,11 @@ def power_curves(
     flown: Sequence[SteadyStates],
     hover: Sequence[SteadyStates],
     found: Performance | None = None,
+    sure: Sequence[Spread | None] = (),
 ) -> Figure:
     """Four panels against speed, a curve for each climb rate, the hover model dashed.
+
+    Power, pitch and rotor speeds have bands that hold them with a probability of 95 %.
 
     Parameters
     ----------
@@ -47,6 +55,8 @@ def power_curves(
         Up to 7, of the aircraft and of the same with the hover model, each at one climb rate.
     found : Performance, optional
         Whose states with a name are marked.
+    sure : sequence of Spread, optional
+        Standard deviations of ``flown``, None where nothing is known of them.
 
     Raises
     ------
@@ -60,7 +70,8 @@ def power_curves(
     figure = new_figure(8.6, 6.2)
     axes = figure.subplots(2, 2, sharex=True)
     power, pitch, speed, margin = axes.ravel()
-    for states, still, colour in zip(flown, hover, COLOURS, strict=False):
+    bands = sure or [None] * len(flown)
+    for states, still, known, colour in zip(flown, hover, bands, COLOURS, strict=False):
         v = states.speed
         same: dict[str, Any] = {"color": colour}
         both = bool(np.isfinite(states.electrical_power).any())
@@ -68,9 +79,17 @@ def power_curves(
         if both:
             power.plot(v, states.shaft_power, linewidth=0.9, **same)
         rpm = states.rotor_speed * RPM
-        speed.fill_between(v, rpm.min(axis=1), rpm.max(axis=1), **BAND, **same)
-        for edge in (rpm.min(axis=1), rpm.max(axis=1)):
+        edges = rpm.min(axis=1), rpm.max(axis=1)
+        for edge in edges:
             speed.plot(v, edge, **MODEL, **same)
+        if known is not None:
+            degrees, turning = np.degrees(states.pitch), known.rotor_speed.max(axis=1) * RPM
+            for ax, low, high, std in (
+                (power, states.power, states.power, known.power),
+                (pitch, degrees, degrees, np.degrees(known.pitch)),
+                (speed, *edges, turning),
+            ):
+                ax.fill_between(v, low - WIDE * std, high + WIDE * std, **BAND, **same)
         pitch.plot(v, np.degrees(states.pitch), **MODEL, **same)
         margin.plot(v, states.thrust_margin, **MODEL, **same)
         look = HOVER if len(flown) == 1 else {**DASHED, **same}
@@ -85,7 +104,7 @@ def power_curves(
     electric = bool(np.isfinite(flown[0].electrical_power).any())
     power.set_ylabel("electrical power (thin: shafts) [W]" if electric else "shaft power [W]")
     pitch.set_ylabel("pitch, nose down [deg]")
-    speed.set_ylabel("rotor speed [1/min]")
+    speed.set_ylabel("slowest and fastest rotor [1/min]")
     margin.set_ylabel("thrust at the first limit / thrust [-]")
     power.set_ylim(bottom=0.0)
     margin.set_ylim(bottom=0.0)
@@ -100,7 +119,8 @@ def power_curves(
         for c, colour in zip(climbs, COLOURS, strict=False)
     ]
     keys.append(key("hover model", **(HOVER if len(flown) == 1 else {**DASHED, "color": "0.35"})))
-    keys.append(Patch(label="slowest to fastest rotor", color="0.4", **BAND))
+    if any(each is not None for each in bands):
+        keys.append(Patch(label="95 % of what is likely", color="0.4", **BAND))
     legend_below(figure, keys)
     return figure
 
