@@ -27,7 +27,17 @@ from propmap.engine.compilation import keep_compiled
 from propmap.fit.comparison import FlightForces, flight_forces
 from propmap.fit.fitted import Settings, fit
 from propmap.fit.flight import ForceModel, balance_rows
-from propmap.fit.parameters import BODY, FIRST_GUESS, FLEX, MOUNT, SECTION, SENSOR, WAKES, Choice
+from propmap.fit.parameters import (
+    BODY,
+    FIRST_GUESS,
+    FLEX,
+    MOUNT,
+    SECTION,
+    SENSOR,
+    WAKES,
+    Choice,
+    constants_of,
+)
 from propmap.fit.section_prior import SectionPrior
 from propmap.fit.thrust_scale import HoverScale
 from propmap.fit.tunnel import model_with
@@ -91,7 +101,7 @@ def forces(
     """What a fit says of a flight; its thrust is scaled by its hover over that of one ``seen``."""
     base = Model(vehicle.propeller, prior.airfoil.with_corrections(["pitt-peters"]), vehicle.air)
     found = model_with(base, values)
-    law = replace(found.airfoil, corrections=tuple(found.correction_texts))
+    law = replace(constants_of(found.airfoil), corrections=tuple(found.correction_texts))
     reference = None if seen is None else HoverScale.of(vehicle, seen).reference
     scale = HoverScale.of(vehicle, log, reference) if reference else None
     others = {n: values[n] for n in (BODY | SENSOR | WAKES) if n in values}

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import operator
 from collections.abc import Iterable
 from typing import Any, NamedTuple
 
@@ -184,7 +183,7 @@ def _covariance(aircraft: Aircraft) -> SectionCovariance | None:
 def _to_parameters(
     responses: Responses, names: tuple[str, ...], few: int | None = None
 ) -> list[Response]:
-    """By constants of the section law and the blade's geometry; ``few`` is ``parameter_slopes``'."""
+    """By constants of the section law and geometry; ``few`` is that of ``parameter_slopes``."""
     changes = []
     for source, which in responses.aircraft.rotors.sources:
         if not isinstance(source, Rotor):

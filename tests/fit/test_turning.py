@@ -1,0 +1,125 @@
+"""Balance of moments: a rigid body with rotors, its motion made by SciPy and explained again."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from propmap.errors import InputError
+from propmap.fit.flight import ForceModel, balance_rows
+from propmap.fit.parameters import FIRST_GUESS, SECTION, Choice
+from propmap.fit.turning import added_moment, measured_moment
+from propmap.vehicle.hub_flow import hub_flow
+from propmap.vehicle.vehicle_toml import read_vehicle
+from tests.fit.test_flight_balance import LAW, LAW_VALUES, VEHICLE, manoeuvre
+
+BODY = replace(VEHICLE, inertia=(4e-3, 5e-3, 8e-3), rotor_inertia=2e-5)
+
+
+def test_free_rotation_needs_no_moment() -> None:
+    """Euler's equations of a top with a spinning rotor, integrated by SciPy."""
+    from scipy.integrate import solve_ivp
+
+    log = manoeuvre(0, 200)
+    inertia = np.array([4e-3, 5e-3, 8e-3])
+    momentum = BODY.rotor_inertia * np.array([0.0, 0.0, 3.0 * 500.0])
+
+    def turning(_: float, rates: np.ndarray) -> np.ndarray:
+        return -np.cross(rates, inertia * rates + momentum) / inertia
+
+    time = np.linspace(0.0, 1.0, len(log))
+    rates = solve_ivp(turning, (0.0, 1.0), [3.0, -2.0, 1.0], t_eval=time, rtol=1e-10, atol=1e-12).y
+    slopes = np.array([turning(0.0, one) for one in rates.T])
+    # Three of four rotors turn the same way more than the other: momentum of 3 x 500 rad/s.
+    spin = np.array([1.0 if mount.spin == "ccw" else -1.0 for mount in BODY.mounts])
+    speeds = np.full((len(log), len(spin)), 500.0)
+    speeds += spin * (3.0 * 500.0 - spin.sum() * 500.0) / len(spin)
+    free = replace(
+        log,
+        rates=rates.T,
+        angular_acceleration=slopes,
+        rotor_speed=speeds,
+        rotor_acceleration=np.zeros_like(speeds),
+    )
+    none = np.zeros((0, len(log), 3))
+    force = np.zeros((len(log), 3))
+    reaction, _ = added_moment(BODY, free, hub_flow(BODY, free), force, none, {}, ())
+    np.testing.assert_allclose(measured_moment(BODY, free), reaction, atol=1e-9)
+    assert np.abs(reaction).max() > 1e-2
+
+
+def test_a_shifted_centre_and_a_spun_up_rotor() -> None:
+    log = replace(manoeuvre(0, 5), rotor_acceleration=np.full((5, 4), 1000.0))
+    flow, up = hub_flow(BODY, log), np.tile([0.0, 0.0, 8.0], (5, 1))
+    names = ("centre_x", "centre_y", "rotor_inertia")
+    zero = np.zeros((3, 5, 3))
+    values = {"centre_x": 0.01, "centre_y": -0.02}
+    base, _ = added_moment(BODY, log, flow, up, zero, {}, names)
+    moved, slopes = added_moment(BODY, log, flow, up, zero, values, names)
+    # Lift behind the centre of mass turns the nose down: about y, to the left, it is positive.
+    np.testing.assert_allclose(moved - base, np.tile([0.02 * 8.0, 0.01 * 8.0, 0.0], (5, 1)))
+    np.testing.assert_allclose(slopes[0], np.tile([0.0, 8.0, 0.0], (5, 1)))
+    np.testing.assert_allclose(base, BODY.rotor_inertia * slopes[2])
+
+
+def test_rows_of_moments_where_inertia_is_known() -> None:
+    log = manoeuvre(0, 20)
+    choice = Choice(("c_l1", "centre_x"), {n: v for n, v in LAW_VALUES.items() if n != "c_l1"})
+    rows = balance_rows(ForceModel(BODY, log, LAW), choice)
+    assert rows.names[3:] == ("moment_x", "moment_y", "moment_z")
+    assert rows.units[3] == "N m" and rows.measured.size == 6 * len(log)
+    with pytest.raises(InputError, match="add inertia"):
+        balance_rows(ForceModel(VEHICLE, log, LAW), choice)
+
+
+@pytest.mark.slow
+def test_slopes_of_moments_against_differences() -> None:
+    model = ForceModel(BODY, manoeuvre(0, 20), LAW)
+    free = ("c_l1", "untwist", "centre_z", "rotor_inertia", "wake_ahead", "download_area_y")
+    values = FIRST_GUESS | LAW_VALUES | {"untwist": 0.02, "wake_ahead": 2.0}
+    found = model.at(values, free)
+    steps = dict.fromkeys(free, 1e-4) | {"rotor_inertia": 1e-6}
+    for k, name in enumerate(free):
+        h = steps[name]
+        up, down = (model.at({**values, name: values[name] + d}, free).loads for d in (h, -h))
+        wanted = (up - down) / (2.0 * h)
+        for part in (slice(0, 3), slice(3, 6)):
+            size = max(np.abs(wanted[:, part]).max(), 1e-6)
+            off = np.abs(found.slopes[k][:, part] - wanted[:, part]) / size
+            assert np.quantile(off, 0.95) < 5e-3, name
+
+
+TEXT = """schema = 1
+name = "x"
+frame = "flu"
+mass = 0.8
+propeller = "apc-8x6e"
+{}
+[[rotors]]
+position = [0.0, 0.0, 0.0]
+spin = "ccw"
+"""
+
+
+@pytest.mark.parametrize(
+    ("line", "told"),
+    [
+        ("inertia = [2.5, 2.1]", "3 numbers"),
+        ("inertia = [2.5e-3, 0.0, 4e-3]", "above zero"),
+        ("inertia = [1e-3, 1e-3, 4e-3]", "more than the other two"),
+        ("rotor_inertia = -1e-5", "rotor_inertia"),
+        ("[body]\ndownload_area = [0.01]", "along x, along y"),
+        ("[body]\ndownload_area = 0.01", "list of numbers"),
+    ],
+)
+def test_bad_inertia_and_areas(tmp_path, line: str, told: str) -> None:  # type: ignore[no-untyped-def]
+    path = tmp_path / "vehicle.toml"
+    path.write_text(TEXT.format(line))
+    with pytest.raises(InputError, match=told):
+        read_vehicle(path)
+
+
+def test_values_that_no_choice_of_section_has_are_left_to_the_model() -> None:
+    assert not {"untwist", "mount_area"} & set(FIRST_GUESS) and set(SECTION) <= set(FIRST_GUESS)
