@@ -82,6 +82,7 @@ def _given(file: FitFile, data: Sequence[str], vehicle: Path | None) -> GivenDat
         compare_level,
         compare_tunnel,
         flight_forces,
+        force_trends,
     )
     from propmap.fit.fit_record import Source
     from propmap.report.fit_page.given_data import GivenData
@@ -108,8 +109,12 @@ def _given(file: FitFile, data: Sequence[str], vehicle: Path | None) -> GivenDat
         scale = HoverScale.of(flown, log, reference) if reference else None
         forces = flight_forces(flown, log, file.airfoil, file.values, scale=scale)
         errors = compare_forces(flown, log, forces)
-    shown = (described.vehicle, flights.log) if level else None
-    return GivenData([Source.of(path) for path in paths], errors, level=shown)
+    return GivenData(
+        [Source.of(path) for path in paths],
+        errors,
+        level=(flown, log) if level else None,
+        residuals=() if level else force_trends(flown, log, forces),
+    )
 
 
 def _table_files(source: Path, data: Sequence[str], vehicle: Path | None) -> dict[str, str | bytes]:

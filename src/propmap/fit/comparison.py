@@ -15,6 +15,7 @@ from propmap.fit.flight import AXES, MOMENTS, UNITS, hover_loads
 from propmap.fit.parameters import FIRST_GUESS, SENSOR
 from propmap.fit.residuals import Errors, by_band, errors
 from propmap.fit.sensor_forces import sensor_force
+from propmap.fit.still_explained import Trend, stretches, trends
 from propmap.fit.thrust_scale import HoverScale
 from propmap.fit.tunnel import TunnelData
 from propmap.fit.turning import added_moment, measured_moment
@@ -167,6 +168,18 @@ def compare_forces(vehicle: Vehicle, log: FlightLog, forces: FlightForces) -> di
         )
         for k, name in enumerate(names)
     }
+
+
+def force_trends(vehicle: Vehicle, log: FlightLog, forces: FlightForces) -> list[list[Trend]]:
+    """What the error of each force still goes with, the strongest first.
+
+    Parameters
+    ----------
+    vehicle, log, forces : Vehicle, FlightLog, FlightForces
+        As for ``compare_forces``.
+    """
+    off, block = forces.model - vehicle.mass * log.specific_force, stretches(log)
+    return [trends(log, name, "N", off[:, k], block) for k, name in enumerate(AXES)]
 
 
 def compare_flight(

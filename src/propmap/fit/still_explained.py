@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -49,6 +51,83 @@ def candidates(log: FlightLog) -> dict[str, Floats]:
     }
 
 
+@dataclass(frozen=True, eq=False)
+class Trend:
+    """How the residual of one load goes with one variable, over n samples.
+
+    Attributes
+    ----------
+    load, unit, variable : str
+        Names; that of the variable with its unit.
+    at, residual : ndarray, shape (n,)
+        The variable, and model minus measurement.
+    block : ndarray, shape (n,)
+        Stretches within which errors may be alike.
+    slope, error : float
+        By least squares, and its block-wise standard error.
+    share : float
+        Of the residual's variance that the slope explains [-].
+    """
+
+    load: str
+    unit: str
+    variable: str
+    at: Floats
+    residual: Floats
+    block: NDArray[np.intp]
+    slope: float
+    error: float
+    share: float
+
+    @property
+    def tells(self) -> bool:
+        """Whether it is worth a sentence and no chance."""
+        return self.share >= LEAST_SHARE and abs(self.slope) >= CERTAIN * self.error
+
+    @property
+    def sentence(self) -> str:
+        """What the slope says."""
+        way, per = "grows" if self.slope > 0.0 else "falls", self.variable.partition(" [")
+        return (
+            f"the error of {self.load} {way} with {per[0]}: {self.slope:+.2g} {self.unit} per "
+            f"{per[2].rstrip(']')}, {100.0 * self.share:.0f} % of its variance"
+        )
+
+
+def trends(
+    log: FlightLog, load: str, unit: str, residual: Floats, block: NDArray[np.intp]
+) -> list[Trend]:
+    """The residual of a load against every candidate, the strongest first.
+
+    Parameters
+    ----------
+    log : FlightLog
+        n samples.
+    load, unit : str
+        Of the residual.
+    residual : ndarray, shape (n,)
+        Model minus measurement; samples that are not finite are left out.
+    block : ndarray, shape (n,)
+        Stretches within which errors may be alike.
+    """
+    known = np.isfinite(residual)
+    off, stretch, found = residual[known], block[known], []
+    for name, variable in candidates(log).items():
+        at = variable[known]
+        found.append(Trend(load, unit, name, at, off, stretch, *_slope(at, off, stretch)))
+    return sorted(found, key=lambda trend: -trend.share)
+
+
+def stretches(log: FlightLog, seconds: float = 1.0) -> NDArray[np.intp]:
+    """Number of the stretch of so many ``seconds`` of its flight in which each sample is; (n,).
+
+    ``log`` has n samples.
+    """
+    since = (log.time - _begins(log)) // seconds
+    _, number = np.unique(np.stack([log.flight, since]), axis=1, return_inverse=True)
+    return np.asarray(number.ravel())
+
+
 def still_explained(fitted: Fitted, log: FlightLog) -> list[str]:
     """Sentences on what residuals still depend on, the strongest first, two per load at most.
 
@@ -62,25 +141,21 @@ def still_explained(fitted: Fitted, log: FlightLog) -> list[str]:
     rows, told = fitted.rows, []
     if rows.group is None:
         return []
-    variables = candidates(log)
     for k, (load, unit) in enumerate(zip(rows.names, rows.units, strict=True)):
-        mine = rows.of_load(k) & np.isfinite(fitted.residual)
-        residual, block = fitted.residual[mine], rows.group[mine]
-        found = []
-        for name, variable in variables.items():
-            slope, error, share = _slope(variable[rows.point[mine]], residual, block)
-            if share >= LEAST_SHARE and abs(slope) >= CERTAIN * error:
-                found.append((share, name, slope))
-        for share, name, slope in sorted(found, reverse=True)[:MOST]:
-            way, per = "grows" if slope > 0.0 else "falls", name.partition(" [")
-            told.append(
-                f"the error of {load} {way} with {per[0]}: {slope:+.2g} {unit} per "
-                f"{per[2].rstrip(']')}, {100.0 * share:.0f} % of its variance"
-            )
+        mine = rows.of_load(k)
+        residual, block = np.full(len(log), np.nan), np.zeros(len(log), dtype=np.intp)
+        residual[rows.point[mine]], block[rows.point[mine]] = (
+            fitted.residual[mine],
+            rows.group[mine],
+        )
+        telling = [one for one in trends(log, load, unit, residual, block) if one.tells]
+        told += [one.sentence for one in telling[:MOST]]
     return told
 
 
-def _slope(variable: Floats, residual: Floats, block: NDArray[np.intp]) -> tuple[float, ...]:
+def _slope(
+    variable: Floats, residual: Floats, block: NDArray[np.intp]
+) -> tuple[float, float, float]:
     """Slope of the residual, its block-wise standard error, and the share of its variance."""
     x, y = variable - variable.mean(), residual - residual.mean()
     size, spread = float(x @ x), float(y @ y)

@@ -19,8 +19,12 @@ def file_names(figures: Collection[str], tables: Collection[str]) -> frozenset[s
     return frozenset({PAGE, *pairs, *(f"{name}.csv" for name in tables)})
 
 
+MOST_LOADS = 6
+"""In flight, three forces and three moments."""
+
 REPORT_FILES = file_names(
     [f"fit-{name}" for name in ("coverage", "errors", "loads", "parameters", "check", "measured")]
+    + [f"fit-residuals-{k}" for k in range(1, MOST_LOADS + 1)]
     + [f"table-{name}" for name in ("cells", "loads", "maps", "hover")],
     ["fit-correlations", "table-certificate"],
 )

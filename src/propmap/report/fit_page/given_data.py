@@ -14,6 +14,7 @@ from propmap.baselines.hover import HoverModel
 from propmap.fit.comparison import Comparison, level_forces
 from propmap.fit.fit_record import FitRecord, Source
 from propmap.fit.result_file import FitFile
+from propmap.fit.still_explained import Trend
 from propmap.fit.tunnel import TunnelData
 from propmap.loads import LOADS
 from propmap.report.fit_page.errors import Bands
@@ -40,12 +41,15 @@ class GivenData:
         The rows, where they are from a tunnel.
     level : tuple of Vehicle and FlightLog, optional
         What flew, and its steady operating points, where these were given.
+    residuals : sequence of sequence of Trend
+        Of each force of whole flights, its residual against every candidate.
     """
 
     sources: Sequence[Source]
     errors: Mapping[str, Comparison]
     tunnel: TunnelData | None = None
     level: tuple[Vehicle, FlightLog] | None = None
+    residuals: Sequence[Sequence[Trend]] = ()
 
     @property
     def bands(self) -> Bands:

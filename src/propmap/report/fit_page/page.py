@@ -3,7 +3,15 @@
 from __future__ import annotations
 
 from propmap.fit.result_file import FitFile
-from propmap.report.fit_page import curves, data, errors, given_data, judgement, parameters
+from propmap.report.fit_page import (
+    curves,
+    data,
+    errors,
+    given_data,
+    judgement,
+    parameters,
+    residuals,
+)
 from propmap.report.fit_page.parameter_draws import held
 from propmap.report.page import report_files
 
@@ -43,6 +51,9 @@ def fit_pages(
         shown, sheet = given.figure(file), given.sheet(file)
         if shown is not None and sheet is not None:
             figures["fit-measured"], sheets["fit-measured"] = shown, sheet
+        for k, trends in enumerate(given.residuals, start=1):
+            figures[f"fit-residuals-{k}"] = residuals.residual_figure(trends)
+            sheets[f"fit-residuals-{k}"] = residuals.residual_sheet(trends)
     return report_files(
         "report/fit_page/page.html.j2",
         figures,
@@ -59,4 +70,5 @@ def fit_pages(
         curves=lines,
         held=held(fit),
         parameters=parameters,
+        residuals=residuals,
     )
