@@ -178,7 +178,8 @@ def force_trends(vehicle: Vehicle, log: FlightLog, forces: FlightForces) -> list
     vehicle, log, forces : Vehicle, FlightLog, FlightForces
         As for ``compare_forces``.
     """
-    off, block = forces.model - vehicle.mass * log.specific_force, stretches(log)
+    off = forces.model[:, :3] - vehicle.mass * log.specific_force
+    block = stretches(log)
     return [trends(log, name, "N", off[:, k], block) for k, name in enumerate(AXES)]
 
 
