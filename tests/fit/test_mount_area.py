@@ -146,7 +146,7 @@ def test_an_area_in_flight_is_that_of_every_rotor() -> None:
         area: model.at(VALUES | {"mount_area": area}, ("c_l1", "mount_area"))
         for area in (0.001, 0.003)
     }
-    slope = (at[0.003].force - at[0.001].force) / 0.002
+    slope = (at[0.003].loads - at[0.001].loads) / 0.002
     np.testing.assert_allclose(at[0.001].slopes[1], slope, rtol=1e-9, atol=1e-9)
     assert slope[0, 0] < -50.0
 

@@ -12,10 +12,12 @@ from propmap.fit.parameters import (
     BODY,
     EVERY,
     FIRST_GUESS,
+    FLEX,
     MOUNT,
     PAPER_FOUR,
     SECTION,
     SENSOR,
+    TURNING,
     WAKES,
     WING,
     Choice,
@@ -112,7 +114,7 @@ def test_bounds_are_those_that_a_section_law_accepts(name: str) -> None:
 
 
 def test_kinds_of_parameters_do_not_overlap() -> None:
-    kinds = (SECTION, MOUNT, BODY, WING, SENSOR, WAKES)
+    kinds = (SECTION, FLEX, MOUNT, BODY, WING, SENSOR, TURNING, WAKES)
     assert len(EVERY) == sum(len(kind) for kind in kinds)
 
 
