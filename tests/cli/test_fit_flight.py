@@ -53,8 +53,11 @@ def turning_log(folder: Path, count: int = 200) -> Path:
     half = 0.05 + 0.02 * time
     lines = ["t,vx,vy,vz,p,q,r,ax,ay,az,qw,qx,qy,qz,m1,m2,m3,m4"]
     for k in range(count):
-        v = (speed[k] * np.cos(2 * half[k]), 0.0, speed[k] * np.sin(2 * half[k]))
-        numbers = [time[k], *v, 0.0, 0.04, 0.0, 0.2, 0.0, 9.8]
+        cosine, sine = np.cos(2 * half[k]), np.sin(2 * half[k])
+        v = (speed[k] * cosine, 0.0, speed[k] * sine)
+        # An acceleration of 4 m/s^2 forwards, and gravity, along the axes of a nose that sinks.
+        felt = (4.0 * cosine - GRAVITY * sine, 0.0, 4.0 * sine + GRAVITY * cosine)
+        numbers = [time[k], *v, 0.0, 0.04, 0.0, *felt]
         numbers += [np.cos(half[k]), 0.0, np.sin(half[k]), 0.0, *(4 * [585.0 + speed[k]])]
         lines.append(",".join(f"{number:.9g}" for number in numbers))
     (folder / "log.csv").write_text("\n".join(lines) + "\n")

@@ -114,11 +114,11 @@ def test_slopes_of_all_parameters_against_differences() -> None:
     found = model.at(values, free)
     for k, name in enumerate(free):
         h = 1e-4 * max(abs(values[name]), 0.1)
-        up, down = (model.at({**values, name: values[name] + d}, free).force for d in (h, -h))
+        up, down = (model.at({**values, name: values[name] + d}, free).loads for d in (h, -h))
         difference = (up - down) / (2.0 * h)
-        size = np.max(np.abs(difference))
+        size = np.max(np.abs(difference[:, :3]))
         assert size > 0.0, name
-        off = np.abs(found.slopes[k] - difference) / size
+        off = np.abs(found.slopes[k] - difference)[:, :3] / size
         # At a few points a difference quotient spans a jump of the loads, within their accuracy.
         assert np.quantile(off, 0.95) < 5e-3, name
 
