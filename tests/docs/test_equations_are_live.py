@@ -184,7 +184,8 @@ def mounted() -> Any:
 def blade_corrections() -> Any:
     """Loads with each correction of the blade and of its sections."""
     found = []
-    for name in ("blade-to-hub", "radial-friction", "prandtl-glauert", "stall-delay"):
+    names = ("blade-to-hub", "radial-friction", "prandtl-glauert", "stall-delay")
+    for name in (*names, "blade-untwist:tip_angle=0.03"):
         model = dataclasses.replace(rotor().model, corrections=(pm.correction(name),))
         loads = pm.Rotor(model, compiled=False).loads(600.0, 9.0, 1.2)
         found.append((loads.thrust, loads.drag, loads.torque))
@@ -253,14 +254,20 @@ def flights() -> Any:
 def whole_flights() -> Any:
     """Forces on a turning vehicle whose rotors are in each other's wakes, where its sensor is."""
     vehicle = dataclasses.replace(
-        paper.QUADROTOR, wakes=Wakes(2.0, 1.0, 1.0, 0.8), sensor=(0.02, 0.01, 0.0)
+        paper.QUADROTOR,
+        wakes=Wakes(2.0, 1.0, 1.0, 0.8),
+        sensor=(0.02, 0.01, 0.0),
+        inertia=(4e-3, 5e-3, 8e-3),
+        rotor_inertia=2e-5,
     )
     log = paper.flights()
     turning = np.tile([0.3, -0.5, 0.8], (len(log), 1))
     log = dataclasses.replace(
         log, rates=turning, angular_acceleration=2.0 * turning, specific_force_rate=turning
     )
-    return flight.ForceModel(vehicle, log, paper.LAW).at(paper.VALUES, ()).force
+    model = flight.ForceModel(vehicle, log, paper.LAW)
+    rows = flight.balance_rows(model, paper.TWO)
+    return model.at(paper.VALUES, ()).loads, rows.measured
 
 
 def made_up_fit() -> Any:
@@ -284,6 +291,7 @@ PROBES: dict[str, Callable[[], Any]] = {
     "propmap.physics.sections": section_laws,
     "propmap.physics.mount_drag": mounted,
     "propmap.physics.blade_to_hub": blade_corrections,
+    "propmap.physics.blade_untwist": blade_corrections,
     "propmap.physics.radial_friction": blade_corrections,
     "propmap.physics.sections.compressible": blade_corrections,
     "propmap.physics.sections.stall_delay": blade_corrections,
@@ -299,6 +307,7 @@ PROBES: dict[str, Callable[[], Any]] = {
     "propmap.vehicle": flights,
     "propmap.vehicle.interference": whole_flights,
     "propmap.fit.sensor_forces": whole_flights,
+    "propmap.fit.turning": whole_flights,
     "propmap.fit.flight": flights,
     "propmap.fit.body_forces": flights,
     "propmap.fit": made_up_fit,
