@@ -25,7 +25,8 @@ from benchmarks.whole_process import whole_process
 from propmap.catalogue.measurements import measurement
 from propmap.fit.comparison import compare_tunnel
 from propmap.fit.fitted import Settings, fit
-from propmap.fit.flight import ForceModel, level_rows
+from propmap.fit.flight import level_rows
+from propmap.fit.force_model import ForceModel
 from propmap.fit.parameters import PAPER_FOUR, Choice
 from propmap.fit.rows import Rows
 from propmap.fit.tunnel import TunnelData, first_guess, section_with, tunnel_rows

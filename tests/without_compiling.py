@@ -20,7 +20,7 @@ from propmap.rotor import Rotor
 
 WITH_GRADIENTS = (
     "propmap.bands",
-    "propmap.fit.flight",
+    "propmap.fit.force_model",
     "propmap.fit.forward_trust",
     "propmap.fit.population.coefficients",
     "propmap.fit.tunnel",

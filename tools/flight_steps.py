@@ -26,7 +26,8 @@ from propmap.cli.prior_options import section_prior
 from propmap.engine.compilation import keep_compiled
 from propmap.fit.comparison import FlightForces, flight_forces
 from propmap.fit.fitted import Settings, fit
-from propmap.fit.flight import ForceModel, balance_rows
+from propmap.fit.flight import balance_rows
+from propmap.fit.force_model import ForceModel
 from propmap.fit.parameters import (
     BODY,
     FIRST_GUESS,

@@ -22,7 +22,7 @@ from propmap.arrays.namespace import by_numpy, custom_jvp
 from propmap.baselines import hover
 from propmap.engine import evaluation
 from propmap.engine.gradients import LoadGradients
-from propmap.fit import added_parameter, body_forces, fitted, flight
+from propmap.fit import added_parameter, body_forces, fitted, flight, force_model
 from propmap.fit.parameters import BODY, FIRST_GUESS, SECTION, Choice
 from propmap.papers.gill_dandrea_2017 import rotor_drag
 from propmap.physics.velocities import azimuth_nodes
@@ -241,7 +241,7 @@ def flights() -> Any:
     """Residuals of both balances, of a vehicle with a body and a wing."""
     wing = Wing(0.02, 0.1)
     vehicle = dataclasses.replace(paper.QUADROTOR, wing=wing)
-    model = flight.ForceModel(vehicle, paper.flights(), paper.LAW)
+    model = force_model.ForceModel(vehicle, paper.flights(), paper.LAW)
     values = paper.VALUES | dict.fromkeys(BODY, 0.01) | body_forces.wing_values(vehicle)
     found = []
     for make in (flight.level_rows, flight.balance_rows):
@@ -265,7 +265,7 @@ def whole_flights() -> Any:
     log = dataclasses.replace(
         log, rates=turning, angular_acceleration=2.0 * turning, specific_force_rate=turning
     )
-    model = flight.ForceModel(vehicle, log, paper.LAW)
+    model = force_model.ForceModel(vehicle, log, paper.LAW)
     rows = flight.balance_rows(model, paper.TWO)
     return model.at(paper.VALUES, ()).loads, rows.measured
 
@@ -328,7 +328,7 @@ def unbroken(probe: Callable[[], Any]) -> np.ndarray:
 
 @pytest.fixture(autouse=True)
 def _no_compiling(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(flight, "load_gradients", uncompiled_gradients)
+    monkeypatch.setattr(force_model, "load_gradients", uncompiled_gradients)
 
 
 # What is broken may come out as a factor on the drag.

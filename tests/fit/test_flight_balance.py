@@ -11,7 +11,8 @@ import propmap
 from propmap.errors import InputError
 from propmap.fit.comparison import flight_forces
 from propmap.fit.fitted import Settings, fit
-from propmap.fit.flight import ForceModel, balance_rows, level_rows
+from propmap.fit.flight import balance_rows, level_rows
+from propmap.fit.force_model import ForceModel
 from propmap.fit.parameters import FIRST_GUESS, SECTION, Choice
 from propmap.fit.still_explained import still_explained
 from propmap.fit.thrust_scale import HoverScale

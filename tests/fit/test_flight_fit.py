@@ -13,7 +13,8 @@ from propmap.errors import InputError
 from propmap.fit.body_forces import body_force, wing_values
 from propmap.fit.comparison import compare_flight
 from propmap.fit.coverage import range_warnings
-from propmap.fit.flight import ForceModel, balance_rows, level_rows
+from propmap.fit.flight import balance_rows, level_rows
+from propmap.fit.force_model import ForceModel
 from propmap.fit.parameters import FIRST_GUESS, SECTION, Choice
 from propmap.physics.sections.blended import BlendedLaw
 from propmap.physics.sections.law import coefficients_at

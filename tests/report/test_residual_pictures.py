@@ -15,7 +15,7 @@ from propmap.arrays.types import Floats
 from propmap.fit.comparison import Comparison
 from propmap.fit.residuals import by_band, errors
 from propmap.fit.result_file import FitFile
-from propmap.fit.still_explained import candidates, stretches, trends
+from propmap.fit.still_explained import candidates, trends
 from propmap.loads import LOADS
 from propmap.report.fit_page import curves, page
 from propmap.report.fit_page.curves import Curve, Curves
@@ -47,7 +47,7 @@ LOG = flown()
 LEFT = 0.3 + 0.05 * LOG.climb_rate + 0.1 * wandering(1.0) + 0.01 * RNG.standard_normal(COUNT)
 """Grows with the climb rate, with an error that is alike for a second."""
 
-TRENDS = trends(LOG, "force_z", "N", LEFT, stretches(LOG))
+TRENDS = trends(LOG, "force_z", "N", LEFT, LOG.stretches(1.0))
 
 
 def test_the_strongest_is_first_and_told_with_its_slope() -> None:
@@ -83,7 +83,7 @@ def test_errors_of_means_count_a_second_as_one() -> None:
 
 def test_a_variable_that_hardly_changes_has_few_bins() -> None:
     still = FlightLog(**{**LOG.__dict__, "velocity": np.zeros_like(LOG.velocity)})
-    for trend in trends(still, "force_x", "N", LEFT, stretches(still)):
+    for trend in trends(still, "force_x", "N", LEFT, still.stretches(1.0)):
         found = binned(trend)
         assert found["samples"].sum() == COUNT
         assert all(np.isfinite(values).all() for values in found.values())
@@ -93,12 +93,12 @@ def test_a_variable_that_hardly_changes_has_few_bins() -> None:
 
 def test_samples_without_a_residual_are_left_out() -> None:
     some = np.where(np.arange(COUNT) % 3 == 0, np.nan, LEFT)
-    one = trends(LOG, "force_z", "N", some, stretches(LOG))[0]
+    one = trends(LOG, "force_z", "N", some, LOG.stretches(1.0))[0]
     assert one.at.size == one.residual.size == one.block.size == COUNT - COUNT // 3
 
 
 def test_stretches_of_two_flights_are_apart() -> None:
-    both = stretches(joined([LOG, LOG]))
+    both = joined([LOG, LOG]).stretches(1.0)
     assert not set(both[:COUNT]) & set(both[COUNT:])
     assert np.unique(both).size == 2 * COUNT / RATE
 
@@ -115,7 +115,7 @@ def test_the_page_has_a_picture_and_a_sheet_of_each_force(monkeypatch: pytest.Mo
         errors(measured + LEFT, measured, measured),
         by_band(measured + LEFT, measured, LOG.speed, measured),
     )
-    calm = trends(LOG, "force_x", "N", 0.1 * wandering(1.0), stretches(LOG))
+    calm = trends(LOG, "force_x", "N", 0.1 * wandering(1.0), LOG.stretches(1.0))
     given = GivenData([], {"force_z_N": compared}, residuals=[calm, TRENDS])
     fit = FitFile(propmap.airfoil("paper-apc"), None, record(loads=[load("force_z", 0.02, 0.3)]))
     files = page.fit_pages(fit, "fit.toml", "abc", given)

@@ -82,8 +82,14 @@ class Rotors:
         Raises
         ------
         InputError
-            Where the propeller or the air is another than the vehicle's.
+            Where the propeller or the air is another than the vehicle's, or the rotors are in each
+            other's wakes.
         """
+        if vehicle.wakes is not None:
+            raise InputError(
+                "[wakes] is given, and in steady states the rotors do not act on each other",
+                "remove the table [wakes]: fits of flights and their checks alone know of it",
+            )
         everyone = np.arange(len(vehicle.mounts))
         if not isinstance(loads, Rotor):
             _check_table(vehicle, loads)
@@ -176,5 +182,5 @@ def _check_table(vehicle: Vehicle, table: LoadTable) -> None:
     if any(mount.drag is not None for mount in vehicle.mounts):
         raise InputError(
             "the vehicle file has [mount], of which a table knows nothing",
-            "leave out [mount] and build the table with --correction mount-drag:area=...",
+            "leave out [mount] and build the table with --correction mount-drag:area_m2=...",
         )

@@ -43,7 +43,7 @@ from propmap.model.plausible import doubts_on_air, doubts_on_blade
 
 if TYPE_CHECKING:
     from propmap.fit.fitted import Fitted
-    from propmap.fit.flight import ForceModel
+    from propmap.fit.force_model import ForceModel
     from propmap.fit.parameters import Choice
     from propmap.fit.rows import Rows
     from propmap.model.model import Model
@@ -225,7 +225,8 @@ def fit_flight(
     from propmap.fit.body_forces import wing_values
     from propmap.fit.coverage import range_warnings
     from propmap.fit.fitted import fit
-    from propmap.fit.flight import ForceModel, balance_rows, hover_rows, level_rows
+    from propmap.fit.flight import balance_rows, hover_rows, level_rows
+    from propmap.fit.force_model import ForceModel
     from propmap.fit.prior_conflict import doubts_on_constants
     from propmap.fit.result_file import fit_text
     from propmap.fit.still_explained import still_explained

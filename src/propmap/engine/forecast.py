@@ -77,9 +77,9 @@ class Forecast(NamedTuple):
         radius = np.linspace(float(blade.root), float(blade.tip), 12)
         chord = np.interp(radius, blade.station, blade.chord)
         twist = np.interp(radius, blade.station, blade.twist)
-        at: Any = radius
-        one: Any = np.float64(1.0)
-        untwist = np.broadcast_to(np.asarray(untwisting(blade, at, one)), radius.shape)
+        rigid: Any = np.float64(0.0)
+        bent: Any = (blade.untwist if blade.untwist is not None else rigid, blade.tip, radius, 1.0)
+        untwist = np.asarray(untwisting(*bent))
         slope = chord * float(blade.blades * bounds.attached_slope) / (8.0 * np.pi * radius)
         reynolds = float(air.density / air.viscosity) * radius * chord
         stall = float(bounds.least_stall_angle), float(bounds.stall_width)

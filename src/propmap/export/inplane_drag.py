@@ -213,8 +213,6 @@ def missing_drag(aircraft: Aircraft) -> list[str]:
     """What of an ``aircraft``'s drag is left out, a sentence without its full stop each."""
     vehicle, loads = aircraft.vehicle, aircraft.loads
     found = []
-    if vehicle.wakes is not None:
-        found.append("[wakes] is left out: level flights know nothing of the rotors' wakes")
     if not any(vehicle.body.drag_area[:2]):
         found.append("the vehicle file has no [body] drag_area: the coefficients have no body drag")
     texts = (

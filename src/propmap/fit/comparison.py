@@ -11,11 +11,12 @@ from propmap.arrays.types import Floats
 from propmap.baselines.hover import HoverModel
 from propmap.errors import InputError
 from propmap.fit.body_forces import body_force
-from propmap.fit.flight import AXES, MOMENTS, UNITS, hover_loads
+from propmap.fit.flight import ALIKE, AXES, MOMENTS, UNITS
+from propmap.fit.force_model import hover_loads
 from propmap.fit.parameters import FIRST_GUESS, SENSOR
 from propmap.fit.residuals import Errors, by_band, errors
 from propmap.fit.sensor_forces import sensor_force
-from propmap.fit.still_explained import Trend, stretches, trends
+from propmap.fit.still_explained import Trend, trends
 from propmap.fit.thrust_scale import HoverScale
 from propmap.fit.tunnel import TunnelData
 from propmap.fit.turning import added_moment, measured_moment
@@ -179,7 +180,7 @@ def force_trends(vehicle: Vehicle, log: FlightLog, forces: FlightForces) -> list
         As for ``compare_forces``.
     """
     off = forces.model[:, :3] - vehicle.mass * log.specific_force
-    block = stretches(log)
+    block = log.stretches(ALIKE)
     return [trends(log, name, "N", off[:, k], block) for k, name in enumerate(AXES)]
 
 

@@ -47,7 +47,7 @@ def candidates(log: FlightLog) -> dict[str, Floats]:
         "square of the roll rate [rad^2/s^2]": roll**2,
         "square of the pitch rate [rad^2/s^2]": pitch**2,
         "rotor speed [rad/s]": rotor,
-        "time since the flight's start [s]": log.time - _begins(log),
+        "time since the flight's start [s]": log.since_start,
     }
 
 
@@ -118,16 +118,6 @@ def trends(
     return sorted(found, key=lambda trend: -trend.share)
 
 
-def stretches(log: FlightLog, seconds: float = 1.0) -> NDArray[np.intp]:
-    """Number of the stretch of so many ``seconds`` of its flight in which each sample is; (n,).
-
-    ``log`` has n samples.
-    """
-    since = (log.time - _begins(log)) // seconds
-    _, number = np.unique(np.stack([log.flight, since]), axis=1, return_inverse=True)
-    return np.asarray(number.ravel())
-
-
 def still_explained(fitted: Fitted, log: FlightLog) -> list[str]:
     """Sentences on what residuals still depend on, the strongest first, two per load at most.
 
@@ -165,9 +155,3 @@ def _slope(
     _, index = np.unique(block, return_inverse=True)
     scores = np.bincount(index, weights=x * (y - slope * x))
     return slope, float(np.sqrt(scores @ scores)) / size, slope**2 * size / spread
-
-
-def _begins(log: FlightLog) -> Floats:
-    """When the flight of each sample begins [s]; (n,)."""
-    first = {number: log.time[log.flight == number].min() for number in np.unique(log.flight)}
-    return np.array([first[number] for number in log.flight])

@@ -9,7 +9,8 @@ import numpy as np
 
 from propmap.arrays.types import Floats
 from propmap.errors import InputError
-from propmap.fit.flight import ForceModel, level_rows
+from propmap.fit.flight import level_rows
+from propmap.fit.force_model import ForceModel
 from propmap.fit.parameters import EVERY, MOUNT, PAPER_FOUR, Choice
 from propmap.fit.search import NOISE_FLOOR, Minimum
 from propmap.fit.uncertainty import AT_BOUND, Uncertainty, uncertainty

@@ -12,7 +12,7 @@ from propmap.aircraft.newton import solve
 from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.fit.body_forces import wing_values
-from propmap.fit.flight import ForceModel
+from propmap.fit.force_model import ForceModel
 from propmap.fit.parameters import FIRST_GUESS, PAPER_FOUR, SECTION, constants_of
 from propmap.model.airfoil import Airfoil
 from propmap.model.model import Model

@@ -29,7 +29,6 @@ from propmap.arrays.namespace import Array
 from propmap.errors import InputError
 
 if TYPE_CHECKING:
-    from propmap.physics.geometry import Blade
     from propmap.physics.rotor import RotorArrays
 
 TIP_SPEED = 100.0
@@ -39,19 +38,20 @@ LARGEST = 0.2
 """Of that angle [rad]; a blade that gives way further is no longer a propeller's."""
 
 
-def untwisting(blade: Blade, radius: Array, omega: Array) -> Array:
+def untwisting(tip_angle: Array, tip: Array, radius: Array, omega: Array) -> Array:
     """By how much the twist is less than at rest [rad].
 
     Parameters
     ----------
-    blade : Blade
-        Rigid where it has no ``untwist``.
+    tip_angle : Array
+        What the tip's twist loses at a tip speed of 100 m/s [rad].
+    tip : Array
+        R [m].
     radius, omega : Array
-        y [m] and Omega [rad/s]; broadcast.
+        y [m] and Omega [rad/s]; they broadcast to the shape of the result.
     """
-    share, tip_speed = radius / blade.tip, omega * blade.tip
-    at_tip: Array = 0.0 if blade.untwist is None else blade.untwist  # type: ignore[assignment]
-    lost: Array = at_tip * (tip_speed / TIP_SPEED) ** 2 * share * (2.0 - share)
+    share, tip_speed = radius / tip, omega * tip
+    lost: Array = tip_angle * (tip_speed / TIP_SPEED) ** 2 * share * (2.0 - share)
     return lost
 
 

@@ -137,7 +137,7 @@ def section_lines(
     """The section at a ``radius`` [m], (S, 1) or (S, B); ``omega`` is as in ``Annulus``."""
     chord, twist = blade_shape(blade, radius)
     if blade.untwist is not None:
-        twist = twist - untwisting(blade, radius, omega)
+        twist = twist - untwisting(blade.untwist, blade.tip, radius, omega)
     reynolds_per_speed = medium.density / medium.viscosity * chord
     # At a pointed tip Re goes to zero and C_D to infinity, but C_D times the chord goes to zero.
     root = xp.sqrt(1.0 / xp.maximum(reynolds_per_speed, 1e-30))

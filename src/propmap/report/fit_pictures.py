@@ -12,7 +12,7 @@ from propmap.arrays.types import Floats
 from propmap.baselines.hover import HoverModel
 from propmap.errors import InputError
 from propmap.fit.body_forces import body_force, wing_values
-from propmap.fit.flight import hover_loads
+from propmap.fit.force_model import hover_loads
 from propmap.fit.parameters import EVERY
 from propmap.fit.residuals import rms
 from propmap.loads import LOADS, Load

@@ -7,6 +7,7 @@ from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from propmap.arrays.types import Floats
 
@@ -83,6 +84,21 @@ class FlightLog:
     def speed(self) -> Floats:
         """Speed through the air [m/s]; (n,)."""
         return np.asarray(np.linalg.norm(self.velocity, axis=1))
+
+    @property
+    def since_start(self) -> Floats:
+        """Time since the flight of each sample began [s]; (n,)."""
+        numbers, place = np.unique(self.flight, return_inverse=True)
+        first = np.array([self.time[self.flight == number].min() for number in numbers])
+        return np.asarray(self.time - first[place])
+
+    def stretches(self, seconds: float) -> NDArray[np.intp]:
+        """Number of the stretch of so many ``seconds`` [s] in which each sample is; (n,).
+
+        Stretches of different flights are different, whatever their clocks say.
+        """
+        of = np.stack([self.flight, self.since_start // seconds])
+        return np.unique(of, axis=1, return_inverse=True)[1].ravel()
 
     @property
     def climb_rate(self) -> Floats:

@@ -1,0 +1,188 @@
+"""Forces and moments on a flying vehicle at the samples of a log, and their derivatives."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from propmap.arrays.types import Floats
+from propmap.baselines.hover import HoverModel
+from propmap.engine.accuracy import accuracy
+from propmap.engine.evaluation import prepare
+from propmap.engine.gradients import load_gradients
+from propmap.errors import InputError
+from propmap.fit.body_forces import body_force
+from propmap.fit.coverage import Coverage, coverage
+from propmap.fit.parameters import ROTOR, WAKES
+from propmap.fit.sensor_forces import sensor_force
+from propmap.fit.thrust_scale import HoverScale
+from propmap.fit.tunnel import model_with
+from propmap.fit.turning import added_moment
+from propmap.fit.wake_parameters import PREFIX, wakes_with
+from propmap.loads import LOADS
+from propmap.model.airfoil import Airfoil
+from propmap.model.model import Model
+from propmap.vehicle.flight_log import FlightLog
+from propmap.vehicle.hub_flow import HubFlow, hub_flow, rotor_wrench
+from propmap.vehicle.interference import check_apart, wake_flow
+from propmap.vehicle.mounted_rotors import mounted_rotors
+from propmap.vehicle.vehicle import Vehicle
+
+
+@dataclass(frozen=True)
+class Balance:
+    """What acts on the vehicle at n samples, in its frame.
+
+    Attributes
+    ----------
+    loads : ndarray, shape (n, 6)
+        Force [N] and moment about the centre of mass [N m], NaN where the rotors' loads were not
+        found.
+    slopes : ndarray, shape (P, n, 6)
+        By the parameters asked for.
+    """
+
+    loads: Floats
+    slopes: Floats
+
+    @property
+    def force(self) -> Floats:
+        """[N], (n, 3)."""
+        return self.loads[:, :3]
+
+    @property
+    def moment(self) -> Floats:
+        """[N m], (n, 3)."""
+        return self.loads[:, 3:]
+
+
+class ForceModel:
+    """All forces but gravity on a vehicle and their moments, at the samples of a log.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        Its rotors, body and wing.
+    log : FlightLog
+        How it moves.
+    base : Airfoil
+        Gives what no parameter of a fit does.
+    setting : str
+        Accuracy of the loads, as in ``Rotor``.
+    scale : HoverScale, optional
+        By which the rotors' loads are multiplied, for each flight by its own hover.
+
+    Raises
+    ------
+    InputError
+        Where the log has not one rotor speed per rotor.
+    """
+
+    def __init__(
+        self,
+        vehicle: Vehicle,
+        log: FlightLog,
+        base: Airfoil,
+        setting: str = "standard",
+        *,
+        scale: HoverScale | None = None,
+    ) -> None:
+        if log.rotor_speed.shape[1] != len(vehicle.mounts):
+            raise InputError(
+                f"{log.rotor_speed.shape[1]} rotor speeds for {len(vehicle.mounts)} rotors",
+                "give the vehicle file one [[rotors]] table per rotor of the log",
+                log.source,
+            )
+        self.vehicle, self.log, self.setting = vehicle, log, setting
+        self.model = Model(vehicle.propeller, base, vehicle.air)
+        self.flow = hub_flow(vehicle, log)
+        self.scale = None if scale is None else scale.factors(log)
+
+    def at(self, values: Mapping[str, float], free: tuple[str, ...]) -> Balance:
+        """Forces and moments, and their derivatives.
+
+        Parameters
+        ----------
+        values : mapping of str to float
+            All parameters by name.
+        free : tuple of str
+            Names of the P by which to differentiate.
+        """
+        loads, slopes = self._rotors(values, free)
+        if self.scale is not None:
+            loads, slopes = self.scale[:, None] * loads, self.scale[:, None] * slopes
+        body, by_body = body_force(self.vehicle, self.log, values, free)
+        force, by_force = loads[:, :3] + body, slopes[..., :3] + by_body
+        more, by_more = added_moment(
+            self.vehicle, self.log, self.flow, force, by_force, values, free
+        )
+        sensed, by_sensor = sensor_force(self.vehicle, self.log, values, free)
+        return Balance(
+            np.concatenate([force + sensed, loads[:, 3:] + more], axis=-1),
+            np.concatenate([by_force + by_sensor, slopes[..., 3:] + by_more], axis=-1),
+        )
+
+    def _rotors(self, values: Mapping[str, float], free: tuple[str, ...]) -> tuple[Floats, Floats]:
+        """Loads (n, 6) of all rotors, in each other's wakes where there are any, and their
+        derivatives (P, n, 6)."""
+        section = tuple(name for name in free if name in ROTOR)
+        at_section = [name in section for name in free]
+        slopes = np.zeros((len(free), len(self.log), 6))
+        wakes = wakes_with(self.vehicle, values)
+        if wakes is None:
+            loads, by_section = self._loads(values, section, self.flow.axial)
+            slopes[at_section] = _six(self.flow, by_section)
+            return _six(self.flow, loads), slopes
+        check_apart(self.vehicle)
+        named = (*section, "v_axial")
+        alone, by_named = self._loads(values, named, self.flow.axial)
+        wake = wake_flow(self.vehicle, wakes, self.flow, alone[0])
+        loads, by_here = self._loads(values, named, self.flow.axial + wake.known)
+        loads = np.where(np.isfinite(wake.added), loads, np.nan)
+        by_axial = by_here[:, -1]
+        # The wakes change with the thrusts that they are computed from.
+        followed = np.einsum("nts,pns->pnt", wake.by_thrust, by_named[0, :-1])
+        by_section = by_here[:, :-1] + by_axial[:, None] * followed
+        slopes[at_section] = _six(self.flow, by_section)
+        for row, name in enumerate(free):
+            if name in WAKES:
+                added = wake.by_gain[name.removeprefix(PREFIX)]
+                slopes[row] = _six(self.flow, by_axial * added)
+        return _six(self.flow, loads), slopes
+
+    def _loads(
+        self, values: Mapping[str, float], names: tuple[str, ...], axial: Floats
+    ) -> tuple[Floats, Floats]:
+        """Loads (L, n, m) of the rotors at V cos(beta) = ``axial`` (n, m), and their derivatives
+        (L, P, n, m) by the P of these ``names``."""
+        flow, shape = self.flow, self.flow.omega.shape
+        loads = np.empty((len(LOADS), *shape))
+        slopes = np.empty((len(LOADS), len(names), *shape))
+        for model, mine in mounted_rotors(self.vehicle, model_with(self.model, values)):
+            some = [a[:, mine] for a in (flow.omega, axial, flow.inplane)]
+            points = (a.ravel() for a in some)
+            rotor = prepare(model.arrays())
+            found = load_gradients(rotor, accuracy(self.setting), names, *points)
+            loads[..., mine] = found.loads.reshape(-1, *some[0].shape)
+            slopes[..., mine] = found.slopes.reshape(len(LOADS), -1, *some[0].shape)
+        return loads, slopes
+
+    def coverage(self) -> Coverage:
+        """What ``coverage`` says of the flow at all rotors."""
+        flow = self.flow
+        speed, beta = np.hypot(flow.axial, flow.inplane), np.arctan2(flow.inplane, flow.axial)
+        radius = self.vehicle.propeller.radius
+        return coverage(flow.omega.ravel(), speed.ravel(), beta.ravel(), radius)
+
+
+def _six(flow: HubFlow, loads: Floats) -> Floats:
+    """Force and moment (..., n, 6) of all rotors from loads (L, ..., n, m)."""
+    return np.concatenate(rotor_wrench(flow, loads), axis=-1)
+
+
+def hover_loads(hover: HoverModel, flow: HubFlow) -> Floats:
+    """The hover model's force [N] and moment [N m] of all rotors on the vehicle; (n, 6)."""
+    known = hover.loads(flow.omega)
+    return _six(flow, np.stack([known[name] for name in LOADS]))
