@@ -13,7 +13,7 @@ import pytest
 
 from propmap.arrays.types import Floats
 from propmap.engine.accuracy import Accuracy
-from propmap.engine.differences import load_differences
+from propmap.engine.differences import STEP, load_differences
 from propmap.engine.evaluation import Prepared, prepare
 from propmap.engine.gradients import LoadGradients
 from propmap.rotor import Rotor
@@ -30,12 +30,16 @@ WITH_GRADIENTS = (
 """Modules that import ``load_gradients``."""
 
 
+SMALL = 1e-4
+"""Step of these differences in the unit of the parameter: small beside any constant."""
+
+
 def _by_differences(
     rotor: Prepared, setting: Accuracy, names: tuple[str, ...], *flow: Floats, alike: bool = False
 ) -> LoadGradients:
     """``load_gradients`` by differences, which may not be by the flow; all points are alike."""
     del alike
-    return load_differences(rotor, setting, names, [1.0] * len(names), *flow)
+    return load_differences(rotor, setting, names, [SMALL / STEP] * len(names), *flow)
 
 
 def compile_nothing(patch: pytest.MonkeyPatch) -> None:

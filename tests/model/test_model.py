@@ -73,3 +73,8 @@ def test_a_section_table_may_have_corrections_too() -> None:
 def test_no_part_of_a_correction_is_ignored(text: str, says: str) -> None:
     with pytest.raises(InputError, match=says):
         propmap.correction(text)
+
+
+def test_a_correction_without_the_number_that_it_needs_is_refused_in_a_line() -> None:
+    with pytest.raises(InputError, match=r"blade-untwist: no tip_angle.*tip_angle=number"):
+        propmap.correction("blade-untwist")

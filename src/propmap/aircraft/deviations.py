@@ -25,7 +25,7 @@ VEHICLE = (*FLIGHT, "mass", *AREAS)
 """What steady states can be differentiated by, besides the constants of the section law and
 ``GEOMETRY``: [m/s], [kg], [m^2]."""
 
-SCALES = {"chord_scale": 1.0, "twist_offset": 0.1}
+SCALES = {"chord_scale": 0.2, "twist_offset": 0.1}
 """Of the steps of differences, by parameter; else the constant itself."""
 
 

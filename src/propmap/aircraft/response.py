@@ -13,9 +13,9 @@ from propmap.aircraft.rotors import LoadSource, Rotors
 from propmap.aircraft.steady import Aircraft, SteadyStates
 from propmap.arrays.types import Floats
 
-STEP = 1e-4
-"""Of difference quotients: angles [rad], shares of squared rotor speeds and of torques, speeds over
-1 m/s."""
+STEP = 1e-2
+"""Of difference quotients to either side: angles [rad], shares of squared rotor speeds and of
+torques, speeds over 1 m/s; for why not less see ``engine.differences.STEP``."""
 
 Changes = Sequence[tuple[LoadSource, NDArray[np.intp]]]
 """Changes of the loads at given operating points, and of which rotors they are."""
@@ -107,7 +107,10 @@ class Responses:
         moved = self.unknowns + steps[:, None]
         flight = self.flight.part(np.tile(np.arange(n), 2 * u))
         found = self.aircraft.balance.told(moved.reshape(-1, u), flight)
-        each = [values.reshape(2, u, n, -1) for values in (found.unbalanced, found.wrenches.torque)]
+        each = [
+            values.reshape(2, u, n, values.shape[-1])
+            for values in (found.unbalanced, found.wrenches.torque)
+        ]
         residual, torque = (
             np.moveaxis((values[0] - values[1]) / (2.0 * STEP), 0, -1) for values in each
         )

@@ -148,11 +148,12 @@ def table_of(states: SteadyStates, sure: Spread | None, found: Performance | Non
 
 
 def _rough(std: float) -> str:
-    return f"{std:.2g}" if math.isfinite(std) else "-"
+    # Two digits, without an exponent.
+    return f"{float(f'{std:.2g}'):g}" if math.isfinite(std) else "-"
 
 
 def _give_or_take(std: float) -> str:
-    return f" +- {std:.2g}" if math.isfinite(std) else ""
+    return f" +- {_rough(std)}" if math.isfinite(std) else ""
 
 
 def _span(rpm: Any) -> str:

@@ -15,9 +15,11 @@ from propmap.engine.gradients import LoadGradients
 from propmap.loads import LOADS
 from propmap.solve.moved_case import moved_rotor, with_terms
 
-STEP = 1e-4
-"""Step over the scale of a parameter: errors of the search's tolerance and of the curvature are
-both far below a per cent of the derivative."""
+STEP = 0.05
+"""Step to either side over the scale of a parameter.  At isolated points the loads jump, by some
+1e-4 of their size, where the panels' edges jump: with a step much smaller than what the parameter
+may differ by, such a jump would be most of the difference.  That of the curvature is far below a
+per cent of the derivative."""
 
 
 def load_differences(
@@ -31,7 +33,7 @@ def load_differences(
 ) -> LoadGradients:
     """Loads at N operating points and their derivatives by P parameters, as ``load_gradients``.
 
-    Each parameter takes one more evaluation with the same nodes.
+    Each parameter takes two more evaluations with the same nodes.
 
     Parameters
     ----------
@@ -56,5 +58,6 @@ def load_differences(
     here = loads(None, 0.0)
     slopes = np.zeros((len(LOADS), len(names), omega.size))
     for k, (name, scale) in enumerate(zip(names, scales, strict=True)):
-        slopes[:, k] = (loads(name, STEP * scale) - here) / (STEP * scale)
+        ahead, behind = (loads(name, sign * STEP * scale) for sign in (1.0, -1.0))
+        slopes[:, k] = (ahead - behind) / (2.0 * STEP * scale)
     return LoadGradients(here, slopes)

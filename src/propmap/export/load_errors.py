@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from propmap.arrays.types import Floats
-from propmap.engine.accuracy import FOR_DEVIATIONS
-from propmap.engine.differences import STEP, load_differences
+from propmap.bands import FlowPoints, parameter_slopes, scales_of
 from propmap.engine.evaluation import prepare
 from propmap.errors import InputError
 from propmap.loads import LOADS
@@ -28,10 +27,6 @@ USED = ("thrust", "drag", "torque")
 FASTER = 0.02
 """Share by which a rotor speed is changed up and down in a difference quotient: large beside what
 loads jump by where their nodes change with the speed."""
-
-FARTHER = 0.2
-"""Share of its standard deviation by which a constant is changed: a step of a ten-thousandth of it
-is below what loads jump by where a panel of the blade is split elsewhere."""
 
 
 class LoadErrors(NamedTuple):
@@ -115,10 +110,8 @@ def _of_constants(
     names = determined.names
     if not names:
         return np.zeros((0, len(USED), omega.size))
-    spreads = [float(spread) or 1e-3 for spread in np.diag(determined.matrix) ** 0.5]
-    scales = [FARTHER / STEP * spread for spread in spreads]
-    arrays = prepare(rotor.arrays, compiled=False)
-    slopes = load_differences(arrays, FOR_DEVIATIONS, names, scales, omega, along, across).slopes
+    arrays, at = prepare(rotor.arrays, compiled=False), FlowPoints(omega, along, across)
+    slopes = parameter_slopes(arrays, names, scales_of(determined), at, few=omega.size)
     size, axes = np.linalg.eigh(determined.matrix)
     root = axes * np.sqrt(np.maximum(size, 0.0))
     rows = [list(LOADS).index(name) for name in USED]

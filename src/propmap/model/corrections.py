@@ -130,6 +130,12 @@ def from_fields(name: str, fields: dict[str, Any]) -> Correction:
             f"correction {name}: unknown field {extra[0]!r}",
             f"it has {', '.join(known) or 'no fields'}",
         )
+    needed = [one.name for one in dataclasses.fields(made) if one.default is dataclasses.MISSING]
+    left_out = [field for field in needed if field not in fields]
+    if left_out:
+        raise InputError(
+            f"correction {name}: no {left_out[0]}", f"write {name}:{left_out[0]}=number"
+        )
     value: Correction = made(**fields)
     return value
 
