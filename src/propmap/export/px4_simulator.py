@@ -69,7 +69,7 @@ def simulator(
             None,
             "Take-off mass.",
             SIH,
-            "Exact: it is the vehicle file's. Moments of inertia are not in it: set SIH_IXX etc.",
+            "Exact: it is the vehicle file's. Moments of inertia are not written: set SIH_IXX etc.",
         ),
         Explained(
             "SIH_T_MAX",
