@@ -15,7 +15,8 @@ from propmap.arrays.types import Floats
 
 STEP = 1e-2
 """Of difference quotients to either side: angles [rad], shares of squared rotor speeds and of
-torques, speeds over 1 m/s; for why not less see ``engine.differences.STEP``."""
+torques, speeds over 1 m/s.  Loads jump by some 1e-4 of their size at isolated points, which a much
+smaller step would make the most of a quotient."""
 
 Changes = Sequence[tuple[LoadSource, NDArray[np.intp]]]
 """Changes of the loads at given operating points, and of which rotors they are."""
