@@ -88,7 +88,7 @@ class Rotors:
         if vehicle.wakes is not None:
             raise InputError(
                 "[wakes] is given, and in steady states the rotors do not act on each other",
-                "remove the table [wakes]: flights that are fitted, checked or simulated know of it",
+                "remove the table [wakes]: fits, checks and simulated flights know of it",
             )
         everyone = np.arange(len(vehicle.mounts))
         if not isinstance(loads, Rotor):
