@@ -109,5 +109,5 @@ def by_hand(
         sigma = (1.0 + up + down) / ((1.0 + up) * (1.0 + down))
         slope = (1.0 - sigma) * wing.c_l1 * a + sigma * wing.c_l2 * math.sin(a) * math.cos(a)
         lift += wing.area * slope
-    across = np.array([-through[2], 0.0, through[0]]) / math.sqrt(speed2)
-    return force + pressure * lift * speed2 * across, moment, power
+    across = np.array([-through[2], 0.0, through[0]])
+    return force + pressure * lift * math.sqrt(speed2) * across, moment, power

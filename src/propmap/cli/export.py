@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 import typer
 
+from propmap.cli.aircraft_options import NoWakes
 from propmap.cli.export_autopilot import (
     AirfoilOption,
     ChargeOption,
@@ -72,6 +73,7 @@ def export(
     table: TableOption = None,
     speed: SpeedOption = None,
     charge: ChargeOption = None,
+    no_wakes: NoWakes = False,
     force: Force = False,
 ) -> None:
     """Files for simulators, flight code and autopilots, with a note of the errors they make."""
@@ -90,10 +92,13 @@ def export(
             correction=correction,
             speed=speed,
             charge=charge,
+            no_wakes=no_wakes,
             replace=force,
         )
         return
-    refuse_options(to, airfoil=airfoil, table=table, speed=speed, charge=charge)
+    refuse_options(
+        to, airfoil=airfoil, table=table, speed=speed, charge=charge, no_wakes=no_wakes or None
+    )
     check_folder(output)
     built = _table(source, prop, model, correction)
     try:
