@@ -18,6 +18,7 @@ from propmap.cli.export_autopilot import (
     export_vehicle,
     refuse_options,
 )
+from propmap.cli.export_wrench import export_wrench, is_vehicle
 from propmap.cli.output import Force
 from propmap.cli.plausibility import say_expected
 from propmap.cli.rotor_options import (
@@ -56,8 +57,8 @@ def export(
         typer.Option(
             "--to",
             metavar="TARGET",
-            help="c, multinomial, gazebo, rotorpy, jsbsim, npz, nc or csv; of a vehicle file px4 "
-            "or ardupilot.",
+            help="c, multinomial, gazebo, rotorpy, jsbsim, npz, nc or csv; of a vehicle file c or "
+            "rotorpy with --table, px4 or ardupilot.",
         ),
     ],
     output: Annotated[
@@ -95,6 +96,11 @@ def export(
             no_wakes=no_wakes,
             replace=force,
         )
+        return
+    if is_vehicle(source):
+        given = {"prop": prop, "model": model, "correction": correction or None}
+        refuse_options(to, **given, airfoil=airfoil, speed=speed, charge=charge)
+        export_wrench(source, to, output, table=table, no_wakes=no_wakes, replace=force)
         return
     refuse_options(
         to, airfoil=airfoil, table=table, speed=speed, charge=charge, no_wakes=no_wakes or None

@@ -189,7 +189,7 @@ def _along(vehicle: Vehicle, velocity: Floats) -> Floats:
 def _velocities(vehicle: Vehicle, velocity: Floats, inflow: Floats, share: float) -> Floats:
     """Downward velocity at each rotor by the wake of each (n, target, source) [m/s]."""
     radius, mounts = vehicle.propeller.radius, vehicle.mounts
-    frames = [_frame(mount.axis) for mount in mounts]
+    frames = [disk_frame(mount.axis) for mount in mounts]
     rim = DISK_RADII * np.stack([np.cos(DISK_ANGLES), np.sin(DISK_ANGLES), 0.0 * DISK_ANGLES])
     found = np.zeros((inflow.shape[0], len(mounts), len(mounts)))
     for source, mount in enumerate(mounts):
@@ -209,8 +209,8 @@ def _velocities(vehicle: Vehicle, velocity: Floats, inflow: Floats, share: float
     return found
 
 
-def _frame(axis: tuple[float, float, float]) -> Floats:
-    """Rows: two directions in the disk and the axis, right-handed; (3, 3)."""
+def disk_frame(axis: tuple[float, float, float]) -> Floats:
+    """Rows: two directions in the disk and its ``axis``, right-handed; (3, 3)."""
     z = np.array(axis)
     nearest = np.array([1.0, 0.0, 0.0]) if abs(z[0]) < 0.9 else np.array([0.0, 1.0, 0.0])
     y = np.cross(z, nearest)
