@@ -10,12 +10,13 @@ import numpy as np
 from propmap.arrays.types import Floats
 from propmap.baselines.hover import HoverModel
 from propmap.engine.accuracy import accuracy
+from propmap.engine.attached_thrust import attached_thrust
 from propmap.engine.evaluation import prepare
 from propmap.engine.gradients import load_gradients
 from propmap.errors import InputError
 from propmap.fit.body_forces import body_force
 from propmap.fit.coverage import Coverage, coverage
-from propmap.fit.parameters import ROTOR, WAKES
+from propmap.fit.parameters import EVERY, MOUNT, ROTOR, WAKES
 from propmap.fit.sensor_forces import sensor_force
 from propmap.fit.thrust_scale import HoverScale
 from propmap.fit.tunnel import model_with
@@ -29,6 +30,12 @@ from propmap.vehicle.hub_flow import HubFlow, hub_flow, rotor_wrench
 from propmap.vehicle.interference import check_apart, wake_flow
 from propmap.vehicle.mounted_rotors import mounted_rotors
 from propmap.vehicle.vehicle import Vehicle
+
+LIFT = ("c_l1", "zero_lift_angle", "reynolds_camber", "untwist")
+"""Parameters of attached lift, and so of the rotors' wakes."""
+
+LIFT_STEP = 1e-4
+"""Of the difference quotients by these, over the spread of each."""
 
 
 @dataclass(frozen=True)
@@ -137,13 +144,12 @@ class ForceModel:
             return _six(self.flow, loads), slopes
         check_apart(self.vehicle)
         named = (*section, "v_axial")
-        alone, by_named = self._loads(values, named, self.flow.axial)
-        wake = wake_flow(self.vehicle, wakes, self.flow, alone[0])
-        loads, by_here = self._loads(values, named, self.flow.axial + wake.known)
-        loads = np.where(np.isfinite(wake.added), loads, np.nan)
+        thrust, by_lift = self._attached(values, section)
+        wake = wake_flow(self.vehicle, wakes, self.flow, thrust)
+        loads, by_here = self._loads(values, named, self.flow.axial + wake.added)
         by_axial = by_here[:, -1]
         # The wakes change with the thrusts that they are computed from.
-        followed = np.einsum("nts,pns->pnt", wake.by_thrust, by_named[0, :-1])
+        followed = np.einsum("nts,pns->pnt", wake.by_thrust, by_lift)
         by_section = by_here[:, :-1] + by_axial[:, None] * followed
         slopes[at_section] = _six(self.flow, by_section)
         for row, name in enumerate(free):
@@ -151,6 +157,26 @@ class ForceModel:
                 added = wake.by_gain[name.removeprefix(PREFIX)]
                 slopes[row] = _six(self.flow, by_axial * added)
         return _six(self.flow, loads), slopes
+
+    def _attached(
+        self, values: Mapping[str, float], names: tuple[str, ...]
+    ) -> tuple[Floats, Floats]:
+        """Thrust (n, m) that the wakes are computed from, and its derivatives (P, n, m)."""
+        flow, shape = self.flow, self.flow.omega.shape
+        known = {name: value for name, value in values.items() if name not in MOUNT}
+        lifting = [name for name in names if name in LIFT]
+        steps = [LIFT_STEP * EVERY[name].spread for name in lifting]
+        moved = [
+            model_with(self.model, {**known, name: known[name] + step}).arrays()
+            for name, step in zip(lifting, steps, strict=True)
+        ]
+        points = (a.ravel() for a in (flow.omega, flow.axial, flow.inplane))
+        rotor = model_with(self.model, known).arrays()
+        thrust, more = attached_thrust(rotor, *points, moved)
+        slopes = np.zeros((len(names), *shape))
+        for name, step, change in zip(lifting, steps, more, strict=True):
+            slopes[names.index(name)] = change.reshape(shape) / step
+        return thrust.reshape(shape), slopes
 
     def _loads(
         self, values: Mapping[str, float], names: tuple[str, ...], axial: Floats
