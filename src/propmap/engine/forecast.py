@@ -102,7 +102,7 @@ class Forecast(NamedTuple):
         return found
 
     def pitch(self, omega: Floats) -> Floats:
-        """Angle of the zero-lift line to the disk plane [rad], (S, N), at ``omega`` (N,) [rad/s]."""
+        """Angle of the zero-lift line to the disk plane [rad], (S, N), at omega (N,) [rad/s]."""
         reynolds: Any = self.reynolds_per_omega[:, None] * omega
         with by_numpy():
             zero_lift = self.law.zero_lift_at(reynolds)
