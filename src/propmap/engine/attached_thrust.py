@@ -55,7 +55,7 @@ def attached_thrust(
         v = v - (v * wake - pull * (push - turning * v)) / (slope + pull * turning)
     wake, slope = _wake(v, v_axial, edgewise)
     weight = 4.0 * np.pi * float(rotor.medium.density) * radius
-    thrust: Floats = np.trapezoid(weight * v * wake, forecast.radius, axis=0)
+    thrust = np.asarray(np.trapezoid(weight * v * wake, forecast.radius, axis=0))
     yielding = weight * slope / (slope + pull * turning)
     more = np.zeros((len(others), omega.size))
     for row, other in enumerate(others):

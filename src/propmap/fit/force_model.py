@@ -80,6 +80,9 @@ class ForceModel:
         Accuracy of the loads, as in ``Rotor``.
     scale : HoverScale, optional
         By which the rotors' loads are multiplied, for each flight by its own hover.
+    also : tuple of str
+        Parameters of the rotor by which loads are differentiated whether they are free or not, so
+        that one compiled program serves fits with different free ones.
 
     Raises
     ------
@@ -95,6 +98,7 @@ class ForceModel:
         setting: str = "standard",
         *,
         scale: HoverScale | None = None,
+        also: tuple[str, ...] = (),
     ) -> None:
         if log.rotor_speed.shape[1] != len(vehicle.mounts):
             raise InputError(
@@ -102,7 +106,7 @@ class ForceModel:
                 "give the vehicle file one [[rotors]] table per rotor of the log",
                 log.source,
             )
-        self.vehicle, self.log, self.setting = vehicle, log, setting
+        self.vehicle, self.log, self.setting, self.also = vehicle, log, setting, also
         self.model = Model(vehicle.propeller, base, vehicle.air)
         self.flow = hub_flow(vehicle, log)
         self.scale = None if scale is None else scale.factors(log)
@@ -170,9 +174,9 @@ class ForceModel:
             model_with(self.model, {**known, name: known[name] + step}).arrays()
             for name, step in zip(lifting, steps, strict=True)
         ]
-        points = (a.ravel() for a in (flow.omega, flow.axial, flow.inplane))
+        omega, axial, inplane = (a.ravel() for a in (flow.omega, flow.axial, flow.inplane))
         rotor = model_with(self.model, known).arrays()
-        thrust, more = attached_thrust(rotor, *points, moved)
+        thrust, more = attached_thrust(rotor, omega, axial, inplane, moved)
         slopes = np.zeros((len(names), *shape))
         for name, step, change in zip(lifting, steps, more, strict=True):
             slopes[names.index(name)] = change.reshape(shape) / step
@@ -185,14 +189,16 @@ class ForceModel:
         (L, P, n, m) by the P of these ``names``."""
         flow, shape = self.flow, self.flow.omega.shape
         loads = np.empty((len(LOADS), *shape))
+        asked = tuple(dict.fromkeys((*names, *self.also)))
         slopes = np.empty((len(LOADS), len(names), *shape))
         for model, mine in mounted_rotors(self.vehicle, model_with(self.model, values)):
             some = [a[:, mine] for a in (flow.omega, axial, flow.inplane)]
             points = (a.ravel() for a in some)
             rotor = prepare(model.arrays())
-            found = load_gradients(rotor, accuracy(self.setting), names, *points)
+            found = load_gradients(rotor, accuracy(self.setting), asked, *points)
             loads[..., mine] = found.loads.reshape(-1, *some[0].shape)
-            slopes[..., mine] = found.slopes.reshape(len(LOADS), -1, *some[0].shape)
+            by_name = found.slopes[:, : len(names)]
+            slopes[..., mine] = by_name.reshape(len(LOADS), -1, *some[0].shape)
         return loads, slopes
 
     def coverage(self) -> Coverage:

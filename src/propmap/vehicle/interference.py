@@ -109,8 +109,8 @@ def in_wakes(vehicle: Vehicle, wakes: Wakes, model: Model, flow: HubFlow) -> Hub
         Where two rotors are in one place.
     """
     check_apart(vehicle)
-    points = (a.ravel() for a in (flow.omega, flow.axial, flow.inplane))
-    thrust, _ = attached_thrust(model.arrays(), *points)
+    omega, axial, inplane = (a.ravel() for a in (flow.omega, flow.axial, flow.inplane))
+    thrust, _ = attached_thrust(model.arrays(), omega, axial, inplane)
     added = added_flow(vehicle, wakes, flow, thrust.reshape(flow.omega.shape))
     return flow._replace(axial=flow.axial + added)
 
