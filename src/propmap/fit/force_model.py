@@ -10,12 +10,13 @@ import numpy as np
 from propmap.arrays.types import Floats
 from propmap.baselines.hover import HoverModel
 from propmap.engine.accuracy import accuracy
+from propmap.engine.attached_thrust import attached_thrust
 from propmap.engine.evaluation import prepare
 from propmap.engine.gradients import load_gradients
 from propmap.errors import InputError
 from propmap.fit.body_forces import body_force
 from propmap.fit.coverage import Coverage, coverage
-from propmap.fit.parameters import ROTOR, WAKES
+from propmap.fit.parameters import EVERY, MOUNT, ROTOR, WAKES
 from propmap.fit.sensor_forces import sensor_force
 from propmap.fit.thrust_scale import HoverScale
 from propmap.fit.tunnel import model_with
@@ -29,6 +30,12 @@ from propmap.vehicle.hub_flow import HubFlow, hub_flow, rotor_wrench
 from propmap.vehicle.interference import check_apart, wake_flow
 from propmap.vehicle.mounted_rotors import mounted_rotors
 from propmap.vehicle.vehicle import Vehicle
+
+LIFT = ("c_l1", "zero_lift_angle", "reynolds_camber", "untwist")
+"""Parameters of attached lift, and so of the rotors' wakes."""
+
+LIFT_STEP = 1e-4
+"""Of the difference quotients by these, over the spread of each."""
 
 
 @dataclass(frozen=True)
@@ -73,6 +80,9 @@ class ForceModel:
         Accuracy of the loads, as in ``Rotor``.
     scale : HoverScale, optional
         By which the rotors' loads are multiplied, for each flight by its own hover.
+    also : tuple of str
+        Parameters of the rotor by which loads are differentiated whether they are free or not, so
+        that one compiled program serves fits with different free ones.
 
     Raises
     ------
@@ -88,6 +98,7 @@ class ForceModel:
         setting: str = "standard",
         *,
         scale: HoverScale | None = None,
+        also: tuple[str, ...] = (),
     ) -> None:
         if log.rotor_speed.shape[1] != len(vehicle.mounts):
             raise InputError(
@@ -95,7 +106,7 @@ class ForceModel:
                 "give the vehicle file one [[rotors]] table per rotor of the log",
                 log.source,
             )
-        self.vehicle, self.log, self.setting = vehicle, log, setting
+        self.vehicle, self.log, self.setting, self.also = vehicle, log, setting, also
         self.model = Model(vehicle.propeller, base, vehicle.air)
         self.flow = hub_flow(vehicle, log)
         self.scale = None if scale is None else scale.factors(log)
@@ -137,13 +148,12 @@ class ForceModel:
             return _six(self.flow, loads), slopes
         check_apart(self.vehicle)
         named = (*section, "v_axial")
-        alone, by_named = self._loads(values, named, self.flow.axial)
-        wake = wake_flow(self.vehicle, wakes, self.flow, alone[0])
-        loads, by_here = self._loads(values, named, self.flow.axial + wake.known)
-        loads = np.where(np.isfinite(wake.added), loads, np.nan)
+        thrust, by_lift = self._attached(values, section)
+        wake = wake_flow(self.vehicle, wakes, self.flow, thrust)
+        loads, by_here = self._loads(values, named, self.flow.axial + wake.added)
         by_axial = by_here[:, -1]
         # The wakes change with the thrusts that they are computed from.
-        followed = np.einsum("nts,pns->pnt", wake.by_thrust, by_named[0, :-1])
+        followed = np.einsum("nts,pns->pnt", wake.by_thrust, by_lift)
         by_section = by_here[:, :-1] + by_axial[:, None] * followed
         slopes[at_section] = _six(self.flow, by_section)
         for row, name in enumerate(free):
@@ -152,6 +162,26 @@ class ForceModel:
                 slopes[row] = _six(self.flow, by_axial * added)
         return _six(self.flow, loads), slopes
 
+    def _attached(
+        self, values: Mapping[str, float], names: tuple[str, ...]
+    ) -> tuple[Floats, Floats]:
+        """Thrust (n, m) that the wakes are computed from, and its derivatives (P, n, m)."""
+        flow, shape = self.flow, self.flow.omega.shape
+        known = {name: value for name, value in values.items() if name not in MOUNT}
+        lifting = [name for name in names if name in LIFT]
+        steps = [LIFT_STEP * EVERY[name].spread for name in lifting]
+        moved = [
+            model_with(self.model, {**known, name: known[name] + step}).arrays()
+            for name, step in zip(lifting, steps, strict=True)
+        ]
+        omega, axial, inplane = (a.ravel() for a in (flow.omega, flow.axial, flow.inplane))
+        rotor = model_with(self.model, known).arrays()
+        thrust, more = attached_thrust(rotor, omega, axial, inplane, moved)
+        slopes = np.zeros((len(names), *shape))
+        for name, step, change in zip(lifting, steps, more, strict=True):
+            slopes[names.index(name)] = change.reshape(shape) / step
+        return thrust.reshape(shape), slopes
+
     def _loads(
         self, values: Mapping[str, float], names: tuple[str, ...], axial: Floats
     ) -> tuple[Floats, Floats]:
@@ -159,14 +189,16 @@ class ForceModel:
         (L, P, n, m) by the P of these ``names``."""
         flow, shape = self.flow, self.flow.omega.shape
         loads = np.empty((len(LOADS), *shape))
+        asked = tuple(dict.fromkeys((*names, *self.also)))
         slopes = np.empty((len(LOADS), len(names), *shape))
         for model, mine in mounted_rotors(self.vehicle, model_with(self.model, values)):
             some = [a[:, mine] for a in (flow.omega, axial, flow.inplane)]
             points = (a.ravel() for a in some)
             rotor = prepare(model.arrays())
-            found = load_gradients(rotor, accuracy(self.setting), names, *points)
+            found = load_gradients(rotor, accuracy(self.setting), asked, *points)
             loads[..., mine] = found.loads.reshape(-1, *some[0].shape)
-            slopes[..., mine] = found.slopes.reshape(len(LOADS), -1, *some[0].shape)
+            by_name = found.slopes[:, : len(names)]
+            slopes[..., mine] = by_name.reshape(len(LOADS), -1, *some[0].shape)
         return loads, slopes
 
     def coverage(self) -> Coverage:
