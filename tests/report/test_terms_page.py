@@ -65,9 +65,7 @@ def test_worth_is_judged_on_what_was_not_seen() -> None:
 def test_the_page_tells_it_in_words_and_files(names: tuple[str, ...], predicted: bool) -> None:
     flights = known(predicted, names)
     fits = found(flights)
-    pages = terms_pages(
-        VEHICLE, flights, fits, low_pass=6.0, samples=300, remarks=["a remark <b>"]
-    )
+    pages = terms_pages(VEHICLE, flights, fits, low_pass=6.0, samples=300, remarks=["a remark <b>"])
     assert set(pages) == TERMS_FILES
     page = pages[PAGE]
     assert isinstance(page, str)
