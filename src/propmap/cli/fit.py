@@ -24,7 +24,9 @@ from propmap.cli.fit_options import (
 from propmap.cli.flight_options import (
     HoverScale,
     LowPass,
+    Residual,
     free_by_default,
+    learned_residual,
     with_flight_priors,
 )
 from propmap.cli.output import check_output, check_pictures, show, write_text
@@ -194,6 +196,7 @@ def fit_flight(
     ] = 500,
     low_pass: LowPass = None,
     hover_scale: HoverScale = False,
+    residual: Residual = False,
     body_study: Annotated[
         bool,
         typer.Option("--body-study", help="Say whether body lift and drag earn their place."),
@@ -268,6 +271,8 @@ def fit_flight(
         *still_explained(fitted, model.log),
     ]
     remarks += doubts_on_constants(fitted)
+    learned = learned_residual(model, fitted, wanted=residual, level=flights.level)
+    remarks += learned.told() if learned else []
     if body_study:
         remarks += body_terms_verdict(fitted, lambda c: make(model, c))
     text = fit_text(
@@ -285,6 +290,7 @@ def fit_flight(
             "low_pass": 0.0 if flights.level else cutoff,
             "hover_reference": (scale and scale.reference) or 0.0,
             "vehicle": file.vehicle.name,
+            **({"learned_residual": learned.table()} if learned else {}),
         },
     )
     if picture is not None:

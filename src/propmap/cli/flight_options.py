@@ -7,9 +7,13 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from propmap.errors import InputError
 from propmap.fit.parameters import FLEX, MOUNT, PAPER_FOUR, SENSOR, TURNING, WAKES, Choice, Prior
 
 if TYPE_CHECKING:
+    from propmap.fit.fitted import Fitted
+    from propmap.fit.force_model import ForceModel
+    from propmap.fit.learned_residual import LearnedResidual
     from propmap.vehicle.vehicle import Vehicle
 
 LowPass = Annotated[
@@ -25,6 +29,13 @@ HoverScale = Annotated[
     typer.Option(
         "--hover-scale/--no-hover-scale",
         help="Scale rotor loads of each flight by its own hover, over that of the fit's flights.",
+    ),
+]
+Residual = Annotated[
+    bool,
+    typer.Option(
+        "--residual",
+        help="Also learn a small correction of what the physics leaves, told and filed apart.",
     ),
 ]
 
@@ -68,3 +79,20 @@ def with_flight_priors(choice: Choice) -> Choice:
     """The ``choice`` with ``FLIGHT_PRIORS`` on those free parameters that have no prior."""
     more = {n: p for n, p in FLIGHT_PRIORS.items() if n in choice.free and n not in choice.priors}
     return replace(choice, priors={**more, **choice.priors}) if more else choice
+
+
+def learned_residual(
+    model: ForceModel, fitted: Fitted, *, wanted: bool, level: bool
+) -> LearnedResidual | None:
+    """What ``--residual`` learns from the samples of a fit; None where it is not ``wanted``.
+
+    Raises ``InputError`` for steady stretches (``level``), and flights that are too short.
+    """
+    if not wanted:
+        return None
+    if level:
+        raise InputError("--residual is for whole flights", "add --method balance")
+    from propmap.fit.learned_residual import learn
+
+    left = model.vehicle.mass * model.log.specific_force - model.at(fitted.values, ()).force
+    return learn(model.vehicle, model.log, left)
