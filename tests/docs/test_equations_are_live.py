@@ -336,9 +336,12 @@ def _no_compiling(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.fixture(autouse=True)
 def _no_tables_kept() -> Iterator[None]:
     """Of the wakes' velocity, which would hide that what they are made of is broken."""
-    wake_table._table.cache_clear()
+    kept = (wake_table._table, wake_table.seen_wake, wake_table.frame_of)
+    for one in kept:
+        one.cache_clear()
     yield
-    wake_table._table.cache_clear()
+    for one in kept:
+        one.cache_clear()
 
 
 # What is broken may come out as a factor on the drag.

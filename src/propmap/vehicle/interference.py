@@ -18,7 +18,7 @@ from propmap.arrays.types import Floats
 from propmap.engine.attached_thrust import attached_thrust
 from propmap.errors import InputError
 from propmap.vehicle.hub_flow import HubFlow
-from propmap.vehicle.wake_table import SeenWake, frame_of
+from propmap.vehicle.wake_table import frame_of, seen_wake
 
 if TYPE_CHECKING:
     from propmap.model.model import Model
@@ -217,7 +217,7 @@ def _seen(
         straighter = -np.hypot(away[:, 0], away[:, 1]) * inflow[:, source] / length2
         for target, other in enumerate(mounts):
             if target != source:
-                wake = SeenWake(mount, other, radius)
+                wake = seen_wake(mount, other, radius)
                 found[:, target, source] = wake.at(away)
                 if slope:
                     by_share[:, target, source] = wake.at(away, skewing=True) * straighter

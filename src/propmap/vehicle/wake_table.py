@@ -82,13 +82,22 @@ class SeenWake:
         return found
 
 
+@functools.lru_cache(maxsize=1024)
+def seen_wake(source: Mount, target: Mount, radius: float) -> SeenWake:
+    """``SeenWake`` of the same arguments, made once: a flight asks for it at every step."""
+    return SeenWake(source, target, radius)
+
+
+@functools.lru_cache(maxsize=256)
 def frame_of(axis: tuple[float, float, float]) -> Floats:
-    """Rows: two directions in the disk and the ``axis``, right-handed; (3, 3)."""
+    """Rows: two directions in the disk and the ``axis``, right-handed; (3, 3), read-only."""
     z = np.array(axis)
     nearest = np.array([1.0, 0.0, 0.0]) if abs(z[0]) < 0.9 else np.array([0.0, 1.0, 0.0])
     y = np.cross(z, nearest)
     y /= np.linalg.norm(y)
-    return np.stack([np.cross(y, z), y, z])
+    frame = np.stack([np.cross(y, z), y, z])
+    frame.flags.writeable = False
+    return frame
 
 
 @functools.lru_cache(maxsize=256)
