@@ -28,7 +28,7 @@ AZIMUTHS = 32
 """Of the integral around a ring.  With ``CORE`` the error is below 1 % of the inflow outside the
 wake's surface and some per cent on it."""
 
-CORE = 0.05
+CORE = 0.1
 """Radius of the core of the vortex sheet, over the rotor's radius [-]: it spreads the jump of the
 velocity across the wake's surface, so that the velocity is smooth where a wake sweeps over a
 rotor."""
@@ -56,16 +56,58 @@ def axial_velocity(
         Velocity against z [-], positive inside the wake of a rotor that thrusts along z, where it
         goes to 1 far below a rotor in axial flow.
     """
-    psi = 2.0 * np.pi * (np.arange(azimuths) + 0.5) / azimuths
-    cosine, sine = np.cos(psi), np.sin(psi)
-    x, y, z = (place[..., k, None] for k in range(3))
-    along_x, along_y, along_z = (direction[..., k, None] for k in range(3))
-    from_x, from_y = x - cosine, y - sine
-    distance = np.sqrt(from_x**2 + from_y**2 + z**2 + core**2)
-    beside = distance - (from_x * along_x + from_y * along_y + z * along_z)
-    # The z components of e_t x a and e_t x d, with e_t = (-sin(psi), cos(psi), 0).
-    ring = -sine * from_y - cosine * from_x
-    wake = -sine * along_y - cosine * along_x
-    # Rings that push air down turn the other way: the sign of both terms is that of -z.
-    total: Floats = np.mean((ring / distance - wake) / beside, axis=-1)
-    return 0.5 * total
+    return 0.5 * _mean(_Ring(place, direction, core, azimuths).pull)
+
+
+def axial_velocity_slope(
+    place: Floats,
+    direction: Floats,
+    change: Floats,
+    *,
+    core: float = CORE,
+    azimuths: int = AZIMUTHS,
+) -> tuple[Floats, Floats]:
+    """``axial_velocity``, and its derivative as the wake's direction changes.
+
+    Parameters
+    ----------
+    place, direction : ndarray, shape (..., 3)
+        As for ``axial_velocity`` [-].
+    change : ndarray, shape (..., 3)
+        Of the direction, across it [-].
+    core, azimuths : float, int
+        As for ``axial_velocity``.
+
+    Returns
+    -------
+    tuple of ndarray, shape (...)
+        The velocity against z [-], and its change [-].
+    """
+    ring = _Ring(place, direction, core, azimuths)
+    x, y, z = (change[..., k, None] for k in range(3))
+    nearer = ring.x * x + ring.y * y + ring.z * z
+    slope = (ring.sine * y + ring.cosine * x + ring.pull * nearer) / ring.beside
+    return 0.5 * _mean(ring.pull), 0.5 * _mean(slope)
+
+
+class _Ring:
+    """The integrand around a ring, its azimuths along the last axis, and what it is made of."""
+
+    def __init__(self, place: Floats, direction: Floats, core: float, azimuths: int) -> None:
+        psi = 2.0 * np.pi * (np.arange(azimuths) + 0.5) / azimuths
+        self.cosine, self.sine = np.cos(psi), np.sin(psi)
+        self.x, self.y = place[..., 0, None] - self.cosine, place[..., 1, None] - self.sine
+        self.z = place[..., 2, None]
+        along_x, along_y, along_z = (direction[..., k, None] for k in range(3))
+        distance = np.sqrt(self.x**2 + self.y**2 + (self.z**2 + core**2))
+        self.beside = distance - (self.x * along_x + self.y * along_y + self.z * along_z)
+        # The z components of e_t x a and e_t x d, with e_t = (-sin(psi), cos(psi), 0).
+        ring = -self.sine * self.y - self.cosine * self.x
+        wake = -self.sine * along_y - self.cosine * along_x
+        # Rings that push air down turn the other way: the sign of both terms is that of -z.
+        self.pull = (ring / distance - wake) / self.beside
+
+
+def _mean(values: Floats) -> Floats:
+    found: Floats = np.mean(values, axis=-1)
+    return found
