@@ -79,8 +79,9 @@ def turning_log(folder: Path, count: int = 200) -> Path:
     return folder / "log.csv"
 
 
+@pytest.mark.usefixtures("by_numpy")
 def test_a_learned_residual_is_told_apart_by_check(
-    level_fit: Path, run: Run, by_numpy: None, tmp_path: Path
+    level_fit: Path, run: Run, tmp_path: Path
 ) -> None:
     log = turning_log(tmp_path, 60)
     logged = ["--vehicle", "logged.toml", "--format", "json"]
@@ -121,9 +122,8 @@ def test_a_learned_residual_is_told_apart_by_check(
     assert "with the learned residual" in text
 
 
-def test_a_residual_is_not_learned_from_steady_stretches(
-    level_fit: Path, run: Run, by_numpy: None
-) -> None:
+@pytest.mark.usefixtures("by_numpy")
+def test_a_residual_is_not_learned_from_steady_stretches(level_fit: Path, run: Run) -> None:
     place = level_fit.parent
     level = [place / "level.csv", "--vehicle", place / "vehicle.toml", "--method", "level"]
     told = run("fit", "flight", *level, *QUICK, "--residual", "-o", "no.toml")
