@@ -46,7 +46,7 @@ def flight(vehicle: Vehicle, samples: int) -> FlightLog:
     velocity = np.stack([speed * np.cos(bearing), speed * np.sin(bearing), climb], axis=1)
     up = np.tile([0.0, 0.0, 1.0], (samples, 1))
     omega = rng.uniform(1200.0, 2200.0, (samples, len(vehicle.mounts)))
-    rates, seconds = rng.normal(0.0, 2.0, (samples, 3)), 0.02 * np.arange(samples)
+    rates, seconds = rng.normal(0.0, 2.0, (samples, 3)), np.linspace(0.0, 0.02 * samples, samples)
     return FlightLog("random motions", seconds, velocity, rates, up, 9.81 * up, omega)
 
 
