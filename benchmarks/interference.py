@@ -42,11 +42,11 @@ def flight(vehicle: Vehicle, samples: int) -> FlightLog:
     """Random motions, to 17 m/s and turning by some rad/s, a few of them in descent."""
     rng = np.random.default_rng(28)
     speed, bearing = rng.uniform(0.0, 17.0, samples), rng.uniform(-np.pi, np.pi, samples)
-    climb = rng.normal(0.25 * speed, 2.0)
+    climb = 0.25 * speed + rng.normal(0.0, 2.0, samples)
     velocity = np.stack([speed * np.cos(bearing), speed * np.sin(bearing), climb], axis=1)
     up = np.tile([0.0, 0.0, 1.0], (samples, 1))
     omega = rng.uniform(1200.0, 2200.0, (samples, len(vehicle.mounts)))
-    rates, seconds = rng.normal(0.0, 2.0, (samples, 3)), 0.02 * np.arange(samples)
+    rates, seconds = rng.normal(0.0, 2.0, (samples, 3)), np.linspace(0.0, 0.02 * samples, samples)
     return FlightLog("random motions", seconds, velocity, rates, up, 9.81 * up, omega)
 
 

@@ -86,7 +86,7 @@ def test_each_flight_is_left_out_once_and_one_program_serves_all_steps(
     asked, fitted_to = set(), []
 
     class Model:
-        def __init__(self, vehicle: Vehicle, log: FlightLog, law: object, **other: object) -> None:
+        def __init__(self, vehicle: Vehicle, log: FlightLog, _: object, **other: object) -> None:
             asked.add(other["also"])
             fitted_to.append(log.source)
             self.vehicle, self.log = vehicle, log
@@ -95,15 +95,13 @@ def test_each_flight_is_left_out_once_and_one_program_serves_all_steps(
         values = FIRST_GUESS | {name: getattr(LAW, name) for name in SECTION}
 
     monkeypatch.setattr(flight_terms, "ForceModel", Model)
-    monkeypatch.setattr(flight_terms, "vertical_rows", lambda model, choice: "vertical")
-    monkeypatch.setattr(flight_terms, "balance_rows", lambda model, choice: "balance")
-    monkeypatch.setattr(flight_terms, "fit", lambda rows, choice, settings: Found)
+    monkeypatch.setattr(flight_terms, "vertical_rows", lambda *_: "vertical")
+    monkeypatch.setattr(flight_terms, "balance_rows", lambda *_: "balance")
+    monkeypatch.setattr(flight_terms, "fit", lambda *_: Found)
     zero = np.zeros((COUNT, 3))
-    forces = flight_terms.flight_forces
     monkeypatch.setattr(
-        flight_terms, "flight_forces", lambda *a: type("F", (), {"model": zero, "hover": zero})
+        flight_terms, "flight_forces", lambda *_: type("F", (), {"model": zero, "hover": zero})
     )
-    assert callable(forces)
     flights = [flight(name) for name in ("a", "b", "c")]
     steps = [Step("one", Choice(("c_l1",)), vertical=True), Step("two", Choice(("c_l1", "c_d")))]
     found = fit_terms(VEHICLE, flights, steps, LAW, samples=50)

@@ -30,7 +30,7 @@ REPORT_FILES = file_names(
 )
 """What ``propmap report`` may write."""
 
-TERMS_FILES = file_names(["fit-terms"], ["fit-terms-values"])
+TERMS_FILES = file_names(["fit-terms"], ["fit-terms-values", "fit-terms-worth"])
 """What ``propmap fit terms`` may write."""
 
 

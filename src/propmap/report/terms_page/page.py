@@ -23,7 +23,7 @@ from propmap.report.terms_page.errors import (
 )
 from propmap.vehicle.vehicle import Vehicle
 
-TERMS_FIGURE, VALUES_SHEET = "fit-terms", "fit-terms-values"
+TERMS_FIGURE, VALUES_SHEET, WORTH_SHEET = "fit-terms", "fit-terms-values", "fit-terms-worth"
 AXES = ("x", "y", "z")
 COLOURS = 7
 
@@ -61,7 +61,14 @@ def terms_pages(
     return report_files(
         "report/terms_page/page.html.j2",
         {TERMS_FIGURE: terms_figure(told, flights, found)},
-        {TERMS_FIGURE: errors_sheet(told), VALUES_SHEET: values_sheet(flights, found)},
+        {
+            TERMS_FIGURE: errors_sheet(told),
+            VALUES_SHEET: values_sheet(flights, found),
+            WORTH_SHEET: csv_of_rows(
+                "step verdict fall_N2 standard_deviation_N2",
+                [(w.step, w.word, w.fall, w.deviation) for w in worths],
+            ),
+        },
         name=vehicle.name,
         flights=[f.name for f in flights],
         seconds=[float(np.ptp(f.passed.time)) for f in flights],
@@ -77,7 +84,7 @@ def terms_pages(
         unsure=[w.step for w in worths if w.word == "no sure gain"],
         last=last,
         final=[(r.flight, *(number(x, 2) for x in _checked(r))) for r in final],
-        below=[r.flight for r in final if _below_prediction(r, told)],
+        below=[text for r in final if (text := _below_prediction(r, told))],
         predicted=any(r.model == PREDICTION for r in told),
         low_pass=low_pass,
         samples=samples,
@@ -182,6 +189,11 @@ def _cells(row: Row, alone: bool, *, raw: bool = False) -> tuple[str, ...]:
     )
 
 
-def _below_prediction(row: Row, told: Sequence[Row]) -> bool:
+def _below_prediction(row: Row, told: Sequence[Row]) -> str:
+    """The flight, and along which axes its errors are below those of the prediction."""
     own = [r for r in told if r.model == PREDICTION and r.flight == row.flight]
-    return bool(own) and bool(np.all(_checked(row) <= _known(own[0].unseen)))
+    if not own:
+        return ""
+    below = _checked(row) <= _known(own[0].unseen)
+    axes = [axis for axis, one in zip(AXES, below, strict=True) if one]
+    return f"{row.flight} along {' and '.join(axes)}" if axes else ""
