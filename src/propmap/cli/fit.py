@@ -24,6 +24,7 @@ from propmap.cli.fit_options import (
 from propmap.cli.flight_options import (
     HoverScale,
     LowPass,
+    flight_priors,
     free_by_default,
     with_flight_priors,
 )
@@ -193,7 +194,7 @@ def fit_flight(
         int, typer.Option("--samples", min=10, help="Samples used of a whole flight, at most.")
     ] = 500,
     low_pass: LowPass = None,
-    hover_scale: HoverScale = False,
+    hover_scale: HoverScale = True,
     body_study: Annotated[
         bool,
         typer.Option("--body-study", help="Say whether body lift and drag earn their place."),
@@ -244,7 +245,7 @@ def fit_flight(
         low_pass=cutoff,
         picture=stretches_picture,
     )
-    default = free_by_default(file.vehicle, level=flights.level)
+    default = free_by_default(file.vehicle, flights.log, level=flights.level)
     by_default = free is None and base is None
     blade = file.vehicle.propeller
     expected = section_prior(prior_from, blade.name, blade, by_default=by_default)
@@ -253,23 +254,23 @@ def fit_flight(
         # Of one blade in one air, what hardly moves is left where other propellers have it.
         held = {text.partition("=")[0].strip() for text in fix or ()}
         free = ",".join(name for name in default if name not in held)
-    chosen = with_flight_priors(choice_of(free, fix, prior, default, base, wing, expected))
+    chosen = choice_of(free, fix, prior, default, base, wing, expected)
+    if not flights.level:
+        known = flight_priors(file.vehicle, flights.log, hover=hover_scale)
+        chosen = with_flight_priors(chosen, known)
     settings = settings_of(starts, robust, folds, bootstrap, seed)
     law = base or (expected.airfoil if expected else first_guess())
     law = with_physics(law, physics, correction)
-    wanted = hover_scale and not flights.level
-    scale = Scale.of(file.vehicle, flights.log) if wanted else None
-    model = ForceModel(file.vehicle, flights.log, law, scale=scale)
+    model = ForceModel(file.vehicle, flights.log, law)
     make = level_rows if flights.level else balance_rows
     fitted = fit(make(model, chosen), chosen, settings)
     remarks = [*flights.remarks, *range_warnings(fitted.rows)]
-    remarks += [
-        *(scale.told() if scale else ()),
-        *still_explained(fitted, model.log),
-    ]
+    remarks += still_explained(fitted, model.log)
     remarks += doubts_on_constants(fitted)
     if body_study:
         remarks += body_terms_verdict(fitted, lambda c: make(model, c))
+    wanted = hover_scale and not flights.level
+    hovers = Scale.of(file.vehicle, flights.log) if wanted else None
     text = fit_text(
         fitted,
         kind="level flight" if flights.level else "flight",
@@ -283,7 +284,7 @@ def fit_flight(
             "seconds": seconds,
             "samples": samples,
             "low_pass": 0.0 if flights.level else cutoff,
-            "hover_reference": (scale and scale.reference) or 0.0,
+            "hover_reference": (hovers and hovers.reference_at(fitted.values)) or 0.0,
             "vehicle": file.vehicle.name,
         },
     )

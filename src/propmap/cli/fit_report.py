@@ -8,7 +8,7 @@ import numpy as np
 
 from propmap.cli.output import grid
 from propmap.fit.fitted import Fitted
-from propmap.fit.parameters import EVERY
+from propmap.fit.parameters import described
 from propmap.fit.residuals import errors
 from propmap.model.corrections import in_words
 
@@ -36,7 +36,7 @@ def _parameter(fitted: Fitted, k: int) -> tuple[str, ...]:
     if fitted.bootstrapped.size:
         low, high = np.percentile(fitted.bootstrapped[:, k], [2.5, 97.5])
         interval += f" (bootstrap {low:.4g} to {high:.4g})"
-    return name, f"{fitted.x[k]:.5g}", interval, EVERY[name].unit, sure.verdicts[k]
+    return name, f"{fitted.x[k]:.5g}", interval, described(name).unit, sure.verdicts[k]
 
 
 def _residuals(fitted: Fitted, k: int) -> tuple[str, ...]:

@@ -13,7 +13,7 @@ from propmap.fit.parameters import Choice
 from propmap.fit.rows import Rows
 from propmap.fit.search import NOISE_FLOOR, Minimum, search, starts
 from propmap.fit.section_prior import LEAST_ERROR
-from propmap.fit.uncertainty import Uncertainty, uncertainty
+from propmap.fit.uncertainty import Uncertainty, residual_errors, uncertainty
 
 MEDIAN_TO_DEVIATION = 1.4826
 """Standard deviation over median size, of normal errors."""
@@ -116,16 +116,17 @@ def fit(rows: Rows, choice: Choice, settings: Settings | None = None) -> Fitted:
     settings = settings or Settings()
     begin = time.perf_counter()
     error = NOISE_FLOOR if choice.expected is None else LEAST_ERROR
-    found = search(rows, choice, starts(choice, settings.starts, settings.seed), error=error)
-    sure = uncertainty(rows, choice, found, error)
-    if choice.priors or choice.expected is not None or settings.loss != "linear":
+    again = choice.priors or choice.expected is not None or settings.loss != "linear"
+    begin_at = starts(choice, settings.starts, settings.seed)
+    found = search(rows, choice, begin_at, error=error, polish=not again)
+    if again:
         # Only now is known how large errors are, against which priors and outliers count.
-        error = _typical_error(rows, settings, found, sure)
+        error = _typical_error(rows, choice, settings, found, error)
         if choice.expected is not None:
             error = max(error, LEAST_ERROR)
-        again = search(rows, choice, [found.x], loss=settings.loss, error=error)
-        found = replace(again, ends=found.ends)
-        sure = uncertainty(rows, choice, found, error)
+        better = search(rows, choice, [found.x], loss=settings.loss, error=error)
+        found = replace(better, ends=found.ends)
+    sure = uncertainty(rows, choice, found, error)
 
     def refit(part: Rows) -> Floats:
         """The parameters (P,) that fit much the same rows."""
@@ -140,10 +141,12 @@ def fit(rows: Rows, choice: Choice, settings: Settings | None = None) -> Fitted:
     )
 
 
-def _typical_error(rows: Rows, settings: Settings, found: Minimum, sure: Uncertainty) -> float:
+def _typical_error(
+    rows: Rows, choice: Choice, settings: Settings, found: Minimum, error: float
+) -> float:
     """Standard deviation of a residual as a share of its scale, whatever the outliers."""
     if settings.loss == "linear":
-        return float(np.median(sure.error))
+        return float(np.median(residual_errors(rows, choice, found, error)))
     sizes = np.abs(found.residual[rows.weight > 0.0])
     return max(MEDIAN_TO_DEVIATION * float(np.median(sizes)), NOISE_FLOOR)
 

@@ -15,9 +15,9 @@ from propmap.engine.gradients import load_gradients
 from propmap.errors import InputError
 from propmap.fit.body_forces import body_force
 from propmap.fit.coverage import Coverage, coverage
-from propmap.fit.parameters import ROTOR, WAKES
+from propmap.fit.flight_parameters import at_samples, check_flights, samples_of
+from propmap.fit.parameters import ROTOR, ROTOR_SPEED, WAKES, general
 from propmap.fit.sensor_forces import sensor_force
-from propmap.fit.thrust_scale import HoverScale
 from propmap.fit.tunnel import model_with
 from propmap.fit.turning import added_moment
 from propmap.fit.wake_parameters import PREFIX, wakes_with
@@ -71,8 +71,6 @@ class ForceModel:
         Gives what no parameter of a fit does.
     setting : str
         Accuracy of the loads, as in ``Rotor``.
-    scale : HoverScale, optional
-        By which the rotors' loads are multiplied, for each flight by its own hover.
 
     Raises
     ------
@@ -86,8 +84,6 @@ class ForceModel:
         log: FlightLog,
         base: Airfoil,
         setting: str = "standard",
-        *,
-        scale: HoverScale | None = None,
     ) -> None:
         if log.rotor_speed.shape[1] != len(vehicle.mounts):
             raise InputError(
@@ -98,7 +94,6 @@ class ForceModel:
         self.vehicle, self.log, self.setting = vehicle, log, setting
         self.model = Model(vehicle.propeller, base, vehicle.air)
         self.flow = hub_flow(vehicle, log)
-        self.scale = None if scale is None else scale.factors(log)
 
     def at(self, values: Mapping[str, float], free: tuple[str, ...]) -> Balance:
         """Forces and moments, and their derivatives.
@@ -110,9 +105,14 @@ class ForceModel:
         free : tuple of str
             Names of the P by which to differentiate.
         """
+        check_flights(free, self.log)
         loads, slopes = self._rotors(values, free)
-        if self.scale is not None:
-            loads, slopes = self.scale[:, None] * loads, self.scale[:, None] * slopes
+        scale = at_samples("thrust_scale", values, self.log)[:, None]
+        slopes = scale * slopes
+        for row, name in enumerate(free):
+            if general(name) == "thrust_scale":
+                slopes[row] = samples_of(name, self.log)[:, None] * loads
+        loads = scale * loads
         body, by_body = body_force(self.vehicle, self.log, values, free)
         force, by_force = loads[:, :3] + body, slopes[..., :3] + by_body
         more, by_more = added_moment(
@@ -127,7 +127,7 @@ class ForceModel:
     def _rotors(self, values: Mapping[str, float], free: tuple[str, ...]) -> tuple[Floats, Floats]:
         """Loads (n, 6) of all rotors, in each other's wakes where there are any, and their
         derivatives (P, n, 6)."""
-        section = tuple(name for name in free if name in ROTOR)
+        section = tuple(name for name in free if name in (*ROTOR, ROTOR_SPEED))
         at_section = [name in section for name in free]
         slopes = np.zeros((len(free), len(self.log), 6))
         wakes = wakes_with(self.vehicle, values)
@@ -158,15 +158,19 @@ class ForceModel:
         """Loads (L, n, m) of the rotors at V cos(beta) = ``axial`` (n, m), and their derivatives
         (L, P, n, m) by the P of these ``names``."""
         flow, shape = self.flow, self.flow.omega.shape
+        omega = values.get(ROTOR_SPEED, 1.0) * flow.omega
+        along = tuple("omega" if name == ROTOR_SPEED else name for name in names)
         loads = np.empty((len(LOADS), *shape))
         slopes = np.empty((len(LOADS), len(names), *shape))
         for model, mine in mounted_rotors(self.vehicle, model_with(self.model, values)):
-            some = [a[:, mine] for a in (flow.omega, axial, flow.inplane)]
+            some = [a[:, mine] for a in (omega, axial, flow.inplane)]
             points = (a.ravel() for a in some)
             rotor = prepare(model.arrays())
-            found = load_gradients(rotor, accuracy(self.setting), names, *points)
+            found = load_gradients(rotor, accuracy(self.setting), along, *points)
             loads[..., mine] = found.loads.reshape(-1, *some[0].shape)
             slopes[..., mine] = found.slopes.reshape(len(LOADS), -1, *some[0].shape)
+        if ROTOR_SPEED in names:
+            slopes[:, names.index(ROTOR_SPEED)] *= flow.omega
         return loads, slopes
 
     def coverage(self) -> Coverage:

@@ -26,7 +26,17 @@ from propmap.fit.fit_record import (
     read_record,
 )
 from propmap.fit.fitted import Fitted
-from propmap.fit.parameters import BODY, EVERY, ROTOR, SENSOR, TURNING, WAKES, WING
+from propmap.fit.parameters import (
+    BODY,
+    FLIGHT,
+    ROTOR,
+    SENSOR,
+    TURNING,
+    WAKES,
+    WING,
+    described,
+    general,
+)
 from propmap.fit.residuals import by_band, errors
 from propmap.fit.tunnel import model_with, section_with
 from propmap.io.section_tables import looks_like_section_table
@@ -35,6 +45,9 @@ from propmap.model.drag_factor import drag_factor_accepted
 from propmap.model.model import Model
 from propmap.model.section_covariance import SectionCovariance
 from propmap.model.uncertainty import fitted_uncertainty
+
+BEYOND_ROTORS = BODY | SENSOR | TURNING | WAKES | FLIGHT
+"""What the table ``[fit.body]`` has; the rest is the section law, its corrections and the wing."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,7 +75,7 @@ class FitFile:
 
     @property
     def values(self) -> dict[str, float]:
-        """The parameters of body, wing, sensor and wakes by name."""
+        """The parameters of body, wing, sensor, wakes and flights by name."""
         return self.record.body | self.record.wing
 
     @property
@@ -77,6 +90,43 @@ class FitFile:
         None where a flight's own hover plays no part.
         """
         return float(self.record.settings.get("hover_reference", 0.0)) or None
+
+    def values_for(
+        self, vehicle: Vehicle, log: FlightLog, paths: Sequence[Path]
+    ) -> tuple[dict[str, float], list[str]]:
+        """Parameters for flights, of which the fit may have seen some, and what is said of them.
+
+        A flight of the fit keeps its own.  Of any other, the thrust scale is what its own hover
+        measures beside the hover of the fit's flights, where both hover; else it is that of the
+        mean of the fit's flights, as its clock is.
+
+        Parameters
+        ----------
+        vehicle, log : Vehicle, FlightLog
+            What flew, and how.
+        paths : sequence of Path
+            The flights' files.
+        """
+        seen = {source.sha256: source.file for source in self.record.data}
+        fitted = flight_names([name for name in seen.values() if not name.endswith(".toml")])
+        own = dict(zip((n for n in seen.values() if not n.endswith(".toml")), fitted, strict=True))
+        values, told = of_others(self.values), []
+        by_hover = {}
+        if self.hover_reference:
+            by_hover = HoverScale.of(vehicle, log, self.hover_reference).scales
+        for flight, path in zip(log.flights, paths, strict=True):
+            name = seen.get(Source.of(path).sha256)
+            for one in PER_FLIGHT:
+                here = of_flight(one, flight)
+                values.pop(here, None)
+                if name is not None:
+                    common = values.get(one, EVERY[one].start)
+                    values[here] = self.values.get(of_flight(one, own[name]), common)
+            scale = of_flight("thrust_scale", flight)
+            if name is None and scale in by_hover:
+                values[scale] = by_hover[scale]
+                told.append(f"flight {flight}: thrust times {by_hover[scale]:.3f}, by its own hover")
+        return values, told
 
 
 def fit_text(
@@ -139,7 +189,7 @@ def fit_text(
         data=[Source.of(item) for item in data],
         covered=covered,
         parameters=[_parameter(fitted, k) for k in range(len(choice.free))],
-        body={n: fitted.values[n] for n in BODY | SENSOR | TURNING | WAKES if n in fitted.values},
+        body={n: value for n, value in fitted.values.items() if general(n) in BEYOND_ROTORS},
         wing={n: fitted.values[n] for n in WING},
         covariance=sure.covariance,
         correlation=sure.correlation,
@@ -199,7 +249,7 @@ def read_fit(path: Path) -> FitFile:
 def _parameter(fitted: Fitted, k: int) -> FreeParameter:
     choice, sure = fitted.choice, fitted.uncertainty
     name = choice.free[k]
-    known, prior = EVERY[name], choice.prior_of(name)
+    known, prior = described(name), choice.prior_of(name)
     low, high = None, None
     if fitted.bootstrapped.size:
         low, high = np.percentile(fitted.bootstrapped[:, k], [2.5, 97.5]).tolist()

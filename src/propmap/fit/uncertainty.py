@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from propmap.arrays.types import Floats
 from propmap.fit.bounded_interval import Quadratic, bounded_intervals
-from propmap.fit.parameters import EVERY, Choice
+from propmap.fit.parameters import Choice, described
 from propmap.fit.rows import Rows
 from propmap.fit.search import NOISE_FLOOR, Evaluator, Minimum, weight_of_priors
 from propmap.fit.section_prior import LEAST_ERROR
@@ -93,19 +93,13 @@ def uncertainty(
     held = (x - lower < AT_BOUND * spread) | (upper - x < AT_BOUND * spread)
     held &= seen > NEGLIGIBLE * max(float(seen.max()), 1e-300)
     used = rows.weight > 0.0
-    parts = [rows.of_load(k) for k in range(len(rows.names))]
     counts = rows.counts
     apart, by_prior = choice.apart(x)
     by_prior = by_prior * spread
     slopes = found.slopes * spread
     information, prior_information = slopes.T @ slopes, by_prior.T @ by_prior
-    determined: float = x.size
-    if choice.expected is not None:
-        weight = weight_of_priors(rows, choice, error)
-        whole = information + weight**2 * prior_information
-        determined = float(np.trace(np.linalg.pinv(whole) @ information))
-    share = determined / max(int(counts.sum()), 1)
-    errors = np.array([_standard_error(found.residual[part], share) for part in parts])
+    errors = residual_errors(rows, choice, found, error)
+    weight = weight_of_priors(rows, choice, error)
     if choice.expected is None:
         weight = float(np.sqrt(np.sum(counts * errors**2) / max(counts.sum(), 1)))
     if rows.group is not None:
@@ -160,6 +154,28 @@ def uncertainty(
         errors,
         left,
     )
+
+
+def residual_errors(
+    rows: Rows, choice: Choice, found: Minimum, error: float = NOISE_FLOOR
+) -> Floats:
+    """Standard deviation of a residual of each load, as a share of its scale; (L,).
+
+    Parameters
+    ----------
+    rows, choice, found, error
+        As for ``uncertainty``.
+    """
+    counts, determined = rows.counts, float(found.x.size)
+    if choice.expected is not None:
+        spread = choice.column("spread")
+        slopes, by_prior = found.slopes * spread, choice.apart(found.x)[1] * spread
+        information = slopes.T @ slopes
+        whole = information + weight_of_priors(rows, choice, error) ** 2 * by_prior.T @ by_prior
+        determined = float(np.trace(np.linalg.pinv(whole) @ information))
+    share = determined / max(int(counts.sum()), 1)
+    parts = [found.residual[rows.of_load(k)] for k in range(len(rows.names))]
+    return np.array([_standard_error(part, share) for part in parts])
 
 
 def _left(deviation: Floats, by_prior: Floats) -> Floats:
@@ -260,7 +276,7 @@ def _verdict(
     name: str, x: float, ends: tuple[float, float], half: float, held: bool, left: float
 ) -> tuple[str, bool]:
     """In words, and whether the parameter is identified; ``half`` an interval without bounds."""
-    known, (low, high) = EVERY[name], ends
+    known, (low, high) = described(name), ends
     lower, upper, spread = known.lower, known.upper, known.spread
     if held:
         return f"weak: held by its bound {lower if x - lower < upper - x else upper:g}", False
