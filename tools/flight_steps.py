@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from propmap.arrays.types import Floats
-from propmap.cli.flight_options import BLADE, with_flight_priors
+from propmap.cli.flight_options import BLADE, flight_priors, with_flight_priors
 from propmap.cli.prior_options import section_prior
 from propmap.engine.compilation import keep_compiled
 from propmap.fit.comparison import FlightForces, flight_forces
@@ -86,7 +86,8 @@ def fitted_values(
     if "mount_area" not in free:
         fixed["mount_area"] = ALMOST_NONE
     start = {n: getattr(prior.airfoil, n) for n in SECTION if n in free}
-    choice = with_flight_priors(Choice(free, fixed, {}, start, prior))
+    known = flight_priors(vehicle, log, hover=False)
+    choice = with_flight_priors(Choice(free, fixed, {}, start, prior), known)
     law = prior.airfoil.with_corrections(["pitt-peters"])
     model = ForceModel(vehicle, log.picked(picked), law)
     return fit(balance_rows(model, choice), choice, Settings(starts=1, folds=0)).values
@@ -104,9 +105,9 @@ def forces(
     found = model_with(base, values)
     law = replace(constants_of(found.airfoil), corrections=tuple(found.correction_texts))
     reference = None if seen is None else HoverScale.of(vehicle, seen).reference
-    scale = HoverScale.of(vehicle, log, reference) if reference else None
+    scales = HoverScale.of(vehicle, log, reference).scales if reference else {}
     others = {n: values[n] for n in (BODY | SENSOR | WAKES) if n in values}
-    return flight_forces(vehicle, log, law, FIRST_GUESS | others, scale=scale)
+    return flight_forces(vehicle, log, law, FIRST_GUESS | others | scales)
 
 
 def errors(model: Floats, vehicle: Vehicle, log: FlightLog) -> list[float]:

@@ -101,7 +101,7 @@ def _compare(
         paths = [Path(item) for item in data]
         cutoff = fitted.low_pass if fitted else 0.0
         flights = read_flights(paths, file, "balance", seconds=2.0, samples=2**31, low_pass=cutoff)
-        values, told = wing_values(file.vehicle), []
+        values, told = wing_values(file.vehicle), list[str]()
         if fitted:
             values, told = fitted.values_for(file.vehicle, flights.log, paths)
         forces = flight_forces(file.vehicle, flights.log, law, values)

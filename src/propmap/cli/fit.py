@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -46,6 +46,7 @@ if TYPE_CHECKING:
     from propmap.fit.fitted import Fitted
     from propmap.fit.force_model import ForceModel
     from propmap.fit.parameters import Choice
+    from propmap.fit.residuals import FlightErrors
     from propmap.fit.rows import Rows
     from propmap.model.model import Model
     from propmap.vehicle.flight_log import FlightLog
@@ -224,6 +225,7 @@ def fit_flight(
     from propmap.engine.compilation import keep_compiled
     from propmap.fit.added_parameter import body_terms_verdict
     from propmap.fit.body_forces import wing_values
+    from propmap.fit.by_flight import by_flight
     from propmap.fit.coverage import range_warnings
     from propmap.fit.fitted import fit
     from propmap.fit.flight import balance_rows, hover_rows, level_rows
@@ -269,6 +271,7 @@ def fit_flight(
     remarks += doubts_on_constants(fitted)
     if body_study:
         remarks += body_terms_verdict(fitted, lambda c: make(model, c))
+    flown = by_flight(fitted, flights.log)
     wanted = hover_scale and not flights.level
     hovers = Scale.of(file.vehicle, flights.log) if wanted else None
     text = fit_text(
@@ -287,10 +290,11 @@ def fit_flight(
             "hover_reference": (hovers and hovers.reference_at(fitted.values)) or 0.0,
             "vehicle": file.vehicle.name,
         },
+        flights=flown,
     )
     if picture is not None:
         _picture_of_flight(picture, fitted, model, flights.log)
-    finish(fitted, model_with(model.model, fitted.values), remarks, text, output)
+    finish(fitted, model_with(model.model, fitted.values), remarks, text, output, flown)
 
 
 def _picture_of_flight(picture: Path, fitted: Fitted, model: ForceModel, log: FlightLog) -> None:
@@ -323,13 +327,18 @@ def _weights(texts: Sequence[str] | None) -> dict[str, float]:
 
 
 def finish(
-    fitted: Fitted, found: Model, remarks: Sequence[str], text: str, output: Path | None
+    fitted: Fitted,
+    found: Model,
+    remarks: Sequence[str],
+    text: str,
+    output: Path | None,
+    flights: Mapping[str, Mapping[str, FlightErrors]] | None = None,
 ) -> None:
-    """Write the ``text`` of a fit file and show the fit."""
+    """Write the ``text`` of a fit file and show the fit, by flight where ``flights`` has that."""
     from propmap.cli.fit_report import told
 
     if output is not None:
         write_text(text, output)
-    show(None, *told(fitted, found.correction_texts, remarks))
+    show(None, *told(fitted, found.correction_texts, remarks, flights or {}))
     if output is not None:
         typer.echo(f"wrote {output}", err=True)

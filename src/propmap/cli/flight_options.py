@@ -32,7 +32,7 @@ HoverScale = Annotated[
     bool,
     typer.Option(
         "--hover-scale/--no-hover-scale",
-        help="Expect the thrust scale of each flight, in fits and checks, where its own hover has it.",
+        help="Expect each flight's thrust scale where its own hover has it, in fits and checks.",
     ),
 ]
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from propmap.arrays.types import Floats
 from propmap.fit.parameters import Choice
+from propmap.fit.residuals import rms_known
 from propmap.fit.rows import Rows
 from propmap.fit.search import NOISE_FLOOR, Minimum, search, starts
 from propmap.fit.section_prior import LEAST_ERROR
@@ -58,8 +59,8 @@ class Fitted:
         Of the free parameters.
     residual : ndarray, shape (M,)
         Model minus measurement, in the units of the measurement.
-    cross_validated : ndarray, shape (L,)
-        Root mean square error of each load on rows left out; NaN if not done.
+    left_out : ndarray, shape (M,)
+        Model minus measurement of rows left out of the fit to the others; NaN if not done.
     bootstrapped : ndarray, shape (B, P)
         Repeated fits to operating points drawn with replacement.
     seconds : float
@@ -74,7 +75,7 @@ class Fitted:
     minimum: Minimum
     uncertainty: Uncertainty
     residual: Floats
-    cross_validated: Floats
+    left_out: Floats
     bootstrapped: Floats
     seconds: float
     error: float
@@ -88,6 +89,12 @@ class Fitted:
     def values(self) -> dict[str, float]:
         """All parameters by name."""
         return self.choice.values(self.x)
+
+    @property
+    def cross_validated(self) -> Floats:
+        """Root mean square error of each load (L,) on rows left out; NaN if not done."""
+        parts = (self.left_out[self.rows.of_load(k)] for k in range(len(self.rows.names)))
+        return np.array([rms_known(part) for part in parts])
 
     def compared(self, load: int) -> tuple[Floats, Floats]:
         """Modelled and measured values of the ``load`` of this index, in its unit."""
@@ -154,19 +161,18 @@ def _typical_error(
 def _cross_validate(
     rows: Rows, choice: Choice, settings: Settings, refit: Callable[[Rows], Floats]
 ) -> Floats:
-    """Root mean square error of each load (L,) where its units were left out of the fit."""
-    sums, counts = np.zeros(len(rows.names)), np.zeros(len(rows.names))
+    """Model minus measurement (M,) where a row's unit was left out of the fit."""
+    left_out = np.full(rows.measured.size, np.nan)
     if settings.folds < 2 or np.unique(rows.point).size < 2 * settings.folds:
-        return np.full(len(rows.names), np.nan)
+        return left_out
     labels, index = np.unique(rows.unit, return_inverse=True)
     rng = np.random.default_rng(settings.seed)
     fold = (rng.permutation(labels.size) % settings.folds)[index]
     for k in range(settings.folds):
         value, _ = rows.model(choice.values(refit(rows.left(fold != k))), choice.free)
-        out = (fold == k) & (rows.weight > 0.0) & np.isfinite(value)
-        np.add.at(sums, rows.load[out], (value - rows.measured)[out] ** 2)
-        np.add.at(counts, rows.load[out], 1.0)
-    return np.sqrt(sums / np.maximum(counts, 1.0))
+        out = (fold == k) & (rows.weight > 0.0)
+        left_out[out] = (value - rows.measured)[out]
+    return left_out
 
 
 def _bootstrap(

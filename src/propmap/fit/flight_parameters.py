@@ -49,7 +49,8 @@ def check_flights(names: Sequence[str], log: FlightLog) -> None:
     for name in names:
         if general(name) != name and name not in here:
             raise InputError(
-                f"{quoted(name)} is of no flight of these", f"the flights are {', '.join(log.flights)}"
+                f"{quoted(name)} is of no flight of these",
+                f"name one of {', '.join(log.flights)}, or leave the brackets out for all",
             )
 
 

@@ -26,9 +26,12 @@ from propmap.fit.fit_record import (
     read_record,
 )
 from propmap.fit.fitted import Fitted
+from propmap.fit.flight_parameters import of_others
 from propmap.fit.parameters import (
     BODY,
+    EVERY,
     FLIGHT,
+    PER_FLIGHT,
     ROTOR,
     SENSOR,
     TURNING,
@@ -36,8 +39,10 @@ from propmap.fit.parameters import (
     WING,
     described,
     general,
+    of_flight,
 )
-from propmap.fit.residuals import by_band, errors
+from propmap.fit.residuals import FlightErrors, by_band, errors
+from propmap.fit.thrust_scale import HoverScale
 from propmap.fit.tunnel import model_with, section_with
 from propmap.io.section_tables import looks_like_section_table
 from propmap.model.airfoil import Airfoil, read_airfoil
@@ -45,6 +50,9 @@ from propmap.model.drag_factor import drag_factor_accepted
 from propmap.model.model import Model
 from propmap.model.section_covariance import SectionCovariance
 from propmap.model.uncertainty import fitted_uncertainty
+from propmap.vehicle.flight_log import FlightLog
+from propmap.vehicle.flight_names import flight_names
+from propmap.vehicle.vehicle import Vehicle
 
 BEYOND_ROTORS = BODY | SENSOR | TURNING | WAKES | FLIGHT
 """What the table ``[fit.body]`` has; the rest is the section law, its corrections and the wing."""
@@ -125,7 +133,9 @@ class FitFile:
             scale = of_flight("thrust_scale", flight)
             if name is None and scale in by_hover:
                 values[scale] = by_hover[scale]
-                told.append(f"flight {flight}: thrust times {by_hover[scale]:.3f}, by its own hover")
+                told.append(
+                    f"flight {flight}: thrust times {by_hover[scale]:.3f}, by its own hover"
+                )
         return values, told
 
 
@@ -140,6 +150,7 @@ def fit_text(
     hover: Floats,
     remarks: Sequence[str],
     options: Mapping[str, Any],
+    flights: Mapping[str, Mapping[str, FlightErrors]] | None = None,
 ) -> str:
     """The text of a fit file.
 
@@ -159,6 +170,8 @@ def fit_text(
         The hover model's values of the fitted rows.
     remarks, options : sequence of str, mapping
         Sentences for the reader; further settings by name.
+    flights : mapping of str to mapping, optional
+        Errors by load and flight, where there are several.
 
     Returns
     -------
@@ -194,7 +207,7 @@ def fit_text(
         covariance=sure.covariance,
         correlation=sure.correlation,
         singular_values=sure.singular_values,
-        loads=[_load(fitted, k, hover) for k in range(len(fitted.rows.names))],
+        loads=[_load(fitted, k, hover, flights or {}) for k in range(len(fitted.rows.names))],
         starts=sorted(fitted.minimum.ends, key=lambda end: end.minimum),
         discrepancy=discrepancy(fitted, found, hover),
     )
@@ -270,7 +283,9 @@ def _parameter(fitted: Fitted, k: int) -> FreeParameter:
     )
 
 
-def _load(fitted: Fitted, k: int, hover: Floats) -> FittedLoad:
+def _load(
+    fitted: Fitted, k: int, hover: Floats, flights: Mapping[str, Mapping[str, FlightErrors]]
+) -> FittedLoad:
     rows = fitted.rows
     mine, (model, measured) = rows.of_load(k), fitted.compared(k)
     return FittedLoad(
@@ -278,5 +293,6 @@ def _load(fitted: Fitted, k: int, hover: Floats) -> FittedLoad:
         unit=rows.units[k],
         cross_validated=fitted.cross_validated[k],
         by_speed=by_band(model, measured, rows.speed[mine], hover[mine]),
+        by_flight=dict(flights.get(rows.names[k], {})),
         **msgspec.structs.asdict(errors(model, measured, hover[mine])),
     )

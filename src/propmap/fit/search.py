@@ -135,9 +135,10 @@ def weight_of_priors(rows: Rows, choice: Choice, error: float) -> float:
     """By which deviations from priors are multiplied to count beside residuals.
 
     This is the standard deviation ``error`` of a residual, where every row is a number of its own.
-    Beside what is known of propellers in general, rows are worth ``rows.independent``.
+    Of whole flights, and beside what is known of propellers in general, rows are worth
+    ``rows.independent``.
     """
-    if choice.expected is None:
+    if choice.expected is None and rows.group is None:
         return error
     return error * float(np.sqrt(rows.counts.sum() / max(float(rows.independent.sum()), 1.0)))
 
@@ -228,10 +229,13 @@ def search(
         return End(x0, np.asarray(found.x), float(found.cost))
 
     allowance = (REFIT_EVALUATIONS, 1e-4, 1e-4) if follow else (EVALUATIONS, 1e-5, 1e-5)
+    if polish and not follow and len(begin) == 1:
+        allowance = (EVALUATIONS, *FINE)
     ends = minima([run(x0, *allowance) for x0 in begin], spread)
     best = ends[0]
     if polish and not follow:
-        best = min(run(best.x, FINAL_EVALUATIONS, *FINE), best, key=_cost)
+        if len(begin) > 1:
+            best = min(run(best.x, FINAL_EVALUATIONS, *FINE), best, key=_cost)
         if np.sqrt(2.0 * best.cost / used) < NOISE_FLOOR:
             # So near to a perfect fit the errors of the derivatives would end the search early.
             # Where priors or noise leave more than those errors, the first step gains little.

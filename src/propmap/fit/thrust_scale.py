@@ -27,8 +27,8 @@ LEAST_HOVER = 0.5
 NAME = "thrust_scale"
 
 OVER_FLIGHTS, IN_HOVER = 0.02, 0.01
-"""Standard deviation of flights' scales beforehand, without and with a hover of their own: batteries,
-payloads and temperatures differ by so much, and a hover of a second near the ground is no better."""
+"""Standard deviation of flights' scales beforehand, without and with a hover of their own:
+batteries, payloads and temperatures differ by so much, and a short hover is no better."""
 
 RANGE = (0.9, 1.1)
 """Of a scale; outside, the mass or the unit of the rotor speeds is wrong, and none is applied."""
@@ -119,12 +119,3 @@ class HoverScale:
             for number, one in self.measured.items()
         ]
         return float(np.mean(each)) if each else None
-
-    def told(self) -> list[str]:
-        """A sentence on the scales; none where there is none."""
-        each = ", ".join(
-            f"{flight} {self.scales[name]:.3f}"
-            for flight in self.flights
-            if (name := of_flight(NAME, flight)) in self.scales
-        )
-        return [f"thrust scaled to what each flight measures in its own hover: {each}"] if each else []

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from propmap.arrays.types import Floats
+from propmap.fit.block_errors import block_errors
 from propmap.fit.bounded_interval import Quadratic, bounded_intervals
 from propmap.fit.parameters import Choice, described
 from propmap.fit.rows import Rows
@@ -70,9 +70,9 @@ def uncertainty(
 ) -> Uncertainty:
     """Gauss-Newton covariance, with errors of the size that the residuals of each load have.
 
-    Where ``rows.group`` tells of stretches within which errors are alike, sums over stretches
-    take the place of sums over rows (the cluster-robust covariance), or correlated samples
-    would count as independent ones.  Where other propellers tell what to expect, the rows of each
+    Where ``rows.group`` tells of stretches within which errors are alike, ``block_errors`` of
+    stretches take the place of those of rows, or correlated samples would count as independent
+    ones.  Where other propellers tell what to expect, the rows of each
     load err together as far as ``rows.independent`` says, by ``LEAST_ERROR`` at least.
 
     Parameters
@@ -99,11 +99,14 @@ def uncertainty(
     slopes = found.slopes * spread
     information, prior_information = slopes.T @ slopes, by_prior.T @ by_prior
     errors = residual_errors(rows, choice, found, error)
-    weight = weight_of_priors(rows, choice, error)
     if choice.expected is None:
-        weight = float(np.sqrt(np.sum(counts * errors**2) / max(counts.sum(), 1)))
+        error = float(np.sqrt(np.sum(counts * errors**2) / max(counts.sum(), 1)))
+    weight = weight_of_priors(rows, choice, error)
+    whole, by_priors = (information + weight**2 * prior_information, weight**4 * prior_information)
+    freedom: Floats | int
     if rows.group is not None:
-        middle, freedom = _by_group(slopes, found.residual, rows.group[used], used)
+        stretches = slopes[used], found.residual[used], rows.group[used]
+        middle, freedom = block_errors(*stretches, whole, by_priors)
     elif choice.expected is not None:
         alike = counts / np.maximum(rows.independent, 1.0)
         variance = alike * np.maximum(errors, LEAST_ERROR) ** 2
@@ -112,15 +115,13 @@ def uncertainty(
     else:
         middle = (slopes * errors[rows.load][:, None] ** 2).T @ slopes
         freedom = max(int(counts.sum()) - x.size, 1)
-    known = _sandwich(
-        information + weight**2 * prior_information, middle + weight**4 * prior_information
-    )
+    known = _sandwich(whole, middle + by_priors)
     covariance = known.covariance * np.outer(spread, spread)
     deviation = np.sqrt(np.diag(covariance))
     # At a minimum the sum of squares only slopes towards bounds.
     uphill = slopes.T @ found.residual + weight**2 * (by_prior.T @ apart)
     centre = x / spread - known.inverse @ np.where(held, uphill, 0.0)
-    quantile = float(stdtrit(freedom, 0.975))
+    quantile = np.broadcast_to(stdtrit(freedom, 0.975), x.shape)
     low, high = bounded_intervals(centre, known.root, lower / spread, upper / spread, quantile)
     ends = np.stack([np.minimum(low, x / spread), np.maximum(high, x / spread)])
     narrow = np.flatnonzero(~held & (ends[1] - ends[0] <= 1.0))
@@ -135,7 +136,7 @@ def uncertainty(
     np.fill_diagonal(correlation, 1.0)
     left = _left(deviation / spread, by_prior)
     judged = [
-        _verdict(name, x[k], (low[k], high[k]), quantile * deviation[k], bool(held[k]), left[k])
+        _verdict(name, x[k], (low[k], high[k]), quantile[k] * deviation[k], bool(held[k]), left[k])
         for k, name in enumerate(choice.free)
     ]
     if choice.expected is not None:
@@ -235,17 +236,6 @@ def _standard_error(residual: Floats, share: float) -> float:
         return NOISE_FLOOR
     freedom = max(residual.size * (1.0 - share), 1.0)
     return max(float(np.sqrt(residual @ residual / freedom)), NOISE_FLOOR)
-
-
-def _by_group(
-    slopes: Floats, residual: Floats, group: NDArray[np.intp], used: NDArray[np.bool_]
-) -> tuple[Floats, int]:
-    labels, index = np.unique(group, return_inverse=True)
-    floor = np.where(np.abs(residual) < NOISE_FLOOR, NOISE_FLOOR * np.sign(residual), residual)
-    scores = np.zeros((labels.size, slopes.shape[1]))
-    np.add.at(scores, index, (slopes * floor[:, None])[used])
-    small = labels.size / max(labels.size - 1, 1)
-    return small * scores.T @ scores, max(labels.size - slopes.shape[1], 1)
 
 
 class _Known(NamedTuple):
