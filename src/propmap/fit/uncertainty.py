@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from propmap.arrays.types import Floats
 from propmap.fit.block_errors import block_errors
