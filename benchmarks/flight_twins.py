@@ -2,9 +2,9 @@
 
 Two flights of half a minute each are computed with known constants, place of the accelerometer,
 gains of wakes and thrust scales, and identified again: once without noise, and a hundred times
-with noise that is alike for a while, to count how often the stated 95 % intervals hold the truth.
-Beside it stands how often they would if every number erred by itself.  Writes
-results/flight_twins.json.
+with noise that is alike for a while, to count how often the stated 95 % intervals hold the truth;
+searches start at the truth there.  Beside it stands how often they would if every number erred by
+itself.  Writes results/flight_twins.json.
 """
 
 from __future__ import annotations

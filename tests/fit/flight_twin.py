@@ -33,7 +33,7 @@ DURATION, RATE = 30.0, 100.0
 FLIGHTS = ("1", "2")
 SCALES = tuple(f"thrust_scale[{flight}]" for flight in FLIGHTS)
 
-TRUTH = {
+TRUTH: dict[str, float] = {
     "c_l1": LAW.c_l1,
     "c_d0": 0.015,
     "mount_area": 0.003,
@@ -56,7 +56,7 @@ TRUTH = {
 }
 """Of all that is free."""
 
-BEFOREHAND = {
+BEFOREHAND: dict[str, float] = {
     "drag_area_z": 0.02,
     "mount_area": 0.005,
     "rotor_inertia": 1e-5,
@@ -70,7 +70,7 @@ BEFOREHAND = {
 """Deviation of what is known of each before a fit."""
 
 FREE = tuple(TRUTH)
-FIXED = {name: getattr(LAW, name) for name in SECTION if name not in FREE}
+FIXED: dict[str, float] = {name: getattr(LAW, name) for name in SECTION if name not in FREE}
 
 
 def manoeuvre(seed: int, samples: int) -> FlightLog:
@@ -138,7 +138,7 @@ class Twin:
 
     def measured(self, truth: Mapping[str, float]) -> Floats:
         """What the rows would be without noise; (M,)."""
-        return self.rows.picked(self.model.at(FIRST_GUESS | FIXED | truth, ()).loads)
+        return self.rows.picked(self.model.at(FIRST_GUESS | FIXED | dict(truth), ()).loads)
 
     def noise(self, rng: np.random.Generator, size: Noise) -> Floats:
         """Errors of the rows, those of an axis alike for a while; (M,)."""
@@ -166,6 +166,6 @@ class Twin:
         }
         means |= dict.fromkeys(SCALES, 1.0)
         priors = {name: Prior(means[name], deviation) for name, deviation in BEFOREHAND.items()}
-        choice = Choice(FREE, FIXED, priors, start={"c_l1": 5.0})
+        choice = Choice(FREE, FIXED, priors, start=truth)
         measured = self.measured(truth) + self.noise(rng, size)
         return replace(self.rows, measured=measured), choice, truth

@@ -119,6 +119,10 @@ EVERY = ROTOR | BODY | WING | SENSOR | TURNING | WAKES | FLIGHT
 FIRST_GUESS = {name: p.start for name, p in EVERY.items() if name not in FLEX | MOUNT | WAKES}
 
 
+LINEAR = (*BODY, *SENSOR, *TURNING, "thrust_scale")
+"""Forces and moments are linear in these, the others given."""
+
+
 def constants_of(section: Section) -> Airfoil:
     """A section law that has the parameters of ``SECTION``; ``InputError`` for a section table."""
     if isinstance(section, Airfoil):

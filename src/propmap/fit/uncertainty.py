@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from propmap.arrays.types import Floats
 from propmap.fit.block_errors import block_errors
 from propmap.fit.bounded_interval import Quadratic, bounded_intervals
-from propmap.fit.parameters import Choice, described
+from propmap.fit.parameters import LINEAR, Choice, described, general
 from propmap.fit.rows import Rows
 from propmap.fit.search import NOISE_FLOOR, Evaluator, Minimum, weight_of_priors
 from propmap.fit.section_prior import LEAST_ERROR
@@ -125,7 +125,8 @@ def uncertainty(
     quantile = np.broadcast_to(stdtrit(freedom, 0.975), x.shape)
     low, high = bounded_intervals(centre, known.root, lower / spread, upper / spread, quantile)
     ends = np.stack([np.minimum(low, x / spread), np.maximum(high, x / spread)])
-    narrow = np.flatnonzero(~held & (ends[1] - ends[0] <= 1.0))
+    bent = np.array([general(name) not in LINEAR for name in choice.free])
+    narrow = np.flatnonzero(~held & bent & (ends[1] - ends[0] <= 1.0))
     low, high = _stretched(ends, narrow, rows, choice, found, weight) * spread
     singular = np.zeros(x.size)
     # Fewer rows than parameters leave directions that the data do not see at all.
