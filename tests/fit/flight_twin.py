@@ -15,11 +15,12 @@ from propmap.fit.parameters import FIRST_GUESS, SECTION, Choice, Prior
 from propmap.fit.rows import Rows
 from propmap.fit.thrust_scale import OVER_FLIGHTS
 from propmap.fit.turning import measured_moment
+from propmap.model.airfoil import parameter_set
 from propmap.vehicle.flight_log import GRAVITY, FlightLog, joined
 from propmap.vehicle.time_derivatives import low_passed
 from propmap.vehicle.vehicle import Mount, Vehicle
 
-LAW = propmap.airfoil("paper-apc")
+LAW = parameter_set("paper-apc")
 ARM = 0.15
 HUBS = ((ARM, ARM, "cw"), (ARM, -ARM, "ccw"), (-ARM, ARM, "ccw"), (-ARM, -ARM, "cw"))
 VEHICLE = Vehicle(
