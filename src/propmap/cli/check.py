@@ -86,6 +86,7 @@ def _compare(
     from propmap.catalogue.lookup import propeller
     from propmap.engine.compilation import keep_compiled
     from propmap.fit.comparison import compare_forces, compare_tunnel, flight_forces
+    from propmap.fit.other_flights import values_for
     from propmap.fit.result_file import is_fit, read_fit
 
     fitted = read_fit(fit) if is_fit(fit) else None
@@ -103,7 +104,7 @@ def _compare(
         flights = read_flights(paths, file, "balance", seconds=2.0, samples=2**31, low_pass=cutoff)
         values, told = wing_values(file.vehicle), list[str]()
         if fitted:
-            values, told = fitted.values_for(file.vehicle, flights.log, paths)
+            values, told = values_for(fitted, file.vehicle, flights.log, paths)
         forces = flight_forces(file.vehicle, flights.log, law, values)
         for text in (*flights.remarks, *told):
             typer.echo(f"note: {text}", err=True)

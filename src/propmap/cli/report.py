@@ -85,6 +85,7 @@ def _given(file: FitFile, data: Sequence[str], vehicle: Path | None) -> GivenDat
         force_trends,
     )
     from propmap.fit.fit_record import Source
+    from propmap.fit.other_flights import values_for
     from propmap.report.fit_page.given_data import GivenData
 
     if vehicle is None:
@@ -104,7 +105,7 @@ def _given(file: FitFile, data: Sequence[str], vehicle: Path | None) -> GivenDat
     if level:
         errors = compare_level(flown, log, file.airfoil, file.values)
     else:
-        values, _ = file.values_for(flown, log, paths)
+        values, _ = values_for(file, flown, log, paths)
         forces = flight_forces(flown, log, file.airfoil, values)
         errors = compare_forces(flown, log, forces)
     return GivenData(

@@ -26,12 +26,9 @@ from propmap.fit.fit_record import (
     read_record,
 )
 from propmap.fit.fitted import Fitted
-from propmap.fit.flight_parameters import of_others
 from propmap.fit.parameters import (
     BODY,
-    EVERY,
     FLIGHT,
-    PER_FLIGHT,
     ROTOR,
     SENSOR,
     TURNING,
@@ -39,10 +36,8 @@ from propmap.fit.parameters import (
     WING,
     described,
     general,
-    of_flight,
 )
 from propmap.fit.residuals import FlightErrors, by_band, errors
-from propmap.fit.thrust_scale import HoverScale
 from propmap.fit.tunnel import model_with, section_with
 from propmap.io.section_tables import looks_like_section_table
 from propmap.model.airfoil import Airfoil, read_airfoil
@@ -50,9 +45,6 @@ from propmap.model.drag_factor import drag_factor_accepted
 from propmap.model.model import Model
 from propmap.model.section_covariance import SectionCovariance
 from propmap.model.uncertainty import fitted_uncertainty
-from propmap.vehicle.flight_log import FlightLog
-from propmap.vehicle.flight_names import flight_names
-from propmap.vehicle.vehicle import Vehicle
 
 BEYOND_ROTORS = BODY | SENSOR | TURNING | WAKES | FLIGHT
 """What the table ``[fit.body]`` has; the rest is the section law, its corrections and the wing."""
@@ -98,45 +90,6 @@ class FitFile:
         None where a flight's own hover plays no part.
         """
         return float(self.record.settings.get("hover_reference", 0.0)) or None
-
-    def values_for(
-        self, vehicle: Vehicle, log: FlightLog, paths: Sequence[Path]
-    ) -> tuple[dict[str, float], list[str]]:
-        """Parameters for flights, of which the fit may have seen some, and what is said of them.
-
-        A flight of the fit keeps its own.  Of any other, the thrust scale is what its own hover
-        measures beside the hover of the fit's flights, where both hover; else it is that of the
-        mean of the fit's flights, as its clock is.
-
-        Parameters
-        ----------
-        vehicle, log : Vehicle, FlightLog
-            What flew, and how.
-        paths : sequence of Path
-            The flights' files.
-        """
-        seen = {source.sha256: source.file for source in self.record.data}
-        fitted = flight_names([name for name in seen.values() if not name.endswith(".toml")])
-        own = dict(zip((n for n in seen.values() if not n.endswith(".toml")), fitted, strict=True))
-        values, told = of_others(self.values), []
-        by_hover = {}
-        if self.hover_reference:
-            by_hover = HoverScale.of(vehicle, log, self.hover_reference).scales
-        for flight, path in zip(log.flights, paths, strict=True):
-            name = seen.get(Source.of(path).sha256)
-            for one in PER_FLIGHT:
-                here = of_flight(one, flight)
-                values.pop(here, None)
-                if name is not None:
-                    common = values.get(one, EVERY[one].start)
-                    values[here] = self.values.get(of_flight(one, own[name]), common)
-            scale = of_flight("thrust_scale", flight)
-            if name is None and scale in by_hover:
-                values[scale] = by_hover[scale]
-                told.append(
-                    f"flight {flight}: thrust times {by_hover[scale]:.3f}, by its own hover"
-                )
-        return values, told
 
 
 def fit_text(

@@ -27,9 +27,9 @@ LEAST_HOVER = 0.5
 NAME = "thrust_scale"
 
 OVER_FLIGHTS, IN_HOVER = 0.02, 0.01
-"""Standard deviation of flights' scales beforehand, without and with a hover of their own.  Batteries,
-payloads and temperatures differ by so much; and by a hundredth do half seconds of one flight's
-hover, at its start and at its end: 0.7 and 1.2 % in the two flights of examples/neurobem."""
+"""Standard deviation of flights' scales beforehand, without and with a hover of their own.
+Batteries, payloads and temperatures differ by so much; and by a hundredth do half seconds of one
+flight's hover, at its start and at its end: 0.7 and 1.2 % in the two of examples/neurobem."""
 
 RANGE = (0.9, 1.1)
 """Of a scale; outside, the mass or the unit of the rotor speeds is wrong, and none is applied."""
