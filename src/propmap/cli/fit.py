@@ -211,7 +211,11 @@ def fit_flight(
         typer.Option("--stretches", metavar="FILE", help="Picture of the steady stretches."),
     ] = None,
 ) -> None:
-    """Fit flight logs of a vehicle."""
+    """Fit flight logs of a vehicle.
+
+    Whole flights have a thrust scale (where there are several) and a clock each. Wind is not
+    estimated: state it in the vehicle file.
+    """
     from propmap.cli.flight_files import read_flights
     from propmap.vehicle.time_derivatives import CUTOFF
     from propmap.vehicle.vehicle_toml import read_vehicle
