@@ -144,8 +144,9 @@ def coverage(found: dict[str, Any]) -> str:
 def flight_twins(found: dict[str, Any]) -> str:
     """How often the intervals of whole flights hold the truth."""
     rows = [
-        f"| parameter | truth | unit | called identified, of {found['repetitions']} | truth inside, "
-        "of these | of all | if rows were independent | median width | error without noise |",
+        f"| parameter | truth | unit | called identified, of {found['repetitions']} "
+        "| truth inside, of these | of all | if rows were independent | median width "
+        "| error without noise |",
         "|---|---:|---|---:|---:|---:|---:|---:|---:|",
     ]
     for name, case in found["coverage"].items():

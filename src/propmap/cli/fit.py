@@ -63,6 +63,10 @@ Picture = Annotated[
 ]
 
 
+EVERY = 3
+"""Of so many samples of whole flights one is fitted from all starts, and all from the best end."""
+
+
 class Method(StrEnum):
     """Which balance of forces is fitted."""
 
@@ -227,6 +231,7 @@ def fit_flight(
     say_doubts(doubts)
 
     from propmap.engine.compilation import keep_compiled
+    from propmap.engine.evaluation import FEW
     from propmap.fit.added_parameter import body_terms_verdict
     from propmap.fit.body_forces import wing_values
     from propmap.fit.by_flight import by_flight
@@ -269,7 +274,12 @@ def fit_flight(
     law = with_physics(law, physics, correction)
     model = ForceModel(file.vehicle, flights.log, law)
     make = level_rows if flights.level else balance_rows
-    fitted = fit(make(model, chosen), chosen, settings)
+    fewer = None
+    # Fewer points would take programs of their own.
+    if not flights.level and flights.log.rotor_speed.size >= EVERY * FEW:
+        part = flights.log.picked(slice(None, None, EVERY))
+        fewer = make(ForceModel(file.vehicle, part, law), chosen)
+    fitted = fit(make(model, chosen), chosen, settings, fewer)
     remarks = [*flights.remarks, *range_warnings(fitted.rows)]
     remarks += still_explained(fitted, model.log)
     remarks += doubts_on_constants(fitted)

@@ -103,7 +103,9 @@ class Fitted:
         return measured + self.residual[mine], measured
 
 
-def fit(rows: Rows, choice: Choice, settings: Settings | None = None) -> Fitted:
+def fit(
+    rows: Rows, choice: Choice, settings: Settings | None = None, fewer: Rows | None = None
+) -> Fitted:
     """Identify the free parameters; for level flights this is eq. (18).
 
     Parameters
@@ -114,6 +116,9 @@ def fit(rows: Rows, choice: Choice, settings: Settings | None = None) -> Fitted:
         Which parameters are free.
     settings : Settings, optional
         How to search.
+    fewer : Rows, optional
+        A part of the rows, to search from several starts at less cost; the best end is followed
+        on all rows.
 
     Raises
     ------
@@ -125,10 +130,14 @@ def fit(rows: Rows, choice: Choice, settings: Settings | None = None) -> Fitted:
     error = NOISE_FLOOR if choice.expected is None else LEAST_ERROR
     again = choice.priors or choice.expected is not None or settings.loss != "linear"
     begin_at = starts(choice, settings.starts, settings.seed)
-    found = search(rows, choice, begin_at, error=error, polish=not again)
+    alone = fewer is None and not again
+    found = search(fewer or rows, choice, begin_at, error=error, polish=alone)
+    if fewer is not None and not again:
+        better = search(rows, choice, [found.x], error=error)
+        found = replace(better, ends=found.ends)
     if again:
         # Only now is known how large errors are, against which priors and outliers count.
-        error = _typical_error(rows, choice, settings, found, error)
+        error = _typical_error(fewer or rows, choice, settings, found, error)
         if choice.expected is not None:
             error = max(error, LEAST_ERROR)
         better = search(rows, choice, [found.x], loss=settings.loss, error=error)

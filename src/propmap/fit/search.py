@@ -230,7 +230,7 @@ def search(
 
     allowance = (REFIT_EVALUATIONS, 1e-4, 1e-4) if follow else (EVALUATIONS, 1e-5, 1e-5)
     if polish and not follow and len(begin) == 1:
-        allowance = (EVALUATIONS, *FINE)
+        allowance = (FINAL_EVALUATIONS, *FINE)
     ends = minima([run(x0, *allowance) for x0 in begin], spread)
     best = ends[0]
     if polish and not follow:
