@@ -60,6 +60,7 @@ def write(folder: Path) -> None:
             "demo",
             "flight_residual",
             "flight_steps",
+            "flight_twins",
             "identification",
             "interference",
             "left_out",
@@ -79,6 +80,7 @@ def write(folder: Path) -> None:
         "speed": readme_tables.speed(found["speed"]),
         "twins": twins(found["identification"]),
         "coverage": coverage(found["identification"]),
+        "flight-twins": flight_twins(found["flight_twins"]),
         "by-angle": by_angle(found["demo"]),
         "flight-terms": flight_tables.terms(found["flight_steps"]),
         "flight-terms-recorded": flight_tables.terms_as_recorded(found["flight_steps"]),
@@ -144,6 +146,34 @@ def coverage(found: dict[str, Any]) -> str:
                 inside = ["-" if s is None else f"{100.0 * s:.1f} %" for s in shares]
                 cells = (twin, f"`{name}`", parameter, case["called_identified"], *inside)
                 rows.append(f"| {' | '.join(str(cell) for cell in cells)} |")
+    return "\n".join(rows)
+
+
+def flight_twins(found: dict[str, Any]) -> str:
+    """How often the intervals of whole flights hold the truth."""
+    rows = [
+        f"| parameter | truth | unit | called identified, of {found['repetitions']} "
+        "| truth inside, of these | of all | if rows were independent | median width "
+        "| error without noise |",
+        "|---|---:|---|---:|---:|---:|---:|---:|---:|",
+    ]
+    for name, case in found["coverage"].items():
+        shares = (
+            case["of_these_truth_inside"],
+            case["of_all_truth_inside"],
+            case["if_rows_were_independent"],
+        )
+        exact = found["noise_free"][name]
+        cells = (
+            f"`{name}`",
+            f"{exact['truth']:.3g}",
+            case["unit"],
+            case["called_identified"],
+            *("-" if share is None else f"{100.0 * share:.0f} %" for share in shares),
+            f"{case['median_width']:.2g}",
+            f"{100.0 * abs(exact['relative_error']):.1g} %",
+        )
+        rows.append(f"| {' | '.join(str(cell) for cell in cells)} |")
     return "\n".join(rows)
 
 

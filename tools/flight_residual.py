@@ -19,6 +19,7 @@ import numpy as np
 
 from propmap.arrays.types import Floats
 from propmap.cli.fit_terms import expected, read_pairs, steps
+from propmap.cli.flight_options import flight_priors
 from propmap.engine.compilation import compile_quickly, keep_compiled
 from propmap.fit.comparison import flight_forces
 from propmap.fit.learned_residual import learn
@@ -44,7 +45,8 @@ def main(folder: str, vehicle_path: str, *paths: str) -> None:
     file = read_vehicle(vehicle_path)
     flights, _ = read_pairs([Path(p) for p in paths], file, CUTOFF, None)
     prior = expected(None, file.vehicle)
-    last = steps(file.vehicle, prior)[-1]
+    known = flight_priors(file.vehicle, flights[0].passed, hover=False)
+    last = steps(file.vehicle, prior, known)[-1]
     base = Model(
         file.vehicle.propeller, prior.airfoil.with_corrections(["pitt-peters"]), file.vehicle.air
     )

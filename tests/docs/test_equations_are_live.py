@@ -10,7 +10,7 @@ import dataclasses
 import functools
 import importlib
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import jax
@@ -28,6 +28,7 @@ from propmap.papers.gill_dandrea_2017 import rotor_drag
 from propmap.physics.velocities import azimuth_nodes
 from propmap.solve import disk, load_slopes, rotor_loads
 from propmap.solve.problem import Case
+from propmap.vehicle import wake_table
 from propmap.vehicle.vehicle import Wakes, Wing
 from tests.docs.test_equations import functions, rows
 from tests.fit import test_paper_equations as paper

@@ -94,8 +94,8 @@ def _compare(
     from propmap.catalogue.lookup import propeller
     from propmap.engine.compilation import keep_compiled
     from propmap.fit.comparison import compare_forces, compare_tunnel, flight_forces
+    from propmap.fit.other_flights import values_for
     from propmap.fit.result_file import is_fit, read_fit
-    from propmap.fit.thrust_scale import HoverScale
 
     fitted = read_fit(fit) if is_fit(fit) else None
     if vehicle is not None:
@@ -106,15 +106,15 @@ def _compare(
         if prop is not None:
             raise InputError("--prop is given with a vehicle, which has its own", "leave it out")
         file = read_vehicle(vehicle)
-        values = fitted.values if fitted else wing_values(file.vehicle)
         keep_compiled()
         paths = [Path(item) for item in data]
         cutoff = fitted.low_pass if fitted else 0.0
-        reference = fitted.hover_reference if fitted else None
         flights = read_flights(paths, file, "balance", seconds=2.0, samples=2**31, low_pass=cutoff)
-        scale = HoverScale.of(file.vehicle, flights.log, reference) if reference else None
-        forces = flight_forces(file.vehicle, flights.log, law, values, scale=scale)
-        for text in (*flights.remarks, *(scale.told() if scale else ())):
+        values, told = wing_values(file.vehicle), list[str]()
+        if fitted:
+            values, told = values_for(fitted, file.vehicle, flights.log, paths)
+        forces = flight_forces(file.vehicle, flights.log, law, values)
+        for text in (*flights.remarks, *told):
             typer.echo(f"note: {text}", err=True)
         errors = compare_forces(file.vehicle, flights.log, forces)
         learned = fitted.learned_residual if fitted else None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -11,10 +11,10 @@ import numpy as np
 import typer
 
 from propmap.arrays.types import Floats
-from propmap.cli.flight_options import BLADE, LowPass, with_flight_priors
+from propmap.cli.flight_options import BLADE, LowPass, flight_priors, with_flight_priors
 from propmap.cli.prior_options import PriorFrom, section_prior
 from propmap.errors import InputError, quoted
-from propmap.fit.parameters import FLEX, MOUNT, SECTION, SENSOR, WAKES, Choice
+from propmap.fit.parameters import FLEX, MOUNT, SECTION, SENSOR, WAKES, Choice, Prior
 
 if TYPE_CHECKING:
     from propmap.fit.flight_terms import Flight, Step
@@ -86,7 +86,7 @@ def fit_terms_page(
     found = fit_terms(
         file.vehicle,
         flights,
-        steps(file.vehicle, prior),
+        steps(file.vehicle, prior, flight_priors(file.vehicle, flights[0].passed, hover=False)),
         law,
         samples=samples,
         tell=lambda text: typer.echo(text, err=True),
@@ -107,10 +107,10 @@ def expected(prior_from: str | None, vehicle: Vehicle) -> SectionPrior:
     return prior
 
 
-def steps(vehicle: Vehicle, prior: SectionPrior) -> list[Step]:
+def steps(vehicle: Vehicle, prior: SectionPrior, known: Mapping[str, Prior]) -> list[Step]:
     """The models of a ``vehicle``'s flights, each with one term more, in order.
 
-    ``prior`` is what other propellers tell of the blade.
+    ``prior`` is what other propellers tell of the blade, ``known`` what is known of other terms.
     """
     from propmap.fit.flight_terms import Step
 
@@ -127,8 +127,12 @@ def steps(vehicle: Vehicle, prior: SectionPrior) -> list[Step]:
         "blades that give way": (*blade, *wakes, *FLEX),
         "download of the body": (*blade, *wakes, *FLEX, *DOWN),
     }
-    found = [Step("vertical balance alone", _choice(STALL, prior, mount), vertical=True)]
-    return found + [Step(name, _choice(f, prior, mount)) for name, f in named.items() if f]
+
+    def choice(free: tuple[str, ...]) -> Choice:
+        return with_flight_priors(_choice(free, prior, mount), known)
+
+    found = [Step("vertical balance alone", choice(STALL), vertical=True)]
+    return found + [Step(name, choice(f)) for name, f in named.items() if f]
 
 
 def _choice(free: tuple[str, ...], prior: SectionPrior, mount: tuple[str, ...]) -> Choice:
@@ -137,7 +141,7 @@ def _choice(free: tuple[str, ...], prior: SectionPrior, mount: tuple[str, ...]) 
     at = {name: float(getattr(prior.airfoil, name)) for name in SECTION}
     fixed = {name: value for name, value in {**at, **absent}.items() if name not in free}
     start = {name: value for name, value in at.items() if name in free}
-    return with_flight_priors(Choice(free, fixed, {}, start, prior))
+    return Choice(free, fixed, {}, start, prior)
 
 
 def read_pairs(

@@ -11,7 +11,7 @@ from propmap.arrays.types import Floats
 from propmap.baselines.hover import HoverModel
 from propmap.errors import InputError
 from propmap.fit.force_model import ForceModel, hover_loads
-from propmap.fit.parameters import MOUNT, SENSOR, TURNING, WAKES, WING, Choice
+from propmap.fit.parameters import MOUNT, SENSOR, TURNING, WAKES, WING, Choice, general
 from propmap.fit.rows import Rows
 from propmap.fit.tunnel import model_with
 from propmap.fit.turning import measured_moment
@@ -114,7 +114,7 @@ def _rows(
     """A row per load ``measured`` (n, L), in units of the weight and of that at the hubs' mean
     distance from the centre of mass, or at a radius where that is none."""
     if names == VERTICAL:
-        useless = [name for name in choice.free if name in SENSOR | TURNING]
+        useless = [name for name in choice.free if general(name) in SENSOR | TURNING]
         if useless:
             raise InputError(
                 f"{useless[0]} has no part in steady stretches", "fit it with --method balance"
