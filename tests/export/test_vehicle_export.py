@@ -197,7 +197,9 @@ def test_operations_are_counted(
         said = getattr(stated.operations, kind)
         assert 0.8 * said <= usual <= said, kind
         assert most <= getattr(stated.worst, kind), kind
-    note = " ".join((tmp_path / "README-c.txt").read_text().split())
+    text = (tmp_path / "README-c.txt").read_text()
+    assert "\n\nWeight and the gyroscopic" in text  # a paragraph of its own
+    note = " ".join(text.split())
     assert f"A call takes {stated.operations.total} operations" in note
 
 
