@@ -139,5 +139,5 @@ def test_it_comes_back_from_a_file_and_damage_is_told() -> None:
 
 def test_a_short_flight_is_refused() -> None:
     short = flown(1).picked(slice(0, 200))
-    with pytest.raises(InputError, match=r"10 stretches of 1 s; learn a residual from 30"):
+    with pytest.raises(InputError, match=r"10 stretches of 1 s; learn a residual from 20"):
         learn(VEHICLE, short, noise(1)[:200])

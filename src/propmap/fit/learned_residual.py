@@ -27,6 +27,9 @@ ALIKE = 1.0
 FOLDS = 5
 """Parts of each flight, one after the other, that are left out in turn."""
 
+LEAST = 20
+"""Stretches of a second to learn from; the spread of the weights holds what these do not tell."""
+
 FADE = 0.25
 """How far outside the envelope the correction is gone, as a share of the envelope."""
 
@@ -201,7 +204,7 @@ def learn(vehicle: Vehicle, log: FlightLog, left: Floats) -> LearnedResidual:
     Raises
     ------
     InputError
-        Where there are fewer stretches than features.
+        Where there are fewer than ``LEAST`` stretches.
     """
     by_name = features(vehicle, log)
     names = tuple(by_name)
@@ -210,10 +213,10 @@ def learn(vehicle: Vehicle, log: FlightLog, left: Floats) -> LearnedResidual:
     found, scale, left = found[known], scale[known], left[known]
     blocks = log.stretches(ALIKE)[known]
     count = np.unique(blocks).size
-    if count < 2 * len(names):
+    if count < LEAST:
         raise InputError(
             f"the flights have {count} stretches of {ALIKE:g} s",
-            f"learn a residual from {2 * len(names)} or more, or leave --residual out",
+            f"learn a residual from {LEAST} or more, or leave --residual out",
             log.source,
         )
     middle, spread = _sizes(found, scale)
