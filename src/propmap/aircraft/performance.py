@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from propmap.aircraft.deviations import derivatives, spread
 from propmap.aircraft.steady import Aircraft, SteadyStates
@@ -31,8 +32,9 @@ WITHIN = 0.999
 TOP = 3
 """Number of the top speed among the states with a name."""
 
-SPEEDS = 41
-"""At which power is looked at, from rest to the top speed."""
+SPEEDS, BETWEEN = 41, 13
+"""At which power is looked at, from rest to the top speed; and between the neighbours of the least
+of these."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,6 +82,8 @@ class Performance:
         ground (without a battery: per energy), at the top speed; None where there is none.
     limit : str
         Status of states just above the top speed; empty where none was found up to ``FASTEST``.
+    at_rest : str
+        Status in hover.
     wind : float
         Headwind [m/s].
     """
@@ -92,6 +96,7 @@ class Performance:
     best_range: NamedState | None
     fastest: NamedState | None
     limit: str
+    at_rest: str
     wind: float
 
 
@@ -150,10 +155,22 @@ def performance(
     last = speed[-1] if math.isnan(fastest) else fastest
     grid = np.linspace(0.0, last, SPEEDS)
     curve = aircraft.steady(grid, climb, margin=False, near=states)
-    power = curve.power
+    power, at_rest = curve.power, str(curve.status[0])
     ok = np.isfinite(power)
     # Distance per energy; where the wind is faster there is none.
     ahead = ok & (grid > wind)
+    if ahead.any():
+        # Once more about both of the least, since a wing that stalls makes the power jump.
+        places = (
+            _around(grid, np.flatnonzero(ok), power),
+            _around(grid, np.flatnonzero(ahead), power / np.where(ahead, grid - wind, 1.0)),
+        )
+        finer = np.setdiff1d(np.concatenate(places), grid)
+        between = aircraft.steady(finer, climb, margin=False, near=curve).power
+        order = np.argsort(np.concatenate([grid, finer]))
+        grid, power = (np.concatenate(each)[order] for each in ((grid, finer), (power, between)))
+        ok = np.isfinite(power)
+        ahead = ok & (grid > wind)
     least = _lowest(grid[ok], power[ok])
     best = _lowest(grid[ahead], power[ahead] / (grid[ahead] - wind))
     wanted = np.array([0.0, least, best, fastest])
@@ -173,7 +190,7 @@ def performance(
     ground = states.speed - wind
     hover, least_power, best_range, top = named
     return Performance(
-        states, times, times * ground, hover, least_power, best_range, top, limit, wind
+        states, times, times * ground, hover, least_power, best_range, top, limit, at_rest, wind
     )
 
 
@@ -207,6 +224,12 @@ def _named(
         distance=time * (v - wind),
         **std,
     )
+
+
+def _around(x: Floats, places: NDArray[np.intp], y: Floats) -> Floats:
+    """Values between the neighbours of that of the ``places`` in ``x`` where ``y`` is least."""
+    k = places[np.argmin(y[places])]
+    return np.linspace(x[max(k - 1, 0)], x[min(k + 1, x.size - 1)], BETWEEN)
 
 
 def _lowest(x: Floats, y: Floats) -> float:

@@ -18,6 +18,10 @@ if TYPE_CHECKING:
     from propmap.table.query import LoadTable
 
 
+FORWARD = 0.5
+"""Upward part of the rotors' mean axis below which they pull forward."""
+
+
 class LoadSource(Protocol):
     """What gives loads for a velocity in the rotor frame, as ``Rotor`` and ``LoadTable`` do."""
 
@@ -74,6 +78,11 @@ class Rotors:
 
     def __len__(self) -> int:
         return len(self.spin)
+
+    @property
+    def forward(self) -> bool:
+        """Whether they pull forward rather than up."""
+        return float(self.axis[:, 2].mean()) < FORWARD
 
     @classmethod
     def of(cls, vehicle: Vehicle, loads: Rotor | LoadTable) -> Rotors:

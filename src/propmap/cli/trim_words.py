@@ -189,7 +189,8 @@ def told(found: Performance | None) -> list[str]:
             if name == "fastest" and not found.limit:
                 lines.append(f"{words}: above {FASTEST:g} m/s, no limit was met")
             else:
-                lines.append(f"{words}: none; {STATUSES.get(found.limit, 'not found')}")
+                why = found.at_rest if name == "hover" else found.limit
+                lines.append(f"{words}: none; {STATUSES.get(why, 'not found')}")
             margin = float(found.states.thrust_margin[0])
             if name == "hover" and found.states.speed[0] == 0.0 and margin < 1.0:
                 lines[-1] += f"; thrust there is {margin:.2f} of what is needed"
