@@ -120,7 +120,29 @@ def test_candidates() -> None:
     with pytest.raises(InputError, match="no propeller of the catalogue"):
         catalogue_candidates((1.0, 2.0))
     own = file_candidate("apc-8x6e")
-    assert own.covariance is None and own.varied() == []
+    assert own.covariance is not None and own.verdict != "section law as given"
+    given = file_candidate("apc-8x6e", propmap.airfoil("paper-apc"))
+    assert given.covariance is None and given.varied() == []
+    # What was never measured has the spread of its like.
+    likely = file_candidate("HQ 10x5x3")
+    assert likely.propeller.blades == 3 and likely.varied()
+
+
+@pytest.mark.slow
+def test_the_longest_flight_is_that_of_least_power(candidates: list[Candidate]) -> None:
+    """At one voltage; and the way is time times speed."""
+    some = candidates[:3]
+    by = {
+        measure: Ranking(quadcopter(), Task("cruise", 12.0, measure=measure), RECOMMENDED).judged(
+            some
+        )
+        for measure in ("energy", "time", "range")
+    }
+    names = {measure: [one.candidate.name for one in found] for measure, found in by.items()}
+    assert names["energy"] == names["time"] == names["range"]
+    for lasts, reaches in zip(by["time"], by["range"], strict=True):
+        assert lasts.score == pytest.approx(lasts.cruise_time)
+        assert reaches.score == pytest.approx(12.0 * lasts.score)
 
 
 def test_disks_that_overlap_do_not_fit() -> None:
@@ -138,6 +160,8 @@ def test_bad_tasks() -> None:
     legs = Mission(np.array([1.0]), np.array([0.0]), np.array([1.0]))
     for task, told in (
         (("loiter", 10.0), "choose from hover"),
+        (("cruise",), "cruise has no speed"),
+        (("fast", 10.0, None, 1.5, "time"), "not ranked by time"),
         (("cruise", 0.0), "above 0"),
         (("cruise", math.nan), "above 0"),
         (("mission", 10.0), "give a mission"),

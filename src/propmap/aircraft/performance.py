@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.aircraft.deviations import derivatives, spread
+from propmap.aircraft.deviations import spread
+from propmap.aircraft.response import Responses
 from propmap.aircraft.steady import Aircraft, SteadyStates
 from propmap.arrays.types import Floats
 from propmap.errors import InputError
@@ -204,7 +205,7 @@ def _deviations(aircraft: Aircraft, states: SteadyStates, limit: str) -> dict[st
     found["endurance_std"] = 0.5 * (less - more)
     if limit in sure.used:
         # Where a share of the limit is 1: what it errs by over its slope by the speed.
-        slope = derivatives(aircraft, states, ["speed"])["speed"].used[limit]
+        slope = Responses(aircraft, states).to_flight("speed").used[limit]
         found["speed_std"] = np.divide(
             sure.used[limit], np.abs(slope), out=np.full_like(slope, math.nan), where=slope != 0.0
         )
