@@ -141,6 +141,7 @@ CASES = {
     "negative density": ("density = 1.1", "density = -1.1", "vehicle.toml: [air]", "positive"),
     "negative drag": ("[0.01, 0.01, 0.02]", "[0.01, -1, 0]", "[body]", "areas of 0 or more"),
     "no wing area": ("area = 0.2\n", "", "[wing]: no area", "add area ="),
+    "a rotor's place in mm": ("[0.1, 0.2, 0.05]", "[100, 200, 50]", "position is [100", "not mm"),
     "a span that is a chord": (
         "area = 0.2",
         "area = 0.2\nspan = 0.3",

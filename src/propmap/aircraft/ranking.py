@@ -100,7 +100,7 @@ class Ranking:
     def judged(
         self, candidates: Sequence[Candidate], progress: Callable[[], None] | None = None
     ) -> list[Judged]:
-        """All candidates, the best first, then those that are not feasible.
+        """All candidates, the best first, then those that are not feasible, by thrust margin.
 
         Parameters
         ----------
@@ -123,7 +123,11 @@ class Ranking:
         sign = -1.0 if self.task.most_is_best else 1.0
         order = sorted(
             range(len(found)),
-            key=lambda k: (not found[k].feasible, sign * np.nan_to_num(found[k].score)),
+            key=lambda k: (
+                (False, sign * found[k].score)
+                if found[k].feasible
+                else (True, -np.nan_to_num(found[k].thrust_margin))
+            ),
         )
         return [found[k] for k in order]
 
@@ -237,7 +241,8 @@ class Ranking:
                 more = f", {100.0 * used[k]:.0f} % of it" if used is not None else ""
                 margin = float(states.thrust_margin[k])
                 if math.isfinite(margin):
-                    more += f"; thrust is {margin:.2f} of what is needed"
+                    needed = "what is needed" if k else "the weight"
+                    more += f"; thrust is {margin:.2f} of {needed}"
                 return f"{what}: {STATUSES[status]}{more}"
         margin = float(states.thrust_margin[0])
         if not margin >= self.task.thrust_margin:

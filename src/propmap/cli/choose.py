@@ -137,7 +137,8 @@ def choose(
     if form is Format.table:
         fit = [one for one in judged if one.feasible]
         shown = fit if all_ else fit[:top]
-        show(output, title, table_of(wanted, shown), *told_of(judged, top, all_=all_))
+        ranked = [table_of(wanted, shown)] if shown else []
+        show(output, title, *ranked, *told_of(judged, top, all_=all_))
     else:
         rows = rows_of(wanted, judged)
         emit_rows(list(rows[0]), rows, form, output)

@@ -39,7 +39,15 @@ from propmap.cli.rotor_options import (
     Corrections,
     ModelOption,
 )
-from propmap.cli.trim_words import named, plain, say_beyond_data, say_moments, table_of, told
+from propmap.cli.trim_words import (
+    named,
+    plain,
+    say_beyond_data,
+    say_fastest,
+    say_moments,
+    table_of,
+    told,
+)
 from propmap.errors import InputError
 
 if TYPE_CHECKING:
@@ -143,6 +151,7 @@ def trim(
         from propmap.aircraft.performance import performance
 
         found = performance(craft, flown[0], climb=float(climbs[0]), wind=wind, bands=bands)
+        say_fastest(craft, flown[0], found)
     sure = _deviations(craft, flown, bands=bands)
     command = shlex.join(["propmap", *context.obj])
     if netcdf and output is not None:

@@ -46,7 +46,7 @@ KEYS = (
 PROPELLER_KEYS = ("geometry", "blades", "radius", "root_cutout")
 WAKE_RANGES = {"ahead": 20.0, "beside": 20.0, "downwash": 20.0, "share": 2.0}
 """Largest values of the table ``[wakes]``."""
-FARTHEST_SENSOR = 5.0
+FARTHEST_SENSOR, FARTHEST_ROTOR = 5.0, 20.0
 """From the centre of mass, along each axis [m]."""
 WING_KEYS = ("area", "incidence", "c_l1", "c_l2", "alpha_0", "span")
 GEOMETRY = '"apc-8x6e", a name of `propmap props` or a geometry file beside this file'
@@ -151,6 +151,8 @@ def _mount_drags(top: TomlTable, rotors: int) -> Sequence[MountDrag | None]:
 
 def _mount(table: TomlTable, flip: bool, drag: MountDrag | None) -> Mount:
     position = table.vector("position", "[x, y, z], in m from the centre of mass")
+    if max(abs(x) for x in position) > FARTHEST_ROTOR:
+        raise InputError(f"position is {list(position)} m", "give it in m, not mm", table.where)
     spin = table.choice("spin", SPINS)
     if "axis" not in table:
         return Mount(_flu(position, flip), spin=spin, drag=drag)
