@@ -87,7 +87,8 @@ def derivatives(
     Raises
     ------
     InputError
-        For another name, and a constant where loads come from a table.
+        For another name, a constant where loads come from a table, and the diameter of rotors in
+        each other's wakes.
     """
     wanted = list(names)
     own = tuple(name for name in wanted if name not in VEHICLE)
@@ -190,6 +191,11 @@ def _to_parameters(
     responses: Responses, names: tuple[str, ...], few: int | None = None
 ) -> list[Response]:
     """By constants of the section law and geometry; ``few`` is that of ``parameter_slopes``."""
+    if DIAMETER in names and responses.aircraft.vehicle.wakes is not None:
+        raise InputError(
+            f"there is no derivative by {DIAMETER!r} where rotors are in each other's wakes",
+            "leave [wakes] out for it: Vehicle(..., wakes=None)",
+        )
     changes = []
     for source, which in responses.aircraft.rotors.sources:
         if not isinstance(source, Rotor):
