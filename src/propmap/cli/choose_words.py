@@ -7,11 +7,9 @@ import math
 from collections import Counter
 from typing import TYPE_CHECKING, Any
 
-from propmap.cli.output import grid
+from propmap.cli.output import WideGrid, grid
 
 if TYPE_CHECKING:
-    from rich.table import Table
-
     from propmap.aircraft.ranking import Judged
     from propmap.aircraft.task import Task
 
@@ -23,7 +21,7 @@ SURE = 0.95
 """Probability below which neighbours are said not to be separated."""
 
 
-def table_of(task: Task, judged: list[Judged]) -> Table:
+def table_of(task: Task, judged: list[Judged]) -> WideGrid:
     """The first of a ranking, ``judged`` for a ``task``, in a table."""
     from propmap.aircraft.ranking_comparison import beats
 
@@ -61,7 +59,10 @@ def table_of(task: Task, judged: list[Judged]) -> Table:
         "same; margin: thrust at the first limit over weight, in hover; doubtful constants: why, "
         "by --format csv"
     )
-    return grid("|".join(heads), rows, f"ranked by {task.words} [{unit}]", caption)
+    speed = f"{task.speed:g} m/s" if cruise else ""
+    spare = ("hover [min]", f"{speed} [min]", "margin", "top [m/s]", "1 beats it", f"{speed} [W]")
+    title = f"ranked by {task.words} [{unit}]"
+    return WideGrid("|".join(heads), rows, title, caption, spare)
 
 
 def _share(probability: float) -> str:

@@ -10,16 +10,17 @@ import typer
 
 from propmap.catalogue.identified import Identified, identified
 from propmap.cli.aircraft_options import digits, number_or_none
-from propmap.cli.output import grid
+from propmap.cli.output import WideGrid
 from propmap.cli.plausibility import say_doubts
 from propmap.model.plausible import doubts_on_points
 
 if TYPE_CHECKING:
-    from rich.table import Table
-
     from propmap.aircraft.deviations import Spread
     from propmap.aircraft.performance import NamedState, Performance
     from propmap.aircraft.steady import Aircraft, SteadyStates
+
+SPARE = ("throttle [%]", "I motor [A]", "T [N]", "P shaft [W]", "way [km]", "roll [deg]", "rpm")
+"""Columns that a narrow window goes without, the first first."""
 
 LEVEL = 1e-4
 """Roll [rad] that is not worth a column."""
@@ -100,7 +101,7 @@ def plain(state: NamedState | None) -> dict[str, float | None] | None:
     return None if state is None else {k: number_or_none(v) for k, v in vars(state).items()}
 
 
-def table_of(states: SteadyStates, sure: Spread | None, found: Performance | None) -> Table:
+def table_of(states: SteadyStates, sure: Spread | None, found: Performance | None) -> WideGrid:
     """States in a table.
 
     Parameters
@@ -156,7 +157,7 @@ def table_of(states: SteadyStates, sure: Spread | None, found: Performance | Non
 
     met = [status for status in STATUSES if status != "ok" and status in states.status]
     caption += "".join(f"\n{status}: {STATUSES[status]}" for status in met)
-    return grid("|".join(heads), zip(*columns, strict=True), title, caption)
+    return WideGrid("|".join(heads), list(zip(*columns, strict=True)), title, caption, SPARE)
 
 
 def _rough(std: float) -> str:
