@@ -11,9 +11,10 @@ import numpy as np
 
 from propmap.aircraft.candidates import Candidate
 from propmap.aircraft.mission import fly as fly_mission
-from propmap.aircraft.performance import endurance, top_speed
+from propmap.aircraft.performance import endurance
 from propmap.aircraft.steady import STATUSES, Aircraft, SteadyStates
 from propmap.aircraft.task import Task
+from propmap.aircraft.top_speed import top_speed
 from propmap.engine.batch import cores
 from propmap.model.corrections import Correction
 from propmap.model.model import Model

@@ -191,8 +191,8 @@ def told(found: Performance | None) -> list[str]:
     if found is None:
         return []
     from propmap.aircraft.limits import LIMITS
-    from propmap.aircraft.performance import FASTEST
     from propmap.aircraft.steady import STATUSES
+    from propmap.aircraft.top_speed import FASTEST
 
     lines = []
     climbs = bool(found.states.climb[0])
