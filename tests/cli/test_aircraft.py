@@ -125,8 +125,8 @@ def test_a_mission_and_a_turn(run: Run) -> None:
 
 @pytest.mark.slow
 def test_choosing(run: Run) -> None:
-    chosen = ["choose", "quad.toml", "--speed", "10", "--diameter", "8:9"]
-    done = run(*chosen, "--propeller", "apc-8x6e", "--picture", "front.png", "--top", "2")
+    chosen = ["choose", "quad.toml", "--speed", "10", "--diameter", "9:9", "--blades", "3"]
+    done = run(*chosen, "--propeller", "apc-8x6e", "--picture", "front.png", "--top", "4")
     assert done.code == 0 and Path("front.png").exists()
     assert "1 beats it" in done.out and "top speeds are limited by" in done.out
     assert "ranked by" in done.out and "apc-8x6e" in done.out
