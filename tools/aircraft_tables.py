@@ -83,7 +83,7 @@ def transition(found: list[dict[str, Any]]) -> str:
     for one in found:
         beta = "-" if one["beta_deg"] is None else f"{one['beta_deg']:.0f}"
         rows.append(
-            f"| {one['speed']:g} | {beta} | {one['pitch_deg']:.0f} | {one['rpm']:.0f} "
+            f"| {one['speed']:g} | {beta} | {round(one['pitch_deg'])} | {one['rpm']:.0f} "
             f"| {one['power']:.0f} ± {one['power_std']:.0f} | {100.0 * one['wing_share']:.0f} % |"
         )
     return "\n".join(rows)
