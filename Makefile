@@ -5,7 +5,7 @@ READY := $(VENV)/ready
 DOCS_READY := $(VENV)/docs-ready
 PEERS_READY := $(VENV)/peers-ready
 
-.PHONY: demo reproduce test test-fast test-readers test-numpy test-slow lint types bench bench-table bench-fine-table bench-choice bench-identification bench-flight-twins bench-peers bench-phases bench-options bench-aircraft bench-mount bench-roofline bench-accelerator convergence docs clean bench-certificates bench-lifting-line
+.PHONY: demo reproduce test test-fast test-readers test-numpy test-slow lint types bench bench-table bench-fine-table bench-choice bench-identification bench-peers bench-phases bench-options bench-aircraft bench-mount bench-roofline bench-accelerator convergence docs clean bench-certificates bench-lifting-line bench-interference bench-flight-twins
 
 $(READY): pyproject.toml constraints.txt
 	python3 -m venv $(VENV)
@@ -93,6 +93,9 @@ bench-options: $(READY)
 
 bench-aircraft: $(READY)
 	$(BIN)/python -m benchmarks.aircraft
+
+bench-interference: $(READY)
+	$(BIN)/python -m benchmarks.interference
 
 bench-mount: $(READY)
 	$(BIN)/python -m benchmarks.mount_drag

@@ -20,7 +20,7 @@ from propmap.fit.population.summary import summary
 from propmap.io.atomic_file import replacing
 from propmap.papers.gill_dandrea_2017.drag_effects import drag_effects
 from tools import drag_effects as drag_effects_table
-from tools import lifting_line_tables, performance_tables, readme_tables
+from tools import flight_tables, lifting_line_tables, performance_tables, readme_tables
 
 RESULTS = Path(__file__).resolve().parent.parent / "benchmarks" / "results"
 LOADS = {
@@ -58,8 +58,11 @@ def write(folder: Path) -> None:
             "choice",
             "convergence",
             "demo",
+            "flight_residual",
+            "flight_steps",
             "flight_twins",
             "identification",
+            "interference",
             "left_out",
             "mount_drag",
             "lifting_line",
@@ -79,6 +82,11 @@ def write(folder: Path) -> None:
         "coverage": coverage(found["identification"]),
         "flight-twins": flight_twins(found["flight_twins"]),
         "by-angle": by_angle(found["demo"]),
+        "flight-terms": flight_tables.terms(found["flight_steps"]),
+        "flight-terms-recorded": flight_tables.terms_as_recorded(found["flight_steps"]),
+        "flight-residual": flight_tables.learned(found["flight_residual"]),
+        "wakes-cost": flight_tables.wakes_cost(found["interference"]),
+        "wakes-coaxial": flight_tables.coaxial(found["interference"]),
         "mount-drag": mount_drag(found["mount_drag"]),
         "measured-power": measured_power(found["aircraft"]["power"]),
         "aircraft-times": aircraft_times(found["aircraft"]),

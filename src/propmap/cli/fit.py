@@ -24,8 +24,10 @@ from propmap.cli.fit_options import (
 from propmap.cli.flight_options import (
     HoverScale,
     LowPass,
+    Residual,
     flight_priors,
     free_by_default,
+    learned_residual,
     with_flight_priors,
 )
 from propmap.cli.output import check_output, check_pictures, show, write_text
@@ -200,6 +202,7 @@ def fit_flight(
     ] = 500,
     low_pass: LowPass = None,
     hover_scale: HoverScale = True,
+    residual: Residual = False,
     body_study: Annotated[
         bool,
         typer.Option("--body-study", help="Say whether body lift and drag earn their place."),
@@ -283,6 +286,8 @@ def fit_flight(
     remarks = [*flights.remarks, *range_warnings(fitted.rows)]
     remarks += still_explained(fitted, model.log)
     remarks += doubts_on_constants(fitted)
+    learned = learned_residual(model, fitted, wanted=residual, level=flights.level)
+    remarks += learned.told() if learned else []
     if body_study:
         remarks += body_terms_verdict(fitted, lambda c: make(model, c))
     flown = by_flight(fitted, flights.log)
@@ -303,6 +308,7 @@ def fit_flight(
             "low_pass": 0.0 if flights.level else cutoff,
             "hover_reference": (hovers and hovers.reference_at(fitted.values)) or 0.0,
             "vehicle": file.vehicle.name,
+            **({"learned_residual": learned.table()} if learned else {}),
         },
         flights=flown,
     )

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from propmap.errors import InputError
 from propmap.fit.flight_parameters import of_each
 from propmap.fit.parameters import BODY, FLEX, MOUNT, PAPER_FOUR, TURNING, WAKES, Choice, Prior
 from propmap.fit.sensor_forces import OFFSET
@@ -17,6 +18,9 @@ from propmap.fit.thrust_scale import HoverScale as Measured
 from propmap.fit.turning import CENTRE
 
 if TYPE_CHECKING:
+    from propmap.fit.fitted import Fitted
+    from propmap.fit.force_model import ForceModel
+    from propmap.fit.learned_residual import LearnedResidual
     from propmap.vehicle.flight_log import FlightLog
     from propmap.vehicle.vehicle import Vehicle
 
@@ -33,6 +37,13 @@ HoverScale = Annotated[
     typer.Option(
         "--hover-scale/--no-hover-scale",
         help="Expect each flight's thrust scale where its own hover has it, in fits and checks.",
+    ),
+]
+Residual = Annotated[
+    bool,
+    typer.Option(
+        "--residual",
+        help="Also learn a small correction of what the physics leaves, told and filed apart.",
     ),
 ]
 
@@ -120,3 +131,20 @@ def with_flight_priors(choice: Choice, known: Mapping[str, Prior]) -> Choice:
     """The ``choice`` with what is ``known`` of those free parameters that have no prior."""
     more = {n: p for n, p in known.items() if n in choice.free and n not in choice.priors}
     return replace(choice, priors={**more, **choice.priors}) if more else choice
+
+
+def learned_residual(
+    model: ForceModel, fitted: Fitted, *, wanted: bool, level: bool
+) -> LearnedResidual | None:
+    """What ``--residual`` learns from the samples of a fit; None where it is not ``wanted``.
+
+    Raises ``InputError`` for steady stretches (``level``), and flights that are too short.
+    """
+    if not wanted:
+        return None
+    if level:
+        raise InputError("--residual is for whole flights", "add --method balance")
+    from propmap.fit.learned_residual import learn
+
+    left = model.vehicle.mass * model.log.specific_force - model.at(fitted.values, ()).force
+    return learn(model.vehicle, model.log, left)

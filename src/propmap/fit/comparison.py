@@ -26,7 +26,7 @@ from propmap.model.model import Model, Section
 from propmap.rotor import Rotor
 from propmap.vehicle.flight_log import GRAVITY, FlightLog
 from propmap.vehicle.hub_flow import HubFlow, hub_flow, rotor_wrench
-from propmap.vehicle.interference import check_apart, wake_flow
+from propmap.vehicle.interference import in_wakes
 from propmap.vehicle.mounted_rotors import mounted_rotors
 from propmap.vehicle.vehicle import Vehicle
 
@@ -100,14 +100,10 @@ def flight_forces(
     model = Model(vehicle.propeller, law, vehicle.air)
     logged = hub_flow(vehicle, log)
     flow = logged._replace(omega=values.get(ROTOR_SPEED, 1.0) * logged.omega)
-    loads = _rotor_loads(vehicle, model, flow)
-    wakes = wakes_with(vehicle, values)
+    wakes, near = wakes_with(vehicle, values), flow
     if wakes is not None:
-        check_apart(vehicle)
-        wake = wake_flow(vehicle, wakes, flow, loads[0])
-        near = flow._replace(axial=flow.axial + wake.known)
-        loads = _rotor_loads(vehicle, model, near)
-        loads = np.where(np.isfinite(wake.added), loads, np.nan)
+        near = in_wakes(vehicle, wakes, model, flow)
+    loads = _rotor_loads(vehicle, model, near)
     values = {**FIRST_GUESS, **values}
     force, moment = rotor_wrench(flow, loads)
     scale = at_samples("thrust_scale", values, log)[:, None]

@@ -48,6 +48,26 @@ def level_rows(model: ForceModel, choice: Choice) -> Rows:
     return _rows(model, choice, VERTICAL, weight)
 
 
+def vertical_rows(model: ForceModel, choice: Choice, *, stretch: float = ALIKE) -> Rows:
+    """A row per sample of a whole flight: the vertical forces alone, as in (16) and (17).
+
+    Where the flight is not steady, mass times the vertical specific force stands for the weight.
+
+    Parameters
+    ----------
+    model, choice, stretch
+        As for ``balance_rows``.
+
+    Raises
+    ------
+    InputError
+        For free parameters that do not act.
+    """
+    log = model.log
+    measured = model.vehicle.mass * np.sum(log.specific_force * log.up, axis=1, keepdims=True)
+    return _rows(model, choice, VERTICAL, measured, log.stretches(stretch))
+
+
 def balance_rows(model: ForceModel, choice: Choice, *, stretch: float = ALIKE) -> Rows:
     """Rows of a whole flight: all forces but gravity against m times the specific force.
 

@@ -26,6 +26,7 @@ from propmap.fit.fit_record import (
     read_record,
 )
 from propmap.fit.fitted import Fitted
+from propmap.fit.learned_residual import LearnedResidual
 from propmap.fit.parameters import (
     BODY,
     FLIGHT,
@@ -90,6 +91,12 @@ class FitFile:
         None where a flight's own hover plays no part.
         """
         return float(self.record.settings.get("hover_reference", 0.0)) or None
+
+    @property
+    def learned_residual(self) -> LearnedResidual | None:
+        """What ``propmap fit flight --residual`` learned besides; None where it did not."""
+        table = self.record.settings.get("learned_residual")
+        return None if table is None else LearnedResidual.of_table(table)
 
 
 def fit_text(
