@@ -78,7 +78,8 @@ def coverage(twin: Twin, noise: Noise) -> Iterator[dict[str, Any]]:
         off[k] = (found.x - wanted) / np.sqrt(np.diag(sure.covariance))
         took = time.process_time() - begin
         print(k, f"{inside[k].sum()} of {len(FREE)}, {took:.1f} s", flush=True)
-        yield told(*(one[: k + 1] for one in (inside, alone, good, width, off)))
+        done = slice(k + 1)
+        yield told(inside[done], alone[done], good[done], width[done], off[done])
 
 
 def told(inside: Bools, alone: Bools, good: Bools, width: Floats, off: Floats) -> dict[str, Any]:
