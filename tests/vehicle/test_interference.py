@@ -255,15 +255,30 @@ def test_turning_the_flight_by_a_quarter_turns_what_the_rotors_meet() -> None:
 
 
 def test_gains_multiply_each_its_own_part() -> None:
+    """While they are small: gains of upwash have a limit."""
     quad, flow = square(0.15), flow_of(square(0.15), [(9.0, 2.0, -1.0)])
-    thrust = thrusts(quad, 1)
+    thrust, small = thrusts(quad, 1), 1e-3
     parts = [
-        wake_flow(quad, replace(Wakes(0.0, 0.0, 0.0), **{name: 1.0}), flow, thrust).added
+        wake_flow(quad, replace(Wakes(0.0, 0.0, 0.0), **{name: small}), flow, thrust).added
         for name in ("ahead", "beside", "downwash")
     ]
-    mixed = wake_flow(quad, Wakes(2.0, 3.0, 0.5), flow, thrust).added
-    np.testing.assert_allclose(mixed, 2.0 * parts[0] + 3.0 * parts[1] + 0.5 * parts[2])
-    assert np.all(parts[0] <= 0.0) and np.all(parts[1] <= 0.0) and np.all(parts[2] >= 0.0)
+    mixed = wake_flow(quad, Wakes(2.0 * small, 3.0 * small, 0.5 * small), flow, thrust).added
+    together = 2.0 * parts[0] + 3.0 * parts[1] + 0.5 * parts[2]
+    np.testing.assert_allclose(mixed, together, rtol=1e-5)
+
+
+def test_a_wake_lifts_the_air_no_faster_than_its_rotor_draws_it() -> None:
+    """However large the gains: the sum over the other rotors of their inflow."""
+    quad = square(0.15)
+    velocity = np.random.default_rng(3).uniform(-12.0, 12.0, (200, 3))
+    flow, thrust = flow_of(quad, velocity), thrusts(quad, 200)
+    disk = quad.air.density * np.pi * RADIUS**2
+    inflow, _ = glauert_inflow(thrust, flow.axial, flow.inplane, disk)
+    others = inflow.sum(axis=1, keepdims=True) - inflow
+    large = wake_flow(quad, Wakes(20.0, 20.0, 0.0), flow, thrust).added
+    assert np.all(large >= -others * (1.0 + 1e-12)) and np.any(large < -0.5 * others)
+    usual = wake_flow(quad, Wakes(1.0, 1.0, 0.0), flow, thrust).added
+    assert np.all(usual >= large - 1e-9)
 
 
 def test_derivatives_against_differences() -> None:

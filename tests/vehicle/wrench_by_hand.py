@@ -63,12 +63,12 @@ def added_flows(
             beside = apart - (apart @ frame[2]) * frame[2]
             cosine = hub @ beside / np.linalg.norm(beside)
             along = cosine**2 / (across**2 + 0.25)
-            gain = gains.downwash
-            if seen < 0.0:
-                upwash = gains.ahead * along + gains.beside * (1.0 - along)
-                share = min(-seen / 0.005, 1.0)
-                gain += (upwash - gains.downwash) * (3.0 * share**2 - 2.0 * share**3)
-            total += 2.0 * inflow * gain * seen
+            share = min(max(-seen / 0.005, 0.0), 1.0)
+            rising = seen * (3.0 * share**2 - 2.0 * share**3)
+            upwash = (gains.ahead * along + gains.beside * (1.0 - along)) * rising
+            total += (
+                2.0 * inflow * (gains.downwash * (seen - rising) + 0.5 * math.tanh(2.0 * upwash))
+            )
         found.append(total)
     return found
 

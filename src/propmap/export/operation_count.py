@@ -59,7 +59,7 @@ QUERY = Operations(321, 307, 2, 2, 1)
 SOURCE, STEP = Operations(35, 30, 1, 2, 2), Operations(10, 4, 2, 1)
 """A rotor's wake, without the steps of Newton's method for its inflow, and such a step."""
 
-PAIR = Operations(40, 49, 0, 0, 1)
+PAIR = Operations(40, 52, 0, 0, 2)
 """Of a wake at another rotor."""
 
 USUAL_STEPS = 6

@@ -20,7 +20,7 @@ from propmap.export.wake_geometry import wake_geometry
 from propmap.model.airfoil import Airfoil
 from propmap.results import spin_sign
 from propmap.table.query import LoadTable
-from propmap.vehicle.interference import LARGEST_INFLOW, SLOW, STEPS, UPWASH
+from propmap.vehicle.interference import LARGEST_INFLOW, LARGEST_UPWASH, SLOW, STEPS, UPWASH
 from propmap.vehicle.rotors import Rotors
 from propmap.vehicle.vehicle import Vehicle
 
@@ -64,6 +64,7 @@ def header(vehicle: Vehicle, table: LoadTable) -> str:
             "largest": LARGEST_INFLOW,
             "slow": SLOW,
             "upwash": UPWASH,
+            "largest_upwash": LARGEST_UPWASH,
         }
     return rendered(
         "vehicle.h",

@@ -31,6 +31,10 @@ ring, where momentum theory has no solution."""
 UPWASH = 0.005
 """Of the density of circulation [-]: the upwash at which the gain is all that of upwash."""
 
+LARGEST_UPWASH = 0.5
+"""Upwash per density of circulation, gain included [-], at most: a wake then moves the air by the
+inflow of its rotor, as a cylinder does at its own surface, the fastest there is outside."""
+
 SLOW = 0.5
 """In-plane velocity [m/s] about which ahead and beside begin to differ."""
 
@@ -128,7 +132,8 @@ def added_flow(vehicle: Vehicle, wakes: Wakes, flow: HubFlow, thrust: Floats) ->
     seen, _ = _seen(vehicle, flow, inflow, wakes.share)
     along = _along(vehicle, flow.velocity)
     upwash = wakes.beside + (wakes.ahead - wakes.beside) * along
-    gained = wakes.downwash * seen + (upwash - wakes.downwash) * _rising(seen)[0]
+    rising, _ = _rising(seen)
+    gained = wakes.downwash * (seen - rising) + _limited(upwash * rising)[0]
     found: Floats = np.sum(2.0 * inflow[:, None, :] * gained, axis=2)
     return found
 
@@ -152,16 +157,17 @@ def wake_flow(vehicle: Vehicle, wakes: Wakes, flow: HubFlow, thrust: Floats) -> 
     rising, slope = _rising(seen)
     along = _along(vehicle, flow.velocity)
     upwash = wakes.beside + (wakes.ahead - wakes.beside) * along
-    gained = wakes.downwash * seen + (upwash - wakes.downwash) * rising
-    steeper = wakes.downwash + (upwash - wakes.downwash) * slope
+    lifted, share = _limited(upwash * rising)
+    gained = wakes.downwash * (seen - rising) + lifted
+    steeper = wakes.downwash * (1.0 - slope) + share * upwash * slope
     twice = 2.0 * inflow[:, None, :]
     # A wake goes as 2 v K(share v): its strength and its direction change with the inflow.
     by_inflow = 2.0 * (gained + wakes.share * steeper * by_share)
     return WakeFlow(
         added=np.sum(twice * gained, axis=2),
         by_gain={
-            "ahead": np.sum(twice * along * rising, axis=2),
-            "beside": np.sum(twice * (1.0 - along) * rising, axis=2),
+            "ahead": np.sum(twice * along * share * rising, axis=2),
+            "beside": np.sum(twice * (1.0 - along) * share * rising, axis=2),
             "downwash": np.sum(twice * (seen - rising), axis=2),
             "share": np.sum(twice * steeper * by_share, axis=2),
         },
@@ -179,6 +185,13 @@ def _rising(seen: Floats) -> tuple[Floats, Floats]:
     """The part of the velocities that is upwash, and its derivative by them; both continuous."""
     share = np.clip(-seen / UPWASH, 0.0, 1.0)
     return seen * share**2 * (3.0 - 2.0 * share), share**2 * (9.0 - 8.0 * share)
+
+
+def _limited(upwash: Floats) -> tuple[Floats, Floats]:
+    """Upwash per density of circulation with its gain, no more than ``LARGEST_UPWASH``, and what a
+    little more adds to it [-]."""
+    relative = np.tanh(upwash / LARGEST_UPWASH)
+    return LARGEST_UPWASH * relative, 1.0 - relative**2
 
 
 def _along(vehicle: Vehicle, velocity: Floats) -> Floats:
