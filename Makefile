@@ -9,7 +9,7 @@ PEERS_READY := $(VENV)/peers-ready
 
 $(READY): pyproject.toml constraints.txt
 	python3 -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[dev,targets]'
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[cluster,dev,targets]'
 	touch $@
 
 $(DOCS_READY): $(READY)

@@ -10,6 +10,7 @@ from tools.import_graph import module_imports, room
 
 LEFT_TO_RIGHT = (
     "errors",
+    "tasks",
     "loads",
     "arrays",
     "physics",
@@ -20,6 +21,7 @@ LEFT_TO_RIGHT = (
     "results",
     "bands",
     "rotor",
+    "sweep",
     "dynamic_inflow",
     "baselines",
     "io",
@@ -32,6 +34,7 @@ LEFT_TO_RIGHT = (
     "export",
     "report",
     "papers",
+    "cluster",
     "cli",
     "__main__",
 )

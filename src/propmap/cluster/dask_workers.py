@@ -1,0 +1,109 @@
+"""The workers of a Dask cluster: tasks sent as they are needed, results taken as they come."""
+
+from __future__ import annotations
+
+import itertools
+import os
+import uuid
+from collections.abc import Callable, Iterable, Iterator
+from typing import TYPE_CHECKING, Any
+
+from propmap.cluster.at_worker import run_task
+from propmap.errors import InputError
+from propmap.tasks import Common, Result, Task
+
+if TYPE_CHECKING:
+    from distributed import Client, Future
+
+AHEAD = 3
+"""Tasks under way per thread of the workers: one that runs and two that wait for it, so that no
+worker waits for the client.  The client holds no more than these."""
+
+
+class DaskWorkers:
+    """Does tasks on the workers of a Dask cluster; a ``propmap.tasks.Workers``.
+
+    Each task takes one core of a worker, and each process keeps the programs that it has compiled.
+    A task whose worker dies is done by another.
+
+    Parameters
+    ----------
+    client : distributed.Client
+        Connected to the scheduler.
+
+    Raises
+    ------
+    InputError
+        Where there is no worker, and where versions differ between client, scheduler and workers.
+    """
+
+    def __init__(self, client: Client) -> None:
+        from propmap.cluster.versions import check_versions
+
+        self.client = client
+        check_versions(client)
+
+    @property
+    def count(self) -> int:
+        """Threads of all workers."""
+        return sum(self.client.nthreads().values())
+
+    def results(
+        self,
+        work: Callable[[Common, Task], Result],
+        common: Common,
+        tasks: Iterable[Task],
+    ) -> Iterator[tuple[int, Result]]:
+        """As ``Workers.results``.
+
+        Raises
+        ------
+        InputError
+            Where a task has brought down worker after worker, and where the scheduler is lost.
+        """
+        import cloudpickle
+        from distributed import as_completed
+
+        name = f"propmap-{work.__name__}-{uuid.uuid4().hex[:8]}"
+        shared = (work, cloudpickle.dumps(common), os.environ.get("XLA_FLAGS", ""))
+        waiting, places = enumerate(tasks), dict[str, int]()
+        under_way = as_completed([])
+
+        def send(count: int) -> None:
+            for place, task in itertools.islice(waiting, count):
+                key = f"{name}-{place}"
+                places[key] = place
+                future = self.client.submit(run_task, *shared, task, key=key, pure=False)
+                under_way.add(future)
+
+        try:
+            send(AHEAD * self.count)
+            for future in under_way:
+                place = places.pop(str(future.key))
+                result = _result(future)
+                future.release()
+                # More, where workers have joined.
+                send(AHEAD * self.count - len(places))
+                yield place, result
+        finally:
+            self.client.cancel(list(under_way.futures))
+
+
+def _result(future: Future) -> Any:
+    from distributed import KilledWorker
+    from distributed.client import FutureCancelledError
+
+    try:
+        return future.result()
+    except KilledWorker as error:
+        raise InputError(
+            f"task {future.key} ran on {error.allowed_failures + 1} workers that died, the last "
+            f"was {error.last_worker.address}",
+            "see the workers' logs, memory above all, and run the command again to go on",
+        ) from None
+    except (FutureCancelledError, OSError) as error:
+        if isinstance(error, OSError) and error.errno is not None:
+            raise  # of the task itself, such as a full disk
+        raise InputError(
+            "the scheduler or its workers went away", "start them and run the command again"
+        ) from None
