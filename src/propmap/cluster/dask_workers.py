@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import os
+import time
 import uuid
 from collections.abc import Callable, Iterable, Iterator
 from typing import TYPE_CHECKING, Any
@@ -18,6 +19,9 @@ if TYPE_CHECKING:
 AHEAD = 3
 """Tasks under way per thread of the workers: one that runs and two that wait for it, so that no
 worker waits for the client.  The client holds no more than these."""
+
+RECOUNT = 2.0
+"""After so long the workers are counted again [s]: some may have joined or left."""
 
 
 class DaskWorkers:
@@ -77,13 +81,16 @@ class DaskWorkers:
                 under_way.add(future)
 
         try:
-            send(AHEAD * self.count)
+            most, counted = AHEAD * self.count, time.monotonic()
+            send(most)
             for future in under_way:
                 place = places.pop(str(future.key))
                 result = _result(future)
                 future.release()
-                # More, where workers have joined.
-                send(AHEAD * self.count - len(places))
+                if time.monotonic() - counted > RECOUNT:
+                    most, counted = AHEAD * self.count, time.monotonic()
+                # One at least: where no worker is left, one may come.
+                send(max(most - len(places), int(not places)))
                 yield place, result
         finally:
             self.client.cancel(list(under_way.futures))

@@ -13,6 +13,7 @@ import math
 import os
 import shutil
 import uuid
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -135,6 +136,10 @@ class Store:
                     attributes=_plain(attributes),
                 )
                 assert array.chunks == layout.chunk
+            with warnings.catch_warnings():
+                # Readers ask for it and warn where it is not there; so does zarr where it is made.
+                warnings.filterwarnings("ignore", "Consolidated metadata is currently not part")
+                zarr.consolidate_metadata(str(part))
             part.replace(path)
         except BaseException:
             shutil.rmtree(part, ignore_errors=True)
