@@ -15,9 +15,7 @@ from propmap.sweep.run import Sweep, sweep_to_store
 
 POINTS_PER_TASK = 6
 
-GRID = Grid(
-    np.linspace(3000.0, 7000.0, 4), np.linspace(0.0, 15.0, 5), np.linspace(0.0, 180.0, 6)
-)
+GRID = Grid(np.linspace(3000.0, 7000.0, 4), np.linspace(0.0, 15.0, 5), np.linspace(0.0, 180.0, 6))
 """20 tasks of 6 points, hover, descent and oblique flight among them."""
 
 
