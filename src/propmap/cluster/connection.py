@@ -88,6 +88,8 @@ def _local(count: int) -> Iterator[DaskWorkers]:
         "distributed.scheduler.allowed-failures": FAILURES,
         # Compiling holds a worker's event loop for seconds, which is no fault.
         "distributed.admin.tick.limit": "10 minutes",
+        # A worker that died while it was starting is replaced after this.
+        "distributed.deploy.lost-worker-timeout": "5 s",
     }
     with (
         tempfile.TemporaryDirectory(prefix="propmap-workers-") as folder,
@@ -102,6 +104,7 @@ def _local(count: int) -> Iterator[DaskWorkers]:
         ) as cluster,
         Client(cluster, timeout=START_WITHIN) as client,
     ):
+        cluster.adapt(minimum=count, maximum=count)
         yield DaskWorkers(client)
 
 

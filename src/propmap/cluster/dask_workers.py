@@ -7,6 +7,7 @@ import os
 import time
 import uuid
 from collections.abc import Callable, Iterable, Iterator
+from queue import Empty, Queue
 from typing import TYPE_CHECKING, Any
 
 from propmap.cluster.at_worker import run_task
@@ -22,6 +23,11 @@ worker waits for the client.  The client holds no more than these."""
 
 RECOUNT = 2.0
 """After so long the workers are counted again [s]: some may have joined or left."""
+
+ALONE = 60.0
+"""Time that a run waits for a worker where none is left [s]."""
+
+GONE = InputError("the scheduler went away", "start it, and run the command again to go on")
 
 
 class DaskWorkers:
@@ -49,8 +55,11 @@ class DaskWorkers:
 
     @property
     def count(self) -> int:
-        """Threads of all workers."""
-        return sum(self.client.nthreads().values())
+        """Threads of all workers; 0 where the scheduler does not answer."""
+        try:
+            return sum(self.client.nthreads().values())
+        except OSError:
+            return 0
 
     def results(
         self,
@@ -66,34 +75,55 @@ class DaskWorkers:
             Where a task has brought down worker after worker, and where the scheduler is lost.
         """
         import cloudpickle
-        from distributed import as_completed
 
         name = f"propmap-{work.__name__}-{uuid.uuid4().hex[:8]}"
         shared = (work, cloudpickle.dumps(common), os.environ.get("XLA_FLAGS", ""))
-        waiting, places = enumerate(tasks), dict[str, int]()
-        under_way = as_completed([])
+        waiting = enumerate(tasks)
+        under_way: dict[Future, int] = {}
+        done: Queue[Future] = Queue()
 
         def send(count: int) -> None:
             for place, task in itertools.islice(waiting, count):
                 key = f"{name}-{place}"
-                places[key] = place
                 future = self.client.submit(run_task, *shared, task, key=key, pure=False)
-                under_way.add(future)
+                under_way[future] = place
+                future.add_done_callback(done.put)
 
         try:
             most, counted = AHEAD * self.count, time.monotonic()
             send(most)
-            for future in under_way:
-                place = places.pop(str(future.key))
+            while under_way:
+                future = self._next(done)
+                place = under_way.pop(future)
                 result = _result(future)
                 future.release()
                 if time.monotonic() - counted > RECOUNT:
                     most, counted = AHEAD * self.count, time.monotonic()
                 # One at least: where no worker is left, one may come.
-                send(max(most - len(places), int(not places)))
+                send(max(most - len(under_way), int(not under_way)))
                 yield place, result
         finally:
-            self.client.cancel(list(under_way.futures))
+            if self.client.status == "running":
+                self.client.cancel(list(under_way))
+
+    def _next(self, done: Queue[Future]) -> Future:
+        """The next task that is done; ``InputError`` where there is nobody to do any."""
+        alone_since = None
+        while True:
+            try:
+                return done.get(timeout=RECOUNT)
+            except Empty:
+                pass
+            if self.client.status != "running":
+                raise GONE
+            now = time.monotonic()
+            alone_since = None if self.count else (alone_since or now)
+            if alone_since is not None and now - alone_since > ALONE:
+                raise InputError(
+                    f"all workers left, and none came for {ALONE:g} s",
+                    "start some and run the command again to go on",
+                    str(self.client.scheduler.address),
+                )
 
 
 def _result(future: Future) -> Any:
@@ -111,6 +141,4 @@ def _result(future: Future) -> Any:
     except (FutureCancelledError, OSError) as error:
         if isinstance(error, OSError) and error.errno is not None:
             raise  # of the task itself, such as a full disk
-        raise InputError(
-            "the scheduler or its workers went away", "start them and run the command again"
-        ) from None
+        raise GONE from None
