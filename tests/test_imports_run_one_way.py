@@ -27,6 +27,7 @@ LEFT_TO_RIGHT = (
     "io",
     "catalogue",
     "vehicle",
+    "study",
     "fit",
     "table",
     "aircraft",

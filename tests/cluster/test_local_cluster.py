@@ -127,11 +127,13 @@ def test_killed_workers_lose_nothing(tmp_path: Path, whole: dict[str, bytes]) ->
     path, rng = tmp_path / "map.zarr", np.random.default_rng(2)
     killed = 0
     with connected("local:2") as workers:
-        stop = threading.Event()
+        stop, progressed = threading.Event(), threading.Event()
 
         def kill() -> None:
             nonlocal killed
-            while not stop.wait(float(rng.uniform(0.3, 1.5))):
+            while not stop.wait(float(rng.uniform(0.0, 0.3))):
+                progressed.wait()
+                progressed.clear()
                 nannies = list(workers.client.cluster.workers.values())
                 alive = [nanny.pid for nanny in nannies if nanny.pid is not None]
                 if alive:  # or all are just being replaced
@@ -144,13 +146,19 @@ def test_killed_workers_lose_nothing(tmp_path: Path, whole: dict[str, bytes]) ->
             for run in range(20):
                 path = tmp_path / f"{run}.zarr"
                 sweep_to_store(
-                    rotor(), GRID, path, workers=workers, points_per_task=POINTS_PER_TASK
+                    rotor(),
+                    GRID,
+                    path,
+                    workers=workers,
+                    points_per_task=POINTS_PER_TASK,
+                    progress=lambda *_: progressed.set(),
                 )
                 assert contents(path) == whole
                 if killed >= TIMES:
                     break
         finally:
             stop.set()
+            progressed.set()
             killer.join()
     assert killed >= TIMES
 
