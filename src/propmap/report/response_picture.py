@@ -48,7 +48,10 @@ def response_picture(
     ax, check = figure.subplots(1, 2, width_ratios=(1.35, 1.0))
     ends = [(rows[name].min(), rows[name].max()) for name in axes]
     across, up = np.meshgrid(*(np.linspace(*pair, GRID) for pair in ends))
-    at = {name: np.full(across.size, value) for name, value in surface.middle().items()}
+    middle = surface.middle()
+    if "blades" in middle:
+        middle["blades"] = float(rows["blades"].min())
+    at = {name: np.full(across.size, value) for name, value in middle.items()}
     at |= {axes[0]: across.ravel(), axes[1]: up.ravel()}
     found = surface(at).reshape(across.shape)
     filled = ax.contourf(across, up, found, 14, cmap="viridis")
@@ -58,7 +61,7 @@ def response_picture(
     ax.plot(rows[axes[0]], rows[axes[1]], ".", color="black", markersize=2.5, alpha=0.6)
     ax.set_xlabel(labels[0])
     ax.set_ylabel(labels[1])
-    rest = [f"{n} {v:.4g}" for n, v in surface.middle().items() if n not in axes]
+    rest = [f"{n} {v:.4g}" for n, v in middle.items() if n not in axes]
     ax.set_title("\n".join(_wrapped(rest)) or "all that varies", fontsize=8.0)
     told = surface(rows)
     check.plot(values, told, ".", markersize=3.5)

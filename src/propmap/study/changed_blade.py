@@ -17,7 +17,7 @@ PITCH_AT = 0.75
 def pitch_of(blade: Propeller) -> float:
     """The pitch of a ``blade`` at three quarters of the radius, 2 pi r tan(theta) [m]."""
     radius = PITCH_AT * blade.radius
-    return 2.0 * math.pi * radius * math.tan(np.interp(radius, blade.station, blade.twist))
+    return 2.0 * math.pi * radius * float(np.interp(radius, blade.station, np.tan(blade.twist)))
 
 
 def changed_blade(
@@ -63,7 +63,7 @@ def changed_blade(
         if own <= 0.0:
             raise InputError(f"the pitch of {blade.name} is {own:g} m", "begin with another blade")
         twist = np.arctan(np.tan(twist) * (pitch / own))
-    middle = np.interp(PITCH_AT * station[-1], station, twist)
+    middle = np.arctan(np.interp(PITCH_AT * station[-1], station, np.tan(twist)))
     return replace(
         blade,
         blades=blade.blades if blades is None else blades,

@@ -115,7 +115,10 @@ class Store:
         part = path.with_name(f".{path.name}.part")
         shutil.rmtree(part, ignore_errors=True)
         run = uuid.uuid4().hex
-        told = {**layout.attributes, RUN: {**layout.depends_on, "run": run}}
+        # What are coordinates though they are not named as a dimension, as CF has it.
+        others = " ".join(name for name in layout.coordinates if name not in layout.sizes)
+        told = {**layout.attributes, "coordinates": others}
+        told[RUN] = {**layout.depends_on, "run": run}
         try:
             group = zarr.create_group(str(part), zarr_format=3, attributes=told)
             for name, (dims, values, attributes) in layout.coordinates.items():
