@@ -5,7 +5,7 @@ READY := $(VENV)/ready
 DOCS_READY := $(VENV)/docs-ready
 PEERS_READY := $(VENV)/peers-ready
 
-.PHONY: demo reproduce test test-fast test-readers test-numpy test-slow lint types bench bench-table bench-fine-table bench-choice bench-identification bench-peers bench-phases bench-options bench-aircraft bench-mount bench-roofline bench-accelerator convergence docs clean bench-certificates bench-lifting-line
+.PHONY: demo reproduce test test-fast test-readers test-numpy test-slow lint types bench bench-table bench-fine-table bench-choice bench-identification bench-peers bench-phases bench-options bench-aircraft bench-mount bench-roofline bench-accelerator convergence docs clean bench-certificates bench-lifting-line bench-cluster
 
 $(READY): pyproject.toml constraints.txt
 	python3 -m venv $(VENV)
@@ -100,6 +100,9 @@ bench-certificates: $(READY)
 bench-lifting-line: $(READY)
 	OMP_NUM_THREADS=1 $(BIN)/python -m benchmarks.lifting_line
 	OMP_NUM_THREADS=1 $(BIN)/python -m benchmarks.lifting_line.causes
+
+bench-cluster: $(READY)
+	$(BIN)/python -m benchmarks.cluster
 
 bench-phases: $(READY)
 	$(BIN)/python -m benchmarks.phases

@@ -20,7 +20,7 @@ from propmap.fit.population.summary import summary
 from propmap.io.atomic_file import replacing
 from propmap.papers.gill_dandrea_2017.drag_effects import drag_effects
 from tools import drag_effects as drag_effects_table
-from tools import lifting_line_tables, performance_tables, readme_tables
+from tools import lifting_line_tables, performance_tables, readme_tables, scale_tables
 
 RESULTS = Path(__file__).resolve().parent.parent / "benchmarks" / "results"
 LOADS = {
@@ -56,8 +56,10 @@ def write(folder: Path) -> None:
             "after_static",
             "aircraft",
             "choice",
+            "cluster",
             "convergence",
             "demo",
+            "fine_table",
             "identification",
             "left_out",
             "mount_drag",
@@ -98,6 +100,14 @@ def write(folder: Path) -> None:
         "after-static": after_static(found["after_static"]),
         "left-out": left_out(found["left_out"]),
         "other-tunnel": other_tunnel(found["demo"]),
+        "scale-sweep": scale_tables.sweep(found["cluster"]),
+        "scale-overhead": scale_tables.overhead(found["cluster"]),
+        "scale-workers": scale_tables.workers(found["cluster"]),
+        "scale-beyond": scale_tables.beyond(found["cluster"]),
+        "scale-cost": scale_tables.cost(
+            found["cluster"], found["fine_table"], len(all_identified())
+        ),
+        "scale-catalogue": scale_tables.catalogue(found["cluster"]),
         "cli": command_reference(),
     }
     for name, text in parts.items():

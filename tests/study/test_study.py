@@ -125,9 +125,9 @@ GOOD = EXAMPLE.read_text()
 
 FAULTS = [
     ('method = "latin-hypercube"', 'method = "sobol"', "method is 'sobol'"),
-    ("designs = 100", "designs = 1", "designs is 1"),
-    ("designs = 100", "designs = 2.5", "designs is 2.5"),
-    ("designs = 100", "", "no designs"),
+    ("designs = 60", "designs = 1", "designs is 1"),
+    ("designs = 60", "designs = 2.5", "designs is 2.5"),
+    ("designs = 60", "", "no designs"),
     ('method = "latin-hypercube"', 'method = "full-factorial"', "designs is given"),
     ("diameter_in = [7.0, 9.0]", "diameter_in = [9.0, 7.0]", "do not rise"),
     ("diameter_in = [7.0, 9.0]", "diameter_in = [7.0, 8.0, 9.0]", "takes two"),
