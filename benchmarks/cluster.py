@@ -242,9 +242,9 @@ def designs() -> dict[str, Any]:
         }
         varied = {"diameter": np.array([0.18, 0.24]), "pitch": np.array([0.1, 0.18])}
         study = Study(rotor(), varied, axes, 64)
-        part = study.part((0, 0, 0, 0), (16, 4, 5, 5))
+        some = study.part((0, 0, 0, 0), (16, 4, 5, 5))
         found["design_points"] = 100
-        found["design_s"] = _least(lambda: loads_of_designs(study, part)) / 16
+        found["design_s"] = _least(lambda: loads_of_designs(study, some)) / 16
     return found
 
 

@@ -34,10 +34,10 @@ def sweep(found: dict[str, Any]) -> str:
         [
             *rows,
             "",
-            f"Results are {same}. For 2,000,000 points two workers take {part['ratio_of_wall_s']:.2f} "
-            f"times the wall time of one process on all cores, and {part['ratio_of_processor_s']:.2f} "
-            f"times its processor time. Storage: {part['2e6_bytes_per_point']:.0f} bytes per point, "
-            f"in {part['2e6_files']} files.",
+            f"Results are {same}. For 2,000,000 points two workers take "
+            f"{part['ratio_of_wall_s']:.2f} times the wall time of one process on all cores, and "
+            f"{part['ratio_of_processor_s']:.2f} times its processor time. Storage: "
+            f"{part['2e6_bytes_per_point']:.0f} bytes per point, in {part['2e6_files']} files.",
         ]
     )
 
@@ -56,8 +56,6 @@ def overhead(found: dict[str, Any]) -> str:
             f"| a point at accuracy fine | {1e6 * each['point_fine_s']:.0f} µs |",
             f"| a design of a study, {each['design_points']} points | "
             f"{1e3 * each['design_s']:.0f} ms |",
-            "",
-            _machine(part),
         ]
     )
 
@@ -79,8 +77,9 @@ def workers(found: dict[str, Any]) -> str:
             f"({_off(one['waiting_simulated_s'], one['waiting_wall_s'])}) |"
         )
     told = (
-        f"On {part['cores']} cores. The simulation knows of these cores, and not of what others did "
-        "on them meanwhile: the workers had only the cores of the fifth column."
+        f"On {part['cores']} cores. The simulation knows of these cores, and not of what others "
+        "did on them meanwhile: the workers had only the cores of the fifth column. "
+        + _machine(part)
     )
     return "\n".join([*rows, "", told])
 
@@ -136,8 +135,8 @@ def catalogue(found: dict[str, Any]) -> str:
     same = "the same to the byte" if part["same_bytes"] else "NOT the same"
     return (
         f"`propmap fit catalogue` of {part['propellers']} propellers with data takes "
-        f"{alone['wall_s']:.0f} s of wall and {alone['processor_s']:.0f} s of processor time in one "
-        f"process, {two['wall_s']:.0f} s and {two['processor_s']:.0f} s with `--cluster local:2`: "
+        f"{alone['wall_s']:.0f} s of wall and {alone['processor_s']:.0f} s of processor time in "
+        f"one process, {two['wall_s']:.0f} s and {two['processor_s']:.0f} s on two workers: "
         f"{part['speed_up']:.2f} times as fast. Both files are {same}. {_machine(part)}"
     )
 

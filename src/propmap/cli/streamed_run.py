@@ -13,6 +13,7 @@ import typer
 from propmap.errors import InputError
 from propmap.sweep.points import parts_along
 from propmap.sweep.store import Layout, Store, begun
+from propmap.sweep.stream import Filed
 
 ASK_ABOVE_BYTES = 1e9
 ASK_ABOVE_SECONDS = 3600.0
@@ -64,13 +65,13 @@ def opened(path: Path, layout: Layout) -> Store:
 
 
 def announce(
-    layout: Layout, store: Store, seconds: float, workers: int, *, yes: bool, what: str
+    layout: Layout, store: Filed, seconds: float, workers: int, *, yes: bool, what: str
 ) -> None:
     """Say how large a run is and how long it takes, and ask where that is much.
 
     Parameters
     ----------
-    layout, store : Layout, Store
+    layout, store : Layout, Filed
         Of the run.
     seconds : float
         That a worker takes for a point.

@@ -6,6 +6,7 @@ import logging
 import os
 import re
 import tempfile
+import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
@@ -111,11 +112,15 @@ def _local(count: int) -> Iterator[DaskWorkers]:
 @contextmanager
 def _remote(address: str) -> Iterator[DaskWorkers]:
     from distributed import Client
+    from distributed.versions import VersionMismatchWarning
 
     from propmap.cluster.dask_workers import DaskWorkers
 
     try:
-        client = Client(address, timeout=ANSWER_WITHIN)
+        with warnings.catch_warnings():
+            # What has to be the same, ``DaskWorkers`` checks.
+            warnings.simplefilter("ignore", VersionMismatchWarning)
+            client = Client(address, timeout=ANSWER_WITHIN)
     except (OSError, TimeoutError):
         raise InputError(
             f"no scheduler answers within {ANSWER_WITHIN:g} s",

@@ -4,19 +4,37 @@ from __future__ import annotations
 
 import importlib.metadata
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 import propmap
 from propmap.sweep.points import Place
-from propmap.sweep.store import Layout, Store
+from propmap.sweep.store import Layout
 from propmap.tasks import Workers
 
 Values = dict[str, Any]
 """Arrays by quantity."""
+
+
+class Filed(Protocol):
+    """Where parts go: a ``Store``, or what takes its place."""
+
+    @property
+    def here(self) -> bool:
+        """Whether this process can write to it."""
+        ...
+
+    def write(self, place: Place, values: Mapping[str, NDArray[Any]]) -> None:
+        """File the ``values`` of the part at a ``place``, by quantity."""
+        ...
+
+    def done(self, layout: Layout) -> NDArray[np.bool_]:
+        """Which parts of the ``layout`` are filed, by place."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -29,13 +47,13 @@ class Filing:
         Gives the values of a part, called as ``work(common, part)``.
     common : object
         What it needs for all parts.
-    store : Store
+    store : Filed
         Where they go.
     """
 
     work: Callable[[Any, Any], Values]
     common: Any
-    store: Store
+    store: Filed
 
 
 def file_part(filing: Filing, task: tuple[Place, Any]) -> Values | None:

@@ -163,9 +163,8 @@ def _identified(
 
 
 def _identify(_: None, wanted: _Wanted) -> Identified:
-    *asked, remark = wanted
-    found = _entry(*asked)
-    return replace(found, verdict=f"{remark}{found.verdict}")
+    found = _entry(wanted.name, wanted.geometry, wanted.test, wanted.prior, wanted.key)
+    return replace(found, verdict=f"{wanted.remark}{found.verdict}")
 
 
 def mean_propeller(tested: MeasuredPropeller, shape: MeanBlade) -> Propeller:
