@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from typing import Annotated
 
 import typer
 
+from propmap.errors import InputError
 from propmap.tasks import InTurn, Workers
 
 Cluster = Annotated[
@@ -38,6 +39,16 @@ def workers_of(cluster: str | None, otherwise: Workers | None = None) -> Iterato
             err=True,
         )
         yield workers
+
+
+def workers_of_bootstrap(cluster: str | None, bootstrap: int) -> AbstractContextManager[Workers]:
+    """The same for a fit, of which only the refits of ``bootstrap`` are independent tasks."""
+    if cluster is not None and not bootstrap:
+        raise InputError(
+            "--cluster spreads the refits of --bootstrap, of which there are none",
+            "give --bootstrap 200, or leave --cluster out",
+        )
+    return workers_of(cluster)
 
 
 @contextmanager

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Sequence
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from propmap.cli.cluster_option import Cluster, workers_of_bootstrap
 from propmap.cli.fit_options import (
     Bootstrap,
     Fix,
@@ -44,8 +46,6 @@ from propmap.model.plausible import doubts_on_air, doubts_on_blade
 if TYPE_CHECKING:
     from propmap.fit.fitted import Fitted
     from propmap.fit.force_model import ForceModel
-    from propmap.fit.parameters import Choice
-    from propmap.fit.rows import Rows
     from propmap.model.model import Model
     from propmap.vehicle.flight_log import FlightLog
 
@@ -95,6 +95,7 @@ def fit_tunnel(
     bootstrap: Bootstrap = 0,
     seed: Seed = 2017,
     picture: Picture = None,
+    cluster: Cluster = None,
 ) -> None:
     """Fit loads measured in a tunnel or on a bench."""
     from propmap.cli.tunnel_files import doubts_on_tunnel, read_tunnel, sources
@@ -127,11 +128,11 @@ def fit_tunnel(
     model = Model(blade, with_physics(law, choice.model, choice.correction), air)
     named = [name.strip() for name in loads.split(",")] if loads else []
 
-    def rows_for(c: Choice) -> Rows:
-        setting = choice.accuracy.value
-        return tunnel_rows(model, measured, c, loads=named, weights=weights, setting=setting)
-
-    fitted = fit(rows_for(chosen), chosen, settings)
+    options: Any = {"loads": named, "weights": weights, "setting": choice.accuracy.value}
+    rows_for = functools.partial(tunnel_rows, model, measured, **options)
+    remake = functools.partial(rows_for, chosen)
+    with workers_of_bootstrap(cluster, bootstrap) as workers:
+        fitted = fit(rows_for(chosen), chosen, settings, workers=workers, remake=remake)
     remarks = [*range_warnings(fitted.rows), *failing_assumptions(fitted, rows_for)]
     remarks += doubts_on_constants(fitted)
     rotor = rotor_with(model, fitted.values, choice.accuracy.value)
@@ -208,6 +209,7 @@ def fit_flight(
         Path | None,
         typer.Option("--stretches", metavar="FILE", help="Picture of the steady stretches."),
     ] = None,
+    cluster: Cluster = None,
 ) -> None:
     """Fit flight logs of a vehicle."""
     from propmap.cli.flight_files import read_flights
@@ -261,7 +263,9 @@ def fit_flight(
     scale = Scale.of(file.vehicle, flights.log) if wanted else None
     model = ForceModel(file.vehicle, flights.log, law, scale=scale)
     make = level_rows if flights.level else balance_rows
-    fitted = fit(make(model, chosen), chosen, settings)
+    remake = functools.partial(make, model, chosen)
+    with workers_of_bootstrap(cluster, bootstrap) as workers:
+        fitted = fit(remake(), chosen, settings, workers=workers, remake=remake)
     remarks = [*flights.remarks, *range_warnings(fitted.rows)]
     remarks += [
         *(scale.told() if scale else ()),
