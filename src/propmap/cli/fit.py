@@ -46,6 +46,8 @@ from propmap.model.plausible import doubts_on_air, doubts_on_blade
 if TYPE_CHECKING:
     from propmap.fit.fitted import Fitted
     from propmap.fit.force_model import ForceModel
+    from propmap.fit.parameters import Choice
+    from propmap.fit.rows import Rows
     from propmap.model.model import Model
     from propmap.vehicle.flight_log import FlightLog
 
@@ -129,10 +131,13 @@ def fit_tunnel(
     named = [name.strip() for name in loads.split(",")] if loads else []
 
     options: Any = {"loads": named, "weights": weights, "setting": choice.accuracy.value}
-    rows_for = functools.partial(tunnel_rows, model, measured, **options)
-    remake = functools.partial(rows_for, chosen)
+
+    def rows_for(c: Choice) -> Rows:
+        return tunnel_rows(model, measured, c, **options)
+
+    remake = functools.partial(tunnel_rows, model, measured, chosen, **options)
     with workers_of_bootstrap(cluster, bootstrap) as workers:
-        fitted = fit(rows_for(chosen), chosen, settings, workers=workers, remake=remake)
+        fitted = fit(remake(), chosen, settings, workers=workers, remake=remake)
     remarks = [*range_warnings(fitted.rows), *failing_assumptions(fitted, rows_for)]
     remarks += doubts_on_constants(fitted)
     rotor = rotor_with(model, fitted.values, choice.accuracy.value)

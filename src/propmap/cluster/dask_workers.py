@@ -67,7 +67,7 @@ class DaskWorkers:
         common: Common,
         tasks: Iterable[Task],
     ) -> Iterator[tuple[int, Result]]:
-        """As ``Workers.results``.
+        """``work`` of ``common`` and each of the ``tasks``, as ``Workers.results``.
 
         Raises
         ------
