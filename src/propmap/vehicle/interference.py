@@ -10,6 +10,7 @@ is right.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,7 +18,9 @@ from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.physics.vortex_cylinder import axial_velocity
 from propmap.vehicle.hub_flow import HubFlow
-from propmap.vehicle.vehicle import Vehicle, Wakes
+
+if TYPE_CHECKING:
+    from propmap.vehicle.vehicle import Vehicle, Wakes
 
 DISK_RADII = np.concatenate([[0.0], np.full(6, np.sqrt(2.0 / 3.0))])
 DISK_ANGLES = np.concatenate([[0.0], np.arange(6) * np.pi / 3.0])
@@ -124,9 +127,8 @@ def wake_flow(vehicle: Vehicle, wakes: Wakes, flow: HubFlow, thrust: Floats) -> 
         for step in (-SHARE_STEP, SHARE_STEP)
     )
     by_share = (more - less) / (2.0 * SHARE_STEP)
-    up, along = one < 0.0, _along(vehicle, velocity)
-    gain = np.where(up, wakes.beside + (wakes.ahead - wakes.beside) * along, wakes.downwash)
-    rising = np.where(up, one, 0.0)
+    along = _along(vehicle, velocity)
+    gain, rising = _gains(wakes, one, along), np.where(one < 0.0, one, 0.0)
     # A wake goes as 2 v K(share v): its strength and its direction change with the inflow.
     tiny = np.maximum(inflow, 1e-9)[:, None, :]
     by_inflow = (one + wakes.share * by_share) / tiny
@@ -140,6 +142,32 @@ def wake_flow(vehicle: Vehicle, wakes: Wakes, flow: HubFlow, thrust: Floats) -> 
         },
         by_thrust=gain * by_inflow * by_thrust[:, None, :],
     )
+
+
+def added_flow(vehicle: Vehicle, wakes: Wakes, flow: HubFlow, thrust: Floats) -> Floats:
+    """``WakeFlow.added`` alone, in a third of the time.
+
+    Parameters
+    ----------
+    vehicle, wakes, flow, thrust : Vehicle, Wakes, HubFlow, ndarray
+        As for ``wake_flow``.
+
+    Returns
+    -------
+    ndarray, shape (n, m)
+        To V cos(beta) [m/s], gains included.
+    """
+    disk = vehicle.air.density * np.pi * vehicle.propeller.radius**2
+    inflow, _ = glauert_inflow(thrust, flow.axial, flow.inplane, disk)
+    velocity = flow.velocity
+    one = _velocities(vehicle, velocity, inflow, wakes.share)
+    return np.asarray(np.sum(_gains(wakes, one, _along(vehicle, velocity)) * one, axis=2))
+
+
+def _gains(wakes: Wakes, one: Floats, along: Floats) -> Floats:
+    """Gains on the velocities ``one`` (n, target, source) [-]; ``along`` is that of ``_along``."""
+    upwash = wakes.beside + (wakes.ahead - wakes.beside) * along
+    return np.where(one < 0.0, upwash, wakes.downwash)
 
 
 def _along(vehicle: Vehicle, velocity: Floats) -> Floats:
@@ -161,7 +189,7 @@ def _along(vehicle: Vehicle, velocity: Floats) -> Floats:
 def _velocities(vehicle: Vehicle, velocity: Floats, inflow: Floats, share: float) -> Floats:
     """Downward velocity at each rotor by the wake of each (n, target, source) [m/s]."""
     radius, mounts = vehicle.propeller.radius, vehicle.mounts
-    frames = [_frame(mount.axis) for mount in mounts]
+    frames = [disk_frame(mount.axis) for mount in mounts]
     rim = DISK_RADII * np.stack([np.cos(DISK_ANGLES), np.sin(DISK_ANGLES), 0.0 * DISK_ANGLES])
     found = np.zeros((inflow.shape[0], len(mounts), len(mounts)))
     for source, mount in enumerate(mounts):
@@ -181,8 +209,8 @@ def _velocities(vehicle: Vehicle, velocity: Floats, inflow: Floats, share: float
     return found
 
 
-def _frame(axis: tuple[float, float, float]) -> Floats:
-    """Rows: two directions in the disk and the axis, right-handed; (3, 3)."""
+def disk_frame(axis: tuple[float, float, float]) -> Floats:
+    """Rows: two directions in the disk and its ``axis``, right-handed; (3, 3)."""
     z = np.array(axis)
     nearest = np.array([1.0, 0.0, 0.0]) if abs(z[0]) < 0.9 else np.array([0.0, 1.0, 0.0])
     y = np.cross(z, nearest)

@@ -1,0 +1,113 @@
+"""Force and moment on a whole vehicle, summed with loops and scalars over ``Rotor.wrench``."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from scipy.optimize import brentq
+
+import propmap
+from propmap.physics.vortex_cylinder import axial_velocity
+from propmap.vehicle.vehicle import Mount, Vehicle
+
+
+def frame_of(axis: np.ndarray) -> np.ndarray:
+    """Rows x, y, z of a right-handed frame whose z is the axis."""
+    x = np.cross([0.0, 1.0, 0.0], axis)
+    x /= np.linalg.norm(x)
+    return np.stack([x, np.cross(axis, x), axis])
+
+
+def one_rotor(
+    rotor: propmap.Rotor, mount: Mount, omega: float, hub: np.ndarray, added: float = 0.0
+) -> tuple[np.ndarray, np.ndarray, Any, Any]:
+    """Force and moment at the hub, thrust and torque."""
+    if mount.drag is not None:
+        rotor = rotor.with_model(rotor.model.with_mount(mount.drag))
+    frame = frame_of(np.array(mount.axis))
+    seen = frame @ hub + [0.0, 0.0, added]
+    wrench, loads = rotor.wrench(omega, seen, mount.spin), rotor.loads_at_velocity(omega, seen)
+    return frame.T @ wrench.force, frame.T @ wrench.moment, loads.thrust, loads.torque
+
+
+def added_flows(vehicle: Vehicle, thrust: list[float], hubs: list[np.ndarray]) -> list[float]:
+    """What the wakes add at each rotor, pair by pair and point by point."""
+    radius, rho = vehicle.propeller.radius, vehicle.air.density
+    assert vehicle.wakes is not None
+    gains, found = vehicle.wakes, []
+    for target in vehicle.mounts:
+        total, facing = 0.0, frame_of(np.array(target.axis))
+        for source, load, hub in zip(vehicle.mounts, thrust, hubs, strict=True):
+            if source is target:
+                continue
+            frame = frame_of(np.array(source.axis))
+            x, y, z = frame @ hub
+
+            def excess(v: float, at: tuple[float, float, float] = (x, y, z)) -> float:
+                return 2.0 * rho * math.pi * radius**2 * v * math.hypot(*at[:2], at[2] + v)
+
+            inflow = brentq(lambda v, t=load, f=excess: f(v) - t, 0.0, 60.0, xtol=1e-13)
+            away = -np.array([x, y, z + gains.share * inflow])
+            away /= np.linalg.norm(away)
+            apart = (np.array(target.position) - source.position) / radius
+            mean = 0.0
+            for k in range(7):
+                rim = 0.0 if k == 6 else math.sqrt(2.0 / 3.0)
+                turn = k * math.pi / 3.0
+                point = apart + rim * (math.cos(turn) * facing[0] + math.sin(turn) * facing[1])
+                share = 0.25 if k == 6 else 0.125
+                mean += share * float(axial_velocity(frame @ point, away))
+            one = 2.0 * inflow * float(np.dot(source.axis, target.axis)) * mean
+            beside = apart - (apart @ frame[2]) * frame[2]
+            flat = hub - (hub @ frame[2]) * frame[2]
+            cosine = flat @ beside / np.linalg.norm(beside)
+            along = cosine**2 / (flat @ flat + 0.25)
+            upwash = gains.ahead * along + gains.beside * (1.0 - along)
+            total += one * (gains.downwash if one >= 0.0 else upwash)
+        found.append(total)
+    return found
+
+
+def by_hand(
+    rotor: propmap.Rotor,
+    vehicle: Vehicle,
+    omegas: np.ndarray,
+    velocity: np.ndarray,
+    rates: np.ndarray,
+    wind: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray, float]:
+    """Force and moment of the air on a vehicle, and the shafts' power.
+
+    Its momentum has one solution for the wakes in level flight and climb alone.
+    """
+    through = velocity - wind
+    hubs = [through + np.cross(rates, mount.position) for mount in vehicle.mounts]
+    added = [0.0] * len(hubs)
+    if vehicle.wakes is not None:
+        parts = zip(vehicle.mounts, omegas, hubs, strict=True)
+        added = added_flows(vehicle, [float(one_rotor(rotor, *p)[2]) for p in parts], hubs)
+    force, moment, power = np.zeros(3), np.zeros(3), 0.0
+    for mount, omega, hub, more in zip(vehicle.mounts, omegas, hubs, added, strict=True):
+        push, turn, _, torque = one_rotor(rotor, mount, omega, hub, more)
+        force += push
+        moment += turn + np.cross(mount.position, push)
+        power += torque * omega
+    pressure = 0.5 * vehicle.air.density
+    for k in range(3):
+        force[k] -= pressure * vehicle.body.drag_area[k] * abs(through[k]) * through[k]
+    for k in range(2):
+        force[2] -= pressure * vehicle.body.download_area[k] * through[k] ** 2
+    angle, speed2 = math.atan2(-through[2], through[0]), through[0] ** 2 + through[2] ** 2
+    lift = vehicle.body.lift_area * math.sin(angle) * math.cos(angle)
+    if vehicle.wing is not None:
+        wing = vehicle.wing
+        a = (angle + wing.incidence + math.pi) % (2.0 * math.pi) - math.pi
+        # The stall blend of eq. (3) with M = 50.
+        up, down = math.exp(-50.0 * (a - wing.alpha_0)), math.exp(50.0 * (a + wing.alpha_0))
+        sigma = (1.0 + up + down) / ((1.0 + up) * (1.0 + down))
+        slope = (1.0 - sigma) * wing.c_l1 * a + sigma * wing.c_l2 * math.sin(a) * math.cos(a)
+        lift += wing.area * slope
+    across = np.array([-through[2], 0.0, through[0]])
+    return force + pressure * lift * math.sqrt(speed2) * across, moment, power
