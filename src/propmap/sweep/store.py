@@ -196,6 +196,11 @@ class Store:
             Of the part.
         values : mapping of str to ndarray
             Of the part's shape, all quantities, in the order of the layout.
+
+        Raises
+        ------
+        OSError
+            Such as that of a full disk; it names the store.
         """
         group = _zarr().open_group(str(self.path), mode="r+")
         for name, part in values.items():
@@ -204,7 +209,11 @@ class Store:
                 slice(k * n, min((k + 1) * n, length))
                 for k, n, length in zip(place, array.chunks, array.shape, strict=True)
             )
-            array[cut] = part
+            try:
+                array[cut] = part
+            except OSError as error:
+                reason = error.strerror or str(error)
+                raise OSError(error.errno, reason, str(self.path)) from None
 
     def done(self, layout: Layout) -> NDArray[np.bool_]:
         """Which parts are filed, by place.
