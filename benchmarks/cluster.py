@@ -3,7 +3,8 @@
 Writes results/cluster.json: wall and processor time of one sweep with and without workers, whether
 its results are the same, and memory; overheads of a task; efficiency by number of workers, measured
 and simulated (``benchmarks.scheduler_simulation``); what a propeller of the catalogue and a design
-of a study take.  With arguments, only those parts: sweep, scheduler, designs, catalogue.
+of a study take.  With arguments, only those parts: sweep, scheduler, designs, catalogue; with
+`some`, one in five of the catalogue.
 """
 
 from __future__ import annotations
@@ -261,15 +262,23 @@ def _least(action: Any) -> float:
     return min(times)
 
 
-def catalogue() -> dict[str, Any]:
-    """`propmap fit catalogue` as a whole process, by itself and on two workers."""
+def catalogue(every: int = 1) -> dict[str, Any]:
+    """`propmap fit catalogue` as a whole process, by itself and on two workers.
+
+    ``every`` is the distance of the propellers taken, 1 for all.
+    """
     found: dict[str, Any] = {}
     files = []
     with tempfile.TemporaryDirectory() as folder:
+        data = Path(folder) / "loads.csv"
+        head, *rows = DATA.read_text(encoding="utf-8").splitlines()
+        names = list(dict.fromkeys(row.partition(",")[0] for row in rows))[::every]
+        kept = [row for row in rows if row.partition(",")[0] in names]
+        data.write_text("\n".join([head, *kept]) + "\n", encoding="utf-8")
         for who, cluster in (("one_process", []), ("local_2", ["--cluster", "local:2"])):
             output = Path(folder) / who / "identified.csv"
             output.parent.mkdir()
-            command = [sys.executable, "-m", "propmap", "fit", "catalogue", str(DATA)]
+            command = [sys.executable, "-m", "propmap", "fit", "catalogue", str(data)]
             before = resource.getrusage(resource.RUSAGE_CHILDREN)
             start = time.perf_counter()
             subprocess.run([*command, "-o", str(output), *cluster], check=True, capture_output=True)
@@ -287,17 +296,21 @@ def catalogue() -> dict[str, Any]:
 
 PARTS = {"sweep": sweeps, "scheduler": scheduler, "designs": designs, "catalogue": catalogue}
 
+SOME = 5
+"""With the argument `some`, one propeller in so many stands for the catalogue."""
+
 
 def main(wanted: list[str]) -> None:
     """Measure the parts ``wanted``, all if none is named, and keep the others' results."""
     path = RESULTS / "cluster.json"
     found = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
-    for name in wanted or PARTS:
+    some = "some" in wanted
+    for name in [name for name in wanted if name != "some"] or PARTS:
         if name == "catalogue" and not DATA.exists():
             print("the UIUC database is not at hand: no catalogue")
             continue
         told = {"machine": machine()}
-        found[name] = told | PARTS[name]()
+        found[name] = told | (catalogue(SOME) if some and name == "catalogue" else PARTS[name]())
         print(name, json.dumps(found[name]), flush=True)
         print(f"wrote {write_results(path.name, found)}")
 

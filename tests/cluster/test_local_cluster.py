@@ -199,3 +199,21 @@ def test_a_task_that_kills_workers_is_given_up_in_one_line() -> None:
     ):
         list(workers.results(_exits, None, [1]))
     assert "run the command again" in str(told.value)
+
+
+def test_an_interruption_is_one_line(tmp_path: Path) -> None:
+    grid = ["--rpm", "3000:8000:10", "--speed", "0:20:10", "--beta", "0:180:20"]
+    process = subprocess.Popen(
+        [sys.executable, "-m", "propmap", "sweep", "apc-8x6e", "--airfoil", "paper-apc", *grid]
+        + ["-o", str(tmp_path / "map.zarr"), "--cluster", "local:2"],
+        start_new_session=True,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    assert process.stderr is not None
+    assert "dashboard at http" in process.stderr.readline()
+    time.sleep(2.0)
+    # As a terminal does: to the client and its workers.
+    os.killpg(process.pid, signal.SIGINT)
+    _, told = process.communicate(timeout=60.0)
+    assert (process.returncode, told) == (130, "propmap: interrupted\n")
