@@ -184,6 +184,8 @@ def scheduler() -> dict[str, Any]:
                 "wall_s": wall,
                 "simulated_s": simulate(used, count, cores, costs),
                 "cores_had": given,
+                # Others on the machine leave the workers less than its cores.
+                "simulated_with_cores_had_s": simulate(used, count, min(given, cores), costs),
                 "efficiency": sum(used) / (wall * min(count, cores)),
                 "waiting_wall_s": wait_wall,
                 "waiting_simulated_s": simulate(waiting, count, count, costs),

@@ -35,7 +35,7 @@ class Costs:
 
 
 def simulate(
-    tasks: Sequence[float], workers: int, cores: int, costs: Costs, ahead: int = AHEAD
+    tasks: Sequence[float], workers: int, cores: float, costs: Costs, ahead: int = AHEAD
 ) -> float:
     """Time [s] from the first task handed out to the last one done.
 
@@ -43,8 +43,10 @@ def simulate(
     ----------
     tasks : sequence of float
         Times of one core [s], in order.
-    workers, cores : int
-        How many; a worker runs one task at a time.
+    workers : int
+        How many; each runs one task at a time.
+    cores : float
+        How many there are, or what others leave of them.
     costs : Costs
         Overheads.
     ahead : int

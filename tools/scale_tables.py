@@ -65,21 +65,22 @@ def workers(found: dict[str, Any]) -> str:
     part = found["scheduler"]
     rows = [
         f"| workers | {part['points_per_task']} points a task: wall | simulated | efficiency "
-        "| cores had | tasks that wait: wall | simulated |",
-        "|---:|---:|---:|---:|---:|---:|---:|",
+        "| cores had | simulated with these | tasks that wait: wall | simulated |",
+        "|---:|---:|---:|---:|---:|---:|---:|---:|",
     ]
     for one in part["rows"]:
+        had = one["simulated_with_cores_had_s"]
         rows.append(
             f"| {one['workers']} | {one['wall_s']:.2f} s | {one['simulated_s']:.2f} s "
             f"({_off(one['simulated_s'], one['wall_s'])}) | {100.0 * one['efficiency']:.0f} % "
-            f"| {one['cores_had']:.2f} | {one['waiting_wall_s']:.2f} s "
-            f"| {one['waiting_simulated_s']:.2f} s "
+            f"| {one['cores_had']:.2f} | {had:.2f} s ({_off(had, one['wall_s'])}) "
+            f"| {one['waiting_wall_s']:.2f} s | {one['waiting_simulated_s']:.2f} s "
             f"({_off(one['waiting_simulated_s'], one['waiting_wall_s'])}) |"
         )
     told = (
         f"On {part['cores']} cores. The simulation knows of these cores, and not of what others "
-        "did on them meanwhile: the workers had only the cores of the fifth column. "
-        + _machine(part)
+        "did on them meanwhile: the workers had only the cores of the fifth column; by these the "
+        "sixth is reckoned. " + _machine(part)
     )
     return "\n".join([*rows, "", told])
 

@@ -21,6 +21,7 @@ def test_workers_share_cores() -> None:
     assert simulate([1.0] * 4, 2, 2, FREE) == pytest.approx(2.0)
     assert simulate([1.0] * 4, 4, 2, FREE) == pytest.approx(2.0)
     assert simulate([1.0] * 4, 4, 1, FREE) == pytest.approx(4.0)
+    assert simulate([1.0] * 4, 1, 0.5, FREE) == pytest.approx(8.0)
     # Two tasks on one core: the short one ends at 2, when the long one has had 1 of its 3.
     assert simulate([1.0, 3.0], 2, 1, FREE) == pytest.approx(4.0)
 
