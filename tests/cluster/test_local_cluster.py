@@ -203,9 +203,9 @@ def test_a_task_that_kills_workers_is_given_up_in_one_line() -> None:
 
 def test_an_interruption_is_one_line(tmp_path: Path) -> None:
     grid = ["--rpm", "3000:8000:10", "--speed", "0:20:10", "--beta", "0:180:20"]
+    asked = ["apc-8x6e", "--airfoil", "paper-apc", *grid, "-o", str(tmp_path / "map.zarr")]
     process = subprocess.Popen(
-        [sys.executable, "-m", "propmap", "sweep", "apc-8x6e", "--airfoil", "paper-apc", *grid]
-        + ["-o", str(tmp_path / "map.zarr"), "--cluster", "local:2"],
+        [sys.executable, "-m", "propmap", "sweep", *asked, "--cluster", "local:2"],
         start_new_session=True,
         stderr=subprocess.PIPE,
         text=True,
