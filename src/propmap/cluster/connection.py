@@ -89,6 +89,9 @@ def _local(count: int) -> Iterator[DaskWorkers]:
         "distributed.scheduler.allowed-failures": FAILURES,
         # Compiling holds a worker's event loop for seconds, which is no fault.
         "distributed.admin.tick.limit": "10 minutes",
+        # What the scheduler remembers of tasks that are done, else a hundred thousand entries.
+        "distributed.admin.low-level-log-length": 1000,
+        "distributed.admin.log-length": 1000,
         # A worker that died while it was starting is replaced after this.
         "distributed.deploy.lost-worker-timeout": "5 s",
     }
