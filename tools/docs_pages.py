@@ -19,8 +19,15 @@ from propmap.catalogue.identified import all_identified
 from propmap.fit.population.summary import summary
 from propmap.io.atomic_file import replacing
 from propmap.papers.gill_dandrea_2017.drag_effects import drag_effects
+from tools import (
+    aircraft_tables,
+    flight_tables,
+    lifting_line_tables,
+    performance_tables,
+    readme_tables,
+    scale_tables,
+)
 from tools import drag_effects as drag_effects_table
-from tools import lifting_line_tables, performance_tables, readme_tables, scale_tables
 
 RESULTS = Path(__file__).resolve().parent.parent / "benchmarks" / "results"
 LOADS = {
@@ -60,7 +67,11 @@ def write(folder: Path) -> None:
             "convergence",
             "demo",
             "fine_table",
+            "flight_residual",
+            "flight_steps",
+            "flight_twins",
             "identification",
+            "interference",
             "left_out",
             "mount_drag",
             "lifting_line",
@@ -78,10 +89,18 @@ def write(folder: Path) -> None:
         "speed": readme_tables.speed(found["speed"]),
         "twins": twins(found["identification"]),
         "coverage": coverage(found["identification"]),
+        "flight-twins": flight_twins(found["flight_twins"]),
         "by-angle": by_angle(found["demo"]),
+        "flight-terms": flight_tables.terms(found["flight_steps"]),
+        "flight-terms-recorded": flight_tables.terms_as_recorded(found["flight_steps"]),
+        "flight-residual": flight_tables.learned(found["flight_residual"]),
+        "wakes-cost": flight_tables.wakes_cost(found["interference"]),
+        "wakes-coaxial": flight_tables.coaxial(found["interference"]),
         "mount-drag": mount_drag(found["mount_drag"]),
-        "measured-power": measured_power(found["aircraft"]["power"]),
-        "aircraft-times": aircraft_times(found["aircraft"]),
+        "measured-power": aircraft_tables.measured_power(found["aircraft"]["power"]),
+        "aircraft-times": aircraft_tables.times(found["aircraft"]),
+        "aircraft-study": aircraft_tables.study(found["aircraft"]["study"]),
+        "aircraft-transition": aircraft_tables.transition(found["aircraft"]["transition"]),
         "choice-cost": choice_cost(found["choice"]),
         "choice-measured": choice_measured(found["choice"]),
         "choice-table": choice_table(found["choice"]),
@@ -149,6 +168,34 @@ def coverage(found: dict[str, Any]) -> str:
     return "\n".join(rows)
 
 
+def flight_twins(found: dict[str, Any]) -> str:
+    """How often the intervals of whole flights hold the truth."""
+    rows = [
+        f"| parameter | truth | unit | called identified, of {found['repetitions']} "
+        "| truth inside, of these | of all | if rows were independent | median width "
+        "| error without noise |",
+        "|---|---:|---|---:|---:|---:|---:|---:|---:|",
+    ]
+    for name, case in found["coverage"].items():
+        shares = (
+            case["of_these_truth_inside"],
+            case["of_all_truth_inside"],
+            case["if_rows_were_independent"],
+        )
+        exact = found["noise_free"][name]
+        cells = (
+            f"`{name}`",
+            f"{exact['truth']:.3g}",
+            case["unit"],
+            case["called_identified"],
+            *("-" if share is None else f"{100.0 * share:.0f} %" for share in shares),
+            f"{case['median_width']:.2g}",
+            f"{100.0 * abs(exact['relative_error']):.1g} %",
+        )
+        rows.append(f"| {' | '.join(str(cell) for cell in cells)} |")
+    return "\n".join(rows)
+
+
 def by_angle(found: dict[str, Any]) -> str:
     """Oblique data, by angle: recommended, paper's and hover model."""
     groups = [g for g in found["groups"] if g["title"].startswith("oblique ")]
@@ -199,39 +246,6 @@ def mount_drag(found: dict[str, Any]) -> str:
         f"constants, {100.0 * motor['median']:.0f} % in the median.",
     ]
     return "\n".join(rows)
-
-
-def measured_power(found: dict[str, Any]) -> str:
-    """Errors of predicted power on the half of a tunnel's states that was not fitted."""
-    halves = found["halves"]
-    kinds = {
-        "shaft": "shaft power, 0.874 of the electrical",
-        "electrical_by_a_motor": "electrical power, by three constants of motor and controller",
-    }
-    rows = ["| | of the rms power | relative, rms |", "|---|---:|---:|"]
-    unfitted = found["unfitted_shaft"]
-    cells = [f"{100.0 * unfitted[k]:.0f} %" for k in ("rms_of_rms", "rms_relative")]
-    rows.append(f"| shaft power, constants to be expected of any propeller | {' | '.join(cells)} |")
-    for kind, words in kinds.items():
-        cells = [
-            " and ".join(f"{100.0 * half[kind][k]:.1f}" for half in halves) + " %"
-            for k in ("rms_of_rms", "rms_relative")
-        ]
-        rows.append(f"| {words} | {' | '.join(cells)} |")
-    states = " and ".join(str(half["states"]) for half in halves)
-    rows += ["", f"Two halves, each predicted from the other: {states} states."]
-    return "\n".join(rows)
-
-
-def aircraft_times(found: dict[str, Any]) -> str:
-    """What a trim and a ranking take."""
-    rotor, table = found["trim"]["rotor"], found["trim"]["table"]
-    chosen = found["choose"]
-    return (
-        f"With compiled programs, {rotor['speeds']} speeds take {rotor['processor_s']:.2f} s of "
-        f"processor time on a rotor and {table['processor_s']:.3f} s on a table; a ranking of "
-        f"{chosen['propellers']} propellers {chosen['processor_s']:.0f} s, on all cores."
-    )
 
 
 def choice_cost(found: dict[str, Any]) -> str:

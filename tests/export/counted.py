@@ -37,7 +37,8 @@ COMPARE(<) COMPARE(>) COMPARE(<=) COMPARE(>=) COMPARE(==)
 static inline counted operator-(counted a) { ++done[0]; return -a.x; }
 #define FUNCTION(name, kind) \\
     static inline counted name(counted a) { ++done[kind]; return std::name(a.x); }
-FUNCTION(sqrt, 3) FUNCTION(fabs, 0) FUNCTION(sin, 4) FUNCTION(cos, 4) FUNCTION(exp, 4)
+FUNCTION(sqrt, 3) FUNCTION(fabs, 0) FUNCTION(floor, 4)
+FUNCTION(sin, 4) FUNCTION(cos, 4) FUNCTION(exp, 4)
 #define OF_TWO(name, kind) \\
     static inline counted name(counted a, counted b) { ++done[kind]; return std::name(a.x, b.x); }
 OF_TWO(atan2, 4) OF_TWO(hypot, 4) OF_TWO(remainder, 4) OF_TWO(fmax, 0) OF_TWO(fmin, 0)

@@ -55,6 +55,7 @@ VEHICLES = {
         body=Body((0.015, 0.02, 0.03), 0.01, (0.004, 0.006)),
         wing=Wing(0.05, 0.1, 4.5, 1.0, 0.25),
     ),
+    "on a wing with a span": replace(PLAIN, wing=Wing(0.05, 0.1, 4.5, 1.0, 0.25, 0.6)),
     "wakes": replace(PLAIN, wakes=WAKES),
     "coaxial": replace(
         PLAIN,
@@ -147,8 +148,8 @@ def test_c_is_the_same_as_python(
     lost = np.isnan(want)
     assert 0.1 < lost[:, 0].mean() < 0.6
     size = np.abs(np.where(lost, 0.0, want)).max(axis=0) + 1e-30
-    # In single precision a sum over 2,700 nodes of the wakes, each good to 6e-8.
-    tolerance = (1e-4 if vehicle.wakes else 3e-6) if single else 1e-10
+    # The wakes' splines are in single precision in both.
+    tolerance = 2e-5 if single else 1e-6 if vehicle.wakes else 1e-10
     clear = np.isnan(found[:, :19]) == lost
     assert clear.all() if not single else clear.all(axis=1).mean() > 0.999
     known = clear & ~lost
@@ -197,7 +198,9 @@ def test_operations_are_counted(
         said = getattr(stated.operations, kind)
         assert 0.8 * said <= usual <= said, kind
         assert most <= getattr(stated.worst, kind), kind
-    note = " ".join((tmp_path / "README-c.txt").read_text().split())
+    text = (tmp_path / "README-c.txt").read_text()
+    assert "\n\nWeight and the gyroscopic" in text  # a paragraph of its own
+    note = " ".join(text.split())
     assert f"A call takes {stated.operations.total} operations" in note
 
 

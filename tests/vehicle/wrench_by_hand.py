@@ -9,8 +9,10 @@ import numpy as np
 from scipy.optimize import brentq
 
 import propmap
-from propmap.physics.vortex_cylinder import axial_velocity
+from propmap.engine.attached_thrust import attached_thrust
 from propmap.vehicle.vehicle import Mount, Vehicle
+from propmap.vehicle.wake_table import SeenWake
+from propmap.vehicle.wake_table import frame_of as own_frame
 
 
 def frame_of(axis: np.ndarray) -> np.ndarray:
@@ -32,40 +34,41 @@ def one_rotor(
     return frame.T @ wrench.force, frame.T @ wrench.moment, loads.thrust, loads.torque
 
 
-def added_flows(vehicle: Vehicle, thrust: list[float], hubs: list[np.ndarray]) -> list[float]:
-    """What the wakes add at each rotor, pair by pair and point by point."""
+def added_flows(
+    rotor: propmap.Rotor, vehicle: Vehicle, omegas: np.ndarray, hubs: list[np.ndarray]
+) -> list[float]:
+    """What the wakes add at each rotor, pair by pair."""
     radius, rho = vehicle.propeller.radius, vehicle.air.density
     assert vehicle.wakes is not None
     gains, found = vehicle.wakes, []
     for target in vehicle.mounts:
-        total, facing = 0.0, frame_of(np.array(target.axis))
-        for source, load, hub in zip(vehicle.mounts, thrust, hubs, strict=True):
+        total = 0.0
+        for source, omega, hub in zip(vehicle.mounts, omegas, hubs, strict=True):
             if source is target:
                 continue
             frame = frame_of(np.array(source.axis))
             x, y, z = frame @ hub
+            across = math.hypot(x, y)
+            points = (np.array([omega]), np.array([z]), np.array([across]))
+            thrust = float(attached_thrust(rotor.model.arrays(), *points)[0][0])
 
-            def excess(v: float, at: tuple[float, float, float] = (x, y, z)) -> float:
-                return 2.0 * rho * math.pi * radius**2 * v * math.hypot(*at[:2], at[2] + v)
+            def excess(v: float, t: float = thrust, at: tuple[float, float] = (across, z)) -> float:
+                return 2.0 * rho * math.pi * radius**2 * v * math.hypot(at[0], at[1] + v) - t
 
-            inflow = brentq(lambda v, t=load, f=excess: f(v) - t, 0.0, 60.0, xtol=1e-13)
-            away = -np.array([x, y, z + gains.share * inflow])
-            away /= np.linalg.norm(away)
-            apart = (np.array(target.position) - source.position) / radius
-            mean = 0.0
-            for k in range(7):
-                rim = 0.0 if k == 6 else math.sqrt(2.0 / 3.0)
-                turn = k * math.pi / 3.0
-                point = apart + rim * (math.cos(turn) * facing[0] + math.sin(turn) * facing[1])
-                share = 0.25 if k == 6 else 0.125
-                mean += share * float(axial_velocity(frame @ point, away))
-            one = 2.0 * inflow * float(np.dot(source.axis, target.axis)) * mean
+            inflow = brentq(excess, 0.0, 60.0, xtol=1e-13)
+            wake = SeenWake(source, target, radius)
+            towards = own_frame(source.axis) @ (-hub - gains.share * inflow * frame[2])
+            seen = float(wake.at(towards[None])[0])
+            apart = np.subtract(target.position, source.position)
             beside = apart - (apart @ frame[2]) * frame[2]
-            flat = hub - (hub @ frame[2]) * frame[2]
-            cosine = flat @ beside / np.linalg.norm(beside)
-            along = cosine**2 / (flat @ flat + 0.25)
-            upwash = gains.ahead * along + gains.beside * (1.0 - along)
-            total += one * (gains.downwash if one >= 0.0 else upwash)
+            cosine = hub @ beside / np.linalg.norm(beside)
+            along = cosine**2 / (across**2 + 0.25)
+            gain = gains.downwash
+            if seen < 0.0:
+                upwash = gains.ahead * along + gains.beside * (1.0 - along)
+                share = min(-seen / 0.005, 1.0)
+                gain += (upwash - gains.downwash) * (3.0 * share**2 - 2.0 * share**3)
+            total += 2.0 * inflow * gain * seen
         found.append(total)
     return found
 
@@ -86,8 +89,7 @@ def by_hand(
     hubs = [through + np.cross(rates, mount.position) for mount in vehicle.mounts]
     added = [0.0] * len(hubs)
     if vehicle.wakes is not None:
-        parts = zip(vehicle.mounts, omegas, hubs, strict=True)
-        added = added_flows(vehicle, [float(one_rotor(rotor, *p)[2]) for p in parts], hubs)
+        added = added_flows(rotor, vehicle, omegas, hubs)
     force, moment, power = np.zeros(3), np.zeros(3), 0.0
     for mount, omega, hub, more in zip(vehicle.mounts, omegas, hubs, added, strict=True):
         push, turn, _, torque = one_rotor(rotor, mount, omega, hub, more)

@@ -158,3 +158,11 @@ def blocks_of_numbers(blocks: Iterable[Any]) -> str:
         "{\n" + (rows_of_numbers if np.ndim(block) == 2 else blocks_of_numbers)(block) + "}"
         for block in blocks
     )
+
+
+def blocks_of_singles(blocks: Iterable[Iterable[Iterable[np.float32]]]) -> str:
+    """The same of an array with three axes in single precision."""
+    rows = (
+        ",\n".join("{" + ", ".join(map(_single, row)) + "}" for row in block) for block in blocks
+    )
+    return ",\n".join("{\n" + block + "}" for block in rows)

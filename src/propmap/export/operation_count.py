@@ -12,9 +12,8 @@ from typing import NamedTuple, Self
 from propmap.export.c_header import table_bytes
 from propmap.export.wake_geometry import wake_geometry
 from propmap.loads import LOADS
-from propmap.physics.vortex_cylinder import AZIMUTHS
 from propmap.table.query import LoadTable
-from propmap.vehicle.interference import DISK_WEIGHTS, STEPS
+from propmap.vehicle.interference import STEPS
 from propmap.vehicle.vehicle import Vehicle
 
 
@@ -48,19 +47,22 @@ BODY = Operations(12, 15)
 
 LIFT, WING = Operations(4, 10, 0, 1, 3), Operations(9, 9, 2, 0, 5)
 
+INDUCED = Operations(2, 8)
+"""Drag, where a wing has a span."""
+
 FLOW, FORCE = Operations(14, 18, 1, 1), Operations(28, 35)
 """At a hub, and of a rotor on the vehicle."""
 
 QUERY = Operations(321, 307, 2, 2, 1)
 """Of the map, with the angle and the speed that it is asked at."""
 
-SOURCE, STEP = Operations(53, 85, 1, 2), Operations(10, 4, 2, 1)
+SOURCE, STEP = Operations(35, 30, 1, 2, 2), Operations(10, 4, 2, 1)
 """A rotor's wake, without the steps of Newton's method for its inflow, and such a step."""
 
-PAIR, POINT, NODE = Operations(6, 9, 1), Operations(3, 4), Operations(4, 0, 1)
-"""Of a wake at another rotor, at a point of its disk, and of a node on the rim at that point."""
+PAIR = Operations(40, 49, 0, 0, 1)
+"""Of a wake at another rotor."""
 
-USUAL_STEPS = 8
+USUAL_STEPS = 6
 """Of Newton's method, outside of descent; it ends after ``interference.STEPS``."""
 
 CYCLES = Operations(3, 3, 16, 16, 150)
@@ -128,25 +130,26 @@ def cost(vehicle: Vehicle, table: LoadTable) -> Cost:
     vehicle, table : Vehicle, LoadTable
         What is exported.
     """
-    rotors, points = len(vehicle.mounts), DISK_WEIGHTS.size
+    rotors = len(vehicle.mounts)
     pairs = rotors * (rotors - 1) if vehicle.wakes is not None else 0
     done = BODY + (FLOW + QUERY + FORCE).times(rotors)
     if vehicle.body.lift_area or vehicle.wing is not None:
         done += LIFT
     if vehicle.wing is not None:
         done += WING
+        if vehicle.wing.span is not None:
+            done += INDUCED
     # Sixteen knots with both ends of each load, three polynomials of weights, knots and scales.
     query = 16 * 2 * len(LOADS) * 4 + (3 * 16 + len(LOADS) + 12) * 4
     read = (query + 7 * 4) * rotors
     stored = table_bytes(table.content, 4) + (7 * rotors + 6) * 4
     worst = done
     if pairs:
-        one = PAIR + (POINT + NODE.times(AZIMUTHS)).times(points)
-        without = done + (SOURCE + QUERY).times(rotors) + one.times(pairs)
+        without = done + (SOURCE + QUERY).times(rotors) + PAIR.times(pairs)
         done = without + STEP.times(USUAL_STEPS * rotors)
         worst = without + STEP.times(STEPS * rotors)
-        rim = points * (2 * AZIMUTHS + 4)
-        read += query * rotors + (pairs * (rim + 5) + rotors * (2 * AZIMUTHS + 9)) * 4
-        kinds = len(wake_geometry(vehicle).points)
-        stored += (kinds * rim + pairs * 5 + rotors * 9 + 2 * AZIMUTHS) * 4
+        wake = wake_geometry(vehicle)
+        polynomials = wake.skew.weights.size + wake.around.weights.size
+        read += query * rotors + (pairs * (16 + 16 + 5) + rotors * (16 + 9)) * 4
+        stored += (wake.coefficients.size + polynomials + pairs * 5 + rotors * 9) * 4
     return Cost(done, worst, read, stored)

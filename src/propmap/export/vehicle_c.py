@@ -16,12 +16,11 @@ from propmap.export.operation_count import cost
 from propmap.export.provenance import identifier, vehicle_name
 from propmap.export.template import rendered
 from propmap.export.vehicle_note import vehicle_note
-from propmap.export.wake_geometry import azimuths, wake_geometry
+from propmap.export.wake_geometry import wake_geometry
 from propmap.model.airfoil import Airfoil
-from propmap.physics.vortex_cylinder import AZIMUTHS
 from propmap.results import spin_sign
 from propmap.table.query import LoadTable
-from propmap.vehicle.interference import DISK_WEIGHTS, LARGEST_INFLOW, SLOW, STEPS
+from propmap.vehicle.interference import LARGEST_INFLOW, SLOW, STEPS, UPWASH
 from propmap.vehicle.rotors import Rotors
 from propmap.vehicle.vehicle import Vehicle
 
@@ -57,25 +56,14 @@ def header(vehicle: Vehicle, table: LoadTable) -> str:
     name = vehicle_name(vehicle, table)
     values: dict[str, Any] = {"pairs": vehicle.wakes is not None and len(vehicle.mounts) > 1}
     if values["pairs"]:
-        geometry = wake_geometry(vehicle)
-        cosine, sine = azimuths()
         values |= {
             "wakes": vehicle.wakes,
-            "kinds": geometry.points,
-            "kind_of": geometry.kind,
-            "tilts": geometry.tilts,
-            "towards": geometry.towards,
-            "frames": geometry.frames,
-            "points": geometry.points,
-            "rims": geometry.rims,
-            "cosines": cosine,
-            "sines": sine,
-            # The mean over the nodes, and twice the inflow times half the integral.
-            "weights": DISK_WEIGHTS / AZIMUTHS,
+            "wake": wake_geometry(vehicle),
             "disk": vehicle.air.density * np.pi * vehicle.propeller.radius**2,
             "steps": STEPS,
             "largest": LARGEST_INFLOW,
             "slow": SLOW,
+            "upwash": UPWASH,
         }
     return rendered(
         "vehicle.h",
@@ -91,5 +79,6 @@ def header(vehicle: Vehicle, table: LoadTable) -> str:
         numbers=c_header.numbers,
         rows_of_numbers=c_header.rows_of_numbers,
         blocks_of_numbers=c_header.blocks_of_numbers,
+        blocks_of_singles=c_header.blocks_of_singles,
         **values,
     )

@@ -1,20 +1,42 @@
-"""What the rotors' wakes on each other depend on, besides the flight: tables for exported code.
+"""The rotors' wakes on each other as tables for exported code.
 
-The closed form of ``physics.vortex_cylinder`` stays as it is; distances between disks and rims,
-which do not change with the flight, are tabulated, so that a node costs one division.
+They are the splines of ``vehicle.wake_table``: coefficients over skew and bearing of a wake, and
+the weights of four neighbouring ones as polynomials in each interval between the table's knots.
 """
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from propmap.arrays.types import Floats
-from propmap.physics.vortex_cylinder import AZIMUTHS, CORE
-from propmap.vehicle.interference import DISK_ANGLES, DISK_RADII, disk_frame
 from propmap.vehicle.vehicle import Vehicle
+from propmap.vehicle.wake_table import BEARINGS, SKEWS, SeenWake, frame_of
+
+
+@dataclass(frozen=True, eq=False)
+class SplineAxis:
+    """The intervals of one axis of the splines, all of one width.
+
+    Attributes
+    ----------
+    per_unit : float
+        Intervals per radian.
+    first : ndarray of int, shape (n,)
+        The first of the four coefficients that count in each.
+    kind : ndarray of int, shape (n,)
+        Which polynomials are those of each; most intervals have the same.
+    weights : ndarray, shape (K, 16)
+        Four constant terms, four linear ones, and so on, of the place in the interval, 0 to 1.
+    """
+
+    per_unit: float
+    first: NDArray[np.intp]
+    kind: NDArray[np.intp]
+    weights: Floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,58 +49,75 @@ class WakeGeometry:
         Rows: two directions in the disk, and the axis.
     kind : ndarray of int, shape (k, k)
         Of each target and source: which of the K kinds of pairs they are.
-    tilts : ndarray, shape (k, k)
-        Cosine between their axes [-].
+    bearing : ndarray, shape (k, k)
+        Of the target in the source's frame [rad].
     towards : ndarray, shape (k, k, 3)
         Unit vector from the source to the target in the plane of the source's disk.
-    points : ndarray, shape (K, p, 3)
-        Of the target's disk, in radii from the source, in the source's frame.
-    rims : ndarray, shape (K, p, 2, a)
-        Distance of each point to each node on the source's rim [radii], and the node's turning
-        about the point over it.
+    coefficients : ndarray of float32, shape (K, a, b)
+        Of the splines.
+    skew, around : SplineAxis
+        Their axes: from straight down to straight up, and around.
     """
 
     frames: Floats
     kind: NDArray[np.intp]
-    tilts: Floats
+    bearing: Floats
     towards: Floats
-    points: Floats
-    rims: Floats
-
-
-def azimuths() -> tuple[Floats, Floats]:
-    """Cosine and sine of the nodes on a rim, (a,) each."""
-    psi = 2.0 * np.pi * (np.arange(AZIMUTHS) + 0.5) / AZIMUTHS
-    return np.cos(psi), np.sin(psi)
+    coefficients: NDArray[np.float32]
+    skew: SplineAxis
+    around: SplineAxis
 
 
 def wake_geometry(vehicle: Vehicle) -> WakeGeometry:
-    """The geometry of the rotors of a ``vehicle``."""
+    """The tables of the rotors of a ``vehicle``, two or more."""
     mounts, radius = vehicle.mounts, vehicle.propeller.radius
-    frames = np.stack([disk_frame(mount.axis) for mount in mounts])
-    disk = DISK_RADII * np.stack([np.cos(DISK_ANGLES), np.sin(DISK_ANGLES), 0.0 * DISK_ANGLES])
-    cosine, sine = azimuths()
-    kind, towards = np.zeros((len(mounts),) * 2, int), np.zeros((len(mounts), len(mounts), 3))
-    known: dict[bytes, int] = {}
-    points: list[Floats] = []
+    k = len(mounts)
+    frames = np.stack([frame_of(mount.axis) for mount in mounts])
+    kind, bearing, towards = np.zeros((k, k), int), np.zeros((k, k)), np.zeros((k, k, 3))
+    splines: list[object] = []
     for t, target in enumerate(mounts):
         for s, source in enumerate(mounts):
             if t == s:
                 continue
+            seen = SeenWake(source, target, radius)
+            # Pairs that are alike share a spline.
+            same = [n for n, spline in enumerate(splines) if spline is seen.spline]
+            if not same:
+                splines.append(seen.spline)
+            kind[t, s] = same[0] if same else len(splines) - 1
+            bearing[t, s] = seen.towards
             apart = np.subtract(target.position, source.position)
-            place = (apart / radius + disk.T @ frames[t]) @ frames[s].T
-            # Pairs that lie alike, but for rounding, are one kind.
-            key = (np.round(place, 12) + 0.0).tobytes()
-            if key not in known:
-                known[key] = len(points)
-                points.append(place)
-            kind[t, s] = known[key]
             beside = apart - (apart @ frames[s, 2]) * frames[s, 2]
             length = np.linalg.norm(beside)
-            towards[t, s] = beside / (length if length > 1e-9 * radius else 1.0)
-    places = np.stack(points)
-    x, y, z = (places[..., k, None] for k in range(3))
-    distance = np.sqrt((x - cosine) ** 2 + (y - sine) ** 2 + z**2 + CORE**2)
-    rims = np.stack([distance, (1.0 - x * cosine - y * sine) / distance], axis=-2)
-    tilts = frames[:, 2] @ frames[:, 2].T
-    return WakeGeometry(frames, kind, tilts, towards, places, rims)
+            towards[t, s] = beside / (length if length > 1e-9 else 1.0)
+    knots = splines[0].tck[:2]  # type: ignore[attr-defined]
+    skew = _axis(knots[0], np.linspace(0.0, np.pi, SKEWS))
+    around = _axis(knots[1], np.linspace(0.0, 2.0 * np.pi, BEARINGS + 1))
+    used = slice(around.first[0], around.first[-1] + 4)
+    tables = [
+        spline.get_coeffs().reshape(len(knots[0]) - 4, -1)[:, used]  # type: ignore[attr-defined]
+        for spline in splines
+    ]
+    around.first[:] -= used.start
+    return WakeGeometry(
+        frames, kind, bearing, towards, np.stack(tables).astype(np.float32), skew, around
+    )
+
+
+def _axis(knots: Floats, breaks: Floats) -> SplineAxis:
+    """Of cubic splines with these ``knots``, the intervals between ``breaks``."""
+    from scipy.interpolate import BSpline
+
+    inside = np.linspace(0.1, 0.9, 4)
+    to_powers = np.linalg.inv(np.vander(inside, increasing=True))
+    every, first = [], []
+    for low, high in itertools.pairwise(breaks):
+        span = int(np.searchsorted(knots, 0.5 * (low + high), side="right")) - 4
+        at = low + inside * (high - low)
+        four = [BSpline.basis_element(knots[j : j + 5])(at) for j in range(span, span + 4)]
+        every.append((to_powers @ np.stack(four, axis=1)).ravel())
+        first.append(span)
+    rounded = np.round(np.array(every), 9) + 0.0
+    _, where, kind = np.unique(rounded, axis=0, return_index=True, return_inverse=True)
+    per_unit = 1.0 / float(breaks[1] - breaks[0])
+    return SplineAxis(per_unit, np.array(first), kind.ravel(), np.array(every)[where])

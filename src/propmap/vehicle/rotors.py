@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from propmap.arrays.types import Floats
+from propmap.engine.attached_thrust import attached_thrust
 from propmap.errors import InputError
 from propmap.loads import LOADS
 from propmap.results import STATUSES
@@ -17,6 +18,7 @@ from propmap.vehicle.interference import added_flow, check_apart, wake_flow
 from propmap.vehicle.mounted_rotors import mounted_rotors
 
 if TYPE_CHECKING:
+    from propmap.physics.rotor import RotorArrays
     from propmap.vehicle.vehicle import Vehicle
 
 SEVERITY = (
@@ -30,6 +32,9 @@ SEVERITY = (
 """Statuses of rotors and of tables, from harmless to fatal."""
 
 THRUST, TORQUE = (list(LOADS).index(name) for name in ("thrust", "torque"))
+
+FORWARD = 0.5
+"""Upward part of the rotors' mean axis below which they pull forward."""
 
 STEP = 1e-2
 """Of difference quotients by the axial flow [m/s]."""
@@ -80,6 +85,9 @@ class Rotors:
         Where they are.
     sources : list of (LoadSource, ndarray of int)
         What gives the loads of which rotors.
+    arrays : RotorArrays, optional
+        Of a rotor, whose attached thrust makes the wakes, see ``attached_thrust``; by default it is
+        the thrust of the sources, which takes their loads twice.
 
     Raises
     ------
@@ -87,18 +95,25 @@ class Rotors:
         Where there are wakes and two rotors are in one place.
     """
 
-    def __init__(self, vehicle: Vehicle, sources: Sources) -> None:
+    def __init__(
+        self, vehicle: Vehicle, sources: Sources, arrays: RotorArrays | None = None
+    ) -> None:
         self.vehicle, self.sources = vehicle, sources
         nothing = np.zeros((0, len(vehicle.mounts)))
         flow = flow_of_hubs(vehicle, nothing, np.zeros((*nothing.shape, 3)))
         self.position, self.axis, self.spin = flow.position, flow.axis, flow.spin
         self.radius = vehicle.propeller.radius
-        self.wakes = vehicle.wakes
+        self.wakes, self._wake_arrays = vehicle.wakes, arrays
         if self.wakes is not None:
             check_apart(vehicle)
 
     def __len__(self) -> int:
         return len(self.spin)
+
+    @property
+    def forward(self) -> bool:
+        """Whether they pull forward rather than up."""
+        return float(self.axis[:, 2].mean()) < FORWARD
 
     @classmethod
     def of(cls, vehicle: Vehicle, loads: LoadSource) -> Rotors:
@@ -122,9 +137,8 @@ class Rotors:
                 "the rotor has another propeller or air than the vehicle",
                 "give Rotor(Model(vehicle.propeller, airfoil, vehicle.air))",
             )
-        return cls(
-            vehicle, [(loads.with_model(own), k) for own, k in mounted_rotors(vehicle, model)]
-        )
+        every: Sources = [(loads.with_model(own), k) for own, k in mounted_rotors(vehicle, model)]
+        return cls(vehicle, every, model.arrays() if vehicle.wakes is not None else None)
 
     def moment(self, force: Floats, moment: Floats) -> Floats:
         """About the centre of mass, (..., k, 3) [N m], of what acts at the hubs."""
@@ -141,11 +155,13 @@ class Rotors:
             Of the hubs through the air, in the vehicle's frame [m/s].
         """
         flow = self._flow(omega, velocity)
-        loads, status = _loads(self.sources, flow)
         added = np.zeros_like(flow.omega)
-        if self.wakes is not None:
-            added = added_flow(self.vehicle, self.wakes, flow, loads[THRUST])
-            loads, status = self._in_wakes(flow, added, status)
+        if self.wakes is None:
+            loads, status = _loads(self.sources, flow)
+        else:
+            alone = self._alone(flow)
+            added = alone.known(added_flow(self.vehicle, self.wakes, flow, alone.thrust))
+            loads, status = self._in_wakes(flow, added, alone)
         return _told(flow, loads, added, status, omega.shape)
 
     def around(
@@ -176,24 +192,27 @@ class Rotors:
         turning[faster] *= 1.0 + change
         moving = np.concatenate([velocity, velocity[:1]])
         flow = self._flow(turning, moving.reshape(-1, k, 3))
-        alone, status = _loads(self.sources, flow)
-        loads, added, wake = alone, np.zeros_like(flow.omega), None
-        if self.wakes is not None:
-            wake = wake_flow(self.vehicle, self.wakes, flow.part(first), alone[THRUST, first])
+        added, wake = np.zeros_like(flow.omega), None
+        if self.wakes is None:
+            loads, status = _loads(self.sources, flow)
+        else:
+            alone = self._alone(flow)
+            wake = wake_flow(self.vehicle, self.wakes, flow.part(first), alone.thrust[first])
             rest = slice(n, s * n)
-            others = added_flow(self.vehicle, self.wakes, flow.part(rest), alone[THRUST, rest])
-            added = np.concatenate([wake.added, others, wake.added, wake.added + STEP])
+            others = added_flow(self.vehicle, self.wakes, flow.part(rest), alone.thrust[rest])
             again = np.concatenate([np.arange((s + 1) * n), first])
-            flow, status = flow.part(again), status[again]
-            loads, status = self._in_wakes(flow, added, status)
+            added = np.concatenate([wake.added, others, wake.added, wake.added + STEP])
+            flow, thrust = flow.part(again), alone.thrust
+            alone = alone.part(again)
+            added = alone.known(added)
+            loads, status = self._in_wakes(flow, added, alone)
         here, step = flow.part(first), omega * change
         force, moment = hub_wrenches(here, (loads[:, faster] - loads[:, first]) / step)
         moment = self.moment(force, moment)
         if wake is not None:
             # The flow that a rotor's speed adds at all others, and what that does there.
             push, turn = hub_wrenches(here, (loads[:, (s + 1) * n :] - loads[:, first]) / STEP)
-            thrust = (alone[THRUST, faster] - alone[THRUST, first]) / step
-            by_speed = wake.by_thrust * thrust[:, None]
+            by_speed = wake.by_thrust * ((thrust[faster] - thrust[first]) / step)[:, None]
             force = force + np.einsum("ntj,nts->nsj", push, by_speed)
             moment = moment + np.einsum("ntj,nts->nsj", self.moment(push, turn), by_speed)
         motions = slice(s * n)
@@ -203,7 +222,7 @@ class Rotors:
     def changed(self, changes: Sources, omega: Floats, velocity: Floats) -> RotorWrenches:
         """What ``changes`` of the loads, to first order, do to force and moment of each rotor.
 
-        Where there are wakes, they change with the thrusts.
+        Where there are wakes, they change with the thrusts, attached or not.
 
         Parameters
         ----------
@@ -217,12 +236,12 @@ class Rotors:
         if self.wakes is None:
             loads, status = _loads(changes, flow)
             return _told(flow, loads, added, status, omega.shape)
-        alone, _ = _loads(self.sources, flow)
-        wake = wake_flow(self.vehicle, self.wakes, flow, alone[THRUST])
-        more, less = (_loads(self.sources, flow.moved(wake.known + by))[0] for by in (STEP, -STEP))
+        alone = self._alone(flow)
+        wake = wake_flow(self.vehicle, self.wakes, flow, alone.thrust)
+        more, less = (_loads(self.sources, flow.moved(wake.added + by))[0] for by in (STEP, -STEP))
         # Both in one call: changes are computed once, for one set of points.
         twice = np.tile(np.arange(len(omega)), 2)
-        both = flow.part(twice).moved(np.concatenate([np.zeros_like(added), wake.known]))
+        both = flow.part(twice).moved(np.concatenate([np.zeros_like(added), wake.added]))
         every, status = _loads(changes, both)
         first, here = every[:, : len(omega)], every[:, len(omega) :]
         follows = np.einsum("nts,ns->nt", wake.by_thrust, first[THRUST])
@@ -234,15 +253,41 @@ class Rotors:
         k = len(self)
         return flow_of_hubs(self.vehicle, omega.reshape(-1, k), velocity.reshape(-1, k, 3))
 
+    def _alone(self, flow: HubFlow) -> _Alone:
+        """What the rotors do without each other's wakes."""
+        if self._wake_arrays is None:
+            loads, status = _loads(self.sources, flow)
+            return _Alone(np.nan_to_num(loads[THRUST]), np.isnan(loads[THRUST]), status)
+        omega, axial, inplane = (a.ravel() for a in (flow.omega, flow.axial, flow.inplane))
+        found, _ = attached_thrust(self._wake_arrays, omega, axial, inplane)
+        thrust = found.reshape(flow.omega.shape)
+        return _Alone(thrust, np.zeros(thrust.shape, bool), np.full(thrust.shape, SEVERITY[0]))
+
     def _in_wakes(
-        self, flow: HubFlow, added: Floats, status: NDArray[np.str_]
+        self, flow: HubFlow, added: Floats, alone: _Alone
     ) -> tuple[Floats, NDArray[np.str_]]:
-        """Loads and their status with ``added`` (n, k) axial flow [m/s]; ``status`` (n, k) is that
-        of the loads without, from which it comes."""
+        """Loads and their status with ``added`` (n, k) axial flow [m/s]."""
         loads, found = _loads(self.sources, flow.moved(np.nan_to_num(added)))
-        lost = ~np.isfinite(added)
-        found = np.where(lost, worst(status)[:, None], found)
+        lost = np.isnan(added)
+        found = np.where(lost, worst(alone.status)[:, None], found)
         return np.where(lost, np.nan, loads), found
+
+
+class _Alone(NamedTuple):
+    """Thrust that makes the wakes, where it is not known, and the rotors' status, (n, k) each."""
+
+    thrust: Floats
+    lost: NDArray[np.bool_]
+    status: NDArray[np.str_]
+
+    def part(self, which: NDArray[np.intp]) -> _Alone:
+        """Some states."""
+        return _Alone(self.thrust[which], self.lost[which], self.status[which])
+
+    def known(self, added: Floats) -> Floats:
+        """The ``added`` flow, NaN where the thrust of another rotor is not known."""
+        others = self.lost.sum(axis=1, keepdims=True) - self.lost
+        return np.where(others > 0, np.nan, added)
 
 
 def worst(status: NDArray[np.str_]) -> NDArray[np.str_]:
