@@ -127,3 +127,30 @@ def efficiency(
     """
     wall = simulate([task] * (tasks_each * workers), workers, workers, costs, ahead)
     return tasks_each * task / wall
+
+
+TASKS = (2.0, 20.0, 200.0)
+"""Lengths of tasks that a large job may be cut into [s]."""
+
+
+def least_wall(work: float, workers: int, costs: Costs) -> tuple[float, float]:
+    """The least time of a job and the length of its tasks [s], by what limits the simulation.
+
+    The dispatcher hands out one task at a time, and workers do tasks in whole rounds.
+
+    Parameters
+    ----------
+    work : float
+        Time of one core [s].
+    workers : int
+        How many, with a core each.
+    costs : Costs
+        Overheads.
+    """
+
+    def wall(task: float) -> float:
+        count = math.ceil(work / task)
+        each = task + costs.gap
+        return max(count * costs.dispatch + each, math.ceil(count / workers) * each)
+
+    return min((wall(task), task) for task in TASKS)

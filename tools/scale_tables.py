@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
+from benchmarks.scheduler_simulation import Costs, least_wall
+
 CORES = (100, 1000, 10_000)
-TASK = "20.0"
-"""Time of a task [s] that large runs are reckoned with."""
 
 TIMES = (("years", 3.156e7), ("days", 86400.0), ("h", 3600.0), ("min", 60.0), ("s", 1.0))
 SIZES = (("PB", 1e15), ("TB", 1e12), ("GB", 1e9), ("MB", 1e6))
@@ -109,7 +109,8 @@ def cost(found: dict[str, Any], table: dict[str, Any], propellers: int) -> str:
     propellers : int
         In the catalogue.
     """
-    each, shares = found["designs"], found["scheduler"]["simulated_efficiency_by_task_s"][TASK]
+    each, part = found["designs"], found["scheduler"]
+    costs = Costs(part["dispatch_s"], part["gap_s"])
     size = found["sweep"]["2e6_bytes_per_point"]
     evaluations = propellers * table["building"]["model_evaluations"]
     jobs = (
@@ -124,7 +125,8 @@ def cost(found: dict[str, Any], table: dict[str, Any], propellers: int) -> str:
         f"|---|---:|{'---:|' * len(CORES)}---:|",
     ]
     for words, work, stored in jobs:
-        cells = " | ".join(_sized(work / (n * shares[str(n)]), TIMES) for n in CORES)
+        least = [least_wall(work, n, costs) for n in CORES]
+        cells = " | ".join(f"{_sized(wall, TIMES)} ({task:g})" for wall, task in least)
         rows.append(f"| {words} | {_sized(work, TIMES)} | {cells} | {_sized(stored, SIZES)} |")
     return "\n".join(rows)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from benchmarks.scheduler_simulation import Costs, efficiency, simulate
+from benchmarks.scheduler_simulation import TASKS, Costs, efficiency, least_wall, simulate
 
 FREE = Costs(dispatch=0.0, gap=0.0)
 
@@ -47,3 +47,12 @@ def test_efficiency_falls_with_workers_and_rises_with_tasks() -> None:
     shares = [efficiency(2.0, n, costs) for n in (1, 10, 100, 1000)]
     assert shares == sorted(shares, reverse=True)
     assert efficiency(20.0, 1000, costs) > 2.0 * shares[-1]
+
+
+@pytest.mark.parametrize(("work", "workers"), [(400.0, 7), (40_000.0, 100), (40_000.0, 3000)])
+def test_the_time_of_a_large_job_is_what_the_simulation_finds(work: float, workers: int) -> None:
+    costs = Costs(dispatch=0.01, gap=0.002)
+    wall, task = least_wall(work, workers, costs)
+    simulated = {t: simulate([t] * round(work / t), workers, workers, costs) for t in TASKS}
+    assert wall == pytest.approx(simulated[task], rel=0.1)
+    assert simulated[task] == pytest.approx(min(simulated.values()), rel=0.1)
