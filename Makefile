@@ -5,11 +5,11 @@ READY := $(VENV)/ready
 DOCS_READY := $(VENV)/docs-ready
 PEERS_READY := $(VENV)/peers-ready
 
-.PHONY: demo reproduce test test-fast test-readers test-numpy test-slow lint types bench bench-table bench-fine-table bench-choice bench-identification bench-peers bench-phases bench-options bench-aircraft bench-mount bench-roofline bench-accelerator convergence docs clean bench-certificates bench-lifting-line bench-interference bench-flight-twins
+.PHONY: demo reproduce test test-fast test-readers test-numpy test-slow lint types bench bench-table bench-fine-table bench-choice bench-identification bench-peers bench-phases bench-options bench-aircraft bench-mount bench-roofline bench-accelerator convergence docs clean bench-certificates bench-lifting-line bench-interference bench-flight-twins bench-cluster
 
 $(READY): pyproject.toml constraints.txt
 	python3 -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[dev,targets]'
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[cluster,dev,targets]'
 	touch $@
 
 $(DOCS_READY): $(READY)
@@ -106,6 +106,9 @@ bench-certificates: $(READY)
 bench-lifting-line: $(READY)
 	OMP_NUM_THREADS=1 $(BIN)/python -m benchmarks.lifting_line
 	OMP_NUM_THREADS=1 $(BIN)/python -m benchmarks.lifting_line.causes
+
+bench-cluster: $(READY)
+	$(BIN)/python -m benchmarks.cluster
 
 bench-phases: $(READY)
 	$(BIN)/python -m benchmarks.phases

@@ -10,6 +10,7 @@ from tools.import_graph import module_imports, room
 
 LEFT_TO_RIGHT = (
     "errors",
+    "tasks",
     "loads",
     "arrays",
     "physics",
@@ -20,11 +21,13 @@ LEFT_TO_RIGHT = (
     "results",
     "bands",
     "rotor",
+    "sweep",
     "dynamic_inflow",
     "baselines",
     "io",
     "catalogue",
     "vehicle",
+    "study",
     "fit",
     "table",
     "aircraft",
@@ -32,6 +35,7 @@ LEFT_TO_RIGHT = (
     "export",
     "report",
     "papers",
+    "cluster",
     "cli",
     "__main__",
 )

@@ -25,6 +25,7 @@ from tools import (
     lifting_line_tables,
     performance_tables,
     readme_tables,
+    scale_tables,
 )
 from tools import drag_effects as drag_effects_table
 
@@ -62,8 +63,10 @@ def write(folder: Path) -> None:
             "after_static",
             "aircraft",
             "choice",
+            "cluster",
             "convergence",
             "demo",
+            "fine_table",
             "flight_residual",
             "flight_steps",
             "flight_twins",
@@ -116,6 +119,14 @@ def write(folder: Path) -> None:
         "after-static": after_static(found["after_static"]),
         "left-out": left_out(found["left_out"]),
         "other-tunnel": other_tunnel(found["demo"]),
+        "scale-sweep": scale_tables.sweep(found["cluster"]),
+        "scale-overhead": scale_tables.overhead(found["cluster"]),
+        "scale-workers": scale_tables.workers(found["cluster"]),
+        "scale-beyond": scale_tables.beyond(found["cluster"]),
+        "scale-cost": scale_tables.cost(
+            found["cluster"], found["fine_table"], len(all_identified())
+        ),
+        "scale-catalogue": scale_tables.catalogue(found["cluster"]),
         "cli": command_reference(),
     }
     for name, text in parts.items():

@@ -40,6 +40,9 @@ if TYPE_CHECKING:
 
 PRECISIONS = ("float64", "float32")
 
+PREPARED = ("arrays", "_prepared")
+"""Properties that a process computes for itself."""
+
 MOST_STATIONS = 40
 """Stations that no blade of the catalogue has more of."""
 
@@ -99,6 +102,10 @@ class Rotor:
             f"Rotor({m.propeller.name}, {m.law_title}, rho={m.air.density} kg/m^3, "
             f"accuracy={self.accuracy})"
         )
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What another process makes the rotor of; what is prepared for this one stays here."""
+        return {key: value for key, value in vars(self).items() if key not in PREPARED}
 
     def for_all_sizes(self) -> Rotor:
         """This rotor, with one set of programs for batches of any size.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Mapping
 from dataclasses import replace
 
@@ -14,6 +15,7 @@ from propmap.fit.fitted import Settings, fit
 from propmap.fit.parameters import EVERY, Choice
 from propmap.fit.rows import Rows
 from propmap.fit.search import Minimum, search, starts
+from tests.workers_elsewhere import Elsewhere
 
 from .synthetic_rows import (
     Floats,
@@ -221,6 +223,15 @@ def test_cross_validation_tells_an_overfit() -> None:
     assert found.cross_validated[0] > 1.2 * rms_of(found, 0)
     few = fit(rows, THREE, Settings(starts=1, folds=7))
     assert np.isnan(few.cross_validated).all()
+
+
+def test_workers_make_the_same_bootstrap() -> None:
+    settings, workers = Settings(starts=1, folds=0, bootstrap=6), Elsewhere()
+    here = fit(decaying(0.03), THREE, settings)
+    remake = functools.partial(decaying, 0.03)
+    there = fit(remake(), THREE, settings, workers=workers, remake=remake)
+    assert workers.tasks == 6
+    np.testing.assert_array_equal(here.bootstrapped, there.bootstrapped)
 
 
 def test_the_bootstrap_agrees_with_the_gauss_newton_deviation() -> None:

@@ -13,6 +13,7 @@ import propmap
 from propmap.loads import LOADS, error_scales
 from propmap.table import LoadTable, build_table, write_netcdf
 from propmap.table.model import Model
+from tests.workers_elsewhere import Elsewhere
 
 from .conftest import BETA, OMEGA, SPEED, TOLERANCE, random_points
 
@@ -84,6 +85,25 @@ def test_netcdf_says_the_same(table: LoadTable, tmp_path: Path) -> None:
             assert found[name].attrs["units"] == "1"
         assert json.loads(found.attrs["certificate"])["holds"]
         assert found.attrs["propeller_name"] == "apc-8x6e"
+
+
+def test_workers_evaluate_the_model_alike(
+    rotor: propmap.Rotor, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("propmap.table.model.BATCH", 3)
+    alone = propmap.Rotor(rotor.model, compiled=False)
+    told: list[int] = []
+    workers = Elsewhere()
+    models = [
+        Model(alone, np.array(OMEGA), progress=lambda _, n: told.append(n), workers=some)
+        for some in (None, workers)
+    ]
+    beta = np.linspace(0.0, np.pi, 4)
+    here, there = (model.relative(0, np.array([0.0, 0.1]), beta) for model in models)
+    np.testing.assert_array_equal(here[0], there[0])
+    np.testing.assert_array_equal(here[1], there[1])
+    assert workers.tasks == 4  # rest, and three batches
+    assert models[0].evaluations == models[1].evaluations == told[-1] == 10
 
 
 def test_left_out_and_lost_points_are_nan_and_counted(rotor: propmap.Rotor) -> None:

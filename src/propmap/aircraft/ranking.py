@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from propmap.engine.batch import cores
 from propmap.model.corrections import Correction
 from propmap.model.model import Model
 from propmap.rotor import Rotor
+from propmap.tasks import InThreads, Workers, in_order
 from propmap.vehicle.vehicle import Vehicle
 
 ALONE = 1e-3
@@ -99,7 +100,10 @@ class Ranking:
         self.maximum_rotor_speed, self.charge = maximum_rotor_speed, charge
 
     def judged(
-        self, candidates: Sequence[Candidate], progress: Callable[[], None] | None = None
+        self,
+        candidates: Sequence[Candidate],
+        progress: Callable[[], None] | None = None,
+        workers: Workers | None = None,
     ) -> list[Judged]:
         """All candidates, the best first, then those that are not feasible, by thrust margin.
 
@@ -109,18 +113,10 @@ class Ranking:
             To choose from.
         progress : callable, optional
             Called after each.
+        workers : Workers, optional
+            Who judges; by default threads of this process.
         """
-
-        def one(candidate: Candidate) -> Judged:
-            found = self.judge(candidate)
-            if progress is not None:
-                progress()
-            return found
-
-        # The first alone: two threads would compile the same programs.
-        found = [one(candidate) for candidate in candidates[:1]]
-        with ThreadPoolExecutor(cores()) as pool:
-            found += pool.map(one, candidates[1:])
+        found = self._each(_judge, candidates, progress, workers)
         sign = -1.0 if self.task.most_is_best else 1.0
         order = sorted(
             range(len(found)),
@@ -133,7 +129,10 @@ class Ranking:
         return [found[k] for k in order]
 
     def with_deviations(
-        self, judged: Sequence[Judged], progress: Callable[[], None] | None = None
+        self,
+        judged: Sequence[Judged],
+        progress: Callable[[], None] | None = None,
+        workers: Workers | None = None,
     ) -> list[Judged]:
         """The same with the standard deviation of the scores, from seven more trims of each.
 
@@ -143,16 +142,26 @@ class Ranking:
             Candidates, as ``judged`` gives them.
         progress : callable, optional
             Called after each.
+        workers : Workers, optional
+            Who computes; by default threads of this process.
         """
+        deviations = self._each(_deviation, judged, progress, workers)
+        return [replace(one, deviation=d) for one, d in zip(judged, deviations, strict=True)]
 
-        def one(known: Judged) -> Judged:
-            found = replace(known, deviation=self.deviation(known))
+    def _each(
+        self,
+        work: Callable[[Ranking, Any], Any],
+        of: Sequence[Any],
+        progress: Callable[[], None] | None,
+        workers: Workers | None,
+    ) -> list[Any]:
+        """``work`` of each, in order."""
+        found = []
+        for one in (workers or InThreads(cores())).results(work, self, of):
+            found.append(one)
             if progress is not None:
                 progress()
-            return found
-
-        with ThreadPoolExecutor(cores()) as pool:
-            return list(pool.map(one, judged))
+        return in_order(found)
 
     def aircraft(self, candidate: Candidate) -> Aircraft:
         """The vehicle with the ``candidate``."""
@@ -249,6 +258,14 @@ class Ranking:
         if not margin >= self.task.thrust_margin:
             return f"thrust margin in hover is {margin:.2f}, less than {self.task.thrust_margin:g}"
         return ""
+
+
+def _judge(ranking: Ranking, candidate: Candidate) -> Judged:
+    return ranking.judge(candidate)
+
+
+def _deviation(ranking: Ranking, judged: Judged) -> float:
+    return ranking.deviation(judged)
 
 
 def _refused(candidate: Candidate, why: str) -> Judged:

@@ -28,6 +28,7 @@ from propmap.cli.report import report
 from propmap.cli.reproduce import reproduce
 from propmap.cli.show import show_table
 from propmap.cli.simulate import simulate_app
+from propmap.cli.study import study
 from propmap.cli.sweep import sweep
 from propmap.cli.table import table
 from propmap.cli.trim import trim
@@ -45,6 +46,7 @@ app = typer.Typer(
 )
 app.command()(predict)
 app.command()(sweep)
+app.command()(study)
 app.command()(table)
 app.command("show")(show_table)
 app.command()(export)

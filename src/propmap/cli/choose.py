@@ -19,6 +19,7 @@ from propmap.cli.aircraft_options import (
     vehicle_of,
 )
 from propmap.cli.choose_words import rows_of, table_of, told_of
+from propmap.cli.cluster_option import Cluster, workers_of
 from propmap.cli.output import (
     Format,
     FormatOption,
@@ -30,6 +31,7 @@ from propmap.cli.output import (
 )
 from propmap.cli.rotor_options import Corrections, ModelName, ModelOption
 from propmap.errors import InputError, quoted
+from propmap.tasks import InThreads, Workers
 
 if TYPE_CHECKING:
     from propmap.aircraft.candidates import Candidate
@@ -95,6 +97,7 @@ def choose(
     ] = None,
     format_: FormatOption = None,
     output: TextOutput = None,
+    cluster: Cluster = None,
 ) -> None:
     """Rank the propellers of the catalogue on an aircraft, those that fit first."""
     sizes = _diameters(diameter)
@@ -113,6 +116,7 @@ def choose(
     from propmap.aircraft.ranking import Ranking
     from propmap.aircraft.task import Task
     from propmap.catalogue.lookup import airfoil as section_law
+    from propmap.engine.batch import cores
     from propmap.engine.compilation import keep_compiled
     from propmap.model.corrections import corrections_of
 
@@ -130,7 +134,8 @@ def choose(
     say_missing(read)
     keep_compiled()
     ranking = Ranking(read, wanted, corrections, maximum_rotor_speed=largest, charge=charge)
-    judged = _judged(ranking, candidates, top)
+    with workers_of(cluster, InThreads(cores())) as workers:
+        judged = _judged(ranking, candidates, top, workers)
     title = (
         f"{read.name}, {read.mass:g} kg, {len(read.mounts)} rotors; "
         f"rho = {read.air.density:.4g} kg/m^3"
@@ -181,7 +186,9 @@ def _legs(task: str) -> Mission | None:
     return read_mission(task)
 
 
-def _judged(ranking: Ranking, candidates: list[Candidate], top: int) -> list[Judged]:
+def _judged(
+    ranking: Ranking, candidates: list[Candidate], top: int, workers: Workers
+) -> list[Judged]:
     """The ranking, with deviations of the first ``top``."""
     from rich.console import Console
     from rich.progress import Progress
@@ -189,8 +196,8 @@ def _judged(ranking: Ranking, candidates: list[Candidate], top: int) -> list[Jud
     console = Console(stderr=True)
     with Progress(console=console, disable=not console.is_terminal, transient=True) as progress:
         step = progress.add_task("propellers", total=len(candidates))
-        found = ranking.judged(candidates, lambda: progress.advance(step))
+        found = ranking.judged(candidates, lambda: progress.advance(step), workers)
         first = [one for one in found if one.feasible][:top]
         step = progress.add_task("uncertainty", total=len(first))
-        closer = ranking.with_deviations(first, lambda: progress.advance(step))
+        closer = ranking.with_deviations(first, lambda: progress.advance(step), workers)
     return [*closer, *found[len(closer) :]]

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Mapping, Sequence
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from propmap.cli.cluster_option import Cluster, workers_of_bootstrap
 from propmap.cli.fit_options import (
     Bootstrap,
     Fix,
@@ -103,6 +105,7 @@ def fit_tunnel(
     bootstrap: Bootstrap = 0,
     seed: Seed = 2017,
     picture: Picture = None,
+    cluster: Cluster = None,
 ) -> None:
     """Fit loads measured in a tunnel or on a bench."""
     from propmap.cli.tunnel_files import doubts_on_tunnel, read_tunnel, sources
@@ -135,11 +138,14 @@ def fit_tunnel(
     model = Model(blade, with_physics(law, choice.model, choice.correction), air)
     named = [name.strip() for name in loads.split(",")] if loads else []
 
-    def rows_for(c: Choice) -> Rows:
-        setting = choice.accuracy.value
-        return tunnel_rows(model, measured, c, loads=named, weights=weights, setting=setting)
+    options: Any = {"loads": named, "weights": weights, "setting": choice.accuracy.value}
 
-    fitted = fit(rows_for(chosen), chosen, settings)
+    def rows_for(c: Choice) -> Rows:
+        return tunnel_rows(model, measured, c, **options)
+
+    remake = functools.partial(tunnel_rows, model, measured, chosen, **options)
+    with workers_of_bootstrap(cluster, bootstrap) as workers:
+        fitted = fit(remake(), chosen, settings, workers=workers, remake=remake)
     remarks = [*range_warnings(fitted.rows), *failing_assumptions(fitted, rows_for)]
     remarks += doubts_on_constants(fitted)
     rotor = rotor_with(model, fitted.values, choice.accuracy.value)
@@ -217,6 +223,7 @@ def fit_flight(
         Path | None,
         typer.Option("--stretches", metavar="FILE", help="Picture of the steady stretches."),
     ] = None,
+    cluster: Cluster = None,
 ) -> None:
     """Fit flight logs of a vehicle.
 
@@ -282,7 +289,9 @@ def fit_flight(
     if not flights.level and flights.log.rotor_speed.size >= EVERY * FEW:
         part = flights.log.picked(slice(None, None, EVERY))
         fewer = make(ForceModel(file.vehicle, part, law), chosen)
-    fitted = fit(make(model, chosen), chosen, settings, fewer)
+    remake = functools.partial(make, model, chosen)
+    with workers_of_bootstrap(cluster, bootstrap) as workers:
+        fitted = fit(remake(), chosen, settings, fewer, workers=workers, remake=remake)
     remarks = [*flights.remarks, *range_warnings(fitted.rows)]
     remarks += still_explained(fitted, model.log)
     remarks += doubts_on_constants(fitted)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from propmap.catalogue.identified import Identified, as_csv, parse_identified
+from propmap.cli.cluster_option import Cluster, workers_of
 from propmap.cli.output import check_output, grid, show, write_text
 
 if TYPE_CHECKING:
@@ -30,6 +31,7 @@ def fit_catalogue(
             help="CSV of constants; results in it of the same data are kept.",
         ),
     ],
+    cluster: Cluster = None,
 ) -> None:
     """Identify the section constants of every propeller of the UIUC database, with a prior.
 
@@ -65,13 +67,14 @@ def fit_catalogue(
         kept = [one for key, one in known.items() if key not in rest]
         write_text(as_csv([*so_far, *kept]), output)
 
-    measured = identify_all(every, known, done)
-    if len({one.family for one in measured}) < LEAST_FAMILIES:
-        write_text(as_csv(measured), output)
-        _tell(measured, None)
-        return
-    populations = populations_of(measured)
-    others = identify_without_blade(every, measured, populations, known, done)
+    with workers_of(cluster) as workers:
+        measured = identify_all(every, known, done, workers)
+        if len({one.family for one in measured}) < LEAST_FAMILIES:
+            write_text(as_csv(measured), output)
+            _tell(measured, None)
+            return
+        populations = populations_of(measured)
+        others = identify_without_blade(every, measured, populations, known, done, workers)
     write_text(as_csv([*measured, *others]), output)
     write_text(as_toml(populations), output.with_name("population.toml"))
     _tell(measured, populations["measured"])

@@ -1,4 +1,4 @@
-"""``propmap sweep``: loads over a grid of operating points, to NetCDF or CSV."""
+"""``propmap sweep``: loads over a grid of operating points, to NetCDF, CSV or Zarr."""
 
 from __future__ import annotations
 
@@ -10,10 +10,12 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from propmap.cli.bands import Bands, StdBySource, say_not_counted, std_columns
+from propmap.cli.cluster_option import Cluster
 from propmap.cli.operating_points import COLUMNS, OperatingPoints, parse_axis
 from propmap.cli.output import Force, check_output, csv_text, write_text
 from propmap.cli.plausibility import say_doubts_on_points
 from propmap.cli.rotor_options import RotorChoice, say_reynolds, takes_rotor
+from propmap.cli.streamed_run import Yes, check_store
 from propmap.errors import InputError
 
 if TYPE_CHECKING:
@@ -39,11 +41,19 @@ def sweep(
     beta: Annotated[str, typer.Option("--beta", metavar="A:B:N", help="Angles [deg].")],
     output: Annotated[
         Path,
-        typer.Option("--output", "-o", metavar="FILE", help="NetCDF (.nc) or CSV (.csv)."),
+        typer.Option(
+            "--output",
+            "-o",
+            metavar="FILE",
+            help="NetCDF (.nc) or CSV (.csv); or Zarr (.zarr), for grids of any size: it is "
+            "written as it is computed, and a run that was stopped goes on.",
+        ),
     ],
     force: Force = False,
     bands: Bands = True,
     std_by_source: StdBySource = False,
+    cluster: Cluster = None,
+    yes: Yes = False,
 ) -> None:
     """Loads over a grid of rotational speeds, flight speeds and angles."""
     axes = (
@@ -52,9 +62,33 @@ def sweep(
         parse_axis("--beta", "beta", beta),
     )
     count = axes[0].size * axes[1].size * axes[2].size
+    command = shlex.join(["propmap", *context.obj])
+    if output.suffix.lower() == ".zarr":
+        check_store(output, force=force)
+        from propmap.cli.streamed_sweep import streamed_sweep
+
+        streamed_sweep(
+            choice.rotor(count),
+            axes,
+            output,
+            command,
+            bands=bands,
+            by_source=std_by_source,
+            cluster=cluster,
+            yes=yes,
+        )
+        return
+    if cluster is not None:
+        raise InputError(
+            f"--cluster with {output.name}: only a Zarr store is written by many workers",
+            "end the file's name with .zarr",
+        )
     if count > MOST_POINTS:
-        raise InputError(f"the grid has {count} points", f"use at most {MOST_POINTS}")
-    check_output(output, (".nc", ".csv"), keep_existing=not force)
+        raise InputError(
+            f"the grid has {count} points, more than the {MOST_POINTS} of such a file",
+            "end the file's name with .zarr",
+        )
+    check_output(output, (".nc", ".csv", ".zarr"), keep_existing=not force)
     rotor = choice.rotor(count)
     points = OperatingPoints.grid(*axes)
     say_reynolds(rotor.model, *points.si)
@@ -67,8 +101,8 @@ def sweep(
         from propmap.cli.sweep_dataset import dataset
         from propmap.io.atomic_file import write_dataset
 
-        command = shlex.join(["propmap", *context.obj])
-        write_dataset(dataset(rotor, axes, loads, spread, command), output)
+        found = dataset(rotor, axes, loads, command, bands=bands, by_source=std_by_source)
+        write_dataset(found, output)
     else:
         write_text(_csv(points, loads, spread), output)
     lost = int((loads.status == "not_converged").sum())

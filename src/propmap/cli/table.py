@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 import typer
 
+from propmap.cli.cluster_option import Cluster, workers_of
 from propmap.cli.operating_points import RPM, parse_axis
 from propmap.cli.output import Force, check_output, show
 from propmap.cli.plausibility import say_doubts_on_points
@@ -41,6 +42,7 @@ def table(
         bool, typer.Option("--no-vortex-ring", help="NaN in the vortex ring state.")
     ] = False,
     force: Force = False,
+    cluster: Cluster = None,
 ) -> None:
     """A look-up table of the loads, with its errors against the model certified."""
     ranges = (_range("rpm", rpm), _range("speed", speed), _range("beta", beta))
@@ -55,7 +57,7 @@ def table(
     corners = ends[0] * RPM, ends[1], np.radians(ends[2])
     say_reynolds(rotor.model, *corners)
     say_doubts_on_points(rotor.model, *corners)
-    with building() as progress:
+    with workers_of(cluster) as workers, building() as progress:
         built = build_table(
             rotor,
             omega=(ranges[0][0] * RPM, ranges[0][1] * RPM),
@@ -64,6 +66,7 @@ def table(
             tolerance=share,
             leave_out_vortex_ring=no_vortex_ring,
             progress=progress,
+            workers=workers,
         )
     _save(built, output, shlex.join(["propmap", *context.obj]))
     show(None, *told(built))

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import functools
 import os
-from collections.abc import Callable, Sequence
+import sys
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+from contextvars import ContextVar
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -105,9 +108,25 @@ def cut(
     return blocks
 
 
+_most_cores: ContextVar[int | None] = ContextVar("most_cores", default=None)
+
+
+@contextmanager
+def on_cores(most: int) -> Iterator[None]:
+    """Use ``most`` cores of this machine at most, in this thread.
+
+    For a process that has others beside it.  Loads do not depend on it.
+    """
+    token = _most_cores.set(most)
+    try:
+        yield
+    finally:
+        _most_cores.reset(token)
+
+
 def cores() -> int:
-    """Number of processor cores of this machine."""
-    return os.cpu_count() or 1
+    """Number of processor cores that evaluations may use."""
+    return min(os.cpu_count() or 1, _most_cores.get() or sys.maxsize)
 
 
 def large_block(job: Job) -> int:

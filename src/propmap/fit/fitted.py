@@ -5,8 +5,10 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from propmap.arrays.types import Floats
 from propmap.fit.parameters import Choice
@@ -15,6 +17,7 @@ from propmap.fit.rows import Rows
 from propmap.fit.search import NOISE_FLOOR, Minimum, search, starts
 from propmap.fit.section_prior import LEAST_ERROR
 from propmap.fit.uncertainty import Uncertainty, residual_errors, uncertainty
+from propmap.tasks import InTurn, Workers, in_order
 
 MEDIAN_TO_DEVIATION = 1.4826
 """Standard deviation over median size, of normal errors."""
@@ -104,7 +107,13 @@ class Fitted:
 
 
 def fit(
-    rows: Rows, choice: Choice, settings: Settings | None = None, fewer: Rows | None = None
+    rows: Rows,
+    choice: Choice,
+    settings: Settings | None = None,
+    fewer: Rows | None = None,
+    *,
+    workers: Workers | None = None,
+    remake: Callable[[], Rows] | None = None,
 ) -> Fitted:
     """Identify the free parameters; for level flights this is eq. (18).
 
@@ -119,6 +128,10 @@ def fit(
     fewer : Rows, optional
         A part of the rows, to search from several starts at less cost; the best end is followed
         on all rows.
+    workers : Workers, optional
+        Who makes the refits of the bootstrap; by default this process.
+    remake : callable, optional
+        Gives the rows again in another process, where workers are others.
 
     Raises
     ------
@@ -144,13 +157,10 @@ def fit(
         found = replace(better, ends=found.ends)
     sure = uncertainty(rows, choice, found, error)
 
-    def refit(part: Rows) -> Floats:
-        """The parameters (P,) that fit much the same rows."""
-        return search(part, choice, [found.x], loss=settings.loss, error=error, follow=True).x
-
+    refit = _Refit(rows, remake, choice, found.x, settings.loss, error)
     residual = found.residual * rows.scale / np.where(rows.weight > 0.0, rows.weight, 1.0)
     crossed = _cross_validate(rows, choice, settings, refit)
-    bootstrapped = _bootstrap(rows, choice, settings, refit)
+    bootstrapped = _bootstrap(refit, settings, workers or InTurn())
     seconds = time.perf_counter() - begin
     return Fitted(
         choice, settings, rows, found, sure, residual, crossed, bootstrapped, seconds, error
@@ -184,14 +194,48 @@ def _cross_validate(
     return left_out
 
 
-def _bootstrap(
-    rows: Rows, choice: Choice, settings: Settings, refit: Callable[[Rows], Floats]
-) -> Floats:
+class _Refit:
+    """Fits much the same rows again; what is sent to another process remakes the rows there."""
+
+    def __init__(
+        self,
+        rows: Rows,
+        remake: Callable[[], Rows] | None,
+        choice: Choice,
+        start: Floats,
+        loss: str,
+        error: float,
+    ) -> None:
+        self.rows, self.remake = rows, remake
+        self.choice, self.start, self.loss, self.error = choice, start, loss, error
+
+    def __call__(self, part: Rows) -> Floats:
+        """The parameters (P,) that fit some rows."""
+        start = [self.start]
+        return search(part, self.choice, start, loss=self.loss, error=self.error, follow=True).x
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {key: value for key, value in vars(self).items() if key != "rows"}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        vars(self).update(state)
+        assert self.remake is not None
+        self.rows = self.remake()
+
+
+def _bootstrap(refit: _Refit, settings: Settings, workers: Workers) -> Floats:
     """Parameters refitted to units drawn with replacement (B, P)."""
     rng = np.random.default_rng(settings.seed + 1)
-    labels, index = np.unique(rows.unit, return_inverse=True)
-    repeats = []
-    for _ in range(settings.bootstrap):
-        drawn = np.bincount(rng.integers(labels.size, size=labels.size), minlength=labels.size)
-        repeats.append(refit(replace(rows, weight=rows.weight * np.sqrt(drawn)[index])))
-    return np.array(repeats).reshape(settings.bootstrap, len(choice.free))
+    labels, index = np.unique(refit.rows.unit, return_inverse=True)
+    drawn = [
+        np.bincount(rng.integers(labels.size, size=labels.size), minlength=labels.size)[index]
+        for _ in range(settings.bootstrap)
+    ]
+    repeats = in_order(workers.results(_refit_to, refit, drawn))
+    return np.array(repeats).reshape(settings.bootstrap, len(refit.choice.free))
+
+
+def _refit_to(refit: _Refit, drawn: NDArray[np.intp]) -> Floats:
+    """The parameters by rows that count as often as they were drawn (M,)."""
+    rows = refit.rows
+    return refit(replace(rows, weight=rows.weight * np.sqrt(drawn)))

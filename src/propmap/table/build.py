@@ -19,6 +19,7 @@ from propmap.table.jumps import exceeding, find_jumps, marked, with_marks_of
 from propmap.table.model import Model, Progress
 from propmap.table.query import LoadTable
 from propmap.table.refine import CELL_SHARE, Refined, refine, starting_axes
+from propmap.tasks import Workers
 
 if TYPE_CHECKING:
     from propmap.rotor import Rotor
@@ -57,6 +58,7 @@ def build_table(
     leave_out_vortex_ring: bool = False,
     certificate_points: int = POINTS,
     progress: Progress | None = None,
+    workers: Workers | None = None,
 ) -> LoadTable:
     """A certified table of a rotor's loads.
 
@@ -78,6 +80,8 @@ def build_table(
         On how many points the errors are measured, a power of two.
     progress : function, optional
         Called with what is being done and the operating points evaluated so far.
+    workers : Workers, optional
+        Who evaluates the model; by default this process.  The table is the same.
 
     Raises
     ------
@@ -91,6 +95,7 @@ def build_table(
         ends[0],
         leave_out_vortex_ring=leave_out_vortex_ring,
         progress=progress,
+        workers=workers,
     )
     radius = rotor.model.propeller.radius
     advance = (ends[1][0] / (ends[0][1] * radius), ends[1][1] / (ends[0][0] * radius))

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.loads import LOADS, error_scales
+from propmap.tasks import InTurn, Workers
 
 if TYPE_CHECKING:
     from propmap.rotor import Rotor
@@ -35,6 +36,8 @@ class Model:
         Whether loads in the vortex ring state are NaN.
     progress : Progress, optional
         Told of every batch.
+    workers : Workers, optional
+        Who evaluates; by default this process.
 
     Raises
     ------
@@ -49,8 +52,10 @@ class Model:
         *,
         leave_out_vortex_ring: bool = False,
         progress: Progress | None = None,
+        workers: Workers | None = None,
     ) -> None:
         self.rotor, self.omega = rotor, omega
+        self._workers = workers or InTurn()
         self.leave_out_vortex_ring = leave_out_vortex_ring
         self.evaluations = 0
         self.stage = "static loads"
@@ -99,12 +104,20 @@ class Model:
         self, omega: Floats, speed: Floats, beta: Floats
     ) -> tuple[Floats, NDArray[np.bool_]]:
         values, ring = np.empty((omega.size, len(LOADS))), np.empty(omega.size, bool)
-        for start in range(0, omega.size, BATCH):
-            cut = slice(start, start + BATCH)
-            found = self.rotor.loads(omega[cut], speed[cut], beta[cut])
-            values[cut] = np.stack([getattr(found, name) for name in LOADS], axis=-1)
-            ring[cut] = found.status == "vortex_ring"
-            self.evaluations += found.thrust.size
+        cuts = [slice(start, start + BATCH) for start in range(0, omega.size, BATCH)]
+        batches = ((omega[cut], speed[cut], beta[cut]) for cut in cuts)
+        for which, found in self._workers.results(_loads_of, self.rotor, batches):
+            values[cuts[which]], ring[cuts[which]] = found
+            self.evaluations += found[1].size
             if self._progress:
                 self._progress(self.stage, self.evaluations)
         return values, ring
+
+
+def _loads_of(
+    rotor: Rotor, batch: tuple[Floats, Floats, Floats]
+) -> tuple[Floats, NDArray[np.bool_]]:
+    """Loads (n, L) of a batch, and whether in the vortex ring state (n,)."""
+    found = rotor.loads(*batch)
+    values = np.stack([getattr(found, name) for name in LOADS], axis=-1)
+    return values, found.status == "vortex_ring"

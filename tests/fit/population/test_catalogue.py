@@ -16,6 +16,7 @@ from propmap.fit.population.populations import populations_of
 from propmap.fit.population.summary import summary
 from propmap.fit.population.verdict import conflict
 from propmap.io.uiuc_database import MeasuredPropeller, read_uiuc_database
+from tests.workers_elsewhere import Elsewhere
 
 LOADS = Path(__file__).parents[4] / "shared" / "data" / "uiuc" / "loads.csv"
 with_data = pytest.mark.skipif(not LOADS.exists(), reason="the database is not there")
@@ -70,7 +71,10 @@ def test_the_bundled_constants_are_what_the_command_finds() -> None:
     """Of one propeller, of another number of blades too; and known results are not fitted again."""
     every = [one for one in refiled(read_uiuc_database(LOADS)) if one.blade == "da4022 5.0x3.75"]
     bundled = {one.key: one for one in all_identified()}
-    found = catalogue.identify_all(every[:2], {}, lambda _: None)
+    workers, kept = Elsewhere(), list[list[Identified]]()
+    found = catalogue.identify_all(every[:2], {}, kept.append, workers)
+    assert workers.tasks == 2
+    assert [[one.blades for one in some] for some in kept] == [[3], [3, 2]]
     assert [one.blades for one in found] == [2, 3]
     for one in found:
         same = bundled[one.key]
@@ -100,7 +104,9 @@ def test_propellers_without_blade_are_what_the_command_finds() -> None:
     some = [one for one in every if one.name in ("apcsp 9.0x9.0 - 2", "ancf 12.5x7.5 - 2")]
     measured = all_identified()
     populations = {name: bundled_population(name) for name in GEOMETRIES}
-    found = catalogue.identify_without_blade(some, measured, populations, {}, lambda _: None)
+    found = catalogue.identify_without_blade(
+        some, measured, populations, {}, lambda _: None, Elsewhere()
+    )
     assert [one.geometry for one in found] == ["family", "population"]
     bundled = {one.key: one for one in identified_without_blade()}
     for one in found:

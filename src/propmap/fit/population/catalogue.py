@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -23,6 +24,7 @@ from propmap.fit.population.verdict import verdict
 from propmap.fit.rows import INDEPENDENT
 from propmap.io.uiuc_database import MeasuredPropeller
 from propmap.model.propeller import Propeller
+from propmap.tasks import InTurn, Workers
 
 SPECIMENS = ("", "-b", "-c")
 """Endings of the names of a blade of which several were measured."""
@@ -52,7 +54,10 @@ def blade_names(tested: MeasuredPropeller) -> list[str]:
 
 
 def identify_all(
-    every: Iterable[MeasuredPropeller], known: Mapping[str, Identified], done: Done
+    every: Iterable[MeasuredPropeller],
+    known: Mapping[str, Identified],
+    done: Done,
+    workers: Workers | None = None,
 ) -> list[Identified]:
     """Constants of all propellers with a blade in the catalogue, in the order given.
 
@@ -64,27 +69,23 @@ def identify_all(
         Results of an earlier, perhaps interrupted run, by their ``key``; they are taken as they
         are.
     done : callable
-        Called with all results so far after each new one.
+        Called with all results so far, the newest last, after each new one.
+    workers : Workers, optional
+        Who identifies; by default this process.
     """
-    found: list[Identified] = []
+    wanted = []
     for tested in every:
         names = blade_names(tested)
         specimens = sum(name.startswith("uiuc") for name in names)
         for name in names:
             test = AxialTest(replace(catalogue.load(name), blades=tested.blades), tested)
-            key = _key(test)
-            if key not in known:
-                one = _entry(name, "measured", test, POPULATION, key)
-                if not name.startswith("uiuc"):
-                    one = replace(one, verdict=f"blade by its maker's file; {one.verdict}")
-                elif specimens > 1:
-                    told = f"one of {specimens} blades measured, each tested in some of the runs"
-                    one = replace(one, verdict=f"{told}; {one.verdict}")
-                found.append(one)
-                done(found)
-            else:
-                found.append(known[key])
-    return found
+            remark = ""
+            if not name.startswith("uiuc"):
+                remark = "blade by its maker's file; "
+            elif specimens > 1:
+                remark = f"one of {specimens} blades measured, each tested in some of the runs; "
+            wanted.append(_Wanted(name, "measured", test, POPULATION, _key(test), remark))
+    return _identified(wanted, known, done, workers)
 
 
 def identify_without_blade(
@@ -93,6 +94,7 @@ def identify_without_blade(
     populations: Mapping[str, Population],
     known: Mapping[str, Identified],
     done: Done,
+    workers: Workers | None = None,
 ) -> list[Identified]:
     """Constants of the propellers whose blades were never measured, with their family's mean blade.
 
@@ -110,9 +112,11 @@ def identify_without_blade(
     known : mapping of str to Identified
         As for ``identify_all``.
     done : callable
-        Called with all results of this kind so far after each new one.
+        Called with all results of this kind so far, the newest last, after each new one.
+    workers : Workers, optional
+        Who identifies; by default this process.
     """
-    found: list[Identified] = []
+    wanted = []
     before = [one.key for one in measured]
     for tested in every:
         if blade_names(tested):
@@ -121,16 +125,46 @@ def identify_without_blade(
         geometry = "family" if family in families_measured() else "population"
         shape = bundled_mean((family,) if geometry == "family" else ())
         test = AxialTest(mean_propeller(tested, shape), tested)
-        key = _key(test, before)
-        if key not in known:
-            members = members_on(measured, family, shape) if geometry == "family" else []
-            label = label_of(tested)
-            prior = family_prior(members, populations[geometry], (label.diameter, label.pitch))
-            found.append(_entry(f"uiuc-{family}-{size}", geometry, test, prior, key))
-            done(found)
-        else:
-            found.append(known[key])
-    return found
+        members = members_on(measured, family, shape) if geometry == "family" else []
+        label = label_of(tested)
+        prior = family_prior(members, populations[geometry], (label.diameter, label.pitch))
+        name = f"uiuc-{family}-{size}"
+        wanted.append(_Wanted(name, geometry, test, prior, _key(test, before)))
+    return _identified(wanted, known, done, workers)
+
+
+class _Wanted(NamedTuple):
+    """An identification to be made: arguments of ``_entry``, and what goes before its verdict."""
+
+    name: str
+    geometry: str
+    test: AxialTest
+    prior: PopulationPrior
+    key: str
+    remark: str = ""
+
+
+def _identified(
+    wanted: Sequence[_Wanted],
+    known: Mapping[str, Identified],
+    done: Done,
+    workers: Workers | None,
+) -> list[Identified]:
+    """Those that are ``known``, and the others by ``workers``, in the order ``wanted``."""
+    found = {place: known[one.key] for place, one in enumerate(wanted) if one.key in known}
+    new = [place for place in range(len(wanted)) if place not in found]
+    results = (workers or InTurn()).results(_identify, None, [wanted[place] for place in new])
+    for which, one in results:
+        place = new[which]
+        before = [found[other] for other in sorted(found)]
+        found[place] = one
+        done([*before, one])
+    return [found[place] for place in range(len(wanted))]
+
+
+def _identify(_: None, wanted: _Wanted) -> Identified:
+    found = _entry(wanted.name, wanted.geometry, wanted.test, wanted.prior, wanted.key)
+    return replace(found, verdict=f"{wanted.remark}{found.verdict}")
 
 
 def mean_propeller(tested: MeasuredPropeller, shape: MeanBlade) -> Propeller:

@@ -1,0 +1,1 @@
+"""Design studies: many blades made from one, at many operating points."""

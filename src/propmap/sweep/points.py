@@ -1,0 +1,185 @@
+"""Operating points of a sweep, and the parts that tasks evaluate."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+
+from propmap.arrays.types import Floats
+from propmap.errors import InputError
+from propmap.sweep.quantities import AXES
+
+RPM = np.pi / 30.0
+"""[rad/s] per revolution per minute."""
+
+Place = tuple[int, ...]
+"""Of a part: its number along each dimension."""
+
+
+class Part(NamedTuple):
+    """The operating points of one task: rpm [1/min], speed [m/s] and beta [degree].
+
+    They broadcast to the shape of the part.
+    """
+
+    place: Place
+    rpm: Floats
+    speed_mps: Floats
+    beta_deg: Floats
+
+    @property
+    def si(self) -> tuple[Floats, Floats, Floats]:
+        """Omega [rad/s], V [m/s] and beta [rad]."""
+        return self.rpm * RPM, self.speed_mps, np.radians(self.beta_deg)
+
+
+class Points(Protocol):
+    """Operating points of any number, as ``Grid`` and ``PointList`` have them."""
+
+    @property
+    def dims(self) -> tuple[str, ...]:
+        """Names of the dimensions."""
+        ...
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Their lengths."""
+        ...
+
+    def coordinates(self) -> dict[str, tuple[tuple[str, ...], Floats]]:
+        """Dimensions and values of each coordinate of ``AXES``."""
+        ...
+
+    def part(self, place: Place, chunk: tuple[int, ...]) -> Part:
+        """The part at a place, where parts have the shape ``chunk`` but for the last."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class Grid:
+    """All combinations of rotational speeds, flight speeds and angles.
+
+    Attributes
+    ----------
+    rpm, speed_mps, beta_deg : ndarray, shape (n,) each
+        [1/min], [m/s], [degree].
+    """
+
+    rpm: Floats
+    speed_mps: Floats
+    beta_deg: Floats
+
+    def __post_init__(self) -> None:
+        _check(self)
+
+    @property
+    def dims(self) -> tuple[str, ...]:
+        """ "rpm", "speed" and "beta"."""
+        return tuple(AXES)
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Numbers of rotational speeds, flight speeds and angles."""
+        return self.rpm.size, self.speed_mps.size, self.beta_deg.size
+
+    def coordinates(self) -> dict[str, tuple[tuple[str, ...], Floats]]:
+        """As ``Points.coordinates``."""
+        return {name: ((dim,), getattr(self, name)) for dim, (name, _, _) in AXES.items()}
+
+    def part(self, place: Place, chunk: tuple[int, ...]) -> Part:
+        """As ``Points.part``: at this ``place``, parts being of the shape ``chunk``."""
+        w, v, b = (
+            getattr(self, name)[k * n : (k + 1) * n]
+            for k, n, (name, _, _) in zip(place, chunk, AXES.values(), strict=True)
+        )
+        return Part(place, w[:, None, None], v[:, None], b)
+
+
+@dataclass(frozen=True, eq=False)
+class PointList:
+    """Operating points one by one.
+
+    Attributes
+    ----------
+    rpm, speed_mps, beta_deg : ndarray, shape (n,)
+        [1/min], [m/s], [degree].
+    """
+
+    rpm: Floats
+    speed_mps: Floats
+    beta_deg: Floats
+
+    def __post_init__(self) -> None:
+        _check(self)
+        if len({getattr(self, name).size for name, _, _ in AXES.values()}) > 1:
+            raise InputError("rpm, speed and beta differ in length", "give a value of each")
+
+    @property
+    def dims(self) -> tuple[str, ...]:
+        """ "point"."""
+        return ("point",)
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """The number of points."""
+        return (self.rpm.size,)
+
+    def coordinates(self) -> dict[str, tuple[tuple[str, ...], Floats]]:
+        """As ``Points.coordinates``."""
+        return {name: (("point",), getattr(self, name)) for name, _, _ in AXES.values()}
+
+    def part(self, place: Place, chunk: tuple[int, ...]) -> Part:
+        """As ``Points.part``: at this ``place``, parts being of the shape ``chunk``."""
+        cut = slice(place[0] * chunk[0], (place[0] + 1) * chunk[0])
+        return Part(place, self.rpm[cut], self.speed_mps[cut], self.beta_deg[cut])
+
+
+def chunk_shape(shape: Sequence[int], most: int) -> tuple[int, ...]:
+    """The shape of parts of ``most`` points at most, as equal as may be, the last axis whole first.
+
+    It follows from the points alone, so that tasks, and with them loads to the last digit, do not
+    depend on who does them.
+
+    Parameters
+    ----------
+    shape : sequence of int
+        Of all points.
+    most : int
+        Points of a part.
+    """
+    left, chunk = most, []
+    for length in reversed(shape):
+        parts = -(-length // max(left, 1))
+        chunk.append(-(-length // parts))
+        left //= chunk[-1]
+    return tuple(reversed(chunk))
+
+
+def parts_along(shape: Sequence[int], chunk: Sequence[int]) -> tuple[int, ...]:
+    """How many parts there are along each axis.
+
+    Parameters
+    ----------
+    shape, chunk : sequence of int
+        Of all points, and of a part.
+    """
+    return tuple(-(-length // size) for length, size in zip(shape, chunk, strict=True))
+
+
+def size(points: Points) -> int:
+    """How many ``points`` there are."""
+    return math.prod(points.shape)
+
+
+def _check(points: Any) -> None:
+    for name, unit, _ in AXES.values():
+        values = np.asarray(getattr(points, name), np.float64)
+        object.__setattr__(points, name, values)
+        if values.ndim != 1 or not values.size or not np.isfinite(values).all():
+            raise InputError(f"{name} is no list of finite numbers [{unit}]", "give at least one")
+        if name != "beta_deg" and (values < 0.0).any():
+            raise InputError(f"{name} is negative", "give 0 or more")

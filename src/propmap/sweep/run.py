@@ -1,0 +1,247 @@
+"""Loads of a rotor at any number of operating points, in one Zarr store."""
+
+from __future__ import annotations
+
+import hashlib
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from propmap.sweep.points import Part, Points, chunk_shape, parts_along, size
+from propmap.sweep.provenance import provenance
+from propmap.sweep.quantities import AXES, attributes, quantities
+from propmap.sweep.store import Layout, Store
+from propmap.sweep.stream import Filing, Values, software, stream
+from propmap.tasks import InTurn, Workers
+
+if TYPE_CHECKING:
+    from propmap.rotor import Rotor
+
+POINTS_PER_TASK = 16_384
+"""One to some seconds of one core: long beside what it costs to hand out a task, short beside what
+a worker may lose when it dies."""
+
+SAMPLE = 2048
+"""Operating points by which the time of a sweep is foretold."""
+
+
+@dataclass(frozen=True, eq=False)
+class Sweep:
+    """What is to be swept; tasks follow from it alone, whoever does them.
+
+    Attributes
+    ----------
+    rotor : Rotor
+        Whose loads.
+    points : Grid or PointList
+        Where.
+    bands, by_source : bool
+        Whether standard deviations are filed, if any are known, and by what they are from.
+    points_per_task : int
+        At most.
+    """
+
+    rotor: Rotor
+    points: Points
+    bands: bool = True
+    by_source: bool = False
+    points_per_task: int = POINTS_PER_TASK
+
+    def layout(self, command: str = "") -> Layout:
+        """What the store holds.
+
+        Parameters
+        ----------
+        command : str
+            What was asked for, for the store's attributes.
+        """
+        shape = self.points.shape
+        texts = {name: (unit, meaning) for name, unit, meaning in AXES.values()}
+        coordinates = {
+            name: (dims, values, dict(zip(("units", "long_name"), texts[name], strict=True)))
+            for name, (dims, values) in self.points.coordinates().items()
+        }
+        chunk = chunk_shape(shape, self.points_per_task)
+        described = self._described()
+        told = provenance(self.rotor, command)
+        depends_on = {
+            "kind": "sweep",
+            **software(),
+            "model": _digest(told["model_sha256"], self._known()),
+            "points": _digest(*(values.tobytes() for _, values, _ in coordinates.values()), *shape),
+            "accuracy": f"{self.rotor.accuracy} {self.rotor.precision} {self.rotor.compiled}",
+            "quantities": " ".join(described),
+            "chunk": str(chunk),
+        }
+        sizes = dict(zip(self.points.dims, shape, strict=True))
+        return Layout(sizes, chunk, coordinates, described, told, depends_on)
+
+    def seconds_per_point(self, workers: Workers) -> float:
+        """Time that a worker takes for an operating point [s], from a sample of them.
+
+        Parameters
+        ----------
+        workers : Workers
+            Of whom one is asked; afterwards it has its programs compiled.
+        """
+        count = size(self.points)
+        some = np.unique(np.linspace(0, count - 1, min(count, SAMPLE)).astype(np.int64))
+        at = np.unravel_index(some, self.points.shape)
+        values = [
+            axis[at[self.points.dims.index(dims[0])]]
+            for dims, axis in self.points.coordinates().values()
+        ]
+        ((_, found),) = workers.results(timed, self, [Part((), *values)])
+        return found
+
+    def run(
+        self,
+        store: Store,
+        layout: Layout,
+        workers: Workers | None = None,
+        progress: Callable[[int], None] | None = None,
+    ) -> None:
+        """Compute and file what is missing in a store.
+
+        Parameters
+        ----------
+        store : Store
+            From ``Store.create`` or ``Store.resume``.
+        layout : Layout
+            Of ``self.layout``.
+        workers : Workers, optional
+            Who computes; by default this process.
+        progress : callable, optional
+            Told how many tasks are done.
+        """
+        filing = Filing(loads_of_part, self, store)
+        for done in stream(workers or InTurn(), filing, layout, self.points.part):
+            if progress is not None:
+                progress(done)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What workers need: each task brings its own points."""
+        return {**vars(self), "points": None}
+
+    def _described(self) -> dict[str, Any]:
+        """Type and attributes of each quantity, from one point by NumPy."""
+        from propmap.rotor import Rotor
+
+        probe = Rotor(self.rotor.model, compiled=False)
+        radius = self.rotor.model.propeller.radius
+        # In hover at a tip speed of 100 m/s.
+        found = quantities(
+            probe.loads([100.0 / radius], 0.0, 0.0), bands=self.bands, by_source=self.by_source
+        )
+        if not self._has_bands:
+            found = {name: values for name, values in found.items() if "_std" not in name}
+        return {name: (_filed_as(values.dtype), attributes(name)) for name, values in found.items()}
+
+    @property
+    def _has_bands(self) -> bool:
+        # Derivatives are compiled in float64 alone.
+        return self.bands and self.rotor.precision == "float64"
+
+    def _known(self) -> str:
+        """All that deviations depend on but the model."""
+        known = self.rotor.model.uncertainty if self._has_bands else None
+        return repr(known.as_dict()) if known is not None else ""
+
+
+def sweep_to_store(
+    rotor: Rotor,
+    points: Points,
+    path: Path,
+    *,
+    workers: Workers | None = None,
+    bands: bool = True,
+    by_source: bool = False,
+    points_per_task: int = POINTS_PER_TASK,
+    progress: Callable[[int, int], None] | None = None,
+) -> None:
+    """Loads at any number of operating points, in a Zarr store that ``xarray.open_zarr`` reads.
+
+    Where the store is there, but for some of its tasks, these are done and the others are left: a
+    run that was killed goes on when it is asked for again.  Memory does not grow with the points.
+
+    Parameters
+    ----------
+    rotor : Rotor
+        Whose loads.
+    points : Grid or PointList
+        Operating points, from ``propmap.sweep.points``.
+    path : Path
+        The store, a folder whose name ends with ".zarr".
+    workers : Workers, optional
+        Who computes: by default this process; ``propmap.cluster.dask_workers.DaskWorkers(client)``
+        for a ``distributed.Client``.  Loads are the same to the last digit.
+    bands, by_source : bool
+        Whether standard deviations are filed, if any are known, and by what they are from.
+    points_per_task : int
+        Operating points that are computed, and lost if a worker dies, together.
+    progress : callable, optional
+        Told how many tasks are done, and of how many.
+
+    Raises
+    ------
+    InputError
+        Where the store was begun with another model, other points or another version.
+    """
+    path = Path(path)
+    sweep = Sweep(rotor, points, bands, by_source, points_per_task)
+    layout = sweep.layout("propmap.sweep.run.sweep_to_store")
+    store = (Store.resume if path.exists() else Store.create)(path, layout)
+    total = int(np.prod(parts_along(layout.shape, layout.chunk)))
+
+    def tell(done: int) -> None:
+        if progress is not None:
+            progress(done, total)
+
+    sweep.run(store, layout, workers, tell)
+
+
+def loads_of_part(sweep: Sweep, part: Part) -> Values:
+    """Quantities at the points of a part, of its shape.
+
+    Parameters
+    ----------
+    sweep : Sweep
+        The rotor and what is wanted of it.
+    part : Part
+        Operating points.
+    """
+    loads = sweep.rotor.loads(*part.si)
+    found = quantities(loads, bands=sweep._has_bands, by_source=sweep.by_source)
+    return {name: values.astype(_filed_as(values.dtype)) for name, values in found.items()}
+
+
+def timed(sweep: Sweep, part: Part) -> float:
+    """Seconds per point of a part, programs being compiled.
+
+    Parameters
+    ----------
+    sweep : Sweep
+        The rotor and what is wanted of it.
+    part : Part
+        Operating points.
+    """
+    loads_of_part(sweep, part)
+    start = time.perf_counter()
+    loads_of_part(sweep, part)
+    return (time.perf_counter() - start) / part.rpm.size
+
+
+def _filed_as(kind: np.dtype[Any]) -> np.dtype[Any]:
+    """Numbers of solutions are small."""
+    return np.dtype(np.uint8) if kind.kind in "iu" else kind
+
+
+def _digest(*parts: object) -> str:
+    digest = hashlib.sha256()
+    for part in parts:
+        digest.update(part if isinstance(part, bytes) else repr(part).encode())
+    return digest.hexdigest()

@@ -1,0 +1,101 @@
+"""Work that is cut into independent tasks, and who does it: this process, or a cluster."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import ThreadPoolExecutor, as_completed
+from typing import Protocol, TypeVar
+
+Common = TypeVar("Common")
+Task = TypeVar("Task")
+Result = TypeVar("Result")
+
+
+class Workers(Protocol):
+    """Who does tasks."""
+
+    @property
+    def count(self) -> int:
+        """How many tasks they do at a time."""
+        ...
+
+    def results(
+        self,
+        work: Callable[[Common, Task], Result],
+        common: Common,
+        tasks: Iterable[Task],
+    ) -> Iterator[tuple[int, Result]]:
+        """The place of each task in ``tasks`` and its result, in the order in which they are done.
+
+        Tasks are taken from ``tasks`` as they are begun, and results are not kept: any number of
+        them fits in memory.
+
+        Parameters
+        ----------
+        work : callable
+            A function of a module, called as ``work(common, task)``.
+        common : object
+            What all tasks share.
+        tasks : iterable
+            What differs.
+        """
+        ...
+
+
+class InTurn:
+    """One task after the other in this process, each on all cores."""
+
+    count = 1
+
+    def results(
+        self,
+        work: Callable[[Common, Task], Result],
+        common: Common,
+        tasks: Iterable[Task],
+    ) -> Iterator[tuple[int, Result]]:
+        """As ``Workers.results``."""
+        for place, task in enumerate(tasks):
+            yield place, work(common, task)
+
+
+class InThreads:
+    """Tasks of this process beside each other, for work that does not use all cores by itself.
+
+    Parameters
+    ----------
+    count : int
+        How many at a time.
+    """
+
+    def __init__(self, count: int) -> None:
+        self.count = count
+
+    def results(
+        self,
+        work: Callable[[Common, Task], Result],
+        common: Common,
+        tasks: Iterable[Task],
+    ) -> Iterator[tuple[int, Result]]:
+        """As ``Workers.results``, but for a list that is not long: all tasks are taken at once."""
+        every = list(tasks)
+        # The first alone: two threads would compile the same programs.
+        for place, task in enumerate(every[:1]):
+            yield place, work(common, task)
+        with ThreadPoolExecutor(self.count) as pool:
+            rest = {
+                pool.submit(work, common, task): place
+                for place, task in enumerate(every[1:], start=1)
+            }
+            for done in as_completed(rest):
+                yield rest[done], done.result()
+
+
+def in_order(results: Iterable[tuple[int, Result]]) -> list[Result]:
+    """All results in the order of their tasks.
+
+    Parameters
+    ----------
+    results : iterable of tuple
+        As ``Workers.results`` gives them.
+    """
+    return [result for _, result in sorted(results, key=lambda one: one[0])]

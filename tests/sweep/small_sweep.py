@@ -1,0 +1,51 @@
+"""A small sweep by NumPy, which tests run, kill and run again; ``python -m`` runs it alone."""
+
+from __future__ import annotations
+
+import functools
+import sys
+from pathlib import Path
+
+import numpy as np
+
+import propmap
+from propmap.rotor import Rotor
+from propmap.sweep.points import Grid
+from propmap.sweep.run import Sweep, sweep_to_store
+
+POINTS_PER_TASK = 6
+
+GRID = Grid(np.linspace(3000.0, 7000.0, 4), np.linspace(0.0, 15.0, 5), np.linspace(0.0, 180.0, 6))
+"""20 tasks of 6 points, hover, descent and oblique flight among them."""
+
+
+@functools.cache
+def rotor() -> Rotor:
+    model = propmap.Model(propmap.propeller("apc-8x6e"), propmap.airfoil("paper-apc"))
+    return Rotor(model, compiled=False)
+
+
+def sweep() -> Sweep:
+    return Sweep(rotor(), GRID, points_per_task=POINTS_PER_TASK)
+
+
+def contents(path: Path) -> dict[str, bytes]:
+    """Files of a store with results, by name; what tells of the run is left out."""
+    return {
+        str(file.relative_to(path)): file.read_bytes()
+        for file in sorted(path.rglob("*"))
+        if file.is_file() and file.parent != path
+    }
+
+
+if __name__ == "__main__":
+    where, *cluster = sys.argv[1:]
+    if cluster:
+        from propmap.cluster.connection import connected
+
+        with connected(cluster[0]) as workers:
+            sweep_to_store(
+                rotor(), GRID, Path(where), workers=workers, points_per_task=POINTS_PER_TASK
+            )
+    else:
+        sweep_to_store(rotor(), GRID, Path(where), points_per_task=POINTS_PER_TASK)

@@ -1,0 +1,175 @@
+"""Streamed sweeps: the loads of the rotor, tasks of one size, stores that go on or refuse to."""
+
+from __future__ import annotations
+
+import errno
+import tracemalloc
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray
+
+import propmap
+from propmap.errors import InputError
+from propmap.rotor import Rotor
+from propmap.sweep.points import Grid, PointList, chunk_shape, parts_along
+from propmap.sweep.run import Sweep, sweep_to_store
+from propmap.sweep.store import Layout, Store
+from propmap.sweep.stream import Filing, stream
+from propmap.tasks import InThreads, InTurn, in_order
+
+from .small_sweep import GRID, POINTS_PER_TASK, contents, rotor, sweep
+
+
+def test_the_store_holds_the_rotors_loads(tmp_path: Path) -> None:
+    path = tmp_path / "map.zarr"
+    sweep_to_store(rotor(), GRID, path, points_per_task=POINTS_PER_TASK)
+    w, v, b = np.meshgrid(GRID.rpm, GRID.speed_mps, GRID.beta_deg, indexing="ij")
+    loads = rotor().loads(w * np.pi / 30.0, v, np.radians(b))
+    with xarray.open_zarr(path) as found:
+        assert dict(found.sizes) == {"rpm": 4, "speed": 5, "beta": 6}
+        np.testing.assert_array_equal(found["beta_deg"], GRID.beta_deg)
+        assert found["thrust"].attrs["units"] == "N"
+        for name in ("thrust", "drag", "torque", "power", "mean_inflow", "roots"):
+            expected = getattr(loads, name)  # rounded otherwise in another batch
+            np.testing.assert_allclose(found[name].values, expected, rtol=1e-12, atol=1e-12)
+        words = np.array(found["status"].attrs["flag_meanings"].split())
+        assert (words[found["status"].values] == loads.status).all()
+        assert found.attrs["model_sha256"] == rotor().model.fingerprint()
+
+
+def test_deviations_are_filed_with_their_units(tmp_path: Path) -> None:
+    known = Rotor(propmap.known_model("apc 10x5e"), compiled=False)
+    points = PointList(np.array([5000.0, 6000.0]), np.array([5.0, 0.0]), np.array([60.0, 0.0]))
+    path = tmp_path / "map.zarr"
+    sweep_to_store(known, points, path, by_source=True)
+    expected = known.loads(points.rpm * np.pi / 30.0, points.speed_mps, np.radians(points.beta_deg))
+    with xarray.open_zarr(path) as found:
+        assert dict(found.sizes) == {"point": 2}
+        np.testing.assert_array_equal(found["thrust_std"].values, expected.std.thrust)
+        tunnel = expected.std_by_source["tunnel"].power
+        np.testing.assert_array_equal(found["power_std_tunnel"].values, tunnel)
+        assert found["power_std_tunnel"].attrs["units"] == "W"
+
+
+@pytest.mark.parametrize(
+    ("shape", "most"), [((4, 5, 6), 6), ((3, 7, 16385), 16384), ((1000,), 64), ((2, 3, 4), 1000)]
+)
+def test_parts_cover_all_points_once_and_are_alike(shape: tuple[int, ...], most: int) -> None:
+    chunk = chunk_shape(shape, most)
+    assert np.prod(chunk) <= most
+    count = np.zeros(shape, int)
+    for place in np.ndindex(*parts_along(shape, chunk)):
+        count[tuple(slice(k * n, (k + 1) * n) for k, n in zip(place, chunk, strict=True))] += 1
+    assert (count == 1).all()
+    assert np.prod(parts_along(shape, chunk)) <= 3 * np.prod(shape) / most + 1
+
+
+@pytest.mark.parametrize(
+    ("changed", "told"),
+    [
+        ({"rotor": "air"}, "another model"),
+        ({"rotor": "fine"}, "another accuracy"),
+        ({"points": Grid(GRID.rpm + 1.0, GRID.speed_mps, GRID.beta_deg)}, "set of operating"),
+        ({"points_per_task": 12}, "size of tasks"),
+        ({"version": "0.0.1"}, "version of propmap (0.0.1)"),
+    ],
+)
+def test_another_run_does_not_go_on(tmp_path: Path, changed: dict[str, Any], told: str) -> None:
+    path, first, layout = tmp_path / "map.zarr", sweep(), sweep().layout()
+    if "version" in changed:
+        layout = replace(layout, depends_on={**layout.depends_on, "propmap": changed["version"]})
+    Store.create(path, layout)
+    before = contents(path)
+    model = first.rotor.model
+    others = {
+        "air": Rotor(replace(model, air=propmap.Air(1.0)), compiled=False),
+        "fine": Rotor(model, accuracy="fine", compiled=False),
+    }
+    other = {k: others.get(v, v) if isinstance(v, str) else v for k, v in changed.items()}
+    other.pop("version", None)
+    with pytest.raises(InputError) as refused:
+        Store.resume(path, replace(first, **other).layout())
+    assert told in str(refused.value)
+    assert "\n" not in str(refused.value)
+    assert contents(path) == before
+
+
+def test_deviations_of_another_fit_are_another_model() -> None:
+    model = propmap.known_model("apc 10x5e")
+    law: Any = model.airfoil
+    wider = replace(law, uncertainty=replace(law.uncertainty, thrust_coefficient=0.1))
+    layouts = [
+        Sweep(Rotor(one, compiled=False), GRID).layout()
+        for one in (model, replace(model, airfoil=wider))
+    ]
+    assert layouts[0].depends_on["model"] != layouts[1].depends_on["model"]
+
+
+def test_a_full_disk_loses_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, whole: dict[str, bytes]
+) -> None:
+    import zarr.storage._local as local
+
+    rng = np.random.default_rng(1)
+    path, write = tmp_path / "map.zarr", Path.open
+    Store.create(path, sweep().layout())
+    for _ in range(6):
+        room = int(rng.integers(1, 40))
+
+        def full(self: Path, *mode: Any, **more: Any) -> Any:
+            nonlocal room
+            file = write(self, *mode, **more)
+            if self.suffix == ".partial":
+                room -= 1
+                if room < 0:
+                    file.write(b"half")
+                    file.close()
+                    raise OSError(errno.ENOSPC, "No space left on device", str(self))
+            return file
+
+        with monkeypatch.context() as patch:
+            patch.setattr(local.Path, "open", full)
+            with pytest.raises(OSError, match=r"No space left.*map\.zarr'$"):
+                sweep_to_store(rotor(), GRID, path, points_per_task=POINTS_PER_TASK)
+        finished = {
+            name: (path / name).stat().st_mtime_ns
+            for name, content in contents(path).items()
+            if name.startswith("status/c")
+        }
+    sweep_to_store(rotor(), GRID, path, points_per_task=POINTS_PER_TASK)
+    assert contents(path) == whole
+    assert finished == {name: (path / name).stat().st_mtime_ns for name in finished}
+
+
+def _ones(common: int, part: int) -> dict[str, Any]:
+    return {"value": np.full(20_000, float(part + common)), "status": np.zeros(20_000, np.uint8)}
+
+
+def test_memory_does_not_grow_with_the_sweep(tmp_path: Path) -> None:
+    import zarr  # noqa: F401 - not to be counted
+
+    kinds: Any = {"value": (np.dtype(float), {}), "status": (np.dtype(np.uint8), {})}
+    peaks = []
+    for tasks in (10, 100):
+        layout = Layout({"point": 20_000 * tasks}, (20_000,), {}, kinds)
+        store = Store.create(tmp_path / f"{tasks}.zarr", layout)
+        filing = Filing(_ones, 1, store)
+        tracemalloc.start()
+        for _ in stream(InTurn(), filing, layout, lambda place, _: place[0]):
+            pass
+        peaks.append(tracemalloc.get_traced_memory()[1])
+        tracemalloc.stop()
+    assert peaks[1] < 1.2 * peaks[0]  # of results alone there are ten times as many
+
+
+def _less(common: int, task: int) -> int:
+    return task - common
+
+
+def test_workers_give_each_result_once_with_its_place() -> None:
+    for workers in (InTurn(), InThreads(3)):
+        assert in_order(workers.results(_less, 1, range(9))) == list(range(-1, 8))

@@ -1,0 +1,165 @@
+"""Tables of docs/scale.md, from benchmarks/results/cluster.json."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from benchmarks.scheduler_simulation import Costs, least_wall
+
+CORES = (100, 1000, 10_000)
+
+TIMES = (("years", 3.156e7), ("days", 86400.0), ("h", 3600.0), ("min", 60.0), ("s", 1.0))
+SIZES = (("PB", 1e15), ("TB", 1e12), ("GB", 1e9), ("MB", 1e6))
+
+
+def sweep(found: dict[str, Any]) -> str:
+    """Wall and processor time of 2e6 points, and memory at 1e5 and 2e6."""
+    part = found["sweep"]
+    rows = [
+        _machine(part),
+        "",
+        "| | wall | processor | peak of the client | peaks of the workers |",
+        "|---|---:|---:|---:|---:|",
+    ]
+    for size, words in (("1e5", "100,000 points"), ("2e6", "2,000,000 points")):
+        for who, said in (("one_process", "one process"), ("local_2", "`local:2`")):
+            one = part[f"{size}_{who}"]
+            peaks = ", ".join(f"{peak:.0f} MB" for peak in one["worker_peaks_MB"]) or "-"
+            rows.append(
+                f"| {words}, {said} | {one['wall_s']:.0f} s | {one['processor_s']:.0f} s "
+                f"| {one['client_peak_MB']:.0f} MB | {peaks} |"
+            )
+    same = "the same bits" if part["2e6_same_bits"] and part["1e5_same_bits"] else "NOT the same"
+    return "\n".join(
+        [
+            *rows,
+            "",
+            f"Results are {same}. For 2,000,000 points two workers take "
+            f"{part['ratio_of_wall_s']:.2f} times the wall time of one process on all cores, and "
+            f"{part['ratio_of_processor_s']:.2f} times its processor time. Storage: "
+            f"{part['2e6_bytes_per_point']:.0f} bytes per point, in {part['2e6_files']} files.",
+        ]
+    )
+
+
+def overhead(found: dict[str, Any]) -> str:
+    """What a task and a point cost."""
+    part, each = found["scheduler"], found["designs"]
+    return "\n".join(
+        [
+            "| | time |",
+            "|---|---:|",
+            f"| client and scheduler, per task | {1e3 * part['dispatch_s']:.1f} ms |",
+            f"| a worker, between two tasks | {1e3 * part['gap_s']:.1f} ms |",
+            f"| a point, one core | {1e6 * each['point_standard_s']:.0f} µs: "
+            f"{1.0 / each['point_standard_s']:,.0f} points per second, core and worker |",
+            f"| a point at accuracy fine | {1e6 * each['point_fine_s']:.0f} µs |",
+            f"| a design of a study, {each['design_points']} points | "
+            f"{1e3 * each['design_s']:.0f} ms |",
+        ]
+    )
+
+
+def workers(found: dict[str, Any]) -> str:
+    """Measured and simulated times by number of workers."""
+    part = found["scheduler"]
+    rows = [
+        f"| workers | {part['points_per_task']} points a task: wall | simulated | efficiency "
+        "| cores had | simulated with these | tasks that wait: wall | simulated |",
+        "|---:|---:|---:|---:|---:|---:|---:|---:|",
+    ]
+    for one in part["rows"]:
+        had = one["simulated_with_cores_had_s"]
+        rows.append(
+            f"| {one['workers']} | {one['wall_s']:.2f} s | {one['simulated_s']:.2f} s "
+            f"({_off(one['simulated_s'], one['wall_s'])}) | {100.0 * one['efficiency']:.0f} % "
+            f"| {one['cores_had']:.2f} | {had:.2f} s ({_off(had, one['wall_s'])}) "
+            f"| {one['waiting_wall_s']:.2f} s | {one['waiting_simulated_s']:.2f} s "
+            f"({_off(one['waiting_simulated_s'], one['waiting_wall_s'])}) |"
+        )
+    told = (
+        f"On {part['cores']} cores. The simulation knows of these cores, and not of what others "
+        "did on them meanwhile: the workers had only the cores of the fifth column; by these the "
+        "sixth is reckoned. " + _machine(part)
+    )
+    return "\n".join([*rows, "", told])
+
+
+def beyond(found: dict[str, Any]) -> str:
+    """Simulated efficiency by workers and length of tasks."""
+    shares = found["scheduler"]["simulated_efficiency_by_task_s"]
+    counts = list(next(iter(shares.values())))
+    rows = [
+        f"| task | {' | '.join(f'{int(n):,}' for n in counts)} |",
+        f"|---:|{'---:|' * len(counts)}",
+    ]
+    for task, row in shares.items():
+        cells = " | ".join(f"{100.0 * row[n]:.3g} %" for n in counts)
+        rows.append(f"| {float(task):g} s | {cells} |")
+    return "\n".join(rows)
+
+
+def cost(found: dict[str, Any], table: dict[str, Any], propellers: int) -> str:
+    """What three large jobs take.
+
+    Parameters
+    ----------
+    found, table : dict
+        Results of ``benchmarks.cluster`` and of `make bench-fine-table`.
+    propellers : int
+        In the catalogue.
+    """
+    each, part = found["designs"], found["scheduler"]
+    costs = Costs(part["dispatch_s"], part["gap_s"])
+    size = found["sweep"]["2e6_bytes_per_point"]
+    evaluations = propellers * table["building"]["model_evaluations"]
+    jobs = (
+        (f"(a) tables of {propellers} propellers", evaluations * each["point_fine_s"],
+         1e6 * propellers * table["building"]["file_MB"]),
+        ("(b) 1e6 designs", 1e6 * each["design_s"], 1e6 * each["design_points"] * size),
+        ("(c) 1e12 points", 1e12 * each["point_standard_s"], 1e12 * size),
+    )  # fmt: skip
+    heads = " | ".join(f"{n:,} cores" for n in CORES)
+    rows = [
+        f"| | work of a core | {heads} | storage |",
+        f"|---|---:|{'---:|' * len(CORES)}---:|",
+    ]
+    for words, work, stored in jobs:
+        least = [least_wall(work, n, costs) for n in CORES]
+        cells = " | ".join(f"{_sized(wall, TIMES)} ({task:g})" for wall, task in least)
+        rows.append(f"| {words} | {_sized(work, TIMES)} | {cells} | {_sized(stored, SIZES)} |")
+    return "\n".join(rows)
+
+
+def catalogue(found: dict[str, Any]) -> str:
+    """Identification of the whole catalogue by one process and by two workers."""
+    part = found["catalogue"]
+    alone, two = part["one_process"], part["local_2"]
+    same = "the same to the byte" if part["same_bytes"] else "NOT the same"
+    return (
+        f"`propmap fit catalogue` of {part['propellers']} propellers with data takes "
+        f"{alone['wall_s']:.0f} s of wall and {alone['processor_s']:.0f} s of processor time in "
+        f"one process, {two['wall_s']:.0f} s and {two['processor_s']:.0f} s on two workers: "
+        f"{part['speed_up']:.2f} times as fast. Both files are {same}. {_machine(part)}"
+    )
+
+
+def _off(simulated: float, measured: float) -> str:
+    return f"{100.0 * (simulated / measured - 1.0):+.0f} %"
+
+
+def _sized(value: float, units: tuple[tuple[str, float], ...]) -> str:
+    """In the largest unit of which there are two."""
+    for unit, size in units:
+        if value >= 2.0 * size:
+            return f"{value / size:.3g} {unit}"
+    unit, size = units[-1]
+    return f"{value / size:.2g} {unit}"
+
+
+def _machine(part: dict[str, Any]) -> str:
+    place = part["machine"]
+    return (
+        f"{place['cpu']}, {place['cores']} cores, Python {place['python']}; the machine's load was "
+        f"{place['load_before']} before the start."
+    )
