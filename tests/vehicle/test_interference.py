@@ -265,6 +265,7 @@ def test_gains_multiply_each_its_own_part() -> None:
     mixed = wake_flow(quad, Wakes(2.0 * small, 3.0 * small, 0.5 * small), flow, thrust).added
     together = 2.0 * parts[0] + 3.0 * parts[1] + 0.5 * parts[2]
     np.testing.assert_allclose(mixed, together, rtol=1e-5)
+    assert np.all(parts[0] <= 0.0) and np.all(parts[1] <= 0.0) and np.all(parts[2] >= 0.0)
 
 
 def test_a_wake_lifts_the_air_no_faster_than_its_rotor_draws_it() -> None:
