@@ -15,7 +15,6 @@ from propmap.cli.output import (
     FormatOption,
     TextOutput,
     chosen_format,
-    csv_text,
     emit,
     grid,
     json_text,
@@ -24,6 +23,7 @@ from propmap.cli.output import (
 from propmap.cli.plausibility import say_doubts, say_expected
 from propmap.cli.rotor_options import Corrections, ModelOption, say_reynolds, with_physics
 from propmap.errors import InputError
+from propmap.io.csv_text import csv_text
 from propmap.model.air import Air
 from propmap.model.corrections import in_words
 from propmap.model.model import Model
@@ -109,7 +109,7 @@ def _compare(
         for text in (*flights.remarks, *(scale.told() if scale else ())):
             typer.echo(f"note: {text}", err=True)
         return compare_forces(file.vehicle, flights.log, forces)
-    from propmap.cli.tunnel_files import doubts_on_tunnel, read_tunnel
+    from propmap.fit.tunnel_files import doubts_on_tunnel, read_tunnel
 
     if fitted is None and prop is None:
         raise InputError(

@@ -10,10 +10,9 @@ import typer
 
 from propmap.catalogue.lookup import propeller
 from propmap.cli.bands import Bands
-from propmap.cli.operating_points import RPM, parse_axis, single_point
+from propmap.cli.operating_points import parse_axis, single_point
 from propmap.cli.output import PictureOutput, check_pictures
 from propmap.cli.plausibility import say_doubts, say_doubts_on_points, say_expected
-from propmap.cli.points_file import LOAD_COLUMNS, read_points
 from propmap.cli.rotor_options import (
     Blades,
     PropArgument,
@@ -24,6 +23,8 @@ from propmap.cli.rotor_options import (
     takes_rotor,
 )
 from propmap.errors import InputError
+from propmap.io.operating_points import RPM
+from propmap.io.points_file import LOAD_COLUMNS, read_points
 from propmap.model.plausible import doubts_on_blade
 
 if TYPE_CHECKING:

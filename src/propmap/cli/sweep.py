@@ -9,12 +9,14 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from propmap.cli.bands import Bands, StdBySource, say_not_counted, std_columns
-from propmap.cli.operating_points import COLUMNS, OperatingPoints, parse_axis
-from propmap.cli.output import Force, check_output, csv_text, write_text
+from propmap.cli.bands import Bands, StdBySource, say_not_counted
+from propmap.cli.operating_points import parse_axis
+from propmap.cli.output import Force, check_output, write_text
 from propmap.cli.plausibility import say_doubts_on_points
 from propmap.cli.rotor_options import RotorChoice, say_reynolds, takes_rotor
 from propmap.errors import InputError
+from propmap.io.csv_text import csv_text
+from propmap.io.operating_points import COLUMNS, OperatingPoints, std_columns
 
 if TYPE_CHECKING:
     from propmap.arrays.types import Floats

@@ -41,7 +41,7 @@ def dataset(
 ) -> xarray.Dataset:
     """Loads (n,) over the axes rpm, speed [m/s] and beta [deg], beta fastest, with provenance.
 
-    ``spread`` has their standard deviations by column, see ``cli.bands.std_columns``.
+    ``spread`` has their standard deviations by column, see ``io.operating_points.std_columns``.
     """
     shape = tuple(axis.size for axis in axes)
     dims = tuple(AXES)

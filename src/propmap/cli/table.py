@@ -11,12 +11,13 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 import typer
 
-from propmap.cli.operating_points import RPM, parse_axis
+from propmap.cli.operating_points import parse_axis
 from propmap.cli.output import Force, check_output, show
 from propmap.cli.plausibility import say_doubts_on_points
 from propmap.cli.rotor_options import RotorChoice, say_reynolds, takes_rotor
 from propmap.cli.table_report import building, told
 from propmap.errors import InputError, quoted
+from propmap.io.operating_points import RPM
 
 if TYPE_CHECKING:
     from propmap.table import LoadTable

@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 
 from propmap.catalogue.measurements import measurement, measurement_names
-from propmap.cli.operating_points import RPM
-from propmap.cli.points_file import LOAD_COLUMNS, read_points
 from propmap.errors import InputError, quoted
 from propmap.fit.tunnel import TunnelData, merged
+from propmap.io.operating_points import RPM
+from propmap.io.points_file import LOAD_COLUMNS, read_points
 from propmap.io.uiuc_loads import looks_like_uiuc_loads, read_uiuc_loads
 from propmap.model.air import Air
 from propmap.model.plausible import doubts_on_points
