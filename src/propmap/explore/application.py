@@ -1,0 +1,337 @@
+"""The Dash application: what a browser asks, and what it is answered."""
+
+from __future__ import annotations
+
+import logging
+import threading
+from base64 import b64decode
+from binascii import Error as Base64Error
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+from urllib.parse import urlencode
+
+from dash import ALL, ClientsideFunction, Dash, Input, Output, State, ctx, dcc, no_update
+from dash.exceptions import PreventUpdate
+
+from propmap.errors import InputError
+from propmap.explore import shell
+from propmap.explore.controls import of_query, values_of
+from propmap.explore.given import MOST_BYTES, Shelf, read_upload
+from propmap.explore.rotors import Preparation
+from propmap.explore.session import KNOWN, Session
+from propmap.explore.view import View
+
+NAMESPACE = "propmap"
+
+FIRST_PAINT = 1.5
+"""[s] after which compiling begins: what is on the screen first comes first."""
+
+log = logging.getLogger(__name__)
+
+
+class Application:
+    """The pages on a first session.
+
+    Parameters
+    ----------
+    first : Session
+        What the command line names.
+    views : sequence of View
+        The first is that of the address /.
+    shelf : Shelf
+        Where files are.
+    """
+
+    def __init__(self, first: Session, views: Sequence[View], shelf: Shelf) -> None:
+        self.first, self.shelf = first, shelf
+        self.views = {view.name: view for view in views}
+        self.preparation = Preparation()
+        self.dash = Dash(
+            "propmap.explore",
+            assets_folder=str(Path(__file__).parent / "assets"),
+            title="propmap explore",
+            update_title="",
+            serve_locally=True,
+            suppress_callback_exceptions=True,
+            add_log_handler=False,
+        )
+        self.dash.index_string = INDEX
+        self.dash.layout = shell.page(views)
+        self._register()
+
+    def session(self, search: Any) -> Session:
+        """What an address tells; ``InputError`` where it tells nonsense."""
+        if search is not None and not isinstance(search, str):
+            raise InputError("the address is damaged", "open / instead")
+        return Session.of(of_query(search), self.first, self.shelf)
+
+    def view(self, path: Any) -> View:
+        """The view of an address, the first for any other."""
+        name = str(path or "").strip("/")
+        return self.views.get(name) or next(iter(self.views.values()))
+
+    def page(self, path: Any, search: Any) -> tuple[Any, Any]:
+        """A view as it is first shown, and what the address has to tell of the session."""
+        view, session = self.view(path), None
+        try:
+            session = self.session(search)
+            controls = view.controls(session)
+            values, remarks = values_of(controls, of_query(search))
+            answer = view.answer(session, values, self.preparation, settled=False)
+        except InputError as error:
+            return shell.failed(session, str(error)), no_update
+        answer = replace(answer, remarks=[*remarks, *answer.remarks])
+        threading.Timer(FIRST_PAINT, self.preparation.begin, [session.model]).start()
+        shown = shell.view_page(view, session, values, controls, answer)
+        return shown, {"query": session.query(), "view": view.name}
+
+    def answer(self, path: Any, here: Any, given: Any, *, settled: bool) -> tuple[Any, ...]:
+        """Figures, which are hidden, tables, remarks, command and Python."""
+        places = [entry["id"]["graph"] for entry in ctx.outputs_list[0]]
+        try:
+            view, session = self.view(path), self.session(here)
+            values, remarks = values_of(view.controls(session), given)
+            found = view.answer(session, values, self.preparation, settled=settled)
+            told = view.shell(session, values), view.python(session, values)
+        except InputError as error:
+            same = [no_update] * len(places)
+            told = shell.remarks([str(error)], "trouble")
+            return same, same, no_update, told, no_update, no_update, no_update
+        drawn = [found.figures.get(name, no_update) for name in places]
+        hidden = [name not in found.figures for name in places]
+        tables = [shell.table(table) for table in found.tables]
+        lines = shell.remarks([*remarks, *found.remarks])
+        key = shell.legend(found.legend)
+        return drawn, hidden, tables if settled else no_update, lines, key, *told
+
+    def chosen(self, here: Any, prop: Any, law: Any, physics: Any) -> tuple[Any, str]:
+        """The address of another propeller, constants or physics, or what is wrong."""
+        try:
+            session = self.session(here)
+            if (prop, law, physics) == (session.prop, session.law, session.physics):
+                # The page has just been drawn.
+                return no_update, ""
+            query = {**of_query(here), **session.query()}
+            if prop != session.prop:
+                for kind in ("fit", "geometry", "vehicle"):
+                    query.pop(f"file-{kind}", None)
+                # What follows from the blade is as usual for the new one.
+                for name in ("rpm", "data"):
+                    query.pop(name, None)
+            if law != session.law:
+                for kind in ("fit", "constants"):
+                    query.pop(f"file-{kind}", None)
+            query |= {
+                "prop": str(prop or ""),
+                "law": str(law or KNOWN),
+                "physics": str(physics or ""),
+            }
+            for name in [name for name in query if name.startswith(OF_BLADE)]:
+                del query[name]
+            Session.of(query, self.first, self.shelf).model  # noqa: B018 - it may not exist
+        except InputError as error:
+            return no_update, str(error)
+        return f"?{urlencode(query)}", ""
+
+    def uploaded(self, here: Any, content: Any, name: Any) -> tuple[Any, str]:
+        """The address with one more file, or what its reader says."""
+        try:
+            _, comma, body = str(content).partition(",")
+            if not comma or len(body) > 1.4 * MOST_BYTES:
+                raise InputError(
+                    "the file is too large" if comma else "there is no file",
+                    f"give one of at most {MOST_BYTES / 1e6:g} MB",
+                    str(name)[-80:],
+                )
+            try:
+                data = b64decode(body, validate=True)
+            except (Base64Error, ValueError):
+                raise InputError("the file came damaged", "give it again") from None
+            given = read_upload(str(name), data)
+            session = self.session(here).with_file(given, self.shelf.put(given))
+            session.model  # noqa: B018 - it may not exist
+            query = {k: v for k, v in of_query(here).items() if not k.startswith("file-")}
+            if given.kind in ("geometry", "fit", "vehicle"):
+                query.pop("rpm", None)
+            if given.kind == "data":
+                query["data"] = "file"
+        except InputError as error:
+            return no_update, str(error)
+        return f"?{urlencode({**query, **session.query()})}", ""
+
+    def removed(self, here: Any, kind: str) -> str:
+        """The address without a file."""
+        session = self.session(here)
+        query = {**of_query(here), **session.query()}
+        query.pop(f"file-{kind}", None)
+        return f"?{urlencode(query)}"
+
+    def _register(self) -> None:
+        app = self.dash
+
+        @app.callback(
+            Output("page", "children"),
+            Output("base", "data"),
+            Input("address", "pathname"),
+            Input("address", "search"),
+        )
+        def _page(path: Any, search: Any) -> Any:
+            return self.page(path, search)
+
+        together = (
+            Output({"graph": ALL}, "figure", allow_duplicate=True),
+            Output({"place": ALL}, "hidden", allow_duplicate=True),
+            Output("tables", "children", allow_duplicate=True),
+            Output("remarks", "children", allow_duplicate=True),
+            Output("legend", "children", allow_duplicate=True),
+            Output("command", "children", allow_duplicate=True),
+            Output("python", "children", allow_duplicate=True),
+        )
+        where = (State("address", "pathname"), State("here", "data"))
+
+        @app.callback(
+            *together, Output("answered", "data"), Input("live", "data"), *where,
+            prevent_initial_call=True,
+        )  # fmt: skip
+        def _live(asked: Any, path: Any, here: Any) -> Any:
+            asked = _mapping(asked)
+            given = _mapping(asked.get("values"))
+            return *self.answer(path, here, given, settled=False), asked.get("serial", 0)
+
+        @app.callback(
+            *together, Output("state", "children"), Input("settled", "data"), *where,
+            prevent_initial_call=True,
+        )  # fmt: skip
+        def _settled(asked: Any, path: Any, here: Any) -> Any:
+            given = _mapping(_mapping(asked).get("values"))
+            return *self.answer(path, here, given, settled=True), self.state(here)
+
+        @app.callback(
+            Output("address", "search", allow_duplicate=True),
+            Output("trouble", "children", allow_duplicate=True),
+            Input("prop", "value"), Input("law", "value"), Input("physics", "value"),
+            State("here", "data"),
+            prevent_initial_call=True,
+        )  # fmt: skip
+        def _chosen(prop: Any, law: Any, physics: Any, here: Any) -> Any:
+            return self.chosen(here, prop, law, physics)
+
+        @app.callback(
+            Output("address", "search", allow_duplicate=True),
+            Output("trouble", "children", allow_duplicate=True),
+            Input("upload", "contents"), State("upload", "filename"), State("here", "data"),
+            prevent_initial_call=True,
+        )  # fmt: skip
+        def _uploaded(content: Any, name: Any, here: Any) -> Any:
+            if content is None:
+                raise PreventUpdate
+            return self.uploaded(here, content, name)
+
+        @app.callback(
+            Output("address", "search", allow_duplicate=True),
+            Input({"remove": ALL}, "n_clicks"), State("here", "data"),
+            prevent_initial_call=True,
+        )  # fmt: skip
+        def _removed(clicks: Any, here: Any) -> Any:
+            if not isinstance(clicks, list) or not any(clicks) or not ctx.triggered_id:
+                raise PreventUpdate
+            return self.removed(here, str(ctx.triggered_id["remove"]))
+
+        @app.callback(
+            Output("saved", "data"),
+            Output("remarks", "children", allow_duplicate=True),
+            Input({"save": ALL}, "n_clicks"),
+            State({"control": ALL}, "value"), State({"control": ALL}, "id"), *where,
+            prevent_initial_call=True,
+        )  # fmt: skip
+        def _saved(clicks: Any, values: Any, ids: Any, path: Any, here: Any) -> Any:
+            if not any(clicks) or not ctx.triggered_id:
+                raise PreventUpdate
+            given = {one["control"]: value for one, value in zip(ids, values, strict=True)}
+            file = str(ctx.triggered_id["save"])
+            try:
+                view, session = self.view(path), self.session(here)
+                found, _ = values_of(view.controls(session), given)
+                text = view.text(session, found, file)
+            except InputError as error:
+                return no_update, shell.remarks([str(error)], "trouble")
+            return dcc.send_string(text, file), no_update
+
+        self._register_in_the_browser()
+        for view in self.views.values():
+            more = getattr(view, "register", None)
+            if more is not None:
+                more(self)
+
+    def _register_in_the_browser(self) -> None:
+        """What the browser does by itself: assets/explore.js."""
+
+        def here(function: str, *parts: Any) -> None:
+            self.dash.clientside_callback(
+                ClientsideFunction(NAMESPACE, function), *parts, prevent_initial_call=True
+            )
+
+        here(
+            "moved",
+            Output("here", "data"), Output({"menu": ALL}, "href"),
+            Input({"control": ALL}, "value"), Input("base", "data"),
+            State({"control": ALL}, "id"), State({"menu": ALL}, "id"),
+        )  # fmt: skip
+        here(
+            "typed",
+            Output("void", "dir"), Input({"number": ALL}, "value"), State({"number": ALL}, "id"),
+        )  # fmt: skip
+        here("answered", Output("void", "title"), Input("answered", "data"))
+        here("theme", Output("theme", "title"), Input("theme", "n_clicks"))
+        here(
+            "copied",
+            Output("copied", "children"), Input({"copy": ALL}, "n_clicks"),
+            State("command", "children"), State("python", "children"),
+        )  # fmt: skip
+        here(
+            "picture",
+            Output("void", "lang"), Input({"picture": ALL, "as": ALL}, "n_clicks"),
+        )  # fmt: skip
+
+    def state(self, here: Any) -> str:
+        """How far compiling is, in a line."""
+        try:
+            model = self.session(here).model
+        except InputError:
+            return ""
+        if self.preparation.done(model):
+            return ""
+        self.preparation.begin(model)
+        return "Preparing the fast rotor in the background; until then a step takes longer."
+
+
+OF_BLADE = ("chord-", "twist-")
+"""How controls begin that mean nothing for another blade."""
+
+INDEX = """<!DOCTYPE html>
+<html lang="en">
+<head>
+{%metas%}
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<meta name="color-scheme" content="light dark">
+<title>{%title%}</title>
+<link rel="icon" href="data:,">
+{%css%}
+</head>
+<body>
+{%app_entry%}
+<footer>
+{%config%}
+{%scripts%}
+{%renderer%}
+</footer>
+</body>
+</html>
+"""
+
+
+def _mapping(value: Any) -> dict[str, Any]:
+    """What came from a browser, if it is a mapping; else an empty one."""
+    return value if isinstance(value, dict) else {}

@@ -1,0 +1,135 @@
+// What the browser does by itself: the address, live updates one at a time, copying, saving, colours.
+(function () {
+  "use strict";
+  const PAUSE = 350; // [ms] without a move after which deviations and words are asked for
+  const LOST = 8000; // [ms] after which an answer is not waited for any more
+  let base = null, busy = 0, wanted = null, serial = 0, timer = null, sent = null, since = 0;
+
+  const props = (id, values) => window.dash_clientside.set_props(id, values);
+
+  function ask() {
+    if (wanted === null || (busy && performance.now() - since < LOST)) return;
+    busy = ++serial;
+    since = performance.now();
+    sent = wanted;
+    wanted = null;
+    props("live", { data: { serial: busy, values: sent } });
+  }
+
+  function later(values) {
+    clearTimeout(timer);
+    timer = setTimeout(() => props("settled", { data: { serial: ++serial, values } }), PAUSE);
+  }
+
+  function search(values) {
+    const told = new URLSearchParams(base ? base.query : {});
+    for (const [name, value] of Object.entries(values)) {
+      if (value !== null && value !== undefined) told.set(name, Array.isArray(value) ? value.join(",") : value);
+    }
+    return "?" + told.toString();
+  }
+
+  const numbered = (name) => document.getElementById(JSON.stringify({ number: name })) !== null;
+  const same = (a, b) => JSON.stringify(a) === JSON.stringify(b);
+  let last = null, shown = null;
+  const past = []; // settings before each move, for undo
+
+  window.propmap = {
+    undo() {
+      if (past.length > 1) past.pop();
+      return past.length ? past[past.length - 1] : null;
+    },
+  };
+
+  window.dash_clientside = Object.assign({}, window.dash_clientside, {
+    propmap: {
+      // A control was moved, or another page is there.
+      moved(values, newBase, ids, menu) {
+        const no = window.dash_clientside.no_update;
+        if (!newBase) return [no, menu.map(() => no)];
+        const fresh = newBase !== base;
+        base = newBase;
+        const now = {};
+        ids.forEach((id, k) => (now[id.control] = values[k]));
+        // A slider and the number beside it are one.
+        for (const [name, value] of Object.entries(now)) {
+          if (last && !fresh && !same(last[name], value) && numbered(name)) props({ number: name }, { value: Number(value) });
+        }
+        const told = search(now);
+        if (ids.length) window.history.replaceState(window.history.state, "", window.location.pathname + told);
+        const hrefs = menu.map((id) => "/" + id.menu + told);
+        document.querySelectorAll(".menu-item").forEach((item, k) => {
+          if (menu[k].menu === base.view) item.setAttribute("aria-current", "page");
+          else item.removeAttribute("aria-current");
+        });
+        if (fresh) { past.length = 0; busy = 0; wanted = null; }
+        else if (!same(now, last)) { wanted = now; setTimeout(ask, 0); }
+        if (!same(now, past[past.length - 1])) past.push(now);
+        if (past.length > 200) past.shift();
+        last = now;
+        later(now);
+        return [told, hrefs];
+      },
+      // The number beside a slider was typed.
+      typed(numbers, ids) {
+        const by = window.dash_clientside.callback_context.triggered_id;
+        const k = by ? ids.findIndex((id) => id.number === by.number) : -1;
+        const value = k < 0 ? null : numbers[k];
+        if (value !== null && value !== undefined && last && Number(last[by.number]) !== value)
+          props({ control: by.number }, { value });
+        return window.dash_clientside.no_update;
+      },
+      answered(number) {
+        if (number === busy) busy = 0;
+        requestAnimationFrame(() => { window.propmap.drawn = number; });
+        ask();
+        return window.dash_clientside.no_update;
+      },
+      theme(clicks) {
+        const root = document.documentElement;
+        const dark = root.dataset.theme ? root.dataset.theme === "dark"
+          : window.matchMedia("(prefers-color-scheme: dark)").matches;
+        root.dataset.theme = dark ? "light" : "dark";
+        try { localStorage.setItem("propmap-theme", root.dataset.theme); } catch (e) { /* private */ }
+        return root.dataset.theme;
+      },
+      copied(clicks, command, python) {
+        const by = window.dash_clientside.callback_context.triggered_id;
+        if (!by || !clicks.some(Boolean)) return "";
+        const text = by.copy === "command" ? command : python;
+        const done = () => by.copy + " copied";
+        if (navigator.clipboard) return navigator.clipboard.writeText(text).then(done, () => fallback(text, done));
+        return fallback(text, done);
+      },
+      picture(clicks) {
+        const no = window.dash_clientside.no_update;
+        const by = window.dash_clientside.callback_context.triggered_id;
+        if (!by || !clicks.some(Boolean)) return no;
+        const id = JSON.stringify({ graph: by.picture });
+        const graph = document.getElementById(id).querySelector(".js-plotly-plot");
+        const size = graph.getBoundingClientRect();
+        const scale = by.as === "png" ? 2 : 1;
+        window.Plotly.downloadImage(graph, {
+          format: by.as, filename: "propmap-" + by.picture, width: size.width, height: size.height, scale,
+        });
+        return no;
+      },
+    },
+  });
+
+  // Where there is no clipboard, as on a page of another machine without TLS.
+  function fallback(text, done) {
+    const area = document.createElement("textarea");
+    area.value = text;
+    document.body.append(area);
+    area.select();
+    const worked = document.execCommand("copy");
+    area.remove();
+    return worked ? done() : "select the text below and copy it";
+  }
+
+  try {
+    const kept = localStorage.getItem("propmap-theme");
+    if (kept) document.documentElement.dataset.theme = kept;
+  } catch (e) { /* private */ }
+})();

@@ -1,0 +1,378 @@
+"""Loads: how thrust, drag, torque, moments and power go with speed, rpm or angle."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from statistics import NormalDist
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from propmap.arrays.types import Floats
+from propmap.baselines.hover import HoverModel
+from propmap.errors import InputError, quoted
+from propmap.explore import figures
+from propmap.explore.controls import Choice, Control, Several, Slider, Text, Values
+from propmap.explore.point import point_controls, point_lines, point_table
+from propmap.explore.reproduce import Recipe, axis, number
+from propmap.explore.rotors import Preparation, exact, fastest
+from propmap.explore.session import Session
+from propmap.explore.view import Answer, Download, Graph
+from propmap.fit.tunnel import TunnelData
+from propmap.io.csv_text import loads_csv
+from propmap.io.operating_points import RPM, OperatingPoints, std_columns
+from propmap.report.style import COLOURS
+from propmap.results import Loads
+
+ALONG = 31
+"""Points of a curve: with four curves, deviations of all are found without compiling."""
+
+EVERY = 3
+"""Of these, every so many have a standard deviation of their own; between them it is linear."""
+
+MOST_CURVES = 6
+
+WIDE = NormalDist().inv_cdf(0.975)
+"""Standard deviations on either side of a band that holds 95 %."""
+
+SHOWN = ("thrust", "drag", "torque", "roll_moment", "pitch_moment", "power")
+
+NAME = "loads.csv"
+
+SAME_RPM, SAME_SPEED, SAME_ANGLE = 0.01, 0.03, 0.5
+"""How near a measured point must be to a curve to be drawn with it: shares, and degrees."""
+
+
+class Curves(NamedTuple):
+    """Operating points (k, n) of k curves of n points, and how they are called."""
+
+    x: Floats
+    omega: Floats
+    speed: Floats
+    beta: Floats
+    names: tuple[str, ...]
+
+
+class LoadsView:
+    """Loads along a line through the envelope, a curve for each angle or speed."""
+
+    name, title = "loads", "Loads"
+    question = "How do the loads go with speed, rpm and angle, and how sure are they?"
+    downloads = (Download(NAME, "curves as CSV"),)
+
+    def controls(self, session: Session) -> Sequence[Control]:
+        """What can be set."""
+        measured = tuple((name, name) for name in session.measurements())
+        return [
+            Choice(
+                "x",
+                "Against",
+                (("speed", "speed"), ("rpm", "rpm"), ("beta", "angle β")),
+                "speed",
+            ),
+            *point_controls(session),
+            Text("angles", "Angles β, a curve each [deg]", "0,30,60,90"),
+            Text("speeds", "Speeds, a curve each against β [m/s]", "0,5,10,20"),
+            Slider("fastest", "Speeds up to", "m/s", 5.0, 60.0, 1.0, 20.0),
+            Several(
+                "show",
+                "Panels",
+                tuple((n, figures.LABELS[n]) for n in figures.TITLES),
+                SHOWN,
+            ),
+            Several("bands", "How sure", (("on", "95 % bands"),), ("on",)),
+            Choice(
+                "data",
+                "Measured",
+                (("none", "none"), *measured),
+                measured[0][0] if measured else "none",
+            ),
+        ]
+
+    def graphs(self, session: Session) -> Sequence[Graph]:
+        """One for each load."""
+        return [Graph(name, title) for name, title in figures.TITLES.items()]
+
+    def answer(
+        self, session: Session, values: Values, ready: Preparation, *, settled: bool
+    ) -> Answer:
+        """Curves at once; deviations, points by status and words as soon as it is settled."""
+        model, remarks = session.model, []
+        curves = _curves(session, values)
+        rotor = exact(model) if settled else ready.quick(model)
+        loads = rotor.loads(curves.omega, curves.speed, curves.beta)
+        hover = HoverModel.of(exact(model))
+        std: Mapping[str, Floats] = {}
+        if settled and values["bands"] and model.uncertainty is not None:
+            std = _deviations(exact(model), curves)
+        data = session.measured(values["data"])
+        near = _near(curves, values["x"], data) if data is not None else []
+        if data is not None and not any(which.size for which in near):
+            remarks.append(_nothing_near(data, values))
+        shown = {
+            name: _panel(name, values, curves, loads, hover, std, data, near, words=settled)
+            for name in values["show"]
+        }
+        tables = [point_table(session, values, sure=settled)]
+        key = [*zip(curves.names, COLOURS, strict=False), ("hover model", f"-{figures.GREY}")]
+        if data is not None:
+            remarks.append(f"Points: {data.source}")
+        return Answer(shown, tables, remarks, key)
+
+    def shell(self, session: Session, values: Values) -> str:
+        """A sweep that makes the curves, and a prediction for the operating point."""
+        recipe = Recipe(session)
+        bands = [] if values["bands"] else ["--no-bands"]
+        sweep = [
+            "sweep",
+            recipe.prop,
+            *_axes(session, values),
+            *recipe.options,
+            *bands,
+            "-o",
+            NAME,
+            "--force",
+        ]
+        return recipe.shell(sweep, ["predict", recipe.prop, *point_lines(values), *recipe.options])
+
+    def python(self, session: Session, values: Values) -> str:
+        """The curves."""
+        c = _curves(session, values)
+        inner = {"speed": "beta", "rpm": "beta", "beta": "speed"}[values["x"]]
+        lines = {
+            "omega": f"np.array({number(values['rpm'])}) * np.pi / 30.0",
+            "speed": f"np.array({number(values['speed'])})",
+            "beta": f"np.radians({number(values['beta'])})",
+        }
+        ends = [float(c.x[0]), float(c.x[-1])]
+        along = f"np.linspace({number(ends[0])}, {number(ends[1])}, {ALONG})"
+        lines[{"speed": "speed", "rpm": "omega", "beta": "beta"}[values["x"]]] = {
+            "speed": along,
+            "rpm": f"{along} * np.pi / 30.0",
+            "beta": f"np.radians({along})",
+        }[values["x"]]
+        which = _list(values["angles" if inner == "beta" else "speeds"], inner)
+        text = f"np.array({which})[:, None]"
+        lines[inner] = f"np.radians({text})" if inner == "beta" else text
+        asked = "\n".join(f"{key} = {value}" for key, value in lines.items())
+        return Recipe(session).python(
+            f"{asked}\nloads = rotor.loads(omega, speed, beta)\nprint(loads.thrust, loads.std.thrust)"
+            if session.model.uncertainty is not None
+            else f"{asked}\nloads = rotor.loads(omega, speed, beta)\nprint(loads.thrust)"
+        )
+
+    def text(self, session: Session, values: Values, file: str) -> str:
+        """What `propmap sweep` writes."""
+        points = _grid(session, values)
+        loads = points.loads(exact(session.model))
+        spread = std_columns(loads, by_source=False) if values["bands"] else {}
+        return loads_csv(points, loads, spread)
+
+
+def _list(text: str, what: str) -> list[float]:
+    try:
+        found = sorted({float(part) for part in text.split(",") if part.strip()})
+    except ValueError:
+        found = []
+    ends = {"beta": (0.0, 360.0), "speed": (0.0, 200.0)}[what]
+    if not found or not all(ends[0] <= one <= ends[1] for one in found):
+        raise InputError(
+            f"{quoted(text)} is no list of numbers from {ends[0]:g} to {ends[1]:g}",
+            "write such as 0,30,60",
+        )
+    if len(found) > MOST_CURVES:
+        raise InputError(f"{len(found)} curves are too many", f"give at most {MOST_CURVES}")
+    return found
+
+
+def _along(session: Session, values: Values) -> Floats:
+    highest = round(fastest(session.model) / RPM)
+    ends = {
+        "speed": (0.0, values["fastest"]),
+        "rpm": (0.1 * highest, highest),
+        "beta": (0.0, 180.0),
+    }[values["x"]]
+    return np.linspace(*ends, ALONG)
+
+
+def _curves(session: Session, values: Values) -> Curves:
+    x = _along(session, values)
+    inner = "speed" if values["x"] == "beta" else "beta"
+    each = np.array(_list(values["speeds" if inner == "speed" else "angles"], inner))
+    rpm, speed, beta = (
+        x if values["x"] == own else each[:, None] if inner == own else np.array(values[own])
+        for own in ("rpm", "speed", "beta")
+    )
+    names = tuple(f"V = {e:g} m/s" if inner == "speed" else f"β = {e:g}°" for e in each.tolist())
+    shape = (each.size, x.size)
+    points = (np.broadcast_to(v, shape) for v in (rpm * RPM, speed, np.radians(beta)))
+    return Curves(x, *points, names)
+
+
+def _grid(session: Session, values: Values) -> OperatingPoints:
+    """The same points, in the order of a sweep."""
+    x = _along(session, values)
+    axes: dict[str, Any] = {k: np.array([values[k]]) for k in ("rpm", "speed", "beta")}
+    inner = "speed" if values["x"] == "beta" else "beta"
+    axes[inner] = np.array(_list(values["speeds" if inner == "speed" else "angles"], inner))
+    axes[values["x"]] = x
+    return OperatingPoints.grid(axes["rpm"], axes["speed"], axes["beta"])
+
+
+def _axes(session: Session, values: Values) -> list[str]:
+    x = _along(session, values)
+    told = {key: number(values[key]) for key in ("rpm", "speed", "beta")}
+    inner = "speed" if values["x"] == "beta" else "beta"
+    each = _list(values["speeds" if inner == "speed" else "angles"], inner)
+    told[inner] = ",".join(number(one) for one in each)
+    told[values["x"]] = axis(float(x[0]), float(x[-1]), ALONG)
+    return [part for key, text in told.items() for part in (f"--{key}", text)]
+
+
+def _deviations(rotor: Any, curves: Curves) -> dict[str, Floats]:
+    """Standard deviations (k, n), found at every so many points."""
+    some = np.arange(0, curves.x.size, EVERY)
+    at = (values[:, some] for values in (curves.omega, curves.speed, curves.beta))
+    found = rotor.loads(*at).std
+    return {
+        name: np.stack([np.interp(curves.x, curves.x[some], row) for row in getattr(found, name)])
+        for name in figures.TITLES
+    }
+
+
+def _panel(
+    name: str,
+    values: Values,
+    curves: Curves,
+    loads: Loads,
+    hover: HoverModel,
+    std: Mapping[str, Floats],
+    data: TunnelData | None,
+    near: list[Any],
+    *,
+    words: bool,
+) -> figures.Figure:
+    found: Floats = getattr(loads, name)
+    traces: list[dict[str, Any]] = []
+    if name in std:
+        for k, row in enumerate(found):
+            half = WIDE * std[name][k]
+            traces.append(figures.band(curves.x, row - half, row + half, COLOURS[k]))
+    for k, row in enumerate(found):
+        more: dict[str, Any] = {
+            "hovertemplate": f"%{{x:.4g}}: %{{y:.4g}}<extra>{curves.names[k]}</extra>"
+        }
+        if words:
+            more = {"text": _words(curves, loads, k), "hovertemplate": "%{text}<extra></extra>"}
+        traces.append(figures.line(curves.x, row, curves.names[k], COLOURS[k], **more))
+    still = hover.loads(curves.omega[0])
+    torque = np.asarray(still["torque"])
+    height = torque * curves.omega[0] if name == "power" else still[name]
+    drawn = np.broadcast_to(height, curves.x.shape)
+    traces.append(figures.line(curves.x, drawn, "hover model", figures.GREY, "dash"))
+    measured = []
+    if data is not None:
+        measured = _measured(name, values["x"], curves, data, near)
+        traces += measured
+    if words:
+        traces += _by_status(curves, loads, found)
+    shown = [found, drawn, *(trace["_y"] for trace in measured)]
+    for trace in measured:
+        del trace["_y"]
+    own = {"speed": values["speed"], "rpm": values["rpm"], "beta": values["beta"]}[values["x"]]
+    label = {"speed": "speed V [m/s]", "rpm": "rpm", "beta": "angle β [deg]"}[values["x"]]
+    return figures.figure(
+        traces,
+        label,
+        figures.TITLES[name],
+        revision=f"{values['x']}",
+        shapes=[figures.upright(own)],
+        xaxis={"range": [float(curves.x[0]), float(curves.x[-1])]},
+        yaxis=figures.span(*shown, zero=True),
+    )
+
+
+def _words(curves: Curves, loads: Loads, k: int) -> list[str]:
+    """All numbers of the points of a curve."""
+    rows = []
+    for i in range(curves.x.size):
+        told = [
+            f"{curves.omega[k, i] / RPM:.0f} rpm, {curves.speed[k, i]:.4g} m/s, "
+            f"β {np.degrees(curves.beta[k, i]):.4g}°: {loads.status[k, i]}"
+        ]
+        told += [
+            f"{figures.LABELS[n]} {figures.digits(getattr(loads, n)[k, i])} {figures.UNITS[n]}"
+            for n in figures.TITLES
+        ]
+        rows.append("<br>".join(told))
+    return rows
+
+
+def _by_status(curves: Curves, loads: Loads, found: Floats) -> list[dict[str, Any]]:
+    traces = []
+    x = np.broadcast_to(curves.x, found.shape)
+    for status, (mark, colour) in figures.STATUS_MARKS.items():
+        which = loads.status == status
+        if which.any():
+            y = np.where(np.isfinite(found[which]), found[which], 0.0)
+            traces.append(
+                figures.points(
+                    x[which],
+                    y,
+                    status,
+                    colour,
+                    mark,
+                    hovertemplate=f"%{{x:.4g}}: %{{y:.4g}}<extra>{status}</extra>",
+                )  # fmt: skip
+            )
+    return traces
+
+
+def _near(curves: Curves, x: str, data: TunnelData) -> list[Any]:
+    """Which measured points belong to each curve."""
+    rpm, beta = data.omega / RPM, np.degrees(data.folded_beta)
+    found = []
+    for k in range(len(curves.names)):
+        w, v, b = curves.omega[k] / RPM, curves.speed[k], np.degrees(curves.beta[k])
+        fits = np.ones(len(data), bool)
+        if x != "rpm":
+            fits &= np.abs(rpm - w[0]) <= SAME_RPM * w[0]
+        if x != "speed":
+            fits &= np.abs(data.speed - v[0]) <= np.maximum(SAME_SPEED * v[0], 0.05)
+        if x != "beta":
+            # At rest the angle means nothing: those points go with the first curve.
+            at_rest = (data.speed == 0.0) if k == 0 else False
+            fits &= (np.abs(beta - b[0]) < SAME_ANGLE) | at_rest
+        found.append(np.flatnonzero(fits))
+    return found
+
+
+def _measured(
+    name: str, x: str, curves: Curves, data: TunnelData, near: list[Any]
+) -> list[dict[str, Any]]:
+    values = data.loads.get(name)
+    if name == "power" and "torque" in data.loads:
+        values = data.loads["torque"] * data.omega
+    if values is None:
+        return []
+    along = {"speed": data.speed, "rpm": data.omega / RPM, "beta": np.degrees(data.folded_beta)}[x]
+    inside = (along >= curves.x[0]) & (along <= curves.x[-1])
+    traces = []
+    for k, which in enumerate(near):
+        mine = which[inside[which]]
+        trace = figures.points(
+            along[mine], values[mine], f"{data.source}, {curves.names[k]}", COLOURS[k],
+            figures.MARKS[k],
+            hovertemplate=f"%{{x:.4g}}: %{{y:.4g}}<extra>measured, {curves.names[k]}</extra>",
+        )  # fmt: skip
+        traces.append({**trace, "_y": values[mine]})
+    return traces
+
+
+def _nothing_near(data: TunnelData, values: Values) -> str:
+    rpm = data.omega / RPM
+    if values["x"] != "rpm":
+        nearest = rpm[np.argmin(np.abs(rpm - values["rpm"]))]
+        if abs(nearest - values["rpm"]) > SAME_RPM * values["rpm"]:
+            return f"{data.source}: no row within 1 % of {values['rpm']:g} rpm; try {nearest:.0f}"
+    return f"{data.source}: no row lies on one of these curves"
