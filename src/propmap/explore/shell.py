@@ -17,6 +17,8 @@ from propmap.model.airfoil import airfoil_names
 
 LAYOUT = {"displayModeBar": False, "responsive": True, "doubleClick": "reset"}
 
+STORES = ("base", "here", "live", "answered", "settled")
+
 HEIGHTS = {
     (False, False): "255px",
     (True, False): "300px",
@@ -45,10 +47,7 @@ def page(views: Sequence[View]) -> html.Div:
         [
             html.A("Skip to the view", href="#page", className="skip"),
             dcc.Location(id="address", refresh=False),
-            *(
-                dcc.Store(id=name)
-                for name in ("base", "here", "live", "answered", "settled", "job")
-            ),
+            *(dcc.Store(id=name) for name in STORES),
             dcc.Download(id="saved"),
             html.Header(
                 [
@@ -103,7 +102,7 @@ def failed(session: Session | None, message: str) -> html.Div:
         [
             html.Div([html.H1("Nothing to show")]),
             subject(session),
-            html.Div(remarks([message]), id="remarks", role="alert"),
+            html.Div(remarks([message], "trouble"), id="remarks", role="alert"),
         ],
         className="view",
     )
@@ -296,9 +295,9 @@ def _edits(figure: figures.Figure | None) -> dict[str, Any]:
 EMPTY: Mapping[str, Any] = {"data": [], "layout": {"paper_bgcolor": "rgba(0,0,0,0)"}}
 
 
-def remarks(lines: Sequence[str]) -> list[html.P]:
-    """Remarks, a line each."""
-    return [html.P(line, className="remark") for line in lines]
+def remarks(lines: Sequence[str], look: str = "remark") -> list[html.P]:
+    """Remarks, a line each; ``look`` is "trouble" for errors."""
+    return [html.P(line, className=look) for line in lines]
 
 
 def legend(entries: Sequence[tuple[str, str]]) -> list[html.Span]:

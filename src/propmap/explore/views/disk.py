@@ -1,4 +1,4 @@
-"""Disk: angle of attack, inflow, force, stall and reverse flow over the disk and along the blade."""
+"""Disk: angle of attack, inflow, force, stall and reverse flow over the disk."""
 
 from __future__ import annotations
 
@@ -23,13 +23,15 @@ from propmap.report.style import COLOURS
 STATIONS, AZIMUTHS = 40, 73
 """Of the field that is drawn."""
 
-PIXELS = 121
+PIXELS = 161
 """Along each side of the picture of the disk."""
 
 MM = 1e3
 
+ALPHA = "\u03b1"
+
 FIELDS = {
-    "alpha": ("angle of attack α [deg]", "Viridis"),
+    "alpha": (f"angle of attack {ALPHA} [deg]", "Viridis"),
     "inflow": ("inflow v_i [m/s]", "Cividis"),
     "force": ("force of a blade along the axis dT/dy [N/m]", "Viridis"),
     "margin": ("angle of attack past stall [deg]", "RdBu"),
@@ -43,9 +45,7 @@ class DiskView:
     """The flow over the disk at one operating point."""
 
     name, title = "disk", "Disk"
-    question = (
-        "What does the air do over the disk: where does it stall, where does it come from behind?"
-    )
+    question = "Where over the disk does the blade stall, and where does air come from behind?"
     downloads = (Download(NAME, "disk as CSV"),)
 
     def controls(self, session: Session) -> Sequence[Control]:
@@ -81,16 +81,16 @@ class DiskView:
         psi = round(values["psi"] / 5.0) % (AZIMUTHS - 1)
         shown = {
             "disk": _disk(field, values),
-            "angle": _along(field, np.degrees(field.alpha[:, psi]), "angle of attack α [deg]"),
+            "angle": _along(
+                field, np.degrees(field.alpha[:, psi]), f"angle of attack {ALPHA} [deg]"
+            ),
             "inflow": _along(
                 field, field.local_inflow[:, psi], "inflow v_i [m/s]", field.inflow, "mean"
             ),
             "force": _along(field, field.normal_force[:, psi], "dT/dy of a blade [N/m]"),
         }
         share = {"stalled": field.stalled, "in reverse flow": field.reverse}
-        told = ", ".join(
-            f"{100.0 * _share(field, where):.2g} % {name}" for name, where in share.items()
-        )
+        told = ", ".join(f"{100.0 * _share(field, at):.2g} % {name}" for name, at in share.items())
         key = [
             (f"at ψ = {5 * psi}°", COLOURS[0]),
             ("mean over azimuth", f"-{figures.GREY}"),

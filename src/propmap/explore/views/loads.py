@@ -89,7 +89,7 @@ class LoadsView:
             ),
         ]
 
-    def graphs(self, session: Session) -> Sequence[Graph]:
+    def graphs(self, session: Session) -> Sequence[Graph]:  # noqa: ARG002 - the same for all
         """One for each load."""
         return [Graph(name, title) for name, title in figures.TITLES.items()]
 
@@ -154,14 +154,13 @@ class LoadsView:
         which = _list(values["angles" if inner == "beta" else "speeds"], inner)
         text = f"np.array({which})[:, None]"
         lines[inner] = f"np.radians({text})" if inner == "beta" else text
+        sure = ", loads.std.thrust" if session.model.uncertainty is not None else ""
         asked = "\n".join(f"{key} = {value}" for key, value in lines.items())
         return Recipe(session).python(
-            f"{asked}\nloads = rotor.loads(omega, speed, beta)\nprint(loads.thrust, loads.std.thrust)"
-            if session.model.uncertainty is not None
-            else f"{asked}\nloads = rotor.loads(omega, speed, beta)\nprint(loads.thrust)"
+            f"{asked}\nloads = rotor.loads(omega, speed, beta)\nprint(loads.thrust{sure})"
         )
 
-    def text(self, session: Session, values: Values, file: str) -> str:
+    def text(self, session: Session, values: Values, file: str) -> str:  # noqa: ARG002 - one file
         """What `propmap sweep` writes."""
         points = _grid(session, values)
         loads = points.loads(exact(session.model))
@@ -323,7 +322,7 @@ def _by_status(curves: Curves, loads: Loads, found: Floats) -> list[dict[str, An
                     colour,
                     mark,
                     hovertemplate=f"%{{x:.4g}}: %{{y:.4g}}<extra>{status}</extra>",
-                )  # fmt: skip
+                )
             )
     return traces
 
