@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-import logging
 import threading
 from base64 import b64decode
 from binascii import Error as Base64Error
-from collections.abc import Sequence
+from collections import OrderedDict
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 from urllib.parse import urlencode
 
-from dash import ALL, ClientsideFunction, Dash, Input, Output, State, ctx, dcc, no_update
+import dash
+from dash import ALL, ClientsideFunction, Dash, Input, Output, State, ctx, no_update
 from dash.exceptions import PreventUpdate
+from flask import has_request_context
 
 from propmap.errors import InputError
 from propmap.explore import shell
@@ -23,12 +25,12 @@ from propmap.explore.rotors import Preparation
 from propmap.explore.session import KNOWN, Session
 from propmap.explore.view import View
 
+send_string: Any = dash.dcc.send_string  # type: ignore[attr-defined]
+
 NAMESPACE = "propmap"
 
 FIRST_PAINT = 1.5
 """[s] after which compiling begins: what is on the screen first comes first."""
-
-log = logging.getLogger(__name__)
 
 
 class Application:
@@ -60,6 +62,8 @@ class Application:
         self.dash.index_string = INDEX
         self.dash.layout = shell.page(views)
         self._register()
+        # The first page is what a browser waits for; this one finds what is the same for all.
+        self.page("/", "")
 
     def session(self, search: Any) -> Session:
         """What an address tells; ``InputError`` where it tells nonsense."""
@@ -83,7 +87,8 @@ class Application:
         except InputError as error:
             return shell.failed(session, str(error)), no_update
         answer = replace(answer, remarks=[*remarks, *answer.remarks])
-        threading.Timer(FIRST_PAINT, self.preparation.begin, [session.model]).start()
+        if has_request_context():
+            threading.Timer(FIRST_PAINT, self.preparation.begin, [session.model]).start()
         shown = shell.view_page(view, session, values, controls, answer)
         return shown, {"query": session.query(), "view": view.name}
 
@@ -97,8 +102,8 @@ class Application:
             told = view.shell(session, values), view.python(session, values)
         except InputError as error:
             same = [no_update] * len(places)
-            told = shell.remarks([str(error)], "trouble")
-            return same, same, no_update, told, no_update, no_update, no_update
+            wrong = shell.remarks([str(error)], "trouble")
+            return same, same, no_update, wrong, no_update, no_update, no_update
         drawn = [found.figures.get(name, no_update) for name in places]
         hidden = [name not in found.figures for name in places]
         tables = [shell.table(table) for table in found.tables]
@@ -191,22 +196,33 @@ class Application:
         )
         where = (State("address", "pathname"), State("here", "data"))
 
+        newest = Newest()
+
         @app.callback(
             *together, Output("answered", "data"), Input("live", "data"), *where,
             prevent_initial_call=True,
         )  # fmt: skip
         def _live(asked: Any, path: Any, here: Any) -> Any:
             asked = _mapping(asked)
+            newest.told(asked)
             given = _mapping(asked.get("values"))
             return *self.answer(path, here, given, settled=False), asked.get("serial", 0)
 
         @app.callback(
-            *together, Output("state", "children"), Input("settled", "data"), *where,
+            *together, Output("state", "children"), Output("told", "data"),
+            Input("settled", "data"), *where,
             prevent_initial_call=True,
         )  # fmt: skip
         def _settled(asked: Any, path: Any, here: Any) -> Any:
-            given = _mapping(_mapping(asked).get("values"))
-            return *self.answer(path, here, given, settled=True), self.state(here)
+            asked = _mapping(asked)
+            newest.told(asked)
+            given = _mapping(asked.get("values"))
+            with newest.in_turn:
+                if not newest.is_it(asked):
+                    # The page has moved on; whoever waits behind is to be answered sooner.
+                    raise PreventUpdate
+                found = self.answer(path, here, given, settled=True)
+            return *found, self.state(here), asked.get("serial", 0)
 
         @app.callback(
             Output("address", "search", allow_duplicate=True),
@@ -257,7 +273,7 @@ class Application:
                 text = view.text(session, found, file)
             except InputError as error:
                 return no_update, shell.remarks([str(error)], "trouble")
-            return dcc.send_string(text, file), no_update
+            return send_string(text, file), no_update
 
         self._register_in_the_browser()
         for view in self.views.values():
@@ -269,9 +285,8 @@ class Application:
         """What the browser does by itself: assets/explore.js."""
 
         def here(function: str, *parts: Any) -> None:
-            self.dash.clientside_callback(
-                ClientsideFunction(NAMESPACE, function), *parts, prevent_initial_call=True
-            )
+            register: Any = self.dash.clientside_callback
+            register(ClientsideFunction(NAMESPACE, function), *parts, prevent_initial_call=True)
 
         here(
             "moved",
@@ -284,6 +299,7 @@ class Application:
             Output("void", "dir"), Input({"number": ALL}, "value"), State({"number": ALL}, "id"),
         )  # fmt: skip
         here("answered", Output("void", "title"), Input("answered", "data"))
+        here("settled", Output("void", "className"), Input("told", "data"))
         here("theme", Output("theme", "title"), Input("theme", "n_clicks"))
         here(
             "copied",
@@ -307,9 +323,32 @@ class Application:
         return "Preparing the fast rotor in the background; until then a step takes longer."
 
 
+class Newest:
+    """Which request of a tab is its newest: others need no answer that takes long."""
+
+    def __init__(self) -> None:
+        self.in_turn = threading.Lock()
+        self._serials: OrderedDict[str, Any] = OrderedDict()
+        self._lock = threading.Lock()
+
+    def told(self, asked: Mapping[str, Any]) -> None:
+        """A request has come."""
+        with self._lock:
+            self._serials[str(asked.get("tab"))[:40]] = asked.get("serial")
+            while len(self._serials) > MOST_TABS:
+                self._serials.popitem(last=False)
+
+    def is_it(self, asked: Mapping[str, Any]) -> bool:
+        """Whether none has come since from the same tab."""
+        return bool(self._serials.get(str(asked.get("tab"))[:40]) == asked.get("serial"))
+
+
+MOST_TABS = 1000
+
 OF_BLADE = ("chord-", "twist-")
 """How controls begin that mean nothing for another blade."""
 
+# Plotly is asked for at once, not only when the first figure comes.
 INDEX = """<!DOCTYPE html>
 <html lang="en">
 <head>
@@ -326,6 +365,7 @@ INDEX = """<!DOCTYPE html>
 {%config%}
 {%scripts%}
 {%renderer%}
+<script src="/_dash-component-suites/plotly/package_data/plotly.min.js"></script>
 </footer>
 </body>
 </html>

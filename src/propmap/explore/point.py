@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from propmap.baselines.hover import HoverModel
 from propmap.explore import figures
 from propmap.explore.controls import Slider, Values
 from propmap.explore.reproduce import number
-from propmap.explore.rotors import exact, fastest
+from propmap.explore.rotors import exact, fastest, hover_model
 from propmap.explore.session import Session
 from propmap.explore.view import Table
 from propmap.io.operating_points import RPM, OperatingPoints
@@ -47,14 +46,14 @@ def point_words(values: Values) -> str:
     return f"{values['rpm']:g} rpm, {values['speed']:g} m/s, β {values['beta']:g}°"
 
 
-def point_table(session: Session, values: Values, *, sure: bool) -> Table:
+def point_table(session: Session, values: Values) -> Table:
     """Loads at the operating point as `propmap predict` tells them, and how sure they are."""
     rotor = exact(session.model)
     point = point_of(values)
     loads = point.loads(rotor)
-    still = HoverModel.of(rotor).loads(point.si[0])
+    still = hover_model(session.model).loads(point.si[0])
     hover = {**still, "power": still["torque"] * point.si[0]}
-    known = loads.std if sure and session.model.uncertainty is not None else None
+    known = loads.std if session.model.uncertainty is not None else None
     rows = []
     for name, label in figures.LABELS.items():
         std = "" if known is None else f"± {2.0 * float(getattr(known, name)[0]):.2g}"

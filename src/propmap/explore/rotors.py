@@ -9,6 +9,7 @@ import threading
 import jax
 import numpy as np
 
+from propmap.baselines.hover import HoverModel
 from propmap.io.operating_points import RPM
 from propmap.model.model import Model
 from propmap.rotor import Rotor
@@ -23,6 +24,12 @@ KEPT = 32
 def exact(model: Model) -> Rotor:
     """The rotor as commands with few points have it: the numbers that are told come from it."""
     return Rotor(model, compiled=False)
+
+
+@functools.lru_cache(maxsize=KEPT)
+def hover_model(model: Model) -> HoverModel:
+    """The hover model with this one's loads at rest."""
+    return HoverModel.of(exact(model))
 
 
 class Preparation:

@@ -6,7 +6,7 @@ import json
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from dash import dcc, html
+import dash
 
 from propmap.catalogue import names
 from propmap.explore import figures
@@ -15,9 +15,12 @@ from propmap.explore.session import KNOWN, PHYSICS, Session
 from propmap.explore.view import Answer, Graph, Table, View
 from propmap.model.airfoil import airfoil_names
 
+html: Any = dash.html
+dcc: Any = dash.dcc
+
 LAYOUT = {"displayModeBar": False, "responsive": True, "doubleClick": "reset"}
 
-STORES = ("base", "here", "live", "answered", "settled")
+STORES = ("base", "here", "live", "answered", "settled", "told")
 
 HEIGHTS = {
     (False, False): "255px",
@@ -37,7 +40,7 @@ KINDS = {
 }
 
 
-def page(views: Sequence[View]) -> html.Div:
+def page(views: Sequence[View]) -> Any:
     """What the browser gets first."""
     menu = [
         dcc.Link(view.title, href=f"/{view.name}", id={"menu": view.name}, className="menu-item")
@@ -66,7 +69,7 @@ def page(views: Sequence[View]) -> html.Div:
 
 def view_page(
     view: View, session: Session, values: Values, controls: Sequence[Control], answer: Answer
-) -> html.Div:
+) -> Any:
     """A view with its first answer."""
     graphs = view.graphs(session)
     return html.Div(
@@ -96,7 +99,7 @@ def view_page(
     )  # fmt: skip
 
 
-def failed(session: Session | None, message: str) -> html.Div:
+def failed(session: Session | None, message: str) -> Any:
     """A page that says in a line what is wrong."""
     return html.Div(
         [
@@ -108,7 +111,7 @@ def failed(session: Session | None, message: str) -> html.Div:
     )
 
 
-def subject(session: Session | None) -> html.Div:
+def subject(session: Session | None) -> Any:
     """What is explored, to be changed."""
     session = session or Session()
     files = [
@@ -152,7 +155,7 @@ def subject(session: Session | None) -> html.Div:
     )  # fmt: skip
 
 
-def radio(name: str, label: str, options: Sequence[tuple[str, str]], value: str) -> html.Details:
+def radio(name: str, label: str, options: Sequence[tuple[str, str]], value: str) -> Any:
     """A choice behind a heading that says what is chosen."""
     told = dict(options).get(value, value)
     return html.Details(
@@ -188,7 +191,7 @@ def settings(controls: Sequence[Control], values: Values) -> list[Any]:
     ]
 
 
-def setting(control: Control, value: Any) -> html.Div | html.Fieldset:
+def setting(control: Control, value: Any) -> Any:
     """A control with its label."""
     key = {"control": control.name}
     target = json.dumps(key, separators=(",", ":"))
@@ -231,7 +234,7 @@ def setting(control: Control, value: Any) -> html.Div | html.Fieldset:
     )
 
 
-def _mark(control: Slider) -> html.Div:
+def _mark(control: Slider) -> Any:
     """The marked range under a slider."""
     assert control.marked is not None
     low, high = (
@@ -249,10 +252,10 @@ def _mark(control: Slider) -> html.Div:
     )
 
 
-def place(graph: Graph, answer: Answer) -> html.Figure:
+def place(graph: Graph, answer: Answer) -> Any:
     """Where a figure is, with what can be saved of it."""
     figure = answer.figures.get(graph.name)
-    look = " ".join(filter(None, ("place", graph.wide and "wide", graph.tall and "tall")))
+    look = " ".join(["place", *(["wide"] if graph.wide else []), *(["tall"] if graph.tall else [])])
     return html.Figure(
         [
             html.Figcaption(
@@ -295,12 +298,12 @@ def _edits(figure: figures.Figure | None) -> dict[str, Any]:
 EMPTY: Mapping[str, Any] = {"data": [], "layout": {"paper_bgcolor": "rgba(0,0,0,0)"}}
 
 
-def remarks(lines: Sequence[str], look: str = "remark") -> list[html.P]:
+def remarks(lines: Sequence[str], look: str = "remark") -> list[Any]:
     """Remarks, a line each; ``look`` is "trouble" for errors."""
     return [html.P(line, className=look) for line in lines]
 
 
-def legend(entries: Sequence[tuple[str, str]]) -> list[html.Span]:
+def legend(entries: Sequence[tuple[str, str]]) -> list[Any]:
     """What colours mean."""
     return [
         html.Span(
@@ -317,7 +320,7 @@ def legend(entries: Sequence[tuple[str, str]]) -> list[html.Span]:
     ]
 
 
-def table(found: Table) -> html.Div:
+def table(found: Table) -> Any:
     """A table of numbers."""
     heads = [html.Th(head, scope="col") for head in found.heads]
     rows = [
@@ -336,7 +339,7 @@ def table(found: Table) -> html.Div:
     )
 
 
-def reproduce(view: View) -> html.Section:
+def reproduce(view: View) -> Any:
     """Command line, Python and files."""
     return html.Section(
         [

@@ -7,18 +7,24 @@
 
   const props = (id, values) => window.dash_clientside.set_props(id, values);
 
+  const tab = Math.random().toString(36).slice(2); // whose newest request counts
+
   function ask() {
     if (wanted === null || (busy && performance.now() - since < LOST)) return;
     busy = ++serial;
     since = performance.now();
     sent = wanted;
     wanted = null;
-    props("live", { data: { serial: busy, values: sent } });
+    props("live", { data: { tab, serial: busy, values: sent } });
   }
 
   function later(values) {
     clearTimeout(timer);
-    timer = setTimeout(() => props("settled", { data: { serial: ++serial, values } }), PAUSE);
+    asked = -1;
+    timer = setTimeout(() => {
+      asked = ++serial;
+      props("settled", { data: { tab, serial: asked, values } });
+    }, PAUSE);
   }
 
   function search(values) {
@@ -34,7 +40,14 @@
   let last = null, shown = null;
   const past = []; // settings before each move, for undo
 
+  let asked = 0, told = 0; // serials of what was asked for when all stood still, and answered
+
   window.propmap = {
+    // Whether all that was asked for is on the page.
+    quiet: () => !busy && wanted === null && asked > 0 && asked === told,
+    // Ask once more without a move.
+    again: () => { if (last) later(last); },
+    drawn: 0,
     undo() {
       if (past.length > 1) past.pop();
       return past.length ? past[past.length - 1] : null;
@@ -81,8 +94,15 @@
       },
       answered(number) {
         if (number === busy) busy = 0;
-        requestAnimationFrame(() => { window.propmap.drawn = number; });
+        requestAnimationFrame(() => setTimeout(() => {
+          window.propmap.drawn = number;
+          window.dispatchEvent(new Event("propmap-drawn"));
+        }, 0));
         ask();
+        return window.dash_clientside.no_update;
+      },
+      settled(number) {
+        told = number;
         return window.dash_clientside.no_update;
       },
       theme(clicks) {

@@ -97,7 +97,7 @@ class DiskView:
             ("stalled inside", COLOURS[1]),
             ("reverse flow inside", f"-{COLOURS[3]}"),
         ]
-        tables = [point_table(session, values, sure=settled)]
+        tables = [point_table(session, values)] if settled else []
         return Answer(shown, tables, [f"{point_words(values)}: of the disk {told}"], key)
 
     def shell(self, session: Session, values: Values) -> str:

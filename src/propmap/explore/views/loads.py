@@ -15,7 +15,7 @@ from propmap.explore import figures
 from propmap.explore.controls import Choice, Control, Several, Slider, Text, Values
 from propmap.explore.point import point_controls, point_lines, point_table
 from propmap.explore.reproduce import Recipe, axis, number
-from propmap.explore.rotors import Preparation, exact, fastest
+from propmap.explore.rotors import Preparation, exact, fastest, hover_model
 from propmap.explore.session import Session
 from propmap.explore.view import Answer, Download, Graph
 from propmap.fit.tunnel import TunnelData
@@ -27,7 +27,7 @@ from propmap.results import Loads
 ALONG = 31
 """Points of a curve: with four curves, deviations of all are found without compiling."""
 
-EVERY = 3
+EVERY = 5
 """Of these, every so many have a standard deviation of their own; between them it is linear."""
 
 MOST_CURVES = 6
@@ -101,7 +101,7 @@ class LoadsView:
         curves = _curves(session, values)
         rotor = exact(model) if settled else ready.quick(model)
         loads = rotor.loads(curves.omega, curves.speed, curves.beta)
-        hover = HoverModel.of(exact(model))
+        hover = hover_model(model)
         std: Mapping[str, Floats] = {}
         if settled and values["bands"] and model.uncertainty is not None:
             std = _deviations(exact(model), curves)
@@ -113,7 +113,7 @@ class LoadsView:
             name: _panel(name, values, curves, loads, hover, std, data, near, words=settled)
             for name in values["show"]
         }
-        tables = [point_table(session, values, sure=settled)]
+        tables = [point_table(session, values)] if settled else []
         key = [*zip(curves.names, COLOURS, strict=False), ("hover model", f"-{figures.GREY}")]
         if data is not None:
             remarks.append(f"Points: {data.source}")
