@@ -21,6 +21,7 @@ from propmap.errors import InputError
 from propmap.explore import shell
 from propmap.explore.controls import of_query, values_of
 from propmap.explore.given import MOST_BYTES, Shelf, read_upload
+from propmap.explore.jobs import Jobs
 from propmap.explore.rotors import Preparation
 from propmap.explore.session import KNOWN, Session
 from propmap.explore.view import View
@@ -49,7 +50,7 @@ class Application:
     def __init__(self, first: Session, views: Sequence[View], shelf: Shelf) -> None:
         self.first, self.shelf = first, shelf
         self.views = {view.name: view for view in views}
-        self.preparation = Preparation()
+        self.preparation, self.jobs = Preparation(), Jobs()
         self.dash = Dash(
             "propmap.explore",
             assets_folder=str(Path(__file__).parent / "assets"),
@@ -206,6 +207,9 @@ class Application:
             asked = _mapping(asked)
             newest.told(asked)
             given = _mapping(asked.get("values"))
+            if getattr(self.view(path), "slow", False):
+                places = [no_update] * len(ctx.outputs_list[0])
+                return places, places, *[no_update] * 5, asked.get("serial", 0)
             return *self.answer(path, here, given, settled=False), asked.get("serial", 0)
 
         @app.callback(
@@ -297,6 +301,16 @@ class Application:
         here(
             "typed",
             Output("void", "dir"), Input({"number": ALL}, "value"), State({"number": ALL}, "id"),
+        )  # fmt: skip
+        here(
+            "dragged",
+            Output("void", "accessKey"), Input({"graph": ALL}, "relayoutData"),
+            State({"graph": ALL}, "figure"), State({"graph": ALL}, "id"),
+        )  # fmt: skip
+        here("undo", Output("void", "contentEditable"), Input("undo", "n_clicks"))
+        here(
+            "ticking",
+            Output("tick", "disabled"), Input("job", "data"), Input("base", "data"),
         )  # fmt: skip
         here("answered", Output("void", "title"), Input("answered", "data"))
         here("settled", Output("void", "className"), Input("told", "data"))

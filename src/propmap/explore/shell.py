@@ -51,6 +51,8 @@ def page(views: Sequence[View]) -> Any:
             html.A("Skip to the view", href="#page", className="skip"),
             dcc.Location(id="address", refresh=False),
             *(dcc.Store(id=name) for name in STORES),
+            dcc.Store(id="job", storage_type="session"),
+            dcc.Interval(id="tick", interval=700, disabled=True),
             dcc.Download(id="saved"),
             html.Header(
                 [
@@ -78,8 +80,8 @@ def view_page(
             subject(session),
             html.Div(
                 [
-                    html.Div(settings(controls, values), className="settings", role="group",
-                             **{"aria-label": "Settings"}),
+                    html.Div([*settings(controls, values), *more(view)], className="settings",
+                             role="group", **{"aria-label": "Settings"}),
                     html.Div(
                         [
                             html.Div(remarks(answer.remarks), id="remarks", role="status",
@@ -97,6 +99,12 @@ def view_page(
         ],
         className=f"view view-{view.name}",
     )  # fmt: skip
+
+
+def more(view: View) -> list[Any]:
+    """Buttons under the settings."""
+    own = getattr(view, "more", None)
+    return [html.Button("undo", id="undo", n_clicks=0), *(own() if own else [])]
 
 
 def failed(session: Session | None, message: str) -> Any:

@@ -92,6 +92,39 @@
           props({ control: by.number }, { value });
         return window.dash_clientside.no_update;
       },
+      // A point of a figure was dragged: the setting that it stands for follows.
+      dragged(moves, drawn, ids) {
+        const no = window.dash_clientside.no_update;
+        const by = window.dash_clientside.callback_context.triggered_id;
+        const k = by ? ids.findIndex((id) => id.graph === by.graph) : -1;
+        const meta = k < 0 ? null : ((drawn[k] || {}).layout || {}).meta;
+        if (!meta || !meta.drag || !moves[k]) return no;
+        const found = {};
+        for (const [key, value] of Object.entries(moves[k])) {
+          const at = /^shapes\[(\d+)\]\.(y[01])$/.exec(key);
+          if (at) (found[at[1]] = found[at[1]] || {})[at[2]] = value;
+        }
+        for (const [place, ends] of Object.entries(found)) {
+          if (ends.y0 === undefined || ends.y1 === undefined) continue;
+          const y = 0.5 * (ends.y0 + ends.y1), own = meta.base[place];
+          const moved = meta.share ? (100 * y) / own : y - own;
+          const value = Math.round(moved / meta.step) * meta.step;
+          props({ control: meta.drag[place] }, { value: Number(value.toFixed(3)) });
+        }
+        return no;
+      },
+      undo(clicks) {
+        const no = window.dash_clientside.no_update;
+        if (!clicks) return no;
+        const before = window.propmap.undo();
+        if (!before) return no;
+        for (const [name, value] of Object.entries(before))
+          if (!same(value, last[name])) props({ control: name }, { value });
+        return no;
+      },
+      ticking(job) {
+        return !job;
+      },
       answered(number) {
         if (number === busy) busy = 0;
         requestAnimationFrame(() => setTimeout(() => {
