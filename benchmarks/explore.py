@@ -28,7 +28,8 @@ STEP = """async (selector) => {
   const set = Object.getOwnPropertyDescriptor(HTMLInputElement.prototype, "value").set;
   const begin = performance.now();
   set.call(slider, String(Number(slider.value) + Number(slider.step)));
-  const drawn = new Promise((done) => window.addEventListener("propmap-drawn", done, { once: true }));
+  const drawn = new Promise((done) =>
+    window.addEventListener("propmap-drawn", done, { once: true }));
   slider.dispatchEvent(new Event("input", { bubbles: true }));
   slider.dispatchEvent(new Event("change", { bubbles: true }));
   await drawn;

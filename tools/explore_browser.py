@@ -66,7 +66,8 @@ def browser() -> Iterator[Browser]:
 
     with sync_playwright() as driver:
         found = driver.chromium.launch(
-            executable_path=browser_path(), args=["--no-sandbox", "--disable-dev-shm-usage", "--disable-gpu"]
+            executable_path=browser_path(),
+            args=["--no-sandbox", "--disable-dev-shm-usage", "--disable-gpu"],,
         )
         try:
             yield found

@@ -45,12 +45,16 @@ class Application:
         The first is that of the address /.
     shelf : Shelf
         Where files are.
+    prepare : bool
+        Whether programs are compiled in the background.
     """
 
-    def __init__(self, first: Session, views: Sequence[View], shelf: Shelf) -> None:
+    def __init__(
+        self, first: Session, views: Sequence[View], shelf: Shelf, *, prepare: bool = True
+    ) -> None:
         self.first, self.shelf = first, shelf
         self.views = {view.name: view for view in views}
-        self.preparation, self.jobs = Preparation(), Jobs()
+        self.preparation, self.jobs = Preparation(wanted=prepare), Jobs()
         self.dash = Dash(
             "propmap.explore",
             assets_folder=str(Path(__file__).parent / "assets"),
@@ -86,7 +90,12 @@ class Application:
             values, remarks = values_of(controls, of_query(search))
             answer = view.answer(session, values, self.preparation, settled=False)
         except InputError as error:
-            return shell.failed(session, str(error)), no_update
+            query = session.query() if session else {}
+            return shell.failed(session, str(error)), {
+                "query": query,
+                "view": view.name,
+                "empty": True,
+            }
         answer = replace(answer, remarks=[*remarks, *answer.remarks])
         if has_request_context():
             threading.Timer(FIRST_PAINT, self.preparation.begin, [session.model]).start()
@@ -116,11 +125,11 @@ class Application:
         """The address of another propeller, constants or physics, or what is wrong."""
         try:
             session = self.session(here)
-            if (prop, law, physics) == (session.prop, session.law, session.physics):
+            if (prop, law, physics) == (session.name, session.law, session.physics):
                 # The page has just been drawn.
                 return no_update, ""
             query = {**of_query(here), **session.query()}
-            if prop != session.prop:
+            if prop != session.name:
                 for kind in ("fit", "geometry", "vehicle"):
                     query.pop(f"file-{kind}", None)
                 # What follows from the blade is as usual for the new one.
@@ -130,7 +139,7 @@ class Application:
                 for kind in ("fit", "constants"):
                     query.pop(f"file-{kind}", None)
             query |= {
-                "prop": str(prop or ""),
+                "prop": str(prop or session.prop),
                 "law": str(law or KNOWN),
                 "physics": str(physics or ""),
             }
@@ -331,7 +340,7 @@ class Application:
             model = self.session(here).model
         except InputError:
             return ""
-        if self.preparation.done(model):
+        if self.preparation.done(model) or not self.preparation.wanted:
             return ""
         self.preparation.begin(model)
         return "Preparing the fast rotor in the background; until then a step takes longer."

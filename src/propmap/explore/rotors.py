@@ -35,7 +35,8 @@ def hover_model(model: Model) -> HoverModel:
 class Preparation:
     """Compiles, in a thread of its own, what live updates need; one set serves all blades."""
 
-    def __init__(self) -> None:
+    def __init__(self, *, wanted: bool = True) -> None:
+        self.wanted = wanted
         self._ready: set[object] = set()
         self._begun: set[object] = set()
         self._lock = threading.Lock()
@@ -43,6 +44,8 @@ class Preparation:
 
     def begin(self, model: Model) -> None:
         """Compile for this model, unless that is done or under way; returns at once."""
+        if not self.wanted:
+            return
         key = _structure(model)
         with self._lock:
             if key in self._begun:
@@ -52,7 +55,7 @@ class Preparation:
 
     def done(self, model: Model) -> bool:
         """Whether programs for this model are ready."""
-        return _structure(model) in self._ready
+        return bool(self._ready) and _structure(model) in self._ready
 
     def quick(self, model: Model) -> Rotor:
         """The fastest rotor that answers now."""

@@ -114,6 +114,7 @@ def failed(session: Session | None, message: str) -> Any:
             html.Div([html.H1("Nothing to show")]),
             subject(session),
             html.Div(remarks([message], "trouble"), id="remarks", role="alert"),
+            *(html.Div(id=name, hidden=True) for name in ("tables", "legend", "command", "python")),
         ],
         className="view",
     )
@@ -139,7 +140,7 @@ def subject(session: Session | None) -> Any:
             html.Div(
                 [
                     html.Label("Propeller", htmlFor="prop"),
-                    dcc.Input(id="prop", type="text", value=session.prop, debounce=True,
+                    dcc.Input(id="prop", type="text", value=session.name, debounce=True,
                               list="props", maxLength=80, autoComplete="off", className="text"),
                     html.Datalist([html.Option(value=name) for name in names()], id="props"),
                 ],

@@ -60,6 +60,7 @@
       moved(values, newBase, ids, menu) {
         const no = window.dash_clientside.no_update;
         if (!newBase) return [no, menu.map(() => no)];
+        if (newBase.empty) clearTimeout(timer);
         const fresh = newBase !== base;
         base = newBase;
         const now = {};
@@ -80,7 +81,8 @@
         if (!same(now, past[past.length - 1])) past.push(now);
         if (past.length > 200) past.shift();
         last = now;
-        later(now);
+        if (newBase.empty) { busy = 0; wanted = null; asked = told = ++serial; }
+        else later(now);
         return [told, hrefs];
       },
       // The number beside a slider was typed.

@@ -150,7 +150,7 @@ def changed(blade: Propeller, values: Values) -> Propeller:
 
 
 def _outline(old: Propeller, new: Propeller) -> figures.Figure:
-    traces = []
+    traces, widest = [], MM * max(float(old.chord.max()), float(new.chord.max()))
     for blade, colour, dash in ((old, figures.GREY, "dash"), (new, COLOURS[0], "solid")):
         y, half = MM * blade.station, 0.5 * MM * blade.chord
         edge = np.concatenate([half, -half[::-1], half[:1]])
@@ -160,8 +160,12 @@ def _outline(old: Propeller, new: Propeller) -> figures.Figure:
         traces,
         "radius y [mm]",
         "about mid-chord [mm]",
-        xaxis={"range": [0.0, 1.02 * MM * old.radius]},
-        yaxis={"scaleanchor": "x", "scaleratio": 1.0},
+        xaxis={"range": [0.0, 1.02 * MM * old.radius], "constrain": "domain"},
+        yaxis={
+            "scaleanchor": "x",
+            "constrain": "domain",
+            "range": [-0.6 * widest, 0.6 * widest],
+        },
         shapes=[figures.upright(MM * old.root)],
     )
 
