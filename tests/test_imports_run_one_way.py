@@ -32,6 +32,7 @@ LEFT_TO_RIGHT = (
     "export",
     "report",
     "papers",
+    "explore",
     "cli",
     "__main__",
 )

@@ -67,7 +67,7 @@ def browser() -> Iterator[Browser]:
     with sync_playwright() as driver:
         found = driver.chromium.launch(
             executable_path=browser_path(),
-            args=["--no-sandbox", "--disable-dev-shm-usage", "--disable-gpu"],,
+            args=["--no-sandbox", "--disable-dev-shm-usage", "--disable-gpu"],
         )
         try:
             yield found

@@ -58,15 +58,15 @@ def line(
 
 def band(x: ArrayLike, low: ArrayLike, high: ArrayLike, colour: str) -> dict[str, Any]:
     """What is shaded between two curves."""
-    x, low, high = np.asarray(x), np.asarray(low), np.asarray(high)
-    known = np.isfinite(low) & np.isfinite(high)
-    x, low, high = x[known], low[known], high[known]
+    along, least, most = np.asarray(x), np.asarray(low), np.asarray(high)
+    known = np.isfinite(least) & np.isfinite(most)
+    along, least, most = along[known], least[known], most[known]
     r, g, b = (int(colour[k : k + 2], 16) for k in (1, 3, 5))
     return {
         "type": "scatter",
         "mode": "lines",
-        "x": array(np.concatenate([x, x[::-1]])),
-        "y": array(np.concatenate([high, low[::-1]])),
+        "x": array(np.concatenate([along, along[::-1]])),
+        "y": array(np.concatenate([most, least[::-1]])),
         "fill": "toself",
         "fillcolor": f"rgba({r},{g},{b},0.22)",
         "line": {"width": 0},

@@ -6,10 +6,8 @@ import shlex
 from collections.abc import Sequence
 from pathlib import PurePath
 
-import numpy as np
-
 from propmap.explore.session import KNOWN, Session
-from propmap.io.operating_points import RPM
+from propmap.fit.parameters import constants_of
 from propmap.io.propeller_toml import propeller_toml
 from propmap.model.airfoil import Airfoil
 from propmap.model.propeller import Propeller
@@ -57,7 +55,10 @@ class Recipe:
             options += ["--airfoil", session.law]
         elif blade is not None:
             # By name the constants would be those of another blade.
-            options += ["--airfoil", self._file(CONSTANTS_FILE, session.model.airfoil.to_toml())]
+            options += [
+                "--airfoil",
+                self._file(CONSTANTS_FILE, constants_of(session.model.airfoil).to_toml()),
+            ]
         if session.physics and constants is None:
             options += ["--model", session.physics]
         air = session.model.air
@@ -102,7 +103,7 @@ class Recipe:
         else:
             name = self.options[self.options.index("--airfoil") + 1]
             lines += [blade, f"law = propmap.airfoil({name!r})"]
-            own = self.session.model.airfoil.corrections
+            own = constants_of(self.session.model.airfoil).corrections
             corrections = tuple(self.session.model.correction_texts)
             if own is None or tuple(own) != corrections or self.session.physics:
                 lines.append(f"law = law.with_corrections({list(corrections)!r})")
@@ -125,8 +126,3 @@ def number(value: float) -> str:
 def axis(low: float, high: float, count: int) -> str:
     """``A:B:N`` of a command."""
     return f"{number(low)}:{number(high)}:{count}"
-
-
-def omega_of(rpm: float) -> float:
-    """[rad/s]."""
-    return float(np.float64(rpm) * RPM)

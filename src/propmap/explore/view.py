@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Any, Protocol
+from dataclasses import dataclass
+from typing import Protocol
 
 from propmap.explore.controls import Control, Values
 from propmap.explore.figures import Figure
@@ -82,10 +82,14 @@ class View(Protocol):
         What can be saved.
     """
 
-    name: str
-    title: str
-    question: str
-    downloads: tuple[Download, ...]
+    @property
+    def name(self) -> str: ...  # noqa: D102 - above
+    @property
+    def title(self) -> str: ...  # noqa: D102
+    @property
+    def question(self) -> str: ...  # noqa: D102
+    @property
+    def downloads(self) -> tuple[Download, ...]: ...  # noqa: D102
 
     def controls(self, session: Session) -> Sequence[Control]:
         """What can be set."""
@@ -106,15 +110,3 @@ class View(Protocol):
 
     def text(self, session: Session, values: Values, file: str) -> str:
         """What is saved in the ``file`` of one of the downloads."""
-
-
-@dataclass
-class Views:
-    """All views by name."""
-
-    by_name: dict[str, View] = field(default_factory=dict)
-
-
-def cells(entries: Mapping[str, Any]) -> list[list[str]]:
-    """Rows of a table of two columns."""
-    return [[key, str(value)] for key, value in entries.items()]

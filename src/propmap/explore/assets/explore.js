@@ -183,6 +183,21 @@
     return worked ? done() : "select the text below and copy it";
   }
 
+  // Dash calls an option what is a label with its input, and gives a file input no name.
+  function named(root) {
+    for (const option of root.querySelectorAll('.dash-options-list-option[role="option"]')) {
+      option.removeAttribute("role");
+      option.removeAttribute("aria-selected");
+    }
+    for (const list of root.querySelectorAll('[role="listbox"].options, .options [role="listbox"]')) {
+      list.setAttribute("role", "group");
+      list.removeAttribute("aria-multiselectable");
+    }
+    for (const input of root.querySelectorAll('input[type="file"]:not([aria-label])'))
+      input.setAttribute("aria-label", "a file to open");
+  }
+  new MutationObserver(() => named(document)).observe(document, { childList: true, subtree: true });
+
   try {
     const kept = localStorage.getItem("propmap-theme");
     if (kept) document.documentElement.dataset.theme = kept;

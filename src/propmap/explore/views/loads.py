@@ -204,8 +204,8 @@ def _curves(session: Session, values: Values) -> Curves:
     )
     names = tuple(f"V = {e:g} m/s" if inner == "speed" else f"β = {e:g}°" for e in each.tolist())
     shape = (each.size, x.size)
-    points = (np.broadcast_to(v, shape) for v in (rpm * RPM, speed, np.radians(beta)))
-    return Curves(x, *points, names)
+    omega, v, angle = (np.broadcast_to(a, shape) for a in (rpm * RPM, speed, np.radians(beta)))
+    return Curves(x, omega, v, angle, names)
 
 
 def _grid(session: Session, values: Values) -> OperatingPoints:
