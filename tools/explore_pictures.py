@@ -21,7 +21,7 @@ PICTURES = {
 }
 """Where each picture is taken: its file, and the address."""
 
-COLOURS = 64
+COLOURS = 160
 """Of the pictures: few, so that they are small."""
 
 
