@@ -216,8 +216,8 @@ def test_without_a_vehicle_or_a_table_a_line_says_what_to_do(application: Applic
 
 def test_measured_points_are_drawn_and_fitted(application: Application, shelf: Shelf) -> None:
     """A fit of loads that the model made with other constants finds these."""
+    from propmap.explore.constants_fit import Fit, law_of
     from propmap.explore.jobs import Job
-    from propmap.explore.views.constants import Fit, law_of
 
     model = pm.known_model("apc-8x6e")
     law = model.airfoil

@@ -3,14 +3,10 @@
 from __future__ import annotations
 
 import threading
-from base64 import b64decode
-from binascii import Error as Base64Error
-from collections import OrderedDict
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
-from urllib.parse import urlencode
 
 import dash
 from dash import ALL, ClientsideFunction, Dash, Input, Output, State, ctx, no_update
@@ -19,11 +15,13 @@ from flask import has_request_context
 
 from propmap.errors import InputError
 from propmap.explore import shell
+from propmap.explore.choices import Choices
 from propmap.explore.controls import of_query, values_of
-from propmap.explore.given import MOST_BYTES, Shelf, read_upload
+from propmap.explore.given import Shelf
 from propmap.explore.jobs import Jobs
+from propmap.explore.newest import Newest
 from propmap.explore.rotors import Preparation
-from propmap.explore.session import KNOWN, Session
+from propmap.explore.session import Session
 from propmap.explore.view import View
 
 send_string: Any = dash.dcc.send_string  # type: ignore[attr-defined]
@@ -34,7 +32,7 @@ FIRST_PAINT = 1.5
 """[s] after which compiling begins: what is on the screen first comes first."""
 
 
-class Application:
+class Application(Choices):
     """The pages on a first session.
 
     Parameters
@@ -52,7 +50,7 @@ class Application:
     def __init__(
         self, first: Session, views: Sequence[View], shelf: Shelf, *, prepare: bool = True
     ) -> None:
-        self.first, self.shelf = first, shelf
+        super().__init__(first, shelf)
         self.views = {view.name: view for view in views}
         self.preparation, self.jobs = Preparation(wanted=prepare), Jobs()
         self.dash = Dash(
@@ -69,12 +67,6 @@ class Application:
         self._register()
         # The first page is what a browser waits for; this one finds what is the same for all.
         self.page("/", "")
-
-    def session(self, search: Any) -> Session:
-        """What an address tells; ``InputError`` where it tells nonsense."""
-        if search is not None and not isinstance(search, str):
-            raise InputError("the address is damaged", "open / instead")
-        return Session.of(of_query(search), self.first, self.shelf)
 
     def view(self, path: Any) -> View:
         """The view of an address, the first for any other."""
@@ -109,7 +101,9 @@ class Application:
             view, session = self.view(path), self.session(here)
             values, remarks = values_of(view.controls(session), given)
             found = view.answer(session, values, self.preparation, settled=settled)
-            told = view.shell(session, values), view.python(session, values)
+            told = ("", "")
+            if settled:
+                told = view.shell(session, values), view.python(session, values)
         except InputError as error:
             same = [no_update] * len(places)
             wrong = shell.remarks([str(error)], "trouble")
@@ -118,70 +112,11 @@ class Application:
         hidden = [name not in found.figures for name in places]
         tables = [shell.table(table) for table in found.tables]
         lines = shell.remarks([*remarks, *found.remarks])
-        key = shell.legend(found.legend)
-        return drawn, hidden, tables if settled else no_update, lines, key, *told
-
-    def chosen(self, here: Any, prop: Any, law: Any, physics: Any) -> tuple[Any, str]:
-        """The address of another propeller, constants or physics, or what is wrong."""
-        try:
-            session = self.session(here)
-            if (prop, law, physics) == (session.name, session.law, session.physics):
-                # The page has just been drawn.
-                return no_update, ""
-            query = {**of_query(here), **session.query()}
-            if prop != session.name:
-                for kind in ("fit", "geometry", "vehicle"):
-                    query.pop(f"file-{kind}", None)
-                # What follows from the blade is as usual for the new one.
-                for name in ("rpm", "data"):
-                    query.pop(name, None)
-            if law != session.law:
-                for kind in ("fit", "constants"):
-                    query.pop(f"file-{kind}", None)
-            query |= {
-                "prop": str(prop or session.prop),
-                "law": str(law or KNOWN),
-                "physics": str(physics or ""),
-            }
-            for name in [name for name in query if name.startswith(OF_BLADE)]:
-                del query[name]
-            Session.of(query, self.first, self.shelf).model  # noqa: B018 - it may not exist
-        except InputError as error:
-            return no_update, str(error)
-        return f"?{urlencode(query)}", ""
-
-    def uploaded(self, here: Any, content: Any, name: Any) -> tuple[Any, str]:
-        """The address with one more file, or what its reader says."""
-        try:
-            _, comma, body = str(content).partition(",")
-            if not comma or len(body) > 1.4 * MOST_BYTES:
-                raise InputError(
-                    "the file is too large" if comma else "there is no file",
-                    f"give one of at most {MOST_BYTES / 1e6:g} MB",
-                    str(name)[-80:],
-                )
-            try:
-                data = b64decode(body, validate=True)
-            except (Base64Error, ValueError):
-                raise InputError("the file came damaged", "give it again") from None
-            given = read_upload(str(name), data)
-            session = self.session(here).with_file(given, self.shelf.put(given))
-            session.model  # noqa: B018 - it may not exist
-            query = {k: v for k, v in of_query(here).items() if not k.startswith("file-")}
-            if given.kind in ("geometry", "fit", "vehicle"):
-                query.pop("rpm", None)
-            if given.kind == "data":
-                query["data"] = "file"
-        except InputError as error:
-            return no_update, str(error)
-        return f"?{urlencode({**query, **session.query()})}", ""
-
-    def removed(self, here: Any, kind: str) -> str:
-        """The address without a file."""
-        session = self.session(here)
-        query = {**of_query(here), **session.query()}
-        query.pop(f"file-{kind}", None)
-        return f"?{urlencode(query)}"
+        if not settled:
+            # A step is to be quick: of the page only figures and remarks follow it.
+            same = [no_update] * len(places)
+            return drawn, same, no_update, lines, no_update, no_update, no_update
+        return drawn, hidden, tables, lines, shell.legend(found.legend), *told
 
     def _register(self) -> None:
         app = self.dash
@@ -303,7 +238,7 @@ class Application:
 
         here(
             "moved",
-            Output("here", "data"), Output({"menu": ALL}, "href"),
+            Output("here", "data"), Output({"menu": ALL}, "href", allow_duplicate=True),
             Input({"control": ALL}, "value"), Input("base", "data"),
             State({"control": ALL}, "id"), State({"menu": ALL}, "id"),
         )  # fmt: skip
@@ -322,7 +257,11 @@ class Application:
             Output("tick", "disabled"), Input("job", "data"), Input("base", "data"),
         )  # fmt: skip
         here("answered", Output("void", "title"), Input("answered", "data"))
-        here("settled", Output("void", "className"), Input("told", "data"))
+        here(
+            "settled",
+            Output("void", "className"), Output({"menu": ALL}, "href"),
+            Input("told", "data"), State({"menu": ALL}, "id"),
+        )  # fmt: skip
         here("theme", Output("theme", "title"), Input("theme", "n_clicks"))
         here(
             "copied",
@@ -345,31 +284,6 @@ class Application:
         self.preparation.begin(model)
         return "Preparing the fast rotor in the background; until then a step takes longer."
 
-
-class Newest:
-    """Which request of a tab is its newest: others need no answer that takes long."""
-
-    def __init__(self) -> None:
-        self.in_turn = threading.Lock()
-        self._serials: OrderedDict[str, Any] = OrderedDict()
-        self._lock = threading.Lock()
-
-    def told(self, asked: Mapping[str, Any]) -> None:
-        """A request has come."""
-        with self._lock:
-            self._serials[str(asked.get("tab"))[:40]] = asked.get("serial")
-            while len(self._serials) > MOST_TABS:
-                self._serials.popitem(last=False)
-
-    def is_it(self, asked: Mapping[str, Any]) -> bool:
-        """Whether none has come since from the same tab."""
-        return bool(self._serials.get(str(asked.get("tab"))[:40]) == asked.get("serial"))
-
-
-MOST_TABS = 1000
-
-OF_BLADE = ("chord-", "twist-")
-"""How controls begin that mean nothing for another blade."""
 
 # Plotly is asked for at once, not only when the first figure comes.
 INDEX = """<!DOCTYPE html>

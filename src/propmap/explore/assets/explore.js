@@ -35,6 +35,7 @@
     return "?" + told.toString();
   }
 
+  const links = (menu) => menu.map((id) => "/" + id.menu + window.location.search);
   const numbered = (name) => document.getElementById(JSON.stringify({ number: name })) !== null;
   const same = (a, b) => JSON.stringify(a) === JSON.stringify(b);
   let last = null, shown = null;
@@ -71,7 +72,7 @@
         }
         const told = search(now);
         if (ids.length) window.history.replaceState(window.history.state, "", window.location.pathname + told);
-        const hrefs = menu.map((id) => "/" + id.menu + told);
+        const hrefs = links(menu);
         document.querySelectorAll(".menu-item").forEach((item, k) => {
           if (menu[k].menu === base.view) item.setAttribute("aria-current", "page");
           else item.removeAttribute("aria-current");
@@ -82,8 +83,10 @@
         if (past.length > 200) past.shift();
         last = now;
         if (newBase.empty) { busy = 0; wanted = null; asked = told = ++serial; }
-        else later(now);
-        return [told, hrefs];
+        // While moves are drawn, what takes longer waits: see answered.
+        else if (wanted === null && !busy) later(now);
+        else { clearTimeout(timer); asked = -1; }
+        return [told, fresh ? hrefs : menu.map(() => no)];
       },
       // The number beside a slider was typed.
       typed(numbers, ids) {
@@ -133,12 +136,13 @@
           window.propmap.drawn = number;
           window.dispatchEvent(new Event("propmap-drawn"));
         }, 0));
-        ask();
+        if (wanted !== null) ask();
+        else if (!busy && last) later(last);
         return window.dash_clientside.no_update;
       },
-      settled(number) {
+      settled(number, menu) {
         told = number;
-        return window.dash_clientside.no_update;
+        return [window.dash_clientside.no_update, links(menu)];
       },
       theme(clicks) {
         const root = document.documentElement;

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,32 +11,27 @@ from dash.exceptions import PreventUpdate
 
 from propmap.arrays.namespace import by_numpy
 from propmap.arrays.types import Floats
-from propmap.catalogue.identified import PARAMETERS
 from propmap.errors import InputError
 from propmap.explore import figures
+from propmap.explore.constants_fit import CONSTANTS, Fit, law_at_first, law_of, model_of
 from propmap.explore.controls import Choice, Control, Several, Slider, Values, values_of
-from propmap.explore.jobs import Job
 from propmap.explore.point import point_controls, point_lines
 from propmap.explore.reproduce import CONSTANTS_FILE, Recipe
 from propmap.explore.rotors import Preparation, exact
 from propmap.explore.session import Session
 from propmap.explore.view import Answer, Download, Graph, Table
 from propmap.fit.parameters import SECTION
-from propmap.fit.parameters import Choice as FitChoice
-from propmap.fit.rows import Rows
 from propmap.fit.tunnel import TunnelData
 from propmap.io.csv_text import csv_text
 from propmap.io.operating_points import RPM
 from propmap.loads import LOADS
-from propmap.model.airfoil import LIMITS, Airfoil
+from propmap.model.airfoil import Airfoil
 from propmap.model.model import Model
 from propmap.physics.sections.law import coefficients_at
 from propmap.report.style import COLOURS
 
 if TYPE_CHECKING:
     from propmap.explore.application import Application
-
-CONSTANTS = ("c_l1", "c_l2", *(name for name in PARAMETERS if name != "c_l1"))
 
 FREE = ("c_l1", "c_d", "alpha_0", "zero_lift_angle")
 
@@ -62,7 +56,7 @@ class ConstantsView:
 
     def controls(self, session: Session) -> Sequence[Control]:
         """What can be set."""
-        law = _law(session)
+        law = law_at_first(session)
         known = session.model.uncertainty
         deviations = {}
         if known is not None:
@@ -103,7 +97,7 @@ class ConstantsView:
         self, session: Session, values: Values, ready: Preparation, *, settled: bool
     ) -> Answer:
         """Curves of the section, and errors on the data."""
-        old, new = _law(session), law_of(session, values)
+        old, new = law_at_first(session), law_of(session, values)
         shown = _section(session.model, old, new)
         key = [("as they were", f"-{figures.GREY}"), ("as they are", COLOURS[0])]
         data = session.measured(values["data"])
@@ -220,7 +214,7 @@ class ConstantsView:
             return job.line, None if job.done else no_update
 
     def _recipe(self, session: Session, values: Values) -> Recipe:
-        same = law_of(session, values) is _law(session)
+        same = law_of(session, values) is law_at_first(session)
         return Recipe(session) if same else Recipe(session, constants=law_of(session, values))
 
 
@@ -228,97 +222,6 @@ def _all() -> Any:
     from dash import ALL
 
     return ALL
-
-
-@dataclass(frozen=True)
-class Fit:
-    """A fit of a session's data from the constants that are set."""
-
-    model: Model
-    data: TunnelData
-    choice: FitChoice
-
-    @classmethod
-    def of(cls, session: Session, values: Values) -> Fit:
-        """The fit that the page asks for; ``InputError`` where there is nothing to fit."""
-        data = session.measured(values["data"])
-        if data is None:
-            raise InputError("there are no measured loads to fit", "choose or drop some")
-        if not values["free"]:
-            raise InputError("no constant is free", "choose some")
-        law, free = law_of(session, values), tuple(values["free"])
-        given = {name: float(getattr(law, name)) for name in SECTION}
-        fixed = {name: value for name, value in given.items() if name not in free}
-        start = {name: value for name, value in given.items() if name in free}
-        return cls(model_of(session, values), data, FitChoice(free, fixed, {}, start))
-
-    def run(self, job: Job) -> Mapping[str, float]:
-        """Fit, and tell how far it is."""
-        from propmap.fit.fitted import Settings, fit
-        from propmap.fit.tunnel import tunnel_rows
-
-        rows = tunnel_rows(self.model, self.data, self.choice)
-        fitted = fit(_telling(rows, job), self.choice, Settings(starts=1, folds=0))
-        errors = []
-        for k, name in enumerate(fitted.rows.names):
-            modelled, measured = fitted.compared(k)
-            off = np.sqrt(np.nanmean((modelled - measured) ** 2) / np.nanmean(measured**2))
-            errors.append(f"{name} {100.0 * off:.1f} %")
-        half = 1.96 * np.sqrt(np.diag(fitted.uncertainty.covariance))
-        told = [
-            f"{name} = {value:.4g} ± {one:.2g}"
-            for name, value, one in zip(self.choice.free, fitted.x, half, strict=True)
-        ]
-        job.told = f"Fitted: {'; '.join(told)}. Errors, rms: {', '.join(errors)}."
-        return dict(zip(self.choice.free, map(float, fitted.x), strict=True))
-
-
-def _telling(rows: Rows, job: Job) -> Rows:
-    """The rows, which tell how often they were evaluated and with what error."""
-    count = 0
-    own = rows.model
-
-    def model(values: Mapping[str, float], free: tuple[str, ...]) -> tuple[Floats, Floats]:
-        nonlocal count
-        if not count:
-            job.told = "fitting: preparing programs, up to a minute the first time"
-        found = own(values, free)
-        count += 1
-        off = (found[0] - rows.measured) / rows.scale
-        job.told = (
-            f"fitting: {count} evaluations, error {100.0 * np.sqrt(np.nanmean(off**2)):.2f} %"
-        )
-        return found
-
-    return replace(rows, model=model)
-
-
-def _law(session: Session) -> Airfoil:
-    law = session.model.airfoil
-    if not isinstance(law, Airfoil):
-        raise InputError("a section table has no constants", "choose a set of constants")
-    return law
-
-
-def law_of(session: Session, values: Values) -> Airfoil:
-    """The constants that are set."""
-    law = _law(session)
-    changes = {
-        name: float(np.clip(values[name], *LIMITS[name][:2]))
-        for name in CONSTANTS
-        if values[name] != getattr(law, name)
-    }
-    if not changes:
-        return law
-    own = tuple(session.model.correction_texts)
-    told = {"name": f"{law.name} changed"[:80], "source": "changed in propmap explore"}
-    return law.with_parameters(**changes, **told, corrections=own)
-
-
-def model_of(session: Session, values: Values) -> Model:
-    """The model with the constants that are set."""
-    law = law_of(session, values)
-    return session.model if law is session.model.airfoil else session.model.with_airfoil(law)
 
 
 def _section(model: Model, old: Airfoil, new: Airfoil) -> dict[str, figures.Figure]:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from contourpy import contour_generator
 
 from propmap.arrays.types import Floats
 from propmap.engine.disk_field import Inflow
@@ -186,9 +187,9 @@ def _disk(field: Inflow, values: Values) -> figures.Figure:
         }
     ]
     if field.stalled.any():
-        traces += _outline(side, over(field.past_stall), COLOURS[1], "solid")
+        traces += _outline(field, field.past_stall, COLOURS[1], "solid")
     if field.reverse.any():
-        traces += _outline(side, over(field.u_tangential), COLOURS[3], "dash")
+        traces += _outline(field, field.u_tangential, COLOURS[3], "dash")
     line = np.radians(values["psi"])
     blade = {
         "type": "line",
@@ -221,20 +222,15 @@ def _word(x: float, y: float, text: str, anchor: str) -> dict[str, Any]:
     return {**place, "text": text, "showarrow": False, "xanchor": "center"}
 
 
-def _outline(side: Floats, values: Floats, colour: str, dash: str) -> list[dict[str, Any]]:
-    return [
-        {
-            "type": "contour",
-            "x": figures.array(side),
-            "y": figures.array(side),
-            "z": figures.array(values.astype(np.float32)),
-            "contours": {"start": 0.0, "end": 0.0, "size": 1.0, "coloring": "none"},
-            "line": {"color": colour, "width": 2, "dash": dash},
-            "showscale": False,
-            "hoverinfo": "skip",
-            "connectgaps": False,
-        }
-    ]
+def _outline(field: Inflow, values: Floats, colour: str, dash: str) -> list[dict[str, Any]]:
+    """Where ``values`` (S, P) are zero; Plotly's own outlines take ten times as long to draw."""
+    along: list[float] = []
+    across: list[float] = []
+    for line in contour_generator(field.azimuth, MM * field.radius, values).lines(0.0):
+        psi, radius = np.asarray(line).T
+        along += [*(radius * np.sin(psi)).tolist(), np.nan]
+        across += [*(-radius * np.cos(psi)).tolist(), np.nan]
+    return [figures.line(along, across, "", colour, dash, hoverinfo="skip")]
 
 
 def _interpolated(field: Inflow, values: Floats, radius: Floats, psi: Floats) -> Floats:

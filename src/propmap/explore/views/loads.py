@@ -3,26 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from statistics import NormalDist
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from propmap.arrays.types import Floats
-from propmap.baselines.hover import HoverModel
 from propmap.errors import InputError, quoted
 from propmap.explore import figures
 from propmap.explore.controls import Choice, Control, Several, Slider, Text, Values
+from propmap.explore.load_panels import Curves, near_curves, nothing_near, panel
 from propmap.explore.point import point_controls, point_lines, point_table
 from propmap.explore.reproduce import Recipe, axis, number
 from propmap.explore.rotors import Preparation, exact, fastest, hover_model
 from propmap.explore.session import Session
 from propmap.explore.view import Answer, Download, Graph
-from propmap.fit.tunnel import TunnelData
 from propmap.io.csv_text import loads_csv
 from propmap.io.operating_points import RPM, OperatingPoints, std_columns
 from propmap.report.style import COLOURS
-from propmap.results import Loads
 
 ALONG = 31
 """Points of a curve: with four curves, deviations of all are found without compiling."""
@@ -32,25 +29,10 @@ EVERY = 5
 
 MOST_CURVES = 6
 
-WIDE = NormalDist().inv_cdf(0.975)
-"""Standard deviations on either side of a band that holds 95 %."""
 
 SHOWN = ("thrust", "drag", "torque", "roll_moment", "pitch_moment", "power")
 
 NAME = "loads.csv"
-
-SAME_RPM, SAME_SPEED, SAME_ANGLE = 0.01, 0.03, 0.5
-"""How near a measured point must be to a curve to be drawn with it: shares, and degrees."""
-
-
-class Curves(NamedTuple):
-    """Operating points (k, n) of k curves of n points, and how they are called."""
-
-    x: Floats
-    omega: Floats
-    speed: Floats
-    beta: Floats
-    names: tuple[str, ...]
 
 
 class LoadsView:
@@ -106,11 +88,11 @@ class LoadsView:
         if settled and values["bands"] and model.uncertainty is not None:
             std = _deviations(exact(model), curves)
         data = session.measured(values["data"])
-        near = _near(curves, values["x"], data) if data is not None else []
+        near = near_curves(curves, values["x"], data) if data is not None else []
         if data is not None and not any(which.size for which in near):
-            remarks.append(_nothing_near(data, values))
+            remarks.append(nothing_near(data, values))
         shown = {
-            name: _panel(name, values, curves, loads, hover, std, data, near, words=settled)
+            name: panel(name, values, curves, loads, hover, std, data, near, words=settled)
             for name in values["show"]
         }
         tables = [point_table(session, values)] if settled else []
@@ -237,141 +219,3 @@ def _deviations(rotor: Any, curves: Curves) -> dict[str, Floats]:
         name: np.stack([np.interp(curves.x, curves.x[some], row) for row in getattr(found, name)])
         for name in figures.TITLES
     }
-
-
-def _panel(
-    name: str,
-    values: Values,
-    curves: Curves,
-    loads: Loads,
-    hover: HoverModel,
-    std: Mapping[str, Floats],
-    data: TunnelData | None,
-    near: list[Any],
-    *,
-    words: bool,
-) -> figures.Figure:
-    found: Floats = getattr(loads, name)
-    traces: list[dict[str, Any]] = []
-    if name in std:
-        for k, row in enumerate(found):
-            half = WIDE * std[name][k]
-            traces.append(figures.band(curves.x, row - half, row + half, COLOURS[k]))
-    for k, row in enumerate(found):
-        more: dict[str, Any] = {
-            "hovertemplate": f"%{{x:.4g}}: %{{y:.4g}}<extra>{curves.names[k]}</extra>"
-        }
-        if words:
-            more = {"text": _words(curves, loads, k), "hovertemplate": "%{text}<extra></extra>"}
-        traces.append(figures.line(curves.x, row, curves.names[k], COLOURS[k], **more))
-    still = hover.loads(curves.omega[0])
-    torque = np.asarray(still["torque"])
-    height = torque * curves.omega[0] if name == "power" else still[name]
-    drawn = np.broadcast_to(height, curves.x.shape)
-    traces.append(figures.line(curves.x, drawn, "hover model", figures.GREY, "dash"))
-    measured = []
-    if data is not None:
-        measured = _measured(name, values["x"], curves, data, near)
-        traces += measured
-    if words:
-        traces += _by_status(curves, loads, found)
-    shown = [found, drawn, *(trace["_y"] for trace in measured)]
-    for trace in measured:
-        del trace["_y"]
-    own = {"speed": values["speed"], "rpm": values["rpm"], "beta": values["beta"]}[values["x"]]
-    label = {"speed": "speed V [m/s]", "rpm": "rpm", "beta": "angle β [deg]"}[values["x"]]
-    return figures.figure(
-        traces,
-        label,
-        figures.TITLES[name],
-        revision=f"{values['x']}",
-        shapes=[figures.upright(own)],
-        xaxis={"range": [float(curves.x[0]), float(curves.x[-1])]},
-        yaxis=figures.span(*shown, zero=True),
-    )
-
-
-def _words(curves: Curves, loads: Loads, k: int) -> list[str]:
-    """All numbers of the points of a curve."""
-    rows = []
-    for i in range(curves.x.size):
-        told = [
-            f"{curves.omega[k, i] / RPM:.0f} rpm, {curves.speed[k, i]:.4g} m/s, "
-            f"β {np.degrees(curves.beta[k, i]):.4g}°: {loads.status[k, i]}"
-        ]
-        told += [
-            f"{figures.LABELS[n]} {figures.digits(getattr(loads, n)[k, i])} {figures.UNITS[n]}"
-            for n in figures.TITLES
-        ]
-        rows.append("<br>".join(told))
-    return rows
-
-
-def _by_status(curves: Curves, loads: Loads, found: Floats) -> list[dict[str, Any]]:
-    traces = []
-    x = np.broadcast_to(curves.x, found.shape)
-    for status, (mark, colour) in figures.STATUS_MARKS.items():
-        which = loads.status == status
-        if which.any():
-            y = np.where(np.isfinite(found[which]), found[which], 0.0)
-            traces.append(
-                figures.points(
-                    x[which],
-                    y,
-                    status,
-                    colour,
-                    mark,
-                    hovertemplate=f"%{{x:.4g}}: %{{y:.4g}}<extra>{status}</extra>",
-                )
-            )
-    return traces
-
-
-def _near(curves: Curves, x: str, data: TunnelData) -> list[Any]:
-    """Which measured points belong to each curve."""
-    rpm, beta = data.omega / RPM, np.degrees(data.folded_beta)
-    found = []
-    for k in range(len(curves.names)):
-        w, v, b = curves.omega[k] / RPM, curves.speed[k], np.degrees(curves.beta[k])
-        fits = np.ones(len(data), bool)
-        if x != "rpm":
-            fits &= np.abs(rpm - w[0]) <= SAME_RPM * w[0]
-        if x != "speed":
-            fits &= np.abs(data.speed - v[0]) <= np.maximum(SAME_SPEED * v[0], 0.05)
-        if x != "beta":
-            # At rest the angle means nothing: those points go with the first curve.
-            at_rest = (data.speed == 0.0) if k == 0 else False
-            fits &= (np.abs(beta - b[0]) < SAME_ANGLE) | at_rest
-        found.append(np.flatnonzero(fits))
-    return found
-
-
-def _measured(
-    name: str, x: str, curves: Curves, data: TunnelData, near: list[Any]
-) -> list[dict[str, Any]]:
-    values = data.loads.get(name)
-    if name == "power" and "torque" in data.loads:
-        values = data.loads["torque"] * data.omega
-    if values is None:
-        return []
-    along = {"speed": data.speed, "rpm": data.omega / RPM, "beta": np.degrees(data.folded_beta)}[x]
-    inside = (along >= curves.x[0]) & (along <= curves.x[-1])
-    traces = []
-    for k, which in enumerate(near):
-        mine = which[inside[which]]
-        trace = figures.points(
-            along[mine], values[mine], f"{data.source}, {curves.names[k]}", COLOURS[k],
-            figures.MARKS[k],
-            hovertemplate=f"%{{x:.4g}}: %{{y:.4g}}<extra>measured, {curves.names[k]}</extra>",
-        )  # fmt: skip
-        traces.append({**trace, "_y": values[mine]})
-    return traces
-
-
-def _nothing_near(data: TunnelData, values: Values) -> str:
-    rpm = data.omega / RPM
-    if values["x"] != "rpm":
-        nearest = rpm[np.argmin(np.abs(rpm - values["rpm"]))]
-        if abs(nearest - values["rpm"]) > SAME_RPM * values["rpm"]:
-            return f"{data.source}: no row within 1 % of {values['rpm']:g} rpm; try {nearest:.0f}"
-    return f"{data.source}: no row lies on one of these curves"
