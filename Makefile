@@ -5,7 +5,7 @@ READY := $(VENV)/ready
 DOCS_READY := $(VENV)/docs-ready
 PEERS_READY := $(VENV)/peers-ready
 
-.PHONY: demo reproduce test test-fast test-readers test-numpy test-slow lint types bench bench-table bench-fine-table bench-choice bench-identification bench-peers bench-phases bench-options bench-aircraft bench-explore bench-mount bench-roofline bench-accelerator convergence docs clean bench-certificates bench-lifting-line
+.PHONY: demo reproduce test test-fast test-readers test-numpy test-slow lint types bench bench-table bench-fine-table bench-choice bench-identification bench-peers bench-phases bench-options bench-aircraft bench-explore bench-mount bench-roofline bench-accelerator convergence docs clean bench-certificates bench-lifting-line bench-interference bench-flight-twins
 
 $(READY): pyproject.toml constraints.txt
 	python3 -m venv $(VENV)
@@ -61,6 +61,9 @@ types: $(READY)
 bench-identification: $(READY)
 	$(BIN)/python -m benchmarks.identification
 
+bench-flight-twins: $(READY)
+	$(BIN)/python -m benchmarks.flight_twins
+
 bench-choice: $(READY)
 	$(BIN)/python -m benchmarks.choice
 
@@ -93,6 +96,9 @@ bench-aircraft: $(READY)
 
 bench-explore: $(READY)
 	$(BIN)/python -m benchmarks.explore
+
+bench-interference: $(READY)
+	$(BIN)/python -m benchmarks.interference
 
 bench-mount: $(READY)
 	$(BIN)/python -m benchmarks.mount_drag

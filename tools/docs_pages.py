@@ -20,7 +20,7 @@ from propmap.fit.population.summary import summary
 from propmap.io.atomic_file import replacing
 from propmap.papers.gill_dandrea_2017.drag_effects import drag_effects
 from tools import drag_effects as drag_effects_table
-from tools import lifting_line_tables, performance_tables, readme_tables
+from tools import flight_tables, lifting_line_tables, performance_tables, readme_tables
 
 RESULTS = Path(__file__).resolve().parent.parent / "benchmarks" / "results"
 LOADS = {
@@ -58,7 +58,11 @@ def write(folder: Path) -> None:
             "choice",
             "convergence",
             "demo",
+            "flight_residual",
+            "flight_steps",
+            "flight_twins",
             "identification",
+            "interference",
             "left_out",
             "mount_drag",
             "lifting_line",
@@ -76,7 +80,13 @@ def write(folder: Path) -> None:
         "speed": readme_tables.speed(found["speed"]),
         "twins": twins(found["identification"]),
         "coverage": coverage(found["identification"]),
+        "flight-twins": flight_twins(found["flight_twins"]),
         "by-angle": by_angle(found["demo"]),
+        "flight-terms": flight_tables.terms(found["flight_steps"]),
+        "flight-terms-recorded": flight_tables.terms_as_recorded(found["flight_steps"]),
+        "flight-residual": flight_tables.learned(found["flight_residual"]),
+        "wakes-cost": flight_tables.wakes_cost(found["interference"]),
+        "wakes-coaxial": flight_tables.coaxial(found["interference"]),
         "mount-drag": mount_drag(found["mount_drag"]),
         "measured-power": measured_power(found["aircraft"]["power"]),
         "aircraft-times": aircraft_times(found["aircraft"]),
@@ -136,6 +146,34 @@ def coverage(found: dict[str, Any]) -> str:
                 inside = ["-" if s is None else f"{100.0 * s:.1f} %" for s in shares]
                 cells = (twin, f"`{name}`", parameter, case["called_identified"], *inside)
                 rows.append(f"| {' | '.join(str(cell) for cell in cells)} |")
+    return "\n".join(rows)
+
+
+def flight_twins(found: dict[str, Any]) -> str:
+    """How often the intervals of whole flights hold the truth."""
+    rows = [
+        f"| parameter | truth | unit | called identified, of {found['repetitions']} "
+        "| truth inside, of these | of all | if rows were independent | median width "
+        "| error without noise |",
+        "|---|---:|---|---:|---:|---:|---:|---:|---:|",
+    ]
+    for name, case in found["coverage"].items():
+        shares = (
+            case["of_these_truth_inside"],
+            case["of_all_truth_inside"],
+            case["if_rows_were_independent"],
+        )
+        exact = found["noise_free"][name]
+        cells = (
+            f"`{name}`",
+            f"{exact['truth']:.3g}",
+            case["unit"],
+            case["called_identified"],
+            *("-" if share is None else f"{100.0 * share:.0f} %" for share in shares),
+            f"{case['median_width']:.2g}",
+            f"{100.0 * abs(exact['relative_error']):.1g} %",
+        )
+        rows.append(f"| {' | '.join(str(cell) for cell in cells)} |")
     return "\n".join(rows)
 
 

@@ -28,6 +28,9 @@ if TYPE_CHECKING:
     from propmap.dynamic_inflow import DynamicInflow
     from propmap.results import Loads, Wrench
     from propmap.rotor import Rotor
+    from propmap.vehicle.vehicle import Vehicle
+    from propmap.vehicle.vehicle_forces import VehicleForces, VehicleWrench
+    from propmap.vehicle.vehicle_toml import read_vehicle
 
 __version__ = "0.1.0"
 
@@ -44,6 +47,9 @@ __all__ = [
     "SectionCovariance",
     "SectionTable",
     "SectionUncertainty",
+    "Vehicle",
+    "VehicleForces",
+    "VehicleWrench",
     "Wrench",
     "airfoil",
     "airfoil_names",
@@ -51,6 +57,7 @@ __all__ = [
     "corrections_of",
     "known_model",
     "propeller",
+    "read_vehicle",
 ]
 
 _LAZY = {
@@ -58,7 +65,11 @@ _LAZY = {
     "HoverModel": "baselines.hover",
     "Loads": "results",
     "Rotor": "rotor",
+    "Vehicle": "vehicle.vehicle",
+    "VehicleForces": "vehicle.vehicle_forces",
+    "VehicleWrench": "vehicle.vehicle_forces",
     "Wrench": "results",
+    "read_vehicle": "vehicle.vehicle_toml",
 }
 
 

@@ -38,8 +38,13 @@ def broadcast(**named: ArrayLike) -> list[Floats]:
 
 def rates(omega: ArrayLike) -> Floats:
     """Rotational speeds ``omega`` [rad/s], none of them negative."""
-    (w,) = broadcast(omega=omega)
-    _refuse_negative("omega", w, SPIN_REMEDY)
+    return rates_of("omega", omega)
+
+
+def rates_of(name: str, values: ArrayLike) -> Floats:
+    """The same of an argument ``name`` with these ``values``."""
+    (w,) = broadcast(**{name: values})
+    _refuse_negative(name, w, SPIN_REMEDY)
     return w
 
 

@@ -43,6 +43,7 @@ capacity_mAh = 5000
 resistance = 0.02
 """
 )
+QUIET = ["--speed", "9", "--no-bands"]
 TRIM = ["trim", "quad.toml", "--airfoil", "apc-8x6e-2019"]
 
 
@@ -52,6 +53,27 @@ def _vehicle(_workplace: None) -> None:
     Path("bare.toml").write_text(BARE)
     Path("words.csv").write_text("speed_mps,climb_mps,duration_s\nfast,0,10\n")
     Path("legs.csv").write_text("speed_mps,climb_mps,duration_s\n0,2,20\n10,0,120\n")
+
+
+@pytest.mark.usefixtures("by_numpy")
+def test_wakes_count_unless_they_are_left_out(run: Run) -> None:
+    Path("wakes.toml").write_text(POWERED + "[wakes]\nahead = 2.0\ndownwash = 0.5\n")
+    told = {}
+    for name, more in (("quad", ()), ("wakes", ()), ("wakes", ("--no-wakes",))):
+        done = run("trim", f"{name}.toml", *TRIM[2:], *QUIET, *more, "--format", "json")
+        assert done.code == 0, done.err
+        told[name, len(more)] = json.loads(done.out)["states"][0]
+    plain, on, off = told.values()
+    assert off == plain
+    front, rear = (on[f"rpm_{k}"] - plain[f"rpm_{k}"] for k in (1, 2))
+    assert front < -10.0 and rear > 10.0
+    shown = run("trim", "wakes.toml", *TRIM[2:], *QUIET)
+    assert "in each other's wakes" in shown.out
+    refused = run("export", "wakes.toml", "--airfoil", "apc-8x6e-2019", "--to", "px4", "-o", "out")
+    assert refused.code == 2 and refused.err.count("\n") == 1
+    assert "[wakes] is given" in refused.err and "--no-wakes" in refused.err
+    plain_map = run("export", "map.npz", "--to", "c", "-o", "out", "--no-wakes")
+    assert "--no-wakes is given with --to c" in plain_map.err
 
 
 @pytest.mark.slow

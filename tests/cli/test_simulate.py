@@ -7,9 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from propmap.errors import InputError
 from propmap.flight.steady import operating_points, steady_stretches
 from propmap.flight.trim import trim
 from propmap.vehicle.logs import read_flight_log
+from propmap.vehicle.vehicle import Vehicle, Wakes
 from propmap.vehicle.vehicle_toml import read_vehicle
 
 from .conftest import Run
@@ -32,6 +34,22 @@ SMALL = [*FLIGHT, "--speeds", "9,11,13", "-o", "flight.csv"]
 @pytest.fixture(autouse=True)
 def _vehicle(_workplace: None) -> None:
     Path("vehicle.toml").write_text(VEHICLE)
+
+
+def test_wakes_are_flown_unless_they_are_left_out(
+    run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    flown = []
+
+    def note(vehicle: Vehicle, *_: object, **__: object) -> None:
+        flown.append(vehicle.wakes)
+        raise InputError("this is enough", "look at what was flown")
+
+    monkeypatch.setattr("propmap.flight.trim.trim", note)
+    Path("vehicle.toml").write_text(VEHICLE + "[wakes]\ndownwash = 3.0\n")
+    for more in ((), ("--no-wakes",)):
+        assert "this is enough" in run(*SMALL, *more).err
+    assert flown == [Wakes(downwash=3.0), None]
 
 
 def test_a_flight_is_written_and_read_back(run: Run) -> None:

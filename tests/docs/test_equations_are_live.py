@@ -10,7 +10,7 @@ import dataclasses
 import functools
 import importlib
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import jax
@@ -28,6 +28,7 @@ from propmap.papers.gill_dandrea_2017 import rotor_drag
 from propmap.physics.velocities import azimuth_nodes
 from propmap.solve import disk, load_slopes, rotor_loads
 from propmap.solve.problem import Case
+from propmap.vehicle import wake_table
 from propmap.vehicle.vehicle import Wakes, Wing
 from tests.docs.test_equations import functions, rows
 from tests.fit import test_paper_equations as paper
@@ -307,6 +308,7 @@ PROBES: dict[str, Callable[[], Any]] = {
     "propmap.vehicle": flights,
     "propmap.vehicle.interference": whole_flights,
     "propmap.fit.sensor_forces": whole_flights,
+    "propmap.engine.attached_thrust": whole_flights,
     "propmap.fit.turning": whole_flights,
     "propmap.fit.flight": flights,
     "propmap.fit.body_forces": flights,
@@ -329,6 +331,17 @@ def unbroken(probe: Callable[[], Any]) -> np.ndarray:
 @pytest.fixture(autouse=True)
 def _no_compiling(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(force_model, "load_gradients", uncompiled_gradients)
+
+
+@pytest.fixture(autouse=True)
+def _no_tables_kept() -> Iterator[None]:
+    """Of the wakes' velocity, which would hide that what they are made of is broken."""
+    kept = (wake_table._table, wake_table.seen_wake, wake_table.frame_of)
+    for one in kept:
+        one.cache_clear()
+    yield
+    for one in kept:
+        one.cache_clear()
 
 
 # What is broken may come out as a factor on the drag.

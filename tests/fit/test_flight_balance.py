@@ -21,7 +21,7 @@ from propmap.vehicle.time_derivatives import low_passed
 from propmap.vehicle.vehicle import Mount, Vehicle, Wakes
 
 LAW = propmap.airfoil("paper-apc")
-SCALE = HoverScale({0: 1.03, 1: 0.98}, 1.0)
+SCALE = {"thrust_scale[1]": 1.03, "thrust_scale[2]": 0.98}
 LAW_VALUES = {name: getattr(LAW, name) for name in SECTION}
 ARM = 0.15
 VEHICLE = Vehicle(
@@ -109,9 +109,10 @@ pytestmark = pytest.mark.slow
 
 def test_slopes_of_all_parameters_against_differences() -> None:
     log = flown((1.03, 0.98))
-    model = ForceModel(VEHICLE, log, LAW, scale=SCALE)
-    free = (*FREE, "wake_beside", "wake_share")
-    values = FIRST_GUESS | LAW_VALUES | TRUTH
+    model = ForceModel(VEHICLE, log, LAW)
+    free = (*FREE, "wake_beside", "wake_share", "rotor_speed_scale", *SCALE, "clock_offset[2]")
+    values = FIRST_GUESS | LAW_VALUES | TRUTH | SCALE | {"clock_offset[2]": 0.003}
+    values |= {"rotor_speed_scale": 1.01}
     found = model.at(values, free)
     for k, name in enumerate(free):
         h = 1e-4 * max(abs(values[name]), 0.1)
@@ -137,21 +138,24 @@ def test_without_wakes_nothing_changes_and_without_gains_nothing_is_added() -> N
 
 def test_the_same_forces_are_checked_as_were_fitted() -> None:
     log = flown((1.03, 0.98))
-    values = FIRST_GUESS | LAW_VALUES | TRUTH
-    model = ForceModel(VEHICLE, log, LAW, scale=SCALE)
-    found = flight_forces(VEHICLE, log, LAW, TRUTH, scale=SCALE)
+    own = TRUTH | SCALE | {"rotor_speed_scale": 1.01, "clock_offset[2]": 0.003}
+    values = FIRST_GUESS | LAW_VALUES | own
+    model = ForceModel(VEHICLE, log, LAW)
+    found = flight_forces(VEHICLE, log, LAW, own)
     np.testing.assert_allclose(found.model, model.at(values, ()).loads, atol=2e-2)
     measured = HoverScale.of(VEHICLE, log).scales
-    assert measured[0] / measured[1] == pytest.approx(1.03 / 0.98, abs=0.01)
+    assert measured["thrust_scale[1]"] / measured["thrust_scale[2]"] == pytest.approx(
+        1.03 / 0.98, abs=0.01
+    )
 
 
 def test_a_twin_is_found_again() -> None:
     """Known constants, sensor, gains and scales; the intervals of the identified hold the truth."""
-    fixed = {n: v for n, v in (LAW_VALUES | TRUTH).items() if n not in FREE}
+    fixed = {n: v for n, v in (LAW_VALUES | TRUTH | SCALE).items() if n not in FREE}
     choice = Choice(FREE, fixed)
     for noise in (0.0, 0.05):
         log = flown((1.03, 0.98), noise)
-        rows = balance_rows(ForceModel(VEHICLE, log, LAW, scale=SCALE), choice)
+        rows = balance_rows(ForceModel(VEHICLE, log, LAW), choice)
         found = fit(rows, choice, Settings(starts=1, folds=0))
         for name, x, low, high in zip(
             FREE, found.x, found.uncertainty.low, found.uncertainty.high, strict=True
@@ -168,6 +172,13 @@ def test_a_sensor_has_no_part_in_steady_stretches() -> None:
     model = ForceModel(VEHICLE, manoeuvre(0, 20), LAW)
     with pytest.raises(InputError, match="sensor_x has no part in steady stretches"):
         level_rows(model, Choice(("c_l1", "sensor_x")))
+
+
+def test_a_parameter_of_a_flight_that_is_not_there() -> None:
+    log = manoeuvre(0, 20)
+    model = ForceModel(VEHICLE, log, LAW)
+    with pytest.raises(InputError, match=r"'thrust_scale\[2\]' is of no flight of these"):
+        model.at(FIRST_GUESS | LAW_VALUES, ("c_l1", "thrust_scale[2]"))
 
 
 def test_stretches_of_two_flights_are_not_one() -> None:

@@ -13,6 +13,7 @@ from propmap.fit.parameters import (
     EVERY,
     FIRST_GUESS,
     FLEX,
+    FLIGHT,
     MOUNT,
     PAPER_FOUR,
     SECTION,
@@ -114,7 +115,7 @@ def test_bounds_are_those_that_a_section_law_accepts(name: str) -> None:
 
 
 def test_kinds_of_parameters_do_not_overlap() -> None:
-    kinds = (SECTION, FLEX, MOUNT, BODY, WING, SENSOR, TURNING, WAKES)
+    kinds = (SECTION, FLEX, MOUNT, BODY, WING, SENSOR, TURNING, WAKES, FLIGHT)
     assert len(EVERY) == sum(len(kind) for kind in kinds)
 
 
@@ -128,3 +129,14 @@ def test_starts_begin_at_the_first_guess_and_stay_within_bounds() -> None:
     assert np.ptp(table, axis=0).min() > 0.1
     np.testing.assert_array_equal(table, starts(choice, 50, seed=1))
     assert (table[1] != starts(choice, 2, seed=2)[1]).any()
+
+
+def test_what_flights_have_for_themselves_is_named_after_them() -> None:
+    choice = Choice(("c_l1", "thrust_scale[171908]"), {"clock_offset[171908]": 0.02})
+    assert choice.first[1] == EVERY["thrust_scale"].start
+    assert choice.column("upper")[1] == EVERY["thrust_scale"].upper
+    for wrong in ("c_l1[171908]", "thrust_scale[]", "thrust_scale[171908"):
+        with pytest.raises(InputError, match="is not a parameter"):
+            Choice((wrong,))
+    with pytest.raises(InputError, match=r"give a value from -0\.1 to 0\.1"):
+        Choice(("c_l1",), {"clock_offset[171908]": 0.2})

@@ -10,6 +10,7 @@ from scipy.spatial.transform import Rotation
 
 import propmap
 from propmap.errors import InputError
+from propmap.fit.flight_parameters import at_samples, of_others
 from propmap.fit.sensor_forces import CLOCK, OFFSET, sensor_force
 from propmap.fit.thrust_scale import HoverScale
 from propmap.vehicle.flight_log import GRAVITY, FlightLog, joined
@@ -90,14 +91,48 @@ def test_each_flight_s_thrust_is_scaled_by_its_own_hover() -> None:
     log = joined(slower)
     found = HoverScale.of(VEHICLE, log)
     # The second hovers for too short a time; the reference is the mean of the others.
-    assert found.scales == {0: pytest.approx(1.05 / 1.01), 2: pytest.approx(0.97 / 1.01)}
+    first, second, third = (f"thrust_scale[{k}]" for k in (1, 2, 3))
+    assert found.scales == {first: pytest.approx(1.05 / 1.01), third: pytest.approx(0.97 / 1.01)}
     weight = VEHICLE.mass * GRAVITY
     assert found.reference == pytest.approx(1.01 * weight / (4 * 600.0**2), rel=1e-6)
-    np.testing.assert_allclose(found.factors(log)[log.flight == 1], 1.0)
-    assert "flight 1: 1.040, flight 3: 0.960" in found.told()[0]
+    at = at_samples("thrust_scale", found.scales, log)
+    np.testing.assert_allclose([at[0], at[-1]], [1.05 / 1.01, 0.97 / 1.01])
+    np.testing.assert_allclose(at[log.flight == 1], 1.0)
+    # Before a fit, a flight's own hover tells more of it than other flights do.
+    priors = found.priors
+    assert priors[first].mean == pytest.approx(1.05 / 1.01) and priors[second].mean == 1.0
+    assert priors[first].deviation < priors[second].deviation
+    # A fit that finds all flights 2 % stronger has so much less at the scale 1.
+    fitted = found.reference_at({first: 1.02, third: 1.02})
+    assert fitted == pytest.approx((found.reference or 0.0) / 1.02)
+    # Two hundredths a hover may be off by itself.
+    assert set(found.telling) == {first, third}
+    near = HoverScale.of(VEHICLE, slower[0], (found.reference or 0.0) * 1.03)
+    assert near.scales == {first: pytest.approx(1.05 / 1.01 / 1.03)} and near.telling == {}
     alone = HoverScale.of(VEHICLE, slower[0])
-    assert alone.scales == {0: pytest.approx(1.0)} and alone.told() == []
+    assert alone.scales == {first: pytest.approx(1.0)} and alone.priors == {}
     known = HoverScale.of(VEHICLE, slower[0], found.reference)
-    assert known.scales == {0: pytest.approx(1.05 / 1.01)}
+    assert known.scales == {first: pytest.approx(1.05 / 1.01)}
     # Three times the thrust is another unit of the rotor speeds, not a battery.
     assert HoverScale.of(VEHICLE, slower[0], 3.0 * (found.reference or 0.0)).scales == {}
+
+
+def test_other_flights_have_the_mean_of_those_of_a_fit() -> None:
+    values = {"clock_offset": 0.0, "clock_offset[a]": 0.004, "clock_offset[b]": 0.002, "c_l1": 5.0}
+    found = of_others(values)
+    assert found["clock_offset"] == pytest.approx(0.003) and found["c_l1"] == 5.0
+
+
+def test_each_flight_has_a_clock_of_its_own() -> None:
+    log = joined([hovering(2.0), hovering(2.0)])
+    log = replace(
+        log,
+        angular_acceleration=np.zeros_like(log.rates),
+        specific_force_rate=np.ones_like(log.rates),
+    )
+    values = {"clock_offset": 0.01, "clock_offset[2]": -0.02}
+    force, slopes = sensor_force(VEHICLE, log, values, ("clock_offset[2]",))
+    np.testing.assert_allclose(force[log.flight == 0], -VEHICLE.mass * 0.01)
+    np.testing.assert_allclose(force[log.flight == 1], VEHICLE.mass * 0.02)
+    assert not slopes[0][log.flight == 0].any()
+    np.testing.assert_allclose(slopes[0][log.flight == 1], -VEHICLE.mass)

@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 from propmap.aircraft.controls import controls
 from propmap.aircraft.newton import solve
-from propmap.aircraft.rotors import Rotors, RotorWrenches
 from propmap.arrays.types import Floats
 from propmap.vehicle.flight_log import GRAVITY, in_vehicle_frame
 from propmap.vehicle.free_stream_force import free_stream_force
+from propmap.vehicle.rotors import Rotors, RotorWrenches
 from propmap.vehicle.vehicle import Vehicle
 
 CHANGE = 1e-4
@@ -205,23 +205,17 @@ class Balance:
     def _linearised(self, unknowns: Floats, flight: Flight) -> tuple[Floats, Floats]:
         """Residuals (n, u) and their derivatives (n, u, u)."""
         pitch, roll = unknowns[:, 0], unknowns[:, 1]
-        squares = self.squares(unknowns)
-        omega = np.sqrt(squares)
+        omega = np.sqrt(self.squares(unknowns))
         motions = [
             self.motion(pitch + by_pitch, roll + by_roll, flight)
-            for by_pitch, by_roll in ((0.0, 0.0), (CHANGE, 0.0), (0.0, CHANGE), (0.0, 0.0))
+            for by_pitch, by_roll in ((0.0, 0.0), (CHANGE, 0.0), (0.0, CHANGE))
         ]
         velocity, hubs, specific = (np.stack(each) for each in zip(*motions, strict=True))
-        turning = np.stack([omega, omega, omega, omega * (1.0 + CHANGE)])
-        found = self.rotors.wrenches(turning, hubs)
-        parts = found.first(3)
-        residual, _ = self._residual(velocity[:3], specific[:3], parts)
+        found, force, moment = self.rotors.around(omega, hubs, CHANGE)
+        residual, _ = self._residual(velocity, specific, found)
         by_angles = (residual[1:] - residual[0]) / CHANGE
-        # d/d(omega^2) of each rotor alone.
-        by_square = 2.0 * CHANGE * squares[..., None]
-        force = (found.force[3] - found.force[0]) / by_square
-        moment = (found.moment[3] - found.moment[0]) / by_square
-        each = self.shares(force, self.rotors.moment(force, moment))
+        # d/d(omega^2) by the square of each rotor's speed.
+        each = self.shares(force, moment) / (2.0 * omega[..., None])
         by_controls = self.reference * np.einsum("nku,kc->nuc", each, self.controls.patterns)
         slopes = np.concatenate([np.moveaxis(by_angles, 0, -1), by_controls], axis=-1)
         return residual[0], slopes

@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from propmap.aircraft.rotors import Rotors
 from propmap.arrays.types import Floats
+from propmap.vehicle.rotors import Rotors
 
 WEAKEST = 0.02
 """Moment that a pattern of rotor speeds must make, over that of the strongest: below, as for the

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from propmap.aircraft.balance import Balanced, Flight
-from propmap.aircraft.rotors import LoadSource, Rotors
 from propmap.aircraft.steady import Aircraft, SteadyStates
 from propmap.arrays.types import Floats
+from propmap.vehicle.rotors import LoadSource
 
 STEP = 1e-2
 """Of difference quotients to either side: angles [rad], shares of squared rotor speeds and of
@@ -92,8 +92,8 @@ class Responses:
 
     def to_loads(self, changes: Changes) -> Response:
         """By what changes the loads of all rotors by ``changes`` per unit."""
-        rotors = Rotors(self.aircraft.vehicle, list(changes))
-        change = rotors.wrenches(self.at.omega, self.at.hubs)
+        rotors = self.aircraft.rotors
+        change = rotors.changed(list(changes), self.at.omega, self.at.hubs)
         force = change.force.sum(axis=-2)
         moment = rotors.moment(change.force, change.moment).sum(axis=-2)
         return self._implied(self.aircraft.balance.shares(force, moment), change.torque)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,12 +14,12 @@ from propmap.aircraft.balance import Balance, Balanced, Flight
 from propmap.aircraft.hover_loads import HoverLoads
 from propmap.aircraft.limits import LIMITS, Limits
 from propmap.aircraft.margin import thrust_margin
-from propmap.aircraft.rotors import Rotors
 from propmap.arrays.types import Floats
 from propmap.baselines.hover import REFERENCE_TIP_SPEED, HoverModel
 from propmap.errors import InputError
 from propmap.operating_points import broadcast
 from propmap.rotor import Rotor
+from propmap.vehicle.rotors import Rotors
 from propmap.vehicle.vehicle import Vehicle
 
 if TYPE_CHECKING:
@@ -172,7 +172,9 @@ class Aircraft:
         still = self.loads.loads(omega, 0.0, 0.0)
         hover = HoverModel(float(still.thrust) / omega**2, float(still.torque) / omega**2, omega)
         everyone = np.arange(len(self.rotors))
-        other.rotors = Rotors(self.vehicle, [(HoverLoads(hover), everyone)])
+        # Its loads do not depend on the flow, nor then on the wakes.
+        alone = replace(self.vehicle, wakes=None)
+        other.rotors = Rotors(alone, [(HoverLoads(hover), everyone)])
         other.balance = Balance(self.vehicle, other.rotors)
         other._lost = NOT_FOUND
         return other

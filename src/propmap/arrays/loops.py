@@ -119,6 +119,7 @@ def mean_over(
     own = jnp.ndim(count) > 0
     together = together or _IN_ONE_FUNCTION.get() or TOGETHER
     masked = not isinstance(count, int) or count % together > 0
+    term = jax.jit(term, inline=True)  # traced once, though called several times
 
     def one(k: Any) -> Any:
         terms = term(values[k])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -28,6 +29,9 @@ MaximumRpm = Annotated[
 Charge = Annotated[
     float, typer.Option("--charge", help="State of charge at which limits are taken, 1 when full.")
 ]
+NoWakes = Annotated[
+    bool, typer.Option("--no-wakes", help="Leave out [wakes], the rotors' wakes on each other.")
+]
 Wind = Annotated[float, typer.Option("--wind", help="Headwind [m/s], for distances.")]
 
 MISSING = {
@@ -35,6 +39,14 @@ MISSING = {
     "esc": "nothing is lost in the speed controllers: the vehicle file has no [esc]",
     "battery": "no times and no voltage limit: the vehicle file has no [battery]",
 }
+
+
+def vehicle_of(path: Path, *, no_wakes: bool) -> Vehicle:
+    """The vehicle of a file; with ``no_wakes`` as if it had no table ``[wakes]``."""
+    from propmap.vehicle.vehicle_toml import read_vehicle
+
+    found = read_vehicle(path).vehicle
+    return replace(found, wakes=None) if no_wakes else found
 
 
 def model_of(
@@ -121,9 +133,10 @@ def say_missing(vehicle: Vehicle) -> None:
 def title(craft: Aircraft) -> str:
     """The aircraft ``craft`` in a line."""
     vehicle = craft.vehicle
+    wakes = ", in each other's wakes" if vehicle.wakes is not None else ""
     return (
-        f"{vehicle.name}, {vehicle.mass:g} kg, {len(vehicle.mounts)} x {vehicle.propeller.name}; "
-        f"rho = {vehicle.air.density:.4g} kg/m^3"
+        f"{vehicle.name}, {vehicle.mass:g} kg, {len(vehicle.mounts)} x {vehicle.propeller.name}"
+        f"{wakes}; rho = {vehicle.air.density:.4g} kg/m^3"
     )
 
 

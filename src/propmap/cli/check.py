@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from propmap.fit.comparison import Comparison
+    from propmap.fit.learned_residual import Correction
     from propmap.model.airfoil import Airfoil
     from propmap.model.section_table import SectionTable
 
@@ -58,9 +60,12 @@ def check(
     """Errors per load and band of speed, beside the hover model's."""
     chosen = chosen_format(format_, output)
     law = with_physics(airfoil(fit), model, correction)
-    found = _compare(fit, law, data, vehicle, prop)
+    found, learned = _compare(fit, law, data, vehicle, prop)
     if chosen is Format.table:
-        show(output, _table(found, law))
+        tables = [_table(found, law)]
+        if learned:
+            tables.append(_table(learned, law, ", with the learned residual"))
+        show(output, *tables)
         return
     loads = {
         name: _numbers(c.all) | {"by_speed": {band: _numbers(e) for band, e in c.by_speed.items()}}
@@ -69,6 +74,8 @@ def check(
     if chosen is Format.json:
         rows = max((c.all.rows for c in found.values()), default=0)
         told = {"corrections": list(law.corrections or ()), "rows": rows, "loads": loads}
+        if learned:
+            told["with_learned_residual"] = {n: _numbers(c.all) for n, c in learned.items()}
         emit(json_text(told), output)
         return
     columns = ("load", "band", "rows", "rms", "relative_rms", "bias", "worst", "hover_rms")
@@ -82,12 +89,13 @@ def check(
 
 def _compare(
     fit: Path, law: Airfoil | SectionTable, data: list[str], vehicle: Path | None, prop: str | None
-) -> dict[str, Comparison]:
+) -> tuple[dict[str, Comparison], dict[str, Comparison]]:
+    """Errors of the physics, and of it with a learned residual where the fit has one."""
     from propmap.catalogue.lookup import propeller
     from propmap.engine.compilation import keep_compiled
     from propmap.fit.comparison import compare_forces, compare_tunnel, flight_forces
+    from propmap.fit.other_flights import values_for
     from propmap.fit.result_file import is_fit, read_fit
-    from propmap.fit.thrust_scale import HoverScale
 
     fitted = read_fit(fit) if is_fit(fit) else None
     if vehicle is not None:
@@ -98,17 +106,25 @@ def _compare(
         if prop is not None:
             raise InputError("--prop is given with a vehicle, which has its own", "leave it out")
         file = read_vehicle(vehicle)
-        values = fitted.values if fitted else wing_values(file.vehicle)
         keep_compiled()
         paths = [Path(item) for item in data]
         cutoff = fitted.low_pass if fitted else 0.0
-        reference = fitted.hover_reference if fitted else None
         flights = read_flights(paths, file, "balance", seconds=2.0, samples=2**31, low_pass=cutoff)
-        scale = HoverScale.of(file.vehicle, flights.log, reference) if reference else None
-        forces = flight_forces(file.vehicle, flights.log, law, values, scale=scale)
-        for text in (*flights.remarks, *(scale.told() if scale else ())):
+        values, told = wing_values(file.vehicle), list[str]()
+        if fitted:
+            values, told = values_for(fitted, file.vehicle, flights.log, paths)
+        forces = flight_forces(file.vehicle, flights.log, law, values)
+        for text in (*flights.remarks, *told):
             typer.echo(f"note: {text}", err=True)
-        return compare_forces(file.vehicle, flights.log, forces)
+        errors = compare_forces(file.vehicle, flights.log, forces)
+        learned = fitted.learned_residual if fitted else None
+        if learned is None:
+            return errors, {}
+        added = learned.at(file.vehicle, flights.log)
+        with_it = np.concatenate([forces.model[:, :3] + added.force, forces.model[:, 3:]], axis=1)
+        typer.echo(f"note: {_envelope(added)}", err=True)
+        corrected = compare_forces(file.vehicle, flights.log, replace(forces, model=with_it))
+        return errors, corrected
     from propmap.fit.tunnel_files import doubts_on_tunnel, read_tunnel
 
     if fitted is None and prop is None:
@@ -124,14 +140,24 @@ def _compare(
     if prop is not None:
         say_expected(prop)
     say_doubts([*doubts_on_blade(blade), *doubts_on_tunnel(data, blade, air)])
-    return compare_tunnel(model, measured)
+    return compare_tunnel(model, measured), {}
+
+
+def _envelope(added: Correction) -> str:
+    """Where a learned residual acts, in words."""
+    faded, off = (float(np.mean(added.status == word)) for word in ("faded", "off"))
+    return (
+        "the fit has a learned residual, told apart from the physics; outside the flights that it "
+        f"was trained on it fades at {100.0 * faded:.1f} % of the samples and is off at "
+        f"{100.0 * off:.1f} %"
+    )
 
 
 def _numbers(errors: Any) -> dict[str, Any]:
     return {k: None if np.isnan(v) else v for k, v in msgspec.structs.asdict(errors).items()}
 
 
-def _table(found: dict[str, Comparison], law: Airfoil | SectionTable) -> Table:
+def _table(found: dict[str, Comparison], law: Airfoil | SectionTable, besides: str = "") -> Table:
     rows = [
         (
             name if band == "all" else "",
@@ -146,6 +172,6 @@ def _table(found: dict[str, Comparison], law: Airfoil | SectionTable) -> Table:
         for name, c in found.items()
         for band, e in {"all": c.all, **c.by_speed}.items()
     ]
-    added = f", with {in_words(law.corrections or ())}"
+    added = f", with {in_words(law.corrections or ())}{besides}"
     heads = "<load|<speed|rows|rms|relative|bias|worst|hover model's rms"
     return grid(heads, rows, f"Model minus measurement{added}")

@@ -13,9 +13,11 @@ import typer
 from propmap.cli.aircraft_options import (
     Charge,
     MaximumRpm,
+    NoWakes,
     VehicleArgument,
     checked_rpm,
     say_missing,
+    vehicle_of,
 )
 from propmap.cli.output import (
     Format,
@@ -91,6 +93,7 @@ def choose(
     correction: Corrections = None,
     max_rpm: MaximumRpm = None,
     charge: Charge = 1.0,
+    no_wakes: NoWakes = False,
     picture: Annotated[
         Path | None, typer.Option("--picture", metavar="FILE", help="Hover power and top speed.")
     ] = None,
@@ -108,9 +111,7 @@ def choose(
             "leave it out: propellers of the catalogue have their own constants",
         )
 
-    from propmap.vehicle.vehicle_toml import read_vehicle
-
-    read = read_vehicle(vehicle).vehicle
+    read = vehicle_of(vehicle, no_wakes=no_wakes)
 
     from propmap.aircraft.candidates import catalogue_candidates, file_candidate
     from propmap.aircraft.ranking import Ranking

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 import typer
 
+from propmap.cli.aircraft_options import NoWakes
 from propmap.cli.export_autopilot import (
     AirfoilOption,
     ChargeOption,
@@ -17,6 +18,7 @@ from propmap.cli.export_autopilot import (
     export_vehicle,
     refuse_options,
 )
+from propmap.cli.export_wrench import export_wrench, is_vehicle
 from propmap.cli.output import Force
 from propmap.cli.plausibility import say_expected
 from propmap.cli.rotor_options import (
@@ -55,8 +57,8 @@ def export(
         typer.Option(
             "--to",
             metavar="TARGET",
-            help="c, multinomial, gazebo, rotorpy, jsbsim, npz, nc or csv; of a vehicle file px4 "
-            "or ardupilot.",
+            help="c, multinomial, gazebo, rotorpy, jsbsim, npz, nc or csv; of a vehicle file c or "
+            "rotorpy with --table, px4 or ardupilot.",
         ),
     ],
     output: Annotated[
@@ -72,6 +74,7 @@ def export(
     table: TableOption = None,
     speed: SpeedOption = None,
     charge: ChargeOption = None,
+    no_wakes: NoWakes = False,
     force: Force = False,
 ) -> None:
     """Files for simulators, flight code and autopilots, with a note of the errors they make."""
@@ -90,10 +93,18 @@ def export(
             correction=correction,
             speed=speed,
             charge=charge,
+            no_wakes=no_wakes,
             replace=force,
         )
         return
-    refuse_options(to, airfoil=airfoil, table=table, speed=speed, charge=charge)
+    if is_vehicle(source):
+        given = {"prop": prop, "model": model, "correction": correction or None}
+        refuse_options(to, **given, airfoil=airfoil, speed=speed, charge=charge)
+        export_wrench(source, to, output, table=table, no_wakes=no_wakes, replace=force)
+        return
+    refuse_options(
+        to, airfoil=airfoil, table=table, speed=speed, charge=charge, no_wakes=no_wakes or None
+    )
     check_folder(output)
     built = _table(source, prop, model, correction)
     try:

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from propmap.cli.aircraft_options import aircraft_of
+from propmap.cli.aircraft_options import aircraft_of, vehicle_of
 from propmap.cli.operating_points import parse_axis
 from propmap.cli.rotor_options import AccuracyName, ModelName
 from propmap.errors import InputError
@@ -49,6 +49,7 @@ def export_vehicle(
     correction: list[str] | None,
     speed: str | None,
     charge: float | None,
+    no_wakes: bool,
     replace: bool,
 ) -> None:
     """Write the parameters of the vehicle file ``source`` for the autopilot ``to``."""
@@ -57,7 +58,6 @@ def export_vehicle(
     from propmap.export.autopilot import SPEEDS, export_autopilot
     from propmap.export.folder import check_folder
     from propmap.export.inplane_drag import missing_drag
-    from propmap.vehicle.vehicle_toml import read_vehicle
 
     check_folder(output)
     if source.suffix.lower() != ".toml":
@@ -66,7 +66,7 @@ def export_vehicle(
         )
     speeds = SPEEDS if speed is None else parse_axis("--speed", "speed", speed, len(SPEEDS))
     craft = aircraft_of(
-        read_vehicle(source).vehicle,
+        vehicle_of(source, no_wakes=no_wakes),
         airfoil=airfoil,
         table=table,
         model=model,
@@ -90,4 +90,5 @@ def refuse_options(to: str, **given: object) -> None:
     """Raise ``InputError`` for an option, by its name, that the target ``to`` does not have."""
     for name, value in given.items():
         if value is not None:
-            raise InputError(f"--{name} is given with --to {to}, which has none", "leave it out")
+            option = name.replace("_", "-")
+            raise InputError(f"--{option} is given with --to {to}, which has none", "leave it out")

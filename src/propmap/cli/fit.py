@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -24,7 +24,10 @@ from propmap.cli.fit_options import (
 from propmap.cli.flight_options import (
     HoverScale,
     LowPass,
+    Residual,
+    flight_priors,
     free_by_default,
+    learned_residual,
     with_flight_priors,
 )
 from propmap.cli.output import check_output, check_pictures, show, write_text
@@ -45,6 +48,7 @@ if TYPE_CHECKING:
     from propmap.fit.fitted import Fitted
     from propmap.fit.force_model import ForceModel
     from propmap.fit.parameters import Choice
+    from propmap.fit.residuals import FlightErrors
     from propmap.fit.rows import Rows
     from propmap.model.model import Model
     from propmap.vehicle.flight_log import FlightLog
@@ -59,6 +63,10 @@ Output = Annotated[
 Picture = Annotated[
     Path | None, typer.Option("--picture", metavar="FILE", help="Picture of the fit.")
 ]
+
+
+EVERY = 3
+"""Of so many samples of whole flights one is fitted from all starts, and all from the best end."""
 
 
 class Method(StrEnum):
@@ -193,7 +201,8 @@ def fit_flight(
         int, typer.Option("--samples", min=10, help="Samples used of a whole flight, at most.")
     ] = 500,
     low_pass: LowPass = None,
-    hover_scale: HoverScale = False,
+    hover_scale: HoverScale = True,
+    residual: Residual = False,
     body_study: Annotated[
         bool,
         typer.Option("--body-study", help="Say whether body lift and drag earn their place."),
@@ -209,7 +218,11 @@ def fit_flight(
         typer.Option("--stretches", metavar="FILE", help="Picture of the steady stretches."),
     ] = None,
 ) -> None:
-    """Fit flight logs of a vehicle."""
+    """Fit flight logs of a vehicle.
+
+    Whole flights have a thrust scale (where there are several) and a clock each. Wind is not
+    estimated: state it in the vehicle file.
+    """
     from propmap.cli.flight_files import read_flights
     from propmap.vehicle.time_derivatives import CUTOFF
     from propmap.vehicle.vehicle_toml import read_vehicle
@@ -221,8 +234,10 @@ def fit_flight(
     say_doubts(doubts)
 
     from propmap.engine.compilation import keep_compiled
+    from propmap.engine.evaluation import FEW
     from propmap.fit.added_parameter import body_terms_verdict
     from propmap.fit.body_forces import wing_values
+    from propmap.fit.by_flight import by_flight
     from propmap.fit.coverage import range_warnings
     from propmap.fit.fitted import fit
     from propmap.fit.flight import balance_rows, hover_rows, level_rows
@@ -244,7 +259,7 @@ def fit_flight(
         low_pass=cutoff,
         picture=stretches_picture,
     )
-    default = free_by_default(file.vehicle, level=flights.level)
+    default = free_by_default(file.vehicle, flights.log, level=flights.level)
     by_default = free is None and base is None
     blade = file.vehicle.propeller
     expected = section_prior(prior_from, blade.name, blade, by_default=by_default)
@@ -253,23 +268,31 @@ def fit_flight(
         # Of one blade in one air, what hardly moves is left where other propellers have it.
         held = {text.partition("=")[0].strip() for text in fix or ()}
         free = ",".join(name for name in default if name not in held)
-    chosen = with_flight_priors(choice_of(free, fix, prior, default, base, wing, expected))
+    chosen = choice_of(free, fix, prior, default, base, wing, expected)
+    if not flights.level:
+        known = flight_priors(file.vehicle, flights.log, hover=hover_scale)
+        chosen = with_flight_priors(chosen, known)
     settings = settings_of(starts, robust, folds, bootstrap, seed)
     law = base or (expected.airfoil if expected else first_guess())
     law = with_physics(law, physics, correction)
-    wanted = hover_scale and not flights.level
-    scale = Scale.of(file.vehicle, flights.log) if wanted else None
-    model = ForceModel(file.vehicle, flights.log, law, scale=scale)
+    model = ForceModel(file.vehicle, flights.log, law)
     make = level_rows if flights.level else balance_rows
-    fitted = fit(make(model, chosen), chosen, settings)
+    fewer = None
+    # Fewer points would take programs of their own.
+    if not flights.level and flights.log.rotor_speed.size >= EVERY * FEW:
+        part = flights.log.picked(slice(None, None, EVERY))
+        fewer = make(ForceModel(file.vehicle, part, law), chosen)
+    fitted = fit(make(model, chosen), chosen, settings, fewer)
     remarks = [*flights.remarks, *range_warnings(fitted.rows)]
-    remarks += [
-        *(scale.told() if scale else ()),
-        *still_explained(fitted, model.log),
-    ]
+    remarks += still_explained(fitted, model.log)
     remarks += doubts_on_constants(fitted)
+    learned = learned_residual(model, fitted, wanted=residual, level=flights.level)
+    remarks += learned.told() if learned else []
     if body_study:
         remarks += body_terms_verdict(fitted, lambda c: make(model, c))
+    flown = by_flight(fitted, flights.log)
+    wanted = hover_scale and not flights.level
+    hovers = Scale.of(file.vehicle, flights.log) if wanted else None
     text = fit_text(
         fitted,
         kind="level flight" if flights.level else "flight",
@@ -283,13 +306,15 @@ def fit_flight(
             "seconds": seconds,
             "samples": samples,
             "low_pass": 0.0 if flights.level else cutoff,
-            "hover_reference": (scale and scale.reference) or 0.0,
+            "hover_reference": (hovers and hovers.reference_at(fitted.values)) or 0.0,
             "vehicle": file.vehicle.name,
+            **({"learned_residual": learned.table()} if learned else {}),
         },
+        flights=flown,
     )
     if picture is not None:
         _picture_of_flight(picture, fitted, model, flights.log)
-    finish(fitted, model_with(model.model, fitted.values), remarks, text, output)
+    finish(fitted, model_with(model.model, fitted.values), remarks, text, output, flown)
 
 
 def _picture_of_flight(picture: Path, fitted: Fitted, model: ForceModel, log: FlightLog) -> None:
@@ -322,13 +347,18 @@ def _weights(texts: Sequence[str] | None) -> dict[str, float]:
 
 
 def finish(
-    fitted: Fitted, found: Model, remarks: Sequence[str], text: str, output: Path | None
+    fitted: Fitted,
+    found: Model,
+    remarks: Sequence[str],
+    text: str,
+    output: Path | None,
+    flights: Mapping[str, Mapping[str, FlightErrors]] | None = None,
 ) -> None:
-    """Write the ``text`` of a fit file and show the fit."""
+    """Write the ``text`` of a fit file and show the fit, by flight where ``flights`` has that."""
     from propmap.cli.fit_report import told
 
     if output is not None:
         write_text(text, output)
-    show(None, *told(fitted, found.correction_texts, remarks))
+    show(None, *told(fitted, found.correction_texts, remarks, flights or {}))
     if output is not None:
         typer.echo(f"wrote {output}", err=True)

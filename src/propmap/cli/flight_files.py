@@ -15,6 +15,7 @@ from propmap.flight.plausible_rotors import check_rotor_order, mixed_vehicles
 from propmap.flight.plausible_rpm import check_rotor_speed
 from propmap.flight.steady import airborne, operating_points, steady_stretches
 from propmap.vehicle.flight_log import FlightLog, joined
+from propmap.vehicle.flight_names import flight_names
 from propmap.vehicle.logs import read_recording
 from propmap.vehicle.logs.assembly import flight_log
 from propmap.vehicle.logs.plausible import check_recording
@@ -63,6 +64,7 @@ def read_flights(
     picture : Path, optional
         Of the steady stretches.
     """
+    names = flight_names([str(path) for path in paths])
     if all_level_tables(paths):
         if method == "balance":
             raise InputError(
@@ -70,7 +72,7 @@ def read_flights(
             )
         tables = [read_level_table(path, file.vehicle) for path in paths]
         found = [text for table in tables for text in _table_remarks(table, file)]
-        return Flights(True, joined(tables), tuple(found))
+        return Flights(True, joined(tables, names), tuple(found))
     logs, remarks = _recorded(paths, file)
     if method != "balance":
         points = _points(logs, seconds, picture, needed=method == "level")
@@ -82,7 +84,7 @@ def read_flights(
         )
     remarks += [text for log in logs for text in _too_slow_to_filter(log, low_pass)]
     logs = [low_passed(log, low_pass) for log in logs]
-    flying = joined([log.picked(airborne(log)) for log in logs])
+    flying = joined([log.picked(airborne(log)) for log in logs], names)
     picked = np.unique(np.linspace(0, len(flying) - 1, min(samples, len(flying))).astype(int))
     return Flights(False, flying.picked(picked), tuple(remarks))
 

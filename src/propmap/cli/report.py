@@ -85,6 +85,7 @@ def _given(file: FitFile, data: Sequence[str], vehicle: Path | None) -> GivenDat
         force_trends,
     )
     from propmap.fit.fit_record import Source
+    from propmap.fit.other_flights import values_for
     from propmap.report.fit_page.given_data import GivenData
 
     if vehicle is None:
@@ -94,7 +95,6 @@ def _given(file: FitFile, data: Sequence[str], vehicle: Path | None) -> GivenDat
         found = compare_tunnel(file.model, measured)
         return GivenData([Source.of(item) for item in sources(data)], found, tunnel=measured)
     from propmap.cli.flight_files import all_level_tables, read_flights
-    from propmap.fit.thrust_scale import HoverScale
     from propmap.vehicle.vehicle_toml import read_vehicle
 
     described, paths = read_vehicle(vehicle), [Path(item) for item in data]
@@ -105,9 +105,8 @@ def _given(file: FitFile, data: Sequence[str], vehicle: Path | None) -> GivenDat
     if level:
         errors = compare_level(flown, log, file.airfoil, file.values)
     else:
-        reference = file.hover_reference
-        scale = HoverScale.of(flown, log, reference) if reference else None
-        forces = flight_forces(flown, log, file.airfoil, file.values, scale=scale)
+        values, _ = values_for(file, flown, log, paths)
+        forces = flight_forces(flown, log, file.airfoil, values)
         errors = compare_forces(flown, log, forces)
     return GivenData(
         [Source.of(path) for path in paths],

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 import typer
 
+from propmap.cli.aircraft_options import NoWakes
 from propmap.cli.operating_points import parse_axis
 from propmap.cli.output import Force, check_output, grid, show, write_text
 from propmap.cli.rotor_options import Corrections, ModelOption, constants, with_physics
@@ -77,6 +78,7 @@ def simulate_flight(
     dwell: Annotated[float, typer.Option("--dwell", help="Time at each speed [s].")] = 6.0,
     rate: Annotated[float, typer.Option("--rate", help="Samples per second.")] = 100.0,
     seed: Annotated[int, typer.Option("--seed", min=0, help="Of the noise.")] = 0,
+    no_wakes: NoWakes = False,
     free: Annotated[
         str, typer.Option("--free", metavar="NAME,...", help="Parameters of the planned fit.")
     ] = "c_l1,c_l2,c_d,alpha_0",
@@ -114,6 +116,7 @@ def simulate_flight(
     check_sampling(dwell, rate)
     names = Choice(tuple(name.strip() for name in free.split(","))).free
     read = read_vehicle(vehicle)
+    flown = replace(read.vehicle, wakes=None) if no_wakes else read.vehicle
     if any(read.vehicle.sensor):
         raise InputError(
             "the vehicle has [sensor], and a simulated accelerometer is at the centre of mass",
@@ -128,13 +131,13 @@ def simulate_flight(
     keep_compiled()
     # Another stream than that of the sensors.
     error = noise * np.random.default_rng([seed, 1]).standard_normal(speeds.size)
-    points = trim(read.vehicle, law, speeds, radius=radius, tether=not banked, disturbance=error)
+    points = trim(flown, law, speeds, radius=radius, tether=not banked, disturbance=error)
     sensors = SensorNoise(
         rotor_noise, velocity_noise, math.radians(attitude_noise), accelerometer_noise
     )
     log = fly(points, dwell=dwell, rate=rate, noise=sensors, seed=seed)
     if not no_expectation:
-        expected = expectation(read.vehicle, law, points, free=names, error=noise)
+        expected = expectation(flown, law, points, free=names, error=noise)
         show(None, _expected(expected, len(points)))
     write_text(log_csv(log), output)
     typer.echo(

@@ -12,11 +12,13 @@ import typer
 from propmap.cli.aircraft_options import (
     Charge,
     MaximumRpm,
+    NoWakes,
     VehicleArgument,
     Wind,
     aircraft_of,
     number_or_none,
     title,
+    vehicle_of,
 )
 from propmap.cli.bands import Bands, say_not_counted
 from propmap.cli.operating_points import parse_axis
@@ -74,6 +76,7 @@ def trim(
     accuracy: AccuracyOption = AccuracyName.standard,
     max_rpm: MaximumRpm = None,
     charge: Charge = 1.0,
+    no_wakes: NoWakes = False,
     mission: Annotated[
         Path | None,
         typer.Option(
@@ -107,9 +110,7 @@ def trim(
             raise InputError("the output is NetCDF", "leave --format and --mission out")
     form = chosen_format(format_, None if netcdf else output)
 
-    from propmap.vehicle.vehicle_toml import read_vehicle
-
-    read = read_vehicle(vehicle).vehicle
+    read = vehicle_of(vehicle, no_wakes=no_wakes)
     legs = None
     if mission is not None:
         from propmap.aircraft.mission import read_mission

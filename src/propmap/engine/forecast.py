@@ -96,13 +96,13 @@ class Forecast(NamedTuple):
             margin = (STALL_MARGIN[0] + STALL_MARGIN[1] * advance) * width
             limit = np.clip(self.stall_angle - margin, 0.0, np.pi)
             # float32 takes half of the time.
-            blade = (self.radius[:, None], self.solidity_slope[:, None], self._pitch(flow[0]))
+            blade = (self.radius[:, None], self.solidity_slope[:, None], self.pitch(flow[0]))
             asked = (values.astype(np.float32) for values in (limit, *blade, *flow))
             found[part] = _exceeds(*asked) | (flow[1] < 0.0)
         return found
 
-    def _pitch(self, omega: Floats) -> Floats:
-        """Angle of the zero-lift line to the disk plane [rad], (S, N) or (S, 1)."""
+    def pitch(self, omega: Floats) -> Floats:
+        """Angle of the zero-lift line to the disk plane [rad], (S, N), at omega (N,) [rad/s]."""
         reynolds: Any = self.reynolds_per_omega[:, None] * omega
         with by_numpy():
             zero_lift = self.law.zero_lift_at(reynolds)

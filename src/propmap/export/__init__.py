@@ -10,8 +10,17 @@ from pathlib import Path
 from propmap.errors import InputError, quoted
 from propmap.export.folder import Files, check_folder, write_files
 from propmap.table.query import LoadTable
+from propmap.vehicle.vehicle import Vehicle
 
-__all__ = ["AUTOPILOTS", "TARGETS", "check_folder", "check_target", "export_table"]
+__all__ = [
+    "AUTOPILOTS",
+    "TARGETS",
+    "VEHICLE_TARGETS",
+    "check_folder",
+    "check_target",
+    "export_table",
+    "export_vehicle",
+]
 
 _MAKERS = {
     "c": ("c_header", "files"),
@@ -25,6 +34,11 @@ _MAKERS = {
 }
 
 TARGETS = tuple(_MAKERS)
+
+_VEHICLE_MAKERS = {"c": ("vehicle_c", "files"), "rotorpy": ("vehicle_rotorpy", "files")}
+
+VEHICLE_TARGETS = tuple(_VEHICLE_MAKERS)
+"""Targets of a whole vehicle's force and moment, see ``export_vehicle``."""
 
 AUTOPILOTS = ("px4", "ardupilot")
 """Targets of a vehicle, see ``propmap.export.autopilot``."""
@@ -67,6 +81,55 @@ def export_table(
         import_module(f"propmap.export.{module}"), function
     )
     return write_files(make(table), place, replace=replace)
+
+
+def export_vehicle(
+    vehicle: Vehicle,
+    table: LoadTable,
+    target: str,
+    folder: str | os.PathLike[str],
+    *,
+    replace: bool = False,
+) -> list[Path]:
+    """Write force and moment of the air on a whole vehicle for a target, all files or none.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        Its rotors, body, wing and, where it has them, wakes.
+    table : LoadTable
+        Loads of its rotors.
+    target : str
+        One of ``VEHICLE_TARGETS``.
+    folder : path
+        Where to; made if need be.
+    replace : bool
+        Whether files that exist are replaced.
+
+    Returns
+    -------
+    list of Path
+        The files.
+
+    Raises
+    ------
+    InputError
+        For another target, a table of another propeller or air, a folder that cannot be written
+        to, and files that exist.
+    """
+    check_target(target)
+    if target not in _VEHICLE_MAKERS:
+        raise InputError(
+            f"{target} is not of a vehicle's force and moment",
+            f"choose one of {', '.join(VEHICLE_TARGETS)}, or export the map alone",
+        )
+    place = Path(folder)
+    check_folder(place)
+    module, function = _VEHICLE_MAKERS[target]
+    make: Callable[[Vehicle, LoadTable], Files] = getattr(
+        import_module(f"propmap.export.{module}"), function
+    )
+    return write_files(make(vehicle, table), place, replace=replace)
 
 
 def check_target(target: str) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
@@ -18,7 +17,7 @@ from propmap.export.folder import check_folder, write_files
 from propmap.export.inplane_drag import check_vehicle, inplane_forces
 from propmap.export.parameter_note import note
 from propmap.export.parameter_set import AutopilotParameters, Flights
-from propmap.vehicle.vehicle import Vehicle
+from propmap.export.provenance import vehicle_identifier
 
 SPEEDS = np.linspace(1.0, 15.0, 8)
 """At which a vehicle is flown where nothing else is asked for [m/s]."""
@@ -99,8 +98,3 @@ def export_autopilot(
     return write_files(
         files | {f"README-{target}.md": note(found, aircraft)}, place, replace=replace
     )
-
-
-def vehicle_identifier(vehicle: Vehicle) -> str:
-    """The name of a ``vehicle`` as one that file systems accept."""
-    return re.sub(r"[^0-9a-z]+", "_", vehicle.name.lower()).strip("_") or "vehicle"

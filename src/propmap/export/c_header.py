@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Iterable
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -44,12 +45,11 @@ def header(table: LoadTable) -> str:
     rows, columns, odd = _weights(content)
     row_bucket, row_per_bucket = _buckets(content.advance)
     column_bucket, column_per_bucket = _buckets(content.beta)
-    size = content.coefficients.size * 4 + (rows.size + columns.size) * 8 + codes.size
     return rendered(
         "table.h",
         table,
         content=content,
-        kilobytes=round(size / 1000.0),
+        kilobytes=round(table_bytes(content, 8) / 1000.0),
         box=box,
         end_slack=END_SLACK,
         slack=[SLACK * (high - low) for low, high in box],
@@ -68,9 +68,23 @@ def header(table: LoadTable) -> str:
         data=_data(content),
         thrust=order.index("thrust"),
         torque=order.index("torque"),
-        numbers=_numbers,
-        rows_of_numbers=_rows_of_numbers,
+        numbers=numbers,
+        rows_of_numbers=rows_of_numbers,
     )
+
+
+def table_bytes(content: TableContent, real: int) -> int:
+    """Bytes of the header's tables, where its numbers have ``real`` bytes each.
+
+    Parameters
+    ----------
+    content : TableContent
+        Of the table.
+    real : int
+        8 or 4, in double or single precision; coefficients have 4 in both.
+    """
+    cells = (content.advance.size - 1) + (content.beta.size - 1)
+    return content.coefficients.size * 4 + 16 * cells * real + content.cells.size
 
 
 def _weights(content: TableContent) -> tuple[Floats, Floats, Floats]:
@@ -127,11 +141,28 @@ def _single(value: np.float32) -> str:
     return "NAN" if np.isnan(value) else f"{value!s}f"
 
 
-def _numbers(values: ArrayLike) -> str:
-    """Numbers with commas, in lines of some length."""
+def numbers(values: ArrayLike) -> str:
+    """The ``values`` with commas, in lines of some length."""
     words = map(repr, np.asarray(values).tolist())
     return textwrap.fill(", ".join(words), LINE, break_long_words=False, break_on_hyphens=False)
 
 
-def _rows_of_numbers(rows: Iterable[ArrayLike]) -> str:
-    return ",\n".join("{\n" + _numbers(row) + "}" for row in rows)
+def rows_of_numbers(rows: Iterable[ArrayLike]) -> str:
+    """The same of an array with two axes, ``rows`` in braces."""
+    return ",\n".join("{\n" + numbers(row) + "}" for row in rows)
+
+
+def blocks_of_numbers(blocks: Iterable[Any]) -> str:
+    """The same of an array with three axes or more."""
+    return ",\n".join(
+        "{\n" + (rows_of_numbers if np.ndim(block) == 2 else blocks_of_numbers)(block) + "}"
+        for block in blocks
+    )
+
+
+def blocks_of_singles(blocks: Iterable[Iterable[Iterable[np.float32]]]) -> str:
+    """The same of an array with three axes in single precision."""
+    rows = (
+        ",\n".join("{" + ", ".join(map(_single, row)) + "}" for row in block) for block in blocks
+    )
+    return ",\n".join("{\n" + block + "}" for block in rows)

@@ -11,6 +11,7 @@ import numpy as np
 import propmap
 from propmap.loads import LOADS
 from propmap.table.query import LoadTable
+from propmap.vehicle.vehicle import Vehicle
 
 ABSENT = "not stated"
 
@@ -19,6 +20,18 @@ def identifier(table: LoadTable) -> str:
     """The propeller's name as one that programs and file systems accept."""
     name = re.sub(r"[^0-9a-z]+", "_", str(table.info["propeller"].get("name")).lower()).strip("_")
     return name if name[:1].isalpha() else f"prop_{name}".rstrip("_")
+
+
+def vehicle_identifier(vehicle: Vehicle) -> str:
+    """The name of a ``vehicle`` as one that file systems accept."""
+    return re.sub(r"[^0-9a-z]+", "_", vehicle.name.lower()).strip("_") or "vehicle"
+
+
+def vehicle_name(vehicle: Vehicle, table: LoadTable) -> str:
+    """The same for programs, and another than that of the propeller of a ``table``."""
+    name = vehicle_identifier(vehicle)
+    name = name if name[0].isalpha() else f"vehicle_{name}"
+    return f"{name}_vehicle" if name == identifier(table) else name
 
 
 def map_sha256(table: LoadTable) -> str:

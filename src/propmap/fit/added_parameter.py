@@ -9,7 +9,7 @@ import numpy as np
 
 from propmap.arrays.types import Floats
 from propmap.fit.fitted import Fitted
-from propmap.fit.parameters import EVERY, MOUNT, Choice
+from propmap.fit.parameters import MOUNT, Choice, described
 from propmap.fit.residuals import rms
 from propmap.fit.rows import Rows
 from propmap.fit.search import search
@@ -65,7 +65,7 @@ def failing_assumptions(fitted: Fitted, rows_for: Callable[[Choice], Rows]) -> l
         if left < TELLING:
             told.append(
                 f"{assumption}, does not hold: with {name} free ({again.x[-1]:.3g} "
-                f"{EVERY[name].unit}) the residuals fall to {100.0 * left:.0f} %"
+                f"{described(name).unit}) the residuals fall to {100.0 * left:.0f} %"
             )
     return told
 
@@ -113,4 +113,4 @@ def _with(fitted: Fitted, name: str) -> tuple[Choice, Floats]:
     fixed = {k: v for k, v in fitted.choice.fixed.items() if k != name}
     with drag_factor_accepted():
         choice = replace(fitted.choice, free=(*fitted.choice.free, name), fixed=fixed)
-    return choice, np.append(fitted.x, fitted.values.get(name, EVERY[name].start))
+    return choice, np.append(fitted.x, fitted.values.get(name, described(name).start))

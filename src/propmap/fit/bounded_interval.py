@@ -33,7 +33,7 @@ class Quadratic(NamedTuple):
 
 
 def bounded_intervals(
-    centre: Floats, root: Floats, lower: Floats, upper: Floats, quantile: float
+    centre: Floats, root: Floats, lower: Floats, upper: Floats, quantile: Floats | float
 ) -> tuple[Floats, Floats]:
     """Ends of the profile intervals of the sum of squares |W (x - centre)|^2 within bounds.
 
@@ -50,7 +50,7 @@ def bounded_intervals(
         W, R <= P; W^T W is the inverse of the covariance, where there is one.
     lower, upper : ndarray, shape (P,)
         Bounds.
-    quantile : float
+    quantile : float, or ndarray of shape (P,)
         Of Student's t.
 
     Returns
@@ -62,13 +62,16 @@ def bounded_intervals(
 
     squares = Quadratic(root, root @ centre, lower, upper)
     best = lsq_linear(root, squares.target, (lower, upper), "bvls")
-    allowed = 2.0 * float(best.cost) + quantile**2
+    each = np.broadcast_to(quantile, centre.shape)
     ends = np.empty((2, centre.size))
     for k, middle in enumerate(best.x):
+        allowed = 2.0 * float(best.cost) + float(each[k]) ** 2
+
+        def beyond(v: float, k: int = k, allowed: float = allowed) -> float:
+            return squares.profile(k, v)[0] - allowed
+
         for side, bound in enumerate((lower[k], upper[k])):
             ends[side, k] = bound
-            if bound != middle and squares.profile(k, bound)[0] > allowed:
-                ends[side, k] = brentq(
-                    lambda v, k=k: squares.profile(k, v)[0] - allowed, middle, bound
-                )
+            if bound != middle and beyond(bound) > 0.0:
+                ends[side, k] = brentq(beyond, middle, bound)
     return ends[0], ends[1]

@@ -12,12 +12,12 @@ from propmap.baselines.hover import HoverModel
 from propmap.errors import InputError
 from propmap.fit.body_forces import body_force
 from propmap.fit.flight import ALIKE, AXES, MOMENTS, UNITS
+from propmap.fit.flight_parameters import at_samples
 from propmap.fit.force_model import hover_loads
-from propmap.fit.parameters import FIRST_GUESS, SENSOR
+from propmap.fit.parameters import FIRST_GUESS, ROTOR_SPEED, SENSOR, general
 from propmap.fit.residuals import Errors, by_band, errors
 from propmap.fit.sensor_forces import sensor_force
 from propmap.fit.still_explained import Trend, trends
-from propmap.fit.thrust_scale import HoverScale
 from propmap.fit.tunnel import TunnelData
 from propmap.fit.turning import added_moment, measured_moment
 from propmap.fit.wake_parameters import wakes_with
@@ -26,7 +26,7 @@ from propmap.model.model import Model, Section
 from propmap.rotor import Rotor
 from propmap.vehicle.flight_log import GRAVITY, FlightLog
 from propmap.vehicle.hub_flow import HubFlow, hub_flow, rotor_wrench
-from propmap.vehicle.interference import check_apart, wake_flow
+from propmap.vehicle.interference import in_wakes
 from propmap.vehicle.mounted_rotors import mounted_rotors
 from propmap.vehicle.vehicle import Vehicle
 
@@ -84,8 +84,6 @@ def flight_forces(
     log: FlightLog,
     law: Section,
     values: Mapping[str, float],
-    *,
-    scale: HoverScale | None = None,
 ) -> FlightForces:
     """All forces but gravity on a vehicle, by a section law and what a fit found besides.
 
@@ -98,29 +96,23 @@ def flight_forces(
     values : mapping of str to float
         All parameters but the rotor's by name; first guesses, or the vehicle file's, where it has
         none.
-    scale : HoverScale, optional
-        By which the rotors' loads are multiplied, for each flight by its own hover.
     """
     model = Model(vehicle.propeller, law, vehicle.air)
-    flow = hub_flow(vehicle, log)
-    loads = _rotor_loads(vehicle, model, flow)
-    wakes = wakes_with(vehicle, values)
+    logged = hub_flow(vehicle, log)
+    flow = logged._replace(omega=values.get(ROTOR_SPEED, 1.0) * logged.omega)
+    wakes, near = wakes_with(vehicle, values), flow
     if wakes is not None:
-        check_apart(vehicle)
-        wake = wake_flow(vehicle, wakes, flow, loads[0])
-        near = flow._replace(axial=flow.axial + wake.known)
-        loads = _rotor_loads(vehicle, model, near)
-        loads = np.where(np.isfinite(wake.added), loads, np.nan)
+        near = in_wakes(vehicle, wakes, model, flow)
+    loads = _rotor_loads(vehicle, model, near)
     values = {**FIRST_GUESS, **values}
     force, moment = rotor_wrench(flow, loads)
-    if scale is not None:
-        each = scale.factors(log)[:, None]
-        force, moment = each * force, each * moment
+    scale = at_samples("thrust_scale", values, log)[:, None]
+    force, moment = scale * force, scale * moment
     force = force + body_force(vehicle, log, values, ())[0]
     none = np.zeros((0, len(log), 3))
-    moment = moment + added_moment(vehicle, log, flow, force, none, values, ())[0]
+    moment = moment + added_moment(vehicle, log, logged, force, none, values, ())[0]
     force = force + sensor_force(vehicle, log, values, ())[0]
-    hover = hover_loads(HoverModel.of(Rotor(model)), flow)
+    hover = hover_loads(HoverModel.of(Rotor(model)), logged)
     return FlightForces(np.concatenate([force, moment], axis=1), hover)
 
 
@@ -210,7 +202,7 @@ def level_forces(
 
     Where the accelerometer sits plays no part.
     """
-    values = {name: value for name, value in values.items() if name not in SENSOR}
+    values = {name: value for name, value in values.items() if general(name) not in SENSOR}
     here = replace(vehicle, sensor=(0.0, 0.0, 0.0))
     found = flight_forces(here, log, law, values)
     vertical = (np.sum(one[:, :3] * log.up, axis=1) for one in (found.model, found.hover))

@@ -14,7 +14,7 @@ import numpy as np
 from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.fit.coverage import Coverage
-from propmap.fit.residuals import Errors
+from propmap.fit.residuals import Errors, FlightErrors
 from propmap.fit.search import End
 from propmap.model.air import Air
 from propmap.model.propeller import Propeller
@@ -54,12 +54,13 @@ class FreeParameter(msgspec.Struct, frozen=True, omit_defaults=True):
 
 
 class FittedLoad(Errors, frozen=True):
-    """Errors of one load, in ``unit``: over all rows, on rows left out, and by speed."""
+    """Errors of one load, in ``unit``: over all rows, on rows left out, by speed and by flight."""
 
     name: str
     unit: str
     cross_validated: float = msgspec.field(name="cross_validated_rms")
     by_speed: dict[str, Errors]
+    by_flight: dict[str, FlightErrors] = msgspec.field(default_factory=dict)
 
     @property
     def measured_rms(self) -> float:

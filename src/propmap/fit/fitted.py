@@ -10,10 +10,11 @@ import numpy as np
 
 from propmap.arrays.types import Floats
 from propmap.fit.parameters import Choice
+from propmap.fit.residuals import rms_known
 from propmap.fit.rows import Rows
 from propmap.fit.search import NOISE_FLOOR, Minimum, search, starts
 from propmap.fit.section_prior import LEAST_ERROR
-from propmap.fit.uncertainty import Uncertainty, uncertainty
+from propmap.fit.uncertainty import Uncertainty, residual_errors, uncertainty
 
 MEDIAN_TO_DEVIATION = 1.4826
 """Standard deviation over median size, of normal errors."""
@@ -58,8 +59,8 @@ class Fitted:
         Of the free parameters.
     residual : ndarray, shape (M,)
         Model minus measurement, in the units of the measurement.
-    cross_validated : ndarray, shape (L,)
-        Root mean square error of each load on rows left out; NaN if not done.
+    left_out : ndarray, shape (M,)
+        Model minus measurement of rows left out of the fit to the others; NaN if not done.
     bootstrapped : ndarray, shape (B, P)
         Repeated fits to operating points drawn with replacement.
     seconds : float
@@ -74,7 +75,7 @@ class Fitted:
     minimum: Minimum
     uncertainty: Uncertainty
     residual: Floats
-    cross_validated: Floats
+    left_out: Floats
     bootstrapped: Floats
     seconds: float
     error: float
@@ -89,6 +90,12 @@ class Fitted:
         """All parameters by name."""
         return self.choice.values(self.x)
 
+    @property
+    def cross_validated(self) -> Floats:
+        """Root mean square error of each load (L,) on rows left out; NaN if not done."""
+        parts = (self.left_out[self.rows.of_load(k)] for k in range(len(self.rows.names)))
+        return np.array([rms_known(part) for part in parts])
+
     def compared(self, load: int) -> tuple[Floats, Floats]:
         """Modelled and measured values of the ``load`` of this index, in its unit."""
         mine = self.rows.of_load(load)
@@ -96,7 +103,9 @@ class Fitted:
         return measured + self.residual[mine], measured
 
 
-def fit(rows: Rows, choice: Choice, settings: Settings | None = None) -> Fitted:
+def fit(
+    rows: Rows, choice: Choice, settings: Settings | None = None, fewer: Rows | None = None
+) -> Fitted:
     """Identify the free parameters; for level flights this is eq. (18).
 
     Parameters
@@ -107,6 +116,9 @@ def fit(rows: Rows, choice: Choice, settings: Settings | None = None) -> Fitted:
         Which parameters are free.
     settings : Settings, optional
         How to search.
+    fewer : Rows, optional
+        A part of the rows, to search from several starts at less cost; the best end is followed
+        on all rows.
 
     Raises
     ------
@@ -116,16 +128,21 @@ def fit(rows: Rows, choice: Choice, settings: Settings | None = None) -> Fitted:
     settings = settings or Settings()
     begin = time.perf_counter()
     error = NOISE_FLOOR if choice.expected is None else LEAST_ERROR
-    found = search(rows, choice, starts(choice, settings.starts, settings.seed), error=error)
-    sure = uncertainty(rows, choice, found, error)
-    if choice.priors or choice.expected is not None or settings.loss != "linear":
+    again = choice.priors or choice.expected is not None or settings.loss != "linear"
+    begin_at = starts(choice, settings.starts, settings.seed)
+    alone = fewer is None and not again
+    found = search(fewer or rows, choice, begin_at, error=error, polish=alone)
+    if fewer is not None and not again:
+        better = search(rows, choice, [found.x], error=error)
+        found = replace(better, ends=found.ends)
+    if again:
         # Only now is known how large errors are, against which priors and outliers count.
-        error = _typical_error(rows, settings, found, sure)
+        error = _typical_error(fewer or rows, choice, settings, found, error)
         if choice.expected is not None:
             error = max(error, LEAST_ERROR)
-        again = search(rows, choice, [found.x], loss=settings.loss, error=error)
-        found = replace(again, ends=found.ends)
-        sure = uncertainty(rows, choice, found, error)
+        better = search(rows, choice, [found.x], loss=settings.loss, error=error)
+        found = replace(better, ends=found.ends)
+    sure = uncertainty(rows, choice, found, error)
 
     def refit(part: Rows) -> Floats:
         """The parameters (P,) that fit much the same rows."""
@@ -140,10 +157,12 @@ def fit(rows: Rows, choice: Choice, settings: Settings | None = None) -> Fitted:
     )
 
 
-def _typical_error(rows: Rows, settings: Settings, found: Minimum, sure: Uncertainty) -> float:
+def _typical_error(
+    rows: Rows, choice: Choice, settings: Settings, found: Minimum, error: float
+) -> float:
     """Standard deviation of a residual as a share of its scale, whatever the outliers."""
     if settings.loss == "linear":
-        return float(np.median(sure.error))
+        return float(np.median(residual_errors(rows, choice, found, error)))
     sizes = np.abs(found.residual[rows.weight > 0.0])
     return max(MEDIAN_TO_DEVIATION * float(np.median(sizes)), NOISE_FLOOR)
 
@@ -151,19 +170,18 @@ def _typical_error(rows: Rows, settings: Settings, found: Minimum, sure: Uncerta
 def _cross_validate(
     rows: Rows, choice: Choice, settings: Settings, refit: Callable[[Rows], Floats]
 ) -> Floats:
-    """Root mean square error of each load (L,) where its units were left out of the fit."""
-    sums, counts = np.zeros(len(rows.names)), np.zeros(len(rows.names))
+    """Model minus measurement (M,) where a row's unit was left out of the fit."""
+    left_out = np.full(rows.measured.size, np.nan)
     if settings.folds < 2 or np.unique(rows.point).size < 2 * settings.folds:
-        return np.full(len(rows.names), np.nan)
+        return left_out
     labels, index = np.unique(rows.unit, return_inverse=True)
     rng = np.random.default_rng(settings.seed)
     fold = (rng.permutation(labels.size) % settings.folds)[index]
     for k in range(settings.folds):
         value, _ = rows.model(choice.values(refit(rows.left(fold != k))), choice.free)
-        out = (fold == k) & (rows.weight > 0.0) & np.isfinite(value)
-        np.add.at(sums, rows.load[out], (value - rows.measured)[out] ** 2)
-        np.add.at(counts, rows.load[out], 1.0)
-    return np.sqrt(sums / np.maximum(counts, 1.0))
+        out = (fold == k) & (rows.weight > 0.0)
+        left_out[out] = (value - rows.measured)[out]
+    return left_out
 
 
 def _bootstrap(

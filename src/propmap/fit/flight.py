@@ -11,7 +11,7 @@ from propmap.arrays.types import Floats
 from propmap.baselines.hover import HoverModel
 from propmap.errors import InputError
 from propmap.fit.force_model import ForceModel, hover_loads
-from propmap.fit.parameters import MOUNT, SENSOR, TURNING, WAKES, WING, Choice
+from propmap.fit.parameters import MOUNT, SENSOR, TURNING, WAKES, WING, Choice, general
 from propmap.fit.rows import Rows
 from propmap.fit.tunnel import model_with
 from propmap.fit.turning import measured_moment
@@ -46,6 +46,26 @@ def level_rows(model: ForceModel, choice: Choice) -> Rows:
     """
     weight = np.full((len(model.log), 1), model.vehicle.mass * GRAVITY)
     return _rows(model, choice, VERTICAL, weight)
+
+
+def vertical_rows(model: ForceModel, choice: Choice, *, stretch: float = ALIKE) -> Rows:
+    """A row per sample of a whole flight: the vertical forces alone, as in (16) and (17).
+
+    Where the flight is not steady, mass times the vertical specific force stands for the weight.
+
+    Parameters
+    ----------
+    model, choice, stretch
+        As for ``balance_rows``.
+
+    Raises
+    ------
+    InputError
+        For free parameters that do not act.
+    """
+    log = model.log
+    measured = model.vehicle.mass * np.sum(log.specific_force * log.up, axis=1, keepdims=True)
+    return _rows(model, choice, VERTICAL, measured, log.stretches(stretch))
 
 
 def balance_rows(model: ForceModel, choice: Choice, *, stretch: float = ALIKE) -> Rows:
@@ -94,7 +114,7 @@ def _rows(
     """A row per load ``measured`` (n, L), in units of the weight and of that at the hubs' mean
     distance from the centre of mass, or at a radius where that is none."""
     if names == VERTICAL:
-        useless = [name for name in choice.free if name in SENSOR | TURNING]
+        useless = [name for name in choice.free if general(name) in SENSOR | TURNING]
         if useless:
             raise InputError(
                 f"{useless[0]} has no part in steady stretches", "fit it with --method balance"

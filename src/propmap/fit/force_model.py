@@ -10,14 +10,15 @@ import numpy as np
 from propmap.arrays.types import Floats
 from propmap.baselines.hover import HoverModel
 from propmap.engine.accuracy import accuracy
+from propmap.engine.attached_thrust import attached_thrust
 from propmap.engine.evaluation import prepare
 from propmap.engine.gradients import load_gradients
 from propmap.errors import InputError
 from propmap.fit.body_forces import body_force
 from propmap.fit.coverage import Coverage, coverage
-from propmap.fit.parameters import ROTOR, WAKES
+from propmap.fit.flight_parameters import at_samples, check_flights, samples_of
+from propmap.fit.parameters import EVERY, MOUNT, ROTOR, ROTOR_SPEED, WAKES, general
 from propmap.fit.sensor_forces import sensor_force
-from propmap.fit.thrust_scale import HoverScale
 from propmap.fit.tunnel import model_with
 from propmap.fit.turning import added_moment
 from propmap.fit.wake_parameters import PREFIX, wakes_with
@@ -29,6 +30,15 @@ from propmap.vehicle.hub_flow import HubFlow, hub_flow, rotor_wrench
 from propmap.vehicle.interference import check_apart, wake_flow
 from propmap.vehicle.mounted_rotors import mounted_rotors
 from propmap.vehicle.vehicle import Vehicle
+
+LIFT = ("c_l1", "zero_lift_angle", "reynolds_camber", "untwist")
+"""Parameters of attached lift, and so of the rotors' wakes."""
+
+LIFT_STEP = 1e-4
+"""Of the difference quotients by these, over the spread of each."""
+
+SPEED_STEP = 1e-6
+"""Of that by the rotor speed, over the speed."""
 
 
 @dataclass(frozen=True)
@@ -71,8 +81,9 @@ class ForceModel:
         Gives what no parameter of a fit does.
     setting : str
         Accuracy of the loads, as in ``Rotor``.
-    scale : HoverScale, optional
-        By which the rotors' loads are multiplied, for each flight by its own hover.
+    also : tuple of str
+        Parameters of the rotor by which loads are differentiated whether they are free or not, so
+        that one compiled program serves fits with different free ones.
 
     Raises
     ------
@@ -87,7 +98,7 @@ class ForceModel:
         base: Airfoil,
         setting: str = "standard",
         *,
-        scale: HoverScale | None = None,
+        also: tuple[str, ...] = (),
     ) -> None:
         if log.rotor_speed.shape[1] != len(vehicle.mounts):
             raise InputError(
@@ -95,10 +106,9 @@ class ForceModel:
                 "give the vehicle file one [[rotors]] table per rotor of the log",
                 log.source,
             )
-        self.vehicle, self.log, self.setting = vehicle, log, setting
+        self.vehicle, self.log, self.setting, self.also = vehicle, log, setting, also
         self.model = Model(vehicle.propeller, base, vehicle.air)
         self.flow = hub_flow(vehicle, log)
-        self.scale = None if scale is None else scale.factors(log)
 
     def at(self, values: Mapping[str, float], free: tuple[str, ...]) -> Balance:
         """Forces and moments, and their derivatives.
@@ -110,9 +120,14 @@ class ForceModel:
         free : tuple of str
             Names of the P by which to differentiate.
         """
+        check_flights(free, self.log)
         loads, slopes = self._rotors(values, free)
-        if self.scale is not None:
-            loads, slopes = self.scale[:, None] * loads, self.scale[:, None] * slopes
+        scale = at_samples("thrust_scale", values, self.log)[:, None]
+        slopes = scale * slopes
+        for row, name in enumerate(free):
+            if general(name) == "thrust_scale":
+                slopes[row] = samples_of(name, self.log)[:, None] * loads
+        loads = scale * loads
         body, by_body = body_force(self.vehicle, self.log, values, free)
         force, by_force = loads[:, :3] + body, slopes[..., :3] + by_body
         more, by_more = added_moment(
@@ -127,7 +142,7 @@ class ForceModel:
     def _rotors(self, values: Mapping[str, float], free: tuple[str, ...]) -> tuple[Floats, Floats]:
         """Loads (n, 6) of all rotors, in each other's wakes where there are any, and their
         derivatives (P, n, 6)."""
-        section = tuple(name for name in free if name in ROTOR)
+        section = tuple(name for name in free if name in (*ROTOR, ROTOR_SPEED))
         at_section = [name in section for name in free]
         slopes = np.zeros((len(free), len(self.log), 6))
         wakes = wakes_with(self.vehicle, values)
@@ -137,13 +152,12 @@ class ForceModel:
             return _six(self.flow, loads), slopes
         check_apart(self.vehicle)
         named = (*section, "v_axial")
-        alone, by_named = self._loads(values, named, self.flow.axial)
-        wake = wake_flow(self.vehicle, wakes, self.flow, alone[0])
-        loads, by_here = self._loads(values, named, self.flow.axial + wake.known)
-        loads = np.where(np.isfinite(wake.added), loads, np.nan)
+        thrust, by_lift = self._attached(values, section)
+        wake = wake_flow(self.vehicle, wakes, self.flow, thrust)
+        loads, by_here = self._loads(values, named, self.flow.axial + wake.added)
         by_axial = by_here[:, -1]
         # The wakes change with the thrusts that they are computed from.
-        followed = np.einsum("nts,pns->pnt", wake.by_thrust, by_named[0, :-1])
+        followed = np.einsum("nts,pns->pnt", wake.by_thrust, by_lift)
         by_section = by_here[:, :-1] + by_axial[:, None] * followed
         slopes[at_section] = _six(self.flow, by_section)
         for row, name in enumerate(free):
@@ -152,21 +166,52 @@ class ForceModel:
                 slopes[row] = _six(self.flow, by_axial * added)
         return _six(self.flow, loads), slopes
 
+    def _attached(
+        self, values: Mapping[str, float], names: tuple[str, ...]
+    ) -> tuple[Floats, Floats]:
+        """Thrust (n, m) that the wakes are computed from, and its derivatives (P, n, m)."""
+        flow, shape = self.flow, self.flow.omega.shape
+        known = {name: value for name, value in values.items() if name not in MOUNT}
+        lifting = [name for name in names if name in LIFT]
+        steps = [LIFT_STEP * EVERY[name].spread for name in lifting]
+        moved = [
+            model_with(self.model, {**known, name: known[name] + step}).arrays()
+            for name, step in zip(lifting, steps, strict=True)
+        ]
+        scale = values.get(ROTOR_SPEED, 1.0)
+        omega, axial, inplane = (a.ravel() for a in (scale * flow.omega, flow.axial, flow.inplane))
+        rotor = model_with(self.model, known).arrays()
+        thrust, more = attached_thrust(rotor, omega, axial, inplane, moved)
+        slopes = np.zeros((len(names), *shape))
+        if ROTOR_SPEED in names:
+            faster, _ = attached_thrust(rotor, (1.0 + SPEED_STEP) * omega, axial, inplane)
+            by_scale = (faster - thrust) / (SPEED_STEP * scale)
+            slopes[names.index(ROTOR_SPEED)] = by_scale.reshape(shape)
+        for name, step, change in zip(lifting, steps, more, strict=True):
+            slopes[names.index(name)] = change.reshape(shape) / step
+        return thrust.reshape(shape), slopes
+
     def _loads(
         self, values: Mapping[str, float], names: tuple[str, ...], axial: Floats
     ) -> tuple[Floats, Floats]:
         """Loads (L, n, m) of the rotors at V cos(beta) = ``axial`` (n, m), and their derivatives
         (L, P, n, m) by the P of these ``names``."""
         flow, shape = self.flow, self.flow.omega.shape
+        omega = values.get(ROTOR_SPEED, 1.0) * flow.omega
+        along = ("omega" if name == ROTOR_SPEED else name for name in names)
+        asked = tuple(dict.fromkeys((*along, *self.also)))
         loads = np.empty((len(LOADS), *shape))
         slopes = np.empty((len(LOADS), len(names), *shape))
         for model, mine in mounted_rotors(self.vehicle, model_with(self.model, values)):
-            some = [a[:, mine] for a in (flow.omega, axial, flow.inplane)]
+            some = [a[:, mine] for a in (omega, axial, flow.inplane)]
             points = (a.ravel() for a in some)
             rotor = prepare(model.arrays())
-            found = load_gradients(rotor, accuracy(self.setting), names, *points)
+            found = load_gradients(rotor, accuracy(self.setting), asked, *points)
             loads[..., mine] = found.loads.reshape(-1, *some[0].shape)
-            slopes[..., mine] = found.slopes.reshape(len(LOADS), -1, *some[0].shape)
+            by_name = found.slopes[:, : len(names)]
+            slopes[..., mine] = by_name.reshape(len(LOADS), -1, *some[0].shape)
+        if ROTOR_SPEED in names:
+            slopes[:, names.index(ROTOR_SPEED)] *= flow.omega
         return loads, slopes
 
     def coverage(self) -> Coverage:

@@ -103,10 +103,24 @@ WAKES = {
 }
 """Of ``propmap.vehicle.interference``.  What is neither free nor fixed is the vehicle file's."""
 
+ROTOR_SPEED = "rotor_speed_scale"
+
+FLIGHT = {
+    "thrust_scale": Parameter("-", 1.0, 0.8, 1.25, 0.02, "thrust over that of the rotors' model"),
+    ROTOR_SPEED: Parameter("-", 1.0, 0.9, 1.1, 0.01, "rotor speeds over those logged"),
+}
+"""Of a flight: battery, mass, and what a motor controller takes for the speed of its motor."""
+
+PER_FLIGHT = ("thrust_scale", "clock_offset")
+"""What may differ from flight to flight: then named as ``thrust_scale[FLIGHT]``."""
 
 PAPER_FOUR = ("c_l1", "c_l2", "c_d", "alpha_0")
-EVERY = ROTOR | BODY | WING | SENSOR | TURNING | WAKES
+EVERY = ROTOR | BODY | WING | SENSOR | TURNING | WAKES | FLIGHT
 FIRST_GUESS = {name: p.start for name, p in EVERY.items() if name not in FLEX | MOUNT | WAKES}
+
+
+LINEAR = (*BODY, *SENSOR, *TURNING, "thrust_scale")
+"""Forces and moments are linear in these, the others given."""
 
 
 def constants_of(section: Section) -> Airfoil:
@@ -183,7 +197,7 @@ class Choice:
                     "give one above zero, as in c_l2=2.0:0.3",
                 )
         for name, value in (*self.fixed.items(), *self.start.items()):
-            p = EVERY[name]
+            p = described(name)
             if not p.lower <= value <= p.upper:
                 raise InputError(
                     f"{name} is {value:g} {p.unit}", f"give a value from {p.lower:g} to {p.upper:g}"
@@ -203,7 +217,7 @@ class Choice:
 
     def column(self, attribute: str) -> Floats:
         """An ``attribute`` of the free parameters, as (P,)."""
-        return np.array([getattr(EVERY[name], attribute) for name in self.free])
+        return np.array([getattr(described(name), attribute) for name in self.free])
 
     def prior_of(self, name: str) -> Prior | None:
         """What is known beforehand of the free parameter ``name``; None for nothing."""
@@ -243,12 +257,28 @@ class Choice:
     @property
     def first(self) -> Floats:
         """Where the search starts (P,)."""
-        return np.array([self.start.get(name, EVERY[name].start) for name in self.free])
+        return np.array([self.start.get(name, described(name).start) for name in self.free])
+
+
+def general(name: str) -> str:
+    """``name`` without the flight that it is of, if it is of one."""
+    head, bracket, flight = name.partition("[")
+    return head if bracket and head in PER_FLIGHT and flight[:-1] and flight[-1] == "]" else name
+
+
+def of_flight(name: str, flight: str) -> str:
+    """The parameter ``name`` of one ``flight``."""
+    return f"{name}[{flight}]"
+
+
+def described(name: str) -> Parameter:
+    """The parameter of this ``name``, be it of one flight or of all."""
+    return EVERY[general(name)]
 
 
 def known(name: str) -> str:
     """``name`` if it is a parameter's; raises ``InputError`` with the closest ones otherwise."""
-    if name not in EVERY:
+    if general(name) not in EVERY:
         close = difflib.get_close_matches(name, EVERY, n=2) or list(EVERY)
         raise InputError(f"{quoted(name)} is not a parameter", f"choose from {', '.join(close)}")
     return name

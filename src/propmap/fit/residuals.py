@@ -40,9 +40,34 @@ class Errors(msgspec.Struct, frozen=True):
     hover_rms: float
 
 
+class FlightErrors(msgspec.Struct, frozen=True):
+    """Errors of one load on one flight, model minus measurement, in the unit of the load.
+
+    Attributes
+    ----------
+    rows : int
+        Numbers that are both measured and modelled.
+    rms, bias : float
+        Root mean square and mean of the errors.
+    cross_validated_rms : float
+        Root mean square of the errors on stretches left out of the fit; NaN where it was not done.
+    """
+
+    rows: int
+    rms: float
+    bias: float
+    cross_validated_rms: float
+
+
 def rms(values: Floats) -> float:
     """Root mean square of all values, in their unit."""
     return float(np.sqrt(np.mean(np.square(values))))
+
+
+def rms_known(values: Floats) -> float:
+    """Root mean square of those values that are known; NaN where none is."""
+    known = values[np.isfinite(values)]
+    return rms(known) if known.size else float("nan")
 
 
 def errors(model: Floats, measured: Floats, hover: Floats | None = None) -> Errors:

@@ -26,8 +26,19 @@ from propmap.fit.fit_record import (
     read_record,
 )
 from propmap.fit.fitted import Fitted
-from propmap.fit.parameters import BODY, EVERY, ROTOR, SENSOR, TURNING, WAKES, WING
-from propmap.fit.residuals import by_band, errors
+from propmap.fit.learned_residual import LearnedResidual
+from propmap.fit.parameters import (
+    BODY,
+    FLIGHT,
+    ROTOR,
+    SENSOR,
+    TURNING,
+    WAKES,
+    WING,
+    described,
+    general,
+)
+from propmap.fit.residuals import FlightErrors, by_band, errors
 from propmap.fit.tunnel import model_with, section_with
 from propmap.io.section_tables import looks_like_section_table
 from propmap.model.airfoil import Airfoil, read_airfoil
@@ -35,6 +46,9 @@ from propmap.model.drag_factor import drag_factor_accepted
 from propmap.model.model import Model
 from propmap.model.section_covariance import SectionCovariance
 from propmap.model.uncertainty import fitted_uncertainty
+
+BEYOND_ROTORS = BODY | SENSOR | TURNING | WAKES | FLIGHT
+"""What the table ``[fit.body]`` has; the rest is the section law, its corrections and the wing."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,7 +76,7 @@ class FitFile:
 
     @property
     def values(self) -> dict[str, float]:
-        """The parameters of body, wing, sensor and wakes by name."""
+        """The parameters of body, wing, sensor, wakes and flights by name."""
         return self.record.body | self.record.wing
 
     @property
@@ -78,6 +92,12 @@ class FitFile:
         """
         return float(self.record.settings.get("hover_reference", 0.0)) or None
 
+    @property
+    def learned_residual(self) -> LearnedResidual | None:
+        """What ``propmap fit flight --residual`` learned besides; None where it did not."""
+        table = self.record.settings.get("learned_residual")
+        return None if table is None else LearnedResidual.of_table(table)
+
 
 def fit_text(
     fitted: Fitted,
@@ -90,6 +110,7 @@ def fit_text(
     hover: Floats,
     remarks: Sequence[str],
     options: Mapping[str, Any],
+    flights: Mapping[str, Mapping[str, FlightErrors]] | None = None,
 ) -> str:
     """The text of a fit file.
 
@@ -109,6 +130,8 @@ def fit_text(
         The hover model's values of the fitted rows.
     remarks, options : sequence of str, mapping
         Sentences for the reader; further settings by name.
+    flights : mapping of str to mapping, optional
+        Errors by load and flight, where there are several.
 
     Returns
     -------
@@ -139,12 +162,12 @@ def fit_text(
         data=[Source.of(item) for item in data],
         covered=covered,
         parameters=[_parameter(fitted, k) for k in range(len(choice.free))],
-        body={n: fitted.values[n] for n in BODY | SENSOR | TURNING | WAKES if n in fitted.values},
+        body={n: value for n, value in fitted.values.items() if general(n) in BEYOND_ROTORS},
         wing={n: fitted.values[n] for n in WING},
         covariance=sure.covariance,
         correlation=sure.correlation,
         singular_values=sure.singular_values,
-        loads=[_load(fitted, k, hover) for k in range(len(fitted.rows.names))],
+        loads=[_load(fitted, k, hover, flights or {}) for k in range(len(fitted.rows.names))],
         starts=sorted(fitted.minimum.ends, key=lambda end: end.minimum),
         discrepancy=discrepancy(fitted, found, hover),
     )
@@ -199,7 +222,7 @@ def read_fit(path: Path) -> FitFile:
 def _parameter(fitted: Fitted, k: int) -> FreeParameter:
     choice, sure = fitted.choice, fitted.uncertainty
     name = choice.free[k]
-    known, prior = EVERY[name], choice.prior_of(name)
+    known, prior = described(name), choice.prior_of(name)
     low, high = None, None
     if fitted.bootstrapped.size:
         low, high = np.percentile(fitted.bootstrapped[:, k], [2.5, 97.5]).tolist()
@@ -220,7 +243,9 @@ def _parameter(fitted: Fitted, k: int) -> FreeParameter:
     )
 
 
-def _load(fitted: Fitted, k: int, hover: Floats) -> FittedLoad:
+def _load(
+    fitted: Fitted, k: int, hover: Floats, flights: Mapping[str, Mapping[str, FlightErrors]]
+) -> FittedLoad:
     rows = fitted.rows
     mine, (model, measured) = rows.of_load(k), fitted.compared(k)
     return FittedLoad(
@@ -228,5 +253,6 @@ def _load(fitted: Fitted, k: int, hover: Floats) -> FittedLoad:
         unit=rows.units[k],
         cross_validated=fitted.cross_validated[k],
         by_speed=by_band(model, measured, rows.speed[mine], hover[mine]),
+        by_flight=dict(flights.get(rows.names[k], {})),
         **msgspec.structs.asdict(errors(model, measured, hover[mine])),
     )

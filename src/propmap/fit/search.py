@@ -33,6 +33,10 @@ ON_BOUND = 1e-9
 EVALUATIONS, FINAL_EVALUATIONS = 20, 30
 """Evaluations of the model at most: from each start, and to polish the best end."""
 
+FINE = 1e-6, 1e-8
+"""Steps and gains, relative, with which the polishing ends.  Smaller steps are within the errors of
+the derivatives, and are all refused."""
+
 REFIT_EVALUATIONS = 6
 """The same where a known minimum is only followed, as in cross-validation."""
 
@@ -131,9 +135,10 @@ def weight_of_priors(rows: Rows, choice: Choice, error: float) -> float:
     """By which deviations from priors are multiplied to count beside residuals.
 
     This is the standard deviation ``error`` of a residual, where every row is a number of its own.
-    Beside what is known of propellers in general, rows are worth ``rows.independent``.
+    Of whole flights, and beside what is known of propellers in general, rows are worth
+    ``rows.independent``.
     """
-    if choice.expected is None:
+    if choice.expected is None and rows.group is None:
         return error
     return error * float(np.sqrt(rows.counts.sum() / max(float(rows.independent.sum()), 1.0)))
 
@@ -163,6 +168,7 @@ def search(
     loss: str = "linear",
     error: float = NOISE_FLOOR,
     follow: bool = False,
+    polish: bool = True,
 ) -> Minimum:
     """The best minimum over all starts.
 
@@ -179,6 +185,8 @@ def search(
         and twice it is an outlier.
     follow : bool
         Whether the start is a minimum of much the same data, so that few steps do.
+    polish : bool
+        Whether the best end is followed to the last digit, where it is not ``follow``.
 
     Raises
     ------
@@ -221,10 +229,13 @@ def search(
         return End(x0, np.asarray(found.x), float(found.cost))
 
     allowance = (REFIT_EVALUATIONS, 1e-4, 1e-4) if follow else (EVALUATIONS, 1e-5, 1e-5)
+    if polish and not follow and len(begin) == 1:
+        allowance = (FINAL_EVALUATIONS, *FINE)
     ends = minima([run(x0, *allowance) for x0 in begin], spread)
     best = ends[0]
-    if not follow:
-        best = min(run(best.x, FINAL_EVALUATIONS, 1e-9, 1e-9), best, key=_cost)
+    if polish and not follow:
+        if len(begin) > 1:
+            best = min(run(best.x, FINAL_EVALUATIONS, *FINE), best, key=_cost)
         if np.sqrt(2.0 * best.cost / used) < NOISE_FLOOR:
             # So near to a perfect fit the errors of the derivatives would end the search early.
             # Where priors or noise leave more than those errors, the first step gains little.

@@ -12,6 +12,8 @@ import numpy as np
 
 from propmap.arrays.types import Floats
 from propmap.errors import InputError
+from propmap.fit.flight_parameters import at_samples, samples_of
+from propmap.fit.parameters import general
 from propmap.vehicle.flight_log import FlightLog
 from propmap.vehicle.vehicle import Vehicle
 
@@ -47,9 +49,9 @@ def sensor_force(
         Where a parameter acts and the log has no time derivatives.
     """
     own = np.array([values.get(name, 0.0) for name in OFFSET])
-    place, late = own + vehicle.sensor, values.get(CLOCK, 0.0)
+    place, late = own + vehicle.sensor, at_samples(CLOCK, values, log)
     force, slopes = np.zeros((len(log), 3)), np.zeros((len(free), len(log), 3))
-    fitted = own.any() or late != 0.0 or any(name in (*OFFSET, CLOCK) for name in free)
+    fitted = own.any() or late.any() or any(general(name) in (*OFFSET, CLOCK) for name in free)
     points = not np.isfinite(log.angular_acceleration).any()
     if not fitted and (points or not place.any()):
         return force, slopes
@@ -65,10 +67,10 @@ def sensor_force(
         for e in np.eye(3)
     ]
     by_clock = -vehicle.mass * log.specific_force_rate
-    force = np.einsum("k,knj->nj", place, np.stack(by_place)) + late * by_clock
+    force = np.einsum("k,knj->nj", place, np.stack(by_place)) + late[:, None] * by_clock
     for row, name in enumerate(free):
         if name in OFFSET:
             slopes[row] = by_place[OFFSET.index(name)]
-        elif name == CLOCK:
-            slopes[row] = by_clock
+        elif general(name) == CLOCK:
+            slopes[row] = by_clock * samples_of(name, log)[:, None]
     return force, slopes

@@ -17,12 +17,14 @@ from propmap.errors import InputError
 from propmap.fit.parameters import (
     BODY,
     FIRST_GUESS,
+    FLIGHT,
     SECTION,
     SENSOR,
     WAKES,
     WING,
     Choice,
     constants_of,
+    general,
 )
 from propmap.fit.rows import Rows
 from propmap.loads import LOADS
@@ -180,7 +182,7 @@ def tunnel_rows(
 def _check(
     data: TunnelData, choice: Choice, names: tuple[str, ...], weights: Mapping[str, float]
 ) -> None:
-    useless = [n for n in choice.free if n in BODY | WING | SENSOR | WAKES]
+    useless = [n for n in choice.free if general(n) in BODY | WING | SENSOR | WAKES | FLIGHT]
     if useless:
         raise InputError(f"{useless[0]} has no part in a tunnel test", "fit it from flight")
     for name in names:

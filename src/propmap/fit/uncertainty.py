@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from propmap.arrays.types import Floats
+from propmap.fit.block_errors import block_errors
 from propmap.fit.bounded_interval import Quadratic, bounded_intervals
-from propmap.fit.parameters import EVERY, Choice
+from propmap.fit.parameters import LINEAR, Choice, described, general
 from propmap.fit.rows import Rows
 from propmap.fit.search import NOISE_FLOOR, Evaluator, Minimum, weight_of_priors
 from propmap.fit.section_prior import LEAST_ERROR
@@ -70,9 +71,9 @@ def uncertainty(
 ) -> Uncertainty:
     """Gauss-Newton covariance, with errors of the size that the residuals of each load have.
 
-    Where ``rows.group`` tells of stretches within which errors are alike, sums over stretches
-    take the place of sums over rows (the cluster-robust covariance), or correlated samples
-    would count as independent ones.  Where other propellers tell what to expect, the rows of each
+    Where ``rows.group`` tells of stretches within which errors are alike, ``block_errors`` of
+    stretches take the place of those of rows, or correlated samples would count as independent
+    ones.  Where other propellers tell what to expect, the rows of each
     load err together as far as ``rows.independent`` says, by ``LEAST_ERROR`` at least.
 
     Parameters
@@ -93,23 +94,20 @@ def uncertainty(
     held = (x - lower < AT_BOUND * spread) | (upper - x < AT_BOUND * spread)
     held &= seen > NEGLIGIBLE * max(float(seen.max()), 1e-300)
     used = rows.weight > 0.0
-    parts = [rows.of_load(k) for k in range(len(rows.names))]
     counts = rows.counts
     apart, by_prior = choice.apart(x)
     by_prior = by_prior * spread
     slopes = found.slopes * spread
     information, prior_information = slopes.T @ slopes, by_prior.T @ by_prior
-    determined: float = x.size
-    if choice.expected is not None:
-        weight = weight_of_priors(rows, choice, error)
-        whole = information + weight**2 * prior_information
-        determined = float(np.trace(np.linalg.pinv(whole) @ information))
-    share = determined / max(int(counts.sum()), 1)
-    errors = np.array([_standard_error(found.residual[part], share) for part in parts])
+    errors = residual_errors(rows, choice, found, error)
     if choice.expected is None:
-        weight = float(np.sqrt(np.sum(counts * errors**2) / max(counts.sum(), 1)))
+        error = float(np.sqrt(np.sum(counts * errors**2) / max(counts.sum(), 1)))
+    weight = weight_of_priors(rows, choice, error)
+    whole, by_priors = (information + weight**2 * prior_information, weight**4 * prior_information)
+    freedom: Floats | int
     if rows.group is not None:
-        middle, freedom = _by_group(slopes, found.residual, rows.group[used], used)
+        stretches = slopes[used], found.residual[used], rows.group[used]
+        middle, freedom = block_errors(*stretches, whole, by_priors)
     elif choice.expected is not None:
         alike = counts / np.maximum(rows.independent, 1.0)
         variance = alike * np.maximum(errors, LEAST_ERROR) ** 2
@@ -118,18 +116,17 @@ def uncertainty(
     else:
         middle = (slopes * errors[rows.load][:, None] ** 2).T @ slopes
         freedom = max(int(counts.sum()) - x.size, 1)
-    known = _sandwich(
-        information + weight**2 * prior_information, middle + weight**4 * prior_information
-    )
+    known = _sandwich(whole, middle + by_priors)
     covariance = known.covariance * np.outer(spread, spread)
     deviation = np.sqrt(np.diag(covariance))
     # At a minimum the sum of squares only slopes towards bounds.
     uphill = slopes.T @ found.residual + weight**2 * (by_prior.T @ apart)
     centre = x / spread - known.inverse @ np.where(held, uphill, 0.0)
-    quantile = float(stdtrit(freedom, 0.975))
+    quantile = np.broadcast_to(stdtrit(freedom, 0.975), x.shape)
     low, high = bounded_intervals(centre, known.root, lower / spread, upper / spread, quantile)
     ends = np.stack([np.minimum(low, x / spread), np.maximum(high, x / spread)])
-    narrow = np.flatnonzero(~held & (ends[1] - ends[0] <= 1.0))
+    bent = np.array([general(name) not in LINEAR for name in choice.free])
+    narrow = np.flatnonzero(~held & bent & (ends[1] - ends[0] <= 1.0))
     low, high = _stretched(ends, narrow, rows, choice, found, weight) * spread
     singular = np.zeros(x.size)
     # Fewer rows than parameters leave directions that the data do not see at all.
@@ -141,7 +138,7 @@ def uncertainty(
     np.fill_diagonal(correlation, 1.0)
     left = _left(deviation / spread, by_prior)
     judged = [
-        _verdict(name, x[k], (low[k], high[k]), quantile * deviation[k], bool(held[k]), left[k])
+        _verdict(name, x[k], (low[k], high[k]), quantile[k] * deviation[k], bool(held[k]), left[k])
         for k, name in enumerate(choice.free)
     ]
     if choice.expected is not None:
@@ -160,6 +157,28 @@ def uncertainty(
         errors,
         left,
     )
+
+
+def residual_errors(
+    rows: Rows, choice: Choice, found: Minimum, error: float = NOISE_FLOOR
+) -> Floats:
+    """Standard deviation of a residual of each load, as a share of its scale; (L,).
+
+    Parameters
+    ----------
+    rows, choice, found, error
+        As for ``uncertainty``.
+    """
+    counts, determined = rows.counts, float(found.x.size)
+    if choice.expected is not None:
+        spread = choice.column("spread")
+        slopes, by_prior = found.slopes * spread, choice.apart(found.x)[1] * spread
+        information = slopes.T @ slopes
+        whole = information + weight_of_priors(rows, choice, error) ** 2 * by_prior.T @ by_prior
+        determined = float(np.trace(np.linalg.pinv(whole) @ information))
+    share = determined / max(int(counts.sum()), 1)
+    parts = [found.residual[rows.of_load(k)] for k in range(len(rows.names))]
+    return np.array([_standard_error(part, share) for part in parts])
 
 
 def _left(deviation: Floats, by_prior: Floats) -> Floats:
@@ -221,17 +240,6 @@ def _standard_error(residual: Floats, share: float) -> float:
     return max(float(np.sqrt(residual @ residual / freedom)), NOISE_FLOOR)
 
 
-def _by_group(
-    slopes: Floats, residual: Floats, group: NDArray[np.intp], used: NDArray[np.bool_]
-) -> tuple[Floats, int]:
-    labels, index = np.unique(group, return_inverse=True)
-    floor = np.where(np.abs(residual) < NOISE_FLOOR, NOISE_FLOOR * np.sign(residual), residual)
-    scores = np.zeros((labels.size, slopes.shape[1]))
-    np.add.at(scores, index, (slopes * floor[:, None])[used])
-    small = labels.size / max(labels.size - 1, 1)
-    return small * scores.T @ scores, max(labels.size - slopes.shape[1], 1)
-
-
 class _Known(NamedTuple):
     """Of the parameters in spreads: (P, P) infinite where there is none; the inverse of the
     information, zero along what the data do not see; W (R, P) of ``bounded_intervals``."""
@@ -260,7 +268,7 @@ def _verdict(
     name: str, x: float, ends: tuple[float, float], half: float, held: bool, left: float
 ) -> tuple[str, bool]:
     """In words, and whether the parameter is identified; ``half`` an interval without bounds."""
-    known, (low, high) = EVERY[name], ends
+    known, (low, high) = described(name), ends
     lower, upper, spread = known.lower, known.upper, known.spread
     if held:
         return f"weak: held by its bound {lower if x - lower < upper - x else upper:g}", False

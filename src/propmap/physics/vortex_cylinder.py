@@ -28,7 +28,7 @@ AZIMUTHS = 32
 """Of the integral around a ring.  With ``CORE`` the error is below 1 % of the inflow outside the
 wake's surface and some per cent on it."""
 
-CORE = 0.1
+CORE = 0.05
 """Radius of the core of the vortex sheet, over the rotor's radius [-]: it spreads the jump of the
 velocity across the wake's surface, so that the velocity is smooth where a wake sweeps over a
 rotor."""

@@ -30,6 +30,9 @@ REPORT_FILES = file_names(
 )
 """What ``propmap report`` may write."""
 
+TERMS_FILES = file_names(["fit-terms"], ["fit-terms-values", "fit-terms-worth"])
+"""What ``propmap fit terms`` may write."""
+
 
 def check_folder(folder: Path, names: Collection[str]) -> None:
     """Raise ``InputError`` unless the folder can be made, or replaced without loss.

@@ -44,6 +44,8 @@ class FlightLog:
         Time derivative of ``rotor_speed`` [rad/s^2]; NaN where it is not known.
     flight : ndarray, shape (n,)
         Number of the flight among several that were joined, from 0.
+    flights : tuple of str
+        Names of the flights, by number.
     """
 
     source: str
@@ -57,6 +59,7 @@ class FlightLog:
     specific_force_rate: Floats = None  # type: ignore[assignment]
     rotor_acceleration: Floats = None  # type: ignore[assignment]
     flight: Floats = None  # type: ignore[assignment]
+    flights: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         unknown = np.full_like(self.rates, np.nan)
@@ -67,6 +70,9 @@ class FlightLog:
             object.__setattr__(self, "rotor_acceleration", np.full_like(self.rotor_speed, np.nan))
         if self.flight is None:
             object.__setattr__(self, "flight", np.zeros_like(self.time))
+        if not self.flights:
+            count = int(self.flight.max(initial=0.0)) + 1
+            object.__setattr__(self, "flights", tuple(str(k + 1) for k in range(count)))
 
     def __len__(self) -> int:
         return int(self.time.size)
@@ -77,7 +83,7 @@ class FlightLog:
 
     def with_each(self, change: Callable[[Floats], Floats]) -> FlightLog:
         """The same log with a ``change`` to every array, which may alter the number of samples."""
-        arrays: dict[str, Any] = {f.name: change(getattr(self, f.name)) for f in fields(self)[1:]}
+        arrays: dict[str, Any] = {name: change(getattr(self, name)) for name in ARRAYS}
         return replace(self, **arrays)
 
     @property
@@ -106,14 +112,20 @@ class FlightLog:
         return np.asarray(np.sum(self.velocity * self.up, axis=1))
 
 
-def joined(logs: list[FlightLog]) -> FlightLog:
-    """Several logs of one vehicle as one, in the order given; their clocks are kept."""
+ARRAYS = tuple(f.name for f in fields(FlightLog) if f.name not in ("source", "flights"))
+"""Fields that have a row for each sample."""
+
+
+def joined(logs: list[FlightLog], names: tuple[str, ...] = ()) -> FlightLog:
+    """Several logs of one vehicle as one, in the order given; their clocks are kept.
+
+    The flights get these ``names``, or else are numbered.
+    """
     logs = [replace(log, flight=np.full_like(log.time, k)) for k, log in enumerate(logs)]
-    arrays = {
-        f.name: np.concatenate([getattr(log, f.name) for log in logs])
-        for f in fields(FlightLog)[1:]
+    arrays: dict[str, Any] = {
+        name: np.concatenate([getattr(log, name) for log in logs]) for name in ARRAYS
     }
-    return FlightLog(source=", ".join(log.source for log in logs), **arrays)
+    return FlightLog(source=", ".join(log.source for log in logs), **arrays, flights=names)
 
 
 def in_vehicle_frame(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -10,14 +10,16 @@ from propmap.arrays.namespace import by_numpy
 from propmap.arrays.types import Floats
 from propmap.model.airfoil import Airfoil
 from propmap.physics.sections.law import coefficients_at
-from propmap.vehicle.vehicle import Body, Wing
+
+if TYPE_CHECKING:
+    from propmap.vehicle.vehicle import Body, Wing
 
 PLAIN = Airfoil(c_l1=5.0, c_l2=1.0, c_d=0.0, alpha_0=0.3).law()
 """Eq. (3); a wing has three parameters of its own."""
 
 
 def free_stream_force(body: Body, wing: Wing | None, density: float, velocity: Floats) -> Floats:
-    """Force in the vehicle's frame [N], of the velocity's shape.
+    """Force of both in the vehicle's frame [N], of the velocity's shape.
 
     Parameters
     ----------
@@ -28,19 +30,34 @@ def free_stream_force(body: Body, wing: Wing | None, density: float, velocity: F
     velocity : ndarray, shape (..., 3)
         Through the air, in the vehicle's frame [m/s].
     """
-    x, z = velocity[..., 0], velocity[..., 2]
-    # In the plane of symmetry; the angle is positive where the air comes from below.
-    angle, speed = np.arctan2(-z, x), np.hypot(x, z)
+    force = body_force(body, density, velocity)
+    return force if wing is None else force + wing_force(wing, density, velocity)
+
+
+def body_force(body: Body, density: float, velocity: Floats) -> Floats:
+    """Drag, lift and download of a ``body``; ``density`` and ``velocity`` as above."""
+    angle, speed, across = _in_plane_of_symmetry(velocity)
     lift = body.lift_area * np.sin(angle) * np.cos(angle)
-    if wing is not None:
-        own: Any = {name: np.float64(getattr(wing, name)) for name in ("c_l1", "c_l2", "alpha_0")}
-        alpha: Any = angle + wing.incidence
-        with by_numpy():
-            found = coefficients_at(PLAIN._replace(**own), alpha, np.ones_like(alpha))
-        lift = lift + wing.area * np.asarray(found.lift)
-    # Across the flow: V^2 times the unit vector (-v_z, 0, v_x)/V.
-    across = np.stack([-z, np.zeros_like(angle), x], axis=-1)
     drag = 0.5 * density * np.array(body.drag_area) * np.abs(velocity) * velocity
     pressed = np.square(velocity[..., :2]) @ np.array(body.download_area)
     down = 0.5 * density * pressed[..., None] * np.array([0.0, 0.0, 1.0])
-    return (0.5 * density * lift * speed)[..., None] * across - drag - down
+    return np.asarray((0.5 * density * lift * speed)[..., None] * across - drag - down)
+
+
+def wing_force(wing: Wing, density: float, velocity: Floats) -> Floats:
+    """Lift of a ``wing``; ``density`` and ``velocity`` as above."""
+    angle, speed, across = _in_plane_of_symmetry(velocity)
+    own: Any = {name: np.float64(getattr(wing, name)) for name in ("c_l1", "c_l2", "alpha_0")}
+    alpha: Any = angle + wing.incidence
+    with by_numpy():
+        found = coefficients_at(PLAIN._replace(**own), alpha, np.ones_like(alpha))
+    lift = wing.area * np.asarray(found.lift)
+    return np.asarray((0.5 * density * lift * speed)[..., None] * across)
+
+
+def _in_plane_of_symmetry(velocity: Floats) -> tuple[Floats, Floats, Floats]:
+    """Angle of attack [rad], positive where the air comes from below, the speed V [m/s] there, and
+    V times the unit vector across the flow (-v_z, 0, v_x)/V."""
+    x, z = velocity[..., 0], velocity[..., 2]
+    angle = np.arctan2(-z, x)
+    return angle, np.hypot(x, z), np.stack([-z, np.zeros_like(angle), x], axis=-1)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from propmap.arrays.types import Floats
 from propmap.loads import LOADS
@@ -20,8 +21,8 @@ class HubFlow(NamedTuple):
 
     ``omega`` [rad/s], ``axial`` = V_i cos(beta_i) and ``inplane`` = V_i sin(beta_i) >= 0 [m/s] are
     (n, m).  Unit vectors: ``axis`` (m, 3) along the thrust; ``downstream`` (n, m, 3) against the
-    in-plane velocity, along the rotor drag.  ``position`` (m, 3) of the hubs from the centre of
-    mass [m]; ``spin`` (m,), 1 for counter-clockwise, else -1.
+    in-plane velocity, along the rotor drag; zero where there is none.  ``position`` (m, 3) of the
+    hubs from the centre of mass [m]; ``spin`` (m,), 1 for counter-clockwise, else -1.
     """
 
     omega: Floats
@@ -37,6 +38,19 @@ class HubFlow(NamedTuple):
         """Of the hubs through the air, in the vehicle's frame [m/s]; (n, m, 3)."""
         along: Floats = self.axial[..., None] * self.axis
         return along - self.inplane[..., None] * self.downstream
+
+    def part(self, which: NDArray[np.intp] | slice) -> HubFlow:
+        """Some samples."""
+        return self._replace(
+            omega=self.omega[which],
+            axial=self.axial[which],
+            inplane=self.inplane[which],
+            downstream=self.downstream[which],
+        )
+
+    def moved(self, added: Floats) -> HubFlow:
+        """The same with ``added`` (n, m) to the axial velocity [m/s]."""
+        return self._replace(axial=self.axial + added)
 
 
 def hub_flow(vehicle: Vehicle, log: FlightLog) -> HubFlow:
@@ -71,9 +85,24 @@ def hub_flow_at(vehicle: Vehicle, omega: Floats, velocity: Floats, rates: Floats
         Of the centre of mass through the air [m/s], and of turning [rad/s], in its frame.
     """
     position = np.array([mount.position for mount in vehicle.mounts])
+    return flow_of_hubs(vehicle, omega, velocity[:, None] + np.cross(rates[:, None], position))
+
+
+def flow_of_hubs(vehicle: Vehicle, omega: Floats, hubs: Floats) -> HubFlow:
+    """The same of hubs whose velocities are known.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        Where its m rotors are.
+    omega : ndarray, shape (n, m)
+        Rotor speeds [rad/s].
+    hubs : ndarray, shape (n, m, 3)
+        Velocities of the hubs through the air, in the vehicle's frame [m/s].
+    """
+    position = np.array([mount.position for mount in vehicle.mounts])
     axis = np.array([mount.axis for mount in vehicle.mounts])
     spin = np.array([spin_sign(mount.spin) for mount in vehicle.mounts])
-    hubs = velocity[:, None, :] + np.cross(rates[:, None, :], position[None])
     axial = np.sum(hubs * axis, axis=-1)
     across = hubs - axial[..., None] * axis
     inplane = np.linalg.norm(across, axis=-1)

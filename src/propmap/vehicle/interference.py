@@ -10,30 +10,29 @@ is right.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from propmap.arrays.types import Floats
+from propmap.engine.attached_thrust import attached_thrust
 from propmap.errors import InputError
-from propmap.physics.vortex_cylinder import axial_velocity
 from propmap.vehicle.hub_flow import HubFlow
-from propmap.vehicle.vehicle import Vehicle, Wakes
+from propmap.vehicle.wake_table import frame_of, seen_wake
 
-DISK_RADII = np.concatenate([[0.0], np.full(6, np.sqrt(2.0 / 3.0))])
-DISK_ANGLES = np.concatenate([[0.0], np.arange(6) * np.pi / 3.0])
-DISK_WEIGHTS = np.concatenate([[0.25], np.full(6, 0.125)])
-"""Seven points that average polynomials of the fifth degree over a disk exactly: A. H. Stroud,
-Approximate Calculation of Multiple Integrals, 1971, formula S2 5-1."""
+if TYPE_CHECKING:
+    from propmap.model.model import Model
+    from propmap.vehicle.vehicle import Vehicle, Wakes
 
 LARGEST_INFLOW = 2.0
 """Inflow over that of the same thrust in hover [-], at most: about what is measured in the vortex
 ring, where momentum theory has no solution."""
 
+UPWASH = 0.005
+"""Of the density of circulation [-]: the upwash at which the gain is all that of upwash."""
+
 SLOW = 0.5
 """In-plane velocity [m/s] about which ahead and beside begin to differ."""
-
-SHARE_STEP = 1e-3
-"""Of the difference quotient by the share of the inflow that skews a wake."""
 
 STEPS = 40
 """Of Newton's method, which is monotone from above."""
@@ -56,11 +55,6 @@ class WakeFlow:
     added: Floats
     by_gain: dict[str, Floats]
     by_thrust: Floats
-
-    @property
-    def known(self) -> Floats:
-        """``added``, and 0 where it is not known for want of a rotor's loads."""
-        return np.nan_to_num(self.added)
 
 
 def glauert_inflow(
@@ -100,8 +94,47 @@ def glauert_inflow(
     return np.minimum(v, at_most), np.where(thrust > 0.0, slope, 0.0)
 
 
+def in_wakes(vehicle: Vehicle, wakes: Wakes, model: Model, flow: HubFlow) -> HubFlow:
+    """The flow at rotors in each other's wakes, of which each comes with attached thrust.
+
+    Parameters
+    ----------
+    vehicle, wakes : Vehicle, Wakes
+        Where its m rotors are, and how they act on each other.
+    model : Model
+        Of its rotors.
+    flow : HubFlow
+        Of n samples without the wakes.
+
+    Raises
+    ------
+    InputError
+        Where two rotors are in one place.
+    """
+    check_apart(vehicle)
+    omega, axial, inplane = (a.ravel() for a in (flow.omega, flow.axial, flow.inplane))
+    thrust, _ = attached_thrust(model.arrays(), omega, axial, inplane)
+    added = added_flow(vehicle, wakes, flow, thrust.reshape(flow.omega.shape))
+    return flow._replace(axial=flow.axial + added)
+
+
+def added_flow(vehicle: Vehicle, wakes: Wakes, flow: HubFlow, thrust: Floats) -> Floats:
+    """What the wakes of all other rotors add to V cos(beta) at each [m/s], (n, m).
+
+    ``vehicle``, ``wakes``, ``flow`` and ``thrust`` are those of ``wake_flow``, which gives the
+    derivatives as well and takes twice the time.
+    """
+    inflow, _ = _inflow(vehicle, flow, thrust)
+    seen, _ = _seen(vehicle, flow, inflow, wakes.share)
+    along = _along(vehicle, flow.velocity)
+    upwash = wakes.beside + (wakes.ahead - wakes.beside) * along
+    gained = wakes.downwash * seen + (upwash - wakes.downwash) * _rising(seen)[0]
+    found: Floats = np.sum(2.0 * inflow[:, None, :] * gained, axis=2)
+    return found
+
+
 def wake_flow(vehicle: Vehicle, wakes: Wakes, flow: HubFlow, thrust: Floats) -> WakeFlow:
-    """What the wakes of all other rotors add to the axial flow at each.
+    """What the wakes of all other rotors add to the axial flow at each, and its derivatives.
 
     Parameters
     ----------
@@ -114,32 +147,38 @@ def wake_flow(vehicle: Vehicle, wakes: Wakes, flow: HubFlow, thrust: Floats) -> 
     thrust : ndarray, shape (n, m)
         Of each rotor [N], without its neighbours.
     """
-    radius = vehicle.propeller.radius
-    disk = vehicle.air.density * np.pi * radius**2
-    inflow, by_thrust = glauert_inflow(thrust, flow.axial, flow.inplane, disk)
-    velocity = flow.velocity
-    one = _velocities(vehicle, velocity, inflow, wakes.share)
-    less, more = (
-        _velocities(vehicle, velocity, inflow, wakes.share + step)
-        for step in (-SHARE_STEP, SHARE_STEP)
-    )
-    by_share = (more - less) / (2.0 * SHARE_STEP)
-    up, along = one < 0.0, _along(vehicle, velocity)
-    gain = np.where(up, wakes.beside + (wakes.ahead - wakes.beside) * along, wakes.downwash)
-    rising = np.where(up, one, 0.0)
+    inflow, by_thrust = _inflow(vehicle, flow, thrust)
+    seen, by_share = _seen(vehicle, flow, inflow, wakes.share, slope=True)
+    rising, slope = _rising(seen)
+    along = _along(vehicle, flow.velocity)
+    upwash = wakes.beside + (wakes.ahead - wakes.beside) * along
+    gained = wakes.downwash * seen + (upwash - wakes.downwash) * rising
+    steeper = wakes.downwash + (upwash - wakes.downwash) * slope
+    twice = 2.0 * inflow[:, None, :]
     # A wake goes as 2 v K(share v): its strength and its direction change with the inflow.
-    tiny = np.maximum(inflow, 1e-9)[:, None, :]
-    by_inflow = (one + wakes.share * by_share) / tiny
+    by_inflow = 2.0 * (gained + wakes.share * steeper * by_share)
     return WakeFlow(
-        added=np.sum(gain * one, axis=2),
+        added=np.sum(twice * gained, axis=2),
         by_gain={
-            "ahead": np.sum(along * rising, axis=2),
-            "beside": np.sum((1.0 - along) * rising, axis=2),
-            "downwash": np.sum(one - rising, axis=2),
-            "share": np.sum(gain * by_share, axis=2),
+            "ahead": np.sum(twice * along * rising, axis=2),
+            "beside": np.sum(twice * (1.0 - along) * rising, axis=2),
+            "downwash": np.sum(twice * (seen - rising), axis=2),
+            "share": np.sum(twice * steeper * by_share, axis=2),
         },
-        by_thrust=gain * by_inflow * by_thrust[:, None, :],
+        by_thrust=by_inflow * by_thrust[:, None, :],
     )
+
+
+def _inflow(vehicle: Vehicle, flow: HubFlow, thrust: Floats) -> tuple[Floats, Floats]:
+    """``glauert_inflow`` at each rotor."""
+    disk = vehicle.air.density * np.pi * vehicle.propeller.radius**2
+    return glauert_inflow(thrust, flow.axial, flow.inplane, disk)
+
+
+def _rising(seen: Floats) -> tuple[Floats, Floats]:
+    """The part of the velocities that is upwash, and its derivative by them; both continuous."""
+    share = np.clip(-seen / UPWASH, 0.0, 1.0)
+    return seen * share**2 * (3.0 - 2.0 * share), share**2 * (9.0 - 8.0 * share)
 
 
 def _along(vehicle: Vehicle, velocity: Floats) -> Floats:
@@ -158,36 +197,31 @@ def _along(vehicle: Vehicle, velocity: Floats) -> Floats:
     return np.einsum("nsk,tsk->nts", velocity, unit) ** 2 / (speed2 + SLOW**2)[:, None, :]
 
 
-def _velocities(vehicle: Vehicle, velocity: Floats, inflow: Floats, share: float) -> Floats:
-    """Downward velocity at each rotor by the wake of each (n, target, source) [m/s]."""
-    radius, mounts = vehicle.propeller.radius, vehicle.mounts
-    frames = [_frame(mount.axis) for mount in mounts]
-    rim = DISK_RADII * np.stack([np.cos(DISK_ANGLES), np.sin(DISK_ANGLES), 0.0 * DISK_ANGLES])
+def _seen(
+    vehicle: Vehicle, flow: HubFlow, inflow: Floats, share: float, *, slope: bool = False
+) -> tuple[Floats, Floats]:
+    """Downward velocity at each rotor by the wake of each, per density of its circulation [-].
+
+    (n, target, source).  With ``slope``, also its derivative by the share of the inflow that skews
+    a wake, else zeros.
+    """
+    mounts, radius = vehicle.mounts, vehicle.propeller.radius
     found = np.zeros((inflow.shape[0], len(mounts), len(mounts)))
+    by_share = np.zeros_like(found)
     for source, mount in enumerate(mounts):
         # The air carries a wake against the hub's velocity and down its own axis.
-        away = -velocity[:, source] @ frames[source].T
+        away = -flow.velocity[:, source] @ frame_of(mount.axis).T
         away[:, 2] -= share * inflow[:, source]
-        length = np.linalg.norm(away, axis=1, keepdims=True)
-        still = length < 1e-9
-        away = np.where(still, [0.0, 0.0, -1.0], away / np.where(still, 1.0, length))
+        away[np.all(np.abs(away) < 1e-9, axis=1)] = 0.0, 0.0, -1.0
+        length2 = np.sum(away**2, axis=1)
+        straighter = -np.hypot(away[:, 0], away[:, 1]) * inflow[:, source] / length2
         for target, other in enumerate(mounts):
             if target != source:
-                apart = (np.array(other.position) - np.array(mount.position)) / radius
-                place = (apart + rim.T @ frames[target]) @ frames[source].T
-                seen = axial_velocity(place[None], away[:, None, :]) @ DISK_WEIGHTS
-                tilt = float(np.dot(mount.axis, other.axis))
-                found[:, target, source] = 2.0 * inflow[:, source] * tilt * seen
-    return found
-
-
-def _frame(axis: tuple[float, float, float]) -> Floats:
-    """Rows: two directions in the disk and the axis, right-handed; (3, 3)."""
-    z = np.array(axis)
-    nearest = np.array([1.0, 0.0, 0.0]) if abs(z[0]) < 0.9 else np.array([0.0, 1.0, 0.0])
-    y = np.cross(z, nearest)
-    y /= np.linalg.norm(y)
-    return np.stack([np.cross(y, z), y, z])
+                wake = seen_wake(mount, other, radius)
+                found[:, target, source] = wake.at(away)
+                if slope:
+                    by_share[:, target, source] = wake.at(away, skewing=True) * straighter
+    return found, by_share
 
 
 def check_apart(vehicle: Vehicle) -> None:

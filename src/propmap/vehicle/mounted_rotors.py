@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import NDArray
 
 from propmap.model.model import Model
-from propmap.vehicle.vehicle import Vehicle
+
+if TYPE_CHECKING:
+    from propmap.vehicle.vehicle import Vehicle
 
 
 def mounted_rotors(vehicle: Vehicle, model: Model) -> list[tuple[Model, NDArray[np.intp]]]:

@@ -3,12 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 from propmap.errors import InputError
 from propmap.model.air import Air
 from propmap.model.propeller import Propeller
 from propmap.physics.mount_drag import MountDrag
 from propmap.vehicle.powertrain import Powertrain
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from propmap.vehicle.rotors import LoadSource
+    from propmap.vehicle.vehicle_forces import VehicleWrench
 
 SPINS = ("ccw", "cw")
 Vector = tuple[float, float, float]
@@ -170,6 +177,35 @@ class Vehicle:
                 raise InputError(
                     f"rotor {k}: the axis has length {length:g}", "give a unit vector, [0, 0, 1]"
                 )
+
+    def wrench(
+        self,
+        omegas: ArrayLike,
+        velocity: ArrayLike,
+        rates: ArrayLike = (0.0, 0.0, 0.0),
+        wind: ArrayLike = (0.0, 0.0, 0.0),
+        *,
+        loads: LoadSource,
+    ) -> VehicleWrench:
+        """Force and moment of the air on the vehicle; for many calls, make ``VehicleForces`` once.
+
+        Parameters
+        ----------
+        omegas, velocity, rates, wind : array_like
+            As for ``VehicleForces.wrench``: speeds of the rotors (..., k) [rad/s], velocity of the
+            centre of mass over the ground [m/s], turning [rad/s] and velocity of the air over the
+            ground [m/s], (..., 3) each, in the vehicle's frame.
+        loads : Rotor or LoadTable
+            Of its rotors: a vehicle does not know the section law of its blades.
+
+        Raises
+        ------
+        InputError
+            As ``VehicleForces`` and its ``wrench``.
+        """
+        from propmap.vehicle.vehicle_forces import VehicleForces
+
+        return VehicleForces(self, loads).wrench(omegas, velocity, rates, wind)
 
 
 def _check_inertia(inertia: Vector) -> None:

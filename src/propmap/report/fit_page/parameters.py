@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from propmap.fit.fit_record import FitRecord
-from propmap.fit.parameters import EVERY
+from propmap.fit.parameters import EVERY, general
 from propmap.report.page import csv_of_rows, number
 from propmap.report.style import COLOURS, new_figure, style
 
@@ -43,7 +43,7 @@ def parameter_rows(fit: FitRecord) -> list[tuple[str, ...]]:
     return [
         (
             p.name,
-            EVERY[p.name].meaning if p.name in EVERY else "",
+            EVERY[general(p.name)].meaning if general(p.name) in EVERY else "",
             number(p.value, 4),
             f"{number(p.low)} to {number(p.high)}",
             p.unit,

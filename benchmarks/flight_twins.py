@@ -1,0 +1,115 @@
+"""How well whole flights of six axes are identified: `make bench-flight-twins`.
+
+Two flights of half a minute each are computed with known constants, place of the accelerometer,
+gains of wakes and thrust scales, and identified again: once without noise, and a hundred times
+with noise that is alike for a while, to count how often the stated 95 % intervals hold the truth;
+searches start at the truth there.  Beside it stands how often they would if every number erred by
+itself.  Writes results/flight_twins.json.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+import time
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from scipy.special import stdtrit
+
+from benchmarks.results_file import machine, write_results
+from propmap.arrays.types import Floats
+from propmap.engine.compilation import compile_quickly
+from propmap.fit.fitted import Fitted, Settings, fit
+from propmap.fit.parameters import Choice, Prior, described
+from tests.fit.flight_twin import BEFOREHAND, FIXED, FREE, TRUTH, Noise, Twin
+
+REPETITIONS = 100
+ONCE = Settings(starts=1, folds=0)
+
+
+def noise_free(twin: Twin) -> dict[str, Any]:
+    """What is found without noise, from a start that is off."""
+    priors = {name: Prior(TRUTH[name], deviation) for name, deviation in BEFOREHAND.items()}
+    choice = Choice(FREE, FIXED, priors, start={"c_l1": 5.0})
+    exact = replace(twin.rows, measured=twin.measured(TRUTH))
+    found = fit(exact, choice, ONCE)
+    return {
+        name: {
+            "truth": TRUTH[name],
+            "found": float(found.x[k]),
+            "relative_error": float(found.x[k] / TRUTH[name] - 1.0),
+        }
+        for k, name in enumerate(FREE)
+    }
+
+
+def as_if_independent(found: Fitted) -> tuple[Floats, Floats]:
+    """Ends of the 95 % intervals if every row erred by itself."""
+    slopes, residual = found.minimum.slopes, found.minimum.residual
+    variance = float(residual @ residual) / (residual.size - found.x.size)
+    by_prior = np.sqrt(variance) * found.choice.apart(found.x)[1]
+    information = slopes.T @ slopes + by_prior.T @ by_prior
+    deviation = np.sqrt(variance * np.diag(np.linalg.inv(information)))
+    half = float(stdtrit(residual.size - found.x.size, 0.975)) * deviation
+    return found.x - half, found.x + half
+
+
+def coverage(twin: Twin, noise: Noise) -> dict[str, Any]:
+    """Share of noisy twins whose intervals hold the truth, by parameter."""
+    shape = REPETITIONS, len(FREE)
+    inside, alone, good = np.zeros((3, *shape), bool)
+    width, off = np.zeros((2, *shape))
+    for k in range(REPETITIONS):
+        begin = time.process_time()
+        rows, choice, truth = twin.noisy(k, noise)
+        found = fit(rows, choice, ONCE)
+        wanted = np.array([truth[name] for name in FREE])
+        sure = found.uncertainty
+        inside[k] = (sure.low <= wanted) & (wanted <= sure.high)
+        low, high = as_if_independent(found)
+        alone[k] = (low <= wanted) & (wanted <= high)
+        good[k] = sure.identified
+        width[k] = sure.high - sure.low
+        off[k] = (found.x - wanted) / np.sqrt(np.diag(sure.covariance))
+        took = time.process_time() - begin
+        print(k, f"{inside[k].sum()} of {len(FREE)}, {took:.1f} s", flush=True)
+    return {
+        name: {
+            "called_identified": int(good[:, k].sum()),
+            "of_these_truth_inside": float(inside[good[:, k], k].mean())
+            if good[:, k].any()
+            else None,
+            "of_all_truth_inside": float(inside[:, k].mean()),
+            "if_rows_were_independent": float(alone[:, k].mean()),
+            "median_width": float(np.median(width[:, k])),
+            "spread_of_z": float(off[:, k].std()),
+            "unit": described(name).unit,
+        }
+        for k, name in enumerate(FREE)
+    }
+
+
+def main() -> None:
+    """Make the twin, fit, print and write; with an argument, without the noisy ones."""
+    compile_quickly()
+    begin = time.process_time()
+    twin, noise = Twin(), Noise()
+    found: dict[str, Any] = {"machine": machine()}
+    found["rows"] = int(twin.rows.measured.size)
+    found["stretches"] = int(np.unique(twin.log.stretches(1.0)).size)
+    found["noise"] = {"white": noise.white, "alike": noise.alike, "lasting_s": noise.lasting}
+    found["noise_free"] = noise_free(twin)
+    print(json.dumps(found, indent=1), flush=True)
+    if len(sys.argv) > 1:
+        return
+    found["repetitions"] = REPETITIONS
+    found["coverage"] = coverage(twin, noise)
+    found["processor_s"] = round(time.process_time() - begin, 1)
+    print(json.dumps(found["coverage"], indent=1))
+    write_results("flight_twins.json", found)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,1 @@
+"""The page on what each term of a flight fit is worth."""

@@ -1,0 +1,355 @@
+"""The rotors of a vehicle as force and moment on it, from a rotor, a table or the hover model."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from propmap.arrays.types import Floats
+from propmap.engine.attached_thrust import attached_thrust
+from propmap.errors import InputError
+from propmap.loads import LOADS
+from propmap.results import STATUSES
+from propmap.rotor import Rotor
+from propmap.vehicle.hub_flow import HubFlow, flow_of_hubs, hub_wrenches
+from propmap.vehicle.interference import added_flow, check_apart, wake_flow
+from propmap.vehicle.mounted_rotors import mounted_rotors
+
+if TYPE_CHECKING:
+    from propmap.physics.rotor import RotorArrays
+    from propmap.vehicle.vehicle import Vehicle
+
+SEVERITY = (
+    *STATUSES[:-1],
+    "unresolved",
+    "clamped",
+    STATUSES[-1],
+    "no_value",
+    "outside",
+)
+"""Statuses of rotors and of tables, from harmless to fatal."""
+
+THRUST, TORQUE = (list(LOADS).index(name) for name in ("thrust", "torque"))
+
+STEP = 1e-2
+"""Of difference quotients by the axial flow [m/s]."""
+
+
+@runtime_checkable
+class LoadSource(Protocol):
+    """What gives loads for a velocity in the rotor frame, as ``Rotor`` and ``LoadTable`` do."""
+
+    def loads_at_velocity(self, omega: Any, velocity: Any) -> Any:
+        """Loads with a ``status``."""
+        ...
+
+
+Sources = list[tuple[LoadSource, NDArray[np.intp]]]
+"""What gives the loads of which rotors."""
+
+
+class RotorWrenches(NamedTuple):
+    """What k rotors do at (...) states.
+
+    Attributes
+    ----------
+    force, moment : ndarray, shape (..., k, 3)
+        On the vehicle at the hub, in its frame [N], [N m].
+    thrust, torque : ndarray, shape (..., k)
+        [N], [N m].
+    added_flow : ndarray, shape (..., k)
+        What the other rotors' wakes add to V cos(beta) [m/s]; NaN where it is not known.
+    status : ndarray of str, shape (..., k)
+        Of the loads.
+    """
+
+    force: Floats
+    moment: Floats
+    thrust: Floats
+    torque: Floats
+    added_flow: Floats
+    status: NDArray[np.str_]
+
+
+class Rotors:
+    """All rotors of a vehicle, in each other's wakes where the vehicle has ``wakes``.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        Where they are.
+    sources : list of (LoadSource, ndarray of int)
+        What gives the loads of which rotors.
+    arrays : RotorArrays, optional
+        Of a rotor, whose attached thrust makes the wakes, see ``attached_thrust``; by default it is
+        the thrust of the sources, which takes their loads twice.
+
+    Raises
+    ------
+    InputError
+        Where there are wakes and two rotors are in one place.
+    """
+
+    def __init__(
+        self, vehicle: Vehicle, sources: Sources, arrays: RotorArrays | None = None
+    ) -> None:
+        self.vehicle, self.sources = vehicle, sources
+        nothing = np.zeros((0, len(vehicle.mounts)))
+        flow = flow_of_hubs(vehicle, nothing, np.zeros((*nothing.shape, 3)))
+        self.position, self.axis, self.spin = flow.position, flow.axis, flow.spin
+        self.radius = vehicle.propeller.radius
+        self.wakes, self._wake_arrays = vehicle.wakes, arrays
+        if self.wakes is not None:
+            check_apart(vehicle)
+
+    def __len__(self) -> int:
+        return len(self.spin)
+
+    @classmethod
+    def of(cls, vehicle: Vehicle, loads: LoadSource) -> Rotors:
+        """The rotors with loads from a ``Rotor``, of whose model they are, or from a table.
+
+        Raises
+        ------
+        InputError
+            Where the propeller or the air is another than the vehicle's.
+        """
+        if not isinstance(loads, LoadSource):
+            raise InputError(
+                f"loads is {type(loads).__name__}", "give a Rotor or a LoadTable of its rotors"
+            )
+        if not isinstance(loads, Rotor):
+            _check_table(vehicle, loads)
+            return cls(vehicle, [(loads, np.arange(len(vehicle.mounts)))])
+        model = loads.model
+        if model.propeller != vehicle.propeller or model.air != vehicle.air:
+            raise InputError(
+                "the rotor has another propeller or air than the vehicle",
+                "give Rotor(Model(vehicle.propeller, airfoil, vehicle.air))",
+            )
+        every: Sources = [(loads.with_model(own), k) for own, k in mounted_rotors(vehicle, model)]
+        return cls(vehicle, every, model.arrays() if vehicle.wakes is not None else None)
+
+    def moment(self, force: Floats, moment: Floats) -> Floats:
+        """About the centre of mass, (..., k, 3) [N m], of what acts at the hubs."""
+        return moment + np.cross(self.position, force)
+
+    def wrenches(self, omega: Floats, velocity: Floats) -> RotorWrenches:
+        """Force and moment of each rotor.
+
+        Parameters
+        ----------
+        omega : ndarray, shape (..., k)
+            [rad/s].
+        velocity : ndarray, shape (..., k, 3)
+            Of the hubs through the air, in the vehicle's frame [m/s].
+        """
+        flow = self._flow(omega, velocity)
+        added = np.zeros_like(flow.omega)
+        if self.wakes is None:
+            loads, status = _loads(self.sources, flow)
+        else:
+            alone = self._alone(flow)
+            added = alone.known(added_flow(self.vehicle, self.wakes, flow, alone.thrust))
+            loads, status = self._in_wakes(flow, added, alone)
+        return _told(flow, loads, added, status, omega.shape)
+
+    def around(
+        self, omega: Floats, velocity: Floats, change: float
+    ) -> tuple[RotorWrenches, Floats, Floats]:
+        """Force and moment of each rotor in some motions, and what its speed does to those of all.
+
+        Parameters
+        ----------
+        omega : ndarray, shape (n, k)
+            [rad/s], alike in all motions.
+        velocity : ndarray, shape (s, n, k, 3)
+            Of the hubs in s motions; in the first, the rotor speeds change.
+        change : float
+            Of a rotor speed in a difference quotient, as a share.
+
+        Returns
+        -------
+        wrenches : RotorWrenches
+            Of shapes (s, n, ...).
+        force, moment : ndarray, shape (n, k, 3)
+            Derivatives by the speed of each rotor of the force and of the moment about the centre
+            of mass, with the wakes that change [N s], [N m s].
+        """
+        s, n, k = velocity.shape[:3]
+        first, faster = np.arange(n), np.arange(s * n, (s + 1) * n)
+        turning = np.tile(omega, (s + 1, 1))
+        turning[faster] *= 1.0 + change
+        moving = np.concatenate([velocity, velocity[:1]])
+        flow = self._flow(turning, moving.reshape(-1, k, 3))
+        added, wake = np.zeros_like(flow.omega), None
+        if self.wakes is None:
+            loads, status = _loads(self.sources, flow)
+        else:
+            alone = self._alone(flow)
+            wake = wake_flow(self.vehicle, self.wakes, flow.part(first), alone.thrust[first])
+            rest = slice(n, s * n)
+            others = added_flow(self.vehicle, self.wakes, flow.part(rest), alone.thrust[rest])
+            again = np.concatenate([np.arange((s + 1) * n), first])
+            added = np.concatenate([wake.added, others, wake.added, wake.added + STEP])
+            flow, thrust = flow.part(again), alone.thrust
+            alone = alone.part(again)
+            added = alone.known(added)
+            loads, status = self._in_wakes(flow, added, alone)
+        here, step = flow.part(first), omega * change
+        force, moment = hub_wrenches(here, (loads[:, faster] - loads[:, first]) / step)
+        moment = self.moment(force, moment)
+        if wake is not None:
+            # The flow that a rotor's speed adds at all others, and what that does there.
+            push, turn = hub_wrenches(here, (loads[:, (s + 1) * n :] - loads[:, first]) / STEP)
+            by_speed = wake.by_thrust * ((thrust[faster] - thrust[first]) / step)[:, None]
+            force = force + np.einsum("ntj,nts->nsj", push, by_speed)
+            moment = moment + np.einsum("ntj,nts->nsj", self.moment(push, turn), by_speed)
+        motions = slice(s * n)
+        found = (flow.part(motions), loads[:, motions], added[motions], status[motions])
+        return _told(*found, (s, n, k)), force, moment
+
+    def changed(self, changes: Sources, omega: Floats, velocity: Floats) -> RotorWrenches:
+        """What ``changes`` of the loads, to first order, do to force and moment of each rotor.
+
+        Where there are wakes, they change with the thrusts, attached or not.
+
+        Parameters
+        ----------
+        changes : list of (LoadSource, ndarray of int)
+            Changes of the loads at given operating points, and of which rotors they are.
+        omega, velocity : ndarray, shape (n, k) and (n, k, 3)
+            As for ``wrenches``.
+        """
+        flow = self._flow(omega, velocity)
+        added = np.zeros_like(flow.omega)
+        if self.wakes is None:
+            loads, status = _loads(changes, flow)
+            return _told(flow, loads, added, status, omega.shape)
+        alone = self._alone(flow)
+        wake = wake_flow(self.vehicle, self.wakes, flow, alone.thrust)
+        more, less = (_loads(self.sources, flow.moved(wake.added + by))[0] for by in (STEP, -STEP))
+        # Both in one call: changes are computed once, for one set of points.
+        twice = np.tile(np.arange(len(omega)), 2)
+        both = flow.part(twice).moved(np.concatenate([np.zeros_like(added), wake.added]))
+        every, status = _loads(changes, both)
+        first, here = every[:, : len(omega)], every[:, len(omega) :]
+        follows = np.einsum("nts,ns->nt", wake.by_thrust, first[THRUST])
+        loads = here + (more - less) / (2.0 * STEP) * follows
+        return _told(flow, loads, follows, status[len(omega) :], omega.shape)
+
+    def _flow(self, omega: Floats, velocity: Floats) -> HubFlow:
+        """At the hubs; leading axes are made one."""
+        k = len(self)
+        return flow_of_hubs(self.vehicle, omega.reshape(-1, k), velocity.reshape(-1, k, 3))
+
+    def _alone(self, flow: HubFlow) -> _Alone:
+        """What the rotors do without each other's wakes."""
+        if self._wake_arrays is None:
+            loads, status = _loads(self.sources, flow)
+            return _Alone(np.nan_to_num(loads[THRUST]), np.isnan(loads[THRUST]), status)
+        omega, axial, inplane = (a.ravel() for a in (flow.omega, flow.axial, flow.inplane))
+        found, _ = attached_thrust(self._wake_arrays, omega, axial, inplane)
+        thrust = found.reshape(flow.omega.shape)
+        return _Alone(thrust, np.zeros(thrust.shape, bool), np.full(thrust.shape, SEVERITY[0]))
+
+    def _in_wakes(
+        self, flow: HubFlow, added: Floats, alone: _Alone
+    ) -> tuple[Floats, NDArray[np.str_]]:
+        """Loads and their status with ``added`` (n, k) axial flow [m/s]."""
+        loads, found = _loads(self.sources, flow.moved(np.nan_to_num(added)))
+        lost = np.isnan(added)
+        found = np.where(lost, worst(alone.status)[:, None], found)
+        return np.where(lost, np.nan, loads), found
+
+
+class _Alone(NamedTuple):
+    """Thrust that makes the wakes, where it is not known, and the rotors' status, (n, k) each."""
+
+    thrust: Floats
+    lost: NDArray[np.bool_]
+    status: NDArray[np.str_]
+
+    def part(self, which: NDArray[np.intp]) -> _Alone:
+        """Some states."""
+        return _Alone(self.thrust[which], self.lost[which], self.status[which])
+
+    def known(self, added: Floats) -> Floats:
+        """The ``added`` flow, NaN where the thrust of another rotor is not known."""
+        others = self.lost.sum(axis=1, keepdims=True) - self.lost
+        return np.where(others > 0, np.nan, added)
+
+
+def worst(status: NDArray[np.str_]) -> NDArray[np.str_]:
+    """The worst ``status`` (..., k) of all rotors, (...)."""
+    names = np.array(SEVERITY)
+    order = np.argsort(names)
+    rank = order[np.searchsorted(names, status, sorter=order)]
+    return np.asarray(names[rank.max(axis=-1)])
+
+
+def _loads(sources: Sources, flow: HubFlow) -> tuple[Floats, NDArray[np.str_]]:
+    """Loads (L, n, k) and their status (n, k)."""
+    loads = np.empty((len(LOADS), *flow.omega.shape))
+    status = np.empty(flow.omega.shape, dtype="<U16")
+    for source, mine in sources:
+        parts = [values[:, mine] for values in (flow.omega, flow.inplane, flow.axial)]
+        if not parts[0].size:
+            continue
+        # Half the rotors of a symmetric vehicle see what the other half sees.
+        once, where = _apart(np.stack(parts, axis=-1).reshape(-1, 3))
+        where = where.reshape(parts[0].shape)
+        omega, across, along = once.T
+        velocity = np.stack([across, np.zeros_like(across), along], axis=1)
+        found = source.loads_at_velocity(omega, velocity)
+        for rows, name in zip(loads, LOADS, strict=True):
+            rows[:, mine] = np.asarray(getattr(found, name))[where]
+        status[:, mine] = np.asarray(found.status)[where]
+    return loads, status
+
+
+def _told(
+    flow: HubFlow,
+    loads: Floats,
+    added: Floats,
+    status: NDArray[np.str_],
+    shape: tuple[int, ...],
+) -> RotorWrenches:
+    """Loads (L, n, k) as vectors, of the ``shape`` (..., k) that was asked for."""
+    force, moment = (values.reshape(*shape, 3) for values in hub_wrenches(flow, loads))
+    thrust, torque = loads[THRUST].reshape(shape), loads[TORQUE].reshape(shape)
+    return RotorWrenches(force, moment, thrust, torque, added.reshape(shape), status.reshape(shape))
+
+
+def _apart(points: Floats) -> tuple[Floats, NDArray[np.intp]]:
+    """The distinct rows of points (n, 3), but for rounding, and which of them each one is."""
+    size = np.maximum(np.abs(points).max(axis=0, initial=0.0), 1e-30)
+    rounded = np.round(points / size, 11) + 0.0
+    _, first, where = np.unique(rounded, axis=0, return_index=True, return_inverse=True)
+    return points[first], where.ravel()
+
+
+def _check_table(vehicle: Vehicle, table: Any) -> None:
+    """Raise ``InputError`` for a ``table``, or what else has loads, of another rotor or air."""
+    if any(mount.drag is not None for mount in vehicle.mounts):
+        raise InputError(
+            "the vehicle file has [mount], of which a table knows nothing",
+            "leave out [mount] and build the table with --correction mount-drag:area_m2=...",
+        )
+    described = getattr(table, "info", {}).get("propeller")
+    if described is None:
+        return
+    if described.get("geometry_sha256") != vehicle.propeller.fingerprint():
+        raise InputError(
+            f"the table is of {described.get('name')!r}, the vehicle has "
+            f"{vehicle.propeller.name!r}, or the same with another geometry",
+            "build a table for this propeller",
+        )
+    if abs(table.content.density - vehicle.air.density) > 1e-6 * vehicle.air.density:
+        raise InputError(
+            f"the table holds for {table.content.density:g} kg/m^3, the vehicle flies in "
+            f"{vehicle.air.density:g}",
+            "build a table with --rho, or change [air]",
+        )

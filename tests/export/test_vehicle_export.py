@@ -1,0 +1,373 @@
+"""Whole vehicles in C and in RotorPy: the same as ``VehicleForces`` on the same map."""
+
+from __future__ import annotations
+
+import ctypes
+import re
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import propmap
+from propmap import InputError, VehicleForces
+from propmap.cli import main
+from propmap.export import export_vehicle
+from propmap.export.literal import literal
+from propmap.export.operation_count import cost
+from propmap.export.provenance import identifier, vehicle_name
+from propmap.physics.mount_drag import MountDrag
+from propmap.table import LoadTable
+from propmap.table.lookup import STATUSES
+from propmap.vehicle.vehicle import Body, Mount, Vehicle, Wakes, Wing
+
+from .compiled import FLAGS
+from .conftest import RADIUS, invented_content
+from .counted import KINDS, counts
+from .needed import package, program
+
+UP = (
+    Mount((0.16, 0.17, 0.02), spin="cw"),
+    Mount((-0.16, 0.15, 0.02), spin="ccw"),
+    Mount((-0.16, -0.17, 0.03), spin="cw"),
+    Mount((0.16, -0.15, 0.02), spin="ccw"),
+)
+ASKEW = (*UP[:3], replace(UP[3], axis=(0.0, -0.28, 0.96)))
+STATIONS = np.linspace(0.1, 1.0, 8) * RADIUS
+PLAIN = Vehicle(
+    "Test quad",
+    1.2,
+    propmap.Propeller("invented", 3, STATIONS, 0.1 * STATIONS, 0.2 + 0.0 * STATIONS),
+    UP,
+    air=propmap.Air(1.2, 1.8e-5),
+    body=Body((0.015, 0.02, 0.03)),
+)
+WAKES = Wakes(1.5, 0.7, 1.2, 0.8)
+VEHICLES = {
+    "plain": PLAIN,
+    "askew, with a wing and lift": replace(
+        PLAIN,
+        mounts=ASKEW,
+        body=Body((0.015, 0.02, 0.03), 0.01, (0.004, 0.006)),
+        wing=Wing(0.05, 0.1, 4.5, 1.0, 0.25),
+    ),
+    "wakes": replace(PLAIN, wakes=WAKES),
+    "coaxial": replace(
+        PLAIN,
+        mounts=(UP[0], replace(UP[0], position=(0.16, 0.17, -0.06), spin="ccw"), *UP[2:]),
+        wakes=WAKES,
+    ),
+    "askew in wakes": replace(PLAIN, mounts=ASKEW, wakes=WAKES),
+}
+
+CALLER = """
+#include "{v}.h"
+void wrench(int n, const {p}_real *a, {p}_real *to)
+{{
+    int i, k;
+    for (i = 0; i < n; ++i, a += 13, to += 20) {{
+        const {v}_wrench_t w = {v}_wrench(a, a + 4, a + 7, a + 10);
+        for (k = 0; k < 3; ++k) {{
+            to[k] = w.force[k];
+            to[3 + k] = w.moment[k];
+        }}
+        for (k = 0; k < 4; ++k) {{
+            to[6 + k] = w.thrust[k];
+            to[10 + k] = w.torque[k];
+            to[14 + k] = w.added_flow[k];
+        }}
+        to[18] = w.power;
+        to[19] = w.status;
+    }}
+}}
+"""
+
+
+@pytest.fixture(scope="module")
+def map_of_plain() -> LoadTable:
+    content = invented_content()
+    content.info["propeller"]["geometry_sha256"] = PLAIN.propeller.fingerprint()
+    return LoadTable(content)
+
+
+def states(count: int, seed: int = 0) -> np.ndarray:
+    """Rotor speeds, velocity, turning, wind (n, 13); some beyond the map, some at rest."""
+    rng = np.random.default_rng(seed)
+    found = np.column_stack(
+        [
+            rng.uniform(250.0, 1010.0, (count, 4)),
+            rng.normal(0.0, 4.0, (count, 3)),
+            rng.normal(0.0, 2.0, (count, 3)),
+            rng.normal(0.0, 2.0, (count, 3)),
+        ]
+    )
+    found[::20, 4:] = 0.0
+    found[1::20, 4:6] = found[1::20, 7:] = 0.0
+    return found
+
+
+def in_python(vehicle: Vehicle, table: LoadTable, asked: np.ndarray) -> tuple[np.ndarray, Any]:
+    """What C gives (n, 19), and the statuses."""
+    parts = (asked[:, :4], asked[:, 4:7], asked[:, 7:10], asked[:, 10:])
+    found = VehicleForces(vehicle, table).wrench(*parts)
+    vectors = (found.force, found.moment, found.thrust, found.torque, found.added_flow)
+    return np.column_stack([*vectors, found.power]), found.status
+
+
+def in_c(
+    vehicle: Vehicle, table: LoadTable, folder: Path, asked: np.ndarray, *, single: bool = False
+) -> np.ndarray:
+    export_vehicle(vehicle, table, "c", folder)
+    name, rotor = vehicle_name(vehicle, table), identifier(table)
+    (folder / "caller.c").write_text(CALLER.format(v=name, p=rotor))
+    define = [f"-D{rotor.upper()}_FLOAT"] if single else []
+    command = [program("gcc"), *FLAGS, *define, "-fPIC", "-shared", "caller.c", "-o", "c.so", "-lm"]
+    subprocess.run(command, cwd=folder, check=True)
+    kind = np.float32 if single else np.float64
+    given, found = np.ascontiguousarray(asked, kind), np.empty((len(asked), 20), kind)
+    library = ctypes.CDLL(str(folder / "c.so"))
+    library.wrench(len(asked), *(ctypes.c_void_p(a.ctypes.data) for a in (given, found)))
+    return found.astype(np.float64)
+
+
+@pytest.mark.parametrize("single", [False, True], ids=["double", "single"])
+@pytest.mark.parametrize("case", VEHICLES)
+def test_c_is_the_same_as_python(
+    map_of_plain: LoadTable, tmp_path: Path, case: str, single: bool
+) -> None:
+    vehicle, asked = VEHICLES[case], states(2000)
+    if single:
+        asked = asked.astype(np.float32).astype(np.float64)
+    found = in_c(vehicle, map_of_plain, tmp_path / "c", asked, single=single)
+    want, status = in_python(vehicle, map_of_plain, asked)
+    lost = np.isnan(want)
+    assert 0.1 < lost[:, 0].mean() < 0.6
+    size = np.abs(np.where(lost, 0.0, want)).max(axis=0) + 1e-30
+    # The wakes' splines are in single precision in both.
+    tolerance = 2e-5 if single else 1e-6 if vehicle.wakes else 1e-10
+    clear = np.isnan(found[:, :19]) == lost
+    assert clear.all() if not single else clear.all(axis=1).mean() > 0.999
+    known = clear & ~lost
+    error = np.abs(found[:, :19] - want) / size
+    assert error[known].max() < tolerance
+    named = np.array(STATUSES)[found[:, 19].astype(int)]
+    assert (named == status).mean() >= (0.999 if single else 1.0)
+    assert len(set(status.tolist())) > 1
+
+
+def test_a_map_with_gaps_has_every_status(tmp_path: Path) -> None:
+    content = invented_content(gap=True)
+    content.info["propeller"]["geometry_sha256"] = PLAIN.propeller.fingerprint()
+    table, asked = LoadTable(content), states(2000, seed=1)
+    vehicle = VEHICLES["wakes"]
+    found = in_c(vehicle, table, tmp_path, asked)
+    want, status = in_python(vehicle, table, asked)
+    np.testing.assert_array_equal(np.array(STATUSES)[found[:, 19].astype(int)], status)
+    np.testing.assert_array_equal(np.isnan(found[:, :19]), np.isnan(want))
+    assert {"ok", "vortex_ring", "unresolved", "no_value", "outside"} <= set(status.tolist())
+
+
+def level(count: int, rotors: int) -> list[list[float]]:
+    """States in level flight, climb and slow descent, inside the map."""
+    rng = np.random.default_rng(2)
+    velocity = rng.normal(0.0, 3.0, (count, 3)) * [1.0, 1.0, 0.4] + [0.0, 0.0, 1.0]
+    turning, wind = rng.normal(0.0, 0.5, (2, count, 3))
+    omega = rng.uniform(500.0, 900.0, (count, rotors))
+    return np.column_stack([omega, velocity, turning, wind]).tolist()
+
+
+@pytest.mark.parametrize(
+    ("case", "rotors"),
+    [("plain", 4), ("askew, with a wing and lift", 4), ("wakes", 3), ("askew in wakes", 4)],
+)
+def test_operations_are_counted(
+    map_of_plain: LoadTable, tmp_path: Path, case: str, rotors: int
+) -> None:
+    """What the note says beside a run of the exported code with numbers that count."""
+    vehicle = replace(VEHICLES[case], mounts=VEHICLES[case].mounts[:rotors])
+    stated = cost(vehicle, map_of_plain)
+    found = counts(vehicle, map_of_plain, tmp_path, level(100, rotors))
+    for kind in KINDS:
+        most = max(one[kind] for one in found)
+        usual = sorted(one[kind] for one in found)[50]
+        said = getattr(stated.operations, kind)
+        assert 0.8 * said <= usual <= said, kind
+        assert most <= getattr(stated.worst, kind), kind
+    text = (tmp_path / "README-c.txt").read_text()
+    assert "\n\nWeight and the gyroscopic" in text  # a paragraph of its own
+    note = " ".join(text.split())
+    assert f"A call takes {stated.operations.total} operations" in note
+
+
+TABLE = r"^static const [\w ]+? (\w+)\["
+
+
+def test_tables_have_the_size_that_is_said(map_of_plain: LoadTable, tmp_path: Path) -> None:
+    vehicle = VEHICLES["wakes"]
+    export_vehicle(vehicle, map_of_plain, "c", tmp_path)
+    name = vehicle_name(vehicle, map_of_plain)
+    # Each table of numbers, by its name, as the compiler sees it.
+    tables = [
+        found
+        for header in (f"{name}.h", f"{identifier(map_of_plain)}.h")
+        for found in re.findall(TABLE, (tmp_path / header).read_text(), re.MULTILINE)
+    ]
+    sizes = " + ".join(f"sizeof({table})" for table in tables)
+    (tmp_path / "size.c").write_text(
+        f'#include <stdio.h>\n#include "{name}.h"\n'
+        f'int main(void) {{ printf("%zu", {sizes}); return 0; }}\n'
+    )
+    command = [program("gcc"), "-DINVENTED_FLOAT", "-w", "size.c", "-o", "size", "-lm"]
+    subprocess.run(command, cwd=tmp_path, check=True)
+    done = subprocess.run([tmp_path / "size"], capture_output=True, text=True, check=True)
+    # Knots and buckets of the map are not counted.
+    assert cost(vehicle, map_of_plain).stored == pytest.approx(int(done.stdout), rel=0.05)
+
+
+def test_cost_says_whether_it_fits_a_small_core(map_of_plain: LoadTable) -> None:
+    alone, together = (cost(VEHICLES[case], map_of_plain) for case in ("plain", "wakes"))
+    assert alone.cycles / 168e6 < 1e-4 and together.cycles / 168e6 < 1e-3
+    assert alone.worst == alone.operations and together.worst.total > together.operations.total
+    assert "1000 calls a second take at most" in together.sentence
+
+
+@pytest.mark.parametrize("case", VEHICLES)
+def test_rotorpy_flies_the_same(
+    map_of_plain: LoadTable, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, case: str
+) -> None:
+    package("rotorpy")
+    vehicle = replace(VEHICLES[case], inertia=(0.004, 0.005, 0.008))
+    paths = export_vehicle(vehicle, map_of_plain, "rotorpy", tmp_path)
+    assert sorted(path.name for path in paths) == [
+        "README-rotorpy.txt", "invented.npz", "test_quad_rotorpy.py"
+    ]  # fmt: skip
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.delitem(sys.modules, "test_quad_rotorpy", raising=False)
+    module = package("test_quad_rotorpy")
+    monkeypatch.delitem(sys.modules, "test_quad_rotorpy")
+    flown = module.Vehicle({"tau_m": 0.02, **module.vehicle_params})
+    asked = states(60, seed=3)
+    want, _ = in_python(vehicle, map_of_plain, asked)
+    lost = np.isnan(want[:, 0])
+    assert 3 < lost.sum() < 50
+    for row, expected, gone in zip(asked, want, lost, strict=True):
+        given = (row[7:10], row[:4], row[4:7] - row[10:])
+        if gone:
+            with pytest.raises(ValueError, match="the map has no loads"):
+                flown.compute_body_wrench(*given)
+            continue
+        force, moment = flown.compute_body_wrench(*given)
+        np.testing.assert_allclose(force, expected[:3], rtol=1e-12, atol=1e-12)
+        np.testing.assert_allclose(moment, expected[3:6], rtol=1e-12, atol=1e-12)
+
+
+def test_rotorpy_s_own_signs_agree_in_hover(map_of_plain: LoadTable, tmp_path: Path) -> None:
+    """Rotor by rotor: a faster one turns the vehicle as RotorPy's own simple model has it."""
+    package("rotorpy")
+    export_vehicle(replace(PLAIN, inertia=(0.004, 0.005, 0.008)), map_of_plain, "rotorpy", tmp_path)
+    sys.path.insert(0, str(tmp_path))
+    try:
+        module = package("test_quad_rotorpy")
+    finally:
+        sys.path.remove(str(tmp_path))
+        sys.modules.pop("test_quad_rotorpy", None)
+    params = {"tau_m": 0.02, **module.vehicle_params}
+    full, simple = module.Vehicle(params), module.Vehicle(params, aero=False)
+    for k in range(4):
+        omega = np.full(4, 600.0) + 40.0 * np.eye(4)[k]
+        for one, other in zip(
+            full.compute_body_wrench(np.zeros(3), omega, np.zeros(3)),
+            simple.compute_body_wrench(np.zeros(3), omega, np.zeros(3)),
+            strict=True,
+        ):
+            np.testing.assert_allclose(one, other, rtol=1e-6, atol=1e-9)
+
+
+def test_a_vehicle_as_text_is_the_same_vehicle() -> None:
+    whole = replace(VEHICLES["askew in wakes"], wing=Wing(0.1), inertia=(0.004, 0.005, 0.008))
+    names = {kind.__name__: kind for kind in (Vehicle, Mount, Body, Wing, Wakes)}
+    names |= {"Air": propmap.Air, "Propeller": propmap.Propeller}
+    again = eval(literal(whole), names)  # the text is our own
+    for field in ("name", "mass", "propeller", "mounts", "air", "body", "wing", "wakes", "inertia"):
+        assert getattr(again, field) == getattr(whole, field), field
+    assert again.propeller.fingerprint() == whole.propeller.fingerprint()
+
+
+WRONG: dict[str, tuple[Vehicle, str, str]] = {
+    "another propeller": (
+        replace(PLAIN, propeller=propmap.propeller("apc-8x6e")), "c", "the table is of"
+    ),
+    "another air": (replace(PLAIN, air=propmap.Air()), "c", "holds for 1.2 kg/m^3"),
+    "a mount": (
+        replace(PLAIN, mounts=(replace(UP[0], drag=MountDrag(1e-3)), *UP[1:])), "c", "[mount]"
+    ),
+    "six rotors": (
+        replace(PLAIN, mounts=(*UP, Mount((0.3, 0.0, 0.0)), Mount((-0.3, 0.0, 0.0)))),
+        "rotorpy", "has 6 rotors, RotorPy's Multirotor 4",
+    ),
+    "another target": (PLAIN, "gazebo", "gazebo is not of a vehicle's force and moment"),
+    "no target": (PLAIN, "x-plane", "there is no target"),
+    "one place": (
+        replace(PLAIN, wakes=WAKES, mounts=(*UP[:3], replace(UP[0], spin="ccw"))),
+        "c", "are 0 m apart"
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", WRONG)
+def test_what_cannot_be_exported(map_of_plain: LoadTable, tmp_path: Path, case: str) -> None:
+    vehicle, target, message = WRONG[case]
+    with pytest.raises(InputError, match=re.escape(message)) as caught:
+        export_vehicle(vehicle, map_of_plain, target, tmp_path / "out")
+    assert "\n" not in str(caught.value) and not (tmp_path / "out").exists()
+
+
+TEXT = """schema = 1
+name = "2 inch: test!"
+frame = "flu"
+mass = 1.2
+propeller = "blade.csv"
+[air]
+density = 1.2
+[wakes]
+""" + "".join(
+    f'[[rotors]]\nposition = {list(mount.position)}\nspin = "{mount.spin}"\n' for mount in UP
+)
+
+
+def test_by_command(
+    table: LoadTable,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    text = TEXT.replace("blade.csv", "apc-8x6e").replace("[air]\ndensity = 1.2\n", "")
+    Path("quad.toml").write_text(text)
+    table.save("map.npz")
+
+    def run(*arguments: str) -> tuple[int, str, str]:
+        code = main(["export", *arguments])
+        told = capsys.readouterr()
+        return code, told.out, told.err
+
+    code, out, err = run("quad.toml", "--table", "map.npz", "--to", "c", "-o", "c")
+    assert (code, err) == (0, "") and "wrote c/vehicle_2_inch_test.h" in out
+    assert "vehicle_2_inch_test_wakes(" in Path("c/vehicle_2_inch_test.h").read_text()
+    run("quad.toml", "--table", "map.npz", "--to", "c", "-o", "still", "--no-wakes")
+    assert "_wakes(" not in Path("still/vehicle_2_inch_test.h").read_text()
+    assert "--no-wakes was given" in " ".join(Path("still/README-c.txt").read_text().split())
+    for arguments, message in (
+        (("--to", "c"), "give it as --table MAP.npz"),
+        (("--to", "gazebo", "--table", "map.npz"), "gazebo is written of a map alone"),
+        (("--to", "c", "--table", "map.npz", "--prop", "apc-8x6e"), "--prop is given with --to c"),
+        (("--to", "c", "--table", "map.npz", "--charge", "1"), "--charge is given with --to c"),
+        (("--to", "c", "--table", "none.npz"), "none.npz"),
+    ):
+        code, _, err = run("quad.toml", *arguments, "-o", "out")
+        assert code == 2 and message in err and err.count("\n") == 1, err
+        assert not Path("out").exists()

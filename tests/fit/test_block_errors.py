@@ -1,0 +1,107 @@
+"""Errors of residuals that are alike within stretches: jackknife, degrees of freedom, coverage."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from scipy.special import stdtrit
+
+from propmap.fit.block_errors import block_errors
+from propmap.fit.by_flight import by_flight
+from propmap.fit.fitted import Settings, fit
+from propmap.fit.parameters import Choice
+from propmap.fit.rows import Rows
+from propmap.vehicle.flight_log import FlightLog, joined
+
+NONE = np.zeros((3, 3))
+
+
+@dataclass
+class Line:
+    """Three parameters, seen by 24 stretches of five rows, unevenly."""
+
+    slopes: np.ndarray
+    group: np.ndarray
+
+    @classmethod
+    def made(cls) -> Line:
+        rng = np.random.default_rng(5)
+        slopes = rng.standard_normal((120, 3)) * np.exp(rng.standard_normal((24, 3))).repeat(5, 0)
+        return cls(slopes, np.arange(24).repeat(5))
+
+    def fitted(self, measured: np.ndarray, kept: np.ndarray) -> np.ndarray:
+        return np.linalg.lstsq(self.slopes[kept], measured[kept], rcond=None)[0]
+
+
+def test_stretches_count_as_refits_without_them_say() -> None:
+    """The linear jackknife, by refitting 24 times."""
+    line = Line.made()
+    measured = np.random.default_rng(6).standard_normal(120)
+    every = line.fitted(measured, np.ones(120, bool))
+    residual = line.slopes @ every - measured
+    whole = line.slopes.T @ line.slopes
+    found = block_errors(line.slopes, residual, line.group, whole, NONE)
+    moves = np.array([line.fitted(measured, line.group != k) - every for k in range(24)])
+    wanted = 23.0 / 24.0 * moves.T @ moves
+    inverse = np.linalg.inv(whole)
+    np.testing.assert_allclose(inverse @ found.middle @ inverse, wanted, rtol=1e-8)
+    assert (found.freedom < 23.0).all() and (found.freedom > 2.0).all()
+
+
+def test_even_stretches_have_all_degrees_of_freedom_and_priors_more() -> None:
+    slopes = np.tile(np.eye(3), (40, 1))
+    group = np.arange(40).repeat(3)
+    residual = np.random.default_rng(7).standard_normal(120)
+    whole = slopes.T @ slopes
+    found = block_errors(slopes, residual, group, whole, NONE)
+    np.testing.assert_allclose(found.freedom, 39.0)
+    held = block_errors(slopes, residual, group, whole + 1e3 * np.eye(3), 1e3 * np.eye(3))
+    assert (held.freedom > 1000.0).all()
+
+
+def test_intervals_hold_the_truth_where_independent_rows_would_not() -> None:
+    line, rng = Line.made(), np.random.default_rng(8)
+    whole = line.slopes.T @ line.slopes
+    inverse, inside, naive = np.linalg.inv(whole), [], []
+    for _ in range(400):
+        alike = rng.standard_normal((24, 3)).repeat(5, 0)
+        measured = np.sum(alike * line.slopes, axis=1) + 0.3 * rng.standard_normal(120)
+        x = line.fitted(measured, np.ones(120, bool))
+        residual = line.slopes @ x - measured
+        found = block_errors(line.slopes, residual, line.group, whole, NONE)
+        deviation = np.sqrt(np.diag(inverse @ found.middle @ inverse))
+        inside.append(np.abs(x) <= stdtrit(found.freedom, 0.975) * deviation)
+        alone = np.sqrt(np.diag(inverse) * (residual @ residual) / 117.0)
+        naive.append(np.abs(x) <= 1.98 * alone)
+    assert (np.mean(inside, axis=0) > 0.90).all() and (np.mean(inside, axis=0) < 0.99).all()
+    assert np.mean(naive) < 0.8
+
+
+def test_errors_of_each_flight() -> None:
+    """The second flight has three times the errors of the first."""
+    time = np.arange(0.0, 20.0, 0.1)
+    still = np.zeros((time.size, 3))
+    one = FlightLog("x", time, still, still, still, still, np.ones((time.size, 4)))
+    log = joined([one, one], ("first", "second"))
+    size = np.where(log.flight == 0, 0.1, 0.3)[:, None]
+    noise = size * np.random.default_rng(9).standard_normal((len(log), 1))
+    at = np.cos(log.time)[:, None]
+
+    def model(values: dict[str, float], _: tuple[str, ...]) -> tuple[np.ndarray, np.ndarray]:
+        return values["c_l1"] * at, at[..., None]
+
+    rows = Rows.of_points(
+        ("force_z",), ("N",), 5.0 * at + noise, 1.0 + 0.0 * at, 0.0 * log.time, model,  # type: ignore[arg-type]
+        log.stretches(1.0),
+    )  # fmt: skip
+    fitted = fit(rows, Choice(("c_l1",)), Settings(starts=1, folds=4))
+    found = by_flight(fitted, log)["force_z"]
+    assert list(found) == ["first", "second"] and found["first"].rows == time.size
+    for flight, wanted in (("first", 0.1), ("second", 0.3)):
+        assert found[flight].rms == pytest.approx(wanted, rel=0.1)
+        assert found[flight].cross_validated_rms == pytest.approx(found[flight].rms, rel=0.05)
+    both = np.mean([found[name].cross_validated_rms ** 2 for name in found]) ** 0.5
+    assert fitted.cross_validated[0] == pytest.approx(both)
+    assert by_flight(fitted, one) == {}

@@ -1,0 +1,86 @@
+"""The page on what each term of a flight fit is worth."""
+
+from __future__ import annotations
+
+import csv
+import io
+
+import numpy as np
+import pytest
+
+from propmap.fit.flight_terms import Fitted, Flight, Off
+from propmap.report.folder import PAGE, TERMS_FILES
+from propmap.report.terms_page.errors import HOVER, PREDICTION, rows, worth
+from propmap.report.terms_page.page import terms_pages
+from tests.fit.test_flight_terms import COUNT, VEHICLE, flight, held
+
+STEPS = ("vertical balance alone", "wakes", "noise")
+
+
+def known(predicted: bool, names: tuple[str, ...] = ("first", "second")) -> list[Flight]:
+    made = [flight(name) for name in names]
+    if not predicted:
+        return made
+    weight = VEHICLE.mass * made[0].passed.specific_force
+    return [Flight(f.name, f.passed, f.raw, weight + 0.4, weight + 0.5) for f in made]
+
+
+def found(flights: list[Flight]) -> list[Fitted]:
+    """Wakes take half of the error away, noise adds a different one of the same size."""
+    made, many = [], len(flights) > 1
+    for number, (step, size) in enumerate(zip(STEPS, (0.6, 0.3, 0.3), strict=True)):
+        for left_out in range(len(flights)) if many else (None,):
+            offs = []
+            for k in range(len(flights)):
+                grown = 1.0 if k == left_out else 0.8
+                # Noise leaves a part of what was there and adds as much.
+                off = grown * size * np.sqrt(np.abs(held(1.0, 1.0, k if number < 2 else 90 + k)))
+                offs.append(Off(off, 1.5 * off))
+            hover = tuple(Off(np.full((COUNT, 3), 4.0), np.full((COUNT, 3), 5.0)) for _ in flights)
+            made.append(Fitted(step, left_out, {"c_l1": 5.0 + number}, tuple(offs), hover))
+    return made
+
+
+def test_rows_say_what_was_seen_and_what_not() -> None:
+    flights = known(predicted=True)
+    told = rows(VEHICLE, flights, found(flights))
+    assert [r.model for r in told] == 2 * [HOVER, *STEPS, PREDICTION]
+    hover, vertical, *_, own = told[:5]
+    assert hover.unseen is not None and vertical.seen is not None and own.unseen is not None
+    np.testing.assert_allclose(hover.unseen, 4.0)
+    np.testing.assert_allclose(own.unseen, 0.4)
+    assert vertical.unseen is not None
+    np.testing.assert_allclose(vertical.seen, 0.8 * vertical.unseen)
+
+
+def test_worth_is_judged_on_what_was_not_seen() -> None:
+    flights = known(predicted=False)
+    first, second = worth(flights, found(flights))
+    assert (first.step, first.word) == ("wakes", "pays") and first.fall > 2.0 * first.deviation
+    assert (second.step, second.word) == ("noise", "no sure gain")
+
+
+@pytest.mark.parametrize("predicted", [True, False])
+@pytest.mark.parametrize("names", [("first", "second"), ("alone",)])
+def test_the_page_tells_it_in_words_and_files(names: tuple[str, ...], predicted: bool) -> None:
+    flights = known(predicted, names)
+    fits = found(flights)
+    pages = terms_pages(VEHICLE, flights, fits, low_pass=6.0, samples=300, remarks=["a remark <b>"])
+    assert set(pages) == TERMS_FILES
+    page = pages[PAGE]
+    assert isinstance(page, str)
+    assert "1 of 2 terms pay" in page and "No sure gain: noise." in page
+    assert "A remark &lt;b&gt;." in page
+    assert ("prediction in the file" in page) == predicted
+    assert ("give a second one" in page) == (len(names) == 1)
+    sheet = pages["fit-terms.csv"]
+    assert isinstance(sheet, str)
+    table = list(csv.DictReader(io.StringIO(sheet)))
+    # Low-passed and as recorded; fitted to it and not, where there are two.
+    per_flight = (2 if len(names) == 1 else 4) * len(STEPS) + 2 + 2 * predicted
+    assert len(table) == per_flight * len(names)
+    hover = next(row for row in table if row["model"] == HOVER and row["signals"] == "as recorded")
+    assert float(hover["z_rms_N"]) == 5.0
+    values = pages["fit-terms-values.csv"]
+    assert isinstance(values, str)
+    assert len(values.splitlines()) == 1 + len(fits)

@@ -1,0 +1,259 @@
+"""Force and moment on a whole vehicle, beside a sum over rotors written with loops and scalars."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+import propmap
+from propmap import InputError, VehicleForces
+from propmap.physics.mount_drag import MountDrag
+from propmap.results import STATUSES
+from propmap.table.lookup import STATUSES as TABLE_STATUSES
+from propmap.vehicle.rotors import SEVERITY, worst
+from propmap.vehicle.vehicle import Body, Mount, Vehicle, Wakes, Wing
+
+from .wrench_by_hand import by_hand
+
+PROPELLER = propmap.propeller("apc-8x6e")
+MODEL = propmap.Model(
+    PROPELLER, propmap.airfoil("apc-8x6e-2019"), corrections=propmap.corrections_of("recommended")
+)
+ROTOR = propmap.Rotor(MODEL, compiled=False)
+LEAN = (math.sin(0.1), 0.0, math.cos(0.1))
+QUAD = Vehicle(
+    "quad",
+    1.2,
+    PROPELLER,
+    (
+        Mount((0.16, 0.17, 0.02), spin="cw"),
+        Mount((-0.16, 0.15, 0.02), LEAN, "ccw", MountDrag(2e-3)),
+        Mount((-0.16, -0.17, 0.03), spin="cw"),
+        Mount((0.16, -0.15, 0.02), (0.0, -0.28, 0.96), "ccw"),
+    ),
+    body=Body((0.015, 0.02, 0.03), 0.01, (0.004, 0.006)),
+    wing=Wing(0.05, 0.1, 4.5, 1.0, 0.25),
+)
+WAKES = Wakes(1.5, 0.7, 1.2, 0.8)
+CORNERS = ((1, 1, "cw"), (-1, 1, "ccw"), (-1, -1, "cw"), (1, -1, "ccw"))
+SYMMETRIC = Vehicle(
+    "symmetric",
+    1.2,
+    PROPELLER,
+    tuple(Mount((0.16 * x, 0.16 * y, 0.02), spin=spin) for x, y, spin in CORNERS),
+)
+
+
+def states(count: int, seed: int = 0) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    rng = np.random.default_rng(seed)
+    omegas = rng.uniform(450.0, 800.0, (count, 4))
+    velocity = rng.normal(0.0, 5.0, (count, 3)) * [1.0, 1.0, 0.4] + [0.0, 0.0, 2.0]
+    return omegas, velocity, rng.normal(0.0, 1.5, (count, 3)), rng.normal(0.0, 2.0, (count, 3))
+
+
+@pytest.mark.parametrize("wakes", [None, WAKES], ids=["alone", "wakes"])
+def test_the_sum_of_all_parts(wakes: Wakes | None) -> None:
+    vehicle = replace(QUAD, wakes=wakes)
+    given = states(4)
+    if wakes is not None:
+        given[1][:, 2] = np.abs(given[1][:, 2]) + 6.0
+    found = VehicleForces(vehicle, ROTOR).wrench(*given)
+    tolerance = 1e-9
+    for k, state in enumerate(zip(*given, strict=True)):
+        force, moment, power = by_hand(ROTOR, vehicle, *state)
+        size = float(np.linalg.norm(force))
+        np.testing.assert_allclose(found.force[k], force, atol=tolerance * size)
+        np.testing.assert_allclose(found.moment[k], moment, atol=tolerance * 0.2 * size)
+        assert found.power[k] == pytest.approx(power, rel=tolerance)
+
+
+def test_wakes_change_the_forces() -> None:
+    given = states(3, seed=5)
+    alone, together = (
+        VehicleForces(replace(SYMMETRIC, wakes=wakes), ROTOR).wrench(*given)
+        for wakes in (None, WAKES)
+    )
+    assert np.abs(together.added_flow).min() > 1e-4 and not alone.added_flow.any()
+    assert np.abs(together.force - alone.force).max() > 1e-2
+
+
+def test_parts_add_up() -> None:
+    omegas, velocity, rates, wind = states(5)
+    found = VehicleForces(QUAD, ROTOR).wrench(omegas, velocity, rates, wind)
+    whole = found.rotor_force.sum(axis=1) + found.body_force + found.wing_force
+    np.testing.assert_allclose(found.force, whole, rtol=1e-14)
+    np.testing.assert_allclose(found.moment, found.rotor_moment.sum(axis=1), rtol=1e-14)
+    np.testing.assert_allclose(found.power, np.sum(found.torque * omegas, axis=1), rtol=1e-14)
+    assert np.abs(found.body_force).min() > 0.0 and np.abs(found.wing_force[:, 0]).min() > 0.0
+    assert found.status.shape == (5,) and found.rotor_status.shape == (5, 4)
+    bare = VehicleForces(replace(QUAD, body=Body(), wing=None), ROTOR)
+    np.testing.assert_allclose(
+        bare.wrench(omegas, velocity, rates, wind).force,
+        found.rotor_force.sum(axis=1),
+        rtol=1e-12,
+        atol=1e-12,
+    )
+
+
+@pytest.mark.parametrize("wakes", [None, WAKES], ids=["alone", "wakes"])
+def test_a_mirrored_vehicle_feels_the_mirror_image(wakes: Wakes | None) -> None:
+    def mirrored(mount: Mount) -> Mount:
+        (x, y, z), (a, b, c) = mount.position, mount.axis
+        spin = "cw" if mount.spin == "ccw" else "ccw"
+        return replace(mount, position=(x, -y, z), axis=(a, -b, c), spin=spin)
+
+    vehicle = replace(QUAD, wakes=wakes)
+    other = replace(vehicle, mounts=tuple(mirrored(mount) for mount in QUAD.mounts))
+    omegas, velocity, rates, wind = states(6, seed=1)
+    vector, axial = np.array([1.0, -1.0, 1.0]), np.array([-1.0, 1.0, -1.0])
+    found = VehicleForces(vehicle, ROTOR).wrench(omegas, velocity, rates, wind)
+    image = VehicleForces(other, ROTOR).wrench(
+        omegas, velocity * vector, rates * axial, wind * vector
+    )
+    np.testing.assert_allclose(image.force, found.force * vector, atol=1e-10)
+    np.testing.assert_allclose(image.moment, found.moment * axial, atol=1e-11)
+    np.testing.assert_array_equal(image.status, found.status)
+
+
+@pytest.mark.parametrize("wakes", [None, WAKES], ids=["alone", "wakes"])
+def test_half_a_turn_in_yaw(wakes: Wakes | None) -> None:
+    """Turned by half a turn, the rotors of a symmetric quadrotor take each other's places."""
+    forces = VehicleForces(replace(SYMMETRIC, wakes=wakes), ROTOR)
+    turn = np.array([-1.0, -1.0, 1.0])
+    omegas, velocity, rates, wind = states(6, seed=2)
+    found = forces.wrench(omegas, velocity, rates, wind)
+    turned = forces.wrench(omegas[:, [2, 3, 0, 1]], velocity * turn, rates * turn, wind * turn)
+    np.testing.assert_allclose(turned.force, found.force * turn, atol=1e-10)
+    np.testing.assert_allclose(turned.moment, found.moment * turn, atol=1e-11)
+
+
+def test_at_rest_there_is_thrust_alone() -> None:
+    found = VehicleForces(SYMMETRIC, ROTOR).wrench([600.0] * 4, [0.0, 0.0, 0.0])
+    still = ROTOR.loads(600.0, 0.0, 0.0)
+    np.testing.assert_allclose(found.force, [0.0, 0.0, 4.0 * float(still.thrust)], atol=1e-12)
+    np.testing.assert_allclose(found.moment, 0.0, atol=1e-12)
+    assert found.power == pytest.approx(4.0 * float(still.power), rel=1e-12)
+    assert found.status.shape == () and found.force.shape == (3,)
+
+
+def test_wind_counts_as_a_velocity_the_other_way() -> None:
+    forces = VehicleForces(QUAD, ROTOR)
+    omegas, velocity, rates, wind = states(3, seed=3)
+    moving, blown = (
+        forces.wrench(omegas, velocity - wind, rates),
+        forces.wrench(omegas, velocity, rates, wind),
+    )
+    np.testing.assert_allclose(blown.force, moving.force, rtol=1e-13, atol=1e-13)
+    drifting = forces.wrench(omegas, velocity, wind=velocity)
+    np.testing.assert_allclose(drifting.body_force, 0.0)
+
+
+def test_a_batch_is_a_loop_of_scalars() -> None:
+    forces = VehicleForces(replace(QUAD, wakes=WAKES), ROTOR)
+    omegas, velocity, rates, wind = states(5, seed=4)
+    found = forces.wrench(omegas[:3, None], velocity, rates, wind[0])
+    assert found.force.shape == (3, 5, 3) and found.status.shape == (3, 5)
+    for i in range(3):
+        for j in range(5):
+            one = forces.wrench(omegas[i], velocity[j], rates[j], wind[0])
+            for name in vars(one):
+                each, among = getattr(one, name), getattr(found, name)[i, j]
+                if name in ("status", "rotor_status"):
+                    np.testing.assert_array_equal(each, among)
+                else:
+                    np.testing.assert_allclose(each, among, rtol=1e-9, atol=1e-9, err_msg=name)
+
+
+def test_the_vehicle_s_own_method_is_the_same() -> None:
+    given = states(2)
+    plain = QUAD.wrench(*given, loads=ROTOR)
+    np.testing.assert_array_equal(plain.force, VehicleForces(QUAD, ROTOR).wrench(*given).force)
+
+
+def test_inertia_plays_no_part() -> None:
+    """It is the air's wrench: weight and gyroscopic moments of spinning rotors are not in it."""
+    heavy = replace(QUAD, mass=3.0, inertia=(0.01, 0.02, 0.02), rotor_inertia=1e-3)
+    given = states(2)
+    found, other = (VehicleForces(v, ROTOR).wrench(*given) for v in (QUAD, heavy))
+    np.testing.assert_array_equal(found.force, other.force)
+    np.testing.assert_array_equal(found.moment, other.moment)
+
+
+class Patchy:
+    """Thrust and torque of a rotor that has none to tell about at high speeds."""
+
+    def loads_at_velocity(self, omega: np.ndarray, velocity: np.ndarray) -> Any:
+        del velocity
+        lost = omega > 900.0
+        status = np.where(lost, "not_converged", np.where(omega > 800.0, "vortex_ring", "ok"))
+        thrust = np.where(lost, np.nan, 1e-5 * omega**2)
+        rest = dict.fromkeys(("drag", "roll_moment", "side_force", "pitch_moment"), 0.0 * thrust)
+        return SimpleNamespace(thrust=thrust, torque=0.02 * thrust, status=status, **rest)
+
+
+@pytest.mark.parametrize("wakes", [None, WAKES], ids=["alone", "wakes"])
+def test_the_worst_status_and_no_number_where_loads_are_lost(wakes: Wakes | None) -> None:
+    forces = VehicleForces(replace(SYMMETRIC, wakes=wakes), Patchy())
+    omegas = [[600.0] * 4, [600.0, 850.0, 600.0, 600.0], [850.0, 600.0, 950.0, 600.0]]
+    found = forces.wrench(omegas, [0.0, 0.0, 0.0])
+    assert found.status.tolist() == ["ok", "vortex_ring", "not_converged"]
+    np.testing.assert_array_equal(np.isnan(found.force).any(axis=1), [False, False, True])
+    assert np.isnan(found.moment[2]).all() and np.isnan(found.power[2])
+    assert found.rotor_status[2, 2] == "not_converged"
+
+
+def test_every_status_has_a_place() -> None:
+    assert set(SEVERITY) == {*STATUSES, *TABLE_STATUSES}
+    for order in (STATUSES, TABLE_STATUSES):
+        places = [SEVERITY.index(name) for name in order]
+        assert places == sorted(places)
+    assert worst(np.array([["ok", "windmill"], ["outside", "ok"]])).tolist() == [
+        "windmill",
+        "outside",
+    ]
+
+
+STATE: dict[str, Any] = {"omegas": [600.0] * 4, "velocity": [1.0, 0.0, 0.0]}
+WRONG: dict[str, tuple[dict[str, Any], str]] = {
+    "three speeds": ({"omegas": [600.0] * 3}, "omegas has shape (3,); its last axis must hold"),
+    "one speed": ({"omegas": 600.0}, "omegas has shape (); its last axis must hold"),
+    "negative": ({"omegas": [600.0, -600.0, 600.0, 600.0]}, "omegas is negative (-600): give the"),
+    "no number": ({"omegas": [600.0, 600.0, 600.0, math.nan]}, "omegas holds a value that is not"),
+    "words": ({"omegas": "fast"}, "omegas is 'fast': give a number"),
+    "plane": ({"velocity": [1.0, 2.0]}, "velocity has shape (2,); its last axis must hold the x"),
+    "infinite": ({"velocity": [1.0, math.inf, 0.0]}, "velocity holds a value that is not finite"),
+    "one rate": ({"rates": 0.3}, "rates has shape (); its last axis must hold the x, y, z"),
+    "nan rate": ({"rates": [0.0, 0.0, math.nan]}, "rates holds a value that is not finite"),
+    "wind's size": ({"wind": [3.0]}, "wind has shape (1,); its last axis must hold the x, y, z"),
+    "nan wind": ({"wind": [math.nan, 0.0, 0.0]}, "wind holds a value that is not finite"),
+    "lengths": (
+        {"omegas": np.full((3, 4), 600.0), "velocity": np.zeros((2, 3))},
+        "shapes do not fit together: omegas (3, 4), velocity (2, 3), rates (3,), wind (3,)",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", WRONG)
+def test_bad_states(case: str) -> None:
+    changes, message = WRONG[case]
+    with pytest.raises(InputError, match=re.escape(message)) as caught:
+        VehicleForces(SYMMETRIC, Patchy()).wrench(**(STATE | changes))
+    assert "\n" not in str(caught.value)
+
+
+def test_bad_sources() -> None:
+    with pytest.raises(InputError, match="another propeller"):
+        VehicleForces(replace(QUAD, propeller=propmap.propeller("apc-9x6e")), ROTOR)
+    with pytest.raises(InputError, match="loads is Model; give a Rotor or a LoadTable"):
+        VehicleForces(QUAD, MODEL)  # type: ignore[arg-type]
+    with pytest.raises(InputError, match=r"\[mount\], of which a table knows nothing"):
+        VehicleForces(QUAD, Patchy())
+    close = (*SYMMETRIC.mounts, replace(SYMMETRIC.mounts[0], spin="ccw"))
+    with pytest.raises(InputError, match="rotors 1 and 5 are 0 m apart"):
+        VehicleForces(replace(SYMMETRIC, mounts=close, wakes=WAKES), ROTOR)
