@@ -1,18 +1,20 @@
 from __future__ import annotations
 
+import importlib.util
 import json
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pytest
 
-pytest.importorskip("dash", reason="the extra explore is not installed")
-
-from propmap.explore.application import Application
 from propmap.explore.given import Given, Shelf, read_upload
-from propmap.explore.server import guard, names_of
 from propmap.explore.session import Session
-from propmap.explore.views.all import VIEWS
+
+if TYPE_CHECKING:
+    from propmap.explore.application import Application
+
+collect_ignore_glob = [] if importlib.util.find_spec("dash") else ["test_*.py"]
+"""Without the extra explore there is nothing to test."""
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
@@ -25,6 +27,10 @@ def shelf() -> Shelf:
 @pytest.fixture(scope="module")
 def application(shelf: Shelf) -> Application:
     """The application without compiling, guarded as the command guards it."""
+    from propmap.explore.application import Application
+    from propmap.explore.server import guard, names_of
+    from propmap.explore.views.all import VIEWS
+
     found = Application(Session(), VIEWS, shelf, prepare=False)
     guard(found.dash.server, names_of("127.0.0.1"))
     return found

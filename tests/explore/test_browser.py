@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -22,7 +21,7 @@ pytest.importorskip("playwright", reason="playwright is not installed")
 pytestmark = [
     pytest.mark.slow,
     pytest.mark.skipif(
-        browser_path() is None and not os.environ.get("EXPLORE_BROWSER"),
+        browser_path() is None,
         reason="no browser is installed (chromium)",
     ),
 ]
