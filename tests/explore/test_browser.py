@@ -176,7 +176,7 @@ def test_dark_and_light(page: Page, address: str) -> None:
     colour = "getComputedStyle(document.body).backgroundColor"
     light = page.evaluate(colour)
     page.get_by_role("button", name="Dark or light").click()
-    assert page.evaluate(colour) != light
+    page.wait_for_function(f"{colour} !== '{light}'")
     page.emulate_media(color_scheme="dark")
     page.get_by_role("button", name="Dark or light").click()
-    assert page.evaluate(colour) == light
+    page.wait_for_function(f"{colour} === '{light}'")
