@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -11,7 +11,7 @@ from typing import Any
 import dash
 from dash import ALL, ClientsideFunction, Dash, Input, Output, State, ctx, no_update
 from dash.exceptions import PreventUpdate
-from flask import has_request_context
+from flask import has_request_context, request
 
 from propmap.errors import InputError
 from propmap.explore import shell
@@ -27,6 +27,9 @@ from propmap.explore.view import View
 send_string: Any = dash.dcc.send_string  # type: ignore[attr-defined]
 
 NAMESPACE = "propmap"
+
+LIVE = "/_live"
+"""Where figures are asked for while something moves."""
 
 FIRST_PAINT = 1.5
 """[s] after which compiling begins: what is on the screen first comes first."""
@@ -94,16 +97,29 @@ class Application(Choices):
         shown = shell.view_page(view, session, values, controls, answer)
         return shown, {"query": session.query(), "view": view.name}
 
-    def answer(self, path: Any, here: Any, given: Any, *, settled: bool) -> tuple[Any, ...]:
-        """Figures, which are hidden, tables, remarks, command and Python."""
+    def live(self, asked: Mapping[str, Any]) -> dict[str, Any]:
+        """Figures while something moves; none where that takes long or something is wrong.
+
+        What is wrong is told as soon as all stands still.
+        """
+        try:
+            view, session = self.view(asked.get("view")), self.session(asked.get("search"))
+            if getattr(view, "slow", False):
+                return {}
+            values, _ = values_of(view.controls(session), _mapping(asked.get("values")))
+            found = view.answer(session, values, self.preparation, settled=False)
+        except InputError:
+            return {}
+        return {"figures": dict(found.figures)}
+
+    def answer(self, path: Any, here: Any, given: Any) -> tuple[Any, ...]:
+        """Figures, which are hidden, tables, remarks, legend, command and Python."""
         places = [entry["id"]["graph"] for entry in ctx.outputs_list[0]]
         try:
             view, session = self.view(path), self.session(here)
             values, remarks = values_of(view.controls(session), given)
-            found = view.answer(session, values, self.preparation, settled=settled)
-            told = ("", "")
-            if settled:
-                told = view.shell(session, values), view.python(session, values)
+            found = view.answer(session, values, self.preparation, settled=True)
+            told = view.shell(session, values), view.python(session, values)
         except InputError as error:
             same = [no_update] * len(places)
             wrong = shell.remarks([str(error)], "trouble")
@@ -112,10 +128,6 @@ class Application(Choices):
         hidden = [name not in found.figures for name in places]
         tables = [shell.table(table) for table in found.tables]
         lines = shell.remarks([*remarks, *found.remarks])
-        if not settled:
-            # A step is to be quick: of the page only figures and remarks follow it.
-            same = [no_update] * len(places)
-            return drawn, same, no_update, lines, no_update, no_update, no_update
         return drawn, hidden, tables, lines, shell.legend(found.legend), *told
 
     def _register(self) -> None:
@@ -143,18 +155,12 @@ class Application(Choices):
 
         newest = Newest()
 
-        @app.callback(
-            *together, Output("answered", "data"), Input("live", "data"), *where,
-            prevent_initial_call=True,
-        )  # fmt: skip
-        def _live(asked: Any, path: Any, here: Any) -> Any:
-            asked = _mapping(asked)
+        # A step of a slider passes Dash by: half of what it takes was its bookkeeping.
+        @app.server.post(LIVE)
+        def _live() -> Any:
+            asked = _mapping(request.get_json(silent=True))
             newest.told(asked)
-            given = _mapping(asked.get("values"))
-            if getattr(self.view(path), "slow", False):
-                places = [no_update] * len(ctx.outputs_list[0])
-                return places, places, *[no_update] * 5, asked.get("serial", 0)
-            return *self.answer(path, here, given, settled=False), asked.get("serial", 0)
+            return self.live(asked)
 
         @app.callback(
             *together, Output("state", "children"), Output("told", "data"),
@@ -169,7 +175,7 @@ class Application(Choices):
                 if not newest.is_it(asked):
                     # The page has moved on; whoever waits behind is to be answered sooner.
                     raise PreventUpdate
-                found = self.answer(path, here, given, settled=True)
+                found = self.answer(path, here, given)
             return *found, self.state(here), asked.get("serial", 0)
 
         @app.callback(
@@ -256,7 +262,6 @@ class Application(Choices):
             "ticking",
             Output("tick", "disabled"), Input("job", "data"), Input("base", "data"),
         )  # fmt: skip
-        here("answered", Output("void", "title"), Input("answered", "data"))
         here(
             "settled",
             Output("void", "className"), Output({"menu": ALL}, "href"),

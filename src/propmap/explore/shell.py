@@ -18,7 +18,7 @@ dcc: Any = dash.dcc
 
 LAYOUT = {"displayModeBar": False, "responsive": True, "doubleClick": "reset"}
 
-STORES = ("base", "here", "live", "answered", "settled", "told")
+STORES = ("base", "here", "settled", "told")
 
 HEIGHTS = {
     (False, False): "255px",

@@ -3,19 +3,46 @@
   "use strict";
   const PAUSE = 350; // [ms] without a move after which deviations and words are asked for
   const LOST = 8000; // [ms] after which an answer is not waited for any more
-  let base = null, busy = 0, wanted = null, serial = 0, timer = null, sent = null, since = 0;
+  let base = null, busy = 0, wanted = null, serial = 0, timer = null;
 
   const props = (id, values) => window.dash_clientside.set_props(id, values);
 
   const tab = Math.random().toString(36).slice(2); // whose newest request counts
 
+  // One step at a time: the newest setting is asked for when the last one has been drawn.
   function ask() {
-    if (wanted === null || (busy && performance.now() - since < LOST)) return;
-    busy = ++serial;
-    since = performance.now();
-    sent = wanted;
+    if (wanted === null || busy) return;
+    const mine = (busy = ++serial), values = wanted;
     wanted = null;
-    props("live", { data: { tab, serial: busy, values: sent } });
+    const body = JSON.stringify({ tab, serial: mine, view: base.view, search: search(values), values });
+    const lost = AbortSignal.timeout(LOST);
+    fetch("/_live", { method: "POST", headers: { "Content-Type": "application/json" }, body, signal: lost })
+      .then((answer) => (answer.ok ? answer.json() : {}))
+      .then((found) => (mine === busy ? draw(found.figures || {}) : null))
+      .catch(() => null)
+      .then(() => requestAnimationFrame(() => setTimeout(() => free(mine), 0)));
+  }
+
+  function draw(figures) {
+    for (const [name, figure] of Object.entries(figures)) {
+      const place = document.getElementById(JSON.stringify({ graph: name }));
+      const graph = place && place.querySelector(".js-plotly-plot");
+      if (!graph || !graph.offsetParent) continue;
+      // What is not on the screen follows when all stands still.
+      const box = graph.getBoundingClientRect();
+      if (box.bottom < 0 || box.top > window.innerHeight) continue;
+      // Drawn when this returns; what it promises may wait for fonts and the like.
+      window.Plotly.react(graph, figure.data, { ...figure.layout, autosize: true });
+    }
+  }
+
+  function free(mine) {
+    if (mine !== busy) return;
+    busy = 0;
+    window.propmap.drawn = mine;
+    window.dispatchEvent(new Event("propmap-drawn"));
+    if (wanted !== null) ask();
+    else if (last && base && !base.empty) later(last);
   }
 
   function later(values) {
@@ -129,16 +156,6 @@
       },
       ticking(job) {
         return !job;
-      },
-      answered(number) {
-        if (number === busy) busy = 0;
-        requestAnimationFrame(() => setTimeout(() => {
-          window.propmap.drawn = number;
-          window.dispatchEvent(new Event("propmap-drawn"));
-        }, 0));
-        if (wanted !== null) ask();
-        else if (!busy && last) later(last);
-        return window.dash_clientside.no_update;
       },
       settled(number, menu) {
         told = number;
