@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from playwright.sync_api import Page
 
 STEPS = 50
-LOADS = 7
+LOADS = 5
 
 RESULT = Path(__file__).parent / "results" / "explore.json"
 

@@ -117,7 +117,6 @@ def figure(
             "hovermode": "closest",
             "uirevision": revision,
             "shapes": list(shapes),
-            "transition": {"duration": 0},
             **layout,
         },
     }
