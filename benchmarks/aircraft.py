@@ -1,9 +1,11 @@
 """Times of trim and of a ranking, and power beside a measurement: `make bench-aircraft`.
 
-Writes results/aircraft.json.  Power: electrical power of an 8 in propeller in TU Delft's open-jet
-tunnel (arXiv 2507.03456, CC BY 4.0), whose shaft power is about 0.874 of it.  Section constants are
-identified on every second steady state, the others are predicted; then motor and controller, as
-three constants, are fitted to the same half.  Left out where the data are not at hand.
+Writes results/aircraft.json, with a study of the delivery quadcopter with some propellers and of
+the tailsitter through its transition, which the documentation shows.  Power: electrical power of an
+8 in propeller in TU Delft's open-jet tunnel (arXiv 2507.03456, CC BY 4.0), whose shaft power is
+about 0.874 of it.  Section constants are identified on every second steady state, the others are
+predicted; then motor and controller, as three constants, are fitted to the same half.  Left out
+where the data are not at hand.
 """
 
 from __future__ import annotations
@@ -11,6 +13,7 @@ from __future__ import annotations
 import csv
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -19,15 +22,20 @@ import numpy as np
 import propmap
 from benchmarks.results_file import machine, write_results
 from propmap.aircraft.candidates import catalogue_candidates
+from propmap.aircraft.deviations import spread
+from propmap.aircraft.performance import performance
 from propmap.aircraft.ranking import Ranking
 from propmap.aircraft.steady import Aircraft
 from propmap.aircraft.task import Task
 from propmap.catalogue.expected_constants import expected_constants
+from propmap.cli.trim_words import plain
 from propmap.engine.compilation import compile_quickly, keep_compiled
 from propmap.fit.fitted import Settings, fit
 from propmap.fit.parameters import SECTION, Choice
 from propmap.fit.tunnel import TunnelData, section_with, tunnel_rows
 from propmap.table.build import build_table
+from propmap.vehicle.flight_log import GRAVITY
+from propmap.vehicle.motor import RPM
 from propmap.vehicle.vehicle import Vehicle
 from propmap.vehicle.vehicle_toml import read_vehicle
 
@@ -35,6 +43,12 @@ EXAMPLE = Path(__file__).parent.parent / "examples" / "aircraft" / "delivery.tom
 DATA = Path(__file__).parents[2] / "shared" / "data" / "power"
 SPEEDS = np.linspace(0.0, 20.0, 30)
 REPEATS = 5
+
+PROPELLERS = ("uiuc-apcsf-11x4.7", "uiuc-gwsdd-11x7", "uiuc-apce-11x5.5", "uiuc-apcsf-10x4.7")
+NAMED = ("hover", "least_power", "best_range", "fastest")
+HEADWIND = 5.0
+TRANSITION = np.arange(0.0, 21.0, 2.0)
+"""[m/s] of a tailsitter."""
 
 TABLE_TOLERANCE = 0.05
 """Of the table that is timed: a query takes as long at any tolerance, a build does not."""
@@ -102,6 +116,56 @@ def ranked(vehicle: Vehicle) -> dict[str, Any]:
     }
 
 
+def aircraft_with(name: str, vehicle: Vehicle) -> Aircraft:
+    """The vehicle with a propeller of the catalogue and what is known of its constants."""
+    model = propmap.known_model(name, air=vehicle.air)
+    flown = replace(vehicle, propeller=model.propeller)
+    return Aircraft(flown, propmap.Rotor(model).for_all_blades())
+
+
+def study(vehicle: Vehicle) -> list[dict[str, Any]]:
+    """Named states of the delivery quadcopter with some propellers, in still air and in wind."""
+    found = []
+    for name in PROPELLERS:
+        craft = aircraft_with(name, vehicle)
+        states = craft.steady(SPEEDS)
+        still = performance(craft, states, bands=True)
+        windy = performance(craft, states, wind=HEADWIND, bands=True)
+        named = {key: getattr(still, key) for key in NAMED}
+        named["against_wind"] = windy.best_range
+        found.append(
+            {"propeller": name, "limit": still.limit}
+            | {key: plain(state) for key, state in named.items()}
+        )
+    return found
+
+
+def transition(vehicle: Vehicle) -> list[dict[str, Any]]:
+    """A tailsitter from hover to cruise: the flow's angle to its rotors, power, the wing's part."""
+    craft = aircraft_with(vehicle.propeller.name, vehicle)
+    states = craft.steady(TRANSITION, margin=False)
+    sure = spread(craft, states)
+    _, hubs = craft.rotor_motion(states)
+    found = []
+    for k, speed in enumerate(states.speed.tolist()):
+        axial = float(hubs[k, 0] @ craft.rotors.axis[0])
+        weight = vehicle.mass * GRAVITY
+        lifted = float(states.thrust[k].sum() * np.cos(states.pitch[k]))
+        found.append(
+            {
+                "speed": speed,
+                "beta_deg": float(np.degrees(np.arccos(axial / speed))) if speed else None,
+                "pitch_deg": float(np.degrees(states.pitch[k])),
+                "rpm": float(states.rotor_speed[k, 0] / RPM),
+                "power": float(states.shaft_power[k]),
+                "power_std": float(sure.shaft_power[k]) if sure else None,
+                "wing_share": 1.0 - lifted / weight,
+                "status": str(states.status[k]),
+            }
+        )
+    return found
+
+
 def steady_rows() -> dict[str, np.ndarray]:
     """Means over stretches at one airspeed and rotor speed: omega, speed, electrical power."""
     with (DATA / "wt_10Hz.csv").open(encoding="utf-8") as file:
@@ -158,14 +222,17 @@ def measured_power() -> dict[str, Any]:
         losses = np.linalg.lstsq(
             terms[train] * weight[:, None], (power - predicted)[train] * weight, rcond=None
         )[0]
+        by_share = errors(predicted[~train] / SHAFT_SHARE, power[~train])
+        by_motor = errors((predicted + terms @ losses)[~train], power[~train])
         halves.append(
             {
                 "constants": {k: round(float(values[k]), 4) for k in FREE},
                 "states": int((~train).sum()),
                 "shaft": errors(predicted[~train], shaft[~train]),
-                "electrical_by_the_share": errors(predicted[~train] / SHAFT_SHARE, power[~train]),
-                "electrical_by_a_motor": errors(
-                    (predicted + terms @ losses)[~train], power[~train]
+                "electrical_by_the_share": by_share,
+                "electrical_by_a_motor": by_motor,
+                "motor_explains": round(
+                    1.0 - (by_motor["rms_relative"] / by_share["rms_relative"]) ** 2, 3
                 ),
             }
         )
@@ -189,6 +256,8 @@ def main() -> None:
         "machine": machine(),
         "trim": trims(vehicle),
         "choose": ranked(vehicle),
+        "study": study(vehicle),
+        "transition": transition(read_vehicle(EXAMPLE.parent / "tailsitter.toml").vehicle),
     }
     if DATA.exists():
         found["power"] = measured_power()

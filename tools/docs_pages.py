@@ -19,8 +19,14 @@ from propmap.catalogue.identified import all_identified
 from propmap.fit.population.summary import summary
 from propmap.io.atomic_file import replacing
 from propmap.papers.gill_dandrea_2017.drag_effects import drag_effects
+from tools import (
+    aircraft_tables,
+    flight_tables,
+    lifting_line_tables,
+    performance_tables,
+    readme_tables,
+)
 from tools import drag_effects as drag_effects_table
-from tools import flight_tables, lifting_line_tables, performance_tables, readme_tables
 
 RESULTS = Path(__file__).resolve().parent.parent / "benchmarks" / "results"
 LOADS = {
@@ -88,8 +94,10 @@ def write(folder: Path) -> None:
         "wakes-cost": flight_tables.wakes_cost(found["interference"]),
         "wakes-coaxial": flight_tables.coaxial(found["interference"]),
         "mount-drag": mount_drag(found["mount_drag"]),
-        "measured-power": measured_power(found["aircraft"]["power"]),
-        "aircraft-times": aircraft_times(found["aircraft"]),
+        "measured-power": aircraft_tables.measured_power(found["aircraft"]["power"]),
+        "aircraft-times": aircraft_tables.times(found["aircraft"]),
+        "aircraft-study": aircraft_tables.study(found["aircraft"]["study"]),
+        "aircraft-transition": aircraft_tables.transition(found["aircraft"]["transition"]),
         "choice-cost": choice_cost(found["choice"]),
         "choice-measured": choice_measured(found["choice"]),
         "choice-table": choice_table(found["choice"]),
@@ -227,39 +235,6 @@ def mount_drag(found: dict[str, Any]) -> str:
         f"constants, {100.0 * motor['median']:.0f} % in the median.",
     ]
     return "\n".join(rows)
-
-
-def measured_power(found: dict[str, Any]) -> str:
-    """Errors of predicted power on the half of a tunnel's states that was not fitted."""
-    halves = found["halves"]
-    kinds = {
-        "shaft": "shaft power, 0.874 of the electrical",
-        "electrical_by_a_motor": "electrical power, by three constants of motor and controller",
-    }
-    rows = ["| | of the rms power | relative, rms |", "|---|---:|---:|"]
-    unfitted = found["unfitted_shaft"]
-    cells = [f"{100.0 * unfitted[k]:.0f} %" for k in ("rms_of_rms", "rms_relative")]
-    rows.append(f"| shaft power, constants to be expected of any propeller | {' | '.join(cells)} |")
-    for kind, words in kinds.items():
-        cells = [
-            " and ".join(f"{100.0 * half[kind][k]:.1f}" for half in halves) + " %"
-            for k in ("rms_of_rms", "rms_relative")
-        ]
-        rows.append(f"| {words} | {' | '.join(cells)} |")
-    states = " and ".join(str(half["states"]) for half in halves)
-    rows += ["", f"Two halves, each predicted from the other: {states} states."]
-    return "\n".join(rows)
-
-
-def aircraft_times(found: dict[str, Any]) -> str:
-    """What a trim and a ranking take."""
-    rotor, table = found["trim"]["rotor"], found["trim"]["table"]
-    chosen = found["choose"]
-    return (
-        f"With compiled programs, {rotor['speeds']} speeds take {rotor['processor_s']:.2f} s of "
-        f"processor time on a rotor and {table['processor_s']:.3f} s on a table; a ranking of "
-        f"{chosen['propellers']} propellers {chosen['processor_s']:.0f} s, on all cores."
-    )
 
 
 def choice_cost(found: dict[str, Any]) -> str:

@@ -12,7 +12,7 @@ import propmap
 from propmap.aircraft.deviations import derivatives, power_gradient, spread
 from propmap.aircraft.steady import Aircraft, SteadyStates
 from propmap.errors import InputError
-from propmap.vehicle.vehicle import Body
+from propmap.vehicle.vehicle import Body, Wakes
 from propmap.vehicle.vehicle_toml import read_vehicle
 
 from .conftest import aircraft_of, quadcopter, rotor_of
@@ -105,5 +105,8 @@ def test_nothing_known_and_names_that_are_not_there(
     assert spread(bare, bare.steady(SPEEDS[:1])) is None
     with pytest.raises(InputError, match="no derivative by 'kv'"):
         power_gradient(aircraft, level, ("kv",))
+    wakes = aircraft_of(quadcopter(wakes=Wakes()))
+    with pytest.raises(InputError, match="each other's wakes"):
+        power_gradient(wakes, wakes.steady(SPEEDS[:1], margin=False), ("diameter_scale",))
     grounded = aircraft_of(quadcopter(mass=60.0)).steady(SPEEDS)
     assert np.isnan(power_gradient(aircraft, grounded, ("mass",))["mass"]).all()

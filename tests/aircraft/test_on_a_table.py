@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import propmap
+from propmap.aircraft.deviations import power_gradient
 from propmap.aircraft.steady import Aircraft
 from propmap.errors import InputError
 from propmap.physics.mount_drag import MountDrag
@@ -42,6 +43,21 @@ def test_the_same_states(vehicle: Vehicle, table: LoadTable) -> None:
     assert by_table.shaft_power == pytest.approx(by_rotor.shaft_power, rel=0.03)
     assert by_table.pitch == pytest.approx(by_rotor.pitch, abs=0.01)
     assert by_table.residual.max() < 1e-8
+
+
+def test_power_s_derivatives_are_those_of_the_table(vehicle: Vehicle, table: LoadTable) -> None:
+    """Beside trims on the same table; its own derivatives make no other error than its loads."""
+    speeds = np.array([0.0, 5.0, 11.0])
+    craft = Aircraft(vehicle, table)
+    found = power_gradient(craft, craft.steady(speeds, margin=False), ("speed", "mass"))
+    more, less = (craft.steady(np.abs(speeds + h), margin=False).power for h in (0.01, -0.01))
+    scale = np.abs(found["speed"]).max()
+    assert found["speed"] == pytest.approx((more - less) / 0.02, abs=5e-3 * scale)
+    more, less = (
+        Aircraft(replace(vehicle, mass=1.2 + h), table).steady(speeds, margin=False).power
+        for h in (2e-3, -2e-3)
+    )
+    assert found["mass"] == pytest.approx((more - less) / 4e-3, rel=5e-3)
 
 
 def test_outside_is_said(vehicle: Vehicle, table: LoadTable) -> None:

@@ -11,8 +11,9 @@ import pytest
 
 from propmap.aircraft.columns import rows
 from propmap.aircraft.mission import EMPTY, Mission, fly, read_mission
-from propmap.aircraft.performance import Performance, endurance, performance, top_speed
+from propmap.aircraft.performance import Performance, endurance, performance
 from propmap.aircraft.steady import Aircraft
+from propmap.aircraft.top_speed import top_speed
 from propmap.errors import InputError
 from propmap.vehicle.powertrain import Powertrain
 from propmap.vehicle.vehicle import Body, Vehicle
@@ -117,10 +118,44 @@ def test_a_mission_uses_its_energy(aircraft: Aircraft) -> None:
     assert fly(aircraft, halves).charge[-1] == pytest.approx(flown.charge[-1], abs=1e-9)
 
 
+def test_charge_over_time_is_the_current_s_integral(aircraft: Aircraft) -> None:
+    """Small steps of the current at the power of each leg, which share only that current."""
+    legs = Mission(np.array([0.0, 10.0]), np.array([1.0, 0.0]), np.array([60.0, 240.0]))
+    flown = fly(aircraft, legs)
+    battery = aircraft.vehicle.powertrain.battery
+    assert battery is not None
+    charge, wanted = 1.0, []
+    for power, duration in zip(flown.states.electrical_power, legs.duration, strict=True):
+        for _ in range(int(duration)):
+            charge -= float(battery.current(power, np.array(charge))) / battery.capacity
+        wanted.append(charge)
+    assert flown.charge == pytest.approx(wanted, abs=1e-4)
+    course = flown.course
+    assert course.time[1, 0] == course.time[0, -1] == 60.0 and course.time[-1, -1] == 300.0
+    assert course.charge[1, 0] == course.charge[0, -1]
+    assert (np.diff(course.charge, axis=1) < 0.0).all()
+
+
+def test_a_mission_ends_where_the_voltage_is_too_low(vehicle: Vehicle) -> None:
+    """Four cells are 16.4 V when full and below 15 soon: a motor that needs 14.8 stops."""
+    motor = vehicle.powertrain.motor
+    assert motor is not None
+    slow = replace(vehicle.powertrain, motor=replace(motor, speed_constant=45.0))
+    craft = aircraft_of(replace(vehicle, powertrain=slow))
+    flown = fly(craft, Mission(np.zeros(2), np.zeros(2), np.array([60.0, 1080.0])))
+    assert flown.states.found.all()
+    assert flown.status.tolist() == ["ok", "voltage_limit"]
+    assert flown.lasted.tolist() == [True, False]
+    needed = flown.states.throttle[1].max() * flown.states.battery_voltage[1]
+    there = flown.course.voltage[1]
+    assert np.nanmin(there) >= needed and np.isnan(there[-1])
+
+
 def test_a_mission_empties_the_battery(aircraft: Aircraft) -> None:
     legs = Mission(np.array([0.0, 0.0]), np.array([0.0, 0.0]), np.array([3600.0, 60.0]))
     flown = fly(aircraft, legs)
-    assert flown.status[0] == EMPTY and np.isnan(flown.charge).all()
+    assert flown.status.tolist() == [EMPTY, "not_reached"] and np.isnan(flown.charge).all()
+    assert np.nanmin(flown.course.charge) >= 0.2 and not flown.lasted.any()
 
 
 BAD_MISSIONS = {

@@ -99,6 +99,24 @@ def test_hover_is_thrust_equal_to_weight(vehicle: Vehicle, level: SteadyStates) 
     assert level.shaft_power[0] == pytest.approx(still.power.sum(), rel=1e-8)
 
 
+def test_hover_power_of_constant_loading_is_that_of_momentum_theory() -> None:
+    """A blade with twist in inverse proportion to its radius and without section drag has the same
+    inflow everywhere but at its root: hover takes W sqrt(W/4 / (2 rho A))."""
+    radius = 0.12
+    station = np.linspace(0.02, 1.0, 40) * radius
+    twist = np.arctan(0.12 * radius / station)
+    blade = propmap.Propeller("ideal", 2, station, np.full(40, 0.012), twist)
+    law = propmap.Airfoil(c_l1=5.7, c_l2=1.0, c_d=0.0, alpha_0=0.6, c_d0=0.0, c_p=0.0)
+    for mass in (0.6, 2.4):
+        vehicle = quadcopter(propeller=blade, mass=mass)
+        rotor = propmap.Rotor(propmap.Model(blade, law, vehicle.air), compiled=False)
+        states = Aircraft(vehicle, rotor).steady(0.0, margin=False)
+        weight = mass * GRAVITY
+        disk = 2.0 * vehicle.air.density * math.pi * radius**2
+        ideal = weight * math.sqrt(weight / 4.0 / disk)
+        assert states.shaft_power[0] == pytest.approx(ideal, rel=0.005)
+
+
 def test_hover_power_against_momentum_theory(vehicle: Vehicle) -> None:
     """T v_h over the power is the figure of merit of the rotor's own static loads; at an equal disk
     loading it does not change with the mass, but for Reynolds number."""

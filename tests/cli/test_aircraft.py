@@ -110,6 +110,13 @@ def test_what_is_missing_is_said(run: Run) -> None:
 def test_a_mission_and_a_turn(run: Run) -> None:
     done = run(*TRIM, "--mission", "legs.csv")
     assert done.code == 0 and "Wh in" in done.out and "legs.csv" in done.out
+    told = json.loads(run(*TRIM, "--mission", "legs.csv", "--format", "json").out)
+    course = told["over_time"]
+    assert course["time_s"][0] == 0.0 and course["time_s"][-1] == 140.0
+    assert course["charge"][0] == 1.0 and course["charge"] == sorted(course["charge"])[::-1]
+    assert told["legs"][-1]["charge"] == course["charge"][-1]
+    run(*TRIM, "--mission", "legs.csv", "--picture", "course.svg")
+    assert Path("course.svg").read_text(encoding="utf-8").startswith("<?xml")
     turned = run(*TRIM, "--speed", "0,6", "--bank", "20", "--format", "csv")
     (row,) = csv.DictReader(io.StringIO(turned.out))
     assert float(row["roll_deg"]) == pytest.approx(20.0, abs=1.0)
@@ -118,13 +125,20 @@ def test_a_mission_and_a_turn(run: Run) -> None:
 
 @pytest.mark.slow
 def test_choosing(run: Run) -> None:
-    chosen = ["choose", "quad.toml", "--speed", "10", "--diameter", "7.5:8.5"]
-    done = run(*chosen, "--propeller", "apc-8x6e", "--picture", "front.png", "--top", "2")
+    chosen = ["choose", "quad.toml", "--speed", "10", "--diameter", "9:9", "--blades", "3"]
+    done = run(*chosen, "--propeller", "apc-8x6e", "--picture", "front.png", "--top", "4")
     assert done.code == 0 and Path("front.png").exists()
+    assert "1 beats it" in done.out and "top speeds are limited by" in done.out
     assert "ranked by" in done.out and "apc-8x6e" in done.out
-    listed = run(*chosen, "--format", "csv", "--mission", "legs.csv")
+    listed = run(*chosen, "--format", "csv", "--task", "legs.csv", "--top", "2")
     rows = list(csv.DictReader(io.StringIO(listed.out)))
     assert rows and all(float(row["energy_J"]) > 0.0 for row in rows)
+    assert float(rows[1]["probability_first_beats"]) >= 0.5
+    longest = run(*chosen[:2], *chosen[4:], "--task", "hover", "--by", "time", "--format", "json")
+    times = [row["time_s"] for row in json.loads(longest.out)]
+    assert times == sorted(times, reverse=True)
+    assert [row["hover_time_s"] for row in json.loads(longest.out)] == times
+    assert all(row["cruise_power_W"] is None for row in json.loads(longest.out))
 
 
 BAD = {
@@ -154,6 +168,21 @@ BAD = {
         "no propeller of the catalogue",
     ),
     "no speed": (["choose", "quad.toml", "--speed", "0"], "above 0"),
+    "a cruise without speed": (["choose", "quad.toml"], "cruise has no speed"),
+    "another task": (["choose", "quad.toml", "--task", "loiter"], "choose from hover"),
+    "no such mission": (["choose", "quad.toml", "--task", "none.csv"], "none.csv"),
+    "a mission of words to choose by": (
+        ["choose", "quad.toml", "--task", "words.csv"],
+        "line 2",
+    ),
+    "a hover by range": (
+        ["choose", "quad.toml", "--task", "hover", "--by", "range"],
+        "not ranked by range",
+    ),
+    "a time without a battery": (
+        ["choose", "bare.toml", "--task", "hover", "--by", "time"],
+        "no [battery]",
+    ),
     "no margin": (
         ["choose", "quad.toml", "--speed", "9", "--thrust-margin", "0.5"],
         "less thrust than weight",

@@ -55,6 +55,7 @@ VEHICLES = {
         body=Body((0.015, 0.02, 0.03), 0.01, (0.004, 0.006)),
         wing=Wing(0.05, 0.1, 4.5, 1.0, 0.25),
     ),
+    "on a wing with a span": replace(PLAIN, wing=Wing(0.05, 0.1, 4.5, 1.0, 0.25, 0.6)),
     "wakes": replace(PLAIN, wakes=WAKES),
     "coaxial": replace(
         PLAIN,

@@ -141,6 +141,13 @@ CASES = {
     "negative density": ("density = 1.1", "density = -1.1", "vehicle.toml: [air]", "positive"),
     "negative drag": ("[0.01, 0.01, 0.02]", "[0.01, -1, 0]", "[body]", "areas of 0 or more"),
     "no wing area": ("area = 0.2\n", "", "[wing]: no area", "add area ="),
+    "a rotor's place in mm": ("[0.1, 0.2, 0.05]", "[100, 200, 50]", "position is [100", "not mm"),
+    "a span that is a chord": (
+        "area = 0.2",
+        "area = 0.2\nspan = 0.3",
+        "span is 0.3 m",
+        "from tip to tip",
+    ),
     "zero wing area": ("area = 0.2", "area = 0", "[wing]: area is 0.0 m^2", "remove [wing]"),
     "a gain of upwash below 0": ("ahead = 2.5", "ahead = -1", "[wakes]: ahead is -1", "0 to 20"),
     "a share above 2": ("share = 0.7", "share = 3", "[wakes]: share is 3", "from 0 to 2"),

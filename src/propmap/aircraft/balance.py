@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -88,6 +88,25 @@ class Balanced(NamedTuple):
     def residual(self) -> Floats:
         """The largest share that is unbalanced (n,)."""
         return np.abs(self.unbalanced).max(axis=1)
+
+    @property
+    def power(self) -> Floats:
+        """Of all shafts [W], (n,)."""
+        return np.sum(self.wrenches.torque * self.omega, axis=1)
+
+    def or_else(self, other: Balanced, where: NDArray[np.bool_]) -> Balanced:
+        """Flights of the ``other`` in the places ``where`` (n,), of these elsewhere."""
+
+        def pick(own: Any, its: Any) -> Any:
+            return np.where(where.reshape(-1, *[1] * (own.ndim - 1)), its, own)
+
+        wrenches = RotorWrenches(*map(pick, self.wrenches, other.wrenches))
+        rest = {
+            name: pick(getattr(self, name), getattr(other, name))
+            for name in self._fields
+            if name != "wrenches"
+        }
+        return Balanced(**rest, wrenches=wrenches)
 
 
 class Balance:

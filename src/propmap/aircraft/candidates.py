@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from propmap.catalogue.expected_constants import expected_constants
 from propmap.catalogue.identified import all_identified
-from propmap.catalogue.lookup import propeller
+from propmap.catalogue.known import constants_to_expect, own_constants
+from propmap.catalogue.lookup import meant_by, propeller
 from propmap.errors import InputError
 from propmap.model.airfoil import Airfoil
 from propmap.model.model import Section
@@ -102,18 +102,22 @@ def catalogue_candidates(
 
 
 def file_candidate(path: str | os.PathLike[str], section: Section | None = None) -> Candidate:
-    """A propeller from a file, or by its designation, with constants of its own or to be expected.
+    """A propeller from a file, or by its name, with constants of its own or to be expected.
 
     Parameters
     ----------
     path : path or str
         As for ``propmap.propeller``.
     section : Section, optional
-        Its section law; by default what is to be expected of any propeller.
+        Its section law; by default the best constants that are known of it, see
+        ``propmap.known_model``.
     """
     blade = propeller(path)
     law, verdict = section, "section law as given"
     if law is None:
-        law, _ = expected_constants(None)
-        verdict = "constants not identified for this propeller"
-    return Candidate(os.fspath(path), blade, law, None, verdict)
+        meant = meant_by(path)
+        own = own_constants(meant, blade.blades)
+        law = own.airfoil if own else constants_to_expect(meant, blade).airfoil
+        verdict = own.verdict if own else "constants to be expected, not identified"
+    known = getattr(law, "uncertainty", None)
+    return Candidate(os.fspath(path), blade, law, known and known.covariance, verdict)

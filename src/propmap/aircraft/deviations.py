@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -24,6 +25,9 @@ AREAS = ("drag_area_x", "drag_area_y", "drag_area_z")
 VEHICLE = (*FLIGHT, "mass", *AREAS)
 """What steady states can be differentiated by, besides the constants of the section law and
 ``GEOMETRY``: [m/s], [kg], [m^2]."""
+
+DIAMETER, GROWTH = "diameter_scale", 0.01
+"""A common factor on radius and chord, and the step of its differences."""
 
 SCALES = {"chord_scale": 0.2, "twist_offset": 0.1}
 """Of the steps of differences, by parameter; else the constant itself."""
@@ -62,8 +66,9 @@ def derivatives(
 ) -> dict[str, Response]:
     """Derivatives of steady states; the attitude and the rotor speeds follow each change.
 
-    Those of the loads by constants and geometry come from JAX where the rotor's programs are
-    compiled, see ``propmap.bands.parameter_slopes``; those by the flow are differences.
+    Those of the loads by the flow, by constants and by chord and twist come from JAX where the
+    rotor's programs are compiled, and by the flow from a table's own derivatives; else they are
+    differences, as those by the diameter always are.
 
     Parameters
     ----------
@@ -71,7 +76,8 @@ def derivatives(
         What flies, and n states of it.
     names : iterable of str
         Of ``VEHICLE``, of the section law's constants such as "c_l1", and "chord_scale" [-], a
-        common factor on the chord, and "twist_offset" [rad], added to the twist.
+        common factor on the chord, "twist_offset" [rad], added to the twist, and "diameter_scale"
+        [-], a common factor on radius and chord.
 
     Returns
     -------
@@ -81,11 +87,12 @@ def derivatives(
     Raises
     ------
     InputError
-        For another name, and a constant where loads come from a table.
+        For another name, a constant where loads come from a table, and the diameter of rotors in
+        each other's wakes.
     """
     wanted = list(names)
     own = tuple(name for name in wanted if name not in VEHICLE)
-    responses = Responses(aircraft, states)
+    responses = Responses(aircraft, states, exact=True)
     of_loads = dict(zip(own, _to_parameters(responses, own), strict=True)) if own else {}
     found = {}
     for name in wanted:
@@ -184,6 +191,11 @@ def _to_parameters(
     responses: Responses, names: tuple[str, ...], few: int | None = None
 ) -> list[Response]:
     """By constants of the section law and geometry; ``few`` is that of ``parameter_slopes``."""
+    if DIAMETER in names and responses.aircraft.vehicle.wakes is not None:
+        raise InputError(
+            f"there is no derivative by {DIAMETER!r} where rotors are in each other's wakes",
+            "leave [wakes] out for it: Vehicle(..., wakes=None)",
+        )
     changes = []
     for source, which in responses.aircraft.rotors.sources:
         if not isinstance(source, Rotor):
@@ -191,7 +203,7 @@ def _to_parameters(
                 f"there is no derivative by {names[0]!r}: the loads are from a table",
                 f"give the aircraft a Rotor, or names of {', '.join(VEHICLE)}",
             )
-        known = (*source.arrays.law.parameters, *GEOMETRY)
+        known = (*source.arrays.law.parameters, *GEOMETRY, DIAMETER)
         unknown = [name for name in names if name not in known]
         if unknown:
             raise InputError(
@@ -202,7 +214,8 @@ def _to_parameters(
     return _each(responses, changes, len(names))
 
 
-def _slopes_of(rotor: Rotor, names: tuple[str, ...], few: int | None) -> Any:
+def _slopes_of(rotor: Rotor, wanted: tuple[str, ...], few: int | None) -> Any:
+    names = tuple(name for name in wanted if name != DIAMETER)
     known = rotor.model.uncertainty
     whole = None if known is None else known.covariance.determined
     if whole is not None and whole.names == names:
@@ -214,9 +227,29 @@ def _slopes_of(rotor: Rotor, names: tuple[str, ...], few: int | None) -> Any:
         ]
 
     def at(points: FlowPoints) -> Floats:
-        return parameter_slopes(rotor._prepared, names, scales, points, few).transpose(1, 0, 2)
+        by_name = {}
+        if names:
+            slopes = parameter_slopes(rotor._prepared, names, scales, points, few)
+            by_name = dict(zip(names, slopes.transpose(1, 0, 2), strict=True))
+        if DIAMETER in wanted:
+            by_name[DIAMETER] = _by_diameter(rotor, points)
+        return np.stack([by_name[name] for name in wanted])
 
     return at
+
+
+def _by_diameter(rotor: Rotor, points: FlowPoints) -> Floats:
+    """Derivatives (L, N) of the loads by a common factor on radius and chord."""
+    omega, along, across = points
+    velocity = np.stack([across, np.zeros_like(across), along], axis=1)
+    rows = []
+    for factor in (1.0 + GROWTH, 1.0 - GROWTH):
+        blade = rotor.model.propeller.scaled(factor)
+        loads = rotor.with_model(replace(rotor.model, propeller=blade)).loads_at_velocity(
+            omega, velocity
+        )
+        rows.append(np.stack([getattr(loads, name) for name in LOADS]))
+    return (rows[0] - rows[1]) / (2.0 * GROWTH)
 
 
 def _to_errors(responses: Responses) -> list[Response]:

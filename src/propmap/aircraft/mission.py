@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 import os
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.aircraft.steady import Aircraft, SteadyStates
+from propmap.aircraft.steady import FLOWN, STATUSES, Aircraft, SteadyStates
 from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.io.blade_table import parse_number
@@ -17,8 +18,16 @@ from propmap.io.csv_dialect import read_csv_table
 from propmap.io.text_file import read_lines
 
 COLUMNS = ("speed_mps", "climb_mps", "duration_s")
-EMPTY = "battery_empty"
-"""Status of a leg that the battery does not last for."""
+EMPTY, NOT_REACHED = "battery_empty", "not_reached"
+WORDS = {
+    EMPTY: "the battery is empty",
+    NOT_REACHED: "after a leg that cannot be flown",
+    **STATUSES,
+}
+"""Statuses of legs in words."""
+
+MOMENTS = 13
+"""Of each leg, at which its course is told."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,6 +56,22 @@ class Mission:
             raise InputError("a speed is negative", "give 0 or more m/s", self.source)
 
 
+class Course(NamedTuple):
+    """A mission over time, at m moments of n legs; NaN from the first that cannot be flown.
+
+    Attributes
+    ----------
+    time : ndarray, shape (n, m)
+        From the beginning of the mission [s]; a leg's first is the last of that before.
+    charge, voltage : ndarray, shape (n, m)
+        State of charge, and voltage at the battery's terminals [V].
+    """
+
+    time: Floats
+    charge: Floats
+    voltage: Floats
+
+
 @dataclass(frozen=True, eq=False)
 class Flown:
     """A mission as an aircraft flies it; every array is (n,).
@@ -57,23 +82,37 @@ class Flown:
         Of the legs.
     energy : ndarray
         Electrical energy at the battery's terminals, without a motor that of the shafts [J].
-    charge : ndarray
-        State of charge at the end of each leg, NaN from the first that cannot be flown and without
-        a battery.
+    course : Course
+        State of charge over time; NaN without a battery.
     status : ndarray of str
-        Of ``steady.STATUSES``, or "battery_empty".
+        Of ``WORDS``.
     """
 
     states: SteadyStates
     energy: Floats
-    charge: Floats
+    course: Course
     status: NDArray[np.str_]
+
+    @property
+    def charge(self) -> Floats:
+        """At the end of each leg, NaN from the first that cannot be flown."""
+        return self.course.charge[:, -1]
+
+    @property
+    def lasted(self) -> NDArray[np.bool_]:
+        """Which legs could be flown to their end."""
+        return np.isin(self.status, FLOWN)
+
+    def told(self, leg: int) -> str:
+        """The status of the ``leg`` number 0, 1, ... in words."""
+        return WORDS[str(self.status[leg])]
 
 
 def fly(aircraft: Aircraft, mission: Mission) -> Flown:
     """Fly a mission, the changes from leg to leg left out.
 
-    The usable share of the battery's charge is what a mission may use.
+    The usable share of the battery's charge is what a mission may use, and no leg may need more
+    voltage or current than the battery has at its end.
 
     Parameters
     ----------
@@ -81,21 +120,38 @@ def fly(aircraft: Aircraft, mission: Mission) -> Flown:
         What flies what.
     """
     states = aircraft.steady(mission.speed, mission.climb, margin=False)
-    battery = aircraft.vehicle.powertrain.battery
-    charge, status = np.full(len(states), math.nan), states.status.astype("<U20")
-    now = aircraft.limits.charge
-    least = now - battery.usable_share if battery else 0.0
-    for k in range(len(states) if battery else 0):
-        assert battery is not None
-        power, duration = states.electrical_power[k], float(mission.duration[k])
-        if not math.isfinite(now) or not math.isfinite(power):
-            now = math.nan
-            continue
-        now = float(battery.charge_after(np.array(power), duration, np.array(now)))
-        if not now >= least - 1e-12:
-            status[k], now = EMPTY, math.nan
-        charge[k] = now
-    return Flown(states, states.power * mission.duration, charge, status)
+    battery, n = aircraft.vehicle.powertrain.battery, len(states)
+    status = states.status.astype("<U20")
+    ends = np.cumsum(mission.duration)
+    moments = np.linspace(0.0, 1.0, MOMENTS)
+    time = (ends - mission.duration)[:, None] + mission.duration[:, None] * moments
+    charge, voltage = np.full((2, n, MOMENTS), math.nan)
+    if battery is not None:
+        now = aircraft.limits.charge
+        least = now - battery.usable_share
+        needed = np.max(states.throttle * states.battery_voltage[:, None], axis=1)
+        for k in range(n):
+            power = float(states.electrical_power[k])
+            if not math.isfinite(now) or not math.isfinite(power):
+                break
+            along = battery.charges(power, mission.duration[k] * moments, now)
+            there = battery.voltage(np.full(MOMENTS, power), along)
+            used = battery.share_used(np.full(MOMENTS, power), along)
+            ends_by = {
+                EMPTY: ~(along >= least - 1e-12),
+                "voltage_limit": there < needed[k],
+                "battery_limit": used > 1.0,
+            }
+            over = np.any(list(ends_by.values()), axis=0)
+            if over.any():
+                first = int(np.argmax(over))
+                status[k] = next(name for name, where in ends_by.items() if where[first])
+                along[first:] = there[first:] = math.nan
+            charge[k], voltage[k], now = along, there, float(along[-1])
+    lost = np.flatnonzero(~np.isin(status, FLOWN))
+    if lost.size:
+        status[lost[0] + 1 :] = NOT_REACHED
+    return Flown(states, states.power * mission.duration, Course(time, charge, voltage), status)
 
 
 def read_mission(path: str | os.PathLike[str]) -> Mission:

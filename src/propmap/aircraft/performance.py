@@ -6,33 +6,21 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
-from propmap.aircraft.deviations import derivatives, spread
+from propmap.aircraft.deviations import spread
+from propmap.aircraft.response import Responses
 from propmap.aircraft.steady import Aircraft, SteadyStates
+from propmap.aircraft.top_speed import top_speed
 from propmap.arrays.types import Floats
 from propmap.errors import InputError
-
-BEYOND = 1.3
-"""Ratio of the speeds at which the top speed is looked for beyond those that were asked for."""
-
-FASTEST = 150.0
-"""[m/s] up to which it is looked for."""
-
-STEPS = 40
-"""Of a search for the top speed, at most."""
-
-CLOSE, NARROW = 2e-3, 0.1
-"""The interval with the top speed is narrowed until it is so small a share of it, each time to so
-much about where the share of the limit is likely to reach 1."""
-
-WITHIN = 0.999
-"""Share of the last interval, so that rounding does not put the top speed beyond the limit."""
 
 TOP = 3
 """Number of the top speed among the states with a name."""
 
-SPEEDS = 41
-"""At which power is looked at, from rest to the top speed."""
+SPEEDS, BETWEEN = 41, 13
+"""At which power is looked at, from rest to the top speed; and between the neighbours of the least
+of these."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,6 +68,8 @@ class Performance:
         ground (without a battery: per energy), at the top speed; None where there is none.
     limit : str
         Status of states just above the top speed; empty where none was found up to ``FASTEST``.
+    at_rest : str
+        Status in hover.
     wind : float
         Headwind [m/s].
     """
@@ -92,6 +82,7 @@ class Performance:
     best_range: NamedState | None
     fastest: NamedState | None
     limit: str
+    at_rest: str
     wind: float
 
 
@@ -150,10 +141,22 @@ def performance(
     last = speed[-1] if math.isnan(fastest) else fastest
     grid = np.linspace(0.0, last, SPEEDS)
     curve = aircraft.steady(grid, climb, margin=False, near=states)
-    power = curve.power
+    power, at_rest = curve.power, str(curve.status[0])
     ok = np.isfinite(power)
     # Distance per energy; where the wind is faster there is none.
     ahead = ok & (grid > wind)
+    if ahead.any():
+        # Once more about both of the least, since a wing that stalls makes the power jump.
+        places = (
+            _around(grid, np.flatnonzero(ok), power),
+            _around(grid, np.flatnonzero(ahead), power / np.where(ahead, grid - wind, 1.0)),
+        )
+        finer = np.setdiff1d(np.concatenate(places), grid)
+        between = aircraft.steady(finer, climb, margin=False, near=curve).power
+        order = np.argsort(np.concatenate([grid, finer]))
+        grid, power = (np.concatenate(each)[order] for each in ((grid, finer), (power, between)))
+        ok = np.isfinite(power)
+        ahead = ok & (grid > wind)
     least = _lowest(grid[ok], power[ok])
     best = _lowest(grid[ahead], power[ahead] / (grid[ahead] - wind))
     wanted = np.array([0.0, least, best, fastest])
@@ -173,7 +176,7 @@ def performance(
     ground = states.speed - wind
     hover, least_power, best_range, top = named
     return Performance(
-        states, times, times * ground, hover, least_power, best_range, top, limit, wind
+        states, times, times * ground, hover, least_power, best_range, top, limit, at_rest, wind
     )
 
 
@@ -187,7 +190,7 @@ def _deviations(aircraft: Aircraft, states: SteadyStates, limit: str) -> dict[st
     found["endurance_std"] = 0.5 * (less - more)
     if limit in sure.used:
         # Where a share of the limit is 1: what it errs by over its slope by the speed.
-        slope = derivatives(aircraft, states, ["speed"])["speed"].used[limit]
+        slope = Responses(aircraft, states).to_flight("speed").used[limit]
         found["speed_std"] = np.divide(
             sure.used[limit], np.abs(slope), out=np.full_like(slope, math.nan), where=slope != 0.0
         )
@@ -209,6 +212,12 @@ def _named(
     )
 
 
+def _around(x: Floats, places: NDArray[np.intp], y: Floats) -> Floats:
+    """Values between the neighbours of that of the ``places`` in ``x`` where ``y`` is least."""
+    k = places[np.argmin(y[places])]
+    return np.linspace(x[max(k - 1, 0)], x[min(k + 1, x.size - 1)], BETWEEN)
+
+
 def _lowest(x: Floats, y: Floats) -> float:
     """Where y is least, by the parabola through the least sample and its neighbours."""
     if not x.size:
@@ -221,63 +230,3 @@ def _lowest(x: Floats, y: Floats) -> float:
     first = (y[k] - y[k - 1]) / (b - a)
     second = ((y[k + 1] - y[k]) / (c - b) - first) / (c - a)
     return float(np.clip(0.5 * (a + b) - 0.5 * first / second, a, c)) if second > 0.0 else float(b)
-
-
-def top_speed(aircraft: Aircraft, states: SteadyStates, climb: float) -> tuple[float, str]:
-    """The top speed [m/s], NaN where there is none, and the status beyond it.
-
-    Parameters
-    ----------
-    aircraft : Aircraft
-        What flies.
-    states : SteadyStates
-        At two or more rising speeds, all at one climb rate.
-    climb : float
-        That climb rate [m/s].
-    """
-    low, high, why = _last_and_next(states)
-    for _ in range(STEPS):
-        if math.isnan(low):
-            return math.nan, why
-        if math.isnan(high):
-            if low >= FASTEST:
-                return math.nan, ""
-            # The last two that are flown, to begin from, and one beyond.
-            speeds = np.array([*states.speed[states.found][-2:], max(low, 1.0) * BEYOND])
-        elif high - low <= CLOSE * high:
-            break
-        else:
-            met = _met(states, low, high, why)
-            inner = met + NARROW * (high - low) * np.array([-1.0, 0.0, 1.0])
-            if math.isnan(met):
-                inner = low + (high - low) * np.array([0.25, 0.5, 0.75])
-            inner = inner[(inner > low) & (inner < high)]
-            speeds = np.concatenate([[low], inner, [high]])
-        following = aircraft.steady(speeds, climb, margin=False, near=states)
-        found = _last_and_next(following)
-        if math.isnan(found[0]):
-            break  # at the edge of what can be solved
-        states, (low, high, why) = following, found
-    met = _met(states, low, high, why)
-    return (low if math.isnan(met) else low + WITHIN * (met - low)), why
-
-
-def _met(states: SteadyStates, low: float, high: float, why: str) -> float:
-    """Where the share of a limit reaches 1 between two neighbouring speeds; NaN if not known."""
-    if why not in states.used:
-        return math.nan
-    k = int(np.argmin(np.abs(states.speed - low)))
-    before, after = np.log(np.maximum(states.used[why][k : k + 2], 1e-9))
-    step = -before / (after - before)
-    return low + step * (high - low) if 0.0 <= step <= 1.0 else math.nan
-
-
-def _last_and_next(states: SteadyStates) -> tuple[float, float, str]:
-    """The last speed that is flown, the next that is not, and why not; NaN where there is none."""
-    flown = np.flatnonzero(states.found)
-    if not flown.size:
-        return math.nan, float(states.speed[0]), str(states.status[0])
-    last = int(flown[-1])
-    if last == len(states) - 1:
-        return float(states.speed[last]), math.nan, ""
-    return float(states.speed[last]), float(states.speed[last + 1]), str(states.status[last + 1])

@@ -11,9 +11,10 @@ import numpy as np
 
 from propmap.aircraft.candidates import Candidate
 from propmap.aircraft.mission import fly as fly_mission
-from propmap.aircraft.performance import endurance, top_speed
+from propmap.aircraft.performance import endurance
 from propmap.aircraft.steady import STATUSES, Aircraft, SteadyStates
 from propmap.aircraft.task import Task
+from propmap.aircraft.top_speed import top_speed
 from propmap.engine.batch import cores
 from propmap.model.corrections import Correction
 from propmap.model.model import Model
@@ -37,7 +38,7 @@ class Judged:
     deviation : float
         Standard deviation of the score from that of the constants; NaN where it is not known.
     hover_power, cruise_power : float
-        Electrical if known, else of the shafts [W].
+        Electrical if known, else of the shafts [W]; the second is NaN where the task has no speed.
     hover_time, cruise_time : float
         On one battery [s]; NaN without one.
     thrust_margin : float
@@ -100,7 +101,7 @@ class Ranking:
     def judged(
         self, candidates: Sequence[Candidate], progress: Callable[[], None] | None = None
     ) -> list[Judged]:
-        """All candidates, the best first, then those that are not feasible.
+        """All candidates, the best first, then those that are not feasible, by thrust margin.
 
         Parameters
         ----------
@@ -120,10 +121,14 @@ class Ranking:
         found = [one(candidate) for candidate in candidates[:1]]
         with ThreadPoolExecutor(cores()) as pool:
             found += pool.map(one, candidates[1:])
-        sign = -1.0 if self.task.name == "fast" else 1.0
+        sign = -1.0 if self.task.most_is_best else 1.0
         order = sorted(
             range(len(found)),
-            key=lambda k: (not found[k].feasible, sign * np.nan_to_num(found[k].score)),
+            key=lambda k: (
+                (False, sign * found[k].score)
+                if found[k].feasible
+                else (True, -np.nan_to_num(found[k].thrust_margin))
+            ),
         )
         return [found[k] for k in order]
 
@@ -167,8 +172,9 @@ class Ranking:
         if overlap:
             return _refused(candidate, overlap)
         craft, task = self.aircraft(candidate), self.task
-        states = craft.steady([0.0, task.speed])
+        states = craft.steady([0.0, task.probed_speed])
         time = endurance(craft, states)
+        cruises = task.speed is not None
         why_not = self._why_not(states)
         top, limit = math.nan, ""
         if not why_not:
@@ -181,9 +187,9 @@ class Ranking:
             score,
             math.nan,
             float(states.power[0]),
-            float(states.power[1]),
+            float(states.power[1]) if cruises else math.nan,
             float(time[0]),
-            float(time[1]),
+            float(time[1]) if cruises else math.nan,
             float(states.thrust_margin[0]),
             top,
             limit,
@@ -199,7 +205,7 @@ class Ranking:
 
     def _score_of(self, candidate: Candidate) -> float:
         craft = self.aircraft(candidate)
-        states = craft.steady([0.0, self.task.speed], margin=False)
+        states = craft.steady([0.0, self.task.probed_speed], margin=False)
         top = math.nan
         if self.task.name == "fast":
             top, _ = top_speed(craft, states, 0.0)
@@ -208,22 +214,26 @@ class Ranking:
     def _score(self, craft: Aircraft, states: SteadyStates, top: float) -> tuple[float, str]:
         """The score, and why there is none."""
         task = self.task
-        if task.name == "hover":
-            return float(states.power[0]), ""
-        if task.name == "cruise":
-            return float(states.power[1]) / task.speed, ""
         if task.name == "fast":
             return top, "" if math.isfinite(top) else "no top speed was found"
-        assert task.mission is not None
-        flown = fly_mission(craft, task.mission)
-        lost = ~np.isfinite(flown.energy) | (flown.status == "battery_empty")
-        if lost.any():
-            leg = int(np.argmax(lost))
-            return math.nan, f"leg {leg + 1}: {flown.status[leg]}"
-        return float(flown.energy.sum()), ""
+        if task.mission is not None:
+            flown = fly_mission(craft, task.mission)
+            lost = ~flown.lasted
+            if lost.any():
+                leg = int(np.argmax(lost))
+                return math.nan, f"leg {leg + 1}: {flown.told(leg)}"
+            return float(flown.energy.sum()), ""
+        k = 0 if task.name == "hover" else 1
+        if task.ranked_by == "energy":
+            power = float(states.power[k])
+            return (power / task.probed_speed if k else power), ""
+        time = float(endurance(craft, states)[k])
+        if not math.isfinite(time):
+            return math.nan, "the battery's voltage is too low, or the vehicle has none"
+        return (time * task.probed_speed if task.ranked_by == "range" else time), ""
 
     def _why_not(self, states: SteadyStates) -> str:
-        words = ("hover", f"{self.task.speed:g} m/s")
+        words = ("hover", f"{self.task.probed_speed:g} m/s")
         asked = (True, self.task.name == "cruise")
         for k, what in enumerate(words):
             if asked[k] and not states.found[k]:
@@ -232,7 +242,8 @@ class Ranking:
                 more = f", {100.0 * used[k]:.0f} % of it" if used is not None else ""
                 margin = float(states.thrust_margin[k])
                 if math.isfinite(margin):
-                    more += f"; thrust is {margin:.2f} of what is needed"
+                    needed = "what is needed" if k else "the weight"
+                    more += f"; thrust is {margin:.2f} of {needed}"
                 return f"{what}: {STATUSES[status]}{more}"
         margin = float(states.thrust_margin[0])
         if not margin >= self.task.thrust_margin:

@@ -21,7 +21,7 @@ def beats(better: Judged, worse: Judged) -> float:
     Parameters
     ----------
     better, worse : Judged
-        With deviations; both of one task whose least score is best, or with negated scores.
+        With deviations; the first is ahead of the second in a ranking.
     """
     spread = math.hypot(better.deviation, worse.deviation)
     gap = abs(worse.score - better.score)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
@@ -9,14 +10,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from propmap.aircraft.balance import Balanced, Flight
+from propmap.aircraft.local_loads import LocalLoads, has_slopes
 from propmap.aircraft.steady import Aircraft, SteadyStates
 from propmap.arrays.types import Floats
-from propmap.vehicle.rotors import LoadSource
+from propmap.vehicle.rotors import LoadSource, Rotors
 
 STEP = 1e-2
 """Of difference quotients to either side: angles [rad], shares of squared rotor speeds and of
 torques, speeds over 1 m/s.  Loads jump by some 1e-4 of their size at isolated points, which a much
 smaller step would make the most of a quotient."""
+
+SMOOTH_STEP = 1e-5
+"""The same where the loads are linear: what is left is smooth."""
 
 Changes = Sequence[tuple[LoadSource, NDArray[np.intp]]]
 """Changes of the loads at given operating points, and of which rotors they are."""
@@ -57,9 +62,12 @@ class Responses:
     ----------
     aircraft, states : Aircraft, SteadyStates
         What flies, and how.
+    exact : bool
+        Whether the loads' own derivatives by the flow are wanted where they have some, see
+        ``local_loads.has_slopes``; else all are differences.
     """
 
-    def __init__(self, aircraft: Aircraft, states: SteadyStates) -> None:
+    def __init__(self, aircraft: Aircraft, states: SteadyStates, *, exact: bool = False) -> None:
         self.aircraft, self.count = aircraft, len(states)
         self.where = np.flatnonzero(states.found)
         every = Flight(states.speed, states.climb, states.bank)
@@ -67,14 +75,24 @@ class Responses:
         attitude = states.pitch[self.where], states.roll[self.where]
         self.unknowns = balance.unknowns(*attitude, states.rotor_speed[self.where] ** 2)
         self.at = balance.told(self.unknowns, self.flight)
+        sources = aircraft.rotors.sources
+        exact = exact and bool(self.where.size) and aircraft.vehicle.wakes is None
+        exact = exact and all(has_slopes(source) for source, _ in sources)
+        self._step, self._balance = (SMOOTH_STEP if exact else STEP), balance
+        if exact:
+            rotors = Rotors(aircraft.vehicle, [(LocalLoads(one), which) for one, which in sources])
+            rotors.wrenches(self.at.omega, self.at.hubs)
+            self._balance = copy.copy(balance)
+            self._balance.rotors = rotors
         self._inverse, self._torque = self._by_unknowns()
 
     def to_flight(self, name: str) -> Response:
         """By the ``name`` "speed" or "climb" [m/s]."""
         ahead, behind = (
-            self.aircraft.balance.told(self.unknowns, self._moved(name, h)) for h in (STEP, -STEP)
+            self._balance.told(self.unknowns, self._moved(name, h))
+            for h in (self._step, -self._step)
         )
-        residual, torque = _slopes(ahead, behind, 2.0 * STEP)
+        residual, torque = _slopes(ahead, behind, 2.0 * self._step)
         return self._implied(residual, torque, name)
 
     def to_mass(self) -> Response:
@@ -104,16 +122,16 @@ class Responses:
     def _by_unknowns(self) -> tuple[Floats, Floats]:
         """The inverse of dr/dx (n, u, r), and the torques' derivatives (n, k, u)."""
         n, u = self.unknowns.shape
-        steps = STEP * np.concatenate([np.eye(u), -np.eye(u)])
+        steps = self._step * np.concatenate([np.eye(u), -np.eye(u)])
         moved = self.unknowns + steps[:, None]
         flight = self.flight.part(np.tile(np.arange(n), 2 * u))
-        found = self.aircraft.balance.told(moved.reshape(-1, u), flight)
+        found = self._balance.told(moved.reshape(-1, u), flight)
         each = [
             values.reshape(2, u, n, values.shape[-1])
             for values in (found.unbalanced, found.wrenches.torque)
         ]
         residual, torque = (
-            np.moveaxis((values[0] - values[1]) / (2.0 * STEP), 0, -1) for values in each
+            np.moveaxis((values[0] - values[1]) / (2.0 * self._step), 0, -1) for values in each
         )
         return np.linalg.pinv(residual, rcond=1e-12), torque
 
@@ -130,7 +148,7 @@ class Responses:
         size = np.maximum(np.abs(dx).max(axis=1), (np.abs(dq) / np.abs(now)).max(axis=1))
         if flown is not None:
             size = np.maximum(size, 1.0)
-        h = STEP / np.where(size > 0.0, size, 1.0)
+        h = self._step / np.where(size > 0.0, size, 1.0)
         ahead, behind = (
             self._outcome(
                 self.unknowns + by[:, None] * dx,

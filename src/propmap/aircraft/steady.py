@@ -14,6 +14,7 @@ from propmap.aircraft.balance import Balance, Balanced, Flight
 from propmap.aircraft.hover_loads import HoverLoads
 from propmap.aircraft.limits import LIMITS, Limits
 from propmap.aircraft.margin import thrust_margin
+from propmap.aircraft.wing_borne import of_less_power, on_the_wing, stalled
 from propmap.arrays.types import Floats
 from propmap.baselines.hover import REFERENCE_TIP_SPEED, HoverModel
 from propmap.errors import InputError
@@ -35,6 +36,7 @@ EXTRAPOLATED = 2.0
 """Intervals of known states over which a search begins on their line, at most."""
 
 NOT_FOUND = "no_trim"
+STALL = "stall"
 OUTSIDE_TABLE = "outside_table"
 VORTEX_RING = "vortex_ring"
 
@@ -48,7 +50,8 @@ STATUSES = {
     VORTEX_RING: "found, but a rotor is in the vortex ring state: not to be trusted",
     **{name: f"beyond {words}" for name, words in LIMITS.items()},
     OUTSIDE_TABLE: "nothing balances the aircraft inside the table's envelope",
-    NOT_FOUND: "no attitude and rotor speeds balance it: too much drag, or a wing that has stalled",
+    STALL: "slower than the wing's stall speed, and the rotors cannot carry what is missing",
+    NOT_FOUND: "no attitude and rotor speeds balance it",
 }
 """Statuses in words."""
 
@@ -190,6 +193,9 @@ class Aircraft:
     ) -> SteadyStates:
         """Steady states, nose first.
 
+        An aircraft with a wing may fly at one speed with the wing stalled and without: the state is
+        that of less power.
+
         Parameters
         ----------
         speed : array_like
@@ -221,6 +227,9 @@ class Aircraft:
         flight = Flight(v, w, turn)
         first = None if near is None else self._between(near, v)
         found = self.balance.solve(flight, SOLVED, first)
+        if self.vehicle.wing is not None:
+            carried = on_the_wing(self.balance, flight)
+            found = of_less_power(found, self.balance.solve(flight, SOLVED, carried), ACCEPTED)
         return self._states(flight, found, margin=margin)
 
     def _between(self, near: SteadyStates, speed: Floats) -> Floats | None:
@@ -275,8 +284,13 @@ class Aircraft:
         ring = (wrenches.status == VORTEX_RING).any(axis=1)
         over = [share > 1.0 for share in used.values()]
         rough = found.residual > ACCEPTED
-        names = [self._lost, *used, VORTEX_RING, COARSE]
-        status = np.select([lost, *over, ring, rough], names, "ok")
+        slow = np.zeros_like(lost)
+        if self.vehicle.wing is not None and self._lost == NOT_FOUND:
+            # What hangs on its rotors is told their limit; what hangs on a wing, that it stalls.
+            gone = lost | np.any(over, axis=0) if self.rotors.forward else lost
+            slow = gone & stalled(self.vehicle, flight)
+        names = [STALL, self._lost, *used, VORTEX_RING, COARSE]
+        status = np.select([slow, lost, *over, ring, rough], names, "ok")
         electric = self.vehicle.powertrain.driven(wrenches.torque, omega, self.limits.charge)
         gone = ~np.isin(status, FLOWN)
         nothing = np.full(len(gone), math.nan)

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -19,6 +18,7 @@ from propmap.cli.aircraft_options import (
     say_missing,
     vehicle_of,
 )
+from propmap.cli.choose_words import rows_of, table_of, told_of
 from propmap.cli.output import (
     Format,
     FormatOption,
@@ -26,47 +26,43 @@ from propmap.cli.output import (
     check_pictures,
     chosen_format,
     emit_rows,
-    grid,
     show,
 )
 from propmap.cli.rotor_options import Corrections, ModelName, ModelOption
 from propmap.errors import InputError, quoted
 
 if TYPE_CHECKING:
-    from rich.table import Table
-
     from propmap.aircraft.candidates import Candidate
+    from propmap.aircraft.mission import Mission
     from propmap.aircraft.ranking import Judged, Ranking
-    from propmap.aircraft.task import Task
 
 INCH = 0.0254
 
 
-class TaskName(StrEnum):
-    """What the propellers are ranked by, but for a mission."""
+class Measure(StrEnum):
+    """What a task may be ranked by."""
 
-    hover = "hover"
-    cruise = "cruise"
-    fast = "fast"
-
-
-UNITS = {
-    "hover": ("W", 1.0),
-    "cruise": ("J/m", 1.0),
-    "fast": ("m/s", 1.0),
-    "mission": ("Wh", 3600.0),
-}
+    energy = "energy"
+    time = "time"
+    range = "range"
 
 
 def choose(
     vehicle: VehicleArgument,
-    speed: Annotated[float, typer.Option("--speed", help="Cruise speed [m/s].")],
+    speed: Annotated[
+        float | None, typer.Option("--speed", help="Cruise speed [m/s], needed to cruise.")
+    ] = None,
     task: Annotated[
-        TaskName, typer.Option("--task", help="Ranked by hover power, energy per metre, top speed.")
-    ] = TaskName.cruise,
-    mission: Annotated[
-        Path | None,
-        typer.Option("--mission", metavar="FILE.csv", help="Ranked by the energy of this instead."),
+        str,
+        typer.Option(
+            "--task",
+            metavar="hover|cruise|fast|FILE.csv",
+            help="Ranked by hover power, energy per metre, top speed, a mission's energy.",
+        ),
+    ] = "cruise",
+    by: Annotated[
+        Measure | None,
+        typer.Option("--by", help="Hover or cruise ranked by this instead of energy."),
     ] = None,
     diameter: Annotated[
         str | None, typer.Option("--diameter", metavar="A:B", help="Of the propellers [in].")
@@ -120,14 +116,16 @@ def choose(
     from propmap.engine.compilation import keep_compiled
     from propmap.model.corrections import corrections_of
 
-    wanted = Task(
-        "mission" if mission else task.value, speed, _legs(mission), thrust_margin=thrust_margin
-    )
+    legs = _legs(task)
+    name = "mission" if legs else task
+    wanted = Task(name, speed, legs, thrust_margin, by.value if by else "")
+    if by in (Measure.time, Measure.range) and read.powertrain.battery is None:
+        raise InputError(f"--by {by.value}: the vehicle file has no [battery]", "add it")
     law = section_law(airfoil) if airfoil else None
-    candidates = [
-        *(file_candidate(name, law) for name in propeller or ()),
-        *catalogue_candidates(sizes, blades),
-    ]
+    own = [file_candidate(name, law) for name in propeller or ()]
+    there = {one.name for one in own if law is None}
+    others = catalogue_candidates(sizes, blades)
+    candidates = [*own, *(one for one in others if one.name not in there)]
     corrections = tuple(corrections_of(model or ModelName.recommended, correction or ()))
     say_missing(read)
     keep_compiled()
@@ -140,9 +138,10 @@ def choose(
     if form is Format.table:
         fit = [one for one in judged if one.feasible]
         shown = fit if all_ else fit[:top]
-        show(output, title, _table(wanted, shown), *_told(judged, top, all_=all_))
+        ranked = [table_of(wanted, shown)] if shown else []
+        show(output, title, *ranked, *told_of(judged, top, all_=all_))
     else:
-        rows = _rows(wanted, judged)
+        rows = rows_of(wanted, judged)
         emit_rows(list(rows[0]), rows, form, output)
     if picture is not None:
         from propmap.aircraft.ranking_comparison import pareto
@@ -167,12 +166,19 @@ def _diameters(text: str | None) -> tuple[float, float]:
     return parts[0] * INCH, parts[1] * INCH
 
 
-def _legs(path: Path | None) -> Any:
-    if path is None:
-        return None
+def _legs(task: str) -> Mission | None:
+    """The mission that ``--task`` names, None for another task."""
     from propmap.aircraft.mission import read_mission
+    from propmap.aircraft.task import MEASURES
 
-    return read_mission(path)
+    if task != "mission" and task in MEASURES:
+        return None
+    if not task.lower().endswith(".csv"):
+        known = ", ".join(name for name in MEASURES if name != "mission")
+        raise InputError(
+            f"--task {quoted(task)} is not known", f"choose from {known}, or name a mission's .csv"
+        )
+    return read_mission(task)
 
 
 def _judged(ranking: Ranking, candidates: list[Candidate], top: int) -> list[Judged]:
@@ -188,102 +194,3 @@ def _judged(ranking: Ranking, candidates: list[Candidate], top: int) -> list[Jud
         step = progress.add_task("uncertainty", total=len(first))
         closer = ranking.with_deviations(first, lambda: progress.advance(step))
     return [*closer, *found[len(closer) :]]
-
-
-def _table(task: Task, judged: list[Judged]) -> Table:
-    from propmap.aircraft.ranking_comparison import beats
-    from propmap.aircraft.task import TASKS
-
-    unit, size = UNITS[task.name]
-    times = any(math.isfinite(one.hover_time) for one in judged)
-    heads = ["", "<propeller", unit, "+-", "beats next", "hover [W]", f"{task.speed:g} m/s [W]"]
-    heads += ["hover [min]", f"{task.speed:g} m/s [min]"] if times else []
-    heads += ["margin", "top [m/s]", "<constants"]
-    rows = []
-    for k, one in enumerate(judged):
-        sure = beats(one, judged[k + 1]) if k + 1 < len(judged) else math.nan
-        cells = [
-            str(k + 1),
-            one.candidate.name,
-            _digits(one.score / size),
-            _digits(one.deviation / size),
-            f"{100.0 * sure:.0f} %" if math.isfinite(sure) else "-",
-            _digits(one.hover_power),
-            _digits(one.cruise_power),
-        ]
-        if times:
-            cells += [_digits(one.hover_time / 60.0, 3), _digits(one.cruise_time / 60.0, 3)]
-        cells += [_digits(one.thrust_margin, 3), _digits(one.top_speed, 3)]
-        cells.append("good" if one.candidate.verdict == "good" else "doubtful")
-        rows.append(cells)
-    title = f"ranked by {TASKS[task.name]}" if task.name != "mission" else "ranked by energy [Wh]"
-    caption = (
-        "+-: one standard deviation, from that of the constants alone; beats next: probability of "
-        "being better than the next, from the same; margin: thrust at the first limit over weight, "
-        "in hover; doubtful constants: why, by --format csv"
-    )
-    return grid("|".join(heads), rows, title, caption)
-
-
-def _told(judged: list[Judged], top: int, *, all_: bool) -> list[Any]:
-    """What the uncertainty does not separate, and why the rest do not fit."""
-    from propmap.aircraft.ranking_comparison import beats
-
-    fit = [one for one in judged if one.feasible]
-    rest = [one for one in judged if not one.feasible]
-    told: list[Any] = []
-    close = [
-        f"{k + 1} and {k + 2}"
-        for k, (a, b) in enumerate(itertools.pairwise(fit[:top]))
-        if beats(a, b) < SURE
-    ]
-    if close:
-        told.append(f"not separated to {SURE:.0%}: {', '.join(close)}")
-    if len(fit) > top and not all_:
-        told.append(f"{len(fit) - top} more fit: all are shown by --all, or --format csv")
-    if not fit:
-        told.append("no propeller fits; the closest reasons are below")
-    if rest and (all_ or not fit):
-        rows = [(one.candidate.name, one.why_not) for one in rest]
-        told.append(grid("<propeller|<why not", rows, f"{len(rest)} that do not fit"))
-    elif rest:
-        told.append(f"{len(rest)} do not fit: why is shown by --all")
-    return told
-
-
-SURE = 0.95
-"""Probability below which neighbours are said not to be separated."""
-
-
-def _rows(task: Task, judged: list[Judged]) -> list[dict[str, Any]]:
-    from propmap.aircraft.ranking_comparison import beats
-
-    unit, _ = UNITS[task.name]
-    name = "energy_J" if task.name == "mission" else f"score_{unit.replace('/', '_per_')}"
-    rows = []
-    for k, one in enumerate(judged):
-        following = judged[k + 1] if k + 1 < len(judged) else None
-        sure = beats(one, following) if following is not None else math.nan
-        numbers = {
-            "diameter_m": one.candidate.propeller.diameter,
-            name: one.score,
-            "standard_deviation": one.deviation,
-            "probability_beats_next": sure,
-            "hover_power_W": one.hover_power,
-            "cruise_power_W": one.cruise_power,
-            "hover_time_s": one.hover_time,
-            "cruise_time_s": one.cruise_time,
-            "thrust_margin": one.thrust_margin,
-            "top_speed_mps": one.top_speed,
-        }
-        rows.append(
-            {"propeller": one.candidate.name, "blades": one.candidate.propeller.blades}
-            | {key: value if math.isfinite(value) else None for key, value in numbers.items()}
-            | {"feasible": one.feasible, "top_speed_limit": one.limit, "why_not": one.why_not}
-            | {"constants": one.candidate.verdict}
-        )
-    return rows
-
-
-def _digits(value: float, digits: int = 4) -> str:
-    return f"{value:.{digits}g}" if math.isfinite(value) else "-"

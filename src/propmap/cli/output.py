@@ -5,7 +5,8 @@ from __future__ import annotations
 import io
 import json
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -17,6 +18,7 @@ from propmap.io.atomic_file import replacing
 from propmap.io.csv_text import csv_text
 
 if TYPE_CHECKING:
+    from rich.console import Console, ConsoleOptions
     from rich.table import Table
 
 PICTURES = (".png", ".svg", ".pdf")
@@ -148,6 +150,58 @@ def grid(heads: str, rows: Iterable[Sequence[str]], title: str = "", caption: st
     for row in rows:
         found.add_row(*row)
     return found
+
+
+FRAME = 3
+"""Columns of a terminal that a table's column takes beside what is in it."""
+
+
+@dataclass(frozen=True)
+class WideGrid:
+    """A table that leaves out columns where a terminal is too narrow, and says which.
+
+    Attributes
+    ----------
+    heads, rows, title, caption
+        As for ``grid``.
+    spare : tuple of str
+        Heads of columns to leave out, the first first.
+    """
+
+    heads: str
+    rows: Sequence[Sequence[str]]
+    title: str
+    caption: str
+    spare: tuple[str, ...]
+
+    def __rich_console__(self, console: Console, options: ConsoleOptions) -> Iterator[Table]:
+        """Called by rich, with the terminal's width among the ``options``."""
+        heads = self.heads.split("|")
+        # Heads may be broken at their spaces, cells not.
+        needed = [
+            max(map(len, [*head.lstrip("<").split(), *cells, ""])) + FRAME
+            for head, *cells in zip(heads, *self.rows, strict=True)
+        ]
+        left_out: list[str] = []
+        for head in self.spare:
+            if sum(needed) + 1 <= options.max_width:
+                break
+            if head in heads:
+                k = heads.index(head)
+                heads[k], needed[k] = "", 0
+                left_out.append(head)
+        kept = [k for k, width in enumerate(needed) if width]
+        caption = self.caption
+        if left_out:
+            caption += f"\nleft out for want of width, and in --format csv: {', '.join(left_out)}"
+        rows = ([row[k] for k in kept] for row in self.rows)
+        found = grid("|".join(heads[k] for k in kept), rows, self.title, caption)
+        natural = [max(needed[k], len(heads[k].lstrip("<")) + FRAME) for k in kept]
+        if sum(natural) + 1 > options.max_width:
+            # Rich would narrow all columns alike, and cut cells off.
+            for column, k in zip(found.columns, kept, strict=True):
+                column.width = needed[k] - FRAME
+        yield found
 
 
 def show(output: Path | None, *parts: object) -> None:

@@ -41,7 +41,15 @@ from propmap.cli.rotor_options import (
     Corrections,
     ModelOption,
 )
-from propmap.cli.trim_words import named, plain, say_beyond_data, say_moments, table_of, told
+from propmap.cli.trim_words import (
+    named,
+    plain,
+    say_beyond_data,
+    say_fastest,
+    say_moments,
+    table_of,
+    told,
+)
 from propmap.errors import InputError
 
 if TYPE_CHECKING:
@@ -88,7 +96,9 @@ def trim(
     bands: Bands = True,
     picture: Annotated[
         Path | None,
-        typer.Option("--picture", metavar="FILE", help="Power, pitch, rpm and thrust margin."),
+        typer.Option(
+            "--picture", metavar="FILE", help="Power, pitch, rpm and margin; a mission over time."
+        ),
     ] = None,
     format_: FormatOption = None,
     output: TextOutput = None,
@@ -96,9 +106,9 @@ def trim(
     """Steady flight: attitude, rotor speeds, power and margins; range, endurance, top speed."""
     speeds = parse_axis("--speed", "speed", speed, SPEEDS)
     climbs = parse_axis("--climb", "climb", climb)
-    if mission is not None and (picture is not None or bank or climbs.size > 1 or climbs[0] != 0.0):
+    if mission is not None and (bank or climbs.size > 1 or climbs[0] != 0.0):
         raise InputError(
-            "--mission is given with --climb, --bank or --picture", "leave these out: legs say all"
+            "--mission is given with --climb or --bank", "leave these out: legs say all"
         )
     if not math.isfinite(bank):
         raise InputError(f"--bank is {bank}", "give degrees")
@@ -129,7 +139,7 @@ def trim(
     if legs is not None:
         from propmap.cli.mission_table import fly_and_show
 
-        fly_and_show(craft, legs, form, output)
+        fly_and_show(craft, legs, form, output, picture)
         return
     if bank and speeds[0] == 0.0:
         speeds = speeds[1:]
@@ -142,6 +152,7 @@ def trim(
         from propmap.aircraft.performance import performance
 
         found = performance(craft, flown[0], climb=float(climbs[0]), wind=wind, bands=bands)
+        say_fastest(craft, flown[0], found)
     sure = _deviations(craft, flown, bands=bands)
     command = shlex.join(["propmap", *context.obj])
     if netcdf and output is not None:

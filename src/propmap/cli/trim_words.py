@@ -8,18 +8,19 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import typer
 
-from propmap.catalogue.identified import identified
+from propmap.catalogue.identified import Identified, identified
 from propmap.cli.aircraft_options import digits, number_or_none
-from propmap.cli.output import grid
+from propmap.cli.output import WideGrid
 from propmap.cli.plausibility import say_doubts
 from propmap.model.plausible import doubts_on_points
 
 if TYPE_CHECKING:
-    from rich.table import Table
-
     from propmap.aircraft.deviations import Spread
     from propmap.aircraft.performance import NamedState, Performance
     from propmap.aircraft.steady import Aircraft, SteadyStates
+
+SPARE = ("throttle [%]", "I motor [A]", "T [N]", "P shaft [W]", "way [km]", "roll [deg]", "rpm")
+"""Columns that a narrow window goes without, the first first."""
 
 LEVEL = 1e-4
 """Roll [rad] that is not worth a column."""
@@ -46,12 +47,11 @@ def say_moments(craft: Aircraft, flown: list[SteadyStates]) -> None:
         )
 
 
-def say_beyond_data(craft: Aircraft, flown: list[SteadyStates]) -> None:
+def say_beyond_data(craft: Aircraft, flown: list[SteadyStates], where: str = "") -> None:
     """Say what of the states ``flown`` is beyond the data of the constants or unlike propellers.
 
-    ``craft`` is what flies.
+    ``craft`` is what flies, ``where`` says which states these are, if not all.
     """
-    from propmap.aircraft.columns import RPM
     from propmap.rotor import Rotor
 
     if not isinstance(craft.loads, Rotor):
@@ -66,21 +66,34 @@ def say_beyond_data(craft: Aircraft, flown: list[SteadyStates]) -> None:
     speed = np.linalg.norm(hubs, axis=-1)
     along = np.einsum("nkj,kj->nk", hubs, craft.rotors.axis)
     beta = np.arccos(np.clip(np.divide(along, speed, out=along * 0.0, where=speed > 0.0), -1, 1))
-    say_doubts(doubts_on_points(blade, omega, speed, beta))
+    doubts = doubts_on_points(blade, omega, speed, beta)
     own = identified(blade.name, blade.blades)
-    if own is None or craft.loads.model.airfoil.name != own.airfoil.name:
-        return
+    if own is not None and craft.loads.model.airfoil.name == own.airfoil.name:
+        doubts = [*doubts, *_beyond(own, omega, speed, blade.diameter)]
+    say_doubts([f"{where}{doubt}" for doubt in doubts])
+
+
+def _beyond(own: Identified, omega: Any, speed: Any, diameter: float) -> list[str]:
+    from propmap.aircraft.columns import RPM
+
     rpm, advance = (
         float(omega.max()) * RPM,
-        float((2.0 * np.pi * speed / (omega * blade.diameter)).max()),
+        float((2.0 * np.pi * speed / (omega * diameter)).max()),
     )
     parts = []
     if rpm > own.rpm_high:
         parts.append(f"{rpm:.0f} rpm where the data end at {own.rpm_high:.0f}")
     if advance > own.advance_high:
         parts.append(f"J = V/(n D) up to {advance:.2f} where they end at {own.advance_high:.2f}")
-    if parts:
-        say_doubts([f"beyond the data of the constants: {'; '.join(parts)}"])
+    return [f"beyond the data of the constants: {'; '.join(parts)}"] if parts else []
+
+
+def say_fastest(craft: Aircraft, states: SteadyStates, found: Performance) -> None:
+    """As ``say_beyond_data`` of a top speed that was ``found`` beyond the ``states`` asked for."""
+    if found.fastest is not None and found.fastest.speed > states.speed[-1]:
+        climb = states.climb[0]
+        there = craft.steady(found.fastest.speed, climb, margin=False, near=states)
+        say_beyond_data(craft, [there], "at the top speed, ")
 
 
 def plain(state: NamedState | None) -> dict[str, float | None] | None:
@@ -88,7 +101,7 @@ def plain(state: NamedState | None) -> dict[str, float | None] | None:
     return None if state is None else {k: number_or_none(v) for k, v in vars(state).items()}
 
 
-def table_of(states: SteadyStates, sure: Spread | None, found: Performance | None) -> Table:
+def table_of(states: SteadyStates, sure: Spread | None, found: Performance | None) -> WideGrid:
     """States in a table.
 
     Parameters
@@ -144,7 +157,7 @@ def table_of(states: SteadyStates, sure: Spread | None, found: Performance | Non
 
     met = [status for status in STATUSES if status != "ok" and status in states.status]
     caption += "".join(f"\n{status}: {STATUSES[status]}" for status in met)
-    return grid("|".join(heads), zip(*columns, strict=True), title, caption)
+    return WideGrid("|".join(heads), list(zip(*columns, strict=True)), title, caption, SPARE)
 
 
 def _rough(std: float) -> str:
@@ -178,8 +191,8 @@ def told(found: Performance | None) -> list[str]:
     if found is None:
         return []
     from propmap.aircraft.limits import LIMITS
-    from propmap.aircraft.performance import FASTEST
     from propmap.aircraft.steady import STATUSES
+    from propmap.aircraft.top_speed import FASTEST
 
     lines = []
     climbs = bool(found.states.climb[0])
@@ -189,10 +202,11 @@ def told(found: Performance | None) -> list[str]:
             if name == "fastest" and not found.limit:
                 lines.append(f"{words}: above {FASTEST:g} m/s, no limit was met")
             else:
-                lines.append(f"{words}: none; {STATUSES.get(found.limit, 'not found')}")
+                why = found.at_rest if name == "hover" else found.limit
+                lines.append(f"{words}: none; {STATUSES.get(why, 'not found')}")
             margin = float(found.states.thrust_margin[0])
             if name == "hover" and found.states.speed[0] == 0.0 and margin < 1.0:
-                lines[-1] += f"; thrust there is {margin:.2f} of what is needed"
+                lines[-1] += f"; it cannot lift off, thrust is {margin:.2f} of the weight"
             continue
         kind = "" if math.isfinite(state.electrical_power) else "shaft "
         parts = [

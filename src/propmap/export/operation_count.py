@@ -47,6 +47,9 @@ BODY = Operations(12, 15)
 
 LIFT, WING = Operations(4, 10, 0, 1, 3), Operations(9, 9, 2, 0, 5)
 
+INDUCED = Operations(2, 8)
+"""Drag, where a wing has a span."""
+
 FLOW, FORCE = Operations(14, 18, 1, 1), Operations(28, 35)
 """At a hub, and of a rotor on the vehicle."""
 
@@ -134,6 +137,8 @@ def cost(vehicle: Vehicle, table: LoadTable) -> Cost:
         done += LIFT
     if vehicle.wing is not None:
         done += WING
+        if vehicle.wing.span is not None:
+            done += INDUCED
     # Sixteen knots with both ends of each load, three polynomials of weights, knots and scales.
     query = 16 * 2 * len(LOADS) * 4 + (3 * 16 + len(LOADS) + 12) * 4
     read = (query + 7 * 4) * rotors

@@ -79,6 +79,13 @@ class Propeller:
         """The same propeller, loaded from ``radius_m`` [m] outwards."""
         return replace(self, root_cutout=radius_m)
 
+    def scaled(self, factor: float) -> Propeller:
+        """The same shape with radius and chord ``factor`` times as large."""
+        root = None if self.root_cutout is None else factor * self.root_cutout
+        return replace(
+            self, station=factor * self.station, chord=factor * self.chord, root_cutout=root
+        )
+
     def fingerprint(self) -> str:
         """SHA-256 of station [m], chord [m], twist [rad], root [m] and blades, as little-endian f8.
 

@@ -44,15 +44,15 @@ def propeller_choice(title: str, judged: Sequence[Judged], front: Sequence[int])
             markersize=9.0,
         )  # fmt: skip
         ax.annotate(
-            f"{rank}", (judged[k].hover_power, judged[k].top_speed), xytext=(7, -10),
-            textcoords="offset points", fontsize=8.0,
+            f"{rank}", (judged[k].hover_power, judged[k].top_speed), xytext=(0, 6),
+            textcoords="offset points", fontsize=8.0, ha="center", va="bottom",
         )  # fmt: skip
     for place, k in enumerate(front):
         up = place % 2 == 0
         ax.annotate(
             judged[k].candidate.name.removeprefix("uiuc-"),
             (judged[k].hover_power, judged[k].top_speed),
-            xytext=(-4, 6) if up else (6, -10),
+            xytext=(-7, 6) if up else (7, -8),
             textcoords="offset points",
             fontsize=7.5,
             ha="right" if up else "left",

@@ -144,6 +144,31 @@ class Battery:
             low, high = np.where(late, middle, low), np.where(late, high, middle)
         return np.where(self._time(power, charge, high) >= duration * (1.0 - 1e-9), high, np.nan)
 
+    def charges(self, power: float, times: Floats, charge: float) -> Floats:
+        """States of charge along a time at constant power; NaN from where it does not last.
+
+        Parameters
+        ----------
+        power : float
+            At the terminals [W].
+        times : ndarray, shape (m,)
+            Rising [s].
+        charge : float
+            State of charge at time 0.
+
+        Returns
+        -------
+        ndarray, shape (m,)
+            States of charge.
+        """
+        found, before = [], 0.0
+        for time in times.tolist():
+            now = np.array(charge)
+            charge = float(self.charge_after(np.array(power), time - before, now))
+            found.append(charge)
+            before = time
+        return np.array(found)
+
     def endurance(self, power: Floats, voltage: Floats, charge: float = 1.0) -> Floats:
         """Time of flight at constant power, until the usable share is used up.
 

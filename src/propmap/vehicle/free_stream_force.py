@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -45,14 +46,24 @@ def body_force(body: Body, density: float, velocity: Floats) -> Floats:
 
 
 def wing_force(wing: Wing, density: float, velocity: Floats) -> Floats:
-    """Lift of a ``wing``; ``density`` and ``velocity`` as above."""
+    """Lift of a ``wing`` and its induced drag; ``density`` and ``velocity`` as above."""
     angle, speed, across = _in_plane_of_symmetry(velocity)
+    lift = wing_lift(wing, angle + wing.incidence)
+    force = lift[..., None] * across
+    if wing.span is not None:
+        # Prandtl's D = L^2/(pi q b^2), of an elliptic lift.
+        along = velocity * np.array([1.0, 0.0, 1.0])
+        force = force - (lift**2 / (math.pi * wing.span**2))[..., None] * along
+    return np.asarray((0.5 * density * speed)[..., None] * force)
+
+
+def wing_lift(wing: Wing, angle: Floats) -> Floats:
+    """Lift of a ``wing`` over the dynamic pressure [m^2] at an ``angle`` of attack [rad]."""
     own: Any = {name: np.float64(getattr(wing, name)) for name in ("c_l1", "c_l2", "alpha_0")}
-    alpha: Any = angle + wing.incidence
+    alpha: Any = angle
     with by_numpy():
         found = coefficients_at(PLAIN._replace(**own), alpha, np.ones_like(alpha))
-    lift = wing.area * np.asarray(found.lift)
-    return np.asarray((0.5 * density * lift * speed)[..., None] * across)
+    return wing.area * np.asarray(found.lift)
 
 
 def _in_plane_of_symmetry(velocity: Floats) -> tuple[Floats, Floats, Floats]:

@@ -33,6 +33,9 @@ SEVERITY = (
 
 THRUST, TORQUE = (list(LOADS).index(name) for name in ("thrust", "torque"))
 
+FORWARD = 0.5
+"""Upward part of the rotors' mean axis below which they pull forward."""
+
 STEP = 1e-2
 """Of difference quotients by the axial flow [m/s]."""
 
@@ -106,6 +109,11 @@ class Rotors:
 
     def __len__(self) -> int:
         return len(self.spin)
+
+    @property
+    def forward(self) -> bool:
+        """Whether they pull forward rather than up."""
+        return float(self.axis[:, 2].mean()) < FORWARD
 
     @classmethod
     def of(cls, vehicle: Vehicle, loads: LoadSource) -> Rotors:

@@ -77,6 +77,9 @@ class Wing:
         Of its zero-lift line to the vehicle's x axis [rad], positive leading edge up.
     c_l1, c_l2, alpha_0 : float
         As for a blade section [1/rad], [-], [rad].
+    span : float or None
+        [m], for the drag that comes with lift, that of an elliptic wing: Prandtl, NACA report 116,
+        1921; None for no such drag, as in the paper.
     """
 
     area: float
@@ -84,6 +87,7 @@ class Wing:
     c_l1: float = 5.0
     c_l2: float = 1.0
     alpha_0: float = 0.3
+    span: float | None = None
 
 
 @dataclass(frozen=True)

@@ -46,9 +46,9 @@ KEYS = (
 PROPELLER_KEYS = ("geometry", "blades", "radius", "root_cutout")
 WAKE_RANGES = {"ahead": 20.0, "beside": 20.0, "downwash": 20.0, "share": 2.0}
 """Largest values of the table ``[wakes]``."""
-FARTHEST_SENSOR = 5.0
+FARTHEST_SENSOR, FARTHEST_ROTOR = 5.0, 20.0
 """From the centre of mass, along each axis [m]."""
-WING_KEYS = ("area", "incidence", "c_l1", "c_l2", "alpha_0")
+WING_KEYS = ("area", "incidence", "c_l1", "c_l2", "alpha_0", "span")
 GEOMETRY = '"apc-8x6e", a name of `propmap props` or a geometry file beside this file'
 
 Made = TypeVar("Made")
@@ -76,7 +76,8 @@ def read_vehicle(path: str | os.PathLike[str]) -> VehicleFile:
     ``[mount]``, what is in the rotors' slipstreams, see ``MountDrag``: ``area`` [m^2], one for all
     rotors or a list with one for each, ``wake`` (by default 1); ``[body]``
     ``drag_area`` (3 numbers [m^2]), ``lift_area`` [m^2], ``download_area`` (2 numbers [m^2]);
-    ``[wing]`` ``area`` [m^2], ``incidence`` [rad], ``c_l1``, ``c_l2``, ``alpha_0`` [rad];
+    ``[wing]`` ``area`` [m^2], ``incidence`` [rad], ``c_l1``, ``c_l2``, ``alpha_0`` [rad], ``span``
+    [m], with which it has induced drag;
     ``[motor]``, ``[esc]`` and ``[battery]``, see ``read_powertrain``;
     ``[wakes]``, the rotors' wakes on each other, see
     ``Wakes``: ``ahead``, ``beside``, ``downwash``, ``share`` (each by default 1); ``[sensor]``
@@ -150,6 +151,8 @@ def _mount_drags(top: TomlTable, rotors: int) -> Sequence[MountDrag | None]:
 
 def _mount(table: TomlTable, flip: bool, drag: MountDrag | None) -> Mount:
     position = table.vector("position", "[x, y, z], in m from the centre of mass")
+    if max(abs(x) for x in position) > FARTHEST_ROTOR:
+        raise InputError(f"position is {list(position)} m", "give it in m, not mm", table.where)
     spin = table.choice("spin", SPINS)
     if "axis" not in table:
         return Mount(_flu(position, flip), spin=spin, drag=drag)
@@ -218,6 +221,12 @@ def _wing(top: TomlTable) -> Wing | None:
     if not table.number("area", "the wing's area in m^2") > 0.0:
         raise InputError(
             f"area is {given['area']} m^2", "give the area, or remove [wing]", table.where
+        )
+    if "span" in given and not given["span"] ** 2 > given["area"]:
+        raise InputError(
+            f"span is {given['span']:g} m for an area of {given['area']:g} m^2",
+            "give that from tip to tip, in m, longer than the chord",
+            table.where,
         )
     return Wing(**given)
 

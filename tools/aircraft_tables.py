@@ -1,0 +1,89 @@
+"""Tables on aircraft for the documentation, from benchmarks/results/aircraft.json."""
+
+from __future__ import annotations
+
+from typing import Any
+
+
+def measured_power(found: dict[str, Any]) -> str:
+    """Errors of predicted power on the half of a tunnel's states that was not fitted."""
+    halves = found["halves"]
+    kinds = {
+        "shaft": "shaft power, 0.874 of the electrical",
+        "electrical_by_a_motor": "electrical power, by three constants of motor and controller",
+    }
+    rows = ["| | of the rms power | relative, rms |", "|---|---:|---:|"]
+    unfitted = found["unfitted_shaft"]
+    cells = [f"{100.0 * unfitted[k]:.0f} %" for k in ("rms_of_rms", "rms_relative")]
+    rows.append(f"| shaft power, constants to be expected of any propeller | {' | '.join(cells)} |")
+    for kind, words in kinds.items():
+        cells = [
+            " and ".join(f"{100.0 * half[kind][k]:.1f}" for half in halves) + " %"
+            for k in ("rms_of_rms", "rms_relative")
+        ]
+        rows.append(f"| {words} | {' | '.join(cells)} |")
+    states = " and ".join(str(half["states"]) for half in halves)
+    shares = " and ".join(f"{100.0 * half['motor_explains']:.0f} %" for half in halves)
+    rows += [
+        "",
+        f"Two halves, each predicted from the other: {states} states. The first column is the "
+        "error over the root mean square of the power, in which fast turning counts most; in the "
+        "second "
+        "each state counts alike. The motor model explains "
+        f"{shares} of the mean squared relative error, and none of the other.",
+    ]
+    return "\n".join(rows)
+
+
+def times(found: dict[str, Any]) -> str:
+    """What a trim and a ranking take."""
+    rotor, table = found["trim"]["rotor"], found["trim"]["table"]
+    chosen = found["choose"]
+    return (
+        f"With compiled programs, {rotor['speeds']} speeds take {rotor['processor_s']:.2f} s of "
+        f"processor time on a rotor and {table['processor_s']:.3f} s on a table; a ranking of "
+        f"{chosen['propellers']} propellers {chosen['processor_s']:.0f} s, on all cores."
+    )
+
+
+def study(found: list[dict[str, Any]]) -> str:
+    """Propellers of the delivery quadcopter: hover, the cheapest cruise, and with a headwind."""
+    rows = [
+        "| propeller | hover | longest flight | least energy per km | in 5 m/s of headwind "
+        "| top speed |",
+        "|---|---:|---:|---:|---:|---:|",
+    ]
+    for one in found:
+        hover, least, best = (one[key] for key in ("hover", "least_power", "best_range"))
+        wind, top = one["against_wind"], one["fastest"]
+        cells = [
+            one["propeller"],
+            f"{hover['power']:.0f} ± {hover['power_std']:.0f} W",
+            f"{least['endurance'] / 60.0:.0f} min at {least['speed']:.1f} m/s",
+            f"{_per_km(best)} at {best['speed']:.1f} m/s",
+            f"{_per_km(wind)} at {wind['speed']:.1f} m/s",
+            f"{top['speed']:.0f} ± {top['speed_std']:.0f} m/s",
+        ]
+        rows.append(f"| {' | '.join(cells)} |")
+    return "\n".join(rows)
+
+
+def _per_km(state: dict[str, float]) -> str:
+    energy = state["power"] / state["ground_speed"] / 3.6
+    std = energy * state["power_std"] / state["power"]
+    return f"{energy:.1f} ± {std:.1f} Wh"
+
+
+def transition(found: list[dict[str, Any]]) -> str:
+    """The tailsitter from hover to cruise."""
+    rows = [
+        "| V [m/s] | β [deg] | pitch [deg] | rpm | shaft power [W] | carried by the wing |",
+        "|---:|---:|---:|---:|---:|---:|",
+    ]
+    for one in found:
+        beta = "-" if one["beta_deg"] is None else f"{one['beta_deg']:.0f}"
+        rows.append(
+            f"| {one['speed']:g} | {beta} | {round(one['pitch_deg'])} | {one['rpm']:.0f} "
+            f"| {one['power']:.0f} ± {one['power_std']:.0f} | {100.0 * one['wing_share']:.0f} % |"
+        )
+    return "\n".join(rows)
