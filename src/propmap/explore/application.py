@@ -156,11 +156,12 @@ class Application(Choices):
         newest = Newest()
 
         # A step of a slider passes Dash by: half of what it takes was its bookkeeping.
-        @app.server.post(LIVE)
         def _live() -> Any:
             asked = _mapping(request.get_json(silent=True))
             newest.told(asked)
             return self.live(asked)
+
+        app.server.add_url_rule(LIVE, "live", _live, methods=["POST"])
 
         @app.callback(
             *together, Output("state", "children"), Output("told", "data"),
