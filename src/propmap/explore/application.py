@@ -31,6 +31,9 @@ NAMESPACE = "propmap"
 LIVE = "/_live"
 """Where figures are asked for while something moves."""
 
+STATE = "/_state"
+"""Where it is asked how far compiling is."""
+
 FIRST_PAINT = 1.5
 """[s] after which compiling begins: what is on the screen first comes first."""
 
@@ -161,7 +164,11 @@ class Application(Choices):
             newest.told(asked)
             return self.live(asked)
 
+        def _state() -> Any:
+            return {"told": self.state(request.args.get("search"))}
+
         app.server.add_url_rule(LIVE, "live", _live, methods=["POST"])
+        app.server.add_url_rule(STATE, "state", _state)
 
         @app.callback(
             *together, Output("state", "children"), Output("told", "data"),
