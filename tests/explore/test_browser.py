@@ -180,3 +180,22 @@ def test_dark_and_light(page: Page, address: str) -> None:
     page.emulate_media(color_scheme="dark")
     page.get_by_role("button", name="Dark or light").click()
     page.wait_for_function(f"{colour} === '{light}'")
+
+
+def test_a_point_of_the_blade_is_dragged_and_put_back(page: Page, address: str) -> None:
+    open_view(page, f"{address}/blade?prop=apc-8x6e")
+    place = page.locator('[id=\'{"graph":"chord"}\']')
+    place.scroll_into_view_if_needed()
+    point = place.locator(".shapelayer path").nth(2).bounding_box()
+    assert point is not None
+    x, y = point["x"] + 0.5 * point["width"], point["y"] + 0.5 * point["height"]
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x, y - 30.0, steps=6)
+    page.mouse.up()
+    page.wait_for_function("/chord-2=1[0-9][1-9]/.test(location.href)")
+    settle(page)
+    assert "cat > blade.toml" in str(page.locator("#command").text_content())
+    page.locator("#undo").click()
+    page.wait_for_function("location.href.includes('chord-2=100')")
+    settle(page)
