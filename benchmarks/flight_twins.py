@@ -12,10 +12,12 @@ from __future__ import annotations
 import json
 import sys
 import time
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.special import stdtrit
 
 from benchmarks.results_file import machine, write_results
@@ -25,6 +27,7 @@ from propmap.fit.fitted import Fitted, Settings, fit
 from propmap.fit.parameters import Choice, Prior, described
 from tests.fit.flight_twin import BEFOREHAND, FIXED, FREE, TRUTH, Noise, Twin
 
+Bools = NDArray[np.bool_]
 REPETITIONS = 100
 ONCE = Settings(starts=1, folds=0)
 
@@ -56,8 +59,8 @@ def as_if_independent(found: Fitted) -> tuple[Floats, Floats]:
     return found.x - half, found.x + half
 
 
-def coverage(twin: Twin, noise: Noise) -> dict[str, Any]:
-    """Share of noisy twins whose intervals hold the truth, by parameter."""
+def coverage(twin: Twin, noise: Noise) -> Iterator[dict[str, Any]]:
+    """Share of noisy twins whose intervals hold the truth, by parameter, after each of them."""
     shape = REPETITIONS, len(FREE)
     inside, alone, good = np.zeros((3, *shape), bool)
     width, off = np.zeros((2, *shape))
@@ -75,6 +78,12 @@ def coverage(twin: Twin, noise: Noise) -> dict[str, Any]:
         off[k] = (found.x - wanted) / np.sqrt(np.diag(sure.covariance))
         took = time.process_time() - begin
         print(k, f"{inside[k].sum()} of {len(FREE)}, {took:.1f} s", flush=True)
+        done = slice(k + 1)
+        yield told(inside[done], alone[done], good[done], width[done], off[done])
+
+
+def told(inside: Bools, alone: Bools, good: Bools, width: Floats, off: Floats) -> dict[str, Any]:
+    """By parameter, from what came out of each twin; all (twins, parameters)."""
     return {
         name: {
             "called_identified": int(good[:, k].sum()),
@@ -104,11 +113,12 @@ def main() -> None:
     print(json.dumps(found, indent=1), flush=True)
     if len(sys.argv) > 1:
         return
-    found["repetitions"] = REPETITIONS
-    found["coverage"] = coverage(twin, noise)
-    found["processor_s"] = round(time.process_time() - begin, 1)
+    for count, found["coverage"] in enumerate(coverage(twin, noise), start=1):
+        found["repetitions"] = count
+        found["processor_s"] = round(time.process_time() - begin, 1)
+        # After each, since all of them take some ten minutes.
+        write_results("flight_twins.json", found)
     print(json.dumps(found["coverage"], indent=1))
-    write_results("flight_twins.json", found)
 
 
 if __name__ == "__main__":

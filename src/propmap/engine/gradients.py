@@ -8,10 +8,10 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import Any, NamedTuple
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 
 from propmap.arrays.loops import TOGETHER
+from propmap.arrays.namespace import by_numpy
 from propmap.arrays.types import Floats
 from propmap.engine.accuracy import Accuracy
 from propmap.engine.batch import BLOCK, Block, nodes_of_each
@@ -169,15 +169,11 @@ def _some(points: slice, values: Any) -> Any:
 def _static_inflow(rotor: Prepared, static: LoadGradients) -> tuple[Floats, Floats]:
     """v_h (N,) [m/s], eq. (12), and its derivatives (P, N)."""
     thrust, slope = static.loads[0], static.slopes[0]
-    density, tip = rotor.arrays.medium.density, rotor.arrays.blade.tip
-    with jax.enable_x64(True):
-        found: Any = jax.jvp(
-            lambda t: static_inflow(t, density, tip),
-            (jnp.asarray(thrust),),
-            (jnp.ones_like(thrust),),
-        )
-    v, per_thrust = (np.asarray(a) for a in found)
-    return v, per_thrust * slope
+    # By NumPy: the number of points differs from call to call, and JAX would compile for each.
+    with by_numpy():
+        v: Any = static_inflow(thrust, rotor.arrays.medium.density, rotor.arrays.blade.tip)
+    lifting = v > 0.0
+    return v, np.where(lifting, 0.5 * v / np.where(lifting, thrust, 1.0), 0.0) * slope
 
 
 _COMPILED: set[tuple[Accuracy, int, tuple[str, ...], int, bool]] = set()
