@@ -5,11 +5,11 @@ READY := $(VENV)/ready
 DOCS_READY := $(VENV)/docs-ready
 PEERS_READY := $(VENV)/peers-ready
 
-.PHONY: demo reproduce test test-fast test-readers test-numpy test-slow lint types bench bench-table bench-fine-table bench-choice bench-identification bench-peers bench-phases bench-options bench-aircraft bench-mount bench-roofline bench-accelerator convergence docs clean bench-certificates bench-lifting-line bench-interference bench-flight-twins bench-cluster
+.PHONY: demo reproduce test test-fast test-readers test-numpy test-slow lint types bench bench-table bench-fine-table bench-choice bench-identification bench-peers bench-phases bench-options bench-aircraft bench-mount bench-roofline bench-accelerator convergence docs clean bench-certificates bench-lifting-line bench-interference bench-flight-twins bench-cluster bench-explore
 
 $(READY): pyproject.toml constraints.txt
 	python3 -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[cluster,dev,targets]'
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[cluster,dev,explore,targets]'
 	touch $@
 
 $(DOCS_READY): $(READY)
@@ -93,6 +93,9 @@ bench-options: $(READY)
 
 bench-aircraft: $(READY)
 	$(BIN)/python -m benchmarks.aircraft
+
+bench-explore: $(READY)
+	$(BIN)/python -m benchmarks.explore
 
 bench-interference: $(READY)
 	$(BIN)/python -m benchmarks.interference

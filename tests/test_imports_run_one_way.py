@@ -36,6 +36,7 @@ LEFT_TO_RIGHT = (
     "report",
     "papers",
     "cluster",
+    "explore",
     "cli",
     "__main__",
 )

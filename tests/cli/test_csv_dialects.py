@@ -11,11 +11,11 @@ import pytest
 
 from propmap.catalogue.lookup import propeller
 from propmap.cli.flight_files import all_level_tables
-from propmap.cli.points_file import LOAD_COLUMNS, read_points
-from propmap.cli.tunnel_files import read_tunnel
 from propmap.errors import InputError
+from propmap.fit.tunnel_files import read_tunnel
 from propmap.flight.level_table import read_level_table
 from propmap.io.geometry_file import read_geometry_file
+from propmap.io.points_file import LOAD_COLUMNS, read_points
 from propmap.io.section_tables import looks_like_section_table, read_section_table
 from propmap.model.air import Air
 from propmap.vehicle.logs import read_flight_log

@@ -11,8 +11,8 @@ import pytest
 import propmap
 from propmap.catalogue.measurements import measurement
 from propmap.cli.flight_files import read_flights
-from propmap.cli.tunnel_files import doubts_on_tunnel
 from propmap.errors import InputError
+from propmap.fit.tunnel_files import doubts_on_tunnel
 from propmap.model.plausible import doubts_on_blade
 from propmap.vehicle.vehicle_toml import read_vehicle
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import propmap
-from propmap.cli.operating_points import COLUMNS, OperatingPoints
+from propmap.io.operating_points import COLUMNS, OperatingPoints
 from propmap.loads import LOADS
 from propmap.results import Loads
 
@@ -75,7 +75,8 @@ def test_table_shows_the_hover_model_and_diagnostics(run: Run, points_csv: Path)
 
 
 def test_what_did_not_converge_is_null_and_empty(capsys: pytest.CaptureFixture[str]) -> None:
-    from propmap.cli.output import csv_text, json_text
+    from propmap.cli.output import json_text
+    from propmap.io.csv_text import csv_text
 
     nan, zero = np.array([np.nan]), np.array([0.0])
     lost = Loads(

@@ -10,7 +10,7 @@ import pytest
 import xarray
 
 import propmap
-from propmap.cli.operating_points import COLUMNS, OperatingPoints
+from propmap.io.operating_points import COLUMNS, OperatingPoints
 
 from .conftest import ROTOR, Run
 

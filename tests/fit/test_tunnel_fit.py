@@ -10,7 +10,6 @@ import pytest
 from numpy.typing import NDArray
 
 import propmap
-from propmap.cli.tunnel_files import read_tunnel
 from propmap.errors import InputError
 from propmap.fit.added_parameter import failing_assumptions
 from propmap.fit.comparison import compare_tunnel
@@ -24,6 +23,7 @@ from propmap.fit.tunnel import (
     rotor_with,
     tunnel_rows,
 )
+from propmap.fit.tunnel_files import read_tunnel
 from propmap.loads import LOADS
 from propmap.model.airfoil import parameter_set
 from propmap.model.corrections import MODELS

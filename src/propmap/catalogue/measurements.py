@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import functools
 from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib.resources import files
@@ -56,6 +57,7 @@ def measurement_names() -> list[str]:
     return sorted(f.name.removesuffix(SUFFIX) for f in folder.iterdir() if f.name.endswith(SUFFIX))
 
 
+@functools.lru_cache(maxsize=32)
 def measurement(name: str) -> Measurement:
     """The measurement called ``name``, in upper or lower case; ``InputError`` if none is."""
     key, known = name.strip().lower(), measurement_names()

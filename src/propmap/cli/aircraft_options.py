@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from propmap import catalogue
-from propmap.cli.operating_points import RPM
 from propmap.cli.rotor_options import AccuracyName, ModelName, RotorChoice, with_physics
 from propmap.errors import InputError
+from propmap.io.operating_points import RPM
 
 if TYPE_CHECKING:
     from propmap.aircraft.steady import Aircraft

@@ -16,6 +16,7 @@ import propmap
 from propmap.cli.check import check
 from propmap.cli.choose import choose
 from propmap.cli.demo import demo
+from propmap.cli.explore import explore
 from propmap.cli.export import export
 from propmap.cli.fit import fit_app
 from propmap.cli.fit_catalogue import fit_catalogue
@@ -62,6 +63,7 @@ app.command()(report)
 app.add_typer(plot_app)
 app.add_typer(props_app)
 app.add_typer(airfoils_app)
+app.command()(explore)
 app.command()(demo)
 app.command()(reproduce)
 

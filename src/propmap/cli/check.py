@@ -16,7 +16,6 @@ from propmap.cli.output import (
     FormatOption,
     TextOutput,
     chosen_format,
-    csv_text,
     emit,
     grid,
     json_text,
@@ -25,6 +24,7 @@ from propmap.cli.output import (
 from propmap.cli.plausibility import say_doubts, say_expected
 from propmap.cli.rotor_options import Corrections, ModelOption, say_reynolds, with_physics
 from propmap.errors import InputError
+from propmap.io.csv_text import csv_text
 from propmap.model.air import Air
 from propmap.model.corrections import in_words
 from propmap.model.model import Model
@@ -125,7 +125,7 @@ def _compare(
         typer.echo(f"note: {_envelope(added)}", err=True)
         corrected = compare_forces(file.vehicle, flights.log, replace(forces, model=with_it))
         return errors, corrected
-    from propmap.cli.tunnel_files import doubts_on_tunnel, read_tunnel
+    from propmap.fit.tunnel_files import doubts_on_tunnel, read_tunnel
 
     if fitted is None and prop is None:
         raise InputError(

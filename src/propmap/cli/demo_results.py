@@ -14,8 +14,9 @@ import propmap
 from propmap.arrays.types import Floats
 from propmap.catalogue.lookup import propeller
 from propmap.catalogue.measurements import Measurement, measurement
-from propmap.cli.operating_points import RPM
-from propmap.cli.output import csv_text, json_text, write_text
+from propmap.cli.output import json_text, write_text
+from propmap.io.csv_text import csv_text
+from propmap.io.operating_points import RPM
 from propmap.loads import LOADS
 from propmap.model.airfoil import parameter_set
 from propmap.model.corrections import MODELS, corrections_of

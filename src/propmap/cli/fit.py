@@ -108,7 +108,7 @@ def fit_tunnel(
     cluster: Cluster = None,
 ) -> None:
     """Fit loads measured in a tunnel or on a bench."""
-    from propmap.cli.tunnel_files import doubts_on_tunnel, read_tunnel, sources
+    from propmap.fit.tunnel_files import doubts_on_tunnel, read_tunnel, sources
 
     check_outputs(output, picture)
     base = constants(choice.airfoil) if choice.airfoil else None

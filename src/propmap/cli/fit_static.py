@@ -22,7 +22,6 @@ from propmap.cli.fit_options import (
     choice_of,
     settings_of,
 )
-from propmap.cli.operating_points import RPM
 from propmap.cli.output import grid, show
 from propmap.cli.plausibility import say_doubts
 from propmap.cli.prior_options import PriorFrom, say_prior, section_prior
@@ -34,6 +33,7 @@ from propmap.cli.rotor_options import (
     with_physics,
 )
 from propmap.errors import InputError
+from propmap.io.operating_points import RPM
 from propmap.model.plausible import doubts_on_air, doubts_on_blade, doubts_on_points
 from propmap.model.plausible_loads import doubts_on_loads
 

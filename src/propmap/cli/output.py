@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import io
 import json
 import os
@@ -16,6 +15,7 @@ import typer
 
 from propmap.errors import InputError
 from propmap.io.atomic_file import replacing
+from propmap.io.csv_text import csv_text
 
 if TYPE_CHECKING:
     from rich.console import Console, ConsoleOptions
@@ -126,15 +126,6 @@ def write_text(text: str, output: Path) -> None:
 def json_text(value: Any) -> str:
     """Strict JSON, which has no NaN: callers put None where there is no number."""
     return json.dumps(value, indent=2, allow_nan=False, ensure_ascii=False) + "\n"
-
-
-def csv_text(columns: Sequence[str], rows: Sequence[Mapping[str, Any]]) -> str:
-    """CSV with a header line; None becomes an empty field, a float all its digits."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(columns)
-    writer.writerows([row[name] for name in columns] for row in rows)
-    return text.getvalue()
 
 
 def grid(heads: str, rows: Iterable[Sequence[str]], title: str = "", caption: str = "") -> Table:

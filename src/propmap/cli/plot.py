@@ -10,10 +10,9 @@ import typer
 
 from propmap.catalogue.lookup import propeller
 from propmap.cli.bands import Bands
-from propmap.cli.operating_points import RPM, parse_axis, single_point
-from propmap.cli.output import PictureOutput, check_pictures
+from propmap.cli.operating_points import parse_axis, single_point
+from propmap.cli.output import PICTURES, PictureOutput, check_output, check_pictures, write_text
 from propmap.cli.plausibility import say_doubts, say_doubts_on_points, say_expected
-from propmap.cli.points_file import LOAD_COLUMNS, read_points
 from propmap.cli.rotor_options import (
     Blades,
     PropArgument,
@@ -24,6 +23,9 @@ from propmap.cli.rotor_options import (
     takes_rotor,
 )
 from propmap.errors import InputError
+from propmap.io.disk_csv import disk_csv
+from propmap.io.operating_points import RPM
+from propmap.io.points_file import LOAD_COLUMNS, read_points
 from propmap.model.plausible import doubts_on_blade
 
 if TYPE_CHECKING:
@@ -104,19 +106,32 @@ def plot_disk(
     rpm: Annotated[float, typer.Option("--rpm", help="Rotational speed [1/min].")],
     speed: Annotated[float, typer.Option("--speed", help="Flight speed [m/s].")],
     beta: Annotated[float, typer.Option("--beta", help="Velocity to axis [deg].")],
-    output: PictureOutput,
+    output: Annotated[
+        Path,
+        typer.Option(
+            "--output",
+            "-o",
+            metavar="FILE",
+            help="Picture: .png, .svg or .pdf; field: .csv.",
+        ),
+    ],
 ) -> None:
     """The angle of attack over the disk, with stall and reverse flow outlined."""
     point = single_point(rpm, speed, beta)
-    check_pictures(output)
+    check_output(output, (*PICTURES, ".csv"))
     rotor = choice.rotor(1)
     say_reynolds(rotor.model, *point.si)
     say_doubts_on_points(rotor.model, *point.si)
 
+    flow = (float(point.rpm[0]) * RPM, speed, float(np.radians(beta)))
+    if output.suffix.lower() == ".csv":
+        write_text(disk_csv(rotor, *flow), output)
+        typer.echo(output)
+        return
+
     from propmap.report.disk_picture import disk_picture
     from propmap.report.style import save
 
-    flow = (float(point.rpm[0]) * RPM, speed, float(np.radians(beta)))
     save(disk_picture(rotor, *flow), output)
     typer.echo(output)
 

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from propmap.cli.bands import Bands, StdBySource, say_not_counted, std_columns
-from propmap.cli.operating_points import COLUMNS, OperatingPoints, single_point
+from propmap.cli.bands import Bands, StdBySource, say_not_counted
+from propmap.cli.operating_points import single_point
 from propmap.cli.output import (
     Format,
     FormatOption,
@@ -22,9 +22,10 @@ from propmap.cli.output import (
     show,
 )
 from propmap.cli.plausibility import say_doubts_on_points
-from propmap.cli.points_file import read_points
 from propmap.cli.rotor_options import RotorChoice, say_reynolds, takes_rotor
 from propmap.errors import InputError
+from propmap.io.operating_points import COLUMNS, OperatingPoints, std_columns
+from propmap.io.points_file import read_points
 from propmap.loads import LOADS
 from propmap.model.uncertainty import SOURCES
 

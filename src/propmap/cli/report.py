@@ -89,7 +89,7 @@ def _given(file: FitFile, data: Sequence[str], vehicle: Path | None) -> GivenDat
     from propmap.report.fit_page.given_data import GivenData
 
     if vehicle is None:
-        from propmap.cli.tunnel_files import read_tunnel, sources
+        from propmap.fit.tunnel_files import read_tunnel, sources
 
         measured = read_tunnel(data, file.model.propeller, file.model.air)
         found = compare_tunnel(file.model, measured)

@@ -11,10 +11,11 @@ import numpy as np
 import typer
 
 from propmap.cli.aircraft_options import NoWakes
-from propmap.cli.operating_points import RPM, parse_axis
+from propmap.cli.operating_points import parse_axis
 from propmap.cli.output import Force, check_output, grid, show, write_text
 from propmap.cli.rotor_options import Corrections, ModelOption, constants, with_physics
 from propmap.errors import InputError
+from propmap.io.operating_points import RPM
 
 if TYPE_CHECKING:
     from rich.table import Table

@@ -9,11 +9,11 @@ from typing import NamedTuple
 import numpy as np
 
 from propmap.arrays.types import Floats
-from propmap.cli.operating_points import RPM
-from propmap.cli.points_file import read_columns
-from propmap.cli.tunnel_files import read_tunnel
 from propmap.errors import InputError
 from propmap.fit.tunnel import TunnelData
+from propmap.fit.tunnel_files import read_tunnel
+from propmap.io.operating_points import RPM
+from propmap.io.points_file import read_columns
 from propmap.io.text_file import read_lines
 from propmap.io.uiuc_loads import looks_like_uiuc_loads
 from propmap.model.air import Air

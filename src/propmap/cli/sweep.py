@@ -3,23 +3,23 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from propmap.cli.bands import Bands, StdBySource, say_not_counted, std_columns
+from propmap.cli.bands import Bands, StdBySource, say_not_counted
 from propmap.cli.cluster_option import Cluster
-from propmap.cli.operating_points import COLUMNS, OperatingPoints, parse_axis
-from propmap.cli.output import Force, check_output, csv_text, write_text
+from propmap.cli.operating_points import parse_axis
+from propmap.cli.output import Force, check_output, write_text
 from propmap.cli.plausibility import say_doubts_on_points
 from propmap.cli.rotor_options import RotorChoice, say_reynolds, takes_rotor
 from propmap.cli.streamed_run import Yes, check_store
 from propmap.errors import InputError
+from propmap.io.csv_text import loads_csv
+from propmap.io.operating_points import OperatingPoints, std_columns
 
 if TYPE_CHECKING:
-    from propmap.arrays.types import Floats
     from propmap.results import Loads
     from propmap.rotor import Rotor
 
@@ -27,9 +27,6 @@ CHUNK = 4096
 """Operating points per step of the progress bar: some tenths of a second."""
 
 MOST_POINTS = 10_000_000
-
-FURTHER = ("mean_inflow", "reverse_flow", "roots")
-"""Fields of ``Loads`` that the CSV file has beside the columns of `propmap predict`."""
 
 
 @takes_rotor
@@ -104,7 +101,7 @@ def sweep(
         found = dataset(rotor, axes, loads, command, bands=bands, by_source=std_by_source)
         write_dataset(found, output)
     else:
-        write_text(_csv(points, loads, spread), output)
+        write_text(loads_csv(points, loads, spread), output)
     lost = int((loads.status == "not_converged").sum())
     remark = f", {lost} of them not converged" if lost else ""
     typer.echo(f"wrote {output}: {count} points{remark}")
@@ -128,8 +125,3 @@ def _compute(rotor: Rotor, points: OperatingPoints, *, bands: bool) -> Loads:
             parts.append(found)
             progress.advance(task, part.count)
     return joined(parts)
-
-
-def _csv(points: OperatingPoints, loads: Loads, spread: Mapping[str, Floats]) -> str:
-    further = {**{name: getattr(loads, name) for name in FURTHER}, **spread}
-    return csv_text([*COLUMNS, *further], points.rows(loads, further))

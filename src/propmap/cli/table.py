@@ -12,12 +12,13 @@ import numpy as np
 import typer
 
 from propmap.cli.cluster_option import Cluster, workers_of
-from propmap.cli.operating_points import RPM, parse_axis
+from propmap.cli.operating_points import parse_axis
 from propmap.cli.output import Force, check_output, show
 from propmap.cli.plausibility import say_doubts_on_points
 from propmap.cli.rotor_options import RotorChoice, say_reynolds, takes_rotor
 from propmap.cli.table_report import building, told
 from propmap.errors import InputError, quoted
+from propmap.io.operating_points import RPM
 
 if TYPE_CHECKING:
     from propmap.table import LoadTable

@@ -30,7 +30,9 @@ class Inflow:
     azimuth : ndarray, shape (P,)
         psi [rad], pi/2 on the advancing side, 0 at the rear with respect to the in-plane velocity.
     inflow : ndarray, shape (S,)
-        v_i(y) [m/s], positive against the thrust; the same at every azimuth.
+        v_i(y) [m/s], positive against the thrust, its mean over azimuth.
+    local_inflow : ndarray, shape (S, P)
+        v_i [m/s]; the same at every azimuth where the model has no harmonics of it.
     thrust_per_radius, drag_per_radius, torque_per_radius : ndarray, shape (S,)
         Means over azimuth [N/m], [N/m], [N].
     alpha : ndarray, shape (S, P)
@@ -43,11 +45,14 @@ class Inflow:
         Where ``past_stall`` is positive.
     reverse : ndarray, shape (S, P)
         Where the air meets the section from behind.
+    normal_force : ndarray, shape (S, P)
+        Force along the axis on one blade per radius [N/m].
     """
 
     radius: Floats
     azimuth: Floats
     inflow: Floats
+    local_inflow: Floats
     thrust_per_radius: Floats
     drag_per_radius: Floats
     torque_per_radius: Floats
@@ -57,6 +62,7 @@ class Inflow:
     past_stall: Floats
     stalled: NDArray[np.bool_]
     reverse: NDArray[np.bool_]
+    normal_force: Floats
 
 
 def look_at_disk(
@@ -84,12 +90,13 @@ def look_at_disk(
     case = Case(rotor, *(np.array([value]) for value in flow))  # type: ignore[arg-type]
     with jax.enable_x64(True), contextlib.nullcontext() if compiled else by_numpy():
         solve: Callable[..., DiskField] = _program() if compiled else disk_field
-        found = solve(case, radius, np.sin(azimuth), nodes)
+        found = solve(case, radius, azimuth, nodes)
         fields = jax.tree.map(np.asarray, found)
     return Inflow(
         radius=radius,
         azimuth=azimuth,
         inflow=fields.inflow,
+        local_inflow=fields.local_inflow,
         thrust_per_radius=fields.per_radius.thrust,
         drag_per_radius=fields.per_radius.drag,
         torque_per_radius=fields.per_radius.torque,
@@ -99,6 +106,7 @@ def look_at_disk(
         past_stall=fields.past_stall,
         stalled=fields.past_stall > 0.0,
         reverse=fields.u_t < 0.0,
+        normal_force=fields.normal_force,
     )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from typing import Any
 
 from propmap.io.blade_table import build_propeller, check_radius
 from propmap.io.text_file import read_lines
@@ -66,3 +67,23 @@ def parse_propeller_toml(
         return result
     root = table.number("root_cutout_m", "a length in m")
     return result.with_root_cutout(check_root_cutout(root, station, f"{where}: root_cutout_m"))
+
+
+def propeller_toml(blade: Propeller) -> str:
+    """The text of a file that ``read_propeller_toml`` reads as the same ``blade``."""
+    import tomli_w
+
+    fields: dict[str, Any] = {
+        "schema": SCHEMA,
+        "name": blade.name,
+        "blades": blade.blades,
+        "radius_m": blade.radius,
+        "station_m": blade.station.tolist(),
+        "chord_m": blade.chord.tolist(),
+        "twist_rad": blade.twist.tolist(),
+    }
+    if blade.root_cutout is not None:
+        fields["root_cutout_m"] = blade.root_cutout
+    texts = {"source": blade.source, "citation": blade.citation}
+    fields |= {key: text for key, text in texts.items() if text}
+    return tomli_w.dumps(fields)

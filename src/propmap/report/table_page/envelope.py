@@ -25,9 +25,8 @@ KINDS = {
 @style()
 def cell_figure(table: LoadTable) -> Figure:
     """Every cell over advance ratio and angle, in the colour of its status."""
-    content, codes = table.content, _codes(table)
+    content, (rank, codes) = table.content, cell_ranks(table)
     (w0, w1), (_, fastest), _ = table.envelope.values()
-    rank = np.searchsorted(list(KINDS), codes)
     figure = new_figure(8.6, 5.0)
     ax = figure.subplots()
     ax.grid(visible=False)
@@ -69,6 +68,12 @@ def cell_sheet(table: LoadTable) -> str:
             for i, j in np.argwhere(codes != OK).tolist()
         ],
     )
+
+
+def cell_ranks(table: LoadTable) -> tuple[np.ndarray, np.ndarray]:
+    """Of each cell (n - 1, m - 1) of a ``table``: its place in ``KINDS``, and its status."""
+    codes = _codes(table)
+    return np.searchsorted(list(KINDS), codes), codes
 
 
 def _codes(table: LoadTable) -> np.ndarray:

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import functools
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
 
 from propmap.catalogue.measurements import measurement, measurement_names
-from propmap.cli.operating_points import RPM
-from propmap.cli.points_file import LOAD_COLUMNS, read_points
 from propmap.errors import InputError, quoted
 from propmap.fit.tunnel import TunnelData, merged
-from propmap.io.uiuc_loads import looks_like_uiuc_loads, read_uiuc_loads
+from propmap.io.operating_points import RPM
+from propmap.io.points_file import LOAD_COLUMNS, read_points
+from propmap.io.uiuc_loads import Coefficients, looks_like_uiuc_loads, read_uiuc_loads
 from propmap.model.air import Air
 from propmap.model.plausible import doubts_on_points
 from propmap.model.plausible_loads import doubts_on_loads
@@ -59,34 +60,51 @@ def doubts_on_tunnel(data: Sequence[str], propeller: Propeller, air: Air) -> lis
     return found
 
 
-def _read(item: Path | str, propeller: Propeller, air: Air) -> TunnelData:
-    if isinstance(item, str):
-        m = measurement(item)
-        # As published they are coefficients at this density.
-        loads = {n: v * (air.density / m.air_density) for n, v in m.loads.items()}
-        return TunnelData(item, m.omega, m.speed, m.beta, loads)
-    if looks_like_uiuc_loads(item):
-        c = read_uiuc_loads(item)
-        turns, diameter = c.rpm / 60.0, 2.0 * propeller.radius
-        force = air.density * turns**2 * diameter**4
-        torque = c.power * force * diameter / (2.0 * np.pi)
-        return TunnelData(
-            item.name,
-            c.rpm * RPM,
-            c.advance * turns * diameter,
-            np.zeros_like(c.rpm),
-            {"thrust": c.thrust * force, "torque": torque},
-        )
-    file = read_points(item, LOAD_COLUMNS)
+def measured_in_catalogue(name: str, air: Air) -> TunnelData:
+    """The measurement of the catalogue called ``name``, as loads in this ``air``."""
+    m = measurement(name)
+    # As published they are coefficients at this density.
+    loads = {n: v * (air.density / m.air_density) for n, v in m.loads.items()}
+    return TunnelData(name, m.omega, m.speed, m.beta, loads)
+
+
+def measured_loads(path: Path) -> Callable[[Propeller, Air], TunnelData]:
+    """The loads in a file, as a function of the propeller and the air that coefficients need.
+
+    ``path`` is that of a CSV or UIUC file, which is read now.
+    """
+    if looks_like_uiuc_loads(path):
+        return functools.partial(_of_coefficients, path.name, read_uiuc_loads(path))
+    file = read_points(path, LOAD_COLUMNS)
     if not file.further:
         raise InputError(
-            "there is no column with a load", f"add one of {', '.join(LOAD_COLUMNS)}", str(item)
+            "there is no column with a load", f"add one of {', '.join(LOAD_COLUMNS)}", str(path)
         )
     points = file.points
-    return TunnelData(
-        item.name,
+    found = TunnelData(
+        path.name,
         points.rpm * RPM,
         points.speed_mps,
         np.radians(points.beta_deg),
         {LOAD_COLUMNS[name]: values for name, values in file.further.items()},
+    )
+    return lambda _propeller, _air: found
+
+
+def _read(item: Path | str, propeller: Propeller, air: Air) -> TunnelData:
+    if isinstance(item, str):
+        return measured_in_catalogue(item, air)
+    return measured_loads(item)(propeller, air)
+
+
+def _of_coefficients(name: str, c: Coefficients, propeller: Propeller, air: Air) -> TunnelData:
+    turns, diameter = c.rpm / 60.0, 2.0 * propeller.radius
+    force = air.density * turns**2 * diameter**4
+    torque = c.power * force * diameter / (2.0 * np.pi)
+    return TunnelData(
+        name,
+        c.rpm * RPM,
+        c.advance * turns * diameter,
+        np.zeros_like(c.rpm),
+        {"thrust": c.thrust * force, "torque": torque},
     )

@@ -10,9 +10,9 @@ from pathlib import Path
 import numpy as np
 
 from propmap.arrays.types import Floats
-from propmap.cli.operating_points import REMEDIES, OperatingPoints
 from propmap.errors import InputError, quoted
 from propmap.io.csv_dialect import read_csv_table
+from propmap.io.operating_points import REMEDIES, OperatingPoints
 from propmap.io.text_file import read_lines
 from propmap.loads import LOADS
 

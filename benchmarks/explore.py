@@ -1,0 +1,93 @@
+"""How fast `propmap explore` answers in a real browser, into benchmarks/results/explore.json.
+
+First paint is timed from the request of the address to the first figure; a step from the key that
+moves a slider to the frame in which all figures of the view have changed.
+"""
+
+from __future__ import annotations
+
+import json
+import statistics
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from benchmarks.results_file import machine
+from tools.explore_browser import browser, explorer, open_view, settle, wait_until_fast
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Page
+
+STEPS = 50
+LOADS = 5
+
+RESULT = Path(__file__).parent / "results" / "explore.json"
+
+STEP = """async (selector) => {
+  const slider = document.querySelector(selector);
+  const set = Object.getOwnPropertyDescriptor(HTMLInputElement.prototype, "value").set;
+  const begin = performance.now();
+  set.call(slider, String(Number(slider.value) + Number(slider.step)));
+  const drawn = new Promise((done) =>
+    window.addEventListener("propmap-drawn", done, { once: true }));
+  slider.dispatchEvent(new Event("input", { bubbles: true }));
+  slider.dispatchEvent(new Event("change", { bubbles: true }));
+  await drawn;
+  return performance.now() - begin;
+}"""
+
+
+def first_paint(address: str) -> list[float]:
+    """Seconds until the first figure is drawn, in browsers without a cache."""
+    found = []
+    for _ in range(LOADS):
+        with browser() as one:
+            page = one.new_page(viewport={"width": 1280, "height": 900})
+            begin = time.perf_counter()
+            page.goto(address, wait_until="commit")
+            page.wait_for_selector(".js-plotly-plot .main-svg", timeout=60e3)
+            found.append(time.perf_counter() - begin)
+    return found
+
+
+def steps(page: Page, address: str, control: str) -> list[float]:
+    """Milliseconds of each step of a slider."""
+    open_view(page, address)
+    wait_until_fast(page)
+    selector = f'[id=\'{{"control":"{control}"}}\']'
+    found = []
+    for _ in range(STEPS):
+        found.append(float(page.evaluate(STEP, selector)))
+        # A hand that lets go now and then; what follows a pause is not timed.
+        page.wait_for_timeout(30.0)
+    settle(page)
+    return found
+
+
+def summary(values: list[float]) -> dict[str, float]:
+    """Median and 90 % of some times."""
+    ordered = sorted(values)
+    return {
+        "median": round(statistics.median(ordered), 3),
+        "90 %": round(ordered[int(0.9 * (len(ordered) - 1))], 3),
+        "least": round(ordered[0], 3),
+    }
+
+
+def main() -> None:
+    """Time all, print it and file it."""
+    found: dict[str, Any] = {"steps": STEPS}
+    with explorer("apc-8x6e") as (address, _):
+        found["first_paint_s"] = summary(first_paint(address))
+        with browser() as one:
+            page = one.new_page(viewport={"width": 1280, "height": 900})
+            for view, control in (("loads", "rpm"), ("disk", "speed")):
+                told = summary(steps(page, f"{address}/{view}", control))
+                found[f"{view}_step_ms"] = told
+                print(f"{view}: a step of {control} takes {told} ms")
+    print(f"first paint: {found['first_paint_s']} s")
+    RESULT.write_text(json.dumps({**found, "machine": machine()}, indent=2) + "\n")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,1 @@
+"""A propeller in the browser: a local web application on the models, fits and tables."""

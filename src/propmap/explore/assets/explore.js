@@ -1,0 +1,242 @@
+// What the browser does by itself: the address, live updates one at a time, copying, saving, colours.
+(function () {
+  "use strict";
+  const PAUSE = 350; // [ms] without a move after which deviations and words are asked for
+  const LOST = 8000; // [ms] after which an answer is not waited for any more
+  let base = null, busy = 0, wanted = null, serial = 0, timer = null;
+
+  const props = (id, values) => window.dash_clientside.set_props(id, values);
+
+  const tab = Math.random().toString(36).slice(2); // whose newest request counts
+
+  // One step at a time: the newest setting is asked for when the last one has been drawn.
+  function ask() {
+    if (wanted === null || busy) return;
+    const mine = (busy = ++serial), values = wanted;
+    wanted = null;
+    const body = JSON.stringify({ tab, serial: mine, view: base.view, search: search(values), values });
+    const lost = AbortSignal.timeout(LOST);
+    fetch("/_live", { method: "POST", headers: { "Content-Type": "application/json" }, body, signal: lost })
+      .then((answer) => (answer.ok ? answer.json() : {}))
+      .then((found) => (mine === busy ? draw(found.figures || {}) : null))
+      .catch(() => null)
+      .then(() => requestAnimationFrame(() => setTimeout(() => free(mine), 0)));
+  }
+
+  function draw(figures) {
+    for (const [name, figure] of Object.entries(figures)) {
+      const place = document.getElementById(JSON.stringify({ graph: name }));
+      const graph = place && place.querySelector(".js-plotly-plot");
+      if (!graph || !graph.offsetParent) continue;
+      // What is not on the screen follows when all stands still.
+      const box = graph.getBoundingClientRect();
+      if (box.bottom < 0 || box.top > window.innerHeight) continue;
+      // Drawn when this returns; what it promises may wait for fonts and the like.
+      window.Plotly.react(graph, figure.data, { ...figure.layout, autosize: true });
+    }
+  }
+
+  function free(mine) {
+    if (mine !== busy) return;
+    busy = 0;
+    window.propmap.drawn = mine;
+    window.dispatchEvent(new Event("propmap-drawn"));
+    if (wanted !== null) ask();
+    else if (last && base && !base.empty) later(last);
+  }
+
+  function later(values) {
+    clearTimeout(timer);
+    asked = -1;
+    timer = setTimeout(() => {
+      asked = ++serial;
+      props("settled", { data: { tab, serial: asked, values } });
+    }, PAUSE);
+  }
+
+  function search(values) {
+    const told = new URLSearchParams(base ? base.query : {});
+    for (const [name, value] of Object.entries(values)) {
+      if (value !== null && value !== undefined) told.set(name, Array.isArray(value) ? value.join(",") : value);
+    }
+    return "?" + told.toString();
+  }
+
+  // The note that programs are being compiled goes when they are.
+  let watched = null;
+  function watch() {
+    clearTimeout(watched);
+    const note = document.getElementById("state");
+    if (!note || !note.textContent) return;
+    fetch("/_state?search=" + encodeURIComponent(window.location.search))
+      .then((answer) => answer.json())
+      .then((found) => {
+        if (!found.told) props("state", { children: "" });
+        else watched = setTimeout(watch, 2000);
+      })
+      .catch(() => null);
+  }
+
+  const links = (menu) => menu.map((id) => "/" + id.menu + window.location.search);
+  const numbered = (name) => document.getElementById(JSON.stringify({ number: name })) !== null;
+  const same = (a, b) => JSON.stringify(a) === JSON.stringify(b);
+  let last = null, shown = null;
+  const past = []; // settings before each move, for undo
+
+  let asked = 0, told = 0; // serials of what was asked for when all stood still, and answered
+
+  window.propmap = {
+    // Whether all that was asked for is on the page.
+    quiet: () => !busy && wanted === null && asked > 0 && asked === told,
+    // Ask once more without a move.
+    again: () => { if (last) later(last); },
+    drawn: 0,
+    undo() {
+      if (past.length > 1) past.pop();
+      return past.length ? past[past.length - 1] : null;
+    },
+  };
+
+  window.dash_clientside = Object.assign({}, window.dash_clientside, {
+    propmap: {
+      // A control was moved, or another page is there.
+      moved(values, newBase, ids, menu) {
+        const no = window.dash_clientside.no_update;
+        if (!newBase) return [no, menu.map(() => no)];
+        if (newBase.empty) clearTimeout(timer);
+        const fresh = newBase !== base;
+        base = newBase;
+        const now = {};
+        ids.forEach((id, k) => (now[id.control] = values[k]));
+        // A slider and the number beside it are one.
+        for (const [name, value] of Object.entries(now)) {
+          if (last && !fresh && !same(last[name], value) && numbered(name)) props({ number: name }, { value: Number(value) });
+        }
+        const told = search(now);
+        if (ids.length) window.history.replaceState(window.history.state, "", window.location.pathname + told);
+        const hrefs = links(menu);
+        document.querySelectorAll(".menu-item").forEach((item, k) => {
+          if (menu[k].menu === base.view) item.setAttribute("aria-current", "page");
+          else item.removeAttribute("aria-current");
+        });
+        if (fresh) { past.length = 0; busy = 0; wanted = null; }
+        else if (!same(now, last)) { wanted = now; setTimeout(ask, 0); }
+        if (!same(now, past[past.length - 1])) past.push(now);
+        if (past.length > 200) past.shift();
+        last = now;
+        if (newBase.empty) { busy = 0; wanted = null; asked = told = ++serial; }
+        // While moves are drawn, what takes longer waits: see answered.
+        else if (wanted === null && !busy) later(now);
+        else { clearTimeout(timer); asked = -1; }
+        return [told, fresh ? hrefs : menu.map(() => no)];
+      },
+      // The number beside a slider was typed.
+      typed(numbers, ids) {
+        const by = window.dash_clientside.callback_context.triggered_id;
+        const k = by ? ids.findIndex((id) => id.number === by.number) : -1;
+        const value = k < 0 ? null : numbers[k];
+        if (value !== null && value !== undefined && last && Number(last[by.number]) !== value)
+          props({ control: by.number }, { value });
+        return window.dash_clientside.no_update;
+      },
+      // A point of a figure was dragged: the setting that it stands for follows.
+      dragged(moves, drawn, ids) {
+        const no = window.dash_clientside.no_update;
+        const by = window.dash_clientside.callback_context.triggered_id;
+        const k = by ? ids.findIndex((id) => id.graph === by.graph) : -1;
+        const meta = k < 0 ? null : ((drawn[k] || {}).layout || {}).meta;
+        if (!meta || !meta.drag || !moves[k]) return no;
+        const found = {};
+        for (const [key, value] of Object.entries(moves[k])) {
+          const at = /^shapes\[(\d+)\]\.(y[01])$/.exec(key);
+          if (at) (found[at[1]] = found[at[1]] || {})[at[2]] = value;
+        }
+        for (const [place, ends] of Object.entries(found)) {
+          if (ends.y0 === undefined || ends.y1 === undefined) continue;
+          const y = 0.5 * (ends.y0 + ends.y1), own = meta.base[place];
+          const moved = meta.share ? (100 * y) / own : y - own;
+          const value = Math.round(moved / meta.step) * meta.step;
+          props({ control: meta.drag[place] }, { value: Number(value.toFixed(3)) });
+        }
+        return no;
+      },
+      undo(clicks) {
+        const no = window.dash_clientside.no_update;
+        if (!clicks) return no;
+        const before = window.propmap.undo();
+        if (!before) return no;
+        for (const [name, value] of Object.entries(before))
+          if (!same(value, last[name])) props({ control: name }, { value });
+        return no;
+      },
+      ticking(job) {
+        return !job;
+      },
+      settled(number, menu) {
+        told = number;
+        setTimeout(watch, 2000);
+        return [window.dash_clientside.no_update, links(menu)];
+      },
+      theme(clicks) {
+        const root = document.documentElement;
+        const dark = root.dataset.theme ? root.dataset.theme === "dark"
+          : window.matchMedia("(prefers-color-scheme: dark)").matches;
+        root.dataset.theme = dark ? "light" : "dark";
+        try { localStorage.setItem("propmap-theme", root.dataset.theme); } catch (e) { /* private */ }
+        return root.dataset.theme;
+      },
+      copied(clicks, command, python) {
+        const by = window.dash_clientside.callback_context.triggered_id;
+        if (!by || !clicks.some(Boolean)) return "";
+        const text = by.copy === "command" ? command : python;
+        const done = () => by.copy + " copied";
+        if (navigator.clipboard) return navigator.clipboard.writeText(text).then(done, () => fallback(text, done));
+        return fallback(text, done);
+      },
+      picture(clicks) {
+        const no = window.dash_clientside.no_update;
+        const by = window.dash_clientside.callback_context.triggered_id;
+        if (!by || !clicks.some(Boolean)) return no;
+        const id = JSON.stringify({ graph: by.picture });
+        const graph = document.getElementById(id).querySelector(".js-plotly-plot");
+        const size = graph.getBoundingClientRect();
+        const scale = by.as === "png" ? 2 : 1;
+        window.Plotly.downloadImage(graph, {
+          format: by.as, filename: "propmap-" + by.picture, width: size.width, height: size.height, scale,
+        });
+        return no;
+      },
+    },
+  });
+
+  // Where there is no clipboard, as on a page of another machine without TLS.
+  function fallback(text, done) {
+    const area = document.createElement("textarea");
+    area.value = text;
+    document.body.append(area);
+    area.select();
+    const worked = document.execCommand("copy");
+    area.remove();
+    return worked ? done() : "select the text below and copy it";
+  }
+
+  // Dash calls an option what is a label with its input, and gives a file input no name.
+  function named(root) {
+    for (const option of root.querySelectorAll('.dash-options-list-option[role="option"]')) {
+      option.removeAttribute("role");
+      option.removeAttribute("aria-selected");
+    }
+    for (const list of root.querySelectorAll('[role="listbox"].options, .options [role="listbox"]')) {
+      list.setAttribute("role", "group");
+      list.removeAttribute("aria-multiselectable");
+    }
+    for (const input of root.querySelectorAll('input[type="file"]:not([aria-label])'))
+      input.setAttribute("aria-label", "a file to open");
+  }
+  new MutationObserver(() => named(document)).observe(document, { childList: true, subtree: true });
+
+  try {
+    const kept = localStorage.getItem("propmap-theme");
+    if (kept) document.documentElement.dataset.theme = kept;
+  } catch (e) { /* private */ }
+})();

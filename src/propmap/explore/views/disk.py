@@ -1,0 +1,273 @@
+"""Disk: angle of attack, inflow, force, stall and reverse flow over the disk."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from contourpy import contour_generator
+
+from propmap.arrays.types import Floats
+from propmap.engine.disk_field import Inflow
+from propmap.errors import InputError
+from propmap.explore import figures
+from propmap.explore.controls import Choice, Control, Slider, Values
+from propmap.explore.point import point_controls, point_lines, point_of, point_table, point_words
+from propmap.explore.reproduce import Recipe, number
+from propmap.explore.rotors import Preparation, exact
+from propmap.explore.session import Session
+from propmap.explore.view import Answer, Download, Graph
+from propmap.io.disk_csv import disk_csv
+from propmap.report.style import COLOURS
+
+STATIONS, AZIMUTHS = 40, 73
+"""Of the field that is drawn."""
+
+PIXELS = 161
+"""Along each side of the picture of the disk."""
+
+MM = 1e3
+
+ALPHA = "\u03b1"
+
+FIELDS = {
+    "alpha": (f"angle of attack {ALPHA} [deg]", "Viridis"),
+    "inflow": ("inflow v_i [m/s]", "Cividis"),
+    "force": ("force of a blade along the axis dT/dy [N/m]", "Viridis"),
+    "margin": ("angle of attack past stall [deg]", "RdBu"),
+}
+"""What may be drawn over the disk: its title and its colours."""
+
+NAME = "disk.csv"
+
+
+class DiskView:
+    """The flow over the disk at one operating point."""
+
+    name, title = "disk", "Disk"
+    question = "Where over the disk does the blade stall, and where does air come from behind?"
+    downloads = (Download(NAME, "disk as CSV"),)
+
+    def controls(self, session: Session) -> Sequence[Control]:
+        """What can be set."""
+        options = tuple((key, title.partition(" [")[0]) for key, (title, _) in FIELDS.items())
+        return [
+            *point_controls(session),
+            Choice("field", "Over the disk", options, "alpha"),
+            Slider("psi", "Along the blade at ψ", "deg", 0.0, 360.0, 5.0, 90.0),
+        ]
+
+    def graphs(self, session: Session) -> Sequence[Graph]:  # noqa: ARG002 - the same for all
+        """The disk, and two quantities along the blade."""
+        return [
+            Graph("disk", "the disk from above, flight upwards", tall=True),
+            Graph("angle", "angle of attack along the blade"),
+            Graph("inflow", "inflow along the blade"),
+            Graph("force", "force along the blade"),
+        ]
+
+    def answer(
+        self,
+        session: Session,
+        values: Values,
+        ready: Preparation,  # noqa: ARG002 - one point needs no compiler
+        *,
+        settled: bool,
+    ) -> Answer:
+        """The field at the operating point."""
+        field = _field(session, values)
+        if not np.isfinite(field.alpha).all():
+            raise InputError("the inflow was not found everywhere", "choose another point")
+        psi = round(values["psi"] / 5.0) % (AZIMUTHS - 1)
+        shown = {
+            "disk": _disk(field, values),
+            "angle": _along(
+                field, np.degrees(field.alpha[:, psi]), f"angle of attack {ALPHA} [deg]"
+            ),
+            "inflow": _along(
+                field, field.local_inflow[:, psi], "inflow v_i [m/s]", field.inflow, "mean"
+            ),
+            "force": _along(field, field.normal_force[:, psi], "dT/dy of a blade [N/m]"),
+        }
+        share = {"stalled": field.stalled, "in reverse flow": field.reverse}
+        told = ", ".join(f"{100.0 * _share(field, at):.2g} % {name}" for name, at in share.items())
+        key = [
+            (f"at ψ = {5 * psi}°", COLOURS[0]),
+            ("mean over azimuth", f"-{figures.GREY}"),
+            ("stalled inside", COLOURS[1]),
+            ("reverse flow inside", f"-{COLOURS[3]}"),
+        ]
+        tables = [point_table(session, values)] if settled else []
+        return Answer(shown, tables, [f"{point_words(values)}: of the disk {told}"], key)
+
+    def shell(self, session: Session, values: Values) -> str:
+        """The field as CSV and as a picture, and the loads."""
+        recipe, point = Recipe(session), point_lines(values)
+        plot = ["plot", "disk", recipe.prop, *point, *recipe.options, "-o"]
+        return recipe.shell(
+            [*plot, NAME],
+            [*plot, "disk.png"],
+            ["predict", recipe.prop, *point, *recipe.options],
+        )
+
+    def python(self, session: Session, values: Values) -> str:
+        """The field."""
+        omega = f"{number(values['rpm'])} * np.pi / 30.0"
+        return Recipe(session).python(
+            f"point = {omega}, {number(values['speed'])}, np.radians({number(values['beta'])})\n"
+            "field = rotor.inflow(*point)\n"
+            "print(np.degrees(field.alpha), field.local_inflow, field.normal_force)\n"
+            "print(rotor.loads(*point))"
+        )
+
+    def text(self, session: Session, values: Values, file: str) -> str:  # noqa: ARG002 - one file
+        """What `propmap plot disk -o disk.csv` writes."""
+        return disk_csv(exact(session.model), *_si(values))
+
+
+def _si(values: Values) -> tuple[float, float, float]:
+    omega, speed, beta = (float(part[0]) for part in point_of(values).si)
+    return omega, speed, beta
+
+
+def _field(session: Session, values: Values) -> Inflow:
+    rotor = exact(session.model)
+    blade = rotor.arrays.blade
+    radius = np.linspace(float(blade.root), float(blade.tip), STATIONS)
+    azimuth = np.linspace(0.0, 2.0 * np.pi, AZIMUTHS)
+    return rotor.inflow(*_si(values), radius=radius, azimuth=azimuth)
+
+
+def _shown(field: Inflow, which: str) -> Floats:
+    return {
+        "alpha": np.degrees(field.alpha),
+        "inflow": field.local_inflow,
+        "force": field.normal_force,
+        "margin": np.degrees(field.past_stall),
+    }[which]
+
+
+def _disk(field: Inflow, values: Values) -> figures.Figure:
+    which = values["field"]
+    title, colours = FIELDS[which]
+    root, tip = MM * field.radius[0], MM * field.radius[-1]
+    side = np.linspace(-tip, tip, PIXELS)
+    x, y = np.meshgrid(side, side)
+    # Seen from above with the flight upwards: psi = 0 is at the rear, 90 degrees on the right.
+    away, psi = np.hypot(x, y), np.mod(np.arctan2(x, -y), 2.0 * np.pi)
+    outside = (away > tip) | (away < root)
+    drawn = _shown(field, which)
+    rest = drawn[~field.reverse] if not field.reverse.all() else drawn
+    low, high = np.percentile(rest, 1.0), np.percentile(rest, 99.0)
+    if which == "margin":
+        low, high = -max(abs(low), abs(high)), max(abs(low), abs(high))
+
+    def over(values: Floats) -> Floats:
+        found = _interpolated(field, values, away / MM, psi)
+        found[outside] = np.nan
+        return found
+
+    traces: list[dict[str, Any]] = [
+        {
+            "type": "heatmap",
+            "x": figures.array(side),
+            "y": figures.array(side),
+            "z": figures.array(over(drawn).astype(np.float32)),
+            "zmin": low,
+            "zmax": max(high, low + 1e-6),
+            "colorscale": colours,
+            "reversescale": which == "margin",
+            "hovertemplate": f"%{{z:.4g}}<extra>{title}</extra>",
+            "colorbar": {
+                "title": {"text": title, "side": "right", "font": {"size": 12}},
+                "thickness": 12,
+                "len": 0.9,
+            },
+        }
+    ]
+    if field.stalled.any():
+        traces += _outline(field, field.past_stall, COLOURS[1], "solid")
+    if field.reverse.any():
+        traces += _outline(field, field.u_tangential, COLOURS[3], "dash")
+    line = np.radians(values["psi"])
+    blade = {
+        "type": "line",
+        "x0": root * np.sin(line),
+        "y0": -root * np.cos(line),
+        "x1": tip * np.sin(line),
+        "y1": -tip * np.cos(line),
+        "line": {"color": COLOURS[0], "width": 2},
+    }
+    names = [
+        _word(0.5, 1.0, "ψ = 180°, flight ↑", "bottom"),
+        _word(0.5, 0.0, "ψ = 0°", "top"),
+    ]
+    bare = {"visible": False, "range": [-1.03 * tip, 1.03 * tip]}
+    return figures.figure(
+        traces,
+        "",
+        "",
+        revision=which,
+        shapes=[blade],
+        xaxis={**bare, "constrain": "domain"},
+        yaxis={**bare, "scaleanchor": "x", "constrain": "domain"},
+        margin={"l": 8, "r": 8, "t": 26, "b": 24},
+        annotations=names,
+    )
+
+
+def _word(x: float, y: float, text: str, anchor: str) -> dict[str, Any]:
+    place = {"xref": "paper", "yref": "paper", "x": x, "y": y, "yanchor": anchor}
+    return {**place, "text": text, "showarrow": False, "xanchor": "center"}
+
+
+def _outline(field: Inflow, values: Floats, colour: str, dash: str) -> list[dict[str, Any]]:
+    """Where ``values`` (S, P) are zero; Plotly's own outlines take ten times as long to draw."""
+    along: list[float] = []
+    across: list[float] = []
+    for line in contour_generator(field.azimuth, MM * field.radius, values).lines(0.0):
+        psi, radius = np.asarray(line).T
+        along += [*(radius * np.sin(psi)).tolist(), np.nan]
+        across += [*(-radius * np.cos(psi)).tolist(), np.nan]
+    return [figures.line(along, across, "", colour, dash, hoverinfo="skip")]
+
+
+def _interpolated(field: Inflow, values: Floats, radius: Floats, psi: Floats) -> Floats:
+    """Values (S, P) at other radii and azimuths, linear between the nodes."""
+    stations, azimuths = values.shape
+    step = field.radius[1] - field.radius[0]
+    row = np.clip((radius - field.radius[0]) / step, 0.0, stations - 1.000001)
+    column = np.clip(psi / (2.0 * np.pi) * (azimuths - 1), 0.0, azimuths - 1.000001)
+    i, j = row.astype(int), column.astype(int)
+    a, b = row - i, column - j
+    return np.asarray(
+        (1 - a) * (1 - b) * values[i, j]
+        + a * (1 - b) * values[i + 1, j]
+        + (1 - a) * b * values[i, j + 1]
+        + a * b * values[i + 1, j + 1]
+    )
+
+
+def _along(
+    field: Inflow, values: Floats, title: str, mean: Floats | None = None, name: str = ""
+) -> figures.Figure:
+    radius = MM * field.radius
+    traces = [figures.line(radius, values, title, COLOURS[0])]
+    if mean is not None:
+        traces.append(figures.line(radius, mean, name, figures.GREY, "dash"))
+    shown = [values] if mean is None else [values, mean]
+    return figures.figure(
+        traces,
+        "radius y [mm]",
+        title,
+        xaxis={"range": [0.0, float(radius[-1])]},
+        yaxis=figures.span(*shown),
+    )
+
+
+def _share(field: Inflow, region: Any) -> float:
+    """Share of the annulus from root to tip that a region covers [-]."""
+    around = region[:, :-1].mean(axis=1)
+    whole = np.trapezoid(field.radius, field.radius)
+    return float(np.trapezoid(around * field.radius, field.radius) / whole)

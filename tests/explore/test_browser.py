@@ -1,0 +1,201 @@
+"""The pages in a real browser."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+
+import propmap as pm
+from tests.cli.invented_tables import certificate, invented
+from tools.explore_browser import browser, browser_path, explorer, open_view, settle
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser, Page
+
+pytest.importorskip("playwright", reason="playwright is not installed")
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(
+        browser_path() is None,
+        reason="no browser is installed (chromium)",
+    ),
+]
+
+VIEWS = ("loads", "disk", "blade", "constants", "compare", "aircraft", "trust")
+VEHICLE = Path(__file__).parents[2] / "examples" / "aircraft" / "delivery.toml"
+RPM = np.pi / 30.0
+
+
+@pytest.fixture(scope="module")
+def address() -> Iterator[str]:
+    with explorer("apc-8x6e", "--no-prepare") as (found, _):
+        yield found
+
+
+@pytest.fixture(scope="module")
+def chromium() -> Iterator[Browser]:
+    with browser() as found:
+        yield found
+
+
+@pytest.fixture
+def page(chromium: Browser, address: str) -> Iterator[Page]:
+    """A page that fails the test where something goes wrong in it, or leaves the machine."""
+    found = chromium.new_page(viewport={"width": 1024, "height": 800})
+    wrong: list[str] = []
+    found.on("pageerror", lambda error: wrong.append(str(error)))
+    found.on("console", lambda one: wrong.append(one.text) if one.type == "error" else None)
+    found.on("request", lambda r: wrong.append(r.url) if _foreign(r.url, address) else None)
+    yield found
+    found.close()
+    assert not wrong
+
+
+def _foreign(url: str, address: str) -> bool:
+    return not url.startswith((address, "data:", "blob:"))
+
+
+def _with_files(page: Page, address: str, folder: Path) -> None:
+    """The first view, with a vehicle and a table."""
+    table = invented()
+    table.info["certificate"] = certificate(unresolved_cells=2)
+    table.save(folder / "map.npz")
+    open_view(page, f"{address}/disk")
+    for path, kind in ((VEHICLE, "vehicle"), (folder / "map.npz", "table")):
+        page.locator("input[type=file]").set_input_files(path)
+        page.wait_for_selector(f".files:has-text('{kind}')", timeout=60e3)
+        settle(page)
+
+
+def test_each_view_opens_fits_and_is_accessible(page: Page, address: str, tmp_path: Path) -> None:
+    """No serious violation that axe finds, and nothing wider than a telephone."""
+    axe = pytest.importorskip("axe_playwright_python.sync_playwright").Axe()
+    _with_files(page, address, tmp_path)
+    for name in VIEWS:
+        page.get_by_role("link", name=name.capitalize(), exact=True).click()
+        page.wait_for_selector(f".view-{name}", timeout=60e3)
+        settle(page)
+        assert page.locator(".js-plotly-plot .main-svg").count()
+        assert page.locator("#tables table").count() or name == "constants"
+        serious = [
+            (one["id"], [node["target"] for node in one["nodes"]][:4])
+            for one in axe.run(page).response["violations"]
+            if one["impact"] in ("serious", "critical")
+        ]
+        assert not serious, f"{name}: {json.dumps(serious)}"
+        for width in (390, 1600):
+            page.set_viewport_size({"width": width, "height": 800})
+            page.wait_for_timeout(150)
+            assert page.evaluate("document.documentElement.scrollWidth") <= width, name
+
+
+def test_numbers_commands_and_address(page: Page, address: str) -> None:
+    """By keyboard: a slider is moved, the table, the address and the command follow."""
+    open_view(page, f"{address}/loads?prop=apc-8x6e&rpm=5000&speed=12&beta=70&bands=")
+    slider = page.get_by_label("Rotational speed [rpm]")
+    slider.focus()
+    page.keyboard.press("ArrowRight")
+    page.wait_for_timeout(50)
+    settle(page)
+    assert "rpm=5010" in page.url
+    loads = pm.Rotor(pm.known_model("apc-8x6e"), compiled=False).loads(
+        5010.0 * RPM, 12.0, np.radians(70.0)
+    )
+    row = page.locator("#tables tr", has=page.locator("th", has_text="thrust")).first
+    assert row.locator("td").first.inner_text() == f"{float(loads.thrust):.4g}"
+    command = page.locator("#command").inner_text() or page.locator("#command").text_content()
+    assert "--rpm 5010" in str(command) and "--no-bands" in str(command)
+    box = page.get_by_label("Rotational speed, as a number")
+    assert float(box.input_value()) == 5010.0
+    box.fill("4321")
+    box.press("Enter")
+    page.wait_for_function("location.href.includes('rpm=4321')")
+    settle(page)
+    page.reload()
+    page.wait_for_selector(".view")
+    settle(page)
+    assert float(page.get_by_label("Rotational speed, as a number").input_value()) == 4321.0
+
+
+def test_a_bad_file_and_a_bad_name_are_told_on_the_page(page: Page, address: str) -> None:
+    open_view(page, f"{address}/disk")
+    bad: Any = {"name": "x.csv", "mimeType": "text/csv", "buffer": b"rpm,thrust_N\n1,2\n"}
+    page.locator("input[type=file]").set_input_files(bad)
+    page.wait_for_function("document.querySelector('#trouble').innerText.includes('x.csv')")
+    assert "speed_mps" in page.locator("#trouble").inner_text()
+    page.locator("#prop").fill("no-such")
+    page.locator("#prop").press("Enter")
+    page.wait_for_function("document.querySelector('#trouble').innerText.includes('no-such')")
+    page.locator("#prop").fill("apc-9x6e")
+    page.locator("#prop").press("Enter")
+    page.wait_for_function("location.href.includes('prop=apc-9x6e')")
+    settle(page)
+
+
+def test_two_tabs_are_two_sessions(chromium: Browser, address: str) -> None:
+    one, other = chromium.new_page(), chromium.new_page()
+    open_view(one, f"{address}/disk?prop=apc-8x6e&speed=3")
+    open_view(other, f"{address}/disk?prop=apc-9x6e&speed=7")
+    for page, name, speed in ((one, "apc-8x6e", 3.0), (other, "apc-9x6e", 7.0)):
+        assert page.locator("#prop").input_value() == name
+        box = page.get_by_label("Flight speed V, as a number")
+        assert float(box.input_value()) == speed
+        page.close()
+
+
+def test_a_fit_outlives_a_reload_and_a_killed_browser(chromium: Browser, address: str) -> None:
+    place = f"{address}/constants?prop=apc-8x6e&data=uiuc-8x6e&free=c_l1"
+    killed = chromium.browser_type.launch(executable_path=browser_path(), args=["--no-sandbox"])
+    page = killed.new_page()
+    open_view(page, place)
+    page.locator("#fit").click()
+    page.wait_for_function("document.querySelector('#progress').innerText.includes('fit')")
+    killed.close()
+    page = chromium.new_page()
+    open_view(page, place)
+    page.locator("#fit").click()
+    page.wait_for_function("document.querySelector('#progress').innerText.includes('fit')")
+    page.reload()
+    page.wait_for_selector(".view-constants")
+    page.wait_for_function(
+        "document.querySelector('#progress').innerText.includes('c_l1 =')", timeout=240e3
+    )
+    page.wait_for_timeout(600)
+    fitted = float(page.get_by_label("c_l1, slope of").first.input_value())
+    assert f"c_l1 = {fitted:.4g}"[:10] in page.locator("#progress").inner_text()
+    page.close()
+
+
+def test_dark_and_light(page: Page, address: str) -> None:
+    open_view(page, f"{address}/disk")
+    colour = "getComputedStyle(document.body).backgroundColor"
+    light = page.evaluate(colour)
+    page.get_by_role("button", name="Dark or light").click()
+    page.wait_for_function(f"{colour} !== '{light}'")
+    page.emulate_media(color_scheme="dark")
+    page.get_by_role("button", name="Dark or light").click()
+    page.wait_for_function(f"{colour} === '{light}'")
+
+
+def test_a_point_of_the_blade_is_dragged_and_put_back(page: Page, address: str) -> None:
+    open_view(page, f"{address}/blade?prop=apc-8x6e")
+    place = page.locator('[id=\'{"graph":"chord"}\']')
+    place.scroll_into_view_if_needed()
+    point = place.locator(".shapelayer path").nth(2).bounding_box()
+    assert point is not None
+    x, y = point["x"] + 0.5 * point["width"], point["y"] + 0.5 * point["height"]
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x, y - 30.0, steps=6)
+    page.mouse.up()
+    page.wait_for_function("/chord-2=1[0-9][1-9]/.test(location.href)")
+    settle(page)
+    assert "cat > blade.toml" in str(page.locator("#command").text_content())
+    page.locator("#undo").click()
+    page.wait_for_function("location.href.includes('chord-2=100')")
+    settle(page)

@@ -1,0 +1,89 @@
+"""`propmap explore` as a process: how it begins, and how it ends."""
+
+from __future__ import annotations
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+import time
+import urllib.request
+from pathlib import Path
+
+import pytest
+
+from tools.explore_browser import explorer
+
+pytestmark = pytest.mark.slow
+
+
+def _run(*arguments: str, **more: str) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "propmap", "explore", *arguments]
+    return subprocess.run(
+        command, capture_output=True, text=True, check=False, env={**os.environ, **more}
+    )
+
+
+def test_ctrl_c_ends_it_at_once_with_exit_code_0() -> None:
+    """Even while it compiles in the background."""
+    with explorer("apc-8x6e") as (address, process):
+        with urllib.request.urlopen(address, timeout=30) as page:
+            assert page.status == 200
+        time.sleep(2.0)
+        begin = time.monotonic()
+        process.send_signal(signal.SIGINT)
+        assert process.wait(20.0) == 0
+        # At once, on a machine that others load.
+        assert time.monotonic() - begin < 10.0
+
+
+def test_a_port_in_use_is_told_in_one_line() -> None:
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        done = _run("--no-browser", "--port", str(taken.getsockname()[1]))
+    assert done.returncode == 2
+    assert "is in use" in done.stderr and "--port" in done.stderr
+    assert done.stderr.count("\n") == 1
+
+
+def test_without_a_port_the_next_free_one_is_taken() -> None:
+    with explorer("--no-prepare", "--port", "0") as (address, _):
+        assert int(address.rpartition(":")[2]) > 0
+
+
+def test_no_display_is_told_with_the_address() -> None:
+    command = [sys.executable, "-m", "propmap", "explore", "--port", "0", "--no-prepare"]
+    environment = {k: v for k, v in os.environ.items() if k not in ("DISPLAY", "WAYLAND_DISPLAY")}
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment)
+    assert process.stdout is not None
+    said = ""
+    for line in process.stdout:
+        said += line
+        if "no display" in line:
+            break
+    assert "http://127.0.0.1:" in said
+    process.send_signal(signal.SIGINT)
+    assert process.wait(20.0) == 0
+    process.stdout.close()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["no-such-propeller"], "no-such-propeller"),
+        (["missing.toml"], "no such file"),
+        (["--host", "no.such.host.example"], "cannot listen"),
+    ],
+)
+def test_what_is_wrong_is_told_before_anything_listens(arguments: list[str], words: str) -> None:
+    done = _run(*arguments, "--no-browser")
+    assert done.returncode == 2
+    assert words in done.stderr.lower()
+    assert done.stderr.count("\n") == 1
+
+
+def test_another_host_is_warned_of(tmp_path: Path) -> None:
+    with explorer("--host", "0.0.0.0", "--no-prepare", folder=tmp_path) as (_, process):
+        assert process.poll() is None

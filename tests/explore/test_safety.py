@@ -1,0 +1,159 @@
+"""Names, files and requests that are bad: a line on the page, and a server that goes on."""
+
+from __future__ import annotations
+
+import base64
+import json
+import random
+import string
+from typing import Any
+
+import pytest
+
+from propmap.errors import InputError
+from propmap.explore.application import LIVE, Application
+from propmap.explore.given import MOST_BYTES, Shelf, read_upload
+from propmap.explore.server import is_loopback, names_of
+from propmap.explore.session import Session
+
+from .conftest import LOCAL, UPDATE, asked, with_file
+
+BAD_FILES = {
+    "empty.csv": b"",
+    "binary.csv": bytes(range(256)),
+    "nonsense.toml": b"= = =",
+    "page.html": b"<script>alert(1)</script>",
+    "table.npz": b"PK\x03\x04 not a table",
+    "vehicle.toml": b'schema = 1\nname = "x"\nmass = 1.0\npropeller = "/etc/passwd"\n[[rotors]]\n',
+    "loads.csv": b"rpm,speed_mps,beta_deg,thrust_N\n5000,x,0,1\n",
+    "blade.csv": b"radius_m,chord_m,twist_deg\n0.1,0.01,10\n",
+    "../../etc/cron.d/x.toml": b"c_l1 = 'a'",
+    "nul\x00.toml": b"c_l1 = 1",
+}
+
+
+@pytest.mark.parametrize("name", BAD_FILES)
+def test_a_bad_file_is_told_in_one_line(name: str) -> None:
+    with pytest.raises(InputError) as error:
+        read_upload(name, BAD_FILES[name])
+    told = str(error.value)
+    assert "\n" not in told and len(told) < 600
+    assert "tmp" not in told and "root:" not in told
+
+
+def test_a_large_file_is_refused() -> None:
+    with pytest.raises(InputError, match="expected at most 5"):
+        read_upload("large.csv", b"x" * (MOST_BYTES + 1))
+
+
+def test_no_name_reads_a_file_of_the_server(application: Application) -> None:
+    for query in ({"prop": "/etc/passwd"}, {"prop": "examples/blade.toml"}, {"law": "/etc/passwd"}):
+        with pytest.raises(InputError):
+            Session.of({"prop": "apc-8x6e", **query}, Session(), Shelf())
+    page, _ = application.page("/compare", "?prop=apc-8x6e&a=/etc/passwd")
+    assert "no name of a propeller" in str(page)
+
+
+def test_one_tab_does_not_see_the_file_of_another(application: Application, shelf: Shelf) -> None:
+    text = b"rpm,speed_mps,beta_deg,thrust_N\n5000,0,0,1.5\n"
+    mine = with_file(Session(), shelf, "secret.csv", text)
+    query = "&".join(f"{key}={value}" for key, value in mine.query().items())
+    assert "secret.csv" in str(application.page("/loads", f"?{query}")[0])
+    assert "secret.csv" not in str(application.page("/loads", "?prop=apc-8x6e")[0])
+    assert "secret.csv" not in str(application.page("/loads", "")[0])
+    guessed, _ = application.page("/loads", "?prop=apc-8x6e&file-data=guess")
+    assert "not kept any more" in str(guessed)
+
+
+def test_foreign_names_are_refused(application: Application) -> None:
+    client = application.dash.server.test_client()
+    for host in ("evil.example", "evil.example:8765", "127.0.0.1.evil.example", ""):
+        assert client.get("/", headers={"Host": host}).status_code == 403
+    for host in ("127.0.0.1:8765", "localhost", "[::1]:8765"):
+        assert client.get("/", headers={"Host": host}).status_code == 200
+
+
+def test_loopback_is_known() -> None:
+    assert all(map(is_loopback, ("127.0.0.1", "localhost", "::1", "127.3.2.1")))
+    assert not any(map(is_loopback, ("0.0.0.0", "192.168.0.3", "example.org", "::")))
+    assert "127.0.0.1" in names_of("127.0.0.1")
+    assert "evil.example" not in names_of("127.0.0.1")
+
+
+def test_a_large_request_is_refused(application: Application) -> None:
+    client = application.dash.server.test_client()
+    done = client.post(
+        UPDATE(application),
+        data=b'"' + b"x" * 9_000_000 + b'"',
+        headers=LOCAL,
+        content_type="application/json",
+    )
+    assert done.status_code == 413
+
+
+def test_the_page_loads_nothing_from_elsewhere(application: Application) -> None:
+    text = application.dash.server.test_client().get("/", headers=LOCAL).get_data(as_text=True)
+    assert "https://" not in text and "http://" not in text
+
+
+def test_an_upload_through_the_server(application: Application) -> None:
+    def upload(content: str, name: str) -> tuple[Any, str]:
+        return application.uploaded("?prop=apc-8x6e&rpm=5000", content, name)
+
+    text = b"rpm,speed_mps,beta_deg,thrust_N\n5000,0,0,1.5\n"
+    address, trouble = upload(f"data:;base64,{base64.b64encode(text).decode()}", "mine.csv")
+    assert "file-data=" in address and "rpm=5000" in address and not trouble
+    for bad in ("", "no comma", "data:;base64,@@@", "data:;base64," + "A" * 8_000_000):
+        assert upload(bad, "mine.csv")[1]
+
+
+def test_500_malformed_callbacks_leave_it_answering(application: Application) -> None:
+    """Rubbish, and well-formed callbacks with one part exchanged for rubbish."""
+    rng = random.Random(30)
+    client = application.dash.server.test_client()
+    keys = list(application.dash.callback_map)
+
+    def rubbish(depth: int = 0) -> Any:
+        kind = rng.randrange(9 if depth < 3 else 6)
+        if kind == 6:
+            return [rubbish(depth + 1) for _ in range(rng.randrange(4))]
+        if kind in (7, 8):
+            return {word(): rubbish(depth + 1) for _ in range(rng.randrange(4))}
+        return (None, True, rng.randint(-(10**9), 10**9), 1e308, word(), "?prop=" + word())[kind]
+
+    def word() -> str:
+        return "".join(rng.choice(string.printable) for _ in range(rng.randrange(12)))
+
+    seen = set()
+    for k in range(500):
+        body: Any = rubbish()
+        if k % 2:
+            key = rng.choice(keys)
+            body = {
+                "output": key,
+                "outputs": rubbish(),
+                "inputs": [{"id": rubbish(), "property": "value", "value": rubbish()}] * 2,
+                "state": rubbish(),
+                "changedPropIds": [word()],
+            }
+        data = json.dumps(body) if k % 5 else word()
+        done = client.post(
+            LIVE if k % 7 == 0 else UPDATE(application),
+            data=data,
+            headers=LOCAL,
+            content_type="application/json",
+        )
+        seen.add(done.status_code)
+        assert b"Traceback" not in done.get_data()
+    assert seen & {400, 500}
+    done = asked(
+        application,
+        "page.children",
+        [
+            {"id": "address", "property": "pathname", "value": "/disk"},
+            {"id": "address", "property": "search", "value": "?prop=apc-8x6e&speed=5"},
+        ],
+        [],
+    )
+    assert done.status_code == 200
+    assert "angle of attack" in done.get_data(as_text=True)

@@ -1,0 +1,242 @@
+"""Each view by itself, without a browser: numbers, commands, files, and what is wrong in a line."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import plotly.graph_objects as go
+import pytest
+
+import propmap as pm
+from propmap.errors import InputError
+from propmap.explore.application import Application
+from propmap.explore.controls import Choice, Several, Slider, values_of
+from propmap.explore.given import Shelf, read_path
+from propmap.explore.session import Session
+from propmap.explore.view import View
+from propmap.explore.views.all import VIEWS
+from tests.cli.invented_tables import certificate, invented
+
+from .conftest import EXAMPLES, with_file
+
+RPM = np.pi / 30.0
+BY_NAME = {view.name: view for view in VIEWS}
+NAMES = [
+    # Without compiling, the search for steady states takes some seconds.
+    pytest.param(name, marks=pytest.mark.slow) if name in ("aircraft", "loads") else name
+    for name in BY_NAME
+]
+
+
+@pytest.fixture(scope="module")
+def sessions(shelf: Shelf, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Session]:
+    """One for each view that needs a file, and one without."""
+    path = tmp_path_factory.mktemp("explore") / "map.npz"
+    table = invented()
+    table.info["certificate"] = certificate(unresolved_cells=2)
+    table.save(path)
+    vehicle = read_path(EXAMPLES / "aircraft" / "delivery.toml")
+    return {
+        "trust": Session().with_file(read_path(path), shelf.put(read_path(path))),
+        "aircraft": Session().with_file(vehicle, shelf.put(vehicle)),
+    }
+
+
+def _answer(application: Application, session: Session, view: View, **given: Any) -> Any:
+    values, remarks = values_of(view.controls(session), given)
+    assert not remarks
+    return values, view.answer(session, values, application.preparation, settled=True)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_view_answers_with_figures_that_plotly_takes(
+    application: Application, sessions: dict[str, Session], name: str
+) -> None:
+    view, session = BY_NAME[name], sessions.get(name, Session())
+    values, found = _answer(application, session, view)
+    places = {graph.name for graph in view.graphs(session)}
+    assert found.figures and set(found.figures) <= places
+    assert found.tables
+    for figure in found.figures.values():
+        go.Figure(figure)  # raises for what Plotly does not know
+    assert "propmap " in view.shell(session, values)
+    compile(view.python(session, values), "copied", "exec")
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_control_changes_something(
+    application: Application, sessions: dict[str, Session], name: str
+) -> None:
+    """Figures, numbers, remarks or what is copied."""
+    view, session = BY_NAME[name], sessions.get(name, Session())
+    controls = view.controls(session)
+    before, _ = values_of(controls, {})
+    if name == "loads":
+        before["data"] = "none"
+    quick = application.preparation
+
+    def shown(values: dict[str, Any]) -> str:
+        found = view.answer(session, values, quick, settled=name in ("trust", "compare"))
+        told = view.shell(session, values), view.python(session, values)
+        return repr((found.figures, found.tables, found.remarks, told))
+
+    first = shown(before)
+    for control in controls:
+        value: Any
+        if isinstance(control, Slider):
+            up = control.default + 20 * control.step
+            value = (
+                up if up <= control.high else max(control.low, control.default - 20 * control.step)
+            )
+        elif isinstance(control, Choice):
+            others = [key for key, _ in control.options if key != before[control.name]]
+            if not others:
+                continue
+            value = others[-1]
+        elif isinstance(control, Several):
+            value = list(before[control.name])[:-1]
+        else:
+            value = {"angles": "0,45", "speeds": "3,6"}.get(control.name, "apc-11x7e")
+        changed = {**before, control.name: value}
+        if control.name == "speeds":
+            before_x, changed["x"] = shown({**before, "x": "beta"}), "beta"
+            assert shown(changed) != before_x
+            continue
+        assert shown(changed) != first, control.name
+
+
+def test_numbers_are_those_of_a_rotor(application: Application) -> None:
+    values, found = _answer(
+        application, Session(), BY_NAME["loads"], rpm="6000", speed="12", beta="70"
+    )
+    loads = pm.Rotor(pm.known_model("apc-8x6e"), compiled=False).loads(
+        6000.0 * RPM, 12.0, np.radians(70.0)
+    )
+    told = {row[0]: row[1:] for row in found.tables[0].rows}
+    assert values["rpm"] == 6000.0
+    for label, name in (
+        ("thrust", "thrust"),
+        ("rolling moment", "roll_moment"),
+        ("power", "power"),
+    ):
+        assert told[label][0] == f"{float(getattr(loads, name)):.4g}"
+        assert told[label][1] == f"± {2.0 * float(getattr(loads.std, name)):.2g}"
+
+
+def test_curves_are_those_of_a_rotor(application: Application) -> None:
+    _, found = _answer(application, Session(), BY_NAME["loads"], rpm="5000", angles="90", bands="")
+    (curve,) = [t for t in found.figures["drag"]["data"] if t["name"] == "β = 90°"]
+    drawn = go.Figure(found.figures["drag"]).data[[*found.figures["drag"]["data"]].index(curve)]
+    rotor = pm.Rotor(pm.known_model("apc-8x6e"), compiled=False)
+    want = rotor.loads(5000.0 * RPM, np.linspace(0.0, 20.0, 31), np.pi / 2.0).drag
+    np.testing.assert_allclose(_numbers(drawn.y), want, rtol=1e-12)
+
+
+def _numbers(values: Any) -> np.ndarray:
+    if isinstance(values, dict):
+        import base64
+
+        return np.frombuffer(base64.b64decode(values["bdata"]), np.float64)
+    return np.asarray(values)
+
+
+COMMANDS = {
+    "loads": ("loads.csv", {"rpm": "5000", "angles": "0,90", "speed": "8"}),
+    "disk": ("disk.csv", {"rpm": "5000", "speed": "9", "beta": "75"}),
+    "blade": ("blade-loads.csv", {"rpm": "5000", "chord-2": "120", "twist-4": "-2"}),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", COMMANDS)
+def test_the_copied_command_gives_the_same_file(name: str, tmp_path: Path) -> None:
+    view, session = BY_NAME[name], Session()
+    file, given = COMMANDS[name]
+    values, _ = values_of(view.controls(session), given)
+    _in_shell(view.shell(session, values), tmp_path)
+    assert (tmp_path / file).read_text() == view.text(session, values, file)
+
+
+@pytest.mark.slow
+def test_the_copied_python_runs(tmp_path: Path) -> None:
+    for name, (_, given) in COMMANDS.items():
+        view, session = BY_NAME[name], Session()
+        values, _ = values_of(view.controls(session), given)
+        script = tmp_path / f"{name}.py"
+        script.write_text(view.python(session, values))
+        done = subprocess.run(
+            [sys.executable, script], cwd=tmp_path, capture_output=True, text=True, check=False
+        )
+        assert done.returncode == 0, done.stderr
+        assert done.stdout
+
+
+def _in_shell(text: str, folder: Path) -> None:
+    bash = shutil.which("bash")
+    if bash is None:
+        pytest.skip("no bash here")
+    where = f"export PATH='{Path(sys.executable).parent}':$PATH\nset -e\n"
+    done = subprocess.run(
+        [bash, "-c", where + text], cwd=folder, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+
+
+def test_a_dragged_blade_is_saved_as_it_is_drawn(tmp_path: Path) -> None:
+    view, session = BY_NAME["blade"], Session()
+    values, _ = values_of(view.controls(session), {"chord-2": "120", "twist-4": "-2"})
+    path = tmp_path / "blade.toml"
+    path.write_text(view.text(session, values, "blade.toml"))
+    was, now = session.model.propeller, pm.propeller(path)
+    middle, outer = 0.5 * was.radius, 0.8 * was.radius
+
+    def at(blade: Any, what: str, radius: float) -> float:
+        return float(np.interp(radius, blade.station, getattr(blade, what)))
+
+    assert at(now, "chord", middle) == pytest.approx(1.2 * at(was, "chord", middle), rel=5e-3)
+    assert at(now, "twist", outer) == pytest.approx(
+        at(was, "twist", outer) - np.radians(2.0), abs=2e-3
+    )
+    assert at(now, "chord", was.radius) == pytest.approx(at(was, "chord", was.radius))
+
+
+def test_without_a_vehicle_or_a_table_a_line_says_what_to_do(application: Application) -> None:
+    for name, words in (("aircraft", "open a vehicle file"), ("trust", "propmap table")):
+        with pytest.raises(InputError, match=words):
+            BY_NAME[name].controls(Session())
+        page, base = application.page(f"/{name}", "")
+        assert words in str(page)
+        assert base["empty"]
+
+
+def test_measured_points_are_drawn_and_fitted(application: Application, shelf: Shelf) -> None:
+    """A fit of loads that the model made with other constants finds these."""
+    from propmap.explore.constants_fit import Fit, law_of
+    from propmap.explore.jobs import Job
+
+    model = pm.known_model("apc-8x6e")
+    law = model.airfoil
+    assert isinstance(law, pm.Airfoil)
+    true = law.with_parameters(c_l1=law.c_l1 * 1.1)
+    speeds = np.linspace(0.0, 10.0, 6)
+    loads = pm.Rotor(model.with_airfoil(true), compiled=False).loads(5000.0 * RPM, speeds, 0.0)
+    rows = "\n".join(
+        f"5000,{v},0,{t},{q}" for v, t, q in zip(speeds, loads.thrust, loads.torque, strict=True)
+    )
+    text = f"rpm,speed_mps,beta_deg,thrust_N,torque_Nm\n{rows}\n"
+    session = with_file(Session(), shelf, "mine.csv", text.encode())
+    view = BY_NAME["constants"]
+    values, found = _answer(application, session, view, free="c_l1", data="file")
+    assert any("mine.csv" in table.caption for table in found.tables)
+    assert law_of(session, {**values, "c_l1": 5.0}).c_l1 == 5.0
+    loads_view = BY_NAME["loads"]
+    _, drawn = _answer(application, session, loads_view, rpm="5000", data="file", angles="0")
+    assert any("mine.csv" in str(trace.get("name")) for trace in drawn.figures["thrust"]["data"])
+    job = Job()
+    assert Fit.of(session, values).run(job)["c_l1"] == pytest.approx(true.c_l1, rel=1e-3)
+    assert "evaluations" in job.told or "Fitted" in job.told
