@@ -151,8 +151,11 @@ def run(blocks: list[Block], one: Callable[[Block], None], *, in_turn: bool = Fa
         for block in longest_first:
             one(block)
         return
+    # One block of each program comes first, so that programs are compiled beside each other.
+    firsts = {block.panels: at for at, block in reversed(list(enumerate(longest_first)))}
+    order = [*firsts.values(), *(k for k in range(len(blocks)) if k not in firsts.values())]
     with ThreadPoolExecutor(min(len(blocks), cores())) as pool:
-        list(pool.map(one, longest_first))
+        list(pool.map(one, (longest_first[k] for k in order)))
 
 
 def filled_up(values: NDArray[Any], size: int) -> NDArray[Any]:

@@ -205,7 +205,7 @@ class ForceModel:
         for model, mine in mounted_rotors(self.vehicle, model_with(self.model, values)):
             some = [a[:, mine] for a in (omega, axial, flow.inplane)]
             points = (a.ravel() for a in some)
-            rotor = prepare(model.arrays())
+            rotor = prepare(model.arrays(), uniform=True)
             found = load_gradients(rotor, accuracy(self.setting), asked, *points)
             loads[..., mine] = found.loads.reshape(-1, *some[0].shape)
             by_name = found.slopes[:, : len(names)]
