@@ -10,12 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from propmap.errors import InputError
-from propmap.fit.flight_parameters import of_each
 from propmap.fit.parameters import BODY, FLEX, MOUNT, PAPER_FOUR, TURNING, WAKES, Choice, Prior
-from propmap.fit.sensor_forces import OFFSET
-from propmap.fit.thrust_scale import OVER_FLIGHTS
-from propmap.fit.thrust_scale import HoverScale as Measured
-from propmap.fit.turning import CENTRE
 
 if TYPE_CHECKING:
     from propmap.fit.fitted import Fitted
@@ -86,6 +81,12 @@ def flight_priors(vehicle: Vehicle, log: FlightLog, *, hover: bool) -> dict[str,
 
     With ``hover``, the thrust scale of each flight is expected where its own hover has it.
     """
+    from propmap.fit.flight_parameters import of_each
+    from propmap.fit.sensor_forces import OFFSET
+    from propmap.fit.thrust_scale import OVER_FLIGHTS
+    from propmap.fit.thrust_scale import HoverScale as Measured
+    from propmap.fit.turning import CENTRE
+
     disk = math.pi * vehicle.propeller.radius**2
     bodies = Prior(0.0, BODY_SHARE * disk * len(vehicle.mounts))
     places = [math.hypot(*mount.position) for mount in vehicle.mounts]
@@ -119,6 +120,9 @@ def free_by_default(vehicle: Vehicle, log: FlightLog, *, level: bool) -> tuple[s
     """
     if level:
         return PAPER_FOUR
+    from propmap.fit.flight_parameters import of_each
+    from propmap.fit.sensor_forces import OFFSET
+
     turning = tuple(TURNING) if vehicle.inertia else ()
     mount = () if any(one.drag for one in vehicle.mounts) else tuple(MOUNT)
     wakes = tuple(WAKES) if len(vehicle.mounts) > 1 else ()
