@@ -35,10 +35,12 @@ def at_samples(name: str, values: Mapping[str, float], log: FlightLog) -> Floats
     return np.array(each)[log.flight.astype(int)]
 
 
-def samples_of(name: str, log: FlightLog) -> NDArray[np.bool_]:
-    """Which samples (n,) the parameter ``name`` is of: one flight's, or all."""
+def samples_of(name: str, values: Mapping[str, float], log: FlightLog) -> NDArray[np.bool_]:
+    """Which samples (n,) the parameter ``name`` acts on: those of its flight, or of all flights
+    that have none of their own among the ``values``."""
     if general(name) == name:
-        return np.ones(len(log), bool)
+        own = np.array([one in values for one in of_each(name, log)])
+        return np.asarray(~own[log.flight.astype(int)])
     flights = [of_flight(general(name), flight) for flight in log.flights]
     return np.asarray(log.flight == flights.index(name))
 

@@ -126,7 +126,7 @@ class ForceModel:
         slopes = scale * slopes
         for row, name in enumerate(free):
             if general(name) == "thrust_scale":
-                slopes[row] = samples_of(name, self.log)[:, None] * loads
+                slopes[row] = samples_of(name, values, self.log)[:, None] * loads
         loads = scale * loads
         body, by_body = body_force(self.vehicle, self.log, values, free)
         force, by_force = loads[:, :3] + body, slopes[..., :3] + by_body

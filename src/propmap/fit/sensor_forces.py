@@ -72,5 +72,5 @@ def sensor_force(
         if name in OFFSET:
             slopes[row] = by_place[OFFSET.index(name)]
         elif general(name) == CLOCK:
-            slopes[row] = by_clock * samples_of(name, log)[:, None]
+            slopes[row] = by_clock * samples_of(name, values, log)[:, None]
     return force, slopes
