@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 
 import pytest
 
@@ -20,6 +21,9 @@ def pytest_configure(config: pytest.Config) -> None:
     Tests run by hand, without a choice of marks, have programs compiled as the library does; so has
     ``cli/test_compile_quickly.py`` those that compare with what is not compiled.
     """
+    # Processes that tests start have to hear Ctrl-C, also where tests run in the background.
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
     if config.option.markexpr in ("slow", "not slow"):
         compile_quickly()
     # JAX reads these when it is first imported, as do the processes that tests start.

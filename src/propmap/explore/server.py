@@ -172,11 +172,11 @@ def serve(server: BaseWSGIServer, say: Callable[[str], None], *, browser: bool, 
     logging.getLogger("werkzeug").setLevel(logging.ERROR)
     shown = "127.0.0.1" if host in ("0.0.0.0", "::", "localhost") else host
     address = f"http://{f'[{shown}]' if ':' in shown else shown}:{server.port}/"
-    say(f"propmap explore is at {address}")
-    say("Ctrl-C ends it.")
-    if browser:
-        threading.Thread(target=_open, args=(address, say), daemon=True).start()
     with contextlib.suppress(KeyboardInterrupt):
+        say(f"propmap explore is at {address}")
+        say("Ctrl-C ends it.")
+        if browser:
+            threading.Thread(target=_open, args=(address, say), daemon=True).start()
         server.serve_forever()
     # Threads that compile cannot be told to stop, and waiting for them takes half a minute.
     sys.stdout.flush()
