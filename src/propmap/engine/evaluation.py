@@ -134,7 +134,7 @@ def evaluate_flow(
     """
     omega, v_axial, v_inplane, v_hover = flow
     setting = setting.for_stall(rotor.forecast.stall_width)
-    if rotor.uniform:
+    if rotor.uniform and not alike:
         setting = setting.with_few_programs
     everyone = np.arange(omega.size)
     outlook = Outlook(
