@@ -37,7 +37,7 @@ from propmap.model.drag_factor import MESSAGE as DRAG_FACTOR
 INTERRUPTED = 130
 
 app = typer.Typer(
-    help="A propeller's thrust, rotor drag and torque, from hover to fast oblique flight.",
+    help="A propeller's six loads, from hover to fast oblique flight.",
     add_completion=False,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
