@@ -20,9 +20,6 @@ from propmap.cli.demo import demo
 from propmap.cli.explore import explore
 from propmap.cli.export import export
 from propmap.cli.fit import fit_app
-from propmap.cli.fit_catalogue import fit_catalogue
-from propmap.cli.fit_static import fit_static
-from propmap.cli.fit_terms import fit_terms_page
 from propmap.cli.listings import airfoils_app, props_app
 from propmap.cli.plot import plot_app
 from propmap.cli.predict import predict
@@ -41,7 +38,7 @@ from propmap.model.drag_factor import MESSAGE as DRAG_FACTOR
 INTERRUPTED = 130
 
 app = typer.Typer(
-    help="A propeller's thrust, rotor drag and torque, from hover to fast oblique flight.",
+    help="A propeller's six loads, from hover to fast oblique flight.",
     add_completion=False,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
@@ -52,9 +49,6 @@ app.command()(study)
 app.command()(table)
 app.command("show")(show_table)
 app.command()(export)
-fit_app.command("static")(fit_static)
-fit_app.command("terms")(fit_terms_page)
-fit_app.command("catalogue")(fit_catalogue)
 app.add_typer(fit_app)
 app.add_typer(simulate_app)
 app.command()(trim)
