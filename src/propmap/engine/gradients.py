@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any, NamedTuple
 
@@ -194,26 +193,27 @@ def _compile_both(
     slopes = np.zeros((len(names), size)) if descends else None
     lanes = in_groups(size, panels)
     search = compiled_search(panels, axial=False, lanes=lanes)
+    differentiate = _program(panels, lanes)
     arguments = (rotor.on_device, flow, nodes, size)
 
-    def run_search() -> None:
+    def run_slopes(*here: Any) -> None:
         with jax.enable_x64(True):
-            search(*arguments)
+            differentiate(rotor.on_device, *here)
 
     with jax.enable_x64(True), ThreadPoolExecutor(1) as beside:
-        # The search first: XLA takes longest for it, in other threads, while Python goes on.
-        search.lower(*arguments)
-        searched = beside.submit(run_search)
         _, shapes = search.eval_shape(*arguments)
         solution = jax.tree.map(lambda a: np.zeros(a.shape, a.dtype), shapes)
         ways = directions_of(moving(rotor.arrays), names, len(names))
         here = (flow, solution, ways, slopes, nodes, size)
-        _program(panels, lanes)(rotor.on_device, *here)
-        searched.result()
+        # The derivatives first: XLA takes longest for them, in other threads, while Python goes on.
+        differentiate.lower(rotor.on_device, *here)
+        differentiated = beside.submit(run_slopes, *here)
+        search(*arguments)
+        differentiated.result()
 
 
 @functools.cache
-def _program(panels: tuple[int, ...], lanes: bool) -> Callable[..., Any]:
+def _program(panels: tuple[int, ...], lanes: bool) -> Any:
     """Program for the derivatives (D, L, B) along directions, at a solution of (11)."""
 
     def slopes(
