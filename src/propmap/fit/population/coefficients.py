@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from propmap.arrays.namespace import by_numpy
 from propmap.arrays.types import Floats
 from propmap.catalogue.identified import PARAMETERS
 from propmap.catalogue.prior import HELD
@@ -77,9 +78,12 @@ class AxialTest:
         diameter = 2.0 * self.propeller.radius
         flow = (2.0 * np.pi * turns, self.tested.advance * turns * diameter)
         arrays = model.arrays()
-        rotor = prepare(arrays._replace(blade=with_stations(arrays.blade, self.stations)))
+        with by_numpy():
+            blade = with_stations(arrays.blade, self.stations)
         still = np.zeros_like(turns)
-        found = load_gradients(rotor, SETTING, PARAMETERS, *flow, still, alike=True)
+        found = load_gradients(
+            prepare(arrays._replace(blade=blade)), SETTING, PARAMETERS, *flow, still, alike=True
+        )
         force = model.air.density * turns**2 * diameter**4
         # P = 2 pi n tau.
         size = np.stack([force, force * diameter / (2.0 * np.pi)])
