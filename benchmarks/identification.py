@@ -3,11 +3,13 @@
 Twin experiments: level flights of a quadrotor with four APC 8x6E are computed with known
 parameters, and identified again from the paper's x0 and from random starts; once without noise,
 and two hundred times with noise, to count how often the stated 95 % intervals contain the truth;
-the last also of a tunnel test.  Writes results/identification.json.
+the last also of a tunnel test.  Writes results/identification.json.  With `coverage --cluster
+local:2` these fits are spread over workers, with the same results.
 """
 
 from __future__ import annotations
 
+import functools
 import json
 import sys
 import tempfile
@@ -23,16 +25,19 @@ import propmap
 from benchmarks.results_file import RESULTS, machine, write_results
 from benchmarks.whole_process import whole_process
 from propmap.catalogue.measurements import measurement
+from propmap.cli.cluster_option import workers_of
 from propmap.fit.comparison import compare_tunnel
 from propmap.fit.fitted import Settings, fit
 from propmap.fit.flight import level_rows
 from propmap.fit.force_model import ForceModel
+from propmap.fit.interval_coverage import noisy_intervals
 from propmap.fit.parameters import PAPER_FOUR, Choice
 from propmap.fit.rows import Rows
 from propmap.fit.tunnel import TunnelData, first_guess, section_with, tunnel_rows
 from propmap.flight.trim import trim
 from propmap.model.airfoil import parameter_set
 from propmap.model.model import Model
+from propmap.tasks import Workers
 from propmap.vehicle.flight_log import FlightLog, pitch_and_roll
 from propmap.vehicle.vehicle import Mount, Vehicle
 
@@ -76,20 +81,21 @@ def noise_free(name: str, starts: int) -> dict[str, Any]:
     }
 
 
-def coverage(rows: Rows, choice: Choice, truth: propmap.Airfoil) -> dict[str, Any]:
-    """Share of noisy twins whose intervals contain the truth, per parameter."""
+def coverage(name: str, what: str, workers: Workers) -> dict[str, Any]:
+    """Share of noisy twins whose intervals contain the truth, per parameter of a case."""
+    rows, choice = case(name, what)
+    truth = parameter_set(name)
     names = choice.free
-    values = np.array([getattr(truth, n) for n in names])
-    rng = np.random.default_rng(2017)
-    inside, good = np.zeros((2, REPETITIONS, len(names)), bool)
-    widths = np.zeros((REPETITIONS, len(names)))
-    for k in range(REPETITIONS):
-        noisy = rows.measured + NOISE * rows.scale * rng.standard_normal(rows.measured.size)
-        found = fit(replace(rows, measured=noisy), choice, Settings(starts=1, folds=0))
-        sure = found.uncertainty
-        inside[k] = (sure.low <= values) & (values <= sure.high)
-        good[k] = sure.identified
-        widths[k] = sure.high - sure.low
+    found = noisy_intervals(
+        rows,
+        choice,
+        NOISE,
+        REPETITIONS,
+        workers=workers,
+        remake=functools.partial(rows_of_case, name, what),
+    )
+    inside = found.hold(np.array([getattr(truth, n) for n in names]))
+    good, widths = found.identified, found.high - found.low
     return {
         n: {
             "called_identified": int(good[:, k].sum()),
@@ -103,22 +109,35 @@ def coverage(rows: Rows, choice: Choice, truth: propmap.Airfoil) -> dict[str, An
     }
 
 
-def coverages(name: str) -> dict[str, Any]:
-    """For one set of Table I: level flights with the paper's four parameters free and with two,
-    and a tunnel test (axial, and at 40 and 80 deg) with the four."""
+LEVEL_FOUR, LEVEL_TWO = "level flights, four free", "level flights, two free"
+TUNNEL_FOUR = "tunnel, thrust and torque, four free"
+CASES = (LEVEL_FOUR, LEVEL_TWO, TUNNEL_FOUR)
+
+
+def case(name: str, what: str) -> tuple[Rows, Choice]:
+    """Of one set of Table I: level flights with the paper's four parameters free or with two, or a
+    tunnel test (axial, and at 40 and 80 deg) with the four."""
     vehicle, truth = quadrotor(), parameter_set(name)
-    points = trim(vehicle, truth, SPEEDS)
     true_values = {n: getattr(truth, n) for n in PAPER_FOUR}
     four = Choice(start=true_values)
     two = Choice(("c_l1", "alpha_0"), fixed={n: true_values[n] for n in ("c_l2", "c_d")})
-    flights = ForceModel(vehicle, points, first_guess())
-    tunnel = tunnel_rows(Model(vehicle.propeller, first_guess()), tunnel_twin(truth), four)
-    cases = {
-        "level flights, four free": (level_rows(flights, four), four),
-        "level flights, two free": (level_rows(flights, two), two),
-        "tunnel, thrust and torque, four free": (tunnel, four),
-    }
-    return {what: coverage(rows, choice, truth) for what, (rows, choice) in cases.items()}
+    if what == TUNNEL_FOUR:
+        model = Model(vehicle.propeller, first_guess())
+        return tunnel_rows(model, tunnel_twin(truth), four), four
+    flights = ForceModel(vehicle, trim(vehicle, truth, SPEEDS), first_guess())
+    choice = four if what == LEVEL_FOUR else two
+    return level_rows(flights, choice), choice
+
+
+def rows_of_case(name: str, what: str) -> Rows:
+    """The rows of ``case``, for workers."""
+    return case(name, what)[0]
+
+
+def coverages(cluster: str | None) -> dict[str, Any]:
+    """All cases of all sets, by the workers of ``--cluster``."""
+    with workers_of(cluster) as workers:
+        return {name: {what: coverage(name, what, workers) for what in CASES} for name in SETS}
 
 
 def tunnel_twin(truth: propmap.Airfoil) -> TunnelData:
@@ -216,17 +235,23 @@ def published() -> list[dict[str, Any]]:
     return found
 
 
+def _cluster() -> str | None:
+    """What follows ``--cluster`` among the arguments."""
+    return sys.argv[sys.argv.index("--cluster") + 1] if "--cluster" in sys.argv else None
+
+
 PARTS: dict[str, Callable[[], Any]] = {
     "seconds": timing,
     "published": published,
     "noise_free": lambda: {name: noise_free(name, 11) for name in SETS},
-    "coverage": lambda: {name: coverages(name) for name in SETS},
+    "coverage": lambda: coverages(_cluster()),
 }
 
 
 def main() -> None:
     """Measure, print and write all parts, or those that are named; the rest stays as filed."""
-    parts = sys.argv[1:] or list(PARTS)
+    given = [part for part in sys.argv[1:] if part not in ("--cluster", _cluster())]
+    parts = given or list(PARTS)
     path = RESULTS / "identification.json"
     found: dict[str, Any] = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
     for part in parts:

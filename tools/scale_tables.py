@@ -134,14 +134,26 @@ def cost(found: dict[str, Any], table: dict[str, Any], propellers: int) -> str:
 def catalogue(found: dict[str, Any]) -> str:
     """Identification of the whole catalogue by one process and by two workers."""
     part = found["catalogue"]
-    alone, two = part["one_process"], part["local_2"]
     same = "the same to the byte" if part["same_bytes"] else "NOT the same"
-    return (
-        f"`propmap fit catalogue` of {part['propellers']} propellers with data takes "
-        f"{alone['wall_s']:.0f} s of wall and {alone['processor_s']:.0f} s of processor time in "
-        f"one process, {two['wall_s']:.0f} s and {two['processor_s']:.0f} s on two workers: "
-        f"{part['speed_up']:.2f} times as fast. Both files are {same}. {_machine(part)}"
+    rows = [
+        f"`propmap fit catalogue` of {part['propellers']} propellers with data:",
+        "",
+        "| | wall | processor |",
+        "|---|---:|---:|",
+    ]
+    for who, said in (
+        ("one_core", "one process on one core"),
+        ("one_process", "one process on all cores"),
+        ("local_2", "`local:2`"),
+    ):
+        one = part[who]
+        rows.append(f"| {said} | {one['wall_s']:.0f} s | {one['processor_s']:.0f} s |")
+    told = (
+        f"Two workers take {1.0 / part['speed_up_over_one_core']:.2f} times the wall time of one "
+        f"core, {1.0 / part['speed_up_over_one_process']:.2f} times that of one process, which "
+        f"uses all cores by itself. The files are {same}. {_machine(part)}"
     )
+    return "\n".join([*rows, "", told])
 
 
 def _off(simulated: float, measured: float) -> str:

@@ -41,7 +41,7 @@ def test_a_sweep_is_streamed_and_announced(run: Run, tmp_path: Path) -> None:
     done = run("sweep", *ROTOR, *GRID, "-o", path)
     assert done.code == 0
     assert done.out == f"wrote {path}: 8 points\n"
-    assert "8 operating points in 1 tasks, up to 592 B; about" in done.err
+    assert "8 operating points in 1 task, up to 592 B; about" in done.err
     assert run("sweep", *ROTOR, *GRID, "-o", tmp_path / "map.nc").code == 0
     streamed, whole = xarray.open_zarr(path), xarray.open_dataset(tmp_path / "map.nc")
     assert set(streamed.data_vars) == set(whole.data_vars)
@@ -135,3 +135,14 @@ def test_a_study_ends_in_a_dataset_and_a_picture(run: Run, tmp_path: Path, endin
 def test_a_study_of_a_missing_file_is_one_line(run: Run, tmp_path: Path) -> None:
     done = run("study", tmp_path / "none.toml", "-o", tmp_path / "study.nc")
     assert (done.code, done.err.count("\n")) == (2, 1)
+
+
+def test_a_run_that_never_began_is_not_in_the_way(run: Run, tmp_path: Path) -> None:
+    path = tmp_path / "map.zarr"
+    command = ["sweep", "apc-8x6e", "--speed", "0", "--beta", "0", "-o", str(path)]
+    refused = run(*command, "--rpm", "4000", "--cluster", "local:0")
+    assert refused.code == 2 and path.exists()
+    outcome = run(*command, "--rpm", "5000")
+    assert outcome.code == 0, outcome.err
+    again = run(*command, "--rpm", "4000")
+    assert again.code == 2 and "another set of operating points" in again.err

@@ -37,10 +37,11 @@ def fit_catalogue(
 
     Those whose blade is in the catalogue come first; from them, the spread over propellers goes
     into population.toml beside FILE. It is the prior of the others, which are fitted with the mean
-    blade of their family or of all. Each takes about a second. FILE is written after each of them:
-    started again, the command goes on where it was.
+    blade of their family or of all. Each takes some tenths of a second. FILE is written after every
+    four: started again, the command goes on where it was.
     """
     from propmap.catalogue.population import as_toml
+    from propmap.engine.compilation import keep_compiled
     from propmap.fit.population.catalogue import identify_all, identify_without_blade
     from propmap.fit.population.misfiled import refiled
     from propmap.fit.population.populations import populations_of
@@ -55,25 +56,27 @@ def fit_catalogue(
 
     measured: list[Identified] = []
 
-    def done(found: list[Identified]) -> None:
-        last = found[-1]
-        typer.echo(
-            f"{len(found)} {last.propeller}, {last.blades} blades: "
-            f"C_T {last.thrust_rms:.4f}, C_P {last.power_rms:.4f}; {last.verdict}",
-            err=True,
-        )
-        so_far = [*measured, *found]
+    def done(before: list[Identified], new: list[Identified]) -> None:
+        for number, one in enumerate(new, start=len(before) + 1):
+            typer.echo(
+                f"{number} {one.propeller}, {one.blades} blades: "
+                f"C_T {one.thrust_rms:.4f}, C_P {one.power_rms:.4f}; {one.verdict}",
+                err=True,
+            )
+        so_far = [*measured, *before, *new]
         rest = {one.key for one in so_far}
         kept = [one for key, one in known.items() if key not in rest]
         write_text(as_csv([*so_far, *kept]), output)
 
+    if cluster is None:
+        keep_compiled()
     with workers_of(cluster) as workers:
         measured = identify_all(every, known, done, workers)
         if len({one.family for one in measured}) < LEAST_FAMILIES:
             write_text(as_csv(measured), output)
             _tell(measured, None)
             return
-        populations = populations_of(measured)
+        populations = populations_of(measured, workers)
         others = identify_without_blade(every, measured, populations, known, done, workers)
     write_text(as_csv([*measured, *others]), output)
     write_text(as_toml(populations), output.with_name("population.toml"))

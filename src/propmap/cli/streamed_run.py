@@ -55,7 +55,14 @@ def opened(path: Path, layout: Layout) -> Store:
                 where,
             )
         return Store.create(path, layout)
-    store = Store.resume(path, layout)
+    try:
+        store = Store.resume(path, layout)
+    except InputError:
+        if (path / list(layout.quantities)[-1] / "c").exists():
+            raise
+        # Another run that was refused or stopped before its first task: nothing is lost.
+        shutil.rmtree(path)
+        return opened(path, layout)
     done = store.done(layout)
     if done.all():
         raise InputError("the store is there and complete", "pass --force to begin anew", where)
@@ -87,7 +94,7 @@ def announce(
     left = points * (1.0 - float(store.done(layout).mean()))
     needed = left * seconds / workers
     typer.echo(
-        f"{points} {what} in {parts} tasks, up to {size_text(layout.bytes)}; "
+        f"{points} {what} in {parts} task{'s' * (parts > 1)}, up to {size_text(layout.bytes)}; "
         f"about {time_text(needed)} ({1e6 * seconds:.0f} us per point and worker)",
         err=True,
     )

@@ -27,9 +27,10 @@ def response_picture(
     rows: dict[str, Floats],
     values: Floats,
 ) -> Figure:
-    """Contours over two variables, the others at the middle of their ranges; dots are designs.
+    """Contours over two variables, the others at the middle of their ranges.
 
-    Beside it what the surface says of each design, against what was computed.
+    Dots are all designs, wherever the others are.  Beside it what the surface says of each design,
+    against what was computed.
 
     Parameters
     ----------
@@ -61,21 +62,20 @@ def response_picture(
     ax.plot(rows[axes[0]], rows[axes[1]], ".", color="black", markersize=2.5, alpha=0.6)
     ax.set_xlabel(labels[0])
     ax.set_ylabel(labels[1])
-    rest = [f"{n} {v:.4g}" for n, v in middle.items() if n not in axes]
-    ax.set_title("\n".join(_wrapped(rest)) or "all that varies", fontsize=8.0)
+    rest = [f"{n.replace('_', ' ')} {v:.3g}" for n, v in middle.items() if n not in axes]
+    told_rest = [f"surface at {', '.join(rest)}", "dots: designs, at any of these"] if rest else []
+    ax.set_title("\n".join(told_rest), fontsize=8.0)
     told = surface(rows)
     check.plot(values, told, ".", markersize=3.5)
     line = [np.nanmin(values), np.nanmax(values)]
     check.plot(line, line, color="0.35", linewidth=0.9)
     check.set_xlabel(f"computed: {label}")
-    check.set_ylabel("by the quadratic")
+    check.set_ylabel("by the quadratic, fitted to them")
     spread = float(np.nanstd(values))
-    share = f" ({100.0 * surface.left_out_rms / spread:.2g} % of its spread)" if spread else ""
-    check.set_title(f"left-out error {surface.left_out_rms:.3g}{share}", fontsize=8.0)
+    unit = label[label.find("[") + 1 : -1]
+    share = f", {100.0 * surface.left_out_rms / spread:.2g} % of the spread" if spread else ""
+    check.set_title(
+        f"rms error of designs left out: {surface.left_out_rms:.2g} {unit}{share}", fontsize=8.0
+    )
     figure.suptitle(title)
     return figure
-
-
-def _wrapped(parts: list[str], each: int = 3) -> list[str]:
-    """So many parts in a line."""
-    return [", ".join(parts[k : k + each]) for k in range(0, len(parts), each)]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -67,22 +68,28 @@ def test_blades_are_those_of_the_catalogue() -> None:
 
 
 @with_data
-def test_the_bundled_constants_are_what_the_command_finds() -> None:
+def test_the_bundled_constants_are_what_the_command_finds(monkeypatch: pytest.MonkeyPatch) -> None:
     """Of one propeller, of another number of blades too; and known results are not fitted again."""
     every = [one for one in refiled(read_uiuc_database(LOADS)) if one.blade == "da4022 5.0x3.75"]
     bundled = {one.key: one for one in all_identified()}
-    workers, kept = Elsewhere(), list[list[Identified]]()
-    found = catalogue.identify_all(every[:2], {}, kept.append, workers)
+    workers, kept = Elsewhere(), list[tuple[list[int], list[int]]]()
+
+    def keep(*told: list[Identified]) -> None:
+        before, new = ([one.blades for one in some] for some in told)
+        kept.append((before, new))
+
+    monkeypatch.setattr(catalogue, "TOGETHER", 1)
+    found = catalogue.identify_all(every[:2], {}, keep, workers)
     assert workers.tasks == 2
-    assert [[one.blades for one in some] for some in kept] == [[3], [3, 2]]
+    assert kept == [([], [3]), ([3], [2])]
     assert [one.blades for one in found] == [2, 3]
     for one in found:
         same = bundled[one.key]
         apart = np.abs(one.constants - same.constants) / np.sqrt(np.diag(one.covariance))
         # The digits of the file, and compilers that round differently.
         assert apart.max() < 1e-3
-    called: list[list[Identified]] = []
-    again = catalogue.identify_all(every[:2], bundled, called.append)
+    called: list[object] = []
+    again = catalogue.identify_all(every[:2], bundled, lambda *told: called.append(told))
     assert not called and again[0] is bundled[again[0].key]
 
 
@@ -105,7 +112,7 @@ def test_propellers_without_blade_are_what_the_command_finds() -> None:
     measured = all_identified()
     populations = {name: bundled_population(name) for name in GEOMETRIES}
     found = catalogue.identify_without_blade(
-        some, measured, populations, {}, lambda _: None, Elsewhere()
+        some, measured, populations, {}, lambda *_: None, Elsewhere()
     )
     assert [one.geometry for one in found] == ["family", "population"]
     bundled = {one.key: one for one in identified_without_blade()}
@@ -115,6 +122,26 @@ def test_propellers_without_blade_are_what_the_command_finds() -> None:
         assert apart.max() < 1e-3 and same.propeller == one.propeller
     again = catalogue.identify_without_blade(some, measured, populations, bundled, print)
     assert [one.key for one in again] == [one.key for one in found]
+
+
+@with_data
+def test_blades_with_many_stations_share_a_task() -> None:
+    every = refiled(read_uiuc_database(LOADS))
+    groups: list[list[int]] = []
+
+    class Counting:
+        count = 1
+
+        def results(self, work: Any, common: Any, tasks: Any) -> Any:
+            del work, common
+            groups.extend([one.test.stations for one in task] for task in tasks)
+            return iter(())
+
+    with pytest.raises(KeyError):  # nobody has identified them
+        catalogue.identify_all(every, {}, print, Counting())
+    assert groups[0] == [40, 40, 40]
+    assert {stations for group in groups[1:] for stations in group} == {18}
+    assert max(len(group) for group in groups[1:]) == catalogue.TOGETHER
 
 
 @pytest.mark.slow

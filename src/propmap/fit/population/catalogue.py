@@ -32,7 +32,11 @@ SPECIMENS = ("", "-b", "-c")
 MAKERS_FILES = {"apce": "apc-{}e", "apcsf": "apc-{}sf"}
 """Names in the catalogue of blades of these families by their maker's own files."""
 
-Done = Callable[[list[Identified]], None]
+TOGETHER = 4
+"""Propellers of a task: half a second, long beside what it costs to hand out a task."""
+
+Done = Callable[[list[Identified], list[Identified]], None]
+"""Called after each task with the results before it and with its own."""
 
 
 def blade_names(tested: MeasuredPropeller) -> list[str]:
@@ -69,7 +73,7 @@ def identify_all(
         Results of an earlier, perhaps interrupted run, by their ``key``; they are taken as they
         are.
     done : callable
-        Called with all results so far, the newest last, after each new one.
+        Called after each task with all results before it and with its own.
     workers : Workers, optional
         Who identifies; by default this process.
     """
@@ -112,7 +116,7 @@ def identify_without_blade(
     known : mapping of str to Identified
         As for ``identify_all``.
     done : callable
-        Called with all results of this kind so far, the newest last, after each new one.
+        As for ``identify_all``; results are those of this kind.
     workers : Workers, optional
         Who identifies; by default this process.
     """
@@ -152,19 +156,34 @@ def _identified(
 ) -> list[Identified]:
     """Those that are ``known``, and the others by ``workers``, in the order ``wanted``."""
     found = {place: known[one.key] for place, one in enumerate(wanted) if one.key in known}
-    new = [place for place in range(len(wanted)) if place not in found]
-    results = (workers or InTurn()).results(_identify, None, [wanted[place] for place in new])
-    for which, one in results:
-        place = new[which]
-        before = [found[other] for other in sorted(found)]
-        found[place] = one
-        done([*before, one])
+    tasks = _tasks(wanted, [place for place in range(len(wanted)) if place not in found])
+    groups = [[wanted[place] for place in places] for places in tasks]
+    for which, some in (workers or InTurn()).results(_identify, None, groups):
+        before = [found[place] for place in sorted(found)]
+        found |= zip(tasks[which], some, strict=True)
+        done(before, some)
     return [found[place] for place in range(len(wanted))]
 
 
-def _identify(_: None, wanted: _Wanted) -> Identified:
-    found = _entry(wanted.name, wanted.geometry, wanted.test, wanted.prior, wanted.key)
-    return replace(found, verdict=f"{wanted.remark}{found.verdict}")
+def _tasks(wanted: Sequence[_Wanted], places: Iterable[int]) -> list[list[int]]:
+    """The ``places`` of tasks: some each, the few that need programs of their own in one."""
+    by_programs: dict[int, list[int]] = {}
+    for place in places:
+        by_programs.setdefault(wanted[place].test.stations, []).append(place)
+    tasks = []
+    for stations in sorted(by_programs, reverse=True):
+        mine = by_programs[stations]
+        size = TOGETHER if stations == min(by_programs) else len(mine)
+        tasks += [mine[start : start + size] for start in range(0, len(mine), size)]
+    return tasks
+
+
+def _identify(_: None, task: Sequence[_Wanted]) -> list[Identified]:
+    found = [_entry(one.name, one.geometry, one.test, one.prior, one.key) for one in task]
+    return [
+        replace(result, verdict=f"{one.remark}{result.verdict}")
+        for one, result in zip(task, found, strict=True)
+    ]
 
 
 def mean_propeller(tested: MeasuredPropeller, shape: MeanBlade) -> Propeller:

@@ -65,41 +65,70 @@ class Identification:
     residual: Floats
 
 
-class _Penalised:
-    """Residuals and their derivatives at coordinates, evaluated once for both."""
+class _Modelled:
+    """What the model says of a test at coordinates, evaluated once for each.
 
-    def __init__(
-        self,
-        test: AxialTest,
-        prior: PopulationPrior,
-        errors: Floats,
-        independent: float = INDEPENDENT,
-    ) -> None:
-        self.test, self.prior = test, prior
-        self.whitening = prior.whitening
-        rows = test.measured.shape[1]
-        weight = np.sqrt(min(independent / rows, 1.0))
-        self.scale = (weight / errors)[:, None]
-        self._place: Floats | None = None
+    Parameters
+    ----------
+    test : AxialTest
+        What was measured.
+    """
 
-    def at(self, place: Floats) -> tuple[Floats, Floats, Floats]:
-        """Errors (2, n) [-], weighed residuals (2 n + 7,) and their derivatives (2 n + 7, 7)."""
-        if self._place is None or not np.array_equal(place, self._place):
+    def __init__(self, test: AxialTest) -> None:
+        self.test = test
+        self._found: dict[bytes, tuple[Floats, Floats]] = {}
+
+    def at(self, place: Floats) -> tuple[Floats, Floats]:
+        """Errors [-] and their derivatives; NaN and 0 where no inflow was found.
+
+        Parameters
+        ----------
+        place : ndarray, shape (7,)
+            Coordinates.
+
+        Returns
+        -------
+        tuple of ndarray
+            (2, n) and (2, n, 7).
+        """
+        key = place.tobytes()
+        if key not in self._found:
             value, slope = self.test.modelled(constants_of(place))
             lost = ~np.isfinite(value) | ~np.isfinite(slope).all(axis=1)
             error = np.where(lost, np.nan, value - self.test.measured)
             by_place = np.einsum(
                 "lcn,cp->lnp", np.where(lost[:, None], 0.0, slope), slopes_of(place)
             )
-            apart = self.whitening @ (place - self.prior.mean)
-            rows = [np.ravel(self.scale * np.nan_to_num(error)), apart]
-            columns = [
-                np.reshape(self.scale[..., None] * by_place, (-1, place.size)),
-                self.whitening,
-            ]
-            self._place = place.copy()
-            self._found = error, np.concatenate(rows), np.concatenate(columns)
-        return self._found
+            self._found[key] = error, by_place
+        return self._found[key]
+
+
+class _Penalised:
+    """Residuals and their derivatives at coordinates."""
+
+    def __init__(
+        self,
+        modelled: _Modelled,
+        prior: PopulationPrior,
+        errors: Floats,
+        independent: float = INDEPENDENT,
+    ) -> None:
+        self.modelled, self.prior = modelled, prior
+        self.whitening = prior.whitening
+        rows = modelled.test.measured.shape[1]
+        weight = np.sqrt(min(independent / rows, 1.0))
+        self.scale = (weight / errors)[:, None]
+
+    def at(self, place: Floats) -> tuple[Floats, Floats, Floats]:
+        """Errors (2, n) [-], weighed residuals (2 n + 7,) and their derivatives (2 n + 7, 7)."""
+        error, by_place = self.modelled.at(place)
+        apart = self.whitening @ (place - self.prior.mean)
+        rows = [np.ravel(self.scale * np.nan_to_num(error)), apart]
+        columns = [
+            np.reshape(self.scale[..., None] * by_place, (-1, place.size)),
+            self.whitening,
+        ]
+        return error, np.concatenate(rows), np.concatenate(columns)
 
     def minimum(self, start: Floats, evaluations: int) -> Floats:
         """Coordinates of the least sum of squares, searched from ``start``."""
@@ -131,14 +160,15 @@ def identify(test: AxialTest, prior: PopulationPrior = POPULATION) -> Identifica
     prior : PopulationPrior
         What is known beforehand.
     """
-    first = _Penalised(test, prior, np.array(FIRST_ERRORS))
+    modelled = _Modelled(test)
+    first = _Penalised(modelled, prior, np.array(FIRST_ERRORS))
     place = first.minimum(prior.mean, EVALUATIONS[0])
     left = np.sqrt(np.nanmean(first.at(place)[0] ** 2, axis=1))
-    second = _Penalised(test, prior, np.clip(left, LEAST_ERRORS, MOST_ERRORS))
+    second = _Penalised(modelled, prior, np.clip(left, LEAST_ERRORS, MOST_ERRORS))
     place = second.minimum(place, EVALUATIONS[1])
     error = second.at(place)[0]
     left = np.maximum(np.sqrt(np.nanmean(error**2, axis=1)), LEAST_ERRORS)
-    slopes = _Penalised(test, prior, left).at(place)[2]
+    slopes = _Penalised(modelled, prior, left).at(place)[2]
     covariance = np.linalg.inv(slopes.T @ slopes)
     to_constants = slopes_of(place)
     still = test.tested.advance == 0.0
@@ -171,7 +201,7 @@ def updated(test: AxialTest, prior: PopulationPrior, errors: Floats) -> Populati
         Standard deviations of C_T and C_P [-] about the model, such as ``Population.errors``: those
         that rows at rest leave say nothing of flight.
     """
-    penalised = _Penalised(test, prior, errors, AT_REST)
+    penalised = _Penalised(_Modelled(test), prior, errors, AT_REST)
     place = penalised.minimum(prior.mean, EVALUATIONS[0])
     slopes = penalised.at(place)[2]
     return PopulationPrior.of(place, np.asarray(np.linalg.inv(slopes.T @ slopes), float))

@@ -14,6 +14,7 @@ from propmap.catalogue.identified import Identified, one_of_each
 from propmap.catalogue.mean_blade import MeanBlade, mean_blade, shapes_without
 from propmap.catalogue.population import GEOMETRIES, Population
 from propmap.fit.population.hierarchy import population_of
+from propmap.tasks import InTurn, Workers, in_order
 
 
 def members_on(entries: Sequence[Identified], family: str, shape: MeanBlade) -> list[Member]:
@@ -43,9 +44,23 @@ def errors_of(entries: Sequence[Identified]) -> Floats:
     return np.sqrt(np.mean(np.square(each), axis=0))
 
 
-def populations_of(entries: Sequence[Identified]) -> dict[str, Population]:
-    """The populations that ``entries`` of measured blades make up, by ``GEOMETRIES``."""
-    errors = errors_of(entries)
-    return {
-        name: population_of(members, errors)[0] for name, members in all_members(entries).items()
-    }
+def populations_of(
+    entries: Sequence[Identified], workers: Workers | None = None
+) -> dict[str, Population]:
+    """The populations that ``entries`` of measured blades make up, by ``GEOMETRIES``.
+
+    Parameters
+    ----------
+    entries : sequence of Identified
+        Of two families at least.
+    workers : Workers, optional
+        Who finds them; by default this process.
+    """
+    members = all_members(entries)
+    tasks = list(members.values())
+    found = in_order((workers or InTurn()).results(_population, errors_of(entries), tasks))
+    return dict(zip(members, found, strict=True))
+
+
+def _population(errors: Floats, members: Sequence[Member]) -> Population:
+    return population_of(members, errors)[0]
