@@ -52,7 +52,7 @@ test-readers: $(READY)
 	$(BIN)/python -m pytest -m 'not slow' $(READERS)
 
 test-numpy: $(READY)
-	$(BIN)/python -m pytest -m 'not slow' $(ON_NUMPY) --deselect tests/rotor/test_limits.py::test_batch_equals_loop_of_scalars
+	$(BIN)/python -m pytest -m 'not slow' $(ON_NUMPY)
 
 test-slow: $(READY)
 	$(PYTEST) -m slow

@@ -10,7 +10,7 @@ import pytest
 
 import propmap
 from propmap.cli import main
-from tests.without_compiling import compile_nothing, be_brief
+from tests.without_compiling import be_brief, compile_nothing
 
 from .fit_inputs import QUICK, picked, tunnel_table
 

@@ -205,6 +205,7 @@ def test_a_fit_brings_its_corrections(run: Run, tunnel_csv: Path, tmp_path: Path
     assert checked["loads"]["thrust_N"]["rms"] == pytest.approx(filed, rel=0.02)
 
 
+@pytest.mark.slow
 def test_tables_and_what_is_made_of_them_tell_the_corrections(
     run: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
