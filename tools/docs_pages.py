@@ -80,13 +80,16 @@ def write(folder: Path) -> None:
             "peers",
             "phases",
             "speed",
+            "table",
         )
     }
     parts = {
         "numerical-accuracy": readme_tables.numerical_accuracy(found["convergence"]),
         "model-accuracy": readme_tables.model_accuracy(found["demo"]),
         "fits": readme_tables.fits(found["identification"]),
+        "building-tables": readme_tables.building(found["table"], found["fine_table"]),
         "speed": readme_tables.speed(found["speed"]),
+        "table-speed": readme_tables.tables(found["table"]),
         "twins": twins(found["identification"]),
         "coverage": coverage(found["identification"]),
         "flight-twins": flight_twins(found["flight_twins"]),

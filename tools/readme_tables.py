@@ -92,6 +92,12 @@ def numerical_accuracy(found: dict[str, Any]) -> str:
 
 
 def model_accuracy(found: dict[str, Any]) -> str:
+    """The errors of the models, and what the demo says of them in words."""
+    words = [f"- {note}" for note in found["notes"]]
+    return "\n".join([model_errors(found), "", "In words, from the same run:", "", *words])
+
+
+def model_errors(found: dict[str, Any]) -> str:
     """The models against measurements, and by how much two forms of the data differ."""
     rows = [
         "| data | load | points | measured rms | band of the data | "
@@ -111,14 +117,42 @@ def model_accuracy(found: dict[str, Any]) -> str:
                 relative = "" if share is None else f" ({_share(share)})"
                 cells.append(f"{errors['rms']:.2g} {unit}{relative}")
             rows.append(f"| {group['title']} | {load} | {one['points']} | {' | '.join(cells)} |")
-    rows += ["", "In words, from the same run:", ""]
-    rows += [f"- {note}" for note in found["notes"]]
     return "\n".join(rows)
 
 
 def _share(share: float) -> str:
     """In per cent, to a tenth below ten."""
     return f"{100.0 * share:.0f} %" if share >= 0.0995 else f"{100.0 * share:.1f} %"
+
+
+def times(model: dict[str, Any], table: dict[str, Any]) -> str:
+    """The times that a user meets first, of the model and of a table, with the machine."""
+    place, point = model["machine"], model["microseconds_per_point"]
+    process, query = model["process"], table["query_us"]
+    rotorpy, double = table["rotorpy_us_per_rotor"], table["c_ns"]["double"]
+    rows = [
+        f"{place['cpu']}, {place['cores']} cores.",
+        "",
+        "| what | time |",
+        "|---|---:|",
+        f"| {model['batch']} oblique points at once | {point['oblique']:.0f} µs per point |",
+        f"| the same in climb, 10 m/s | {point['axial, 10 m/s']:.1f} µs per point |",
+        "| oblique points with derivatives by the flow and five section parameters "
+        f"| {model['gradient']['with_gradient']:.0f} µs per point |",
+        f"| one call, oblique | {model['single_call_ms']['oblique']:.2g} ms |",
+        f"| `propmap predict`, first ever | {process['empty_cache_s']:.1f} s |",
+        f"| `propmap predict`, from then on | {process['warm_cache_s']:.1f} s |",
+        f"| table in Python, one point | {query['scalar']:.1f} µs |",
+        f"| table in Python, 100 000 points at once | {query['array']:.2f} µs per point |",
+        f"| table as C header, `double` | {_stated(double, 'ns', 0, 'no gcc')} |",
+        "| beside it, RotorPy's rotor model, per rotor "
+        f"| {_stated(rotorpy, 'µs', 1, 'not installed')} |",
+    ]
+    return "\n".join(rows)
+
+
+def _stated(value: float | None, unit: str, digits: int, missing: str) -> str:
+    return missing if value is None else f"{value:.{digits}f} {unit}"
 
 
 def speed(found: dict[str, Any]) -> str:
@@ -158,9 +192,6 @@ def tables(found: dict[str, Any]) -> str:
     place, query, c = found["machine"], found["query_us"], found["c_ns"]
     model, rotorpy = found["model_us"], found["rotorpy_us_per_rotor"]
 
-    def stated(value: float | None, unit: str, digits: int, missing: str) -> str:
-        return missing if value is None else f"{value:.{digits}f} {unit}"
-
     rows = [
         f"{place['cpu']}, {place['cores']} cores, Python {place['python']}, NumPy "
         f"{place['numpy']}; processor time, all cores together, least of several repeats; the "
@@ -173,12 +204,12 @@ def tables(found: dict[str, Any]) -> str:
         f"| table, 100 000 points at once | {query['array']:.2f} µs per point |",
         f"| table, gradient of all loads, one point | {query['scalar_gradient']:.0f} µs |",
         f"| table, Ω for a thrust | {query['scalar_inverse'] / 1e3:.1f} ms |",
-        f"| C header, `double` | {stated(c['double'], 'ns', 0, 'no gcc')} |",
-        f"| C header, `float` | {stated(c['float'], 'ns', 0, 'no gcc')} |",
+        f"| C header, `double` | {_stated(c['double'], 'ns', 0, 'no gcc')} |",
+        f"| C header, `float` | {_stated(c['float'], 'ns', 0, 'no gcc')} |",
         "| full model, 4096 points of that map, half in descent "
         f"| {model['array']:.0f} µs per point |",
         f"| full model, one point of it, in descent | {model['scalar']:.0f} µs |",
-        f"| RotorPy's rotor model, per rotor | {stated(rotorpy, 'µs', 1, 'not installed')} |",
+        f"| RotorPy's rotor model, per rotor | {_stated(rotorpy, 'µs', 1, 'not installed')} |",
         "| a process that imports, loads the table and asks once | "
         f"{found['cold_process_s']['processor']:.2f} s |",
     ]
@@ -216,11 +247,8 @@ def with_tables(text: str) -> str:
     """The README's ``text`` with the tables that the results give."""
     makers: tuple[tuple[str, Callable[..., str], tuple[str, ...]], ...] = (
         ("numerical accuracy", numerical_accuracy, ("convergence.json",)),
-        ("model accuracy", model_accuracy, ("demo.json",)),
-        ("fits", fits, ("identification.json",)),
-        ("speed", speed, ("speed.json",)),
-        ("tables", tables, ("table.json",)),
-        ("building tables", building, ("table.json", "fine_table.json")),
+        ("model accuracy", model_errors, ("demo.json",)),
+        ("speed", times, ("speed.json", "table.json")),
     )
     for name, make, sources in makers:
         found = [json.loads((RESULTS / source).read_text(encoding="utf-8")) for source in sources]

@@ -1,4 +1,4 @@
-"""propmap: a propeller's thrust, rotor drag and torque, from hover to fast oblique flight.
+"""propmap: a propeller's six loads, from hover to fast oblique flight.
 
 Importing the package needs NumPy alone; JAX is imported with the first rotor.
 """

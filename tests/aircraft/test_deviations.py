@@ -10,7 +10,8 @@ import pytest
 
 import propmap
 from propmap.aircraft.deviations import derivatives, power_gradient, spread
-from propmap.aircraft.steady import Aircraft, SteadyStates
+from propmap.aircraft.steady import Aircraft
+from propmap.aircraft.steady_states import SteadyStates
 from propmap.errors import InputError
 from propmap.vehicle.vehicle import Body, Wakes
 from propmap.vehicle.vehicle_toml import read_vehicle

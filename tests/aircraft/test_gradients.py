@@ -11,7 +11,8 @@ import pytest
 import propmap
 from propmap.aircraft.deviations import derivatives, power_gradient
 from propmap.aircraft.local_loads import has_slopes
-from propmap.aircraft.steady import Aircraft, SteadyStates
+from propmap.aircraft.steady import Aircraft
+from propmap.aircraft.steady_states import SteadyStates
 from propmap.model.propeller import Propeller
 from propmap.vehicle.vehicle import Body
 

@@ -16,7 +16,8 @@ import propmap
 from propmap.aircraft import ranking
 from propmap.aircraft.candidates import Candidate
 from propmap.aircraft.deviations import derivatives
-from propmap.aircraft.steady import Aircraft, SteadyStates
+from propmap.aircraft.steady import Aircraft
+from propmap.aircraft.steady_states import SteadyStates
 from propmap.aircraft.task import Task
 from propmap.vehicle.rotors import Rotors
 from propmap.vehicle.vehicle import Mount, Vehicle, Wakes

@@ -271,8 +271,8 @@ STATED: dict[str, tuple[tuple[str, str], Callable[[Columns], Columns], list[str]
     "mass in grams": (
         ("mass = 0.772", "mass = 772.0"),
         lambda c: c,
-        ["times the weight", "check mass"],
-        False,
+        ["times the weight", "772 kg looks like grams"],
+        True,
     ),
     "wrong order stated": (
         ("[log]\n", "[log]\nrotor_order = [2, 4, 1, 3]\n"),

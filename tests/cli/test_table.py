@@ -155,7 +155,10 @@ def test_netcdf(run: Run) -> None:
         (["--rpm", "0:4000"], "advance ratio is infinite"),
         (["--beta", "0:270"], "between 0 and pi"),
         (["-o", "map.csv"], "ending"),
-        (["-o", "absent/map.npz"], "no folder"),
+        (
+            ["-o", "absent/map.npz"],
+            "error: absent/map.npz: there is no folder 'absent'; make it or choose another\n",
+        ),
     ],
 )
 def test_what_cannot_be_is_told_in_one_line(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from tools import architecture_picture, import_graph, line_counts
+from tools import architecture_picture, import_graph
 
 from .pages import ROOT, steps
 
@@ -58,10 +58,3 @@ def test_an_import_is_seen_wherever_it_stands(tmp_path: Path) -> None:
     )
     found = import_graph.module_imports(tmp_path)
     assert found["propmap.pkg.three"] == {"propmap.pkg.one", "propmap.pkg.two"}
-
-
-def test_the_table_of_lines_goes_between_its_marks() -> None:
-    text = "x\n<!-- line counts -->\nold\n<!-- /line counts -->\ny"
-    assert line_counts.with_table(text, "new") == text.replace("old", "new")
-    changes = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
-    assert "| sum |" in changes.partition("<!-- line counts -->")[2]

@@ -210,12 +210,6 @@ def test_the_readme_s_first_block_of_python_is_the_example() -> None:
     assert len(lines) <= 10
 
 
-def test_the_readme_s_parameter_set_is_one(tmp_path: Path) -> None:
-    (block,) = (s for s in steps(ROOT / "README.md") if s.name == "toml")
-    (tmp_path / "mine.toml").write_text(block.text, encoding="utf-8")
-    assert propmap.airfoil(tmp_path / "mine.toml").name == "my-blade"
-
-
 def test_the_catalogue_is_as_large_as_the_readme_says() -> None:
     text = (ROOT / "README.md").read_text(encoding="utf-8")
     assert f"The catalogue has {len(catalogue.names())} propellers" in text

@@ -105,7 +105,7 @@ def test_nothing_in_a_program_keeps_its_loops_from_vectors() -> None:
     flow = programs.Flow(*(np.full(points, value) for value in (500.0, -1.0, 5.0, 4.0)))
     nodes = batch.nodes_of_each(np.full(points, 8), 8)
     with jax.enable_x64(True):
-        search = programs.compiled_search((6, 6, 6), axial=False).lower(
+        search = programs.compiled_search((6, 6, 6), axial=False, lanes=True).lower(
             rotor.arrays, flow, nodes, points
         )
         text = search.compile().as_text()

@@ -145,7 +145,10 @@ def test_each_program_of_a_few_points_is_traced_once() -> None:
     rotor = rotor_with(replace(MODEL, propeller=replace(PROPELLER, **one_less)), VALUES, "standard")
     jax.monitoring.register_event_duration_secs_listener(note)
     try:
-        load_gradients(prepare(rotor.arrays), SETTING, NAMES, OMEGA, *FLOWS["axial, 10 m/s"])
+        # Of a tunnel's points, and of a flight's, whose rotors are ready for batches of any size.
+        for uniform in (False, True):
+            prepared = prepare(rotor.arrays, uniform=uniform)
+            load_gradients(prepared, SETTING, NAMES, OMEGA, *FLOWS["axial, 10 m/s"])
     finally:
         jax.monitoring.unregister_event_duration_listener(note)
     assert traced.count("jit(_search_in_lanes)") == 1

@@ -61,6 +61,12 @@ def test_a_doubtful_log_is_a_warning(rotor: Rotor) -> None:
     assert "times the weight" in warning and "check mass, propeller" in warning
 
 
+def test_a_mass_in_grams_is_an_error(rotor: Rotor) -> None:
+    heavy = replace(VEHICLE, mass=1000.0 * VEHICLE.mass)
+    with pytest.raises(InputError, match=r"kg looks like grams; write kilograms"):
+        check_rotor_speed(LOG, rotor, heavy, "rad/s")
+
+
 def test_a_rotor_that_stands_still_is_an_error(rotor: Rotor) -> None:
     speeds = LOG.rotor_speed.copy()
     speeds[:, 2] = 0.0

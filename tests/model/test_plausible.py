@@ -142,6 +142,18 @@ def test_scatter_is_no_slip() -> None:
     assert doubts_on_loads(BLADE, AIR, omega, speed, 0.0 * speed, loads) == []
 
 
+def test_a_single_row_of_another_sign_is_told() -> None:
+    loads = estimated_loads(BLADE, AIR, OMEGA, STILL)
+    assert doubts_on_loads(BLADE, AIR, OMEGA, STILL, STILL, loads) == []
+    loads["torque"][1] *= -1.0
+    told = f"torque is negative in 1 of {OMEGA.size} rows at rest; check its sign"
+    assert doubts_on_loads(BLADE, AIR, OMEGA, STILL, STILL, loads) == [told]
+    # Beyond the blade's pitch speed a windmill's loads are negative, and rightly so.
+    loads["thrust"][1] *= -1.0
+    speed = np.where(loads["torque"] < 0.0, 1.2 * pitch_ratio(BLADE) * OMEGA * BLADE.radius, 0.0)
+    assert doubts_on_loads(BLADE, AIR, OMEGA, speed, STILL, loads) == []
+
+
 def test_loads_of_one_fast_speed_are_not_taken_for_edgewise_flow() -> None:
     speed = np.full(3, 0.75 * pitch_ratio(BLADE) * 500.0 * BLADE.radius)
     omega = np.full(3, 500.0)

@@ -144,7 +144,7 @@ def test_parquet_without_pyarrow(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     monkeypatch.setattr(pd, "read_parquet", missing)
     vehicle_file = vehicle_with(write_csv(LOG, tmp_path / "a.csv"), tmp_path)
     (tmp_path / "a.parquet").write_bytes(b"PAR1")
-    assert "pip install 'propmap[parquet]'" in message_of(tmp_path / "a.parquet", vehicle_file)
+    assert "pip install '.[parquet]'" in message_of(tmp_path / "a.parquet", vehicle_file)
 
 
 def test_signals_of_two_clocks(tmp_path: Path) -> None:

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from propmap.aircraft.deviations import Spread
-from propmap.aircraft.steady import SteadyStates
+from propmap.aircraft.steady_states import SteadyStates
 from propmap.arrays.types import Floats
 
 RPM, DEGREES = 30.0 / math.pi, 180.0 / math.pi

@@ -10,7 +10,8 @@ import numpy as np
 
 from propmap.aircraft.load_changes import LoadChanges
 from propmap.aircraft.response import Response, Responses
-from propmap.aircraft.steady import Aircraft, SteadyStates
+from propmap.aircraft.steady import Aircraft
+from propmap.aircraft.steady_states import SteadyStates
 from propmap.arrays.types import Floats
 from propmap.bands import FEW, FlowPoints, errors_of_loads, parameter_slopes, scales_of
 from propmap.errors import InputError

@@ -10,7 +10,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.aircraft.steady import FLOWN, STATUSES, Aircraft, SteadyStates
+from propmap.aircraft.steady import Aircraft
+from propmap.aircraft.steady_states import FLOWN, STATUSES, SteadyStates
 from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.io.blade_table import parse_number

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from propmap.aircraft.deviations import spread
 from propmap.aircraft.response import Responses
-from propmap.aircraft.steady import Aircraft, SteadyStates
+from propmap.aircraft.steady import Aircraft
+from propmap.aircraft.steady_states import SteadyStates
 from propmap.aircraft.top_speed import top_speed
 from propmap.arrays.types import Floats
 from propmap.errors import InputError

@@ -12,7 +12,8 @@ import numpy as np
 from propmap.aircraft.candidates import Candidate
 from propmap.aircraft.mission import fly as fly_mission
 from propmap.aircraft.performance import endurance
-from propmap.aircraft.steady import STATUSES, Aircraft, SteadyStates
+from propmap.aircraft.steady import Aircraft
+from propmap.aircraft.steady_states import STATUSES, SteadyStates
 from propmap.aircraft.task import Task
 from propmap.aircraft.top_speed import top_speed
 from propmap.engine.batch import cores

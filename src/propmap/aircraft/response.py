@@ -11,9 +11,11 @@ from numpy.typing import NDArray
 
 from propmap.aircraft.balance import Balanced, Flight
 from propmap.aircraft.local_loads import LocalLoads, has_slopes
-from propmap.aircraft.steady import Aircraft, SteadyStates
+from propmap.aircraft.steady import Aircraft
+from propmap.aircraft.steady_states import SteadyStates
 from propmap.arrays.types import Floats
-from propmap.vehicle.rotors import LoadSource, Rotors
+from propmap.vehicle.load_sources import LoadSource
+from propmap.vehicle.rotors import Rotors
 
 STEP = 1e-2
 """Of difference quotients to either side: angles [rad], shares of squared rotor speeds and of

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,8 +12,18 @@ from numpy.typing import ArrayLike, NDArray
 
 from propmap.aircraft.balance import Balance, Balanced, Flight
 from propmap.aircraft.hover_loads import HoverLoads
-from propmap.aircraft.limits import LIMITS, Limits
+from propmap.aircraft.limits import Limits
 from propmap.aircraft.margin import thrust_margin
+from propmap.aircraft.steady_states import (
+    COARSE,
+    FLOWN,
+    JUMP,
+    NOT_FOUND,
+    OUTSIDE_TABLE,
+    STALL,
+    VORTEX_RING,
+    SteadyStates,
+)
 from propmap.aircraft.wing_borne import of_less_power, on_the_wing, stalled
 from propmap.arrays.types import Floats
 from propmap.baselines.hover import REFERENCE_TIP_SPEED, HoverModel
@@ -28,105 +38,11 @@ if TYPE_CHECKING:
 
 STEEPEST_BANK = math.radians(80.0)
 
-SOLVED, ACCEPTED, JUMP = 1e-10, 1e-8, 2e-3
-"""Unbalanced share of the weight at which the search ends; up to which a state is balanced; and up
-to which a rotor's loads may jump past the balance, where their nodes change with the speed."""
+SOLVED, ACCEPTED = 1e-10, 1e-8
+"""Unbalanced share of the weight at which the search ends, and up to which a state is balanced."""
 
 EXTRAPOLATED = 2.0
 """Intervals of known states over which a search begins on their line, at most."""
-
-NOT_FOUND = "no_trim"
-STALL = "stall"
-OUTSIDE_TABLE = "outside_table"
-VORTEX_RING = "vortex_ring"
-
-COARSE = "coarse"
-FLOWN = ("ok", COARSE, VORTEX_RING)
-"""Statuses of states with numbers."""
-
-STATUSES = {
-    "ok": "found, within every limit",
-    COARSE: f"found, but the loads jump past the balance, by less than {JUMP:.1%} of the weight",
-    VORTEX_RING: "found, but a rotor is in the vortex ring state: not to be trusted",
-    **{name: f"beyond {words}" for name, words in LIMITS.items()},
-    OUTSIDE_TABLE: "nothing balances the aircraft inside the table's envelope",
-    STALL: "slower than the wing's stall speed, and the rotors cannot carry what is missing",
-    NOT_FOUND: "no attitude and rotor speeds balance it",
-}
-"""Statuses in words."""
-
-
-@dataclass(frozen=True, eq=False)
-class SteadyStates:
-    """n steady states of an aircraft with k rotors.
-
-    Of a state that was not found, or is beyond a limit, all are NaN but the first three and, beyond
-    a limit, the next two, which say by how much.
-
-    Attributes
-    ----------
-    speed, climb, bank : ndarray, shape (n,)
-        Horizontal speed through the air [m/s], climb rate [m/s], and bank of a coordinated level
-        turn [rad], positive to the right.
-    used : dict of str to ndarray, shape (n,)
-        Share of each of ``LIMITS`` that the state uses or would use, 1 at the limit.
-    thrust_margin : ndarray, shape (n,)
-        Thrust of all rotors, were all sped up alike to the first limit, over that which is needed;
-        below 1 beyond a limit.
-    pitch, roll : ndarray, shape (n,)
-        Positive nose down, and right side down [rad].
-    rotor_speed, thrust, torque : ndarray, shape (n, k)
-        Of each rotor [rad/s], [N], [N m].
-    shaft_power : ndarray, shape (n,)
-        Of all rotors [W].
-    electrical_power : ndarray, shape (n,)
-        At the battery's terminals [W]; NaN where the vehicle has no motor.
-    motor_current, throttle : ndarray, shape (n, k)
-        [A]; share of the battery's voltage [-].  NaN where the vehicle has no motor, no battery.
-    battery_current, battery_voltage : ndarray, shape (n,)
-        [A], [V]; NaN where the vehicle has no battery.
-    moment : ndarray, shape (n, 3)
-        About the centre of mass, what rotors cannot balance and control surfaces must [N m].
-    residual : ndarray, shape (n,)
-        The largest unbalanced force over the weight, and moment over the weight times the longest
-        arm [-].
-    status : ndarray of str, shape (n,)
-        Of ``STATUSES``.
-    """
-
-    speed: Floats
-    climb: Floats
-    bank: Floats
-    used: dict[str, Floats]
-    thrust_margin: Floats
-    pitch: Floats
-    roll: Floats
-    rotor_speed: Floats
-    thrust: Floats
-    torque: Floats
-    shaft_power: Floats
-    electrical_power: Floats
-    motor_current: Floats
-    throttle: Floats
-    battery_current: Floats
-    battery_voltage: Floats
-    moment: Floats
-    residual: Floats
-    status: NDArray[np.str_]
-
-    def __len__(self) -> int:
-        return int(self.speed.size)
-
-    @property
-    def found(self) -> NDArray[np.bool_]:
-        """Where there are numbers, (n,)."""
-        return np.isfinite(self.shaft_power)
-
-    @property
-    def power(self) -> Floats:
-        """Electrical power where it is known, else shaft power [W], (n,)."""
-        known = np.isfinite(self.electrical_power)
-        return np.where(known, self.electrical_power, self.shaft_power)
 
 
 class Aircraft:

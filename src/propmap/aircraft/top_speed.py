@@ -6,7 +6,8 @@ import math
 
 import numpy as np
 
-from propmap.aircraft.steady import Aircraft, SteadyStates
+from propmap.aircraft.steady import Aircraft
+from propmap.aircraft.steady_states import SteadyStates
 
 BEYOND = 1.3
 """Ratio of the speeds at which the top speed is looked for beyond those that were asked for."""

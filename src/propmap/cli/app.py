@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import io
 import os
 import sys
@@ -19,9 +20,6 @@ from propmap.cli.demo import demo
 from propmap.cli.explore import explore
 from propmap.cli.export import export
 from propmap.cli.fit import fit_app
-from propmap.cli.fit_catalogue import fit_catalogue
-from propmap.cli.fit_static import fit_static
-from propmap.cli.fit_terms import fit_terms_page
 from propmap.cli.listings import airfoils_app, props_app
 from propmap.cli.plot import plot_app
 from propmap.cli.predict import predict
@@ -40,7 +38,7 @@ from propmap.model.drag_factor import MESSAGE as DRAG_FACTOR
 INTERRUPTED = 130
 
 app = typer.Typer(
-    help="A propeller's thrust, rotor drag and torque, from hover to fast oblique flight.",
+    help="A propeller's six loads, from hover to fast oblique flight.",
     add_completion=False,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
@@ -51,9 +49,6 @@ app.command()(study)
 app.command()(table)
 app.command("show")(show_table)
 app.command()(export)
-fit_app.command("static")(fit_static)
-fit_app.command("terms")(fit_terms_page)
-fit_app.command("catalogue")(fit_catalogue)
 app.add_typer(fit_app)
 app.add_typer(simulate_app)
 app.command()(trim)
@@ -91,6 +86,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     if arguments is None:
         compile_quickly()  # the process is this command's
+        # Tracing makes many objects that stay; to look through them takes a tenth of it.
+        gc.set_threshold(100_000, 50, 50)
     given = list(sys.argv[1:] if arguments is None else arguments)
     if isinstance(sys.stdout, io.TextIOWrapper):
         # A terminal without the characters of a table shows "?" rather than a traceback.

@@ -82,7 +82,7 @@ def told_of(judged: list[Judged], top: int, *, all_: bool) -> list[Any]:
         Whether all are shown.
     """
     from propmap.aircraft.ranking_comparison import beats
-    from propmap.aircraft.steady import STATUSES
+    from propmap.aircraft.steady_states import STATUSES
 
     fit = [one for one in judged if one.feasible]
     rest = [one for one in judged if not one.feasible]

@@ -47,7 +47,7 @@ def explore(
     """See a propeller in the browser: loads, disk, blade, constants, aircraft, trust."""
     if importlib.util.find_spec("dash") is None:
         raise InputError(
-            "the package dash is not installed", "install it by `pip install 'propmap[explore]'`"
+            "the package dash is not installed", "pip install '.[explore]' in propmap's checkout"
         )
     from propmap.engine.compilation import keep_compiled
     from propmap.explore.application import Application

@@ -33,7 +33,8 @@ def told(
         yield grid(heads, _by_flight(fitted, flights), "Residuals of each flight")
     ends = fitted.minimum.ends
     best = sum(end.minimum == 1 for end in ends)
-    yield f"{len(ends)} starts, {best} of them to the best minimum; {fitted.seconds:.1f} s"
+    many = f"{len(ends)} starts, {best} of them to the best minimum" if len(ends) > 1 else "1 start"
+    yield f"{many}; {fitted.seconds:.1f} s"
     yield f"with {in_words(corrections)}, which comes along wherever the fit is used"
     yield from (f"note: {remark}" for remark in remarks)
 

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 import typer
 
-from propmap.cli.fit import Picture, check_outputs, finish
 from propmap.cli.fit_options import (
     Bootstrap,
     Fix,
@@ -22,6 +21,7 @@ from propmap.cli.fit_options import (
     choice_of,
     settings_of,
 )
+from propmap.cli.fit_output import Picture, check_outputs, finish
 from propmap.cli.output import grid, show
 from propmap.cli.plausibility import say_doubts
 from propmap.cli.prior_options import PriorFrom, say_prior, section_prior

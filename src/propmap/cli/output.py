@@ -76,6 +76,8 @@ def check_output(path: Path, endings: Sequence[str] = (), *, keep_existing: bool
                 f"there is no folder {str(path.parent)!r}", "make it or choose another", where
             )
         exists = path.exists()
+    except InputError:
+        raise
     except ValueError as error:
         raise InputError(f"not a path: {error}", "choose another name", where) from None
     if not os.access(path.parent, os.W_OK):

@@ -55,7 +55,8 @@ from propmap.errors import InputError
 if TYPE_CHECKING:
     from propmap.aircraft.deviations import Spread
     from propmap.aircraft.performance import Performance
-    from propmap.aircraft.steady import Aircraft, SteadyStates
+    from propmap.aircraft.steady import Aircraft
+    from propmap.aircraft.steady_states import SteadyStates
 
 SPEEDS = 21
 """Where --speed is A:B."""

@@ -10,12 +10,13 @@ import xarray
 
 import propmap
 from propmap.aircraft.columns import columns
-from propmap.aircraft.steady import STATUSES, Aircraft
+from propmap.aircraft.steady import Aircraft
+from propmap.aircraft.steady_states import STATUSES
 from propmap.rotor import Rotor
 
 if TYPE_CHECKING:
     from propmap.aircraft.deviations import Spread
-    from propmap.aircraft.steady import SteadyStates
+    from propmap.aircraft.steady_states import SteadyStates
 
 AXES = ("climb_mps", "speed_mps")
 

@@ -17,7 +17,8 @@ from propmap.model.plausible import doubts_on_points
 if TYPE_CHECKING:
     from propmap.aircraft.deviations import Spread
     from propmap.aircraft.performance import NamedState, Performance
-    from propmap.aircraft.steady import Aircraft, SteadyStates
+    from propmap.aircraft.steady import Aircraft
+    from propmap.aircraft.steady_states import SteadyStates
 
 SPARE = ("throttle [%]", "I motor [A]", "T [N]", "P shaft [W]", "way [km]", "roll [deg]", "rpm")
 """Columns that a narrow window goes without, the first first."""
@@ -153,7 +154,7 @@ def table_of(states: SteadyStates, sure: Spread | None, found: Performance | Non
     caption = "rpm: slowest to fastest rotor; thrust margin: T at the first limit over T needed"
     if deviations:
         caption += "\n+-: one standard deviation of the power, from those of the rotors' loads"
-    from propmap.aircraft.steady import STATUSES
+    from propmap.aircraft.steady_states import STATUSES
 
     met = [status for status in STATUSES if status != "ok" and status in states.status]
     caption += "".join(f"\n{status}: {STATUSES[status]}" for status in met)
@@ -191,7 +192,7 @@ def told(found: Performance | None) -> list[str]:
     if found is None:
         return []
     from propmap.aircraft.limits import LIMITS
-    from propmap.aircraft.steady import STATUSES
+    from propmap.aircraft.steady_states import STATUSES
     from propmap.aircraft.top_speed import FASTEST
 
     lines = []

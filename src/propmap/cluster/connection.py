@@ -75,7 +75,7 @@ def _need(package: str) -> None:
     from importlib.util import find_spec
 
     if find_spec(package) is None:
-        raise InputError(f"this needs {package}", "pip install 'propmap[cluster]'")
+        raise InputError(f"this needs {package}", "pip install '.[cluster]' in propmap's checkout")
 
 
 @contextmanager

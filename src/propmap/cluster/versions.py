@@ -48,7 +48,7 @@ def differences(found: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
         theirs = _versions(told)
         for package in SAME:
             if theirs.get(package) is None:
-                remedy = f"pip install 'propmap[cluster]=={own['propmap']}' there"
+                remedy = f"install propmap {own['propmap']} with its extra cluster there"
                 yield f"{who} does not have {package}", remedy
             elif theirs[package] != own[package]:
                 yield (

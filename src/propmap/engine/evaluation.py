@@ -15,6 +15,7 @@ from propmap.arrays.types import Floats
 from propmap.engine.accuracy import Accuracy
 from propmap.engine.batch import BLOCK, LARGE_BATCH, Block, cut, filled_up, nodes_of_each, run
 from propmap.engine.forecast import Forecast, static_loads
+from propmap.engine.lanes import in_groups
 from propmap.engine.plan import Job, Outlook, may_leave_islands, plan, plan_again
 from propmap.engine.programs import Flow, compiled_search, search_by_numpy
 from propmap.physics.element import AnnulusLoads
@@ -134,7 +135,7 @@ def evaluate_flow(
     """
     omega, v_axial, v_inplane, v_hover = flow
     setting = setting.for_stall(rotor.forecast.stall_width)
-    if rotor.uniform:
+    if rotor.uniform and not alike:
         setting = setting.with_few_programs
     everyone = np.arange(omega.size)
     outlook = Outlook(
@@ -228,7 +229,8 @@ def _run(
         which = block.padded
         program = search_by_numpy(block.panels)
         if rotor.compiled:
-            program = compiled_search(block.panels, axial=isinstance(nodes.count, int))
+            axial, lanes = isinstance(nodes.count, int), in_groups(block.size, block.panels)
+            program = compiled_search(block.panels, axial=axial, lanes=lanes)
         # Without x64 JAX converts float64 to float32.
         with jax.enable_x64(rotor.double):
             asked = (flow.part(which), nodes, block.points.size)

@@ -18,7 +18,7 @@ from propmap.engine.batch import BLOCK, Block, nodes_of_each
 from propmap.engine.evaluation import FEW, Prepared, evaluate_flow, nodes_of, prepare
 from propmap.engine.lanes import in_groups, in_lanes, use_lanes
 from propmap.engine.plan import alike_panels
-from propmap.engine.programs import COMPILER_OPTIONS, Flow, compiled_search
+from propmap.engine.programs import COMPILER_OPTIONS, Flow, compiled_search, with_lanes
 from propmap.loads import LOADS
 from propmap.physics.inflow_harmonics import Harmonics
 from propmap.physics.momentum import static_inflow
@@ -126,9 +126,10 @@ def _gradients(
     ways = directions_of(moving(rotor.arrays), names, len(names))
 
     def differentiate(block: Block, solution: DiskSolution) -> None:
-        program, solution = _program(block.panels), jax.tree.map(np.asarray, solution)
+        solution = jax.tree.map(np.asarray, solution)
         # Programs made of many kernels get few points, so that their arrays fit in the cache.
         width = block.size if use_lanes(block.panels) else min(BLOCK, block.size)
+        program = _program(block.panels, in_groups(width, block.panels))
         for start in range(0, block.points.size, width):
             part = slice(start, start + width)
             points, azimuths = block.points[part], block.azimuths[part]
@@ -191,7 +192,8 @@ def _compile_both(
     nodes = nodes_of_each(np.ones(size, int), setting.most_azimuths)
     flow = Flow(still, still, still, still if descends else None)
     slopes = np.zeros((len(names), size)) if descends else None
-    search = compiled_search(panels, axial=False)
+    lanes = in_groups(size, panels)
+    search = compiled_search(panels, axial=False, lanes=lanes)
     arguments = (rotor.on_device, flow, nodes, size)
 
     def run_search() -> None:
@@ -206,12 +208,12 @@ def _compile_both(
         solution = jax.tree.map(lambda a: np.zeros(a.shape, a.dtype), shapes)
         ways = directions_of(moving(rotor.arrays), names, len(names))
         here = (flow, solution, ways, slopes, nodes, size)
-        _program(panels)(rotor.on_device, *here)
+        _program(panels, lanes)(rotor.on_device, *here)
         searched.result()
 
 
 @functools.cache
-def _program(panels: tuple[int, ...]) -> Callable[..., Any]:
+def _program(panels: tuple[int, ...], lanes: bool) -> Callable[..., Any]:
     """Program for the derivatives (D, L, B) along directions, at a solution of (11)."""
 
     def slopes(
@@ -233,9 +235,8 @@ def _program(panels: tuple[int, ...]) -> Callable[..., Any]:
 
         shared = (rotor, directions)
         each = (flow, solution, v_hover_slopes, None if same else azimuth)
-        if in_groups(flow.omega.size, panels):
+        if lanes:
             return in_lanes(few, shared, each, used, TOGETHER)
         return few(shared, each)
 
-    options: Any = COMPILER_OPTIONS
-    return jax.jit(slopes, compiler_options=options)
+    return jax.jit(slopes, compiler_options=with_lanes(COMPILER_OPTIONS, lanes))

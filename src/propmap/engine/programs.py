@@ -11,14 +11,14 @@ import numpy as np
 
 from propmap.arrays.namespace import by_numpy, xp
 from propmap.arrays.types import Floats
-from propmap.engine.lanes import in_groups, in_lanes
+from propmap.engine.lanes import in_lanes
 from propmap.physics.rotor import RotorArrays
 from propmap.physics.velocities import AzimuthNodes
 from propmap.solve.disk import DiskSolution
 from propmap.solve.problem import Case
 from propmap.solve.rotor_loads import search_loads
 
-COMPILER_OPTIONS = {
+COMPILER_OPTIONS: dict[str, Any] = {
     # An evaluation takes a third less time on a processor with such vectors.
     "xla_cpu_prefer_vector_width": 512,
     # The first pass moves constants of a loop into kernels before it; the second splits sums along
@@ -38,6 +38,12 @@ compares the programs with NumPy."""
 OBLIQUE_OPTIONS = COMPILER_OPTIONS | {"xla_backend_optimization_level": 2}
 """The same for several azimuths: programs compile in a quarter less time and are as fast, while
 those with a single azimuth would be a fifth slower."""
+
+OF_KERNELS = {"xla_cpu_use_fusion_emitters": False}
+"""XLA option for programs without lanes, those of a fit first of all.
+
+Kernels are written by the older of XLA's two emitters, which takes a quarter less time for a
+program, and are as fast.  Programs with lanes compile no sooner by it, and are 4 % slower."""
 
 AZIMUTHS_TOGETHER = 4
 """Azimuths in one step of a loop for programs with lanes, see ``arrays.loops.TOGETHER``.  Without
@@ -74,9 +80,14 @@ def _search(
 
 
 def _search_in_lanes(
-    panels: tuple[int, ...], rotor: RotorArrays, flow: Any, azimuth: AzimuthNodes, used: Any
+    panels: tuple[int, ...],
+    lanes: bool,
+    rotor: RotorArrays,
+    flow: Any,
+    azimuth: AzimuthNodes,
+    used: Any,
 ) -> tuple[Any, DiskSolution]:
-    if not in_groups(flow.omega.size, panels):
+    if not lanes:
         return _search(panels, rotor, flow, azimuth)
     same = isinstance(azimuth.count, int)
 
@@ -90,14 +101,20 @@ def _search_in_lanes(
     return found
 
 
-@functools.cache
-def compiled_search(panels: tuple[int, ...], *, axial: bool) -> Any:
-    """The compiled ``Program``; ``axial`` tells whether there is a single azimuth.
+def with_lanes(options: dict[str, Any], lanes: bool) -> Any:
+    """XLA's ``options`` for a program with lanes, or for one that is made of kernels."""
+    return options if lanes else options | OF_KERNELS
 
-    It has no default, which the cache would keep apart from the same value given.
+
+@functools.cache
+def compiled_search(panels: tuple[int, ...], *, axial: bool, lanes: bool) -> Any:
+    """The compiled ``Program``.
+
+    ``axial`` tells whether there is a single azimuth, ``lanes`` what ``in_groups`` says of its
+    blocks.  They have no default, which the cache would keep apart from the same value given.
     """
-    options: Any = COMPILER_OPTIONS if axial else OBLIQUE_OPTIONS
-    return jax.jit(functools.partial(_search_in_lanes, panels), compiler_options=options)
+    options = with_lanes(COMPILER_OPTIONS if axial else OBLIQUE_OPTIONS, lanes)
+    return jax.jit(functools.partial(_search_in_lanes, panels, lanes), compiler_options=options)
 
 
 def search_by_numpy(panels: tuple[int, ...]) -> Program:

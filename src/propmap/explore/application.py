@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import dash
-from dash import ALL, ClientsideFunction, Dash, Input, Output, State, ctx, no_update
+from dash import ALL, Dash, Input, Output, State, ctx, no_update
 from dash.exceptions import PreventUpdate
 from flask import has_request_context, request
 
@@ -18,6 +18,7 @@ from propmap.explore import shell
 from propmap.explore.choices import Choices
 from propmap.explore.controls import of_query, values_of
 from propmap.explore.given import Shelf
+from propmap.explore.in_the_browser import INDEX, register_in_the_browser
 from propmap.explore.jobs import Jobs
 from propmap.explore.newest import Newest
 from propmap.explore.rotors import Preparation
@@ -25,8 +26,6 @@ from propmap.explore.session import Session
 from propmap.explore.view import View
 
 send_string: Any = dash.dcc.send_string  # type: ignore[attr-defined]
-
-NAMESPACE = "propmap"
 
 LIVE = "/_live"
 """Where figures are asked for while something moves."""
@@ -237,54 +236,11 @@ class Application(Choices):
                 return no_update, shell.remarks([str(error)], "trouble")
             return send_string(text, file), no_update
 
-        self._register_in_the_browser()
+        register_in_the_browser(self.dash)
         for view in self.views.values():
             more = getattr(view, "register", None)
             if more is not None:
                 more(self)
-
-    def _register_in_the_browser(self) -> None:
-        """What the browser does by itself: assets/explore.js."""
-
-        def here(function: str, *parts: Any) -> None:
-            register: Any = self.dash.clientside_callback
-            register(ClientsideFunction(NAMESPACE, function), *parts, prevent_initial_call=True)
-
-        here(
-            "moved",
-            Output("here", "data"), Output({"menu": ALL}, "href", allow_duplicate=True),
-            Input({"control": ALL}, "value"), Input("base", "data"),
-            State({"control": ALL}, "id"), State({"menu": ALL}, "id"),
-        )  # fmt: skip
-        here(
-            "typed",
-            Output("void", "dir"), Input({"number": ALL}, "value"), State({"number": ALL}, "id"),
-        )  # fmt: skip
-        here(
-            "dragged",
-            Output("void", "accessKey"), Input({"graph": ALL}, "relayoutData"),
-            State({"graph": ALL}, "figure"), State({"graph": ALL}, "id"),
-        )  # fmt: skip
-        here("undo", Output("void", "contentEditable"), Input("undo", "n_clicks"))
-        here(
-            "ticking",
-            Output("tick", "disabled"), Input("job", "data"), Input("base", "data"),
-        )  # fmt: skip
-        here(
-            "settled",
-            Output("void", "className"), Output({"menu": ALL}, "href"),
-            Input("told", "data"), State({"menu": ALL}, "id"),
-        )  # fmt: skip
-        here("theme", Output("theme", "title"), Input("theme", "n_clicks"))
-        here(
-            "copied",
-            Output("copied", "children"), Input({"copy": ALL}, "n_clicks"),
-            State("command", "children"), State("python", "children"),
-        )  # fmt: skip
-        here(
-            "picture",
-            Output("void", "lang"), Input({"picture": ALL, "as": ALL}, "n_clicks"),
-        )  # fmt: skip
 
     def state(self, here: Any) -> str:
         """How far compiling is, in a line."""
@@ -296,30 +252,6 @@ class Application(Choices):
             return ""
         self.preparation.begin(model)
         return "Preparing the fast rotor in the background; until then a step takes longer."
-
-
-# Plotly is asked for at once, not only when the first figure comes.
-INDEX = """<!DOCTYPE html>
-<html lang="en">
-<head>
-{%metas%}
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<meta name="color-scheme" content="light dark">
-<title>{%title%}</title>
-<link rel="icon" href="data:,">
-{%css%}
-</head>
-<body>
-{%app_entry%}
-<footer>
-{%config%}
-{%scripts%}
-{%renderer%}
-<script src="/_dash-component-suites/plotly/package_data/plotly.min.js"></script>
-</footer>
-</body>
-</html>
-"""
 
 
 def _mapping(value: Any) -> dict[str, Any]:

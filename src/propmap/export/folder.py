@@ -29,6 +29,8 @@ def check_folder(folder: Path) -> None:
             raise InputError("this is a file", "name a folder to write into", where)
         else:
             writable = os.access(folder, os.W_OK)
+    except InputError:
+        raise
     except ValueError as error:
         raise InputError(f"not a path: {error}", "choose another name", where) from None
     if not writable:

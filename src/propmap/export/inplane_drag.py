@@ -6,7 +6,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from propmap.aircraft.steady import STATUSES, Aircraft
+from propmap.aircraft.steady import Aircraft
+from propmap.aircraft.steady_states import STATUSES
 from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.export.load_errors import load_errors, rotor_sources

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 
 import propmap
-from propmap.aircraft.steady import STATUSES, Aircraft
+from propmap.aircraft.steady import Aircraft
+from propmap.aircraft.steady_states import STATUSES
 from propmap.export.drag_fit import CLOSE, Comparison
 from propmap.export.inplane_drag import AXES
 from propmap.export.parameter_set import AutopilotParameters, Explained, ParameterSet

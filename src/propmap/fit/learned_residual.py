@@ -1,9 +1,8 @@
 """A small learned correction of what the physics leaves, linear in non-dimensional features.
 
-Bayesian linear regression (C. M. Bishop, Pattern Recognition and Machine Learning, 2006, sections
-3.3 and 3.5): weights are normal about zero, their spread and the noise maximise the evidence.  The
-errors of a flight are alike within a second, so that a stretch of a second counts as one sample.
-Outside the envelope of the flights it was trained on, the correction is clipped and fades.
+The errors of a flight are alike within a second, so that a stretch of a second counts as one sample
+of the regression (``evidence_regression``).  Outside the envelope of the flights it was trained on,
+the correction is clipped and fades.
 """
 
 from __future__ import annotations
@@ -17,6 +16,7 @@ from numpy.typing import NDArray
 
 from propmap.arrays.types import Floats
 from propmap.errors import InputError
+from propmap.fit.evidence_regression import regression
 from propmap.results import spin_sign
 from propmap.vehicle.flight_log import FlightLog
 from propmap.vehicle.vehicle import Vehicle
@@ -35,9 +35,6 @@ FADE = 0.25
 
 CERTAIN = 3.0
 """Gain of ln evidence over no correction from which it is called sure: odds of 20 to 1."""
-
-STEPS = 200
-"""Of the evidence's fixed-point iteration."""
 
 
 def features(vehicle: Vehicle, log: FlightLog) -> dict[str, Floats]:
@@ -223,13 +220,13 @@ def learn(vehicle: Vehicle, log: FlightLog, left: Floats) -> LearnedResidual:
     design = (found - middle) / spread
     target = left / scale[:, None]
     share = count / len(target)
-    fits = [_regression(design, target[:, axis], share) for axis in range(3)]
+    fits = [regression(design, target[:, axis], share) for axis in range(3)]
     folds = _folds(log.picked(known))
     held_out = np.zeros_like(left)
     for fold in range(FOLDS):
         train, test = folds != fold, folds == fold
         for axis in range(3):
-            weights, *_ = _regression(design[train], target[train, axis], share)
+            weights, *_ = regression(design[train], target[train, axis], share)
             held_out[test, axis] = left[test, axis] - scale[test] * (design[test] @ weights)
     return LearnedResidual(
         names=names,
@@ -271,37 +268,3 @@ def _folds(log: FlightLog) -> NDArray[np.intp]:
         since = log.since_start[mine]
         place[mine] = np.minimum((since / (since.max() + 1e-9) * FOLDS).astype(int), FOLDS - 1)
     return place
-
-
-def _regression(
-    design: Floats, target: Floats, share: float
-) -> tuple[Floats, Floats, float, float]:
-    """Weights, their covariance, the noise's deviation, and the gain of ln evidence.
-
-    Every sample counts ``share`` of one, since neighbours err alike.
-    """
-    count, number = share * len(target), design.shape[1]
-    values, vectors = np.linalg.eigh(share * design.T @ design)
-    values = np.maximum(values, 0.0)
-    turned = vectors.T @ (share * design.T @ target)
-    square = share * float(target @ target)
-    null = count / max(square, 1e-300)
-    precision, noise = 10.0 * null, null  # of the weights, and of a sample
-    for _ in range(STEPS):
-        mean = noise * turned / (precision + noise * values)
-        used = float(np.sum(noise * values / (precision + noise * values)))
-        left = square - 2.0 * float(mean @ turned) + float(values @ mean**2)
-        precision = max(used, 1e-9) / max(float(mean @ mean), 1e-300)
-        noise = max(count - used, 1e-9) / max(left, 1e-300)
-    mean = noise * turned / (precision + noise * values)
-    left = square - 2.0 * float(mean @ turned) + float(values @ mean**2)
-    evidence = 0.5 * (
-        number * np.log(precision)
-        + count * np.log(noise)
-        - noise * left
-        - precision * float(mean @ mean)
-        - float(np.sum(np.log(precision + noise * values)))
-    )
-    nothing = 0.5 * (count * np.log(null) - count)
-    covariance = (vectors / (precision + noise * values)) @ vectors.T
-    return vectors @ mean, covariance, float(noise**-0.5), float(evidence - nothing)

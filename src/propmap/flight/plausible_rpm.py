@@ -37,6 +37,9 @@ POLE_PAIRS = range(2, 15)
 DOUBTFUL = 2.5
 """Factor of the thrust above which a warning is due."""
 
+GRAMS = 1000.0
+"""In a kilogram."""
+
 
 def check_rotor_speed(
     log: FlightLog, rotor: Rotor, vehicle: Vehicle, rotor_unit: str | None = None
@@ -63,7 +66,8 @@ def check_rotor_speed(
     Raises
     ------
     InputError
-        Where a rotor stands still or the ratio of the forces is that of a wrong unit.
+        Where a rotor stands still or the ratio of the forces is that of a wrong unit, of the speeds
+        or of the mass.
     """
     for k, column in enumerate(log.rotor_speed.T, start=1):
         if not np.max(column) > 0.0:
@@ -85,6 +89,12 @@ def check_rotor_speed(
         raise InputError(f"{found}: {cause}", f"{line} in [log] of the vehicle file", log.source)
     if 1.0 / DOUBTFUL <= share <= DOUBTFUL:
         return []
+    if 1.0 / DOUBTFUL <= GRAMS * share <= DOUBTFUL:
+        raise InputError(
+            f"{found}: the mass of {vehicle.mass:g} kg looks like grams",
+            "write kilograms in the vehicle file",
+            log.source,
+        )
     return [f"{log.source}: {found}; check mass, propeller, air density and the rotor speeds"]
 
 

@@ -86,6 +86,7 @@ def read_columns(
         )
     if file is None or not file.rows:
         raise InputError("there is no row below the header", "add a row per point", where)
+    _check_units(header, further, where)
     wanted = [*needed, *(name for name in further if name in header)]
     repeated = [name for name in wanted if header.count(name) > 1]
     if repeated:
@@ -97,6 +98,21 @@ def read_columns(
             cell = row[place] if place < len(row) else ""
             columns[name].append(_value(cell, name, f"{where}, line {line}, column {name}"))
     return {name: np.array(values) for name, values in columns.items()}
+
+
+def _check_units(header: Collection[str], columns: Collection[str], where: str) -> None:
+    """Raise ``InputError`` for a load that is there, but in none of the units of ``columns``."""
+    for load in LOADS:
+        same = [name for name in columns if name.rpartition("_")[0] == load]
+        if not same or set(same) & set(header):
+            continue
+        for name in header:
+            if name.lower().replace(" ", "_").startswith(load):
+                raise InputError(
+                    f"line 1: column {quoted(name)} is in no unit that is known",
+                    f"name it {' or '.join(same)}, after its unit, or leave it out",
+                    where,
+                )
 
 
 def _value(cell: str, column: str, where: str) -> float:

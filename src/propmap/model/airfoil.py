@@ -245,7 +245,9 @@ def read_airfoil(path: Path | Traversable, *, uncertainty: bool = True) -> Airfo
     except UnicodeDecodeError:
         raise InputError(f"{name}: not a text file; give a parameter set in TOML") from None
     except tomllib.TOMLDecodeError as error:
-        raise InputError(f"{name}: not valid TOML ({error}); see the README's example") from None
+        raise InputError(
+            f"{name}: not valid TOML ({error}); `propmap airfoils show paper-apc` prints an example"
+        ) from None
     schema = table.pop("schema", SCHEMA)
     if schema != SCHEMA:
         raise InputError(

@@ -104,6 +104,7 @@ def doubts_on_loads(
     if backwards:
         return [f"{name} is negative near rest; its sign looks reversed" for name in backwards]
     found = _doubts_on_size(ratios, LOAD_RATIO) or [
+        *_doubts_on_signs(v, known),
         *_doubts_on_reach(propeller, air, w, v, b, known),
         *_doubts_on_direction(propeller, w, v, b, known),
     ]
@@ -160,6 +161,18 @@ def _ratios(
             climb = np.clip(share * np.cos(b), 0.0, reach)[rows] * w[rows] * propeller.radius
             estimate = estimated_loads(propeller, air, w[rows], climb)[name]
             found[name] = float(np.median(known[name][rows] / estimate))
+    return found
+
+
+def _doubts_on_signs(speed: Floats, known: Loads) -> list[str]:
+    """Single rows at rest with a sign that the others do not have."""
+    found = []
+    for name in ("thrust", "torque"):
+        still = known[name][speed == 0.0] if name in known else np.empty(0)
+        count = int(np.count_nonzero(still < 0.0))
+        if count:
+            rows = f"{count} of {still.size} rows at rest"
+            found.append(f"{name} is negative in {rows}; check its sign")
     return found
 
 

@@ -218,13 +218,13 @@ def mean_slopes(
         if harmonics is None:
             return {name: weighted(name, sine, f, ()) for name, f in around(inflow).items()}
         rear, front = local_inflow(at, inflow, harmonics, sine)
-        behind, before = around(rear), around(front)
+        # Side by side, so that there is one program for both.
+        both = around(xp.stack([rear, front]))
         cosine = 0.5 * xp.sqrt(xp.maximum(1.0 - sine * sine, 0.0))
         found = {}
-        for name, one in behind.items():
-            pairs = list(zip(one, before[name], strict=True))
-            even = tuple(0.5 * (a + b) for a, b in pairs)
-            odd = tuple((a - b) * cosine for a, b in pairs)
+        for name, force in both.items():
+            even = tuple(0.5 * (part[0] + part[1]) for part in force)
+            odd = tuple((part[0] - part[1]) * cosine for part in force)
             found[name] = weighted(name, sine, even, odd)
         return found
 

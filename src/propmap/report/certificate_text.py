@@ -43,7 +43,7 @@ def claims(found: Mapping[str, Any]) -> Iterator[str]:
     if found.get("search_points"):
         yield (
             f"the largest errors were searched for, on {found['search_points']} points more: in "
-            "each cell of the table, and uphill from the worst"
+            "each cell of the table, and uphill from its worst points"
         )
     if cells:
         worst = max(found["unresolved_max_error"].values())

@@ -54,6 +54,8 @@ def check_folder(folder: Path, names: Collection[str]) -> None:
             raise InputError(told, "make it or choose another", where)
         held = folder.iterdir() if folder.exists() else ()
         others = sorted(p.name for p in held if p.name not in names or p.is_dir())
+    except InputError:
+        raise
     except ValueError as error:
         raise InputError(f"not a path: {error}", "choose another name", where) from None
     if others:

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
     from propmap.aircraft.deviations import Spread
     from propmap.aircraft.performance import Performance
-    from propmap.aircraft.steady import SteadyStates
+    from propmap.aircraft.steady_states import SteadyStates
 
 
 @style()

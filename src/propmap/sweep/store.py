@@ -259,5 +259,7 @@ def _zarr() -> Any:
     try:
         import zarr
     except ImportError:
-        raise InputError("this needs zarr", "pip install 'propmap[cluster]'") from None
+        raise InputError(
+            "this needs zarr", "pip install '.[cluster]' in propmap's checkout"
+        ) from None
     return zarr

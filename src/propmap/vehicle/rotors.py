@@ -1,8 +1,8 @@
-"""The rotors of a vehicle as force and moment on it, from a rotor, a table or the hover model."""
+"""The rotors of a vehicle as force and moment on it, in each other's wakes."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,25 +11,22 @@ from propmap.arrays.types import Floats
 from propmap.engine.attached_thrust import attached_thrust
 from propmap.errors import InputError
 from propmap.loads import LOADS
-from propmap.results import STATUSES
 from propmap.rotor import Rotor
 from propmap.vehicle.hub_flow import HubFlow, flow_of_hubs, hub_wrenches
 from propmap.vehicle.interference import added_flow, check_apart, wake_flow
+from propmap.vehicle.load_sources import (
+    SEVERITY,
+    LoadSource,
+    Sources,
+    check_table,
+    loads_at_hubs,
+    worst,
+)
 from propmap.vehicle.mounted_rotors import mounted_rotors
 
 if TYPE_CHECKING:
     from propmap.physics.rotor import RotorArrays
     from propmap.vehicle.vehicle import Vehicle
-
-SEVERITY = (
-    *STATUSES[:-1],
-    "unresolved",
-    "clamped",
-    STATUSES[-1],
-    "no_value",
-    "outside",
-)
-"""Statuses of rotors and of tables, from harmless to fatal."""
 
 THRUST, TORQUE = (list(LOADS).index(name) for name in ("thrust", "torque"))
 
@@ -38,19 +35,6 @@ FORWARD = 0.5
 
 STEP = 1e-2
 """Of difference quotients by the axial flow [m/s]."""
-
-
-@runtime_checkable
-class LoadSource(Protocol):
-    """What gives loads for a velocity in the rotor frame, as ``Rotor`` and ``LoadTable`` do."""
-
-    def loads_at_velocity(self, omega: Any, velocity: Any) -> Any:
-        """Loads with a ``status``."""
-        ...
-
-
-Sources = list[tuple[LoadSource, NDArray[np.intp]]]
-"""What gives the loads of which rotors."""
 
 
 class RotorWrenches(NamedTuple):
@@ -129,7 +113,7 @@ class Rotors:
                 f"loads is {type(loads).__name__}", "give a Rotor or a LoadTable of its rotors"
             )
         if not isinstance(loads, Rotor):
-            _check_table(vehicle, loads)
+            check_table(vehicle, loads)
             return cls(vehicle, [(loads, np.arange(len(vehicle.mounts)))])
         model = loads.model
         if model.propeller != vehicle.propeller or model.air != vehicle.air:
@@ -157,7 +141,7 @@ class Rotors:
         flow = self._flow(omega, velocity)
         added = np.zeros_like(flow.omega)
         if self.wakes is None:
-            loads, status = _loads(self.sources, flow)
+            loads, status = loads_at_hubs(self.sources, flow)
         else:
             alone = self._alone(flow)
             added = alone.known(added_flow(self.vehicle, self.wakes, flow, alone.thrust))
@@ -194,7 +178,7 @@ class Rotors:
         flow = self._flow(turning, moving.reshape(-1, k, 3))
         added, wake = np.zeros_like(flow.omega), None
         if self.wakes is None:
-            loads, status = _loads(self.sources, flow)
+            loads, status = loads_at_hubs(self.sources, flow)
         else:
             alone = self._alone(flow)
             wake = wake_flow(self.vehicle, self.wakes, flow.part(first), alone.thrust[first])
@@ -234,15 +218,17 @@ class Rotors:
         flow = self._flow(omega, velocity)
         added = np.zeros_like(flow.omega)
         if self.wakes is None:
-            loads, status = _loads(changes, flow)
+            loads, status = loads_at_hubs(changes, flow)
             return _told(flow, loads, added, status, omega.shape)
         alone = self._alone(flow)
         wake = wake_flow(self.vehicle, self.wakes, flow, alone.thrust)
-        more, less = (_loads(self.sources, flow.moved(wake.added + by))[0] for by in (STEP, -STEP))
+        more, less = (
+            loads_at_hubs(self.sources, flow.moved(wake.added + by))[0] for by in (STEP, -STEP)
+        )
         # Both in one call: changes are computed once, for one set of points.
         twice = np.tile(np.arange(len(omega)), 2)
         both = flow.part(twice).moved(np.concatenate([np.zeros_like(added), wake.added]))
-        every, status = _loads(changes, both)
+        every, status = loads_at_hubs(changes, both)
         first, here = every[:, : len(omega)], every[:, len(omega) :]
         follows = np.einsum("nts,ns->nt", wake.by_thrust, first[THRUST])
         loads = here + (more - less) / (2.0 * STEP) * follows
@@ -256,7 +242,7 @@ class Rotors:
     def _alone(self, flow: HubFlow) -> _Alone:
         """What the rotors do without each other's wakes."""
         if self._wake_arrays is None:
-            loads, status = _loads(self.sources, flow)
+            loads, status = loads_at_hubs(self.sources, flow)
             return _Alone(np.nan_to_num(loads[THRUST]), np.isnan(loads[THRUST]), status)
         omega, axial, inplane = (a.ravel() for a in (flow.omega, flow.axial, flow.inplane))
         found, _ = attached_thrust(self._wake_arrays, omega, axial, inplane)
@@ -267,7 +253,7 @@ class Rotors:
         self, flow: HubFlow, added: Floats, alone: _Alone
     ) -> tuple[Floats, NDArray[np.str_]]:
         """Loads and their status with ``added`` (n, k) axial flow [m/s]."""
-        loads, found = _loads(self.sources, flow.moved(np.nan_to_num(added)))
+        loads, found = loads_at_hubs(self.sources, flow.moved(np.nan_to_num(added)))
         lost = np.isnan(added)
         found = np.where(lost, worst(alone.status)[:, None], found)
         return np.where(lost, np.nan, loads), found
@@ -290,34 +276,6 @@ class _Alone(NamedTuple):
         return np.where(others > 0, np.nan, added)
 
 
-def worst(status: NDArray[np.str_]) -> NDArray[np.str_]:
-    """The worst ``status`` (..., k) of all rotors, (...)."""
-    names = np.array(SEVERITY)
-    order = np.argsort(names)
-    rank = order[np.searchsorted(names, status, sorter=order)]
-    return np.asarray(names[rank.max(axis=-1)])
-
-
-def _loads(sources: Sources, flow: HubFlow) -> tuple[Floats, NDArray[np.str_]]:
-    """Loads (L, n, k) and their status (n, k)."""
-    loads = np.empty((len(LOADS), *flow.omega.shape))
-    status = np.empty(flow.omega.shape, dtype="<U16")
-    for source, mine in sources:
-        parts = [values[:, mine] for values in (flow.omega, flow.inplane, flow.axial)]
-        if not parts[0].size:
-            continue
-        # Half the rotors of a symmetric vehicle see what the other half sees.
-        once, where = _apart(np.stack(parts, axis=-1).reshape(-1, 3))
-        where = where.reshape(parts[0].shape)
-        omega, across, along = once.T
-        velocity = np.stack([across, np.zeros_like(across), along], axis=1)
-        found = source.loads_at_velocity(omega, velocity)
-        for rows, name in zip(loads, LOADS, strict=True):
-            rows[:, mine] = np.asarray(getattr(found, name))[where]
-        status[:, mine] = np.asarray(found.status)[where]
-    return loads, status
-
-
 def _told(
     flow: HubFlow,
     loads: Floats,
@@ -329,35 +287,3 @@ def _told(
     force, moment = (values.reshape(*shape, 3) for values in hub_wrenches(flow, loads))
     thrust, torque = loads[THRUST].reshape(shape), loads[TORQUE].reshape(shape)
     return RotorWrenches(force, moment, thrust, torque, added.reshape(shape), status.reshape(shape))
-
-
-def _apart(points: Floats) -> tuple[Floats, NDArray[np.intp]]:
-    """The distinct rows of points (n, 3), but for rounding, and which of them each one is."""
-    size = np.maximum(np.abs(points).max(axis=0, initial=0.0), 1e-30)
-    rounded = np.round(points / size, 11) + 0.0
-    _, first, where = np.unique(rounded, axis=0, return_index=True, return_inverse=True)
-    return points[first], where.ravel()
-
-
-def _check_table(vehicle: Vehicle, table: Any) -> None:
-    """Raise ``InputError`` for a ``table``, or what else has loads, of another rotor or air."""
-    if any(mount.drag is not None for mount in vehicle.mounts):
-        raise InputError(
-            "the vehicle file has [mount], of which a table knows nothing",
-            "leave out [mount] and build the table with --correction mount-drag:area_m2=...",
-        )
-    described = getattr(table, "info", {}).get("propeller")
-    if described is None:
-        return
-    if described.get("geometry_sha256") != vehicle.propeller.fingerprint():
-        raise InputError(
-            f"the table is of {described.get('name')!r}, the vehicle has "
-            f"{vehicle.propeller.name!r}, or the same with another geometry",
-            "build a table for this propeller",
-        )
-    if abs(table.content.density - vehicle.air.density) > 1e-6 * vehicle.air.density:
-        raise InputError(
-            f"the table holds for {table.content.density:g} kg/m^3, the vehicle flies in "
-            f"{vehicle.air.density:g}",
-            "build a table with --rho, or change [air]",
-        )

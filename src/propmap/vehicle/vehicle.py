@@ -14,7 +14,7 @@ from propmap.vehicle.powertrain import Powertrain
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-    from propmap.vehicle.rotors import LoadSource
+    from propmap.vehicle.load_sources import LoadSource
     from propmap.vehicle.vehicle_forces import VehicleWrench
 
 SPINS = ("ccw", "cw")

@@ -12,7 +12,8 @@ from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.operating_points import broadcast, rates_of
 from propmap.vehicle.free_stream_force import body_force, wing_force
-from propmap.vehicle.rotors import LoadSource, Rotors, worst
+from propmap.vehicle.load_sources import LoadSource, worst
+from propmap.vehicle.rotors import Rotors
 
 if TYPE_CHECKING:
     from propmap.vehicle.vehicle import Vehicle

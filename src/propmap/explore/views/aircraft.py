@@ -10,7 +10,8 @@ import numpy as np
 from propmap.aircraft.columns import rows as state_rows
 from propmap.aircraft.limits import LIMITS
 from propmap.aircraft.performance import NamedState, Performance, performance
-from propmap.aircraft.steady import STATUSES, Aircraft, SteadyStates
+from propmap.aircraft.steady import Aircraft
+from propmap.aircraft.steady_states import STATUSES, SteadyStates
 from propmap.errors import InputError
 from propmap.explore import figures
 from propmap.explore.controls import Control, Slider, Values

@@ -9,25 +9,20 @@ import numpy as np
 from dash import Input, Output, State, html, no_update, set_props
 from dash.exceptions import PreventUpdate
 
-from propmap.arrays.namespace import by_numpy
-from propmap.arrays.types import Floats
 from propmap.errors import InputError
-from propmap.explore import figures
+from propmap.explore import constants_panels, figures
 from propmap.explore.constants_fit import CONSTANTS, Fit, law_at_first, law_of, model_of
 from propmap.explore.controls import Choice, Control, Several, Slider, Values, values_of
 from propmap.explore.point import point_controls, point_lines
 from propmap.explore.reproduce import CONSTANTS_FILE, Recipe
 from propmap.explore.rotors import Preparation, exact
 from propmap.explore.session import Session
-from propmap.explore.view import Answer, Download, Graph, Table
+from propmap.explore.view import Answer, Download, Graph
 from propmap.fit.parameters import SECTION
 from propmap.fit.tunnel import TunnelData
 from propmap.io.csv_text import csv_text
 from propmap.io.operating_points import RPM
 from propmap.loads import LOADS
-from propmap.model.airfoil import Airfoil
-from propmap.model.model import Model
-from propmap.physics.sections.law import coefficients_at
 from propmap.report.style import COLOURS
 
 if TYPE_CHECKING:
@@ -39,8 +34,6 @@ LIVE = 60
 """Measured points that are predicted while a slider moves; all are when it stands still."""
 
 MOST = 400
-
-ALPHA = np.radians(np.linspace(-20.0, 60.0, 161))
 
 NAME = "errors.csv"
 
@@ -98,7 +91,7 @@ class ConstantsView:
     ) -> Answer:
         """Curves of the section, and errors on the data."""
         old, new = law_at_first(session), law_of(session, values)
-        shown = _section(session.model, old, new)
+        shown = constants_panels.of_section(session.model, old, new)
         key = [("as they were", f"-{figures.GREY}"), ("as they are", COLOURS[0])]
         data = session.measured(values["data"])
         if data is None:
@@ -111,10 +104,10 @@ class ConstantsView:
         rotor = exact(model) if settled else ready.quick(model)
         now = rotor.loads(part.omega, part.speed, part.beta)
         for name in (n for n in SHOWN if n in data.loads):
-            shown[name] = _beside(name, part, getattr(now, name))
+            shown[name] = constants_panels.measured_and_modelled(name, part, getattr(now, name))
         if settled:
             before = exact(session.model).loads(part.omega, part.speed, part.beta)
-            tables = [_errors(part, before, now)]
+            tables = [constants_panels.errors(part, before, now)]
         return Answer(shown, tables, remarks, key)
 
     def shell(self, session: Session, values: Values) -> str:
@@ -224,79 +217,9 @@ def _all() -> Any:
     return ALL
 
 
-def _section(model: Model, old: Airfoil, new: Airfoil) -> dict[str, figures.Figure]:
-    """C_L and C_D over the angle of attack, at the Reynolds number of three quarters of R."""
-    blade, air = model.propeller, model.air
-    omega = 60.0 / blade.radius
-    chord = np.interp(0.75 * blade.radius, blade.station, blade.chord)
-    reynolds = np.full_like(
-        ALPHA, air.density * 0.75 * blade.radius * omega * chord / air.viscosity
-    )
-    with by_numpy():
-        both = [coefficients_at(law.law(), ALPHA, reynolds) for law in (old, new)]  # type: ignore[arg-type]
-    x = np.degrees(ALPHA)
-    found = {}
-    for key, name, title in (
-        ("lift", "lift", "lift coefficient C_L [-]"),
-        ("section-drag", "drag", "drag coefficient C_D [-]"),
-    ):
-        pair = [np.asarray(getattr(c, name)) for c in both]
-        found[key] = figures.figure(
-            [
-                figures.line(x, pair[0], "as they were", figures.GREY, "dash"),
-                figures.line(x, pair[1], "as they are", COLOURS[0]),
-            ],
-            f"angle of attack [deg], Re = {reynolds[0]:.2g}",
-            title,
-            xaxis={"range": [float(x[0]), float(x[-1])]},
-            yaxis=figures.span(*pair, zero=True),
-        )
-    return found
-
-
 def _some(data: TunnelData, most: int) -> TunnelData:
     if len(data) <= most:
         return data
     which = np.unique(np.linspace(0, len(data) - 1, most).astype(int))
     loads = {name: values[which] for name, values in data.loads.items()}
     return TunnelData(data.source, data.omega[which], data.speed[which], data.beta[which], loads)
-
-
-def _beside(name: str, data: TunnelData, modelled: Floats) -> figures.Figure:
-    measured = data.loads[name]
-    both = figures.span(measured, modelled)
-    ends = both["range"]
-    words = [
-        f"{w / RPM:.0f} rpm, {v:.3g} m/s, β {np.degrees(b):.3g}°"
-        for w, v, b in zip(data.omega, data.speed, data.beta, strict=True)
-    ]
-    return figures.figure(
-        [
-            figures.line(ends, ends, "equal", figures.GREY, "dash", hoverinfo="skip"),
-            figures.points(
-                measured,
-                modelled,
-                data.source,
-                COLOURS[0],
-                text=words,
-                hovertemplate="%{text}<br>measured %{x:.4g}, modelled %{y:.4g}<extra></extra>",
-            ),
-        ],
-        f"measured {figures.TITLES[name]}",
-        "modelled",
-        xaxis=both,
-        yaxis=both,
-    )
-
-
-def _errors(data: TunnelData, before: Any, now: Any) -> Table:
-    rows = []
-    for name, measured in data.loads.items():
-        size = np.sqrt(np.nanmean(measured**2))
-        cells = []
-        for loads in (before, now):
-            off = np.sqrt(np.nanmean((getattr(loads, name) - measured) ** 2))
-            cells.append(f"{figures.digits(off)} ({100.0 * off / size:.1f} %)")
-        rows.append([figures.LABELS[name], *cells, figures.UNITS[name]])
-    caption = f"Root mean square errors on {data.source}, in brackets over its rms"
-    return Table(("", "as they were", "as they are", "unit"), rows, caption)

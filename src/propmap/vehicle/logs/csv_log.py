@@ -103,7 +103,7 @@ def _table(path: Path, where: str, wanted: Collection[str]) -> Any:
     except ImportError:
         raise InputError(
             "Parquet files need pyarrow, which is not installed",
-            "pip install 'propmap[parquet]', or save the log as CSV",
+            "pip install '.[parquet]' in propmap's checkout, or save the log as CSV",
             where,
         ) from None
     # Errors of pandas are ValueErrors; those of pyarrow for a damaged file OSErrors, too.
