@@ -9,10 +9,11 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 import pytest
 
 from propmap.arrays.types import Floats
-from propmap.engine.accuracy import Accuracy
+from propmap.engine.accuracy import ACCURACIES, Accuracy
 from propmap.engine.differences import STEP, load_differences
 from propmap.engine.evaluation import Prepared, prepare
 from propmap.engine.gradients import LoadGradients
@@ -29,6 +30,16 @@ WITH_GRADIENTS = (
 )
 """Modules that import ``load_gradients``."""
 
+
+FEW_NODES = Accuracy(
+    ((0.12, 8), (np.inf, 12)),
+    free=16,
+    stalled=16,
+    fast=16,
+    largest_tail=np.inf,
+    finer=((16, np.inf),),
+)
+"""Loads within some per cent, in a tenth of the time."""
 
 SMALL = 1e-4
 """Step of these differences in the unit of the parameter: small beside any constant."""
@@ -49,3 +60,17 @@ def compile_nothing(patch: pytest.MonkeyPatch) -> None:
     patch.setitem(prepare.__kwdefaults__, "compiled", False)
     for name in WITH_GRADIENTS:
         patch.setattr(f"{name}.load_gradients", _by_differences)
+    # A trim asks for derivatives, which it has no use for, to share a program with fits.
+    patch.setattr("propmap.flight.trim.PAPER_FOUR", ())
+
+
+def be_brief(patch: pytest.MonkeyPatch) -> None:
+    """For what is about commands and not about numbers, from now on.
+
+    ``standard`` means few nodes, fits end after few steps, and none looks for what it leaves out,
+    see ``propmap.fit.added_parameter``.
+    """
+    patch.setitem(ACCURACIES, "standard", FEW_NODES)
+    patch.setattr("propmap.fit.population.coefficients.SETTING", FEW_NODES)
+    patch.setattr("propmap.fit.search.FINAL_EVALUATIONS", 8)
+    patch.setattr("propmap.fit.added_parameter.POOR", np.inf)

@@ -10,7 +10,7 @@ import pytest
 
 import propmap
 from propmap.cli import main
-from tests.without_compiling import compile_nothing
+from tests.without_compiling import be_brief, compile_nothing
 
 from .fit_inputs import QUICK, picked, tunnel_table
 
@@ -38,8 +38,9 @@ def _workplace(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture
 def by_numpy(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Commands compile nothing: for what they do with few points."""
+    """Commands compile nothing and are brief: for all but their numbers."""
     compile_nothing(monkeypatch)
+    be_brief(monkeypatch)
 
 
 @contextlib.contextmanager
@@ -48,6 +49,7 @@ def commands_by_numpy() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("propmap.engine.compilation.keep_compiled", lambda: None)
         compile_nothing(patch)
+        be_brief(patch)
         yield
 
 

@@ -17,7 +17,7 @@ from propmap.cli.app import app
 from propmap.model.airfoil import parameter_set
 from propmap.table import LoadTable, build_table
 from tests.fit.fit_records import fit_text
-from tests.without_compiling import compile_nothing
+from tests.without_compiling import be_brief, compile_nothing
 
 from .conftest import POINT, ROTOR, Run
 from .fit_inputs import LEVEL, QUICK, STAND, VEHICLE, fit_record
@@ -139,6 +139,9 @@ def test_every_command_is_known_here() -> None:
 @pytest.mark.parametrize("name", [name for name in ALL if name in MAKERS])
 def test_a_correction_acts(run: Run, monkeypatch: pytest.MonkeyPatch, name: str) -> None:
     compile_nothing(monkeypatch)
+    be_brief(monkeypatch)
+    # Two steps of a fit tell as much as its end.
+    monkeypatch.setattr("propmap.fit.search.FINAL_EVALUATIONS", 2)
     monkeypatch.setattr("propmap.table.build.build_table", _brief)
     # It takes most of the time of `trim` and `choose`, and the powers tell enough.
     for module in ("ranking", "performance"):
@@ -202,6 +205,7 @@ def test_a_fit_brings_its_corrections(run: Run, tunnel_csv: Path, tmp_path: Path
     assert checked["loads"]["thrust_N"]["rms"] == pytest.approx(filed, rel=0.02)
 
 
+@pytest.mark.slow
 def test_tables_and_what_is_made_of_them_tell_the_corrections(
     run: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -126,6 +126,17 @@ def test_a_narrow_range_of_speeds_is_said_in_words(
     assert f"note: all data are from {says.removeprefix('from ')}" in out
 
 
+def test_what_a_poor_fit_leaves_out_is_noted(
+    run: Run, monkeypatch: pytest.MonkeyPatch, tunnel_csv: Path
+) -> None:
+    # Other fits here do not look for it.
+    monkeypatch.setattr("propmap.fit.added_parameter.POOR", 0.03)
+    found, out = fitted(run, "tunnel", "apc-8x6e", tunnel_csv, *QUICK)
+    told = "c_d0 = 0.01, the constant drag, does not hold"
+    assert any(told in remark for remark in found["remarks"])
+    assert f"note: {told}" in " ".join(out.split())
+
+
 def test_check_as_json(run: Run, tunnel_fit: Path, tunnel_csv: Path) -> None:
     done = run("check", tunnel_fit, tunnel_csv, "--format", "json")
     assert (done.code, done.err) == (0, "")

@@ -34,6 +34,7 @@ def rows_of(blade: str, label: str) -> str:
     )
 
 
+@pytest.mark.slow
 def test_constants_are_found_written_and_kept(run: Run, tmp_path: Path) -> None:
     loads, output = tmp_path / "loads.csv", tmp_path / "identified.csv"
     first = rows_of("uiuc-apce-9x4.5", "apce 9.0x4.5")

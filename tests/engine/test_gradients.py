@@ -99,6 +99,7 @@ POINTS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("where", POINTS)
 def test_gradients_match_central_differences(
     where: str, climbing: Callable[..., tuple[jax.Array, jax.Array]]
@@ -161,6 +162,7 @@ EDGES = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("where", EDGES)
 def test_gradients_are_finite_everywhere(
     where: str, anywhere: Callable[..., tuple[jax.Array, jax.Array]]

@@ -30,6 +30,7 @@ def at(law: pm.Airfoil, omega: np.ndarray = OMEGA) -> LoadGradients:
     return load_gradients(prepare(arrays), accuracy("standard"), NAMES, omega, AXIAL, INPLANE)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", [LAW, LAW.with_parameters(reynolds_camber=0.0, drag_angle=0.0)])
 def test_derivatives_are_central_differences(law: pm.Airfoil) -> None:
     """Also where the terms are zero, and so left out of the law's own programs."""

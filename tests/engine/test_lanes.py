@@ -66,6 +66,7 @@ def test_the_loads_are_those_of_programs_made_of_kernels(
         np.testing.assert_allclose(getattr(few_at_a_time, field), want, rtol=0.0, atol=largest)
 
 
+@pytest.mark.slow
 def test_no_load_depends_on_the_points_beside_it() -> None:
     omega, speed, beta = _points(100)
     beta = np.minimum(beta, 0.5 * np.pi)

@@ -119,6 +119,7 @@ def test_loads_are_those_of_the_rotor(found: LoadGradients) -> None:
         )
 
 
+@pytest.mark.slow
 def test_a_point_without_a_solution_is_lost_with_its_derivatives() -> None:
     rotor = rotor_with(MODEL, VALUES, "standard")
     omega, bad = np.tile(OMEGA, 2), np.array([10.0, 10.0, np.nan, 10.0])

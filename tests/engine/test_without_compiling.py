@@ -58,6 +58,7 @@ def test_inflow_over_the_disk_agrees() -> None:
         )
 
 
+@pytest.mark.slow
 def test_one_set_of_programs_gives_the_same_loads() -> None:
     """But for the nodes: panels that follow stall have those of a further evaluation."""
     rotor = pm.Rotor(pm.Model(pm.propeller("apc-8x6e"), pm.airfoil("paper-soft")))

@@ -107,6 +107,7 @@ def test_an_upload_through_the_server(application: Application) -> None:
         assert upload(bad, "mine.csv")[1]
 
 
+@pytest.mark.slow
 def test_500_malformed_callbacks_leave_it_answering(application: Application) -> None:
     """Rubbish, and well-formed callbacks with one part exchanged for rubbish."""
     rng = random.Random(30)

@@ -214,6 +214,7 @@ def test_without_a_vehicle_or_a_table_a_line_says_what_to_do(application: Applic
         assert base["empty"]
 
 
+@pytest.mark.slow
 def test_measured_points_are_drawn_and_fitted(application: Application, shelf: Shelf) -> None:
     """A fit of loads that the model made with other constants finds these."""
     from propmap.explore.constants_fit import Fit, law_of

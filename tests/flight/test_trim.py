@@ -72,6 +72,7 @@ def test_hover_is_the_hover_model(vehicle: Vehicle, airfoil: propmap.Airfoil) ->
     assert still.up == pytest.approx(np.array([[0.0, 0.0, 1.0]]), abs=1e-9)
 
 
+@pytest.mark.slow
 def test_banked_circles(vehicle: Vehicle, airfoil: propmap.Airfoil) -> None:
     radius, speeds = 40.0, np.array([4.0, 9.0, 14.0])
     banked = trim(vehicle, airfoil, speeds, radius=radius, tether=False)

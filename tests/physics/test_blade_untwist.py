@@ -46,6 +46,7 @@ def test_slow_blades_and_none_are_rigid() -> None:
     assert rotor(0.0).loads(AT_100, 5.0, 1.0) == rotor(None).loads(AT_100, 5.0, 1.0)
 
 
+@pytest.mark.slow
 def test_derivatives_by_it_and_by_rotational_speed() -> None:
     flow = (np.array([AT_100]), np.array([4.0]), np.array([7.0]))
     arrays = rotor(0.02).model.arrays()

@@ -97,6 +97,7 @@ def test_fits_of_users_meet_what_is_promised(name: str) -> None:
     assert not found.coarse.any()
 
 
+@pytest.mark.slow
 def test_other_laws_meet_what_is_promised_against_the_literal_reference() -> None:
     """The reference shares no code with the package."""
     rows: dict[OtherRotor, list[OtherRow]] = {}

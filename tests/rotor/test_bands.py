@@ -41,6 +41,7 @@ def model() -> pm.Model:
     return _identified()
 
 
+@pytest.mark.slow
 def test_loads_of_drawn_constants_spread_as_said(model: pm.Model) -> None:
     """The meaning of a covariance: draw constants and look at the loads."""
     law = model.airfoil

@@ -118,6 +118,7 @@ def test_simplified_lift_is_the_blend_with_stall_at_zero() -> None:
     assert float(a.thrust) == pytest.approx(float(b.thrust), rel=2e-3)
 
 
+@pytest.mark.slow
 def test_batch_equals_loop_of_scalars() -> None:
     rotor = pm.Rotor(pm.Model(BLADE, APC))
     rng = np.random.default_rng(7)

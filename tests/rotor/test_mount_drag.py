@@ -109,6 +109,7 @@ def drag_and_slope() -> Any:
     return jax.jit(lambda point, way: jax.jvp(drag, (point,), (way,)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("where", POINTS)
 def test_derivatives_are_central_differences(where: str, drag_and_slope: Any) -> None:
     """By the area and the share of the inflow, and by the flow, on which the inflow depends."""

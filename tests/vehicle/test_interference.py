@@ -174,6 +174,7 @@ def test_mirror_images_exchanged_rotors_and_spins() -> None:
     )
 
 
+@pytest.mark.slow
 def test_any_number_of_rotors_anywhere_is_the_sum_of_its_pairs() -> None:
     rng = np.random.default_rng(8)
     tilts = rng.normal(0.0, 0.3, (6, 2))

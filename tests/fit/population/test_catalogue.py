@@ -67,6 +67,7 @@ def test_blades_are_those_of_the_catalogue() -> None:
     assert len(measured) == 134
 
 
+@pytest.mark.slow
 @with_data
 def test_the_bundled_constants_are_what_the_command_finds(monkeypatch: pytest.MonkeyPatch) -> None:
     """Of one propeller, of another number of blades too; and known results are not fitted again."""
