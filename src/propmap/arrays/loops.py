@@ -15,10 +15,6 @@ from jax import lax
 from propmap.arrays.materialize import pack, unpack
 from propmap.arrays.namespace import Array, Value, on_numpy
 
-TOGETHER = 2
-"""Terms of a mean in one step of its loop; ``in_one_function`` may set another number.  They are
-independent, so that a processor works on one while another waits for its operands."""
-
 # The argument of ``in_one_function``; None outside of it.
 _IN_ONE_FUNCTION: contextvars.ContextVar[int | None] = contextvars.ContextVar(
     "_IN_ONE_FUNCTION", default=None
@@ -32,7 +28,8 @@ def in_one_function(together: int) -> Iterator[None]:
     Parameters
     ----------
     together : int
-        Terms of a mean in one step of its loop, in place of ``TOGETHER``.
+        Terms of a mean in one step of its loop.  They are independent, so that a processor works on
+        one while another waits for its operands.
     """
     token = _IN_ONE_FUNCTION.set(together)
     try:
@@ -107,7 +104,7 @@ def mean_over(
     """The mean of ``term(v)``, a tree of arrays, over the first ``count`` of ``values``.
 
     ``values`` are (n,) and ``count`` an integer, or (n, B) and (B,): each column has its own.
-    ``together`` is the number of terms in one step, by default ``TOGETHER``.
+    ``together`` is the number of terms in one step, by default that of ``in_one_function``, else 1.
     """
     if on_numpy():
         # All at once, along a new first axis.
@@ -117,7 +114,7 @@ def mean_over(
         share = 1.0 / count
         return jax.tree.map(lambda a: np.sum(np.where(among, a, 0.0), axis=0) * share, terms)
     own = jnp.ndim(count) > 0
-    together = together or _IN_ONE_FUNCTION.get() or TOGETHER
+    together = together or _IN_ONE_FUNCTION.get() or 1
     masked = not isinstance(count, int) or count % together > 0
     term = jax.jit(term, inline=True)  # traced once, though called several times
 

@@ -6,7 +6,8 @@ from collections.abc import Callable
 from typing import Any
 
 import jax
-from jax.extend.core import Literal, jaxpr_as_fun
+from jax.extend.core import ClosedJaxpr, Literal, jaxpr_as_fun
+from jax.interpreters.partial_eval import dce_jaxpr
 
 
 def derivative(function: Callable[[Any], Any]) -> Any:
@@ -32,6 +33,8 @@ def derivative(function: Callable[[Any], Any]) -> Any:
     moves = [not isinstance(v, Literal) and v in depends for v in traced.jaxpr.outvars]
     found: list[Any] = [None] * len(moves)
     if any(moves):
-        _, changes = jax.jvp(jaxpr_as_fun(traced), (0.0,), (1.0,))
-        found = [by if moved else None for by, moved in zip(changes, moves, strict=True)]
+        kept, _ = dce_jaxpr(traced.jaxpr, moves)
+        _, changes = jax.jvp(jaxpr_as_fun(ClosedJaxpr(kept, traced.consts)), (0.0,), (1.0,))
+        moved = iter(changes)
+        found = [next(moved) if one else None for one in moves]
     return jax.tree.unflatten(jax.tree.structure(shapes), found)

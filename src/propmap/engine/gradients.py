@@ -9,7 +9,6 @@ from typing import Any, NamedTuple
 import jax
 import numpy as np
 
-from propmap.arrays.loops import TOGETHER
 from propmap.arrays.namespace import by_numpy
 from propmap.arrays.types import Floats
 from propmap.engine.accuracy import Accuracy
@@ -236,7 +235,7 @@ def _program(panels: tuple[int, ...], lanes: bool) -> Any:
         shared = (rotor, directions)
         each = (flow, solution, v_hover_slopes, None if same else azimuth)
         if lanes:
-            return in_lanes(few, shared, each, used, TOGETHER)
+            return in_lanes(few, shared, each, used, together=1)
         return few(shared, each)
 
     return jax.jit(slopes, compiler_options=with_lanes(COMPILER_OPTIONS, lanes))

@@ -74,7 +74,7 @@ def in_lanes(
     used : Array
         Number of points that are evaluated, from the first on; results of the others are zero.
     together : int
-        Azimuths in one step of a loop, see ``arrays.loops.TOGETHER``.
+        Azimuths in one step of a loop, see ``loops.mean_over``.
     """
     # Joined in one array each: XLA ends the process if an argument of the call is not used.
     flat, shared_of = ravel_pytree(shared)

@@ -248,11 +248,11 @@ def loads_and_slopes(
 
     def terms(sine: Array) -> tuple[Array, ...]:
         rear, front = local_inflow(at, problem.inflow, harmonics, sine)
-        behind = materialize(lambda: element_forces(at, rear, sine), at.blades)
-        before = materialize(lambda: element_forces(at, front, sine), at.blades)
+        sides = xp.stack([rear, front])
+        both = materialize(lambda: element_forces(at, sides, sine), at.blades)
         cosine = 0.5 * xp.sqrt(xp.maximum(1.0 - sine * sine, 0.0))
-        even = [0.5 * (a + b) for a, b in zip(behind, before, strict=True)]
-        odd = [(a - b) * cosine for a, b in zip(behind, before, strict=True)]
+        even = [0.5 * (part[0] + part[1]) for part in both]
+        odd = [(part[0] - part[1]) * cosine for part in both]
         along = [part * sine for part in even]
         return (
             *(*even, *along, *odd),
