@@ -24,13 +24,15 @@ def compile_quickly() -> None:
     batches in a seventh less.  Programs for few points also run faster, large batches as fast, see
     docs/performance.md.  All JAX programs of the process are affected, so call this only where the
     process is yours, as the command line does, and before JAX first computes something.  Nothing
-    is done if ``XLA_FLAGS`` has ``xla_backend_extra_options``, or for other jaxlib than
+    is done to XLA if ``XLA_FLAGS`` has ``xla_backend_extra_options``, or for other jaxlib than
     ``KNOWN_JAXLIB``.
     """
     flags, jaxlib = os.environ.get("XLA_FLAGS", ""), importlib.metadata.version("jaxlib")
     if "xla_backend_extra_options" not in flags and jaxlib.startswith(KNOWN_JAXLIB):
         options = f"--xla_backend_extra_options={LOOPS_AS_FUNCTIONS},{LOOPS_NOT_UNROLLED}"
         os.environ["XLA_FLAGS"] = f"{flags} {options}".strip()
+    # Which lines of Python an operation comes from is noted in programs otherwise.
+    os.environ.setdefault("JAX_TRACEBACK_IN_LOCATIONS_LIMIT", "0")
 
 
 def keep_compiled(folder: Path | None = None) -> None:
