@@ -44,7 +44,7 @@ def test_the_same_everywhere_is_right_and_so_is_another_patch_of_python() -> Non
 @pytest.mark.parametrize(
     ("who", "package", "version", "told"),
     [
-        ("worker", "propmap", None, f"worker {ADDRESS} does not have propmap; pip install"),
+        ("worker", "propmap", None, f"worker {ADDRESS} does not have propmap; install propmap"),
         ("worker", "propmap", "0.2.0", f"worker {ADDRESS} has propmap 0.2.0, the client 0.1.0"),
         ("worker", "jax", "0.9.0", "has jax 0.9.0, the client 0.10.2; install the same"),
         ("worker", "numpy", "1.26.0", "has numpy 1.26.0"),
