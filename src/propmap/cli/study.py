@@ -145,7 +145,8 @@ def _surface(
             values = made.axes[name]
             index = int(np.argmin(np.abs(values - asked.at.get(name, values[0]))))
             at[dim] = index
-            told.append(f"{name.partition('_')[0]} {values[index]:g} {unit}")
+            value, word = f"{values[index]:g}", name.partition("_")[0]
+            told.append(f"{value} rpm" if word == "rpm" else f"{word} {value} {unit}")
     values = found[asked.quantity].isel(at).values
     surface = response_surface(made.rows, values)
     unit, _ = TEXTS[asked.quantity]
