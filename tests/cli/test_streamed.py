@@ -121,7 +121,7 @@ def test_a_study_ends_in_a_dataset_and_a_picture(run: Run, tmp_path: Path, endin
     done = run("study", file, "-o", path, "--picture", "surface.png")
     assert done.code == 0
     assert "wrote" in done.out and "9 designs, 18 points" in done.out
-    assert "thrust at rpm 5000 1/min, speed 10 m/s, beta 60 degree" in done.out
+    assert "thrust at 5000 rpm, speed 10 m/s, beta 60 degree" in done.out
     assert (tmp_path / "surface.png").stat().st_size > 10_000
     found = xarray.open_zarr(path) if ending == "zarr" else xarray.open_dataset(path)
     assert dict(found.sizes) == {"design": 9, "rpm": 1, "speed": 2, "beta": 1}

@@ -65,10 +65,10 @@ def test_blocks_and_programs_of_an_accelerator_give_the_same_loads(
     sizes = []
     program = evaluation.compiled_search
 
-    def noted(panels: tuple[int, ...], *, axial: bool):  # type: ignore[no-untyped-def]
+    def noted(panels: tuple[int, ...], *, axial: bool, lanes: bool):  # type: ignore[no-untyped-def]
         def call(rotor, flow, nodes, used):  # type: ignore[no-untyped-def]
             sizes.append(flow.omega.size)
-            return program.__wrapped__(panels, axial=axial)(rotor, flow, nodes, used)
+            return program.__wrapped__(panels, axial=axial, lanes=lanes)(rotor, flow, nodes, used)
 
         return call
 
