@@ -37,12 +37,12 @@ def test_no_program_for_an_unknown_jaxlib_or_an_accelerator(
     with monkeypatch.context() as patch:
         patch.setattr(lanes, "on_accelerator", lambda: True)
         assert not lanes.use_lanes((24,))
-    lanes._known.cache_clear()
+    lanes.known_jaxlib.cache_clear()
     monkeypatch.setattr(lanes.importlib.metadata, "version", lambda _: "0.11.0")
     try:
         assert not lanes.use_lanes((24,))
     finally:
-        lanes._known.cache_clear()
+        lanes.known_jaxlib.cache_clear()
 
 
 @pytest.mark.slow

@@ -21,11 +21,11 @@ def compile_quickly() -> None:
     """Make XLA compile faster, in the whole process.
 
     Programs for few points and for axial flow compile in a third less time, those for oblique
-    batches in a seventh less.  Programs for few points also run faster, large batches as fast, see
-    docs/performance.md.  All JAX programs of the process are affected, so call this only where the
-    process is yours, as the command line does, and before JAX first computes something.  Nothing
-    is done to XLA if ``XLA_FLAGS`` has ``xla_backend_extra_options``, or for other jaxlib than
-    ``KNOWN_JAXLIB``.
+    batches in a seventh less, and do not note which lines of Python they come from. Programs for
+    few points also run faster, large batches as fast, see docs/performance.md. All JAX programs of
+    the process are affected, so call this only where the process is yours, as the command line
+    does, and before JAX first computes something. Nothing is done to XLA if ``XLA_FLAGS`` has
+    ``xla_backend_extra_options``, or for other jaxlib than ``KNOWN_JAXLIB``.
     """
     flags, jaxlib = os.environ.get("XLA_FLAGS", ""), importlib.metadata.version("jaxlib")
     if "xla_backend_extra_options" not in flags and jaxlib.startswith(KNOWN_JAXLIB):

@@ -40,7 +40,7 @@ def use_lanes(panels: tuple[int, ...]) -> bool:
 
     Those for ``solve.islands`` do not: they sort, which XLA cannot compile into a function.
     """
-    return _known() and not on_accelerator() and len(panels) < ISLAND_PANELS
+    return known_jaxlib() and not on_accelerator() and len(panels) < ISLAND_PANELS
 
 
 def in_groups(points: int, panels: tuple[int, ...]) -> bool:
@@ -50,7 +50,8 @@ def in_groups(points: int, panels: tuple[int, ...]) -> bool:
 
 
 @functools.cache
-def _known() -> bool:
+def known_jaxlib() -> bool:
+    """Whether the installed jaxlib is one whose undocumented options are known."""
     return importlib.metadata.version("jaxlib").startswith(KNOWN_JAXLIB)
 
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from propmap.arrays.namespace import by_numpy, xp
 from propmap.arrays.types import Floats
-from propmap.engine.lanes import in_lanes
+from propmap.engine.lanes import in_lanes, known_jaxlib
 from propmap.physics.rotor import RotorArrays
 from propmap.physics.velocities import AzimuthNodes
 from propmap.solve.disk import DiskSolution
@@ -103,7 +103,7 @@ def _search_in_lanes(
 
 def with_lanes(options: dict[str, Any], lanes: bool) -> Any:
     """XLA's ``options`` for a program with lanes, or for one that is made of kernels."""
-    return options if lanes else options | OF_KERNELS
+    return options if lanes or not known_jaxlib() else options | OF_KERNELS
 
 
 @functools.cache
