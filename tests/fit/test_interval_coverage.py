@@ -6,7 +6,9 @@ import functools
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
+from propmap.errors import InputError
 from propmap.fit.fitted import Settings, fit
 from propmap.fit.interval_coverage import noisy_intervals
 from propmap.fit.parameters import Choice
@@ -39,6 +41,11 @@ def test_intervals_are_those_of_single_fits_and_of_workers() -> None:
         sure = fit(noisy, THREE, Settings(starts=1, folds=0)).uncertainty
         np.testing.assert_array_equal(here.low[k], sure.low)
         np.testing.assert_array_equal(here.high[k], sure.high)
+
+
+def test_workers_elsewhere_need_a_way_to_make_the_rows() -> None:
+    with pytest.raises(InputError, match="give remake"):
+        noisy_intervals(exact(60), THREE, NOISE, 5, workers=Elsewhere())
 
 
 def test_intervals_hold_the_truth_as_often_as_they_say() -> None:

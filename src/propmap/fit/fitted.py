@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +13,7 @@ from propmap.arrays.types import Floats
 from propmap.fit.parameters import Choice
 from propmap.fit.residuals import rms_known
 from propmap.fit.rows import Rows
+from propmap.fit.rows_elsewhere import RowsElsewhere
 from propmap.fit.search import NOISE_FLOOR, Minimum, search, starts
 from propmap.fit.section_prior import LEAST_ERROR
 from propmap.fit.uncertainty import Uncertainty, residual_errors, uncertainty
@@ -194,7 +194,7 @@ def _cross_validate(
     return left_out
 
 
-class _Refit:
+class _Refit(RowsElsewhere):
     """Fits much the same rows again; what is sent to another process remakes the rows there."""
 
     def __init__(
@@ -213,14 +213,6 @@ class _Refit:
         """The parameters (P,) that fit some rows."""
         start = [self.start]
         return search(part, self.choice, start, loss=self.loss, error=self.error, follow=True).x
-
-    def __getstate__(self) -> dict[str, Any]:
-        return {key: value for key, value in vars(self).items() if key != "rows"}
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        vars(self).update(state)
-        assert self.remake is not None
-        self.rows = self.remake()
 
 
 def _bootstrap(refit: _Refit, settings: Settings, workers: Workers) -> Floats:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +12,7 @@ from propmap.arrays.types import Floats
 from propmap.fit.fitted import Settings, fit
 from propmap.fit.parameters import Choice
 from propmap.fit.rows import Rows
+from propmap.fit.rows_elsewhere import RowsElsewhere
 from propmap.tasks import InTurn, Workers, in_order
 
 
@@ -74,19 +74,11 @@ def noisy_intervals(
     return Intervals(low, high, identified)
 
 
-class _Exact:
+class _Exact(RowsElsewhere):
     """Rows without noise; what is sent to another process remakes them there."""
 
     def __init__(self, rows: Rows, choice: Choice, remake: Callable[[], Rows] | None) -> None:
         self.rows, self.choice, self.remake = rows, choice, remake
-
-    def __getstate__(self) -> dict[str, Any]:
-        return {key: value for key, value in vars(self).items() if key != "rows"}
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        vars(self).update(state)
-        assert self.remake is not None
-        self.rows = self.remake()
 
 
 def _fitted(exact: _Exact, measured: Floats) -> tuple[Floats, Floats, NDArray[np.bool_]]:
