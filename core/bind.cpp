@@ -1,0 +1,408 @@
+// The Python module: rotors by their numbers, operating points as arrays, loads as arrays.
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <functional>
+#include <thread>
+#include <variant>
+
+#include "propmap/disk_field.hpp"
+#include "propmap/dynamic_inflow.hpp"
+#include "propmap/instructions.hpp"
+#include "propmap/laws.hpp"
+
+namespace nb = nanobind;
+using namespace propmap;
+
+#ifndef PROPMAP_MODULE
+#define PROPMAP_MODULE _core
+#endif
+#ifndef PROPMAP_INSTRUCTIONS
+#define PROPMAP_INSTRUCTIONS "native"
+#endif
+
+namespace {
+
+using Vector = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+using Numbers = nb::ndarray<nb::numpy, double>;
+
+std::vector<double> array_of(const nb::handle& from) {
+    const auto v = nb::cast<Vector>(from);
+    return {v.data(), v.data() + v.size()};
+}
+double number(const nb::dict& from, const char* name, double otherwise = 0.0) {
+    return from.contains(name) ? nb::cast<double>(from[name]) : otherwise;
+}
+
+Numbers make_array(std::initializer_list<std::size_t> shape, double*& data) {
+    std::size_t size = 1;
+    for (std::size_t n : shape) size *= n;
+    auto* memory = new double[std::max<std::size_t>(size, 1)]();
+    data = memory;
+    return Numbers(memory, shape.size(), shape.begin(),
+                   nb::capsule(memory, [](void* p) noexcept { delete[] static_cast<double*>(p); }));
+}
+
+// Call `one(k)` for k below `count`, on as many threads as asked for; a signal such as Ctrl-C is heard meanwhile.
+// No result depends on the number of threads.  They live for one call, so that a process may fork between two.
+void for_each_point(std::size_t count, int threads, const std::function<void(std::size_t)>& one) {
+    constexpr auto patience = std::chrono::milliseconds(50);
+    std::atomic<std::size_t> next{0};
+    std::atomic<bool> stop{false};
+    const std::size_t chunk = std::clamp<std::size_t>(count / (8 * std::max(threads, 1)), 1, 64);
+    const int helpers = int(std::min<std::size_t>(std::max(threads, 1), (count + 31) / 32));
+    const auto heard_signal = [] {
+        nb::gil_scoped_acquire held;
+        return PyErr_CheckSignals() != 0;
+    };
+    {
+        nb::gil_scoped_release free;
+        if (helpers <= 1) {
+            auto last = std::chrono::steady_clock::now();
+            for (std::size_t k = 0; k < count && !stop; ++k) {
+                one(k);
+                if (k % 16 == 15 && std::chrono::steady_clock::now() - last > patience) {
+                    stop = heard_signal();
+                    last = std::chrono::steady_clock::now();
+                }
+            }
+        } else {
+            std::mutex guard;
+            std::condition_variable ended;
+            int running = helpers;
+            std::vector<std::thread> pool;
+            for (int t = 0; t < helpers; ++t)
+                pool.emplace_back([&] {
+                    for (std::size_t first; !stop && (first = next.fetch_add(chunk)) < count;)
+                        for (std::size_t k = first; k < std::min(first + chunk, count) && !stop; ++k) one(k);
+                    const std::lock_guard lock(guard);
+                    if (--running == 0) ended.notify_one();
+                });
+            std::unique_lock lock(guard);
+            while (running > 0) {
+                ended.wait_for(lock, patience);
+                if (running == 0 || stop) continue;
+                lock.unlock();
+                if (heard_signal()) stop = true;
+                lock.lock();
+            }
+            lock.unlock();
+            for (auto& t : pool) t.join();
+        }
+    }
+    if (stop) throw nb::python_error();
+}
+
+constexpr int together = 8;  // directions that are differentiated at once
+using Directions = Dual<double, together>;
+
+// What loads can be differentiated by: numbers of the law, of the blade and of the flow, by name.
+template <class S, template <class> class LawOf>
+std::vector<std::pair<std::string, S*>> numbers_of(Rotor<S, LawOf>& rotor, Flow<S>& flow) {
+    std::vector<std::pair<std::string, S*>> all{{"chord_scale", &rotor.change.chord_scale},
+                                                {"twist_offset", &rotor.change.twist_offset},
+                                                {"untwist", &rotor.change.untwist},
+                                                {"omega", &flow.omega},
+                                                {"v_axial", &flow.v_axial},
+                                                {"v_inplane", &flow.v_inplane}};
+    rotor.law.each_number([&](const char* name, S& number) { all.emplace_back(name, &number); });
+    if (rotor.mounted) all.emplace_back("mount_area", &rotor.mount_area);
+    return all;
+}
+
+// The rotor and the flow with derivatives along some of their numbers.
+template <template <class> class LawOf>
+void seed(Rotor<double, LawOf> from, Flow<double> from_flow, const std::vector<int>& which,
+          Rotor<Directions, LawOf>& to, Flow<Directions>& flow) {
+    to.blade = from.blade, to.density = from.density, to.viscosity = from.viscosity;
+    to.tip_loss = from.tip_loss, to.hub_radius = from.hub_radius, to.inflow_shape = from.inflow_shape;
+    to.mounted = from.mounted, to.mount_wake = from.mount_wake, to.radial_friction = from.radial_friction;
+    to.law.stall_delay = from.law.stall_delay, to.law.speed_of_sound = from.law.speed_of_sound;
+    to.law.copy_fixed(from.law);
+    flow.v_hover = {from_flow.v_hover, {}};
+    const auto old = numbers_of(from, from_flow);
+    const auto now = numbers_of(to, flow);
+    for (std::size_t k = 0; k < now.size(); ++k) *now[k].second = {*old[k].second, {}};
+    for (std::size_t d = 0; d < which.size(); ++d) now[which[d]].second->d[d] = 1.0;
+}
+
+// A dictionary that a law reads its numbers from.
+struct Source {
+    const nb::dict& from;
+    double number(const char* name) const { return nb::cast<double>(from[name]); }
+    std::vector<double> numbers(const char* name) const { return array_of(from[name]); }
+};
+
+template <class List> struct Variants;
+template <template <class> class... LawOf> struct Variants<LawList<LawOf...>> {
+    using Law = std::variant<LawOf<double>...>;
+    using Solver = std::variant<RotorSolver<LawOf>...>;
+
+    static Law read(const nb::dict& from) {
+        const auto kind = nb::cast<std::string>(from["kind"]);
+        Law law;
+        const auto try_one = [&]<class One>(One one) {
+            if (kind != One::kind) return;
+            one.each_number([&](const char* name, double& value) { value = number(from, name); });
+            one.read_fixed(Source{from});
+            law = one;
+        };
+        (try_one(LawOf<double>{}), ...);
+        return law;
+    }
+};
+using AnyLaw = Variants<Laws>::Law;
+using AnySolver = Variants<Laws>::Solver;
+
+const std::map<std::string, InflowShape> inflow_shapes = {
+    {"uniform", InflowShape::uniform},
+    {"pitt-peters", InflowShape::pitt_peters},
+    {"pitt-peters-gradient", InflowShape::pitt_peters_gradient},
+    {"coleman", InflowShape::coleman},
+    {"white-blake", InflowShape::white_blake},
+    {"drees", InflowShape::drees}};
+
+// C_L and C_D of a section at angles from the chord line [rad] and Reynolds numbers; (2, N).
+Numbers section_coefficients(const nb::dict& of, Vector alpha, Vector reynolds) {
+    double* found;
+    const std::size_t n = alpha.size();
+    auto array = make_array({2, n}, found);
+    std::visit([&](const auto& law) {
+        for (std::size_t k = 0; k < n; k += width) {
+            const auto at = [&](const Vector& v) {
+                return each_lane([&](int j) { return v.data()[std::min(k + j, n - 1)]; });
+            };
+            const Lanes re = at(reynolds), from = at(alpha);
+            const auto turn = [&](Lanes angle) {
+                return sine_cosine(each_lane([&](int j) { return std::remainder((from - angle)[j], 2.0 * pi); }));
+            };
+            const auto lift = turn(law.zero_lift_angle_at(re) + Lanes{}), drag = turn(law.least_drag_angle_at(re) + Lanes{});
+            const SectionFlow<Lanes, Lanes, Lanes, Lanes> flow{lift.sine, lift.cosine, drag.sine, Lanes{}, re,
+                                                               1.0 / square_root(re)};
+            const auto c = law.coefficients(flow);
+            for (int j = 0; j < width && k + j < n; ++j) found[k + j] = c.lift[j], found[n + k + j] = c.drag[j];
+        }
+    }, Variants<Laws>::read(of));
+    return array;
+}
+
+// A rotor of a model, ready for any operating point.
+class CoreRotor {
+  public:
+    CoreRotor(const nb::dict& blade, const nb::dict& law, const nb::dict& air, const nb::dict& corrections, bool fine)
+        : blade_(std::make_unique<BladeShape>(
+              make_blade(array_of(blade["station"]), array_of(blade["chord"]), array_of(blade["twist"]),
+                         nb::cast<int>(blade["blades"]), nb::cast<double>(blade["root"])))),
+          solver_(make(law, air, corrections, fine)) {}
+
+    nb::tuple loads(Vector omega, Vector v_axial, Vector v_inplane, int threads) const {
+        const std::size_t n = omega.size();
+        double *loads, *other;
+        auto load_array = make_array({Loads<double>::count, n}, loads), others = make_array({4, n}, other);
+        std::visit([&](const auto& solver) {
+            for_each_point(n, threads, [&, w = omega.data(), a = v_axial.data(), i = v_inplane.data()](std::size_t k) {
+                thread_local Solution s;
+                solver.solve(w[k], a[k], i[k], s);
+                for (int j = 0; j < Loads<double>::count; ++j) loads[j * n + k] = s.result.loads.begin()[j];
+                other[k] = double(s.result.status), other[n + k] = s.result.roots;
+                other[2 * n + k] = s.result.ring, other[3 * n + k] = s.result.mean_inflow;
+            });
+        }, solver_);
+        return nb::make_tuple(load_array, others);
+    }
+
+    nb::tuple gradients(const std::vector<std::string>& names, Vector omega, Vector v_axial, Vector v_inplane,
+                        int threads) const {
+        const std::size_t n = omega.size(), p = names.size();
+        double *loads, *slopes;
+        auto load_array = make_array({Loads<double>::count, n}, loads);
+        auto slope_array = make_array({Loads<double>::count, p, n}, slopes);
+        std::visit([&](const auto& solver) { differentiate(solver, names, omega, v_axial, v_inplane, threads, loads, slopes); },
+                   solver_);
+        return nb::make_tuple(load_array, slope_array);
+    }
+
+    Numbers hover_inflow(Vector omega, int threads) const {
+        double* found;
+        auto array = make_array({omega.size()}, found);
+        std::visit([&](const auto& solver) {
+            for_each_point(omega.size(), threads, [&, w = omega.data()](std::size_t k) { found[k] = solver.hover_inflow(w[k]); });
+        }, solver_);
+        return array;
+    }
+
+    // States of the inflow (N, 3) and times: static states, rates, states later (N, 3), loads (6, N), and derivatives of
+    // the rates (N, 3, 3).
+    nb::tuple inflow_motion(Vector omega, Vector v_axial, Vector v_inplane, Vector states, Vector times, int threads) const {
+        const std::size_t n = omega.size();
+        double *steady, *rates, *later, *loads, *linear, *other;
+        auto steadies = make_array({n, 3}, steady), rate_array = make_array({n, 3}, rates);
+        auto laters = make_array({n, 3}, later), load_array = make_array({Loads<double>::count, n}, loads);
+        auto matrices = make_array({n, 3, 3}, linear), others = make_array({4, n}, other);
+        std::visit([&](const auto& solver) {
+            for_each_point(n, threads, [&, w = omega.data(), a = v_axial.data(), i = v_inplane.data(), x = states.data(),
+                                        t = times.data()](std::size_t k) {
+                thread_local Solution s;
+                solver.solve(w[k], a[k], i[k], s);
+                const auto m = propmap::inflow_motion(solver, s, {x[3 * k], x[3 * k + 1], x[3 * k + 2]}, t[k]);
+                for (int j = 0; j < 3; ++j) {
+                    steady[3 * k + j] = m.steady[j], rates[3 * k + j] = m.rates[j], later[3 * k + j] = m.later[j];
+                    for (int c = 0; c < 3; ++c) linear[9 * k + 3 * j + c] = m.linear.m[j][c];
+                }
+                for (int j = 0; j < Loads<double>::count; ++j) loads[j * n + k] = m.loads.begin()[j];
+                other[k] = double(s.result.status), other[n + k] = s.result.roots;
+                other[2 * n + k] = s.result.ring, other[3 * n + k] = s.result.mean_inflow;
+            });
+        }, solver_);
+        return nb::make_tuple(steadies, rate_array, laters, load_array, matrices, others);
+    }
+
+    // Fields over the disk at one operating point, by name; (S,) or (S, P), S from 1 to 1000.
+    nb::dict disk_field(double omega, double v_axial, double v_inplane, const std::vector<double>& radii,
+                        const std::vector<double>& psi) const {
+        return std::visit([&](const auto& solver) {
+            Solution s;
+            solver.solve(omega, v_axial, v_inplane, s);
+            const DiskField f = propmap::disk_field(solver, s, radii, psi);
+            nb::dict told;
+            const auto tell = [&](const char* name, const std::vector<double>& values, bool around) {
+                double* data;
+                told[name] = around ? make_array({radii.size(), psi.size()}, data) : make_array({radii.size()}, data);
+                std::copy(values.begin(), values.end(), data);
+            };
+            tell("inflow", f.inflow, false), tell("thrust", f.thrust, false);
+            tell("drag", f.drag, false), tell("torque", f.torque, false);
+            tell("local_inflow", f.local_inflow, true), tell("alpha", f.alpha, true);
+            tell("past_stall", f.past_stall, true), tell("u_tangential", f.u_tangential, true);
+            tell("u_normal", f.u_normal, true), tell("normal_force", f.normal_force, true);
+            return told;
+        }, solver_);
+    }
+
+    // Thrust [N] of attached flow, a good guess at once.
+    Numbers attached_thrust(Vector omega, Vector v_axial, Vector v_inplane) const {
+        double* found;
+        auto array = make_array({omega.size()}, found);
+        std::visit([&](const auto& solver) {
+            for (std::size_t k = 0; k < omega.size(); ++k)
+                found[k] = propmap::attached_thrust(solver.rotor(), {omega.data()[k], v_axial.data()[k], v_inplane.data()[k], 0.0});
+        }, solver_);
+        return array;
+    }
+
+    // How one operating point was solved: nodes with their inflow and residual, and the panels' edges.
+    nb::dict solution(double omega, double v_axial, double v_inplane) const {
+        return std::visit([&](const auto& solver) {
+            Solution s;
+            solver.solve(omega, v_axial, v_inplane, s);
+            const auto of = solver.annuli(s);
+            const std::size_t n = s.disk.nodes;
+            double *radius, *inflow, *residual, *edge;
+            nb::dict told;
+            told["radius"] = make_array({n}, radius), told["inflow"] = make_array({n}, inflow);
+            told["residual"] = make_array({n}, residual);
+            for (std::size_t k = 0; k < n; ++k) {
+                const auto g = of.residual(s.disk.at[k / width], s.disk.inflow[k / width]);
+                radius[k] = s.disk.at[k / width].radius[k % width], inflow[k] = s.disk.inflow[k / width][k % width];
+                residual[k] = solver.rotor().density * g.v[k % width];
+            }
+            told["edge"] = make_array({std::size_t(s.disk.panels) + 1}, edge);
+            nb::list folds;
+            const char* kinds[] = {"fold", "shoulder", "angle"};
+            for (int k = 0; k <= s.disk.panels; ++k) {
+                edge[k] = s.disk.edge[k];
+                folds.append(!s.disk.moves[k] ? "" : kinds[int(s.disk.fold[k].kind)]);
+            }
+            told["fold"] = folds, told["azimuths"] = 2 * s.psi.count;
+            told["v_hover"] = s.flow.v_hover, told["windmill"] = s.windmill;
+            return told;
+        }, solver_);
+    }
+
+    nb::tuple span() const { return nb::make_tuple(blade_->root, blade_->tip); }
+
+  private:
+    AnySolver make(const nb::dict& law, const nb::dict& air, const nb::dict& corrections, bool fine) {
+        const Accuracy& accuracy = fine ? fine_accuracy : standard_accuracy;
+        return std::visit([&]<template <class> class LawOf>(const LawOf<double>& found) -> AnySolver {
+            return RotorSolver<LawOf>(rotor<LawOf>(found, air, corrections), accuracy);
+        }, Variants<Laws>::read(law));
+    }
+
+    template <template <class> class LawOf>
+    Rotor<double, LawOf> rotor(const LawOf<double>& law, const nb::dict& air, const nb::dict& with) {
+        Rotor<double, LawOf> r;
+        if (with.contains("blade-to-hub")) *blade_ = continued_to(*blade_, number(with, "blade-to-hub"));
+        r.blade = blade_.get();
+        static_cast<LawOf<double>&>(r.law) = law;
+        r.density = number(air, "density"), r.viscosity = number(air, "viscosity");
+        r.change.untwist = number(with, "blade-untwist");
+        r.tip_loss = with.contains("tip-loss"), r.hub_radius = number(with, "hub-loss");
+        if (with.contains("inflow")) r.inflow_shape = inflow_shapes.at(nb::cast<std::string>(with["inflow"]));
+        r.mounted = with.contains("mount-drag");
+        if (r.mounted) r.mount_area = number(with, "mount-drag"), r.mount_wake = number(with, "mount-wake", 1.0);
+        r.law.stall_delay = number(with, "stall-delay"), r.law.speed_of_sound = number(with, "prandtl-glauert");
+        r.radial_friction = with.contains("radial-friction");
+        return r;
+    }
+
+    template <template <class> class LawOf>
+    static void differentiate(const RotorSolver<LawOf>& solver, const std::vector<std::string>& names, const Vector& omega,
+                              const Vector& v_axial, const Vector& v_inplane, int threads, double* loads, double* slopes) {
+        const std::size_t n = omega.size(), p = names.size();
+        Rotor<double, LawOf> example = solver.rotor();
+        Flow<double> still{};
+        std::vector<int> which;
+        const auto known = numbers_of(example, still);
+        for (const auto& name : names) {
+            std::size_t k = 0;
+            while (k < known.size() && name != known[k].first) ++k;
+            if (k == known.size()) throw nb::key_error(name.c_str());
+            which.push_back(int(k));
+        }
+        for_each_point(n, threads, [&, w = omega.data(), a = v_axial.data(), i = v_inplane.data()](std::size_t k) {
+            thread_local Solution s;
+            solver.solve(w[k], a[k], i[k], s);
+            for (int j = 0; j < Loads<double>::count; ++j) loads[j * n + k] = s.result.loads.begin()[j];
+            const bool lost = s.result.status == Status::not_converged;
+            for (std::size_t first = 0; first < p; first += together) {
+                const std::size_t last = std::min(first + together, p);
+                Rotor<Directions, LawOf> rotor;
+                Flow<Directions> flow;
+                seed<LawOf>(solver.rotor(), s.flow, {which.begin() + first, which.begin() + last}, rotor, flow);
+                const auto found = solver.template slopes<together>(s, rotor, flow);
+                for (int j = 0; j < Loads<double>::count; ++j)
+                    for (std::size_t d = first; d < last; ++d)
+                        slopes[(j * p + d) * n + k] = lost ? std::nan("") : found.begin()[j].d[d - first];
+            }
+        });
+    }
+
+    std::unique_ptr<BladeShape> blade_;
+    AnySolver solver_;
+};
+
+}  // namespace
+
+NB_MODULE(PROPMAP_MODULE, m) {
+    m.def("instructions", [] { return PROPMAP_INSTRUCTIONS; });
+    m.def("best_instructions", &best_instructions);
+    m.def("section_coefficients", &section_coefficients);
+    nb::class_<CoreRotor>(m, "Rotor")
+        .def(nb::init<const nb::dict&, const nb::dict&, const nb::dict&, const nb::dict&, bool>(), nb::arg("blade"),
+             nb::arg("law"), nb::arg("air"), nb::arg("corrections"), nb::arg("fine"))
+        .def("loads", &CoreRotor::loads)
+        .def("gradients", &CoreRotor::gradients)
+        .def("hover_inflow", &CoreRotor::hover_inflow)
+        .def("solution", &CoreRotor::solution)
+        .def("inflow_motion", &CoreRotor::inflow_motion)
+        .def("disk_field", &CoreRotor::disk_field)
+        .def("attached_thrust", &CoreRotor::attached_thrust)
+        .def_prop_ro("span", &CoreRotor::span);
+}

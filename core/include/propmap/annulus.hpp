@@ -1,0 +1,517 @@
+// The hybrid inflow v_i(y) of an annulus: the largest root of eq. (11), blade-element thrust (5) = momentum
+// thrust (10).
+//
+// The residual, (5) minus (10), is negative above all roots.  Most annuli have one root, in attached flow.
+// About stall the residual has a maximum, the hump: where its top is above zero (11) has three roots, of which
+// the largest, on the attached branch, is taken; where it is below, the one root is stalled.  So a root that
+// Newton's method finds in attached flow is the one wanted, if the residual can be shown to fall from there
+// on; anywhere else the whole range of inflows is scanned.
+#pragma once
+
+#include <array>
+
+#include "inflow.hpp"
+
+namespace propmap {
+
+// Equation (11) at one operating point.
+template <class R> struct Annuli {
+    const R& rotor;
+    Flow<double> flow;
+    Azimuths psi;
+    Azimuths few;   // some of them, for steps from afar
+    bool windmill;  // whether the windmill branch of momentum theory holds
+
+    Station<Lanes> station(Lanes radius) const { return station_at(rotor, flow.omega, radius); }
+
+    // Blade-element thrust minus momentum thrust per radius and density, with its slope by the inflow.
+    Dual<Lanes, 1> residual(const Station<Lanes>& at, Lanes inflow, const Azimuths& over) const {
+        const Dual<Lanes, 1> v{inflow, {broadcast(1.0)}};
+        return annulus_thrust(rotor, at, flow, v, over) -
+               wake_thrust(rotor, at.radius, flow, windmill, v);  // Eq. (11)
+    }
+    Dual<Lanes, 1> residual(const Station<Lanes>& at, Lanes inflow) const { return residual(at, inflow, psi); }
+
+    // U_T [m/s], root mean square over azimuth.
+    Lanes rms_speed(const Station<Lanes>& at) const {
+        const Lanes turning = flow.omega * at.radius;
+        return square_root(turning * turning + (0.5 * flow.v_inplane * flow.v_inplane + 1e-18));
+    }
+    double stall_angle(double reynolds_per_speed, double radius, double side) const {
+        return value(rotor.law.stall_angle(reynolds_per_speed * flow.omega * radius, side));
+    }
+    // Whether some samples tell how the residual goes between them: not where lift has further bends in deep stall, or
+    // the tip's loss in descent, where it is greatest with the air standing still at the disk.
+    bool plain() const {
+        return rotor.law.plain_stall && rotor.law.stall_delay == 0.0 &&
+               !(flow.v_axial < 0.0 && (rotor.tip_loss || rotor.hub_radius > 0.0));
+    }
+    // Stall sharper than the paper's is looked for in proportionally finer steps.
+    double stall_scale() const { return std::min(rotor.law.stall_width() / 0.02, 1.0); }
+};
+
+// The angle of attack from zero lift [rad] at a tangential velocity.
+inline Lanes angle_at(const Station<Lanes>& at, Lanes u_t, Lanes u_p) {
+    const Lanes per = 1.0 / square_root(u_t * u_t + u_p * u_p + 1e-30);
+    return angle_of((at.cosine * u_t + at.sine * u_p) * per, (at.sine * u_t - at.cosine * u_p) * per);
+}
+
+// An inflow of attached flow without drag [m/s]: v W = k (U_T^2 theta - U_T u), a few steps down to its root.
+template <class R> Lanes attached_guess(const Annuli<R>& of, const Station<Lanes>& at) {
+    const auto& f = of.flow;
+    const Lanes speed = of.rms_speed(at);
+    const Lanes k = (of.rotor.blade->blades * value(of.rotor.law.attached_slope()) / (8.0 * pi)) * at.chord / at.radius;
+    const Lanes lift = k * speed * speed * at.sine, loss = k * f.omega * at.radius * at.cosine;
+    Lanes v = square_root(maximum(lift, 0.0)) + 1.5 * std::max(-f.v_axial, 0.0);
+    for (int step = 0; step < 4; ++step) {
+        const Lanes u = f.v_axial + v;
+        const Lanes w = square_root(speed_squared(f.v_inplane, u));
+        v = v + (lift - loss * u - v * w) / (loss + maximum(w + v * u / w, 1e-3 * w));
+    }
+    return v;
+}
+
+// Newton's method at all lanes at once, from `v`: at most `most` steps, until all are shorter than `close`
+// times `scale`.  Returns where the last step was that short and the residual fell.
+template <class R>
+Mask newton(const Annuli<R>& of, const Station<Lanes>& at, const Azimuths& over, Lanes scale, double close, int most,
+            Lanes& v) {
+    Mask ended{};
+    for (int k = 0; k < most; ++k) {
+        const auto g = of.residual(at, v, over);
+        const Mask falls = g.d[0] < 0.0;
+        const Lanes far = 0.3 * scale;
+        Lanes step = falls ? g.v / g.d[0] : far;
+        step = step > far ? far : (step < -far ? -far : step);
+        v = v - step;
+        ended = falls & (absolute(step) <= close * scale);
+        if (!any(~ended)) break;
+    }
+    return ended;
+}
+
+// Whether a root v is in attached flow at all azimuths, so that there is none above.
+//
+// Above it the blades' thrust falls with v_i and the momentum's rises, where the lift is positive.  With negative
+// lift both hold up to v_i = 0, if no element stalls until there; from there on the two have opposite signs.
+template <class R> Mask surely_largest(const Annuli<R>& of, const Station<Lanes>& at, Lanes v) {
+    const auto& f = of.flow;
+    const double margin = 3.0 * std::max(of.rotor.law.stall_width(), 0.02);
+    const Lanes turning = f.omega * at.radius;
+    const Lanes slow = turning - f.v_inplane, fast = turning + f.v_inplane;
+    const Lanes u = f.v_axial + v;
+    Lanes most, least;
+    for (int k = 0; k < width; ++k) {
+        most[k] = of.stall_angle(at.reynolds_per_speed[k], at.radius[k], 1.0) - margin;
+        least[k] = of.stall_angle(at.reynolds_per_speed[k], at.radius[k], -1.0) + margin;
+    }
+    const Lanes one = angle_at(at, fast, u), other = angle_at(at, slow, u);
+    const Lanes later = angle_at(at, slow, f.v_axial + maximum(v, 0.0));
+    Mask sure = (slow > 0.0) & (maximum(one, other) < most) & (minimum(minimum(one, other), later) > least);
+    const Mask climb = f.v_axial + Lanes{} >= 0.0;
+    // On the windmill branch the wake's thrust rises with v_i wherever the air goes.
+    const Mask rises = of.windmill && of.plain() ? v >= 0.0 : u >= 0.0;
+    sure &= (v >= 0.0) ? rises : (climb & (f.v_axial + 2.0 * v > 0.0));
+    return sure;
+}
+
+// Samples of the residual over v_i at one radius, v_i falling.
+struct Samples {
+    static constexpr int most = 400;
+    int count = 0;
+    std::array<double, most> inflow, value, slope;
+
+    void append(double v, double g, double s) {
+        inflow[count] = v, value[count] = g, slope[count] = s;
+        ++count;
+    }
+};
+
+// The cubic between two samples, in t from 0 at sample k to 1 at the next: its derivative is a + b t + c t^2.
+struct Cubic {
+    double start, a, b, c;
+
+    Cubic(const Samples& s, int k) {
+        const double run = s.inflow[k] - s.inflow[k + 1], rise = s.value[k + 1] - s.value[k];
+        const double end = -s.slope[k + 1] * run;
+        start = s.value[k], a = -s.slope[k] * run;
+        c = 3.0 * (a + end - 2.0 * rise), b = end - a - c;
+    }
+    double at(double t) const { return start + t * (a + t * (0.5 * b + t * c / 3.0)); }
+
+    // Places of its extremes inside, how many.
+    int extremes(double (&t)[2]) const {
+        int count = 0;
+        const double square = b * b - 4.0 * a * c;
+        if (square <= 0.0) return 0;
+        const double q = -0.5 * (b + std::copysign(std::sqrt(square), b));
+        for (double place : {c != 0.0 ? q / c : -1.0, q != 0.0 ? a / q : -1.0})
+            if (place > 0.0 && place < 1.0) t[count++] = place;
+        if (count == 2 && t[0] > t[1]) std::swap(t[0], t[1]);
+        return count;
+    }
+};
+
+// What a scan of the residual at one radius found.
+struct Scan {
+    bool found = false;
+    double low, high;  // v_i about the largest root [m/s]
+    double guess;
+    int roots = 0;
+};
+
+// Scan the residual over all inflows at one radius.
+template <class R> Scan scan(const Annuli<R>& of, double radius, Samples& samples) {
+    const auto& f = of.flow;
+    const Station<Lanes> at = of.station(broadcast(radius));
+    const double speed = std::max(of.rms_speed(at)[0], 0.1 * std::fabs(f.v_axial) + 1e-9);
+    const double line = std::atan2(at.sine[0], at.cosine[0]);
+    std::array<double, 96> grid;
+    int count = 0;
+    const auto add_angle = [&](double phi) {
+        if (std::fabs(phi) < 1.45) grid[count++] = speed * std::tan(phi) - f.v_axial;
+    };
+    for (int k = -7; k <= 7; ++k) add_angle(0.2 * k);
+    // About stall the residual bends most.
+    for (double side : {1.0, -1.0}) {
+        const double stall = of.stall_angle(at.reynolds_per_speed[0], radius, side);
+        for (double off : {-0.2, -0.15, -0.11, -0.08, -0.055, -0.03, -0.01, 0.01, 0.03, 0.055, 0.09, 0.14})
+            add_angle(line - (stall + side * of.stall_scale() * off));
+    }
+    grid[count++] = 0.0;
+    grid[count++] = -f.v_axial;  // the air at the disk stands still
+    if (f.v_axial < 0.0) {
+        const auto turn = turning_points(f.v_axial, f.v_inplane);
+        grid[count++] = turn.first, grid[count++] = turn.second;
+    }
+    grid[count++] = 10.0 * speed - f.v_axial;
+    grid[count++] = -10.0 * speed - f.v_axial;
+    std::sort(grid.begin(), grid.begin() + count, std::greater<>());
+    const double apart = 1e-6 * speed;
+    count = int(std::unique(grid.begin(), grid.begin() + count,
+                            [&](double a, double b) { return std::fabs(a - b) < apart; }) - grid.begin());
+
+    samples.count = 0;
+    const auto evaluate = [&](const double* v, int n, Samples& into) {
+        for (int k = 0; k < n; k += width) {
+            const Lanes x = each_lane([&](int j) { return v[std::min(k + j, n - 1)]; });
+            const auto g = of.residual(at, x);
+            for (int j = 0; j < width && k + j < n; ++j) into.append(x[j], g.v[j], g.d[0][j]);
+        }
+    };
+    // Above all roots the residual is negative, below all it is positive.
+    const double whole = speed + std::fabs(f.v_axial);
+    for (double more = 100.0; more < 1e7; more *= 10.0) {
+        const double v[2] = {grid[0], grid[count - 1]};
+        Samples ends;
+        evaluate(v, 2, ends);
+        const bool high = ends.value[0] < 0.0, low = ends.value[1] > 0.0;
+        if (high && low) break;
+        if (!high) grid[0] = more * whole - f.v_axial;
+        if (!low) grid[count - 1] = -more * whole - f.v_axial;
+    }
+    evaluate(grid.data(), count, samples);
+
+    // Where a cubic between two samples turns towards zero, roots may hide: look closer there.
+    for (int round = 0; round < 8; ++round) {
+        Samples finer;
+        bool changed = false;
+        for (int k = 0; k < samples.count; ++k) {
+            finer.append(samples.inflow[k], samples.value[k], samples.slope[k]);
+            if (k + 1 == samples.count) break;
+            const double run = samples.inflow[k] - samples.inflow[k + 1];
+            if (run < 1e-7 * whole || samples.count + finer.count > Samples::most - 3 * width) continue;
+            const Cubic cubic(samples, k);
+            const double g0 = samples.value[k], g1 = samples.value[k + 1];
+            double t[2];
+            const int extremes = cubic.extremes(t);
+            const bool crosses = (g0 < 0.0) != (g1 < 0.0);
+            const bool opposed = cubic.a * (cubic.a + cubic.b + cubic.c) < 0.0;
+            bool hides = crosses && (extremes > 0 || opposed);
+            for (int e = 0; e < extremes && !crosses; ++e) {
+                const double there = cubic.at(t[e]), nearest = std::min(std::fabs(g0), std::fabs(g1));
+                const bool beyond = (there < 0.0) != (g0 < 0.0);
+                hides |= beyond || std::fabs(there) < 0.7 * nearest;
+            }
+            if (!hides) continue;
+            double v[width];
+            for (int j = 0; j < width; ++j) v[j] = samples.inflow[k] - run * (j + 1.0) / (width + 1.0);
+            evaluate(v, width, finer);
+            changed = true;
+        }
+        samples = finer;
+        if (!changed) break;
+    }
+
+    Scan result;
+    for (int k = 0; k + 1 < samples.count; ++k) {
+        if ((samples.value[k] < 0.0) == (samples.value[k + 1] < 0.0)) continue;
+        ++result.roots;
+        if (result.found) continue;
+        result.found = true;
+        result.high = samples.inflow[k], result.low = samples.inflow[k + 1];
+        // The cubic's zero by bisection: cheap beside an evaluation.
+        const Cubic cubic(samples, k);
+        double low = 0.0, high = 1.0;
+        for (int step = 0; step < 30; ++step) {
+            const double middle = 0.5 * (low + high);
+            (cubic.at(middle) < 0.0 ? low : high) = middle;
+        }
+        result.guess = result.high - 0.5 * (low + high) * (result.high - result.low);
+    }
+    return result;
+}
+
+// Roots between `low` and `high` by Newton's method, held between the two: NaN where it does not converge.
+template <class R>
+Lanes polished_roots(const Annuli<R>& of, const Station<Lanes>& at, Lanes low, Lanes high, Lanes v) {
+    const Lanes scale = of.rms_speed(at) + std::fabs(of.flow.v_axial) + 1e-12;
+    Mask open = v == v;
+    for (int k = 0; k < 120 && any(open); ++k) {
+        const auto g = of.residual(at, v);
+        const Mask below = g.v >= 0.0;
+        low = below ? v : low;
+        high = below ? high : v;
+        const Lanes newton = v - g.v / g.d[0];
+        const Mask inside = (g.d[0] < 0.0) & (newton >= low) & (newton <= high);
+        const Lanes next = inside ? newton : 0.5 * (low + high);
+        const Mask ends = (absolute(next - v) <= 1e-10 * scale) & inside;
+        const Mask narrow = (high - low) <= 1e-14 * scale;
+        v = open ? next : v;
+        open = open & ~(ends | narrow | (g.v == 0.0));
+    }
+    return open ? broadcast(std::nan("")) : v;
+}
+
+// The hump of the residual at a radius: the local maximum about stall that decides on the largest root, or else the
+// shoulder, where the residual comes closest to having one.  Where one becomes the other they are one point.
+struct Hump {
+    double radius;
+    double height;  // the residual there
+    double inflow;  // v_i there [m/s]
+    double past;    // the mean angle of attack there, from that of stall [rad]: it hardly varies along the blade
+    double slope;   // of the height along the blade
+    double below;   // an angle, like `past`, at which the residual is positive again at a smaller v_i; NaN for none
+    bool clear;     // whether it has no other maximum until there
+    bool falls;     // whether it falls with v_i everywhere
+    bool top;       // whether it is a maximum
+    bool folded;    // whether (11) has three roots here
+};
+
+// The maximum in samples of falling v_i that decides on the largest root, the first one above zero or else the
+// highest; where there is none, the shoulder.
+inline bool deciding_top(const Samples& s, double& inflow, double& height) {
+    double gentlest = INFINITY, highest = -INFINITY;
+    for (int k = 0; k + 1 < s.count && highest <= 0.0; ++k) {
+        const Cubic cubic(s, k);
+        const double run = s.inflow[k] - s.inflow[k + 1];
+        double lowest = cubic.c > 0.0 ? std::clamp(-0.5 * cubic.b / cubic.c, 0.0, 1.0)
+                                      : (cubic.b + cubic.c > 0.0 ? 0.0 : 1.0);
+        const double least = cubic.a + (cubic.b + cubic.c * lowest) * lowest;
+        const bool falls = cubic.a > 0.0 && least < 0.0;
+        if (falls) {
+            const double root = std::sqrt(std::max(cubic.b * cubic.b - 4.0 * cubic.a * cubic.c, 0.0));
+            lowest = std::clamp(2.0 * cubic.a / std::max(root - cubic.b, 1e-300), 0.0, 1.0);
+        }
+        const double here = cubic.at(lowest);
+        if (falls ? here > highest : highest == -INFINITY && least / run < gentlest) {
+            gentlest = least / run;
+            inflow = s.inflow[k] - lowest * run, height = here;
+        }
+        if (falls) highest = std::max(highest, here);
+    }
+    return highest > -INFINITY;
+}
+
+template <class R> Lanes stall_angles(const Annuli<R>& of, const Station<Lanes>& at, double side) {
+    return each_lane([&](int k) { return of.stall_angle(at.reynolds_per_speed[k], at.radius[k], side); });
+}
+
+// Inflows at which the mean angle of attack is this one; NaN where none gives it.
+template <class R> Lanes inflow_at_angle(const Annuli<R>& of, const Station<Lanes>& at, Lanes speed, Lanes angle) {
+    const auto turn = sine_cosine(angle);
+    const Lanes rise = at.sine * turn.cosine - at.cosine * turn.sine;
+    const Lanes run = at.cosine * turn.cosine + at.sine * turn.sine;
+    return run > 0.05 ? speed * rise / run - of.flow.v_axial : broadcast(std::nan(""));
+}
+template <class R>
+Lanes inflow_past_stall(const Annuli<R>& of, const Station<Lanes>& at, Lanes speed, Lanes stall, double off) {
+    return inflow_at_angle(of, at, speed, stall + off * of.stall_scale());
+}
+
+// The humps about the stall at positive (side = 1) or negative angles, at a radius per lane.
+template <class R> void humps_at(const Annuli<R>& of, Lanes radius, double side, Hump (&found)[width]) {
+    const Dual<Lanes, 1> moved{radius, {broadcast(1.0)}};
+    const Station<Dual<Lanes, 1>> moving = station_at(of.rotor, of.flow.omega, moved);
+    const Station<Lanes> at = {radius, moving.chord.v, moving.sine.v, moving.cosine.v, moving.drag_sine.v,
+                               moving.drag_cosine.v, moving.reynolds_per_speed.v, moving.inverse_root.v};
+    const Lanes speed = of.rms_speed(at), stall = stall_angles(of, at, side);
+    Samples s[width];
+    const auto sample = [&](Lanes v, const Azimuths& over) {
+        const Mask known = v == v;
+        const auto g = of.residual(at, known ? v : Lanes{}, over);
+        for (int k = 0; k < width; ++k)
+            if (known[k]) s[k].append(v[k], g.v[k], g.d[0][k]);
+    };
+    for (double off : {-0.2, -0.15, -0.11, -0.08, -0.055, -0.03, -0.01, 0.01, 0.03, 0.055, 0.09, 0.14})
+        sample(inflow_past_stall(of, at, speed, stall, off), of.few);
+    if (!of.plain())
+        for (double off : {0.2, 0.27, 0.35, 0.43, 0.52, 0.62, 0.73, 0.85}) sample(inflow_at_angle(of, at, speed, stall + off), of.few);
+    Lanes inflow{}, below = broadcast(std::nan("")), depth = broadcast(INFINITY);
+    bool deeper = false;
+    for (int k = 0; k < width; ++k) {
+        found[k] = {radius[k], std::nan(""), 0.0, 0.0, 0.0, std::nan(""), true, true, false, false};
+        if (s[k].count < 3) continue;
+        found[k].top = deciding_top(s[k], found[k].inflow, found[k].height);
+        inflow[k] = found[k].inflow;
+        deeper |= !(found[k].top && found[k].height > 0.0);
+    }
+    // Where flow stalls, see how the residual goes on.
+    if (deeper && of.plain())
+        for (double off : {0.22, 0.35, 0.55, 0.85}) sample(inflow_at_angle(of, at, speed, stall + off), of.few);
+    for (int k = 0; k < width; ++k) {
+        bool rising = false;
+        for (int j = 0; j < s[k].count; ++j) {
+            found[k].falls &= s[k].slope[j] < 0.0;
+            if (s[k].inflow[j] >= inflow[k]) continue;
+            depth[k] = std::min(depth[k], s[k].value[j]);
+            if (std::isnan(below[k])) found[k].clear &= !(rising && s[k].slope[j] > 0.0);
+            rising |= s[k].slope[j] < 0.0;
+            if (s[k].value[j] > 0.0 && std::isnan(below[k])) below[k] = s[k].inflow[j];
+        }
+        // What follows a shoulder rises.
+        if (!found[k].top) found[k].clear = found[k].falls;
+    }
+    // More closely, and over all azimuths where the height is small.
+    const Lanes wake = absolute(wake_thrust(of.rotor, radius, of.flow, of.windmill, inflow));
+    bool small = false;
+    for (int k = 0; k < width; ++k) small |= std::fabs(found[k].height) < 0.2 * wake[k];
+    const Azimuths& over = small ? of.psi : of.few;
+    const Lanes reach = 0.012 * of.stall_scale() * speed;
+    for (int round = 0; round < 3; ++round) {
+        for (auto& one : s) one.count = 0;
+        sample(inflow + reach, over), sample(inflow, over), sample(inflow - reach, over);
+        bool moved_far = false;
+        for (int k = 0; k < width; ++k) {
+            if (std::isnan(found[k].height)) continue;
+            found[k].top = deciding_top(s[k], found[k].inflow, found[k].height);
+            moved_far |= std::fabs(found[k].inflow - inflow[k]) > 0.9 * reach[k];
+            inflow[k] = found[k].inflow;
+        }
+        if (!moved_far) break;
+    }
+    // At the top the residual's slope by v_i is zero: along the blade the height changes as the residual does.
+    const Dual<Lanes, 1> height = annulus_thrust(of.rotor, moving, of.flow, inflow, over) -
+                                  wake_thrust(of.rotor, moved, of.flow, of.windmill, inflow);
+    const Lanes past = angle_at(at, speed, of.flow.v_axial + inflow) - stall;
+    below = angle_at(at, speed, of.flow.v_axial + below) - stall;
+    for (int k = 0; k < width; ++k) {
+        if (std::isnan(found[k].height)) continue;
+        found[k].height = height.v[k], found[k].slope = height.d[0][k];
+        found[k].past = past[k], found[k].below = below[k];
+        found[k].folded = found[k].top && found[k].height > 0.0 && depth[k] < 0.0;
+    }
+}
+
+// A radius at which the largest root jumps from one branch to another, or rises steeply.
+struct Fold {
+    enum class Kind {
+        top,       // a jump: the residual and its slope by v_i vanish
+        shoulder,  // the steepest rise: the residual and its second difference vanish
+        angle      // neither is found: the residual vanishes where the mean angle of attack is that of stall
+    };
+    double radius;  // [m], NaN for none
+    double inflow;  // v_i there [m/s]
+    Kind kind;
+    double side;    // 1 for stall at positive angles, -1 at negative ones
+};
+
+// The residual at the inflow with which the mean angle of attack is that of stall.
+template <class R, class St, class F>
+auto residual_at_stall(const R& rotor, const St& at, const F& flow, const Azimuths& psi, bool windmill, double side) {
+    const auto turning = flow.omega * at.radius;
+    const auto speed = square_root(turning * turning + 0.5 * (flow.v_inplane * flow.v_inplane));
+    const double reynolds = value(at.reynolds_per_speed)[0] * value(flow.omega) * value(at.radius)[0];
+    const auto stall = sine_cosine(rotor.law.stall_angle(reynolds, side));
+    const auto rise = at.sine * stall.cosine - at.cosine * stall.sine;
+    const auto run = at.cosine * stall.cosine + at.sine * stall.sine;
+    const auto inflow = speed * rise / run - flow.v_axial;
+    return annulus_thrust(rotor, at, flow, inflow, psi) - wake_thrust(rotor, at.radius, flow, windmill, inflow);
+}
+
+// How far the inflows [m/s] are apart by whose residuals its second derivative at a radius is told.
+template <class R, class F, class Y> auto fold_width(const Annuli<R>& of, const F& flow, const Y& radius, bool top) {
+    const auto turning = flow.omega * radius;
+    const auto speed = square_root(turning * turning + flow.v_inplane * flow.v_inplane) + absolute(flow.v_axial);
+    return (top ? 2e-4 : 0.004 * of.stall_scale()) * speed;
+}
+
+// Solve for the fold between two radii whose humps have heights of opposite signs.
+//
+// At a fold the residual and its slope vanish; where the hump is a shoulder, the residual and its second derivative.
+// Newton's steps towards either take one evaluation in four lanes; where they leave the interval, it is narrowed by
+// the humps of radii within.
+template <class R> Fold fold_between(const Annuli<R>& of, Hump low, Hump high, double side) {
+    const double first = low.radius, last = high.radius;
+    for (int narrowing = 0; narrowing < 12; ++narrowing) {
+        const double gap = high.radius - low.radius;
+        const Hump& near = std::fabs(low.height) < std::fabs(high.height) ? low : high;
+        const double share = std::clamp(low.height / (low.height - high.height), 0.02, 0.98);
+        double y = low.radius + share * gap, v = low.inflow + share * (high.inflow - low.inflow);
+        const bool top = near.top;
+        if (!top && narrowing > 0) break;
+        const double speed = fold_width(of, of.flow, y, true) / 2e-4;
+        for (int step = 0; step < 16; ++step) {
+            const double wide = fold_width(of, of.flow, y, top), aside = 1e-6 * y;
+            static_assert(width >= 4);
+            const Lanes radius = each_lane([&](int k) { return k == 3 ? y - aside : y; });
+            const Lanes inflow = each_lane([&](int k) { return v + (k == 0 ? wide : k == 2 ? -wide : 0.0); });
+            const auto g = of.residual(of.station(radius), inflow);
+            const double s0 = g.d[0][0], s1 = g.d[0][1], s2 = g.d[0][2];
+            const double bend = (s0 - s2) / (2.0 * wide), turn = s0 - 2.0 * s1 + s2;
+            // Far from the top, or the shoulder, go where the residual is flatter.
+            const double curved = top ? bend : turn, missed = top ? s1 : g.v[0] - 2.0 * g.v[1] + g.v[2];
+            const double uphill = top ? (s1 > 0.0 ? 1.0 : -1.0) : (s0 > s2 ? 1.0 : -1.0);
+            double dv = curved < 0.0 ? -missed / curved : 2.0 * wide * uphill;
+            dv = std::clamp(dv, -0.02 * speed, 0.02 * speed);
+            const double along = (g.v[1] - g.v[3]) / aside;
+            // The residual where the step by v ends, to second order.
+            const double here = g.v[1] + dv * (s1 + 0.5 * dv * bend);
+            const double dy = along != 0.0 ? -here / along : 0.0;
+            y += dy, v += dv;
+            if (!(y > low.radius && y < high.radius)) break;
+            if (std::fabs(dy) < 1e-7 * y && std::fabs(dv) < 1e-5 * speed) {
+                if (curved < 0.0 && (top || s1 < 0.0)) return {y, v, top ? Fold::Kind::top : Fold::Kind::shoulder, side};
+                break;
+            }
+        }
+        Hump inside[width];
+        const double spread = narrowing < 2 ? 0.05 : 0.25;
+        const Lanes radius = each_lane([&](int k) {
+            const double from = std::clamp(share + spread * (2.0 * k / (width - 1.0) - 1.0), 0.01 * (k + 1), 1.0 - 0.01 * (width - k));
+            return low.radius + from * gap;
+        });
+        humps_at(of, radius, side, inside);
+        for (const Hump& h : inside) {
+            if (std::isnan(h.height) || h.radius <= low.radius || h.radius >= high.radius) continue;
+            if ((h.height < 0.0) == (low.height < 0.0)) low = h;
+            else { high = h; break; }
+        }
+        if (high.radius - low.radius < 1e-9 * high.radius) break;
+    }
+    const Hump& near = std::fabs(low.height) < std::fabs(high.height) ? low : high;
+    if (near.top) return {near.radius, near.inflow, Fold::Kind::top, side};
+    // The residual is nowhere flat.
+    double y = 0.5 * (first + last), step = last - first;
+    for (int k = 0; k < 20 && std::fabs(step) > 1e-12 * y; ++k) {
+        const Dual<Lanes, 1> moved{broadcast(y), {broadcast(1.0)}};
+        const auto at = station_at(of.rotor, of.flow.omega, moved);
+        const auto g = residual_at_stall(of.rotor, at, of.flow, of.psi, of.windmill, side);
+        step = std::clamp(g.v[0] / g.d[0][0], -0.5 * (last - first), 0.5 * (last - first));
+        y -= step;
+        if (!(y > first - (last - first) && y < last + (last - first))) return {std::nan(""), 0.0, Fold::Kind::angle, side};
+    }
+    return {y, 0.0, Fold::Kind::angle, side};
+}
+
+}  // namespace propmap

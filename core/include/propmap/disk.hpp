@@ -1,0 +1,412 @@
+// The inflow over the whole disk: radial panels that meet where stall begins or ends, v_i at their nodes.
+#pragma once
+
+#include <map>
+#include <mutex>
+
+#include "annulus.hpp"
+
+namespace propmap {
+
+inline constexpr int most_nodes = 1100;
+inline constexpr int most_edges = 12;
+
+// A panel's nodes in shares of the panel, and their weights; the last polynomials at these, which tell the error.
+//
+// Gauss and Legendre in t, with the radius crowded towards the outer edge, or, of several panels, half-way towards
+// both: at a fold the inflow varies like a square root of the distance, and so does the chord at the tip.
+struct PanelRule {
+    static constexpr int tail = 4;
+    std::vector<double> place, weight;
+    std::vector<double> last;  // (2 k + 1) P_k for the highest k, (tail, n)
+
+    explicit PanelRule(int key) : PanelRule(key / 2, key % 2 == 1) {}
+    PanelRule(int n, bool both) : place(n), weight(n), last(std::size_t(tail) * n) {
+        for (int i = 0; i < n; ++i) {
+            double x = std::cos(pi * (n - 1 - i + 0.75) / (n + 0.5)), slope = 1.0;
+            const auto legendre = [&](double& before, double& here, auto&& each) {
+                before = 1.0, here = x;
+                for (int k = 1; k < n; ++k) {
+                    each(k, here);
+                    const double next = ((2 * k + 1) * x * here - k * before) / (k + 1);
+                    before = here, here = next;
+                }
+            };
+            double before, here;
+            for (int step = 0; step < 100; ++step) {
+                legendre(before, here, [](int, double) {});
+                slope = n * (x * here - before) / (x * x - 1.0);
+                x -= here / slope;
+                if (std::fabs(here / slope) < 1e-15) break;
+            }
+            legendre(before, here, [&](int k, double p) {
+                if (k >= n - tail) last[std::size_t(k - (n - tail)) * n + i] = (2 * k + 1) * p;
+            });
+            const double t = 0.5 * (x + 1.0), w = 1.0 / ((1.0 - x * x) * slope * slope);
+            place[i] = both ? 0.5 * (t * t * (3.0 - 2.0 * t) + t) : t * (2.0 - t);
+            weight[i] = w * (both ? 0.5 * (6.0 * t * (1.0 - t)) + 0.5 : 2.0 * (1.0 - t));
+        }
+    }
+};
+
+// Azimuth nodes, count / 2 of the front half of a turn; a single one for count = 1.
+struct AzimuthRule {
+    std::vector<double> sine, cosine;
+    explicit AzimuthRule(int count) {
+        const int half = std::max(count / 2, 1);
+        for (int k = 0; k < half; ++k) {
+            const double psi = pi * ((k + 0.5) / half - 0.5);
+            sine.push_back(count == 1 ? 0.0 : std::sin(psi));
+            cosine.push_back(count == 1 ? 1.0 : std::cos(psi));
+        }
+    }
+};
+
+// Rules by their number, made when first asked for.
+template <class Rule> const Rule& rule_of(int number) {
+    static std::mutex guard;
+    static std::map<int, Rule> rules;
+    thread_local std::array<const Rule*, 2400> known{};
+    if (known[number]) return *known[number];
+    const std::lock_guard lock(guard);
+    return *(known[number] = &rules.try_emplace(number, number).first->second);
+}
+inline const PanelRule& panel_rule(int nodes, bool both) { return rule_of<PanelRule>(2 * nodes + both); }
+inline Azimuths azimuths(int count) {
+    const AzimuthRule& rule = rule_of<AzimuthRule>(count);
+    return {int(rule.sine.size()), rule.sine.data(), rule.cosine.data()};
+}
+
+// Panels along the blade, their nodes in lanes, and the inflow there.
+struct Disk {
+    int panels = 1;
+    std::array<double, most_edges + 2> edge;    // rising [m], root and tip included
+    std::array<Fold, most_edges + 2> fold;      // that an edge follows, where `moves`
+    std::array<bool, most_edges + 2> moves{};
+    std::array<int, most_edges + 1> count;      // nodes of each panel
+    std::array<bool, most_edges + 1> attached;  // whether the hump is above zero on a panel that follows stall
+    int nodes = 0, groups = 0;
+    std::vector<Station<Lanes>> at;  // the blade at the nodes; those beyond the last repeat it
+    std::vector<Lanes> weight;       // of the nodes [m], zero beyond the last
+    std::vector<Lanes> inflow;       // v_i [m/s], NaN where not found
+    bool several = false;            // whether (11) has several roots somewhere
+
+    // `each(node, panel, rule, k)` for all nodes, those beyond the last included.
+    template <class F> void for_each_node(F each) const {
+        int node = 0, panel = 0, k = 0;
+        for (; node < groups * width; ++node) {
+            each(node, panel, panel_rule(count[panel], panels > 1), k);
+            if (k + 1 < count[panel]) ++k;
+            else if (panel + 1 < panels) ++panel, k = 0;
+        }
+    }
+};
+
+// Place the nodes of the disk's panels.
+template <class R> void place_nodes(const R& rotor, double omega, Disk& disk) {
+    disk.nodes = 0;
+    for (int p = 0; p < disk.panels; ++p) disk.nodes += disk.count[p];
+    disk.groups = (disk.nodes + width - 1) / width;
+    disk.at.resize(disk.groups), disk.weight.resize(disk.groups), disk.inflow.resize(disk.groups);
+    Lanes radius{};
+    disk.for_each_node([&](int node, int panel, const PanelRule& rule, int k) {
+        const double span = disk.edge[panel + 1] - disk.edge[panel];
+        radius[node % width] = disk.edge[panel] + span * rule.place[k];
+        disk.weight[node / width][node % width] = node < disk.nodes ? span * rule.weight[k] : 0.0;
+        if (node % width == width - 1) disk.at[node / width] = station_at(rotor, omega, radius);
+    });
+}
+
+// Radii and weights of the nodes as they move with the edges.
+template <class S> struct MovingNodes {
+    using T = decltype(Lanes{} * S{});
+    std::vector<T> radius, weight;
+
+    MovingNodes(const Disk& disk, const std::array<S, most_edges + 2>& edge) : radius(disk.groups), weight(disk.groups) {
+        disk.for_each_node([&](int node, int panel, const PanelRule& rule, int k) {
+            const S span = edge[panel + 1] - edge[panel];
+            const S y = edge[panel] + span * rule.place[k], w = span * (node < disk.nodes ? rule.weight[k] : 0.0);
+            T &r = radius[node / width], &wide = weight[node / width];
+            const int lane = node % width;
+            r.v[lane] = y.v, wide.v[lane] = w.v;
+            for (int d = 0; d < directions_of<S>; ++d) r.d[d][lane] = y.d[d], wide.d[d][lane] = w.d[d];
+        });
+    }
+};
+
+// Whether (11) has more than one root below a largest one in attached flow: past stall the residual, positive
+// below a single root, is negative then.  Where a blade without azimuths is far from that, it is not looked at.
+template <class R> bool several_roots(const Annuli<R>& of, const Station<Lanes>& at, Lanes inflow) {
+    const Lanes speed = of.rms_speed(at), stall = stall_angles(of, at, 1.0);
+    const Lanes margin = 1e-4 * (of.flow.omega * at.radius + of.flow.v_inplane);
+    const double none = 0.0;
+    const Azimuths mean{1, &none, &none};
+    Mask found{};
+    for (double off : {0.0, 0.04, 0.1, 0.2}) {
+        const Lanes v = inflow_past_stall(of, at, speed, stall, off);
+        const Mask below = v < inflow - margin;
+        if (!any(below)) continue;
+        const Lanes asked = below ? v : inflow;
+        const Lanes wake = absolute(wake_thrust(of.rotor, at.radius, of.flow, of.windmill, asked));
+        if (of.psi.count > 1 && !any(below & (of.residual(at, asked, mean).v < 0.5 * wake))) continue;
+        found |= below & (of.residual(at, asked).v < 0.0);
+    }
+    return any(found);
+}
+
+inline constexpr double close_enough = 3e-6;  // a Newton step, in shares of the speed: the next would be 1e-11
+
+// The inflow at the nodes by Newton's method from attached flow, first over a few azimuths.  Nothing is found
+// where some node is near stall, whose group is marked then.
+template <class R> bool solve_attached(const Annuli<R>& of, Disk& disk, std::vector<bool>& near_stall) {
+    const auto scale_of = [&](int g) { return of.rms_speed(disk.at[g]) + std::fabs(of.flow.v_axial); };
+    near_stall.assign(disk.groups, false);
+    bool all = true;
+    for (int g = 0; g < disk.groups; ++g) {
+        Lanes& v = disk.inflow[g];
+        v = attached_guess(of, disk.at[g]);
+        Mask sure = newton(of, disk.at[g], of.few, scale_of(g), 3e-3, 5, v);
+        sure &= surely_largest(of, disk.at[g], v);
+        near_stall[g] = any(~sure);
+        all &= !near_stall[g];
+    }
+    if (!all) return false;
+    for (int g = 0; g < disk.groups; ++g) {
+        Lanes& v = disk.inflow[g];
+        const Mask sure = newton(of, disk.at[g], of.psi, scale_of(g), close_enough, 6, v);
+        if (any(~(sure & surely_largest(of, disk.at[g], v)))) return near_stall[g] = true, false;
+        if (!disk.several && g % 3 == 0) disk.several = several_roots(of, disk.at[g], v);
+    }
+    return true;
+}
+
+// Look along the blade for folds, radii at which the hump's height passes zero, among the nodes of groups near
+// stall; elsewhere flow is attached.  Between two radii the height is a cubic, as its slope is known; where that
+// turns towards zero two folds may hide, and one looks closer.
+struct Folds {
+    double side = 1.0;  // 1 where stall is that at positive angles, -1 for negative ones
+    int count = 0;
+    std::array<Fold, most_edges> fold;
+    std::vector<Hump> seen;  // by rising radius
+};
+template <class R>
+void find_folds(const Annuli<R>& of, const Disk& disk, const std::vector<bool>& near_stall, bool follow, Folds& folds,
+                bool& several) {
+    const double root = of.rotor.root(), tip = of.rotor.tip();
+    const auto& f = of.flow;
+    // The sign of the angle of attack without inflow tells at which stall to look.
+    const double out = root + 0.6 * (tip - root);
+    const auto beside = of.station(broadcast(out));
+    const double side = beside.sine[0] * f.omega * out - beside.cosine[0] * f.v_axial < 0.0 ? -1.0 : 1.0;
+    auto& seen = folds.seen;
+    seen.clear(), folds.count = 0, folds.side = side;
+    const auto look = [&](Lanes radius, int count) {
+        Hump found[width];
+        humps_at(of, radius, side, found);
+        for (int k = 0; k < count; ++k)
+            if (!std::isnan(found[k].height)) seen.push_back(found[k]);
+    };
+    const auto look_at = [&](const double* radius, int count) {
+        for (int k = 0; k < count; k += width)
+            look(each_lane([&](int j) { return radius[std::min(k + j, count - 1)]; }), std::min(width, count - k));
+    };
+    std::array<double, most_nodes> places;
+    int near = 0;
+    for (int g = 0; g < disk.groups; ++g) {
+        const bool beside_one = (g > 0 && near_stall[g - 1]) || (g + 1 < disk.groups && near_stall[g + 1]);
+        if (!near_stall[g] && !beside_one) continue;
+        for (int k = 0; k < width && g * width + k < disk.nodes; ++k) places[near++] = disk.at[g].radius[k];
+    }
+    // Every other one will do, as the slopes are known.
+    int chosen = 0;
+    for (int k = 0; k < near; ++k)
+        if (near <= 8 || k % 2 == 0 || k == near - 1) places[chosen++] = places[k];
+    look_at(places.data(), chosen);
+    const auto sort = [&] {
+        std::sort(seen.begin(), seen.end(), [](const Hump& a, const Hump& b) { return a.radius < b.radius; });
+    };
+    for (int round = 0; round < 6; ++round) {
+        std::vector<double> closer;
+        for (std::size_t k = 0; k + 1 < seen.size(); ++k) {
+            const Hump &a = seen[k], &b = seen[k + 1];
+            const double gap = b.radius - a.radius;
+            if (gap < 1e-5 * tip || gap > 0.2 * tip) continue;
+            Samples s;  // of the height over minus the radius
+            s.append(-a.radius, a.height, -a.slope), s.append(-b.radius, b.height, -b.slope);
+            const Cubic cubic(s, 0);
+            double t[2];
+            const bool crosses = (a.height < 0.0) != (b.height < 0.0);
+            const double nearest = std::min(std::fabs(a.height), std::fabs(b.height));
+            double place = 0.0;
+            for (int e = cubic.extremes(t) - 1; e >= 0 && place == 0.0; --e) {
+                const double there = cubic.at(t[e]);
+                if (!crosses && (there < 0.0) == (a.height < 0.0) && std::fabs(there) > 0.7 * nearest) continue;
+                if (t[e] > 0.02 && t[e] < 0.98) place = t[e];
+            }
+            // Where the hump is another one further out, its height may jump.
+            const double steepest = std::max(std::fabs(a.slope), std::fabs(b.slope));
+            if (!crosses && a.top != b.top && gap > 0.004 * tip && nearest < steepest * gap) place = 0.5;
+            if (place > 0.0) closer.push_back(a.radius + place * gap);
+        }
+        if (closer.empty()) break;
+        look_at(closer.data(), int(closer.size()));
+        sort();
+    }
+    for (std::size_t k = 0; k < seen.size(); ++k) {
+        several |= seen[k].folded;
+        if (!follow || k + 1 == seen.size() || folds.count == most_edges) continue;
+        if ((seen[k].height < 0.0) == (seen[k + 1].height < 0.0)) continue;
+        const Fold found = fold_between(of, seen[k], seen[k + 1], side);
+        if (!(found.radius > root && found.radius < tip)) continue;
+        several |= found.kind == Fold::Kind::top;
+        folds.fold[folds.count++] = found;
+    }
+}
+
+// Panels that meet at the folds: at least three, with edges of their own where there are fewer folds.
+inline void make_panels(const Folds& folds, double root, double tip, int nodes, Disk& disk) {
+    struct Edge {
+        double radius;
+        int fold;
+    };
+    std::array<Edge, most_edges + 2> edges;
+    int count = 0;
+    for (; count < folds.count; ++count) edges[count] = {folds.fold[count].radius, count};
+    for (; count < 2; ++count) edges[count] = {root + (tip - root) * (count == 0 ? 0.25 : 0.6), -1};
+    std::sort(edges.begin(), edges.begin() + count, [](const Edge& a, const Edge& b) { return a.radius < b.radius; });
+    disk.panels = count + 1;
+    disk.edge[0] = root, disk.edge[disk.panels] = tip;
+    disk.moves.fill(false);
+    for (int k = 0; k < count; ++k) {
+        disk.edge[k + 1] = edges[k].radius;
+        disk.moves[k + 1] = edges[k].fold >= 0;
+        if (edges[k].fold >= 0) disk.fold[k + 1] = folds.fold[edges[k].fold];
+    }
+    for (int p = 0; p < disk.panels; ++p) {
+        disk.count[p] = disk.panels > 3 ? nodes / disk.panels + 2 : p == 0 ? nodes / 4 : 3 * nodes / 8;
+        // The hump nearest to the middle tells the panel's state; where none was looked at, flow is attached.
+        const double middle = 0.5 * (disk.edge[p] + disk.edge[p + 1]);
+        double nearest = INFINITY;
+        disk.attached[p] = true;
+        for (const Hump& h : folds.seen) {
+            if (h.radius <= disk.edge[p] || h.radius >= disk.edge[p + 1] || std::fabs(h.radius - middle) > nearest) continue;
+            nearest = std::fabs(h.radius - middle), disk.attached[p] = h.height > 0.0;
+        }
+    }
+    if (disk.panels == 3) disk.count[2] = nodes - disk.count[0] - disk.count[1];
+}
+
+inline void single_panel(Disk& disk, double root, double tip, int nodes) {
+    disk.panels = 1;
+    disk.edge[0] = root, disk.edge[1] = tip;
+    disk.moves.fill(false);
+    disk.count[0] = nodes, disk.attached[0] = true;
+}
+
+// What the humps seen tell of the roots at radii.
+struct Outlook {
+    Mask known{};    // whether humps were seen there
+    Mask single{};   // whether they were shoulders, and the residual falls: (11) has one root
+    Mask clear{};    // whether no other maximum was seen before the residual is positive again
+    Mask attached{}, stalled{};  // whether the root is above the top or below it; neither where it may be both
+    Lanes top, below;  // v_i of the top, and where the residual is positive again; NaN where not known
+};
+template <class R> Outlook outlook(const Annuli<R>& of, const Folds& folds, const Station<Lanes>& at, Lanes speed) {
+    Outlook o;
+    const auto& seen = folds.seen;
+    const double tip = of.rotor.tip();
+    Lanes past, below;
+    for (int k = 0; k < width; ++k) {
+        const double y = at.radius[k];
+        past[k] = below[k] = std::nan("");
+        if (seen.empty()) continue;
+        auto after = std::lower_bound(seen.begin(), seen.end(), y, [](const Hump& h, double x) { return h.radius < x; });
+        const Hump& a = after == seen.begin() ? *after : *(after - 1);
+        const Hump& b = after == seen.end() ? a : *after;
+        if (std::min(std::fabs(y - a.radius), std::fabs(b.radius - y)) > 0.06 * tip) continue;
+        const double share = b.radius > a.radius ? (y - a.radius) / (b.radius - a.radius) : 0.0;
+        past[k] = a.past + share * (b.past - a.past);
+        below[k] = a.below + share * (b.below - a.below);
+        o.known[k] = -1;
+        o.single[k] = -(!a.top && !b.top && a.falls && b.falls);
+        o.clear[k] = -(a.clear && b.clear);
+        o.attached[k] = -(a.height > 0.0 && b.height > 0.0);
+        o.stalled[k] = -(a.height < 0.0 && b.height < 0.0);
+    }
+    const Lanes stall = stall_angles(of, at, folds.side);
+    o.top = inflow_at_angle(of, at, speed, stall + past), o.below = inflow_at_angle(of, at, speed, stall + below);
+    o.known &= o.top == o.top;
+    if (!of.plain()) o.single = o.clear = Mask{};
+    return o;
+}
+
+// Find the inflow at all nodes.  What was seen of the humps tells which root is the largest one, or, where panels
+// follow stall, the panel's state does; what Newton's method does not find, or finds where it should not be, a scan
+// of all inflows does.
+template <class R> void solve_nodes(const Annuli<R>& of, Disk& disk, const Folds* folds, bool follow) {
+    std::array<int, most_nodes + width> open;
+    int left = 0;
+    std::array<bool, most_nodes + width> attached;
+    if (follow) disk.for_each_node([&](int node, int panel, const PanelRule&, int) { attached[node] = disk.attached[panel]; });
+    const auto turn = turning_points(of.flow.v_axial, of.flow.v_inplane);
+    // Above this inflow the wake's thrust rises.
+    const double rises = of.windmill || turn.second <= turn.first ? -INFINITY : turn.second;
+    for (int g = 0; g < disk.groups; ++g) {
+        const auto& at = disk.at[g];
+        Lanes& v = disk.inflow[g];
+        const Lanes speed = of.rms_speed(at), scale = speed + std::fabs(of.flow.v_axial);
+        v = attached_guess(of, at);
+        Outlook o{};
+        if (folds) {
+            o = outlook(of, *folds, at, speed);
+            if (follow)
+                for (int k = 0; k < width; ++k) o.attached[k] = -(o.stalled[k] = -(o.known[k] && !attached[g * width + k])) - 1;
+            // About stall at negative angles it is the other way round: above the top flow is stalled.
+            if (folds->side > 0.0) {
+                v = o.stalled & (o.below == o.below) ? o.below : v;
+            } else if (any(o.attached & o.known)) {
+                const Lanes guess = inflow_past_stall(of, at, speed, stall_angles(of, at, -1.0), -0.1);
+                v = o.attached & o.known & (guess == guess) ? guess : v;
+            }
+        }
+        newton(of, at, of.few, scale, 3e-3, 4, v);
+        Mask found = newton(of, at, of.psi, scale, close_enough, 6, v);
+        const Mask sure = found & surely_largest(of, at, v);
+        if (folds) {
+            const Lanes near = 0.003 * scale;
+            const Mask above = v > o.top + near, about = v > o.top - near;
+            const Mask below = o.stalled & o.clear & (v < o.top + near) & (folds->side < 0.0 ? v == v : v > o.below - near);
+            found &= sure | (o.known & (v >= rises) & ((o.attached & about) | above | o.single | below));
+        } else {
+            found = sure;
+        }
+        if (!disk.several && !of.windmill && g % 3 == 0 && !any(~sure)) disk.several = several_roots(of, at, v);
+        for (int k = 0; k < width; ++k)
+            if (!found[k] && g * width + k < disk.nodes) open[left++] = g * width + k;
+    }
+    Samples samples;
+    for (int first = 0; first < left; first += width) {
+        Lanes radius{}, low{}, high{}, guess{};
+        for (int k = 0; k < width; ++k) {
+            if (first + k < left) {
+                const int node = open[first + k];
+                radius[k] = disk.at[node / width].radius[node % width];
+                const Scan found = scan(of, radius[k], samples);
+                low[k] = found.low, high[k] = found.high;
+                guess[k] = found.found ? found.guess : std::nan("");
+                disk.several |= found.roots > 1;
+            } else {
+                radius[k] = radius[k - 1], low[k] = low[k - 1], high[k] = high[k - 1], guess[k] = guess[k - 1];
+            }
+        }
+        const Lanes v = polished_roots(of, of.station(radius), low, high, guess);
+        for (int k = 0; k < width && first + k < left; ++k)
+            disk.inflow[open[first + k] / width][open[first + k] % width] = v[k];
+    }
+    // Nodes beyond the last have its inflow.
+    const Lanes& last = disk.inflow[(disk.nodes - 1) / width];
+    const double v = last[(disk.nodes - 1) % width];
+    for (int node = disk.nodes; node < disk.groups * width; ++node) disk.inflow[node / width][node % width] = v;
+}
+
+}  // namespace propmap
