@@ -1,0 +1,309 @@
+// The Python module: rotors by their numbers, operating points as arrays, loads as arrays.
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <functional>
+#include <thread>
+#include <variant>
+
+#include "propmap/rotor.hpp"
+
+namespace nb = nanobind;
+using namespace propmap;
+
+#ifndef PROPMAP_MODULE
+#define PROPMAP_MODULE _core
+#endif
+#ifndef PROPMAP_INSTRUCTIONS
+#define PROPMAP_INSTRUCTIONS "native"
+#endif
+
+namespace {
+
+using Vector = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+using Numbers = nb::ndarray<nb::numpy, double>;
+
+std::vector<double> numbers(const nb::handle& from) {
+    const auto v = nb::cast<Vector>(from);
+    return {v.data(), v.data() + v.size()};
+}
+double number(const nb::dict& from, const char* name, double otherwise = 0.0) {
+    return from.contains(name) ? nb::cast<double>(from[name]) : otherwise;
+}
+
+Numbers make_array(std::initializer_list<std::size_t> shape, double*& data) {
+    std::size_t size = 1;
+    for (std::size_t n : shape) size *= n;
+    auto* memory = new double[std::max<std::size_t>(size, 1)]();
+    data = memory;
+    return Numbers(memory, shape.size(), shape.begin(),
+                   nb::capsule(memory, [](void* p) noexcept { delete[] static_cast<double*>(p); }));
+}
+
+// Call `one(k)` for k below `count`, on as many threads as asked for; a signal such as Ctrl-C is heard meanwhile.
+// No result depends on the number of threads.  They live for one call, so that a process may fork between two.
+void for_each_point(std::size_t count, int threads, const std::function<void(std::size_t)>& one) {
+    constexpr auto patience = std::chrono::milliseconds(50);
+    std::atomic<std::size_t> next{0};
+    std::atomic<bool> stop{false};
+    const std::size_t chunk = std::clamp<std::size_t>(count / (8 * std::max(threads, 1)), 1, 64);
+    const int helpers = int(std::min<std::size_t>(std::max(threads, 1), (count + 31) / 32));
+    const auto heard_signal = [] {
+        nb::gil_scoped_acquire held;
+        return PyErr_CheckSignals() != 0;
+    };
+    {
+        nb::gil_scoped_release free;
+        if (helpers <= 1) {
+            auto last = std::chrono::steady_clock::now();
+            for (std::size_t k = 0; k < count && !stop; ++k) {
+                one(k);
+                if (k % 16 == 15 && std::chrono::steady_clock::now() - last > patience) {
+                    stop = heard_signal();
+                    last = std::chrono::steady_clock::now();
+                }
+            }
+        } else {
+            std::mutex guard;
+            std::condition_variable ended;
+            int running = helpers;
+            std::vector<std::thread> pool;
+            for (int t = 0; t < helpers; ++t)
+                pool.emplace_back([&] {
+                    for (std::size_t first; !stop && (first = next.fetch_add(chunk)) < count;)
+                        for (std::size_t k = first; k < std::min(first + chunk, count) && !stop; ++k) one(k);
+                    const std::lock_guard lock(guard);
+                    if (--running == 0) ended.notify_one();
+                });
+            std::unique_lock lock(guard);
+            while (running > 0) {
+                ended.wait_for(lock, patience);
+                if (running == 0 || stop) continue;
+                lock.unlock();
+                if (heard_signal()) stop = true;
+                lock.lock();
+            }
+            lock.unlock();
+            for (auto& t : pool) t.join();
+        }
+    }
+    if (stop) throw nb::python_error();
+}
+
+constexpr int together = 8;  // directions that are differentiated at once
+using Directions = Dual<double, together>;
+
+template <class S> using BlendedRotor = Rotor<S, BlendedLaw>;
+template <class S> using TabulatedRotor = Rotor<S, TabulatedLaw>;
+
+// Each law's numbers by name: what loads can be differentiated by.
+template <class S> std::vector<std::pair<const char*, S*>> numbers_of(BlendedLaw<S>& law) {
+    return {{"c_l1", &law.c_l1},
+            {"c_l2", &law.c_l2},
+            {"c_d", &law.c_d},
+            {"alpha_0", &law.alpha_0},
+            {"zero_lift_angle", &law.zero_lift_angle},
+            {"c_d0", &law.c_d0},
+            {"c_p", &law.c_p},
+            {"sharpness", &law.sharpness},
+            {"drag_factor", &law.drag_factor},
+            {"reynolds_camber", &law.reynolds_camber},
+            {"drag_angle", &law.drag_angle}};
+}
+template <class S> std::vector<std::pair<const char*, S*>> numbers_of(TabulatedLaw<S>& law) {
+    return {{"zero_lift_angle", &law.zero_lift_angle}, {"drag_factor", &law.drag_factor}};
+}
+template <class S, template <class> class LawOf>
+std::vector<std::pair<const char*, S*>> numbers_of(Rotor<S, LawOf>& rotor, Flow<S>& flow) {
+    auto all = numbers_of(static_cast<LawOf<S>&>(rotor.law));
+    all.insert(all.end(), {{"chord_scale", &rotor.change.chord_scale},
+                           {"twist_offset", &rotor.change.twist_offset},
+                           {"untwist", &rotor.change.untwist},
+                           {"omega", &flow.omega},
+                           {"v_axial", &flow.v_axial},
+                           {"v_inplane", &flow.v_inplane}});
+    if (rotor.mounted) all.emplace_back("mount_area", &rotor.mount_area);
+    return all;
+}
+
+template <class S> void copy_other(const BlendedLaw<double>& from, BlendedLaw<S>& to) { to.attached = from.attached; }
+template <class S> void copy_other(const TabulatedLaw<double>& from, TabulatedLaw<S>& to) { to.table = from.table; }
+
+// The rotor and the flow with derivatives along some of their numbers.
+template <template <class> class LawOf>
+void seed(Rotor<double, LawOf> from, Flow<double> from_flow, const std::vector<int>& which,
+          Rotor<Directions, LawOf>& to, Flow<Directions>& flow) {
+    to.blade = from.blade, to.density = from.density, to.viscosity = from.viscosity;
+    to.tip_loss = from.tip_loss, to.hub_radius = from.hub_radius, to.inflow_shape = from.inflow_shape;
+    to.mounted = from.mounted, to.mount_wake = from.mount_wake, to.radial_friction = from.radial_friction;
+    to.law.stall_delay = from.law.stall_delay, to.law.speed_of_sound = from.law.speed_of_sound;
+    copy_other(from.law, to.law);
+    flow.v_hover = {from_flow.v_hover, {}};
+    const auto old = numbers_of(from, from_flow);
+    const auto now = numbers_of(to, flow);
+    for (std::size_t k = 0; k < now.size(); ++k) *now[k].second = {*old[k].second, {}};
+    for (std::size_t d = 0; d < which.size(); ++d) now[which[d]].second->d[d] = 1.0;
+}
+
+BlendedLaw<double> blended_law(const nb::dict& law) {
+    BlendedLaw<double> made{};
+    for (auto [name, value] : numbers_of(made)) *value = number(law, name);
+    made.attached = number(law, "attached", 1.0);
+    return made;
+}
+
+TabulatedLaw<double> tabulated_law(const nb::dict& law) {
+    auto table = std::make_shared<SectionTable>();
+    table->knots = numbers(law["knots"]), table->rows = numbers(law["rows"]);
+    table->log_re = numbers(law["log_re"]);
+    table->stall_up = numbers(law["stall_up"]), table->stall_down = numbers(law["stall_down"]);
+    table->attached_slope = number(law, "attached_slope"), table->stall_width = number(law, "stall_width");
+    // The circle in equal steps, shorter than any interval.
+    const auto& x = table->knots;
+    double least = 2.0 * pi;
+    for (std::size_t k = 0; k + 1 < x.size(); ++k) least = std::min(least, x[k + 1] - x[k]);
+    const int count = int(std::ceil(2.0 * pi / (0.999 * least)));
+    for (int step = 0; step < count; ++step) {
+        const double start = -pi + 2.0 * pi * step / count;
+        const int k = int(std::upper_bound(x.begin(), x.end(), start) - x.begin()) - 1;
+        table->first.push_back(std::clamp(k, 0, int(x.size()) - 2));
+    }
+    return {table, number(law, "zero_lift_angle"), number(law, "drag_factor", 1.0)};
+}
+
+const std::map<std::string, InflowShape> inflow_shapes = {
+    {"uniform", InflowShape::uniform},
+    {"pitt-peters", InflowShape::pitt_peters},
+    {"pitt-peters-gradient", InflowShape::pitt_peters_gradient},
+    {"coleman", InflowShape::coleman},
+    {"white-blake", InflowShape::white_blake},
+    {"drees", InflowShape::drees}};
+
+using AnySolver = std::variant<RotorSolver<BlendedLaw>, RotorSolver<TabulatedLaw>>;
+
+// A rotor of a model, ready for any operating point.
+class CoreRotor {
+  public:
+    CoreRotor(const nb::dict& blade, const nb::dict& law, const nb::dict& air, const nb::dict& corrections, bool fine)
+        : blade_(std::make_unique<BladeShape>(
+              make_blade(numbers(blade["station"]), numbers(blade["chord"]), numbers(blade["twist"]),
+                         nb::cast<int>(blade["blades"]), nb::cast<double>(blade["root"])))),
+          solver_(make(law, air, corrections, fine)) {}
+
+    nb::tuple loads(Vector omega, Vector v_axial, Vector v_inplane, int threads) const {
+        const std::size_t n = omega.size();
+        double *loads, *other;
+        auto load_array = make_array({Loads<double>::count, n}, loads), others = make_array({4, n}, other);
+        std::visit([&](const auto& solver) {
+            for_each_point(n, threads, [&, w = omega.data(), a = v_axial.data(), i = v_inplane.data()](std::size_t k) {
+                thread_local Solution s;
+                solver.solve(w[k], a[k], i[k], s);
+                for (int j = 0; j < Loads<double>::count; ++j) loads[j * n + k] = s.result.loads.begin()[j];
+                other[k] = double(s.result.status), other[n + k] = s.result.roots;
+                other[2 * n + k] = s.result.ring, other[3 * n + k] = s.result.mean_inflow;
+            });
+        }, solver_);
+        return nb::make_tuple(load_array, others);
+    }
+
+    nb::tuple gradients(const std::vector<std::string>& names, Vector omega, Vector v_axial, Vector v_inplane,
+                        int threads) const {
+        const std::size_t n = omega.size(), p = names.size();
+        double *loads, *slopes;
+        auto load_array = make_array({Loads<double>::count, n}, loads);
+        auto slope_array = make_array({Loads<double>::count, p, n}, slopes);
+        std::visit([&](const auto& solver) { differentiate(solver, names, omega, v_axial, v_inplane, threads, loads, slopes); },
+                   solver_);
+        return nb::make_tuple(load_array, slope_array);
+    }
+
+    Numbers hover_inflow(Vector omega, int threads) const {
+        double* found;
+        auto array = make_array({omega.size()}, found);
+        std::visit([&](const auto& solver) {
+            for_each_point(omega.size(), threads, [&, w = omega.data()](std::size_t k) { found[k] = solver.hover_inflow(w[k]); });
+        }, solver_);
+        return array;
+    }
+
+    nb::tuple span() const { return nb::make_tuple(blade_->root, blade_->tip); }
+
+  private:
+    AnySolver make(const nb::dict& law, const nb::dict& air, const nb::dict& corrections, bool fine) {
+        const Accuracy& accuracy = fine ? fine_accuracy : standard_accuracy;
+        if (nb::cast<std::string>(law["kind"]) == "tabulated")
+            return RotorSolver<TabulatedLaw>(rotor<TabulatedLaw>(tabulated_law(law), air, corrections), accuracy);
+        return RotorSolver<BlendedLaw>(rotor<BlendedLaw>(blended_law(law), air, corrections), accuracy);
+    }
+
+    template <template <class> class LawOf>
+    Rotor<double, LawOf> rotor(const LawOf<double>& law, const nb::dict& air, const nb::dict& with) {
+        Rotor<double, LawOf> r;
+        if (with.contains("blade-to-hub")) *blade_ = continued_to(*blade_, number(with, "blade-to-hub"));
+        r.blade = blade_.get();
+        static_cast<LawOf<double>&>(r.law) = law;
+        r.density = number(air, "density"), r.viscosity = number(air, "viscosity");
+        r.change.untwist = number(with, "blade-untwist");
+        r.tip_loss = with.contains("tip-loss"), r.hub_radius = number(with, "hub-loss");
+        if (with.contains("inflow")) r.inflow_shape = inflow_shapes.at(nb::cast<std::string>(with["inflow"]));
+        r.mounted = with.contains("mount-drag");
+        if (r.mounted) r.mount_area = number(with, "mount-drag"), r.mount_wake = number(with, "mount-wake", 1.0);
+        r.law.stall_delay = number(with, "stall-delay"), r.law.speed_of_sound = number(with, "prandtl-glauert");
+        r.radial_friction = with.contains("radial-friction");
+        return r;
+    }
+
+    template <template <class> class LawOf>
+    static void differentiate(const RotorSolver<LawOf>& solver, const std::vector<std::string>& names, const Vector& omega,
+                              const Vector& v_axial, const Vector& v_inplane, int threads, double* loads, double* slopes) {
+        const std::size_t n = omega.size(), p = names.size();
+        Rotor<double, LawOf> example = solver.rotor();
+        Flow<double> still{};
+        std::vector<int> which;
+        const auto known = numbers_of(example, still);
+        for (const auto& name : names) {
+            std::size_t k = 0;
+            while (k < known.size() && name != known[k].first) ++k;
+            if (k == known.size()) throw nb::key_error(name.c_str());
+            which.push_back(int(k));
+        }
+        for_each_point(n, threads, [&, w = omega.data(), a = v_axial.data(), i = v_inplane.data()](std::size_t k) {
+            thread_local Solution s;
+            solver.solve(w[k], a[k], i[k], s);
+            for (int j = 0; j < Loads<double>::count; ++j) loads[j * n + k] = s.result.loads.begin()[j];
+            const bool lost = s.result.status == Status::not_converged;
+            for (std::size_t first = 0; first < p; first += together) {
+                const std::size_t last = std::min(first + together, p);
+                Rotor<Directions, LawOf> rotor;
+                Flow<Directions> flow;
+                seed<LawOf>(solver.rotor(), s.flow, {which.begin() + first, which.begin() + last}, rotor, flow);
+                const auto found = solver.template slopes<together>(s, rotor, flow);
+                for (int j = 0; j < Loads<double>::count; ++j)
+                    for (std::size_t d = first; d < last; ++d)
+                        slopes[(j * p + d) * n + k] = lost ? std::nan("") : found.begin()[j].d[d - first];
+            }
+        });
+    }
+
+    std::unique_ptr<BladeShape> blade_;
+    AnySolver solver_;
+};
+
+}  // namespace
+
+NB_MODULE(PROPMAP_MODULE, m) {
+    m.def("instructions", [] { return PROPMAP_INSTRUCTIONS; });
+    nb::class_<CoreRotor>(m, "Rotor")
+        .def(nb::init<const nb::dict&, const nb::dict&, const nb::dict&, const nb::dict&, bool>(), nb::arg("blade"),
+             nb::arg("law"), nb::arg("air"), nb::arg("corrections"), nb::arg("fine"))
+        .def("loads", &CoreRotor::loads)
+        .def("gradients", &CoreRotor::gradients)
+        .def("hover_inflow", &CoreRotor::hover_inflow)
+        .def_prop_ro("span", &CoreRotor::span);
+}

@@ -1,0 +1,62 @@
+// A rotor in air: blade, section law, and the corrections of the paper's model that are switched on.
+#pragma once
+
+#include "blade.hpp"
+
+namespace propmap {
+
+// How the inflow varies around the disk; see inflow.hpp.
+enum class InflowShape { uniform, pitt_peters, pitt_peters_gradient, coleman, white_blake, drees };
+
+// All that loads depend on but the operating point.  `S` is double, or dual where loads are differentiated.
+template <class S, template <class> class LawOf> struct Rotor {
+    using Scalar = S;
+    const BladeShape* blade = nullptr;
+    BladeChange<S> change{};
+    CorrectedLaw<LawOf<S>> law{};
+    double density = 1.225;        // rho [kg/m^3]
+    double viscosity = 1.983e-5;   // mu [Pa s]
+    bool tip_loss = false;
+    double hub_radius = 0.0;       // of Prandtl's loss at the hub [m]; 0 for none
+    InflowShape inflow_shape = InflowShape::uniform;
+    bool mounted = false;          // whether something stands in the slipstream
+    S mount_area{};                // its drag coefficient times area [m^2]
+    double mount_wake = 1.0;       // inflow where it stands over that at the disk [-]
+    bool radial_friction = false;
+
+    double tip() const { return blade->tip; }
+    double root() const { return blade->root; }
+};
+
+// The blade at radii of a rotor that turns at omega.
+template <class R, class W, class T> auto station_at(const R& rotor, const W& omega, const T& radius) {
+    Lanes chord, twist, chord_slope, twist_slope;
+    for (int k = 0; k < width; ++k) {
+        const auto& i = rotor.blade->at(value(radius)[k]);
+        const double per = 1.0 / i.width, t = (value(radius)[k] - i.start) * per;
+        const double *c = i.chord, *w = i.twist;
+        chord[k] = c[0] + t * (c[1] + t * (c[2] + t * c[3]));
+        twist[k] = w[0] + t * (w[1] + t * (w[2] + t * w[3]));
+        if constexpr (IsDual<T>) {
+            chord_slope[k] = per * (c[1] + t * (2.0 * c[2] + t * 3.0 * c[3]));
+            twist_slope[k] = per * (w[1] + t * (2.0 * w[2] + t * 3.0 * w[3]));
+        }
+    }
+    const auto& change = rotor.change;
+    const auto wide = chain(radius, chord, chord_slope) * (1.0 + change.chord_scale);
+    const auto line = chain(radius, twist, twist_slope) + change.twist_offset -
+                      untwisting(change.untwist, rotor.tip(), radius, omega);
+    const auto per_speed = wide * (rotor.density / rotor.viscosity);
+    // At a pointed tip Re goes to zero and C_D to infinity, but C_D times the chord goes to zero.
+    const auto root = inverse_fourth_root(maximum(per_speed, 0.0 * per_speed + 1e-30));
+    const auto reynolds = per_speed * (omega * radius);
+    const auto lift_line = line - rotor.law.zero_lift_angle_at(reynolds);
+    const auto drag_line = line - rotor.law.least_drag_angle_at(reynolds);
+    const auto lift = sine_cosine(lift_line + 0.0 * wide), drag = sine_cosine(drag_line + 0.0 * wide);
+    using A = decltype(lift.sine + wide + radius);
+    const A none{};
+    return Station<A>{radius + none,    wide + none,       lift.sine + none,  lift.cosine + none,
+                      drag.sine + none, drag.cosine + none, per_speed + none, root * root + none};
+}
+
+}  // namespace propmap

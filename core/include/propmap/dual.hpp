@@ -1,0 +1,161 @@
+// Dual numbers: a value with its derivatives along N directions, for forward-mode differentiation.
+//
+// The value is a double or Lanes.  A number that is not dual counts as constant, so that expressions
+// may mix both; what depends on nothing differentiated stays as cheap as without derivatives.
+#pragma once
+
+#include "elementary.hpp"
+
+namespace propmap {
+
+template <class V, int N> struct Dual {
+    V v;
+    V d[N];
+};
+
+template <class T> struct Traits {
+    static constexpr int directions = 0;
+    using Value = T;
+};
+template <class V, int N> struct Traits<Dual<V, N>> {
+    static constexpr int directions = N;
+    using Value = V;
+};
+
+template <class T> inline constexpr int directions_of = Traits<T>::directions;
+template <class T> concept IsDual = (directions_of<T> > 0);
+template <class T> using ValueOf = typename Traits<T>::Value;
+
+template <class T> const auto& value(const T& x) {
+    if constexpr (IsDual<T>) return x.v;
+    else return x;
+}
+
+template <class A, class B>
+inline constexpr int common_directions = directions_of<A> > 0 ? directions_of<A> : directions_of<B>;
+
+// f(x) with the derivative `slope` there.
+template <class T, class V> auto chain(const T& x, const V& f, const V& slope) {
+    if constexpr (IsDual<T>) {
+        Dual<V, directions_of<T>> r;
+        r.v = f;
+        for (int k = 0; k < directions_of<T>; ++k) r.d[k] = slope * x.d[k];
+        return r;
+    } else {
+        return f;
+    }
+}
+
+template <class A, class B> concept EitherDual = IsDual<A> || IsDual<B>;
+
+template <class A, class B> requires EitherDual<A, B> auto operator+(const A& a, const B& b) {
+    constexpr int N = common_directions<A, B>;
+    using V = decltype(value(a) + value(b));
+    Dual<V, N> r;
+    r.v = value(a) + value(b);
+    for (int k = 0; k < N; ++k) {
+        if constexpr (!IsDual<B>) r.d[k] = a.d[k] + V{};
+        else if constexpr (!IsDual<A>) r.d[k] = b.d[k] + V{};
+        else r.d[k] = a.d[k] + b.d[k];
+    }
+    return r;
+}
+
+template <class A, class B> requires EitherDual<A, B> auto operator-(const A& a, const B& b) {
+    constexpr int N = common_directions<A, B>;
+    using V = decltype(value(a) - value(b));
+    Dual<V, N> r;
+    r.v = value(a) - value(b);
+    for (int k = 0; k < N; ++k) {
+        if constexpr (!IsDual<B>) r.d[k] = a.d[k] + V{};
+        else if constexpr (!IsDual<A>) r.d[k] = V{} - b.d[k];
+        else r.d[k] = a.d[k] - b.d[k];
+    }
+    return r;
+}
+
+template <class A, class B> requires EitherDual<A, B> auto operator*(const A& a, const B& b) {
+    constexpr int N = common_directions<A, B>;
+    using V = decltype(value(a) * value(b));
+    Dual<V, N> r;
+    r.v = value(a) * value(b);
+    for (int k = 0; k < N; ++k) {
+        if constexpr (!IsDual<B>) r.d[k] = a.d[k] * b;
+        else if constexpr (!IsDual<A>) r.d[k] = a * b.d[k];
+        else r.d[k] = a.d[k] * b.v + a.v * b.d[k];
+    }
+    return r;
+}
+
+template <class A, class B> requires EitherDual<A, B> auto operator/(const A& a, const B& b) {
+    if constexpr (!IsDual<B>) {
+        return a * (1.0 / b);
+    } else {
+        auto per = 1.0 / b.v;
+        return a * chain(b, per, -per * per);
+    }
+}
+
+template <class V, int N> Dual<V, N> operator-(const Dual<V, N>& a) {
+    Dual<V, N> r;
+    r.v = -a.v;
+    for (int k = 0; k < N; ++k) r.d[k] = -a.d[k];
+    return r;
+}
+
+template <class V, int N, class B> Dual<V, N>& operator+=(Dual<V, N>& a, const B& b) { return a = a + b; }
+
+template <class A, class B> requires EitherDual<A, B> auto operator<(const A& a, const B& b) {
+    return value(a) < value(b);
+}
+template <class A, class B> requires EitherDual<A, B> auto operator>(const A& a, const B& b) {
+    return value(a) > value(b);
+}
+
+template <class M, class A, class B> requires EitherDual<A, B> auto select(M which, const A& a, const B& b) {
+    constexpr int N = common_directions<A, B>;
+    using V = decltype(value(a) + value(b));
+    const V none{};
+    Dual<V, N> r;
+    r.v = select(which, value(a) + none, value(b) + none);
+    for (int k = 0; k < N; ++k) {
+        if constexpr (!IsDual<B>) r.d[k] = select(which, a.d[k] + none, none);
+        else if constexpr (!IsDual<A>) r.d[k] = select(which, none, b.d[k] + none);
+        else r.d[k] = select(which, a.d[k] + none, b.d[k] + none);
+    }
+    return r;
+}
+
+template <class A, class B> requires EitherDual<A, B> auto minimum(const A& a, const B& b) {
+    return select(a < b, a, b);
+}
+template <class A, class B> requires EitherDual<A, B> auto maximum(const A& a, const B& b) {
+    return select(a > b, a, b);
+}
+template <IsDual T> T absolute(const T& x) { return select(x < 0.0, -x, x); }
+
+template <IsDual T> auto square_root(const T& x) {
+    auto s = square_root(x.v);
+    return chain(x, s, 0.5 / s);
+}
+template <IsDual T> auto logarithm(const T& x) { return chain(x, logarithm(x.v), 1.0 / x.v); }
+template <IsDual T> auto inverse_fourth_root(const T& x) {
+    auto r = inverse_fourth_root(x.v), square = r * r;
+    return chain(x, r, -0.25 * r * square * square);
+}
+template <IsDual T> auto power_of_two(const T& x) {
+    auto p = power_of_two(x.v);
+    return chain(x, p, 0.69314718055994530942 * p);
+}
+template <IsDual T> SineCosine<T> sine_cosine(const T& x) {
+    auto both = sine_cosine(x.v);
+    return {chain(x, both.sine, both.cosine), chain(x, both.cosine, -both.sine)};
+}
+// By cosine^2 + sine^2 = 1 the angle's change is cosine d(sine) - sine d(cosine).
+template <class A, class B> requires EitherDual<A, B> auto angle_of(const A& cosine, const B& sine) {
+    auto turn = value(cosine) * sine - value(sine) * cosine;
+    turn.v = angle_of(value(cosine), value(sine));
+    return turn;
+}
+
+}  // namespace propmap

@@ -1,0 +1,216 @@
+// Forces of a blade element, eqs. (1) to (7), and loads of an annulus: their means over a turn.
+#pragma once
+
+#include "corrections.hpp"
+
+namespace propmap {
+
+// Per radius and density [m^3/s^2]: along the thrust, and against the rotation.
+template <class T> struct Forces {
+    T normal, tangential;
+};
+
+// Forces of one blade element at an azimuth with this sin(psi) and inflow v_i [m/s].
+//
+// By sin(phi) = U_P/U and cos(phi) = U_T/U reverse flow needs no case of its own: phi is atan2(U_P, U_T),
+// where the paper's arctan would give the retreating root a force of the wrong sign.
+template <class R, class St, class F, class V, class A>
+auto element_forces(const R& rotor, const St& at, const F& flow, const V& inflow, const A& sine_psi) {
+    const auto u_t = flow.omega * at.radius + flow.v_inplane * sine_psi;  // Eq. (1)
+    const auto u_p = flow.v_axial + inflow;                               // Eq. (2)
+    const auto square = speed_squared(u_t, u_p);
+    const auto per_root = inverse_fourth_root(square);  // U^(-1/2)
+    const auto per_u = per_root * per_root;
+    const auto u = square * per_u;
+    const auto sin_phi = u_p * per_u, cos_phi = u_t * per_u;
+    // alpha = theta - phi, by the sines and cosines of both
+    const auto sine = at.sine * cos_phi - at.cosine * sin_phi;
+    const auto cosine = at.cosine * cos_phi + at.sine * sin_phi;
+    const auto drag_sine = at.drag_sine * cos_phi - at.drag_cosine * sin_phi;
+    const auto reynolds = at.reynolds_per_speed * u;
+    const auto root_re = at.inverse_root * per_root;
+    const SectionFlow<decltype(sine), decltype(u), decltype(reynolds), decltype(root_re)> section{
+        sine, cosine, drag_sine, u, reynolds, root_re};
+    const auto c = rotor.law.corrected(section, at.radius, at.chord);  // Eqs. (3)(4)
+    // dL = 1/2 rho U^2 C_L c dy, dD = 1/2 rho U^2 C_D c dy
+    const auto half = 0.5 * at.chord * u;
+    const auto normal = half * (c.lift * u_t - c.drag * u_p);      // dL cos(phi) - dD sin(phi)
+    const auto tangential = half * (c.lift * u_p + c.drag * u_t);  // dL sin(phi) + dD cos(phi)
+    return Forces<std::remove_const_t<decltype(normal)>>{normal, tangential};
+}
+
+// Thrust of the blade elements per radius and density [m^3/s^2], eq. (5), with one inflow at all azimuths.
+template <class R, class St, class F, class V>
+auto annulus_thrust(const R& rotor, const St& at, const F& flow, const V& inflow, const Azimuths& psi) {
+    auto total = element_forces(rotor, at, flow, inflow, psi.sine[0]).normal;
+    for (int k = 1; k < psi.count; ++k) total += element_forces(rotor, at, flow, inflow, psi.sine[k]).normal;
+    return total * (rotor.blade->blades / double(psi.count));
+}
+
+// How the inflow varies around the disk [m/s], on top of the annulus inflow v_i(y) of eq. (11): at azimuth
+// psi it is v_i + mean + y/R (lateral sin(psi) + longitudinal cos(psi)).
+template <class S> struct Harmonics {
+    S mean{}, lateral{}, longitudinal{};
+};
+
+// Means over a turn of an element's force, and of its products with sin(psi) and cos(psi).
+template <class T> struct Turn {
+    T mean, sine, cosine;
+};
+template <class T> struct TurnForces {
+    Turn<T> normal, tangential;
+};
+
+template <class T> void add(Turn<T>& sums, const T& even, const T& odd, double sine, double cosine) {
+    sums.mean += even;
+    sums.sine += even * sine;
+    sums.cosine += odd * cosine;
+}
+template <class T> void scale(Turn<T>& sums, double by) {
+    sums.mean = sums.mean * by, sums.sine = sums.sine * by, sums.cosine = sums.cosine * by;
+}
+
+// Forces of annuli averaged over a turn, where the inflow is the same at psi and pi - psi.
+template <class R, class St, class F, class V>
+auto turn_forces(const R& rotor, const St& at, const F& flow, const V& inflow, const Azimuths& psi) {
+    using T = decltype(element_forces(rotor, at, flow, inflow, 0.0).normal);
+    TurnForces<T> sums{};
+    for (int k = 0; k < psi.count; ++k) {
+        const auto f = element_forces(rotor, at, flow, inflow, psi.sine[k]);
+        add(sums.normal, f.normal, T{}, psi.sine[k], 0.0);
+        add(sums.tangential, f.tangential, T{}, psi.sine[k], 0.0);
+    }
+    scale(sums.normal, 1.0 / psi.count), scale(sums.tangential, 1.0 / psi.count);
+    return sums;
+}
+
+// The same with harmonics of the inflow: the front and the rear of the disk differ.
+template <class R, class St, class F, class V, class S>
+auto turn_forces(const R& rotor, const St& at, const F& flow, const V& inflow, const Azimuths& psi,
+                 const Harmonics<S>& harmonics) {
+    const auto share = at.radius * (1.0 / rotor.tip());
+    const auto even = inflow + harmonics.mean;
+    const auto lateral = share * harmonics.lateral, longitudinal = share * harmonics.longitudinal;
+    using T = decltype(element_forces(rotor, at, flow, even + lateral, 0.0).normal);
+    TurnForces<T> sums{};
+    for (int k = 0; k < psi.count; ++k) {
+        const double sine = psi.sine[k], cosine = psi.cosine[k];
+        const auto middle = even + lateral * sine, more = longitudinal * cosine;
+        const auto rear = element_forces(rotor, at, flow, middle + more, sine);
+        const auto front = element_forces(rotor, at, flow, middle - more, sine);
+        add(sums.normal, T(0.5 * (rear.normal + front.normal)), T(0.5 * (rear.normal - front.normal)), sine, cosine);
+        add(sums.tangential, T(0.5 * (rear.tangential + front.tangential)),
+            T(0.5 * (rear.tangential - front.tangential)), sine, cosine);
+    }
+    scale(sums.normal, 1.0 / psi.count), scale(sums.tangential, 1.0 / psi.count);
+    return sums;
+}
+
+// Forces of annuli averaged over a turn with harmonics, and their derivatives by the three harmonics times
+// what y/R multiplies: by a change of the inflow that is 1, sin(psi) and cos(psi) around the disk.
+struct TurnSlopes {
+    TurnForces<Lanes> forces, by_mean, by_sine, by_cosine;
+};
+template <class R, class St, class F>
+TurnSlopes turn_slopes(const R& rotor, const St& at, const F& flow, Lanes inflow, const Azimuths& psi,
+                       const Harmonics<double>& harmonics) {
+    const Lanes share = at.radius * (1.0 / rotor.tip());
+    const Lanes even = inflow + harmonics.mean;
+    const Lanes lateral = share * harmonics.lateral, longitudinal = share * harmonics.longitudinal;
+    TurnSlopes sums{};
+    Turn<Lanes> square_n{}, square_t{};  // derivatives with sin^2, sin cos
+    for (int k = 0; k < psi.count; ++k) {
+        const double sine = psi.sine[k], cosine = psi.cosine[k];
+        const Lanes middle = even + lateral * sine, more = longitudinal * cosine;
+        const Dual<Lanes, 1> behind{middle + more, {broadcast(1.0)}}, before{middle - more, {broadcast(1.0)}};
+        const auto rear = element_forces(rotor, at, flow, behind, sine);
+        const auto front = element_forces(rotor, at, flow, before, sine);
+        const auto both = [&](const auto& r, const auto& f, Turn<Lanes>& force, Turn<Lanes>& slope, Turn<Lanes>& square) {
+            add(force, Lanes(0.5 * (r.v + f.v)), Lanes(0.5 * (r.v - f.v)), sine, cosine);
+            const Lanes even_slope = 0.5 * (r.d[0] + f.d[0]), odd_slope = 0.5 * (r.d[0] - f.d[0]);
+            add(slope, even_slope, odd_slope, sine, cosine);
+            square.sine += even_slope * (sine * sine);
+            square.cosine += odd_slope * (sine * cosine);
+        };
+        both(rear.normal, front.normal, sums.forces.normal, sums.by_mean.normal, square_n);
+        both(rear.tangential, front.tangential, sums.forces.tangential, sums.by_mean.tangential, square_t);
+    }
+    const double per = 1.0 / psi.count;
+    const auto finish = [&](Turn<Lanes>& force, Turn<Lanes>& mean, Turn<Lanes>& sine, Turn<Lanes>& cosine,
+                            Turn<Lanes>& square) {
+        scale(force, per), scale(mean, per), scale(square, per);
+        sine = {mean.sine, square.sine, square.cosine};
+        cosine = {mean.cosine, square.cosine, mean.mean - square.sine};  // cos^2 = 1 - sin^2
+    };
+    finish(sums.forces.normal, sums.by_mean.normal, sums.by_sine.normal, sums.by_cosine.normal, square_n);
+    finish(sums.forces.tangential, sums.by_mean.tangential, sums.by_sine.tangential, sums.by_cosine.tangential,
+           square_t);
+    return sums;
+}
+
+// Loads per radius of an annulus, or of the whole rotor, per density: multiply by rho for N/m and N, or N
+// and N m.  The last three are not in the paper.
+template <class T> struct Loads {
+    T thrust{}, drag{}, torque{};
+    T roll_moment{};   // about the in-plane velocity, positive where the advancing side is lifted
+    T side_force{};    // in the disk plane across that velocity, positive towards the retreating side
+    T pitch_moment{};  // about the axis across that velocity, positive where the front is lifted
+
+    static constexpr int count = 6;
+    T* begin() { return &thrust; }
+    const T* begin() const { return &thrust; }
+};
+
+template <class R, class St, class T> auto loads_of(const R& rotor, const St& at, const TurnForces<T>& turn) {
+    const auto& [n, t] = turn;
+    const double blades = rotor.blade->blades;
+    const auto arm = blades * at.radius;
+    const auto in_plane = blades * rotor.law.drag_factor;
+    const auto drag = in_plane * t.sine;
+    using L = decltype(drag + arm * n.mean);
+    return Loads<L>{blades * n.mean + L{},     // Eq. (5)
+                    drag + L{},                // Eq. (6)
+                    arm * t.mean + L{},        // Eq. (7)
+                    arm * n.sine + L{}, in_plane * t.cosine + L{}, -(arm * n.cosine) + L{}};
+}
+
+// What skin friction along the flow adds to the loads of an annulus, once the inflow is known.
+//
+// In forward flight air also moves along the blade, with U_R = V sin(beta) cos(psi).  Lift and pressure
+// drag do not feel it (the independence principle: Jones, NACA TR 884, 1947); friction does, and acts along
+// the whole velocity W.  So the viscous drag 1/2 rho U C_v c (U_T, U_P) becomes 1/2 rho W C_v c (U_T, U_P,
+// U_R), C_v being the law's drag at zero lift and the Reynolds number of W.  Its part along the axis, less
+// than a thousandth of thrust, is left out.
+template <class R, class St, class F, class V>
+auto radial_friction(const R& rotor, const St& at, const F& flow, const V& inflow, const Azimuths& psi) {
+    const auto viscous = [&](const auto& square) {
+        const auto per_root = inverse_fourth_root(square);
+        const auto speed = square * per_root * per_root;
+        const auto reynolds = at.reynolds_per_speed * speed;
+        const auto root_re = at.inverse_root * per_root;
+        const auto none = 0.0 * speed;
+        const SectionFlow<decltype(none), decltype(speed), decltype(reynolds), decltype(root_re)> section{
+            none, none + 1.0, none, speed, reynolds, root_re};
+        return speed * rotor.law.coefficients(section).drag;
+    };
+    const auto term = [&](int k, auto& turning, auto& along) {
+        const double sine = psi.sine[k], square_cosine = 1.0 - sine * sine;
+        const auto u_t = flow.omega * at.radius + flow.v_inplane * sine;
+        const auto square = speed_squared(u_t, flow.v_axial + inflow);
+        const auto friction = viscous(square + flow.v_inplane * flow.v_inplane * square_cosine);
+        turning = (friction - viscous(square)) * u_t;
+        along = turning * sine + friction * (flow.v_inplane * square_cosine);
+    };
+    using T = decltype(element_forces(rotor, at, flow, inflow, 0.0).normal);
+    T turning{}, along{}, more_turning{}, more_along{};
+    for (int k = 0; k < psi.count; ++k) {
+        term(k, turning, along);
+        more_turning += turning, more_along += along;
+    }
+    TurnForces<T> sums{};
+    const auto half = at.chord * (0.5 / psi.count);
+    sums.tangential.mean = half * more_turning, sums.tangential.sine = half * more_along;
+    return loads_of(rotor, at, sums);
+}
+
+}  // namespace propmap

@@ -1,0 +1,154 @@
+// Lanes of numbers, and the elementary functions of a blade element in a form that vectorises.
+//
+// A lane is one radius of a blade, or one trial inflow at one radius.  The compiler's vector extensions
+// give the arithmetic; a mathematics library would take one lane at a time, so that the few functions
+// needed are polynomials here.  Every lane is computed by itself: no result depends on `width`.
+#pragma once
+
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <type_traits>
+
+namespace propmap {
+
+#if defined(__AVX512F__)
+inline constexpr int width = 8;
+#else
+inline constexpr int width = 4;
+#endif
+
+using Lanes = double __attribute__((vector_size(8 * width)));
+using Mask = std::int64_t __attribute__((vector_size(8 * width)));
+
+inline constexpr double pi = 3.14159265358979323846;
+
+template <class T> inline constexpr bool is_lanes = std::is_same_v<T, Lanes>;
+
+inline Lanes broadcast(double x) { return x - Lanes{}; }
+
+// A Lanes whose lane k is `f(k)`.
+template <class F> Lanes each_lane(F f) {
+    Lanes r;
+    for (int k = 0; k < width; ++k) r[k] = f(k);
+    return r;
+}
+
+inline double broadcast_like(double, double x) { return x; }
+inline Lanes broadcast_like(Lanes, double x) { return broadcast(x); }
+
+inline double select(bool which, double a, double b) { return which ? a : b; }
+inline Lanes select(bool which, Lanes a, Lanes b) { return which ? a : b; }
+inline Lanes select(Mask which, Lanes a, Lanes b) { return which ? a : b; }
+inline Lanes select(Mask which, double a, Lanes b) { return which ? broadcast(a) : b; }
+inline Lanes select(Mask which, Lanes a, double b) { return which ? a : broadcast(b); }
+
+inline bool any(bool m) { return m; }
+inline bool any(Mask m) {
+    std::int64_t r = 0;
+    for (int k = 0; k < width; ++k) r |= m[k];
+    return r != 0;
+}
+
+inline double absolute(double x) { return std::fabs(x); }
+inline Lanes absolute(Lanes x) { return std::bit_cast<Lanes>(std::bit_cast<Mask>(x) & 0x7fffffffffffffff); }
+
+inline double minimum(double a, double b) { return a < b ? a : b; }
+inline double maximum(double a, double b) { return a > b ? a : b; }
+inline Lanes minimum(Lanes a, Lanes b) { return a < b ? a : b; }
+inline Lanes maximum(Lanes a, Lanes b) { return a > b ? a : b; }
+inline Lanes minimum(Lanes a, double b) { return minimum(a, broadcast(b)); }
+inline Lanes maximum(Lanes a, double b) { return maximum(a, broadcast(b)); }
+
+inline double square_root(double x) { return std::sqrt(x); }
+inline Lanes square_root(Lanes x) {
+    for (int k = 0; k < width; ++k) x[k] = std::sqrt(x[k]);
+    return x;
+}
+
+inline double logarithm(double x) { return std::log(x); }
+inline Lanes logarithm(Lanes x) {
+    for (int k = 0; k < width; ++k) x[k] = std::log(x[k]);
+    return x;
+}
+
+namespace detail {
+
+template <std::size_t N, class T> T polynomial(const double (&c)[N], T x) {
+    T total = c[N - 1] + 0.0 * x;
+    for (std::size_t k = N - 1; k-- > 0;) total = total * x + c[k];
+    return total;
+}
+
+// x^(-1/4) by Newton's iteration from the exponent's bits; for x > 0 within the normal range.
+template <class T, class I> T inverse_fourth_root(T x) {
+    T y = std::bit_cast<T>(0x4fe8d9a7f45b9d4c - (std::bit_cast<I>(x) >> 2));
+    for (int k = 0; k < 4; ++k) {
+        T square = y * y;
+        y = y * (1.25 - 0.25 * x * square * square);
+    }
+    return y;
+}
+
+// 2^x for |x| <= 100: a polynomial (error 3e-18) of the fraction, the whole part by the bits.
+inline constexpr double power_series[] = {
+    0.999999999999999997,    0.693147180559945309,    0.240226506959101596,   0.055504108664821627,
+    0.00961812910758725667,  0.00133335581464064707,  0.000154035304637243542, 0.0000152527338415567726,
+    1.32154325359123762e-6,  1.01780570877339411e-7,  7.07419429728852101e-9, 4.45581790833606449e-10};
+
+template <class T, class I> T power_of_two(T x) {
+    // The last bits of so large a number are the nearest whole number.
+    const double shift = 1.5 * 4503599627370496.0;
+    T large = x + shift;
+    T whole = large - shift;
+    T power = polynomial(power_series, x - whole);
+    return std::bit_cast<T>(std::bit_cast<I>(power) + (std::bit_cast<I>(large) << 52));
+}
+
+// An angle over its sine, as a polynomial of 2 cos - 1 for cosines from 0 to 1 (error 3e-16).
+inline constexpr double angle_series[] = {
+    1.20919957615614502,      -0.263600141281284852,   0.0697331920520912661,   -0.0198371469224948319,
+    0.00586162897348785888,   -0.00177292846059628355, 0.000544774007010231323, -0.00016930995388714085,
+    0.0000530735801363400048, -0.0000167491012597751523, 5.31474794361074729e-6, -1.69379540735377992e-6,
+    5.40808643697090462e-7,   -1.73530868168817735e-7, 5.72366316132002304e-8,  -1.8463164714347569e-8,
+    4.77358514008358135e-9,   -1.54322583961154562e-9, 1.06177329295088537e-9,  -3.45259271173095981e-10};
+
+template <class T> T angle_of(T cosine, T sine) {
+    T near = sine * polynomial(angle_series, 2.0 * absolute(cosine) - 1.0);
+    T turned = select(sine < 0.0, broadcast_like(cosine, -pi), broadcast_like(cosine, pi)) - near;
+    return select(cosine < 0.0, turned, near);
+}
+
+}  // namespace detail
+
+inline double inverse_fourth_root(double x) { return detail::inverse_fourth_root<double, std::int64_t>(x); }
+inline Lanes inverse_fourth_root(Lanes x) { return detail::inverse_fourth_root<Lanes, Mask>(x); }
+
+inline double power_of_two(double x) { return detail::power_of_two<double, std::int64_t>(x); }
+inline Lanes power_of_two(Lanes x) { return detail::power_of_two<Lanes, Mask>(x); }
+
+// The angle [rad] in (-pi, pi] with this cosine and sine.
+inline double angle_of(double cosine, double sine) { return detail::angle_of(cosine, sine); }
+inline Lanes angle_of(Lanes cosine, Lanes sine) { return detail::angle_of(cosine, sine); }
+
+template <class T> struct SineCosine {
+    T sine, cosine;
+};
+
+inline SineCosine<double> sine_cosine(double x) { return {std::sin(x), std::cos(x)}; }
+
+// For |x| <= pi, by the Taylor series of half the angle: to 3e-16.
+inline SineCosine<Lanes> sine_cosine(Lanes x) {
+    Lanes half = 0.5 * x, z = half * half;
+    Lanes sine = half, term = half;
+    Lanes cosine = broadcast(1.0), other = cosine;
+    for (int k = 1; k <= 10; ++k) {
+        other = other * z * (-1.0 / ((2.0 * k - 1.0) * (2.0 * k)));
+        cosine = cosine + other;
+        term = term * z * (-1.0 / ((2.0 * k) * (2.0 * k + 1.0)));
+        sine = sine + term;
+    }
+    return {2.0 * sine * cosine, 1.0 - 2.0 * sine * sine};
+}
+
+}  // namespace propmap

@@ -1,0 +1,507 @@
+// Loads of a rotor at any operating point, eqs. (13) to (15), with their derivatives, and a status.
+#pragma once
+
+#include <map>
+#include <mutex>
+
+#include "disk.hpp"
+
+namespace propmap {
+
+// How many nodes an operating point gets.
+struct Accuracy {
+    struct Share {
+        double advance;  // V sin(beta)/(Omega R) up to which
+        int azimuths;    // over a full turn
+    };
+    std::vector<Share> azimuths;
+    int free, stalled, fast;  // radial nodes: nothing stalls, panels follow stall, stall is spread over azimuth
+    double largest_tail;      // of the Legendre series, in loads at rest: a point with more is evaluated again
+    struct Finer {
+        int nodes;
+        double largest_tail;
+    };
+    std::vector<Finer> finer;  // further evaluations
+
+    static constexpr int counts[] = {8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384};
+
+    static int place_of(int count) {
+        return int(std::lower_bound(std::begin(counts), std::end(counts), count) - std::begin(counts));
+    }
+    // A section that stalls more sharply takes more azimuths in proportion, `times` a further evaluation too.
+    int azimuths_at(double advance, double sharper, int times) const {
+        std::size_t k = 0;
+        while (k + 1 < azimuths.size() && advance > azimuths[k].advance) ++k;
+        const int wanted = int(std::ceil(azimuths[k].azimuths * std::max(sharper, 1.0) - 1e-6));
+        return counts[std::min(place_of(wanted) + std::max(times - 1, 0), int(std::size(counts)) - 1)];
+    }
+};
+
+// `standard`: 0.1 % of static thrust and torque; `fine`: 0.01 %.
+inline const Accuracy standard_accuracy{
+    {{0.03, 8}, {0.06, 12}, {0.12, 16}, {0.18, 24}, {0.3, 32}, {0.5, 64}, {1.0, 96}, {INFINITY, 128}},
+    24, 48, 64, 0.028, {{80, 0.028}, {240, 0.05}, {960, 0.09}}};
+inline const Accuracy fine_accuracy{
+    {{0.1, 32}, {0.15, 48}, {0.3, 96}, {0.5, 192}, {1.0, 256}, {INFINITY, 384}},
+    96, 160, 160, 0.004, {{320, 0.004}, {960, 0.01}}};
+
+// Advance ratios above which the radius of stall varies so much over azimuth that panels that follow it gain
+// nothing, in climb and in descent; and above which reverse flow needs as many nodes as stall.
+inline constexpr double follow_below = 0.24, follow_descent_below = 0.45, reversed_above = 0.3;
+
+// From harmless to fatal; where several apply, the last is given.
+enum class Status : unsigned char { ok, multiple_roots, windmill, coarse, vortex_ring, not_converged };
+
+struct Result {
+    Loads<double> loads;  // [N], [N m]
+    Status status = Status::ok;
+    int roots = 1;        // largest number of roots of (11) along the blade
+    double ring = 0.0;    // share of the vortex ring's inflow
+    double mean_inflow = 0.0;
+};
+
+inline double sum(Lanes x) {
+    double total = 0.0;
+    for (int k = 0; k < width; ++k) total += x[k];
+    return total;
+}
+template <int N> Dual<double, N> sum(const Dual<Lanes, N>& x) {
+    Dual<double, N> total{sum(x.v), {}};
+    for (int k = 0; k < N; ++k) total.d[k] = sum(x.d[k]);
+    return total;
+}
+
+// Azimuth nodes, count / 2 of the front half of a turn; a single one for count = 1.
+struct AzimuthRule {
+    std::vector<double> sine, cosine;
+    explicit AzimuthRule(int count) {
+        const int half = std::max(count / 2, 1);
+        for (int k = 0; k < half; ++k) {
+            const double psi = pi * ((k + 0.5) / half - 0.5);
+            sine.push_back(count == 1 ? 0.0 : std::sin(psi));
+            cosine.push_back(count == 1 ? 1.0 : std::cos(psi));
+        }
+    }
+    Azimuths nodes() const { return {int(sine.size()), sine.data(), cosine.data()}; }
+};
+
+template <class Rule> const Rule& rule_of(int count) {
+    static std::mutex guard;
+    static std::map<int, Rule> rules;
+    thread_local std::array<const Rule*, 1024> known{};
+    if (count < int(known.size()) && known[count]) return *known[count];
+    const std::lock_guard lock(guard);
+    const Rule& rule = rules.try_emplace(count, count).first->second;
+    if (count < int(known.size())) known[count] = &rule;
+    return rule;
+}
+inline const GaussRule& gauss_rule(int nodes) { return rule_of<GaussRule>(nodes); }
+inline Azimuths azimuths(int count) { return rule_of<AzimuthRule>(count).nodes(); }
+
+// All that is known of an operating point once (11) is solved.
+struct Solution {
+    Flow<double> flow{};
+    Disk disk;
+    Azimuths psi;
+    bool windmill = false;
+    Harmonics<double> harmonics{};
+    Loads<double> by_harmonic[3];  // derivatives of the loads per density by the three harmonics
+    DiskFlow<double> mean;
+    double thrust_tail = 0.0, torque_tail = 0.0;
+    Result result;
+};
+
+// Change of the harmonics for which response(loads) - harmonics vanishes, to first order: by Cramer's rule.
+template <class S>
+Harmonics<S> harmonics_step(const HarmonicResponse<double>& r, const Loads<double> (&by)[3], const S (&wanted)[3]) {
+    double m[3][3];
+    for (int k = 0; k < 3; ++k) {
+        m[0][k] = (k == 0) - r.mean_by_thrust * by[k].thrust;
+        m[1][k] = (k == 1) - r.by_roll * by[k].roll_moment;
+        m[2][k] = (k == 2) - r.by_thrust * by[k].thrust + r.by_rear * by[k].pitch_moment;
+    }
+    const auto minor = [&](int i, int j) {
+        const int a = (i + 1) % 3, b = (i + 2) % 3, c = (j + 1) % 3, d = (j + 2) % 3;
+        return m[a][c] * m[b][d] - m[a][d] * m[b][c];
+    };
+    double determinant = 0.0;
+    for (int j = 0; j < 3; ++j) determinant += m[0][j] * minor(0, j);
+    const double per = 1.0 / (determinant == 0.0 ? 1e-30 : determinant);
+    const auto solved = [&](int j) {
+        return S(per * (minor(0, j) * wanted[0] + minor(1, j) * wanted[1] + minor(2, j) * wanted[2]));
+    };
+    return {solved(0), solved(1), solved(2)};
+}
+
+template <template <class> class LawOf> class RotorSolver {
+  public:
+    using Plain = Rotor<double, LawOf>;
+
+    RotorSolver(Plain rotor, const Accuracy& accuracy) : rotor_(std::move(rotor)), accuracy_(accuracy) {
+        // Loads at rest, nearly proportional to Omega^2, with lower limits by mean coefficients of lift (0.1) and
+        // of the force against the rotation (0.01): a blade stalled at rest has small loads.
+        const double omega = 100.0 / rotor_.tip();
+        Solution at_rest;
+        at_rest.flow = {omega, 0.0, 0.0, 0.0};
+        at_rest.psi = azimuths(1);
+        single_panel(at_rest.disk, rotor_.root(), rotor_.tip(), 24);
+        solve_nodes(annuli(at_rest), at_rest.disk, false);
+        find_loads(at_rest);
+        double force = 0.0;
+        const auto& y = rotor_.blade->station;
+        const auto chord = [&](std::size_t k) {
+            return k + 1 < y.size() ? rotor_.blade->intervals[k].chord[0]
+                                    : [](const double* c) { return c[0] + c[1] + c[2] + c[3]; }(rotor_.blade->intervals.back().chord);
+        };
+        for (std::size_t k = 0; k + 1 < y.size(); ++k)
+            force += 0.5 * (y[k + 1] - y[k]) * (chord(k) * y[k] * y[k] + chord(k + 1) * y[k + 1] * y[k + 1]);
+        force *= 0.5 * rotor_.density * rotor_.blade->blades;
+        const auto& loads = at_rest.result.loads;
+        static_thrust_ = std::max(std::fabs(loads.thrust) / (omega * omega), 0.1 * force);
+        static_torque_ = std::max(std::fabs(loads.torque) / (omega * omega), 0.01 * force * rotor_.tip());
+        if (!(static_thrust_ > 0.0)) static_thrust_ = 0.1 * force;
+        if (!(static_torque_ > 0.0)) static_torque_ = 0.01 * force * rotor_.tip();
+    }
+
+    const Plain& rotor() const { return rotor_; }
+
+    // Loads at an operating point; `flow.v_hover` is filled in.
+    void solve(double omega, double v_axial, double v_inplane, Solution& s) const {
+        s.flow = {omega, v_axial, v_inplane, 0.0};
+        s.result = Result{};
+        if (omega == 0.0 && v_axial == 0.0 && v_inplane == 0.0) {
+            s.psi = azimuths(1);
+            single_panel(s.disk, rotor_.root(), rotor_.tip(), accuracy_.free);
+            s.disk.nodes = accuracy_.free;
+            s.disk.inflow.assign(std::size_t(groups_of(s.disk)) * width, 0.0);
+            s.disk.several = false;
+            s.harmonics = {};
+            return;
+        }
+        if (v_axial < 0.0) {
+            Solution still;
+            solve(omega, 0.0, 0.0, still);
+            s.flow.v_hover = static_inflow(still.result.loads.thrust / rotor_.density, rotor_.tip());
+        }
+        s.windmill = vortex_ring::windmill(s.flow);
+        const double tip_speed = omega * rotor_.tip();
+        const double advance = v_inplane == 0.0 ? 0.0 : v_inplane / tip_speed;
+        const double sharper = 0.02 / rotor_.law.stall_width();
+        const bool axial = v_inplane == 0.0;
+        s.disk.several = false;
+
+        s.psi = azimuths(axial ? 1 : accuracy_.azimuths_at(advance, sharper, 0));
+        const bool follow = advance <= (v_axial < 0.0 ? follow_descent_below : follow_below);
+        bool done = false;
+        if (advance <= reversed_above && !s.windmill) {
+            single_panel(s.disk, rotor_.root(), rotor_.tip(), accuracy_.free);
+            done = solve_nodes(annuli(s), s.disk, true);
+        }
+        if (!done) {
+            s.disk.several = false;
+            if (follow) follow_stall(annuli(s), s.disk, accuracy_.stalled);
+            else single_panel(s.disk, rotor_.root(), rotor_.tip(), accuracy_.fast);
+            solve_nodes(annuli(s), s.disk, false);
+        }
+        find_loads(s);
+        const double squared = sharper > 1.0 + 1e-9 ? sharper * sharper : 1.0;
+        double limit = accuracy_.largest_tail / squared;
+        for (std::size_t times = 0; times < accuracy_.finer.size() && tail_share(s) > limit; ++times) {
+            s.psi = azimuths(axial ? 1 : accuracy_.azimuths_at(advance, sharper, int(times) + 1));
+            s.disk.several = false;
+            follow_stall(annuli(s), s.disk, accuracy_.finer[times].nodes);
+            solve_nodes(annuli(s), s.disk, false);
+            find_loads(s);
+            const bool last = times + 1 == accuracy_.finer.size();
+            limit = last ? accuracy_.finer[times].largest_tail : accuracy_.finer[times].largest_tail / squared;
+        }
+        const double last_limit = accuracy_.finer.back().largest_tail;
+        set_status(s, tail_share(s) > last_limit);
+    }
+
+    // The larger tail of thrust and torque as a share of the load at rest; a rotor that turns slowly in a wind has
+    // the loads of the wind.
+    double tail_share(const Solution& s) const {
+        const auto& f = s.flow;
+        const double wind = (f.v_axial * f.v_axial + f.v_inplane * f.v_inplane) / (rotor_.tip() * rotor_.tip());
+        const double square = std::max(f.omega * f.omega, wind);
+        return std::max(s.thrust_tail / static_thrust_, s.torque_tail / static_torque_) / square;
+    }
+
+    double hover_inflow(double omega) const {
+        Solution still;
+        solve(omega, 0.0, 0.0, still);
+        return static_inflow(still.result.loads.thrust / rotor_.density, rotor_.tip());
+    }
+
+    Annuli<Plain> annuli(const Solution& s) const {
+        const Azimuths few = s.psi.count > 4 ? azimuths(8) : s.psi;
+        return {rotor_, s.flow, s.psi, few, s.windmill};
+    }
+
+    // Derivatives of the loads [N], [N m] along N directions, with which `rotor` and `flow` are seeded.
+    template <int N>
+    Loads<Dual<double, N>> slopes(const Solution& s, const Rotor<Dual<double, N>, LawOf>& rotor,
+                                  Flow<Dual<double, N>> flow) const {
+        using S = Dual<double, N>;
+        using T = Dual<Lanes, N>;
+        if (s.flow.v_axial < 0.0) {
+            // The static inflow follows what changes, but not the flight.
+            Solution still;
+            solve(s.flow.omega, 0.0, 0.0, still);
+            const S zero{};
+            const auto at_rest = slopes<N>(still, rotor, Flow<S>{flow.omega, zero, zero, zero});
+            flow.v_hover = static_inflow(S(at_rest.thrust * (1.0 / rotor_.density)), rotor_.tip());
+        }
+        const auto of = annuli(s);
+        // At a fold the residual's slope by v_i is zero: it stays zero if the radius changes by
+        // -(change of the residual)/(its slope along the blade).
+        std::array<S, most_edges + 2> edge;
+        for (int k = 0; k <= s.disk.panels; ++k) {
+            edge[k] = S{s.disk.edge[k], {}};
+            if (!s.disk.moves[k]) continue;
+            const Lanes y = broadcast(s.disk.edge[k]), v = broadcast(s.disk.fold[k].inflow);
+            const auto at = station_at(rotor, flow.omega, y);
+            const T g = annulus_thrust(rotor, at, flow, v, s.psi) - wake_thrust(rotor, y, flow, s.windmill, v);
+            const Dual<Lanes, 1> moved{y, {broadcast(1.0)}};
+            const auto beside = station_at(rotor_, s.flow.omega, moved);
+            const Dual<Lanes, 1> along = annulus_thrust(rotor_, beside, s.flow, v, s.psi) -
+                                         wake_thrust(rotor_, moved, s.flow, s.windmill, v);
+            const double per = along.d[0][0] != 0.0 ? -1.0 / along.d[0][0] : 0.0;
+            for (int d = 0; d < N; ++d) edge[k].d[d] = per * g.d[d][0];
+        }
+        // The inflow's change by the implicit function theorem.
+        const int groups = groups_of(s.disk);
+        std::vector<T> inflow(groups);
+        const S ring = vortex_ring::weight(flow), ring_inflow = vortex_ring::inflow(flow);
+        S area{}, through{};
+        for (int g = 0; g < groups; ++g) {
+            const auto nodes = node_lanes(s.disk, edge, g);
+            const Lanes v = node_inflow(s, g);
+            const auto at = station_at(rotor, flow.omega, nodes.radius);
+            const T change = annulus_thrust(rotor, at, flow, v, s.psi) -
+                             wake_thrust(rotor, nodes.radius, flow, s.windmill, v);
+            const Lanes slope = of.residual(of.station(value(nodes.radius)), v).d[0];
+            T moved{v, {}};
+            for (int d = 0; d < N; ++d) moved.d[d] = slope == 0.0 ? Lanes{} : -change.d[d] / slope;
+            inflow[g] = value(ring) > 0.0 ? T(moved * (1.0 - ring) + ring * ring_inflow) : moved;
+            const T part = nodes.weight * nodes.radius;
+            area += sum(part), through += sum(T(part * inflow[g]));
+        }
+        const S mean_inflow = through / area;
+        Loads<S> total{};
+        const bool around = has_harmonics(s);
+        S without{};
+        for (int g = 0; g < groups; ++g) {
+            const auto nodes = node_lanes(s.disk, edge, g);
+            const auto at = station_at(rotor, flow.omega, nodes.radius);
+            const auto add_up = [&](const auto& per_radius) {
+                for (int k = 0; k < Loads<S>::count; ++k)
+                    total.begin()[k] += sum(T(nodes.weight * per_radius.begin()[k]));
+            };
+            if (around) {
+                add_up(loads_of(rotor, at, turn_forces(rotor, at, flow, inflow[g], s.psi, s.harmonics)));
+                without += sum(T(nodes.weight * annulus_thrust(rotor, at, flow, inflow[g], s.psi)));
+            } else {
+                add_up(loads_of(rotor, at, turn_forces(rotor, at, flow, inflow[g], s.psi)));
+            }
+            if (rotor_.radial_friction && s.flow.v_inplane > 0.0)
+                add_up(radial_friction(rotor, at, flow, inflow[g], s.psi));
+        }
+        if (around) {
+            const DiskFlow<S> mean{flow.omega, flow.v_axial, flow.v_inplane, mean_inflow};
+            auto response = faded(harmonic_response(rotor.inflow_shape, mean, rotor_.tip()), S(1.0 - ring));
+            const auto h = response.harmonics({total.thrust, total.roll_moment, S(-total.pitch_moment)}, without);
+            S wanted[3] = {h.mean, h.lateral, h.longitudinal};
+            for (S& w : wanted) w.v = 0.0;
+            const auto plain = faded(harmonic_response(rotor_.inflow_shape, s.mean, rotor_.tip()), 1.0 - s.result.ring);
+            const auto step = harmonics_step<S>(plain, s.by_harmonic, wanted);
+            const S steps[3] = {step.mean, step.lateral, step.longitudinal};
+            for (int j = 0; j < 3; ++j)
+                for (int k = 0; k < Loads<S>::count; ++k) total.begin()[k] += s.by_harmonic[j].begin()[k] * steps[j];
+        }
+        if (rotor_.mounted) total.drag += mount_drag(rotor, flow, mean_inflow);
+        for (int k = 0; k < Loads<S>::count; ++k) total.begin()[k] = total.begin()[k] * rotor_.density;
+        return total;
+    }
+
+    bool has_harmonics(const Solution& s) const {
+        return rotor_.inflow_shape != InflowShape::uniform && s.flow.v_inplane > 0.0;
+    }
+    Lanes node_inflow(const Solution& s, int group) const {
+        return each_lane([&](int k) { return s.disk.inflow[std::min(group * width + k, s.disk.nodes - 1)]; });
+    }
+
+    // Within the vortex ring harmonics fade.
+    template <class S> static HarmonicResponse<S> faded(HarmonicResponse<S> r, const S& share) {
+        for (S* part : {&r.mean_by_thrust, &r.lateral, &r.longitudinal, &r.by_thrust, &r.by_roll, &r.by_rear})
+            *part = *part * share;
+        return r;
+    }
+
+    // Loads per density of the disk with harmonics, and their derivatives by these.
+    void loads_and_slopes(const Solution& s, const std::vector<Lanes>& inflow, const Harmonics<double>& h,
+                          Loads<double>& loads, Loads<double> (&by)[3], double* integrand) const {
+        loads = {}, by[0] = {}, by[1] = {}, by[2] = {};
+        for (int g = 0; g < groups_of(s.disk); ++g) {
+            const auto nodes = node_lanes(s.disk, s.disk.edge, g);
+            const auto at = station_at(rotor_, s.flow.omega, nodes.radius);
+            const auto turn = turn_slopes(rotor_, at, s.flow, inflow[g], s.psi, h);
+            const Lanes share = nodes.weight * (at.radius * (1.0 / rotor_.tip()));
+            const auto here = loads_of(rotor_, at, turn.forces);
+            const auto add_up = [&](Loads<double>& into, const Loads<Lanes>& part, Lanes weight) {
+                for (int k = 0; k < Loads<double>::count; ++k) into.begin()[k] += sum(weight * part.begin()[k]);
+            };
+            add_up(loads, here, nodes.weight);
+            add_up(by[0], loads_of(rotor_, at, turn.by_mean), nodes.weight);
+            add_up(by[1], loads_of(rotor_, at, turn.by_sine), share);
+            add_up(by[2], loads_of(rotor_, at, turn.by_cosine), share);
+            keep_integrand(s, g, nodes.weight, here, integrand);
+        }
+    }
+
+  private:
+    static void keep_integrand(const Solution& s, int g, Lanes weight, const Loads<Lanes>& per_radius, double* into) {
+        for (int k = 0; k < width && g * width + k < s.disk.nodes; ++k) {
+            into[g * width + k] = weight[k] * per_radius.thrust[k];
+            into[most_nodes + g * width + k] = weight[k] * per_radius.torque[k];
+        }
+    }
+
+    // Size of the last coefficients of the integrand's Legendre series on each panel: at a kink or a step, which
+    // the nodes resolve badly, they are still large.
+    double tail(const Solution& s, const double* values) const {
+        double total = 0.0;
+        int first = 0;
+        for (int p = 0; p < s.disk.panels; ++p) {
+            const int n = s.disk.count[p];
+            const GaussRule& rule = gauss_rule(n);
+            for (int j = 0; j < GaussRule::tail; ++j) {
+                double c = 0.0;
+                for (int k = 0; k < n; ++k) c += rule.last[std::size_t(j) * n + k] * values[first + k];
+                total += c * c;
+            }
+            first += n;
+        }
+        return std::sqrt(total);
+    }
+
+    // Loads of a disk whose inflow is known.
+    void find_loads(Solution& s) const {
+        const int groups = groups_of(s.disk);
+        thread_local std::vector<Lanes> inflow;
+        thread_local std::vector<double> integrand;
+        inflow.resize(groups), integrand.resize(2 * most_nodes);
+        const double ring = vortex_ring::weight(s.flow), ring_inflow = vortex_ring::inflow(s.flow);
+        double area = 0.0, through = 0.0;
+        for (int g = 0; g < groups; ++g) {
+            const auto nodes = node_lanes(s.disk, s.disk.edge, g);
+            const Lanes v = node_inflow(s, g);
+            inflow[g] = ring > 0.0 ? (1.0 - ring) * v + ring * ring_inflow : v;
+            const Lanes part = nodes.weight * nodes.radius;
+            area += sum(part), through += sum(part * inflow[g]);
+        }
+        s.mean = {s.flow.omega, s.flow.v_axial, s.flow.v_inplane, through / area};
+        Loads<double> total{};
+        if (has_harmonics(s)) total = find_harmonics(s, inflow, ring, integrand.data());
+        for (int g = 0; g < groups; ++g) {
+            if (has_harmonics(s) && !rotor_.radial_friction) break;
+            const auto nodes = node_lanes(s.disk, s.disk.edge, g);
+            const auto at = station_at(rotor_, s.flow.omega, nodes.radius);
+            const auto add_up = [&](const Loads<Lanes>& per_radius) {
+                for (int k = 0; k < Loads<double>::count; ++k)
+                    total.begin()[k] += sum(nodes.weight * per_radius.begin()[k]);
+            };
+            if (!has_harmonics(s)) {
+                const auto per_radius = loads_of(rotor_, at, turn_forces(rotor_, at, s.flow, inflow[g], s.psi));
+                add_up(per_radius);
+                keep_integrand(s, g, nodes.weight, per_radius, integrand.data());
+            }
+            if (rotor_.radial_friction && s.flow.v_inplane > 0.0)
+                add_up(radial_friction(rotor_, at, s.flow, inflow[g], s.psi));
+        }
+        if (rotor_.mounted) total.drag += mount_drag(rotor_, s.flow, s.mean.inflow);
+        for (int k = 0; k < Loads<double>::count; ++k) s.result.loads.begin()[k] = total.begin()[k] * rotor_.density;
+        s.thrust_tail = rotor_.density * tail(s, integrand.data());
+        s.torque_tail = rotor_.density * tail(s, integrand.data() + most_nodes);
+        s.result.ring = ring, s.result.mean_inflow = s.mean.inflow;
+    }
+
+    // Harmonics of the inflow and the loads that belong to each other, three equations, by Newton's method from
+    // none.  The step after the first usually is so short that the loads follow from their slopes.
+    Loads<double> find_harmonics(Solution& s, const std::vector<Lanes>& inflow, double ring, double* integrand) const {
+        const auto response = faded(harmonic_response(rotor_.inflow_shape, s.mean, rotor_.tip()), 1.0 - ring);
+        const double speed = s.flow.omega * rotor_.tip() + s.mean.speed();
+        Loads<double> loads{}, (&by)[3] = s.by_harmonic;
+        Harmonics<double> h{};
+        without_harmonics(s, inflow, loads, by);
+        const double without = loads.thrust;
+        double size = INFINITY;
+        for (int step = 0; step < 40 && size > 4e-4; ++step) {
+            if (step > 0) loads_and_slopes(s, inflow, h, loads, by, integrand);
+            const auto asked = response.harmonics({loads.thrust, loads.roll_moment, -loads.pitch_moment}, without);
+            const double wanted[3] = {asked.mean - h.mean, asked.lateral - h.lateral,
+                                      asked.longitudinal - h.longitudinal};
+            const auto by_step = harmonics_step<double>(response, by, wanted);
+            double change[3] = {by_step.mean, by_step.lateral, by_step.longitudinal};
+            size = std::max({std::fabs(change[0]), std::fabs(change[1]), std::fabs(change[2])}) / speed;
+            const double share = std::min(1.0, 0.05 / std::max(size, 1e-30));
+            for (double& c : change) c *= share;
+            h = {h.mean + change[0], h.lateral + change[1], h.longitudinal + change[2]};
+            for (int j = 0; j < 3; ++j)
+                for (int k = 0; k < Loads<double>::count; ++k) loads.begin()[k] += change[j] * by[j].begin()[k];
+            if (step == 0) size = INFINITY;
+            if (!std::isfinite(size) && step > 0) break;
+        }
+        s.harmonics = h;
+        if (!(size <= 4e-4))
+            for (int k = 0; k < Loads<double>::count; ++k) loads.begin()[k] = std::nan("");
+        return loads;
+    }
+
+    // Loads per density without harmonics, and the derivatives that the first step needs.
+    void without_harmonics(const Solution& s, const std::vector<Lanes>& inflow, Loads<double>& loads,
+                           Loads<double> (&by)[3]) const {
+        loads = {}, by[0] = {}, by[1] = {}, by[2] = {};
+        for (int g = 0; g < groups_of(s.disk); ++g) {
+            const auto nodes = node_lanes(s.disk, s.disk.edge, g);
+            const auto at = station_at(rotor_, s.flow.omega, nodes.radius);
+            Lanes mean{}, sine{}, slope{}, slope_sine{}, slope_square{};
+            for (int k = 0; k < s.psi.count; ++k) {
+                const Dual<Lanes, 1> v{inflow[g], {broadcast(1.0)}};
+                const auto f = element_forces(rotor_, at, s.flow, v, s.psi.sine[k]).normal;
+                const double x = s.psi.sine[k];
+                mean += f.v, sine += f.v * x, slope += f.d[0], slope_sine += f.d[0] * x, slope_square += f.d[0] * (x * x);
+            }
+            const Lanes weight = nodes.weight * (rotor_.blade->blades / double(s.psi.count));
+            const Lanes arm = weight * at.radius, share = at.radius * (1.0 / rotor_.tip());
+            loads.thrust += sum(weight * mean), loads.roll_moment += sum(arm * sine);
+            by[0].thrust += sum(weight * slope), by[0].roll_moment += sum(arm * slope_sine);
+            by[1].thrust += sum(weight * share * slope_sine), by[1].roll_moment += sum(arm * share * slope_square);
+            by[2].pitch_moment -= sum(arm * share * (slope - slope_square));  // cos^2 = 1 - sin^2
+        }
+    }
+
+    void set_status(Solution& s, bool coarse) const {
+        Result& r = s.result;
+        const auto& f = s.flow;
+        r.roots = s.disk.several ? 3 : 1;
+        const auto turn = turning_points(f.v_axial, f.v_inplane);
+        const bool mirrored = s.windmill && r.mean_inflow > turn.first && turn.second > turn.first;
+        r.status = Status::ok;
+        if (r.roots > 1) r.status = Status::multiple_roots;
+        if (f.v_axial < 0.0 && f.v_axial + 2.0 * r.mean_inflow <= 0.0) r.status = Status::windmill;
+        if (coarse) r.status = Status::coarse;
+        if (r.ring > 0.0 || mirrored) r.status = Status::vortex_ring;
+        if (!std::isfinite(r.loads.thrust)) {
+            r.status = Status::not_converged;
+            for (int k = 0; k < Loads<double>::count; ++k) r.loads.begin()[k] = std::nan("");
+        }
+    }
+
+    Plain rotor_;
+    Accuracy accuracy_;
+    double static_thrust_ = 1.0, static_torque_ = 1.0;
+};
+
+}  // namespace propmap

@@ -1,0 +1,226 @@
+// Lift and drag of a blade section, eqs. (3) and (4), at any angle of attack and Reynolds number.
+//
+// A law is a struct of numbers with `coefficients`, `zero_lift_angle_at`, `least_drag_angle`, and what
+// the search for the inflow must know of stall: `stall_angle`, `stall_width`, `attached_slope`.
+#pragma once
+
+#include <algorithm>
+#include <memory>
+#include <vector>
+
+#include "velocities.hpp"
+
+namespace propmap {
+
+// The flow at a section.  Angles of attack are from zero lift; `drag_sine` is of that from least drag.
+template <class A, class B, class C, class D> struct SectionFlow {
+    A sine, cosine, drag_sine;
+    B speed;                  // U [m/s]
+    C reynolds;               // rho U c / mu [-]
+    D inverse_root_reynolds;  // Re^(-1/2) [-]
+};
+
+template <class L, class D> struct Coefficients {
+    L lift;  // C_L [-]
+    D drag;  // C_D [-]
+};
+
+// The paper's law with two terms that are not in the paper: a zero-lift angle that grows with ln(Re),
+// and an angle of least drag of its own.  `S` is double, or dual where loads are differentiated.
+template <class S> struct BlendedLaw {
+    S c_l1;             // slope of attached lift [1/rad]
+    S c_l2;             // amplitude of separated lift [-]
+    S c_d;              // amplitude of pressure drag [-]
+    S alpha_0;          // angle of attack at stall [rad]
+    S zero_lift_angle;  // [rad]; eqs. (3) and (4) see alpha minus this one
+    S c_d0;             // constant drag [-]
+    S c_p;              // skin friction constant [-]
+    S sharpness;        // M of the stall blend [1/rad]
+    S drag_factor;      // factor on rotor drag (14) [-], 1 in the paper
+    S reynolds_camber;  // growth of the zero-lift angle by ln(Re) [rad]
+    S drag_angle;       // of least pressure drag, above zero_lift_angle [rad]
+    double attached;    // 1 for eq. (3); 0 for the simplified lift of footnote 1, whose c_l is c_l2
+
+    static constexpr double log2_e = 1.44269504088896340736;
+
+    // Re is that of the rotation alone: the angle is known before the inflow is.
+    template <class R> auto zero_lift_angle_at(const R& reynolds) const {
+        const auto within = minimum(maximum(reynolds, broadcast_like(value(reynolds), 1e4)),
+                                    broadcast_like(value(reynolds), 1.2e5));
+        return zero_lift_angle + reynolds_camber * logarithm(within * (1.0 / 5e4));
+    }
+    template <class R> auto least_drag_angle_at(const R&) const { return zero_lift_angle + drag_angle; }
+    bool varies_with_reynolds() const { return value(reynolds_camber) != 0.0 || IsDual<S>; }
+
+    template <class F> auto coefficients(const F& flow) const {
+        const auto angle = angle_of(flow.cosine, flow.sine);
+        // The paper writes sigma = (1 + A + B)/((1 + A)(1 + B)), A = exp(-M (a - a0)), B = exp(M (a + a0)),
+        // which overflows.  It is even in a; for a >= 0, 1 - sigma = x/((1 + x)(x + e)) with x = 1/A and
+        // e = exp(-2 M a0): a single exponential, whose argument is limited.
+        const auto far = power_of_two(maximum(-2.0 * log2_e * sharpness * alpha_0, 0.0 * alpha_0 - 100.0));
+        auto exponent = log2_e * sharpness * (absolute(angle) - alpha_0);
+        const auto limit = broadcast_like(value(exponent), 58.0);
+        exponent = maximum(minimum(exponent, limit + 0.0 * exponent), 0.0 * exponent - limit);
+        const auto x = power_of_two(exponent);
+        const auto share = attached * x / ((1.0 + x) * (x + far));  // 1 - sigma
+        const auto separated = c_l2 * flow.sine * flow.cosine;
+        const auto lift = separated + share * (c_l1 * angle - separated);  // Eq. (3)
+        const auto drag = c_d * flow.drag_sine * flow.drag_sine +
+                          (2.0 * 1.02) * c_p * flow.inverse_root_reynolds + c_d0;  // Eq. (4)
+        return Coefficients<decltype(lift + 0.0), decltype(drag + 0.0)>{lift, drag};
+    }
+
+    double stall_angle(double, double side) const { return side * value(alpha_0); }
+    double stall_width() const { return 1.0 / value(sharpness); }
+    auto attached_slope() const { return attached * c_l1; }
+};
+
+// The numbers of a tabulated law: cubics of an interval of angles each, lowest power first, of C_L,
+// dC_L/d ln(Re), C_D and dC_D/d ln(Re), for each Reynolds number and interval.
+struct SectionTable {
+    std::vector<double> knots;   // angles from zero lift [rad], rising from -pi to pi
+    std::vector<int> first;      // interval in which each of as many equal steps around the circle begins
+    std::vector<double> rows;    // 16 numbers per Reynolds number and interval
+    std::vector<double> log_re;  // rising
+    std::vector<double> stall_up, stall_down;  // stall angles at each Reynolds number [rad]
+    double attached_slope;                     // [1/rad]
+    double stall_width;                        // [rad]
+};
+
+// C_L and C_D by monotone cubics in the angle and, between two Reynolds numbers, by the cubic in ln(Re)
+// with the values and slopes there.  Outside the table's range its nearest Reynolds number holds.
+template <class S> struct TabulatedLaw {
+    std::shared_ptr<const SectionTable> table;
+    S zero_lift_angle;  // [rad]
+    S drag_factor;      // [-]
+
+    struct Value {
+        double value, by_angle, by_log_re;
+    };
+
+    template <class R> auto zero_lift_angle_at(const R&) const { return zero_lift_angle; }
+    template <class R> auto least_drag_angle_at(const R&) const { return zero_lift_angle; }
+    bool varies_with_reynolds() const { return false; }
+
+    // C_L (which = 0) or C_D (which = 8) in interval k, `along` it [rad].
+    Value look_up(int which, int k, double along, int r, double t, double width_of_re) const {
+        const int intervals = int(table->knots.size()) - 1;
+        const auto cubic = [&](int row, int at) {
+            const double* c = &table->rows[16 * std::size_t(row) + at];
+            return Value{c[0] + along * (c[1] + along * (c[2] + along * c[3])),
+                         c[1] + along * (2.0 * c[2] + along * 3.0 * c[3]), 0.0};
+        };
+        if (table->log_re.size() == 1) return cubic(k, which);
+        const int below = r * intervals + k, above = below + intervals;
+        const Value f0 = cubic(below, which), f1 = cubic(above, which);
+        const Value m0 = cubic(below, which + 4), m1 = cubic(above, which + 4);
+        const auto between = [&](double y0, double y1, double s0, double s1, double& slope) {
+            const double rise = y1 - y0, a = width_of_re * s0, b = width_of_re * s1;
+            const double c2 = 3.0 * rise - 2.0 * a - b, c3 = a + b - 2.0 * rise;
+            slope = (a + t * (2.0 * c2 + t * 3.0 * c3)) / width_of_re;
+            return y0 + t * (a + t * (c2 + t * c3));
+        };
+        double by_log_re, unused;
+        const double v = between(f0.value, f1.value, m0.value, m1.value, by_log_re);
+        const double s = between(f0.by_angle, f1.by_angle, m0.by_angle, m1.by_angle, unused);
+        return {v, s, by_log_re};
+    }
+
+    int interval(double angle) const {
+        const int count = int(table->first.size()), intervals = int(table->knots.size()) - 1;
+        const double step = (angle + pi) * (count / (2.0 * pi));
+        int k = table->first[step >= 0.0 ? std::min(int(std::min(step, count - 1.0)), count - 1) : 0];
+        return k + (angle >= table->knots[k + 1] && k < intervals - 1);
+    }
+
+    // The interval of ln(Re), and the place in it from 0 to 1; `inside` the table's range.
+    int among_reynolds(double log_re, double& t, bool& inside) const {
+        const auto& x = table->log_re;
+        if (x.size() == 1) return t = 0.0, inside = false, 0;
+        inside = log_re > x.front() && log_re < x.back();
+        log_re = std::clamp(log_re, x.front(), x.back());
+        const int r = int(std::upper_bound(x.begin() + 1, x.end() - 1, log_re) - x.begin()) - 1;
+        t = (log_re - x[r]) / (x[r + 1] - x[r]);
+        return r;
+    }
+
+    template <class F> auto coefficients(const F& flow) const {
+        const auto angle = angle_of(flow.cosine, flow.sine);
+        const auto log_re = logarithm(flow.reynolds);
+        Lanes lift[3], drag[3];
+        for (int k = 0; k < width; ++k) {
+            const double a = value(angle)[k];
+            const int at = interval(a);
+            double t;
+            bool inside;
+            const int r = among_reynolds(value(log_re)[k], t, inside);
+            const double span = inside ? table->log_re[r + 1] - table->log_re[r] : 1.0;
+            const Value l = look_up(0, at, a - table->knots[at], r, t, span);
+            const Value d = look_up(8, at, a - table->knots[at], r, t, span);
+            lift[0][k] = l.value, lift[1][k] = l.by_angle, lift[2][k] = inside ? l.by_log_re : 0.0;
+            drag[0][k] = d.value, drag[1][k] = d.by_angle, drag[2][k] = inside ? d.by_log_re : 0.0;
+        }
+        const auto of = [&](const Lanes (&f)[3]) {
+            const Lanes none{};
+            return chain(angle, f[0], f[1]) + (chain(log_re, none, f[2]));
+        };
+        const auto c_l = of(lift);
+        const auto c_d = of(drag);
+        return Coefficients<decltype(c_l + 0.0), decltype(c_d + 0.0)>{c_l, c_d};
+    }
+
+    double stall_angle(double reynolds, double side) const {
+        const auto& at = side > 0.0 ? table->stall_up : table->stall_down;
+        if (table->log_re.size() == 1) return at[0];
+        double t;
+        bool inside;
+        const int r = among_reynolds(std::log(reynolds), t, inside);
+        return at[r] + t * (at[r + 1] - at[r]);
+    }
+    double stall_width() const { return table->stall_width; }
+    double attached_slope() const { return table->attached_slope; }
+};
+
+// A law with the corrections of its lift that a model may have.
+template <class Law> struct CorrectedLaw : Law {
+    double stall_delay = 0.0;     // factor of (c/y)^2 [-]; 0 for none
+    double speed_of_sound = 0.0;  // [m/s]; 0 for incompressible flow
+
+    template <class F, class R, class C>
+    auto corrected(const F& flow, const R& radius, const C& chord) const {
+        auto c = Law::coefficients(flow);
+        using Lift = decltype(c.lift + this->attached_slope() * angle_of(flow.cosine, flow.sine) * chord / radius *
+                                           flow.speed);
+        Coefficients<Lift, decltype(c.drag)> r{c.lift + 0.0 * Lift{}, c.drag};
+        if (stall_delay > 0.0) r.lift = delayed(r.lift, flow, radius, chord);
+        if (speed_of_sound > 0.0) r.lift = r.lift * mach_factor(flow.speed * (1.0 / speed_of_sound));
+        return r;
+    }
+
+    // Snel, Houwink, Bosschers, ECN-C--93-052, 1994: where the blade is wide beside its radius, rotation
+    // keeps a share min(k (c/y)^2, 1) of the lift that stall takes.  Between 30 and 60 deg the effect fades.
+    template <class L, class F, class R, class C>
+    auto delayed(const L& lift, const F& flow, const R& radius, const C& chord) const {
+        const double from = pi / 6.0, span = pi / 6.0;
+        const auto angle = angle_of(flow.cosine, flow.sine);
+        const auto zero = 0.0 * angle;
+        const auto past = minimum(maximum(absolute(angle) - from, zero), zero + span);
+        const auto weight = 0.5 + 0.5 * sine_cosine(past * (pi / span)).cosine;
+        const auto ratio = chord / radius;
+        const auto wanted = stall_delay * ratio * ratio;
+        const auto share = minimum(wanted, 0.0 * wanted + 1.0);
+        return lift + share * weight * (this->attached_slope() * angle - lift);
+    }
+
+    // Prandtl and Glauert's 1/sqrt(1 - M^2) (Glauert, Proc. R. Soc. A 118, 1928), used as it is up to
+    // M = 0.6; from there M^2 goes over smoothly to 0.49, since shocks would end the rule.
+    template <class M> static auto mach_factor(const M& mach) {
+        const double first = 0.36, last = 2.0 * 0.49 - first;
+        const auto square = mach * mach;
+        const auto inside = minimum(square, 0.0 * square + last);
+        const auto past = maximum(inside - first, 0.0 * inside);
+        return 1.0 / square_root(1.0 - (inside - past * past * (0.5 / (last - first))));
+    }
+};
+
+}  // namespace propmap

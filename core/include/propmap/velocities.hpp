@@ -1,0 +1,33 @@
+// Velocity of the air at a blade section, eqs. (1) and (2), and the azimuths over which loads are averaged.
+#pragma once
+
+#include "dual.hpp"
+
+namespace propmap {
+
+// An operating point.  `S` is double, or a dual number where loads are differentiated.
+template <class S> struct Flow {
+    S omega;      // Omega [rad/s], >= 0
+    S v_axial;    // V cos(beta) [m/s], positive in climb
+    S v_inplane;  // V sin(beta) [m/s], >= 0
+    S v_hover;    // static inflow (12) at the same Omega [m/s]; used where v_axial < 0
+};
+
+// Speed [m/s] added in quadrature to every speed that is divided by: a section that stands still in the
+// air has finite derivatives then, and no load changes by more than a rounding error.
+inline constexpr double speed_floor = 1e-9;
+
+template <class A, class B> auto speed_squared(const A& a, const B& b) {
+    return a * a + b * b + speed_floor * speed_floor;
+}
+
+// Equally spaced azimuths: the mean over them, the periodic trapezoidal rule, converges spectrally.
+// Nodes lie symmetrically about the advancing and the retreating side, psi and pi - psi, so that those
+// of the front of the disk are enough where the inflow does not vary around it.
+struct Azimuths {
+    int count = 1;                  // of the front half; 1 in axial flow, where every azimuth is alike
+    const double* sine = nullptr;   // sin(psi), 1 on the advancing side
+    const double* cosine = nullptr; // cos(psi) >= 0, towards the rear
+};
+
+}  // namespace propmap
