@@ -373,6 +373,14 @@ struct Fold {
     bool top;
 };
 
+// How far the inflows [m/s] are apart by whose residuals its second derivative is told.
+template <class R> double fold_speed(const Annuli<R>& of, double radius) {
+    return std::hypot(of.flow.omega * radius, of.flow.v_inplane) + std::fabs(of.flow.v_axial);
+}
+template <class R> double fold_width(const Annuli<R>& of, double radius, bool top) {
+    return (top ? 2e-4 : 0.004 * of.stall_scale()) * fold_speed(of, radius);
+}
+
 // Solve for the fold between two radii whose humps have heights of opposite signs.
 //
 // At a fold the residual and its slope vanish; where the hump is a shoulder, the residual and its second derivative.
@@ -385,18 +393,18 @@ template <class R> Fold fold_between(const Annuli<R>& of, Hump low, Hump high, d
         const double share = std::clamp(low.height / (low.height - high.height), 0.02, 0.98);
         double y = low.radius + share * gap, v = low.inflow + share * (high.inflow - low.inflow);
         bool top = near.top;
-        const double speed = std::hypot(of.flow.omega * y, of.flow.v_inplane) + std::fabs(of.flow.v_axial);
+        const double speed = fold_speed(of, y);
         for (int step = 0; step < 12; ++step) {
-            const double wide = top ? 2e-4 * speed : 0.004 * of.stall_scale() * speed, aside = 1e-6 * y;
+            const double wide = fold_width(of, y, top), aside = 1e-6 * y;
             static_assert(width >= 4);
             const Lanes radius = each_lane([&](int k) { return k == 3 ? y - aside : y; });
             const Lanes inflow = each_lane([&](int k) { return v + (k == 0 ? wide : k == 2 ? -wide : 0.0); });
             const auto g = of.residual(of.station(radius), inflow);
             const double s0 = g.d[0][0], s1 = g.d[0][1], s2 = g.d[0][2];
-            const double bend = (s0 - s2) / (2.0 * wide), turn = (s0 - 2.0 * s1 + s2) / (wide * wide);
+            const double bend = (s0 - s2) / (2.0 * wide), turn = s0 - 2.0 * s1 + s2;
             double dv = 0.0;
             if (top) dv = bend < 0.0 ? -s1 / bend : 0.0;
-            else dv = turn < 0.0 ? -bend / turn : 0.0;
+            else dv = turn < 0.0 ? -(g.v[0] - 2.0 * g.v[1] + g.v[2]) / turn : 0.0;
             dv = std::clamp(dv, -0.02 * speed, 0.02 * speed);
             const double along = (g.v[1] - g.v[3]) / aside;
             // The residual where the step by v ends, to second order.

@@ -77,7 +77,6 @@ struct Solution {
     Azimuths psi;
     bool windmill = false;
     Harmonics<double> harmonics{};
-    Loads<double> by_harmonic[3];  // derivatives of the loads per density by the three harmonics
     DiskFlow<double> mean;
     double thrust_tail = 0.0, torque_tail = 0.0;
     Result result;
@@ -241,21 +240,10 @@ template <template <class> class LawOf> class RotorSolver {
             flow.v_hover = static_inflow(S(at_rest.thrust * (1.0 / rotor_.density)), rotor_.tip());
         }
         const auto of = annuli(s);
-        // At a fold the residual's slope by v_i is zero: it stays zero if the radius changes by
-        // -(change of the residual)/(its slope along the blade).
         std::array<S, most_edges + 2> edge;
         for (int k = 0; k <= s.disk.panels; ++k) {
             edge[k] = S{s.disk.edge[k], {}};
-            if (!s.disk.moves[k]) continue;
-            const Lanes y = broadcast(s.disk.edge[k]), v = broadcast(s.disk.fold[k].inflow);
-            const auto at = station_at(rotor, flow.omega, y);
-            const T g = annulus_thrust(rotor, at, flow, v, s.psi) - wake_thrust(rotor, y, flow, s.windmill, v);
-            const Dual<Lanes, 1> moved{y, {broadcast(1.0)}};
-            const auto beside = station_at(rotor_, s.flow.omega, moved);
-            const Dual<Lanes, 1> along = annulus_thrust(rotor_, beside, s.flow, v, s.psi) -
-                                         wake_thrust(rotor_, moved, s.flow, s.windmill, v);
-            const double per = along.d[0][0] != 0.0 ? -1.0 / along.d[0][0] : 0.0;
-            for (int d = 0; d < N; ++d) edge[k].d[d] = per * g.d[d][0];
+            if (s.disk.moves[k]) follow_fold(of, s, rotor, flow, s.disk.fold[k], edge[k]);
         }
         // The inflow's change by the implicit function theorem.
         const int groups = s.disk.groups;
@@ -277,7 +265,14 @@ template <template <class> class LawOf> class RotorSolver {
         }
         const S mean_inflow = through / area;
         Loads<S> total{};
+        Loads<double> unused, by[3];
         const bool around = has_harmonics(s);
+        if (around) {
+            std::vector<Lanes> plain(groups);
+            for (int g = 0; g < groups; ++g) plain[g] = inflow[g].v;
+            std::vector<double> integrand(2 * most_nodes);
+            loads_and_slopes(s, plain, s.harmonics, unused, by, integrand.data());
+        }
         S without{};
         for (int g = 0; g < groups; ++g) {
             const auto at = station_at(rotor, flow.omega, nodes.radius[g]);
@@ -301,14 +296,40 @@ template <template <class> class LawOf> class RotorSolver {
             S wanted[3] = {h.mean, h.lateral, h.longitudinal};
             for (S& w : wanted) w.v = 0.0;
             const auto plain = faded(harmonic_response(rotor_.inflow_shape, s.mean, rotor_.tip()), 1.0 - s.result.ring);
-            const auto step = harmonics_step<S>(plain, s.by_harmonic, wanted);
+            const auto step = harmonics_step<S>(plain, by, wanted);
             const S steps[3] = {step.mean, step.lateral, step.longitudinal};
             for (int j = 0; j < 3; ++j)
-                for (int k = 0; k < Loads<S>::count; ++k) total.begin()[k] += s.by_harmonic[j].begin()[k] * steps[j];
+                for (int k = 0; k < Loads<S>::count; ++k) total.begin()[k] += by[j].begin()[k] * steps[j];
         }
         if (rotor_.mounted) total.drag += mount_drag(rotor, flow, mean_inflow);
         for (int k = 0; k < Loads<S>::count; ++k) total.begin()[k] = total.begin()[k] * rotor_.density;
         return total;
+    }
+
+    // How a fold's radius follows what changes.  The residual g stays zero there, and with it its slope by v_i, at a
+    // fold, or its second difference C, at a shoulder.
+    template <int N>
+    void follow_fold(const Annuli<Plain>& of, const Solution& s, const Rotor<Dual<double, N>, LawOf>& rotor,
+                     const Flow<Dual<double, N>>& flow, const Fold& fold, Dual<double, N>& radius) const {
+        const double wide = fold_width(of, fold.radius, fold.top);
+        const Lanes y = broadcast(fold.radius);
+        const Lanes v = each_lane([&](int k) { return fold.inflow + (k == 0 ? wide : k == 2 ? -wide : 0.0); });
+        const auto at = station_at(rotor, flow.omega, y);
+        const Dual<Lanes, N> g = annulus_thrust(rotor, at, flow, v, s.psi) - wake_thrust(rotor, y, flow, s.windmill, v);
+        const Dual<Lanes, 1> moved{y, {broadcast(1.0)}};
+        const auto beside = station_at(rotor_, s.flow.omega, moved);
+        const Dual<Lanes, 1> along = annulus_thrust(rotor_, beside, s.flow, v, s.psi) -
+                                     wake_thrust(rotor_, moved, s.flow, s.windmill, v);
+        const Lanes slope = of.residual(of.station(y), v).d[0];
+        const auto difference = [](Lanes x) { return x[0] - 2.0 * x[1] + x[2]; };
+        const double g_v = fold.top ? 0.0 : slope[1], c_v = fold.top ? 1.0 : difference(slope);
+        const double g_y = along.d[0][1], c_y = fold.top ? 0.0 : difference(along.d[0]);
+        const double determinant = g_v * c_y - g_y * c_v;
+        const double per = determinant != 0.0 ? 1.0 / determinant : 0.0;
+        for (int d = 0; d < N; ++d) {
+            const double g_p = g.d[d][1], c_p = fold.top ? 0.0 : difference(g.d[d]);
+            radius.d[d] = per * (g_p * c_v - g_v * c_p);
+        }
     }
 
     bool has_harmonics(const Solution& s) const {
@@ -414,7 +435,7 @@ template <template <class> class LawOf> class RotorSolver {
     Loads<double> find_harmonics(Solution& s, const std::vector<Lanes>& inflow, double ring, double* integrand) const {
         const auto response = faded(harmonic_response(rotor_.inflow_shape, s.mean, rotor_.tip()), 1.0 - ring);
         const double speed = s.flow.omega * rotor_.tip() + s.mean.speed();
-        Loads<double> loads{}, (&by)[3] = s.by_harmonic;
+        Loads<double> loads{}, by[3];
         Harmonics<double> h{};
         without_harmonics(s, inflow, loads, by);
         const double without = loads.thrust;
