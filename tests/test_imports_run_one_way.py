@@ -17,6 +17,7 @@ LEFT_TO_RIGHT = (
     "solve",
     "engine",
     "model",
+    "reference",
     "operating_points",
     "results",
     "bands",

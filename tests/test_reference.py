@@ -263,6 +263,17 @@ def test_camber_and_least_drag_have_angles_of_their_own() -> None:
     assert reference.zero_lift_angle(at, 9.0 * y) == pytest.approx(-0.05 - 0.02 * math.log(2.4))
 
 
+def test_pressure_drag_is_least_at_its_own_angle() -> None:
+    """With pressure drag alone a section at rest in the turning air has none at that angle."""
+    only = {"c_l1": 0.0, "c_l2": 0.0, "c_d0": 0.0, "c_p": 0.0}
+    at = case(LAW.with_parameters(**BEYOND, **only), v_axial=0.0, v_inplane=0.0)
+    _, least = reference.blade_element(replace(at, twist=lambda _: 0.02), 0.07, 0.0)
+    _, more = reference.blade_element(replace(at, twist=lambda _: 0.12), 0.07, 0.0)
+    assert least[0] == pytest.approx(0.0, abs=1e-12)
+    pressure = 0.5 * 1.225 * 42.0**2 * 0.02
+    assert more[0] == pytest.approx(pressure * LAW.c_d * math.sin(0.1) ** 2)
+
+
 def test_signs_in_edgewise_flight() -> None:
     """The advancing side lifts more and drags more; more downwash at the rear lifts the front."""
     got = reference.loads(MODELS["recommended"], 600.0, 0.0, 8.0, 24, 24)

@@ -134,8 +134,7 @@ class Case:
     """A rotor at an operating point, and the steps of its integrals.
 
     The paper's prose calls beta the angle of the velocity to the disk plane; its formulas take it
-    as the angle to the axis: 0 in axial climb, pi/2 edgewise, pi in axial descent.  The formulas
-    count, and only V cos(beta) and V sin(beta) occur here.
+    as the angle to the axis: 0 in axial climb, pi/2 edgewise, pi in axial descent, as here.
     """
 
     model: Model
@@ -261,8 +260,7 @@ def momentum_thrust(case: Case, y: float, v_i: Any) -> Any:
     none, and the air changes its velocity against the thrust whichever way it goes: nothing is
     negated here, and thrust stays positive in windmill descent.  Eq. (9) is (10) in axial flow.
     """
-    v_axial, v_inplane = case.v_axial, case.v_inplane
-    rho = case.model.air.density
+    v_axial, v_inplane, rho = case.v_axial, case.v_inplane, case.model.air.density
 
     def glauert(v: Any) -> Any:
         speed = np.sqrt(v_inplane**2 + (v_axial + v) ** 2)
@@ -275,8 +273,7 @@ def momentum_thrust(case: Case, y: float, v_i: Any) -> Any:
     square = v_axial**2 - 8.0 * v_inplane**2
     if not case.windmill or square <= 0.0:
         return glauert(v_i)
-    first = (-3.0 * v_axial - math.sqrt(square)) / 4.0
-    second = (-3.0 * v_axial + math.sqrt(square)) / 4.0
+    first, second = ((-3.0 * v_axial + sign * math.sqrt(square)) / 4.0 for sign in (-1.0, 1.0))
     top, foot = glauert(first), glauert(second)
     mirrored = np.where(v_i < second, 2.0 * top - glauert(v_i), glauert(v_i) + 2.0 * (top - foot))
     parabola = top + 4.0 * rho * np.pi * y * (v_i - first) ** 2

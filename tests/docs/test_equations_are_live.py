@@ -18,6 +18,7 @@ import numpy as np
 import pytest
 
 import propmap as pm
+from propmap import reference
 from propmap.arrays.namespace import by_numpy, custom_jvp
 from propmap.baselines import hover
 from propmap.engine import evaluation
@@ -136,6 +137,17 @@ def rotor() -> pm.Rotor:
 def loads() -> Any:
     found = rotor().loads(OMEGA, SPEED, BETA)
     return found.thrust, found.drag, found.torque, found.roll_moment
+
+
+def plain_reference() -> Any:
+    """Few steps of the plain reference: in climb, the vortex ring and windmill descent."""
+    law = pm.airfoil("paper-apc")
+    terms = {"zero_lift_angle": -0.05, "reynolds_camber": -0.02, "drag_angle": 0.07}
+    both = law.with_parameters(**terms), law.with_parameters(lift_law="simplified")
+    corrections = pm.corrections_of("recommended")
+    models = [pm.Model(pm.propeller("apc-8x6e"), one, corrections=corrections) for one in both]
+    points = ((1.0, 4.0), (-6.0, 0.5), (-16.0, 2.0))
+    return [reference.loads(one, 600.0, *flow, 6, 8) for one in models for flow in points]
 
 
 def section_laws() -> Any:
@@ -286,6 +298,7 @@ def made_up_fit() -> Any:
 
 
 PROBES: dict[str, Callable[[], Any]] = {
+    "propmap.reference": plain_reference,
     "propmap.physics": loads,
     "propmap.physics.inflow_harmonics": varying_inflow,
     "propmap.physics.dynamic_inflow": moving_inflow,
