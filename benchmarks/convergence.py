@@ -24,13 +24,13 @@ import numpy as np
 
 import propmap
 from benchmarks.results_file import write_results
-from propmap.arrays.types import Floats
 from propmap.engine.accuracy import ACCURACIES, Accuracy
 from propmap.engine.evaluation import evaluate, prepare, tail_share
 from propmap.loads import LOADS, error_scales
 from propmap.model.model import Model
 from propmap.rotor import Rotor
 from propmap.solve.rotor_loads import RotorLoads
+from propmap.typing import Floats
 from tests.other_laws import error_scales_of, other_flow, other_rotors
 
 SEED = 2017

@@ -12,12 +12,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from propmap.arrays.types import Floats
 from propmap.engine.accuracy import ACCURACIES, Accuracy
 from propmap.engine.differences import STEP, load_differences
 from propmap.engine.evaluation import Prepared, prepare
 from propmap.engine.gradients import LoadGradients
 from propmap.rotor import Rotor
+from propmap.typing import Floats
 
 WITH_GRADIENTS = (
     "propmap.bands",

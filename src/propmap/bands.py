@@ -7,7 +7,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.engine.accuracy import FOR_DEVIATIONS
 from propmap.engine.differences import load_differences
 from propmap.engine.evaluation import Prepared
@@ -22,6 +21,7 @@ from propmap.model.uncertainty import (
     UNKNOWN_SHARE,
     SectionUncertainty,
 )
+from propmap.typing import Floats
 
 FEW = {True: 0, False: 128}
 """Operating points up to which differences by NumPy are done before a compiler would be, by whether

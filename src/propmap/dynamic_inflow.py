@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from propmap.arrays.types import Floats
 from propmap.engine.inflow_states import Found, with_states
 from propmap.errors import InputError
 from propmap.loads import LOADS
@@ -16,6 +15,7 @@ from propmap.physics.dynamic_inflow import later, linear_rates, rates
 from propmap.physics.inflow_harmonics import PittPeters
 from propmap.results import Loads, Wrench, array_fields, hub_wrench, spin_sign
 from propmap.rotor import Rotor
+from propmap.typing import Floats
 
 
 class DynamicInflow:

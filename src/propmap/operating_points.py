@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from propmap.arrays.types import Floats
 from propmap.errors import InputError
+from propmap.typing import Floats
 
 SPIN_REMEDY = "give the spin by its direction, not by a sign [rad/s]"
 """What to do instead of a negative omega."""

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.arrays.types import Floats
 from propmap.errors import InputError
+from propmap.typing import Floats
 
 STATUSES = ("ok", "multiple_roots", "windmill", "coarse", "vortex_ring", "not_converged")
 """From harmless to fatal; where several apply, the last is given."""

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from propmap.arrays.types import Floats
 from propmap.bands import FlowPoints, load_deviations
 from propmap.engine.accuracy import accuracy as accuracy_setting
 from propmap.engine.evaluation import Prepared, evaluate, prepare, tail_share
@@ -32,6 +31,7 @@ from propmap.results import (
     statuses,
 )
 from propmap.solve.rotor_loads import RotorLoads
+from propmap.typing import Floats
 
 if TYPE_CHECKING:
     from propmap.engine.disk_field import Inflow

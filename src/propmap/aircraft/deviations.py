@@ -12,7 +12,6 @@ from propmap.aircraft.load_changes import LoadChanges
 from propmap.aircraft.response import Response, Responses
 from propmap.aircraft.steady import Aircraft
 from propmap.aircraft.steady_states import SteadyStates
-from propmap.arrays.types import Floats
 from propmap.bands import FEW, FlowPoints, errors_of_loads, parameter_slopes, scales_of
 from propmap.errors import InputError
 from propmap.loads import LOADS
@@ -20,6 +19,7 @@ from propmap.model.section_covariance import SectionCovariance
 from propmap.rotor import Rotor
 from propmap.solve.moved_case import GEOMETRY
 from propmap.table.query import LoadTable
+from propmap.typing import Floats
 
 FLIGHT = ("speed", "climb")
 AREAS = ("drag_area_x", "drag_area_y", "drag_area_z")

@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.engine.gradients import load_gradients
 from propmap.loads import LOADS
 from propmap.rotor import Rotor
 from propmap.solve.moved_case import FLOW
 from propmap.table.query import LoadTable
+from propmap.typing import Floats
 
 
 def has_slopes(source: Any) -> bool:

@@ -27,8 +27,8 @@ from propmap.model.propeller import Propeller
 from propmap.model.section_table import SectionTable
 
 if TYPE_CHECKING:
-    from propmap.arrays.types import Floats
     from propmap.rotor import Rotor
+    from propmap.typing import Floats
 
 Others = ParamSpec("Others")
 

@@ -12,11 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from propmap.arrays.namespace import by_numpy
-from propmap.arrays.types import Floats
 from propmap.physics.rotor import RotorArrays
 from propmap.physics.velocities import azimuth_nodes
 from propmap.solve.disk_field import DiskField, disk_field
 from propmap.solve.problem import Case
+from propmap.typing import Floats
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,6 @@ import jax
 import numpy as np
 
 from propmap.arrays.namespace import by_numpy
-from propmap.arrays.types import Floats
 from propmap.engine.accuracy import Accuracy
 from propmap.engine.batch import BLOCK, Block, nodes_of_each
 from propmap.engine.evaluation import FEW, Prepared, evaluate_flow, nodes_of, prepare
@@ -31,6 +30,7 @@ from propmap.solve.load_slopes import (
     with_terms,
 )
 from propmap.solve.problem import Case
+from propmap.typing import Floats
 
 FIT_BLOCK = 8
 """Operating points per call if there are few: as many as fit in a vector register.  The program

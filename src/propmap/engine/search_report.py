@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from propmap.arrays.namespace import by_numpy
-from propmap.arrays.types import Floats
 from propmap.engine.accuracy import Accuracy
 from propmap.engine.batch import Block
 from propmap.engine.evaluation import Prepared, evaluate_flow, nodes_of
@@ -17,6 +16,7 @@ from propmap.engine.programs import Flow
 from propmap.solve.disk import solve_disk
 from propmap.solve.problem import Case
 from propmap.solve.root import MAX_STEPS, search
+from propmap.typing import Floats
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 
 from propmap.arrays.namespace import by_numpy
-from propmap.arrays.types import Floats
 from propmap.explore import figures
 from propmap.explore.view import Table
 from propmap.fit.tunnel import TunnelData
@@ -16,6 +15,7 @@ from propmap.model.airfoil import Airfoil
 from propmap.model.model import Model
 from propmap.physics.sections.law import coefficients_at
 from propmap.report.style import COLOURS
+from propmap.typing import Floats
 
 ALPHA = np.radians(np.linspace(-20.0, 60.0, 161))
 

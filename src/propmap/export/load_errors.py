@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.arrays.types import Floats
 from propmap.bands import FlowPoints, parameter_slopes, scales_of
 from propmap.engine.evaluation import prepare
 from propmap.errors import InputError
@@ -15,6 +14,7 @@ from propmap.loads import LOADS
 from propmap.model.section_covariance import SectionCovariance
 from propmap.operating_points import split_velocity
 from propmap.rotor import Rotor
+from propmap.typing import Floats
 from propmap.vehicle.mounted_rotors import mounted_rotors
 from propmap.vehicle.vehicle import Vehicle
 

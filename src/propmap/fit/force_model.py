@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.baselines.hover import HoverModel
 from propmap.engine.accuracy import accuracy
 from propmap.engine.attached_thrust import attached_thrust
@@ -25,6 +24,7 @@ from propmap.fit.wake_parameters import PREFIX, wakes_with
 from propmap.loads import LOADS
 from propmap.model.airfoil import Airfoil
 from propmap.model.model import Model
+from propmap.typing import Floats
 from propmap.vehicle.flight_log import FlightLog
 from propmap.vehicle.hub_flow import HubFlow, hub_flow, rotor_wrench
 from propmap.vehicle.interference import check_apart, wake_flow

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.engine.accuracy import accuracy
 from propmap.engine.evaluation import prepare
 from propmap.engine.gradients import load_gradients
@@ -15,6 +14,7 @@ from propmap.fit.parameters import ROTOR
 from propmap.fit.tunnel import rotor_with
 from propmap.loads import LOADS
 from propmap.model.model import Model
+from propmap.typing import Floats
 
 ADVANCE = (0.0, 0.2, 0.4, 0.6, 0.2, 0.4, 0.6)
 """J = V / (n D) of the points looked at [-]."""

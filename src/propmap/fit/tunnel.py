@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.baselines.hover import REFERENCE_TIP_SPEED, HoverModel
 from propmap.engine.accuracy import accuracy
 from propmap.engine.evaluation import prepare
@@ -34,6 +33,7 @@ from propmap.model.model import Model, Section
 from propmap.physics.blade_untwist import BladeUntwist
 from propmap.physics.mount_drag import MountDrag
 from propmap.rotor import Rotor
+from propmap.typing import Floats
 
 
 @dataclass(frozen=True, eq=False)

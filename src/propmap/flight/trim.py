@@ -9,13 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from propmap.aircraft.newton import solve
-from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.fit.body_forces import wing_values
 from propmap.fit.force_model import ForceModel
 from propmap.fit.parameters import FIRST_GUESS, PAPER_FOUR, SECTION, constants_of
 from propmap.model.airfoil import Airfoil
 from propmap.model.model import Model
+from propmap.typing import Floats
 from propmap.vehicle.flight_log import GRAVITY, FlightLog, in_vehicle_frame
 from propmap.vehicle.vehicle import Vehicle
 

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.model.corrections import agreed, as_texts
 from propmap.model.drag_factor import drag_factor_accepted, warn_of_drag_factor
+from propmap.typing import Floats
 
 if TYPE_CHECKING:
     from propmap.physics.sections.tabulated import TabulatedLaw

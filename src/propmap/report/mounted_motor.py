@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from propmap.arrays.namespace import by_numpy
-from propmap.arrays.types import Floats
 from propmap.physics.mount_drag import MOTOR_DIAMETER, MOTOR_HEIGHT, MountDrag
 from propmap.results import Loads
 from propmap.rotor import Rotor
+from propmap.typing import Floats
 
 
 def rise_by_motor(rotor: Rotor, loads: Loads, speed: ArrayLike, beta: ArrayLike) -> Floats:

@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.engine.accuracy import accuracy
 from propmap.engine.evaluation import prepare
 from propmap.engine.gradients import load_gradients
 from propmap.table.certificate import by_load
 from propmap.table.comparison import quasi_random, static_loads
+from propmap.typing import Floats
 
 if TYPE_CHECKING:
     from propmap.model.section_covariance import SectionCovariance

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from propmap.arrays.namespace import by_numpy
-from propmap.arrays.types import Floats
 from propmap.model.airfoil import Airfoil
 from propmap.physics.sections.law import coefficients_at
+from propmap.typing import Floats
 
 if TYPE_CHECKING:
     from propmap.vehicle.vehicle import Body, Wing

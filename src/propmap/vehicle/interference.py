@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.engine.attached_thrust import attached_thrust
 from propmap.errors import InputError
+from propmap.typing import Floats
 from propmap.vehicle.hub_flow import HubFlow
 from propmap.vehicle.wake_table import frame_of, seen_wake
 

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.arrays.types import Floats
 from propmap.engine.attached_thrust import attached_thrust
 from propmap.errors import InputError
 from propmap.loads import LOADS
 from propmap.rotor import Rotor
+from propmap.typing import Floats
 from propmap.vehicle.hub_flow import HubFlow, flow_of_hubs, hub_wrenches
 from propmap.vehicle.interference import added_flow, check_apart, wake_flow
 from propmap.vehicle.load_sources import (

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.physics.vortex_cylinder import axial_velocity
+from propmap.typing import Floats
 
 if TYPE_CHECKING:
     from propmap.vehicle.vehicle import Mount

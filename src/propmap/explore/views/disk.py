@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 from contourpy import contour_generator
 
-from propmap.arrays.types import Floats
 from propmap.engine.disk_field import Inflow
 from propmap.errors import InputError
 from propmap.explore import figures
@@ -20,6 +19,7 @@ from propmap.explore.session import Session
 from propmap.explore.view import Answer, Download, Graph
 from propmap.io.disk_csv import disk_csv
 from propmap.report.style import COLOURS
+from propmap.typing import Floats
 
 STATIONS, AZIMUTHS = 40, 73
 """Of the field that is drawn."""

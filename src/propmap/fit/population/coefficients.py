@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 
 from propmap.arrays.namespace import by_numpy
-from propmap.arrays.types import Floats
 from propmap.catalogue.identified import PARAMETERS
 from propmap.catalogue.prior import HELD
 from propmap.engine.accuracy import accuracy
@@ -24,6 +23,7 @@ from propmap.model.airfoil import Airfoil
 from propmap.model.model import Model
 from propmap.model.propeller import Propeller
 from propmap.physics.geometry import with_stations
+from propmap.typing import Floats
 
 STATIONS = (18, 40)
 """Blades are brought to the first of these that is not less than what they have.  Nine in ten have

@@ -11,7 +11,6 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from propmap.arrays.types import Floats
 from propmap.baselines.hover import HoverModel
 from propmap.engine.accuracy import accuracy
 from propmap.engine.evaluation import prepare
@@ -36,6 +35,7 @@ from propmap.report.style import (
     style,
 )
 from propmap.rotor import Rotor
+from propmap.typing import Floats
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
