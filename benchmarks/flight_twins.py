@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from scipy.special import stdtrit
 
 from benchmarks.results_file import machine, write_results
-from propmap.engine.compilation import compile_quickly
+from propmap.compilation import compile_quickly
 from propmap.fit.fitted import Fitted, Settings, fit
 from propmap.fit.parameters import Choice, Prior, described
 from propmap.typing import Floats

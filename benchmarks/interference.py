@@ -18,7 +18,7 @@ import numpy as np
 from benchmarks.results_file import machine, write_results
 from propmap.cli.flight_options import BLADE
 from propmap.cli.prior_options import section_prior
-from propmap.engine.compilation import compile_quickly, keep_compiled
+from propmap.compilation import compile_quickly, keep_compiled
 from propmap.fit.comparison import flight_forces
 from propmap.fit.force_model import ForceModel
 from propmap.fit.parameters import BODY, FIRST_GUESS, FLEX, MOUNT, SECTION, WAKES

@@ -20,8 +20,8 @@ from propmap.fit.fitted import Fitted, Settings, fit
 from propmap.fit.parameters import Choice
 from propmap.fit.tunnel import TunnelData, first_guess, rotor_with, tunnel_rows
 from propmap.fit.tunnel_files import read_tunnel
+from propmap.model.corrections import typical_area
 from propmap.model.model import Model
-from propmap.physics.mount_drag import typical_area
 from propmap.report.mounted_motor import rise_by_motor
 from propmap.typing import Floats
 

@@ -19,7 +19,7 @@ import numpy as np
 
 from propmap.cli.fit_terms import expected, read_pairs, steps
 from propmap.cli.flight_options import flight_priors
-from propmap.engine.compilation import compile_quickly, keep_compiled
+from propmap.compilation import compile_quickly, keep_compiled
 from propmap.fit.comparison import flight_forces
 from propmap.fit.learned_residual import learn
 from propmap.fit.parameters import BODY, FIRST_GUESS, SENSOR, WAKES, constants_of

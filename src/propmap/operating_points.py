@@ -66,6 +66,16 @@ def resolved(
     return w, v * cosine, v * np.where(sine < rounding, 0.0, sine)
 
 
+def along_and_across(
+    omega: ArrayLike, v_axial: ArrayLike, v_inplane: ArrayLike
+) -> tuple[Floats, Floats, Floats]:
+    """omega [rad/s], and the velocity along the axis and in the disk plane [m/s], of one shape."""
+    w, along, across = broadcast(omega=omega, v_axial=v_axial, v_inplane=v_inplane)
+    _refuse_negative("omega", w, SPIN_REMEDY)
+    _refuse_negative("v_inplane", across, "give its size; either direction has the same loads")
+    return w, along, across
+
+
 def split_velocity(omega: ArrayLike, velocity: ArrayLike) -> tuple[Floats, Floats, Floats, Floats]:
     """omega, velocity along the axis and across it, and the unit vector (..., 3) of the latter."""
     (vector,) = broadcast(velocity=velocity)

@@ -21,11 +21,11 @@ import propmap as pm
 from propmap.arrays.namespace import by_numpy, custom_jvp
 from propmap.baselines import hover
 from propmap.engine import evaluation
-from propmap.engine.gradients import LoadGradients
 from propmap.fit import added_parameter, body_forces, fitted, flight, force_model
 from propmap.fit.parameters import BODY, FIRST_GUESS, SECTION, Choice
 from propmap.papers.gill_dandrea_2017 import rotor_drag
 from propmap.physics.velocities import azimuth_nodes
+from propmap.results import LoadGradients
 from propmap.solve import disk, load_slopes, rotor_loads
 from propmap.solve.problem import Case
 from propmap.vehicle import wake_table
@@ -231,8 +231,11 @@ def derivatives() -> Any:
         return one, jax.jvp(whole, (0.0,), (1.0,))[1]
 
 
-def uncompiled_gradients(prepared: Any, setting: Any, names: Any, *flow: Any) -> LoadGradients:
+def uncompiled_gradients(
+    prepared: Any, setting: Any, names: Any, *flow: Any, alike: bool = False
+) -> LoadGradients:
     """The loads by NumPy, and made-up derivatives, which are not looked at."""
+    del alike
     prepared = evaluation.prepare(prepared.arrays, compiled=False)
     found = np.stack(evaluation.evaluate(prepared, setting, *flow).loads)
     return LoadGradients(found, 0.01 + np.zeros((len(found), len(names), found.shape[1])))
@@ -304,7 +307,7 @@ PROBES: dict[str, Callable[[], Any]] = {
     "propmap.solve.disk_field": inflow,
     "propmap.baselines.hover": hover_model,
     "propmap.baselines.fin_analogy": fin,
-    "propmap.physics.vortex_cylinder": whole_flights,
+    "propmap.vehicle.vortex_cylinder": whole_flights,
     "propmap.vehicle": flights,
     "propmap.vehicle.interference": whole_flights,
     "propmap.fit.sensor_forces": whole_flights,
@@ -330,7 +333,7 @@ def unbroken(probe: Callable[[], Any]) -> np.ndarray:
 
 @pytest.fixture(autouse=True)
 def _no_compiling(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(force_model, "load_gradients", uncompiled_gradients)
+    monkeypatch.setattr("propmap.rotor.load_gradients", uncompiled_gradients)
 
 
 @pytest.fixture(autouse=True)

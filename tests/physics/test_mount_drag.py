@@ -10,7 +10,8 @@ import pytest
 
 from propmap.arrays.namespace import by_numpy
 from propmap.errors import InputError
-from propmap.physics.mount_drag import MountDrag, Mounted, typical_area
+from propmap.model.corrections import MountDrag, typical_area
+from propmap.physics.mount_drag import Mounted
 
 DENSITY = np.float64(1.2)
 

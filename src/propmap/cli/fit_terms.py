@@ -74,7 +74,7 @@ def fit_terms_page(
     # Moments play no part here, and the wakes are one of the terms.
     file = replace(file, vehicle=replace(file.vehicle, inertia=None, wakes=None))
 
-    from propmap.engine.compilation import keep_compiled
+    from propmap.compilation import keep_compiled
     from propmap.fit.flight_terms import fit_terms
     from propmap.report.terms_page.page import terms_pages
 

@@ -142,7 +142,7 @@ class RotorChoice:
         blade, air = self.blade(), self.medium()
         section = with_physics(self.section(blade), self.model, self.correction)
 
-        from propmap.engine.compilation import keep_compiled
+        from propmap.compilation import keep_compiled
         from propmap.rotor import Rotor
 
         keep_compiled()

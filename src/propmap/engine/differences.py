@@ -10,8 +10,8 @@ import numpy as np
 
 from propmap.engine.accuracy import Accuracy
 from propmap.engine.evaluation import Prepared, evaluate_flow, flow_at
-from propmap.engine.gradients import LoadGradients
 from propmap.loads import LOADS
+from propmap.results import LoadGradients
 from propmap.solve.moved_case import moved_rotor, with_terms
 from propmap.typing import Floats
 

@@ -11,6 +11,7 @@ import jax
 import numpy as np
 
 from propmap.arrays.namespace import by_numpy, on_accelerator
+from propmap.compilation import FEW
 from propmap.engine.accuracy import Accuracy
 from propmap.engine.batch import BLOCK, LARGE_BATCH, Block, cut, filled_up, nodes_of_each, run
 from propmap.engine.forecast import Forecast, static_loads
@@ -24,9 +25,6 @@ from propmap.physics.velocities import AzimuthNodes, azimuth_nodes
 from propmap.solve.disk import DiskSolution
 from propmap.solve.rotor_loads import RotorLoads
 from propmap.typing import Floats
-
-FEW = 512
-"""Operating points below which a batch shares programs, in order to compile fewer of them."""
 
 CHUNK = 65536
 """Operating points that are planned and run together, at most, which limits the memory in use."""

@@ -6,9 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from propmap.engine.accuracy import accuracy
-from propmap.engine.evaluation import prepare
-from propmap.engine.gradients import load_gradients
 from propmap.fit.fitted import Fitted
 from propmap.fit.parameters import ROTOR
 from propmap.fit.tunnel import rotor_with
@@ -84,9 +81,9 @@ def forward_trust(model: Model, fitted: Fitted, omega: float, setting: str) -> F
     rows = [list(LOADS).index(name) for name in TOLD]
 
     def loads(x: Floats, covariance: Floats) -> tuple[Floats, Floats]:
-        prepared = prepare(rotor_with(model, choice.values(x), setting).arrays)
+        rotor = rotor_with(model, choice.values(x), setting)
         names = tuple(name for name in choice.free if name in ROTOR)
-        found = load_gradients(prepared, accuracy(setting), names, *flow)
+        found = rotor.gradients(names, *flow)
         mine = [choice.free.index(name) for name in names]
         part = covariance[np.ix_(mine, mine)]
         variance = np.einsum("lpm,pq,lqm->ml", found.slopes[rows], part, found.slopes[rows])
