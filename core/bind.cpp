@@ -232,6 +232,34 @@ class CoreRotor {
         return array;
     }
 
+    // How one operating point was solved: nodes with their inflow and residual, and the panels' edges.
+    nb::dict solution(double omega, double v_axial, double v_inplane) const {
+        return std::visit([&](const auto& solver) {
+            Solution s;
+            solver.solve(omega, v_axial, v_inplane, s);
+            const auto of = solver.annuli(s);
+            const std::size_t n = s.disk.nodes;
+            double *radius, *inflow, *residual, *edge;
+            nb::dict told;
+            told["radius"] = make_array({n}, radius), told["inflow"] = make_array({n}, inflow);
+            told["residual"] = make_array({n}, residual);
+            for (std::size_t k = 0; k < n; ++k) {
+                const auto g = of.residual(s.disk.at[k / width], s.disk.inflow[k / width]);
+                radius[k] = s.disk.at[k / width].radius[k % width], inflow[k] = s.disk.inflow[k / width][k % width];
+                residual[k] = solver.rotor().density * g.v[k % width];
+            }
+            told["edge"] = make_array({std::size_t(s.disk.panels) + 1}, edge);
+            nb::list folds;
+            for (int k = 0; k <= s.disk.panels; ++k) {
+                edge[k] = s.disk.edge[k];
+                folds.append(s.disk.moves[k] ? (s.disk.fold[k].top ? "fold" : "shoulder") : "");
+            }
+            told["fold"] = folds, told["azimuths"] = 2 * s.psi.count;
+            told["v_hover"] = s.flow.v_hover, told["windmill"] = s.windmill;
+            return told;
+        }, solver_);
+    }
+
     nb::tuple span() const { return nb::make_tuple(blade_->root, blade_->tip); }
 
   private:
@@ -305,5 +333,6 @@ NB_MODULE(PROPMAP_MODULE, m) {
         .def("loads", &CoreRotor::loads)
         .def("gradients", &CoreRotor::gradients)
         .def("hover_inflow", &CoreRotor::hover_inflow)
+        .def("solution", &CoreRotor::solution)
         .def_prop_ro("span", &CoreRotor::span);
 }

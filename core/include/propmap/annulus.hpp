@@ -368,24 +368,23 @@ template <class R> void humps_at(const Annuli<R>& of, Lanes radius, double side,
 
 // A radius at which the largest root jumps from one branch to another, or rises most steeply.
 struct Fold {
-    double radius;
+    double radius;  // [m]
     double inflow;  // v_i at the hump's top there [m/s]
-    bool top;
+    bool top;       // whether it is a jump
 };
 
-// How far the inflows [m/s] are apart by whose residuals its second derivative is told.
-template <class R> double fold_speed(const Annuli<R>& of, double radius) {
-    return std::hypot(of.flow.omega * radius, of.flow.v_inplane) + std::fabs(of.flow.v_axial);
-}
-template <class R> double fold_width(const Annuli<R>& of, double radius, bool top) {
-    return (top ? 2e-4 : 0.004 * of.stall_scale()) * fold_speed(of, radius);
+// How far the inflows [m/s] are apart by whose residuals its second derivative at a radius is told.
+template <class R, class F, class Y> auto fold_width(const Annuli<R>& of, const F& flow, const Y& radius, bool top) {
+    const auto turning = flow.omega * radius;
+    const auto speed = square_root(turning * turning + flow.v_inplane * flow.v_inplane) + absolute(flow.v_axial);
+    return (top ? 2e-4 : 0.004 * of.stall_scale()) * speed;
 }
 
 // Solve for the fold between two radii whose humps have heights of opposite signs.
 //
 // At a fold the residual and its slope vanish; where the hump is a shoulder, the residual and its second derivative.
 // Newton's steps towards either take one evaluation in four lanes; where they leave the interval, it is narrowed by
-// the humps of radii within.
+// the humps of radii within.  NaN for the radius where there is neither.
 template <class R> Fold fold_between(const Annuli<R>& of, Hump low, Hump high, double side) {
     for (int narrowing = 0; narrowing < 12; ++narrowing) {
         const double gap = high.radius - low.radius;
@@ -393,18 +392,19 @@ template <class R> Fold fold_between(const Annuli<R>& of, Hump low, Hump high, d
         const double share = std::clamp(low.height / (low.height - high.height), 0.02, 0.98);
         double y = low.radius + share * gap, v = low.inflow + share * (high.inflow - low.inflow);
         bool top = near.top;
-        const double speed = fold_speed(of, y);
-        for (int step = 0; step < 12; ++step) {
-            const double wide = fold_width(of, y, top), aside = 1e-6 * y;
+        const double speed = fold_width(of, of.flow, y, true) / 2e-4;
+        for (int step = 0; step < 16; ++step) {
+            const double wide = fold_width(of, of.flow, y, top), aside = 1e-6 * y;
             static_assert(width >= 4);
             const Lanes radius = each_lane([&](int k) { return k == 3 ? y - aside : y; });
             const Lanes inflow = each_lane([&](int k) { return v + (k == 0 ? wide : k == 2 ? -wide : 0.0); });
             const auto g = of.residual(of.station(radius), inflow);
             const double s0 = g.d[0][0], s1 = g.d[0][1], s2 = g.d[0][2];
             const double bend = (s0 - s2) / (2.0 * wide), turn = s0 - 2.0 * s1 + s2;
-            double dv = 0.0;
-            if (top) dv = bend < 0.0 ? -s1 / bend : 0.0;
-            else dv = turn < 0.0 ? -(g.v[0] - 2.0 * g.v[1] + g.v[2]) / turn : 0.0;
+            // Far from the top, or the shoulder, go where the residual is flatter.
+            const double curved = top ? bend : turn, missed = top ? s1 : g.v[0] - 2.0 * g.v[1] + g.v[2];
+            const double uphill = top ? (s1 > 0.0 ? 1.0 : -1.0) : (s0 > s2 ? 1.0 : -1.0);
+            double dv = curved < 0.0 ? -missed / curved : 2.0 * wide * uphill;
             dv = std::clamp(dv, -0.02 * speed, 0.02 * speed);
             const double along = (g.v[1] - g.v[3]) / aside;
             // The residual where the step by v ends, to second order.
@@ -413,8 +413,7 @@ template <class R> Fold fold_between(const Annuli<R>& of, Hump low, Hump high, d
             y += dy, v += dv;
             if (!(y > low.radius && y < high.radius)) break;
             if (std::fabs(dy) < 1e-10 * y && std::fabs(dv) < 1e-6 * speed) {
-                const bool right_kind = top ? bend < 0.0 : s1 + dv * bend < 0.0;
-                if (right_kind) return {y, v, top};
+                if (curved < 0.0 && (top || s1 < 0.0)) return {y, v, top};
                 break;
             }
         }
@@ -432,8 +431,9 @@ template <class R> Fold fold_between(const Annuli<R>& of, Hump low, Hump high, d
         }
         if (high.radius - low.radius < 1e-9 * high.radius) break;
     }
+    // Where there is no hump the residual is nowhere flat: the inflow does not rise steeply, and no edge is needed.
     const Hump& near = std::fabs(low.height) < std::fabs(high.height) ? low : high;
-    return {near.radius, near.inflow, near.top};
+    return {near.top ? near.radius : std::nan(""), near.inflow, near.top};
 }
 
 }  // namespace propmap

@@ -311,16 +311,17 @@ template <template <class> class LawOf> class RotorSolver {
     template <int N>
     void follow_fold(const Annuli<Plain>& of, const Solution& s, const Rotor<Dual<double, N>, LawOf>& rotor,
                      const Flow<Dual<double, N>>& flow, const Fold& fold, Dual<double, N>& radius) const {
-        const double wide = fold_width(of, fold.radius, fold.top);
-        const Lanes y = broadcast(fold.radius);
-        const Lanes v = each_lane([&](int k) { return fold.inflow + (k == 0 ? wide : k == 2 ? -wide : 0.0); });
+        const auto wide = fold_width(of, flow, fold.radius, fold.top);
+        const Lanes y = broadcast(fold.radius), apart = each_lane([](int k) { return k == 0 ? 1.0 : k == 2 ? -1.0 : 0.0; });
+        const auto v = fold.inflow + apart * wide;
         const auto at = station_at(rotor, flow.omega, y);
         const Dual<Lanes, N> g = annulus_thrust(rotor, at, flow, v, s.psi) - wake_thrust(rotor, y, flow, s.windmill, v);
         const Dual<Lanes, 1> moved{y, {broadcast(1.0)}};
+        const auto wider = fold.inflow + apart * fold_width(of, s.flow, moved, fold.top);
         const auto beside = station_at(rotor_, s.flow.omega, moved);
-        const Dual<Lanes, 1> along = annulus_thrust(rotor_, beside, s.flow, v, s.psi) -
-                                     wake_thrust(rotor_, moved, s.flow, s.windmill, v);
-        const Lanes slope = of.residual(of.station(y), v).d[0];
+        const Dual<Lanes, 1> along = annulus_thrust(rotor_, beside, s.flow, wider, s.psi) -
+                                     wake_thrust(rotor_, moved, s.flow, s.windmill, wider);
+        const Lanes slope = of.residual(of.station(y), v.v).d[0];
         const auto difference = [](Lanes x) { return x[0] - 2.0 * x[1] + x[2]; };
         const double g_v = fold.top ? 0.0 : slope[1], c_v = fold.top ? 1.0 : difference(slope);
         const double g_y = along.d[0][1], c_y = fold.top ? 0.0 : difference(along.d[0]);
