@@ -250,9 +250,10 @@ class CoreRotor {
             }
             told["edge"] = make_array({std::size_t(s.disk.panels) + 1}, edge);
             nb::list folds;
+            const char* kinds[] = {"fold", "shoulder", "angle"};
             for (int k = 0; k <= s.disk.panels; ++k) {
                 edge[k] = s.disk.edge[k];
-                folds.append(s.disk.moves[k] ? (s.disk.fold[k].top ? "fold" : "shoulder") : "");
+                folds.append(!s.disk.moves[k] ? "" : kinds[int(s.disk.fold[k].kind)]);
             }
             told["fold"] = folds, told["azimuths"] = 2 * s.psi.count;
             told["v_hover"] = s.flow.v_hover, told["windmill"] = s.windmill;

@@ -244,7 +244,7 @@ void find_folds(const Annuli<R>& of, const Disk& disk, const std::vector<bool>& 
         if ((seen[k].height < 0.0) == (seen[k + 1].height < 0.0)) continue;
         const Fold found = fold_between(of, seen[k], seen[k + 1], side);
         if (!(found.radius > root && found.radius < tip)) continue;
-        several |= found.top;
+        several |= found.kind == Fold::Kind::top;
         folds.fold[folds.count++] = found;
     }
 }
