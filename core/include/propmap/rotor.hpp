@@ -345,6 +345,15 @@ template <template <class> class LawOf> class RotorSolver {
         return rotor_.inflow_shape != InflowShape::uniform && s.flow.v_inplane > 0.0;
     }
 
+    // The annuli's inflow with the share of the vortex ring's in it [m/s].
+    std::vector<Lanes> blended_inflow(const Solution& s) const {
+        std::vector<Lanes> inflow(s.disk.inflow.begin(), s.disk.inflow.begin() + s.disk.groups);
+        const double ring = vortex_ring::weight(s.flow), ring_inflow = vortex_ring::inflow(s.flow);
+        if (ring > 0.0)
+            for (Lanes& v : inflow) v = (1.0 - ring) * v + ring * ring_inflow;
+        return inflow;
+    }
+
     // Within the vortex ring harmonics fade.
     template <class S> static HarmonicResponse<S> faded(HarmonicResponse<S> r, const S& share) {
         for (S* part : {&r.mean_by_thrust, &r.lateral, &r.longitudinal, &r.by_thrust, &r.by_roll, &r.by_rear})
