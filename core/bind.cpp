@@ -12,6 +12,7 @@
 #include <thread>
 #include <variant>
 
+#include "propmap/instructions.hpp"
 #include "propmap/rotor.hpp"
 
 namespace nb = nanobind;
@@ -299,6 +300,7 @@ class CoreRotor {
 
 NB_MODULE(PROPMAP_MODULE, m) {
     m.def("instructions", [] { return PROPMAP_INSTRUCTIONS; });
+    m.def("best_instructions", &best_instructions);
     nb::class_<CoreRotor>(m, "Rotor")
         .def(nb::init<const nb::dict&, const nb::dict&, const nb::dict&, const nb::dict&, bool>(), nb::arg("blade"),
              nb::arg("law"), nb::arg("air"), nb::arg("corrections"), nb::arg("fine"))
