@@ -16,6 +16,8 @@ CORE := CMakeLists.txt $(shell find core -name '*.[ch]pp')
 ifeq ($(origin CXX)$(shell for name in c++ g++ clang++; do command -v $$name; done; true),default)
 ZIG := $(abspath $(VENV))/zig
 export PATH := $(ZIG):$(PATH)
+export CC := $(ZIG)/cc
+export CXX := $(ZIG)/c++
 ZIG_TOOLS := $(ZIG)/ar $(ZIG)/c++ $(ZIG)/cc $(ZIG)/ranlib
 endif
 
