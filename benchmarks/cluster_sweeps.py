@@ -16,7 +16,7 @@ import numpy as np
 from benchmarks.cluster_rotor import LARGE, SMALL, grid, rotor, usage
 from propmap.cluster.connection import connected
 from propmap.cluster.dask_workers import DaskWorkers
-from propmap.engine.compilation import compile_quickly, keep_compiled
+from propmap.compilation import compile_quickly, keep_compiled
 from propmap.sweep.run import sweep_to_store
 from propmap.tasks import InTurn
 

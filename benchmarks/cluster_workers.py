@@ -12,7 +12,7 @@ from benchmarks.cluster_rotor import LARGE, grid, rotor, usage
 from benchmarks.scheduler_simulation import Costs, efficiency, simulate
 from propmap.cluster.connection import connected
 from propmap.cluster.dask_workers import DaskWorkers
-from propmap.engine.compilation import compile_quickly, keep_compiled
+from propmap.compilation import compile_quickly, keep_compiled
 from propmap.sweep.points import Part
 from propmap.sweep.run import Sweep, loads_of_part
 

@@ -24,13 +24,14 @@ import numpy as np
 
 import propmap
 from benchmarks.results_file import write_results
-from propmap.arrays.types import Floats
 from propmap.engine.accuracy import ACCURACIES, Accuracy
 from propmap.engine.evaluation import evaluate, prepare, tail_share
+from propmap.engine.rotor_arrays import rotor_arrays
 from propmap.loads import LOADS, error_scales
 from propmap.model.model import Model
 from propmap.rotor import Rotor
 from propmap.solve.rotor_loads import RotorLoads
+from propmap.typing import Floats
 from tests.other_laws import error_scales_of, other_flow, other_rotors
 
 SEED = 2017
@@ -141,7 +142,7 @@ def other_laws() -> dict[str, Any]:
     advance: dict[str, list[Floats]] = {name: [] for name in ACCURACIES}
     for k, one in enumerate(other_rotors(ROTORS, SEED)):
         model = Model(one.resampled(), one.airfoil)
-        rotor, flow = prepare(model.arrays()), other_flow(POINTS_EACH, SEED + k)
+        rotor, flow = prepare(rotor_arrays(model)), other_flow(POINTS_EACH, SEED + k)
         truth = evaluate(rotor, truth_setting, *flow).loads._asdict()
         scales = error_scales_of(model, flow[0])
         for name, setting in ACCURACIES.items():

@@ -21,10 +21,10 @@ from numpy.typing import NDArray
 from scipy.special import stdtrit
 
 from benchmarks.results_file import machine, write_results
-from propmap.arrays.types import Floats
-from propmap.engine.compilation import compile_quickly
+from propmap.compilation import compile_quickly
 from propmap.fit.fitted import Fitted, Settings, fit
 from propmap.fit.parameters import Choice, Prior, described
+from propmap.typing import Floats
 from tests.fit.flight_twin import BEFOREHAND, FIXED, FREE, TRUTH, Noise, Twin
 
 Bools = NDArray[np.bool_]

@@ -15,6 +15,7 @@ import numpy as np
 import propmap
 from benchmarks.results_file import machine, write_results
 from benchmarks.speed import BATCH, oblique
+from propmap.engine.rotor_arrays import section_law
 from propmap.model.airfoil import parameter_set
 from propmap.model.section_table import SectionTable
 from propmap.physics.sections.law import coefficients_at
@@ -24,7 +25,7 @@ REPEATS = 5
 
 def sampled(name: str, reynolds: tuple[float, ...]) -> SectionTable:
     """A parameter set as a table of one row per Reynolds number, at every half degree."""
-    law: Any = parameter_set(name).law()
+    law: Any = section_law(parameter_set(name))
     angle: Any = np.linspace(-np.pi, np.pi, 721)
     found: Any = [coefficients_at(law, angle, re + 0.0 * angle) for re in reynolds]
     lift, drag = (np.array([np.asarray(getattr(c, k)) for c in found]) for k in ("lift", "drag"))

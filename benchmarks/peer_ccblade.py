@@ -23,10 +23,10 @@ import jax
 import numpy as np
 
 from benchmarks.speed import RPM, median_seconds
-from propmap.arrays.types import Floats
 from propmap.physics.geometry import blade_shape
 from propmap.physics.sections.law import coefficients_at
 from propmap.rotor import Rotor
+from propmap.typing import Floats
 
 Point = tuple[float, float, float]
 """omega [rad/s], speed [m/s], beta [rad]."""

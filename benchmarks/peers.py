@@ -44,12 +44,12 @@ from benchmarks.peer_ccblade import (
 from benchmarks.results_file import machine, write_results
 from benchmarks.speed import BATCH, RPM, median_seconds, oblique
 from benchmarks.table import rotorpy_microseconds
-from propmap.arrays.types import Floats
 from propmap.engine.evaluation import evaluate, prepare
 from propmap.model.model import Model
 from propmap.rotor import Rotor
 from propmap.solve.rotor_loads import rotor_loads
 from propmap.table import LoadTable, build_table
+from propmap.typing import Floats
 
 OMEGA = 6000.0 * RPM
 CASES: dict[str, Point] = {

@@ -20,7 +20,6 @@ import numpy as np
 import propmap
 from benchmarks.results_file import machine, write_results
 from benchmarks.speed import BATCH, median_seconds, oblique
-from propmap.arrays.types import Floats
 from propmap.engine.accuracy import accuracy
 from propmap.engine.batch import Block
 from propmap.engine.evaluation import evaluate_flow, prepare
@@ -30,6 +29,7 @@ from propmap.physics.element import Annulus, Station, element_forces
 from propmap.rotor import PRECISIONS, Rotor
 from propmap.solve import disk
 from propmap.solve.disk import DiskSolution
+from propmap.typing import Floats
 
 CHAINS, LINKS = 8, 32
 """Chains of operations per number that do not wait for each other, and operations in each."""

@@ -19,7 +19,6 @@ import numpy as np
 import propmap
 from benchmarks.results_file import machine, write_results
 from benchmarks.whole_process import whole_process
-from propmap.arrays.types import Floats
 from propmap.engine.accuracy import accuracy
 from propmap.engine.evaluation import prepare
 from propmap.engine.gradients import load_gradients
@@ -29,6 +28,7 @@ from propmap.model.model import Model
 from propmap.physics.velocities import AzimuthNodes, azimuth_nodes
 from propmap.rotor import Rotor
 from propmap.solve.problem import Case, annulus_problem, residual, residual_slope
+from propmap.typing import Floats
 
 FLOW, LAW = ("omega", "v_axial", "v_inplane"), ("c_l1", "c_l2", "c_d", "alpha_0", "zero_lift_angle")
 GRADIENT = (*FLOW, *LAW)

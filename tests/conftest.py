@@ -7,7 +7,7 @@ import signal
 
 import pytest
 
-from propmap.engine.compilation import compile_quickly
+from propmap.compilation import compile_quickly
 
 
 def pytest_configure(config: pytest.Config) -> None:

@@ -13,6 +13,7 @@ from scipy.interpolate import PchipInterpolator
 import propmap as pm
 from propmap.engine.accuracy import ACCURACIES
 from propmap.engine.evaluation import evaluate, prepare
+from propmap.engine.rotor_arrays import rotor_arrays
 from propmap.loads import error_scales
 
 Numbers = NDArray[np.float64]
@@ -92,7 +93,11 @@ def error_scales_of(model: pm.Model, omega: Numbers) -> dict[str, Numbers]:
     thrust, rho A (Omega R)^2 / 2 times the solidity."""
     still = np.zeros(1)
     rest = evaluate(
-        prepare(model.arrays(), compiled=False), ACCURACIES["standard"], omega[:1], still, still
+        prepare(rotor_arrays(model), compiled=False),
+        ACCURACIES["standard"],
+        omega[:1],
+        still,
+        still,
     )
     blade, rates = model.propeller, (omega / omega[0]) ** 2
     thrust, torque = abs(rest.loads.thrust) * rates, abs(rest.loads.torque) * rates

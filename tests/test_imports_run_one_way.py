@@ -11,15 +11,18 @@ from tools.import_graph import module_imports, room
 LEFT_TO_RIGHT = (
     "errors",
     "core",
+    "typing",
     "tasks",
     "loads",
+    "results",
+    "compilation",
     "arrays",
     "physics",
     "solve",
     "engine",
     "model",
+    "reference",
     "operating_points",
-    "results",
     "bands",
     "rotor",
     "sweep",
@@ -42,6 +45,11 @@ LEFT_TO_RIGHT = (
     "__main__",
 )
 """Rooms of the package; none knows of one to its right."""
+
+CORE = ("arrays", "physics", "solve", "engine")
+FACES = ("rotor", "dynamic_inflow", "model.airfoil", "model.section_table")
+"""The rooms that solve for loads, and the modules through which all others use them; sections ask
+for their own coefficients."""
 
 
 @pytest.fixture(scope="module")
@@ -72,3 +80,13 @@ def test_nothing_knows_of_what_is_to_its_right(imports: dict[str, set[str]]) -> 
         if _layer(other) > _layer(module)
     ]
     assert not wrong
+
+
+def test_only_the_faces_know_the_core(imports: dict[str, set[str]]) -> None:
+    others = {
+        module
+        for module, imported in imports.items()
+        if module != "propmap" and room(module) not in CORE
+        if any(room(other) in CORE for other in imported)
+    }
+    assert others == {f"propmap.{face}" for face in FACES}

@@ -12,24 +12,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from propmap.arrays.types import Floats
 from propmap.engine.accuracy import ACCURACIES, Accuracy
 from propmap.engine.differences import STEP, load_differences
 from propmap.engine.evaluation import Prepared, prepare
-from propmap.engine.gradients import LoadGradients
+from propmap.results import LoadGradients
 from propmap.rotor import Rotor
-
-WITH_GRADIENTS = (
-    "propmap.bands",
-    "propmap.fit.force_model",
-    "propmap.fit.forward_trust",
-    "propmap.fit.population.coefficients",
-    "propmap.fit.tunnel",
-    "propmap.report.fit_page.curves",
-    "propmap.table.parameter_uncertainty",
-)
-"""Modules that import ``load_gradients``."""
-
+from propmap.typing import Floats
 
 FEW_NODES = Accuracy(
     ((0.12, 8), (np.inf, 12)),
@@ -58,8 +46,7 @@ def compile_nothing(patch: pytest.MonkeyPatch) -> None:
     never: Any = property(lambda _: False, lambda *_: None)
     patch.setattr(Rotor, "compiled", never, raising=False)
     patch.setitem(prepare.__kwdefaults__, "compiled", False)
-    for name in WITH_GRADIENTS:
-        patch.setattr(f"{name}.load_gradients", _by_differences)
+    patch.setattr("propmap.rotor.load_gradients", _by_differences)
     # A trim asks for derivatives, which it has no use for, to share a program with fits.
     patch.setattr("propmap.flight.trim.PAPER_FOUR", ())
 
@@ -71,6 +58,5 @@ def be_brief(patch: pytest.MonkeyPatch) -> None:
     see ``propmap.fit.added_parameter``.
     """
     patch.setitem(ACCURACIES, "standard", FEW_NODES)
-    patch.setattr("propmap.fit.population.coefficients.SETTING", FEW_NODES)
     patch.setattr("propmap.fit.search.FINAL_EVALUATIONS", 8)
     patch.setattr("propmap.fit.added_parameter.POOR", np.inf)

@@ -20,7 +20,6 @@ from typing import NamedTuple
 import numpy as np
 
 from propmap import catalogue
-from propmap.arrays.types import Floats
 from propmap.catalogue.expected_constants import airfoil_at, expected_prior
 from propmap.catalogue.identified import PARAMETERS, Identified, all_identified, one_of_each
 from propmap.catalogue.prior import HELD
@@ -37,6 +36,7 @@ from propmap.io.atomic_file import replacing
 from propmap.io.uiuc_database import MeasuredPropeller, read_uiuc_database
 from propmap.loads import LOADS
 from propmap.model.model import Model
+from propmap.typing import Floats
 
 RESULTS = Path(__file__).resolve().parent.parent / "benchmarks" / "results" / "after_static.json"
 TOLD = ("thrust", "torque")

@@ -17,16 +17,16 @@ from typing import Any
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.cli.fit_terms import expected, read_pairs, steps
 from propmap.cli.flight_options import flight_priors
-from propmap.engine.compilation import compile_quickly, keep_compiled
+from propmap.compilation import compile_quickly, keep_compiled
 from propmap.fit.comparison import flight_forces
 from propmap.fit.learned_residual import learn
 from propmap.fit.parameters import BODY, FIRST_GUESS, SENSOR, WAKES, constants_of
 from propmap.fit.tunnel import model_with
 from propmap.io.atomic_file import replacing
 from propmap.model.model import Model
+from propmap.typing import Floats
 from propmap.vehicle.flight_log import FlightLog
 from propmap.vehicle.time_derivatives import CUTOFF
 from propmap.vehicle.vehicle import Vehicle

@@ -19,6 +19,7 @@ from benchmarks.lifting_line.wake import (
     radial,
     rigid_wake,
 )
+from propmap.engine.rotor_arrays import section_law
 
 MOST_ROUNDS = 12
 
@@ -91,7 +92,7 @@ class LiftingRotor:
     @property
     def law(self) -> Any:
         """Lift and drag of the sections."""
-        return self.model.airfoil.law()
+        return section_law(self.model.airfoil)
 
     def loads(self, flow: Flow) -> RotorLoads:
         """Loads of the blades in a ``flow``."""

@@ -7,15 +7,15 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from propmap.arrays.types import Floats
 from propmap.engine.inflow_states import Found, with_states
 from propmap.errors import InputError
 from propmap.loads import LOADS
+from propmap.model.corrections import PittPeters
 from propmap.operating_points import broadcast, split_velocity
 from propmap.physics.dynamic_inflow import later, linear_rates, rates
-from propmap.physics.inflow_harmonics import PittPeters
 from propmap.results import Loads, Wrench, array_fields, hub_wrench, spin_sign
 from propmap.rotor import Rotor
+from propmap.typing import Floats
 
 
 class DynamicInflow:
@@ -45,7 +45,7 @@ class DynamicInflow:
     """
 
     def __init__(self, rotor: Rotor, *, spin: str = "ccw") -> None:
-        if not isinstance(rotor, Rotor) or not isinstance(rotor.arrays.shape, PittPeters):
+        if not isinstance(rotor, Rotor) or rotor.model.correction_of(PittPeters) is None:
             raise InputError(
                 "dynamic inflow needs a rotor with the inflow of Pitt and Peters",
                 'add propmap.correction("pitt-peters") to the model\'s corrections',

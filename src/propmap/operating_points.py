@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from propmap.arrays.types import Floats
 from propmap.errors import InputError
+from propmap.typing import Floats
 
 SPIN_REMEDY = "give the spin by its direction, not by a sign [rad/s]"
 """What to do instead of a negative omega."""
@@ -64,6 +64,16 @@ def resolved(
     rounding = 4e-16 * np.maximum(1.0, np.abs(b))
     cosine = np.where(np.abs(cosine) < rounding, 0.0, cosine)
     return w, v * cosine, v * np.where(sine < rounding, 0.0, sine)
+
+
+def along_and_across(
+    omega: ArrayLike, v_axial: ArrayLike, v_inplane: ArrayLike
+) -> tuple[Floats, Floats, Floats]:
+    """omega [rad/s], and the velocity along the axis and in the disk plane [m/s], of one shape."""
+    w, along, across = broadcast(omega=omega, v_axial=v_axial, v_inplane=v_inplane)
+    _refuse_negative("omega", w, SPIN_REMEDY)
+    _refuse_negative("v_inplane", across, "give its size; either direction has the same loads")
+    return w, along, across
 
 
 def split_velocity(omega: ArrayLike, velocity: ArrayLike) -> tuple[Floats, Floats, Floats, Floats]:

@@ -3,19 +3,27 @@
 from __future__ import annotations
 
 import functools
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from propmap.arrays.types import Floats
 from propmap.bands import FlowPoints, load_deviations
+from propmap.compilation import NO_THRIFT, Thrift
+from propmap.engine.accuracy import FOR_DEVIATIONS
 from propmap.engine.accuracy import accuracy as accuracy_setting
+from propmap.engine.attached_thrust import attached_thrust
+from propmap.engine.differences import load_differences
 from propmap.engine.evaluation import Prepared, evaluate, prepare, tail_share
+from propmap.engine.gradients import load_gradients
+from propmap.engine.rotor_arrays import rotor_arrays
 from propmap.errors import InputError
-from propmap.loads import LOADS
+from propmap.loads import FLOW, GEOMETRY, LOADS, MOUNT_AREA
+from propmap.model.corrections import MountDrag
 from propmap.model.model import Model
 from propmap.operating_points import (
+    along_and_across,
     broadcast,
     rates,
     resolved,
@@ -24,23 +32,25 @@ from propmap.operating_points import (
 )
 from propmap.results import (
     Deviations,
+    Inflow,
+    LoadGradients,
     Loads,
     LoadValues,
+    SearchReport,
     Wrench,
     hub_wrench,
     spin_sign,
     statuses,
 )
 from propmap.solve.rotor_loads import RotorLoads
+from propmap.typing import Floats
 
 if TYPE_CHECKING:
-    from propmap.engine.disk_field import Inflow
-    from propmap.engine.search_report import SearchReport
     from propmap.physics.rotor import RotorArrays
 
 PRECISIONS = ("float64", "float32")
 
-PREPARED = ("arrays", "_prepared")
+PREPARED = ("arrays", "_prepared", "_differentiable")
 """Properties that a process computes for itself."""
 
 MOST_STATIONS = 40
@@ -121,8 +131,12 @@ class Rotor:
 
         The loads are the same; it is for a single blade that less is compiled without this.
         """
-        rotor = self.for_all_sizes()
-        rotor._stations = MOST_STATIONS
+        return self.for_all_sizes()._with_stations(MOST_STATIONS)
+
+    def _with_stations(self, count: int) -> Rotor:
+        """This rotor, with programs that serve any blade of up to ``count`` stations."""
+        rotor = self.with_model(self.model)
+        rotor._stations = count
         return rotor
 
     def with_model(self, model: Model) -> Rotor:
@@ -183,6 +197,91 @@ class Rotor:
         w, along, across, direction = split_velocity(omega, velocity)
         return hub_wrench(self._loads(w, along, across), direction, sign)
 
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """Names that ``gradients`` takes.
+
+        The section law's constants; "mount_area" [m^2], where something is mounted in the
+        slipstream; "chord_scale" [-], a common relative change of the chord, "twist_offset" [rad],
+        a common change of the twist, and "untwist" [rad], what the twist of the tip loses at a tip
+        speed of 100 m/s; "omega" [rad/s], "v_axial" and "v_inplane" [m/s].
+        """
+        law = getattr(self.model.airfoil, "parameters", None) or self.arrays.law.parameters
+        mounted = () if self.model.correction_of(MountDrag) is None else (MOUNT_AREA,)
+        return (*law, *mounted, *GEOMETRY, *FLOW)
+
+    def gradients(
+        self,
+        names: Iterable[str],
+        omega: ArrayLike,
+        v_axial: ArrayLike,
+        v_inplane: ArrayLike,
+    ) -> LoadGradients:
+        """Loads and their derivatives by section constants, blade, mount and flow.
+
+        They follow from the implicit function theorem at the inflow found.  The flow is given by
+        the components of the velocity, as the derivative by beta does not exist at rest.
+
+        Parameters
+        ----------
+        names : iterable of str
+            P of ``parameters``.
+        omega, v_axial, v_inplane : array_like, shape (...)
+            Rotational speed [rad/s], >= 0, V cos(beta) and V sin(beta) [m/s], the latter >= 0; all
+            three broadcast.
+
+        Returns
+        -------
+        LoadGradients
+            ``loads`` (L, ...) in the order of ``propmap.loads.LOADS`` [N], [N m], NaN where no
+            inflow was found, and ``slopes`` (L, P, ...) per unit of each parameter.
+
+        Raises
+        ------
+        InputError
+            For an unknown name, and for values that ``loads`` refuses.
+        """
+        return self._gradients(names, omega, v_axial, v_inplane, NO_THRIFT)
+
+    def attached_thrust(
+        self,
+        omega: ArrayLike,
+        v_axial: ArrayLike,
+        v_inplane: ArrayLike,
+        others: Sequence[Model] = (),
+    ) -> tuple[Floats, Floats]:
+        """Thrust of blades that are nowhere stalled, by small angles: a good guess, at once.
+
+        Each annulus has its Glauert inflow (10) for the lift of small angles of attack, without
+        drag, tip loss or stall.  Outside of descent it gives the inflow of ordinary flight within
+        one per cent; in descent, where momentum theory has several solutions or none, it takes the
+        largest.
+
+        Parameters
+        ----------
+        omega, v_axial, v_inplane : array_like, shape (...)
+            As for ``gradients``.
+        others : sequence of P Model
+            This one with slightly different section constants or untwist.
+
+        Returns
+        -------
+        thrust : ndarray, shape (...)
+            [N].
+        more : ndarray, shape (P, ...)
+            By how much those of ``others`` are more, to first order in that of their lift [N].
+
+        Raises
+        ------
+        InputError
+            For values that ``loads`` refuses.
+        """
+        flow = along_and_across(omega, v_axial, v_inplane)
+        shape, flat = flow[0].shape, [a.ravel() for a in flow]
+        there = [rotor_arrays(one) for one in others]
+        thrust, more = attached_thrust(self.arrays, flat[0], flat[1], flat[2], there)
+        return thrust.reshape(shape), more.reshape(-1, *shape)
+
     def hover_inflow(self, omega: ArrayLike) -> Floats:
         """Static inflow v_i0 [m/s] of eq. (12) at ``omega`` [rad/s], from own static thrust."""
         from propmap.engine.evaluation import static_inflow
@@ -215,7 +314,7 @@ class Rotor:
         from propmap.engine.disk_field import look_at_disk
 
         w, along, across = resolved(omega, speed, beta, one=True)
-        root, tip = self._span
+        root, tip = self.model.span
         y = np.linspace(root, tip, 60) if radius is None else np.ravel(radius)
         psi = np.linspace(0.0, 2.0 * np.pi, 73) if azimuth is None else np.ravel(azimuth)
         y, psi = broadcast(radius=y)[0], broadcast(azimuth=psi)[0]
@@ -260,19 +359,55 @@ class Rotor:
         from propmap.arrays.namespace import by_numpy
         from propmap.physics.geometry import with_stations
 
-        found = self.model.arrays()
+        found = rotor_arrays(self.model)
         with by_numpy():
             return found._replace(blade=with_stations(found.blade, self._stations))
-
-    @property
-    def _span(self) -> tuple[float, float]:
-        """Where the blade begins and ends [m], corrections included."""
-        return float(self.arrays.blade.root), float(self.arrays.blade.tip)
 
     @functools.cached_property
     def _prepared(self) -> Prepared:
         double = self.precision == PRECISIONS[0]
         return prepare(self.arrays, compiled=self.compiled, uniform=self._uniform, double=double)
+
+    @functools.cached_property
+    def _differentiable(self) -> Prepared:
+        """For derivatives, which only programs in float64 give."""
+        if self.compiled and self.precision == PRECISIONS[0]:
+            return self._prepared
+        return prepare(self.arrays, uniform=self._uniform)
+
+    @property
+    def _programs(self) -> object:
+        """What compiled programs depend on, beside the sizes that are the same for all."""
+        import jax
+
+        return jax.tree.structure(self.arrays)
+
+    def _gradients(
+        self,
+        names: Iterable[str],
+        omega: ArrayLike,
+        v_axial: ArrayLike,
+        v_inplane: ArrayLike,
+        thrift: Thrift,
+    ) -> LoadGradients:
+        """``gradients`` in a way that saves compiling."""
+        wanted = tuple(names)
+        unknown = [name for name in wanted if name not in self.parameters]
+        if unknown:
+            raise InputError(
+                f"loads have no derivative by {unknown[0]!r}",
+                f"choose from {', '.join(self.parameters)}",
+            )
+        flow = along_and_across(omega, v_axial, v_inplane)
+        shape, flat = flow[0].shape, [a.ravel() for a in flow]
+        setting = FOR_DEVIATIONS if thrift.coarse else self._setting
+        if flat[0].size <= thrift.few:
+            found = load_differences(self._prepared, setting, wanted, thrift.scales, *flat)
+        else:
+            found = load_gradients(self._differentiable, setting, wanted, *flat, alike=thrift.alike)
+        return LoadGradients(
+            found.loads.reshape(-1, *shape), found.slopes.reshape(len(LOADS), len(wanted), *shape)
+        )
 
     def _loads(self, omega: Floats, v_axial: Floats, v_inplane: Floats) -> Loads:
         shape = omega.shape
@@ -288,7 +423,7 @@ class Rotor:
         self, at: FlowPoints, loads: Floats, shape: tuple[int, ...]
     ) -> dict[str, LoadValues]:
         """``Loads.std_by_source`` of loads (L, N) at N points, as arrays of this ``shape``."""
-        found = load_deviations(self.model, self._prepared, at, loads)
+        found = load_deviations(self, at, loads)
         values = {}
         for source, rows in found.items():
             lost = np.where(np.isnan(loads), np.nan, rows)
@@ -309,7 +444,7 @@ class Rotor:
         """The ``RotorLoads`` that were ``found``, with a status."""
         tails = tail_share(self._prepared, omega, v_axial, v_inplane, found)
         coarse = tails > self._setting.finer[-1][1]
-        reverse = reverse_flow_share(omega, v_inplane, *self._span)
+        reverse = reverse_flow_share(omega, v_inplane, *self.model.span)
         return Loads(
             **found.loads._asdict(),
             power=found.loads.torque * omega,

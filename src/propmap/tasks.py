@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import os
+import sys
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor, as_completed
+from contextlib import contextmanager
+from contextvars import ContextVar
 from typing import Protocol, TypeVar
 
 Common = TypeVar("Common")
@@ -99,3 +103,24 @@ def in_order(results: Iterable[tuple[int, Result]]) -> list[Result]:
         As ``Workers.results`` gives them.
     """
     return [result for _, result in sorted(results, key=lambda one: one[0])]
+
+
+_most_cores: ContextVar[int | None] = ContextVar("most_cores", default=None)
+
+
+@contextmanager
+def on_cores(most: int) -> Iterator[None]:
+    """Use ``most`` cores of this machine at most, in this thread.
+
+    For a process that has others beside it.  Loads do not depend on it.
+    """
+    token = _most_cores.set(most)
+    try:
+        yield
+    finally:
+        _most_cores.reset(token)
+
+
+def cores() -> int:
+    """Number of processor cores that evaluations may use."""
+    return min(os.cpu_count() or 1, _most_cores.get() or sys.maxsize)

@@ -11,7 +11,7 @@ import propmap
 from propmap.aircraft.deviations import power_gradient
 from propmap.aircraft.steady import Aircraft
 from propmap.errors import InputError
-from propmap.physics.mount_drag import MountDrag
+from propmap.model.corrections import MountDrag
 from propmap.table import LoadTable, build_table
 from propmap.vehicle.vehicle import Vehicle
 

@@ -10,7 +10,6 @@ import pytest
 
 import propmap
 from propmap import catalogue
-from propmap.arrays.types import Floats
 from propmap.catalogue.equivalent import equivalent
 from propmap.catalogue.expected_blade import ExpectedBlade
 from propmap.catalogue.expected_constants import (
@@ -23,6 +22,7 @@ from propmap.catalogue.identified import PARAMETERS, identified_without_blade
 from propmap.catalogue.lookup import designated, meant_by, search
 from propmap.catalogue.prior import constants_of, coordinates
 from propmap.errors import InputError
+from propmap.typing import Floats
 from tests.catalogue.test_expected_blade import RESULTS
 
 SIZE = (0.254, 0.15)

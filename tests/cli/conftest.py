@@ -33,7 +33,7 @@ Run = Callable[..., Outcome]
 def _workplace(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """An empty folder, and no compiled programs in the user's cache."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("propmap.engine.compilation.keep_compiled", lambda: None)
+    monkeypatch.setattr("propmap.compilation.keep_compiled", lambda: None)
 
 
 @pytest.fixture
@@ -47,7 +47,7 @@ def by_numpy(monkeypatch: pytest.MonkeyPatch) -> None:
 def commands_by_numpy() -> Iterator[None]:
     """The same for what tests share."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("propmap.engine.compilation.keep_compiled", lambda: None)
+        patch.setattr("propmap.compilation.keep_compiled", lambda: None)
         compile_nothing(patch)
         be_brief(patch)
         yield

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from propmap.engine.compilation import KNOWN_JAXLIB, compile_quickly
+from propmap.compilation import KNOWN_JAXLIB, compile_quickly
 
 TESTS = Path(__file__).parents[1]
 COMPARISONS = ("engine/test_without_compiling.py", "solve/test_load_slopes.py")

@@ -1,4 +1,7 @@
-"""`docs/equations.md` names functions and tests that exist, and leaves out no equation."""
+"""`docs/equations.md` shows the whole reference, and names functions and tests that exist.
+
+It leaves out no equation.
+"""
 
 from __future__ import annotations
 
@@ -11,6 +14,9 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "equations.md").read_text(encoding="utf-8")
+
+SOURCE = (ROOT / "src" / "propmap" / "reference.py").read_text(encoding="utf-8")
+REFERENCE = ast.parse(SOURCE)
 
 REQUIRED = {
     *(f"({n})" for n in range(1, 19)),
@@ -53,6 +59,43 @@ def named_tests(cell: str) -> list[tuple[str, str]]:
         file = before or file
         found.append((file, name))
     return found
+
+
+def shown() -> list[str]:
+    """What the page shows of the reference's code, in order."""
+    block = (
+        r"\{literalinclude\} \.\./src/propmap/reference\.py\n:language: python\n:pyobject: (\w+)"
+    )
+    return re.findall(block, PAGE)
+
+
+def numbered(text: str) -> set[int]:
+    """Numbers of the equations named in ``text``, as in "Eq. (10)", "Eqs. (13)-(15)"."""
+    found: set[int] = set()
+    for first, last in re.findall(r"Eqs?\. \((\d+)\)(?:-\((\d+)\))?", text):
+        found |= set(range(int(first), int(last or first) + 1))
+    return found
+
+
+def test_the_page_shows_the_whole_reference() -> None:
+    """Every function once; of the classes only the one that needs words."""
+    defined = [n for n in REFERENCE.body if isinstance(n, ast.FunctionDef)]
+    assert sorted(shown()) == sorted(["Case", *(node.name for node in defined)])
+
+
+@pytest.mark.parametrize("number", range(1, 16))
+def test_an_equation_stands_in_the_function_that_its_row_names(number: int) -> None:
+    """By its number, in a comment or in what the function says of itself."""
+    cells = [cell for first, cell, _ in rows() if first == f"({number})"]
+    assert len(cells) == 1
+    names = [name for module, name in functions(cells[0]) if module == "propmap.reference"]
+    lines = SOURCE.splitlines()
+    bodies = {
+        node.name: numbered("\n".join(lines[node.lineno - 1 : node.end_lineno]))
+        for node in REFERENCE.body
+        if isinstance(node, ast.FunctionDef)
+    }
+    assert names and number in bodies[names[0]]
 
 
 def test_every_equation_has_its_row() -> None:

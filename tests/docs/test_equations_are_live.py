@@ -18,14 +18,15 @@ import numpy as np
 import pytest
 
 import propmap as pm
+from propmap import reference
 from propmap.arrays.namespace import by_numpy, custom_jvp
 from propmap.baselines import hover
 from propmap.engine import evaluation
-from propmap.engine.gradients import LoadGradients
 from propmap.fit import added_parameter, body_forces, fitted, flight, force_model
 from propmap.fit.parameters import BODY, FIRST_GUESS, SECTION, Choice
 from propmap.papers.gill_dandrea_2017 import rotor_drag
 from propmap.physics.velocities import azimuth_nodes
+from propmap.results import LoadGradients
 from propmap.solve import disk, load_slopes, rotor_loads
 from propmap.solve.problem import Case
 from propmap.vehicle import wake_table
@@ -138,6 +139,17 @@ def loads() -> Any:
     return found.thrust, found.drag, found.torque, found.roll_moment
 
 
+def plain_reference() -> Any:
+    """Few steps of the plain reference: in climb, the vortex ring and windmill descent."""
+    law = pm.airfoil("paper-apc")
+    terms = {"zero_lift_angle": -0.05, "reynolds_camber": -0.02, "drag_angle": 0.07}
+    both = law.with_parameters(**terms), law.with_parameters(lift_law="simplified")
+    corrections = pm.corrections_of("recommended")
+    models = [pm.Model(pm.propeller("apc-8x6e"), one, corrections=corrections) for one in both]
+    points = ((1.0, 4.0), (-6.0, 0.5), (-16.0, 2.0))
+    return [reference.loads(one, 600.0, *flow, 6, 8) for one in models for flow in points]
+
+
 def section_laws() -> Any:
     """Loads of the paper's law, and of one with the terms that the paper does not have."""
     model = rotor().model
@@ -231,8 +243,11 @@ def derivatives() -> Any:
         return one, jax.jvp(whole, (0.0,), (1.0,))[1]
 
 
-def uncompiled_gradients(prepared: Any, setting: Any, names: Any, *flow: Any) -> LoadGradients:
+def uncompiled_gradients(
+    prepared: Any, setting: Any, names: Any, *flow: Any, alike: bool = False
+) -> LoadGradients:
     """The loads by NumPy, and made-up derivatives, which are not looked at."""
+    del alike
     prepared = evaluation.prepare(prepared.arrays, compiled=False)
     found = np.stack(evaluation.evaluate(prepared, setting, *flow).loads)
     return LoadGradients(found, 0.01 + np.zeros((len(found), len(names), found.shape[1])))
@@ -286,6 +301,7 @@ def made_up_fit() -> Any:
 
 
 PROBES: dict[str, Callable[[], Any]] = {
+    "propmap.reference": plain_reference,
     "propmap.physics": loads,
     "propmap.physics.inflow_harmonics": varying_inflow,
     "propmap.physics.dynamic_inflow": moving_inflow,
@@ -304,7 +320,7 @@ PROBES: dict[str, Callable[[], Any]] = {
     "propmap.solve.disk_field": inflow,
     "propmap.baselines.hover": hover_model,
     "propmap.baselines.fin_analogy": fin,
-    "propmap.physics.vortex_cylinder": whole_flights,
+    "propmap.vehicle.vortex_cylinder": whole_flights,
     "propmap.vehicle": flights,
     "propmap.vehicle.interference": whole_flights,
     "propmap.fit.sensor_forces": whole_flights,
@@ -330,7 +346,7 @@ def unbroken(probe: Callable[[], Any]) -> np.ndarray:
 
 @pytest.fixture(autouse=True)
 def _no_compiling(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(force_model, "load_gradients", uncompiled_gradients)
+    monkeypatch.setattr("propmap.rotor.load_gradients", uncompiled_gradients)
 
 
 @pytest.fixture(autouse=True)

@@ -14,6 +14,7 @@ from propmap.engine.accuracy import ACCURACIES, STALL_WIDTH, Accuracy
 from propmap.engine.evaluation import evaluate, evaluate_flow, prepare, tail_share
 from propmap.engine.forecast import LEAST_LIFT, static_loads
 from propmap.engine.programs import Flow
+from propmap.engine.rotor_arrays import rotor_arrays
 
 STANDARD = ACCURACIES["standard"]
 ONCE = replace(STANDARD, largest_tail=np.inf)
@@ -40,13 +41,13 @@ def panels_of(rotor: pm.Model, flow: tuple[Floats, ...], *, compiled: bool) -> l
         for point in block.points:
             told[point].append(block.panels)
 
-    prepared = prepare(rotor.arrays(), compiled=compiled)
+    prepared = prepare(rotor_arrays(rotor), compiled=compiled)
     evaluate_flow(prepared, STANDARD, Flow(*flow, None), solved=solved)
     return [sorted(one) for one in told]
 
 
 def test_the_error_of_a_badly_resolved_point_falls() -> None:
-    rotor, flow = prepare(pm.Model(BLADE, FIT).arrays(), compiled=False), points(1)
+    rotor, flow = prepare(rotor_arrays(pm.Model(BLADE, FIT)), compiled=False), points(1)
     once, again, fine = (evaluate(rotor, s, *flow) for s in (ONCE, STANDARD, ACCURACIES["fine"]))
     static = rotor.static[0] * flow[0] ** 2
     before, after = (abs(one.loads.thrust - fine.loads.thrust) / static for one in (once, again))
@@ -62,7 +63,7 @@ def test_loads_do_not_depend_on_what_else_is_asked() -> None:
     model = pm.Model(BLADE, FIT)
     again = [len(one) > 1 for one in panels_of(model, flow, compiled=False)]
     assert 2 <= sum(again) < len(again)
-    rotor = prepare(model.arrays(), compiled=False)
+    rotor = prepare(rotor_arrays(model), compiled=False)
     together = evaluate(rotor, STANDARD, *flow)
     chosen = [*np.flatnonzero(again)[:2], again.index(False)]
     for k in chosen:
@@ -90,7 +91,7 @@ def test_what_no_nodes_resolve_is_said() -> None:
     assert found.status.tolist() == ["coarse", "ok"]
     assert np.isfinite(found.thrust).all()
     slow = tuple(np.array([v]) for v in (600.0, 3.0508, 0.0))
-    once = evaluate(prepare(model.arrays(), compiled=False), ONCE, *slow).loads.thrust
+    once = evaluate(prepare(rotor_arrays(model), compiled=False), ONCE, *slow).loads.thrust
     assert found.thrust[0] == pytest.approx(float(once[0]), rel=0.02)
     # Each further evaluation is asked for before that is said.
     told = panels_of(model, slow, compiled=False)
@@ -125,7 +126,7 @@ def test_each_further_evaluation_has_more_nodes(name: str) -> None:
 
 
 def test_tails_are_shares_of_the_load_at_rest() -> None:
-    arrays = pm.Model(BLADE, pm.airfoil("paper-apc")).arrays()
+    arrays = rotor_arrays(pm.Model(BLADE, pm.airfoil("paper-apc")))
     omega, still = np.array([600.0]), np.zeros(1)
     rest = evaluate(prepare(arrays, compiled=False), STANDARD, omega, still, still).loads
     thrust, torque = static_loads(arrays)
@@ -136,7 +137,7 @@ def test_tails_are_shares_of_the_load_at_rest() -> None:
 def test_a_blade_without_lift_is_not_judged_by_it() -> None:
     """Nor are tails of a rotor at rest in a wind divided by nothing."""
     flat = replace(BLADE, twist=np.zeros_like(BLADE.twist))
-    arrays = pm.Model(flat, pm.airfoil("paper-apc")).arrays()
+    arrays = rotor_arrays(pm.Model(flat, pm.airfoil("paper-apc")))
     lift = np.trapezoid(BLADE.chord * BLADE.station**2, BLADE.station)
     least = LEAST_LIFT * 0.5 * pm.Air().density * BLADE.blades * lift
     assert static_loads(arrays)[0] == pytest.approx(least)

@@ -7,6 +7,7 @@ import pytest
 
 import propmap
 from propmap.engine.attached_thrust import attached_thrust
+from propmap.engine.rotor_arrays import rotor_arrays
 
 MODEL = propmap.Model(propmap.propeller("apc-8x6e"), propmap.airfoil("paper-apc"))
 
@@ -22,7 +23,7 @@ def test_near_the_loads_of_the_full_theory_in_climb() -> None:
     # Nothing stalls from a climb of 2 m/s on: what differs are drag, small angles and azimuth.
     velocity = np.stack([inplane, 0.0 * omega, axial], axis=-1)
     exact = propmap.Rotor(MODEL, compiled=False).loads_at_velocity(omega, velocity).thrust
-    found, none = attached_thrust(MODEL.arrays(), omega, axial, inplane)
+    found, none = attached_thrust(rotor_arrays(MODEL), omega, axial, inplane)
     assert none.shape == (0, 40)
     assert np.sqrt(np.mean((found - exact) ** 2)) < 0.05 * np.sqrt(np.mean(exact**2))
 
@@ -37,8 +38,8 @@ def test_differences_of_other_constants(name: str) -> None:
         return MODEL.with_airfoil(law.with_parameters(**{name: getattr(law, name) + by}))
 
     points = flows(30)
-    _, more = attached_thrust(MODEL.arrays(), *points, [moved(step).arrays()])
-    up, down = (attached_thrust(moved(by).arrays(), *points)[0] for by in (step, -step))
+    _, more = attached_thrust(rotor_arrays(MODEL), *points, [rotor_arrays(moved(step))])
+    up, down = (attached_thrust(rotor_arrays(moved(by)), *points)[0] for by in (step, -step))
     np.testing.assert_allclose(more[0], 0.5 * (up - down), rtol=1e-3, atol=1e-9)
     assert np.any(np.abs(more) > 0.0)
 
@@ -47,6 +48,6 @@ def test_it_is_continuous_into_descent_and_positive() -> None:
     axial = np.linspace(5.0, -15.0, 400)
     still = np.zeros(400)
     for inplane in (0.0, 6.0):
-        found, _ = attached_thrust(MODEL.arrays(), still + 600.0, axial, still + inplane)
+        found, _ = attached_thrust(rotor_arrays(MODEL), still + 600.0, axial, still + inplane)
         assert np.isfinite(found).all() and np.all(found > 0.0)
         assert np.max(np.abs(np.diff(found))) < 0.1 * np.max(found)

@@ -11,6 +11,7 @@ import propmap as pm
 from propmap.engine.accuracy import accuracy
 from propmap.engine.evaluation import prepare
 from propmap.engine.gradients import LoadGradients, load_gradients
+from propmap.engine.rotor_arrays import rotor_arrays
 from propmap.solve.load_slopes import GEOMETRY
 
 BLADE = pm.propeller("apc-8x6e")
@@ -41,7 +42,7 @@ def at(
     """For the blade with its measured stations changed by ``scale`` and ``offset``."""
     blade = replace(BLADE, chord=BLADE.chord * (1.0 + scale), twist=BLADE.twist + offset)
     given = tuple(pm.correction(text) for text in corrections)
-    arrays = pm.Model(blade, LAW, corrections=given).arrays()
+    arrays = rotor_arrays(pm.Model(blade, LAW, corrections=given))
     return load_gradients(prepare(arrays), accuracy("standard"), names, OMEGA, AXIAL, INPLANE)
 
 

@@ -9,6 +9,7 @@ import propmap as pm
 from propmap.engine.accuracy import accuracy
 from propmap.engine.evaluation import prepare
 from propmap.engine.gradients import LoadGradients, load_gradients
+from propmap.engine.rotor_arrays import rotor_arrays
 
 BLADE = pm.propeller("apc-8x6e")
 NAMES = ("reynolds_camber", "drag_angle", "zero_lift_angle", "omega")
@@ -26,7 +27,7 @@ AXIAL, INPLANE = np.array([0.0, 9.0, 5.0, -2.0]), np.array([0.0, 0.0, 8.0, 4.0])
 
 
 def at(law: pm.Airfoil, omega: np.ndarray = OMEGA) -> LoadGradients:
-    arrays = pm.Model(BLADE, law).arrays()
+    arrays = rotor_arrays(pm.Model(BLADE, law))
     return load_gradients(prepare(arrays), accuracy("standard"), NAMES, omega, AXIAL, INPLANE)
 
 

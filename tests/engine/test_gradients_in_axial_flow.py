@@ -9,6 +9,7 @@ import propmap
 from propmap.engine.accuracy import accuracy
 from propmap.engine.evaluation import FEW, prepare
 from propmap.engine.gradients import LoadGradients, load_gradients
+from propmap.engine.rotor_arrays import rotor_arrays
 from propmap.loads import LOADS
 
 NAMES = ("v_inplane", "mount_area", "v_axial")
@@ -25,7 +26,7 @@ def found(v_inplane: float, count: int, *more: str) -> LoadGradients:
     )
     v_axial = np.resize([5.0, 0.0], count)
     flow = (np.full(count, 600.0), v_axial, np.full(count, v_inplane))
-    return load_gradients(prepare(model.arrays()), SETTING, NAMES, *flow)
+    return load_gradients(prepare(rotor_arrays(model)), SETTING, NAMES, *flow)
 
 
 @pytest.mark.parametrize(

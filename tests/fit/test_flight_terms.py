@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 import propmap
-from propmap.arrays.types import Floats
 from propmap.fit import flight_terms
 from propmap.fit.flight_terms import Flight, Off, Step, fit_terms, gain, judged, measured_off
 from propmap.fit.parameters import FIRST_GUESS, SECTION, Choice
+from propmap.typing import Floats
 from propmap.vehicle.flight_log import GRAVITY, FlightLog
 from propmap.vehicle.vehicle import Mount, Vehicle
 

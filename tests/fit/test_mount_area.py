@@ -20,7 +20,7 @@ from propmap.fit.result_file import FitFile, fit_text, read_fit
 from propmap.fit.tunnel import TunnelData, model_with, tunnel_rows
 from propmap.flight.expectation import expectation
 from propmap.flight.trim import true_values
-from propmap.physics.mount_drag import MountDrag
+from propmap.model.corrections import MountDrag
 from propmap.vehicle.vehicle import Vehicle
 from tests.fit.test_flight_fit import MOUNTS, OMEGA, VELOCITIES, log
 

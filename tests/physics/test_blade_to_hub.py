@@ -9,6 +9,7 @@ import pytest
 
 import propmap as pm
 from propmap.arrays.namespace import by_numpy
+from propmap.engine.rotor_arrays import rotor_arrays
 from propmap.physics.geometry import Blade, blade_shape
 from propmap.physics.rotor import RotorArrays
 
@@ -16,7 +17,9 @@ BLADE, LAW = pm.propeller("apc-8x6e"), pm.airfoil("paper-apc")
 
 
 def arrays(*texts: str, blade: pm.Propeller = BLADE) -> RotorArrays:
-    return pm.Model(blade, LAW, corrections=tuple(pm.correction(text) for text in texts)).arrays()
+    return rotor_arrays(
+        pm.Model(blade, LAW, corrections=tuple(pm.correction(text) for text in texts))
+    )
 
 
 def shape(blade: Blade, radius: Any) -> tuple[np.ndarray, np.ndarray]:

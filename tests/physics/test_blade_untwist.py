@@ -11,9 +11,10 @@ import propmap
 from propmap.engine.accuracy import accuracy
 from propmap.engine.evaluation import prepare
 from propmap.engine.gradients import load_gradients
+from propmap.engine.rotor_arrays import rotor_arrays
 from propmap.errors import InputError
 from propmap.loads import LOADS
-from propmap.physics.blade_untwist import BladeUntwist
+from propmap.model.corrections import BladeUntwist
 
 BLADE = propmap.propeller("apc-8x6e")
 LAW = propmap.airfoil("paper-apc")
@@ -49,7 +50,7 @@ def test_slow_blades_and_none_are_rigid() -> None:
 @pytest.mark.slow
 def test_derivatives_by_it_and_by_rotational_speed() -> None:
     flow = (np.array([AT_100]), np.array([4.0]), np.array([7.0]))
-    arrays = rotor(0.02).model.arrays()
+    arrays = rotor_arrays(rotor(0.02).model)
     found = load_gradients(prepare(arrays), accuracy("fine"), ("untwist", "omega"), *flow).slopes
     speed, beta = np.hypot(4.0, 7.0), np.arctan2(7.0, 4.0)
 

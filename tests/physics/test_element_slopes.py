@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import propmap as pm
+from propmap.engine.rotor_arrays import rotor_arrays
 from propmap.physics.element import annulus_loads
 from propmap.physics.element_slopes import mean_slopes, moved_forces
 from propmap.physics.inflow_harmonics import Harmonics
@@ -54,7 +55,7 @@ def test_forces_move_as_jax_says(law: str) -> None:
     """By every name, with reverse flow at the root, stall and descent among the points."""
     section, texts = LAWS[law]
     corrections = tuple(pm.correction(text) for text in texts)
-    arrays = pm.Model(BLADE, section, corrections=corrections).arrays()
+    arrays = rotor_arrays(pm.Model(BLADE, section, corrections=corrections))
     azimuth, size = azimuth_nodes(12), CASES[law]
     names = (*moving(arrays), *GEOMETRY, RADIUS)
 

@@ -10,7 +10,8 @@ import pytest
 
 from propmap.arrays.namespace import by_numpy
 from propmap.errors import InputError
-from propmap.physics.mount_drag import MountDrag, Mounted, typical_area
+from propmap.model.corrections import MountDrag, typical_area
+from propmap.physics.mount_drag import Mounted
 
 DENSITY = np.float64(1.2)
 
@@ -25,6 +26,14 @@ def drag(area: float, wake: float, *flow: Any) -> np.ndarray:
 def test_the_drag_is_the_equation() -> None:
     # 1/2 1.2 0.002 4 sqrt(4^2 + (1 + 1.5 * 2/1.5)^2) with 4, 3 and 5.
     assert drag(0.002, 1.5, 1.0, 4.0, 4.0 / 3.0) == pytest.approx(0.5 * 1.2 * 0.002 * 4.0 * 5.0)
+
+
+def test_the_correction_says_the_same_of_itself() -> None:
+    flow = np.array([-3.0, 0.0, 2.0]), np.array([0.0, 5.0, 12.0]), np.array([4.0, 3.0, 1.0])
+    for area in (0.002, None):
+        mount = MountDrag(area, wake=1.5)
+        told = mount.drag(0.1, float(DENSITY), *flow)
+        np.testing.assert_allclose(told, drag(mount.area(0.1), 1.5, *flow), rtol=1e-12)
 
 
 def test_edgewise_outside_the_slipstream_it_is_the_drag_of_a_plate() -> None:

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import propmap as pm
-from propmap.arrays.types import Floats
 from propmap.rotor import Rotor
+from propmap.typing import Floats
 
 STEPS = 1201
 BLADE = pm.propeller("apc-8x6e")

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import propmap
+from propmap.engine.rotor_arrays import rotor_arrays
 from propmap.loads import LOADS
 from propmap.physics.geometry import blade_shape, with_stations
 from propmap.rotor import MOST_STATIONS
@@ -28,7 +29,9 @@ def test_the_loads_are_the_same_to_the_last_digit(name: str) -> None:
 
 
 def test_a_blade_keeps_its_shape_up_to_the_tip() -> None:
-    arrays = propmap.Model(propmap.propeller("apc-8x6e"), propmap.airfoil("paper-apc")).arrays()
+    arrays = rotor_arrays(
+        propmap.Model(propmap.propeller("apc-8x6e"), propmap.airfoil("paper-apc"))
+    )
     longer = with_stations(arrays.blade, 50)
     radius = np.linspace(float(arrays.blade.station[0]), float(arrays.blade.tip), 200)
     for a, b in zip(blade_shape(arrays.blade, radius), blade_shape(longer, radius), strict=True):

@@ -11,9 +11,10 @@ import numpy as np
 import pytest
 
 import propmap
+from propmap.engine.rotor_arrays import rotor_arrays
 from propmap.errors import InputError
 from propmap.loads import LOADS
-from propmap.physics.mount_drag import typical_area
+from propmap.model.corrections import typical_area
 from propmap.solve.resolution import Resolution
 from propmap.solve.rotor_loads import rotor_loads
 
@@ -75,9 +76,9 @@ def test_without_an_area_it_is_that_of_a_typical_motor() -> None:
 def test_a_mount_may_be_another_than_where_the_constants_are_from() -> None:
     law = replace(LAW, corrections=("tip-loss", "mount-drag:area_m2=0.002"))
     own = propmap.Model(BLADE, law)
-    assert own.arrays().mount.area == 0.002 and own.arrays().factors
+    assert rotor_arrays(own).mount.area == 0.002 and rotor_arrays(own).factors
     mine = propmap.Model(BLADE, law, corrections=(propmap.correction(MOUNT),))
-    assert mine.arrays().mount.area == AREA and mine.arrays().factors
+    assert rotor_arrays(mine).mount.area == AREA and rotor_arrays(mine).factors
     assert mine == own.with_mount(propmap.correction(MOUNT))
     assert mine.fingerprint() != own.fingerprint()
     with pytest.raises(InputError, match="was found with tip-loss, not with pitt-peters"):

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import propmap as pm
+from propmap.engine.rotor_arrays import section_law
 from propmap.model.airfoil import Airfoil
 from propmap.physics.sections.law import coefficients_at
 from tests.oracle.literal_rotor import literal_loads
@@ -110,7 +111,7 @@ def test_pressure_drag_is_least_at_its_own_angle() -> None:
     from propmap.arrays.namespace import by_numpy as numpy_only
 
     with numpy_only():
-        found = coefficients_at(law.law(), alpha, np.float64(5e4))
+        found = coefficients_at(section_law(law), alpha, np.float64(5e4))
     section = {"c_d": 2.4, "c_d0": 0.02, "c_p": 0.0}
     expected = drag_coefficient(alpha + 0.05 - 0.07, 5e4, section)
     np.testing.assert_allclose(found.drag, expected, rtol=1e-12)

@@ -10,6 +10,7 @@ from scipy.optimize import brentq
 
 import propmap as pm
 from propmap.arrays.namespace import by_numpy
+from propmap.engine.rotor_arrays import rotor_arrays
 from propmap.physics.velocities import azimuth_nodes
 from propmap.solve.problem import Case, annulus_problem
 from propmap.solve.root import MAX_STEPS, search
@@ -100,7 +101,7 @@ def test_inflow_is_the_largest_of_all_roots(name: str) -> None:
     else:
         section = SECTIONS[kind]
     corrections = tuple(pm.correction(text) for text in losses)
-    arrays = pm.Model(BLADE, law, corrections=corrections).arrays()
+    arrays = rotor_arrays(pm.Model(BLADE, law, corrections=corrections))
     radius, *flow = points(60, 8)
     with by_numpy():
         case = Case(arrays, *flow, np.full(radius.size, V_HOVER))

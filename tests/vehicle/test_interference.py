@@ -10,7 +10,6 @@ from scipy.integrate import quad as integral
 
 import propmap
 from propmap.errors import InputError
-from propmap.physics.vortex_cylinder import axial_velocity
 from propmap.vehicle.flight_log import FlightLog
 from propmap.vehicle.hub_flow import HubFlow, hub_flow
 from propmap.vehicle.interference import (
@@ -21,6 +20,7 @@ from propmap.vehicle.interference import (
     wake_flow,
 )
 from propmap.vehicle.vehicle import Mount, Vehicle, Wakes
+from propmap.vehicle.vortex_cylinder import axial_velocity
 from propmap.vehicle.wake_table import SeenWake, frame_of
 
 PROPELLER = propmap.propeller("apc-8x6e")

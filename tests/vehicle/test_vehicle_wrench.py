@@ -13,7 +13,7 @@ import pytest
 
 import propmap
 from propmap import InputError, VehicleForces
-from propmap.physics.mount_drag import MountDrag
+from propmap.model.corrections import MountDrag
 from propmap.results import STATUSES
 from propmap.table.lookup import STATUSES as TABLE_STATUSES
 from propmap.vehicle.load_sources import SEVERITY, worst

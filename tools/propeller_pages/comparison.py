@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.arrays.types import Floats
 from propmap.catalogue.identified import Identified
 from propmap.catalogue.lookup import propeller
 from propmap.fit.population.verdict import ALIKE_RPM
@@ -15,6 +14,7 @@ from propmap.io.uiuc_database import MeasuredPropeller
 from propmap.model.model import Model
 from propmap.model.propeller import Propeller
 from propmap.rotor import Rotor
+from propmap.typing import Floats
 
 Rows = NDArray[np.intp]
 

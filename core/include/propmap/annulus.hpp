@@ -65,36 +65,31 @@ template <class R> Lanes attached_guess(const Annuli<R>& of, const Station<Lanes
     return v;
 }
 
-struct AttachedRoots {
-    Lanes inflow;
-    Mask sure;  // whether it is the largest root
-};
-
-// Roots by Newton's method from attached flow, at all lanes at once.
-template <class R> AttachedRoots attached_roots(const Annuli<R>& of, const Station<Lanes>& at) {
-    const auto& f = of.flow;
-    const Lanes scale = of.rms_speed(at) + std::fabs(f.v_axial);
-    Lanes v = attached_guess(of, at), step = scale;
-    const auto newton = [&](const Azimuths& over) {
+// Newton's method at all lanes at once, from `v`: at most `most` steps, until all are shorter than `close`
+// times `scale`.  Returns where the last step was that short and the residual fell.
+template <class R>
+Mask newton(const Annuli<R>& of, const Station<Lanes>& at, const Azimuths& over, Lanes scale, double close, int most,
+            Lanes& v) {
+    Mask ended{};
+    for (int k = 0; k < most; ++k) {
         const auto g = of.residual(at, v, over);
-        step = select(g.d[0] < 0.0, g.v / g.d[0], 0.3 * scale);
-        step = maximum(minimum(step, 0.3 * scale), -0.3 * scale);
+        const Mask falls = g.d[0] < 0.0;
+        const Lanes far = 0.3 * scale;
+        Lanes step = falls ? g.v / g.d[0] : far;
+        step = step > far ? far : (step < -far ? -far : step);
         v = v - step;
-        return g.d[0] < 0.0;
-    };
-    if (of.few.count < of.psi.count)
-        for (int k = 0; k < 4; ++k) {
-            newton(of.few);
-            if (!any(absolute(step) > 3e-3 * scale)) break;
-        }
-    Mask falls{};
-    for (int k = 0; k < 6; ++k) {
-        falls = newton(of.psi);
-        if (!any(absolute(step) > 3e-6 * scale)) break;
+        ended = falls & (absolute(step) <= close * scale);
+        if (!any(~ended)) break;
     }
-    // Above a root in attached flow with positive lift the blades' thrust falls with v_i and the momentum's
-    // rises.  With negative lift the same holds up to v_i = 0, if no element stalls until there; from there on
-    // one thrust is negative and the other is not.
+    return ended;
+}
+
+// Whether a root v is in attached flow at all azimuths, so that there is none above.
+//
+// Above it the blades' thrust falls with v_i and the momentum's rises, where the lift is positive.  With negative
+// lift both hold up to v_i = 0, if no element stalls until there; from there on the two have opposite signs.
+template <class R> Mask surely_largest(const Annuli<R>& of, const Station<Lanes>& at, Lanes v) {
+    const auto& f = of.flow;
     const double margin = 3.0 * std::max(of.rotor.law.stall_width(), 0.02);
     const Lanes turning = f.omega * at.radius;
     const Lanes slow = turning - f.v_inplane, fast = turning + f.v_inplane;
@@ -104,14 +99,12 @@ template <class R> AttachedRoots attached_roots(const Annuli<R>& of, const Stati
         most[k] = of.stall_angle(at.reynolds_per_speed[k], at.radius[k], 1.0) - margin;
         least[k] = of.stall_angle(at.reynolds_per_speed[k], at.radius[k], -1.0) + margin;
     }
-    const Lanes none{};
-    const Mask up = f.v_axial + none >= 0.0;
     const Lanes one = angle_at(at, fast, u), other = angle_at(at, slow, u);
     const Lanes later = angle_at(at, slow, f.v_axial + maximum(v, 0.0));
-    Mask sure = falls & (absolute(step) <= 3e-6 * scale) & (slow > 0.0);
-    sure &= (maximum(one, other) < most) & (minimum(minimum(one, other), later) > least);
-    sure &= (v >= 0.0) ? (u >= 0.0) : (up & (f.v_axial + 2.0 * v > 0.0));
-    return {v, sure};
+    Mask sure = (slow > 0.0) & (maximum(one, other) < most) & (minimum(minimum(one, other), later) > least);
+    const Mask climb = f.v_axial + Lanes{} >= 0.0;
+    sure &= (v >= 0.0) ? (u >= 0.0) : (climb & (f.v_axial + 2.0 * v > 0.0));
+    return sure;
 }
 
 // Samples of the residual over v_i at one radius, v_i falling.
@@ -316,47 +309,61 @@ inline bool first_top(const Samples& s, double& inflow, double& height) {
     return false;
 }
 
-// The hump about the stall at positive (side = 1) or negative angles.
-template <class R> Hump hump_at(const Annuli<R>& of, double radius, double side) {
-    const auto& f = of.flow;
-    const Station<Lanes> at = of.station(broadcast(radius));
-    const double speed = of.rms_speed(at)[0], line = std::atan2(at.sine[0], at.cosine[0]);
-    const double stall = of.stall_angle(at.reynolds_per_speed[0], radius, side), scale = of.stall_scale();
-    Samples s;
-    const auto sample = [&](const double* v, int n) {
-        s.count = 0;
-        for (int k = 0; k < n; k += width) {
-            const Lanes x = each_lane([&](int j) { return v[std::min(k + j, n - 1)]; });
-            const auto g = of.residual(at, x);
-            for (int j = 0; j < width && k + j < n; ++j) s.append(x[j], g.v[j], g.d[0][j]);
-        }
+// Inflows at which the mean angle of attack is `off` past a stall angle; NaN where none gives it.
+template <class R>
+Lanes inflow_past_stall(const Annuli<R>& of, const Station<Lanes>& at, Lanes speed, Lanes stall, double off) {
+    const auto turn = sine_cosine(stall + off * of.stall_scale());
+    const Lanes rise = at.sine * turn.cosine - at.cosine * turn.sine;
+    const Lanes run = at.cosine * turn.cosine + at.sine * turn.sine;
+    return run > 0.05 ? speed * rise / run - of.flow.v_axial : broadcast(std::nan(""));
+}
+template <class R> Lanes stall_angles(const Annuli<R>& of, const Station<Lanes>& at, double side) {
+    return each_lane([&](int k) { return of.stall_angle(at.reynolds_per_speed[k], at.radius[k], side); });
+}
+
+// The humps about the stall at positive (side = 1) or negative angles, at a radius per lane.
+template <class R> void humps_at(const Annuli<R>& of, Lanes radius, double side, Hump (&found)[width]) {
+    const Station<Lanes> at = of.station(radius);
+    const Lanes speed = of.rms_speed(at), stall = stall_angles(of, at, side);
+    Samples s[width];
+    const auto sample = [&](Lanes v, const Azimuths& over) {
+        const Mask known = v == v;
+        const auto g = of.residual(at, known ? v : Lanes{}, over);
+        for (int k = 0; k < width; ++k)
+            if (known[k]) s[k].append(v[k], g.v[k], g.d[0][k]);
     };
-    double grid[16];
-    int count = 0;
-    for (double off : {-0.2, -0.15, -0.11, -0.08, -0.055, -0.03, -0.01, 0.01, 0.03, 0.055, 0.09, 0.14}) {
-        const double phi = line - (stall + scale * off);
-        if (std::fabs(phi) < 1.5) grid[count++] = speed * std::tan(phi) - f.v_axial;
+    for (double off : {-0.2, -0.15, -0.11, -0.08, -0.055, -0.03, -0.01, 0.01, 0.03, 0.055, 0.09, 0.14})
+        sample(inflow_past_stall(of, at, speed, stall, off), of.few);
+    Lanes inflow{}, depth = broadcast(INFINITY);
+    for (int k = 0; k < width; ++k) {
+        found[k] = {radius[k], std::nan(""), 0.0, 0.0, false, false};
+        if (s[k].count < 3) continue;
+        found[k].top = first_top(s[k], found[k].inflow, found[k].height);
+        inflow[k] = found[k].inflow;
+        for (int j = 0; j < s[k].count; ++j)
+            if (s[k].inflow[j] < inflow[k]) depth[k] = std::min(depth[k], s[k].value[j]);
     }
-    Hump found{radius, std::nan(""), 0.0, 0.0, false, false};
-    if (count < 3) return found;
-    sample(grid, count);
-    found.top = first_top(s, found.inflow, found.height);
-    double depth = INFINITY;
-    for (int k = 0; k < s.count; ++k)
-        if (s.inflow[k] < found.inflow) depth = std::min(depth, s.value[k]);
-    for (double half : {0.012 * scale, 0.002 * scale}) {
-        double v[width];
-        for (int j = 0; j < width; ++j) v[j] = found.inflow + half * speed * (1.0 - 2.0 * j / (width - 1.0));
-        sample(v, width);
-        found.top = first_top(s, found.inflow, found.height);
+    for (double half : {0.012, 0.003}) {
+        const Lanes reach = half * of.stall_scale() * speed;
+        for (auto& one : s) one.count = 0;
+        sample(inflow + reach, of.psi), sample(inflow, of.psi), sample(inflow - reach, of.psi);
+        for (int k = 0; k < width; ++k) {
+            if (std::isnan(found[k].height)) continue;
+            found[k].top = first_top(s[k], found[k].inflow, found[k].height);
+            inflow[k] = found[k].inflow;
+        }
     }
-    found.folded = found.top && found.height > 0.0 && depth < 0.0;
     // At the top the residual's slope by v_i is zero: along the blade the height changes as the residual does.
-    const double step = 1e-6 * radius;
-    const Lanes y = each_lane([&](int k) { return k == 0 ? radius : radius - step; });
-    const auto g = of.residual(of.station(y), broadcast(found.inflow));
-    found.slope = (g.v[0] - g.v[1]) / step;
-    return found;
+    const Lanes step = 1e-5 * radius;
+    const auto value_at = [&](const Station<Lanes>& st) {
+        return annulus_thrust(of.rotor, st, of.flow, inflow, of.psi) -
+               wake_thrust(of.rotor, st.radius, of.flow, of.windmill, inflow);
+    };
+    const Lanes slope = (value_at(at) - value_at(of.station(radius - step))) / step;
+    for (int k = 0; k < width; ++k) {
+        found[k].slope = slope[k];
+        found[k].folded = found[k].top && found[k].height > 0.0 && depth[k] < 0.0;
+    }
 }
 
 // A radius at which the largest root jumps from one branch to another, or rises most steeply.
@@ -366,25 +373,67 @@ struct Fold {
     bool top;
 };
 
+// How far the inflows [m/s] are apart by whose residuals its second derivative is told.
+template <class R> double fold_speed(const Annuli<R>& of, double radius) {
+    return std::hypot(of.flow.omega * radius, of.flow.v_inplane) + std::fabs(of.flow.v_axial);
+}
+template <class R> double fold_width(const Annuli<R>& of, double radius, bool top) {
+    return (top ? 2e-4 : 0.004 * of.stall_scale()) * fold_speed(of, radius);
+}
+
 // Solve for the fold between two radii whose humps have heights of opposite signs.
+//
+// At a fold the residual and its slope vanish; where the hump is a shoulder, the residual and its second derivative.
+// Newton's steps towards either take one evaluation in four lanes; where they leave the interval, it is narrowed by
+// the humps of radii within.
 template <class R> Fold fold_between(const Annuli<R>& of, Hump low, Hump high, double side) {
-    Hump here = std::fabs(low.height) < std::fabs(high.height) ? low : high;
-    for (int step = 0; step < 40; ++step) {
+    for (int narrowing = 0; narrowing < 12; ++narrowing) {
         const double gap = high.radius - low.radius;
-        if (gap < 1e-11 * high.radius) break;
-        double next = here.radius - here.height / here.slope;
-        const double room = step < 4 ? 0.02 * gap : 0.0;
-        if (!(next > low.radius + room && next < high.radius - room)) {
-            const double share = low.height / (low.height - high.height);
-            next = low.radius + std::clamp(share, 0.1, 0.9) * gap;
+        const Hump& near = std::fabs(low.height) < std::fabs(high.height) ? low : high;
+        const double share = std::clamp(low.height / (low.height - high.height), 0.02, 0.98);
+        double y = low.radius + share * gap, v = low.inflow + share * (high.inflow - low.inflow);
+        bool top = near.top;
+        const double speed = fold_speed(of, y);
+        for (int step = 0; step < 12; ++step) {
+            const double wide = fold_width(of, y, top), aside = 1e-6 * y;
+            static_assert(width >= 4);
+            const Lanes radius = each_lane([&](int k) { return k == 3 ? y - aside : y; });
+            const Lanes inflow = each_lane([&](int k) { return v + (k == 0 ? wide : k == 2 ? -wide : 0.0); });
+            const auto g = of.residual(of.station(radius), inflow);
+            const double s0 = g.d[0][0], s1 = g.d[0][1], s2 = g.d[0][2];
+            const double bend = (s0 - s2) / (2.0 * wide), turn = s0 - 2.0 * s1 + s2;
+            double dv = 0.0;
+            if (top) dv = bend < 0.0 ? -s1 / bend : 0.0;
+            else dv = turn < 0.0 ? -(g.v[0] - 2.0 * g.v[1] + g.v[2]) / turn : 0.0;
+            dv = std::clamp(dv, -0.02 * speed, 0.02 * speed);
+            const double along = (g.v[1] - g.v[3]) / aside;
+            // The residual where the step by v ends, to second order.
+            const double here = g.v[1] + dv * (s1 + 0.5 * dv * bend);
+            const double dy = along != 0.0 ? -here / along : 0.0;
+            y += dy, v += dv;
+            if (!(y > low.radius && y < high.radius)) break;
+            if (std::fabs(dy) < 1e-10 * y && std::fabs(dv) < 1e-6 * speed) {
+                const bool right_kind = top ? bend < 0.0 : s1 + dv * bend < 0.0;
+                if (right_kind) return {y, v, top};
+                break;
+            }
         }
-        const bool close = std::fabs(next - here.radius) < 1e-9 * next;
-        here = hump_at(of, next, side);
-        if (!std::isfinite(here.height)) break;
-        ((here.height < 0.0) == (low.height < 0.0) ? low : high) = here;
-        if (close) break;
+        Hump inside[width];
+        const double spread = narrowing < 2 ? 0.05 : 0.25;
+        const Lanes radius = each_lane([&](int k) {
+            const double from = std::clamp(share + spread * (2.0 * k / (width - 1.0) - 1.0), 0.01 * (k + 1), 1.0 - 0.01 * (width - k));
+            return low.radius + from * gap;
+        });
+        humps_at(of, radius, side, inside);
+        for (const Hump& h : inside) {
+            if (std::isnan(h.height) || h.radius <= low.radius || h.radius >= high.radius) continue;
+            if ((h.height < 0.0) == (low.height < 0.0)) low = h;
+            else { high = h; break; }
+        }
+        if (high.radius - low.radius < 1e-9 * high.radius) break;
     }
-    return {here.radius, here.inflow, here.top};
+    const Hump& near = std::fabs(low.height) < std::fabs(high.height) ? low : high;
+    return {near.radius, near.inflow, near.top};
 }
 
 }  // namespace propmap

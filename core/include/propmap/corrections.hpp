@@ -29,7 +29,7 @@ template <class S, template <class> class LawOf> struct Rotor {
 };
 
 // The blade at radii of a rotor that turns at omega.
-template <class R, class W, class T> auto station_at(const R& rotor, const W& omega, const T& radius) {
+template <class R, class W, class T> [[gnu::flatten]] auto station_at(const R& rotor, const W& omega, const T& radius) {
     Lanes chord, twist, chord_slope, twist_slope;
     for (int k = 0; k < width; ++k) {
         const auto& i = rotor.blade->at(value(radius)[k]);

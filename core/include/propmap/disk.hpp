@@ -1,6 +1,9 @@
 // The inflow over the whole disk: radial panels that meet where stall begins or ends, v_i at their nodes.
 #pragma once
 
+#include <map>
+#include <mutex>
+
 #include "annulus.hpp"
 
 namespace propmap {
@@ -8,146 +11,370 @@ namespace propmap {
 inline constexpr int most_nodes = 1100;
 inline constexpr int most_edges = 12;
 
-// Nodes and weights of Gauss and Legendre on [-1, 1], and the last polynomials there.
-struct GaussRule {
-    static constexpr int tail = 4;  // polynomials of highest degree, whose coefficients tell the error
-    std::vector<double> node, weight;
-    std::vector<double> last;  // (2 k + 1) P_k at the nodes for the highest k, (tail, n)
+// A panel's nodes in shares of the panel, and their weights; the last polynomials at these, which tell the error.
+//
+// Gauss and Legendre in t, with the radius crowded towards the outer edge, or, of several panels, half-way towards
+// both: at a fold the inflow varies like a square root of the distance, and so does the chord at the tip.
+struct PanelRule {
+    static constexpr int tail = 4;
+    std::vector<double> place, weight;
+    std::vector<double> last;  // (2 k + 1) P_k for the highest k, (tail, n)
 
-    explicit GaussRule(int n) : node(n), weight(n), last(std::size_t(tail) * n) {
+    explicit PanelRule(int key) : PanelRule(key / 2, key % 2 == 1) {}
+    PanelRule(int n, bool both) : place(n), weight(n), last(std::size_t(tail) * n) {
         for (int i = 0; i < n; ++i) {
             double x = std::cos(pi * (n - 1 - i + 0.75) / (n + 0.5)), slope = 1.0;
-            for (int step = 0; step < 100; ++step) {
-                double before = 1.0, here = x;
+            const auto legendre = [&](double& before, double& here, auto&& each) {
+                before = 1.0, here = x;
                 for (int k = 1; k < n; ++k) {
+                    each(k, here);
                     const double next = ((2 * k + 1) * x * here - k * before) / (k + 1);
                     before = here, here = next;
                 }
+            };
+            double before, here;
+            for (int step = 0; step < 100; ++step) {
+                legendre(before, here, [](int, double) {});
                 slope = n * (x * here - before) / (x * x - 1.0);
-                const double change = here / slope;
-                x -= change;
-                if (std::fabs(change) < 1e-15) break;
+                x -= here / slope;
+                if (std::fabs(here / slope) < 1e-15) break;
             }
-            node[i] = x, weight[i] = 2.0 / ((1.0 - x * x) * slope * slope);
-            double before = 1.0, here = x;
-            for (int k = 1; k < n; ++k) {
-                if (k >= n - tail) last[std::size_t(k - (n - tail)) * n + i] = (2 * k + 1) * here;
-                const double next = ((2 * k + 1) * x * here - k * before) / (k + 1);
-                before = here, here = next;
-            }
+            legendre(before, here, [&](int k, double p) {
+                if (k >= n - tail) last[std::size_t(k - (n - tail)) * n + i] = (2 * k + 1) * p;
+            });
+            const double t = 0.5 * (x + 1.0), w = 1.0 / ((1.0 - x * x) * slope * slope);
+            place[i] = both ? 0.5 * (t * t * (3.0 - 2.0 * t) + t) : t * (2.0 - t);
+            weight[i] = w * (both ? 0.5 * (6.0 * t * (1.0 - t)) + 0.5 : 2.0 * (1.0 - t));
         }
     }
 };
 
-// Rules by their number of nodes, made when first asked for.
-const GaussRule& gauss_rule(int nodes);
-
-// A panel's node in share of the panel, and its weight.  The radius is crowded towards the outer edge, or, of
-// several panels, half-way towards both: at a fold the inflow varies like a square root of the distance, and
-// so does the chord at the tip.
-struct PanelNode {
-    double place, weight;
+// Azimuth nodes, count / 2 of the front half of a turn; a single one for count = 1.
+struct AzimuthRule {
+    std::vector<double> sine, cosine;
+    explicit AzimuthRule(int count) {
+        const int half = std::max(count / 2, 1);
+        for (int k = 0; k < half; ++k) {
+            const double psi = pi * ((k + 0.5) / half - 0.5);
+            sine.push_back(count == 1 ? 0.0 : std::sin(psi));
+            cosine.push_back(count == 1 ? 1.0 : std::cos(psi));
+        }
+    }
 };
-inline PanelNode panel_node(const GaussRule& rule, int k, bool both) {
-    const double t = 0.5 * (rule.node[k] + 1.0), w = 0.5 * rule.weight[k];
-    if (!both) return {t * (2.0 - t), w * 2.0 * (1.0 - t)};
-    return {0.5 * (t * t * (3.0 - 2.0 * t) + t), w * (0.5 * (6.0 * t * (1.0 - t)) + 0.5)};
+
+// Rules by their number, made when first asked for.
+template <class Rule> const Rule& rule_of(int number) {
+    static std::mutex guard;
+    static std::map<int, Rule> rules;
+    thread_local std::array<const Rule*, 2400> known{};
+    if (known[number]) return *known[number];
+    const std::lock_guard lock(guard);
+    return *(known[number] = &rules.try_emplace(number, number).first->second);
+}
+inline const PanelRule& panel_rule(int nodes, bool both) { return rule_of<PanelRule>(2 * nodes + both); }
+inline Azimuths azimuths(int count) {
+    const AzimuthRule& rule = rule_of<AzimuthRule>(count);
+    return {int(rule.sine.size()), rule.sine.data(), rule.cosine.data()};
 }
 
-// Panels along the blade, and the inflow at their nodes.
+// Panels along the blade, their nodes in lanes, and the inflow there.
 struct Disk {
     int panels = 1;
-    std::array<double, most_edges + 2> edge;   // rising [m], root and tip included
-    std::array<Fold, most_edges + 2> fold;     // that an edge follows, where `moves`
+    std::array<double, most_edges + 2> edge;    // rising [m], root and tip included
+    std::array<Fold, most_edges + 2> fold;      // that an edge follows, where `moves`
     std::array<bool, most_edges + 2> moves{};
-    std::array<int, most_edges + 1> count;     // nodes of each panel
-    int nodes = 0;
-    std::vector<double> inflow;                // v_i at the nodes [m/s], NaN where not found
-    bool several = false;                      // whether (11) has several roots somewhere
-    bool attached = true;                      // whether no node is near stall
-};
+    std::array<int, most_edges + 1> count;      // nodes of each panel
+    std::array<bool, most_edges + 1> attached;  // whether the hump is above zero on a panel that follows stall
+    int nodes = 0, groups = 0;
+    std::vector<Station<Lanes>> at;  // the blade at the nodes; those beyond the last repeat it
+    std::vector<Lanes> weight;       // of the nodes [m], zero beyond the last
+    std::vector<Lanes> inflow;       // v_i [m/s], NaN where not found
+    bool several = false;            // whether (11) has several roots somewhere
 
-// The nodes' radii and weights [m], in lanes; those beyond the last repeat it with no weight.  With `S` dual
-// they move with the edges.
-template <class T> struct NodeLanes {
-    T radius, weight;
-};
-template <class S> auto node_lanes(const Disk& disk, const std::array<S, most_edges + 2>& edge, int group) {
-    using T = decltype(Lanes{} * edge[0]);
-    NodeLanes<T> r{};
-    int panel = 0, first = 0;
-    for (int k = 0; k < width; ++k) {
-        const int node = std::min(group * width + k, disk.nodes - 1);
-        while (node >= first + disk.count[panel]) first += disk.count[panel++];
-        const auto n = panel_node(gauss_rule(disk.count[panel]), node - first, disk.panels > 1);
-        const S span = edge[panel + 1] - edge[panel];
-        const S y = edge[panel] + span * n.place;
-        const S w = span * (group * width + k < disk.nodes ? n.weight : 0.0);
-        if constexpr (IsDual<S>) {
-            r.radius.v[k] = y.v, r.weight.v[k] = w.v;
-            for (int d = 0; d < directions_of<S>; ++d) r.radius.d[d][k] = y.d[d], r.weight.d[d][k] = w.d[d];
-        } else {
-            r.radius[k] = y, r.weight[k] = w;
+    // `each(node, panel, rule, k)` for all nodes, those beyond the last included.
+    template <class F> void for_each_node(F each) const {
+        int node = 0, panel = 0, k = 0;
+        for (; node < groups * width; ++node) {
+            each(node, panel, panel_rule(count[panel], panels > 1), k);
+            if (k + 1 < count[panel]) ++k;
+            else if (panel + 1 < panels) ++panel, k = 0;
         }
     }
-    return r;
+};
+
+// Place the nodes of the disk's panels.
+template <class R> void place_nodes(const R& rotor, double omega, Disk& disk) {
+    disk.nodes = 0;
+    for (int p = 0; p < disk.panels; ++p) disk.nodes += disk.count[p];
+    disk.groups = (disk.nodes + width - 1) / width;
+    disk.at.resize(disk.groups), disk.weight.resize(disk.groups), disk.inflow.resize(disk.groups);
+    Lanes radius{};
+    disk.for_each_node([&](int node, int panel, const PanelRule& rule, int k) {
+        const double span = disk.edge[panel + 1] - disk.edge[panel];
+        radius[node % width] = disk.edge[panel] + span * rule.place[k];
+        disk.weight[node / width][node % width] = node < disk.nodes ? span * rule.weight[k] : 0.0;
+        if (node % width == width - 1) disk.at[node / width] = station_at(rotor, omega, radius);
+    });
 }
-inline int groups_of(const Disk& disk) { return (disk.nodes + width - 1) / width; }
+
+// Radii and weights of the nodes as they move with the edges.
+template <class S> struct MovingNodes {
+    using T = decltype(Lanes{} * S{});
+    std::vector<T> radius, weight;
+
+    MovingNodes(const Disk& disk, const std::array<S, most_edges + 2>& edge) : radius(disk.groups), weight(disk.groups) {
+        disk.for_each_node([&](int node, int panel, const PanelRule& rule, int k) {
+            const S span = edge[panel + 1] - edge[panel];
+            const S y = edge[panel] + span * rule.place[k], w = span * (node < disk.nodes ? rule.weight[k] : 0.0);
+            T &r = radius[node / width], &wide = weight[node / width];
+            const int lane = node % width;
+            r.v[lane] = y.v, wide.v[lane] = w.v;
+            for (int d = 0; d < directions_of<S>; ++d) r.d[d][lane] = y.d[d], wide.d[d][lane] = w.d[d];
+        });
+    }
+};
 
 // Whether (11) has more than one root below a largest one in attached flow: past stall the residual, positive
 // below a single root, is negative then.  Where a blade without azimuths is far from that, it is not looked at.
 template <class R> bool several_roots(const Annuli<R>& of, const Station<Lanes>& at, Lanes inflow) {
-    const Lanes speed = of.rms_speed(at);
+    const Lanes speed = of.rms_speed(at), stall = stall_angles(of, at, 1.0);
     const Lanes margin = 1e-4 * (of.flow.omega * at.radius + of.flow.v_inplane);
     const double none = 0.0;
     const Azimuths mean{1, &none, &none};
     Mask found{};
     for (double off : {0.0, 0.04, 0.1, 0.2}) {
-        const Lanes angle = each_lane([&](int k) {
-            return of.stall_angle(at.reynolds_per_speed[k], at.radius[k], 1.0) + off * of.stall_scale();
-        });
-        const auto stall = sine_cosine(angle);
-        const Lanes rise = at.sine * stall.cosine - at.cosine * stall.sine;
-        const Lanes run = at.cosine * stall.cosine + at.sine * stall.sine;
-        const Lanes v = speed * rise / maximum(run, 0.05) - of.flow.v_axial;
-        const Mask below = (v < inflow - margin) & (run > 0.05);
+        const Lanes v = inflow_past_stall(of, at, speed, stall, off);
+        const Mask below = v < inflow - margin;
         if (!any(below)) continue;
-        const Lanes wake = absolute(wake_thrust(of.rotor, at.radius, of.flow, of.windmill, v));
-        if (of.psi.count > 1 && !any(below & (of.residual(at, v, mean).v < 0.5 * wake))) continue;
-        found |= below & (of.residual(at, v).v < 0.0);
+        const Lanes asked = below ? v : inflow;
+        const Lanes wake = absolute(wake_thrust(of.rotor, at.radius, of.flow, of.windmill, asked));
+        if (of.psi.count > 1 && !any(below & (of.residual(at, asked, mean).v < 0.5 * wake))) continue;
+        found |= below & (of.residual(at, asked).v < 0.0);
     }
     return any(found);
 }
 
-// Find the inflow at the nodes of the disk's panels.  With `attached_only` give up where some node is near stall.
-template <class R> bool solve_nodes(const Annuli<R>& of, Disk& disk, bool attached_only) {
-    disk.nodes = 0;
-    for (int p = 0; p < disk.panels; ++p) disk.nodes += disk.count[p];
-    disk.inflow.resize(std::size_t(groups_of(disk)) * width);
-    disk.attached = true;
+inline constexpr double close_enough = 3e-6;  // a Newton step, in shares of the speed: the next would be 1e-11
+
+// The inflow at the nodes by Newton's method from attached flow, first over a few azimuths.  Nothing is found
+// where some node is near stall, whose group is marked then.
+template <class R> bool solve_attached(const Annuli<R>& of, Disk& disk, std::vector<bool>& near_stall) {
+    const auto scale_of = [&](int g) { return of.rms_speed(disk.at[g]) + std::fabs(of.flow.v_axial); };
+    near_stall.assign(disk.groups, false);
+    bool all = true;
+    for (int g = 0; g < disk.groups; ++g) {
+        Lanes& v = disk.inflow[g];
+        v = attached_guess(of, disk.at[g]);
+        Mask sure = newton(of, disk.at[g], of.few, scale_of(g), 3e-3, 5, v);
+        sure &= surely_largest(of, disk.at[g], v);
+        near_stall[g] = any(~sure);
+        all &= !near_stall[g];
+    }
+    if (!all) return false;
+    for (int g = 0; g < disk.groups; ++g) {
+        Lanes& v = disk.inflow[g];
+        const Mask sure = newton(of, disk.at[g], of.psi, scale_of(g), close_enough, 6, v);
+        if (any(~(sure & surely_largest(of, disk.at[g], v)))) return near_stall[g] = true, false;
+        if (!disk.several && g % 3 == 0) disk.several = several_roots(of, disk.at[g], v);
+    }
+    return true;
+}
+
+// Look along the blade for folds, radii at which the hump's height passes zero, among the nodes of groups near
+// stall; elsewhere flow is attached.  Between two radii the height is a cubic, as its slope is known; where that
+// turns towards zero two folds may hide, and one looks closer.
+struct Folds {
+    int count = 0;
+    std::array<Fold, most_edges> fold;
+    std::vector<Hump> seen;  // by rising radius
+};
+template <class R>
+void find_folds(const Annuli<R>& of, const Disk& disk, const std::vector<bool>& near_stall, Folds& folds, bool& several) {
+    const double root = of.rotor.root(), tip = of.rotor.tip();
+    const auto& f = of.flow;
+    // The sign of the angle of attack without inflow tells at which stall to look.
+    const double out = root + 0.6 * (tip - root);
+    const auto beside = of.station(broadcast(out));
+    const double side = beside.sine[0] * f.omega * out - beside.cosine[0] * f.v_axial < 0.0 ? -1.0 : 1.0;
+    auto& seen = folds.seen;
+    seen.clear(), folds.count = 0;
+    const auto look = [&](Lanes radius, int count) {
+        Hump found[width];
+        humps_at(of, radius, side, found);
+        for (int k = 0; k < count; ++k)
+            if (!std::isnan(found[k].height)) seen.push_back(found[k]);
+    };
+    for (int g = 0; g < disk.groups; ++g) {
+        const bool beside_one = (g > 0 && near_stall[g - 1]) || (g + 1 < disk.groups && near_stall[g + 1]);
+        if (near_stall[g] || beside_one) look(disk.at[g].radius, std::min(width, disk.nodes - g * width));
+    }
+    const auto sort = [&] {
+        std::sort(seen.begin(), seen.end(), [](const Hump& a, const Hump& b) { return a.radius < b.radius; });
+    };
+    for (int round = 0; round < 6; ++round) {
+        std::vector<double> closer;
+        for (std::size_t k = 0; k + 1 < seen.size(); ++k) {
+            const Hump &a = seen[k], &b = seen[k + 1];
+            const double gap = b.radius - a.radius;
+            if (gap < 1e-5 * tip || gap > 0.2 * tip) continue;
+            Samples s;  // of the height over minus the radius
+            s.append(-a.radius, a.height, -a.slope), s.append(-b.radius, b.height, -b.slope);
+            const Cubic cubic(s, 0);
+            double t[2];
+            const bool crosses = (a.height < 0.0) != (b.height < 0.0);
+            for (int e = cubic.extremes(t) - 1; e >= 0; --e) {
+                const double there = cubic.at(t[e]), nearest = std::min(std::fabs(a.height), std::fabs(b.height));
+                if (!crosses && (there < 0.0) == (a.height < 0.0) && std::fabs(there) > 0.5 * nearest) continue;
+                if (t[e] < 0.02 || t[e] > 0.98) continue;
+                closer.push_back(a.radius + t[e] * gap);
+                break;
+            }
+        }
+        if (closer.empty()) break;
+        for (std::size_t k = 0; k < closer.size(); k += width) {
+            const std::size_t left = closer.size() - k;
+            look(each_lane([&](int j) { return closer[k + std::min<std::size_t>(j, left - 1)]; }),
+                 int(std::min<std::size_t>(left, width)));
+        }
+        sort();
+    }
+    for (std::size_t k = 0; k < seen.size(); ++k) {
+        several |= seen[k].folded;
+        if (k + 1 == seen.size() || folds.count == most_edges) continue;
+        if ((seen[k].height < 0.0) == (seen[k + 1].height < 0.0)) continue;
+        const Fold found = fold_between(of, seen[k], seen[k + 1], side);
+        if (!(found.radius > root && found.radius < tip)) continue;
+        several |= found.top;
+        folds.fold[folds.count++] = found;
+    }
+}
+
+// Panels that meet at the folds: at least three, with edges of their own where there are fewer folds.
+inline void make_panels(const Folds& folds, double root, double tip, int nodes, Disk& disk) {
+    struct Edge {
+        double radius;
+        int fold;
+    };
+    std::array<Edge, most_edges + 2> edges;
+    int count = 0;
+    for (; count < folds.count; ++count) edges[count] = {folds.fold[count].radius, count};
+    for (; count < 2; ++count) edges[count] = {root + (tip - root) * (count == 0 ? 0.25 : 0.6), -1};
+    std::sort(edges.begin(), edges.begin() + count, [](const Edge& a, const Edge& b) { return a.radius < b.radius; });
+    disk.panels = count + 1;
+    disk.edge[0] = root, disk.edge[disk.panels] = tip;
+    disk.moves.fill(false);
+    for (int k = 0; k < count; ++k) {
+        disk.edge[k + 1] = edges[k].radius;
+        disk.moves[k + 1] = edges[k].fold >= 0;
+        if (edges[k].fold >= 0) disk.fold[k + 1] = folds.fold[edges[k].fold];
+    }
+    for (int p = 0; p < disk.panels; ++p) {
+        disk.count[p] = disk.panels > 3 ? nodes / disk.panels + 2 : p == 0 ? nodes / 4 : 3 * nodes / 8;
+        // The hump nearest to the middle tells the panel's state; where none was looked at, flow is attached.
+        const double middle = 0.5 * (disk.edge[p] + disk.edge[p + 1]);
+        double nearest = INFINITY;
+        disk.attached[p] = true;
+        for (const Hump& h : folds.seen) {
+            if (h.radius <= disk.edge[p] || h.radius >= disk.edge[p + 1] || std::fabs(h.radius - middle) > nearest) continue;
+            nearest = std::fabs(h.radius - middle), disk.attached[p] = h.height > 0.0;
+        }
+    }
+    if (disk.panels == 3) disk.count[2] = nodes - disk.count[0] - disk.count[1];
+}
+
+inline void single_panel(Disk& disk, double root, double tip, int nodes) {
+    disk.panels = 1;
+    disk.edge[0] = root, disk.edge[1] = tip;
+    disk.moves.fill(false);
+    disk.count[0] = nodes, disk.attached[0] = true;
+}
+
+// The top of the hump at radii, between those that were seen; far above where none was.
+inline Lanes hump_inflow(const Folds& folds, Lanes radius) {
+    const auto& seen = folds.seen;
+    return each_lane([&](int k) -> double {
+        const double y = radius[k];
+        if (seen.empty()) return -INFINITY;
+        const auto after = std::lower_bound(seen.begin(), seen.end(), y, [](const Hump& h, double x) { return h.radius < x; });
+        if (after == seen.begin()) return seen.front().inflow;
+        if (after == seen.end()) return seen.back().inflow;
+        const auto before = after - 1;
+        const double share = (y - before->radius) / (after->radius - before->radius);
+        return before->inflow + share * (after->inflow - before->inflow);
+    });
+}
+
+// Roots in stalled flow, below the top of the hump, by Newton's method between the two.
+template <class R> Lanes stalled_roots(const Annuli<R>& of, const Station<Lanes>& at, Lanes top, Mask& found) {
+    const Lanes speed = of.rms_speed(at), stall = stall_angles(of, at, 1.0);
+    const Lanes scale = speed + std::fabs(of.flow.v_axial);
+    const double none = 0.0;
+    const Azimuths mean{1, &none, &none};
+    // A blade without azimuths tells roughly where.
+    Lanes v = broadcast(std::nan("")), above = top, low = v;
+    for (double off : {0.03, 0.08, 0.15, 0.25, 0.4, 0.6, 0.85}) {
+        const Lanes there = inflow_past_stall(of, at, speed, stall, off);
+        const Mask known = (there == there) & (v != v);
+        if (!any(known)) break;
+        const auto g = of.residual(at, known ? there : Lanes{}, of.psi.count > 1 ? mean : of.psi);
+        const Mask here = known & (g.v > 0.0);
+        v = here ? (g.d[0] < 0.0 ? minimum(there - g.v / g.d[0], above) : there) : v;
+        low = here ? there : low;
+        above = (known & ~here) ? there : above;
+    }
+    found &= v == v;
+    v = found ? v : Lanes{};
+    newton(of, at, of.few, scale, 3e-3, 4, v);
+    found &= newton(of, at, of.psi, scale, close_enough, 6, v);
+    return v;
+}
+
+// Find the inflow at all nodes.  Where stall is followed, the panel's state tells which root is the largest one;
+// what Newton's method does not find, or finds where it should not be, a scan of all inflows does.
+template <class R> void solve_nodes(const Annuli<R>& of, Disk& disk, const Folds* folds) {
     std::array<int, most_nodes + width> open;
     int left = 0;
-    for (int g = 0; g < groups_of(disk); ++g) {
-        const auto nodes = node_lanes(disk, disk.edge, g);
-        const auto at = of.station(nodes.radius);
-        AttachedRoots roots{};
-        if (!of.windmill) roots = attached_roots(of, at);
-        for (int k = 0; k < width; ++k) {
-            const int node = g * width + k;
-            disk.inflow[node] = roots.inflow[k];
-            if (!roots.sure[k] && node < disk.nodes) open[left++] = node;
+    std::array<bool, most_nodes + width> attached;
+    disk.for_each_node([&](int node, int panel, const PanelRule&, int) { attached[node] = disk.attached[panel]; });
+    for (int g = 0; g < disk.groups; ++g) {
+        const auto& at = disk.at[g];
+        Lanes& v = disk.inflow[g];
+        Mask found{};
+        if (!of.windmill) {
+            const Lanes scale = of.rms_speed(at) + std::fabs(of.flow.v_axial);
+            Mask high{};
+            for (int k = 0; k < width; ++k) high[k] = attached[g * width + k] ? -1 : 0;
+            v = attached_guess(of, at);
+            if (any(high)) {
+                newton(of, at, of.few, scale, 3e-3, 4, v);
+                found = high & newton(of, at, of.psi, scale, close_enough, 6, v);
+            }
+            const Mask sure = found & surely_largest(of, at, v);
+            if (folds) {
+                const Lanes top = hump_inflow(*folds, at.radius);
+                found &= sure | (v > top + 0.01 * scale);
+                Mask low = ~high;
+                if (any(low)) {
+                    const Lanes stalled = stalled_roots(of, at, top, low);
+                    low &= stalled < top;
+                    v = low ? stalled : v;
+                    found |= low;
+                }
+            } else {
+                found = sure;
+            }
+            if (!disk.several && g % 3 == 0 && !any(~sure)) disk.several = several_roots(of, at, v);
         }
-        if (left && attached_only) return disk.attached = false;
-        if (!disk.several && !any(~roots.sure) && g % 3 == 0) disk.several = several_roots(of, at, roots.inflow);
+        for (int k = 0; k < width; ++k)
+            if (!found[k] && g * width + k < disk.nodes) open[left++] = g * width + k;
     }
-    disk.attached = left == 0;
     Samples samples;
     for (int first = 0; first < left; first += width) {
-        Lanes radius, low, high, guess;
+        Lanes radius{}, low{}, high{}, guess{};
         for (int k = 0; k < width; ++k) {
-            const int node = open[std::min(first + k, left - 1)];
             if (first + k < left) {
-                radius[k] = node_lanes(disk, disk.edge, node / width).radius[node % width];
+                const int node = open[first + k];
+                radius[k] = disk.at[node / width].radius[node % width];
                 const Scan found = scan(of, radius[k], samples);
                 low[k] = found.low, high[k] = found.high;
                 guess[k] = found.found ? found.guess : std::nan("");
@@ -157,97 +384,13 @@ template <class R> bool solve_nodes(const Annuli<R>& of, Disk& disk, bool attach
             }
         }
         const Lanes v = polished_roots(of, of.station(radius), low, high, guess);
-        for (int k = 0; k < width && first + k < left; ++k) disk.inflow[open[first + k]] = v[k];
+        for (int k = 0; k < width && first + k < left; ++k)
+            disk.inflow[open[first + k] / width][open[first + k] % width] = v[k];
     }
-    return disk.attached;
-}
-
-// Look along the blade for folds: radii at which the hump's height passes zero.  Between two radii the height
-// is a cubic, as its slope is known; where that turns towards zero, two folds may hide, and one looks closer.
-template <class R> int find_folds(const Annuli<R>& of, std::array<Fold, most_edges>& folds, bool& several) {
-    const double root = of.rotor.root(), tip = of.rotor.tip(), span = tip - root;
-    const auto& f = of.flow;
-    // The sign of the angle of attack without inflow tells at which stall to look.
-    const double out = root + 0.6 * span;
-    const auto beside = of.station(broadcast(out));
-    const double side = beside.sine[0] * f.omega * out - beside.cosine[0] * f.v_axial < 0.0 ? -1.0 : 1.0;
-    std::vector<Hump> seen;
-    const int even = 20;
-    for (int k = 0; k < even; ++k) seen.push_back(hump_at(of, root + span * (1.0 - 1e-6) * k / (even - 1.0), side));
-    for (int round = 0; round < 6; ++round) {
-        std::vector<Hump> finer;
-        bool changed = false;
-        for (std::size_t k = 0; k < seen.size(); ++k) {
-            finer.push_back(seen[k]);
-            if (k + 1 == seen.size()) break;
-            const Hump &a = seen[k], &b = seen[k + 1];
-            const double width_ = b.radius - a.radius;
-            if (!std::isfinite(a.height + b.height) || width_ < 1e-5 * tip) continue;
-            Samples s;  // of the height over minus the radius
-            s.append(-a.radius, a.height, -a.slope), s.append(-b.radius, b.height, -b.slope);
-            const Cubic cubic(s, 0);
-            double t[2];
-            const int extremes = cubic.extremes(t);
-            const bool crosses = (a.height < 0.0) != (b.height < 0.0);
-            for (int e = extremes - 1; e >= 0; --e) {
-                const double there = cubic.at(t[e]), nearest = std::min(std::fabs(a.height), std::fabs(b.height));
-                if (!crosses && (there < 0.0) == (a.height < 0.0) && std::fabs(there) > 0.5 * nearest) continue;
-                if (t[e] < 0.02 || t[e] > 0.98) continue;
-                finer.push_back(hump_at(of, a.radius + t[e] * width_, side));
-                changed = true;
-                break;
-            }
-        }
-        std::sort(finer.begin(), finer.end(), [](const Hump& a, const Hump& b) { return a.radius < b.radius; });
-        seen.swap(finer);
-        if (!changed) break;
-    }
-    int count = 0;
-    for (std::size_t k = 0; k < seen.size(); ++k) {
-        several |= seen[k].folded;
-        if (k + 1 == seen.size() || count == most_edges) continue;
-        const Hump &a = seen[k], &b = seen[k + 1];
-        if (!std::isfinite(a.height + b.height) || (a.height < 0.0) == (b.height < 0.0)) continue;
-        folds[count] = fold_between(of, a, b, side);
-        if (folds[count].radius > root && folds[count].radius < tip) several |= folds[count].top, ++count;
-    }
-    return count;
-}
-
-// Panels that meet at the folds: at least three, with edges of their own where there are fewer folds.
-template <class R> void follow_stall(const Annuli<R>& of, Disk& disk, int nodes) {
-    std::array<Fold, most_edges> folds;
-    const int found = find_folds(of, folds, disk.several);
-    const double root = of.rotor.root(), span = of.rotor.tip() - root;
-    struct Edge {
-        double radius;
-        int fold;
-    };
-    std::vector<Edge> edges;
-    for (int k = 0; k < found; ++k) edges.push_back({folds[k].radius, k});
-    for (int k = found; k < 2; ++k) edges.push_back({root + span * (k == 0 ? 0.25 : 0.6), -1});
-    std::sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) { return a.radius < b.radius; });
-    disk.panels = int(edges.size()) + 1;
-    disk.edge[0] = root, disk.edge[disk.panels] = of.rotor.tip();
-    disk.moves.fill(false);
-    for (int k = 0; k + 1 < disk.panels; ++k) {
-        disk.edge[k + 1] = edges[k].radius;
-        disk.moves[k + 1] = edges[k].fold >= 0;
-        if (edges[k].fold >= 0) disk.fold[k + 1] = folds[edges[k].fold];
-    }
-    if (disk.panels == 3) {
-        disk.count[0] = nodes / 4, disk.count[1] = 3 * nodes / 8;
-        disk.count[2] = nodes - disk.count[0] - disk.count[1];
-    } else {
-        for (int p = 0; p < disk.panels; ++p) disk.count[p] = nodes / disk.panels + 2;
-    }
-}
-
-inline void single_panel(Disk& disk, double root, double tip, int nodes) {
-    disk.panels = 1;
-    disk.edge[0] = root, disk.edge[1] = tip;
-    disk.moves.fill(false);
-    disk.count[0] = nodes;
+    // Nodes beyond the last have its inflow.
+    const Lanes& last = disk.inflow[(disk.nodes - 1) / width];
+    const double v = last[(disk.nodes - 1) % width];
+    for (int node = disk.nodes; node < disk.groups * width; ++node) disk.inflow[node / width][node % width] = v;
 }
 
 }  // namespace propmap

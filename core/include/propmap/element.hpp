@@ -41,7 +41,7 @@ auto element_forces(const R& rotor, const St& at, const F& flow, const V& inflow
 
 // Thrust of the blade elements per radius and density [m^3/s^2], eq. (5), with one inflow at all azimuths.
 template <class R, class St, class F, class V>
-auto annulus_thrust(const R& rotor, const St& at, const F& flow, const V& inflow, const Azimuths& psi) {
+[[gnu::flatten]] auto annulus_thrust(const R& rotor, const St& at, const F& flow, const V& inflow, const Azimuths& psi) {
     auto total = element_forces(rotor, at, flow, inflow, psi.sine[0]).normal;
     for (int k = 1; k < psi.count; ++k) total += element_forces(rotor, at, flow, inflow, psi.sine[k]).normal;
     return total * (rotor.blade->blades / double(psi.count));
@@ -72,7 +72,7 @@ template <class T> void scale(Turn<T>& sums, double by) {
 
 // Forces of annuli averaged over a turn, where the inflow is the same at psi and pi - psi.
 template <class R, class St, class F, class V>
-auto turn_forces(const R& rotor, const St& at, const F& flow, const V& inflow, const Azimuths& psi) {
+[[gnu::flatten]] auto turn_forces(const R& rotor, const St& at, const F& flow, const V& inflow, const Azimuths& psi) {
     using T = decltype(element_forces(rotor, at, flow, inflow, 0.0).normal);
     TurnForces<T> sums{};
     for (int k = 0; k < psi.count; ++k) {
@@ -86,7 +86,7 @@ auto turn_forces(const R& rotor, const St& at, const F& flow, const V& inflow, c
 
 // The same with harmonics of the inflow: the front and the rear of the disk differ.
 template <class R, class St, class F, class V, class S>
-auto turn_forces(const R& rotor, const St& at, const F& flow, const V& inflow, const Azimuths& psi,
+[[gnu::flatten]] auto turn_forces(const R& rotor, const St& at, const F& flow, const V& inflow, const Azimuths& psi,
                  const Harmonics<S>& harmonics) {
     const auto share = at.radius * (1.0 / rotor.tip());
     const auto even = inflow + harmonics.mean;
@@ -112,7 +112,7 @@ struct TurnSlopes {
     TurnForces<Lanes> forces, by_mean, by_sine, by_cosine;
 };
 template <class R, class St, class F>
-TurnSlopes turn_slopes(const R& rotor, const St& at, const F& flow, Lanes inflow, const Azimuths& psi,
+[[gnu::flatten]] TurnSlopes turn_slopes(const R& rotor, const St& at, const F& flow, Lanes inflow, const Azimuths& psi,
                        const Harmonics<double>& harmonics) {
     const Lanes share = at.radius * (1.0 / rotor.tip());
     const Lanes even = inflow + harmonics.mean;
@@ -182,7 +182,7 @@ template <class R, class St, class T> auto loads_of(const R& rotor, const St& at
 // U_R), C_v being the law's drag at zero lift and the Reynolds number of W.  Its part along the axis, less
 // than a thousandth of thrust, is left out.
 template <class R, class St, class F, class V>
-auto radial_friction(const R& rotor, const St& at, const F& flow, const V& inflow, const Azimuths& psi) {
+[[gnu::flatten]] auto radial_friction(const R& rotor, const St& at, const F& flow, const V& inflow, const Azimuths& psi) {
     const auto viscous = [&](const auto& square) {
         const auto per_root = inverse_fourth_root(square);
         const auto speed = square * per_root * per_root;

@@ -74,10 +74,17 @@ inline Lanes logarithm(Lanes x) {
 
 namespace detail {
 
+// By Estrin's scheme: pairs of terms do not wait for each other.
 template <std::size_t N, class T> T polynomial(const double (&c)[N], T x) {
-    T total = c[N - 1] + 0.0 * x;
-    for (std::size_t k = N - 1; k-- > 0;) total = total * x + c[k];
-    return total;
+    T part[(N + 1) / 2];
+    for (std::size_t k = 0; k < N / 2; ++k) part[k] = c[2 * k] + c[2 * k + 1] * x;
+    if constexpr (N % 2) part[N / 2] = c[N - 1] + 0.0 * x;
+    T power = x * x;
+    for (std::size_t n = (N + 1) / 2; n > 1; n = (n + 1) / 2, power = power * power) {
+        for (std::size_t k = 0; k < n / 2; ++k) part[k] = part[2 * k] + part[2 * k + 1] * power;
+        if (n % 2) part[n / 2] = part[n - 1];
+    }
+    return part[0];
 }
 
 // x^(-1/4) by Newton's iteration from the exponent's bits; for x > 0 within the normal range.

@@ -1,9 +1,6 @@
 // Loads of a rotor at any operating point, eqs. (13) to (15), with their derivatives, and a status.
 #pragma once
 
-#include <map>
-#include <mutex>
-
 #include "disk.hpp"
 
 namespace propmap {
@@ -71,41 +68,15 @@ template <int N> Dual<double, N> sum(const Dual<Lanes, N>& x) {
     return total;
 }
 
-// Azimuth nodes, count / 2 of the front half of a turn; a single one for count = 1.
-struct AzimuthRule {
-    std::vector<double> sine, cosine;
-    explicit AzimuthRule(int count) {
-        const int half = std::max(count / 2, 1);
-        for (int k = 0; k < half; ++k) {
-            const double psi = pi * ((k + 0.5) / half - 0.5);
-            sine.push_back(count == 1 ? 0.0 : std::sin(psi));
-            cosine.push_back(count == 1 ? 1.0 : std::cos(psi));
-        }
-    }
-    Azimuths nodes() const { return {int(sine.size()), sine.data(), cosine.data()}; }
-};
-
-template <class Rule> const Rule& rule_of(int count) {
-    static std::mutex guard;
-    static std::map<int, Rule> rules;
-    thread_local std::array<const Rule*, 1024> known{};
-    if (count < int(known.size()) && known[count]) return *known[count];
-    const std::lock_guard lock(guard);
-    const Rule& rule = rules.try_emplace(count, count).first->second;
-    if (count < int(known.size())) known[count] = &rule;
-    return rule;
-}
-inline const GaussRule& gauss_rule(int nodes) { return rule_of<GaussRule>(nodes); }
-inline Azimuths azimuths(int count) { return rule_of<AzimuthRule>(count).nodes(); }
-
 // All that is known of an operating point once (11) is solved.
 struct Solution {
     Flow<double> flow{};
     Disk disk;
+    Folds folds;
+    std::vector<bool> near_stall;
     Azimuths psi;
     bool windmill = false;
     Harmonics<double> harmonics{};
-    Loads<double> by_harmonic[3];  // derivatives of the loads per density by the three harmonics
     DiskFlow<double> mean;
     double thrust_tail = 0.0, torque_tail = 0.0;
     Result result;
@@ -145,7 +116,8 @@ template <template <class> class LawOf> class RotorSolver {
         at_rest.flow = {omega, 0.0, 0.0, 0.0};
         at_rest.psi = azimuths(1);
         single_panel(at_rest.disk, rotor_.root(), rotor_.tip(), 24);
-        solve_nodes(annuli(at_rest), at_rest.disk, false);
+        place_nodes(rotor_, omega, at_rest.disk);
+        solve_nodes(annuli(at_rest), at_rest.disk, nullptr);
         find_loads(at_rest);
         double force = 0.0;
         const auto& y = rotor_.blade->station;
@@ -172,9 +144,9 @@ template <template <class> class LawOf> class RotorSolver {
         if (omega == 0.0 && v_axial == 0.0 && v_inplane == 0.0) {
             s.psi = azimuths(1);
             single_panel(s.disk, rotor_.root(), rotor_.tip(), accuracy_.free);
-            s.disk.nodes = accuracy_.free;
-            s.disk.inflow.assign(std::size_t(groups_of(s.disk)) * width, 0.0);
-            s.disk.several = false;
+            place_nodes(rotor_, omega, s.disk);
+            std::fill(s.disk.inflow.begin(), s.disk.inflow.end(), Lanes{});
+            s.disk.several = s.windmill = false;
             s.harmonics = {};
             return;
         }
@@ -192,31 +164,45 @@ template <template <class> class LawOf> class RotorSolver {
 
         s.psi = azimuths(axial ? 1 : accuracy_.azimuths_at(advance, sharper, 0));
         const bool follow = advance <= (v_axial < 0.0 ? follow_descent_below : follow_below);
-        bool done = false;
-        if (advance <= reversed_above && !s.windmill) {
-            single_panel(s.disk, rotor_.root(), rotor_.tip(), accuracy_.free);
-            done = solve_nodes(annuli(s), s.disk, true);
-        }
-        if (!done) {
+        const auto of = annuli(s);
+        single_panel(s.disk, rotor_.root(), rotor_.tip(), accuracy_.free);
+        place_nodes(rotor_, omega, s.disk);
+        s.near_stall.assign(s.disk.groups, true);
+        const bool tried = advance <= reversed_above && !s.windmill;
+        if (!(tried && solve_attached(of, s.disk, s.near_stall))) {
             s.disk.several = false;
-            if (follow) follow_stall(annuli(s), s.disk, accuracy_.stalled);
-            else single_panel(s.disk, rotor_.root(), rotor_.tip(), accuracy_.fast);
-            solve_nodes(annuli(s), s.disk, false);
+            solve_stalled(s, follow ? accuracy_.stalled : 0);
         }
         find_loads(s);
         const double squared = sharper > 1.0 + 1e-9 ? sharper * sharper : 1.0;
         double limit = accuracy_.largest_tail / squared;
         for (std::size_t times = 0; times < accuracy_.finer.size() && tail_share(s) > limit; ++times) {
             s.psi = azimuths(axial ? 1 : accuracy_.azimuths_at(advance, sharper, int(times) + 1));
+            single_panel(s.disk, rotor_.root(), rotor_.tip(), accuracy_.free);
+            place_nodes(rotor_, omega, s.disk);
+            s.near_stall.assign(s.disk.groups, true);
             s.disk.several = false;
-            follow_stall(annuli(s), s.disk, accuracy_.finer[times].nodes);
-            solve_nodes(annuli(s), s.disk, false);
+            solve_stalled(s, accuracy_.finer[times].nodes);
             find_loads(s);
             const bool last = times + 1 == accuracy_.finer.size();
             limit = last ? accuracy_.finer[times].largest_tail : accuracy_.finer[times].largest_tail / squared;
         }
         const double last_limit = accuracy_.finer.back().largest_tail;
         set_status(s, tail_share(s) > last_limit);
+    }
+
+    // Find the inflow where some of the blade may stall, with panels of so many nodes that follow stall, or, for
+    // none, on a single panel.
+    void solve_stalled(Solution& s, int following) const {
+        const auto of = annuli(s);
+        if (following) {
+            find_folds(of, s.disk, s.near_stall, s.folds, s.disk.several);
+            make_panels(s.folds, rotor_.root(), rotor_.tip(), following, s.disk);
+        } else {
+            single_panel(s.disk, rotor_.root(), rotor_.tip(), accuracy_.fast);
+        }
+        place_nodes(rotor_, s.flow.omega, s.disk);
+        solve_nodes(of, s.disk, following ? &s.folds : nullptr);
     }
 
     // The larger tail of thrust and torque as a share of the load at rest; a rotor that turns slowly in a wind has
@@ -254,54 +240,49 @@ template <template <class> class LawOf> class RotorSolver {
             flow.v_hover = static_inflow(S(at_rest.thrust * (1.0 / rotor_.density)), rotor_.tip());
         }
         const auto of = annuli(s);
-        // At a fold the residual's slope by v_i is zero: it stays zero if the radius changes by
-        // -(change of the residual)/(its slope along the blade).
         std::array<S, most_edges + 2> edge;
         for (int k = 0; k <= s.disk.panels; ++k) {
             edge[k] = S{s.disk.edge[k], {}};
-            if (!s.disk.moves[k]) continue;
-            const Lanes y = broadcast(s.disk.edge[k]), v = broadcast(s.disk.fold[k].inflow);
-            const auto at = station_at(rotor, flow.omega, y);
-            const T g = annulus_thrust(rotor, at, flow, v, s.psi) - wake_thrust(rotor, y, flow, s.windmill, v);
-            const Dual<Lanes, 1> moved{y, {broadcast(1.0)}};
-            const auto beside = station_at(rotor_, s.flow.omega, moved);
-            const Dual<Lanes, 1> along = annulus_thrust(rotor_, beside, s.flow, v, s.psi) -
-                                         wake_thrust(rotor_, moved, s.flow, s.windmill, v);
-            const double per = along.d[0][0] != 0.0 ? -1.0 / along.d[0][0] : 0.0;
-            for (int d = 0; d < N; ++d) edge[k].d[d] = per * g.d[d][0];
+            if (s.disk.moves[k]) follow_fold(of, s, rotor, flow, s.disk.fold[k], edge[k]);
         }
         // The inflow's change by the implicit function theorem.
-        const int groups = groups_of(s.disk);
+        const int groups = s.disk.groups;
         std::vector<T> inflow(groups);
+        const MovingNodes<S> nodes(s.disk, edge);
         const S ring = vortex_ring::weight(flow), ring_inflow = vortex_ring::inflow(flow);
         S area{}, through{};
         for (int g = 0; g < groups; ++g) {
-            const auto nodes = node_lanes(s.disk, edge, g);
-            const Lanes v = node_inflow(s, g);
-            const auto at = station_at(rotor, flow.omega, nodes.radius);
+            const Lanes v = s.disk.inflow[g];
+            const auto at = station_at(rotor, flow.omega, nodes.radius[g]);
             const T change = annulus_thrust(rotor, at, flow, v, s.psi) -
-                             wake_thrust(rotor, nodes.radius, flow, s.windmill, v);
-            const Lanes slope = of.residual(of.station(value(nodes.radius)), v).d[0];
+                             wake_thrust(rotor, nodes.radius[g], flow, s.windmill, v);
+            const Lanes slope = of.residual(s.disk.at[g], v).d[0];
             T moved{v, {}};
             for (int d = 0; d < N; ++d) moved.d[d] = slope == 0.0 ? Lanes{} : -change.d[d] / slope;
             inflow[g] = value(ring) > 0.0 ? T(moved * (1.0 - ring) + ring * ring_inflow) : moved;
-            const T part = nodes.weight * nodes.radius;
+            const T part = nodes.weight[g] * nodes.radius[g];
             area += sum(part), through += sum(T(part * inflow[g]));
         }
         const S mean_inflow = through / area;
         Loads<S> total{};
+        Loads<double> unused, by[3];
         const bool around = has_harmonics(s);
+        if (around) {
+            std::vector<Lanes> plain(groups);
+            for (int g = 0; g < groups; ++g) plain[g] = inflow[g].v;
+            std::vector<double> integrand(2 * most_nodes);
+            loads_and_slopes(s, plain, s.harmonics, unused, by, integrand.data());
+        }
         S without{};
         for (int g = 0; g < groups; ++g) {
-            const auto nodes = node_lanes(s.disk, edge, g);
-            const auto at = station_at(rotor, flow.omega, nodes.radius);
+            const auto at = station_at(rotor, flow.omega, nodes.radius[g]);
             const auto add_up = [&](const auto& per_radius) {
                 for (int k = 0; k < Loads<S>::count; ++k)
-                    total.begin()[k] += sum(T(nodes.weight * per_radius.begin()[k]));
+                    total.begin()[k] += sum(T(nodes.weight[g] * per_radius.begin()[k]));
             };
             if (around) {
                 add_up(loads_of(rotor, at, turn_forces(rotor, at, flow, inflow[g], s.psi, s.harmonics)));
-                without += sum(T(nodes.weight * annulus_thrust(rotor, at, flow, inflow[g], s.psi)));
+                without += sum(T(nodes.weight[g] * annulus_thrust(rotor, at, flow, inflow[g], s.psi)));
             } else {
                 add_up(loads_of(rotor, at, turn_forces(rotor, at, flow, inflow[g], s.psi)));
             }
@@ -315,21 +296,44 @@ template <template <class> class LawOf> class RotorSolver {
             S wanted[3] = {h.mean, h.lateral, h.longitudinal};
             for (S& w : wanted) w.v = 0.0;
             const auto plain = faded(harmonic_response(rotor_.inflow_shape, s.mean, rotor_.tip()), 1.0 - s.result.ring);
-            const auto step = harmonics_step<S>(plain, s.by_harmonic, wanted);
+            const auto step = harmonics_step<S>(plain, by, wanted);
             const S steps[3] = {step.mean, step.lateral, step.longitudinal};
             for (int j = 0; j < 3; ++j)
-                for (int k = 0; k < Loads<S>::count; ++k) total.begin()[k] += s.by_harmonic[j].begin()[k] * steps[j];
+                for (int k = 0; k < Loads<S>::count; ++k) total.begin()[k] += by[j].begin()[k] * steps[j];
         }
         if (rotor_.mounted) total.drag += mount_drag(rotor, flow, mean_inflow);
         for (int k = 0; k < Loads<S>::count; ++k) total.begin()[k] = total.begin()[k] * rotor_.density;
         return total;
     }
 
+    // How a fold's radius follows what changes.  The residual g stays zero there, and with it its slope by v_i, at a
+    // fold, or its second difference C, at a shoulder.
+    template <int N>
+    void follow_fold(const Annuli<Plain>& of, const Solution& s, const Rotor<Dual<double, N>, LawOf>& rotor,
+                     const Flow<Dual<double, N>>& flow, const Fold& fold, Dual<double, N>& radius) const {
+        const double wide = fold_width(of, fold.radius, fold.top);
+        const Lanes y = broadcast(fold.radius);
+        const Lanes v = each_lane([&](int k) { return fold.inflow + (k == 0 ? wide : k == 2 ? -wide : 0.0); });
+        const auto at = station_at(rotor, flow.omega, y);
+        const Dual<Lanes, N> g = annulus_thrust(rotor, at, flow, v, s.psi) - wake_thrust(rotor, y, flow, s.windmill, v);
+        const Dual<Lanes, 1> moved{y, {broadcast(1.0)}};
+        const auto beside = station_at(rotor_, s.flow.omega, moved);
+        const Dual<Lanes, 1> along = annulus_thrust(rotor_, beside, s.flow, v, s.psi) -
+                                     wake_thrust(rotor_, moved, s.flow, s.windmill, v);
+        const Lanes slope = of.residual(of.station(y), v).d[0];
+        const auto difference = [](Lanes x) { return x[0] - 2.0 * x[1] + x[2]; };
+        const double g_v = fold.top ? 0.0 : slope[1], c_v = fold.top ? 1.0 : difference(slope);
+        const double g_y = along.d[0][1], c_y = fold.top ? 0.0 : difference(along.d[0]);
+        const double determinant = g_v * c_y - g_y * c_v;
+        const double per = determinant != 0.0 ? 1.0 / determinant : 0.0;
+        for (int d = 0; d < N; ++d) {
+            const double g_p = g.d[d][1], c_p = fold.top ? 0.0 : difference(g.d[d]);
+            radius.d[d] = per * (g_p * c_v - g_v * c_p);
+        }
+    }
+
     bool has_harmonics(const Solution& s) const {
         return rotor_.inflow_shape != InflowShape::uniform && s.flow.v_inplane > 0.0;
-    }
-    Lanes node_inflow(const Solution& s, int group) const {
-        return each_lane([&](int k) { return s.disk.inflow[std::min(group * width + k, s.disk.nodes - 1)]; });
     }
 
     // Within the vortex ring harmonics fade.
@@ -343,20 +347,20 @@ template <template <class> class LawOf> class RotorSolver {
     void loads_and_slopes(const Solution& s, const std::vector<Lanes>& inflow, const Harmonics<double>& h,
                           Loads<double>& loads, Loads<double> (&by)[3], double* integrand) const {
         loads = {}, by[0] = {}, by[1] = {}, by[2] = {};
-        for (int g = 0; g < groups_of(s.disk); ++g) {
-            const auto nodes = node_lanes(s.disk, s.disk.edge, g);
-            const auto at = station_at(rotor_, s.flow.omega, nodes.radius);
+        for (int g = 0; g < s.disk.groups; ++g) {
+            const auto& at = s.disk.at[g];
+            const Lanes& weight = s.disk.weight[g];
             const auto turn = turn_slopes(rotor_, at, s.flow, inflow[g], s.psi, h);
-            const Lanes share = nodes.weight * (at.radius * (1.0 / rotor_.tip()));
+            const Lanes share = weight * (at.radius * (1.0 / rotor_.tip()));
             const auto here = loads_of(rotor_, at, turn.forces);
-            const auto add_up = [&](Loads<double>& into, const Loads<Lanes>& part, Lanes weight) {
-                for (int k = 0; k < Loads<double>::count; ++k) into.begin()[k] += sum(weight * part.begin()[k]);
+            const auto add_up = [&](Loads<double>& into, const Loads<Lanes>& part, Lanes by) {
+                for (int k = 0; k < Loads<double>::count; ++k) into.begin()[k] += sum(by * part.begin()[k]);
             };
-            add_up(loads, here, nodes.weight);
-            add_up(by[0], loads_of(rotor_, at, turn.by_mean), nodes.weight);
+            add_up(loads, here, weight);
+            add_up(by[0], loads_of(rotor_, at, turn.by_mean), weight);
             add_up(by[1], loads_of(rotor_, at, turn.by_sine), share);
             add_up(by[2], loads_of(rotor_, at, turn.by_cosine), share);
-            keep_integrand(s, g, nodes.weight, here, integrand);
+            keep_integrand(s, g, weight, here, integrand);
         }
     }
 
@@ -375,8 +379,8 @@ template <template <class> class LawOf> class RotorSolver {
         int first = 0;
         for (int p = 0; p < s.disk.panels; ++p) {
             const int n = s.disk.count[p];
-            const GaussRule& rule = gauss_rule(n);
-            for (int j = 0; j < GaussRule::tail; ++j) {
+            const PanelRule& rule = panel_rule(n, s.disk.panels > 1);
+            for (int j = 0; j < PanelRule::tail; ++j) {
                 double c = 0.0;
                 for (int k = 0; k < n; ++k) c += rule.last[std::size_t(j) * n + k] * values[first + k];
                 total += c * c;
@@ -388,17 +392,16 @@ template <template <class> class LawOf> class RotorSolver {
 
     // Loads of a disk whose inflow is known.
     void find_loads(Solution& s) const {
-        const int groups = groups_of(s.disk);
+        const int groups = s.disk.groups;
         thread_local std::vector<Lanes> inflow;
         thread_local std::vector<double> integrand;
         inflow.resize(groups), integrand.resize(2 * most_nodes);
         const double ring = vortex_ring::weight(s.flow), ring_inflow = vortex_ring::inflow(s.flow);
         double area = 0.0, through = 0.0;
         for (int g = 0; g < groups; ++g) {
-            const auto nodes = node_lanes(s.disk, s.disk.edge, g);
-            const Lanes v = node_inflow(s, g);
+            const Lanes v = s.disk.inflow[g];
             inflow[g] = ring > 0.0 ? (1.0 - ring) * v + ring * ring_inflow : v;
-            const Lanes part = nodes.weight * nodes.radius;
+            const Lanes part = s.disk.weight[g] * s.disk.at[g].radius;
             area += sum(part), through += sum(part * inflow[g]);
         }
         s.mean = {s.flow.omega, s.flow.v_axial, s.flow.v_inplane, through / area};
@@ -406,16 +409,16 @@ template <template <class> class LawOf> class RotorSolver {
         if (has_harmonics(s)) total = find_harmonics(s, inflow, ring, integrand.data());
         for (int g = 0; g < groups; ++g) {
             if (has_harmonics(s) && !rotor_.radial_friction) break;
-            const auto nodes = node_lanes(s.disk, s.disk.edge, g);
-            const auto at = station_at(rotor_, s.flow.omega, nodes.radius);
+            const auto& at = s.disk.at[g];
+            const Lanes& weight = s.disk.weight[g];
             const auto add_up = [&](const Loads<Lanes>& per_radius) {
                 for (int k = 0; k < Loads<double>::count; ++k)
-                    total.begin()[k] += sum(nodes.weight * per_radius.begin()[k]);
+                    total.begin()[k] += sum(weight * per_radius.begin()[k]);
             };
             if (!has_harmonics(s)) {
                 const auto per_radius = loads_of(rotor_, at, turn_forces(rotor_, at, s.flow, inflow[g], s.psi));
                 add_up(per_radius);
-                keep_integrand(s, g, nodes.weight, per_radius, integrand.data());
+                keep_integrand(s, g, weight, per_radius, integrand.data());
             }
             if (rotor_.radial_friction && s.flow.v_inplane > 0.0)
                 add_up(radial_friction(rotor_, at, s.flow, inflow[g], s.psi));
@@ -432,7 +435,7 @@ template <template <class> class LawOf> class RotorSolver {
     Loads<double> find_harmonics(Solution& s, const std::vector<Lanes>& inflow, double ring, double* integrand) const {
         const auto response = faded(harmonic_response(rotor_.inflow_shape, s.mean, rotor_.tip()), 1.0 - ring);
         const double speed = s.flow.omega * rotor_.tip() + s.mean.speed();
-        Loads<double> loads{}, (&by)[3] = s.by_harmonic;
+        Loads<double> loads{}, by[3];
         Harmonics<double> h{};
         without_harmonics(s, inflow, loads, by);
         const double without = loads.thrust;
@@ -463,9 +466,9 @@ template <template <class> class LawOf> class RotorSolver {
     void without_harmonics(const Solution& s, const std::vector<Lanes>& inflow, Loads<double>& loads,
                            Loads<double> (&by)[3]) const {
         loads = {}, by[0] = {}, by[1] = {}, by[2] = {};
-        for (int g = 0; g < groups_of(s.disk); ++g) {
-            const auto nodes = node_lanes(s.disk, s.disk.edge, g);
-            const auto at = station_at(rotor_, s.flow.omega, nodes.radius);
+        for (int g = 0; g < s.disk.groups; ++g) {
+            const auto& at = s.disk.at[g];
+            const Lanes& weight = s.disk.weight[g];
             Lanes mean{}, sine{}, slope{}, slope_sine{}, slope_square{};
             for (int k = 0; k < s.psi.count; ++k) {
                 const Dual<Lanes, 1> v{inflow[g], {broadcast(1.0)}};
@@ -473,11 +476,11 @@ template <template <class> class LawOf> class RotorSolver {
                 const double x = s.psi.sine[k];
                 mean += f.v, sine += f.v * x, slope += f.d[0], slope_sine += f.d[0] * x, slope_square += f.d[0] * (x * x);
             }
-            const Lanes weight = nodes.weight * (rotor_.blade->blades / double(s.psi.count));
-            const Lanes arm = weight * at.radius, share = at.radius * (1.0 / rotor_.tip());
-            loads.thrust += sum(weight * mean), loads.roll_moment += sum(arm * sine);
-            by[0].thrust += sum(weight * slope), by[0].roll_moment += sum(arm * slope_sine);
-            by[1].thrust += sum(weight * share * slope_sine), by[1].roll_moment += sum(arm * share * slope_square);
+            const Lanes part = weight * (rotor_.blade->blades / double(s.psi.count));
+            const Lanes arm = part * at.radius, share = at.radius * (1.0 / rotor_.tip());
+            loads.thrust += sum(part * mean), loads.roll_moment += sum(arm * sine);
+            by[0].thrust += sum(part * slope), by[0].roll_moment += sum(arm * slope_sine);
+            by[1].thrust += sum(part * share * slope_sine), by[1].roll_moment += sum(arm * share * slope_square);
             by[2].pitch_moment -= sum(arm * share * (slope - slope_square));  // cos^2 = 1 - sin^2
         }
     }

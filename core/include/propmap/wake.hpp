@@ -59,7 +59,8 @@ auto prandtl_factor(double blades, double inner, double outer, const Y& radius, 
     const auto y = radius + 0.0 * flow.omega;
     const auto apart = inner > 0.0 ? decltype(y - 1.0)(y * (1.0 / inner) - 1.0) : decltype(y - 1.0)(outer / y - 1.0);
     const auto reach = maximum(0.5 * blades * apart, 0.0 * apart + 5e-5);
-    const auto u = flow.v_axial + inflow, turning = flow.omega * radius;
+    const auto u = flow.v_axial + inflow;
+    const auto turning = flow.omega * radius;
     const auto w = square_root(speed_squared(u, turning));
     const auto size = absolute(u);
     const auto f = reach * w / maximum(size, 0.0 * size + 1e-9);
@@ -70,7 +71,7 @@ auto prandtl_factor(double blades, double inner, double outer, const Y& radius, 
 
 // The wake's thrust of annuli per radius and density [m^3/s^2], eq. (10) with the rotor's corrections.
 template <class R, class Y, class F, class V>
-auto wake_thrust(const R& rotor, const Y& radius, const F& flow, bool windmill, const V& inflow) {
+[[gnu::flatten]] auto wake_thrust(const R& rotor, const Y& radius, const F& flow, bool windmill, const V& inflow) {
     auto thrust = momentum_thrust(radius, flow, inflow) + 0.0 * (flow.omega * inflow);
     if (windmill) thrust = windmill_thrust(radius, flow, inflow) + 0.0 * thrust;
     const double blades = rotor.blade->blades;

@@ -12,14 +12,14 @@ from propmap.aircraft.load_changes import LoadChanges
 from propmap.aircraft.response import Response, Responses
 from propmap.aircraft.steady import Aircraft
 from propmap.aircraft.steady_states import SteadyStates
-from propmap.arrays.types import Floats
-from propmap.bands import FEW, FlowPoints, errors_of_loads, parameter_slopes, scales_of
+from propmap.bands import FlowPoints, errors_of_loads, parameter_slopes, scales_of
+from propmap.compilation import DIFFERENCES_UP_TO
 from propmap.errors import InputError
-from propmap.loads import LOADS
+from propmap.loads import FLOW, LOADS
 from propmap.model.section_covariance import SectionCovariance
 from propmap.rotor import Rotor
-from propmap.solve.moved_case import GEOMETRY
 from propmap.table.query import LoadTable
+from propmap.typing import Floats
 
 FLIGHT = ("speed", "climb")
 AREAS = ("drag_area_x", "drag_area_y", "drag_area_z")
@@ -153,7 +153,7 @@ def spread(aircraft: Aircraft, states: SteadyStates) -> Spread | None:
     responses = Responses(aircraft, states)
     covariance = _covariance(aircraft)
     names = covariance.names if covariance is not None else ()
-    constants = _to_parameters(responses, names, FEW[False]) if names else []
+    constants = _to_parameters(responses, names, DIFFERENCES_UP_TO[False]) if names else []
     errors = _to_errors(responses)
 
     def deviation(values: Any) -> Floats:
@@ -204,7 +204,7 @@ def _to_parameters(
                 f"there is no derivative by {names[0]!r}: the loads are from a table",
                 f"give the aircraft a Rotor, or names of {', '.join(VEHICLE)}",
             )
-        known = (*source.arrays.law.parameters, *GEOMETRY, DIAMETER)
+        known = (*(name for name in source.parameters if name not in FLOW), DIAMETER)
         unknown = [name for name in names if name not in known]
         if unknown:
             raise InputError(
@@ -223,14 +223,14 @@ def _slopes_of(rotor: Rotor, wanted: tuple[str, ...], few: int | None) -> Any:
         scales = scales_of(whole)
     else:
         scales = [
-            SCALES[name] if name in SCALES else abs(float(getattr(rotor.arrays.law, name))) or 0.1
+            SCALES.get(name) or abs(getattr(rotor.model.airfoil, name, 0.0)) or 0.1
             for name in names
         ]
 
     def at(points: FlowPoints) -> Floats:
         by_name = {}
         if names:
-            slopes = parameter_slopes(rotor._prepared, names, scales, points, few)
+            slopes = parameter_slopes(rotor, names, scales, points, few)
             by_name = dict(zip(names, slopes.transpose(1, 0, 2), strict=True))
         if DIAMETER in wanted:
             by_name[DIAMETER] = _by_diameter(rotor, points)

@@ -7,12 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from propmap.arrays.types import Floats
-from propmap.engine.gradients import load_gradients
-from propmap.loads import LOADS
+from propmap.loads import FLOW, LOADS
 from propmap.rotor import Rotor
-from propmap.solve.moved_case import FLOW
 from propmap.table.query import LoadTable
+from propmap.typing import Floats
 
 
 def has_slopes(source: Any) -> bool:
@@ -64,7 +62,7 @@ class LocalLoads:
 def _loads_and_slopes(source: Any, points: Floats) -> tuple[Floats, Floats]:
     """Loads (L, N) at N points (3, N), and their derivatives (L, 3, N) by ``FLOW``."""
     if isinstance(source, Rotor):
-        found = load_gradients(source._prepared, source._setting, FLOW, *points)
+        found = source.gradients(FLOW, *points)
         return found.loads, found.slopes
     omega, along, across = points
     velocity = np.stack([across, np.zeros_like(across), along], axis=1)

@@ -25,11 +25,11 @@ from propmap.aircraft.steady_states import (
     SteadyStates,
 )
 from propmap.aircraft.wing_borne import of_less_power, on_the_wing, stalled
-from propmap.arrays.types import Floats
 from propmap.baselines.hover import REFERENCE_TIP_SPEED, HoverModel
 from propmap.errors import InputError
 from propmap.operating_points import broadcast
 from propmap.rotor import Rotor
+from propmap.typing import Floats
 from propmap.vehicle.rotors import Rotors
 from propmap.vehicle.vehicle import Vehicle
 

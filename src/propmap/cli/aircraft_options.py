@@ -98,7 +98,7 @@ def aircraft_of(
     say_missing(vehicle)
 
     from propmap.aircraft.steady import Aircraft
-    from propmap.engine.compilation import keep_compiled
+    from propmap.compilation import keep_compiled
     from propmap.rotor import Rotor
 
     keep_compiled()

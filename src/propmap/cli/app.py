@@ -31,7 +31,7 @@ from propmap.cli.study import study
 from propmap.cli.sweep import sweep
 from propmap.cli.table import table
 from propmap.cli.trim import trim
-from propmap.engine.compilation import compile_quickly
+from propmap.compilation import compile_quickly
 from propmap.errors import InputError
 from propmap.model.drag_factor import MESSAGE as DRAG_FACTOR
 

@@ -92,7 +92,7 @@ def _compare(
 ) -> tuple[dict[str, Comparison], dict[str, Comparison]]:
     """Errors of the physics, and of it with a learned residual where the fit has one."""
     from propmap.catalogue.lookup import propeller
-    from propmap.engine.compilation import keep_compiled
+    from propmap.compilation import keep_compiled
     from propmap.fit.comparison import compare_forces, compare_tunnel, flight_forces
     from propmap.fit.other_flights import values_for
     from propmap.fit.result_file import is_fit, read_fit

@@ -116,9 +116,9 @@ def choose(
     from propmap.aircraft.ranking import Ranking
     from propmap.aircraft.task import Task
     from propmap.catalogue.lookup import airfoil as section_law
-    from propmap.engine.batch import cores
-    from propmap.engine.compilation import keep_compiled
+    from propmap.compilation import keep_compiled
     from propmap.model.corrections import corrections_of
+    from propmap.tasks import cores
 
     legs = _legs(task)
     name = "mission" if legs else task

@@ -49,7 +49,7 @@ def explore(
         raise InputError(
             "the package dash is not installed", "pip install '.[explore]' in propmap's checkout"
         )
-    from propmap.engine.compilation import keep_compiled
+    from propmap.compilation import keep_compiled
     from propmap.explore.application import Application
     from propmap.explore.given import Shelf, read_path
     from propmap.explore.server import guard, is_loopback, listen, names_of, serve

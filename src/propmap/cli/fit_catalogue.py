@@ -41,7 +41,7 @@ def fit_catalogue(
     four: started again, the command goes on where it was.
     """
     from propmap.catalogue.population import as_toml
-    from propmap.engine.compilation import keep_compiled
+    from propmap.compilation import keep_compiled
     from propmap.fit.population.catalogue import identify_all, identify_without_blade
     from propmap.fit.population.misfiled import refiled
     from propmap.fit.population.populations import populations_of

@@ -119,8 +119,7 @@ def fit_flight(
     doubts = [*doubts_on_blade(file.vehicle.propeller), *doubts_on_air(file.vehicle.air)]
     say_doubts(doubts)
 
-    from propmap.engine.compilation import keep_compiled
-    from propmap.engine.evaluation import FEW
+    from propmap.compilation import FEW, keep_compiled
     from propmap.fit.added_parameter import body_terms_verdict
     from propmap.fit.body_forces import wing_values
     from propmap.fit.by_flight import by_flight

@@ -95,7 +95,7 @@ def fit_static(
     chosen = choice_of(free, fix, prior, ("c_l1", "zero_lift_angle"), base, expected=expected)
     settings = settings_of(starts, robust, folds, bootstrap, seed)
 
-    from propmap.engine.compilation import keep_compiled
+    from propmap.compilation import keep_compiled
     from propmap.fit.coverage import coverage, range_warnings
     from propmap.fit.fitted import fit
     from propmap.fit.forward_trust import forward_trust

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 import typer
 
-from propmap.arrays.types import Floats
 from propmap.cli.flight_options import BLADE, LowPass, flight_priors, with_flight_priors
 from propmap.cli.prior_options import PriorFrom, section_prior
 from propmap.errors import InputError, quoted
 from propmap.fit.parameters import FLEX, MOUNT, SECTION, SENSOR, WAKES, Choice, Prior
+from propmap.typing import Floats
 
 if TYPE_CHECKING:
     from propmap.fit.flight_terms import Flight, Step
@@ -74,7 +74,7 @@ def fit_terms_page(
     # Moments play no part here, and the wakes are one of the terms.
     file = replace(file, vehicle=replace(file.vehicle, inertia=None, wakes=None))
 
-    from propmap.engine.compilation import keep_compiled
+    from propmap.compilation import keep_compiled
     from propmap.fit.flight_terms import fit_terms
     from propmap.report.terms_page.page import terms_pages
 

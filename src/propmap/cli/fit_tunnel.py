@@ -77,7 +77,7 @@ def fit_tunnel(
     doubts = doubts_on_tunnel(data, blade, air)
     say_doubts(doubts)
 
-    from propmap.engine.compilation import keep_compiled
+    from propmap.compilation import keep_compiled
     from propmap.fit.added_parameter import failing_assumptions
     from propmap.fit.coverage import coverage, range_warnings
     from propmap.fit.fitted import fit

@@ -32,10 +32,10 @@ from propmap.model.uncertainty import SOURCES
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from propmap.arrays.types import Floats
     from propmap.baselines.hover import HoverModel
     from propmap.results import Loads
     from propmap.rotor import Rotor
+    from propmap.typing import Floats
 
 
 @takes_rotor

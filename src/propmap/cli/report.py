@@ -67,7 +67,7 @@ def _fit_files(source: Path, data: Sequence[str], vehicle: Path | None) -> dict[
     if file.record.kind != "tunnel" and data and vehicle is None:
         raise InputError("--data with a fit of flights needs the vehicle", "add --vehicle FILE")
 
-    from propmap.engine.compilation import keep_compiled
+    from propmap.compilation import keep_compiled
     from propmap.report.fit_page.page import fit_pages
 
     keep_compiled()

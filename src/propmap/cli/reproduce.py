@@ -26,7 +26,7 @@ def reproduce(
 
     check_folder(output, FILES)
 
-    from propmap.engine.compilation import keep_compiled
+    from propmap.compilation import keep_compiled
     from propmap.papers.gill_dandrea_2017.numbers import compute
     from propmap.papers.gill_dandrea_2017.pages.page import pages
 

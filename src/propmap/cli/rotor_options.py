@@ -27,8 +27,8 @@ from propmap.model.propeller import Propeller
 from propmap.model.section_table import SectionTable
 
 if TYPE_CHECKING:
-    from propmap.arrays.types import Floats
     from propmap.rotor import Rotor
+    from propmap.typing import Floats
 
 Others = ParamSpec("Others")
 
@@ -142,7 +142,7 @@ class RotorChoice:
         blade, air = self.blade(), self.medium()
         section = with_physics(self.section(blade), self.model, self.correction)
 
-        from propmap.engine.compilation import keep_compiled
+        from propmap.compilation import keep_compiled
         from propmap.rotor import Rotor
 
         keep_compiled()

@@ -124,7 +124,7 @@ def simulate_flight(
             str(vehicle),
         )
 
-    from propmap.engine.compilation import keep_compiled
+    from propmap.compilation import keep_compiled
     from propmap.flight.expectation import expectation
     from propmap.flight.trim import trim
 

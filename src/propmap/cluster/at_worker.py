@@ -37,7 +37,7 @@ def run_task(work: Callable[[Any, Any], Any], common: bytes, flags: str, task: A
     InputError
         Where the worker has computed with other options already.
     """
-    from propmap.engine.batch import on_cores
+    from propmap.tasks import on_cores
 
     with _lock:
         _set_up(flags)
@@ -50,7 +50,7 @@ def _set_up(flags: str) -> None:
     """XLA's options and the place of compiled programs, before JAX first computes something."""
     global _flags
     if _flags is None:
-        from propmap.engine.compilation import keep_compiled
+        from propmap.compilation import keep_compiled
 
         os.environ["XLA_FLAGS"] = flags
         keep_compiled()

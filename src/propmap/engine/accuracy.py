@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.arrays.types import Floats
 from propmap.errors import InputError
+from propmap.typing import Floats
 
 COUNTS = (8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384)
 """Allowed numbers of azimuth nodes over a full turn."""

@@ -11,9 +11,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.engine.forecast import Forecast
 from propmap.physics.rotor import RotorArrays
+from propmap.typing import Floats
 
 STEPS = 8
 """Of Newton's method, from above the largest solution."""

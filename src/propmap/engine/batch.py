@@ -3,12 +3,8 @@
 from __future__ import annotations
 
 import functools
-import os
-import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager
-from contextvars import ContextVar
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,6 +13,7 @@ from numpy.typing import NDArray
 from propmap.engine.lanes import LANES, use_lanes
 from propmap.engine.plan import Job
 from propmap.physics.velocities import AzimuthNodes, azimuth_nodes
+from propmap.tasks import cores
 
 BLOCK = 32
 """Operating points per call of a program."""
@@ -106,27 +103,6 @@ def cut(
             mine = (job.points[part], job.azimuths[part], job.most_azimuths)
             blocks.append(Block(*mine, job.panels, max(wide, mine[0].size)))
     return blocks
-
-
-_most_cores: ContextVar[int | None] = ContextVar("most_cores", default=None)
-
-
-@contextmanager
-def on_cores(most: int) -> Iterator[None]:
-    """Use ``most`` cores of this machine at most, in this thread.
-
-    For a process that has others beside it.  Loads do not depend on it.
-    """
-    token = _most_cores.set(most)
-    try:
-        yield
-    finally:
-        _most_cores.reset(token)
-
-
-def cores() -> int:
-    """Number of processor cores that evaluations may use."""
-    return min(os.cpu_count() or 1, _most_cores.get() or sys.maxsize)
 
 
 def large_block(job: Job) -> int:

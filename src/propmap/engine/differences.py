@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.engine.accuracy import Accuracy
 from propmap.engine.evaluation import Prepared, evaluate_flow, flow_at
-from propmap.engine.gradients import LoadGradients
 from propmap.loads import LOADS
+from propmap.results import LoadGradients
 from propmap.solve.moved_case import moved_rotor, with_terms
+from propmap.typing import Floats
 
 STEP = 1e-3
 """Step to either side over the scale of a parameter; the error of the curvature is far below a per

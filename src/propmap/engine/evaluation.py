@@ -11,7 +11,7 @@ import jax
 import numpy as np
 
 from propmap.arrays.namespace import by_numpy, on_accelerator
-from propmap.arrays.types import Floats
+from propmap.compilation import FEW
 from propmap.engine.accuracy import Accuracy
 from propmap.engine.batch import BLOCK, LARGE_BATCH, Block, cut, filled_up, nodes_of_each, run
 from propmap.engine.forecast import Forecast, static_loads
@@ -24,9 +24,7 @@ from propmap.physics.rotor import RotorArrays
 from propmap.physics.velocities import AzimuthNodes, azimuth_nodes
 from propmap.solve.disk import DiskSolution
 from propmap.solve.rotor_loads import RotorLoads
-
-FEW = 512
-"""Operating points below which a batch shares programs, in order to compile fewer of them."""
+from propmap.typing import Floats
 
 CHUNK = 65536
 """Operating points that are planned and run together, at most, which limits the memory in use."""

@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from propmap.arrays.namespace import by_numpy
-from propmap.arrays.types import Floats
 from propmap.engine.accuracy import STALL_WIDTH
 from propmap.physics.blade_untwist import untwisting
 from propmap.physics.rotor import RotorArrays
@@ -20,6 +19,7 @@ from propmap.physics.sections.law import SectionLaw
 from propmap.physics.velocities import azimuth_nodes
 from propmap.solve.problem import Case
 from propmap.solve.rotor_loads import disk_loads
+from propmap.typing import Floats
 
 Singles = NDArray[np.float32]
 

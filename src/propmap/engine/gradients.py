@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import functools
 from concurrent.futures import ThreadPoolExecutor
-from typing import Any, NamedTuple
+from typing import Any
 
 import jax
 import numpy as np
 
 from propmap.arrays.namespace import by_numpy
-from propmap.arrays.types import Floats
+from propmap.compilation import FEW
 from propmap.engine.accuracy import Accuracy
 from propmap.engine.batch import BLOCK, Block, nodes_of_each
-from propmap.engine.evaluation import FEW, Prepared, evaluate_flow, nodes_of, prepare
+from propmap.engine.evaluation import Prepared, evaluate_flow, nodes_of, prepare
 from propmap.engine.lanes import in_groups, in_lanes, use_lanes
 from propmap.engine.plan import alike_panels
 from propmap.engine.programs import COMPILER_OPTIONS, Flow, compiled_search, with_lanes
@@ -22,6 +22,7 @@ from propmap.physics.inflow_harmonics import Harmonics
 from propmap.physics.momentum import static_inflow
 from propmap.physics.rotor import RotorArrays
 from propmap.physics.velocities import AzimuthNodes
+from propmap.results import LoadGradients
 from propmap.solve.disk import DiskSolution
 from propmap.solve.load_slopes import (
     Directions,
@@ -31,6 +32,7 @@ from propmap.solve.load_slopes import (
     with_terms,
 )
 from propmap.solve.problem import Case
+from propmap.typing import Floats
 
 FIT_BLOCK = 8
 """Operating points per call if there are few: as many as fit in a vector register.  The program
@@ -43,14 +45,6 @@ compile."""
 TURNING = 4
 """Azimuths that tell how loads leave axial flow with the in-plane velocity: the mean of sin(psi)^2
 is theirs.  In axial flow itself the loads are those of a single azimuth."""
-
-
-class LoadGradients(NamedTuple):
-    """Loads (L, N) in the order of ``LOADS`` [N], [N m], NaN where not found, and their
-    derivatives (L, P, N) per unit of each parameter."""
-
-    loads: Floats
-    slopes: Floats
 
 
 def load_gradients(

@@ -10,7 +10,6 @@ import jax
 import numpy as np
 
 from propmap.arrays.namespace import by_numpy, xp
-from propmap.arrays.types import Floats
 from propmap.engine.accuracy import Accuracy
 from propmap.engine.batch import BLOCK, Block, nodes_of_each
 from propmap.engine.evaluation import CHUNK, Prepared, evaluate_flow, flow_at
@@ -23,6 +22,7 @@ from propmap.solve.disk import DiskSolution
 from propmap.solve.problem import Case
 from propmap.solve.rotor_loads import RotorLoads
 from propmap.solve.state_loads import state_loads
+from propmap.typing import Floats
 
 LEAST_AZIMUTHS = 16
 """Azimuths over which loads are averaged in axial flow too, where a state's gradients may not

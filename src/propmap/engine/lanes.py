@@ -25,7 +25,7 @@ from jax.flatten_util import ravel_pytree
 
 from propmap.arrays.loops import in_one_function
 from propmap.arrays.namespace import on_accelerator
-from propmap.engine.compilation import KNOWN_JAXLIB
+from propmap.compilation import KNOWN_JAXLIB
 from propmap.engine.plan import ISLAND_PANELS
 
 Shared = TypeVar("Shared")

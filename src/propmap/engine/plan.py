@@ -13,10 +13,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.arrays.types import Floats
 from propmap.engine.accuracy import Accuracy
 from propmap.physics.vortex_ring import WINDMILL_BELOW
 from propmap.solve.resolution import Resolution
+from propmap.typing import Floats
 
 FOLLOW_BELOW = 0.24
 """Advance ratio V sin(beta)/(Omega R) above which the radius of stall varies so much over azimuth

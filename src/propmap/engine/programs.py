@@ -10,13 +10,13 @@ import jax
 import numpy as np
 
 from propmap.arrays.namespace import by_numpy, xp
-from propmap.arrays.types import Floats
 from propmap.engine.lanes import in_lanes, known_jaxlib
 from propmap.physics.rotor import RotorArrays
 from propmap.physics.velocities import AzimuthNodes
 from propmap.solve.disk import DiskSolution
 from propmap.solve.problem import Case
 from propmap.solve.rotor_loads import search_loads
+from propmap.typing import Floats
 
 COMPILER_OPTIONS: dict[str, Any] = {
     # An evaluation takes a third less time on a processor with such vectors.

@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.catalogue.identified import PARAMETERS
 from propmap.errors import InputError
 from propmap.explore.controls import Values
@@ -19,6 +18,7 @@ from propmap.fit.rows import Rows
 from propmap.fit.tunnel import TunnelData
 from propmap.model.airfoil import LIMITS, Airfoil
 from propmap.model.model import Model
+from propmap.typing import Floats
 
 CONSTANTS = ("c_l1", "c_l2", *(name for name in PARAMETERS if name != "c_l1"))
 

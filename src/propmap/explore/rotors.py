@@ -6,7 +6,6 @@ import functools
 import logging
 import threading
 
-import jax
 import numpy as np
 
 from propmap.baselines.hover import HoverModel
@@ -85,7 +84,7 @@ def _compiled(model: Model) -> Rotor:
 @functools.lru_cache(maxsize=KEPT)
 def _structure(model: Model) -> object:
     """What compiled programs depend on, beside the sizes that are the same for all."""
-    return jax.tree.structure(_compiled(model).arrays)
+    return _compiled(model)._programs
 
 
 def fastest(model: Model) -> float:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.baselines.hover import HoverModel
 from propmap.fit.fitted import Fitted
 from propmap.fit.residuals import errors
 from propmap.model.model import Model
 from propmap.rotor import Rotor
+from propmap.typing import Floats
 
 OF_THRUST, OF_TORQUE = ("thrust", "force_z", "vertical_force"), ("torque",)
 """Rows whose errors, over what the hover model says of them, are shares of a static load."""

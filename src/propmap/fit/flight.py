@@ -7,7 +7,6 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.arrays.types import Floats
 from propmap.baselines.hover import HoverModel
 from propmap.errors import InputError
 from propmap.fit.force_model import ForceModel, hover_loads
@@ -16,6 +15,7 @@ from propmap.fit.rows import Rows
 from propmap.fit.tunnel import model_with
 from propmap.fit.turning import measured_moment
 from propmap.rotor import Rotor
+from propmap.typing import Floats
 from propmap.vehicle.flight_log import GRAVITY, FlightLog
 
 AXES, VERTICAL = ("force_x", "force_y", "force_z"), ("vertical_force",)

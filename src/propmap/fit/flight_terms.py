@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.fit.comparison import flight_forces
 from propmap.fit.fitted import Settings, fit
 from propmap.fit.flight import ALIKE, balance_rows, vertical_rows
@@ -16,6 +15,7 @@ from propmap.fit.parameters import BODY, FIRST_GUESS, ROTOR, SENSOR, WAKES, Choi
 from propmap.fit.tunnel import model_with
 from propmap.model.airfoil import Airfoil
 from propmap.model.model import Model
+from propmap.typing import Floats
 from propmap.vehicle.flight_log import FlightLog, joined
 from propmap.vehicle.vehicle import Vehicle
 

@@ -9,13 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from propmap.aircraft.newton import solve
-from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.fit.body_forces import wing_values
 from propmap.fit.force_model import ForceModel
 from propmap.fit.parameters import FIRST_GUESS, PAPER_FOUR, SECTION, constants_of
 from propmap.model.airfoil import Airfoil
+from propmap.model.corrections import MountDrag
 from propmap.model.model import Model
+from propmap.typing import Floats
 from propmap.vehicle.flight_log import GRAVITY, FlightLog, in_vehicle_frame
 from propmap.vehicle.vehicle import Vehicle
 
@@ -47,8 +48,9 @@ def true_values(vehicle: Vehicle, airfoil: Airfoil) -> dict[str, float]:
     law = constants_of(airfoil)
     section = {name: getattr(law, name) for name in SECTION}
     told = any(mount.drag is not None for mount in vehicle.mounts)
-    mounted = Model(vehicle.propeller, law, vehicle.air).arrays().mount
-    mount = {} if told or mounted is None else {"mount_area": float(mounted.area)}
+    mounted = Model(vehicle.propeller, law, vehicle.air).correction_of(MountDrag)
+    area = None if told or mounted is None else mounted.area(vehicle.propeller.radius)
+    mount = {} if area is None else {"mount_area": area}
     return FIRST_GUESS | section | mount | wing_values(vehicle)
 
 

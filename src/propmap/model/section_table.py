@@ -6,17 +6,15 @@ import hashlib
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any, ClassVar
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.model.corrections import agreed, as_texts
 from propmap.model.drag_factor import drag_factor_accepted, warn_of_drag_factor
-
-if TYPE_CHECKING:
-    from propmap.physics.sections.tabulated import TabulatedLaw
+from propmap.typing import Floats
 
 LARGEST = 10.0
 """Coefficients beyond are taken for an error of the file [-]."""
@@ -59,6 +57,9 @@ class SectionTable:
     name: str = "unnamed"
     source: str = ""
     corrections: tuple[str, ...] | None = None
+
+    parameters: ClassVar[tuple[str, ...]] = ("zero_lift_angle", "drag_factor")
+    """Names of what loads can be differentiated by."""
 
     def __post_init__(self) -> None:
         for field in ("angle", "reynolds", "lift", "drag"):
@@ -119,12 +120,24 @@ class SectionTable:
                 "give angles from the chord line, positive nose up",
             )
 
-    def law(self) -> TabulatedLaw:
-        """The table as arrays for the solver."""
-        from propmap.physics.sections.tabulated import tabulated_law
+    def coefficients(self, alpha: ArrayLike, reynolds: ArrayLike) -> tuple[Floats, Floats]:
+        """Lift and drag between the figures of the table; as ``Airfoil.coefficients``.
 
-        figures = (self.angle, self.reynolds, self.lift, self.drag)
-        return tabulated_law(*figures, drag_factor=self.drag_factor)
+        Parameters
+        ----------
+        alpha : array_like, shape (...)
+            Angle of attack from the chord line [rad].
+        reynolds : array_like, shape (...)
+            Re [-]; outside the table's that of the nearest row holds.  Both broadcast.
+
+        Returns
+        -------
+        lift, drag : ndarray, shape (...)
+            C_L and C_D [-].
+        """
+        from propmap.engine.rotor_arrays import section_coefficients
+
+        return section_coefficients(self, alpha, reynolds)
 
     def with_corrections(self, texts: Sequence[str]) -> SectionTable:
         """The table as it is to be used with corrections of these ``texts``; see ``Airfoil``."""

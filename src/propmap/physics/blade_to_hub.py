@@ -3,21 +3,12 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from propmap.arrays.namespace import by_numpy
-from propmap.errors import InputError
 from propmap.physics.geometry import Blade, blade_shape, make_blade
-
-if TYPE_CHECKING:
-    from propmap.physics.rotor import RotorArrays
-
-HUB_SHARE = 0.08
-"""Radius of a hub whose size is not given, over that of the tip [-]: 16 mm across on an 8-inch
-propeller."""
 
 TAPER_SPAN = 0.1
 """Stretch beside the first station that tells how the chord goes on, over the tip's radius [-]: two
@@ -60,49 +51,3 @@ def continued_to(blade: Blade, hub: float) -> Blade:
         blades=blade.blades,
         root=inner.root,
     )
-
-
-@dataclass(frozen=True)
-class BladeToHub:
-    """The blade continued to the hub, as a correction of a ``Model``; see ``continued_to``.
-
-    Geometry files begin where the blade leaves the hub's fairing.  What lies inside stands steeply
-    in the in-plane flow: on the APC 8x6E it is a hundredth or two of the thrust and more than a
-    tenth of the rotor drag.  A blade that reaches the hub stays as it is.
-
-    Attributes
-    ----------
-    radius_m : float or None
-        Radius of the hub [m]; None for ``HUB_SHARE`` of the tip's radius.
-
-    Raises
-    ------
-    InputError
-        For a radius that is no positive number; when applied, for one outside the first station
-        and for a blade that a root cut-out shortens.
-    """
-
-    radius_m: float | None = None
-
-    def __post_init__(self) -> None:
-        if self.radius_m is not None and not 0.0 < self.radius_m < math.inf:
-            raise InputError(f"radius_m is {self.radius_m}: give the hub's radius in metres")
-
-    def applied(self, rotor: RotorArrays) -> RotorArrays:
-        """The ``rotor`` with its blade continued to the hub."""
-        blade = rotor.blade
-        first, root, tip = (float(y) for y in (blade.station[0], blade.root, blade.tip))
-        if root > first * (1.0 + 1e-9):
-            raise InputError(
-                f"blade-to-hub continues the blade inwards, but its root is cut out at {root:g} m",
-                "leave out one of the two",
-            )
-        hub = HUB_SHARE * tip if self.radius_m is None else self.radius_m
-        if self.radius_m is not None and hub > first * (1.0 + 1e-9):
-            raise InputError(
-                f"radius_m of blade-to-hub is {hub:g} m, but the blade begins at {first:g} m",
-                "give a smaller radius in metres, or leave the correction out",
-            )
-        if hub >= first * (1.0 - 1e-9):
-            return rotor
-        return rotor._replace(blade=continued_to(blade, hub))

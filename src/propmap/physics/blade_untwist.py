@@ -19,23 +19,10 @@ Chordwise Bending, and Torsion of Twisted Nonuniform Rotor Blades", NACA Report 
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
-
-import numpy as np
-
 from propmap.arrays.namespace import Array
-from propmap.errors import InputError
-
-if TYPE_CHECKING:
-    from propmap.physics.rotor import RotorArrays
 
 TIP_SPEED = 100.0
 """At which the tip's angle is stated [m/s]: an ordinary one of small propellers."""
-
-LARGEST = 0.2
-"""Of that angle [rad]; a blade that gives way further is no longer a propeller's."""
 
 
 def untwisting(tip_angle: Array, tip: Array, radius: Array, omega: Array) -> Array:
@@ -53,33 +40,3 @@ def untwisting(tip_angle: Array, tip: Array, radius: Array, omega: Array) -> Arr
     share, tip_speed = radius / tip, omega * tip
     lost: Array = tip_angle * (tip_speed / TIP_SPEED) ** 2 * share * (2.0 - share)
     return lost
-
-
-@dataclass(frozen=True)
-class BladeUntwist:
-    """A blade that flattens as it turns, as a correction of a ``Model``; see this module.
-
-    Attributes
-    ----------
-    tip_angle : float
-        What the tip's twist loses at a tip speed of 100 m/s [rad]; it grows with Omega^2.
-
-    Raises
-    ------
-    InputError
-        For an angle beyond 0.2 rad either way.
-    """
-
-    tip_angle: float
-
-    def __post_init__(self) -> None:
-        if not (math.isfinite(self.tip_angle) and abs(self.tip_angle) <= LARGEST):
-            raise InputError(
-                f"tip_angle is {self.tip_angle}: give what the tip's twist loses at a tip speed of "
-                f"100 m/s, in rad, from {-LARGEST:g} to {LARGEST:g}"
-            )
-
-    def applied(self, rotor: RotorArrays) -> RotorArrays:
-        """The ``rotor`` with blades that give way."""
-        angle: Any = np.float64(self.tip_angle)
-        return rotor._replace(blade=rotor.blade._replace(untwist=angle))

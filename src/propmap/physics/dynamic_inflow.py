@@ -30,7 +30,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from propmap.arrays.types import Floats
+from propmap.typing import Floats
 
 LEAST_SHARE = 0.5
 """Least W as a share of the mass-flow parameter at the static solution [-].  In hover it is that of

@@ -13,16 +13,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import NamedTuple, Protocol
 
 import jax
 import numpy as np
 
 from propmap.arrays.namespace import Array, xp
 from propmap.physics.velocities import SPEED_FLOOR, floored_norm
-
-if TYPE_CHECKING:
-    from propmap.physics.rotor import RotorArrays
 
 LEAST_MASS_FLOW = 0.5
 """Least ``DiskFlow.mass_flow``, as a share of the air's speed at the disk [-]: it goes to zero
@@ -171,18 +168,9 @@ def _gradient(flow: DiskFlow, tip: Array, lateral: Array, longitudinal: Array) -
     return HarmonicResponse(flow.mean_by_thrust(tip), *own, none, none, none)
 
 
-@dataclass(frozen=True)
-class _Shape:
-    """A correction of a ``Model`` that sets the shape of the inflow."""
-
-    def applied(self, rotor: RotorArrays) -> RotorArrays:
-        """The ``rotor`` with this inflow."""
-        return rotor._replace(shape=self)  # type: ignore[arg-type]
-
-
 @jax.tree_util.register_static
 @dataclass(frozen=True)
-class PittPeters(_Shape):
+class PittPeters:
     """Static inflow of Pitt and Peters with the moments' feedback.
 
     With coefficients by rho A (Omega R)^2, times R for moments, chi the wake's skew and V its
@@ -220,7 +208,7 @@ class PittPeters(_Shape):
 
 @jax.tree_util.register_static
 @dataclass(frozen=True)
-class PittPetersGradient(_Shape):
+class PittPetersGradient:
     """The gradient of Pitt and Peters that thrust drives, without the moments' feedback.
 
     v_c = 15 pi/32 tan(chi/2) times the mean inflow; see ``PittPeters``.
@@ -234,7 +222,7 @@ class PittPetersGradient(_Shape):
 
 @jax.tree_util.register_static
 @dataclass(frozen=True)
-class Coleman(_Shape):
+class Coleman:
     """v_c = tan(chi/2) times the mean inflow.
 
     References
@@ -250,7 +238,7 @@ class Coleman(_Shape):
 
 @jax.tree_util.register_static
 @dataclass(frozen=True)
-class WhiteBlake(_Shape):
+class WhiteBlake:
     """v_c = sqrt(2) sin(chi) times the mean inflow.
 
     References
@@ -267,7 +255,7 @@ class WhiteBlake(_Shape):
 
 @jax.tree_util.register_static
 @dataclass(frozen=True)
-class Drees(_Shape):
+class Drees:
     """v_c = 4/3 (1 - cos(chi) - 1.8 mu^2) / sin(chi) and v_s = -2 mu, times the mean inflow.
 
     mu = V sin(beta)/(Omega R), held at ``LARGEST_ADVANCE`` above it.

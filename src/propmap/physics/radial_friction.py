@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import jax
 
@@ -17,14 +16,11 @@ from propmap.physics.velocities import (
     tangential_velocity,
 )
 
-if TYPE_CHECKING:
-    from propmap.physics.rotor import RotorArrays
-
 
 @jax.tree_util.register_static
 @dataclass(frozen=True)
 class RadialFriction:
-    """Viscous drag along the flow with its part along the blade, as a correction of a ``Model``.
+    """Viscous drag along the flow with its part along the blade.
 
     In forward flight air also moves along the blade, outwards with U_R = V sin(beta) cos(psi).  By
     the independence principle lift and pressure drag do not feel it, as in the paper; friction
@@ -44,10 +40,6 @@ class RadialFriction:
     R. T. Jones, "Effects of Sweepback on Boundary Layer and Separation", NACA TR 884, 1947.
     W. Johnson, Helicopter Theory, 1980, section 5-12, on the radial drag of helicopter blades.
     """
-
-    def applied(self, rotor: RotorArrays) -> RotorArrays:
-        """The ``rotor`` with this friction."""
-        return rotor._replace(added=(*rotor.added, self))
 
     def annulus_loads(self, at: Annulus, inflow: Array, azimuth: AzimuthNodes) -> AnnulusLoads:
         """What it adds to the loads of annuli; the arguments as ``AddedLoads.annulus_loads``.

@@ -3,20 +3,15 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from propmap.arrays.elementary import arctangent, power_of_two
 from propmap.arrays.namespace import Array, xp
-from propmap.errors import InputError
 from propmap.physics.element import Annulus
 from propmap.physics.velocities import floored_norm
 from propmap.physics.wake import FactorBounds
-
-if TYPE_CHECKING:
-    from propmap.physics.rotor import RotorArrays
 
 LEAST_REACH = 5e-5
 """Least value of f sin(phi) [-].  Otherwise F would go to zero over the last 0.005 % of the blade,
@@ -119,41 +114,3 @@ def _largest_second(low: Array, high: Array) -> Array:
     rising = 0.70 * xp.minimum(high, 4.0) ** 2.5
     falling = 0.70 * xp.maximum(low, 4.0) ** 4 * xp.exp(-xp.maximum(low, 4.0))
     return xp.minimum(rising, falling)
-
-
-@dataclass(frozen=True)
-class TipLoss:
-    """Prandtl's loss at the tip, as a correction of a ``Model``; see ``PrandtlLoss``."""
-
-    def applied(self, rotor: RotorArrays) -> RotorArrays:
-        """The ``rotor`` with this factor on its wake's thrust."""
-        return rotor._replace(factors=(*rotor.factors, PrandtlLoss()))
-
-
-@dataclass(frozen=True)
-class HubLoss:
-    """Prandtl's loss at the hub, as a correction of a ``Model``; see ``PrandtlLoss``.
-
-    Attributes
-    ----------
-    radius_m : float or None
-        Radius of the hub [m]; None for the radius at which the blade begins.
-    """
-
-    radius_m: float | None = None
-
-    def __post_init__(self) -> None:
-        if self.radius_m is not None and not 0.0 < self.radius_m < math.inf:
-            raise InputError(f"radius_m is {self.radius_m}: give the hub's radius in metres")
-
-    def applied(self, rotor: RotorArrays) -> RotorArrays:
-        """The ``rotor`` with this factor on its wake's thrust."""
-        root = float(rotor.blade.root)
-        radius = root if self.radius_m is None else self.radius_m
-        if radius > root * (1.0 + 1e-9):
-            raise InputError(
-                f"radius_m of the hub loss is {radius:g} m, but the blade begins at {root:g} m",
-                "give a smaller radius, or a root cut-out",
-            )
-        hub: Any = np.float64(radius)
-        return rotor._replace(factors=(*rotor.factors, PrandtlLoss(hub)))

@@ -19,14 +19,13 @@ import jax
 import jax.numpy as jnp
 
 from propmap.arrays.namespace import Array
+from propmap.loads import FLOW, GEOMETRY
 from propmap.physics.element_slopes import THROUGH, mean_slopes, moved_forces
 from propmap.physics.loads import RadialNodes
 from propmap.physics.velocities import AzimuthNodes
 from propmap.solve.disk import DiskSolution, edges_about
 from propmap.solve.followed_loads import EdgeMove, FollowedLoads
 from propmap.solve.moved_case import (
-    FLOW,
-    GEOMETRY,
     RADIUS,
     change_of,
     motion_of,

@@ -9,20 +9,11 @@ import numpy as np
 
 from propmap.arrays.namespace import Array
 from propmap.arrays.sparse_derivative import derivative
+from propmap.loads import FLOW, GEOMETRY, MOUNT_AREA
 from propmap.physics.element import Annulus, SectionLines, section_lines
 from propmap.physics.element_slopes import Motion, SectionChange, Sources
 from propmap.physics.rotor import RotorArrays
 from propmap.solve.problem import Case, annulus_problem
-
-FLOW = ("omega", "v_axial", "v_inplane")
-"""Flow quantities with respect to which loads can be differentiated."""
-
-MOUNT_AREA = "mount_area"
-"""The area of what is mounted in the slipstream [m^2], where the rotor has one."""
-
-GEOMETRY = ("chord_scale", "twist_offset", "untwist")
-"""The blade's common relative change of the chord [-] and common offset of the twist [rad], and
-what its twist loses as it turns [rad]; see ``Blade``."""
 
 RADIUS = "radius"
 """The radius of a node [m], by which the residual of (11) is differentiated too."""

@@ -9,6 +9,7 @@ import pytest
 
 import propmap as pm
 from propmap.arrays.namespace import by_numpy
+from propmap.engine.rotor_arrays import rotor_arrays
 from propmap.physics.element import annulus, element_forces
 from propmap.physics.sections.compressible import (
     LARGEST_BEND,
@@ -36,7 +37,10 @@ def lift_at(law: Any, angle: np.ndarray, speed: np.ndarray) -> np.ndarray:
 
 
 def test_lift_is_divided_by_the_root_of_one_minus_mach_squared() -> None:
-    plain, raised = model().arrays().law, model("prandtl-glauert:sound_mps=340").arrays().law
+    plain, raised = (
+        rotor_arrays(model()).law,
+        rotor_arrays(model("prandtl-glauert:sound_mps=340")).law,
+    )
     for mach in (0.0, 0.3, 0.6):
         angle, speed = np.linspace(-3.0, 3.0, 61), np.full(61, 340.0 * mach)
         want = lift_at(plain, angle, speed) / np.sqrt(1.0 - mach**2)
@@ -92,7 +96,7 @@ def stations(count: int, seed: int) -> tuple[Any, ...]:
 
 
 def test_slopes_of_the_forces_are_their_derivatives() -> None:
-    arrays = model("prandtl-glauert:sound_mps=150").arrays()
+    arrays = rotor_arrays(model("prandtl-glauert:sound_mps=150"))
     radius, *flow = stations(300, 3)
     with by_numpy():
         at = annulus(arrays.blade, arrays.law, arrays.medium, radius, *flow)
@@ -109,7 +113,7 @@ def test_slopes_of_the_forces_are_their_derivatives() -> None:
 
 
 def test_bounds_hold_in_the_angle_and_in_the_speed() -> None:
-    law = model("prandtl-glauert:sound_mps=150").arrays().law
+    law = rotor_arrays(model("prandtl-glauert:sound_mps=150")).law
     with by_numpy():
         bounds = law.bounds()
     angle, log = np.linspace(-np.pi, np.pi, 3001), np.linspace(np.log(20.0), np.log(200.0), 401)
@@ -133,7 +137,7 @@ def test_bounds_hold_in_the_angle_and_in_the_speed() -> None:
 
 
 def test_the_search_finds_the_largest_root() -> None:
-    arrays = model("prandtl-glauert:sound_mps=150").arrays()
+    arrays = rotor_arrays(model("prandtl-glauert:sound_mps=150"))
     radius, *flow = stations(120, 8)
     nodes = azimuth_nodes(16)
     with by_numpy():

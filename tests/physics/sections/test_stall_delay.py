@@ -9,6 +9,7 @@ import pytest
 
 import propmap as pm
 from propmap.arrays.namespace import by_numpy
+from propmap.engine.rotor_arrays import rotor_arrays
 from propmap.physics.element import annulus, element_forces
 from propmap.physics.sections.law import SectionFlow
 from propmap.physics.velocities import azimuth_nodes
@@ -33,7 +34,7 @@ def lift_at(law: Any, angle: np.ndarray, ratio: float) -> np.ndarray:
 
 def test_a_share_of_the_attached_lift_comes_back() -> None:
     """3 (c/y)^2 of what is missing to the straight line, up to 30 degrees on either side."""
-    law, angle = model("stall-delay").arrays().law, np.radians(np.linspace(-30.0, 30.0, 61))
+    law, angle = rotor_arrays(model("stall-delay")).law, np.radians(np.linspace(-30.0, 30.0, 61))
     flat, straight = lift(angle, TABLE_I["soft"]), 6.9 * angle
     for ratio, share in ((0.0, 0.0), (0.3, 0.27), (0.5, 0.75), (0.9, 1.0)):
         want = flat + share * (straight - flat)
@@ -41,7 +42,7 @@ def test_a_share_of_the_attached_lift_comes_back() -> None:
 
 
 def test_nothing_comes_back_beyond_sixty_degrees() -> None:
-    law, plain = model("stall-delay").arrays().law, model().arrays().law
+    law, plain = rotor_arrays(model("stall-delay")).law, rotor_arrays(model()).law
     angle = np.radians([-170.0, -90.0, -60.0, 60.0, 100.0, 179.0])
     np.testing.assert_array_equal(lift_at(law, angle, 0.6), lift_at(plain, angle, 0.6))
     inside = np.radians([45.0])
@@ -90,7 +91,7 @@ def stations(count: int, seed: int) -> tuple[Any, ...]:
 
 
 def test_slopes_of_the_forces_are_their_derivatives() -> None:
-    arrays = model("stall-delay").arrays()
+    arrays = rotor_arrays(model("stall-delay"))
     radius, *flow = stations(300, 3)
     with by_numpy():
         at = annulus(arrays.blade, arrays.law, arrays.medium, radius, *flow)
@@ -107,7 +108,7 @@ def test_slopes_of_the_forces_are_their_derivatives() -> None:
 
 @pytest.mark.parametrize("alpha_0", [0.2, 0.356, 0.8])
 def test_bounds_hold_for_any_share(alpha_0: float) -> None:
-    law = model("stall-delay", law=LAW.with_parameters(alpha_0=alpha_0)).arrays().law
+    law = rotor_arrays(model("stall-delay", law=LAW.with_parameters(alpha_0=alpha_0))).law
     with by_numpy():
         bounds = law.bounds()
     angle = np.linspace(-np.pi, np.pi, 40001)
@@ -126,7 +127,7 @@ def test_bounds_hold_for_any_share(alpha_0: float) -> None:
 
 @pytest.mark.parametrize("texts", [("stall-delay",), (STRONG,), (STRONG, "prandtl-glauert")])
 def test_the_search_finds_the_largest_root(texts: tuple[str, ...]) -> None:
-    arrays = model(*texts).arrays()
+    arrays = rotor_arrays(model(*texts))
     radius, *flow = stations(120, 8)
     nodes = azimuth_nodes(16)
     with by_numpy():

@@ -7,6 +7,7 @@ import pytest
 
 import propmap as pm
 from propmap.arrays.namespace import by_numpy
+from propmap.engine.rotor_arrays import section_law
 from propmap.loads import LOADS, error_scales
 from propmap.physics.sections.law import Coefficients, coefficients_at
 from tests.oracle.literal_section import LiteralTable
@@ -35,7 +36,7 @@ def section(table: LiteralTable) -> pm.SectionTable:
 
 def at(table: pm.SectionTable, alpha: np.ndarray, reynolds: np.ndarray) -> Coefficients:
     with by_numpy():
-        return coefficients_at(table.law(), alpha, reynolds)
+        return coefficients_at(section_law(table), alpha, reynolds)
 
 
 @pytest.mark.parametrize("count", [1, 2, 5])
@@ -134,7 +135,7 @@ def test_bounds_hold_at_any_reynolds_number(name: str) -> None:
     else:
         coarse = sampled(TABLE_I["apc"], 2.5, 10.0, np.geomspace(1e4, 4e5, 4))
         table = coarse if name == "coarse" else section(uneven(5))
-    law, h = table.law(), 1e-4
+    law, h = section_law(table), 1e-4
     limit = law.bounds()
     zero, log_re = float(law.zero_lift_angle), RANDOM.uniform(9.0, 13.0, 40)[:, None]
     alpha = np.linspace(-1.5, 1.5, 4001)

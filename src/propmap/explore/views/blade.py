@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
-from propmap.arrays.types import Floats
 from propmap.explore import figures
 from propmap.explore.controls import Control, Slider, Values
 from propmap.explore.point import point_controls, point_lines, point_words
@@ -22,6 +21,7 @@ from propmap.io.operating_points import RPM, OperatingPoints
 from propmap.io.propeller_toml import propeller_toml
 from propmap.model.propeller import Propeller
 from propmap.report.style import COLOURS
+from propmap.typing import Floats
 
 PLACES = (0.2, 0.35, 0.5, 0.65, 0.8, 0.95)
 """y/R of the points that can be dragged."""

@@ -8,8 +8,6 @@ from typing import Any
 import numpy as np
 from contourpy import contour_generator
 
-from propmap.arrays.types import Floats
-from propmap.engine.disk_field import Inflow
 from propmap.errors import InputError
 from propmap.explore import figures
 from propmap.explore.controls import Choice, Control, Slider, Values
@@ -20,6 +18,8 @@ from propmap.explore.session import Session
 from propmap.explore.view import Answer, Download, Graph
 from propmap.io.disk_csv import disk_csv
 from propmap.report.style import COLOURS
+from propmap.results import Inflow
+from propmap.typing import Floats
 
 STATIONS, AZIMUTHS = 40, 73
 """Of the field that is drawn."""
@@ -133,8 +133,7 @@ def _si(values: Values) -> tuple[float, float, float]:
 
 def _field(session: Session, values: Values) -> Inflow:
     rotor = exact(session.model)
-    blade = rotor.arrays.blade
-    radius = np.linspace(float(blade.root), float(blade.tip), STATIONS)
+    radius = np.linspace(*rotor.model.span, STATIONS)
     azimuth = np.linspace(0.0, 2.0 * np.pi, AZIMUTHS)
     return rotor.inflow(*_si(values), radius=radius, azimuth=azimuth)
 

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.errors import InputError, quoted
 from propmap.explore import figures
 from propmap.explore.controls import Choice, Control, Several, Slider, Text, Values
@@ -20,6 +19,7 @@ from propmap.explore.view import Answer, Download, Graph
 from propmap.io.csv_text import loads_csv
 from propmap.io.operating_points import RPM, OperatingPoints, std_columns
 from propmap.report.style import COLOURS
+from propmap.typing import Floats
 
 ALONG = 31
 """Points of a curve: with four curves, deviations of all are found without compiling."""

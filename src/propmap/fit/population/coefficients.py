@@ -11,25 +11,21 @@ from typing import Any
 
 import numpy as np
 
-from propmap.arrays.namespace import by_numpy
-from propmap.arrays.types import Floats
 from propmap.catalogue.identified import PARAMETERS
 from propmap.catalogue.prior import HELD
-from propmap.engine.accuracy import accuracy
-from propmap.engine.evaluation import prepare
-from propmap.engine.gradients import load_gradients
+from propmap.compilation import Thrift
 from propmap.io.uiuc_database import MeasuredPropeller
 from propmap.loads import LOADS
 from propmap.model.airfoil import Airfoil
 from propmap.model.model import Model
 from propmap.model.propeller import Propeller
-from propmap.physics.geometry import with_stations
+from propmap.rotor import Rotor
+from propmap.typing import Floats
 
 STATIONS = (18, 40)
 """Blades are brought to the first of these that is not less than what they have.  Nine in ten have
 18, as mean blades do, and 40 take two thirds longer."""
 
-SETTING = accuracy("standard")
 _THRUST, _TORQUE = (list(LOADS).index(name) for name in ("thrust", "torque"))
 
 
@@ -77,13 +73,8 @@ class AxialTest:
         turns = self.tested.rpm / 60.0
         diameter = 2.0 * self.propeller.radius
         flow = (2.0 * np.pi * turns, self.tested.advance * turns * diameter)
-        arrays = model.arrays()
-        with by_numpy():
-            blade = with_stations(arrays.blade, self.stations)
-        still = np.zeros_like(turns)
-        found = load_gradients(
-            prepare(arrays._replace(blade=blade)), SETTING, PARAMETERS, *flow, still, alike=True
-        )
+        rotor = Rotor(model)._with_stations(self.stations)
+        found = rotor._gradients(PARAMETERS, *flow, 0.0, Thrift(alike=True))
         force = model.air.density * turns**2 * diameter**4
         # P = 2 pi n tau.
         size = np.stack([force, force * diameter / (2.0 * np.pi)])

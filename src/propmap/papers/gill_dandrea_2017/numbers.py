@@ -5,7 +5,6 @@ from __future__ import annotations
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
-from propmap.arrays.types import Floats
 from propmap.papers.gill_dandrea_2017 import (
     drag_sources,
     plate,
@@ -23,6 +22,7 @@ from propmap.papers.gill_dandrea_2017.identified import (
 )
 from propmap.papers.gill_dandrea_2017.level_circles import SetFlown, fly
 from propmap.papers.gill_dandrea_2017.paper import FLOWN
+from propmap.typing import Floats
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,21 +4,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
 
-import numpy as np
 from jax.tree_util import register_dataclass
 
 from propmap.arrays.namespace import Array, xp
-from propmap.errors import InputError
 from propmap.physics.sections.law import Coefficients, LawBounds, SectionFlow
 from propmap.physics.sections.wrapped import WrappedLaw
-
-if TYPE_CHECKING:
-    from propmap.physics.rotor import RotorArrays
-
-SPEED_OF_SOUND = 340.3
-"""[m/s], of the standard atmosphere at sea level (ISO 2533: 15 degrees Celsius)."""
 
 EXACT_BELOW = 0.6
 """Mach number [-] up to which the rule is used as it is."""
@@ -101,25 +92,3 @@ def mach_factor(mach: Array) -> tuple[Array, Array]:
     limited = inside - past * past * (0.5 / width)
     factor = 1.0 / xp.sqrt(1.0 - limited)
     return factor, factor * factor * factor * inside * (1.0 - past / width)
-
-
-@dataclass(frozen=True)
-class PrandtlGlauert:
-    """Lift by the rule of Prandtl and Glauert, as a correction; see ``CompressibleLaw``.
-
-    Attributes
-    ----------
-    sound_mps : float
-        Speed of sound [m/s].
-    """
-
-    sound_mps: float = SPEED_OF_SOUND
-
-    def __post_init__(self) -> None:
-        if not 0.0 < self.sound_mps < math.inf:
-            raise InputError(f"sound_mps is {self.sound_mps}: give the speed of sound in m/s")
-
-    def applied(self, rotor: RotorArrays) -> RotorArrays:
-        """The ``rotor`` with this lift."""
-        sound: Any = np.float64(self.sound_mps)
-        return rotor._replace(law=CompressibleLaw(rotor.law, sound))

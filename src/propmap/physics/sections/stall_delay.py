@@ -4,21 +4,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
 
-import numpy as np
 from jax.tree_util import register_dataclass
 
 from propmap.arrays.namespace import Array, xp
-from propmap.errors import InputError
 from propmap.physics.sections.law import Coefficients, LawBounds, SectionFlow
 from propmap.physics.sections.wrapped import WrappedLaw
-
-if TYPE_CHECKING:
-    from propmap.physics.rotor import RotorArrays
-
-STRENGTH = 3.0
-"""Snel's factor of (c/y)^2 [-]."""
 
 FADE_FROM, FADE_TO = math.radians(30.0), math.radians(60.0)
 """Angles from zero lift [rad] between which the effect fades; Snel's method is for small ones."""
@@ -94,33 +85,3 @@ def _weight(angle: Array) -> tuple[Array, Array]:
     size = xp.clip(xp.abs(angle) - FADE_FROM, 0.0, _WIDTH)
     turn = size * (math.pi / _WIDTH)
     return 0.5 + 0.5 * xp.cos(turn), -xp.sign(angle) * _STEEPEST * xp.sin(turn)
-
-
-@dataclass(frozen=True)
-class StallDelay:
-    """Stall delay of the inner blade by Snel, as a correction; see ``StallDelayLaw``.
-
-    Attributes
-    ----------
-    strength : float
-        Factor of (c/y)^2 [-].
-    """
-
-    strength: float = STRENGTH
-
-    def __post_init__(self) -> None:
-        if not 0.0 <= self.strength < math.inf:
-            raise InputError(
-                f"strength of the stall delay is {self.strength}", "give a number, 3 in Snel's form"
-            )
-
-    def applied(self, rotor: RotorArrays) -> RotorArrays:
-        """The ``rotor`` with this lift."""
-        if not float(rotor.law.bounds().attached_slope) > 0.0:
-            raise InputError(
-                "stall-delay gives lift back that stall takes, but this section law has no "
-                "attached lift that could be continued",
-                "leave the correction out, or give another law",
-            )
-        strength: Any = np.float64(self.strength)
-        return rotor._replace(law=StallDelayLaw(rotor.law, strength))

@@ -6,8 +6,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.physics.sections.law import LawBounds
+from propmap.typing import Floats
 
 ATTACHED = 0.9
 """Share of the lift at stall, of either sign, up to which a section counts as attached."""

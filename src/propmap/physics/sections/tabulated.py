@@ -7,10 +7,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from propmap.arrays.namespace import Array, by_numpy, xp
-from propmap.arrays.types import Floats
 from propmap.physics.geometry import pchip_slopes
 from propmap.physics.sections.law import Coefficients, LawBounds, SectionFlow
 from propmap.physics.sections.table_bounds import stall_angles, table_bounds
+from propmap.typing import Floats
 
 
 class _Cubics(NamedTuple):

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-import jax
+import importlib.metadata
+
 import numpy as np
 
 from propmap.catalogue.measurements import measurement
@@ -80,7 +81,7 @@ def pages(numbers: Numbers) -> dict[str, str | bytes]:
             **{title: measurement(name) for name, title in tunnel.DATA_SETS.items()},
             "2019 campaign, oblique (its blade-element model)": measurement(OTHER_FORM),
         },
-        software={"JAX": jax.__version__, "NumPy": np.__version__},
+        software={"JAX": importlib.metadata.version("jax"), "NumPy": np.__version__},
     )
 
 

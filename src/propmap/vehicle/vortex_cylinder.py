@@ -22,7 +22,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from propmap.arrays.types import Floats
+from propmap.typing import Floats
 
 AZIMUTHS = 32
 """Of the integral around a ring.  With ``CORE`` the error is below 1 % of the inflow outside the

@@ -1,11 +1,16 @@
-"""Settings of XLA and JAX for a whole process, such as the command line's: faster compilation."""
+"""What is done about the time that programs take to compile, and all that callers know of it.
+
+Settings of XLA and JAX for a whole process, such as the command line's, and how derivatives are
+taken so that fewer programs are compiled.
+"""
 
 from __future__ import annotations
 
 import importlib.metadata
 import os
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 LOOPS_AS_FUNCTIONS = "xla_cpu_small_while_loop_byte_threshold=100000000"
 """XLA option: a loop that touches at most so many bytes becomes one function, not many kernels."""
@@ -15,6 +20,45 @@ LOOPS_NOT_UNROLLED = "xla_cpu_disable_loop_unrolling"
 
 KNOWN_JAXLIB = "0.10."
 """Versions that know these options; an unknown option would end the process."""
+
+FEW = 512
+"""Operating points below which a batch shares programs, in order to compile fewer of them."""
+
+DIFFERENCES_UP_TO = {True: 0, False: 128}
+"""Operating points up to which differences by NumPy are done before a compiler would be, by whether
+the rotor's programs are compiled anyway."""
+
+
+class Thrift(NamedTuple):
+    """How ``Rotor.gradients`` saves compiling.
+
+    Attributes
+    ----------
+    alike : bool
+        Whether any number of points gets the same nodes, so that one pair of programs serves all.
+    coarse : bool
+        Whether fewer nodes do, as for standard deviations.
+    scales : sequence of float
+        By how much each parameter may differ, in its unit, above 0, for differences by NumPy.
+    few : int
+        Points up to which such differences are taken.
+    """
+
+    alike: bool = False
+    coarse: bool = False
+    scales: Sequence[float] = ()
+    few: int = 0
+
+
+NO_THRIFT = Thrift()
+"""Each number of points gets the nodes that suit it."""
+
+
+def for_deviations(scales: Sequence[float], *, compiled: bool, few: int | None = None) -> Thrift:
+    """For derivatives that make standard deviations; ``few`` is by default that of
+    ``DIFFERENCES_UP_TO``."""
+    at_most = DIFFERENCES_UP_TO[compiled] if few is None else few
+    return Thrift(alike=True, coarse=True, scales=scales, few=at_most)
 
 
 def compile_quickly() -> None:
