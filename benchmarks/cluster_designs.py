@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from benchmarks.cluster_rotor import LARGE, grid, model
-from propmap.compilation import compile_quickly, keep_compiled
 from propmap.rotor import Rotor
 from propmap.study.plan import Study
 from propmap.study.run import loads_of_designs
@@ -18,8 +17,6 @@ from propmap.sweep.run import POINTS_PER_TASK, Sweep, loads_of_part
 
 def designs() -> dict[str, Any]:
     """Processor time of a core [s]: per point of a task, and per design of a study."""
-    compile_quickly()
-    keep_compiled()
     from propmap.tasks import on_cores
 
     found: dict[str, Any] = {}

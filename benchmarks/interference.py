@@ -18,7 +18,6 @@ import numpy as np
 from benchmarks.results_file import machine, write_results
 from propmap.cli.flight_options import BLADE
 from propmap.cli.prior_options import section_prior
-from propmap.compilation import compile_quickly, keep_compiled
 from propmap.fit.comparison import flight_forces
 from propmap.fit.force_model import ForceModel
 from propmap.fit.parameters import BODY, FIRST_GUESS, FLEX, MOUNT, SECTION, WAKES
@@ -64,8 +63,6 @@ def least(jobs: dict[str, Callable[[], Any]]) -> dict[str, float]:
 
 def main() -> None:
     """Measure, print, and write the results."""
-    compile_quickly()
-    keep_compiled()
     vehicle = read_vehicle(VEHICLE).vehicle
     prior = section_prior(None, vehicle.propeller.name, by_default=True)
     assert prior is not None

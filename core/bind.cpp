@@ -14,6 +14,7 @@
 
 #include "propmap/disk_field.hpp"
 #include "propmap/dynamic_inflow.hpp"
+#include "propmap/instructions.hpp"
 
 namespace nb = nanobind;
 using namespace propmap;
@@ -160,22 +161,40 @@ BlendedLaw<double> blended_law(const nb::dict& law) {
 }
 
 TabulatedLaw<double> tabulated_law(const nb::dict& law) {
-    auto table = std::make_shared<SectionTable>();
-    table->knots = numbers(law["knots"]), table->rows = numbers(law["rows"]);
-    table->log_re = numbers(law["log_re"]);
-    table->stall_up = numbers(law["stall_up"]), table->stall_down = numbers(law["stall_down"]);
-    table->attached_slope = number(law, "attached_slope"), table->stall_width = number(law, "stall_width");
-    // The circle in equal steps, shorter than any interval.
-    const auto& x = table->knots;
-    double least = 2.0 * pi;
-    for (std::size_t k = 0; k + 1 < x.size(); ++k) least = std::min(least, x[k + 1] - x[k]);
-    const int count = int(std::ceil(2.0 * pi / (0.999 * least)));
-    for (int step = 0; step < count; ++step) {
-        const double start = -pi + 2.0 * pi * step / count;
-        const int k = int(std::upper_bound(x.begin(), x.end(), start) - x.begin()) - 1;
-        table->first.push_back(std::clamp(k, 0, int(x.size()) - 2));
-    }
-    return {table, number(law, "zero_lift_angle"), number(law, "drag_factor", 1.0)};
+    auto table = std::make_shared<SectionTable>(make_section_table(
+        numbers(law["angle"]), numbers(law["reynolds"]), numbers(law["lift"]), numbers(law["drag"])));
+    return {table, table->zero_lift_angle, number(law, "drag_factor", 1.0)};
+}
+
+using AnyLaw = std::variant<BlendedLaw<double>, TabulatedLaw<double>>;
+
+AnyLaw any_law(const nb::dict& law) {
+    if (nb::cast<std::string>(law["kind"]) == "tabulated") return tabulated_law(law);
+    return blended_law(law);
+}
+
+// C_L and C_D of a section at angles from the chord line [rad] and Reynolds numbers; (2, N).
+Numbers section_coefficients(const nb::dict& of, Vector alpha, Vector reynolds) {
+    double* found;
+    const std::size_t n = alpha.size();
+    auto array = make_array({2, n}, found);
+    std::visit([&](const auto& law) {
+        for (std::size_t k = 0; k < n; k += width) {
+            const auto at = [&](const Vector& v) {
+                return each_lane([&](int j) { return v.data()[std::min(k + j, n - 1)]; });
+            };
+            const Lanes re = at(reynolds), from = at(alpha);
+            const auto turn = [&](Lanes angle) {
+                return sine_cosine(each_lane([&](int j) { return std::remainder((from - angle)[j], 2.0 * pi); }));
+            };
+            const auto lift = turn(law.zero_lift_angle_at(re) + Lanes{}), drag = turn(law.least_drag_angle_at(re) + Lanes{});
+            const SectionFlow<Lanes, Lanes, Lanes, Lanes> flow{lift.sine, lift.cosine, drag.sine, Lanes{}, re,
+                                                               1.0 / square_root(re)};
+            const auto c = law.coefficients(flow);
+            for (int j = 0; j < width && k + j < n; ++j) found[k + j] = c.lift[j], found[n + k + j] = c.drag[j];
+        }
+    }, any_law(of));
+    return array;
 }
 
 const std::map<std::string, InflowShape> inflow_shapes = {
@@ -281,32 +300,6 @@ class CoreRotor {
         }, solver_);
     }
 
-    // C_L and C_D at angles from the chord line [rad] and Reynolds numbers; (2, N).
-    Numbers coefficients(Vector alpha, Vector reynolds) const {
-        double* found;
-        const std::size_t n = alpha.size();
-        auto array = make_array({2, n}, found);
-        std::visit([&](const auto& solver) {
-            const auto& law = solver.rotor().law;
-            for (std::size_t k = 0; k < n; k += width) {
-                const auto at = [&](const Vector& v) {
-                    return each_lane([&](int j) { return v.data()[std::min(k + j, n - 1)]; });
-                };
-                const Lanes re = at(reynolds), from = at(alpha);
-                const auto turn = [&](auto angle) {
-                    return each_lane([&](int j) { return std::remainder((from - angle)[j], 2.0 * pi); });
-                };
-                const auto lift = sine_cosine(turn(law.zero_lift_angle_at(re) + Lanes{}));
-                const auto drag = sine_cosine(turn(law.least_drag_angle_at(re) + Lanes{}));
-                const Lanes root = 1.0 / square_root(re);
-                const SectionFlow<Lanes, Lanes, Lanes, Lanes> flow{lift.sine, lift.cosine, drag.sine, Lanes{}, re, root};
-                const auto c = law.coefficients(flow);
-                for (int j = 0; j < width && k + j < n; ++j) found[k + j] = c.lift[j], found[n + k + j] = c.drag[j];
-            }
-        }, solver_);
-        return array;
-    }
-
     // Thrust [N] of attached flow, a good guess at once.
     Numbers attached_thrust(Vector omega, Vector v_axial, Vector v_inplane) const {
         double* found;
@@ -352,9 +345,9 @@ class CoreRotor {
   private:
     AnySolver make(const nb::dict& law, const nb::dict& air, const nb::dict& corrections, bool fine) {
         const Accuracy& accuracy = fine ? fine_accuracy : standard_accuracy;
-        if (nb::cast<std::string>(law["kind"]) == "tabulated")
-            return RotorSolver<TabulatedLaw>(rotor<TabulatedLaw>(tabulated_law(law), air, corrections), accuracy);
-        return RotorSolver<BlendedLaw>(rotor<BlendedLaw>(blended_law(law), air, corrections), accuracy);
+        return std::visit([&]<template <class> class LawOf>(const LawOf<double>& found) -> AnySolver {
+            return RotorSolver<LawOf>(rotor<LawOf>(found, air, corrections), accuracy);
+        }, any_law(law));
     }
 
     template <template <class> class LawOf>
@@ -414,6 +407,8 @@ class CoreRotor {
 
 NB_MODULE(PROPMAP_MODULE, m) {
     m.def("instructions", [] { return PROPMAP_INSTRUCTIONS; });
+    m.def("best_instructions", &best_instructions);
+    m.def("section_coefficients", &section_coefficients);
     nb::class_<CoreRotor>(m, "Rotor")
         .def(nb::init<const nb::dict&, const nb::dict&, const nb::dict&, const nb::dict&, bool>(), nb::arg("blade"),
              nb::arg("law"), nb::arg("air"), nb::arg("corrections"), nb::arg("fine"))
@@ -423,7 +418,6 @@ NB_MODULE(PROPMAP_MODULE, m) {
         .def("solution", &CoreRotor::solution)
         .def("inflow_motion", &CoreRotor::inflow_motion)
         .def("disk_field", &CoreRotor::disk_field)
-        .def("coefficients", &CoreRotor::coefficients)
         .def("attached_thrust", &CoreRotor::attached_thrust)
         .def_prop_ro("span", &CoreRotor::span);
 }

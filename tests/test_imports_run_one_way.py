@@ -10,6 +10,7 @@ from tools.import_graph import module_imports, room
 
 LEFT_TO_RIGHT = (
     "errors",
+    "core",
     "typing",
     "tasks",
     "loads",

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from propmap.compilation import for_deviations
 from propmap.loads import LOADS
 from propmap.model.model import Model
 from propmap.model.section_covariance import SectionCovariance
@@ -75,45 +73,12 @@ def errors_of_loads(model: Model, at: FlowPoints, loads: Floats) -> dict[str, Fl
     return found
 
 
-def parameter_slopes(
-    rotor: Rotor,
-    names: tuple[str, ...],
-    scales: Sequence[float],
-    at: FlowPoints,
-    few: int | None = None,
-) -> Floats:
-    """Derivatives (L, P, N) of the loads by P parameters: of the section law, or of ``GEOMETRY``.
-
-    By the implicit function theorem in JAX, or for few points by differences.
-
-    Parameters
-    ----------
-    rotor : Rotor
-        Of the loads.
-    names : tuple of str
-        The parameters.
-    scales : sequence of float
-        By how much each may differ, in its unit, above 0.
-    at : FlowPoints
-        N operating points.
-    few : int, optional
-        Points up to which differences are taken, by default as few as take a compiler longer.
-    """
-    thrift = for_deviations(scales, compiled=rotor.compiled, few=few)
-    return rotor._gradients(names, *at, thrift).slopes
-
-
-def scales_of(known: SectionCovariance) -> list[float]:
-    """By how much each of the constants that are ``known`` so well may differ, above 0."""
-    return [float(spread) or 1e-3 for spread in np.diag(known.matrix) ** 0.5]
-
-
 def _by_parameters(known: SectionUncertainty, rotor: Rotor, at: FlowPoints) -> dict[str, Floats]:
     """Standard deviations (L, N) that follow from what is not known of constants and blade."""
     whole = known.covariance.determined
     if not whole.names:
         return {}
-    slopes = parameter_slopes(rotor, whole.names, scales_of(whole), at)
+    slopes = rotor.gradients(whole.names, *at).slopes
 
     def variance(of: SectionCovariance) -> Floats:
         return np.maximum(np.einsum("lpn,pq,lqn->ln", slopes, of.matrix, slopes), 0.0)

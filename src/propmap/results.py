@@ -229,10 +229,13 @@ class SearchReport:
         v_i where the search ended [m/s].
     residual : ndarray, shape (S,)
         Blade-element thrust less momentum thrust there [N/m].
-    steps : ndarray, shape (S,)
-        Evaluations of the residual in the search.
     found : ndarray, shape (S,)
         Whether the search found the largest root.
+    edges : ndarray, shape (P + 1,)
+        Radii at which the panels meet that the stations belong to, root and tip included [m].
+        Inner ones follow stall.
+    azimuths : int
+        Azimuths that loads are averaged over.
     tip : float
         Blade radius R [m].
     """
@@ -240,24 +243,23 @@ class SearchReport:
     radius: Floats
     inflow: Floats
     residual: Floats
-    steps: NDArray[np.int64]
     found: NDArray[np.bool_]
+    edges: Floats
+    azimuths: int
     tip: float
 
     def __str__(self) -> str:
         lost = np.flatnonzero(~self.found)
         if not lost.size:
-            k = int(np.argmax(self.steps))
+            worst = float(np.abs(self.residual).max())
             return (
-                f"all {self.radius.size} stations converged, in {int(self.steps.max())} steps at "
-                f"most (at y/R = {self.radius[k] / self.tip:.3f})"
+                f"all {self.radius.size} stations converged, over {self.azimuths} azimuths; the "
+                f"largest residual is {worst:.1g} N/m"
             )
         k = int(lost[0])
         return (
             f"{lost.size} of {self.radius.size} stations did not converge; the first at "
-            f"y = {self.radius[k]:.5f} m (y/R = {self.radius[k] / self.tip:.3f}): after "
-            f"{int(self.steps[k])} steps v_i = {self.inflow[k]:.4g} m/s leaves a residual of "
-            f"{self.residual[k]:.3g} N/m"
+            f"y = {self.radius[k]:.5f} m (y/R = {self.radius[k] / self.tip:.3f})"
         )
 
 
@@ -330,12 +332,3 @@ def hub_wrench(loads: Loads, direction: Floats, sign: float) -> Wrench:
     force = loads.thrust[..., None] * z - loads.drag[..., None] * direction + side * left
     moment = -sign * (loads.torque[..., None] * z + loads.roll_moment[..., None] * direction)
     return Wrench(force, moment - pitch * left)
-
-
-def statuses(found: Any, v_axial: Floats, coarse: NDArray[np.bool_]) -> NDArray[np.str_]:
-    """The worst of ``STATUSES`` that applies at each point; ``v_axial`` is V cos(beta) [m/s]."""
-    windmill = (v_axial < 0.0) & (v_axial + 2.0 * found.mean_inflow <= 0.0)
-    ring = (found.ring > 0.0) | found.mirrored
-    lost = ~np.isfinite(found.loads.thrust)
-    cases = [lost, ring, coarse, windmill, found.roots > 1]
-    return np.asarray(np.select(cases, STATUSES[:0:-1], STATUSES[0]))

@@ -10,17 +10,19 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from propmap.bands import FlowPoints, load_deviations
-from propmap.compilation import NO_THRIFT, Thrift
-from propmap.engine.accuracy import FOR_DEVIATIONS
-from propmap.engine.accuracy import accuracy as accuracy_setting
-from propmap.engine.attached_thrust import attached_thrust
-from propmap.engine.differences import load_differences
-from propmap.engine.evaluation import Prepared, evaluate, prepare, tail_share
-from propmap.engine.gradients import load_gradients
-from propmap.engine.rotor_arrays import rotor_arrays
 from propmap.errors import InputError
 from propmap.loads import FLOW, GEOMETRY, LOADS, MOUNT_AREA
-from propmap.model.corrections import MountDrag
+from propmap.model.corrections import (
+    BladeToHub,
+    BladeUntwist,
+    HubLoss,
+    MountDrag,
+    PrandtlGlauert,
+    RadialFriction,
+    StallDelay,
+    TipLoss,
+    name_of,
+)
 from propmap.model.model import Model
 from propmap.operating_points import (
     along_and_across,
@@ -31,6 +33,7 @@ from propmap.operating_points import (
     split_velocity,
 )
 from propmap.results import (
+    STATUSES,
     Deviations,
     Inflow,
     LoadGradients,
@@ -40,21 +43,41 @@ from propmap.results import (
     Wrench,
     hub_wrench,
     spin_sign,
-    statuses,
 )
-from propmap.solve.rotor_loads import RotorLoads
+from propmap.tasks import cores
 from propmap.typing import Floats
 
 if TYPE_CHECKING:
-    from propmap.physics.rotor import RotorArrays
+    from propmap.typing import CoreRotor
 
-PRECISIONS = ("float64", "float32")
+ACCURACIES = ("standard", "fine")
 
-PREPARED = ("arrays", "_prepared", "_differentiable")
-"""Properties that a process computes for itself."""
 
-MOST_STATIONS = 40
-"""Stations that no blade of the catalogue has more of."""
+def core_corrections(model: Model) -> dict[str, Any]:
+    """The corrections of a ``model`` as the core takes them: numbers by name."""
+    found: dict[str, Any] = {}
+    for value in model.applied:
+        name = name_of(value)
+        match value:
+            case BladeToHub():
+                hub = value.hub(model.propeller)
+                if hub < model.propeller.root:
+                    found[name] = hub
+            case BladeUntwist():
+                found[name] = value.tip_angle
+            case HubLoss():
+                found[name] = value.radius(model.span[0])
+            case MountDrag():
+                found |= {name: value.area(model.propeller.radius), "mount-wake": value.wake}
+            case StallDelay():
+                found[name] = value.strength
+            case PrandtlGlauert():
+                found[name] = value.sound_mps
+            case TipLoss() | RadialFriction():
+                found[name] = 1.0
+            case _:
+                found["inflow"] = name
+    return found
 
 
 class Rotor:
@@ -66,45 +89,20 @@ class Rotor:
         Propeller, section law, air and corrections.
     accuracy : str
         "standard" (0.1 % of static thrust and torque) or "fine" (0.01 %, slower).
-    compiled : bool
-        Whether the first call waits some seconds for the compiler, so that all others take a
-        hundredth of the time.  For a few points in a short process it is not worth it: NumPy then
-        gives the same loads, but for rounding, in some hundredths of a second each.
-    precision : str
-        "float64"; or "float32" for large batches of loads in less time, with errors below 0.3 % of
-        static thrust and torque where "standard" promises 0.1 %; compiled only.
-
     Raises
     ------
     InputError
         For arguments of another kind.
     """
 
-    def __init__(
-        self,
-        model: Model,
-        *,
-        accuracy: str = "standard",
-        compiled: bool = True,
-        precision: str = "float64",
-    ) -> None:
+    def __init__(self, model: Model, *, accuracy: str = "standard") -> None:
         if not isinstance(model, Model):
             raise InputError(
                 f"model is {model!r}", "give a Model, from propmap.Model(propeller, airfoil)"
             )
-        if precision not in PRECISIONS:
-            raise InputError(
-                f"precision is {precision!r}: it must be one of {', '.join(PRECISIONS)}"
-            )
-        if precision != PRECISIONS[0] and not (compiled and accuracy == "standard"):
-            raise InputError(
-                f"{precision} with accuracy {accuracy!r} and compiled={compiled}",
-                "it serves compiled programs of accuracy 'standard' alone",
-            )
+        if accuracy not in ACCURACIES:
+            raise InputError(f"accuracy is {accuracy!r}: it must be one of {', '.join(ACCURACIES)}")
         self.model, self.accuracy = model, accuracy
-        self.compiled, self.precision = compiled, precision
-        self._setting, self._uniform = accuracy_setting(accuracy), False
-        self._stations = 0
 
     def __repr__(self) -> str:
         m = self.model
@@ -114,41 +112,31 @@ class Rotor:
         )
 
     def __getstate__(self) -> dict[str, Any]:
-        """What another process makes the rotor of; what is prepared for this one stays here."""
-        return {key: value for key, value in vars(self).items() if key not in PREPARED}
-
-    def for_all_sizes(self) -> Rotor:
-        """This rotor, with one set of programs for batches of any size.
-
-        A small batch takes as long as one of some hundred points, but less is compiled in all.
-        """
-        rotor = self.with_model(self.model)
-        rotor._uniform = True
-        return rotor
-
-    def for_all_blades(self) -> Rotor:
-        """This rotor, with one set of programs for any blade of up to ``MOST_STATIONS`` stations.
-
-        The loads are the same; it is for a single blade that less is compiled without this.
-        """
-        return self.for_all_sizes()._with_stations(MOST_STATIONS)
-
-    def _with_stations(self, count: int) -> Rotor:
-        """This rotor, with programs that serve any blade of up to ``count`` stations."""
-        rotor = self.with_model(self.model)
-        rotor._stations = count
-        return rotor
+        """What another process makes the rotor of; the core's own is made there."""
+        return {"model": self.model, "accuracy": self.accuracy}
 
     def with_model(self, model: Model) -> Rotor:
-        """A rotor of another ``model`` with the settings of this one."""
-        rotor = Rotor(
-            model,
-            accuracy=self.accuracy,
-            compiled=self.compiled,
-            precision=self.precision,
-        )
-        rotor._uniform, rotor._stations = self._uniform, self._stations
-        return rotor
+        """A rotor of another ``model`` with the accuracy of this one."""
+        return Rotor(model, accuracy=self.accuracy)
+
+    @functools.cached_property
+    def _core(self) -> CoreRotor:
+        """The model in the compiled core."""
+        from propmap import core
+
+        p, air = self.model.propeller, self.model.air
+        blade = {
+            "station": np.ascontiguousarray(p.station, np.float64),
+            "chord": np.ascontiguousarray(p.chord, np.float64),
+            "twist": np.ascontiguousarray(p.twist, np.float64),
+            "blades": int(p.blades),
+            "root": float(p.root),
+        }
+        medium = {"density": float(air.density), "viscosity": float(air.viscosity)}
+        law = self.model.airfoil.core_law()
+        fine = self.accuracy == "fine"
+        made: CoreRotor = core.Rotor(blade, law, medium, core_corrections(self.model), fine)
+        return made
 
     def loads(self, omega: ArrayLike, speed: ArrayLike, beta: ArrayLike) -> Loads:
         """Loads at operating points.
@@ -206,7 +194,7 @@ class Rotor:
         a common change of the twist, and "untwist" [rad], what the twist of the tip loses at a tip
         speed of 100 m/s; "omega" [rad/s], "v_axial" and "v_inplane" [m/s].
         """
-        law = getattr(self.model.airfoil, "parameters", None) or self.arrays.law.parameters
+        law = self.model.airfoil.parameters
         mounted = () if self.model.correction_of(MountDrag) is None else (MOUNT_AREA,)
         return (*law, *mounted, *GEOMETRY, *FLOW)
 
@@ -241,7 +229,19 @@ class Rotor:
         InputError
             For an unknown name, and for values that ``loads`` refuses.
         """
-        return self._gradients(names, omega, v_axial, v_inplane, NO_THRIFT)
+        wanted = list(names)
+        unknown = [name for name in wanted if name not in self.parameters]
+        if unknown:
+            raise InputError(
+                f"loads have no derivative by {unknown[0]!r}",
+                f"give some of {', '.join(self.parameters)}",
+            )
+        flow = along_and_across(omega, v_axial, v_inplane)
+        shape, flat = flow[0].shape, [np.ascontiguousarray(a.ravel()) for a in flow]
+        loads, slopes = self._core.gradients(wanted, *flat, cores())
+        return LoadGradients(
+            loads.reshape(len(LOADS), *shape), slopes.reshape(len(LOADS), len(wanted), *shape)
+        )
 
     def attached_thrust(
         self,
@@ -269,7 +269,7 @@ class Rotor:
         thrust : ndarray, shape (...)
             [N].
         more : ndarray, shape (P, ...)
-            By how much those of ``others`` are more, to first order in that of their lift [N].
+            By how much those of ``others`` are more [N].
 
         Raises
         ------
@@ -277,17 +277,15 @@ class Rotor:
             For values that ``loads`` refuses.
         """
         flow = along_and_across(omega, v_axial, v_inplane)
-        shape, flat = flow[0].shape, [a.ravel() for a in flow]
-        there = [rotor_arrays(one) for one in others]
-        thrust, more = attached_thrust(self.arrays, flat[0], flat[1], flat[2], there)
-        return thrust.reshape(shape), more.reshape(-1, *shape)
+        shape, flat = flow[0].shape, [np.ascontiguousarray(a.ravel()) for a in flow]
+        thrust = self._core.attached_thrust(*flat)
+        more = [self.with_model(one)._core.attached_thrust(*flat) - thrust for one in others]
+        return thrust.reshape(shape), np.reshape(more, (len(others), *shape))
 
     def hover_inflow(self, omega: ArrayLike) -> Floats:
         """Static inflow v_i0 [m/s] of eq. (12) at ``omega`` [rad/s], from own static thrust."""
-        from propmap.engine.evaluation import static_inflow
-
         w = rates(omega)
-        return static_inflow(self._prepared, self._setting, w.ravel()).reshape(w.shape)
+        return self._core.hover_inflow(np.ascontiguousarray(w.ravel()), cores()).reshape(w.shape)
 
     def inflow(
         self,
@@ -311,8 +309,6 @@ class Rotor:
         azimuth : array_like, optional
             psi [rad]; by default every 5 degrees of a full turn.
         """
-        from propmap.engine.disk_field import look_at_disk
-
         w, along, across = resolved(omega, speed, beta, one=True)
         root, tip = self.model.span
         y = np.linspace(root, tip, 60) if radius is None else np.ravel(radius)
@@ -320,104 +316,59 @@ class Rotor:
         y, psi = broadcast(radius=y)[0], broadcast(azimuth=psi)[0]
         if (y < root).any() or (y > tip).any():
             raise InputError(f"radius must lie between {root:g} and {tip:g} m")
-        still = self.hover_inflow(w) if along < 0.0 else np.zeros(())
-        flow = (float(w), float(along), float(across), float(still))
-        return look_at_disk(self.arrays, flow, y, psi, compiled=self.compiled)
+        found = self._core.disk_field(float(w), float(along), float(across), list(y), list(psi))
+        return Inflow(
+            radius=y,
+            azimuth=psi,
+            inflow=found["inflow"],
+            local_inflow=found["local_inflow"],
+            thrust_per_radius=found["thrust"],
+            drag_per_radius=found["drag"],
+            torque_per_radius=found["torque"],
+            alpha=found["alpha"],
+            u_tangential=found["u_tangential"],
+            u_normal=found["u_normal"],
+            past_stall=found["past_stall"],
+            stalled=found["past_stall"] > 0.0,
+            reverse=found["u_tangential"] < 0.0,
+            normal_force=found["normal_force"],
+        )
 
-    def explain(
-        self, omega: float, speed: float, beta: float, *, max_steps: int | None = None
-    ) -> SearchReport:
+    def explain(self, omega: float, speed: float, beta: float) -> SearchReport:
         """How the inflow equation (11) was solved at one operating point, station by station.
 
         The place to look where a status is "not_converged": ``print(rotor.explain(...))`` names
-        the station, the steps taken and the residual that is left.
+        the station and the residual that is left.
 
         Parameters
         ----------
         omega, speed, beta : float
             The operating point, as in ``loads``.
-        max_steps : int, optional
-            Steps after which the search is given up; by default as in ``loads``.
 
         Raises
         ------
         InputError
             For arrays, and for values that ``loads`` refuses.
         """
-        from propmap.engine.programs import Flow
-        from propmap.engine.search_report import search_report
-        from propmap.solve.root import MAX_STEPS
-
         w, along, across = resolved(omega, speed, beta, one=True)
-        still = self.hover_inflow(w)[None] if along < 0.0 else None
-        flow = Flow(w[None], along[None], across[None], still)
-        return search_report(self._prepared, self._setting, flow, max_steps or MAX_STEPS)
-
-    @functools.cached_property
-    def arrays(self) -> RotorArrays:
-        """The model as arrays of NumPy float64, for ``propmap.solve.rotor_loads``."""
-        from propmap.arrays.namespace import by_numpy
-        from propmap.physics.geometry import with_stations
-
-        found = rotor_arrays(self.model)
-        with by_numpy():
-            return found._replace(blade=with_stations(found.blade, self._stations))
-
-    @functools.cached_property
-    def _prepared(self) -> Prepared:
-        double = self.precision == PRECISIONS[0]
-        return prepare(self.arrays, compiled=self.compiled, uniform=self._uniform, double=double)
-
-    @functools.cached_property
-    def _differentiable(self) -> Prepared:
-        """For derivatives, which only programs in float64 give."""
-        if self.compiled and self.precision == PRECISIONS[0]:
-            return self._prepared
-        return prepare(self.arrays, uniform=self._uniform)
-
-    @property
-    def _programs(self) -> object:
-        """What compiled programs depend on, beside the sizes that are the same for all."""
-        import jax
-
-        return jax.tree.structure(self.arrays)
-
-    def _gradients(
-        self,
-        names: Iterable[str],
-        omega: ArrayLike,
-        v_axial: ArrayLike,
-        v_inplane: ArrayLike,
-        thrift: Thrift,
-    ) -> LoadGradients:
-        """``gradients`` in a way that saves compiling."""
-        wanted = tuple(names)
-        unknown = [name for name in wanted if name not in self.parameters]
-        if unknown:
-            raise InputError(
-                f"loads have no derivative by {unknown[0]!r}",
-                f"choose from {', '.join(self.parameters)}",
-            )
-        flow = along_and_across(omega, v_axial, v_inplane)
-        shape, flat = flow[0].shape, [a.ravel() for a in flow]
-        setting = FOR_DEVIATIONS if thrift.coarse else self._setting
-        if flat[0].size <= thrift.few:
-            found = load_differences(self._prepared, setting, wanted, thrift.scales, *flat)
-        else:
-            found = load_gradients(self._differentiable, setting, wanted, *flat, alike=thrift.alike)
-        return LoadGradients(
-            found.loads.reshape(-1, *shape), found.slopes.reshape(len(LOADS), len(wanted), *shape)
+        found = self._core.solution(float(w), float(along), float(across))
+        return SearchReport(
+            radius=found["radius"],
+            inflow=found["inflow"],
+            residual=found["residual"],
+            found=np.isfinite(found["inflow"]),
+            edges=found["edge"],
+            azimuths=found["azimuths"],
+            tip=self.model.span[1],
         )
 
     def _loads(self, omega: Floats, v_axial: Floats, v_inplane: Floats) -> Loads:
         shape = omega.shape
-        flow = (omega.ravel(), v_axial.ravel(), v_inplane.ravel())
-        flat = evaluate(self._prepared, self._setting, *flow)
-        found: Any = RotorLoads.of_rows(row.reshape(shape) for row in flat.rows)
-        # Derivatives are compiled in float64 alone.
-        known = self.model.uncertainty is not None and self.precision == PRECISIONS[0]
-        at = functools.partial(self._deviations, FlowPoints(*flow), np.stack(flat.loads), shape)
-        return self._told(found, omega, v_axial, v_inplane, at if known else None)
+        flow = [np.ascontiguousarray(a.ravel()) for a in (omega, v_axial, v_inplane)]
+        loads, found = self._core.loads(*flow, cores())
+        known = self.model.uncertainty is not None
+        at = functools.partial(self._deviations, FlowPoints(*flow), loads, shape)
+        return self._told(loads, found, flow, shape, at if known else None)
 
     def _deviations(
         self, at: FlowPoints, loads: Floats, shape: tuple[int, ...]
@@ -435,23 +386,23 @@ class Rotor:
 
     def _told(
         self,
-        found: Any,
-        omega: Floats,
-        v_axial: Floats,
-        v_inplane: Floats,
+        loads: Floats,
+        found: Floats,
+        flow: Sequence[Floats],
+        shape: tuple[int, ...],
         deviations: Deviations | None = None,
     ) -> Loads:
-        """The ``RotorLoads`` that were ``found``, with a status."""
-        tails = tail_share(self._prepared, omega, v_axial, v_inplane, found)
-        coarse = tails > self._setting.finer[-1][1]
-        reverse = reverse_flow_share(omega, v_inplane, *self.model.span)
+        """Loads (L, N), and status, roots, ring and mean inflow (4, N), as the core gives them."""
+        by_name = {name: row.reshape(shape) for name, row in zip(LOADS, loads, strict=True)}
+        omega = flow[0].reshape(shape)
+        status, roots, ring, mean_inflow = (row.reshape(shape) for row in found)
         return Loads(
-            **found.loads._asdict(),
-            power=found.loads.torque * omega,
-            status=statuses(found, v_axial, coarse),
-            roots=found.roots,
-            reverse_flow=reverse,
-            vortex_ring=found.ring,
-            mean_inflow=found.mean_inflow,
+            **by_name,
+            power=by_name["torque"] * omega,
+            status=np.asarray(np.asarray(STATUSES)[status.astype(np.int64)]),
+            roots=roots.astype(np.int64),
+            reverse_flow=reverse_flow_share(omega, flow[2].reshape(shape), *self.model.span),
+            vortex_ring=ring,
+            mean_inflow=mean_inflow,
             deviations=deviations,
         )

@@ -20,7 +20,6 @@ def _flags(monkeypatch: pytest.MonkeyPatch, before: str = "", jaxlib: str = "") 
     monkeypatch.setenv("XLA_FLAGS", before)
     version = jaxlib or f"{KNOWN_JAXLIB}99"
     monkeypatch.setattr(importlib.metadata, "version", lambda _: version)
-    compile_quickly()
     return os.environ["XLA_FLAGS"]
 
 

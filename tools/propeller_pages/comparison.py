@@ -96,7 +96,7 @@ def compare(entry: Identified, tested: MeasuredPropeller) -> Comparison:
     asked = _asked(tested)
     # One batch for all, since most of the time of a small one goes elsewhere.
     found = coefficients(
-        Rotor(Model(blade, entry.airfoil), compiled=False),
+        Rotor(Model(blade, entry.airfoil)),
         np.concatenate([*(rpm for rpm, _, _ in asked), tested.rpm]),
         np.concatenate([*(advance for _, advance, _ in asked), tested.advance]),
     )

@@ -19,7 +19,7 @@ inline constexpr int width = 4;
 #endif
 
 using Lanes = double __attribute__((vector_size(8 * width)));
-using Mask = std::int64_t __attribute__((vector_size(8 * width)));
+using Mask = decltype(Lanes{} < Lanes{});  // what comparing gives: the compilers differ in its name for 64 bits
 
 inline constexpr double pi = 3.14159265358979323846;
 

@@ -16,12 +16,9 @@ from propmap.typing import Floats
 def has_slopes(source: Any) -> bool:
     """Whether the loads of a ``source`` have exact derivatives by the flow.
 
-    A rotor's programs have, by the implicit function theorem in JAX, and a table; a rotor that is
-    not compiled and the hover model have not.
+    A rotor has, by the implicit function theorem, and a table; the hover model has not.
     """
-    if isinstance(source, Rotor):
-        return source.compiled and source.precision == "float64"
-    return isinstance(source, LoadTable)
+    return isinstance(source, Rotor | LoadTable)
 
 
 class LocalLoads:

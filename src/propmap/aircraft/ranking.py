@@ -170,7 +170,7 @@ class Ranking:
         own = getattr(candidate.airfoil, "corrections", None)
         corrections = self.corrections if own is None else ()
         model = Model(candidate.propeller, candidate.airfoil, air, corrections)
-        rotor = Rotor(model).for_all_blades()
+        rotor = Rotor(model)
         return Aircraft(
             vehicle, rotor, maximum_rotor_speed=self.maximum_rotor_speed, charge=self.charge
         )

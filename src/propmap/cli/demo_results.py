@@ -236,16 +236,10 @@ def write_pictures(results: Results, folder: Path) -> tuple[Path, Path]:
 
 
 def _rotors(data: Measurement) -> dict[str, Rotor]:
-    """The rotor by the name of the model, in the air of the ``data``.
-
-    The recommended one is compiled, since it is timed; the others have too few points for it.
-    """
+    """The rotor by the name of the model, in the air of the ``data``."""
     blade, air = propeller(PROPELLER), propmap.Air(density=data.air_density)
     return {
-        name: Rotor(
-            Model(blade, parameter_set(section), air, corrections_of(name)),
-            compiled=name == "recommended",
-        )
+        name: Rotor(Model(blade, parameter_set(section), air, corrections_of(name)))
         for name, section in SECTIONS.items()
     }
 

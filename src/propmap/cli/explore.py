@@ -49,7 +49,6 @@ def explore(
         raise InputError(
             "the package dash is not installed", "pip install '.[explore]' in propmap's checkout"
         )
-    from propmap.compilation import keep_compiled
     from propmap.explore.application import Application
     from propmap.explore.given import Shelf, read_path
     from propmap.explore.server import guard, is_loopback, listen, names_of, serve
@@ -63,7 +62,6 @@ def explore(
     elif subject is not None:
         first = Session(prop=subject)
     first.model  # noqa: B018 - what is wrong with it is told before anything listens
-    keep_compiled()
     app = Application(first, VIEWS, shelf, prepare=prepare)
     guard(app.dash.server, names_of(host))
     server = listen(app.dash.server, host, port, PORT)

@@ -74,11 +74,9 @@ def fit_terms_page(
     # Moments play no part here, and the wakes are one of the terms.
     file = replace(file, vehicle=replace(file.vehicle, inertia=None, wakes=None))
 
-    from propmap.compilation import keep_compiled
     from propmap.fit.flight_terms import fit_terms
     from propmap.report.terms_page.page import terms_pages
 
-    keep_compiled()
     cutoff = CUTOFF if low_pass is None else low_pass
     flights, remarks = read_pairs(logs, file, cutoff, prediction)
     prior = expected(prior_from, file.vehicle)

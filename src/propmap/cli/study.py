@@ -70,7 +70,7 @@ def study(
         raise InputError("--picture needs two quantities that vary", "vary another", str(file))
     choice = RotorChoice(read.propeller, airfoil=read.airfoil or None, accuracy=accuracy)
     try:
-        made = read.study(choice.rotor(None if cluster else read.points))
+        made = read.study(choice.rotor())
     except InputError as error:
         raise InputError(error.found, error.remedy, str(file)) from None
     layout = study_layout(made, shlex.join(["propmap", *context.obj]))

@@ -50,10 +50,7 @@ def _set_up(flags: str) -> None:
     """XLA's options and the place of compiled programs, before JAX first computes something."""
     global _flags
     if _flags is None:
-        from propmap.compilation import keep_compiled
-
         os.environ["XLA_FLAGS"] = flags
-        keep_compiled()
         _flags = flags
     if _flags != flags:
         raise InputError(

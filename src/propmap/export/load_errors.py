@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.bands import FlowPoints, parameter_slopes, scales_of
 from propmap.errors import InputError
 from propmap.loads import LOADS
 from propmap.model.section_covariance import SectionCovariance
@@ -109,8 +108,7 @@ def _of_constants(
     names = determined.names
     if not names:
         return np.zeros((0, len(USED), omega.size))
-    at = FlowPoints(omega, along, across)
-    slopes = parameter_slopes(rotor, names, scales_of(determined), at, few=omega.size)
+    slopes = rotor.gradients(names, omega, along, across).slopes
     size, axes = np.linalg.eigh(determined.matrix)
     root = axes * np.sqrt(np.maximum(size, 0.0))
     rows = [list(LOADS).index(name) for name in USED]

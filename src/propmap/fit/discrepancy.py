@@ -38,7 +38,7 @@ def discrepancy(fitted: Fitted, found: Model, hover: Floats) -> dict[str, float]
                 shares[kind] = errors(*fitted.compared(k)).rms / size
     if not shares or not np.isfinite(list(shares.values())).all():
         return {}
-    static = HoverModel.of(Rotor(found, compiled=False))
+    static = HoverModel.of(Rotor(found))
     blade, air = found.propeller, found.air
     thrust = abs(static.k_thrust) * (2.0 * np.pi) ** 2 / (air.density * blade.diameter**4)
     power = abs(static.k_torque) * (2.0 * np.pi) ** 3 / (air.density * blade.diameter**5)

@@ -199,7 +199,7 @@ class ForceModel:
         loads = np.empty((len(LOADS), *shape))
         slopes = np.empty((len(LOADS), len(names), *shape))
         for model, mine in mounted_rotors(self.vehicle, model_with(self.model, values)):
-            rotor = Rotor(model, accuracy=self.setting).for_all_sizes()
+            rotor = Rotor(model, accuracy=self.setting)
             found = rotor.gradients(asked, *(a[:, mine] for a in (omega, axial, flow.inplane)))
             loads[..., mine] = found.loads
             slopes[..., mine] = found.slopes[:, : len(names)]

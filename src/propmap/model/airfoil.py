@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 from numpy.typing import ArrayLike
 
 from propmap.errors import InputError
+from propmap.model.core_section import section_coefficients
 from propmap.model.corrections import agreed, as_texts
 from propmap.model.drag_factor import drag_factor_accepted, warn_of_drag_factor
 from propmap.model.uncertainty import SectionUncertainty, filed_uncertainty, fitted_uncertainty
@@ -150,9 +151,13 @@ class Airfoil:
         lift, drag : ndarray, shape (...)
             C_L and C_D [-].
         """
-        from propmap.engine.rotor_arrays import section_coefficients
+        return section_coefficients(self.core_law(), alpha, reynolds)
 
-        return section_coefficients(self, alpha, reynolds)
+    def core_law(self) -> dict[str, Any]:
+        """The law as the compiled core takes it: its numbers by name."""
+        attached = 1.0 if self.lift_law == "blended" else 0.0
+        numbers = {name: getattr(self, name) for name in self.parameters}
+        return {"kind": "blended", "attached": attached, **numbers}
 
     def with_parameters(self, **changes: Any) -> Airfoil:
         """A copy with ``changes`` to constants, by name as in the constructor.

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from propmap.errors import InputError
+from propmap.model.core_section import section_coefficients
 from propmap.model.corrections import agreed, as_texts
 from propmap.model.drag_factor import drag_factor_accepted, warn_of_drag_factor
 from propmap.typing import Floats
@@ -135,9 +136,15 @@ class SectionTable:
         lift, drag : ndarray, shape (...)
             C_L and C_D [-].
         """
-        from propmap.engine.rotor_arrays import section_coefficients
+        return section_coefficients(self.core_law(), alpha, reynolds)
 
-        return section_coefficients(self, alpha, reynolds)
+    def core_law(self) -> dict[str, Any]:
+        """The law as the compiled core takes it: its figures by name."""
+        figures = {
+            name: np.ascontiguousarray(getattr(self, name).ravel())
+            for name in ("angle", "reynolds", "lift", "drag")
+        }
+        return {"kind": "tabulated", "drag_factor": self.drag_factor, **figures}
 
     def with_corrections(self, texts: Sequence[str]) -> SectionTable:
         """The table as it is to be used with corrections of these ``texts``; see ``Airfoil``."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -111,7 +110,7 @@ def study_layout(study: Study, command: str = "", points_per_task: int = POINTS_
         **software(),
         "model": str(told["model_sha256"]),
         "points": digest.hexdigest(),
-        "accuracy": f"{study.rotor.accuracy} {study.rotor.precision} {study.rotor.compiled}",
+        "accuracy": study.rotor.accuracy,
         "quantities": " ".join(kinds),
         "chunk": str(chunk),
     }
@@ -177,7 +176,7 @@ def loads_of_designs(study: Study, part: Designs) -> Values:
 def _by_numpy(rotor: Any) -> Any:
     from propmap.rotor import Rotor
 
-    return Rotor(replace(rotor.model), compiled=False)
+    return Rotor(rotor.model)
 
 
 def _texts(name: str) -> dict[str, str]:

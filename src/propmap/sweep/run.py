@@ -73,7 +73,7 @@ class Sweep:
             **software(),
             "model": _digest(told["model_sha256"], self._known()),
             "points": _digest(*(values.tobytes() for _, values, _ in coordinates.values()), *shape),
-            "accuracy": f"{self.rotor.accuracy} {self.rotor.precision} {self.rotor.compiled}",
+            "accuracy": self.rotor.accuracy,
             "quantities": " ".join(described),
             "chunk": str(chunk),
         }
@@ -128,27 +128,22 @@ class Sweep:
         return {**vars(self), "points": None}
 
     def _described(self) -> dict[str, Any]:
-        """Type and attributes of each quantity, from one point by NumPy."""
+        """Type and attributes of each quantity, from one point."""
         from propmap.rotor import Rotor
 
-        probe = Rotor(self.rotor.model, compiled=False)
+        probe = Rotor(self.rotor.model)
         radius = self.rotor.model.propeller.radius
         # In hover at a tip speed of 100 m/s.
         found = quantities(
             probe.loads([100.0 / radius], 0.0, 0.0), bands=self.bands, by_source=self.by_source
         )
-        if not self._has_bands:
+        if not self.bands:
             found = {name: values for name, values in found.items() if "_std" not in name}
         return {name: (_filed_as(values.dtype), attributes(name)) for name, values in found.items()}
 
-    @property
-    def _has_bands(self) -> bool:
-        # Derivatives are compiled in float64 alone.
-        return self.bands and self.rotor.precision == "float64"
-
     def _known(self) -> str:
         """All that deviations depend on but the model."""
-        known = self.rotor.model.uncertainty if self._has_bands else None
+        known = self.rotor.model.uncertainty if self.bands else None
         return repr(known.as_dict()) if known is not None else ""
 
 
@@ -215,7 +210,7 @@ def loads_of_part(sweep: Sweep, part: Part) -> Values:
         Operating points.
     """
     loads = sweep.rotor.loads(*part.si)
-    found = quantities(loads, bands=sweep._has_bands, by_source=sweep.by_source)
+    found = quantities(loads, bands=sweep.bands, by_source=sweep.by_source)
     return {name: values.astype(_filed_as(values.dtype)) for name, values in found.items()}
 
 

@@ -91,7 +91,7 @@ def build_table(
     check_tolerance(tolerance, rotor.accuracy)
     ends = _envelope(omega, speed, beta)
     model = Model(
-        rotor.for_all_sizes(),
+        rotor,
         ends[0],
         leave_out_vortex_ring=leave_out_vortex_ring,
         progress=progress,

@@ -13,7 +13,6 @@ import numpy as np
 
 from propmap.catalogue.identified import PARAMETERS
 from propmap.catalogue.prior import HELD
-from propmap.compilation import Thrift
 from propmap.io.uiuc_database import MeasuredPropeller
 from propmap.loads import LOADS
 from propmap.model.airfoil import Airfoil
@@ -73,8 +72,8 @@ class AxialTest:
         turns = self.tested.rpm / 60.0
         diameter = 2.0 * self.propeller.radius
         flow = (2.0 * np.pi * turns, self.tested.advance * turns * diameter)
-        rotor = Rotor(model)._with_stations(self.stations)
-        found = rotor._gradients(PARAMETERS, *flow, 0.0, Thrift(alike=True))
+        rotor = Rotor(model)
+        found = rotor.gradients(PARAMETERS, *flow, 0.0)
         force = model.air.density * turns**2 * diameter**4
         # P = 2 pi n tau.
         size = np.stack([force, force * diameter / (2.0 * np.pi)])

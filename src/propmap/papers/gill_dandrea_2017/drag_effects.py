@@ -57,7 +57,7 @@ def drag_effects(added: tuple[str, ...] = ADDED) -> list[DragEffect]:
     for count in range(len(added) + 1):
         texts = added[:count]
         model = replace(paper, corrections=tuple(correction(text) for text in texts))
-        drag = Rotor(model, compiled=False).loads(*points).drag
+        drag = Rotor(model).loads(*points).drag
         first = found[0].drag if found else drag
         found.append(DragEffect(texts, drag, drag / first - 1.0))
     return found
