@@ -30,12 +30,20 @@ OneOf = TypeVar("OneOf", bound=Correction)
 
 @runtime_checkable
 class Section(Protocol):
-    """What may be the section law of a model: ``Airfoil``, ``SectionTable`` or a value of one's
-    own, with a method ``law`` that gives it as arrays for the solver."""
+    """What may be the section law of a model: ``Airfoil`` or ``SectionTable``."""
 
     @property
     def name(self) -> str:
         """What it is called."""
+        ...
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """Names of what loads can be differentiated by."""
+        ...
+
+    def core_law(self) -> dict[str, Any]:
+        """The law as the compiled core takes it."""
         ...
 
     def metadata(self) -> dict[str, Any]:
