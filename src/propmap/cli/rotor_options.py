@@ -107,6 +107,7 @@ AccuracyOption = Annotated[
     AccuracyName, typer.Option("--accuracy", help="Loads to 0.1 % or, slower, to 0.01 %.")
 ]
 
+
 @dataclass(frozen=True)
 class RotorChoice:
     """What the user said about the rotor; the fields are the command's parameters."""
