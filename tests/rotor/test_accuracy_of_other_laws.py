@@ -61,11 +61,11 @@ class Checked(NamedTuple):
         return np.flatnonzero(~(self.error < PROMISED) & ~self.coarse)
 
 
-def loads(model: pm.Model, flow: Flow, accuracy: str, *, compiled: bool) -> Loads:
+def loads(model: pm.Model, flow: Flow, accuracy: str) -> Loads:
     """Of a rotor at each point."""
     omega, along, across = flow
     velocity = np.stack([across, np.zeros_like(across), along], axis=-1)
-    rotor = pm.Rotor(model, accuracy=accuracy, compiled=compiled)
+    rotor = pm.Rotor(model, accuracy=accuracy)
     return rotor.loads_at_velocity(omega, velocity)
 
 
@@ -73,15 +73,15 @@ def errors_of(
     model: pm.Model, flow: Flow, truth: Mapping[str, ArrayLike], *, compiled: bool
 ) -> Checked:
     """Of "standard"."""
-    got, scales = loads(model, flow, "standard", compiled=compiled), error_scales_of(model, flow[0])
+    got, scales = loads(model, flow, "standard"), error_scales_of(model, flow[0])
     errors = [np.abs(getattr(got, k) - truth[k]) / scales[k] for k in LOADS if k in truth]
     return Checked(np.max(errors, axis=0), got.status == "coarse")
 
 
-def against_fine(model: pm.Model, flow: Flow, *, compiled: bool) -> Checked:
+def against_fine(model: pm.Model, flow: Flow) -> Checked:
     """ "standard" against "fine"."""
     return errors_of(
-        model, flow, vars(loads(model, flow, "fine", compiled=compiled)), compiled=compiled
+        model, flow, vars(loads(model, flow, "fine"))
     )
 
 
@@ -92,7 +92,7 @@ def test_fits_of_users_meet_what_is_promised(name: str) -> None:
     beta = np.radians(88.0)
     worst = (3578.0 * np.pi / 30.0, 9.6 * np.cos(beta), 9.6 * np.sin(beta))
     flow = tuple(np.append(one, w) for one, w in zip(other_flow(20, 25), worst, strict=True))
-    found = against_fine(model, flow, compiled=False)
+    found = against_fine(model, flow)
     assert found.error.max() < PROMISED
     assert not found.coarse.any()
 
@@ -109,7 +109,7 @@ def test_other_laws_meet_what_is_promised_against_the_literal_reference() -> Non
         columns = {k: np.array([getattr(row, k) for row in mine]) for k in (*FLOW, *PAPER_LOADS)}
         flow = tuple(columns[k] for k in FLOW)
         model = pm.Model(one.propeller(), one.airfoil)
-        parts.append(errors_of(model, flow, columns, compiled=False))
+        parts.append(errors_of(model, flow, columns))
     found = joined(parts)
     assert found.error.size == ROTORS * POINTS
     assert found.unsaid.size == 0, found.error[found.unsaid]
@@ -124,7 +124,7 @@ def joined(parts: list[Checked]) -> Checked:
 @pytest.mark.slow
 def test_twenty_thousand_points_meet_what_is_promised_or_say_so() -> None:
     parts = [
-        against_fine(pm.Model(one.resampled(), one.airfoil), other_flow(200, k), compiled=True)
+        against_fine(pm.Model(one.resampled(), one.airfoil), other_flow(200, k))
         for k, one in enumerate(other_rotors(100, seed=1000), start=1000)
     ]
     found = joined(parts)

@@ -1,6 +1,6 @@
 """What a rotor takes as names of derivatives, and the shapes of its answer.
 
-That the derivatives are right is held by ``tests/engine``.
+That the derivatives are right is held by ``test_gradients_by_differences.py``.
 """
 
 from __future__ import annotations
@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 import propmap as pm
-from propmap.compilation import Thrift
 from propmap.loads import LOADS
 from propmap.rotor import Rotor
 
@@ -18,7 +17,7 @@ BLADE, LAW = pm.propeller("apc-8x6e"), pm.airfoil("paper-apc")
 
 def rotor(*texts: str) -> Rotor:
     corrections = tuple(pm.correction(text) for text in texts)
-    return Rotor(pm.Model(BLADE, LAW, corrections=corrections), compiled=False)
+    return Rotor(pm.Model(BLADE, LAW, corrections=corrections))
 
 
 def test_names_are_those_of_section_blade_mount_and_flow() -> None:
@@ -43,10 +42,9 @@ def test_other_names_and_flows_are_refused() -> None:
 
 def test_loads_and_derivatives_have_the_shape_of_the_flow() -> None:
     names, along, across = ("c_l1", "untwist"), np.array([[0.0], [3.0]]), np.array([0.0, 4.0, 8.0])
-    thrift = Thrift(scales=(0.1, 0.01), few=6)
-    found = rotor()._gradients(names, 600.0, along, across, thrift)
+    found = rotor().gradients(names, 600.0, along, across)
     assert found.loads.shape == (len(LOADS), 2, 3)
     assert found.slopes.shape == (len(LOADS), 2, 2, 3)
     loads = rotor().loads_at_velocity(600.0, [8.0, 0.0, 3.0])
-    assert found.loads[0, 1, 2] == pytest.approx(float(loads.thrust), rel=3e-3)
+    assert found.loads[0, 1, 2] == pytest.approx(float(loads.thrust), rel=1e-12)
     assert found.slopes[0, 0, 1, 2] > 0.0 > found.slopes[0, 1, 1, 2]

@@ -17,7 +17,7 @@ OMEGA = np.array([300.0, 600.0, 900.0])
 
 def by_numpy(model: pm.Model, accuracy: str = "standard") -> Rotor:
     """Nothing here is about compiling, but a batch beside single points."""
-    return pm.Rotor(model, accuracy=accuracy, compiled=False)
+    return pm.Rotor(model, accuracy=accuracy)
 
 
 @pytest.fixture(scope="module")

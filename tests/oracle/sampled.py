@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 import propmap as pm
-from tests.physics.paper_physics import Law, drag, lift
+from tests.oracle.paper_physics import Law, drag, lift
 
 
 def sampled(law: Law, fine_deg: float, coarse_deg: float, reynolds: np.ndarray) -> pm.SectionTable:

@@ -1,25 +1,21 @@
 """The paper's equations written out in NumPy, with explicit angles, to compare with.
 
-Nothing here comes from the package but the containers that its functions take.
+Nothing here comes from the package.
 """
 
 from __future__ import annotations
 
-from dataclasses import astuple, dataclass
+from dataclasses import dataclass
 from typing import Any
 
-import jax.numpy as jnp
 import numpy as np
-
-from propmap.physics.element import Medium
-from propmap.physics.sections.blended import BlendedLaw
 
 RHO, MU = 1.225, 1.983e-5
 
 
 @dataclass(frozen=True)
 class Law:
-    """Parameters of eqs. (3) and (4), in the order of ``BlendedLaw``."""
+    """Parameters of eqs. (3) and (4), in the order of ``Airfoil``."""
 
     c_l1: float
     c_l2: float
@@ -31,19 +27,12 @@ class Law:
     sharpness: float = 50.0
     attached: float = 1.0
 
-    def section(self, dtype: Any = np.float64) -> BlendedLaw:
-        return BlendedLaw(*(jnp.asarray(value, dtype) for value in astuple(self)))
-
 
 TABLE_I = {
     "soft": Law(6.9, 2.0, 3.7, 20.4 * np.pi / 180.0),
     "stiff": Law(4.2, 2.0, 1.3, 27.5 * np.pi / 180.0),
     "apc": Law(5.3, 1.7, 1.8, 20.6 * np.pi / 180.0),
 }
-
-
-def medium() -> Medium:
-    return Medium(jnp.asarray(RHO), jnp.asarray(MU))
 
 
 def wrapped(angle: Any) -> Any:
