@@ -31,7 +31,7 @@ namespace {
 using Vector = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 using Numbers = nb::ndarray<nb::numpy, double>;
 
-std::vector<double> numbers(const nb::handle& from) {
+std::vector<double> array_of(const nb::handle& from) {
     const auto v = nb::cast<Vector>(from);
     return {v.data(), v.data() + v.size()};
 }
@@ -101,41 +101,19 @@ void for_each_point(std::size_t count, int threads, const std::function<void(std
 constexpr int together = 8;  // directions that are differentiated at once
 using Directions = Dual<double, together>;
 
-template <class S> using BlendedRotor = Rotor<S, BlendedLaw>;
-template <class S> using TabulatedRotor = Rotor<S, TabulatedLaw>;
-
-// Each law's numbers by name: what loads can be differentiated by.
-template <class S> std::vector<std::pair<const char*, S*>> numbers_of(BlendedLaw<S>& law) {
-    return {{"c_l1", &law.c_l1},
-            {"c_l2", &law.c_l2},
-            {"c_d", &law.c_d},
-            {"alpha_0", &law.alpha_0},
-            {"zero_lift_angle", &law.zero_lift_angle},
-            {"c_d0", &law.c_d0},
-            {"c_p", &law.c_p},
-            {"sharpness", &law.sharpness},
-            {"drag_factor", &law.drag_factor},
-            {"reynolds_camber", &law.reynolds_camber},
-            {"drag_angle", &law.drag_angle}};
-}
-template <class S> std::vector<std::pair<const char*, S*>> numbers_of(TabulatedLaw<S>& law) {
-    return {{"zero_lift_angle", &law.zero_lift_angle}, {"drag_factor", &law.drag_factor}};
-}
+// What loads can be differentiated by: numbers of the law, of the blade and of the flow, by name.
 template <class S, template <class> class LawOf>
-std::vector<std::pair<const char*, S*>> numbers_of(Rotor<S, LawOf>& rotor, Flow<S>& flow) {
-    auto all = numbers_of(static_cast<LawOf<S>&>(rotor.law));
-    all.insert(all.end(), {{"chord_scale", &rotor.change.chord_scale},
-                           {"twist_offset", &rotor.change.twist_offset},
-                           {"untwist", &rotor.change.untwist},
-                           {"omega", &flow.omega},
-                           {"v_axial", &flow.v_axial},
-                           {"v_inplane", &flow.v_inplane}});
+std::vector<std::pair<std::string, S*>> numbers_of(Rotor<S, LawOf>& rotor, Flow<S>& flow) {
+    std::vector<std::pair<std::string, S*>> all{{"chord_scale", &rotor.change.chord_scale},
+                                                {"twist_offset", &rotor.change.twist_offset},
+                                                {"untwist", &rotor.change.untwist},
+                                                {"omega", &flow.omega},
+                                                {"v_axial", &flow.v_axial},
+                                                {"v_inplane", &flow.v_inplane}};
+    rotor.law.each_number([&](const char* name, S& number) { all.emplace_back(name, &number); });
     if (rotor.mounted) all.emplace_back("mount_area", &rotor.mount_area);
     return all;
 }
-
-template <class S> void copy_other(const BlendedLaw<double>& from, BlendedLaw<S>& to) { to.attached = from.attached; }
-template <class S> void copy_other(const TabulatedLaw<double>& from, TabulatedLaw<S>& to) { to.table = from.table; }
 
 // The rotor and the flow with derivatives along some of their numbers.
 template <template <class> class LawOf>
@@ -145,7 +123,7 @@ void seed(Rotor<double, LawOf> from, Flow<double> from_flow, const std::vector<i
     to.tip_loss = from.tip_loss, to.hub_radius = from.hub_radius, to.inflow_shape = from.inflow_shape;
     to.mounted = from.mounted, to.mount_wake = from.mount_wake, to.radial_friction = from.radial_friction;
     to.law.stall_delay = from.law.stall_delay, to.law.speed_of_sound = from.law.speed_of_sound;
-    copy_other(from.law, to.law);
+    to.law.copy_fixed(from.law);
     flow.v_hover = {from_flow.v_hover, {}};
     const auto old = numbers_of(from, from_flow);
     const auto now = numbers_of(to, flow);
@@ -153,25 +131,41 @@ void seed(Rotor<double, LawOf> from, Flow<double> from_flow, const std::vector<i
     for (std::size_t d = 0; d < which.size(); ++d) now[which[d]].second->d[d] = 1.0;
 }
 
-BlendedLaw<double> blended_law(const nb::dict& law) {
-    BlendedLaw<double> made{};
-    for (auto [name, value] : numbers_of(made)) *value = number(law, name);
-    made.attached = number(law, "attached", 1.0);
-    return made;
-}
+// A dictionary that a law reads its numbers from.
+struct Source {
+    const nb::dict& from;
+    double number(const char* name) const { return nb::cast<double>(from[name]); }
+    std::vector<double> numbers(const char* name) const { return array_of(from[name]); }
+};
 
-TabulatedLaw<double> tabulated_law(const nb::dict& law) {
-    auto table = std::make_shared<SectionTable>(make_section_table(
-        numbers(law["angle"]), numbers(law["reynolds"]), numbers(law["lift"]), numbers(law["drag"])));
-    return {table, table->zero_lift_angle, number(law, "drag_factor", 1.0)};
-}
+template <class List> struct Variants;
+template <template <class> class... LawOf> struct Variants<LawList<LawOf...>> {
+    using Law = std::variant<LawOf<double>...>;
+    using Solver = std::variant<RotorSolver<LawOf>...>;
 
-using AnyLaw = std::variant<BlendedLaw<double>, TabulatedLaw<double>>;
+    static Law read(const nb::dict& from) {
+        const auto kind = nb::cast<std::string>(from["kind"]);
+        Law law;
+        const auto try_one = [&]<class One>(One one) {
+            if (kind != One::kind) return;
+            one.each_number([&](const char* name, double& value) { value = number(from, name); });
+            one.read_fixed(Source{from});
+            law = one;
+        };
+        (try_one(LawOf<double>{}), ...);
+        return law;
+    }
+};
+using AnyLaw = Variants<Laws>::Law;
+using AnySolver = Variants<Laws>::Solver;
 
-AnyLaw any_law(const nb::dict& law) {
-    if (nb::cast<std::string>(law["kind"]) == "tabulated") return tabulated_law(law);
-    return blended_law(law);
-}
+const std::map<std::string, InflowShape> inflow_shapes = {
+    {"uniform", InflowShape::uniform},
+    {"pitt-peters", InflowShape::pitt_peters},
+    {"pitt-peters-gradient", InflowShape::pitt_peters_gradient},
+    {"coleman", InflowShape::coleman},
+    {"white-blake", InflowShape::white_blake},
+    {"drees", InflowShape::drees}};
 
 // C_L and C_D of a section at angles from the chord line [rad] and Reynolds numbers; (2, N).
 Numbers section_coefficients(const nb::dict& of, Vector alpha, Vector reynolds) {
@@ -193,26 +187,16 @@ Numbers section_coefficients(const nb::dict& of, Vector alpha, Vector reynolds) 
             const auto c = law.coefficients(flow);
             for (int j = 0; j < width && k + j < n; ++j) found[k + j] = c.lift[j], found[n + k + j] = c.drag[j];
         }
-    }, any_law(of));
+    }, Variants<Laws>::read(of));
     return array;
 }
-
-const std::map<std::string, InflowShape> inflow_shapes = {
-    {"uniform", InflowShape::uniform},
-    {"pitt-peters", InflowShape::pitt_peters},
-    {"pitt-peters-gradient", InflowShape::pitt_peters_gradient},
-    {"coleman", InflowShape::coleman},
-    {"white-blake", InflowShape::white_blake},
-    {"drees", InflowShape::drees}};
-
-using AnySolver = std::variant<RotorSolver<BlendedLaw>, RotorSolver<TabulatedLaw>>;
 
 // A rotor of a model, ready for any operating point.
 class CoreRotor {
   public:
     CoreRotor(const nb::dict& blade, const nb::dict& law, const nb::dict& air, const nb::dict& corrections, bool fine)
         : blade_(std::make_unique<BladeShape>(
-              make_blade(numbers(blade["station"]), numbers(blade["chord"]), numbers(blade["twist"]),
+              make_blade(array_of(blade["station"]), array_of(blade["chord"]), array_of(blade["twist"]),
                          nb::cast<int>(blade["blades"]), nb::cast<double>(blade["root"])))),
           solver_(make(law, air, corrections, fine)) {}
 
@@ -347,7 +331,7 @@ class CoreRotor {
         const Accuracy& accuracy = fine ? fine_accuracy : standard_accuracy;
         return std::visit([&]<template <class> class LawOf>(const LawOf<double>& found) -> AnySolver {
             return RotorSolver<LawOf>(rotor<LawOf>(found, air, corrections), accuracy);
-        }, any_law(law));
+        }, Variants<Laws>::read(law));
     }
 
     template <template <class> class LawOf>

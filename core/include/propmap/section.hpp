@@ -1,7 +1,9 @@
 // Lift and drag of a blade section, eqs. (3) and (4), at any angle of attack and Reynolds number.
 //
-// A law is a struct of numbers with `coefficients`, `zero_lift_angle_at`, `least_drag_angle`, and what
-// the search for the inflow must know of stall: `stall_angle`, `stall_width`, `attached_slope`.
+// A law is a struct of numbers with `coefficients`, `zero_lift_angle_at`, `least_drag_angle_at`, and what
+// the search for the inflow must know of stall: `stall_angle`, `stall_width`, `attached_slope`.  Its `kind`
+// names it; `each_number` lists by name what loads can be differentiated by; `read_fixed` and `copy_fixed`
+// are for what they cannot.  A new law is such a struct, and its name in `Laws` below.
 #pragma once
 
 #include <algorithm>
@@ -41,6 +43,16 @@ template <class S> struct BlendedLaw {
     S reynolds_camber;  // growth of the zero-lift angle by ln(Re) [rad]
     S drag_angle;       // of least pressure drag, above zero_lift_angle [rad]
     double attached;    // 1 for eq. (3); 0 for the simplified lift of footnote 1, whose c_l is c_l2
+
+    static constexpr const char* kind = "blended";
+    template <class Visit> void each_number(Visit visit) {
+        visit("c_l1", c_l1), visit("c_l2", c_l2), visit("c_d", c_d), visit("alpha_0", alpha_0);
+        visit("zero_lift_angle", zero_lift_angle), visit("c_d0", c_d0), visit("c_p", c_p);
+        visit("sharpness", sharpness), visit("drag_factor", drag_factor);
+        visit("reynolds_camber", reynolds_camber), visit("drag_angle", drag_angle);
+    }
+    template <class Source> void read_fixed(const Source& from) { attached = from.number("attached"); }
+    template <class Law> void copy_fixed(const Law& from) { attached = from.attached; }
 
     static constexpr double log2_e = 1.44269504088896340736;
 
@@ -191,6 +203,17 @@ template <class S> struct TabulatedLaw {
     S zero_lift_angle;  // [rad]
     S drag_factor;      // [-]
 
+    static constexpr const char* kind = "tabulated";
+    template <class Visit> void each_number(Visit visit) {
+        visit("zero_lift_angle", zero_lift_angle), visit("drag_factor", drag_factor);
+    }
+    template <class Source> void read_fixed(const Source& from) {
+        table = std::make_shared<SectionTable>(make_section_table(from.numbers("angle"), from.numbers("reynolds"),
+                                                                  from.numbers("lift"), from.numbers("drag")));
+        zero_lift_angle = table->zero_lift_angle;
+    }
+    template <class Law> void copy_fixed(const Law& from) { table = from.table; }
+
     struct Value {
         double value, by_angle, by_log_re;
     };
@@ -319,5 +342,8 @@ template <class Law> struct CorrectedLaw : Law {
         return 1.0 / square_root(1.0 - (inside - past * past * (0.5 / (last - first))));
     }
 };
+
+template <template <class> class... LawOf> struct LawList {};
+using Laws = LawList<BlendedLaw, TabulatedLaw>;
 
 }  // namespace propmap
