@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from propmap.vehicle.vehicle_toml import VehicleFile
 
 ALMOST_NONE = 1e-9
-"""Area [m^2] of a mount that drags nothing, so that one compiled program serves all steps."""
+"""Area [m^2] of a mount that drags nothing."""
 
 STALL = ("c_l1", "c_d", "alpha_0")
 """The paper's four without c_l2, which level flights do not tell."""
