@@ -30,7 +30,7 @@ def craft_of(
 ) -> Aircraft:
     vehicle = quadcopter(propeller=propeller, **changes)
     model = propmap.Model(propeller, law, vehicle.air, propmap.corrections_of("recommended"))
-    return Aircraft(vehicle, propmap.Rotor(model).for_all_blades())
+    return Aircraft(vehicle, propmap.Rotor(model))
 
 
 @pytest.fixture(scope="module")

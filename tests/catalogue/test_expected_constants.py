@@ -30,7 +30,7 @@ SIZE = (0.254, 0.15)
 
 def coefficients(blade: propmap.Propeller, airfoil: propmap.Airfoil) -> Floats:
     """Thrust and torque at rest and at two speeds."""
-    rotor = propmap.Rotor(propmap.Model(blade, airfoil), compiled=False)
+    rotor = propmap.Rotor(propmap.Model(blade, airfoil))
     loads = rotor.loads(600.0, np.array([0.0, 5.0, 9.0]), np.array([0.0, 0.0, 0.4]))
     return np.stack([loads.thrust, loads.torque])
 
@@ -77,7 +77,7 @@ def test_what_is_less_known_is_less_sure() -> None:
         ]
         thrust = [
             float(
-                propmap.Rotor(propmap.Model(blade, law), compiled=False)
+                propmap.Rotor(propmap.Model(blade, law))
                 .loads(500.0, 0.0, 0.0)
                 .thrust
             )

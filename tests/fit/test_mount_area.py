@@ -39,7 +39,7 @@ def data() -> TunnelData:
     speed = np.resize([4.0, 7.0, 10.0, 12.0], 16)
     beta = np.radians(np.repeat([30.0, 55.0, 75.0, 90.0], 4))
     omega = np.resize([520.0, 600.0, 680.0], 16)
-    found = propmap.Rotor(MOUNTED, compiled=False).loads(omega, speed, beta)
+    found = propmap.Rotor(MOUNTED).loads(omega, speed, beta)
     random = np.random.default_rng(7)
     names = ("thrust", "drag", "torque")
     loads = {n: getattr(found, n) * (1.0 + NOISE * random.normal(size=16)) for n in names}
@@ -121,7 +121,7 @@ def test_each_rotor_of_a_vehicle_has_its_own_mount() -> None:
     for mount in VEHICLE.mounts:
         model = MODEL if mount.drag is None else MODEL.with_mount(mount.drag)
         hub = FLOWN.velocity + np.cross(FLOWN.rates, np.array(mount.position))
-        rotor = propmap.Rotor(model, compiled=False)
+        rotor = propmap.Rotor(model)
         total += rotor.wrench(OMEGA, hub, mount.spin).force
     force = ForceModel(VEHICLE, FLOWN, LAW).at(VALUES, ("c_l1",)).force
     np.testing.assert_allclose(force, total, atol=0.02)

@@ -13,7 +13,7 @@ from propmap.errors import InputError
 from propmap.fit.fitted import Settings, fit
 from propmap.fit.flight import level_rows
 from propmap.fit.force_model import ForceModel
-from propmap.fit.parameters import PAPER_FOUR, Choice
+from propmap.fit.parameters import Choice
 from propmap.flight.trim import PAPER_RADIUS, trim, true_values
 from propmap.vehicle.flight_log import GRAVITY, FlightLog, pitch_and_roll
 from propmap.vehicle.hub_flow import hub_flow, rotor_forces
@@ -24,7 +24,7 @@ from .conftest import SPEEDS
 
 def _force(vehicle: Vehicle, airfoil: propmap.Airfoil, log: FlightLog) -> np.ndarray:
     values = true_values(vehicle, airfoil)
-    return ForceModel(vehicle, log, airfoil).at(values, PAPER_FOUR).force
+    return ForceModel(vehicle, log, airfoil).at(values, ()).force
 
 
 def test_forces_balance(vehicle: Vehicle, airfoil: propmap.Airfoil, points: FlightLog) -> None:

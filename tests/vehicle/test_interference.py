@@ -322,7 +322,7 @@ def test_rotors_meet_the_wakes_of_their_attached_thrust() -> None:
     flow = flow_of(quad_rotor, [(0.0, 0.0, 0.0), (9.0, 2.0, 1.0)])
     # Thrust of small angles is some per cent low here, and inflow goes as its root or itself.
     near = in_wakes(quad_rotor, ONE, model, flow)
-    loads = propmap.Rotor(model, compiled=False).loads_at_velocity(
+    loads = propmap.Rotor(model).loads_at_velocity(
         flow.omega, np.stack([flow.inplane, 0.0 * flow.axial, flow.axial], axis=-1)
     )
     from_loads = added_flow(quad_rotor, ONE, flow, loads.thrust)

@@ -25,7 +25,7 @@ PROPELLER = propmap.propeller("apc-8x6e")
 MODEL = propmap.Model(
     PROPELLER, propmap.airfoil("apc-8x6e-2019"), corrections=propmap.corrections_of("recommended")
 )
-ROTOR = propmap.Rotor(MODEL, compiled=False)
+ROTOR = propmap.Rotor(MODEL)
 LEAN = (math.sin(0.1), 0.0, math.cos(0.1))
 QUAD = Vehicle(
     "quad",

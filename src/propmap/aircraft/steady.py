@@ -53,8 +53,7 @@ class Aircraft:
     vehicle : Vehicle
         What flies, from ``read_vehicle(path).vehicle``.
     loads : Rotor or LoadTable
-        Of its rotors.  A search has batches of many sizes: ``Rotor(...).for_all_blades()`` takes
-        least time in all.
+        Of its rotors.
     maximum_rotor_speed : float
         [rad/s] besides what the vehicle's motor tells.
     charge : float

@@ -172,6 +172,5 @@ def hover_rows(model: ForceModel, values: Mapping[str, float], rows: Rows) -> Fl
 
     ``values``, all parameters by name, give the rotor whose constants are taken.
     """
-    # One point by NumPy, without waiting for the compiler.
     hover = HoverModel.of(Rotor(model_with(model.model, values)))
     return rows.picked(_along(model.log, rows.names, hover_loads(hover, model.flow)))

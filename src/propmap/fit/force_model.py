@@ -78,9 +78,6 @@ class ForceModel:
         Gives what no parameter of a fit does.
     setting : str
         Accuracy of the loads, as in ``Rotor``.
-    also : tuple of str
-        Parameters of the rotor by which loads are differentiated whether they are free or not, so
-        that one compiled program serves fits with different free ones.
 
     Raises
     ------
@@ -94,8 +91,6 @@ class ForceModel:
         log: FlightLog,
         base: Airfoil,
         setting: str = "standard",
-        *,
-        also: tuple[str, ...] = (),
     ) -> None:
         if log.rotor_speed.shape[1] != len(vehicle.mounts):
             raise InputError(
@@ -103,7 +98,7 @@ class ForceModel:
                 "give the vehicle file one [[rotors]] table per rotor of the log",
                 log.source,
             )
-        self.vehicle, self.log, self.setting, self.also = vehicle, log, setting, also
+        self.vehicle, self.log, self.setting = vehicle, log, setting
         self.model = Model(vehicle.propeller, base, vehicle.air)
         self.flow = hub_flow(vehicle, log)
 
@@ -194,15 +189,14 @@ class ForceModel:
         (L, P, n, m) by the P of these ``names``."""
         flow, shape = self.flow, self.flow.omega.shape
         omega = values.get(ROTOR_SPEED, 1.0) * flow.omega
-        along = ("omega" if name == ROTOR_SPEED else name for name in names)
-        asked = tuple(dict.fromkeys((*along, *self.also)))
+        asked = tuple("omega" if name == ROTOR_SPEED else name for name in names)
         loads = np.empty((len(LOADS), *shape))
         slopes = np.empty((len(LOADS), len(names), *shape))
         for model, mine in mounted_rotors(self.vehicle, model_with(self.model, values)):
             rotor = Rotor(model, accuracy=self.setting)
             found = rotor.gradients(asked, *(a[:, mine] for a in (omega, axial, flow.inplane)))
             loads[..., mine] = found.loads
-            slopes[..., mine] = found.slopes[:, : len(names)]
+            slopes[..., mine] = found.slopes
         if ROTOR_SPEED in names:
             slopes[:, names.index(ROTOR_SPEED)] *= flow.omega
         return loads, slopes

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from propmap.baselines.hover import REFERENCE_TIP_SPEED, HoverModel
+from propmap.baselines.hover import HoverModel
 from propmap.errors import InputError
 from propmap.fit.parameters import (
     BODY,
@@ -200,14 +200,7 @@ def _check(
             raise InputError(f"{name} is free but drag is not fitted", "add drag to the loads")
 
 
-def hover_after_fit(rotor: Rotor) -> HoverModel:
-    """``HoverModel.of(rotor)`` by the program that the fit has compiled, within 0.1 %."""
-    omega = REFERENCE_TIP_SPEED / rotor.model.propeller.radius
-    static = dict(zip(LOADS, rotor.gradients((), omega, 0.0, 0.0).loads.tolist(), strict=True))
-    return HoverModel(static["thrust"] / omega**2, static["torque"] / omega**2, omega)
-
-
 def hover_rows(rotor: Rotor, data: TunnelData, rows: Rows) -> Floats:
     """What the hover model with this rotor's constants says of the rows (M,) made of ``data``."""
-    loads = hover_after_fit(rotor).loads(data.omega)
+    loads = HoverModel.of(rotor).loads(data.omega)
     return rows.picked(np.stack([loads[name] for name in rows.names], axis=1))

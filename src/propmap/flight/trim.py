@@ -12,7 +12,7 @@ from propmap.aircraft.newton import solve
 from propmap.errors import InputError
 from propmap.fit.body_forces import wing_values
 from propmap.fit.force_model import ForceModel
-from propmap.fit.parameters import FIRST_GUESS, PAPER_FOUR, SECTION, constants_of
+from propmap.fit.parameters import FIRST_GUESS, SECTION, constants_of
 from propmap.model.airfoil import Airfoil
 from propmap.model.corrections import MountDrag
 from propmap.model.model import Model
@@ -162,8 +162,7 @@ class _Problem:
     def residual(self, unknowns: Floats, which: NDArray[np.intp]) -> Floats:
         """Forces forward, up and to the left, less those wanted, over the weight; (m, k)."""
         log = self.log(unknowns, which)
-        # With the derivatives that a fit of the paper's four needs, so as to share its program.
-        force = ForceModel(self.vehicle, log, self.airfoil).at(self.values, PAPER_FOUR).force
+        force = ForceModel(self.vehicle, log, self.airfoil).at(self.values, ()).force
         forward = np.cross(_left(log.up), log.up)
         parts = np.stack([forward, log.up, _left(log.up)], axis=1)[:, : self.count]
         weight = self.vehicle.mass * GRAVITY

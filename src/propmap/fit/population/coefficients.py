@@ -1,8 +1,4 @@
-"""C_T and C_P of a propeller in axial flow, with derivatives by its section constants.
-
-Blades share two compiled programs, whatever their shape and number; those with many stations have
-another two, see ``STATIONS``.
-"""
+"""C_T and C_P of a propeller in axial flow, with derivatives by its section constants."""
 
 from __future__ import annotations
 
@@ -20,10 +16,6 @@ from propmap.model.model import Model
 from propmap.model.propeller import Propeller
 from propmap.rotor import Rotor
 from propmap.typing import Floats
-
-STATIONS = (18, 40)
-"""Blades are brought to the first of these that is not less than what they have.  Nine in ten have
-18, as mean blades do, and 40 take two thirds longer."""
 
 _THRUST, _TORQUE = (list(LOADS).index(name) for name in ("thrust", "torque"))
 
@@ -50,12 +42,6 @@ class AxialTest:
     tested: MeasuredPropeller
 
     @property
-    def stations(self) -> int:
-        """What the blade is brought to: where it is the same, so are the programs."""
-        own = self.propeller.station.size
-        return min((count for count in STATIONS if count >= own), default=own)
-
-    @property
     def measured(self) -> Floats:
         """C_T and C_P [-], (2, n)."""
         return np.stack([self.tested.thrust, self.tested.power])
@@ -72,8 +58,7 @@ class AxialTest:
         turns = self.tested.rpm / 60.0
         diameter = 2.0 * self.propeller.radius
         flow = (2.0 * np.pi * turns, self.tested.advance * turns * diameter)
-        rotor = Rotor(model)
-        found = rotor.gradients(PARAMETERS, *flow, 0.0)
+        found = Rotor(model).gradients(PARAMETERS, *flow, 0.0)
         force = model.air.density * turns**2 * diameter**4
         # P = 2 pi n tau.
         size = np.stack([force, force * diameter / (2.0 * np.pi)])
