@@ -15,6 +15,7 @@
 #include "propmap/disk_field.hpp"
 #include "propmap/dynamic_inflow.hpp"
 #include "propmap/instructions.hpp"
+#include "propmap/laws.hpp"
 
 namespace nb = nanobind;
 using namespace propmap;

@@ -3,7 +3,7 @@
 // A law is a struct of numbers with `coefficients`, `zero_lift_angle_at`, `least_drag_angle_at`, and what
 // the search for the inflow must know of stall: `stall_angle`, `stall_width`, `attached_slope`.  Its `kind`
 // names it; `each_number` lists by name what loads can be differentiated by; `read_fixed` and `copy_fixed`
-// are for what they cannot.  A new law is such a struct, and its name in `Laws` below.
+// are for what they cannot.  A new law is such a struct, and its name in laws.hpp.
 #pragma once
 
 #include <algorithm>
@@ -342,8 +342,5 @@ template <class Law> struct CorrectedLaw : Law {
         return 1.0 / square_root(1.0 - (inside - past * past * (0.5 / (last - first))));
     }
 };
-
-template <template <class> class... LawOf> struct LawList {};
-using Laws = LawList<BlendedLaw, TabulatedLaw>;
 
 }  // namespace propmap
