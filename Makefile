@@ -6,7 +6,7 @@ READY := $(VENV)/ready
 DOCS_READY := $(VENV)/docs-ready
 PEERS_READY := $(VENV)/peers-ready
 
-.PHONY: demo reproduce test test-fast test-readers test-numpy test-slow lint types bench bench-table bench-fine-table bench-choice bench-identification bench-peers bench-phases bench-options bench-aircraft bench-mount bench-roofline bench-accelerator convergence docs clean bench-certificates bench-lifting-line bench-interference bench-flight-twins bench-cluster bench-explore sanitize
+.PHONY: demo reproduce test test-fast test-readers test-numpy test-slow lint types bench bench-table bench-fine-table bench-choice bench-identification bench-peers bench-options bench-aircraft bench-mount convergence docs clean bench-certificates bench-lifting-line bench-interference bench-flight-twins bench-cluster bench-explore sanitize
 
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt
 CORE := CMakeLists.txt $(shell find core -name '*.[ch]pp')
@@ -33,7 +33,7 @@ $(ZIG_TOOLS): $(TOOLS_READY)
 
 # Builds with the tools of $(VENV), so that a changed core is built in the time of what has changed.
 $(READY): $(TOOLS_READY) $(ZIG_TOOLS) pyproject.toml $(CORE)
-	$(INSTALL) --no-build-isolation --editable '.[cluster,dev,explore,targets]'
+	$(INSTALL) --no-build-isolation --editable '.[cluster,dev,explore,jax,targets]'
 	touch $@
 
 $(DOCS_READY): $(READY)
@@ -108,13 +108,6 @@ bench-flight-twins: $(READY)
 bench-choice: $(READY)
 	$(BIN)/python -m benchmarks.choice
 
-bench-roofline: $(READY)
-	$(BIN)/python -m benchmarks.roofline
-
-# Needs JAX's plugin for the accelerator in $(VENV); without one it says so.
-bench-accelerator: $(READY)
-	$(BIN)/python -m benchmarks.accelerator
-
 bench-peers: $(PEERS_READY)
 	$(BIN)/python -m benchmarks.peers
 
@@ -153,9 +146,6 @@ bench-lifting-line: $(READY)
 
 bench-cluster: $(READY)
 	$(BIN)/python -m benchmarks.cluster
-
-bench-phases: $(READY)
-	$(BIN)/python -m benchmarks.phases
 
 convergence: $(READY)
 	$(BIN)/python -m benchmarks.convergence
