@@ -30,7 +30,7 @@ def test_names_are_those_of_section_blade_mount_and_flow() -> None:
 
 
 def test_other_names_and_flows_are_refused() -> None:
-    with pytest.raises(pm.InputError, match=r"no derivative by 'beta'.*choose from c_l1"):
+    with pytest.raises(pm.InputError, match=r"no derivative by 'beta'.*give some of c_l1"):
         rotor().gradients(["beta"], 600.0, 3.0, 4.0)
     with pytest.raises(pm.InputError, match="no derivative by 'mount_area'"):
         rotor().gradients(["mount_area"], 600.0, 3.0, 4.0)
