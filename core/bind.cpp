@@ -12,8 +12,9 @@
 #include <thread>
 #include <variant>
 
+#include "propmap/disk_field.hpp"
+#include "propmap/dynamic_inflow.hpp"
 #include "propmap/instructions.hpp"
-#include "propmap/rotor.hpp"
 
 namespace nb = nanobind;
 using namespace propmap;
@@ -233,6 +234,120 @@ class CoreRotor {
         return array;
     }
 
+    // States of the inflow (N, 3) and times: static states, rates, states later (N, 3), loads (6, N), and derivatives of
+    // the rates (N, 3, 3).
+    nb::tuple inflow_motion(Vector omega, Vector v_axial, Vector v_inplane, Vector states, Vector times, int threads) const {
+        const std::size_t n = omega.size();
+        double *steady, *rates, *later, *loads, *linear, *other;
+        auto steadies = make_array({n, 3}, steady), rate_array = make_array({n, 3}, rates);
+        auto laters = make_array({n, 3}, later), load_array = make_array({Loads<double>::count, n}, loads);
+        auto matrices = make_array({n, 3, 3}, linear), others = make_array({4, n}, other);
+        std::visit([&](const auto& solver) {
+            for_each_point(n, threads, [&, w = omega.data(), a = v_axial.data(), i = v_inplane.data(), x = states.data(),
+                                        t = times.data()](std::size_t k) {
+                thread_local Solution s;
+                solver.solve(w[k], a[k], i[k], s);
+                const auto m = propmap::inflow_motion(solver, s, {x[3 * k], x[3 * k + 1], x[3 * k + 2]}, t[k]);
+                for (int j = 0; j < 3; ++j) {
+                    steady[3 * k + j] = m.steady[j], rates[3 * k + j] = m.rates[j], later[3 * k + j] = m.later[j];
+                    for (int c = 0; c < 3; ++c) linear[9 * k + 3 * j + c] = m.linear.m[j][c];
+                }
+                for (int j = 0; j < Loads<double>::count; ++j) loads[j * n + k] = m.loads.begin()[j];
+                other[k] = double(s.result.status), other[n + k] = s.result.roots;
+                other[2 * n + k] = s.result.ring, other[3 * n + k] = s.result.mean_inflow;
+            });
+        }, solver_);
+        return nb::make_tuple(steadies, rate_array, laters, load_array, matrices, others);
+    }
+
+    // Fields over the disk at one operating point, by name; (S,) or (S, P).
+    nb::dict disk_field(double omega, double v_axial, double v_inplane, const std::vector<double>& radii,
+                        const std::vector<double>& psi) const {
+        return std::visit([&](const auto& solver) {
+            Solution s;
+            solver.solve(omega, v_axial, v_inplane, s);
+            const DiskField f = propmap::disk_field(solver, s, radii, psi);
+            nb::dict told;
+            const auto tell = [&](const char* name, const std::vector<double>& values) {
+                double* data;
+                told[name] = values.size() == radii.size() && &values != &f.alpha && psi.size() != 1
+                                 ? make_array({radii.size()}, data)
+                                 : make_array({radii.size(), psi.size()}, data);
+                std::copy(values.begin(), values.end(), data);
+            };
+            tell("inflow", f.inflow), tell("thrust", f.thrust), tell("drag", f.drag), tell("torque", f.torque);
+            tell("local_inflow", f.local_inflow), tell("alpha", f.alpha), tell("past_stall", f.past_stall);
+            tell("u_tangential", f.u_tangential), tell("u_normal", f.u_normal), tell("normal_force", f.normal_force);
+            return told;
+        }, solver_);
+    }
+
+    // C_L and C_D at angles from the chord line [rad] and Reynolds numbers; (2, N).
+    Numbers coefficients(Vector alpha, Vector reynolds) const {
+        double* found;
+        const std::size_t n = alpha.size();
+        auto array = make_array({2, n}, found);
+        std::visit([&](const auto& solver) {
+            const auto& law = solver.rotor().law;
+            for (std::size_t k = 0; k < n; k += width) {
+                const auto at = [&](const Vector& v) {
+                    return each_lane([&](int j) { return v.data()[std::min(k + j, n - 1)]; });
+                };
+                const Lanes re = at(reynolds), from = at(alpha);
+                const auto turn = [&](auto angle) {
+                    return each_lane([&](int j) { return std::remainder((from - angle)[j], 2.0 * pi); });
+                };
+                const auto lift = sine_cosine(turn(law.zero_lift_angle_at(re) + Lanes{}));
+                const auto drag = sine_cosine(turn(law.least_drag_angle_at(re) + Lanes{}));
+                const Lanes root = 1.0 / square_root(re);
+                const SectionFlow<Lanes, Lanes, Lanes, Lanes> flow{lift.sine, lift.cosine, drag.sine, Lanes{}, re, root};
+                const auto c = law.coefficients(flow);
+                for (int j = 0; j < width && k + j < n; ++j) found[k + j] = c.lift[j], found[n + k + j] = c.drag[j];
+            }
+        }, solver_);
+        return array;
+    }
+
+    // Thrust [N] of attached flow, a good guess at once.
+    Numbers attached_thrust(Vector omega, Vector v_axial, Vector v_inplane) const {
+        double* found;
+        auto array = make_array({omega.size()}, found);
+        std::visit([&](const auto& solver) {
+            for (std::size_t k = 0; k < omega.size(); ++k)
+                found[k] = propmap::attached_thrust(solver.rotor(), {omega.data()[k], v_axial.data()[k], v_inplane.data()[k], 0.0});
+        }, solver_);
+        return array;
+    }
+
+    // How one operating point was solved: nodes with their inflow and residual, and the panels' edges.
+    nb::dict solution(double omega, double v_axial, double v_inplane) const {
+        return std::visit([&](const auto& solver) {
+            Solution s;
+            solver.solve(omega, v_axial, v_inplane, s);
+            const auto of = solver.annuli(s);
+            const std::size_t n = s.disk.nodes;
+            double *radius, *inflow, *residual, *edge;
+            nb::dict told;
+            told["radius"] = make_array({n}, radius), told["inflow"] = make_array({n}, inflow);
+            told["residual"] = make_array({n}, residual);
+            for (std::size_t k = 0; k < n; ++k) {
+                const auto g = of.residual(s.disk.at[k / width], s.disk.inflow[k / width]);
+                radius[k] = s.disk.at[k / width].radius[k % width], inflow[k] = s.disk.inflow[k / width][k % width];
+                residual[k] = solver.rotor().density * g.v[k % width];
+            }
+            told["edge"] = make_array({std::size_t(s.disk.panels) + 1}, edge);
+            nb::list folds;
+            const char* kinds[] = {"fold", "shoulder", "angle"};
+            for (int k = 0; k <= s.disk.panels; ++k) {
+                edge[k] = s.disk.edge[k];
+                folds.append(!s.disk.moves[k] ? "" : kinds[int(s.disk.fold[k].kind)]);
+            }
+            told["fold"] = folds, told["azimuths"] = 2 * s.psi.count;
+            told["v_hover"] = s.flow.v_hover, told["windmill"] = s.windmill;
+            return told;
+        }, solver_);
+    }
+
     nb::tuple span() const { return nb::make_tuple(blade_->root, blade_->tip); }
 
   private:
@@ -307,5 +422,10 @@ NB_MODULE(PROPMAP_MODULE, m) {
         .def("loads", &CoreRotor::loads)
         .def("gradients", &CoreRotor::gradients)
         .def("hover_inflow", &CoreRotor::hover_inflow)
+        .def("solution", &CoreRotor::solution)
+        .def("inflow_motion", &CoreRotor::inflow_motion)
+        .def("disk_field", &CoreRotor::disk_field)
+        .def("coefficients", &CoreRotor::coefficients)
+        .def("attached_thrust", &CoreRotor::attached_thrust)
         .def_prop_ro("span", &CoreRotor::span);
 }

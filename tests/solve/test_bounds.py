@@ -217,6 +217,89 @@ def the_wake_bends_by_no_more() -> None:
             assert ratio.max() > 0.55 or not descent
 
 
+def nearly_axial(at: Annulus, random: np.random.Generator) -> Annulus:
+    """The annuli at in-plane velocities from 1e-12 to 1e-4 of their speed."""
+    share = 10.0 ** random.uniform(-12.0, -4.0, at.omega.size)
+    return at._replace(v_inplane=share * (at.turning[0] + np.abs(at.v_axial)))
+
+
+def the_wake_bends_by_no_more_in_nearly_axial_flow() -> None:
+    """The same where V sin(beta) is tiny, and the bend of (10) about U_P = 0 as narrow."""
+    random, count = np.random.default_rng(1926), 3000
+    largest = []
+    for descent in (False, True):
+        for windmill in (None, np.zeros(count), np.ones(count))[: 3 if descent else 2]:
+            with by_numpy():
+                at = nearly_axial(annuli(random, wavy(random, count), count, descent), random)
+                wake, p = Wake(windmill), at.v_inplane
+                # On one side of U_P = 0, from a tenth to a million of V sin(beta).
+                side = np.where(random.random(count) < 0.5, 1.0, -1.0)
+                u = np.sort(side * p * 10.0 ** random.uniform(-1.0, 6.0, (2, count)), axis=0)
+                low, high = (one[None] - at.v_axial for one in u)
+                most = wake.largest_bend(at, low, high)
+                sampled = []
+                for share in np.linspace(0.0, 1.0, 50) ** 4:
+                    for one in (u[1] + share * (u[0] - u[1]), u[0] + share * (u[1] - u[0])):
+                        v, h = one[None] - at.v_axial, 1e-3 * np.abs(one)
+                        up, down = (wake.thrust_slope(at, v + d)[1] for d in (h, -h))
+                        sampled.append(-(up - down) / (2.0 * h))
+                # Below that, differences are lost in the rounding of v_i.
+                known = p > 1e-7 * (1.0 + np.abs(at.v_axial))
+            bend = np.stack(sampled)[:, 0, known]
+            most = most[0, known]
+            assert known.sum() > 500
+            assert (bend <= 1.01 * most + 1e-2).all()
+            largest.append((bend / np.maximum(most, 0.1)).max())
+    assert max(largest) > 0.55
+
+
+def the_wake_is_close_to_that_of_axial_flow() -> None:
+    """``above_axial`` by the difference, and no more below anywhere than ``most_below_axial``."""
+    random, count = np.random.default_rng(1865), 3000
+    for some in ((), (PrandtlLoss(),)):
+        with by_numpy():
+            at = annuli(random, wavy(random, count), count, descent=False)
+            at = at._replace(v_inplane=10.0 ** random.uniform(-6.0, 0.0, count))
+            axial, wake = at._replace(v_inplane=0.0 * at.v_inplane), Wake(None, some)
+            u = random.choice([-1.0, 1.0], count) * 10.0 ** random.uniform(-5.0, 1.0, count)
+            v = u[None] - at.v_axial
+            thrust, slope = wake.thrust_slope(at, v)
+            without, slope_without = wake.thrust_slope(axial, v)
+            above, above_slope = wake.above_axial(at, v)
+            low = v - random.uniform(0.0, 5.0, count)
+            most = wake.most_below_axial(at, low)
+            np.testing.assert_allclose(above, thrust - without, atol=1e-9)
+            np.testing.assert_allclose(above_slope, slope - slope_without, atol=1e-6)
+            below = [
+                wake.thrust_slope(axial, x)[0] - wake.thrust_slope(at, x)[0]
+                for x in (low + share * (v - low) for share in np.linspace(0.0, 1.0, 200))
+            ] + [wake.thrust_slope(axial, -at.v_axial)[0] - wake.thrust_slope(at, -at.v_axial)[0]]
+        inside = (low < -at.v_axial) & (v > -at.v_axial)
+        below[-1] = np.where(inside, below[-1], -np.inf)
+        assert (np.stack(below) <= most + 1e-9).all()
+        assert (np.stack(below).max(axis=0) > 0.5 * most)[most > 1e-6].any()
+
+
+def the_walk_passes_no_root_in_nearly_axial_climb() -> None:
+    """Against a scan on either side of U_P = 0, and not lost there in tiny steps."""
+    random, count = np.random.default_rng(1889), 1500
+    with by_numpy():
+        at = annuli(random, wavy(random, count), count, descent=False)
+        at = nearly_axial(at, random)
+        problem = AnnulusProblem(at, Wake(None))
+        ended = root.search(problem, np.array(root.MAX_STEPS), AXIAL)
+        top = 1.3 * bounds.find_bounds(at, Wake(None)).start[0] + 1.0
+        share = np.linspace(-0.5, 1.0, 1801)[:, None]
+        grid = -at.v_axial + (top + at.v_axial) * share
+        lower, values = largest_by_scan(problem, AXIAL, grid[:, None])
+    assert (values[-1] < 0.0).all()
+    found = ended.found[0]
+    assert found.mean() > 0.98
+    assert ((ended.inflow[0] < -at.v_axial) & found).sum() > 50
+    passed = found & (ended.inflow[0] < lower - 1e-9)
+    assert not passed.any(), f"{passed.sum()} of {count} walks passed a root"
+
+
 def prandtls_factor_keeps_within_its_bounds() -> None:
     random, count = np.random.default_rng(1919), 3000
     for factor in (PrandtlLoss(), PrandtlLoss(np.float64(0.0199))):  # type: ignore[arg-type]
@@ -271,6 +354,9 @@ CHECKS: list[Callable[[], None]] = [
     no_root_lies_above_the_start,
     the_blade_bends_by_no_more,
     the_wake_bends_by_no_more,
+    the_wake_bends_by_no_more_in_nearly_axial_flow,
+    the_wake_is_close_to_that_of_axial_flow,
+    the_walk_passes_no_root_in_nearly_axial_climb,
     prandtls_factor_keeps_within_its_bounds,
     the_law_keeps_within_its_bounds,
 ]

@@ -19,6 +19,8 @@ from tests.solve.test_bounds import (
     the_blade_bends_by_no_more,
     the_law_keeps_within_its_bounds,
     the_wake_bends_by_no_more,
+    the_wake_bends_by_no_more_in_nearly_axial_flow,
+    the_wake_is_close_to_that_of_axial_flow,
     the_walk_passes_no_root,
 )
 
@@ -63,6 +65,18 @@ MUTANTS: dict[str, tuple[Any, str, Any, Callable[[], None]]] = {
         "largest_bend",
         scaled(Wake.largest_bend, 0.5),
         the_wake_bends_by_no_more,
+    ),
+    "half the wake's bend in nearly axial flow": (
+        Wake,
+        "largest_bend",
+        scaled(Wake.largest_bend, 0.5),
+        the_wake_bends_by_no_more_in_nearly_axial_flow,
+    ),
+    "half the way to the wake of axial flow": (
+        Wake,
+        "most_below_axial",
+        scaled(Wake.most_below_axial, 0.5),
+        the_wake_is_close_to_that_of_axial_flow,
     ),
     "half the law's bend": (
         BlendedLaw,

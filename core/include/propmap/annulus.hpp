@@ -38,7 +38,7 @@ template <class R> struct Annuli {
         return square_root(turning * turning + (0.5 * flow.v_inplane * flow.v_inplane + 1e-18));
     }
     double stall_angle(double reynolds_per_speed, double radius, double side) const {
-        return rotor.law.stall_angle(reynolds_per_speed * flow.omega * radius, side);
+        return value(rotor.law.stall_angle(reynolds_per_speed * flow.omega * radius, side));
     }
     // Stall sharper than the paper's is looked for in proportionally finer steps.
     double stall_scale() const { return std::min(rotor.law.stall_width() / 0.02, 1.0); }
@@ -366,19 +366,37 @@ template <class R> void humps_at(const Annuli<R>& of, Lanes radius, double side,
     }
 }
 
-// A radius at which the largest root jumps from one branch to another, or rises most steeply.
+// A radius at which the largest root jumps from one branch to another, or rises steeply.
 struct Fold {
-    double radius;
-    double inflow;  // v_i at the hump's top there [m/s]
-    bool top;
+    enum class Kind {
+        top,       // a jump: the residual and its slope by v_i vanish
+        shoulder,  // the steepest rise: the residual and its second difference vanish
+        angle      // neither is found: the residual vanishes where the mean angle of attack is that of stall
+    };
+    double radius;  // [m], NaN for none
+    double inflow;  // v_i there [m/s]
+    Kind kind;
+    double side;    // 1 for stall at positive angles, -1 at negative ones
 };
 
-// How far the inflows [m/s] are apart by whose residuals its second derivative is told.
-template <class R> double fold_speed(const Annuli<R>& of, double radius) {
-    return std::hypot(of.flow.omega * radius, of.flow.v_inplane) + std::fabs(of.flow.v_axial);
+// The residual at the inflow with which the mean angle of attack is that of stall.
+template <class R, class St, class F>
+auto residual_at_stall(const R& rotor, const St& at, const F& flow, const Azimuths& psi, bool windmill, double side) {
+    const auto turning = flow.omega * at.radius;
+    const auto speed = square_root(turning * turning + 0.5 * (flow.v_inplane * flow.v_inplane));
+    const double reynolds = value(at.reynolds_per_speed)[0] * value(flow.omega) * value(at.radius)[0];
+    const auto stall = sine_cosine(rotor.law.stall_angle(reynolds, side));
+    const auto rise = at.sine * stall.cosine - at.cosine * stall.sine;
+    const auto run = at.cosine * stall.cosine + at.sine * stall.sine;
+    const auto inflow = speed * rise / run - flow.v_axial;
+    return annulus_thrust(rotor, at, flow, inflow, psi) - wake_thrust(rotor, at.radius, flow, windmill, inflow);
 }
-template <class R> double fold_width(const Annuli<R>& of, double radius, bool top) {
-    return (top ? 2e-4 : 0.004 * of.stall_scale()) * fold_speed(of, radius);
+
+// How far the inflows [m/s] are apart by whose residuals its second derivative at a radius is told.
+template <class R, class F, class Y> auto fold_width(const Annuli<R>& of, const F& flow, const Y& radius, bool top) {
+    const auto turning = flow.omega * radius;
+    const auto speed = square_root(turning * turning + flow.v_inplane * flow.v_inplane) + absolute(flow.v_axial);
+    return (top ? 2e-4 : 0.004 * of.stall_scale()) * speed;
 }
 
 // Solve for the fold between two radii whose humps have heights of opposite signs.
@@ -387,24 +405,27 @@ template <class R> double fold_width(const Annuli<R>& of, double radius, bool to
 // Newton's steps towards either take one evaluation in four lanes; where they leave the interval, it is narrowed by
 // the humps of radii within.
 template <class R> Fold fold_between(const Annuli<R>& of, Hump low, Hump high, double side) {
+    const double first = low.radius, last = high.radius;
     for (int narrowing = 0; narrowing < 12; ++narrowing) {
         const double gap = high.radius - low.radius;
         const Hump& near = std::fabs(low.height) < std::fabs(high.height) ? low : high;
         const double share = std::clamp(low.height / (low.height - high.height), 0.02, 0.98);
         double y = low.radius + share * gap, v = low.inflow + share * (high.inflow - low.inflow);
-        bool top = near.top;
-        const double speed = fold_speed(of, y);
-        for (int step = 0; step < 12; ++step) {
-            const double wide = fold_width(of, y, top), aside = 1e-6 * y;
+        const bool top = near.top;
+        if (!top && narrowing > 1) break;
+        const double speed = fold_width(of, of.flow, y, true) / 2e-4;
+        for (int step = 0; step < 16; ++step) {
+            const double wide = fold_width(of, of.flow, y, top), aside = 1e-6 * y;
             static_assert(width >= 4);
             const Lanes radius = each_lane([&](int k) { return k == 3 ? y - aside : y; });
             const Lanes inflow = each_lane([&](int k) { return v + (k == 0 ? wide : k == 2 ? -wide : 0.0); });
             const auto g = of.residual(of.station(radius), inflow);
             const double s0 = g.d[0][0], s1 = g.d[0][1], s2 = g.d[0][2];
             const double bend = (s0 - s2) / (2.0 * wide), turn = s0 - 2.0 * s1 + s2;
-            double dv = 0.0;
-            if (top) dv = bend < 0.0 ? -s1 / bend : 0.0;
-            else dv = turn < 0.0 ? -(g.v[0] - 2.0 * g.v[1] + g.v[2]) / turn : 0.0;
+            // Far from the top, or the shoulder, go where the residual is flatter.
+            const double curved = top ? bend : turn, missed = top ? s1 : g.v[0] - 2.0 * g.v[1] + g.v[2];
+            const double uphill = top ? (s1 > 0.0 ? 1.0 : -1.0) : (s0 > s2 ? 1.0 : -1.0);
+            double dv = curved < 0.0 ? -missed / curved : 2.0 * wide * uphill;
             dv = std::clamp(dv, -0.02 * speed, 0.02 * speed);
             const double along = (g.v[1] - g.v[3]) / aside;
             // The residual where the step by v ends, to second order.
@@ -413,8 +434,7 @@ template <class R> Fold fold_between(const Annuli<R>& of, Hump low, Hump high, d
             y += dy, v += dv;
             if (!(y > low.radius && y < high.radius)) break;
             if (std::fabs(dy) < 1e-10 * y && std::fabs(dv) < 1e-6 * speed) {
-                const bool right_kind = top ? bend < 0.0 : s1 + dv * bend < 0.0;
-                if (right_kind) return {y, v, top};
+                if (curved < 0.0 && (top || s1 < 0.0)) return {y, v, top ? Fold::Kind::top : Fold::Kind::shoulder, side};
                 break;
             }
         }
@@ -433,7 +453,18 @@ template <class R> Fold fold_between(const Annuli<R>& of, Hump low, Hump high, d
         if (high.radius - low.radius < 1e-9 * high.radius) break;
     }
     const Hump& near = std::fabs(low.height) < std::fabs(high.height) ? low : high;
-    return {near.radius, near.inflow, near.top};
+    if (near.top) return {near.radius, near.inflow, Fold::Kind::top, side};
+    // The residual is nowhere flat.
+    double y = 0.5 * (first + last), step = last - first;
+    for (int k = 0; k < 20 && std::fabs(step) > 1e-12 * y; ++k) {
+        const Dual<Lanes, 1> moved{broadcast(y), {broadcast(1.0)}};
+        const auto at = station_at(of.rotor, of.flow.omega, moved);
+        const auto g = residual_at_stall(of.rotor, at, of.flow, of.psi, of.windmill, side);
+        step = std::clamp(g.v[0] / g.d[0][0], -0.5 * (last - first), 0.5 * (last - first));
+        y -= step;
+        if (!(y > first - (last - first) && y < last + (last - first))) return {std::nan(""), 0.0, Fold::Kind::angle, side};
+    }
+    return {y, 0.0, Fold::Kind::angle, side};
 }
 
 }  // namespace propmap

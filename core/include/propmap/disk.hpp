@@ -222,13 +222,17 @@ void find_folds(const Annuli<R>& of, const Disk& disk, const std::vector<bool>& 
             const Cubic cubic(s, 0);
             double t[2];
             const bool crosses = (a.height < 0.0) != (b.height < 0.0);
-            for (int e = cubic.extremes(t) - 1; e >= 0; --e) {
-                const double there = cubic.at(t[e]), nearest = std::min(std::fabs(a.height), std::fabs(b.height));
-                if (!crosses && (there < 0.0) == (a.height < 0.0) && std::fabs(there) > 0.5 * nearest) continue;
-                if (t[e] < 0.02 || t[e] > 0.98) continue;
-                closer.push_back(a.radius + t[e] * gap);
-                break;
+            const double nearest = std::min(std::fabs(a.height), std::fabs(b.height));
+            double place = 0.0;
+            for (int e = cubic.extremes(t) - 1; e >= 0 && place == 0.0; --e) {
+                const double there = cubic.at(t[e]);
+                if (!crosses && (there < 0.0) == (a.height < 0.0) && std::fabs(there) > 0.7 * nearest) continue;
+                if (t[e] > 0.02 && t[e] < 0.98) place = t[e];
             }
+            // Where the hump is another one further out, its height may jump.
+            const double steepest = std::max(std::fabs(a.slope), std::fabs(b.slope));
+            if (!crosses && a.top != b.top && gap > 0.004 * tip && nearest < steepest * gap) place = 0.5;
+            if (place > 0.0) closer.push_back(a.radius + place * gap);
         }
         if (closer.empty()) break;
         for (std::size_t k = 0; k < closer.size(); k += width) {
@@ -244,7 +248,7 @@ void find_folds(const Annuli<R>& of, const Disk& disk, const std::vector<bool>& 
         if ((seen[k].height < 0.0) == (seen[k + 1].height < 0.0)) continue;
         const Fold found = fold_between(of, seen[k], seen[k + 1], side);
         if (!(found.radius > root && found.radius < tip)) continue;
-        several |= found.top;
+        several |= found.kind == Fold::Kind::top;
         folds.fold[folds.count++] = found;
     }
 }
@@ -335,7 +339,8 @@ template <class R> void solve_nodes(const Annuli<R>& of, Disk& disk, const Folds
     std::array<int, most_nodes + width> open;
     int left = 0;
     std::array<bool, most_nodes + width> attached;
-    disk.for_each_node([&](int node, int panel, const PanelRule&, int) { attached[node] = disk.attached[panel]; });
+    if (folds) disk.for_each_node([&](int node, int panel, const PanelRule&, int) { attached[node] = disk.attached[panel]; });
+    else attached.fill(true);
     for (int g = 0; g < disk.groups; ++g) {
         const auto& at = disk.at[g];
         Lanes& v = disk.inflow[g];

@@ -307,33 +307,51 @@ template <template <class> class LawOf> class RotorSolver {
     }
 
     // How a fold's radius follows what changes.  The residual g stays zero there, and with it its slope by v_i, at a
-    // fold, or its second difference C, at a shoulder.
+    // jump, or its second difference C, at a shoulder.
     template <int N>
     void follow_fold(const Annuli<Plain>& of, const Solution& s, const Rotor<Dual<double, N>, LawOf>& rotor,
                      const Flow<Dual<double, N>>& flow, const Fold& fold, Dual<double, N>& radius) const {
-        const double wide = fold_width(of, fold.radius, fold.top);
         const Lanes y = broadcast(fold.radius);
-        const Lanes v = each_lane([&](int k) { return fold.inflow + (k == 0 ? wide : k == 2 ? -wide : 0.0); });
-        const auto at = station_at(rotor, flow.omega, y);
-        const Dual<Lanes, N> g = annulus_thrust(rotor, at, flow, v, s.psi) - wake_thrust(rotor, y, flow, s.windmill, v);
         const Dual<Lanes, 1> moved{y, {broadcast(1.0)}};
+        const auto at = station_at(rotor, flow.omega, y);
         const auto beside = station_at(rotor_, s.flow.omega, moved);
-        const Dual<Lanes, 1> along = annulus_thrust(rotor_, beside, s.flow, v, s.psi) -
-                                     wake_thrust(rotor_, moved, s.flow, s.windmill, v);
-        const Lanes slope = of.residual(of.station(y), v).d[0];
+        if (fold.kind == Fold::Kind::angle) {
+            const Dual<Lanes, N> g = residual_at_stall(rotor, at, flow, s.psi, s.windmill, fold.side);
+            const Dual<Lanes, 1> along = residual_at_stall(rotor_, beside, s.flow, s.psi, s.windmill, fold.side);
+            for (int d = 0; d < N; ++d) radius.d[d] = -g.d[d][0] / along.d[0][0];
+            return;
+        }
+        const bool top = fold.kind == Fold::Kind::top;
+        const auto wide = fold_width(of, flow, fold.radius, top);
+        const Lanes apart = each_lane([](int k) { return k == 0 ? 1.0 : k == 2 ? -1.0 : 0.0; });
+        const auto v = fold.inflow + apart * wide;
+        const Dual<Lanes, N> g = annulus_thrust(rotor, at, flow, v, s.psi) - wake_thrust(rotor, y, flow, s.windmill, v);
+        const auto wider = fold.inflow + apart * fold_width(of, s.flow, moved, top);
+        const Dual<Lanes, 1> along = annulus_thrust(rotor_, beside, s.flow, wider, s.psi) -
+                                     wake_thrust(rotor_, moved, s.flow, s.windmill, wider);
+        const Lanes slope = of.residual(of.station(y), v.v).d[0];
         const auto difference = [](Lanes x) { return x[0] - 2.0 * x[1] + x[2]; };
-        const double g_v = fold.top ? 0.0 : slope[1], c_v = fold.top ? 1.0 : difference(slope);
-        const double g_y = along.d[0][1], c_y = fold.top ? 0.0 : difference(along.d[0]);
+        const double g_v = top ? 0.0 : slope[1], c_v = top ? 1.0 : difference(slope);
+        const double g_y = along.d[0][1], c_y = top ? 0.0 : difference(along.d[0]);
         const double determinant = g_v * c_y - g_y * c_v;
         const double per = determinant != 0.0 ? 1.0 / determinant : 0.0;
         for (int d = 0; d < N; ++d) {
-            const double g_p = g.d[d][1], c_p = fold.top ? 0.0 : difference(g.d[d]);
+            const double g_p = g.d[d][1], c_p = top ? 0.0 : difference(g.d[d]);
             radius.d[d] = per * (g_p * c_v - g_v * c_p);
         }
     }
 
     bool has_harmonics(const Solution& s) const {
         return rotor_.inflow_shape != InflowShape::uniform && s.flow.v_inplane > 0.0;
+    }
+
+    // The annuli's inflow with the share of the vortex ring's in it [m/s].
+    std::vector<Lanes> blended_inflow(const Solution& s) const {
+        std::vector<Lanes> inflow(s.disk.inflow.begin(), s.disk.inflow.begin() + s.disk.groups);
+        const double ring = vortex_ring::weight(s.flow), ring_inflow = vortex_ring::inflow(s.flow);
+        if (ring > 0.0)
+            for (Lanes& v : inflow) v = (1.0 - ring) * v + ring * ring_inflow;
+        return inflow;
     }
 
     // Within the vortex ring harmonics fade.

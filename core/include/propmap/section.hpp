@@ -70,7 +70,7 @@ template <class S> struct BlendedLaw {
         return Coefficients<decltype(lift + 0.0), decltype(drag + 0.0)>{lift, drag};
     }
 
-    double stall_angle(double, double side) const { return side * value(alpha_0); }
+    S stall_angle(double, double side) const { return side * alpha_0; }
     double stall_width() const { return 1.0 / value(sharpness); }
     auto attached_slope() const { return attached * c_l1; }
 };

@@ -85,7 +85,7 @@ def load_gradients(
     rates, where = np.unique(omega[down], return_inverse=True)
     still, no = np.zeros_like(rates), np.zeros((len(names), rates.size))
     static = _gradients(rotor, setting, names, Flow(rates, still, still, still), no, size)
-    v, slope = _static_inflow(rotor, static)
+    v, slope = _static_inflow(rotor, names, static)
     v_hover[down] = v[where]
     v_hover_slope[:, down] = slope[:, where]
     flow = Flow(omega, v_axial, v_inplane, v_hover)
@@ -159,9 +159,13 @@ def _some(points: slice, values: Any) -> Any:
     return values[..., points]
 
 
-def _static_inflow(rotor: Prepared, static: LoadGradients) -> tuple[Floats, Floats]:
-    """v_h (N,) [m/s], eq. (12), and its derivatives (P, N)."""
-    thrust, slope = static.loads[0], static.slopes[0]
+def _static_inflow(
+    rotor: Prepared, names: tuple[str, ...], static: LoadGradients
+) -> tuple[Floats, Floats]:
+    """v_h (N,) [m/s], eq. (12), and its derivatives (P, N) by ``names``."""
+    # v_h is that of a rotor at rest in the air, whatever the flow is that it is used in.
+    at_rest = np.array([name in ("v_axial", "v_inplane") for name in names], bool)[:, None]
+    thrust, slope = static.loads[0], np.where(at_rest, 0.0, static.slopes[0])
     # By NumPy: the number of points differs from call to call, and JAX would compile for each.
     with by_numpy():
         v: Any = static_inflow(thrust, rotor.arrays.medium.density, rotor.arrays.blade.tip)

@@ -9,7 +9,11 @@ import numpy as np
 from propmap.arrays.namespace import Array, xp
 from propmap.physics import momentum
 from propmap.physics.element import Annulus
-from propmap.physics.velocities import floored_norm
+from propmap.physics.velocities import SPEED_FLOOR, floored_norm
+
+NEARLY_AXIAL = 1e-4
+"""V sin(beta) over Omega y + |V cos(beta)| [-] up to which the bounds of a wake tell the narrow
+bend of (10) about U_P = 0, as wide as V sin(beta), from the rest of the curve."""
 
 
 class FactorBounds(NamedTuple):
@@ -101,19 +105,65 @@ class Wake(NamedTuple):
             u + factor.bounds(at, inflow, inflow).constant_below for factor in self.factors
         ]
 
+    def nearly_axial(self, at: Annulus) -> Array:
+        """Whether V sin(beta) ``at`` an annulus is below ``NEARLY_AXIAL``."""
+        return at.v_inplane <= NEARLY_AXIAL * (at.turning + xp.abs(at.v_axial))
+
+    def above_axial(self, at: Annulus, inflow: Array) -> tuple[Array, Array]:
+        """Thrust ``at`` an annulus less that with V sin(beta) = 0, and its derivative.
+
+        The ``inflow`` and the units are as in ``thrust_slope``.  Both thrusts are those of the
+        helicopter branch, which climb always is on.
+        """
+        radius, v_axial = at.radius, at.v_axial
+        through = xp.abs(v_axial + inflow)
+        oblique, oblique_slope = momentum.annulus_thrust_slope(
+            radius, v_axial, at.v_inplane, inflow
+        )
+        per_radius = 4.0 * np.pi * radius
+        signed = xp.where(v_axial + inflow < 0.0, -inflow, inflow)
+        thrust = oblique - per_radius * inflow * through
+        slope = oblique_slope - per_radius * (through + signed)
+        for factor in self.factors:
+            f, f_slope = factor.factor_slope(at, inflow)
+            thrust, slope = f * thrust, f * slope + f_slope * thrust
+        return thrust, slope
+
+    def most_below_axial(self, at: Annulus, low: Array) -> Array:
+        """Upper bound of the thrust with V sin(beta) = 0 less that ``at`` an annulus.
+
+        It holds on the helicopter branch for every v_i from ``low`` [m/s] on; the unit is m^3/s^2.
+        The mass flow of (10) exceeds that of axial flow by at most V sin(beta), and only for
+        v_i < 0 makes that the thrust smaller.
+        """
+        return 4.0 * np.pi * at.radius * at.v_inplane * xp.maximum(-low, 0.0)
+
     def largest_bend(self, at: Annulus, low: Array, high: Array) -> Array:
         """Upper bound of -d^2T/dv_i^2 [m], T being the thrust ``at`` an annulus.
 
-        It holds for v_i from ``low`` to ``high`` [m/s], which must lie on one side of U_P = 0
-        unless V sin(beta) > 0.
+        It holds for v_i from ``low`` to ``high`` [m/s] as far as these are on the same side of
+        U_P = 0 as ``high``.
         """
         u_low, u = at.v_axial + low, at.v_axial + high
         v_max = xp.maximum(xp.abs(high), xp.abs(low))
-        # d^2T/dv^2 of (10) is 4 pi y (2 u/W + v (V sin(beta))^2 / W^3) with u = V cos(beta) + v;
-        # it has either sign where (10) is mirrored on the windmill branch (u < 0).
+        # d^2T/dv^2 of (10) is 4 pi y (2 u/W + v (V sin(beta))^2 / W^3) with u = V cos(beta) + v.
         nearest = floored_norm(at.v_inplane, xp.where(u > 0.0, xp.maximum(u_low, 0.0), u))
         turn = at.v_inplane**2 / nearest**3
-        bend = xp.where(u > 0.0, xp.maximum(-low, 0.0) * turn, 2.0 + v_max * turn)
+        # The second term is negative for v < 0 alone.  There |v| is at most V cos(beta) if u > 0,
+        # and at most |u| more if u < 0; u (V sin(beta))^2 / W^3 is at most 2/sqrt(27).  Only nearly
+        # axial flow, where ``turn`` is large, needs a bound as close as that.
+        nearly_axial = self.nearly_axial(at)
+        climb = xp.where(nearly_axial, xp.maximum(at.v_axial, 0.0), v_max) * turn
+        negative = xp.maximum(-low, 0.0) * turn
+        below = xp.minimum(negative, 0.385 + climb)
+        if self.windmill is not None:
+            # Where (10) is mirrored, its second derivative has the other sign; see
+            # ``momentum.windmill_annulus_thrust_slope`` for its weight.
+            steep = xp.maximum(at.v_axial**2, SPEED_FLOOR**2)
+            weight = self.windmill * xp.minimum(8.0 * at.v_inplane**2 / steep, 1.0)
+            below = below + weight * v_max * turn
+        below = 2.0 + xp.where(nearly_axial, below, v_max * turn)
+        bend = xp.where(u > 0.0, xp.minimum(negative, climb), below)
         if self.factors:
             along = floored_norm(at.v_inplane, xp.maximum(xp.abs(u), xp.abs(u_low)))
             slope, thrust = along + v_max, v_max * along

@@ -188,11 +188,48 @@ def safe_step(
     below a parabola with that second derivative, and negative down to the parabola's root.
     """
     full = 0.25 * (bound.speed + xp.abs(at.v_axial)) + 0.5 * xp.abs(v)
-    step = _step_within(at, wake, bound, full, v, value, slope)
+    along = _along_axis(at, wake, full, v, value, slope)
+    step = _step_within(along.at, wake, bound, along.reach, v, along.value, along.slope)
     for reach in wake.shorter_reaches(at, v):
-        short = xp.minimum(reach, full)
-        step = xp.maximum(step, _step_within(at, wake, bound, short, v, value, slope))
+        short = xp.minimum(reach, along.reach)
+        shorter = _step_within(along.at, wake, bound, short, v, along.value, along.slope)
+        step = xp.maximum(step, shorter)
     return step
+
+
+class _AlongAxis(NamedTuple):
+    """What a safe step is computed from: annulus, residual, its slope, reach [m/s]."""
+
+    at: Annulus
+    value: Array
+    slope: Array
+    reach: Array
+
+
+def _along_axis(
+    at: Annulus, wake: Wake, reach: Array, v: Array, value: Array, slope: Array
+) -> _AlongAxis:
+    """The residual itself, or in nearly axial climb an upper bound of it without V sin(beta).
+
+    In climb the slope of the wake's thrust changes by up to 8 pi y V cos(beta) about U_P = 0, over
+    a range of U_P as wide as V sin(beta).  A parabola as bent as that allows only tiny steps.
+    Axial flow has a kink there, where a step ends.  Its residual plus the largest difference on
+    [v - reach, v] is an upper bound of that of the oblique flow, and has the same kink.
+
+    Where the residual is no larger than that difference, the bend does count, but only over half of
+    the way to the kink.
+    """
+    some = (at.v_axial > 0.0) & wake.nearly_axial(at)
+    above, above_slope = wake.above_axial(at, v)
+    raised = value + above + wake.most_below_axial(at, v - reach)
+    clear = some & (raised < 0.5 * value)
+    to_kink = xp.maximum(0.5 * xp.abs(at.v_axial + v), at.v_inplane)
+    return _AlongAxis(
+        at._replace(v_inplane=xp.where(clear, 0.0, at.v_inplane)),
+        xp.where(clear, raised, value),
+        xp.where(clear, slope + above_slope, slope),
+        xp.where(some & ~clear & (at.v_inplane > 0.0), xp.minimum(to_kink, reach), reach),
+    )
 
 
 def _step_within(

@@ -1,0 +1,166 @@
+// The inflow of the whole disk as air that has to be set in motion: Pitt and Peters, dynamic.
+//
+// The state is the mean inflow over the disk and the two gradients of `Harmonics`.  Per density, with d the
+// deviation from the static solution, T the thrust, L the moment that lifts the advancing side, M the one that
+// lifts the rear, k the static gains of `HarmonicResponse` and W the mass-flow parameter for deviations of any size:
+//
+//     8/3 R^3    dv_0/dt = dT - 2 pi R^2 W dv_0
+//     16/45 R^4  dv_s/dt = dL - dv_s / k_s
+//     16/45 R^4  dv_c/dt = dM - (dv_c - k_t 2 pi R^2 W dv_0) / k_c
+//
+// In hover the mean inflow follows Carpenter and Fridovich, NACA TN 3044, 1953.
+// Pitt & Peters, Vertica 5(1), 1981; Peters & HaQuang, J. AHS 33(4), 1988.
+#pragma once
+
+#include "rotor.hpp"
+
+namespace propmap {
+
+struct Matrix {
+    double m[3][3]{};
+
+    Matrix operator*(const Matrix& o) const {
+        Matrix r;
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j)
+                for (int k = 0; k < 3; ++k) r.m[i][j] += m[i][k] * o.m[k][j];
+        return r;
+    }
+    Matrix operator+(const Matrix& o) const {
+        Matrix r = *this;
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j) r.m[i][j] += o.m[i][j];
+        return r;
+    }
+    Matrix times(double by) const {
+        Matrix r = *this;
+        for (auto& row : r.m)
+            for (double& x : row) x *= by;
+        return r;
+    }
+    std::array<double, 3> operator*(const std::array<double, 3>& v) const {
+        std::array<double, 3> r{};
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j) r[i] += m[i][j] * v[j];
+        return r;
+    }
+    bool finite() const {
+        for (const auto& row : m)
+            for (double x : row)
+                if (!std::isfinite(x)) return false;
+        return true;
+    }
+    // Whether all eigenvalues have negative real parts, by Routh and Hurwitz.
+    bool decays() const {
+        const double a = -(m[0][0] + m[1][1] + m[2][2]);
+        double b = 0.0;
+        for (int i = 0; i < 3; ++i)
+            for (int j = i + 1; j < 3; ++j) b += m[i][i] * m[j][j] - m[i][j] * m[j][i];
+        const double c = -(m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) -
+                           m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
+                           m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]));
+        return a > 0.0 && c > 0.0 && a * b > c;
+    }
+};
+
+// By scaling and squaring of the Taylor series.
+inline Matrix exponential(const Matrix& a) {
+    double size = 0.25;
+    for (const auto& row : a.m) size = std::max(size, std::fabs(row[0]) + std::fabs(row[1]) + std::fabs(row[2]));
+    const int halvings = int(std::ceil(std::log2(size))) + 2;
+    Matrix small = a.times(std::ldexp(1.0, -halvings)), one;
+    one.m[0][0] = one.m[1][1] = one.m[2][2] = 1.0;
+    Matrix term = one, found = one;
+    for (int k = 1; k < 13; ++k) {  // 0.25^13 / 13! is 2e-18
+        term = (term * small).times(1.0 / k);
+        found = found + term;
+    }
+    for (int k = 0; k < halvings; ++k) found = found * found;
+    return found;
+}
+
+using State = std::array<double, 3>;  // mean inflow, v_s and v_c [m/s]
+
+struct Motion {
+    State steady;         // the static solution
+    State rates;          // of the state asked for [m/s^2]
+    State later;          // the state a time step on
+    Loads<double> loads;  // of the blades in the inflow of the state [N], [N m]
+    Matrix linear;        // derivatives of the rates with the state, at the static solution [1/s]
+};
+
+template <template <class> class LawOf>
+Motion inflow_motion(const RotorSolver<LawOf>& solver, const Solution& s, const State& state, double time) {
+    const auto& rotor = solver.rotor();
+    const double radius = rotor.tip(), density = rotor.density;
+    // Loads with the inflow of the static solution, its mean and gradients replaced by those of the state.  In axial
+    // flow the static solution has one azimuth, a state with gradients needs several.
+    Solution around = s;
+    if (around.psi.count < 8) around.psi = azimuths(16);
+    const std::vector<Lanes> inflow = solver.blended_inflow(s);
+    std::vector<double> unused(2 * most_nodes);
+    Loads<double> there, here, slopes[3], others[3];
+    solver.loads_and_slopes(around, inflow, s.harmonics, there, slopes, unused.data());
+    solver.loads_and_slopes(around, inflow, {state[0] - s.mean.inflow, state[1], state[2]}, here, others, unused.data());
+
+    Motion motion;
+    motion.steady = {s.mean.inflow + s.harmonics.mean, s.harmonics.lateral, s.harmonics.longitudinal};
+    for (int k = 0; k < Loads<double>::count; ++k)
+        motion.loads.begin()[k] = s.result.loads.begin()[k] + density * (here.begin()[k] - there.begin()[k]);
+
+    const auto gains = harmonic_response(rotor.inflow_shape, s.mean, radius);
+    const double mass = 8.0 / 3.0 * std::pow(radius, 3), inertia = 16.0 / 45.0 * std::pow(radius, 4);
+    // The time constant of v_c goes to zero in edgewise flight without inflow: it then follows the thrust at once.
+    const double slow = 1.0 / std::max(inertia * gains.by_rear, 1e-6);
+    const double mobility[3] = {1.0 / mass, 1.0 / inertia, gains.by_rear * slow};
+    State deviation;
+    for (int k = 0; k < 3; ++k) deviation[k] = state[k] - motion.steady[k];
+
+    // W: the change of v times the air's speed at the disk over that of v, between both mean inflows; at least half
+    // the mass-flow parameter, below which are states against the stream.
+    const auto momentum = [&](double mean) {
+        const double v0 = motion.steady[0], v1 = v0 + mean, a = s.flow.v_axial, p = s.flow.v_inplane;
+        const double total = std::hypot(p, a + v1) + std::hypot(p, a + v0) + 1e-30;
+        const double secant = 0.5 * total + 0.5 * (v0 + v1) * (2.0 * a + v0 + v1) / total;
+        const double growth = 2.0 * pi * radius * radius * std::max(secant, 0.5 * s.mean.mass_flow());
+        Matrix r;
+        r.m[0][0] = -growth / mass, r.m[1][1] = -1.0 / (inertia * gains.by_roll);
+        r.m[2][0] = slow * gains.by_thrust * growth, r.m[2][2] = -slow;
+        return r;
+    };
+    const auto forces_of = [](const Loads<double>& l) { return State{l.thrust, l.roll_moment, -l.pitch_moment}; };
+    Matrix blades;
+    for (int j = 0; j < 3; ++j) {
+        const State by = forces_of(slopes[j]);
+        for (int i = 0; i < 3; ++i) blades.m[i][j] = by[i];
+    }
+    const State now = forces_of(here), before = forces_of(there);
+    State forces, missing;
+    for (int i = 0; i < 3; ++i) forces[i] = now[i] - before[i];
+    const State linear = blades * deviation;
+    double square = 0.0;
+    for (int i = 0; i < 3; ++i) missing[i] = forces[i] - linear[i], square += deviation[i] * deviation[i];
+
+    const Matrix own = momentum(deviation[0]);
+    const State from_momentum = own * deviation;
+    for (int i = 0; i < 3; ++i) motion.rates[i] = forces[i] * mobility[i] + from_momentum[i];
+    motion.linear = momentum(0.0);
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) motion.linear.m[i][j] += blades.m[i][j] * mobility[i];
+
+    // The step takes the rates as a matrix times the deviation, the one that gives them now and is nearest to the one
+    // at the static solution.  Its exponential is exact where the forces are linear, and stable for any time.  Where
+    // the blades, in stall, would drive the inflow away from the static solution, they are left out.
+    Matrix whole = own;
+    const double per = square > 0.0 ? 1.0 / square : 0.0;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) whole.m[i][j] += (blades.m[i][j] + missing[i] * deviation[j] * per) * mobility[i];
+    const bool known = whole.finite();
+    if (!whole.decays()) whole = own;
+    const State moved = known ? exponential(whole.times(time)) * deviation : State{NAN, NAN, NAN};
+    for (int i = 0; i < 3; ++i) motion.later[i] = motion.steady[i] + moved[i];
+    if (s.result.status == Status::not_converged) motion.steady = motion.rates = motion.later = {NAN, NAN, NAN};
+    return motion;
+}
+
+}  // namespace propmap
