@@ -95,6 +95,7 @@ types: $(READY)
 # (-S) Python does not find the editable package, and takes the one of this build.
 SANITIZED := build/sanitize
 sanitize: $(READY)
+	$(if $(ZIG),$(error `make sanitize` needs g++ 12 or later, which brings the checks; install it))
 	$(INSTALL) --no-build-isolation --no-deps --upgrade --target $(SANITIZED)/site --config-settings=build-dir=$(SANITIZED)/core \
 		--config-settings=cmake.build-type=Debug --config-settings=cmake.define.PROPMAP_SANITIZE=ON .
 	LD_PRELOAD="$$($(CXX) -print-file-name=libasan.so) $$($(CXX) -print-file-name=libstdc++.so)" \
