@@ -6,7 +6,7 @@ READY := $(VENV)/ready
 DOCS_READY := $(VENV)/docs-ready
 PEERS_READY := $(VENV)/peers-ready
 
-.PHONY: demo reproduce test test-fast test-readers test-numpy test-slow lint types bench bench-table bench-fine-table bench-choice bench-identification bench-peers bench-options bench-aircraft bench-mount convergence docs clean bench-certificates bench-lifting-line bench-interference bench-flight-twins bench-cluster bench-explore sanitize
+.PHONY: demo reproduce test test-fast test-readers test-numpy test-slow lint types bench bench-table bench-fine-table bench-choice bench-identification bench-peers bench-options bench-aircraft bench-mount convergence docs clean bench-certificates bench-lifting-line bench-interference bench-flight-twins bench-cluster bench-explore build sanitize
 
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt
 CORE := CMakeLists.txt $(shell find core -name '*.[ch]pp')
@@ -44,6 +44,8 @@ $(DOCS_READY): $(READY)
 $(PEERS_READY): $(READY)
 	$(INSTALL) --no-deps wisdem
 	touch $@
+
+build: $(READY)
 
 # NumPy's large arrays come from memory that the process keeps, instead of fresh pages from the system for
 # each: a quarter less time of the tests that compile nothing.  Other C libraries than glibc ignore it.
@@ -93,6 +95,7 @@ types: $(READY)
 # (-S) Python does not find the editable package, and takes the one of this build.
 SANITIZED := build/sanitize
 sanitize: $(READY)
+	$(if $(ZIG),$(error `make sanitize` needs g++ 12 or later, which brings the checks; install it))
 	$(INSTALL) --no-build-isolation --no-deps --upgrade --target $(SANITIZED)/site --config-settings=build-dir=$(SANITIZED)/core \
 		--config-settings=cmake.build-type=Debug --config-settings=cmake.define.PROPMAP_SANITIZE=ON .
 	LD_PRELOAD="$$($(CXX) -print-file-name=libasan.so) $$($(CXX) -print-file-name=libstdc++.so)" \

@@ -1,17 +1,31 @@
-// Which of the package's builds suits this processor; the system has to keep its registers, too.
+// Which of the package's builds suits this processor, by what it can do and by the registers that the system keeps.
+// (By hand, since __builtin_cpu_supports finds nothing when Zig has compiled it.)
 #pragma once
+
+#include <initializer_list>
+
+#ifdef __x86_64__
+#include <cpuid.h>
+#endif
 
 namespace propmap {
 
 inline const char* best_instructions() {
 #ifdef __x86_64__
-    __builtin_cpu_init();
-    const bool v3 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi") &&
-                    __builtin_cpu_supports("bmi2");
-    const bool v4 = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
-                    __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("avx512dq") &&
-                    __builtin_cpu_supports("avx512vl");
-    return v3 && v4 ? "x86-64-v4" : v3 ? "x86-64-v3" : "x86-64-v2";
+    const auto all = [](unsigned in, std::initializer_list<int> bits) {
+        for (int bit : bits)
+            if (!(in >> bit & 1)) return false;
+        return true;
+    };
+    unsigned a, b, basic = 0, more = 0, extended = 0, kept = 0, d;
+    __get_cpuid(1, &a, &b, &basic, &d);
+    __get_cpuid_count(7, 0, &a, &more, &b, &d);
+    __get_cpuid(0x80000001, &a, &b, &extended, &d);
+    if (all(basic, {27})) asm("xgetbv" : "=a"(kept), "=d"(d) : "c"(0));
+    // FMA, MOVBE, AVX, F16C; BMI1, AVX2, BMI2; LZCNT; the registers of SSE and AVX.
+    if (!(all(basic, {12, 22, 28, 29}) && all(more, {3, 5, 8}) && all(extended, {5}) && all(kept, {1, 2}))) return "x86-64-v2";
+    // AVX-512 F, DQ, CD, BW, VL; its masks and registers.
+    return all(more, {16, 17, 28, 30, 31}) && all(kept, {5, 6, 7}) ? "x86-64-v4" : "x86-64-v3";
 #else
     return "generic";
 #endif
