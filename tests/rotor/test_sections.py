@@ -287,9 +287,7 @@ def test_a_law_without_attached_lift_is_refused() -> None:
 
 def test_each_loss_changes_the_loads() -> None:
     found = {
-        text: float(
-            rotor(*text.split(), law=pm.airfoil("paper-apc")).loads(600.0, 4.0, 1.0).thrust
-        )
+        text: float(rotor(*text.split(), law=pm.airfoil("paper-apc")).loads(600.0, 4.0, 1.0).thrust)
         for text in ("", "tip-loss", "hub-loss", "hub-loss:radius_m=0.012")
     }
     assert found["tip-loss"] < 0.99 * found[""]
