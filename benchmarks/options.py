@@ -17,7 +17,7 @@ from benchmarks.speed import BATCH, oblique
 from propmap.model.airfoil import parameter_set
 from propmap.model.section_table import SectionTable
 
-REPEATS = 20
+REPEATS = 5
 
 
 def sampled(name: str, reynolds: tuple[float, ...]) -> SectionTable:
