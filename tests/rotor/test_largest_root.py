@@ -246,7 +246,7 @@ def test_a_sharp_stall_without_lift_past_it_keeps_the_attached_root() -> None:
         *(5.093, 0.0, 1.709, 0.4317), zero_lift_angle=-0.0706, c_d0=0.058, sharpness=127.8
     )
     motion = (725.2998769486707, 3.1494169078806236, 19.10897435601218)
-    check_nodes(pm.propeller("apc-11x7e", blades=3), law, [motion], 12)
+    check_nodes(pm.propeller("apc-11x7e", blades=3), law, [motion], 40)
 
 
 def check_nodes(blade: pm.Propeller, law: pm.Airfoil, flows: Iterable[Any], some: int) -> None:

@@ -37,7 +37,10 @@ def by_numpy(airfoil: Airfoil, air: pm.Air | None = None) -> pm.Rotor:
     return pm.Rotor(pm.Model(BLADE, airfoil, air or pm.Air()))
 
 
-@pytest.mark.parametrize("where", POINTS)
+@pytest.mark.parametrize(
+    "where",
+    [pytest.param(p, marks=[pytest.mark.slow] * (p in ("axial", "descent"))) for p in POINTS],
+)
 def test_loads_are_those_of_the_literal_reference(where: str) -> None:
     rpm, speed, beta = POINTS[where]
     omega, beta = rpm * RPM, np.radians(beta)
