@@ -6,7 +6,7 @@ READY := $(VENV)/ready
 DOCS_READY := $(VENV)/docs-ready
 PEERS_READY := $(VENV)/peers-ready
 
-.PHONY: demo reproduce test test-fast test-readers test-numpy test-slow lint types bench bench-table bench-fine-table bench-choice bench-identification bench-peers bench-options bench-aircraft bench-mount convergence docs clean bench-certificates bench-lifting-line bench-interference bench-flight-twins bench-cluster bench-explore build sanitize
+.PHONY: demo reproduce test test-fast test-readers test-physics test-slow lint types bench bench-table bench-fine-table bench-choice bench-identification bench-peers bench-options bench-aircraft bench-mount convergence docs clean bench-certificates bench-lifting-line bench-interference bench-flight-twins bench-cluster bench-explore build sanitize
 
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt
 CORE := CMakeLists.txt $(shell find core -name '*.[ch]pp')
@@ -48,12 +48,12 @@ $(PEERS_READY): $(READY)
 build: $(READY)
 
 # NumPy's large arrays come from memory that the process keeps, instead of fresh pages from the system for
-# each: a quarter less time of the tests that compile nothing.  Other C libraries than glibc ignore it.
+# each.  Other C libraries than glibc ignore it.
 export MALLOC_MMAP_THRESHOLD_ ?= 536870912
 export MALLOC_TRIM_THRESHOLD_ ?= 536870912
 export MALLOC_TOP_PAD_ ?= 16777216
 
-# Two processes take 8 GB, the slow tests up to 15; each file's tests stay together, for the programs and tables they share.
+# Each file's tests stay together, for the tables they share.
 WORKERS := 2
 PYTEST := $(BIN)/python -m pytest --numprocesses $(WORKERS) --dist loadfile
 
@@ -66,19 +66,19 @@ reproduce: $(READY)
 test: $(READY)
 	$(PYTEST) -m 'not slow'
 
-# What needs no compiler: every reader, and the physics on NumPy, beside each other.
+# Every reader, and the physics in short, beside each other.
 READERS := tests/io tests/vehicle tests/model tests/catalogue
-ON_NUMPY := tests/physics/test_tip_loss.py tests/physics/sections/test_tabulated.py tests/rotor/test_limits.py \
-	tests/docs/test_equations.py tests/docs/test_equations_are_live.py tests/oracle/test_extended_reference.py
+PHYSICS := tests/core/test_core.py tests/rotor/test_limits.py tests/docs/test_equations.py \
+	tests/docs/test_equations_are_live.py tests/oracle/test_extended_reference.py
 
 test-fast: $(READY)
-	$(MAKE) --no-print-directory --jobs 2 test-readers test-numpy
+	$(MAKE) --no-print-directory --jobs 2 test-readers test-physics
 
 test-readers: $(READY)
 	$(BIN)/python -m pytest -m 'not slow' $(READERS)
 
-test-numpy: $(READY)
-	$(BIN)/python -m pytest -m 'not slow' $(ON_NUMPY)
+test-physics: $(READY)
+	$(BIN)/python -m pytest -m 'not slow' $(PHYSICS)
 
 test-slow: $(READY)
 	$(PYTEST) -m slow

@@ -263,7 +263,7 @@ class CoreRotor {
         return nb::make_tuple(steadies, rate_array, laters, load_array, matrices, others);
     }
 
-    // Fields over the disk at one operating point, by name; (S,) or (S, P).
+    // Fields over the disk at one operating point, by name; (S,) or (S, P), S from 1 to 1000.
     nb::dict disk_field(double omega, double v_axial, double v_inplane, const std::vector<double>& radii,
                         const std::vector<double>& psi) const {
         return std::visit([&](const auto& solver) {
@@ -271,16 +271,16 @@ class CoreRotor {
             solver.solve(omega, v_axial, v_inplane, s);
             const DiskField f = propmap::disk_field(solver, s, radii, psi);
             nb::dict told;
-            const auto tell = [&](const char* name, const std::vector<double>& values) {
+            const auto tell = [&](const char* name, const std::vector<double>& values, bool around) {
                 double* data;
-                told[name] = values.size() == radii.size() && &values != &f.alpha && psi.size() != 1
-                                 ? make_array({radii.size()}, data)
-                                 : make_array({radii.size(), psi.size()}, data);
+                told[name] = around ? make_array({radii.size(), psi.size()}, data) : make_array({radii.size()}, data);
                 std::copy(values.begin(), values.end(), data);
             };
-            tell("inflow", f.inflow), tell("thrust", f.thrust), tell("drag", f.drag), tell("torque", f.torque);
-            tell("local_inflow", f.local_inflow), tell("alpha", f.alpha), tell("past_stall", f.past_stall);
-            tell("u_tangential", f.u_tangential), tell("u_normal", f.u_normal), tell("normal_force", f.normal_force);
+            tell("inflow", f.inflow, false), tell("thrust", f.thrust, false);
+            tell("drag", f.drag, false), tell("torque", f.torque, false);
+            tell("local_inflow", f.local_inflow, true), tell("alpha", f.alpha, true);
+            tell("past_stall", f.past_stall, true), tell("u_tangential", f.u_tangential, true);
+            tell("u_normal", f.u_normal, true), tell("normal_force", f.normal_force, true);
             return told;
         }, solver_);
     }

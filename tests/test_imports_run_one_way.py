@@ -20,6 +20,7 @@ LEFT_TO_RIGHT = (
     "operating_points",
     "bands",
     "rotor",
+    "jax",
     "sweep",
     "dynamic_inflow",
     "baselines",

@@ -17,6 +17,8 @@ try:
 except ModuleNotFoundError as missing:
     raise ImportError("JAX is not installed; run: pip install 'propmap[jax]'") from missing
 
+_Shape: Any = jax.ShapeDtypeStruct
+
 
 def loads(rotor: Rotor, omega: Any, v_axial: Any, v_inplane: Any) -> Any:
     """Loads at operating points, through ``jit``, ``vmap``, ``grad``, ``jacfwd`` and ``jacrev``.
@@ -51,7 +53,7 @@ def loads(rotor: Rotor, omega: Any, v_axial: Any, v_inplane: Any) -> Any:
 @functools.partial(jax.custom_jvp, nondiff_argnums=(0,))
 def _loads(rotor: Rotor, omega: Any, v_axial: Any, v_inplane: Any) -> Any:
     """Loads (..., L): the axes that ``vmap`` adds come in front."""
-    wanted = jax.ShapeDtypeStruct((*omega.shape, len(LOADS)), omega.dtype)
+    wanted = _Shape((*omega.shape, len(LOADS)), omega.dtype)
 
     def found(*flow: Any) -> Floats:
         values, _ = rotor.gradients((), *_double(flow))
@@ -64,8 +66,8 @@ def _loads(rotor: Rotor, omega: Any, v_axial: Any, v_inplane: Any) -> Any:
 def _loads_jvp(rotor: Rotor, primals: Any, tangents: Any) -> Any:
     shape, dtype = primals[0].shape, primals[0].dtype
     wanted = (
-        jax.ShapeDtypeStruct((*shape, len(LOADS)), dtype),
-        jax.ShapeDtypeStruct((*shape, len(LOADS), len(FLOW)), dtype),
+        _Shape((*shape, len(LOADS)), dtype),
+        _Shape((*shape, len(LOADS), len(FLOW)), dtype),
     )
 
     def found(*flow: Any) -> tuple[Floats, Floats]:

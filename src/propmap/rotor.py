@@ -52,6 +52,9 @@ if TYPE_CHECKING:
 
 ACCURACIES = ("standard", "fine")
 
+MOST_RADII = 1000
+"""Radii at which fields over the disk are given, at most."""
+
 
 def core_corrections(model: Model) -> dict[str, Any]:
     """The corrections of a ``model`` as the core takes them: numbers by name."""
@@ -311,9 +314,11 @@ class Rotor:
         """
         w, along, across = resolved(omega, speed, beta, one=True)
         root, tip = self.model.span
-        y = np.linspace(root, tip, 60) if radius is None else np.ravel(radius)
-        psi = np.linspace(0.0, 2.0 * np.pi, 73) if azimuth is None else np.ravel(azimuth)
-        y, psi = broadcast(radius=y)[0], broadcast(azimuth=psi)[0]
+        y = broadcast(radius=np.linspace(root, tip, 60) if radius is None else radius)[0].ravel()
+        turn = np.linspace(0.0, 2.0 * np.pi, 73)
+        psi = broadcast(azimuth=turn if azimuth is None else azimuth)[0].ravel()
+        if not 1 <= y.size <= MOST_RADII:
+            raise InputError(f"there are {y.size} radii: give 1 to {MOST_RADII}")
         if (y < root).any() or (y > tip).any():
             raise InputError(f"radius must lie between {root:g} and {tip:g} m")
         found = self._core.disk_field(float(w), float(along), float(across), list(y), list(psi))

@@ -81,17 +81,10 @@ class InThreads:
         tasks: Iterable[Task],
     ) -> Iterator[tuple[int, Result]]:
         """As ``Workers.results``, but for a list that is not long: all tasks are taken at once."""
-        every = list(tasks)
-        # The first alone: two threads would compile the same programs.
-        for place, task in enumerate(every[:1]):
-            yield place, work(common, task)
         with ThreadPoolExecutor(self.count) as pool:
-            rest = {
-                pool.submit(work, common, task): place
-                for place, task in enumerate(every[1:], start=1)
-            }
-            for done in as_completed(rest):
-                yield rest[done], done.result()
+            places = {pool.submit(work, common, task): k for k, task in enumerate(tasks)}
+            for done in as_completed(places):
+                yield places[done], done.result()
 
 
 def in_order(results: Iterable[tuple[int, Result]]) -> list[Result]:

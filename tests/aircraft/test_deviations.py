@@ -40,7 +40,6 @@ def power_of(speeds: np.ndarray = SPEEDS, **changes: object) -> np.ndarray:
     return np.asarray(Aircraft(vehicle, rotor).steady(speeds).electrical_power)
 
 
-@pytest.mark.slow
 def test_power_follows_as_that_of_changed_aircraft(aircraft: Aircraft, level: SteadyStates) -> None:
     found = power_gradient(aircraft, level, ("speed", "mass", "drag_area_x", "c_d", "twist_offset"))
     own = float(aircraft.rotors.sources[0][0].model.airfoil.c_d)  # type: ignore[attr-defined]

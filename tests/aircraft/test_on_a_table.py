@@ -23,7 +23,7 @@ pytestmark = pytest.mark.slow
 @pytest.fixture(scope="module")
 def table(vehicle: Vehicle) -> LoadTable:
     model = rotor_of(vehicle).model
-    # How well the constants are known would be tabulated too, by programs of its own.
+    # How well the constants are known would be tabulated too, which takes time.
     law = model.airfoil.with_parameters(uncertainty=None)
     return build_table(
         propmap.Rotor(model.with_airfoil(law)),

@@ -114,15 +114,6 @@ def test_what_a_task_refuses_is_told_as_here(workers: DaskWorkers) -> None:
         list(workers.results(_refused, None, [3]))
 
 
-def test_other_options_of_the_compiler_are_refused(
-    workers: DaskWorkers, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    list(workers.results(_less, 1, range(4)))
-    monkeypatch.setenv("XLA_FLAGS", "--xla_cpu_enable_fast_min_max=false")
-    with pytest.raises(InputError, match="restart the workers"):
-        list(workers.results(_less, 1, range(4)))
-
-
 def test_killed_workers_lose_nothing(tmp_path: Path, whole: dict[str, bytes]) -> None:  # noqa: F811
     path, rng = tmp_path / "map.zarr", np.random.default_rng(2)
     killed = 0

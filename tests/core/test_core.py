@@ -241,12 +241,12 @@ def test_fields_at_one_azimuth_have_the_shapes_of_those_at_many() -> None:
 
 
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
-@pytest.mark.parametrize("value", [1e300, 1e100, 1e20, 1e-20, 1e-300])
+@pytest.mark.parametrize("value", [1e300, 1e100, 1e-20, 1e-300])
 def test_huge_and_tiny_flows_have_loads_or_a_status(value: float) -> None:
-    for which in ("recommended", "paper", "table"):
+    for which in ("recommended", "table"):
         one = rotor(which)
         for at in ((value, 0.0), (600.0, value), (value, value), (0.0, value)):
-            for beta in (0.0, 1.0, 0.5 * np.pi, 2.0, np.pi):
+            for beta in (0.0, 1.0, np.pi):
                 found = one.loads(*at, beta)
                 lost = found.status == "not_converged"
                 assert bool(np.isnan(found.thrust)) == bool(lost), (which, at, beta)

@@ -97,7 +97,7 @@ def test_level_rows_take_the_part_along_the_vertical(static_thrust: float) -> No
     assert rows.names == ("vertical_force",) and rows.group is None
 
 
-# Climbing, so that few programs serve.
+# Climbing.
 VELOCITIES = ((8.0, 0.0, 1.0), (0.0, -8.0, 1.0), (-4.0, 3.0, 1.0), (5.0, 5.0, 1.0))
 
 

@@ -86,7 +86,6 @@ def test_the_file_brings_it_along_with_its_covariance(file: FitFile, fitted: Fit
     assert (area.name, area.unit, area.value) == ("mount_area", "m^2", mount.area_m2)
 
 
-@pytest.mark.slow
 def test_whoever_uses_the_file_has_the_drag(file: FitFile, data: TunnelData) -> None:
     assert compare_tunnel(file.model, data)["drag_N"].all.relative_rms < 2.0 * NOISE
     bare = compare_tunnel(file.model.with_mount(MountDrag(0.0)), data)["drag_N"].all
@@ -115,7 +114,6 @@ VALUES = FIRST_GUESS | {name: getattr(LAW, name) for name in SECTION}
 FLOWN = log(((8.0, 0.0, 1.0), (5.0, 5.0, 1.0)), rates=(0.4, -0.3, 2.0))
 
 
-@pytest.mark.slow
 def test_each_rotor_of_a_vehicle_has_its_own_mount() -> None:
     total = np.zeros((2, 3))
     for mount in VEHICLE.mounts:
@@ -142,7 +140,6 @@ def test_a_vehicle_s_mount_takes_the_place_of_the_law_s() -> None:
     assert "mount_area" not in true_values(VEHICLE, law)
 
 
-@pytest.mark.slow
 def test_an_area_in_flight_is_that_of_every_rotor() -> None:
     """And its derivative is that of the forces, which are linear in it."""
     model = ForceModel(replace(VEHICLE, mounts=MOUNTS), FLOWN, LAW)

@@ -38,7 +38,7 @@ def test_forces_balance(vehicle: Vehicle, airfoil: propmap.Airfoil, points: Flig
 def test_the_rotors_own_loads_agree(
     vehicle: Vehicle, airfoil: propmap.Airfoil, points: FlightLog
 ) -> None:
-    """Loads by another program, which differ by what the standard accuracy allows, 0.1 %."""
+    """Those of ``Rotor.loads``, within what the standard accuracy allows, 0.1 %."""
     flow = hub_flow(vehicle, points)
     velocity = np.stack([flow.inplane, 0.0 * flow.inplane, flow.axial], axis=-1)
     rotor = propmap.Rotor(propmap.Model(vehicle.propeller, airfoil, vehicle.air))
@@ -72,7 +72,6 @@ def test_hover_is_the_hover_model(vehicle: Vehicle, airfoil: propmap.Airfoil) ->
     assert still.up == pytest.approx(np.array([[0.0, 0.0, 1.0]]), abs=1e-9)
 
 
-@pytest.mark.slow
 def test_banked_circles(vehicle: Vehicle, airfoil: propmap.Airfoil) -> None:
     radius, speeds = 40.0, np.array([4.0, 9.0, 14.0])
     banked = trim(vehicle, airfoil, speeds, radius=radius, tether=False)

@@ -1,4 +1,4 @@
-"""Forces of blade elements and annuli, eqs. (1)-(10), written out in NumPy beside the disk's fields.
+"""Forces of blade elements and annuli, eqs. (1)-(10), written out in NumPy beside the disk.
 
 Reverse flow, air from below, stall and descent are among the points.
 """

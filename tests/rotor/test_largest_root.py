@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,6 +19,7 @@ from tests.oracle.naca_0015 import FILE, naca_0015
 from tests.oracle.paper_physics import MU, RHO, TABLE_I, Law
 from tests.oracle.points import SECTIONS
 from tests.oracle.sampled import sampled
+from tests.other_laws import OtherRotor, other_flow, other_rotors
 
 BLADE = pm.propeller("apc-8x6e")
 COARSE = sampled(TABLE_I["soft"], 2.5, 10.0, np.geomspace(1e4, 4e5, 4))
@@ -138,9 +140,7 @@ def test_inflow_is_the_largest_of_all_roots(name: str) -> None:
     corrections = tuple(pm.correction(text) for text in texts)
     core = pm.Rotor(pm.Model(BLADE, law, corrections=corrections))._core
     random, states = np.random.default_rng(3), set()
-    for count, motion in enumerate(
-        zip(*(one.tolist() for one in points(30, 8)), strict=True)
-    ):
+    for count, motion in enumerate(zip(*(one.tolist() for one in points(30, 8)), strict=True)):
         found = core.solution(*motion)
         states.add((motion[1] < 0.0, found["windmill"]))
         rotor = literal(name, section, texts, motion, found["windmill"])
@@ -233,3 +233,35 @@ def residual(
     blade = BLADE.blades * forces(law, element, flow, v[:, None], np.sin(psi))[0] @ weight
     momentum = 4.0 * np.pi * element[0] * v * np.hypot(v_inplane, v_axial + v)
     return np.asarray(blade - momentum)
+
+
+@pytest.mark.parametrize("one", other_rotors(8, seed=1000), ids=lambda one: one.blade)
+def test_random_laws_have_the_largest_root_too(one: OtherRotor) -> None:
+    check_nodes(one.propeller(), one.airfoil, zip(*other_flow(4, 1000), strict=True), 3)
+
+
+def test_a_sharp_stall_without_lift_past_it_keeps_the_attached_root() -> None:
+    """From 0.047 m on the largest root is that of attached flow."""
+    law = pm.Airfoil(
+        *(5.093, 0.0, 1.709, 0.4317), zero_lift_angle=-0.0706, c_d0=0.058, sharpness=127.8
+    )
+    motion = (725.2998769486707, 3.1494169078806236, 19.10897435601218)
+    check_nodes(pm.propeller("apc-11x7e", blades=3), law, [motion], 40)
+
+
+def check_nodes(blade: pm.Propeller, law: pm.Airfoil, flows: Iterable[Any], some: int) -> None:
+    """Random nodes of each flow have the largest root that a dense scan finds."""
+    core, random = pm.Rotor(pm.Model(blade, law))._core, np.random.default_rng(1)
+    names = ("c_l1", "c_l2", "c_d", "alpha_0", "c_d0", "c_p")
+    section = {n: getattr(law, n) for n in names} | {"M": law.sharpness}
+    shape = (blade.station, blade.chord, blade.twist, blade.blades)
+    for given in flows:
+        motion = tuple(float(v) for v in given)
+        found = core.solution(*motion)
+        wake = LiteralWake(RHO, *motion, blade.blades, blade.radius, windmill=found["windmill"])
+        air = (RHO, MU, *motion, law.zero_lift_angle, 24, 0.004)
+        rotor = LiteralRotor(*shape, section, wake, (0.0, 0.0), *air)
+        for k in random.integers(0, found["radius"].size, some):
+            y, v_i = float(found["radius"][k]), float(found["inflow"][k])
+            want = largest_root(rotor, y, half_turn(found["azimuths"]))
+            assert v_i == pytest.approx(want, abs=1e-7 * motion[0] * y), (motion, y)

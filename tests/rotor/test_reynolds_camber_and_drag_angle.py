@@ -33,15 +33,18 @@ POINTS = {
 }
 
 
-def by_numpy(airfoil: Airfoil, air: pm.Air | None = None) -> pm.Rotor:
+def rotor_of(airfoil: Airfoil, air: pm.Air | None = None) -> pm.Rotor:
     return pm.Rotor(pm.Model(BLADE, airfoil, air or pm.Air()))
 
 
-@pytest.mark.parametrize("where", POINTS)
+@pytest.mark.parametrize(
+    "where",
+    [pytest.param(p, marks=[pytest.mark.slow] * (p in ("axial", "descent"))) for p in POINTS],
+)
 def test_loads_are_those_of_the_literal_reference(where: str) -> None:
     rpm, speed, beta = POINTS[where]
     omega, beta = rpm * RPM, np.radians(beta)
-    rotor = by_numpy(LAW)
+    rotor = rotor_of(LAW)
     loads, static = rotor.loads(omega, speed, beta), rotor.loads(omega, 0.0, 0.0)
     section = {"c_l1": 5.3, "c_l2": 2.0, "c_d": 2.4, "alpha_0": 0.29, "c_d0": 0.02}
     section |= {"reynolds_camber": -0.02, "drag_angle": 0.07}
@@ -56,7 +59,7 @@ def test_loads_are_those_of_the_literal_reference(where: str) -> None:
     assert loads.drag == pytest.approx(expected["drag"], abs=1e-3 * float(static.thrust))
     # The terms matter by far more than the tolerance.
     for name in ("reynolds_camber", "drag_angle"):
-        off = by_numpy(LAW.with_parameters(**{name: 0.0})).loads(omega, speed, beta)
+        off = rotor_of(LAW.with_parameters(**{name: 0.0})).loads(omega, speed, beta)
         moved = abs(off.thrust - loads.thrust) / static.thrust
         turned = abs(off.torque - loads.torque) / static.torque
         assert max(moved, turned) > 3e-3, name
@@ -67,7 +70,7 @@ def test_without_friction_only_the_camber_tells_one_speed_of_rotation_from_anoth
     omega = np.array([200.0, 500.0, 900.0])
 
     def coefficient(airfoil: Airfoil) -> np.ndarray:
-        return np.asarray(by_numpy(airfoil).loads(omega, 0.0, 0.0).thrust) / omega**2
+        return np.asarray(rotor_of(airfoil).loads(omega, 0.0, 0.0).thrust) / omega**2
 
     assert np.ptp(coefficient(plain)) / coefficient(plain)[0] < 1e-9
     rises = coefficient(plain.with_parameters(reynolds_camber=-0.02))
@@ -86,7 +89,7 @@ def test_beyond_the_range_of_reynolds_numbers_the_camber_stays(
     same = LAW.with_parameters(reynolds_camber=0.0, zero_lift_angle=turned, drag_angle=drag_angle)
     flow = (np.array([500.0, 600.0]), np.array([0.0, 8.0]), 1.0)
     # The tip, where the chord and with it Re end in zero, carries nothing.
-    found, expected = (by_numpy(law, air).loads(*flow) for law in (LAW, same))
+    found, expected = (rotor_of(law, air).loads(*flow) for law in (LAW, same))
     for load in ("thrust", "torque", "drag"):
         size = np.abs(getattr(expected, load)).max()
         assert getattr(found, load) == pytest.approx(getattr(expected, load), abs=2e-4 * size)
@@ -94,7 +97,7 @@ def test_beyond_the_range_of_reynolds_numbers_the_camber_stays(
 
 def test_the_inflow_field_tells_angles_from_the_chord_line() -> None:
     """alpha is theta - phi, whatever the camber."""
-    rotor = by_numpy(LAW)
+    rotor = rotor_of(LAW)
     field = rotor.inflow(400.0, 6.0, 0.0, azimuth=[0.0])
     twist = np.interp(field.radius, BLADE.station, BLADE.twist)
     through = 6.0 + np.asarray(field.inflow)

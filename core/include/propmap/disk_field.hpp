@@ -16,6 +16,7 @@ struct DiskField {
     std::vector<double> normal_force;            // along the axis on one blade, per radius [N/m]
 };
 
+// `radii` are 1 to `most_nodes`.
 template <template <class> class LawOf>
 DiskField disk_field(const RotorSolver<LawOf>& solver, Solution& s, const std::vector<double>& radii,
                      const std::vector<double>& psi) {

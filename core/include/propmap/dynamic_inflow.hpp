@@ -95,13 +95,12 @@ Motion inflow_motion(const RotorSolver<LawOf>& solver, const Solution& s, const 
     const double radius = rotor.tip(), density = rotor.density;
     // Loads with the inflow of the static solution, its mean and gradients replaced by those of the state.  In axial
     // flow the static solution has one azimuth, a state with gradients needs several.
-    Solution around = s;
-    if (around.psi.count < 8) around.psi = azimuths(16);
+    const Azimuths psi = s.psi.count < 8 ? azimuths(16) : s.psi;
     const std::vector<Lanes> inflow = solver.blended_inflow(s);
     std::vector<double> unused(2 * most_nodes);
     Loads<double> there, here, slopes[3], others[3];
-    solver.loads_and_slopes(around, inflow, s.harmonics, there, slopes, unused.data());
-    solver.loads_and_slopes(around, inflow, {state[0] - s.mean.inflow, state[1], state[2]}, here, others, unused.data());
+    solver.loads_and_slopes(s, psi, inflow, s.harmonics, there, slopes, unused.data());
+    solver.loads_and_slopes(s, psi, inflow, {state[0] - s.mean.inflow, state[1], state[2]}, here, others, unused.data());
 
     Motion motion;
     motion.steady = {s.mean.inflow + s.harmonics.mean, s.harmonics.lateral, s.harmonics.longitudinal};

@@ -141,13 +141,13 @@ template <template <class> class LawOf> class RotorSolver {
     void solve(double omega, double v_axial, double v_inplane, Solution& s) const {
         s.flow = {omega, v_axial, v_inplane, 0.0};
         s.result = Result{};
+        s.harmonics = {};
         if (omega == 0.0 && v_axial == 0.0 && v_inplane == 0.0) {
             s.psi = azimuths(1);
             single_panel(s.disk, rotor_.root(), rotor_.tip(), accuracy_.free);
             place_nodes(rotor_, omega, s.disk);
             std::fill(s.disk.inflow.begin(), s.disk.inflow.end(), Lanes{});
             s.disk.several = s.windmill = false;
-            s.harmonics = {};
             return;
         }
         if (v_axial < 0.0) {
@@ -239,6 +239,8 @@ template <template <class> class LawOf> class RotorSolver {
             const auto at_rest = slopes<N>(still, rotor, Flow<S>{flow.omega, zero, zero, zero});
             flow.v_hover = static_inflow(S(at_rest.thrust * (1.0 / rotor_.density)), rotor_.tip());
         }
+        // Leaving axial flow, loads differ around the disk: the mean of sin^2(psi) takes several azimuths.
+        const Azimuths psi = s.psi.count > 1 ? s.psi : azimuths(8);
         const auto of = annuli(s);
         std::array<S, most_edges + 2> edge;
         for (int k = 0; k <= s.disk.panels; ++k) {
@@ -254,7 +256,7 @@ template <template <class> class LawOf> class RotorSolver {
         for (int g = 0; g < groups; ++g) {
             const Lanes v = s.disk.inflow[g];
             const auto at = station_at(rotor, flow.omega, nodes.radius[g]);
-            const T change = annulus_thrust(rotor, at, flow, v, s.psi) -
+            const T change = annulus_thrust(rotor, at, flow, v, psi) -
                              wake_thrust(rotor, nodes.radius[g], flow, s.windmill, v);
             const Lanes slope = of.residual(s.disk.at[g], v).d[0];
             T moved{v, {}};
@@ -266,12 +268,12 @@ template <template <class> class LawOf> class RotorSolver {
         const S mean_inflow = through / area;
         Loads<S> total{};
         Loads<double> unused, by[3];
-        const bool around = has_harmonics(s);
+        const bool around = rotor_.inflow_shape != InflowShape::uniform;
         if (around) {
             std::vector<Lanes> plain(groups);
             for (int g = 0; g < groups; ++g) plain[g] = inflow[g].v;
             std::vector<double> integrand(2 * most_nodes);
-            loads_and_slopes(s, plain, s.harmonics, unused, by, integrand.data());
+            loads_and_slopes(s, psi, plain, s.harmonics, unused, by, integrand.data());
         }
         S without{};
         for (int g = 0; g < groups; ++g) {
@@ -281,13 +283,13 @@ template <template <class> class LawOf> class RotorSolver {
                     total.begin()[k] += sum(T(nodes.weight[g] * per_radius.begin()[k]));
             };
             if (around) {
-                add_up(loads_of(rotor, at, turn_forces(rotor, at, flow, inflow[g], s.psi, s.harmonics)));
-                without += sum(T(nodes.weight[g] * annulus_thrust(rotor, at, flow, inflow[g], s.psi)));
+                add_up(loads_of(rotor, at, turn_forces(rotor, at, flow, inflow[g], psi, s.harmonics)));
+                without += sum(T(nodes.weight[g] * annulus_thrust(rotor, at, flow, inflow[g], psi)));
             } else {
-                add_up(loads_of(rotor, at, turn_forces(rotor, at, flow, inflow[g], s.psi)));
+                add_up(loads_of(rotor, at, turn_forces(rotor, at, flow, inflow[g], psi)));
             }
-            if (rotor_.radial_friction && s.flow.v_inplane > 0.0)
-                add_up(radial_friction(rotor, at, flow, inflow[g], s.psi));
+            if (rotor_.radial_friction)
+                add_up(radial_friction(rotor, at, flow, inflow[g], psi));
         }
         if (around) {
             const DiskFlow<S> mean{flow.omega, flow.v_axial, flow.v_inplane, mean_inflow};
@@ -362,13 +364,13 @@ template <template <class> class LawOf> class RotorSolver {
     }
 
     // Loads per density of the disk with harmonics, and their derivatives by these.
-    void loads_and_slopes(const Solution& s, const std::vector<Lanes>& inflow, const Harmonics<double>& h,
+    void loads_and_slopes(const Solution& s, const Azimuths& psi, const std::vector<Lanes>& inflow, const Harmonics<double>& h,
                           Loads<double>& loads, Loads<double> (&by)[3], double* integrand) const {
         loads = {}, by[0] = {}, by[1] = {}, by[2] = {};
         for (int g = 0; g < s.disk.groups; ++g) {
             const auto& at = s.disk.at[g];
             const Lanes& weight = s.disk.weight[g];
-            const auto turn = turn_slopes(rotor_, at, s.flow, inflow[g], s.psi, h);
+            const auto turn = turn_slopes(rotor_, at, s.flow, inflow[g], psi, h);
             const Lanes share = weight * (at.radius * (1.0 / rotor_.tip()));
             const auto here = loads_of(rotor_, at, turn.forces);
             const auto add_up = [&](Loads<double>& into, const Loads<Lanes>& part, Lanes by) {
@@ -458,8 +460,8 @@ template <template <class> class LawOf> class RotorSolver {
         without_harmonics(s, inflow, loads, by);
         const double without = loads.thrust;
         double size = INFINITY;
-        for (int step = 0; step < 40 && size > 4e-4; ++step) {
-            if (step > 0) loads_and_slopes(s, inflow, h, loads, by, integrand);
+        for (int step = 0; step < 40 && size > 1e-5; ++step) {
+            if (step > 0) loads_and_slopes(s, s.psi, inflow, h, loads, by, integrand);
             const auto asked = response.harmonics({loads.thrust, loads.roll_moment, -loads.pitch_moment}, without);
             const double wanted[3] = {asked.mean - h.mean, asked.lateral - h.lateral,
                                       asked.longitudinal - h.longitudinal};
@@ -475,7 +477,7 @@ template <template <class> class LawOf> class RotorSolver {
             if (!std::isfinite(size) && step > 0) break;
         }
         s.harmonics = h;
-        if (!(size <= 4e-4))
+        if (!(size <= 1e-5))
             for (int k = 0; k < Loads<double>::count; ++k) loads.begin()[k] = std::nan("");
         return loads;
     }

@@ -102,8 +102,6 @@ def _telling(rows: Rows, job: Job) -> Rows:
 
     def model(values: Mapping[str, float], free: tuple[str, ...]) -> tuple[Floats, Floats]:
         nonlocal count
-        if not count:
-            job.told = "fitting: preparing programs, up to a minute the first time"
         found = own(values, free)
         count += 1
         off = (found[0] - rows.measured) / rows.scale
