@@ -66,7 +66,7 @@ def differences(model: pm.Model, point: tuple[float, float, float], *steps: int)
     """Of the six loads those of the rotor, as shares of its thrust (times R) and torque at rest."""
     omega, speed, beta = point
     axial, across = flow(speed, beta)
-    rotor = pm.Rotor(model, accuracy="fine", compiled=False)
+    rotor = pm.Rotor(model, accuracy="fine")
     want = rotor.loads_at_velocity(omega, [across, 0.0, axial])
     rest = rotor.loads(omega, 0.0, 0.0)
     thrust, torque = float(rest.thrust), float(rest.torque)

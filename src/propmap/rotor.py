@@ -52,8 +52,8 @@ if TYPE_CHECKING:
 
 ACCURACIES = ("standard", "fine")
 
-MOST_RADII = 1000
-"""Radii at which fields over the disk are given, at most."""
+RADII_TOGETHER = 1000
+"""Radii at which the core gives fields over the disk in one call, at most."""
 
 
 def core_corrections(model: Model) -> dict[str, Any]:
@@ -317,11 +317,16 @@ class Rotor:
         y = broadcast(radius=np.linspace(root, tip, 60) if radius is None else radius)[0].ravel()
         turn = np.linspace(0.0, 2.0 * np.pi, 73)
         psi = broadcast(azimuth=turn if azimuth is None else azimuth)[0].ravel()
-        if not 1 <= y.size <= MOST_RADII:
-            raise InputError(f"there are {y.size} radii: give 1 to {MOST_RADII}")
         if (y < root).any() or (y > tip).any():
             raise InputError(f"radius must lie between {root:g} and {tip:g} m")
-        found = self._core.disk_field(float(w), float(along), float(across), list(y), list(psi))
+        flow = (float(w), float(along), float(across))
+        starts = range(0, max(y.size, 1), RADII_TOGETHER)
+        parts = [y[k : k + RADII_TOGETHER] for k in starts]
+        # The core takes one radius at least.
+        fields = [self._core.disk_field(*flow, list(part) or [tip], list(psi)) for part in parts]
+        found = {
+            name: np.concatenate([field[name] for field in fields])[: y.size] for name in fields[0]
+        }
         return Inflow(
             radius=y,
             azimuth=psi,

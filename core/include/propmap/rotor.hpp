@@ -305,6 +305,10 @@ template <template <class> class LawOf> class RotorSolver {
         }
         if (rotor_.mounted) total.drag += mount_drag(rotor, flow, mean_inflow);
         for (int k = 0; k < Loads<S>::count; ++k) total.begin()[k] = total.begin()[k] * rotor_.density;
+        // In axial flow only the in-plane velocity makes loads in the disk plane and moments about it.
+        for (int d = 0; d < N && s.flow.v_inplane == 0.0; ++d)
+            if (flow.v_inplane.d[d] == 0.0)
+                for (S* load : {&total.drag, &total.roll_moment, &total.side_force, &total.pitch_moment}) load->d[d] = 0.0;
         return total;
     }
 
