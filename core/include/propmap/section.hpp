@@ -1,7 +1,7 @@
 // Lift and drag of a blade section, eqs. (3) and (4), at any angle of attack and Reynolds number.
 //
 // A law is a struct of numbers with `coefficients`, `zero_lift_angle_at`, `least_drag_angle`, and what
-// the search for the inflow must know of stall: `stall_angle`, `stall_width`, `attached_slope`.
+// the search for the inflow must know of stall: `stall_angle`, `stall_width`, `attached_slope`, `plain_stall`.
 #pragma once
 
 #include <algorithm>
@@ -41,6 +41,7 @@ template <class S> struct BlendedLaw {
     S drag_angle;       // of least pressure drag, above zero_lift_angle [rad]
     double attached;    // 1 for eq. (3); 0 for the simplified lift of footnote 1, whose c_l is c_l2
 
+    static constexpr bool plain_stall = true;  // lift has no bends beyond that about stall
     static constexpr double log2_e = 1.44269504088896340736;
 
     // Re is that of the rotation alone: the angle is known before the inflow is.
@@ -60,7 +61,7 @@ template <class S> struct BlendedLaw {
         const auto far = power_of_two(maximum(-2.0 * log2_e * sharpness * alpha_0, 0.0 * alpha_0 - 100.0));
         auto exponent = log2_e * sharpness * (absolute(angle) - alpha_0);
         const auto limit = broadcast_like(value(exponent), 58.0);
-        exponent = maximum(minimum(exponent, limit + 0.0 * exponent), 0.0 * exponent - limit);
+        exponent = maximum(minimum(exponent, limit), -limit);
         const auto x = power_of_two(exponent);
         const auto share = attached * x / ((1.0 + x) * (x + far));  // 1 - sigma
         const auto separated = c_l2 * flow.sine * flow.cosine;
@@ -93,6 +94,8 @@ template <class S> struct TabulatedLaw {
     std::shared_ptr<const SectionTable> table;
     S zero_lift_angle;  // [rad]
     S drag_factor;      // [-]
+
+    static constexpr bool plain_stall = false;
 
     struct Value {
         double value, by_angle, by_log_re;
@@ -191,7 +194,7 @@ template <class Law> struct CorrectedLaw : Law {
         auto c = Law::coefficients(flow);
         using Lift = decltype(c.lift + this->attached_slope() * angle_of(flow.cosine, flow.sine) * chord / radius *
                                            flow.speed);
-        Coefficients<Lift, decltype(c.drag)> r{c.lift + 0.0 * Lift{}, c.drag};
+        Coefficients<Lift, decltype(c.drag)> r{c.lift - Lift{}, c.drag};
         if (stall_delay > 0.0) r.lift = delayed(r.lift, flow, radius, chord);
         if (speed_of_sound > 0.0) r.lift = r.lift * mach_factor(flow.speed * (1.0 / speed_of_sound));
         return r;
