@@ -40,6 +40,12 @@ template <class R> struct Annuli {
     double stall_angle(double reynolds_per_speed, double radius, double side) const {
         return value(rotor.law.stall_angle(reynolds_per_speed * flow.omega * radius, side));
     }
+    // Whether some samples tell how the residual goes between them: not where lift has further bends in deep stall, or
+    // the tip's loss in descent, where it is greatest with the air standing still at the disk.
+    bool plain() const {
+        return rotor.law.plain_stall && rotor.law.stall_delay == 0.0 &&
+               !(flow.v_axial < 0.0 && (rotor.tip_loss || rotor.hub_radius > 0.0));
+    }
     // Stall sharper than the paper's is looked for in proportionally finer steps.
     double stall_scale() const { return std::min(rotor.law.stall_width() / 0.02, 1.0); }
 };
@@ -103,7 +109,9 @@ template <class R> Mask surely_largest(const Annuli<R>& of, const Station<Lanes>
     const Lanes later = angle_at(at, slow, f.v_axial + maximum(v, 0.0));
     Mask sure = (slow > 0.0) & (maximum(one, other) < most) & (minimum(minimum(one, other), later) > least);
     const Mask climb = f.v_axial + Lanes{} >= 0.0;
-    sure &= (v >= 0.0) ? (u >= 0.0) : (climb & (f.v_axial + 2.0 * v > 0.0));
+    // On the windmill branch the wake's thrust rises with v_i wherever the air goes.
+    const Mask rises = of.windmill && of.plain() ? v >= 0.0 : u >= 0.0;
+    sure &= (v >= 0.0) ? rises : (climb & (f.v_axial + 2.0 * v > 0.0));
     return sure;
 }
 
@@ -275,21 +283,26 @@ Lanes polished_roots(const Annuli<R>& of, const Station<Lanes>& at, Lanes low, L
     return open ? broadcast(std::nan("")) : v;
 }
 
-// The hump of the residual at a radius: its local maximum about stall, at the largest v_i, or else the
+// The hump of the residual at a radius: the local maximum about stall that decides on the largest root, or else the
 // shoulder, where the residual comes closest to having one.  Where one becomes the other they are one point.
 struct Hump {
     double radius;
     double height;  // the residual there
     double inflow;  // v_i there [m/s]
+    double past;    // the mean angle of attack there, from that of stall [rad]: it hardly varies along the blade
     double slope;   // of the height along the blade
+    double below;   // an angle, like `past`, at which the residual is positive again at a smaller v_i; NaN for none
+    bool clear;     // whether it has no other maximum until there
+    bool falls;     // whether it falls with v_i everywhere
     bool top;       // whether it is a maximum
     bool folded;    // whether (11) has three roots here
 };
 
-// The first maximum in samples of falling v_i, or else the shoulder.
-inline bool first_top(const Samples& s, double& inflow, double& height) {
-    double gentlest = INFINITY;
-    for (int k = 0; k + 1 < s.count; ++k) {
+// The maximum in samples of falling v_i that decides on the largest root, the first one above zero or else the
+// highest; where there is none, the shoulder.
+inline bool deciding_top(const Samples& s, double& inflow, double& height) {
+    double gentlest = INFINITY, highest = -INFINITY;
+    for (int k = 0; k + 1 < s.count && highest <= 0.0; ++k) {
         const Cubic cubic(s, k);
         const double run = s.inflow[k] - s.inflow[k + 1];
         double lowest = cubic.c > 0.0 ? std::clamp(-0.5 * cubic.b / cubic.c, 0.0, 1.0)
@@ -300,30 +313,38 @@ inline bool first_top(const Samples& s, double& inflow, double& height) {
             const double root = std::sqrt(std::max(cubic.b * cubic.b - 4.0 * cubic.a * cubic.c, 0.0));
             lowest = std::clamp(2.0 * cubic.a / std::max(root - cubic.b, 1e-300), 0.0, 1.0);
         }
-        if (falls || least / run < gentlest) {
+        const double here = cubic.at(lowest);
+        if (falls ? here > highest : highest == -INFINITY && least / run < gentlest) {
             gentlest = least / run;
-            inflow = s.inflow[k] - lowest * run, height = cubic.at(lowest);
+            inflow = s.inflow[k] - lowest * run, height = here;
         }
-        if (falls) return true;
+        if (falls) highest = std::max(highest, here);
     }
-    return false;
+    return highest > -INFINITY;
 }
 
-// Inflows at which the mean angle of attack is `off` past a stall angle; NaN where none gives it.
-template <class R>
-Lanes inflow_past_stall(const Annuli<R>& of, const Station<Lanes>& at, Lanes speed, Lanes stall, double off) {
-    const auto turn = sine_cosine(stall + off * of.stall_scale());
-    const Lanes rise = at.sine * turn.cosine - at.cosine * turn.sine;
-    const Lanes run = at.cosine * turn.cosine + at.sine * turn.sine;
-    return run > 0.05 ? speed * rise / run - of.flow.v_axial : broadcast(std::nan(""));
-}
 template <class R> Lanes stall_angles(const Annuli<R>& of, const Station<Lanes>& at, double side) {
     return each_lane([&](int k) { return of.stall_angle(at.reynolds_per_speed[k], at.radius[k], side); });
 }
 
+// Inflows at which the mean angle of attack is this one; NaN where none gives it.
+template <class R> Lanes inflow_at_angle(const Annuli<R>& of, const Station<Lanes>& at, Lanes speed, Lanes angle) {
+    const auto turn = sine_cosine(angle);
+    const Lanes rise = at.sine * turn.cosine - at.cosine * turn.sine;
+    const Lanes run = at.cosine * turn.cosine + at.sine * turn.sine;
+    return run > 0.05 ? speed * rise / run - of.flow.v_axial : broadcast(std::nan(""));
+}
+template <class R>
+Lanes inflow_past_stall(const Annuli<R>& of, const Station<Lanes>& at, Lanes speed, Lanes stall, double off) {
+    return inflow_at_angle(of, at, speed, stall + off * of.stall_scale());
+}
+
 // The humps about the stall at positive (side = 1) or negative angles, at a radius per lane.
 template <class R> void humps_at(const Annuli<R>& of, Lanes radius, double side, Hump (&found)[width]) {
-    const Station<Lanes> at = of.station(radius);
+    const Dual<Lanes, 1> moved{radius, {broadcast(1.0)}};
+    const Station<Dual<Lanes, 1>> moving = station_at(of.rotor, of.flow.omega, moved);
+    const Station<Lanes> at = {radius, moving.chord.v, moving.sine.v, moving.cosine.v, moving.drag_sine.v,
+                               moving.drag_cosine.v, moving.reynolds_per_speed.v, moving.inverse_root.v};
     const Lanes speed = of.rms_speed(at), stall = stall_angles(of, at, side);
     Samples s[width];
     const auto sample = [&](Lanes v, const Azimuths& over) {
@@ -334,34 +355,60 @@ template <class R> void humps_at(const Annuli<R>& of, Lanes radius, double side,
     };
     for (double off : {-0.2, -0.15, -0.11, -0.08, -0.055, -0.03, -0.01, 0.01, 0.03, 0.055, 0.09, 0.14})
         sample(inflow_past_stall(of, at, speed, stall, off), of.few);
-    Lanes inflow{}, depth = broadcast(INFINITY);
+    if (!of.plain())
+        for (double off : {0.2, 0.27, 0.35, 0.43, 0.52, 0.62, 0.73, 0.85}) sample(inflow_at_angle(of, at, speed, stall + off), of.few);
+    Lanes inflow{}, below = broadcast(std::nan("")), depth = broadcast(INFINITY);
+    bool deeper = false;
     for (int k = 0; k < width; ++k) {
-        found[k] = {radius[k], std::nan(""), 0.0, 0.0, false, false};
+        found[k] = {radius[k], std::nan(""), 0.0, 0.0, 0.0, std::nan(""), true, true, false, false};
         if (s[k].count < 3) continue;
-        found[k].top = first_top(s[k], found[k].inflow, found[k].height);
+        found[k].top = deciding_top(s[k], found[k].inflow, found[k].height);
         inflow[k] = found[k].inflow;
-        for (int j = 0; j < s[k].count; ++j)
-            if (s[k].inflow[j] < inflow[k]) depth[k] = std::min(depth[k], s[k].value[j]);
+        deeper |= !(found[k].top && found[k].height > 0.0);
     }
-    for (double half : {0.012, 0.003}) {
-        const Lanes reach = half * of.stall_scale() * speed;
+    // Where flow stalls, see how the residual goes on.
+    if (deeper && of.plain())
+        for (double off : {0.22, 0.35, 0.55, 0.85}) sample(inflow_at_angle(of, at, speed, stall + off), of.few);
+    for (int k = 0; k < width; ++k) {
+        bool rising = false;
+        for (int j = 0; j < s[k].count; ++j) {
+            found[k].falls &= s[k].slope[j] < 0.0;
+            if (s[k].inflow[j] >= inflow[k]) continue;
+            depth[k] = std::min(depth[k], s[k].value[j]);
+            if (std::isnan(below[k])) found[k].clear &= !(rising && s[k].slope[j] > 0.0);
+            rising |= s[k].slope[j] < 0.0;
+            if (s[k].value[j] > 0.0 && std::isnan(below[k])) below[k] = s[k].inflow[j];
+        }
+        // What follows a shoulder rises.
+        if (!found[k].top) found[k].clear = found[k].falls;
+    }
+    // More closely, and over all azimuths where the height is small.
+    const Lanes wake = absolute(wake_thrust(of.rotor, radius, of.flow, of.windmill, inflow));
+    bool small = false;
+    for (int k = 0; k < width; ++k) small |= std::fabs(found[k].height) < 0.2 * wake[k];
+    const Azimuths& over = small ? of.psi : of.few;
+    const Lanes reach = 0.012 * of.stall_scale() * speed;
+    for (int round = 0; round < 3; ++round) {
         for (auto& one : s) one.count = 0;
-        sample(inflow + reach, of.psi), sample(inflow, of.psi), sample(inflow - reach, of.psi);
+        sample(inflow + reach, over), sample(inflow, over), sample(inflow - reach, over);
+        bool moved_far = false;
         for (int k = 0; k < width; ++k) {
             if (std::isnan(found[k].height)) continue;
-            found[k].top = first_top(s[k], found[k].inflow, found[k].height);
+            found[k].top = deciding_top(s[k], found[k].inflow, found[k].height);
+            moved_far |= std::fabs(found[k].inflow - inflow[k]) > 0.9 * reach[k];
             inflow[k] = found[k].inflow;
         }
+        if (!moved_far) break;
     }
     // At the top the residual's slope by v_i is zero: along the blade the height changes as the residual does.
-    const Lanes step = 1e-5 * radius;
-    const auto value_at = [&](const Station<Lanes>& st) {
-        return annulus_thrust(of.rotor, st, of.flow, inflow, of.psi) -
-               wake_thrust(of.rotor, st.radius, of.flow, of.windmill, inflow);
-    };
-    const Lanes slope = (value_at(at) - value_at(of.station(radius - step))) / step;
+    const Dual<Lanes, 1> height = annulus_thrust(of.rotor, moving, of.flow, inflow, over) -
+                                  wake_thrust(of.rotor, moved, of.flow, of.windmill, inflow);
+    const Lanes past = angle_at(at, speed, of.flow.v_axial + inflow) - stall;
+    below = angle_at(at, speed, of.flow.v_axial + below) - stall;
     for (int k = 0; k < width; ++k) {
-        found[k].slope = slope[k];
+        if (std::isnan(found[k].height)) continue;
+        found[k].height = height.v[k], found[k].slope = height.d[0][k];
+        found[k].past = past[k], found[k].below = below[k];
         found[k].folded = found[k].top && found[k].height > 0.0 && depth[k] < 0.0;
     }
 }
@@ -412,7 +459,7 @@ template <class R> Fold fold_between(const Annuli<R>& of, Hump low, Hump high, d
         const double share = std::clamp(low.height / (low.height - high.height), 0.02, 0.98);
         double y = low.radius + share * gap, v = low.inflow + share * (high.inflow - low.inflow);
         const bool top = near.top;
-        if (!top && narrowing > 1) break;
+        if (!top && narrowing > 0) break;
         const double speed = fold_width(of, of.flow, y, true) / 2e-4;
         for (int step = 0; step < 16; ++step) {
             const double wide = fold_width(of, of.flow, y, top), aside = 1e-6 * y;
@@ -433,7 +480,7 @@ template <class R> Fold fold_between(const Annuli<R>& of, Hump low, Hump high, d
             const double dy = along != 0.0 ? -here / along : 0.0;
             y += dy, v += dv;
             if (!(y > low.radius && y < high.radius)) break;
-            if (std::fabs(dy) < 1e-10 * y && std::fabs(dv) < 1e-6 * speed) {
+            if (std::fabs(dy) < 1e-7 * y && std::fabs(dv) < 1e-5 * speed) {
                 if (curved < 0.0 && (top || s1 < 0.0)) return {y, v, top ? Fold::Kind::top : Fold::Kind::shoulder, side};
                 break;
             }

@@ -184,12 +184,14 @@ template <class R> bool solve_attached(const Annuli<R>& of, Disk& disk, std::vec
 // stall; elsewhere flow is attached.  Between two radii the height is a cubic, as its slope is known; where that
 // turns towards zero two folds may hide, and one looks closer.
 struct Folds {
+    double side = 1.0;  // 1 where stall is that at positive angles, -1 for negative ones
     int count = 0;
     std::array<Fold, most_edges> fold;
     std::vector<Hump> seen;  // by rising radius
 };
 template <class R>
-void find_folds(const Annuli<R>& of, const Disk& disk, const std::vector<bool>& near_stall, Folds& folds, bool& several) {
+void find_folds(const Annuli<R>& of, const Disk& disk, const std::vector<bool>& near_stall, bool follow, Folds& folds,
+                bool& several) {
     const double root = of.rotor.root(), tip = of.rotor.tip();
     const auto& f = of.flow;
     // The sign of the angle of attack without inflow tells at which stall to look.
@@ -197,17 +199,29 @@ void find_folds(const Annuli<R>& of, const Disk& disk, const std::vector<bool>& 
     const auto beside = of.station(broadcast(out));
     const double side = beside.sine[0] * f.omega * out - beside.cosine[0] * f.v_axial < 0.0 ? -1.0 : 1.0;
     auto& seen = folds.seen;
-    seen.clear(), folds.count = 0;
+    seen.clear(), folds.count = 0, folds.side = side;
     const auto look = [&](Lanes radius, int count) {
         Hump found[width];
         humps_at(of, radius, side, found);
         for (int k = 0; k < count; ++k)
             if (!std::isnan(found[k].height)) seen.push_back(found[k]);
     };
+    const auto look_at = [&](const double* radius, int count) {
+        for (int k = 0; k < count; k += width)
+            look(each_lane([&](int j) { return radius[std::min(k + j, count - 1)]; }), std::min(width, count - k));
+    };
+    std::array<double, most_nodes> places;
+    int near = 0;
     for (int g = 0; g < disk.groups; ++g) {
         const bool beside_one = (g > 0 && near_stall[g - 1]) || (g + 1 < disk.groups && near_stall[g + 1]);
-        if (near_stall[g] || beside_one) look(disk.at[g].radius, std::min(width, disk.nodes - g * width));
+        if (!near_stall[g] && !beside_one) continue;
+        for (int k = 0; k < width && g * width + k < disk.nodes; ++k) places[near++] = disk.at[g].radius[k];
     }
+    // Every other one will do, as the slopes are known.
+    int chosen = 0;
+    for (int k = 0; k < near; ++k)
+        if (near <= 8 || k % 2 == 0 || k == near - 1) places[chosen++] = places[k];
+    look_at(places.data(), chosen);
     const auto sort = [&] {
         std::sort(seen.begin(), seen.end(), [](const Hump& a, const Hump& b) { return a.radius < b.radius; });
     };
@@ -235,16 +249,12 @@ void find_folds(const Annuli<R>& of, const Disk& disk, const std::vector<bool>& 
             if (place > 0.0) closer.push_back(a.radius + place * gap);
         }
         if (closer.empty()) break;
-        for (std::size_t k = 0; k < closer.size(); k += width) {
-            const std::size_t left = closer.size() - k;
-            look(each_lane([&](int j) { return closer[k + std::min<std::size_t>(j, left - 1)]; }),
-                 int(std::min<std::size_t>(left, width)));
-        }
+        look_at(closer.data(), int(closer.size()));
         sort();
     }
     for (std::size_t k = 0; k < seen.size(); ++k) {
         several |= seen[k].folded;
-        if (k + 1 == seen.size() || folds.count == most_edges) continue;
+        if (!follow || k + 1 == seen.size() || folds.count == most_edges) continue;
         if ((seen[k].height < 0.0) == (seen[k + 1].height < 0.0)) continue;
         const Fold found = fold_between(of, seen[k], seen[k + 1], side);
         if (!(found.radius > root && found.radius < tip)) continue;
@@ -293,83 +303,84 @@ inline void single_panel(Disk& disk, double root, double tip, int nodes) {
     disk.count[0] = nodes, disk.attached[0] = true;
 }
 
-// The top of the hump at radii, between those that were seen; far above where none was.
-inline Lanes hump_inflow(const Folds& folds, Lanes radius) {
+// What the humps seen tell of the roots at radii.
+struct Outlook {
+    Mask known{};    // whether humps were seen there
+    Mask single{};   // whether they were shoulders, and the residual falls: (11) has one root
+    Mask clear{};    // whether no other maximum was seen before the residual is positive again
+    Mask attached{}, stalled{};  // whether the root is above the top or below it; neither where it may be both
+    Lanes top, below;  // v_i of the top, and where the residual is positive again; NaN where not known
+};
+template <class R> Outlook outlook(const Annuli<R>& of, const Folds& folds, const Station<Lanes>& at, Lanes speed) {
+    Outlook o;
     const auto& seen = folds.seen;
-    return each_lane([&](int k) -> double {
-        const double y = radius[k];
-        if (seen.empty()) return -INFINITY;
-        const auto after = std::lower_bound(seen.begin(), seen.end(), y, [](const Hump& h, double x) { return h.radius < x; });
-        if (after == seen.begin()) return seen.front().inflow;
-        if (after == seen.end()) return seen.back().inflow;
-        const auto before = after - 1;
-        const double share = (y - before->radius) / (after->radius - before->radius);
-        return before->inflow + share * (after->inflow - before->inflow);
-    });
-}
-
-// Roots in stalled flow, below the top of the hump, by Newton's method between the two.
-template <class R> Lanes stalled_roots(const Annuli<R>& of, const Station<Lanes>& at, Lanes top, Mask& found) {
-    const Lanes speed = of.rms_speed(at), stall = stall_angles(of, at, 1.0);
-    const Lanes scale = speed + std::fabs(of.flow.v_axial);
-    const double none = 0.0;
-    const Azimuths mean{1, &none, &none};
-    // A blade without azimuths tells roughly where.
-    Lanes v = broadcast(std::nan("")), above = top, low = v;
-    for (double off : {0.03, 0.08, 0.15, 0.25, 0.4, 0.6, 0.85}) {
-        const Lanes there = inflow_past_stall(of, at, speed, stall, off);
-        const Mask known = (there == there) & (v != v);
-        if (!any(known)) break;
-        const auto g = of.residual(at, known ? there : Lanes{}, of.psi.count > 1 ? mean : of.psi);
-        const Mask here = known & (g.v > 0.0);
-        v = here ? (g.d[0] < 0.0 ? minimum(there - g.v / g.d[0], above) : there) : v;
-        low = here ? there : low;
-        above = (known & ~here) ? there : above;
+    const double tip = of.rotor.tip();
+    Lanes past, below;
+    for (int k = 0; k < width; ++k) {
+        const double y = at.radius[k];
+        past[k] = below[k] = std::nan("");
+        if (seen.empty()) continue;
+        auto after = std::lower_bound(seen.begin(), seen.end(), y, [](const Hump& h, double x) { return h.radius < x; });
+        const Hump& a = after == seen.begin() ? *after : *(after - 1);
+        const Hump& b = after == seen.end() ? a : *after;
+        if (std::min(std::fabs(y - a.radius), std::fabs(b.radius - y)) > 0.06 * tip) continue;
+        const double share = b.radius > a.radius ? (y - a.radius) / (b.radius - a.radius) : 0.0;
+        past[k] = a.past + share * (b.past - a.past);
+        below[k] = a.below + share * (b.below - a.below);
+        o.known[k] = -1;
+        o.single[k] = -(!a.top && !b.top && a.falls && b.falls);
+        o.clear[k] = -(a.clear && b.clear);
+        o.attached[k] = -(a.height > 0.0 && b.height > 0.0);
+        o.stalled[k] = -(a.height < 0.0 && b.height < 0.0);
     }
-    found &= v == v;
-    v = found ? v : Lanes{};
-    newton(of, at, of.few, scale, 3e-3, 4, v);
-    found &= newton(of, at, of.psi, scale, close_enough, 6, v);
-    return v;
+    const Lanes stall = stall_angles(of, at, folds.side);
+    o.top = inflow_at_angle(of, at, speed, stall + past), o.below = inflow_at_angle(of, at, speed, stall + below);
+    o.known &= o.top == o.top;
+    if (!of.plain()) o.single = o.clear = Mask{};
+    return o;
 }
 
-// Find the inflow at all nodes.  Where stall is followed, the panel's state tells which root is the largest one;
-// what Newton's method does not find, or finds where it should not be, a scan of all inflows does.
-template <class R> void solve_nodes(const Annuli<R>& of, Disk& disk, const Folds* folds) {
+// Find the inflow at all nodes.  What was seen of the humps tells which root is the largest one, or, where panels
+// follow stall, the panel's state does; what Newton's method does not find, or finds where it should not be, a scan
+// of all inflows does.
+template <class R> void solve_nodes(const Annuli<R>& of, Disk& disk, const Folds* folds, bool follow) {
     std::array<int, most_nodes + width> open;
     int left = 0;
     std::array<bool, most_nodes + width> attached;
-    if (folds) disk.for_each_node([&](int node, int panel, const PanelRule&, int) { attached[node] = disk.attached[panel]; });
-    else attached.fill(true);
+    if (follow) disk.for_each_node([&](int node, int panel, const PanelRule&, int) { attached[node] = disk.attached[panel]; });
+    const auto turn = turning_points(of.flow.v_axial, of.flow.v_inplane);
+    // Above this inflow the wake's thrust rises.
+    const double rises = of.windmill || turn.second <= turn.first ? -INFINITY : turn.second;
     for (int g = 0; g < disk.groups; ++g) {
         const auto& at = disk.at[g];
         Lanes& v = disk.inflow[g];
-        Mask found{};
-        if (!of.windmill) {
-            const Lanes scale = of.rms_speed(at) + std::fabs(of.flow.v_axial);
-            Mask high{};
-            for (int k = 0; k < width; ++k) high[k] = attached[g * width + k] ? -1 : 0;
-            v = attached_guess(of, at);
-            if (any(high)) {
-                newton(of, at, of.few, scale, 3e-3, 4, v);
-                found = high & newton(of, at, of.psi, scale, close_enough, 6, v);
+        const Lanes speed = of.rms_speed(at), scale = speed + std::fabs(of.flow.v_axial);
+        v = attached_guess(of, at);
+        Outlook o{};
+        if (folds) {
+            o = outlook(of, *folds, at, speed);
+            if (follow)
+                for (int k = 0; k < width; ++k) o.attached[k] = -(o.stalled[k] = -(o.known[k] && !attached[g * width + k])) - 1;
+            // About stall at negative angles it is the other way round: above the top flow is stalled.
+            if (folds->side > 0.0) {
+                v = o.stalled & (o.below == o.below) ? o.below : v;
+            } else if (any(o.attached & o.known)) {
+                const Lanes guess = inflow_past_stall(of, at, speed, stall_angles(of, at, -1.0), -0.1);
+                v = o.attached & o.known & (guess == guess) ? guess : v;
             }
-            const Mask sure = found & surely_largest(of, at, v);
-            if (folds) {
-                const Lanes top = hump_inflow(*folds, at.radius);
-                found &= sure | (v > top + 0.01 * scale);
-                Mask low = ~high;
-                if (any(low)) {
-                    const Lanes stalled = stalled_roots(of, at, top, low);
-                    low &= stalled < top;
-                    v = low ? stalled : v;
-                    found |= low;
-                }
-            } else {
-                found = sure;
-            }
-            if (!disk.several && g % 3 == 0 && !any(~sure)) disk.several = several_roots(of, at, v);
         }
+        newton(of, at, of.few, scale, 3e-3, 4, v);
+        Mask found = newton(of, at, of.psi, scale, close_enough, 6, v);
+        const Mask sure = found & surely_largest(of, at, v);
+        if (folds) {
+            const Lanes near = 0.003 * scale;
+            const Mask above = v > o.top + near, about = v > o.top - near;
+            const Mask below = o.stalled & o.clear & (v < o.top + near) & (folds->side < 0.0 ? v == v : v > o.below - near);
+            found &= sure | (o.known & (v >= rises) & ((o.attached & about) | above | o.single | below));
+        } else {
+            found = sure;
+        }
+        if (!disk.several && !of.windmill && g % 3 == 0 && !any(~sure)) disk.several = several_roots(of, at, v);
         for (int k = 0; k < width; ++k)
             if (!found[k] && g * width + k < disk.nodes) open[left++] = g * width + k;
     }

@@ -48,14 +48,15 @@ template <class T, class V> auto chain(const T& x, const V& f, const V& slope) {
 
 template <class A, class B> concept EitherDual = IsDual<A> || IsDual<B>;
 
+// Subtracting zero makes a constant as wide as V, and costs nothing; adding it would not be left out.
 template <class A, class B> requires EitherDual<A, B> auto operator+(const A& a, const B& b) {
     constexpr int N = common_directions<A, B>;
     using V = decltype(value(a) + value(b));
     Dual<V, N> r;
     r.v = value(a) + value(b);
     for (int k = 0; k < N; ++k) {
-        if constexpr (!IsDual<B>) r.d[k] = a.d[k] + V{};
-        else if constexpr (!IsDual<A>) r.d[k] = b.d[k] + V{};
+        if constexpr (!IsDual<B>) r.d[k] = a.d[k] - V{};
+        else if constexpr (!IsDual<A>) r.d[k] = b.d[k] - V{};
         else r.d[k] = a.d[k] + b.d[k];
     }
     return r;
@@ -67,7 +68,7 @@ template <class A, class B> requires EitherDual<A, B> auto operator-(const A& a,
     Dual<V, N> r;
     r.v = value(a) - value(b);
     for (int k = 0; k < N; ++k) {
-        if constexpr (!IsDual<B>) r.d[k] = a.d[k] + V{};
+        if constexpr (!IsDual<B>) r.d[k] = a.d[k] - V{};
         else if constexpr (!IsDual<A>) r.d[k] = V{} - b.d[k];
         else r.d[k] = a.d[k] - b.d[k];
     }
@@ -117,11 +118,11 @@ template <class M, class A, class B> requires EitherDual<A, B> auto select(M whi
     using V = decltype(value(a) + value(b));
     const V none{};
     Dual<V, N> r;
-    r.v = select(which, value(a) + none, value(b) + none);
+    r.v = select(which, value(a) - none, value(b) - none);
     for (int k = 0; k < N; ++k) {
-        if constexpr (!IsDual<B>) r.d[k] = select(which, a.d[k] + none, none);
-        else if constexpr (!IsDual<A>) r.d[k] = select(which, none, b.d[k] + none);
-        else r.d[k] = select(which, a.d[k] + none, b.d[k] + none);
+        if constexpr (!IsDual<B>) r.d[k] = select(which, a.d[k] - none, none);
+        else if constexpr (!IsDual<A>) r.d[k] = select(which, none, b.d[k] - none);
+        else r.d[k] = select(which, a.d[k] - none, b.d[k] - none);
     }
     return r;
 }

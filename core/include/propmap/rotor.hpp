@@ -117,7 +117,7 @@ template <template <class> class LawOf> class RotorSolver {
         at_rest.psi = azimuths(1);
         single_panel(at_rest.disk, rotor_.root(), rotor_.tip(), 24);
         place_nodes(rotor_, omega, at_rest.disk);
-        solve_nodes(annuli(at_rest), at_rest.disk, nullptr);
+        solve_nodes(annuli(at_rest), at_rest.disk, nullptr, false);
         find_loads(at_rest);
         double force = 0.0;
         const auto& y = rotor_.blade->station;
@@ -168,7 +168,7 @@ template <template <class> class LawOf> class RotorSolver {
         single_panel(s.disk, rotor_.root(), rotor_.tip(), accuracy_.free);
         place_nodes(rotor_, omega, s.disk);
         s.near_stall.assign(s.disk.groups, true);
-        const bool tried = advance <= reversed_above && !s.windmill;
+        const bool tried = advance <= reversed_above;
         if (!(tried && solve_attached(of, s.disk, s.near_stall))) {
             s.disk.several = false;
             solve_stalled(s, follow ? accuracy_.stalled : 0);
@@ -195,14 +195,11 @@ template <template <class> class LawOf> class RotorSolver {
     // none, on a single panel.
     void solve_stalled(Solution& s, int following) const {
         const auto of = annuli(s);
-        if (following) {
-            find_folds(of, s.disk, s.near_stall, s.folds, s.disk.several);
-            make_panels(s.folds, rotor_.root(), rotor_.tip(), following, s.disk);
-        } else {
-            single_panel(s.disk, rotor_.root(), rotor_.tip(), accuracy_.fast);
-        }
+        find_folds(of, s.disk, s.near_stall, following > 0, s.folds, s.disk.several);
+        if (following) make_panels(s.folds, rotor_.root(), rotor_.tip(), following, s.disk);
+        else single_panel(s.disk, rotor_.root(), rotor_.tip(), accuracy_.fast);
         place_nodes(rotor_, s.flow.omega, s.disk);
-        solve_nodes(of, s.disk, following ? &s.folds : nullptr);
+        solve_nodes(of, s.disk, &s.folds, following > 0);
     }
 
     // The larger tail of thrust and torque as a share of the load at rest; a rotor that turns slowly in a wind has
@@ -221,7 +218,7 @@ template <template <class> class LawOf> class RotorSolver {
     }
 
     Annuli<Plain> annuli(const Solution& s) const {
-        const Azimuths few = s.psi.count > 4 ? azimuths(8) : s.psi;
+        const Azimuths few = s.psi.count > 4 ? azimuths(std::max(8, 2 * (s.psi.count / 4))) : s.psi;
         return {rotor_, s.flow, s.psi, few, s.windmill};
     }
 

@@ -1,7 +1,7 @@
 // Lift and drag of a blade section, eqs. (3) and (4), at any angle of attack and Reynolds number.
 //
 // A law is a struct of numbers with `coefficients`, `zero_lift_angle_at`, `least_drag_angle_at`, and what
-// the search for the inflow must know of stall: `stall_angle`, `stall_width`, `attached_slope`.  Its `kind`
+// the search for the inflow must know of stall: `stall_angle`, `stall_width`, `attached_slope`, `plain_stall`.  Its `kind`
 // names it; `each_number` lists by name what loads can be differentiated by; `read_fixed` and `copy_fixed`
 // are for what they cannot.  A new law is such a struct, and its name in laws.hpp.
 #pragma once
@@ -44,6 +44,7 @@ template <class S> struct BlendedLaw {
     S drag_angle;       // of least pressure drag, above zero_lift_angle [rad]
     double attached;    // 1 for eq. (3); 0 for the simplified lift of footnote 1, whose c_l is c_l2
 
+    static constexpr bool plain_stall = true;  // lift has no bends beyond that about stall
     static constexpr const char* kind = "blended";
     template <class Visit> void each_number(Visit visit) {
         visit("c_l1", c_l1), visit("c_l2", c_l2), visit("c_d", c_d), visit("alpha_0", alpha_0);
@@ -73,7 +74,7 @@ template <class S> struct BlendedLaw {
         const auto far = power_of_two(maximum(-2.0 * log2_e * sharpness * alpha_0, 0.0 * alpha_0 - 100.0));
         auto exponent = log2_e * sharpness * (absolute(angle) - alpha_0);
         const auto limit = broadcast_like(value(exponent), 58.0);
-        exponent = maximum(minimum(exponent, limit + 0.0 * exponent), 0.0 * exponent - limit);
+        exponent = maximum(minimum(exponent, limit), -limit);
         const auto x = power_of_two(exponent);
         const auto share = attached * x / ((1.0 + x) * (x + far));  // 1 - sigma
         const auto separated = c_l2 * flow.sine * flow.cosine;
@@ -203,6 +204,7 @@ template <class S> struct TabulatedLaw {
     S zero_lift_angle;  // [rad]
     S drag_factor;      // [-]
 
+    static constexpr bool plain_stall = false;
     static constexpr const char* kind = "tabulated";
     template <class Visit> void each_number(Visit visit) {
         visit("zero_lift_angle", zero_lift_angle), visit("drag_factor", drag_factor);
@@ -311,7 +313,7 @@ template <class Law> struct CorrectedLaw : Law {
         auto c = Law::coefficients(flow);
         using Lift = decltype(c.lift + this->attached_slope() * angle_of(flow.cosine, flow.sine) * chord / radius *
                                            flow.speed);
-        Coefficients<Lift, decltype(c.drag)> r{c.lift + 0.0 * Lift{}, c.drag};
+        Coefficients<Lift, decltype(c.drag)> r{c.lift - Lift{}, c.drag};
         if (stall_delay > 0.0) r.lift = delayed(r.lift, flow, radius, chord);
         if (speed_of_sound > 0.0) r.lift = r.lift * mach_factor(flow.speed * (1.0 / speed_of_sound));
         return r;
