@@ -76,11 +76,7 @@ def test_what_is_less_known_is_less_sure() -> None:
             for place in places
         ]
         thrust = [
-            float(
-                propmap.Rotor(propmap.Model(blade, law))
-                .loads(500.0, 0.0, 0.0)
-                .thrust
-            )
+            float(propmap.Rotor(propmap.Model(blade, law)).loads(500.0, 0.0, 0.0).thrust)
             for law in laws
         ]
         spread.append(np.std(thrust) / np.mean(thrust))
