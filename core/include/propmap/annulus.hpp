@@ -296,6 +296,7 @@ struct Hump {
     bool falls;     // whether it falls with v_i everywhere
     bool top;       // whether it is a maximum
     bool folded;    // whether (11) has three roots here
+    bool near;      // whether the height is small
 };
 
 // The maximum in samples of falling v_i that decides on the largest root, the first one above zero or else the
@@ -353,14 +354,14 @@ template <class R> void humps_at(const Annuli<R>& of, Lanes radius, double side,
         for (int k = 0; k < width; ++k)
             if (known[k]) s[k].append(v[k], g.v[k], g.d[0][k]);
     };
-    for (double off : {-0.2, -0.15, -0.11, -0.08, -0.055, -0.03, -0.01, 0.01, 0.03, 0.055, 0.09, 0.14})
+    for (double off : {-0.2, -0.14, -0.095, -0.06, -0.03, -0.005, 0.025, 0.06, 0.1, 0.15})
         sample(inflow_past_stall(of, at, speed, stall, off), of.few);
     if (!of.plain())
         for (double off : {0.2, 0.27, 0.35, 0.43, 0.52, 0.62, 0.73, 0.85}) sample(inflow_at_angle(of, at, speed, stall + off), of.few);
     Lanes inflow{}, below = broadcast(std::nan("")), depth = broadcast(INFINITY);
     bool deeper = false;
     for (int k = 0; k < width; ++k) {
-        found[k] = {radius[k], std::nan(""), 0.0, 0.0, 0.0, std::nan(""), true, true, false, false};
+        found[k] = {radius[k], std::nan(""), 0.0, 0.0, 0.0, std::nan(""), true, true, false, false, false};
         if (s[k].count < 3) continue;
         found[k].top = deciding_top(s[k], found[k].inflow, found[k].height);
         inflow[k] = found[k].inflow;
@@ -368,7 +369,7 @@ template <class R> void humps_at(const Annuli<R>& of, Lanes radius, double side,
     }
     // Where flow stalls, see how the residual goes on.
     if (deeper && of.plain())
-        for (double off : {0.22, 0.35, 0.55, 0.85}) sample(inflow_at_angle(of, at, speed, stall + off), of.few);
+        for (double off : {0.25, 0.45, 0.85}) sample(inflow_at_angle(of, at, speed, stall + off), of.few);
     for (int k = 0; k < width; ++k) {
         bool rising = false;
         for (int j = 0; j < s[k].count; ++j) {
@@ -409,6 +410,7 @@ template <class R> void humps_at(const Annuli<R>& of, Lanes radius, double side,
         if (std::isnan(found[k].height)) continue;
         found[k].height = height.v[k], found[k].slope = height.d[0][k];
         found[k].past = past[k], found[k].below = below[k];
+        found[k].near = std::fabs(height.v[k]) < 0.3 * wake[k];
         found[k].folded = found[k].top && found[k].height > 0.0 && depth[k] < 0.0;
     }
 }
@@ -461,12 +463,13 @@ template <class R> Fold fold_between(const Annuli<R>& of, Hump low, Hump high, d
         const bool top = near.top;
         if (!top && narrowing > 0) break;
         const double speed = fold_width(of, of.flow, y, true) / 2e-4;
-        for (int step = 0; step < 16; ++step) {
+        bool near_enough = narrowing > 0;
+        for (int step = 0; step < (top ? 20 : 12); ++step) {
             const double wide = fold_width(of, of.flow, y, top), aside = 1e-6 * y;
             static_assert(width >= 4);
             const Lanes radius = each_lane([&](int k) { return k == 3 ? y - aside : y; });
             const Lanes inflow = each_lane([&](int k) { return v + (k == 0 ? wide : k == 2 ? -wide : 0.0); });
-            const auto g = of.residual(of.station(radius), inflow);
+            const auto g = of.residual(of.station(radius), inflow, near_enough ? of.psi : of.few);
             const double s0 = g.d[0][0], s1 = g.d[0][1], s2 = g.d[0][2];
             const double bend = (s0 - s2) / (2.0 * wide), turn = s0 - 2.0 * s1 + s2;
             // Far from the top, or the shoulder, go where the residual is flatter.
@@ -480,6 +483,11 @@ template <class R> Fold fold_between(const Annuli<R>& of, Hump low, Hump high, d
             const double dy = along != 0.0 ? -here / along : 0.0;
             y += dy, v += dv;
             if (!(y > low.radius && y < high.radius)) break;
+            // A few azimuths do from afar.
+            if (!near_enough) {
+                near_enough = std::fabs(dy) < 2e-3 * y && std::fabs(dv) < 3e-3 * speed;
+                continue;
+            }
             if (std::fabs(dy) < 1e-7 * y && std::fabs(dv) < 1e-5 * speed) {
                 if (curved < 0.0 && (top || s1 < 0.0)) return {y, v, top ? Fold::Kind::top : Fold::Kind::shoulder, side};
                 break;

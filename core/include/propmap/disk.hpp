@@ -210,21 +210,39 @@ void find_folds(const Annuli<R>& of, const Disk& disk, const std::vector<bool>& 
         for (int k = 0; k < count; k += width)
             look(each_lane([&](int j) { return radius[std::min(k + j, count - 1)]; }), std::min(width, count - k));
     };
-    std::array<double, most_nodes> places;
-    int near = 0;
-    for (int g = 0; g < disk.groups; ++g) {
-        const bool beside_one = (g > 0 && near_stall[g - 1]) || (g + 1 < disk.groups && near_stall[g + 1]);
-        if (!near_stall[g] && !beside_one) continue;
-        for (int k = 0; k < width && g * width + k < disk.nodes; ++k) places[near++] = disk.at[g].radius[k];
-    }
-    // Every other one will do, as the slopes are known.
-    int chosen = 0;
-    for (int k = 0; k < near; ++k)
-        if (near <= 8 || k % 2 == 0 || k == near - 1) places[chosen++] = places[k];
-    look_at(places.data(), chosen);
     const auto sort = [&] {
         std::sort(seen.begin(), seen.end(), [](const Hump& a, const Hump& b) { return a.radius < b.radius; });
     };
+    // Of the nodes every other one will do, as the slopes are known.
+    std::array<double, most_nodes> places;
+    int near = 0, chosen = 0;
+    const auto add_group = [&](int g) {
+        for (int k = 0; k < width && g * width + k < disk.nodes; ++k) places[near++] = disk.at[g].radius[k];
+    };
+    const auto look_at_places = [&] {
+        chosen = 0;
+        for (int k = 0; k < near; ++k)
+            if (near <= 8 || k % 2 == 0 || k == near - 1) places[chosen++] = places[k];
+        look_at(places.data(), chosen);
+        near = 0;
+        sort();
+    };
+    for (int g = 0; g < disk.groups; ++g)
+        if (near_stall[g]) add_group(g);
+    look_at_places();
+    // Beside them too, unless the height is large there and goes on so.
+    for (int g = 0; g < disk.groups; ++g) {
+        const bool within = g > 0 && near_stall[g - 1], without = g + 1 < disk.groups && near_stall[g + 1];
+        if (near_stall[g] || !(within || without)) continue;
+        const double y = disk.at[g].radius[width / 2];
+        const auto closest = std::min_element(seen.begin(), seen.end(), [&](const Hump& a, const Hump& b) {
+            return std::fabs(a.radius - y) < std::fabs(b.radius - y);
+        });
+        const bool far = closest != seen.end() && closest->height > 0.0 && !closest->near &&
+                         closest->height + closest->slope * (y - closest->radius) > 0.5 * closest->height;
+        if (!far) add_group(g);
+    }
+    if (near > 0) look_at_places();
     for (int round = 0; round < 6; ++round) {
         std::vector<double> closer;
         for (std::size_t k = 0; k + 1 < seen.size(); ++k) {
@@ -323,10 +341,10 @@ template <class R> Outlook outlook(const Annuli<R>& of, const Folds& folds, cons
         auto after = std::lower_bound(seen.begin(), seen.end(), y, [](const Hump& h, double x) { return h.radius < x; });
         const Hump& a = after == seen.begin() ? *after : *(after - 1);
         const Hump& b = after == seen.end() ? a : *after;
-        if (std::min(std::fabs(y - a.radius), std::fabs(b.radius - y)) > 0.06 * tip) continue;
+        if (std::min(std::fabs(y - a.radius), std::fabs(b.radius - y)) > 0.12 * tip) continue;
         const double share = b.radius > a.radius ? (y - a.radius) / (b.radius - a.radius) : 0.0;
         past[k] = a.past + share * (b.past - a.past);
-        below[k] = a.below + share * (b.below - a.below);
+        below[k] = a.below > b.below || std::isnan(a.below) ? a.below : b.below;
         o.known[k] = -1;
         o.single[k] = -(!a.top && !b.top && a.falls && b.falls);
         o.clear[k] = -(a.clear && b.clear);
