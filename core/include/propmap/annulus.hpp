@@ -5,7 +5,8 @@
 // About stall the residual has a maximum, the hump: where its top is above zero (11) has three roots, of which
 // the largest, on the attached branch, is taken; where it is below, the one root is stalled.  So a root that
 // Newton's method finds in attached flow is the one wanted, if the residual can be shown to fall from there
-// on; anywhere else the whole range of inflows is scanned.
+// on; and one that it finds above the hump, or below a hump that is below zero, if that is how humps at radii
+// near by say it should be.  Anywhere else the whole range of inflows is scanned.
 #pragma once
 
 #include <array>
@@ -357,7 +358,8 @@ template <class R> void humps_at(const Annuli<R>& of, Lanes radius, double side,
     for (double off : {-0.2, -0.14, -0.095, -0.06, -0.03, -0.005, 0.025, 0.06, 0.1, 0.15})
         sample(inflow_past_stall(of, at, speed, stall, off), of.few);
     if (!of.plain())
-        for (double off : {0.2, 0.27, 0.35, 0.43, 0.52, 0.62, 0.73, 0.85}) sample(inflow_at_angle(of, at, speed, stall + off), of.few);
+        for (double off : {0.2, 0.27, 0.35, 0.43, 0.52, 0.62, 0.73, 0.85})
+            sample(inflow_at_angle(of, at, speed, stall + off), of.few);
     Lanes inflow{}, below = broadcast(std::nan("")), depth = broadcast(INFINITY);
     bool deeper = false;
     for (int k = 0; k < width; ++k) {
