@@ -490,7 +490,7 @@ template <class R> Fold fold_between(const Annuli<R>& of, Hump low, Hump high, d
                 near_enough = std::fabs(dy) < 2e-3 * y && std::fabs(dv) < 3e-3 * speed;
                 continue;
             }
-            if (std::fabs(dy) < 1e-7 * y && std::fabs(dv) < 1e-5 * speed) {
+            if (std::fabs(dy) < 1e-9 * y && std::fabs(dv) < 1e-6 * speed) {
                 if (curved < 0.0 && (top || s1 < 0.0)) return {y, v, top ? Fold::Kind::top : Fold::Kind::shoulder, side};
                 break;
             }
@@ -521,6 +521,7 @@ template <class R> Fold fold_between(const Annuli<R>& of, Hump low, Hump high, d
         y -= step;
         if (!(y > first - (last - first) && y < last + (last - first))) return {std::nan(""), 0.0, Fold::Kind::angle, side};
     }
+    if (!(std::fabs(step) < 1e-9 * y)) y = std::nan("");
     return {y, 0.0, Fold::Kind::angle, side};
 }
 
