@@ -5,7 +5,8 @@
 // About stall the residual has a maximum, the hump: where its top is above zero (11) has three roots, of which
 // the largest, on the attached branch, is taken; where it is below, the one root is stalled.  So a root that
 // Newton's method finds in attached flow is the one wanted, if the residual can be shown to fall from there
-// on; anywhere else the whole range of inflows is scanned.
+// on; and one that it finds above the hump, or below a hump that is below zero, if that is how humps at radii
+// near by say it should be.  Anywhere else the whole range of inflows is scanned.
 #pragma once
 
 #include <array>
@@ -357,7 +358,8 @@ template <class R> void humps_at(const Annuli<R>& of, Lanes radius, double side,
     for (double off : {-0.2, -0.14, -0.095, -0.06, -0.03, -0.005, 0.025, 0.06, 0.1, 0.15})
         sample(inflow_past_stall(of, at, speed, stall, off), of.few);
     if (!of.plain())
-        for (double off : {0.2, 0.27, 0.35, 0.43, 0.52, 0.62, 0.73, 0.85}) sample(inflow_at_angle(of, at, speed, stall + off), of.few);
+        for (double off : {0.2, 0.27, 0.35, 0.43, 0.52, 0.62, 0.73, 0.85})
+            sample(inflow_at_angle(of, at, speed, stall + off), of.few);
     Lanes inflow{}, below = broadcast(std::nan("")), depth = broadcast(INFINITY);
     bool deeper = false;
     for (int k = 0; k < width; ++k) {
@@ -488,7 +490,7 @@ template <class R> Fold fold_between(const Annuli<R>& of, Hump low, Hump high, d
                 near_enough = std::fabs(dy) < 2e-3 * y && std::fabs(dv) < 3e-3 * speed;
                 continue;
             }
-            if (std::fabs(dy) < 1e-7 * y && std::fabs(dv) < 1e-5 * speed) {
+            if (std::fabs(dy) < 1e-9 * y && std::fabs(dv) < 1e-6 * speed) {
                 if (curved < 0.0 && (top || s1 < 0.0)) return {y, v, top ? Fold::Kind::top : Fold::Kind::shoulder, side};
                 break;
             }
@@ -519,6 +521,7 @@ template <class R> Fold fold_between(const Annuli<R>& of, Hump low, Hump high, d
         y -= step;
         if (!(y > first - (last - first) && y < last + (last - first))) return {std::nan(""), 0.0, Fold::Kind::angle, side};
     }
+    if (!(std::fabs(step) < 1e-9 * y)) y = std::nan("");
     return {y, 0.0, Fold::Kind::angle, side};
 }
 

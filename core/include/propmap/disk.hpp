@@ -276,6 +276,11 @@ void find_folds(const Annuli<R>& of, const Disk& disk, const std::vector<bool>& 
         if ((seen[k].height < 0.0) == (seen[k + 1].height < 0.0)) continue;
         const Fold found = fold_between(of, seen[k], seen[k + 1], side);
         if (!(found.radius > root && found.radius < tip)) continue;
+        // Two between which nothing is flat are one place.
+        if (folds.count > 0 && found.kind == Fold::Kind::angle) {
+            const Fold& before = folds.fold[folds.count - 1];
+            if (before.kind == Fold::Kind::angle && std::fabs(found.radius - before.radius) < 1e-6 * tip) continue;
+        }
         several |= found.kind == Fold::Kind::top;
         folds.fold[folds.count++] = found;
     }
@@ -378,7 +383,10 @@ template <class R> void solve_nodes(const Annuli<R>& of, Disk& disk, const Folds
         if (folds) {
             o = outlook(of, *folds, at, speed);
             if (follow)
-                for (int k = 0; k < width; ++k) o.attached[k] = -(o.stalled[k] = -(o.known[k] && !attached[g * width + k])) - 1;
+                for (int k = 0; k < width; ++k) {
+                    o.attached[k] = -attached[g * width + k];
+                    o.stalled[k] = -(o.known[k] && !attached[g * width + k]);
+                }
             // About stall at negative angles it is the other way round: above the top flow is stalled.
             if (folds->side > 0.0) {
                 v = o.stalled & (o.below == o.below) ? o.below : v;
@@ -394,7 +402,8 @@ template <class R> void solve_nodes(const Annuli<R>& of, Disk& disk, const Folds
             const Lanes near = 0.003 * scale;
             const Mask above = v > o.top + near, about = v > o.top - near;
             const Mask below = o.stalled & o.clear & (v < o.top + near) & (folds->side < 0.0 ? v == v : v > o.below - near);
-            found &= sure | (o.known & (v >= rises) & ((o.attached & about) | above | o.single | below));
+            const Mask told = above | o.single | (o.attached & about) | below;
+            found &= sure | (o.known & (v >= rises) & told);
         } else {
             found = sure;
         }
