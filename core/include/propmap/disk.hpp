@@ -84,7 +84,6 @@ struct Disk {
     std::array<Fold, most_edges + 2> fold;      // that an edge follows, where `moves`
     std::array<bool, most_edges + 2> moves{};
     std::array<int, most_edges + 1> count;      // nodes of each panel
-    std::array<bool, most_edges + 1> attached;  // whether the hump is above zero on a panel that follows stall
     int nodes = 0, groups = 0;
     std::vector<Station<Lanes>> at;  // the blade at the nodes; those beyond the last repeat it
     std::vector<Lanes> weight;       // of the nodes [m], zero beyond the last
@@ -305,17 +304,8 @@ inline void make_panels(const Folds& folds, double root, double tip, int nodes, 
         disk.moves[k + 1] = edges[k].fold >= 0;
         if (edges[k].fold >= 0) disk.fold[k + 1] = folds.fold[edges[k].fold];
     }
-    for (int p = 0; p < disk.panels; ++p) {
+    for (int p = 0; p < disk.panels; ++p)
         disk.count[p] = disk.panels > 3 ? nodes / disk.panels + 2 : p == 0 ? nodes / 4 : 3 * nodes / 8;
-        // The hump nearest to the middle tells the panel's state; where none was looked at, flow is attached.
-        const double middle = 0.5 * (disk.edge[p] + disk.edge[p + 1]);
-        double nearest = INFINITY;
-        disk.attached[p] = true;
-        for (const Hump& h : folds.seen) {
-            if (h.radius <= disk.edge[p] || h.radius >= disk.edge[p + 1] || std::fabs(h.radius - middle) > nearest) continue;
-            nearest = std::fabs(h.radius - middle), disk.attached[p] = h.height > 0.0;
-        }
-    }
     if (disk.panels == 3) disk.count[2] = nodes - disk.count[0] - disk.count[1];
 }
 
@@ -323,7 +313,7 @@ inline void single_panel(Disk& disk, double root, double tip, int nodes) {
     disk.panels = 1;
     disk.edge[0] = root, disk.edge[1] = tip;
     disk.moves.fill(false);
-    disk.count[0] = nodes, disk.attached[0] = true;
+    disk.count[0] = nodes;
 }
 
 // What the humps seen tell of the roots at radii.
@@ -334,7 +324,8 @@ struct Outlook {
     Mask attached{}, stalled{};  // whether the root is above the top or below it; neither where it may be both
     Lanes top, below;  // v_i of the top, and where the residual is positive again; NaN where not known
 };
-template <class R> Outlook outlook(const Annuli<R>& of, const Folds& folds, const Station<Lanes>& at, Lanes speed) {
+template <class R>
+Outlook outlook(const Annuli<R>& of, const Folds& folds, bool follow, const Station<Lanes>& at, Lanes speed) {
     Outlook o;
     const auto& seen = folds.seen;
     const double tip = of.rotor.tip();
@@ -347,14 +338,21 @@ template <class R> Outlook outlook(const Annuli<R>& of, const Folds& folds, cons
         const Hump& a = after == seen.begin() ? *after : *(after - 1);
         const Hump& b = after == seen.end() ? a : *after;
         if (std::min(std::fabs(y - a.radius), std::fabs(b.radius - y)) > 0.12 * tip) continue;
+        // A hump beyond a jump tells nothing of the state on this side.
+        bool within = true, without = true;
+        for (int f = 0; follow && f < folds.count; ++f) {
+            const double jump = folds.fold[f].radius;
+            if (folds.fold[f].kind == Fold::Kind::angle) continue;
+            within &= !((a.radius < jump) == (jump < y)), without &= !((y < jump) == (jump < b.radius));
+        }
         const double share = b.radius > a.radius ? (y - a.radius) / (b.radius - a.radius) : 0.0;
         past[k] = a.past + share * (b.past - a.past);
         below[k] = a.below > b.below || std::isnan(a.below) ? a.below : b.below;
         o.known[k] = -1;
         o.single[k] = -(!a.top && !b.top && a.falls && b.falls);
         o.clear[k] = -(a.clear && b.clear);
-        o.attached[k] = -(a.height > 0.0 && b.height > 0.0);
-        o.stalled[k] = -(a.height < 0.0 && b.height < 0.0);
+        o.attached[k] = -((within || without) && (a.height > 0.0 || !within) && (b.height > 0.0 || !without));
+        o.stalled[k] = -((within || without) && (a.height < 0.0 || !within) && (b.height < 0.0 || !without));
     }
     const Lanes stall = stall_angles(of, at, folds.side);
     o.top = inflow_at_angle(of, at, speed, stall + past), o.below = inflow_at_angle(of, at, speed, stall + below);
@@ -369,8 +367,6 @@ template <class R> Outlook outlook(const Annuli<R>& of, const Folds& folds, cons
 template <class R> void solve_nodes(const Annuli<R>& of, Disk& disk, const Folds* folds, bool follow) {
     std::array<int, most_nodes + width> open;
     int left = 0;
-    std::array<bool, most_nodes + width> attached;
-    if (follow) disk.for_each_node([&](int node, int panel, const PanelRule&, int) { attached[node] = disk.attached[panel]; });
     const auto turn = turning_points(of.flow.v_axial, of.flow.v_inplane);
     // Above this inflow the wake's thrust rises.
     const double rises = of.windmill || turn.second <= turn.first ? -INFINITY : turn.second;
@@ -381,12 +377,7 @@ template <class R> void solve_nodes(const Annuli<R>& of, Disk& disk, const Folds
         v = attached_guess(of, at);
         Outlook o{};
         if (folds) {
-            o = outlook(of, *folds, at, speed);
-            if (follow)
-                for (int k = 0; k < width; ++k) {
-                    o.attached[k] = -attached[g * width + k];
-                    o.stalled[k] = -(o.known[k] && !attached[g * width + k]);
-                }
+            o = outlook(of, *folds, follow, at, speed);
             // About stall at negative angles it is the other way round: above the top flow is stalled.
             if (folds->side > 0.0) {
                 v = o.stalled & (o.below == o.below) ? o.below : v;
