@@ -157,7 +157,6 @@ def test_inflow_is_the_largest_of_all_roots(name: str) -> None:
     assert states == {(False, False), (True, False), (True, True)}
 
 
-@pytest.mark.xfail(strict=True, reason="0.1 mm from the hub a smaller root is taken")
 def test_inflow_beside_the_hub_is_the_largest_of_all_roots() -> None:
     model = pm.Model(BLADE, pm.airfoil("paper-soft"), corrections=(pm.correction("hub-loss"),))
     motion = (262.6545839714763, 0.0, 6.218851813681983)

@@ -213,10 +213,14 @@ void find_folds(const Annuli<R>& of, const Disk& disk, const std::vector<bool>& 
         std::sort(seen.begin(), seen.end(), [](const Hump& a, const Hump& b) { return a.radius < b.radius; });
     };
     // Of the nodes every other one will do, as the slopes are known.
-    std::array<double, most_nodes> places;
+    std::array<double, most_nodes + 2> places;
     int near = 0, chosen = 0;
     const auto add_group = [&](int g) {
+        // A fold may lie beyond the last node.
+        const double inset = 1e-5 * (tip - root);
+        if (g == 0) places[near++] = root + inset;
         for (int k = 0; k < width && g * width + k < disk.nodes; ++k) places[near++] = disk.at[g].radius[k];
+        if (g + 1 == disk.groups) places[near++] = tip - inset;
     };
     const auto look_at_places = [&] {
         chosen = 0;
@@ -257,8 +261,10 @@ void find_folds(const Annuli<R>& of, const Disk& disk, const std::vector<bool>& 
             double place = 0.0;
             for (int e = cubic.extremes(t) - 1; e >= 0 && place == 0.0; --e) {
                 const double there = cubic.at(t[e]);
-                if (!crosses && (there < 0.0) == (a.height < 0.0) && std::fabs(there) > 0.7 * nearest) continue;
-                if (t[e] > 0.02 && t[e] < 0.98) place = t[e];
+                const bool beyond = !crosses && (there < 0.0) != (a.height < 0.0);
+                if (!crosses && !beyond && std::fabs(there) > 0.7 * nearest) continue;
+                const double least = beyond ? 1e-6 * tip / gap : 0.02;
+                if (t[e] > least && t[e] < 1.0 - least) place = t[e];
             }
             // Where the hump is another one further out, its height may jump.
             const double steepest = std::max(std::fabs(a.slope), std::fabs(b.slope));
@@ -358,6 +364,8 @@ Outlook outlook(const Annuli<R>& of, const Folds& folds, bool follow, const Stat
     o.top = inflow_at_angle(of, at, speed, stall + past), o.below = inflow_at_angle(of, at, speed, stall + below);
     o.known &= o.top == o.top;
     if (!of.plain()) o.single = o.clear = Mask{};
+    // Beside the hub its loss takes the wake's thrust away, and humps change from one radius to the next.
+    if (const double hub = of.rotor.hub_radius; hub > 0.0) o.known &= at.radius > 1.5 * hub;
     return o;
 }
 
