@@ -261,9 +261,8 @@ void find_folds(const Annuli<R>& of, const Disk& disk, const std::vector<bool>& 
             double place = 0.0;
             for (int e = cubic.extremes(t) - 1; e >= 0 && place == 0.0; --e) {
                 const double there = cubic.at(t[e]);
-                const bool beyond = !crosses && (there < 0.0) != (a.height < 0.0);
-                if (!crosses && !beyond && std::fabs(there) > 0.7 * nearest) continue;
-                const double least = beyond ? 1e-6 * tip / gap : 0.02;
+                if (!crosses && (there < 0.0) == (a.height < 0.0) && std::fabs(there) > 0.7 * nearest) continue;
+                const double least = crosses ? 0.02 : 1e-6 * tip / gap;
                 if (t[e] > least && t[e] < 1.0 - least) place = t[e];
             }
             // Where the hump is another one further out, its height may jump.
