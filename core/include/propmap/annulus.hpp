@@ -341,6 +341,14 @@ Lanes inflow_past_stall(const Annuli<R>& of, const Station<Lanes>& at, Lanes spe
     return inflow_at_angle(of, at, speed, stall + off * of.stall_scale());
 }
 
+// Over how wide a range of mean angles an annulus stalls, as a share of the paper's: in forward flight some azimuths
+// stall before others.
+template <class R> Lanes stall_spread(const Annuli<R>& of, const Station<Lanes>& at, Lanes stall) {
+    const auto turn = sine_cosine(stall);
+    const Lanes rise = absolute(at.sine * turn.cosine - at.cosine * turn.sine);  // sin(phi) at stall
+    return minimum(of.stall_scale() + 5.0 * rise * of.flow.v_inplane / (of.flow.omega * at.radius + 1e-12), 1.0);
+}
+
 // The humps about the stall at positive (side = 1) or negative angles, at a radius per lane.
 template <class R> void humps_at(const Annuli<R>& of, Lanes radius, double side, Hump (&found)[width]) {
     const Dual<Lanes, 1> moved{radius, {broadcast(1.0)}};
@@ -355,8 +363,9 @@ template <class R> void humps_at(const Annuli<R>& of, Lanes radius, double side,
         for (int k = 0; k < width; ++k)
             if (known[k]) s[k].append(v[k], g.v[k], g.d[0][k]);
     };
+    const Lanes spread = stall_spread(of, at, stall);
     for (double off : {-0.2, -0.14, -0.095, -0.06, -0.03, -0.005, 0.025, 0.06, 0.1, 0.15})
-        sample(inflow_past_stall(of, at, speed, stall, off), of.few);
+        sample(inflow_at_angle(of, at, speed, stall + off * spread), of.few);
     if (!of.plain())
         for (double off : {0.2, 0.27, 0.35, 0.43, 0.52, 0.62, 0.73, 0.85})
             sample(inflow_at_angle(of, at, speed, stall + off), of.few);
