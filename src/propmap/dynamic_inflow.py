@@ -166,7 +166,7 @@ class DynamicInflow:
 
 class _Motion(NamedTuple):
     """N states of the inflow, as the core gives them: steady states, rates and states a step later
-    (N, 3), loads (L, N), derivatives of the rates (N, 3, 3), and the static solution's (4, N)."""
+    (N, 3), loads (L, N), derivatives of the rates (N, 3, 3), and the static solution's (5, N)."""
 
     steady: Floats
     rates: Floats

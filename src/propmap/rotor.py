@@ -29,7 +29,6 @@ from propmap.operating_points import (
     broadcast,
     rates,
     resolved,
-    reverse_flow_share,
     split_velocity,
 )
 from propmap.results import (
@@ -51,6 +50,8 @@ if TYPE_CHECKING:
     from propmap.typing import CoreRotor
 
 ACCURACIES = ("standard", "fine")
+
+_STATUSES = np.asarray(STATUSES)
 
 RADII_TOGETHER = 1000
 """Radii at which the core gives fields over the disk in one call, at most."""
@@ -376,9 +377,14 @@ class Rotor:
         shape = omega.shape
         flow = [np.ascontiguousarray(a.ravel()) for a in (omega, v_axial, v_inplane)]
         loads, found = self._core.loads(*flow, cores())
-        known = self.model.uncertainty is not None
+        if not self._has_deviations:
+            return self._told(loads, found, flow, shape)
         at = functools.partial(self._deviations, FlowPoints(*flow), loads, shape)
-        return self._told(loads, found, flow, shape, at if known else None)
+        return self._told(loads, found, flow, shape, at)
+
+    @functools.cached_property
+    def _has_deviations(self) -> bool:
+        return self.model.uncertainty is not None
 
     def _deviations(
         self, at: FlowPoints, loads: Floats, shape: tuple[int, ...]
@@ -402,16 +408,16 @@ class Rotor:
         shape: tuple[int, ...],
         deviations: Deviations | None = None,
     ) -> Loads:
-        """Loads (L, N), and status, roots, ring and mean inflow (4, N), as the core gives them."""
+        """Loads (L, N), and the results of each point (5, N), as the core gives them."""
         by_name = {name: row.reshape(shape) for name, row in zip(LOADS, loads, strict=True)}
         omega = flow[0].reshape(shape)
-        status, roots, ring, mean_inflow = (row.reshape(shape) for row in found)
+        status, roots, ring, mean_inflow, reverse = (row.reshape(shape) for row in found)
         return Loads(
             **by_name,
             power=by_name["torque"] * omega,
-            status=np.asarray(np.asarray(STATUSES)[status.astype(np.int64)]),
+            status=np.asarray(_STATUSES[status.astype(np.int64)]),
             roots=roots.astype(np.int64),
-            reverse_flow=reverse_flow_share(omega, flow[2].reshape(shape), *self.model.span),
+            reverse_flow=reverse,
             vortex_ring=ring,
             mean_inflow=mean_inflow,
             deviations=deviations,

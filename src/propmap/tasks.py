@@ -98,6 +98,7 @@ def in_order(results: Iterable[tuple[int, Result]]) -> list[Result]:
     return [result for _, result in sorted(results, key=lambda one: one[0])]
 
 
+_OWN_CORES = os.cpu_count() or 1
 _most_cores: ContextVar[int | None] = ContextVar("most_cores", default=None)
 
 
@@ -116,4 +117,4 @@ def on_cores(most: int) -> Iterator[None]:
 
 def cores() -> int:
     """Number of processor cores that evaluations may use."""
-    return min(os.cpu_count() or 1, _most_cores.get() or sys.maxsize)
+    return min(_OWN_CORES, _most_cores.get() or sys.maxsize)
