@@ -212,7 +212,7 @@ void find_folds(const Annuli<R>& of, const Disk& disk, const std::vector<bool>& 
     const auto sort = [&] {
         std::sort(seen.begin(), seen.end(), [](const Hump& a, const Hump& b) { return a.radius < b.radius; });
     };
-    // Of the nodes every other one will do, as the slopes are known.
+    // Every other node will do, as the slopes are known.
     std::array<double, most_nodes + 2> places;
     int near = 0, chosen = 0;
     const auto add_group = [&](int g) {

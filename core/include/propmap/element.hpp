@@ -84,7 +84,7 @@ template <class R, class St, class F, class V>
     return sums;
 }
 
-// The same with harmonics of the inflow: the front and the rear of the disk differ.
+// Forces averaged over a turn with harmonics of the inflow: the front and the rear of the disk differ.
 template <class R, class St, class F, class V, class S>
 [[gnu::flatten]] auto turn_forces(const R& rotor, const St& at, const F& flow, const V& inflow, const Azimuths& psi,
                  const Harmonics<S>& harmonics) {

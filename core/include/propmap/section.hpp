@@ -108,7 +108,7 @@ inline SectionTable make_section_table(const std::vector<double>& angle, const s
     const std::size_t k_all = angle.size(), rows = reynolds.size();
     SectionTable t;
     for (double re : reynolds) t.log_re.push_back(std::log(re));
-    // Of several angles at which lift rises through zero, the one nearest to zero.
+    // Where lift rises through zero at several angles, the one nearest to zero counts.
     const double* middle = &lift[rows / 2 * k_all];
     t.zero_lift_angle = INFINITY;
     for (std::size_t k = 0; k + 1 < k_all; ++k) {

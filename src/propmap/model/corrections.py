@@ -468,7 +468,7 @@ first."""
 
 MODELS = {"recommended": ("pitt-peters",), "paper": ()}
 """Corrections by the model's name.  The commands take "recommended" where nothing else is said;
-"paper" is Gill & D'Andrea, CCTA 2017, doi 10.1109/CCTA.2017.8062533, to the letter."""
+"paper" is Gill & D'Andrea, CCTA 2017, doi 10.1109/CCTA.2017.8062443, to the letter."""
 
 
 MOUNT_DRAG = "mount-drag"
