@@ -56,7 +56,7 @@ COMMANDS = {
     "propmap predict": "predict apc-8x6e --airfoil paper-apc --rpm 6000 --speed 10 --beta 60",
     "propmap trim, 30 speeds": f"trim {VEHICLE} --speed 0:20:30 -o trim.csv",
     "propmap fit tunnel": "fit tunnel apc-8x6e uiuc-8x6e -o fit.toml",
-    "propmap table, README's": f"table apc-8x6e {README_TABLE} -o map.npz",
+    "propmap table, README's": f"table apc-8x6e {README_TABLE} --force -o map.npz",
     "propmap choose, whole catalogue": f"choose {VEHICLE} --task cruise --speed 12",
 }
 """As a user types them."""
