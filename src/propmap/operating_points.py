@@ -76,7 +76,8 @@ def _resolved_alone(
 ) -> tuple[Floats, Floats, Floats] | None:
     """``resolved`` of three good numbers, in a tenth of the time; None for anything else."""
     w, v, b = omega, speed, beta
-    if not (isinstance(w, float | int) and isinstance(v, float | int) and isinstance(b, float | int)):
+    number = float | int
+    if not (isinstance(w, number) and isinstance(v, number) and isinstance(b, number)):
         return None
     if not (math.isfinite(w) and math.isfinite(v) and math.isfinite(b) and w >= 0.0 and v >= 0.0):
         return None
