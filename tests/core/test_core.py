@@ -253,9 +253,9 @@ def test_huge_and_tiny_flows_have_loads_or_a_status(value: float) -> None:
                 assert bool(np.isnan(found.thrust)) == bool(lost), (which, at, beta)
 
 
-def test_ten_thousand_points_in_a_row_have_the_bits_of_each() -> None:
+def test_a_thousand_points_in_a_row_have_the_bits_of_each() -> None:
     omega, speed, beta = points(40)
     one = rotor("paper")
-    many = one.loads(np.tile(omega, 100), np.tile(speed, 100), np.tile(beta, 100))
+    many = one.loads(np.tile(omega, 25), np.tile(speed, 25), np.tile(beta, 25))
     want = one.loads(omega, speed, beta)
-    np.testing.assert_array_equal(many.thrust.reshape(100, 40), np.tile(want.thrust, (100, 1)))
+    np.testing.assert_array_equal(many.thrust.reshape(25, 40), np.tile(want.thrust, (25, 1)))
