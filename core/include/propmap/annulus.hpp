@@ -297,7 +297,8 @@ struct Hump {
     bool falls;     // whether it falls with v_i everywhere
     bool top;       // whether it is a maximum
     bool folded;    // whether (11) has three roots here
-    bool near;      // whether the height is small
+    bool near;      // whether the height is small, and whether it is so small that the blade's shape between two
+    bool touching;  // stations may take it through zero
 };
 
 // The maximum in samples of falling v_i that decides on the largest root, the first one above zero or else the
@@ -372,7 +373,7 @@ template <class R> void humps_at(const Annuli<R>& of, Lanes radius, double side,
     Lanes inflow{}, below = broadcast(std::nan("")), depth = broadcast(INFINITY);
     bool deeper = false;
     for (int k = 0; k < width; ++k) {
-        found[k] = {radius[k], std::nan(""), 0.0, 0.0, 0.0, std::nan(""), true, true, false, false, false};
+        found[k] = {radius[k], std::nan(""), 0.0, 0.0, 0.0, std::nan(""), true, true, false, false, false, false};
         if (s[k].count < 3) continue;
         found[k].top = deciding_top(s[k], found[k].inflow, found[k].height);
         inflow[k] = found[k].inflow;
@@ -422,6 +423,7 @@ template <class R> void humps_at(const Annuli<R>& of, Lanes radius, double side,
         found[k].height = height.v[k], found[k].slope = height.d[0][k];
         found[k].past = past[k], found[k].below = below[k];
         found[k].near = std::fabs(height.v[k]) < 0.3 * wake[k];
+        found[k].touching = std::fabs(height.v[k]) < 0.02 * wake[k];
         found[k].folded = found[k].top && found[k].height > 0.0 && depth[k] < 0.0;
     }
 }

@@ -268,6 +268,7 @@ void find_folds(const Annuli<R>& of, const Disk& disk, const std::vector<bool>& 
             // Where the hump is another one further out, its height may jump.
             const double steepest = std::max(std::fabs(a.slope), std::fabs(b.slope));
             if (!crosses && a.top != b.top && gap > 0.004 * tip && nearest < steepest * gap) place = 0.5;
+            if (place == 0.0 && (a.touching || b.touching) && gap > 0.012 * tip) place = 0.5;
             if (place > 0.0) closer.push_back(a.radius + place * gap);
         }
         if (closer.empty()) break;
