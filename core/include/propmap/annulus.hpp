@@ -502,6 +502,11 @@ template <class R> Fold fold_between(const Annuli<R>& of, Hump low, Hump high, d
                 continue;
             }
             if (std::fabs(dy) < 1e-9 * y && std::fabs(dv) < 1e-6 * speed) {
+                // It must be that of the hump which is above zero: Newton's steps may end at another one's.
+                const Hump& above = low.height > 0.0 ? low : high;
+                const auto at = of.station(broadcast(y));
+                const Lanes past = angle_at(at, of.rms_speed(at), broadcast(of.flow.v_axial + v)) - stall_angles(of, at, side);
+                if (above.top && std::fabs(past[0] - above.past) > 0.03 && narrowing < 6) break;
                 if (curved < 0.0 && (top || s1 < 0.0)) return {y, v, top ? Fold::Kind::top : Fold::Kind::shoulder, side};
                 break;
             }
