@@ -366,6 +366,8 @@ Outlook outlook(const Annuli<R>& of, const Folds& folds, bool follow, const Stat
     if (!of.plain()) o.single = o.clear = Mask{};
     // Beside the hub its loss takes the wake's thrust away, and humps change from one radius to the next.
     if (const double hub = of.rotor.hub_radius; hub > 0.0) o.known &= at.radius > 1.5 * hub;
+    // Deep in reverse flow stall lasts over most azimuths, and nothing is told by its angle.
+    o.known &= of.flow.v_inplane < 1.4 * (of.flow.omega * at.radius);
     return o;
 }
 
