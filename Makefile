@@ -1,33 +1,59 @@
 # Every target works from nothing: it makes the virtual environment that it needs.
 VENV := .venv
 BIN := $(VENV)/bin
+TOOLS_READY := $(VENV)/tools-ready
 READY := $(VENV)/ready
 DOCS_READY := $(VENV)/docs-ready
 PEERS_READY := $(VENV)/peers-ready
 
-.PHONY: demo reproduce test test-fast test-readers test-numpy test-slow lint types bench bench-table bench-fine-table bench-choice bench-identification bench-peers bench-phases bench-options bench-aircraft bench-mount bench-roofline bench-accelerator convergence docs clean bench-certificates bench-lifting-line bench-interference bench-flight-twins bench-cluster bench-explore
+.PHONY: demo reproduce test test-fast test-readers test-physics test-slow lint types bench bench-table bench-fine-table bench-choice bench-identification bench-peers bench-options bench-aircraft bench-mount convergence docs clean bench-certificates bench-lifting-line bench-interference bench-flight-twins bench-cluster bench-explore build sanitize
 
-$(READY): pyproject.toml constraints.txt
+INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt
+CORE := CMakeLists.txt $(shell find core -name '*.[ch]pp')
+
+# A C++ compiler builds the core.  Where there is none, the package index's is taken, Zig's, by the usual names.
+# (Without the `true` Make takes a last name that is not found for a failure of all.)
+ifeq ($(origin CXX)$(shell for name in c++ g++ clang++; do command -v $$name; done; true),default)
+ZIG := $(abspath $(VENV))/zig
+export PATH := $(ZIG):$(PATH)
+export CC := $(ZIG)/cc
+export CXX := $(ZIG)/c++
+ZIG_TOOLS := $(ZIG)/ar $(ZIG)/c++ $(ZIG)/cc $(ZIG)/ranlib
+endif
+
+$(TOOLS_READY): constraints.txt
 	python3 -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[cluster,dev,explore,targets]'
+	$(INSTALL) cmake nanobind ninja scikit-build-core $(if $(ZIG),ziglang)
+	touch $@
+
+$(ZIG_TOOLS): $(TOOLS_READY)
+	mkdir -p $(@D)
+	printf '#!/bin/sh\nexec "$(abspath $(BIN))/python" -m ziglang $(@F) "$$@"\n' >$@
+	chmod +x $@
+
+# Builds with the tools of $(VENV), so that a changed core is built in the time of what has changed.
+$(READY): $(TOOLS_READY) $(ZIG_TOOLS) pyproject.toml $(CORE)
+	$(INSTALL) --no-build-isolation --editable '.[cluster,dev,explore,jax,targets]'
 	touch $@
 
 $(DOCS_READY): $(READY)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[docs]'
+	$(INSTALL) --no-build-isolation --editable '.[docs]'
 	touch $@
 
 # Without what WISDEM asks for, some ninety packages: CCBlade, which is all that is compared, needs none.
 $(PEERS_READY): $(READY)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --no-deps wisdem
+	$(INSTALL) --no-deps wisdem
 	touch $@
 
+build: $(READY)
+
 # NumPy's large arrays come from memory that the process keeps, instead of fresh pages from the system for
-# each: a quarter less time of the tests that compile nothing.  Other C libraries than glibc ignore it.
+# each.  Other C libraries than glibc ignore it.
 export MALLOC_MMAP_THRESHOLD_ ?= 536870912
 export MALLOC_TRIM_THRESHOLD_ ?= 536870912
 export MALLOC_TOP_PAD_ ?= 16777216
 
-# Two processes take 8 GB, the slow tests up to 15; each file's tests stay together, for the programs and tables they share.
+# Each file's tests stay together, for the tables they share.
 WORKERS := 2
 PYTEST := $(BIN)/python -m pytest --numprocesses $(WORKERS) --dist loadfile
 
@@ -40,19 +66,19 @@ reproduce: $(READY)
 test: $(READY)
 	$(PYTEST) -m 'not slow'
 
-# What needs no compiler: every reader, and the physics on NumPy, beside each other.
+# Every reader, and the physics in short, beside each other.
 READERS := tests/io tests/vehicle tests/model tests/catalogue
-ON_NUMPY := tests/physics/test_tip_loss.py tests/physics/sections/test_tabulated.py tests/rotor/test_limits.py \
-	tests/docs/test_equations.py tests/docs/test_equations_are_live.py tests/oracle/test_extended_reference.py
+PHYSICS := tests/core/test_core.py tests/rotor/test_limits.py tests/docs/test_equations.py \
+	tests/docs/test_equations_are_live.py tests/oracle/test_extended_reference.py
 
 test-fast: $(READY)
-	$(MAKE) --no-print-directory --jobs 2 test-readers test-numpy
+	$(MAKE) --no-print-directory --jobs 2 test-readers test-physics
 
 test-readers: $(READY)
 	$(BIN)/python -m pytest -m 'not slow' $(READERS)
 
-test-numpy: $(READY)
-	$(BIN)/python -m pytest -m 'not slow' $(ON_NUMPY)
+test-physics: $(READY)
+	$(BIN)/python -m pytest -m 'not slow' $(PHYSICS)
 
 test-slow: $(READY)
 	$(PYTEST) -m slow
@@ -64,6 +90,18 @@ lint: $(READY)
 types: $(READY)
 	$(BIN)/mypy
 
+# The tests of the core on a build that stops at errors of memory and at undefined behaviour.  Python itself is built without
+# the checks, so their library, and the one of C++ that it looks into, come first; it leaks on purpose.  Without `site`
+# (-S) Python does not find the editable package, and takes the one of this build.
+SANITIZED := build/sanitize
+sanitize: $(READY)
+	$(if $(ZIG),$(error `make sanitize` needs g++ 12 or later, which brings the checks; install it))
+	$(INSTALL) --no-build-isolation --no-deps --upgrade --target $(SANITIZED)/site --config-settings=build-dir=$(SANITIZED)/core \
+		--config-settings=cmake.build-type=Debug --config-settings=cmake.define.PROPMAP_SANITIZE=ON .
+	LD_PRELOAD="$$($(CXX) -print-file-name=libasan.so) $$($(CXX) -print-file-name=libstdc++.so)" \
+		ASAN_OPTIONS=detect_leaks=0 UBSAN_OPTIONS=print_stacktrace=1 \
+		PYTHONPATH=$(SANITIZED)/site:$$(echo $(VENV)/lib/python3*/site-packages) $(BIN)/python -S -m pytest tests/core
+
 bench-identification: $(READY)
 	$(BIN)/python -m benchmarks.identification
 
@@ -72,13 +110,6 @@ bench-flight-twins: $(READY)
 
 bench-choice: $(READY)
 	$(BIN)/python -m benchmarks.choice
-
-bench-roofline: $(READY)
-	$(BIN)/python -m benchmarks.roofline
-
-# Needs JAX's plugin for the accelerator in $(VENV); without one it says so.
-bench-accelerator: $(READY)
-	$(BIN)/python -m benchmarks.accelerator
 
 bench-peers: $(PEERS_READY)
 	$(BIN)/python -m benchmarks.peers
@@ -119,9 +150,6 @@ bench-lifting-line: $(READY)
 bench-cluster: $(READY)
 	$(BIN)/python -m benchmarks.cluster
 
-bench-phases: $(READY)
-	$(BIN)/python -m benchmarks.phases
-
 convergence: $(READY)
 	$(BIN)/python -m benchmarks.convergence
 
@@ -129,4 +157,4 @@ docs: $(DOCS_READY)
 	$(BIN)/sphinx-build --fail-on-warning --keep-going docs docs/_build/html
 
 clean:
-	rm -rf $(VENV) .pytest_cache propmap-demo propmap-reproduce docs/_build docs/generated docs/propellers
+	rm -rf $(VENV) build .pytest_cache propmap-demo propmap-reproduce docs/_build docs/generated docs/propellers

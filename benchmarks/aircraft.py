@@ -29,7 +29,6 @@ from propmap.aircraft.steady import Aircraft
 from propmap.aircraft.task import Task
 from propmap.catalogue.expected_constants import expected_constants
 from propmap.cli.trim_words import plain
-from propmap.engine.compilation import compile_quickly, keep_compiled
 from propmap.fit.fitted import Settings, fit
 from propmap.fit.parameters import SECTION, Choice
 from propmap.fit.tunnel import TunnelData, section_with, tunnel_rows
@@ -77,7 +76,7 @@ def trims(vehicle: Vehicle) -> dict[str, Any]:
     law, _ = expected_constants(None)
     corrections = propmap.corrections_of("recommended")
     model = propmap.Model(vehicle.propeller, law, vehicle.air, corrections)
-    rotor = propmap.Rotor(model).for_all_blades()
+    rotor = propmap.Rotor(model)
     table = build_table(
         propmap.Rotor(model),
         omega=(350.0, 800.0),
@@ -120,7 +119,7 @@ def aircraft_with(name: str, vehicle: Vehicle) -> Aircraft:
     """The vehicle with a propeller of the catalogue and what is known of its constants."""
     model = propmap.known_model(name, air=vehicle.air)
     flown = replace(vehicle, propeller=model.propeller)
-    return Aircraft(flown, propmap.Rotor(model).for_all_blades())
+    return Aircraft(flown, propmap.Rotor(model))
 
 
 def study(vehicle: Vehicle) -> list[dict[str, Any]]:
@@ -195,7 +194,7 @@ def measured_power() -> dict[str, Any]:
     rows = steady_rows()
     omega, speed, power = rows["omega"], rows["speed"], rows["power"]
     shaft = SHAFT_SHARE * power
-    unfitted = propmap.Rotor(base, compiled=False).loads(omega, speed, 0.0).power
+    unfitted = propmap.Rotor(base).loads(omega, speed, 0.0).power
     halves = []
     for first in (0, 1):
         train = np.arange(omega.size) % 2 == first
@@ -213,7 +212,7 @@ def measured_power() -> dict[str, Any]:
             start={k: given[k] for k in FREE},
         )
         values = fit(tunnel_rows(base, data, choice), choice, Settings(starts=1, folds=0)).values
-        rotor = propmap.Rotor(base.with_airfoil(section_with(law, values)), compiled=False)
+        rotor = propmap.Rotor(base.with_airfoil(section_with(law, values)))
         predicted = rotor.loads(omega, speed, 0.0).power
         # R i^2, i_0 omega/Kv and their cross term, with i = Kv Q + i_0.
         torque = predicted / omega
@@ -250,7 +249,6 @@ def errors(predicted: np.ndarray, measured: np.ndarray) -> dict[str, float]:
 
 def main() -> None:
     """Measure, print, and write the results."""
-    keep_compiled()
     vehicle = read_vehicle(EXAMPLE).vehicle
     found: dict[str, Any] = {
         "machine": machine(),
@@ -267,5 +265,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    compile_quickly()
     main()

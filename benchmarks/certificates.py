@@ -110,7 +110,7 @@ def measured(case: Case) -> dict[str, Any]:
         tolerance=case.tolerance,
     )
     seconds = time.process_time() - start
-    model = TableModel(rotor.for_all_sizes(), table.content.omega)
+    model = TableModel(rotor, table.content.omega)
     found = compare(table, model, *fresh_points(table))
     loose, told = found.code == UNRESOLVED, table.certificate
     return {

@@ -24,7 +24,6 @@ import numpy as np
 import propmap
 from benchmarks.c_header import c_nanoseconds
 from benchmarks.results_file import RESULTS, machine, write_results
-from propmap.arrays.types import Floats
 from propmap.baselines.hover import HoverModel
 from propmap.catalogue.measurements import measurement
 from propmap.export import export_table
@@ -32,6 +31,7 @@ from propmap.loads import LOADS
 from propmap.model.model import Model
 from propmap.rotor import Rotor
 from propmap.table import LoadTable, build_table
+from propmap.typing import Floats
 
 RPM = np.pi / 30.0
 OMEGA, SPEED, BETA = (3700.0 * RPM, 8000.0 * RPM), (0.0, 14.0), (0.0, 0.5 * np.pi)

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from benchmarks.cluster_rotor import LARGE, grid, model
-from propmap.engine.compilation import compile_quickly, keep_compiled
 from propmap.rotor import Rotor
 from propmap.study.plan import Study
 from propmap.study.run import loads_of_designs
@@ -18,9 +17,7 @@ from propmap.sweep.run import POINTS_PER_TASK, Sweep, loads_of_part
 
 def designs() -> dict[str, Any]:
     """Processor time of a core [s]: per point of a task, and per design of a study."""
-    compile_quickly()
-    keep_compiled()
-    from propmap.engine.batch import on_cores
+    from propmap.tasks import on_cores
 
     found: dict[str, Any] = {}
     whole = grid(LARGE)

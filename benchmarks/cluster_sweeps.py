@@ -16,15 +16,12 @@ import numpy as np
 from benchmarks.cluster_rotor import LARGE, SMALL, grid, rotor, usage
 from propmap.cluster.connection import connected
 from propmap.cluster.dask_workers import DaskWorkers
-from propmap.engine.compilation import compile_quickly, keep_compiled
 from propmap.sweep.run import sweep_to_store
 from propmap.tasks import InTurn
 
 
 def one_sweep(shape: tuple[int, int, int], cluster: str, path: str) -> dict[str, Any]:
     """A whole sweep in this process and its workers: times [s] and peaks of memory [MB]."""
-    compile_quickly()
-    keep_compiled()
     start = time.perf_counter()
     with contextlib.ExitStack() as stack:
         workers = stack.enter_context(connected(cluster)) if cluster else InTurn()

@@ -12,7 +12,6 @@ from benchmarks.cluster_rotor import LARGE, grid, rotor, usage
 from benchmarks.scheduler_simulation import Costs, efficiency, simulate
 from propmap.cluster.connection import connected
 from propmap.cluster.dask_workers import DaskWorkers
-from propmap.engine.compilation import compile_quickly, keep_compiled
 from propmap.sweep.points import Part
 from propmap.sweep.run import Sweep, loads_of_part
 
@@ -48,8 +47,6 @@ def _timed_part(sweep: Sweep, part: Part) -> float:
 
 def scheduler() -> dict[str, Any]:
     """Overheads of a task, and efficiency by workers: measured, and simulated with these."""
-    compile_quickly()
-    keep_compiled()
     cores = len(os.sched_getaffinity(0))
     sweep = Sweep(rotor(), grid(LARGE))
     rng = np.random.default_rng(1)

@@ -1,10 +1,9 @@
 """How accurate numerically: `make convergence`.  Writes results/convergence.json.
 
-Two comparisons for the three parameter sets of Table I on the APC 8x6E: the settings against about
-twice the nodes of "fine", at random points from climb to descent; and against the frozen loads of
-the independent, literal reference in tests/oracle.  A third one for random section laws on ten
-blades, from climb to edgewise flight, against twice the nodes of "fine" with stall followed
-everywhere; there points with the status "coarse" are counted apart.
+Three comparisons.  Both settings against the frozen loads of the independent, literal reference in
+tests/oracle, for the three parameter sets of Table I on the APC 8x6E; there ``standard`` against
+``fine`` at random points from climb to descent; and the same for random section laws on ten blades,
+from climb to edgewise flight, where points with the status "coarse" are counted apart.
 
 Errors are shares of the static thrust (T, D), torque (tau) or thrust times radius (rolling moment)
 at the same rotational speed, as in a table's certificate; where the blade is stalled at rest, of
@@ -14,7 +13,6 @@ rho A (Omega R)^2 / 2 times the solidity in place of thrust.
 from __future__ import annotations
 
 import csv
-import dataclasses
 import itertools
 import time
 from pathlib import Path
@@ -24,13 +22,11 @@ import numpy as np
 
 import propmap
 from benchmarks.results_file import write_results
-from propmap.arrays.types import Floats
-from propmap.engine.accuracy import ACCURACIES, Accuracy
-from propmap.engine.evaluation import evaluate, prepare, tail_share
 from propmap.loads import LOADS, error_scales
 from propmap.model.model import Model
-from propmap.rotor import Rotor
-from propmap.solve.rotor_loads import RotorLoads
+from propmap.results import Loads
+from propmap.rotor import ACCURACIES, Rotor
+from propmap.typing import Floats
 from tests.other_laws import error_scales_of, other_flow, other_rotors
 
 SEED = 2017
@@ -46,21 +42,6 @@ BANDS = (0.0, 0.1, 0.2, 0.3, 0.5, 1.0, np.inf)
 REFERENCE = Path(__file__).parents[1] / "tests" / "oracle" / "reference_loads.csv"
 
 
-def dense() -> Accuracy:
-    """About twice the nodes of "fine" in either direction."""
-    fine = ACCURACIES["fine"]
-    azimuths = tuple((limit, 2 * count) for limit, count in fine.azimuths)
-    return dataclasses.replace(
-        fine,
-        azimuths=azimuths,
-        free=2 * fine.free,
-        stalled=2 * fine.stalled,
-        fast=2 * fine.fast,
-        largest_tail=0.5 * fine.largest_tail,
-        finer=tuple((2 * nodes, 0.5 * limit) for nodes, limit in fine.finer),
-    )
-
-
 def random_flow() -> tuple[Floats, Floats, Floats]:
     """omega [rad/s], v_axial, v_inplane [m/s], (POINTS,): 2000-10000 rpm, 0-20 m/s, 0-180 deg."""
     rng = np.random.default_rng(SEED)
@@ -69,9 +50,19 @@ def random_flow() -> tuple[Floats, Floats, Floats]:
     return rpm * RPM, speed * np.cos(beta), speed * np.sin(beta)
 
 
-def shares(found: RotorLoads, truth: dict[str, Floats], scales: dict[str, Floats]) -> Floats:
+def at_flow(rotor: Rotor, omega: Floats, axial: Floats, inplane: Floats) -> Loads:
+    """Loads (N,) at components of the velocity."""
+    return rotor.loads(omega, np.hypot(axial, inplane), np.arctan2(inplane, axial))
+
+
+def by_name(found: Loads) -> dict[str, Floats]:
+    """The loads (N,) each."""
+    return {name: np.asarray(getattr(found, name)) for name in LOADS}
+
+
+def shares(found: Loads, truth: dict[str, Floats], scales: dict[str, Floats]) -> Floats:
     """Errors (loads, N) [-] against a ``truth``, as shares of ``scales``, (N,) each."""
-    loads = found.loads._asdict()
+    loads = by_name(found)
     return np.array([np.abs((loads[k] - truth[k]) / scales[k]) for k in LOADS])
 
 
@@ -95,68 +86,58 @@ def summary(errors: Floats, advance: Floats) -> list[dict[str, Any]]:
     return rows
 
 
-def against_dense(rotors: dict[str, Rotor]) -> dict[str, Any]:
-    """Each setting against the dense one at random points, all sets together."""
-    omega, axial, inplane = random_flow()
-    tip = next(iter(rotors.values())).model.propeller.radius
-    still = np.zeros_like(omega)
-    found: dict[str, list[Floats]] = {name: [] for name in ACCURACIES}
-    for rotor in rotors.values():
-        reference = evaluate(prepare(rotor.arrays), dense(), omega, axial, inplane)
-        hover = evaluate(prepare(rotor.arrays), ACCURACIES["fine"], omega, still, still)
-        truth, scales = reference.loads._asdict(), error_scales(hover.loads._asdict(), tip)
-        for name, setting in ACCURACIES.items():
-            loads = evaluate(prepare(rotor.arrays), setting, omega, axial, inplane)
-            found[name].append(shares(loads, truth, scales))
-    advance = np.tile(inplane / (omega * tip), len(rotors))
-    return {name: summary(np.hstack(parts), advance) for name, parts in found.items()}
+def against_fine(models: dict[str, Model]) -> dict[str, Any]:
+    """``standard`` against ``fine`` at random points, all sets together."""
+    flow = random_flow()
+    omega, _, inplane = flow
+    errors, advance = [], []
+    for model in models.values():
+        fine, tip = Rotor(model, accuracy="fine"), model.propeller.radius
+        scales = error_scales(by_name(fine.loads(omega, 0.0, 0.0)), tip)
+        errors.append(shares(at_flow(Rotor(model), *flow), by_name(at_flow(fine, *flow)), scales))
+        advance.append(inplane / (omega * tip))
+    return {"standard": summary(np.hstack(errors), np.concatenate(advance))}
 
 
-def against_reference(rotors: dict[str, Rotor]) -> dict[str, Any]:
+def against_reference(models: dict[str, Model]) -> dict[str, Any]:
     """Each setting against the frozen loads of the literal reference."""
     with REFERENCE.open(newline="", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     found: dict[str, list[Floats]] = {name: [] for name in ACCURACIES}
     advance = []
-    for name, rotor in rotors.items():
+    for name, model in models.items():
         mine = [row for row in rows if row["set"] == name.removeprefix("paper-")]
         column = {k: np.array([float(row[k]) for row in mine]) for k in rows[0] if k != "set"}
+        # Inflow that is the same all around gives neither side force nor pitching moment.
+        truth = dict.fromkeys(LOADS, np.zeros(len(mine))) | column
         static = {load: column[f"static_{load}"] for load in ("thrust", "torque")}
-        scales = error_scales(static, rotor.model.propeller.radius)
+        scales = error_scales(static, model.propeller.radius)
         flow = (column["rpm"] * RPM, column["v_axial"], column["v_inplane"])
-        for accuracy, setting in ACCURACIES.items():
-            loads = evaluate(prepare(rotor.arrays), setting, *flow)
-            found[accuracy].append(shares(loads, column, scales))
-        advance.append(flow[2] / (flow[0] * rotor.model.propeller.radius))
+        for accuracy in ACCURACIES:
+            loads = at_flow(Rotor(model, accuracy=accuracy), *flow)
+            found[accuracy].append(shares(loads, truth, scales))
+        advance.append(flow[2] / (flow[0] * model.propeller.radius))
     everywhere = np.concatenate(advance)
     return {name: summary(np.hstack(parts), everywhere) for name, parts in found.items()}
 
 
 def other_laws() -> dict[str, Any]:
-    """Each setting at random points of random section laws; "coarse" points count apart."""
-    # No tail is small enough: all points are evaluated again, and there stall is followed.
-    truth_setting = dataclasses.replace(dense(), largest_tail=0.0)
-    errors: dict[str, list[Floats]] = {name: [] for name in ACCURACIES}
-    coarse = dict.fromkeys(ACCURACIES, 0)
-    advance: dict[str, list[Floats]] = {name: [] for name in ACCURACIES}
+    """``standard`` against ``fine`` for random section laws; "coarse" points count apart."""
+    errors, advance, coarse = [], [], dict.fromkeys(ACCURACIES, 0)
     for k, one in enumerate(other_rotors(ROTORS, SEED)):
-        model = Model(one.resampled(), one.airfoil)
-        rotor, flow = prepare(model.arrays()), other_flow(POINTS_EACH, SEED + k)
-        truth = evaluate(rotor, truth_setting, *flow).loads._asdict()
+        model, flow = Model(one.propeller(), one.airfoil), other_flow(POINTS_EACH, SEED + k)
+        found = {name: at_flow(Rotor(model, accuracy=name), *flow) for name in ACCURACIES}
+        said = {name: np.asarray(loads.status == "coarse") for name, loads in found.items()}
+        for name, which in said.items():
+            coarse[name] += int(which.sum())
+        kept = ~(said["standard"] | said["fine"])
         scales = error_scales_of(model, flow[0])
-        for name, setting in ACCURACIES.items():
-            found = evaluate(rotor, setting, *flow)
-            said = tail_share(rotor, *flow, found) > setting.finer[-1][1]
-            coarse[name] += int(said.sum())
-            errors[name].append(shares(found, truth, scales)[:, ~said])
-            advance[name].append((flow[2] / (flow[0] * model.propeller.radius))[~said])
+        errors.append(shares(found["standard"], by_name(found["fine"]), scales)[:, kept])
+        advance.append((flow[2] / (flow[0] * model.propeller.radius))[kept])
     return {
         "rotors": ROTORS,
         "coarse": coarse,
-        "against_twice_fine": {
-            name: summary(np.hstack(errors[name]), np.concatenate(advance[name]))
-            for name in ACCURACIES
-        },
+        "against_fine": {"standard": summary(np.hstack(errors), np.concatenate(advance))},
     }
 
 
@@ -182,18 +163,18 @@ def main() -> None:
     """Compare, print, and write the results."""
     start = time.perf_counter()
     blade = propmap.propeller("apc-8x6e")
-    rotors = {name: Rotor(Model(blade, propmap.airfoil(name))) for name in SETS}
+    models = {name: Model(blade, propmap.airfoil(name)) for name in SETS}
     found: dict[str, Any] = {
         "propmap": propmap.__version__,
         "unit": "share of the static load at the same rotational speed",
-        "against_reference": against_reference(rotors),
-        "against_twice_fine": against_dense(rotors),
+        "against_reference": against_reference(models),
+        "against_fine": against_fine(models),
         "other_laws": other_laws(),
     }
     table("errors [% of static load] against the literal reference", found["against_reference"])
-    table("errors [% of static load] against twice fine's nodes", found["against_twice_fine"])
+    table("errors [% of static load] against fine", found["against_fine"])
     others = found["other_laws"]
-    table("the same for random section laws", others["against_twice_fine"])
+    table("the same for random section laws", others["against_fine"])
     print("and coarse: " + ", ".join(f"{n} of {name}" for name, n in others["coarse"].items()))
     print(f"{time.perf_counter() - start:.0f} s")
     print(write_results("convergence.json", found))

@@ -21,10 +21,9 @@ from numpy.typing import NDArray
 from scipy.special import stdtrit
 
 from benchmarks.results_file import machine, write_results
-from propmap.arrays.types import Floats
-from propmap.engine.compilation import compile_quickly
 from propmap.fit.fitted import Fitted, Settings, fit
 from propmap.fit.parameters import Choice, Prior, described
+from propmap.typing import Floats
 from tests.fit.flight_twin import BEFOREHAND, FIXED, FREE, TRUTH, Noise, Twin
 
 Bools = NDArray[np.bool_]
@@ -102,7 +101,6 @@ def told(inside: Bools, alone: Bools, good: Bools, width: Floats, off: Floats) -
 
 def main() -> None:
     """Make the twin, fit, print and write; with an argument, without the noisy ones."""
-    compile_quickly()
     begin = time.process_time()
     twin, noise = Twin(), Noise()
     found: dict[str, Any] = {"machine": machine()}

@@ -174,7 +174,7 @@ def timing() -> dict[str, float]:
     fit(tunnel, six, Settings())
     found["tunnel_214_numbers_six_parameters_as_the_command_s"] = time.perf_counter() - begin
     whole = fit_as_a_process(points)
-    return found | {f"level_flights_whole_process_{cache}": s for cache, s in whole.items()}
+    return found | {f"level_flights_whole_process_{time_of}": s for time_of, s in whole.items()}
 
 
 def fit_as_a_process(points: FlightLog) -> dict[str, float]:

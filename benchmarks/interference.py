@@ -16,13 +16,12 @@ from typing import Any
 import numpy as np
 
 from benchmarks.results_file import machine, write_results
-from propmap.arrays.types import Floats
 from propmap.cli.flight_options import BLADE
 from propmap.cli.prior_options import section_prior
-from propmap.engine.compilation import compile_quickly, keep_compiled
 from propmap.fit.comparison import flight_forces
 from propmap.fit.force_model import ForceModel
 from propmap.fit.parameters import BODY, FIRST_GUESS, FLEX, MOUNT, SECTION, WAKES
+from propmap.typing import Floats
 from propmap.vehicle.flight_log import FlightLog
 from propmap.vehicle.hub_flow import hub_flow_at
 from propmap.vehicle.interference import added_flow, glauert_inflow
@@ -64,8 +63,6 @@ def least(jobs: dict[str, Callable[[], Any]]) -> dict[str, float]:
 
 def main() -> None:
     """Measure, print, and write the results."""
-    compile_quickly()
-    keep_compiled()
     vehicle = read_vehicle(VEHICLE).vehicle
     prior = section_prior(None, vehicle.propeller.name, by_default=True)
     assert prior is not None

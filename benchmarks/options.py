@@ -2,13 +2,12 @@
 
 Processor time per point of the oblique batch for each model, by turns in one run, and its ratio to
 the paper's model.  The tables are samples of the paper's own law, so that the blade is loaded
-alike: what differs is the physics and the rule by which nodes are chosen.
+alike: what differs is the physics and the nodes that it takes.
 """
 
 from __future__ import annotations
 
 import time
-from typing import Any
 
 import numpy as np
 
@@ -17,19 +16,17 @@ from benchmarks.results_file import machine, write_results
 from benchmarks.speed import BATCH, oblique
 from propmap.model.airfoil import parameter_set
 from propmap.model.section_table import SectionTable
-from propmap.physics.sections.law import coefficients_at
 
 REPEATS = 5
 
 
 def sampled(name: str, reynolds: tuple[float, ...]) -> SectionTable:
     """A parameter set as a table of one row per Reynolds number, at every half degree."""
-    law: Any = parameter_set(name).law()
-    angle: Any = np.linspace(-np.pi, np.pi, 721)
-    found: Any = [coefficients_at(law, angle, re + 0.0 * angle) for re in reynolds]
-    lift, drag = (np.array([np.asarray(getattr(c, k)) for c in found]) for k in ("lift", "drag"))
+    angle = np.linspace(-np.pi, np.pi, 721)
+    rows = np.array(reynolds)
+    lift, drag = parameter_set(name).coefficients(angle, rows[:, None])
     lift[:, -1], drag[:, -1] = lift[:, 0], drag[:, 0]
-    return SectionTable(angle, np.array(reynolds), lift, drag)
+    return SectionTable(angle, rows, lift, drag)
 
 
 def models() -> dict[str, propmap.Model]:
@@ -58,7 +55,7 @@ def main() -> None:
         for name, rotor in rotors.items():
             start = time.process_time()
             rotor.loads(*points)
-            if turn:  # the first compiles
+            if turn:  # the first makes the rotor
                 least[name] = min(least[name], time.process_time() - start)
     found = {name: 1e6 * seconds / BATCH for name, seconds in least.items()}
     for name, cost in found.items():

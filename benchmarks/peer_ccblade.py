@@ -19,14 +19,12 @@ import types
 import warnings
 from typing import Any, NamedTuple
 
-import jax
 import numpy as np
+from scipy.interpolate import PchipInterpolator
 
 from benchmarks.speed import RPM, median_seconds
-from propmap.arrays.types import Floats
-from propmap.physics.geometry import blade_shape
-from propmap.physics.sections.law import coefficients_at
 from propmap.rotor import Rotor
+from propmap.typing import Floats
 
 Point = tuple[float, float, float]
 """omega [rad/s], speed [m/s], beta [rad]."""
@@ -71,18 +69,14 @@ class CCBladePropeller:
     def __init__(self, rotor: Rotor) -> None:
         self.rotor = rotor
         self.module = ccblade_module()
-        with jax.enable_x64(True):
-            blade, law = rotor.arrays.blade, rotor.arrays.law
-            place: Any = np.array([NOMINAL_SHARE * rotor.model.propeller.radius])
-            chord, _ = blade_shape(blade, place)
-            air, speed = rotor.model.air, NOMINAL_OMEGA * float(place[0])
-            self.reynolds = air.density * speed * float(chord[0]) / air.viscosity
-            degrees = np.linspace(-180.0, 180.0, ANGLES)
-            alpha: Any = np.radians(degrees)
-            every: Any = np.full_like(alpha, self.reynolds)
-            found = coefficients_at(law, -alpha, every)
-            lift, drag = -np.asarray(found.lift), np.asarray(found.drag)
-        self.foil = self.module.CCAirfoil(degrees, [self.reynolds], lift, drag)
+        blade, air = rotor.model.propeller, rotor.model.air
+        place = NOMINAL_SHARE * blade.radius
+        chord = float(PchipInterpolator(blade.station, blade.chord)(place))
+        self.reynolds = air.density * NOMINAL_OMEGA * place * chord / air.viscosity
+        degrees = np.linspace(-180.0, 180.0, ANGLES)
+        law: Any = rotor.model.airfoil
+        lift, drag = law.coefficients(-np.radians(degrees), self.reynolds)
+        self.foil = self.module.CCAirfoil(degrees, [self.reynolds], -lift, drag)
 
     def model(self, grid: Grid, beta: float, *, derivatives: bool = False) -> Any:
         """CCBlade's rotor at an angle to the flow, beta [rad].
@@ -93,12 +87,13 @@ class CCBladePropeller:
         blade, air = self.rotor.model.propeller, self.rotor.model.air
         turn = np.pi * np.arange(1, grid.stations + 1) / (grid.stations + 1)
         radius = blade.root + (blade.radius - blade.root) * 0.5 * (1.0 - np.cos(turn))
-        with jax.enable_x64(True):
-            chord, twist = blade_shape(self.rotor.arrays.blade, radius)  # type: ignore[arg-type]
+        chord, twist = (
+            PchipInterpolator(blade.station, shape)(radius) for shape in (blade.chord, blade.twist)
+        )
         return self.module.CCBlade(
             radius,
-            np.asarray(chord),
-            np.degrees(np.asarray(twist)),
+            chord,
+            np.degrees(twist),
             [self.foil] * grid.stations,
             blade.root,
             blade.radius,

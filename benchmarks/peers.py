@@ -7,7 +7,7 @@ geometry but constants fitted to the table.  AeroSandbox is left out: of propell
 actuator disk's power for a given thrust and correlations of mass, no blades.
 
 Errors are numerical, of the thrust, in shares of the static thrust at the same rotational speed:
-the package's against ``convergence.dense``, CCBlade's against itself on a far finer grid.  CCBlade
+the package's against its setting ``fine``, CCBlade's against itself on a far finer grid.  CCBlade
 is timed on one grid for climb and one for all oblique points, as the package has one setting: the
 cheapest of a ladder whose largest error is no larger than the package's largest ("measured"),
 or than the package's setting promises ("promised"); the best of the ladder where none is.  Times
@@ -21,15 +21,12 @@ import importlib.metadata
 import itertools
 from typing import Any
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 from rich.console import Console
 from rich.table import Table
 
 import propmap
 from benchmarks.c_header import c_nanoseconds
-from benchmarks.convergence import dense
 from benchmarks.peer_ccblade import (
     CCBladePropeller,
     Grid,
@@ -44,12 +41,11 @@ from benchmarks.peer_ccblade import (
 from benchmarks.results_file import machine, write_results
 from benchmarks.speed import BATCH, RPM, median_seconds, oblique
 from benchmarks.table import rotorpy_microseconds
-from propmap.arrays.types import Floats
-from propmap.engine.evaluation import evaluate, prepare
+from propmap.loads import FLOW
 from propmap.model.model import Model
 from propmap.rotor import Rotor
-from propmap.solve.rotor_loads import rotor_loads
 from propmap.table import LoadTable, build_table
+from propmap.typing import Floats
 
 OMEGA = 6000.0 * RPM
 CASES: dict[str, Point] = {
@@ -128,8 +124,7 @@ def package(rotor: Rotor, table: LoadTable) -> dict[str, Any]:
     """Times [us] and errors of the full model and of the table, and the static thrust [N]."""
     names, points = sample()
     omega, speed, beta = np.array(points).T
-    flow = (omega, speed * np.cos(beta), speed * np.sin(beta))
-    truth = evaluate(prepare(rotor.arrays), dense(), *flow).loads.thrust
+    truth = Rotor(rotor.model, accuracy="fine").loads(omega, speed, beta).thrust
     static = rotor.loads(omega, 0.0, 0.0).thrust
 
     def error(one: Rotor | LoadTable) -> dict[str, float]:
@@ -141,25 +136,17 @@ def package(rotor: Rotor, table: LoadTable) -> dict[str, Any]:
     slopes = median_seconds(lambda: table.gradient_at_velocity(w, velocity), 100)
     return {
         "static_thrust": static,
-        "model": times(rotor, 1, 30)
+        "model": times(rotor, 20, 30)
         | {"error": error(rotor), "gradient_us": gradient_microseconds(rotor, (w, v, b))},
         "table": times(table, SINGLE, 15) | {"error": error(table), "gradient_us": 1e6 * slopes},
     }
 
 
 def gradient_microseconds(rotor: Rotor, point: Point) -> float:
-    """Time [us] of thrust and torque by JAX with their derivatives by omega and the velocity."""
-
-    def loads(state: jax.Array) -> tuple[jax.Array, jax.Array]:
-        found = rotor_loads(rotor.arrays, *(x[None] for x in state)).loads
-        both = jnp.stack([found.thrust[0], found.torque[0]])
-        return both, both
-
+    """Time [us] of all loads with their derivatives by omega and the velocity."""
     omega, speed, beta = point
-    with jax.enable_x64(True):
-        state = jnp.array([omega, speed * np.cos(beta), speed * np.sin(beta)])
-        program = jax.jit(jax.jacfwd(loads, has_aux=True))
-        return 1e6 * median_seconds(lambda: np.asarray(program(state)[0]), 20)
+    flow = (omega, speed * np.cos(beta), speed * np.sin(beta))
+    return 1e6 * median_seconds(lambda: rotor.gradients(FLOW, *flow), 200)
 
 
 def ccblade(rotor: Rotor, static: Floats, bounds: dict[str, float]) -> dict[str, Any]:

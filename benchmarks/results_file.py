@@ -8,10 +8,10 @@ import platform
 from pathlib import Path
 from typing import Any
 
-import jax
 import numpy as np
 
 import propmap
+from propmap import core
 from propmap.io.atomic_file import replacing
 
 RESULTS = Path(__file__).with_name("results")
@@ -34,7 +34,7 @@ def machine() -> dict[str, Any]:
         "load_before": round(os.getloadavg()[0], 2) if hasattr(os, "getloadavg") else None,
         "system": platform.system(),
         "python": platform.python_version(),
-        "jax": jax.__version__,
+        "instructions": core.instructions(),
         "numpy": np.__version__,
         "propmap": propmap.__version__,
     }

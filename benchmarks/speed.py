@@ -1,6 +1,6 @@
 """How fast: `make bench`, or `python -m benchmarks.speed`.  Writes results/speed.json.
 
-Medians of repeats on this machine, after compilation unless said otherwise.  Compare figures
+Whole processes from nothing, as a user starts them, and calls in a running one.  Compare figures
 within one run only: another run, or another machine, is another matter.
 """
 
@@ -8,27 +8,24 @@ from __future__ import annotations
 
 import resource
 import statistics
+import tempfile
 import time
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
-import jax
-import jax.numpy as jnp
 import numpy as np
+from rich.console import Console
+from rich.table import Table
 
 import propmap
 from benchmarks.results_file import machine, write_results
-from benchmarks.whole_process import whole_process
-from propmap.arrays.types import Floats
-from propmap.engine.accuracy import accuracy
-from propmap.engine.evaluation import prepare
-from propmap.engine.gradients import load_gradients
-from propmap.engine.programs import COMPILER_OPTIONS
+from benchmarks.whole_process import python_process, whole_process
+from propmap.dynamic_inflow import DynamicInflow
 from propmap.model.airfoil import parameter_set
 from propmap.model.model import Model
-from propmap.physics.velocities import AzimuthNodes, azimuth_nodes
 from propmap.rotor import Rotor
-from propmap.solve.problem import Case, annulus_problem, residual, residual_slope
+from propmap.typing import Floats
 
 FLOW, LAW = ("omega", "v_axial", "v_inplane"), ("c_l1", "c_l2", "c_d", "alpha_0", "zero_lift_angle")
 GRADIENT = (*FLOW, *LAW)
@@ -43,21 +40,34 @@ GROWING = (1000, 10_000, 100_000, 1_000_000)
 
 SEED = 2017
 BATCH = 4096
+SINGLE = 200
+"""Points that are asked for one by one."""
+
 RPM = np.pi / 30.0
 
-STATIONS, POINTS, AZIMUTHS = 48, 64, 16
-"""Of the arrays of blade elements; 16 azimuths are 8 distinct ones."""
+FIRST = (1, 10, 100, 1000)
+"""Points of a process's first result."""
 
-DESIGN_NOTES = {
-    "XLA, azimuth as inner axis": 50.0,
-    "XLA, batch as last axis": 11.0,
-    "the same with derivative": 12.0,
-    "hand-vectorised C": 3.1,
+VEHICLE = Path(__file__).parents[1] / "examples" / "aircraft" / "delivery.toml"
+
+README_TABLE = "--airfoil paper-apc --rpm 3000:9000 --speed 0:15 --beta 0:90 --tolerance 1%"
+
+COMMANDS = {
+    "propmap predict": "predict apc-8x6e --airfoil paper-apc --rpm 6000 --speed 10 --beta 60",
+    "propmap trim, 30 speeds": f"trim {VEHICLE} --speed 0:20:30 -o trim.csv",
+    "propmap fit tunnel": "fit tunnel apc-8x6e uiuc-8x6e -o fit.toml",
+    "propmap table, README's": f"table apc-8x6e {README_TABLE} --force -o map.npz",
+    "propmap choose, whole catalogue": f"choose {VEHICLE} --task cruise --speed 12",
 }
-"""[ns] per blade element, from a prototype on another machine."""
+"""As a user types them."""
 
-PREDICT = ["predict", "apc-8x6e", "--airfoil", "paper-apc", "--format", "json"]
-PREDICT += ["--rpm", "6000", "--speed", "10", "--beta", "60"]
+FIRST_RESULT = """
+import numpy as np
+import propmap
+rotor = propmap.Rotor(propmap.known_model("apc-8x6e"))
+turn = np.linspace(0.0, 1.0, {count})
+rotor.loads(300.0 + 600.0 * turn, 3.0 + 15.0 * turn, 0.2 + 1.2 * turn[::-1])
+"""
 
 
 def oblique(count: int) -> tuple[Floats, Floats, Floats]:
@@ -83,6 +93,13 @@ def axial(count: int, slowest: float, fastest: float) -> tuple[Floats, Floats, F
     return rpm * RPM, speed, np.zeros(count)
 
 
+def descent(count: int) -> tuple[Floats, Floats, Floats]:
+    """Oblique and steep descent."""
+    rng = np.random.default_rng(SEED + 3)
+    rpm, speed = rng.uniform(3000.0, 10000.0, count), rng.uniform(0.0, 20.0, count)
+    return rpm * RPM, speed, np.radians(rng.uniform(90.0, 180.0, count))
+
+
 def median_seconds(call: Callable[[], Any], repeats: int) -> float:
     """Median time of ``call`` after one that does not count."""
     call()
@@ -94,53 +111,86 @@ def median_seconds(call: Callable[[], Any], repeats: int) -> float:
     return statistics.median(seconds)
 
 
-def element_nanoseconds(rotor: Rotor) -> dict[str, float]:
-    """Time per blade element [ns] of the residual of (11), without and with derivative."""
-    blade = rotor.arrays.blade
-    omega, speed, beta = oblique(POINTS)
-    rng = np.random.default_rng(SEED)
-    share = np.sort(rng.uniform(0.02, 0.98, (STATIONS, POINTS)), axis=0)
-    radius = blade.root + (blade.station[-1] - blade.root) * share
-    elements = STATIONS * POINTS * (AZIMUTHS // 2)
-    cost = {}
-    with jax.enable_x64(True):
-        axial, inplane = jnp.asarray(speed * np.cos(beta)), jnp.asarray(speed * np.sin(beta))
-        no = jnp.zeros(POINTS)
-        case = Case(rotor.arrays, jnp.asarray(omega), axial, inplane, v_hover=no)
-        problem = jax.jit(annulus_problem)(case, jnp.asarray(radius))
-        v_i = jnp.full((STATIONS, POINTS), 4.0)
-        turn = azimuth_nodes(AZIMUTHS)
-        nodes = AzimuthNodes(jnp.asarray(turn.sines), jnp.asarray(AZIMUTHS // 2))
-        for name, function in (("residual", residual), ("residual_slope", residual_slope)):
-            options: Any = COMPILER_OPTIONS
-            program: Callable[..., Any] = jax.jit(function, compiler_options=options)
-
-            def call(program: Callable[..., Any] = program) -> None:
-                for found in jax.tree.leaves(program(problem, v_i, nodes)):
-                    found.block_until_ready()
-
-            cost[name] = 1e9 * median_seconds(call, 200) / elements
-    return cost
+def processes() -> dict[str, dict[str, float]]:
+    """Wall and processor time of whole processes [s], medians of three."""
+    found = {"import propmap": python_process(["-c", "import propmap"], 3)}
+    for count in FIRST:
+        code = FIRST_RESULT.format(count=count)
+        found[f"first result, points: {count}"] = python_process(["-c", code], 3)
+    for name, command in COMMANDS.items():
+        with tempfile.TemporaryDirectory() as folder:
+            found[name] = whole_process(command.split(), 3, Path(folder))
+    return found
 
 
-def gradient_microseconds(
-    rotor: Rotor, batch: tuple[Floats, Floats, Floats], names: tuple[str, ...]
-) -> dict[str, float]:
-    """Loads with their derivatives by ``names``, and the same without [us] per point."""
-    omega, speed, beta = batch
+def single_calls(rotor: Rotor) -> dict[str, dict[str, float]]:
+    """Median and largest wall time of one point from Python [us], each point's least of five."""
+    omega, speed, beta = oblique(SINGLE)
+    angles = {"axial": 0.0 * beta, "oblique": beta, "edgewise": 0.0 * beta + 0.5 * np.pi}
+    found = {}
+    for name, at in angles.items():
+        points = np.stack([omega, speed, at], axis=-1).tolist()
+        least = np.full(SINGLE, np.inf)
+        for _ in range(5):
+            for k, point in enumerate(points):
+                start = time.perf_counter()
+                rotor.loads(*point)
+                least[k] = min(least[k], time.perf_counter() - start)
+        found[name] = {"median_us": 1e6 * float(np.median(least)), "most_us": 1e6 * least.max()}
+    return found
+
+
+def per_point(call: Callable[[], Any], points: int, repeats: int = 5) -> dict[str, float]:
+    """Wall and processor time of a batch [us per point]: medians, after one that does not count."""
+    call()
+    wall, processor = [], []
+    for _ in range(repeats):
+        start, used = time.perf_counter(), time.process_time()
+        call()
+        wall.append(time.perf_counter() - start)
+        processor.append(time.process_time() - used)
+    return {
+        "wall_us": 1e6 * statistics.median(wall) / points,
+        "processor_us": 1e6 * statistics.median(processor) / points,
+    }
+
+
+def batches(rotors: dict[str, Rotor]) -> dict[str, dict[str, float]]:
+    """Each model over 4096 points of each kind."""
+    kinds = {
+        "oblique": oblique(BATCH),
+        "envelope": envelope(BATCH),
+        "axial, 10 m/s": axial(BATCH, 10.0, 10.0),
+        "axial, 0-12 m/s": axial(BATCH, 0.0, 12.0),
+        "descent": descent(BATCH),
+    }
+    return {
+        f"{model}, {kind}": per_point(lambda r=rotor, p=points: r.loads(*p), BATCH)  # type: ignore[misc]
+        for model, rotor in rotors.items()
+        for kind, points in kinds.items()
+    }
+
+
+def gradients(rotors: dict[str, Rotor]) -> dict[str, dict[str, float]]:
+    """The oblique batch with derivatives by eight parameters, and by all that bands need."""
+    omega, speed, beta = oblique(BATCH)
     flow = (omega, speed * np.cos(beta), speed * np.sin(beta))
-    ready, setting = prepare(rotor.arrays), accuracy("standard")
-    plain, with_slopes = [], []
-    for kept in (False, True, True, True, True, True):
-        start = time.perf_counter()
-        rotor.loads(*batch)
-        middle = time.perf_counter()
-        load_gradients(ready, setting, names, *flow)
-        if kept:
-            plain.append(middle - start)
-            with_slopes.append(time.perf_counter() - middle)
-    both = [1e6 * statistics.median(seconds) / omega.size for seconds in (plain, with_slopes)]
-    return {"plain": both[0], "with_gradient": both[1], "ratio": both[1] / both[0]}
+    named = {"eight derivatives": GRADIENT, "derivatives of bands": BANDS}
+    return {
+        f"{model}, {what}": per_point(
+            lambda r=rotor, n=names: r.gradients(n, *flow),  # type: ignore[misc]
+            BATCH,
+        )
+        for model, rotor in rotors.items()
+        for what, names in named.items()
+    }
+
+
+def inflow_step(rotor: Rotor) -> float:
+    """Time of one step of the dynamic inflow [us]."""
+    inflow, flight = DynamicInflow(rotor), (600.0, [8.0, 0.0, 2.0])
+    state = inflow.steady(*flight)
+    return 1e6 * median_seconds(lambda: inflow.step(0.9 * state, 0.002, *flight), 500)
 
 
 def growth(rotor: Rotor) -> dict[str, Any]:
@@ -176,44 +226,21 @@ def resident_megabytes() -> float:
 def measure() -> dict[str, Any]:
     """All figures."""
     place = machine()
-    blade, section = propmap.propeller("apc-8x6e"), propmap.airfoil("paper-apc")
-    rotor, fine = Rotor(Model(blade, section)), Rotor(Model(blade, section), accuracy="fine")
-    terms = parameter_set("paper-apc").with_parameters(reynolds_camber=-0.02, drag_angle=0.025)
-    of_catalogue = Rotor(Model(blade, terms))
-    omega = 6000.0 * RPM
-    batches = {
-        "oblique": oblique(BATCH),
-        "envelope": envelope(BATCH),
-        "axial, 10 m/s": axial(BATCH, 10.0, 10.0),
-        "axial, 0-12 m/s": axial(BATCH, 0.0, 12.0),
-    }
-    per_point = {
-        name: 1e6 * median_seconds(lambda b=batch: rotor.loads(*b), 5) / BATCH  # type: ignore[misc]
-        for name, batch in batches.items()
-    }
-    flight = (omega, 10.0, np.radians(60.0))
-    single = {
-        "oblique": 1e3 * median_seconds(lambda: rotor.loads(*flight), 30),
-        "hover": 1e3 * median_seconds(lambda: rotor.loads(omega, 0.0, 0.0), 30),
-    }
-    some = oblique(BATCH // 4)
-    coarse = median_seconds(lambda: rotor.loads(*some), 3)
-    ratios = {
-        "single_call_over_batch_point": 1e3 * single["oblique"] / per_point["oblique"],
-        "fine_over_standard": median_seconds(lambda: fine.loads(*some), 3) / coarse,
-    }
+    blade, law = propmap.propeller("apc-8x6e"), parameter_set("paper-apc")
+    recommended = Model(blade, law, corrections=propmap.corrections_of("recommended"))
+    rotors = {"paper": Rotor(Model(blade, law)), "recommended": Rotor(recommended)}
+    fine, some = Rotor(rotors["paper"].model, accuracy="fine"), oblique(BATCH // 4)
+    coarse = median_seconds(lambda: rotors["paper"].loads(*some), 3)
     return {
         "machine": place,
         "batch": BATCH,
-        "microseconds_per_point": per_point,
-        "single_call_ms": single,
-        "ns_per_element": element_nanoseconds(rotor),
-        "design_notes_ns_per_element_on_another_machine": DESIGN_NOTES,
-        "process": whole_process(PREDICT, 3),
-        "ratios": ratios,
-        "gradient": gradient_microseconds(rotor, batches["oblique"], GRADIENT),
-        "bands": gradient_microseconds(of_catalogue, batches["oblique"], BANDS),
-        "growth": growth(rotor),
+        "processes": processes(),
+        "single_call": single_calls(rotors["recommended"]),
+        "batches": batches(rotors),
+        "gradients": gradients(rotors),
+        "inflow_step_us": inflow_step(rotors["recommended"]),
+        "fine_over_standard": median_seconds(lambda: fine.loads(*some), 3) / coarse,
+        "growth": growth(rotors["paper"]),
     }
 
 
@@ -221,30 +248,27 @@ def main() -> None:
     """Measure, print, and write the results."""
     found = measure()
     where = found["machine"]
-    print(
+    console = Console()
+    console.print(
         f"{where['cpu']}, {where['cores']} cores, load {where['load_before']}, "
-        f"Python {where['python']}, JAX {where['jax']}"
+        f"Python {where['python']}, core for {where['instructions']}"
     )
-    for name, value in found["microseconds_per_point"].items():
-        print(f"batch of {BATCH}, {name}: {value:.1f} us per point")
-    for name, value in found["single_call_ms"].items():
-        print(f"single warm call, {name}: {value:.2f} ms")
-    for name, value in found["ns_per_element"].items():
-        print(f"blade element, {name}: {value:.1f} ns")
-    for name, value in DESIGN_NOTES.items():
-        print(f"  prototype on another machine, {name}: {value:g} ns")
-    for name, value in found["process"].items():
-        print(f"propmap predict, whole process, {name}: {value:.2f}")
-    for name, value in found["ratios"].items():
-        print(f"{name}: {value:.1f}")
-    for name, value in found["gradient"].items():
-        print(f"gradient by {len(GRADIENT)} parameters, {name}: {value:.1f}")
-    for name, value in found["bands"].items():
-        print(f"bands by {len(BANDS)} parameters, {name}: {value:.1f}")
-    for count, value in found["growth"]["cpu_microseconds_per_point"].items():
-        print(f"oblique batch of {count}: {value:.1f} us of processor time per point")
-    print(f"peak memory: {found['growth']['peak_megabytes']:.0f} MB")
-    print(write_results("speed.json", found))
+    cold = Table("whole process", "wall [s]", "processor [s]")
+    for name, cost in found["processes"].items():
+        cold.add_row(name, f"{cost['wall_s']:.2f}", f"{cost['processor_s']:.2f}")
+    single = Table("one call, recommended", "median [us]", "most [us]")
+    for name, cost in found["single_call"].items():
+        single.add_row(name, f"{cost['median_us']:.0f}", f"{cost['most_us']:.0f}")
+    warm = Table(f"batch of {BATCH}", "wall [us per point]", "processor [us per point]")
+    for name, cost in (found["batches"] | found["gradients"]).items():
+        warm.add_row(name, f"{cost['wall_us']:.1f}", f"{cost['processor_us']:.1f}")
+    console.print(cold, single, warm)
+    console.print(f"step of the dynamic inflow: {found['inflow_step_us']:.0f} us")
+    console.print(f"fine over standard: {found['fine_over_standard']:.1f}")
+    for count, cost in found["growth"]["cpu_microseconds_per_point"].items():
+        console.print(f"oblique batch of {count}: {cost:.1f} us of processor time per point")
+    console.print(f"peak memory: {found['growth']['peak_megabytes']:.0f} MB")
+    console.print(str(write_results("speed.json", found)))
 
 
 if __name__ == "__main__":

@@ -23,10 +23,10 @@ import numpy as np
 import propmap
 from benchmarks.c_header import c_nanoseconds
 from benchmarks.results_file import machine, write_results
-from propmap.arrays.types import Floats
 from propmap.model.model import Model
 from propmap.rotor import Rotor
 from propmap.table import LoadTable, build_table
+from propmap.typing import Floats
 
 RPM = np.pi / 30.0
 ENVELOPE = {

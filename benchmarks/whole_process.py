@@ -1,34 +1,44 @@
-"""Time of a whole `propmap` process: nothing compiled yet, and the same again."""
+"""Time of whole processes, from their start to their end."""
 
 from __future__ import annotations
 
-import os
+import resource
 import statistics
 import subprocess
 import sys
-import tempfile
 import time
 from collections.abc import Sequence
+from pathlib import Path
 
 
-def whole_process(arguments: Sequence[str], repeats: int) -> dict[str, float]:
-    """Medians of ``repeats`` of the whole process [s], with an empty and with a filled cache."""
-    command = [sys.executable, "-m", "propmap", *arguments]
+def python_process(
+    arguments: Sequence[str], repeats: int, folder: Path | None = None
+) -> dict[str, float]:
+    """Medians of ``repeats`` of Python with these ``arguments``, run in ``folder`` [s].
 
-    def run(folder: str) -> float:
-        # The command line's own settings of the cache, with another folder.
-        settings = {
-            "JAX_COMPILATION_CACHE_DIR": folder,
-            "JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS": "0.3",
-            "JAX_PERSISTENT_CACHE_MIN_ENTRY_SIZE_BYTES": "0",
-        }
-        start = time.perf_counter()
-        subprocess.run(command, env=os.environ | settings, check=True, stdout=subprocess.DEVNULL)
-        return time.perf_counter() - start
-
-    cold, warm = [], []
+    The processor time is that of all cores and of the processes started in turn.
+    """
+    wall, processor = [], []
     for _ in range(repeats):
-        with tempfile.TemporaryDirectory() as folder:
-            cold.append(run(folder))
-            warm.append(run(folder))
-    return {"empty_cache_s": statistics.median(cold), "warm_cache_s": statistics.median(warm)}
+        before, start = _children_seconds(), time.perf_counter()
+        subprocess.run(
+            [sys.executable, *arguments],
+            check=True,
+            stdout=subprocess.DEVNULL,
+            cwd=folder,
+        )
+        wall.append(time.perf_counter() - start)
+        processor.append(_children_seconds() - before)
+    return {"wall_s": statistics.median(wall), "processor_s": statistics.median(processor)}
+
+
+def whole_process(
+    arguments: Sequence[str], repeats: int, folder: Path | None = None
+) -> dict[str, float]:
+    """The same of `propmap` with these ``arguments``."""
+    return python_process(["-m", "propmap", *arguments], repeats, folder)
+
+
+def _children_seconds() -> float:
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime

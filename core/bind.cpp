@@ -204,14 +204,13 @@ class CoreRotor {
     nb::tuple loads(Vector omega, Vector v_axial, Vector v_inplane, int threads) const {
         const std::size_t n = omega.size();
         double *loads, *other;
-        auto load_array = make_array({Loads<double>::count, n}, loads), others = make_array({4, n}, other);
+        auto load_array = make_array({Loads<double>::count, n}, loads), others = make_array({5, n}, other);
         std::visit([&](const auto& solver) {
             for_each_point(n, threads, [&, w = omega.data(), a = v_axial.data(), i = v_inplane.data()](std::size_t k) {
                 thread_local Solution s;
                 solver.solve(w[k], a[k], i[k], s);
                 for (int j = 0; j < Loads<double>::count; ++j) loads[j * n + k] = s.result.loads.begin()[j];
-                other[k] = double(s.result.status), other[n + k] = s.result.roots;
-                other[2 * n + k] = s.result.ring, other[3 * n + k] = s.result.mean_inflow;
+                keep(s, solver.rotor(), other, k, n);
             });
         }, solver_);
         return nb::make_tuple(load_array, others);
@@ -244,7 +243,7 @@ class CoreRotor {
         double *steady, *rates, *later, *loads, *linear, *other;
         auto steadies = make_array({n, 3}, steady), rate_array = make_array({n, 3}, rates);
         auto laters = make_array({n, 3}, later), load_array = make_array({Loads<double>::count, n}, loads);
-        auto matrices = make_array({n, 3, 3}, linear), others = make_array({4, n}, other);
+        auto matrices = make_array({n, 3, 3}, linear), others = make_array({5, n}, other);
         std::visit([&](const auto& solver) {
             for_each_point(n, threads, [&, w = omega.data(), a = v_axial.data(), i = v_inplane.data(), x = states.data(),
                                         t = times.data()](std::size_t k) {
@@ -256,8 +255,7 @@ class CoreRotor {
                     for (int c = 0; c < 3; ++c) linear[9 * k + 3 * j + c] = m.linear.m[j][c];
                 }
                 for (int j = 0; j < Loads<double>::count; ++j) loads[j * n + k] = m.loads.begin()[j];
-                other[k] = double(s.result.status), other[n + k] = s.result.roots;
-                other[2 * n + k] = s.result.ring, other[3 * n + k] = s.result.mean_inflow;
+                keep(s, solver.rotor(), other, k, n);
             });
         }, solver_);
         return nb::make_tuple(steadies, rate_array, laters, load_array, matrices, others);
@@ -328,6 +326,13 @@ class CoreRotor {
     nb::tuple span() const { return nb::make_tuple(blade_->root, blade_->tip); }
 
   private:
+    // What else is known of point k, of n.
+    template <class R> static void keep(const Solution& s, const R& rotor, double* into, std::size_t k, std::size_t n) {
+        const double known[] = {double(s.result.status), double(s.result.roots), s.result.ring, s.result.mean_inflow,
+                                reverse_flow_share(s.flow, rotor.root(), rotor.tip())};
+        for (double value : known) into[k] = value, into += n;
+    }
+
     AnySolver make(const nb::dict& law, const nb::dict& air, const nb::dict& corrections, bool fine) {
         const Accuracy& accuracy = fine ? fine_accuracy : standard_accuracy;
         return std::visit([&]<template <class> class LawOf>(const LawOf<double>& found) -> AnySolver {

@@ -9,7 +9,7 @@ import propmap
 
 law, corrections = propmap.airfoil("paper-apc"), (propmap.correction("pitt-peters"),)
 model = propmap.Model(propmap.propeller("apc-8x6e"), law, corrections=corrections)
-rotor = propmap.Rotor(model, compiled=False)  # so few steps are not worth compiling
+rotor = propmap.Rotor(model)
 
 
 def airspeed(state):

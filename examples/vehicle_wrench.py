@@ -15,7 +15,7 @@ quad = propmap.Vehicle(
     body=Body(drag_area=(0.015, 0.015, 0.03)),
     wakes=Wakes(),
 )  # or propmap.read_vehicle("vehicle.toml").vehicle
-forces = propmap.VehicleForces(quad, propmap.Rotor(model, compiled=False))  # or a LoadTable
+forces = propmap.VehicleForces(quad, propmap.Rotor(model))  # or a LoadTable
 
 speeds = np.array([0.0, 5.0, 10.0])  # m/s
 velocity = np.column_stack([speeds, 0.0 * speeds, 0.5 + 0.0 * speeds])  # x forward, y left, z up

@@ -11,8 +11,6 @@ from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 
 import propmap as pm
-from propmap.engine.accuracy import ACCURACIES
-from propmap.engine.evaluation import evaluate, prepare
 from propmap.loads import error_scales
 
 Numbers = NDArray[np.float64]
@@ -33,7 +31,7 @@ BLADES = (
 )
 
 STATIONS = 24
-"""Of ``resampled`` blades: arrays of one shape share compiled programs."""
+"""Of ``resampled`` blades."""
 
 
 class OtherRotor(NamedTuple):
@@ -90,13 +88,11 @@ def other_flow(count: int, seed: int) -> Flow:
 def error_scales_of(model: pm.Model, omega: Numbers) -> dict[str, Numbers]:
     """Static loads by name of load [N] and [N m], (N,); of a blade stalled at rest, instead of
     thrust, rho A (Omega R)^2 / 2 times the solidity."""
-    still = np.zeros(1)
-    rest = evaluate(
-        prepare(model.arrays(), compiled=False), ACCURACIES["standard"], omega[:1], still, still
-    )
+    rotor = pm.Rotor(model)
+    rest = rotor.loads(omega[0], 0.0, 0.0)
     blade, rates = model.propeller, (omega / omega[0]) ** 2
-    thrust, torque = abs(rest.loads.thrust) * rates, abs(rest.loads.torque) * rates
-    if rest.attached[0] < 0.5:
+    thrust, torque = abs(float(rest.thrust)) * rates, abs(float(rest.torque)) * rates
+    if rotor.inflow(float(omega[0]), 0.0, 0.0).stalled[:, 0].mean() > 0.5:
         area = blade.blades * np.trapezoid(blade.chord, blade.station)
         thrust = 0.5 * model.air.density * area * (omega * blade.radius) ** 2
         torque = thrust * blade.radius

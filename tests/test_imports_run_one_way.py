@@ -1,4 +1,4 @@
-"""Imports run one way: from the physics over the rotor to what is made of its loads."""
+"""Imports run one way: from the core over the rotor to what is made of its loads."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ from tools.import_graph import module_imports, room
 
 LEFT_TO_RIGHT = (
     "errors",
+    "core",
+    "typing",
     "tasks",
     "loads",
-    "arrays",
-    "physics",
-    "solve",
-    "engine",
-    "model",
-    "operating_points",
     "results",
+    "model",
+    "reference",
+    "operating_points",
     "bands",
     "rotor",
+    "jax",
     "sweep",
     "dynamic_inflow",
     "baselines",
@@ -42,12 +42,16 @@ LEFT_TO_RIGHT = (
 )
 """Rooms of the package; none knows of one to its right."""
 
+FACES = ("rotor", "model.core_section")
+"""The modules through which all others use the compiled core; sections ask for their own
+coefficients."""
+
 
 @pytest.fixture(scope="module")
 def imports() -> dict[str, set[str]]:
     """Of every module, those that it imports; without the package's face, which has all."""
     graph = module_imports()
-    assert "propmap.solve.root" in graph["propmap.solve.disk"]  # it does find imports
+    assert "propmap.core" in graph["propmap.rotor"]  # it does find imports
     return graph
 
 
@@ -71,3 +75,12 @@ def test_nothing_knows_of_what_is_to_its_right(imports: dict[str, set[str]]) -> 
         if _layer(other) > _layer(module)
     ]
     assert not wrong
+
+
+def test_only_the_faces_know_the_core(imports: dict[str, set[str]]) -> None:
+    others = {
+        module
+        for module, imported in imports.items()
+        if any(other.startswith("propmap.core") for other in imported)
+    }
+    assert others == {f"propmap.{face}" for face in FACES}

@@ -8,11 +8,6 @@ import pytest
 
 from propmap import Loads, Model, Rotor, airfoil, correction, propeller
 from propmap.loads import LOADS, Load, error_scales
-from propmap.physics.element import AnnulusLoads
-
-
-def test_the_physics_computes_the_loads_of_the_registry_in_its_order() -> None:
-    assert AnnulusLoads._fields == tuple(LOADS)
 
 
 def test_the_public_loads_begin_with_those_of_the_registry() -> None:
@@ -45,7 +40,6 @@ def test_loads_by_the_inplane_velocity_are_those_that_axial_flow_has_not(
             airfoil("paper-apc"),
             corrections=(correction("pitt-peters"),),
         ),
-        compiled=False,
     )
     axial, oblique = (rotor.loads(500.0, 5.0, beta) for beta in (0.0, 1.0))
     assert (getattr(axial, load.name) == 0.0) == load.inplane

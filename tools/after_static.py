@@ -20,13 +20,9 @@ from typing import NamedTuple
 import numpy as np
 
 from propmap import catalogue
-from propmap.arrays.types import Floats
 from propmap.catalogue.expected_constants import airfoil_at, expected_prior
 from propmap.catalogue.identified import PARAMETERS, Identified, all_identified, one_of_each
 from propmap.catalogue.prior import HELD
-from propmap.engine.accuracy import accuracy
-from propmap.engine.evaluation import prepare
-from propmap.engine.gradients import load_gradients
 from propmap.fit.fitted import Settings, fit
 from propmap.fit.forward_trust import MODEL_ERROR
 from propmap.fit.parameters import Choice
@@ -37,6 +33,7 @@ from propmap.io.atomic_file import replacing
 from propmap.io.uiuc_database import MeasuredPropeller, read_uiuc_database
 from propmap.loads import LOADS
 from propmap.model.model import Model
+from propmap.typing import Floats
 
 RESULTS = Path(__file__).resolve().parent.parent / "benchmarks" / "results" / "after_static.json"
 TOLD = ("thrust", "torque")
@@ -73,9 +70,8 @@ def predicted(one: Identified, tested: MeasuredPropeller) -> tuple[Predicted, Pr
     rows = [list(LOADS).index(name) for name in TOLD]
 
     def compared(x: Floats, covariance: Floats) -> Predicted:
-        prepared = prepare(rotor_with(model, choice.values(x), "standard").arrays)
-        flow = omega[flying], speed[flying], still[flying]
-        found = load_gradients(prepared, accuracy("standard"), PARAMETERS, *flow)
+        rotor = rotor_with(model, choice.values(x), "standard")
+        found = rotor.gradients(PARAMETERS, omega[flying], speed[flying], still[flying])
         slopes, error = found.slopes[rows], found.loads[rows] - wanted
         variance = np.einsum("lpn,pq,lqn->ln", slopes, covariance, slopes)
         deviation = np.sqrt(variance + (MODEL_ERROR * level) ** 2)

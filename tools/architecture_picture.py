@@ -98,7 +98,7 @@ def _places(paths: list[list[str]], row: Mapping[str, int]) -> dict[str, Place]:
     for sweep in range(SWEEPS):
         for k in sorted(set(level.values()), reverse=sweep % 2 == 1):
             here = [name for name in level if level[name] == k]
-            here.sort(key=lambda name: (mean(x[other] for other in joined[name]), name))
+            here.sort(key=lambda name: (mean([x[other] for other in joined[name]] or [0.0]), name))
             widths = [1.0 if name in row else GAP for name in here]
             for name, end, width in zip(here, accumulate(widths), widths, strict=True):
                 x[name] = end - 0.5 * (width + sum(widths))

@@ -78,7 +78,6 @@ def write(folder: Path) -> None:
             "lifting_line_causes",
             "options",
             "peers",
-            "phases",
             "speed",
             "table",
         )
@@ -114,8 +113,6 @@ def write(folder: Path) -> None:
         "lifting-line-variation": lifting_line_tables.variation(found["lifting_line"]),
         "lifting-line-everywhere": lifting_line_tables.everywhere(found["lifting_line"]),
         "performance-options": performance_tables.options(found["options"]),
-        "performance-jobs": performance_tables.jobs(found["phases"]),
-        "performance-following": performance_tables.following(found["phases"]),
         "performance-peers": performance_tables.peers(found["peers"]),
         "drag-effects": drag_effects_table.table(drag_effects()),
         "identified": identified(),

@@ -17,16 +17,15 @@ from typing import Any
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.cli.fit_terms import expected, read_pairs, steps
 from propmap.cli.flight_options import flight_priors
-from propmap.engine.compilation import compile_quickly, keep_compiled
 from propmap.fit.comparison import flight_forces
 from propmap.fit.learned_residual import learn
 from propmap.fit.parameters import BODY, FIRST_GUESS, SENSOR, WAKES, constants_of
 from propmap.fit.tunnel import model_with
 from propmap.io.atomic_file import replacing
 from propmap.model.model import Model
+from propmap.typing import Floats
 from propmap.vehicle.flight_log import FlightLog
 from propmap.vehicle.time_derivatives import CUTOFF
 from propmap.vehicle.vehicle import Vehicle
@@ -40,8 +39,6 @@ SAMPLES = 1000
 
 def main(folder: str, vehicle_path: str, *paths: str) -> None:
     """Learn, check, print and file."""
-    compile_quickly()
-    keep_compiled()
     file = read_vehicle(vehicle_path)
     flights, _ = read_pairs([Path(p) for p in paths], file, CUTOFF, None)
     prior = expected(None, file.vehicle)

@@ -19,7 +19,6 @@ from typing import Any
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.catalogue.identified import all_identified, identified_without_blade
 from propmap.fit.population.foretold import Foretold
 from propmap.fit.population.left_out import GROUPS, left_out, never_measured
@@ -27,6 +26,7 @@ from propmap.fit.population.misfiled import refiled
 from propmap.fit.population.populations import populations_of
 from propmap.io.atomic_file import replacing
 from propmap.io.uiuc_database import read_uiuc_database
+from propmap.typing import Floats
 
 RESULTS = Path(__file__).resolve().parent.parent / "benchmarks" / "results" / "left_out.json"
 

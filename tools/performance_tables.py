@@ -1,38 +1,8 @@
-"""Tables of docs/performance.md, from phases.json, options.json and peers.json of the results."""
+"""Tables of docs/performance.md, from options.json and peers.json of the results."""
 
 from __future__ import annotations
 
 from typing import Any
-
-
-def jobs(found: dict[str, Any]) -> str:
-    """How the mixed oblique batch is sorted, and what each job costs."""
-    place = found["machine"]
-    rows = [
-        f"{place['cpu']}, one core, large blocks, after compilation; "
-        f"{found['nodes_per_point']:.0f} nodes and {found['one_core_us']:.0f} µs per point on "
-        "average.",
-        "",
-        "| radial nodes | azimuths | share of the points | nodes per point | µs per point |",
-        "|---|---:|---:|---:|---:|",
-    ]
-    for job in found["jobs"]:
-        nodes = "+".join(str(count) for count in job["panels"])
-        share = 100.0 * job["share"]
-        rows.append(
-            f"| {nodes} | {job['azimuths']} | {share:.1f} % | {job['nodes']} "
-            f"| {job['microseconds']:.1f} |"
-        )
-    return "\n".join(rows)
-
-
-def following(found: dict[str, Any]) -> str:
-    """Phases of points that follow stall."""
-    rows = ["| azimuths | survey | folds | roots | loads |", "|---:|---:|---:|---:|---:|"]
-    for split in found["following"]:
-        cells = (f"{split[phase]:.1f} µs" for phase in ("survey", "folds", "roots", "loads"))
-        rows.append(f"| {split['azimuths']} | {' | '.join(cells)} |")
-    return "\n".join(rows)
 
 
 def options(found: dict[str, Any]) -> str:

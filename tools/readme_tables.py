@@ -79,7 +79,7 @@ def numerical_accuracy(found: dict[str, Any]) -> str:
     ]
     for key, title in (
         ("against_reference", "independent reference"),
-        ("against_twice_fine", "twice the nodes of `fine`"),
+        ("against_fine", "`fine`"),
     ):
         for setting, bands in found[key].items():
             overall = bands[-1]
@@ -127,21 +127,25 @@ def _share(share: float) -> str:
 
 def times(model: dict[str, Any], table: dict[str, Any]) -> str:
     """The times that a user meets first, of the model and of a table, with the machine."""
-    place, point = model["machine"], model["microseconds_per_point"]
-    process, query = model["process"], table["query_us"]
-    rotorpy, double = table["rotorpy_us_per_rotor"], table["c_ns"]["double"]
+    place, batch, process = model["machine"], model["batches"], model["processes"]
+    query, rotorpy, double = (
+        table["query_us"],
+        table["rotorpy_us_per_rotor"],
+        table["c_ns"]["double"],
+    )
     rows = [
         f"{place['cpu']}, {place['cores']} cores.",
         "",
         "| what | time |",
         "|---|---:|",
-        f"| {model['batch']} oblique points at once | {point['oblique']:.0f} µs per point |",
-        f"| the same in climb, 10 m/s | {point['axial, 10 m/s']:.1f} µs per point |",
-        "| oblique points with derivatives by the flow and five section parameters "
-        f"| {model['gradient']['with_gradient']:.0f} µs per point |",
-        f"| one call, oblique | {model['single_call_ms']['oblique']:.2g} ms |",
-        f"| `propmap predict`, first ever | {process['empty_cache_s']:.1f} s |",
-        f"| `propmap predict`, from then on | {process['warm_cache_s']:.1f} s |",
+        f"| a Python process from its start to the first 1000 points "
+        f"| {process['first result, points: 1000']['wall_s']:.2f} s |",
+        f"| `propmap predict` | {process['propmap predict']['wall_s']:.2f} s |",
+        f"| one call, oblique | {model['single_call']['oblique']['median_us']:.0f} µs |",
+        f"| {model['batch']} oblique points at once "
+        f"| {batch['recommended, oblique']['wall_us']:.0f} µs per point |",
+        "| the same with derivatives by the flow and five section constants | "
+        f"{model['gradients']['recommended, eight derivatives']['wall_us']:.0f} µs per point |",
         f"| table in Python, one point | {query['scalar']:.1f} µs |",
         f"| table in Python, 100 000 points at once | {query['array']:.2f} µs per point |",
         f"| table as C header, `double` | {_stated(double, 'ns', 0, 'no gcc')} |",
@@ -156,33 +160,38 @@ def _stated(value: float | None, unit: str, digits: int, missing: str) -> str:
 
 
 def speed(found: dict[str, Any]) -> str:
-    """Times, with the machine they come from."""
-    place, point = found["machine"], found["microseconds_per_point"]
-    single, process, ratio = found["single_call_ms"], found["process"], found["ratios"]
-    cost, gradient = found["ns_per_element"], found["gradient"]
-    growth = found["growth"]["cpu_microseconds_per_point"]
+    """Times of whole processes and of calls, with the machine they come from."""
+    place, growth = found["machine"], found["growth"]["cpu_microseconds_per_point"]
     rows = [
-        f"{place['cpu']}, {place['cores']} cores, Python {place['python']}, "
-        f"JAX {place['jax']}; medians; the machine's load was {place['load_before']} at the start.",
+        f"{place['cpu']}, {place['cores']} cores, Python {place['python']}, core for "
+        f"{place['instructions']}; medians; the machine's load was {place['load_before']} at the "
+        "start.",
         "",
-        "| what | time |",
-        "|---|---:|",
-        f"| {found['batch']} oblique points at once | {point['oblique']:.0f} µs per point |",
-        f"| {found['batch']} points of the whole envelope | {point['envelope']:.0f} µs per point |",
-        f"| {found['batch']} points of climb, 10 m/s | {point['axial, 10 m/s']:.1f} µs per point |",
-        f"| the same, 0 to 12 m/s | {point['axial, 0-12 m/s']:.1f} µs per point |",
-        "| oblique points with derivatives by the flow and five section parameters "
-        f"| {gradient['with_gradient']:.0f} µs per point, {gradient['ratio']:.1f} times |",
-        "| a thousand oblique points, a million "
-        f"| {growth['1000']:.0f}, {growth['1000000']:.0f} µs of "
-        f"processor time per point; {found['growth']['peak_megabytes'] / 1e3:.1f} GB at most |",
-        f"| one call, oblique | {single['oblique']:.2g} ms |",
-        f"| one call, hover | {single['hover']:.2g} ms |",
-        f"| one blade element | {cost['residual']:.0f} ns |",
-        f"| one blade element with derivative | {cost['residual_slope']:.0f} ns |",
-        f"| `propmap predict`, first ever | {process['empty_cache_s']:.1f} s |",
-        f"| `propmap predict`, from then on | {process['warm_cache_s']:.1f} s |",
-        f"| `fine` over `standard` | {ratio['fine_over_standard']:.1f} times |",
+        "| whole process | wall time | processor time |",
+        "|---|---:|---:|",
+        *(
+            f"| {name} | {cost['wall_s']:.2f} s | {cost['processor_s']:.2f} s |"
+            for name, cost in found["processes"].items()
+        ),
+        "",
+        "| one call from Python, recommended model | median | most |",
+        "|---|---:|---:|",
+        *(
+            f"| {name} | {cost['median_us']:.0f} µs | {cost['most_us']:.0f} µs |"
+            for name, cost in found["single_call"].items()
+        ),
+        "",
+        f"| {found['batch']} points at once | wall time per point | processor time per point |",
+        "|---|---:|---:|",
+        *(
+            f"| {name} | {cost['wall_us']:.1f} µs | {cost['processor_us']:.1f} µs |"
+            for name, cost in (found["batches"] | found["gradients"]).items()
+        ),
+        "",
+        f"A step of the dynamic inflow takes {found['inflow_step_us']:.0f} µs; `fine` "
+        f"{found['fine_over_standard']:.1f} times as long as `standard`; a thousand oblique points "
+        f"{growth['1000']:.0f} µs of processor time each, a million {growth['1000000']:.0f}, in "
+        f"{found['growth']['peak_megabytes'] / 1e3:.1f} GB at most.",
     ]
     return "\n".join(rows)
 

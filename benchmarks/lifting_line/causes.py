@@ -54,7 +54,7 @@ def row(name: str, point: Point) -> dict[str, Any]:
         "same_all_around": line.loads(averaged_flow(line.sections, line.law, solution.flow)),
     }
     for theory, model in (("annulus", paper), ("pitt_peters", harmonic)):
-        found[theory] = propmap.Rotor(model, compiled=False).loads(OMEGA, point.speed, point.beta)
+        found[theory] = propmap.Rotor(model).loads(OMEGA, point.speed, point.beta)
     told: dict[str, Any] = {
         "name": name,
         "speed": point.speed,

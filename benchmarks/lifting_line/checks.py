@@ -73,7 +73,7 @@ def elliptic_wing(stations: int = 24, aspect_ratio: float = 8.0) -> Compared:
     chord = 8.0 / (np.pi * aspect_ratio) * np.sqrt(1.0 - middle**2)
     wake = _wing_wake(edges, chord, 100.0, 1, 20)
     sections = _wing_sections(middle, chord, np.zeros((1, stations)), alpha, wake)
-    circulation, _ = solve(sections, THIN_AIRFOIL.law(), np.full((1, stations), 1e-3))
+    circulation, _ = solve(sections, THIN_AIRFOIL, np.full((1, stations), 1e-3))
     area = 4.0 / aspect_ratio
     lift = 2.0 * float((circulation * np.diff(edges)).sum()) / area
     return Compared(lift / alpha, 2.0 * np.pi / (1.0 + 2.0 / aspect_ratio))
@@ -105,7 +105,7 @@ def heaving_section(reduced_frequency: float, phases: int = 72) -> tuple[Compare
     phase = 2.0 * np.pi * np.arange(phases) / phases
     normal = -1e-3 * np.cos(phase)[:, None]
     sections = _wing_sections(np.zeros(1), chord, normal, 0.0, wake)
-    circulation, _ = solve(sections, THIN_AIRFOIL.law(), normal + 1e-6)
+    circulation, _ = solve(sections, THIN_AIRFOIL, normal + 1e-6)
     found = 2.0 * np.mean(circulation[:, 0] * np.exp(-1j * phase)) / (1e-3 * np.pi)
     h0, h1 = hankel2(0, reduced_frequency), hankel2(1, reduced_frequency)
     known = h1 / (h1 + 1j * h0)

@@ -7,13 +7,15 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from benchmarks.lifting_line.vortices import Floats
-from propmap.arrays.namespace import by_numpy
-from propmap.physics.sections.law import SectionLaw, coefficients_at
+from propmap.model.airfoil import Airfoil
 
 TOLERANCE = 1e-6
 """Largest error of the circulation, over the largest circulation [-]."""
 
 MOST_STEPS = 300
+
+DIFFERENCE = 1e-5
+"""Of the angle of attack [rad], for the slope of the lift."""
 
 STALLED_SHARE = 0.3
 """Share of Newton's step that is taken where a section is stalled [-]."""
@@ -55,14 +57,14 @@ class Flow(NamedTuple):
     lift_slope: Floats
 
 
-def flow_at(sections: Sections, law: SectionLaw, circulation: Floats) -> Flow:
+def flow_at(sections: Sections, law: Airfoil, circulation: Floats) -> Flow:
     """The flow that belongs to a ``circulation`` [m^2/s], shape (n, M).
 
     Parameters
     ----------
     sections : Sections
         The blade.
-    law : SectionLaw
+    law : Airfoil
         Its lift and drag.
     circulation : Floats
         Of the sections.
@@ -73,14 +75,14 @@ def flow_at(sections: Sections, law: SectionLaw, circulation: Floats) -> Flow:
     return _flow(sections, law, tangential, normal)
 
 
-def averaged_flow(sections: Sections, law: SectionLaw, flow: Flow) -> Flow:
+def averaged_flow(sections: Sections, law: Airfoil, flow: Flow) -> Flow:
     """The flow if what the wake induces were the same all around, its mean at each radius.
 
     Parameters
     ----------
     sections : Sections
         The blade.
-    law : SectionLaw
+    law : Airfoil
         Its lift and drag.
     flow : Flow
         With what the wake does induce.
@@ -91,22 +93,19 @@ def averaged_flow(sections: Sections, law: SectionLaw, flow: Flow) -> Flow:
 
 
 def _flow(
-    sections: Sections, law: SectionLaw, induced_tangential: Floats, induced_normal: Floats
+    sections: Sections, law: Airfoil, induced_tangential: Floats, induced_normal: Floats
 ) -> Flow:
     tangential = sections.tangential + induced_tangential
     normal = sections.normal + induced_normal
     speed = np.hypot(tangential, normal)
-    alpha: Any = sections.twist - np.arctan2(normal, tangential)
-    reynolds: Any = sections.reynolds_per_speed * speed
-    with by_numpy():
-        found: Any = coefficients_at(law, alpha, reynolds)
-    lift, drag, slope = (
-        np.asarray(a) + 0.0 * speed for a in (found.lift, found.drag, found.lift_slope)
-    )
-    return Flow(tangential, normal, speed, lift, drag, slope)
+    alpha = sections.twist - np.arctan2(normal, tangential)
+    reynolds = sections.reynolds_per_speed * speed
+    lift, drag = law.coefficients(alpha, reynolds)
+    ahead, behind = (law.coefficients(alpha + h, reynolds)[0] for h in (DIFFERENCE, -DIFFERENCE))
+    return Flow(tangential, normal, speed, lift, drag, (ahead - behind) / (2.0 * DIFFERENCE))
 
 
-def solve(sections: Sections, law: SectionLaw, start: Floats) -> tuple[Floats, float]:
+def solve(sections: Sections, law: Airfoil, start: Floats) -> tuple[Floats, float]:
     """The circulation [m^2/s] at which Gamma = 1/2 c U C_L everywhere, and what is left of it.
 
     Newton's steps.  Where some section's lift falls with the angle of attack that slope is taken as
@@ -117,7 +116,7 @@ def solve(sections: Sections, law: SectionLaw, start: Floats) -> tuple[Floats, f
     ----------
     sections : Sections
         The blade.
-    law : SectionLaw
+    law : Airfoil
         Its lift and drag.
     start : Floats
         Where to begin; an attached blade finds an attached one.

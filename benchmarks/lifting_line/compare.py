@@ -74,7 +74,7 @@ def by_theory(points: list[Point]) -> dict[str, list[RotorLoads]]:
     speed, beta = (np.array(a) for a in zip(*((p.speed, p.beta) for p in points), strict=True))
     found = {}
     for name, corrections in THEORIES.items():
-        rotor = propmap.Rotor(model(corrections=corrections), compiled=False)
+        rotor = propmap.Rotor(model(corrections=corrections))
         loads = rotor.loads(OMEGA, speed, beta)
         columns = [np.asarray(getattr(loads, load)).tolist() for load in RotorLoads._fields]
         found[name] = [RotorLoads(*row) for row in zip(*columns, strict=True)]

@@ -84,14 +84,14 @@ class LiftingRotor:
             # is looked for, as in the package: stall comes late at first.
             start = np.full(sections.tangential.shape, 1e-3)
             for later in LATER_STALL:
-                start, _ = solve(sections, law._replace(alpha_0=later * law.alpha_0), start)
+                start, _ = solve(sections, law.with_parameters(alpha_0=later * law.alpha_0), start)
         circulation, left = solve(sections, law, start)
         return Solution(circulation, flow_at(sections, law, circulation), left)
 
     @property
     def law(self) -> Any:
         """Lift and drag of the sections."""
-        return self.model.airfoil.law()
+        return self.model.airfoil
 
     def loads(self, flow: Flow) -> RotorLoads:
         """Loads of the blades in a ``flow``."""

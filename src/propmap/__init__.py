@@ -1,6 +1,6 @@
 """propmap: a propeller's six loads, from hover to fast oblique flight.
 
-Importing the package needs NumPy alone; JAX is imported with the first rotor.
+Importing the package needs NumPy alone; the compiled core is loaded with the first rotor.
 """
 
 from __future__ import annotations

@@ -2,16 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from propmap.arrays.types import Floats
-from propmap.engine.accuracy import FOR_DEVIATIONS
-from propmap.engine.differences import load_differences
-from propmap.engine.evaluation import Prepared
-from propmap.engine.gradients import load_gradients
 from propmap.loads import LOADS
 from propmap.model.model import Model
 from propmap.model.section_covariance import SectionCovariance
@@ -22,10 +16,10 @@ from propmap.model.uncertainty import (
     UNKNOWN_SHARE,
     SectionUncertainty,
 )
+from propmap.typing import Floats
 
-FEW = {True: 0, False: 128}
-"""Operating points up to which differences by NumPy are done before a compiler would be, by whether
-the rotor's programs are compiled anyway."""
+if TYPE_CHECKING:
+    from propmap.rotor import Rotor
 
 
 class FlowPoints(NamedTuple):
@@ -36,9 +30,7 @@ class FlowPoints(NamedTuple):
     v_inplane: Floats
 
 
-def load_deviations(
-    model: Model, rotor: Prepared, at: FlowPoints, loads: Floats
-) -> dict[str, Floats]:
+def load_deviations(rotor: Rotor, at: FlowPoints, loads: Floats) -> dict[str, Floats]:
     """Standard deviations of the loads by their source.
 
     To first order: sqrt(g' S g) with g the derivatives by uncertain parameters and S their
@@ -46,10 +38,8 @@ def load_deviations(
 
     Parameters
     ----------
-    model : Model
-        With its uncertainty.
-    rotor : Prepared
-        The same model, ready for evaluation.
+    rotor : Rotor
+        With a model that says how well it is known.
     at : FlowPoints
         N operating points.
     loads : ndarray, shape (L, N)
@@ -61,6 +51,7 @@ def load_deviations(
         For each of ``model.uncertainty.SOURCES`` that is known of the model; NaN where the
         derivatives were not found.
     """
+    model = rotor.model
     known = model.uncertainty
     if known is None:
         return {}
@@ -82,46 +73,12 @@ def errors_of_loads(model: Model, at: FlowPoints, loads: Floats) -> dict[str, Fl
     return found
 
 
-def parameter_slopes(
-    rotor: Prepared,
-    names: tuple[str, ...],
-    scales: Sequence[float],
-    at: FlowPoints,
-    few: int | None = None,
-) -> Floats:
-    """Derivatives (L, P, N) of the loads by P parameters: of the section law, or of ``GEOMETRY``.
-
-    By the implicit function theorem in JAX, or for few points by differences.
-
-    Parameters
-    ----------
-    rotor : Prepared
-        Ready for evaluation.
-    names : tuple of str
-        The parameters.
-    scales : sequence of float
-        By how much each may differ, in its unit, above 0.
-    at : FlowPoints
-        N operating points.
-    few : int, optional
-        Points up to which differences are taken, by default ``FEW``.
-    """
-    if at.omega.size > (FEW[rotor.compiled] if few is None else few):
-        return load_gradients(rotor, FOR_DEVIATIONS, names, *at, alike=True).slopes
-    return load_differences(rotor, FOR_DEVIATIONS, names, scales, *at).slopes
-
-
-def scales_of(known: SectionCovariance) -> list[float]:
-    """By how much each of the constants that are ``known`` so well may differ, above 0."""
-    return [float(spread) or 1e-3 for spread in np.diag(known.matrix) ** 0.5]
-
-
-def _by_parameters(known: SectionUncertainty, rotor: Prepared, at: FlowPoints) -> dict[str, Floats]:
+def _by_parameters(known: SectionUncertainty, rotor: Rotor, at: FlowPoints) -> dict[str, Floats]:
     """Standard deviations (L, N) that follow from what is not known of constants and blade."""
     whole = known.covariance.determined
     if not whole.names:
         return {}
-    slopes = parameter_slopes(rotor, whole.names, scales_of(whole), at)
+    slopes = rotor.gradients(whole.names, *at).slopes
 
     def variance(of: SectionCovariance) -> Floats:
         return np.maximum(np.einsum("lpn,pq,lqn->ln", slopes, of.matrix, slopes), 0.0)

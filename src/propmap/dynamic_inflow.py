@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from propmap.arrays.types import Floats
-from propmap.engine.inflow_states import Found, with_states
 from propmap.errors import InputError
-from propmap.loads import LOADS
+from propmap.model.corrections import PittPeters
 from propmap.operating_points import broadcast, split_velocity
-from propmap.physics.dynamic_inflow import later, linear_rates, rates
-from propmap.physics.inflow_harmonics import PittPeters
-from propmap.results import Loads, Wrench, array_fields, hub_wrench, spin_sign
+from propmap.results import Loads, Wrench, hub_wrench, spin_sign
 from propmap.rotor import Rotor
+from propmap.tasks import cores
+from propmap.typing import Floats
 
 
 class DynamicInflow:
@@ -24,7 +23,8 @@ class DynamicInflow:
     A state is an array (..., 3) [m/s] in the rotor frame of ``Rotor.wrench``: the mean inflow over
     the disk, positive against the thrust, and by how much the inflow grows from the hub to the tip
     along x and along y.  Its steady value is the static solution that ``rotor.loads`` uses.
-    ``physics.dynamic_inflow`` has the equations, docs/theory.md what they leave out.
+    ``core/include/propmap/dynamic_inflow.hpp`` has the equations, docs/theory.md what they leave
+    out.
 
     Parameters
     ----------
@@ -45,7 +45,7 @@ class DynamicInflow:
     """
 
     def __init__(self, rotor: Rotor, *, spin: str = "ccw") -> None:
-        if not isinstance(rotor, Rotor) or not isinstance(rotor.arrays.shape, PittPeters):
+        if not isinstance(rotor, Rotor) or rotor.model.correction_of(PittPeters) is None:
             raise InputError(
                 "dynamic inflow needs a rotor with the inflow of Pitt and Peters",
                 'add propmap.correction("pitt-peters") to the model\'s corrections',
@@ -68,7 +68,7 @@ class DynamicInflow:
             For values that are not finite, negative omega and shapes that do not fit together.
         """
         points = _Points(self._sign, omega, velocity)
-        return points.in_rotor_frame(self._find(points, None).disk.steady)
+        return points.in_rotor_frame(self._motion(points).steady)
 
     def rates(self, state: ArrayLike, omega: ArrayLike, velocity: ArrayLike) -> Floats:
         """The rates (..., 3) [m/s^2] at which a state changes.
@@ -81,9 +81,7 @@ class DynamicInflow:
             As in ``steady``.
         """
         points = _Points(self._sign, omega, velocity, state=state)
-        found = self._find(points, points.state)
-        deviation = points.state - found.disk.steady
-        return points.in_rotor_frame(rates(found.disk, deviation, found.forces))
+        return points.in_rotor_frame(self._motion(points).rates)
 
     def step(
         self, state: ArrayLike, dt: ArrayLike, omega: ArrayLike, velocity: ArrayLike
@@ -108,10 +106,7 @@ class DynamicInflow:
             Also for a negative ``dt``.
         """
         points = _Points(self._sign, omega, velocity, state=state, dt=dt)
-        found = self._find(points, points.state)
-        deviation = points.state - found.disk.steady
-        moved = later(found.disk, deviation, found.forces, points.dt)
-        return points.in_rotor_frame(found.disk.steady + moved)
+        return points.in_rotor_frame(self._motion(points).later)
 
     def loads(self, state: ArrayLike, omega: ArrayLike, velocity: ArrayLike) -> Loads:
         """Loads of the blades in the inflow of a state.
@@ -151,27 +146,34 @@ class DynamicInflow:
             As in ``steady``.
         """
         points = _Points(self._sign, omega, velocity)
-        matrices = linear_rates(self._find(points, None).disk)
+        matrices = self._motion(points).linear
         known = np.isfinite(matrices).all(axis=(1, 2))
         values = np.full((len(matrices), 3), np.nan)
         values[known] = np.sort(np.linalg.eigvals(matrices[known]).real, axis=1)[:, ::-1]
         with np.errstate(divide="ignore"):
             return points.shaped(-1.0 / values)
 
-    def _find(self, points: _Points, state: Floats | None) -> Found:
-        return with_states(self.rotor._prepared, self.rotor._setting, *points.flow, state)
+    def _motion(self, points: _Points) -> _Motion:
+        given = (*points.flow, points.state.ravel(), points.dt)
+        flat = (np.ascontiguousarray(a) for a in given)
+        return _Motion(*self.rotor._core.inflow_motion(*flat, cores()))
 
     def _loads(self, points: _Points) -> Loads:
-        found = self._find(points, points.state)
-        static = self.rotor._told(found.static, *points.flow)
-        changed = {
-            name: getattr(static, name) + by for name, by in zip(LOADS, found.change, strict=True)
-        }
-        changed |= {"power": changed["torque"] * points.flow[0], "mean_inflow": points.state[:, 0]}
-        each = {name: getattr(static, name) for name in array_fields()} | changed
-        return replace(
-            static, **{name: values.reshape(points.shape) for name, values in each.items()}
-        )
+        motion = self._motion(points)
+        static = self.rotor._told(motion.loads, motion.found, points.flow, points.shape)
+        return replace(static, mean_inflow=points.state[:, 0].reshape(points.shape))
+
+
+class _Motion(NamedTuple):
+    """N states of the inflow, as the core gives them: steady states, rates and states a step later
+    (N, 3), loads (L, N), derivatives of the rates (N, 3, 3), and the static solution's (5, N)."""
+
+    steady: Floats
+    rates: Floats
+    later: Floats
+    loads: Floats
+    linear: Floats
+    found: Floats
 
 
 class _Points:

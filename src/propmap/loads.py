@@ -134,3 +134,14 @@ def error_scales(static: Mapping[str, Any], radius: float) -> dict[str, Any]:
         name: static[load.scale] * (1.0 if load.unit == LOADS[load.scale].unit else radius)
         for name, load in LOADS.items()
     }
+
+
+FLOW = ("omega", "v_axial", "v_inplane")
+"""Flow quantities with respect to which loads can be differentiated."""
+
+MOUNT_AREA = "mount_area"
+"""The area of what is mounted in the slipstream [m^2], where the rotor has one."""
+
+GEOMETRY = ("chord_scale", "twist_offset", "untwist")
+"""The blade's common relative change of the chord [-] and common offset of the twist [rad], and
+what its twist loses as it turns [rad]; as ``BladeUntwist`` has it."""

@@ -1,4 +1,4 @@
-"""What a rotor answers: loads with a status, and vectors."""
+"""What a rotor answers: loads with a status, vectors, derivatives, fields over the disk."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ import functools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from statistics import NormalDist
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.arrays.types import Floats
 from propmap.errors import InputError
+from propmap.typing import Floats
 
 STATUSES = ("ok", "multiple_roots", "windmill", "coarse", "vortex_ring", "not_converged")
 """From harmless to fatal; where several apply, the last is given."""
@@ -156,6 +156,113 @@ class Loads(LoadValues):
         return low, high
 
 
+class LoadGradients(NamedTuple):
+    """Loads at operating points, and their derivatives by P quantities.
+
+    Attributes
+    ----------
+    loads : ndarray, shape (L, ...)
+        In the order of ``propmap.loads.LOADS`` [N], [N m]; NaN where not found.
+    slopes : ndarray, shape (L, P, ...)
+        Derivatives, per unit of each quantity.
+    """
+
+    loads: Floats
+    slopes: Floats
+
+
+@dataclass(frozen=True)
+class Inflow:
+    """Fields over the disk at one operating point; S stations and P azimuths.
+
+    Attributes
+    ----------
+    radius : ndarray, shape (S,)
+        y [m].
+    azimuth : ndarray, shape (P,)
+        psi [rad], pi/2 on the advancing side, 0 at the rear with respect to the in-plane velocity.
+    inflow : ndarray, shape (S,)
+        v_i(y) [m/s], positive against the thrust, its mean over azimuth.
+    local_inflow : ndarray, shape (S, P)
+        v_i [m/s]; the same at every azimuth where the model has no harmonics of it.
+    thrust_per_radius, drag_per_radius, torque_per_radius : ndarray, shape (S,)
+        Means over azimuth [N/m], [N/m], [N].
+    alpha : ndarray, shape (S, P)
+        Angle of attack from the chord line [rad], in (-pi, pi].
+    u_tangential, u_normal : ndarray, shape (S, P)
+        The section velocities (1) and (2) [m/s].
+    past_stall : ndarray, shape (S, P)
+        How far alpha is past the stall angle, negative before it [rad].
+    stalled : ndarray, shape (S, P)
+        Where ``past_stall`` is positive.
+    reverse : ndarray, shape (S, P)
+        Where the air meets the section from behind.
+    normal_force : ndarray, shape (S, P)
+        Force along the axis on one blade per radius [N/m].
+    """
+
+    radius: Floats
+    azimuth: Floats
+    inflow: Floats
+    local_inflow: Floats
+    thrust_per_radius: Floats
+    drag_per_radius: Floats
+    torque_per_radius: Floats
+    alpha: Floats
+    u_tangential: Floats
+    u_normal: Floats
+    past_stall: Floats
+    stalled: NDArray[np.bool_]
+    reverse: NDArray[np.bool_]
+    normal_force: Floats
+
+
+@dataclass(frozen=True)
+class SearchReport:
+    """How equation (11) was solved at one operating point; S stations from root to tip.
+
+    Attributes
+    ----------
+    radius : ndarray, shape (S,)
+        y [m].
+    inflow : ndarray, shape (S,)
+        v_i where the search ended [m/s].
+    residual : ndarray, shape (S,)
+        Blade-element thrust less momentum thrust there [N/m].
+    found : ndarray, shape (S,)
+        Whether the search found the largest root.
+    edges : ndarray, shape (P + 1,)
+        Radii at which the panels meet that the stations belong to, root and tip included [m].
+        Inner ones follow stall.
+    azimuths : int
+        Azimuths that loads are averaged over.
+    tip : float
+        Blade radius R [m].
+    """
+
+    radius: Floats
+    inflow: Floats
+    residual: Floats
+    found: NDArray[np.bool_]
+    edges: Floats
+    azimuths: int
+    tip: float
+
+    def __str__(self) -> str:
+        lost = np.flatnonzero(~self.found)
+        if not lost.size:
+            worst = float(np.abs(self.residual).max())
+            return (
+                f"all {self.radius.size} stations converged, over {self.azimuths} azimuths; the "
+                f"largest residual is {worst:.1g} N/m"
+            )
+        k = int(lost[0])
+        return (
+            f"{lost.size} of {self.radius.size} stations did not converge; the first at "
+            f"y = {self.radius[k]:.5f} m (y/R = {self.radius[k] / self.tip:.3f})"
+        )
+
+
 def array_fields() -> list[str]:
     """Fields of ``Loads`` that are arrays over the operating points."""
     return [each.name for each in fields(Loads) if each.name != "deviations"]
@@ -225,12 +332,3 @@ def hub_wrench(loads: Loads, direction: Floats, sign: float) -> Wrench:
     force = loads.thrust[..., None] * z - loads.drag[..., None] * direction + side * left
     moment = -sign * (loads.torque[..., None] * z + loads.roll_moment[..., None] * direction)
     return Wrench(force, moment - pitch * left)
-
-
-def statuses(found: Any, v_axial: Floats, coarse: NDArray[np.bool_]) -> NDArray[np.str_]:
-    """The worst of ``STATUSES`` that applies at each point; ``v_axial`` is V cos(beta) [m/s]."""
-    windmill = (v_axial < 0.0) & (v_axial + 2.0 * found.mean_inflow <= 0.0)
-    ring = (found.ring > 0.0) | found.mirrored
-    lost = ~np.isfinite(found.loads.thrust)
-    cases = [lost, ring, coarse, windmill, found.roots > 1]
-    return np.asarray(np.select(cases, STATUSES[:0:-1], STATUSES[0]))

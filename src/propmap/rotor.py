@@ -3,48 +3,85 @@
 from __future__ import annotations
 
 import functools
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from propmap.arrays.types import Floats
 from propmap.bands import FlowPoints, load_deviations
-from propmap.engine.accuracy import accuracy as accuracy_setting
-from propmap.engine.evaluation import Prepared, evaluate, prepare, tail_share
 from propmap.errors import InputError
-from propmap.loads import LOADS
+from propmap.loads import FLOW, GEOMETRY, LOADS, MOUNT_AREA
+from propmap.model.corrections import (
+    BladeToHub,
+    BladeUntwist,
+    HubLoss,
+    MountDrag,
+    PrandtlGlauert,
+    RadialFriction,
+    StallDelay,
+    TipLoss,
+    name_of,
+)
 from propmap.model.model import Model
 from propmap.operating_points import (
+    along_and_across,
     broadcast,
     rates,
     resolved,
-    reverse_flow_share,
     split_velocity,
 )
 from propmap.results import (
+    STATUSES,
     Deviations,
+    Inflow,
+    LoadGradients,
     Loads,
     LoadValues,
+    SearchReport,
     Wrench,
     hub_wrench,
     spin_sign,
-    statuses,
 )
-from propmap.solve.rotor_loads import RotorLoads
+from propmap.tasks import cores
+from propmap.typing import Floats
 
 if TYPE_CHECKING:
-    from propmap.engine.disk_field import Inflow
-    from propmap.engine.search_report import SearchReport
-    from propmap.physics.rotor import RotorArrays
+    from propmap.typing import CoreRotor
 
-PRECISIONS = ("float64", "float32")
+ACCURACIES = ("standard", "fine")
 
-PREPARED = ("arrays", "_prepared")
-"""Properties that a process computes for itself."""
+_STATUSES = np.asarray(STATUSES)
 
-MOST_STATIONS = 40
-"""Stations that no blade of the catalogue has more of."""
+RADII_TOGETHER = 1000
+"""Radii at which the core gives fields over the disk in one call, at most."""
+
+
+def core_corrections(model: Model) -> dict[str, Any]:
+    """The corrections of a ``model`` as the core takes them: numbers by name."""
+    found: dict[str, Any] = {}
+    for value in model.applied:
+        name = name_of(value)
+        match value:
+            case BladeToHub():
+                hub = value.hub(model.propeller)
+                if hub < model.propeller.root:
+                    found[name] = hub
+            case BladeUntwist():
+                found[name] = value.tip_angle
+            case HubLoss():
+                found[name] = value.radius(model.span[0])
+            case MountDrag():
+                found |= {name: value.area(model.propeller.radius), "mount-wake": value.wake}
+            case StallDelay():
+                found[name] = value.strength
+            case PrandtlGlauert():
+                found[name] = value.sound_mps
+            case TipLoss() | RadialFriction():
+                found[name] = 1.0
+            case _:
+                found["inflow"] = name
+    return found
 
 
 class Rotor:
@@ -56,45 +93,20 @@ class Rotor:
         Propeller, section law, air and corrections.
     accuracy : str
         "standard" (0.1 % of static thrust and torque) or "fine" (0.01 %, slower).
-    compiled : bool
-        Whether the first call waits some seconds for the compiler, so that all others take a
-        hundredth of the time.  For a few points in a short process it is not worth it: NumPy then
-        gives the same loads, but for rounding, in some hundredths of a second each.
-    precision : str
-        "float64"; or "float32" for large batches of loads in less time, with errors below 0.3 % of
-        static thrust and torque where "standard" promises 0.1 %; compiled only.
-
     Raises
     ------
     InputError
         For arguments of another kind.
     """
 
-    def __init__(
-        self,
-        model: Model,
-        *,
-        accuracy: str = "standard",
-        compiled: bool = True,
-        precision: str = "float64",
-    ) -> None:
+    def __init__(self, model: Model, *, accuracy: str = "standard") -> None:
         if not isinstance(model, Model):
             raise InputError(
                 f"model is {model!r}", "give a Model, from propmap.Model(propeller, airfoil)"
             )
-        if precision not in PRECISIONS:
-            raise InputError(
-                f"precision is {precision!r}: it must be one of {', '.join(PRECISIONS)}"
-            )
-        if precision != PRECISIONS[0] and not (compiled and accuracy == "standard"):
-            raise InputError(
-                f"{precision} with accuracy {accuracy!r} and compiled={compiled}",
-                "it serves compiled programs of accuracy 'standard' alone",
-            )
+        if accuracy not in ACCURACIES:
+            raise InputError(f"accuracy is {accuracy!r}: it must be one of {', '.join(ACCURACIES)}")
         self.model, self.accuracy = model, accuracy
-        self.compiled, self.precision = compiled, precision
-        self._setting, self._uniform = accuracy_setting(accuracy), False
-        self._stations = 0
 
     def __repr__(self) -> str:
         m = self.model
@@ -104,37 +116,31 @@ class Rotor:
         )
 
     def __getstate__(self) -> dict[str, Any]:
-        """What another process makes the rotor of; what is prepared for this one stays here."""
-        return {key: value for key, value in vars(self).items() if key not in PREPARED}
-
-    def for_all_sizes(self) -> Rotor:
-        """This rotor, with one set of programs for batches of any size.
-
-        A small batch takes as long as one of some hundred points, but less is compiled in all.
-        """
-        rotor = self.with_model(self.model)
-        rotor._uniform = True
-        return rotor
-
-    def for_all_blades(self) -> Rotor:
-        """This rotor, with one set of programs for any blade of up to ``MOST_STATIONS`` stations.
-
-        The loads are the same; it is for a single blade that less is compiled without this.
-        """
-        rotor = self.for_all_sizes()
-        rotor._stations = MOST_STATIONS
-        return rotor
+        """What another process makes the rotor of; the core's own is made there."""
+        return {"model": self.model, "accuracy": self.accuracy}
 
     def with_model(self, model: Model) -> Rotor:
-        """A rotor of another ``model`` with the settings of this one."""
-        rotor = Rotor(
-            model,
-            accuracy=self.accuracy,
-            compiled=self.compiled,
-            precision=self.precision,
-        )
-        rotor._uniform, rotor._stations = self._uniform, self._stations
-        return rotor
+        """A rotor of another ``model`` with the accuracy of this one."""
+        return Rotor(model, accuracy=self.accuracy)
+
+    @functools.cached_property
+    def _core(self) -> CoreRotor:
+        """The model in the compiled core."""
+        from propmap import core
+
+        p, air = self.model.propeller, self.model.air
+        blade = {
+            "station": np.ascontiguousarray(p.station, np.float64),
+            "chord": np.ascontiguousarray(p.chord, np.float64),
+            "twist": np.ascontiguousarray(p.twist, np.float64),
+            "blades": int(p.blades),
+            "root": float(p.root),
+        }
+        medium = {"density": float(air.density), "viscosity": float(air.viscosity)}
+        law = self.model.airfoil.core_law()
+        fine = self.accuracy == "fine"
+        made: CoreRotor = core.Rotor(blade, law, medium, core_corrections(self.model), fine)
+        return made
 
     def loads(self, omega: ArrayLike, speed: ArrayLike, beta: ArrayLike) -> Loads:
         """Loads at operating points.
@@ -183,12 +189,107 @@ class Rotor:
         w, along, across, direction = split_velocity(omega, velocity)
         return hub_wrench(self._loads(w, along, across), direction, sign)
 
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """Names that ``gradients`` takes.
+
+        The section law's constants; "mount_area" [m^2], where something is mounted in the
+        slipstream; "chord_scale" [-], a common relative change of the chord, "twist_offset" [rad],
+        a common change of the twist, and "untwist" [rad], what the twist of the tip loses at a tip
+        speed of 100 m/s; "omega" [rad/s], "v_axial" and "v_inplane" [m/s].
+        """
+        law = self.model.airfoil.parameters
+        mounted = () if self.model.correction_of(MountDrag) is None else (MOUNT_AREA,)
+        return (*law, *mounted, *GEOMETRY, *FLOW)
+
+    def gradients(
+        self,
+        names: Iterable[str],
+        omega: ArrayLike,
+        v_axial: ArrayLike,
+        v_inplane: ArrayLike,
+    ) -> LoadGradients:
+        """Loads and their derivatives by section constants, blade, mount and flow.
+
+        They follow from the implicit function theorem at the inflow found.  The flow is given by
+        the components of the velocity, as the derivative by beta does not exist at rest.
+
+        Parameters
+        ----------
+        names : iterable of str
+            P of ``parameters``.
+        omega, v_axial, v_inplane : array_like, shape (...)
+            Rotational speed [rad/s], >= 0, V cos(beta) and V sin(beta) [m/s], the latter >= 0; all
+            three broadcast.
+
+        Returns
+        -------
+        LoadGradients
+            ``loads`` (L, ...) in the order of ``propmap.loads.LOADS`` [N], [N m], NaN where no
+            inflow was found, and ``slopes`` (L, P, ...) per unit of each parameter.
+
+        Raises
+        ------
+        InputError
+            For an unknown name, and for values that ``loads`` refuses.
+        """
+        wanted = list(names)
+        unknown = [name for name in wanted if name not in self.parameters]
+        if unknown:
+            raise InputError(
+                f"loads have no derivative by {unknown[0]!r}",
+                f"give some of {', '.join(self.parameters)}",
+            )
+        flow = along_and_across(omega, v_axial, v_inplane)
+        shape, flat = flow[0].shape, [np.ascontiguousarray(a.ravel()) for a in flow]
+        loads, slopes = self._core.gradients(wanted, *flat, cores())
+        return LoadGradients(
+            loads.reshape(len(LOADS), *shape), slopes.reshape(len(LOADS), len(wanted), *shape)
+        )
+
+    def attached_thrust(
+        self,
+        omega: ArrayLike,
+        v_axial: ArrayLike,
+        v_inplane: ArrayLike,
+        others: Sequence[Model] = (),
+    ) -> tuple[Floats, Floats]:
+        """Thrust of blades that are nowhere stalled, by small angles: a good guess, at once.
+
+        Each annulus has its Glauert inflow (10) for the lift of small angles of attack, without
+        drag, tip loss or stall.  Outside of descent it gives the inflow of ordinary flight within
+        one per cent; in descent, where momentum theory has several solutions or none, it takes the
+        largest.
+
+        Parameters
+        ----------
+        omega, v_axial, v_inplane : array_like, shape (...)
+            As for ``gradients``.
+        others : sequence of P Model
+            This one with slightly different section constants or untwist.
+
+        Returns
+        -------
+        thrust : ndarray, shape (...)
+            [N].
+        more : ndarray, shape (P, ...)
+            By how much those of ``others`` are more [N].
+
+        Raises
+        ------
+        InputError
+            For values that ``loads`` refuses.
+        """
+        flow = along_and_across(omega, v_axial, v_inplane)
+        shape, flat = flow[0].shape, [np.ascontiguousarray(a.ravel()) for a in flow]
+        thrust = self._core.attached_thrust(*flat)
+        more = [self.with_model(one)._core.attached_thrust(*flat) - thrust for one in others]
+        return thrust.reshape(shape), np.reshape(more, (len(others), *shape))
+
     def hover_inflow(self, omega: ArrayLike) -> Floats:
         """Static inflow v_i0 [m/s] of eq. (12) at ``omega`` [rad/s], from own static thrust."""
-        from propmap.engine.evaluation import static_inflow
-
         w = rates(omega)
-        return static_inflow(self._prepared, self._setting, w.ravel()).reshape(w.shape)
+        return self._core.hover_inflow(np.ascontiguousarray(w.ravel()), cores()).reshape(w.shape)
 
     def inflow(
         self,
@@ -212,83 +313,84 @@ class Rotor:
         azimuth : array_like, optional
             psi [rad]; by default every 5 degrees of a full turn.
         """
-        from propmap.engine.disk_field import look_at_disk
-
         w, along, across = resolved(omega, speed, beta, one=True)
-        root, tip = self._span
-        y = np.linspace(root, tip, 60) if radius is None else np.ravel(radius)
-        psi = np.linspace(0.0, 2.0 * np.pi, 73) if azimuth is None else np.ravel(azimuth)
-        y, psi = broadcast(radius=y)[0], broadcast(azimuth=psi)[0]
+        root, tip = self.model.span
+        y = broadcast(radius=np.linspace(root, tip, 60) if radius is None else radius)[0].ravel()
+        turn = np.linspace(0.0, 2.0 * np.pi, 73)
+        psi = broadcast(azimuth=turn if azimuth is None else azimuth)[0].ravel()
         if (y < root).any() or (y > tip).any():
             raise InputError(f"radius must lie between {root:g} and {tip:g} m")
-        still = self.hover_inflow(w) if along < 0.0 else np.zeros(())
-        flow = (float(w), float(along), float(across), float(still))
-        return look_at_disk(self.arrays, flow, y, psi, compiled=self.compiled)
+        flow = (float(w), float(along), float(across))
+        starts = range(0, max(y.size, 1), RADII_TOGETHER)
+        parts = [y[k : k + RADII_TOGETHER] for k in starts]
+        # The core takes one radius at least.
+        fields = [self._core.disk_field(*flow, list(part) or [tip], list(psi)) for part in parts]
+        found = {
+            name: np.concatenate([field[name] for field in fields])[: y.size] for name in fields[0]
+        }
+        return Inflow(
+            radius=y,
+            azimuth=psi,
+            inflow=found["inflow"],
+            local_inflow=found["local_inflow"],
+            thrust_per_radius=found["thrust"],
+            drag_per_radius=found["drag"],
+            torque_per_radius=found["torque"],
+            alpha=found["alpha"],
+            u_tangential=found["u_tangential"],
+            u_normal=found["u_normal"],
+            past_stall=found["past_stall"],
+            stalled=found["past_stall"] > 0.0,
+            reverse=found["u_tangential"] < 0.0,
+            normal_force=found["normal_force"],
+        )
 
-    def explain(
-        self, omega: float, speed: float, beta: float, *, max_steps: int | None = None
-    ) -> SearchReport:
+    def explain(self, omega: float, speed: float, beta: float) -> SearchReport:
         """How the inflow equation (11) was solved at one operating point, station by station.
 
         The place to look where a status is "not_converged": ``print(rotor.explain(...))`` names
-        the station, the steps taken and the residual that is left.
+        the station and the residual that is left.
 
         Parameters
         ----------
         omega, speed, beta : float
             The operating point, as in ``loads``.
-        max_steps : int, optional
-            Steps after which the search is given up; by default as in ``loads``.
 
         Raises
         ------
         InputError
             For arrays, and for values that ``loads`` refuses.
         """
-        from propmap.engine.programs import Flow
-        from propmap.engine.search_report import search_report
-        from propmap.solve.root import MAX_STEPS
-
         w, along, across = resolved(omega, speed, beta, one=True)
-        still = self.hover_inflow(w)[None] if along < 0.0 else None
-        flow = Flow(w[None], along[None], across[None], still)
-        return search_report(self._prepared, self._setting, flow, max_steps or MAX_STEPS)
-
-    @functools.cached_property
-    def arrays(self) -> RotorArrays:
-        """The model as arrays of NumPy float64, for ``propmap.solve.rotor_loads``."""
-        from propmap.arrays.namespace import by_numpy
-        from propmap.physics.geometry import with_stations
-
-        found = self.model.arrays()
-        with by_numpy():
-            return found._replace(blade=with_stations(found.blade, self._stations))
-
-    @property
-    def _span(self) -> tuple[float, float]:
-        """Where the blade begins and ends [m], corrections included."""
-        return float(self.arrays.blade.root), float(self.arrays.blade.tip)
-
-    @functools.cached_property
-    def _prepared(self) -> Prepared:
-        double = self.precision == PRECISIONS[0]
-        return prepare(self.arrays, compiled=self.compiled, uniform=self._uniform, double=double)
+        found = self._core.solution(float(w), float(along), float(across))
+        return SearchReport(
+            radius=found["radius"],
+            inflow=found["inflow"],
+            residual=found["residual"],
+            found=np.isfinite(found["inflow"]),
+            edges=found["edge"],
+            azimuths=found["azimuths"],
+            tip=self.model.span[1],
+        )
 
     def _loads(self, omega: Floats, v_axial: Floats, v_inplane: Floats) -> Loads:
         shape = omega.shape
-        flow = (omega.ravel(), v_axial.ravel(), v_inplane.ravel())
-        flat = evaluate(self._prepared, self._setting, *flow)
-        found: Any = RotorLoads.of_rows(row.reshape(shape) for row in flat.rows)
-        # Derivatives are compiled in float64 alone.
-        known = self.model.uncertainty is not None and self.precision == PRECISIONS[0]
-        at = functools.partial(self._deviations, FlowPoints(*flow), np.stack(flat.loads), shape)
-        return self._told(found, omega, v_axial, v_inplane, at if known else None)
+        flow = [np.ascontiguousarray(a.ravel()) for a in (omega, v_axial, v_inplane)]
+        loads, found = self._core.loads(*flow, cores())
+        if not self._has_deviations:
+            return self._told(loads, found, flow, shape)
+        at = functools.partial(self._deviations, FlowPoints(*flow), loads, shape)
+        return self._told(loads, found, flow, shape, at)
+
+    @functools.cached_property
+    def _has_deviations(self) -> bool:
+        return self.model.uncertainty is not None
 
     def _deviations(
         self, at: FlowPoints, loads: Floats, shape: tuple[int, ...]
     ) -> dict[str, LoadValues]:
         """``Loads.std_by_source`` of loads (L, N) at N points, as arrays of this ``shape``."""
-        found = load_deviations(self.model, self._prepared, at, loads)
+        found = load_deviations(self, at, loads)
         values = {}
         for source, rows in found.items():
             lost = np.where(np.isnan(loads), np.nan, rows)
@@ -300,23 +402,23 @@ class Rotor:
 
     def _told(
         self,
-        found: Any,
-        omega: Floats,
-        v_axial: Floats,
-        v_inplane: Floats,
+        loads: Floats,
+        found: Floats,
+        flow: Sequence[Floats],
+        shape: tuple[int, ...],
         deviations: Deviations | None = None,
     ) -> Loads:
-        """The ``RotorLoads`` that were ``found``, with a status."""
-        tails = tail_share(self._prepared, omega, v_axial, v_inplane, found)
-        coarse = tails > self._setting.finer[-1][1]
-        reverse = reverse_flow_share(omega, v_inplane, *self._span)
+        """Loads (L, N), and the results of each point (5, N), as the core gives them."""
+        by_name = {name: row.reshape(shape) for name, row in zip(LOADS, loads, strict=True)}
+        omega = flow[0].reshape(shape)
+        status, roots, ring, mean_inflow, reverse = (row.reshape(shape) for row in found)
         return Loads(
-            **found.loads._asdict(),
-            power=found.loads.torque * omega,
-            status=statuses(found, v_axial, coarse),
-            roots=found.roots,
+            **by_name,
+            power=by_name["torque"] * omega,
+            status=np.asarray(_STATUSES[status.astype(np.int64)]),
+            roots=roots.astype(np.int64),
             reverse_flow=reverse,
-            vortex_ring=found.ring,
-            mean_inflow=found.mean_inflow,
+            vortex_ring=ring,
+            mean_inflow=mean_inflow,
             deviations=deviations,
         )

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import os
+import sys
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor, as_completed
+from contextlib import contextmanager
+from contextvars import ContextVar
 from typing import Protocol, TypeVar
 
 Common = TypeVar("Common")
@@ -77,17 +81,10 @@ class InThreads:
         tasks: Iterable[Task],
     ) -> Iterator[tuple[int, Result]]:
         """As ``Workers.results``, but for a list that is not long: all tasks are taken at once."""
-        every = list(tasks)
-        # The first alone: two threads would compile the same programs.
-        for place, task in enumerate(every[:1]):
-            yield place, work(common, task)
         with ThreadPoolExecutor(self.count) as pool:
-            rest = {
-                pool.submit(work, common, task): place
-                for place, task in enumerate(every[1:], start=1)
-            }
-            for done in as_completed(rest):
-                yield rest[done], done.result()
+            places = {pool.submit(work, common, task): k for k, task in enumerate(tasks)}
+            for done in as_completed(places):
+                yield places[done], done.result()
 
 
 def in_order(results: Iterable[tuple[int, Result]]) -> list[Result]:
@@ -99,3 +96,25 @@ def in_order(results: Iterable[tuple[int, Result]]) -> list[Result]:
         As ``Workers.results`` gives them.
     """
     return [result for _, result in sorted(results, key=lambda one: one[0])]
+
+
+_OWN_CORES = os.cpu_count() or 1
+_most_cores: ContextVar[int | None] = ContextVar("most_cores", default=None)
+
+
+@contextmanager
+def on_cores(most: int) -> Iterator[None]:
+    """Use ``most`` cores of this machine at most, in this thread.
+
+    For a process that has others beside it.  Loads do not depend on it.
+    """
+    token = _most_cores.set(most)
+    try:
+        yield
+    finally:
+        _most_cores.reset(token)
+
+
+def cores() -> int:
+    """Number of processor cores that evaluations may use."""
+    return min(_OWN_CORES, _most_cores.get() or sys.maxsize)

@@ -35,7 +35,7 @@ def quadcopter(**changes: object) -> Vehicle:
 def rotor_of(vehicle: Vehicle) -> propmap.Rotor:
     law, corrections = propmap.airfoil("apc-8x6e-2019"), propmap.corrections_of("recommended")
     model = propmap.Model(vehicle.propeller, law, vehicle.air, corrections)
-    return propmap.Rotor(model, compiled=False)
+    return propmap.Rotor(model)
 
 
 def aircraft_of(vehicle: Vehicle, **limits: float) -> Aircraft:

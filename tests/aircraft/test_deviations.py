@@ -40,7 +40,6 @@ def power_of(speeds: np.ndarray = SPEEDS, **changes: object) -> np.ndarray:
     return np.asarray(Aircraft(vehicle, rotor).steady(speeds).electrical_power)
 
 
-@pytest.mark.slow
 def test_power_follows_as_that_of_changed_aircraft(aircraft: Aircraft, level: SteadyStates) -> None:
     found = power_gradient(aircraft, level, ("speed", "mass", "drag_area_x", "c_d", "twist_offset"))
     own = float(aircraft.rotors.sources[0][0].model.airfoil.c_d)  # type: ignore[attr-defined]
@@ -67,7 +66,7 @@ def known_blade() -> Aircraft:
     """The quadcopter with constants that carry what is known of them."""
     model = propmap.known_model("apc-8x6e")
     vehicle = quadcopter(propeller=model.propeller)
-    rotor = propmap.Rotor(replace(model, air=vehicle.air), compiled=False)
+    rotor = propmap.Rotor(replace(model, air=vehicle.air))
     return Aircraft(vehicle, rotor)
 
 
@@ -91,7 +90,7 @@ def test_bands_have_no_jumps() -> None:
     vehicle = read_vehicle(EXAMPLES / "aircraft" / "delivery.toml").vehicle
     model = propmap.known_model("uiuc-apcsf-11x4.7")
     model = propmap.Model(vehicle.propeller, model.airfoil, vehicle.air, model.corrections)
-    craft = Aircraft(vehicle, propmap.Rotor(model, compiled=False))
+    craft = Aircraft(vehicle, propmap.Rotor(model))
     sure = spread(craft, craft.steady(np.array([14.0, 15.0, 16.0])))
     assert sure is not None
     before, here, after = sure.shaft_power
@@ -103,7 +102,7 @@ def test_nothing_known_and_names_that_are_not_there(
 ) -> None:
     vehicle = quadcopter()
     model = propmap.Model(vehicle.propeller, propmap.airfoil("paper-apc"), vehicle.air)
-    bare = Aircraft(vehicle, propmap.Rotor(model, compiled=False))
+    bare = Aircraft(vehicle, propmap.Rotor(model))
     assert spread(bare, bare.steady(SPEEDS[:1])) is None
     with pytest.raises(InputError, match="no derivative by 'kv'"):
         power_gradient(aircraft, level, ("kv",))

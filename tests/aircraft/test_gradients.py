@@ -1,4 +1,4 @@
-"""Derivatives of power through JAX, beside aircraft that were changed and trimmed again."""
+"""Derivatives of power beside aircraft that were changed and trimmed again."""
 
 from __future__ import annotations
 
@@ -22,15 +22,13 @@ SPEEDS = np.array([0.0, 4.0, 9.0, 15.0])
 LAW = propmap.airfoil("apc-8x6e-2019").with_parameters(uncertainty=None)
 BLADE = propmap.propeller("apc-8x6e")
 
-pytestmark = pytest.mark.slow
-
 
 def craft_of(
     law: propmap.Airfoil = LAW, propeller: Propeller = BLADE, **changes: object
 ) -> Aircraft:
     vehicle = quadcopter(propeller=propeller, **changes)
     model = propmap.Model(propeller, law, vehicle.air, propmap.corrections_of("recommended"))
-    return Aircraft(vehicle, propmap.Rotor(model).for_all_blades())
+    return Aircraft(vehicle, propmap.Rotor(model))
 
 
 @pytest.fixture(scope="module")
@@ -59,8 +57,7 @@ SHAPES: dict[str, tuple[Callable[[float], Propeller], float, float]] = {
     "twist_offset": (lambda h: replace(BLADE, twist=BLADE.twist + h), 0.002, 0.015),
     "diameter_scale": (lambda h: BLADE.scaled(1.0 + h), 0.01, 0.005),
 }
-"""Changed blades, the step of the differences, and how far these may be off: constants and shape
-are differentiated with the fewer nodes of deviations, 1 % off where blades begin to stall."""
+"""Changed blades, the step of the differences, and how far these may be off."""
 
 CONSTANTS = {"c_d": 0.02, "c_l1": 0.05, "zero_lift_angle": 0.002}
 

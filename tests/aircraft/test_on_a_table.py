@@ -11,7 +11,7 @@ import propmap
 from propmap.aircraft.deviations import power_gradient
 from propmap.aircraft.steady import Aircraft
 from propmap.errors import InputError
-from propmap.physics.mount_drag import MountDrag
+from propmap.model.corrections import MountDrag
 from propmap.table import LoadTable, build_table
 from propmap.vehicle.vehicle import Vehicle
 
@@ -23,7 +23,7 @@ pytestmark = pytest.mark.slow
 @pytest.fixture(scope="module")
 def table(vehicle: Vehicle) -> LoadTable:
     model = rotor_of(vehicle).model
-    # How well the constants are known would be tabulated too, by programs of its own.
+    # How well the constants are known would be tabulated too, which takes time.
     law = model.airfoil.with_parameters(uncertainty=None)
     return build_table(
         propmap.Rotor(model.with_airfoil(law)),

@@ -32,7 +32,6 @@ def found(weak: Aircraft) -> Performance:
     return performance(weak, weak.steady([0.0, 12.0], margin=False))
 
 
-@pytest.mark.slow
 def test_named_states(weak: Aircraft, found: Performance) -> None:
     assert found.hover is not None and found.least_power is not None
     assert found.best_range is not None and found.fastest is not None
@@ -48,7 +47,6 @@ def test_named_states(weak: Aircraft, found: Performance) -> None:
     )
 
 
-@pytest.mark.slow
 def test_top_speed_is_at_its_limit(weak: Aircraft, found: Performance) -> None:
     assert found.fastest is not None and found.limit == "rpm_limit"
     edge = weak.steady(found.fastest.speed * np.array([1.0, 1.002]), margin=False)
@@ -56,7 +54,6 @@ def test_top_speed_is_at_its_limit(weak: Aircraft, found: Performance) -> None:
     assert edge.used["rpm_limit"][0] == pytest.approx(1.0, abs=1e-3)
 
 
-@pytest.mark.slow
 def test_top_speed_falls_with_drag(vehicle: Vehicle) -> None:
     tops = []
     for area in (0.01, 0.02, 0.04):
@@ -65,7 +62,6 @@ def test_top_speed_falls_with_drag(vehicle: Vehicle) -> None:
     assert tops[0] > tops[1] > tops[2] > 10.0
 
 
-@pytest.mark.slow
 def test_wind_changes_distances_alone(weak: Aircraft, found: Performance) -> None:
     ahead = performance(weak, found.states, wind=4.0)
     assert ahead.endurance == pytest.approx(found.endurance)

@@ -65,7 +65,7 @@ def test_the_first_three_and_the_last_by_hand(judged: list[Judged]) -> None:
         assert known is not None
         vehicle = replace(quadcopter(), propeller=blade)
         model = propmap.Model(blade, known.airfoil, vehicle.air, RECOMMENDED)
-        states = Aircraft(vehicle, propmap.Rotor(model, compiled=False)).steady([0.0, 12.0])
+        states = Aircraft(vehicle, propmap.Rotor(model)).steady([0.0, 12.0])
         assert one.score == pytest.approx(states.electrical_power[1] / 12.0, rel=1e-3)
         assert one.hover_power == pytest.approx(states.electrical_power[0], rel=1e-3)
         assert one.thrust_margin == pytest.approx(states.thrust_margin[0], rel=2e-3)

@@ -110,7 +110,7 @@ def test_hover_power_of_constant_loading_is_that_of_momentum_theory() -> None:
     law = propmap.Airfoil(c_l1=5.7, c_l2=1.0, c_d=0.0, alpha_0=0.6, c_d0=0.0, c_p=0.0)
     for mass in (0.6, 2.4):
         vehicle = quadcopter(propeller=blade, mass=mass)
-        rotor = propmap.Rotor(propmap.Model(blade, law, vehicle.air), compiled=False)
+        rotor = propmap.Rotor(propmap.Model(blade, law, vehicle.air))
         states = Aircraft(vehicle, rotor).steady(0.0, margin=False)
         weight = mass * GRAVITY
         disk = 2.0 * vehicle.air.density * math.pi * radius**2

@@ -193,7 +193,7 @@ def test_derivatives_against_blades_that_are_changed(in_wakes: Vehicle) -> None:
 
 
 def test_a_choice_knows_of_wakes(vehicle: Vehicle, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(ranking, "Rotor", functools.partial(propmap.Rotor, compiled=False))
+    monkeypatch.setattr(ranking, "Rotor", functools.partial(propmap.Rotor))
     candidate = Candidate("apc-8x6e", vehicle.propeller, propmap.airfoil("apc-8x6e-2019"))
     power = [
         ranking.Ranking(replace(vehicle, wakes=wakes), Task("cruise", 12.0, None), ())

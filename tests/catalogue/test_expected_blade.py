@@ -131,7 +131,7 @@ def test_coefficients_of_two_sizes_at_one_reynolds_number() -> None:
     found = []
     for text, turns in (("5x4", 400.0), ("10x8", 100.0)):
         blade = propmap.propeller(text)
-        rotor = propmap.Rotor(propmap.Model(blade, law), compiled=False)
+        rotor = propmap.Rotor(propmap.Model(blade, law))
         speed = 0.3 * turns * blade.diameter
         loads = rotor.loads(2.0 * np.pi * turns, speed, 1.0)
         found.append(np.array([loads.thrust, loads.drag]) / (turns**2 * blade.diameter**4))
@@ -185,7 +185,7 @@ def test_fifty_designations_give_loads_with_bands() -> None:
         assert isinstance(meant, ExpectedBlade), text
         blade = propmap.propeller(text)
         assert doubts_on_blade(blade) == [], text
-        rotor = propmap.Rotor(propmap.known_model(text), compiled=False)
+        rotor = propmap.Rotor(propmap.known_model(text))
         omega = 80.0 / blade.radius
         loads = rotor.loads(np.array([omega, omega]), np.array([0.0, 6.0]), np.array([0.0, 1.2]))
         assert (loads.thrust > 0.0).all() and (loads.torque > 0.0).all(), text

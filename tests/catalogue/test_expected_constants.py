@@ -10,7 +10,6 @@ import pytest
 
 import propmap
 from propmap import catalogue
-from propmap.arrays.types import Floats
 from propmap.catalogue.equivalent import equivalent
 from propmap.catalogue.expected_blade import ExpectedBlade
 from propmap.catalogue.expected_constants import (
@@ -23,6 +22,7 @@ from propmap.catalogue.identified import PARAMETERS, identified_without_blade
 from propmap.catalogue.lookup import designated, meant_by, search
 from propmap.catalogue.prior import constants_of, coordinates
 from propmap.errors import InputError
+from propmap.typing import Floats
 from tests.catalogue.test_expected_blade import RESULTS
 
 SIZE = (0.254, 0.15)
@@ -30,7 +30,7 @@ SIZE = (0.254, 0.15)
 
 def coefficients(blade: propmap.Propeller, airfoil: propmap.Airfoil) -> Floats:
     """Thrust and torque at rest and at two speeds."""
-    rotor = propmap.Rotor(propmap.Model(blade, airfoil), compiled=False)
+    rotor = propmap.Rotor(propmap.Model(blade, airfoil))
     loads = rotor.loads(600.0, np.array([0.0, 5.0, 9.0]), np.array([0.0, 0.0, 0.4]))
     return np.stack([loads.thrust, loads.torque])
 
@@ -76,11 +76,7 @@ def test_what_is_less_known_is_less_sure() -> None:
             for place in places
         ]
         thrust = [
-            float(
-                propmap.Rotor(propmap.Model(blade, law), compiled=False)
-                .loads(500.0, 0.0, 0.0)
-                .thrust
-            )
+            float(propmap.Rotor(propmap.Model(blade, law)).loads(500.0, 0.0, 0.0).thrust)
             for law in laws
         ]
         spread.append(np.std(thrust) / np.mean(thrust))

@@ -61,7 +61,7 @@ def test_the_8x6e_has_the_measured_loads() -> None:
     measured = measurement("uiuc-8x6e")
     one = identified("apc-8x6e", 2)
     assert one is not None
-    rotor = pm.Rotor(pm.Model(pm.propeller("apc-8x6e"), one.airfoil), compiled=False)
+    rotor = pm.Rotor(pm.Model(pm.propeller("apc-8x6e"), one.airfoil))
     found = rotor.loads(measured.omega, measured.speed, measured.beta)
     for name, most in (("thrust", 0.06), ("torque", 0.05)):
         told = measured.loads[name]

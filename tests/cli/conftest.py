@@ -10,7 +10,6 @@ import pytest
 
 import propmap
 from propmap.cli import main
-from tests.without_compiling import be_brief, compile_nothing
 
 from .fit_inputs import QUICK, picked, tunnel_table
 
@@ -31,24 +30,27 @@ Run = Callable[..., Outcome]
 
 @pytest.fixture(autouse=True)
 def _workplace(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """An empty folder, and no compiled programs in the user's cache."""
+    """An empty folder."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("propmap.engine.compilation.keep_compiled", lambda: None)
+
+
+def be_brief(patch: pytest.MonkeyPatch) -> None:
+    """For what is about commands and not about numbers: fits end after few steps, and none looks
+    for what it leaves out, see ``propmap.fit.added_parameter``."""
+    patch.setattr("propmap.fit.search.FINAL_EVALUATIONS", 8)
+    patch.setattr("propmap.fit.added_parameter.POOR", np.inf)
 
 
 @pytest.fixture
-def by_numpy(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Commands compile nothing and are brief: for all but their numbers."""
-    compile_nothing(monkeypatch)
+def brief(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Commands are brief: for all but their numbers."""
     be_brief(monkeypatch)
 
 
 @contextlib.contextmanager
-def commands_by_numpy() -> Iterator[None]:
-    """The same for what tests share."""
+def brief_commands() -> Iterator[None]:
+    """Brief commands for what tests share."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("propmap.engine.compilation.keep_compiled", lambda: None)
-        compile_nothing(patch)
         be_brief(patch)
         yield
 
@@ -63,7 +65,7 @@ def tunnel_csv(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="session")
 def tunnel_fit(tunnel_csv: Path) -> Path:
     fit = tunnel_csv.with_name("tunnel_fit.toml")
-    with commands_by_numpy():
+    with brief_commands():
         assert main(["fit", "tunnel", "apc-8x6e", str(tunnel_csv), *QUICK, "-o", str(fit)]) == 0
     return fit
 
@@ -86,8 +88,7 @@ def rotor() -> propmap.Rotor:
             propmap.propeller("apc-8x6e"),
             propmap.airfoil("paper-apc"),
             corrections=propmap.corrections_of("recommended"),
-        ),
-        compiled=False,
+        )
     )
 
 

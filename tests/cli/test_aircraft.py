@@ -55,7 +55,7 @@ def _vehicle(_workplace: None) -> None:
     Path("legs.csv").write_text("speed_mps,climb_mps,duration_s\n0,2,20\n10,0,120\n")
 
 
-@pytest.mark.usefixtures("by_numpy")
+@pytest.mark.usefixtures("brief")
 def test_wakes_count_unless_they_are_left_out(run: Run) -> None:
     Path("wakes.toml").write_text(POWERED + "[wakes]\nahead = 2.0\ndownwash = 0.5\n")
     told = {}
@@ -194,7 +194,7 @@ BAD = {
 }
 
 
-@pytest.mark.usefixtures("by_numpy")
+@pytest.mark.usefixtures("brief")
 @pytest.mark.parametrize("case", BAD)
 def test_errors_are_one_line(case: str, run: Run) -> None:
     arguments, told = BAD[case]

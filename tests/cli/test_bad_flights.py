@@ -14,10 +14,10 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from propmap.arrays.types import Floats
 from propmap.cli.flight_files import read_flights
 from propmap.errors import InputError
 from propmap.model.airfoil import parameter_set
+from propmap.typing import Floats
 from propmap.vehicle.vehicle_toml import read_vehicle
 from tests.flight import agile
 

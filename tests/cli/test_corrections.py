@@ -17,9 +17,8 @@ from propmap.cli.app import app
 from propmap.model.airfoil import parameter_set
 from propmap.table import LoadTable, build_table
 from tests.fit.fit_records import fit_text
-from tests.without_compiling import be_brief, compile_nothing
 
-from .conftest import POINT, ROTOR, Run
+from .conftest import POINT, ROTOR, Run, be_brief
 from .fit_inputs import LEVEL, QUICK, STAND, VEHICLE, fit_record
 from .invented_tables import invented
 
@@ -138,7 +137,6 @@ def test_every_command_is_known_here() -> None:
 
 @pytest.mark.parametrize("name", [name for name in ALL if name in MAKERS])
 def test_a_correction_acts(run: Run, monkeypatch: pytest.MonkeyPatch, name: str) -> None:
-    compile_nothing(monkeypatch)
     be_brief(monkeypatch)
     # Two steps of a fit tell as much as its end.
     monkeypatch.setattr("propmap.fit.search.FINAL_EVALUATIONS", 2)
@@ -164,7 +162,7 @@ def test_or_is_refused_in_one_line(run: Run, name: str) -> None:
     assert ("correction 'foo' is not known" if name in MAKERS else "--correction") in done.err
 
 
-@pytest.mark.usefixtures("by_numpy")
+@pytest.mark.usefixtures("brief")
 def test_a_fit_brings_its_corrections(run: Run, tunnel_csv: Path, tmp_path: Path) -> None:
     done = run("fit", "tunnel", "apc-8x6e", tunnel_csv, *QUICK, *TIP_LOSS, "-o", "with.toml")
     assert "with pitt-peters, tip-loss, which comes along wherever the fit is used" in done.out
@@ -254,14 +252,14 @@ def test_what_a_parameter_file_says_of_corrections_is_checked(run: Run) -> None:
         assert done.code == 2 and says in done.err
 
 
-@pytest.mark.usefixtures("by_numpy")
+@pytest.mark.usefixtures("brief")
 def test_the_model_is_recommended_unless_it_is_named(run: Run, tunnel_csv: Path) -> None:
     blade, law = propmap.propeller("apc-8x6e"), propmap.airfoil("paper-apc")
     point = (4000.0 * np.pi / 30.0, 14.0, np.radians(80.0))
     for option, name in (([], "recommended"), (["--model", "paper"], "paper")):
         out = run("predict", *ROTOR, *POINT, *option, "--format", "json").out
         model = propmap.Model(blade, law, corrections=propmap.corrections_of(name))
-        wanted = propmap.Rotor(model, compiled=False).loads(*point)
+        wanted = propmap.Rotor(model).loads(*point)
         found = json.loads(out)
         assert found["roll_moment_Nm"] == pytest.approx(float(wanted.roll_moment), rel=1e-9)
         assert found["side_force_N"] == pytest.approx(float(wanted.side_force), rel=1e-9)

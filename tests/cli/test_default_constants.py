@@ -23,9 +23,7 @@ BLADE = "radius_mm,chord_mm,twist_deg\n20,18,35\n50,20,22\n80,16,15\n100,8,12\n"
 def thrust_with(prop: str, law: propmap.Airfoil) -> float:
     blade = propmap.propeller(prop, blades=2)
     model = propmap.Model(blade, law, corrections=propmap.corrections_of("recommended"))
-    loads = propmap.Rotor(model, compiled=False).loads(
-        4000.0 * np.pi / 30.0, 14.0, np.radians(80.0)
-    )
+    loads = propmap.Rotor(model).loads(4000.0 * np.pi / 30.0, 14.0, np.radians(80.0))
     return float(loads.thrust)
 
 

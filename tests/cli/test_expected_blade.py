@@ -34,9 +34,7 @@ def test_predict(run: Run, prop: str, family: str | None, blades: int, said: str
     law = expected_constants(family, size_of(meant, blade), meant.geometry).airfoil
     assert blade.blades == blades
     model = propmap.Model(blade, law, corrections=propmap.corrections_of("recommended"))
-    loads = propmap.Rotor(model, compiled=False).loads(
-        float(point[1]) * np.pi / 30.0, 15.0, np.radians(80.0)
-    )
+    loads = propmap.Rotor(model).loads(float(point[1]) * np.pi / 30.0, 15.0, np.radians(80.0))
     assert json.loads(done.out)["thrust_N"] == pytest.approx(float(loads.thrust), rel=1e-9)
 
 

@@ -25,7 +25,7 @@ from .fit_inputs import (
     uiuc_files,
 )
 
-pytestmark = pytest.mark.usefixtures("by_numpy")
+pytestmark = pytest.mark.usefixtures("brief")
 
 
 def test_the_file_carries_what_repeats_the_fit(tunnel_fit: Path, tunnel_csv: Path) -> None:

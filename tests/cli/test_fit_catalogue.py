@@ -12,7 +12,7 @@ from propmap.catalogue.identified import identified, parse_identified
 
 from .conftest import Run
 
-pytestmark = pytest.mark.usefixtures("by_numpy")
+pytestmark = pytest.mark.usefixtures("brief")
 
 HEADER = "PropName,BladeName,Family,B,D,P,J,N,CT,CP,eta,volume\n"
 
@@ -24,7 +24,7 @@ def rows_of(blade: str, label: str) -> str:
     rpm = np.array([3000.0, 4000.0, 5000.0, 6000.0, *6 * [5000.0]])
     advance = np.array([0.0, 0.0, 0.0, 0.0, *np.linspace(0.1, 0.5, 6)])
     turns, diameter = rpm / 60.0, 2.0 * propeller.radius
-    rotor = pm.Rotor(pm.Model(propeller, one.airfoil), compiled=False)
+    rotor = pm.Rotor(pm.Model(propeller, one.airfoil))
     loads = rotor.loads(2.0 * np.pi * turns, advance * turns * diameter, 0.0)
     thrust = loads.thrust / (1.225 * turns**2 * diameter**4)
     power = 2.0 * np.pi * turns * loads.torque / (1.225 * turns**3 * diameter**5)

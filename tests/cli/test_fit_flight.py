@@ -16,7 +16,7 @@ from propmap.vehicle.flight_log import GRAVITY
 from propmap.vehicle.logs import read_flight_log
 from propmap.vehicle.vehicle_toml import read_vehicle
 
-from .conftest import Run, commands_by_numpy
+from .conftest import Run, brief_commands
 from .fit_inputs import CHECKED, FREE, LEVEL, QUICK, VEHICLE, fit_record, fitted
 
 
@@ -28,7 +28,7 @@ def level_fit(tmp_path_factory: pytest.TempPathFactory) -> Path:
     fit = place / "level_fit.toml"
     vehicle = ["--vehicle", str(place / "vehicle.toml")]
     level = [str(place / "level.csv"), "--method", "level", "--body-study"]
-    with commands_by_numpy():
+    with brief_commands():
         assert main(["fit", "flight", *level, *vehicle, *QUICK, "-o", str(fit)]) == 0
     return fit
 
@@ -79,7 +79,7 @@ def turning_log(folder: Path, count: int = 200) -> Path:
     return folder / "log.csv"
 
 
-@pytest.mark.usefixtures("by_numpy")
+@pytest.mark.usefixtures("brief")
 def test_a_learned_residual_is_told_apart_by_check(
     level_fit: Path, run: Run, tmp_path: Path
 ) -> None:
@@ -122,7 +122,7 @@ def test_a_learned_residual_is_told_apart_by_check(
     assert "with the learned residual" in text
 
 
-@pytest.mark.usefixtures("by_numpy")
+@pytest.mark.usefixtures("brief")
 def test_a_residual_is_not_learned_from_steady_stretches(level_fit: Path, run: Run) -> None:
     place = level_fit.parent
     level = [place / "level.csv", "--vehicle", place / "vehicle.toml", "--method", "level"]

@@ -11,9 +11,6 @@ import pytest
 import propmap
 from propmap.cli.fit_options import choice_of
 from propmap.cli.prior_options import section_prior
-from propmap.engine.accuracy import accuracy
-from propmap.engine.evaluation import prepare
-from propmap.engine.gradients import load_gradients
 from propmap.fit.parameters import Choice
 from propmap.fit.result_file import FitFile, read_fit
 from propmap.loads import LOADS
@@ -89,7 +86,7 @@ def deviations(file: FitFile, speed: float, beta: float) -> float:
     omega, v = np.array([200.0 * np.pi]), np.array([speed])
     flow = omega, v * np.cos(beta), v * np.sin(beta)
     names = file.covariance.names
-    found = load_gradients(prepare(rotor.arrays), accuracy("standard"), names, *flow)
+    found = rotor.gradients(names, *flow)
     k = list(LOADS).index("thrust")
     slope = found.slopes[k, :, 0]
     return float(np.sqrt(slope @ file.covariance.matrix @ slope) / abs(found.loads[k, 0]))

@@ -13,7 +13,7 @@ from propmap.model.airfoil import parameter_set
 from .conftest import Run
 from .fit_inputs import STAND, fit_record, uiuc_files
 
-pytestmark = pytest.mark.usefixtures("by_numpy")
+pytestmark = pytest.mark.usefixtures("brief")
 
 PROP = ["--prop", "apc-8x6e"]
 FREE = ["--free", "c_l1,zero_lift_angle", "--prior-from", "family"]

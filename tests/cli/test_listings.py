@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import io
 import json
-import os
 import subprocess
 import sys
 from pathlib import Path
@@ -101,23 +100,20 @@ def test_version(run: Run) -> None:
     assert run("--version").out == f"propmap {propmap.__version__}\n"
 
 
-def _process(*arguments: str, cache: Path) -> subprocess.CompletedProcess[str]:
-    environment = {**os.environ, "JAX_COMPILATION_CACHE_DIR": str(cache)}
+def _process(*arguments: str) -> subprocess.CompletedProcess[str]:
     command = [sys.executable, "-m", "propmap", *arguments]
-    return subprocess.run(
-        command, capture_output=True, text=True, encoding="utf-8", env=environment, check=False
-    )
+    return subprocess.run(command, capture_output=True, text=True, encoding="utf-8", check=False)
 
 
-def test_process_predicts(run: Run, tmp_path: Path) -> None:
+def test_process_predicts(run: Run) -> None:
     arguments = ("predict", *ROTOR, *POINT, "--format", "json")
-    done = _process(*arguments, cache=tmp_path / "cache")
+    done = _process(*arguments)
     assert (done.returncode, done.stderr) == (0, "")
     assert done.stdout == run(*arguments).out
 
 
-def test_process_fails_in_one_line(tmp_path: Path) -> None:
-    done = _process("predict", "apc-8x6q", *POINT, cache=tmp_path / "cache")
+def test_process_fails_in_one_line() -> None:
+    done = _process("predict", "apc-8x6q", *POINT)
     assert done.returncode == 2
     assert done.stderr.count("\n") == 1
     assert done.stdout == ""

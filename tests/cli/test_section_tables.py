@@ -15,7 +15,7 @@ from .conftest import POINT, Run
 from .fit_inputs import VEHICLE
 from .invented_tables import invented
 
-pytestmark = pytest.mark.usefixtures("by_numpy")
+pytestmark = pytest.mark.usefixtures("brief")
 
 ROTOR = ["apc-8x6e", "--airfoil", "plate.csv"]
 NOTE = "the table covers 1e+05 to 6e+05, its nearest row is used outside"
@@ -37,7 +37,7 @@ def test_loads_are_those_of_the_table(run: Run) -> None:
     law = propmap.airfoil("plate.csv")
     recommended = propmap.corrections_of("recommended")
     model = propmap.Model(propmap.propeller("apc-8x6e"), law, corrections=recommended)
-    rotor = propmap.Rotor(model, compiled=False)
+    rotor = propmap.Rotor(model)
     wanted = rotor.loads(4000.0 * np.pi / 30.0, 14.0, np.radians(80.0))
     assert json.loads(done.out)["thrust_N"] == pytest.approx(float(wanted.thrust), rel=1e-9)
     assert "airfoil plate" in run("predict", *ROTOR, *POINT).out

@@ -16,7 +16,7 @@ from propmap.vehicle.vehicle_toml import read_vehicle
 
 from .conftest import Run
 
-pytestmark = pytest.mark.usefixtures("by_numpy")
+pytestmark = pytest.mark.usefixtures("brief")
 
 VEHICLE = """schema = 1
 name = "quadrotor"

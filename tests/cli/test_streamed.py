@@ -12,7 +12,7 @@ from propmap.cli import streamed_run
 
 from .conftest import ROTOR, Run
 
-pytestmark = pytest.mark.usefixtures("by_numpy")
+pytestmark = pytest.mark.usefixtures("brief")
 
 GRID = ["--rpm", "4000,4200", "--speed", "14:16:2", "--beta", "80:90:2"]
 

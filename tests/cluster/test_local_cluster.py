@@ -114,15 +114,6 @@ def test_what_a_task_refuses_is_told_as_here(workers: DaskWorkers) -> None:
         list(workers.results(_refused, None, [3]))
 
 
-def test_other_options_of_the_compiler_are_refused(
-    workers: DaskWorkers, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    list(workers.results(_less, 1, range(4)))
-    monkeypatch.setenv("XLA_FLAGS", "--xla_cpu_enable_fast_min_max=false")
-    with pytest.raises(InputError, match="restart the workers"):
-        list(workers.results(_less, 1, range(4)))
-
-
 def test_killed_workers_lose_nothing(tmp_path: Path, whole: dict[str, bytes]) -> None:  # noqa: F811
     path, rng = tmp_path / "map.zarr", np.random.default_rng(2)
     killed = 0
@@ -216,4 +207,7 @@ def test_an_interruption_is_one_line(tmp_path: Path) -> None:
     # As a terminal does: to the client and its workers.
     os.killpg(process.pid, signal.SIGINT)
     _, told = process.communicate(timeout=60.0)
-    assert (process.returncode, told) == (130, "propmap: interrupted\n")
+    # What it says of the work it begins may come before.
+    *begun, last = told.splitlines()
+    assert (process.returncode, last) == (130, "propmap: interrupted")
+    assert all("operating points in" in line for line in begun)

@@ -16,8 +16,6 @@ SAME: dict[str, Any] = {
     "host": {"python": "3.12.3.final.0"},
     "packages": {
         "propmap": "0.1.0",
-        "jax": "0.10.2",
-        "jaxlib": "0.10.2",
         "numpy": "2.4.6",
         "distributed": "2026.8.0",
     },
@@ -46,7 +44,7 @@ def test_the_same_everywhere_is_right_and_so_is_another_patch_of_python() -> Non
     [
         ("worker", "propmap", None, f"worker {ADDRESS} does not have propmap; install propmap"),
         ("worker", "propmap", "0.2.0", f"worker {ADDRESS} has propmap 0.2.0, the client 0.1.0"),
-        ("worker", "jax", "0.9.0", "has jax 0.9.0, the client 0.10.2; install the same"),
+        ("worker", "numpy", "2.3.0", "has numpy 2.3.0, the client 2.4.6; install the same"),
         ("worker", "numpy", "1.26.0", "has numpy 1.26.0"),
         ("worker", "python", "3.11.7.final.0", "has python 3.11, the client 3.12"),
         ("scheduler", "propmap", None, "the scheduler does not have propmap"),

@@ -20,7 +20,7 @@ class Step:
     ----------
     kind : str
         "run", a shell block; "file", whose text is to be saved under ``name``; "edit", lines to add
-        to the file ``name``; "python"; or "other", which is not for a machine.
+        to the file ``name`` and to take out; "python"; or "other", which is not for a machine.
     text, name : str
         What stands in it, and the file that it is about.
     line : int
@@ -70,9 +70,10 @@ def _options(content: str) -> tuple[dict[str, str], str]:
 
 
 def edited(text: str, step: Step) -> str:
-    """A file's ``text`` with the lines of an "edit" added behind those that they follow."""
+    """A file's ``text`` with the lines of an "edit" added behind those that they follow, or in the
+    place of those that it takes out."""
     lines = step.text.splitlines()
     before = "\n".join(line[1:] for line in lines if not line.startswith("+"))
-    after = "\n".join(line[1:] for line in lines)
+    after = "\n".join(line[1:] for line in lines if not line.startswith("-"))
     assert text.count(f"{before}\n") == 1, f"{step.name} has not once:\n{before}"
     return text.replace(f"{before}\n", f"{after}\n")

@@ -19,23 +19,32 @@ def test_every_folder_has_its_paragraph() -> None:
     assert set(re.findall(r"\*\*`(\w+)`\*\*", folders)) == ROOMS
 
 
+def test_every_header_has_its_line() -> None:
+    text = PAGE.read_text(encoding="utf-8")
+    table = text.partition("| header | what |")[2].partition("\n\n")[0]
+    cells = [line.split("|")[1] for line in table.splitlines() if line.startswith("| `")]
+    headers = {path.name for path in (ROOT / "core" / "include" / "propmap").glob("*.hpp")}
+    assert set(re.findall(r"`(\w+\.hpp)`", " ".join(cells))) == headers
+
+
 def test_what_is_added_is_short() -> None:
-    """A file of ten lines at most, without imports, and four lines elsewhere."""
+    """A file of ten lines at most, without imports, and a line or two at a time elsewhere."""
     kinds = [step.kind for step in steps(PAGE)]
-    assert kinds.count("file") == 3 and kinds.count("edit") == 6
+    assert kinds.count("file") == 3 and kinds.count("edit") == 15
+    heads = ("from ", "import ", "#pragma ", "#include ", "namespace ", "}  // namespace ")
     for step in steps(PAGE):
         lines = [line for line in step.text.splitlines() if line]
         if step.kind == "file":
-            code = [line for line in lines if not line.startswith(("from ", "import "))]
+            code = [line for line in lines if not line.startswith(heads)]
             assert len(code) <= 10, step.name
         elif step.kind == "edit":
-            assert sum(line.startswith("+") for line in lines) == 1, step.name
+            assert sum(line.startswith("+") for line in lines) <= 2, step.name
 
 
 def test_the_picture_has_a_box_for_every_folder() -> None:
     drawn = {text.get_text() for axes in architecture_picture.picture().axes for text in axes.texts}
     assert drawn >= ROOMS
-    assert f"{import_graph.lines()['physics']:,} lines" in drawn
+    assert f"{import_graph.lines()['rotor']:,} lines" in drawn
 
 
 def test_arrows_that_follow_from_others_are_left_out_and_no_more() -> None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import os
 import shutil
+import site
 import subprocess
 import sys
 from collections.abc import Callable
@@ -18,7 +19,7 @@ import numpy as np
 import pytest
 
 import propmap
-from propmap import catalogue
+from propmap import catalogue, core
 from propmap.catalogue.measurements import measurement
 from propmap.flight.simulated import SensorNoise, fly
 from propmap.flight.trim import trim
@@ -61,7 +62,7 @@ def px4_logs(folder: Path) -> None:
 
 def stand_and_logs(folder: Path) -> None:
     """A thrust stand's rows, and the flights of ``px4_logs``."""
-    rotor = propmap.Rotor(propmap.known_model("apc-8x6e"), compiled=False)
+    rotor = propmap.Rotor(propmap.known_model("apc-8x6e"))
     rpm = np.linspace(3000.0, 7000.0, 6)
     loads = rotor.loads(rpm * np.pi / 30.0, 0.0, 0.0)
     rows = zip(rpm, loads.thrust, loads.torque, strict=True)
@@ -80,7 +81,7 @@ def uiuc_files(folder: Path) -> None:
     ]
     (folder / "apcsf_10x7_geom.txt").write_text("\n".join(rows) + "\n")
     law = propmap.airfoil("paper-apc").with_parameters(zero_lift_angle=-0.07)
-    rotor = propmap.Rotor(propmap.Model(blade, law), compiled=False)
+    rotor = propmap.Rotor(propmap.Model(blade, law))
 
     def coefficients(turns: np.ndarray, advance: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         loads = rotor.loads(2.0 * np.pi * turns, advance * turns * blade.diameter, 0.0)
@@ -115,8 +116,15 @@ def polars(folder: Path) -> None:
 
 
 def source(folder: Path) -> None:
-    """The package's source, for those who change it."""
-    shutil.copytree(Path(propmap.__file__).parent, folder / "src" / "propmap")
+    """The package's source, its core as it was built, and how that is done."""
+    copy = folder / "src" / "propmap"
+    shutil.copytree(ROOT / "src" / "propmap", copy)
+    core.instructions()  # Now it is loaded.
+    for name, module in list(sys.modules.items()):
+        if name.startswith("propmap._core") and module.__file__ is not None:
+            shutil.copy(module.__file__, copy)
+    shutil.copytree(ROOT / "core", folder / "core")
+    shutil.copy(ROOT / "CMakeLists.txt", folder)
 
 
 SUPPLIED: dict[str, Callable[[Path], None]] = {
@@ -140,15 +148,19 @@ def runs(step: Step) -> bool:
 
 @pytest.fixture(scope="module")
 def environment(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
-    """This interpreter's commands, and compiled programs kept from page to page."""
+    """This interpreter's commands."""
     here = str(Path(sys.executable).parent)
     return os.environ | {
         "PATH": os.pathsep.join([here, os.environ["PATH"]]),
         "XDG_CACHE_HOME": str(tmp_path_factory.mktemp("cache")),
         "MPLBACKEND": "agg",
-        # A page's own copy of the source goes first.
-        "PYTHONPATH": os.pathsep.join(["src", *filter(None, [os.environ.get("PYTHONPATH")])]),
     }
+
+
+def own_source(environment: dict[str, str]) -> dict[str, str]:
+    """A page's own copy of the package, for ``python -S``, which knows of no editable one."""
+    others = [os.environ.get("PYTHONPATH"), *site.getsitepackages()]
+    return environment | {"PYTHONPATH": os.pathsep.join(["src", *filter(None, others)])}
 
 
 @pytest.mark.slow
@@ -166,10 +178,14 @@ def test_a_page_can_be_followed(page: Path, tmp_path: Path, environment: dict[st
         elif step.kind == "edit":
             path.write_text(edited(path.read_text("utf-8"), step), encoding="utf-8")
         elif runs(step) and not lacking(step):
-            shell = ["bash", "-euo", "pipefail"] if step.kind == "run" else [sys.executable]
             lines = step.text.splitlines(keepends=True)
             text = "".join(line for line in lines if not line.startswith(RUN_ELSEWHERE))
-            run([*shell, "-c", text], page, step, tmp_path, environment)
+            command, place = ["bash", "-euo", "pipefail"], environment
+            if step.kind == "python" and SUPPLIED.get(name_of(page)) is source:
+                command, place = [sys.executable, "-S"], own_source(environment)
+            elif step.kind == "python":
+                command = [sys.executable]
+            run([*command, "-c", text], page, step, tmp_path, place)
 
 
 def lacking(step: Step) -> bool:

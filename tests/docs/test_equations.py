@@ -1,4 +1,7 @@
-"""`docs/equations.md` names functions and tests that exist, and leaves out no equation."""
+"""`docs/equations.md` shows the whole reference, and names functions and tests that exist.
+
+It leaves out no equation.
+"""
 
 from __future__ import annotations
 
@@ -11,6 +14,9 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "equations.md").read_text(encoding="utf-8")
+
+SOURCE = (ROOT / "src" / "propmap" / "reference.py").read_text(encoding="utf-8")
+REFERENCE = ast.parse(SOURCE)
 
 REQUIRED = {
     *(f"({n})" for n in range(1, 19)),
@@ -31,17 +37,31 @@ def rows() -> list[tuple[str, str, str]]:
     return found
 
 
-def functions(cell: str) -> list[tuple[str, str]]:
-    """Module and name of every function in a cell; a module is followed by its names."""
+HEADERS = ROOT / "core" / "include" / "propmap"
+
+
+def named(cell: str) -> list[tuple[str, str]]:
+    """File and name of every function in a cell; a file is followed by its names."""
     found: list[tuple[str, str]] = []
-    module = ""
+    file = ""
     for word in re.findall(r"`([^`]+)`", cell):
-        if word.endswith(".py"):
-            module = "propmap." + word.removesuffix(".py").replace("/", ".")
+        if word.endswith((".py", ".hpp")):
+            file = word
         elif re.fullmatch(r"[A-Za-z_][\w.]*", word):  # not ``attached = 0``, an argument
-            assert module, f"{word} follows no module in {cell!r}"
-            found.append((module, word))
+            assert file, f"{word} follows no file in {cell!r}"
+            found.append((file, word))
     return found
+
+
+def functions(cell: str) -> list[tuple[str, str]]:
+    """Module and name of every function in Python in a cell."""
+    python = [(file, name) for file, name in named(cell) if file.endswith(".py")]
+    return [("propmap." + f.removesuffix(".py").replace("/", "."), name) for f, name in python]
+
+
+def in_headers(cell: str) -> list[tuple[str, str]]:
+    """Header and name of everything in a cell that is in the compiled core."""
+    return [(file, name) for file, name in named(cell) if file.endswith(".hpp")]
 
 
 def named_tests(cell: str) -> list[tuple[str, str]]:
@@ -55,6 +75,43 @@ def named_tests(cell: str) -> list[tuple[str, str]]:
     return found
 
 
+def shown() -> list[str]:
+    """What the page shows of the reference's code, in order."""
+    block = (
+        r"\{literalinclude\} \.\./src/propmap/reference\.py\n:language: python\n:pyobject: (\w+)"
+    )
+    return re.findall(block, PAGE)
+
+
+def numbered(text: str) -> set[int]:
+    """Numbers of the equations named in ``text``, as in "Eq. (10)", "Eqs. (13)-(15)"."""
+    found: set[int] = set()
+    for first, last in re.findall(r"Eqs?\. \((\d+)\)(?:-\((\d+)\))?", text):
+        found |= set(range(int(first), int(last or first) + 1))
+    return found
+
+
+def test_the_page_shows_the_whole_reference() -> None:
+    """Every function once; of the classes only the one that needs words."""
+    defined = [n for n in REFERENCE.body if isinstance(n, ast.FunctionDef)]
+    assert sorted(shown()) == sorted(["Case", *(node.name for node in defined)])
+
+
+@pytest.mark.parametrize("number", range(1, 16))
+def test_an_equation_stands_in_the_function_that_its_row_names(number: int) -> None:
+    """By its number, in a comment or in what the function says of itself."""
+    cells = [cell for first, cell, _ in rows() if first == f"({number})"]
+    assert len(cells) == 1
+    names = [name for module, name in functions(cells[0]) if module == "propmap.reference"]
+    lines = SOURCE.splitlines()
+    bodies = {
+        node.name: numbered("\n".join(lines[node.lineno - 1 : node.end_lineno]))
+        for node in REFERENCE.body
+        if isinstance(node, ast.FunctionDef)
+    }
+    assert names and number in bodies[names[0]]
+
+
 def test_every_equation_has_its_row() -> None:
     named = {number for first, _, _ in rows() for number in re.findall(r"\(\d+\)", first)}
     named |= {first for first, _, _ in rows()}
@@ -63,13 +120,26 @@ def test_every_equation_has_its_row() -> None:
 
 @pytest.mark.parametrize(("subject", "cell"), [(s, f) for s, f, _ in rows()])
 def test_the_functions_exist(subject: str, cell: str) -> None:
-    named = functions(cell)
-    assert named, f"{subject}: no function is named"
-    for module, name in named:
+    assert named(cell), f"{subject}: no function is named"
+    for module, name in functions(cell):
         found: object = importlib.import_module(module)
         for part in name.split("."):
             found = getattr(found, part)
         assert getattr(found, "__doc__", None), f"{module}.{name} says nothing of itself"
+    for file, name in in_headers(cell):
+        text = (HEADERS / file).read_text(encoding="utf-8")
+        defined = rf"^(?! *return)[\w <>,:*&[\]]*\b(?:{name}\(|(?:struct|class) {name}\b)"
+        assert re.search(defined, text, re.MULTILINE), f"{subject}: {file} has no {name}"
+
+
+@pytest.mark.parametrize("number", range(1, 13))
+def test_an_equation_stands_in_the_header_that_its_row_names(number: int) -> None:
+    """By its number, in a comment."""
+    (cell,) = [cell for first, cell, _ in rows() if first == f"({number})"]
+    files = {file for file, _ in in_headers(cell)}
+    text = "".join((HEADERS / file).read_text(encoding="utf-8") for file in files)
+    told = re.sub(r"\((\d+)\)\((\d+)\)", r"(\1)-(\2)", text)  # Eqs. (3)(4)
+    assert number in numbered(re.sub(r"\beq(s?\.)", r"Eq\1", told).replace(") to (", ")-("))
 
 
 @pytest.mark.parametrize(("subject", "cell"), [(s, t) for s, _, t in rows()])

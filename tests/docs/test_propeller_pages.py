@@ -83,9 +83,7 @@ def test_the_curves_are_the_loads_of_the_rotor(name: str, blades: int) -> None:
     one = entry(name, blades)
     text = card(one, ROWS[one.tested])
     found = plots(text)
-    rotor = propmap.Rotor(
-        propmap.Model(propmap.propeller(name, blades=blades), one.airfoil), compiled=False
-    )
+    rotor = propmap.Rotor(propmap.Model(propmap.propeller(name, blades=blades), one.airfoil))
     diameter, density = 2.0 * rotor.model.propeller.radius, rotor.model.air.density
     speeds = [float(rpm) for rpm in re.findall(r'<li class="c\d">(\d+) rpm', text)]
     for label in ("C_T over J", "C_P over J"):

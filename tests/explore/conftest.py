@@ -26,12 +26,12 @@ def shelf() -> Shelf:
 
 @pytest.fixture(scope="module")
 def application(shelf: Shelf) -> Application:
-    """The application without compiling, guarded as the command guards it."""
+    """The application, guarded as the command guards it."""
     from propmap.explore.application import Application
     from propmap.explore.server import guard, names_of
     from propmap.explore.views.all import VIEWS
 
-    found = Application(Session(), VIEWS, shelf, prepare=False)
+    found = Application(Session(), VIEWS, shelf)
     guard(found.dash.server, names_of("127.0.0.1"))
     return found
 

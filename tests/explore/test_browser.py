@@ -33,7 +33,7 @@ RPM = np.pi / 30.0
 
 @pytest.fixture(scope="module")
 def address() -> Iterator[str]:
-    with explorer("apc-8x6e", "--no-prepare") as (found, _):
+    with explorer("apc-8x6e") as (found, _):
         yield found
 
 
@@ -103,9 +103,7 @@ def test_numbers_commands_and_address(page: Page, address: str) -> None:
     page.wait_for_timeout(50)
     settle(page)
     assert "rpm=5010" in page.url
-    loads = pm.Rotor(pm.known_model("apc-8x6e"), compiled=False).loads(
-        5010.0 * RPM, 12.0, np.radians(70.0)
-    )
+    loads = pm.Rotor(pm.known_model("apc-8x6e")).loads(5010.0 * RPM, 12.0, np.radians(70.0))
     row = page.locator("#tables tr", has=page.locator("th", has_text="thrust")).first
     assert row.locator("td").first.inner_text() == f"{float(loads.thrust):.4g}"
     command = page.locator("#command").inner_text() or page.locator("#command").text_content()

@@ -49,12 +49,12 @@ def test_a_port_in_use_is_told_in_one_line() -> None:
 
 
 def test_without_a_port_the_next_free_one_is_taken() -> None:
-    with explorer("--no-prepare", "--port", "0") as (address, _):
+    with explorer("--port", "0") as (address, _):
         assert int(address.rpartition(":")[2]) > 0
 
 
 def test_no_display_is_told_with_the_address() -> None:
-    command = [sys.executable, "-m", "propmap", "explore", "--port", "0", "--no-prepare"]
+    command = [sys.executable, "-m", "propmap", "explore", "--port", "0"]
     environment = {k: v for k, v in os.environ.items() if k not in ("DISPLAY", "WAYLAND_DISPLAY")}
     process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment)
     assert process.stdout is not None
@@ -85,5 +85,5 @@ def test_what_is_wrong_is_told_before_anything_listens(arguments: list[str], wor
 
 
 def test_another_host_is_warned_of(tmp_path: Path) -> None:
-    with explorer("--host", "0.0.0.0", "--no-prepare", folder=tmp_path) as (_, process):
+    with explorer("--host", "0.0.0.0", folder=tmp_path) as (_, process):
         assert process.poll() is None

@@ -47,18 +47,18 @@ def sessions(shelf: Shelf, tmp_path_factory: pytest.TempPathFactory) -> dict[str
     }
 
 
-def _answer(application: Application, session: Session, view: View, **given: Any) -> Any:
+def _answer(session: Session, view: View, **given: Any) -> Any:
     values, remarks = values_of(view.controls(session), given)
     assert not remarks
-    return values, view.answer(session, values, application.preparation, settled=True)
+    return values, view.answer(session, values, settled=True)
 
 
 @pytest.mark.parametrize("name", NAMES)
 def test_every_view_answers_with_figures_that_plotly_takes(
-    application: Application, sessions: dict[str, Session], name: str
+    sessions: dict[str, Session], name: str
 ) -> None:
     view, session = BY_NAME[name], sessions.get(name, Session())
-    values, found = _answer(application, session, view)
+    values, found = _answer(session, view)
     places = {graph.name for graph in view.graphs(session)}
     assert found.figures and set(found.figures) <= places
     assert found.tables
@@ -69,19 +69,16 @@ def test_every_view_answers_with_figures_that_plotly_takes(
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_every_control_changes_something(
-    application: Application, sessions: dict[str, Session], name: str
-) -> None:
+def test_every_control_changes_something(sessions: dict[str, Session], name: str) -> None:
     """Figures, numbers, remarks or what is copied."""
     view, session = BY_NAME[name], sessions.get(name, Session())
     controls = view.controls(session)
     before, _ = values_of(controls, {})
     if name == "loads":
         before["data"] = "none"
-    quick = application.preparation
 
     def shown(values: dict[str, Any]) -> str:
-        found = view.answer(session, values, quick, settled=name in ("trust", "compare"))
+        found = view.answer(session, values, settled=name in ("trust", "compare"))
         told = view.shell(session, values), view.python(session, values)
         return repr((found.figures, found.tables, found.remarks, told))
 
@@ -110,13 +107,9 @@ def test_every_control_changes_something(
         assert shown(changed) != first, control.name
 
 
-def test_numbers_are_those_of_a_rotor(application: Application) -> None:
-    values, found = _answer(
-        application, Session(), BY_NAME["loads"], rpm="6000", speed="12", beta="70"
-    )
-    loads = pm.Rotor(pm.known_model("apc-8x6e"), compiled=False).loads(
-        6000.0 * RPM, 12.0, np.radians(70.0)
-    )
+def test_numbers_are_those_of_a_rotor() -> None:
+    values, found = _answer(Session(), BY_NAME["loads"], rpm="6000", speed="12", beta="70")
+    loads = pm.Rotor(pm.known_model("apc-8x6e")).loads(6000.0 * RPM, 12.0, np.radians(70.0))
     told = {row[0]: row[1:] for row in found.tables[0].rows}
     assert values["rpm"] == 6000.0
     for label, name in (
@@ -128,11 +121,11 @@ def test_numbers_are_those_of_a_rotor(application: Application) -> None:
         assert told[label][1] == f"± {2.0 * float(getattr(loads.std, name)):.2g}"
 
 
-def test_curves_are_those_of_a_rotor(application: Application) -> None:
-    _, found = _answer(application, Session(), BY_NAME["loads"], rpm="5000", angles="90", bands="")
+def test_curves_are_those_of_a_rotor() -> None:
+    _, found = _answer(Session(), BY_NAME["loads"], rpm="5000", angles="90", bands="")
     (curve,) = [t for t in found.figures["drag"]["data"] if t["name"] == "β = 90°"]
     drawn = go.Figure(found.figures["drag"]).data[[*found.figures["drag"]["data"]].index(curve)]
-    rotor = pm.Rotor(pm.known_model("apc-8x6e"), compiled=False)
+    rotor = pm.Rotor(pm.known_model("apc-8x6e"))
     want = rotor.loads(5000.0 * RPM, np.linspace(0.0, 20.0, 31), np.pi / 2.0).drag
     np.testing.assert_allclose(_numbers(drawn.y), want, rtol=1e-12)
 
@@ -215,7 +208,7 @@ def test_without_a_vehicle_or_a_table_a_line_says_what_to_do(application: Applic
 
 
 @pytest.mark.slow
-def test_measured_points_are_drawn_and_fitted(application: Application, shelf: Shelf) -> None:
+def test_measured_points_are_drawn_and_fitted(shelf: Shelf) -> None:
     """A fit of loads that the model made with other constants finds these."""
     from propmap.explore.constants_fit import Fit, law_of
     from propmap.explore.jobs import Job
@@ -225,18 +218,18 @@ def test_measured_points_are_drawn_and_fitted(application: Application, shelf: S
     assert isinstance(law, pm.Airfoil)
     true = law.with_parameters(c_l1=law.c_l1 * 1.1)
     speeds = np.linspace(0.0, 10.0, 6)
-    loads = pm.Rotor(model.with_airfoil(true), compiled=False).loads(5000.0 * RPM, speeds, 0.0)
+    loads = pm.Rotor(model.with_airfoil(true)).loads(5000.0 * RPM, speeds, 0.0)
     rows = "\n".join(
         f"5000,{v},0,{t},{q}" for v, t, q in zip(speeds, loads.thrust, loads.torque, strict=True)
     )
     text = f"rpm,speed_mps,beta_deg,thrust_N,torque_Nm\n{rows}\n"
     session = with_file(Session(), shelf, "mine.csv", text.encode())
     view = BY_NAME["constants"]
-    values, found = _answer(application, session, view, free="c_l1", data="file")
+    values, found = _answer(session, view, free="c_l1", data="file")
     assert any("mine.csv" in table.caption for table in found.tables)
     assert law_of(session, {**values, "c_l1": 5.0}).c_l1 == 5.0
     loads_view = BY_NAME["loads"]
-    _, drawn = _answer(application, session, loads_view, rpm="5000", data="file", angles="0")
+    _, drawn = _answer(session, loads_view, rpm="5000", data="file", angles="0")
     assert any("mine.csv" in str(trace.get("name")) for trace in drawn.figures["thrust"]["data"])
     job = Job()
     assert Fit.of(session, values).run(job)["c_l1"] == pytest.approx(true.c_l1, rel=1e-3)

@@ -180,7 +180,7 @@ def test_rotor_drag_is_that_of_blade_theory(target: str, power: float) -> None:
     slope = (forces(omega * y + step, v)[1] - forces(omega * y - step, v)[1]) / (2.0 * step)
     momentum = 4.0 * float(weight @ slope) / mass
     vehicle = quadcopter(propeller=blade, mass=mass, air=air, body=Body(), powertrain=Powertrain())
-    rotor = propmap.Rotor(propmap.Model(blade, law, air), compiled=False)
+    rotor = propmap.Rotor(propmap.Model(blade, law, air))
     told = autopilot_parameters(Aircraft(vehicle, rotor), target, np.array([0.5, 1.0]))
     assert any("no body drag" in remark for remark in told.remarks)
     name = {"px4": "EKF2_MCOEF", "ardupilot": "EK3_DRAG_MCOEF"}[target]
@@ -332,7 +332,7 @@ def test_deviations_follow_from_the_constants() -> None:
     def craft(airfoil: propmap.Airfoil) -> Aircraft:
         corrections = propmap.corrections_of("recommended")
         model = propmap.Model(vehicle.propeller, airfoil, vehicle.air, corrections)
-        return Aircraft(vehicle, propmap.Rotor(model, compiled=False))
+        return Aircraft(vehicle, propmap.Rotor(model))
 
     speeds = np.array([4.0, 10.0])
     flights = inplane_forces(craft(law), "x", speeds)

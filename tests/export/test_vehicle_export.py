@@ -20,7 +20,7 @@ from propmap.export import export_vehicle
 from propmap.export.literal import literal
 from propmap.export.operation_count import cost
 from propmap.export.provenance import identifier, vehicle_name
-from propmap.physics.mount_drag import MountDrag
+from propmap.model.corrections import MountDrag
 from propmap.table import LoadTable
 from propmap.table.lookup import STATUSES
 from propmap.vehicle.vehicle import Body, Mount, Vehicle, Wakes, Wing

@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 import propmap
-from propmap.arrays.types import Floats
 from propmap.fit.flight import balance_rows
 from propmap.fit.force_model import ForceModel
 from propmap.fit.parameters import FIRST_GUESS, SECTION, Choice, Prior
@@ -16,6 +15,7 @@ from propmap.fit.rows import Rows
 from propmap.fit.thrust_scale import OVER_FLIGHTS
 from propmap.fit.turning import measured_moment
 from propmap.model.airfoil import parameter_set
+from propmap.typing import Floats
 from propmap.vehicle.flight_log import GRAVITY, FlightLog, joined
 from propmap.vehicle.time_derivatives import low_passed
 from propmap.vehicle.vehicle import Mount, Vehicle

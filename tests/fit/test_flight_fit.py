@@ -16,8 +16,6 @@ from propmap.fit.coverage import range_warnings
 from propmap.fit.flight import balance_rows, level_rows
 from propmap.fit.force_model import ForceModel
 from propmap.fit.parameters import FIRST_GUESS, SECTION, Choice
-from propmap.physics.sections.blended import BlendedLaw
-from propmap.physics.sections.law import coefficients_at
 from propmap.vehicle.flight_log import GRAVITY, FlightLog
 from propmap.vehicle.hub_flow import hub_flow, rotor_forces
 from propmap.vehicle.vehicle import Body, Mount, Vehicle, Wing
@@ -27,7 +25,6 @@ LAW = propmap.airfoil("paper-apc")
 LAW_VALUES = {name: getattr(LAW, name) for name in SECTION}
 VALUES = FIRST_GUESS | LAW_VALUES
 TWO = Choice(("c_l1", "alpha_0"))
-"""One choice for all, so that few programs serve."""
 
 ARM = 0.2
 MOUNTS = tuple(
@@ -100,7 +97,7 @@ def test_level_rows_take_the_part_along_the_vertical(static_thrust: float) -> No
     assert rows.names == ("vertical_force",) and rows.group is None
 
 
-# Climbing, so that few programs serve.
+# Climbing.
 VELOCITIES = ((8.0, 0.0, 1.0), (0.0, -8.0, 1.0), (-4.0, 3.0, 1.0), (5.0, 5.0, 1.0))
 
 
@@ -208,16 +205,8 @@ def test_a_wing_s_lift_is_equation_3(incidence: float) -> None:
     velocity = np.stack([np.cos(angle), 0.0 * angle, -np.sin(angle)], axis=1) * speed
     parameters = {"wing_c_l1": 4.5, "wing_c_l2": 1.1, "wing_alpha_0": 0.28}
     found = body(velocity, parameters, wing=Wing(area, incidence))
-    law = BlendedLaw(*(np.float64(0.0) for _ in BlendedLaw._fields))._replace(
-        c_l1=np.float64(4.5),
-        c_l2=np.float64(1.1),
-        alpha_0=np.float64(0.28),
-        sharpness=np.float64(50.0),
-        attached=np.float64(1.0),
-        zero_lift_angle=np.float64(0.0),
-    )
-    a = angle + incidence
-    c_l = np.array(coefficients_at(law, a, np.float64(1e5)).lift)
+    law = propmap.Airfoil(c_l1=4.5, c_l2=1.1, c_d=0.01, c_d0=0.0, alpha_0=0.28)
+    c_l = law.coefficients(angle + incidence, 1e5)[0]
     across = np.stack([np.sin(angle), 0.0 * angle, np.cos(angle)], axis=1)
     expected = 0.5 * propmap.Air().density * speed**2 * area * c_l[:, None] * across
     np.testing.assert_allclose(found, expected, rtol=1e-5, atol=1e-5)

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 import propmap
-from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.fit.learned_residual import FADE, LearnedResidual, features, learn
+from propmap.typing import Floats
 from propmap.vehicle.flight_log import FlightLog
 from propmap.vehicle.vehicle import Mount, Vehicle
 

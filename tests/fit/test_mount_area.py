@@ -20,7 +20,7 @@ from propmap.fit.result_file import FitFile, fit_text, read_fit
 from propmap.fit.tunnel import TunnelData, model_with, tunnel_rows
 from propmap.flight.expectation import expectation
 from propmap.flight.trim import true_values
-from propmap.physics.mount_drag import MountDrag
+from propmap.model.corrections import MountDrag
 from propmap.vehicle.vehicle import Vehicle
 from tests.fit.test_flight_fit import MOUNTS, OMEGA, VELOCITIES, log
 
@@ -39,7 +39,7 @@ def data() -> TunnelData:
     speed = np.resize([4.0, 7.0, 10.0, 12.0], 16)
     beta = np.radians(np.repeat([30.0, 55.0, 75.0, 90.0], 4))
     omega = np.resize([520.0, 600.0, 680.0], 16)
-    found = propmap.Rotor(MOUNTED, compiled=False).loads(omega, speed, beta)
+    found = propmap.Rotor(MOUNTED).loads(omega, speed, beta)
     random = np.random.default_rng(7)
     names = ("thrust", "drag", "torque")
     loads = {n: getattr(found, n) * (1.0 + NOISE * random.normal(size=16)) for n in names}
@@ -86,7 +86,6 @@ def test_the_file_brings_it_along_with_its_covariance(file: FitFile, fitted: Fit
     assert (area.name, area.unit, area.value) == ("mount_area", "m^2", mount.area_m2)
 
 
-@pytest.mark.slow
 def test_whoever_uses_the_file_has_the_drag(file: FitFile, data: TunnelData) -> None:
     assert compare_tunnel(file.model, data)["drag_N"].all.relative_rms < 2.0 * NOISE
     bare = compare_tunnel(file.model.with_mount(MountDrag(0.0)), data)["drag_N"].all
@@ -115,13 +114,12 @@ VALUES = FIRST_GUESS | {name: getattr(LAW, name) for name in SECTION}
 FLOWN = log(((8.0, 0.0, 1.0), (5.0, 5.0, 1.0)), rates=(0.4, -0.3, 2.0))
 
 
-@pytest.mark.slow
 def test_each_rotor_of_a_vehicle_has_its_own_mount() -> None:
     total = np.zeros((2, 3))
     for mount in VEHICLE.mounts:
         model = MODEL if mount.drag is None else MODEL.with_mount(mount.drag)
         hub = FLOWN.velocity + np.cross(FLOWN.rates, np.array(mount.position))
-        rotor = propmap.Rotor(model, compiled=False)
+        rotor = propmap.Rotor(model)
         total += rotor.wrench(OMEGA, hub, mount.spin).force
     force = ForceModel(VEHICLE, FLOWN, LAW).at(VALUES, ("c_l1",)).force
     np.testing.assert_allclose(force, total, atol=0.02)
@@ -142,7 +140,6 @@ def test_a_vehicle_s_mount_takes_the_place_of_the_law_s() -> None:
     assert "mount_area" not in true_values(VEHICLE, law)
 
 
-@pytest.mark.slow
 def test_an_area_in_flight_is_that_of_every_rotor() -> None:
     """And its derivative is that of the forces, which are linear in it."""
     model = ForceModel(replace(VEHICLE, mounts=MOUNTS), FLOWN, LAW)

@@ -19,9 +19,8 @@ pytestmark = [
 
 
 def test_half_the_hover_model_s_vertical_error_on_a_flight_not_seen(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr("propmap.engine.compilation.keep_compiled", lambda: None)
     fit, vehicle = tmp_path / "fit.toml", ["--vehicle", str(VEHICLE)]
     seen = str(FLIGHTS / "neurobem_20210218171908.csv")
     unseen = str(FLIGHTS / "neurobem_20210218172600.csv")

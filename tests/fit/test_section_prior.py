@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from propmap.arrays.types import Floats
 from propmap.catalogue.expected_constants import airfoil_at, expected_prior
 from propmap.catalogue.identified import PARAMETERS
 from propmap.catalogue.prior import HELD, POPULATION, PopulationPrior, coordinates
@@ -16,6 +15,7 @@ from propmap.fit.parameters import Choice, Prior
 from propmap.fit.prior_conflict import doubts_on_constants
 from propmap.fit.rows import INDEPENDENT, INDEPENDENT_AT_REST, Rows
 from propmap.fit.section_prior import LEAST_ERROR, SectionPrior
+from propmap.typing import Floats
 
 from .synthetic_rows import linear_model, noisy, rows_of
 

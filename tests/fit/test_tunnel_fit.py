@@ -77,7 +77,7 @@ def done(
 @pytest.fixture(scope="module")
 def twin() -> TunnelData:
     """Loads of a known section law, climbing, static and oblique."""
-    # Advance ratios up to 0.24, so that few programs serve.
+    # Advance ratios up to 0.24.
     speed = np.concatenate([np.linspace(0.0, 14.0, 12), np.linspace(2.0, 10.0, 14)])
     beta = np.radians(np.concatenate([np.zeros(12), np.resize([20.0, 40.0, 60.0, 85.0], 14)]))
     omega = np.resize([450.0, 550.0, 650.0], 26)
@@ -149,7 +149,6 @@ def test_the_comparison_gives_the_fit_s_own_residuals(uiuc_fit: Done) -> None:
         assert sum(e.rows for e in found[name].by_speed.values()) == whole.rows
 
 
-@pytest.mark.slow
 def test_without_camber_the_fit_fails_and_says_why(uiuc: TunnelData) -> None:
     four = done(uiuc, PAPER_FOUR)
     assert four.coefficient_rms("thrust") > 0.02
@@ -165,7 +164,6 @@ def published() -> TunnelData:
     return read_tunnel(["gill-dandrea-2019-8x6e-fit"], PROPELLER, AIR)
 
 
-@pytest.mark.slow
 def test_the_bundled_constants_are_those_of_the_polynomials() -> None:
     bundled = parameter_set("apc-8x6e-2019")
     free = ("c_l1", "c_d", "alpha_0", "zero_lift_angle", "c_d0")
@@ -179,7 +177,6 @@ def test_the_bundled_constants_are_those_of_the_polynomials() -> None:
         assert abs(fitted.x[k] - getattr(bundled, name)) < 0.1 * half, name
 
 
-@pytest.mark.slow
 def test_one_annulus_theory_predicts_the_other_s_roll_moment(published: TunnelData) -> None:
     fitted = done(published, FIVE, ("thrust", "torque"))
     assert fitted.relative_rms("thrust") <= 0.02
@@ -190,7 +187,6 @@ def test_one_annulus_theory_predicts_the_other_s_roll_moment(published: TunnelDa
     assert 2.0 <= np.sum(model * measured) / np.sum(model**2) <= 2.5
 
 
-@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:drag_factor is deprecated")
 def test_a_drag_factor_takes_up_the_drag(published: TunnelData) -> None:
     fitted = done(published, (*FIVE, "drag_factor"), ("thrust", "torque", "drag"))

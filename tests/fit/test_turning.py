@@ -75,7 +75,6 @@ def test_rows_of_moments_where_inertia_is_known() -> None:
         balance_rows(ForceModel(VEHICLE, log, LAW), choice)
 
 
-@pytest.mark.slow
 def test_slopes_of_moments_against_differences() -> None:
     model = ForceModel(BODY, manoeuvre(0, 20), LAW)
     free = ("c_l1", "untwist", "centre_z", "rotor_inertia", "wake_ahead", "download_area_y")

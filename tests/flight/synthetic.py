@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from propmap.arrays.types import Floats
+from propmap.typing import Floats
 from propmap.vehicle.flight_log import GRAVITY, FlightLog
 from propmap.vehicle.vehicle_toml import VehicleFile, read_vehicle
 

@@ -35,7 +35,7 @@ def extended_model(name: str) -> pm.Model:
 @pytest.mark.parametrize("name", EXTENDED)
 def test_loads_agree_with_the_extended_reference(name: str) -> None:
     """0.1 % of static thrust and torque, as of the paper's own rotor."""
-    rotor = pm.Rotor(extended_model(name), compiled=False)
+    rotor = pm.Rotor(extended_model(name))
     rows = [row for row in frozen_loads(EXTENDED_TABLE) if row.set == name]
     assert sum(row.v_axial < 0.0 for row in rows) >= 10
     assert len(rows) >= 20

@@ -19,7 +19,7 @@ def test_each_is_added_to_those_before() -> None:
     more = both.drag / longer.drag - 1.0
     assert ((more > 0.02) & (more < 0.05)).all()
     model = pm.Model(pm.propeller("apc-8x6e"), pm.airfoil("paper-apc"))
-    edgewise = pm.Rotor(model, compiled=False).loads(200.0 * np.pi, 10.0, np.pi / 2)
+    edgewise = pm.Rotor(model).loads(200.0 * np.pi, 10.0, np.pi / 2)
     # A batch has other nodes than a single point, within the accuracy promised.
     assert paper.drag[3, 1] == pytest.approx(float(edgewise.drag), rel=1e-3)
 

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import propmap
-from propmap.arrays.types import Floats
 from propmap.catalogue.measurements import measurement
 from propmap.papers.gill_dandrea_2017.drag_sources import sources
 from propmap.papers.gill_dandrea_2017.identified import OBLIQUE, OBLIQUE_LABEL, OTHER_FORM
@@ -18,6 +17,7 @@ from propmap.papers.gill_dandrea_2017.plate import (
 )
 from propmap.papers.gill_dandrea_2017.rotor_drag import ratios
 from propmap.papers.gill_dandrea_2017.tunnel import OTHER_LABEL, RECOMMENDED_LABEL, Compared
+from propmap.typing import Floats
 
 DATA = measurement(OBLIQUE)
 LAW = propmap.airfoil("apc-8x6e-2019")

@@ -128,7 +128,6 @@ def test_what_the_data_say_nothing_of_is_held() -> None:
     assert len(drawn_changes(record(parameters=narrow))[1]) == 0
 
 
-@pytest.mark.slow
 def test_a_band_is_what_the_derivative_makes_of_the_deviation() -> None:
     law = propmap.airfoil("paper-apc")
     value = law.c_l1

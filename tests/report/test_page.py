@@ -8,7 +8,7 @@ import xml.etree.ElementTree as ElementTree
 
 import numpy as np
 import pytest
-from jinja2 import DictLoader, Environment, PackageLoader
+from jinja2 import DictLoader, Environment, FileSystemLoader
 
 from propmap.report import page
 from propmap.report.folder import PAGE
@@ -47,13 +47,13 @@ ROWS = [("8x6", -1.5, 3, "a"), ("9x6", None, 12, f"{MINUS}2")]
 def _template(monkeypatch: pytest.MonkeyPatch) -> None:
     """A template of the test's own beside those of the package."""
 
-    class Loader(PackageLoader):
+    class Loader(FileSystemLoader):
         def get_source(self, environment: Environment, template: str):  # type: ignore[no-untyped-def]
             if template == "test":
                 return DictLoader({"test": BODY}).get_source(environment, template)
             return super().get_source(environment, template)
 
-    monkeypatch.setattr(page, "PackageLoader", Loader)
+    monkeypatch.setattr(page, "FileSystemLoader", Loader)
 
 
 def _files(heads: str = "propeller|thrust [N]|points|kind") -> dict[str, str | bytes]:

@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 import propmap
-from propmap.arrays.types import Floats
 from propmap.fit.comparison import Comparison
 from propmap.fit.residuals import by_band, errors
 from propmap.fit.result_file import FitFile
@@ -22,6 +21,7 @@ from propmap.report.fit_page.curves import Curve, Curves
 from propmap.report.fit_page.given_data import GivenData
 from propmap.report.fit_page.residuals import binned, residual_sheet, sentences
 from propmap.report.folder import PAGE, REPORT_FILES
+from propmap.typing import Floats
 from propmap.vehicle.flight_log import FlightLog, joined
 from tests.fit.fit_records import load, record
 

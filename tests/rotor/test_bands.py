@@ -49,12 +49,12 @@ def test_loads_of_drawn_constants_spread_as_said(model: pm.Model) -> None:
     names = law.uncertainty.covariance.names
     small = SectionCovariance(names, law.uncertainty.covariance.matrix / 9.0)
     uncertain = _with(model, SectionUncertainty(small))
-    told = pm.Rotor(uncertain, compiled=False).loads(*POINTS).std_by_source["parameters"]
+    told = pm.Rotor(uncertain).loads(*POINTS).std_by_source["parameters"]
     random, found = np.random.default_rng(3), []
     for draw in random.multivariate_normal(np.zeros(len(names)), small.matrix, 250).tolist():
         changed = {name: getattr(law, name) + by for name, by in zip(names, draw, strict=True)}
         other = model.with_airfoil(law.with_parameters(**changed))
-        loads = pm.Rotor(other, compiled=False).loads(*POINTS)
+        loads = pm.Rotor(other).loads(*POINTS)
         found.append([getattr(loads, name) for name in NAMES])
     for name, want in zip(NAMES, np.std(found, axis=0), strict=True):
         # 250 draws: 4.5 % of a standard deviation, and three times that.
@@ -67,7 +67,7 @@ def test_what_is_not_known_of_the_blade_is_told_apart(model: pm.Model) -> None:
     own = law.uncertainty.covariance
     whole = SectionCovariance(own.names, 5.0 * own.matrix)
     plain, told = (
-        pm.Rotor(_with(model, known), compiled=False).loads(*POINTS).std_by_source
+        pm.Rotor(_with(model, known)).loads(*POINTS).std_by_source
         for known in (SectionUncertainty(own), SectionUncertainty(whole, with_blade=own))
     )
     assert "geometry" not in plain
@@ -80,7 +80,7 @@ def test_what_is_not_known_of_the_blade_is_told_apart(model: pm.Model) -> None:
 
 
 def test_sources_add_up_in_squares_and_make_the_interval(model: pm.Model) -> None:
-    loads = pm.Rotor(model, compiled=False).loads(*POINTS)
+    loads = pm.Rotor(model).loads(*POINTS)
     assert set(loads.std_by_source) == {"parameters", "discrepancy", "tunnel"}
     low, high = loads.interval(0.95)
     for name in NAMES:
@@ -96,28 +96,10 @@ def test_sources_add_up_in_squares_and_make_the_interval(model: pm.Model) -> Non
             loads.interval(share)
 
 
-@pytest.mark.slow
-def test_the_compiler_s_derivatives_and_numpy_s_differences_agree(model: pm.Model) -> None:
-    random = np.random.default_rng(1)
-    omega, speed = random.uniform(150.0, 900.0, 12), random.uniform(0.0, 20.0, 12)
-    beta = random.uniform(0.0, np.pi, 12)
-    speed[0], beta[1], beta[2] = 0.0, 0.0, np.pi
-    here, there = (
-        # The paper's physics, which compiles in a fifth of the time.
-        pm.Rotor(replace(model, corrections=()), compiled=compiled)
-        .loads(omega, speed, beta)
-        .std_by_source
-        for compiled in (False, True)
-    )
-    for name in NAMES:
-        want, got = (getattr(one["parameters"], name) for one in (there, here))
-        np.testing.assert_allclose(got, want, rtol=0.05, atol=1e-5 * max(np.nanmax(want), 1e-9))
-
-
 def test_what_the_other_sources_are(model: pm.Model) -> None:
     law = model.airfoil
     assert isinstance(law, pm.Airfoil) and law.uncertainty is not None
-    rotor, omega = pm.Rotor(model, compiled=False), 600.0
+    rotor, omega = pm.Rotor(model), 600.0
     tip = omega * model.propeller.radius
     found = rotor.loads(omega, np.array([0.0, 0.1 * tip]), 0.0)
     by = found.std_by_source
@@ -137,7 +119,7 @@ def test_what_the_other_sources_are(model: pm.Model) -> None:
         if load.inplane:
             assert (getattr(found.std, name) == 0.0).all()
     own = _with(model, replace(law.uncertainty, another_tunnel=False))
-    assert "tunnel" not in pm.Rotor(own, compiled=False).loads(omega, 1.0, 0.0).std_by_source
+    assert "tunnel" not in pm.Rotor(own).loads(omega, 1.0, 0.0).std_by_source
 
 
 def test_a_blade_that_was_not_measured_is_less_sure() -> None:
@@ -148,14 +130,14 @@ def test_a_blade_that_was_not_measured_is_less_sure() -> None:
             geometry = "family" if family else "population"
         law = expected_constants(family, size_of(meant, blade), geometry).airfoil
         model = pm.Model(blade, law)
-        loads = pm.Rotor(model, compiled=False).loads(1200.0, 10.0, 1.3)
+        loads = pm.Rotor(model).loads(1200.0, 10.0, 1.3)
         return float(loads.std.thrust / loads.thrust)
 
     assert share("uiuc-apce-10x5") < share("apc 10x4.4e") < share("10x4.4")
 
 
 def test_nothing_is_said_of_constants_that_say_nothing(model: pm.Model) -> None:
-    loads = pm.Rotor(_with(model, None), compiled=False).loads(600.0, 5.0, 1.0)
+    loads = pm.Rotor(_with(model, None)).loads(600.0, 5.0, 1.0)
     assert loads.std_by_source == {}
     with pytest.raises(pm.InputError, match="nothing is known of the errors"):
         _ = loads.std
@@ -170,7 +152,7 @@ def test_changed_constants_are_not_those_that_were_identified(model: pm.Model) -
 
 
 def test_shapes_are_those_of_the_points(model: pm.Model) -> None:
-    rotor = pm.Rotor(model, compiled=False)
+    rotor = pm.Rotor(model)
     one = rotor.loads(600.0, 5.0, 1.0)
     assert one.std.thrust.shape == ()
     grid = rotor.loads(600.0, np.array([0.0, 5.0])[:, None], np.array([0.0, 1.0, 2.0]))
@@ -182,7 +164,7 @@ def test_shapes_are_those_of_the_points(model: pm.Model) -> None:
 
 
 def test_at_rest_in_still_air_there_is_nothing_to_be_unsure_of(model: pm.Model) -> None:
-    found = pm.Rotor(model, compiled=False).loads(np.array([0.0, 100.0]), 0.0, 0.0)
+    found = pm.Rotor(model).loads(np.array([0.0, 100.0]), 0.0, 0.0)
     for name in NAMES:
         assert getattr(found.std, name)[0] == 0.0
     assert found.std.thrust[1] > 0.0

@@ -2,20 +2,12 @@
 
 from __future__ import annotations
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 import pytest
 from scipy.interpolate import PchipInterpolator
 
 import propmap as pm
-from propmap.arrays.namespace import by_numpy
 from propmap.loads import LOADS
-from propmap.physics.velocities import azimuth_nodes
-from propmap.solve.disk import DiskSolution
-from propmap.solve.load_slopes import directions_of, load_slopes, moving
-from propmap.solve.problem import Case
-from propmap.solve.rotor_loads import RotorLoads, search_loads
 from tests.oracle.literal_rotor import literal_loads
 from tests.oracle.points import MU, RHO, SECTIONS
 
@@ -23,10 +15,10 @@ BLADE, LAW = pm.propeller("apc-8x6e"), pm.airfoil("paper-apc")
 BOTH = ("blade-to-hub", "radial-friction")
 
 
-def rotor(*texts: str, compiled: bool = False, accuracy: str = "standard") -> pm.Rotor:
+def rotor(*texts: str, accuracy: str = "standard") -> pm.Rotor:
     corrections = tuple(pm.correction(text) for text in texts)
     model = pm.Model(BLADE, LAW, corrections=corrections)
-    return pm.Rotor(model, compiled=compiled, accuracy=accuracy)
+    return pm.Rotor(model, accuracy=accuracy)
 
 
 def literal(omega: float, along: float, across: float, hub: float) -> dict[str, float]:
@@ -109,69 +101,15 @@ def test_a_mirrored_rotor_has_a_mirrored_wrench() -> None:
     np.testing.assert_allclose(cw.moment, ccw.moment * [-1.0, 1.0, -1.0], rtol=1e-12)
 
 
-@pytest.mark.slow
-def test_compiled_batches_agree_with_numpy_anywhere() -> None:
-    """Points of the whole envelope, each with loads or a status that says why not."""
+def test_points_of_the_whole_envelope_have_loads_or_a_status() -> None:
     random = np.random.default_rng(5)
     points = (
         random.uniform(200.0, 900.0, 60),
         random.uniform(0.0, 20.0, 60),
         random.uniform(0.0, np.pi, 60),
     )
-    want = rotor("pitt-peters", *BOTH).loads(*points)
-    got = rotor("pitt-peters", *BOTH, compiled=True).loads(*points)
-    assert (got.status == want.status).all()
+    got = rotor("pitt-peters", *BOTH).loads(*points)
     lost = got.status == "not_converged"
     for name in LOADS:
-        a, b = getattr(got, name), getattr(want, name)
-        np.testing.assert_allclose(a, b, atol=1e-7 * np.nanmax(np.abs(want.thrust)))
-        assert (np.isfinite(a) == ~lost).all()
-
-
-@pytest.mark.parametrize(
-    "texts",
-    [
-        ("radial-friction",),
-        pytest.param(("blade-to-hub",), marks=pytest.mark.slow),
-        pytest.param(("stall-delay", "prandtl-glauert"), marks=pytest.mark.slow),
-        pytest.param(("pitt-peters", *BOTH), marks=pytest.mark.slow),
-    ],
-)
-def test_derivatives_agree_with_differences(
-    texts: tuple[str, ...], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """To 1e-6 of the largest derivative, at nodes that stay where they are."""
-    from propmap.solve import harmonics
-
-    # What the search for harmonics leaves off would be divided by the differences' step.
-    monkeypatch.setattr(harmonics, "CLOSE", 1e-9)
-    names = ("omega", "v_axial", "v_inplane", "c_l1", "c_d", "c_d0", "c_p", "alpha_0")
-    arrays = rotor(*texts).arrays
-    flow = {
-        "omega": np.array([500.0, 620.0, 800.0, 600.0]),
-        "v_axial": np.array([3.0, 1.0, 6.0, -0.5]),
-        "v_inplane": np.array([6.0, 12.0, 9.0, 11.0]),
-    }
-    panels, nodes = (40,), azimuth_nodes(32)
-
-    def solved(change: dict[str, float]) -> tuple[Case, RotorLoads, DiskSolution]:
-        law = {name: by for name, by in change.items() if name not in flow}
-        moved = (flow[name] + change.get(name, 0.0) for name in flow)
-        case = Case(arrays._replace(law=arrays.law.plus(**law)), *moved, None)  # type: ignore[arg-type]
-        return case, *search_loads(case, panels, nodes)
-
-    with by_numpy():
-        ends = {
-            name: [np.stack(solved({name: by})[1].loads) for by in (1e-5, -1e-5)] for name in names
-        }
-        case, _, solution = solved({})
-    ways = directions_of(moving(arrays), names, len(names))
-    with jax.enable_x64(True):
-        on_device = (jax.tree.map(jnp.asarray, one) for one in (case, solution))
-        found = load_slopes(*on_device, panels, nodes, ways, None)
-    for name, got in zip(names, np.asarray(found), strict=True):
-        want = (ends[name][0] - ends[name][1]) / 2e-5
-        scale = np.abs(want).max(axis=1, keepdims=True)
-        assert (np.abs(got - want) <= 1e-6 * scale + 1e-12).all(), name
-    drag = list(LOADS).index("drag")
-    assert (np.abs(np.asarray(found)[:, drag]) > 0.0).all()
+        assert (np.isfinite(getattr(got, name)) == ~lost).all()
+    assert lost.sum() == 0

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import propmap as pm
-from tests.solve.test_root_of_other_laws import BLADE, COARSE, LAWS
+from tests.rotor.test_largest_root import BLADE, COARSE, LAWS
 
 LINES = {
     "speed, 45 deg": lambda s: (600.0 + 0 * s, 3.0 * s, np.pi / 4 + 0 * s),
@@ -43,7 +43,7 @@ def test_loads_do_not_jump_with_the_operating_point(name: str, line: str) -> Non
     """The steps that stand out, and the largest ones, become small when zoomed in on."""
     _, law, losses = LAWS[name]
     corrections = tuple(pm.correction(text) for text in losses)
-    rotor = pm.Rotor(pm.Model(BLADE, law or COARSE, corrections=corrections), compiled=False)
+    rotor = pm.Rotor(pm.Model(BLADE, law or COARSE, corrections=corrections))
     static = float(rotor.loads(600.0, 0.0, 0.0).thrust)
 
     def thrust(s: np.ndarray) -> np.ndarray:

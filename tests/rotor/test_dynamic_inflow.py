@@ -8,7 +8,6 @@ from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicSpline
 
 import propmap as pm
-from propmap.engine import evaluation
 from propmap.loads import LOADS
 from tests.oracle.literal_harmonics import _element
 from tests.oracle.literal_rotor import LiteralRotor, literal_rotor, radial_nodes
@@ -26,12 +25,10 @@ OBLIQUE = np.array([[7.0, 3.0, 2.0], [-10.0, 2.0, 0.0], [0.0, 5.0, -4.0], [12.0,
 """Climb, edgewise flight, vortex ring and windmill."""
 
 
-def dynamic(
-    law: str = "paper-stiff", spin: str = "ccw", *, compiled: bool = False
-) -> pm.DynamicInflow:
+def dynamic(law: str = "paper-stiff", spin: str = "ccw") -> pm.DynamicInflow:
     corrections = (pm.correction("pitt-peters"),)
     model = pm.Model(BLADE, pm.airfoil(law), corrections=corrections)
-    return pm.DynamicInflow(pm.Rotor(model, compiled=compiled), spin=spin)
+    return pm.DynamicInflow(pm.Rotor(model), spin=spin)
 
 
 class Hover:
@@ -269,28 +266,8 @@ def test_points_broadcast_over_leading_axes() -> None:
             np.testing.assert_allclose(all_at_once[i, j], one, rtol=1e-9)
 
 
-def test_axial_flow_is_the_same_in_large_batches(monkeypatch: pytest.MonkeyPatch) -> None:
-    """There its static loads come from a single azimuth, where a gradient would not be seen."""
-    inflow, velocity = dynamic(), np.array([[0.0, 0.0, 2.0], [0.0, 0.0, -14.0], [5.0, 0.0, 1.0]])
-    at = (np.array([4.0, 1.0, -2.0]), 1e-3, OMEGA, velocity)
-    want = inflow.step(*at)
-    monkeypatch.setattr(evaluation, "FEW", 1)
-    np.testing.assert_allclose(inflow.step(*at), want, rtol=1e-9)
-
-
-@pytest.mark.slow
-def test_compiled_programs_agree_with_numpy() -> None:
-    random = np.random.default_rng(9)
-    omega, velocity = random.uniform(300.0, 900.0, 40), random.uniform(-10.0, 10.0, (40, 3))
-    velocity[::7, :2] = 0.0
-    state = random.uniform(-3.0, 6.0, (40, 3))
-    at = (state, 1e-3, omega, velocity)
-    want, got = dynamic().step(*at), dynamic(compiled=True).step(*at)
-    np.testing.assert_allclose(got, want, atol=1e-5)
-
-
 def test_what_it_cannot_do_is_refused() -> None:
-    plain = pm.Rotor(pm.Model(BLADE, pm.airfoil("paper-apc")), compiled=False)
+    plain = pm.Rotor(pm.Model(BLADE, pm.airfoil("paper-apc")))
     with pytest.raises(pm.InputError, match=r"add propmap\.correction"):
         pm.DynamicInflow(plain)
     with pytest.raises(pm.InputError, match="must be 'ccw' or 'cw'"):

@@ -31,7 +31,7 @@ def _check(loads: Loads) -> None:
 
 @pytest.mark.parametrize("airfoil", ["paper-soft", "paper-stiff", "paper-apc"])
 def test_random_points_are_finite_or_say_why(airfoil: str) -> None:
-    loads = _random(4_000, airfoil, seed=1)
+    loads = _random(1_500, airfoil, seed=1)
     _check(loads)
     assert {"ok", "multiple_roots", "windmill", "vortex_ring"} <= set(np.unique(loads.status))
 
@@ -55,8 +55,7 @@ def test_other_propellers(name: str) -> None:
     rng = np.random.default_rng(3)
     blade = pm.propeller(name)
     tip = rng.uniform(10.0, 120.0, 300)
-    # Each has stations of its own number, for which all programs would be compiled again.
-    rotor = pm.Rotor(pm.Model(blade, pm.airfoil("paper-apc")), compiled=False)
+    rotor = pm.Rotor(pm.Model(blade, pm.airfoil("paper-apc")))
     speed, beta = rng.uniform(0.0, 20.0, 300), rng.uniform(0.0, np.pi, 300)
     loads = rotor.loads(tip / blade.radius, speed, beta)
     assert np.isfinite(loads.thrust).all()

@@ -23,7 +23,6 @@ def _loads(model: str) -> Loads:
             propmap.Air(density=DATA.air_density),
             propmap.corrections_of(model),
         ),
-        compiled=False,
     )
     return rotor.loads(*(values[SOME] for values in (DATA.omega, DATA.speed, DATA.beta)))
 

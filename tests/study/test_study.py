@@ -32,7 +32,7 @@ POINTS = {
 @pytest.fixture(scope="module")
 def rotor() -> Rotor:
     model = propmap.Model(propmap.propeller("apc-8x6e"), propmap.airfoil("paper-apc"))
-    return Rotor(model, compiled=False)
+    return Rotor(model)
 
 
 def test_a_blade_of_twice_the_size_has_the_angles_of_the_first(rotor: Rotor) -> None:

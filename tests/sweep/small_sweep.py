@@ -1,4 +1,4 @@
-"""A small sweep by NumPy, which tests run, kill and run again; ``python -m`` runs it alone."""
+"""A small sweep, which tests run, kill and run again; ``python -m`` runs it alone."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ GRID = Grid(np.linspace(3000.0, 7000.0, 4), np.linspace(0.0, 15.0, 5), np.linspa
 @functools.cache
 def rotor() -> Rotor:
     model = propmap.Model(propmap.propeller("apc-8x6e"), propmap.airfoil("paper-apc"))
-    return Rotor(model, compiled=False)
+    return Rotor(model)
 
 
 def sweep() -> Sweep:

@@ -91,7 +91,7 @@ def test_workers_evaluate_the_model_alike(
     rotor: propmap.Rotor, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("propmap.table.model.BATCH", 3)
-    alone = propmap.Rotor(rotor.model, compiled=False)
+    alone = propmap.Rotor(rotor.model)
     told: list[int] = []
     workers = Elsewhere()
     models = [

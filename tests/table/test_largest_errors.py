@@ -165,7 +165,7 @@ def test_the_corner_where_the_8x6e_stalls_below_zero_lift(rotor: propmap.Rotor) 
     rng = np.random.default_rng(26)
     omega = rng.uniform(3000.0 * RPM, 3200.0 * RPM, 8192)
     speed, beta = rng.uniform(14.0, 15.0, 8192), rng.uniform(0.0, 0.2, 8192)
-    model = Model(rotor.for_all_sizes(), table.content.omega)
+    model = Model(rotor, table.content.omega)
     largest = np.abs(compare(table, model, omega, speed, beta).errors).max(axis=0)
     torque = list(LOADS).index("torque")
     assert largest[torque] > 0.00375

@@ -23,8 +23,8 @@ def test_the_drag_of_the_mount_is_in_the_table() -> None:
     )
     point = (440.0, np.array([13.7, 15.2]), np.array([1.5, 1.4]))
     found = table.loads(*point)
-    wanted, without = (propmap.Rotor(m, compiled=False).loads(*point) for m in (model, bare))
-    static = propmap.Rotor(bare, compiled=False).loads(440.0, 0.0, 0.0).thrust
+    wanted, without = (propmap.Rotor(m).loads(*point) for m in (model, bare))
+    static = propmap.Rotor(bare).loads(440.0, 0.0, 0.0).thrust
     np.testing.assert_allclose(found.drag, wanted.drag, atol=0.02 * static)
     assert (wanted.drag - without.drag > 0.04 * static).all()
     assert table.info["corrections"] == ["mount-drag:area_m2=0.0014,wake=1.0"]

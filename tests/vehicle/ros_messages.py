@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from propmap.arrays.types import Floats
+from propmap.typing import Floats
 
 
 class Messages:

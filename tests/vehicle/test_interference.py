@@ -10,7 +10,6 @@ from scipy.integrate import quad as integral
 
 import propmap
 from propmap.errors import InputError
-from propmap.physics.vortex_cylinder import axial_velocity
 from propmap.vehicle.flight_log import FlightLog
 from propmap.vehicle.hub_flow import HubFlow, hub_flow
 from propmap.vehicle.interference import (
@@ -21,6 +20,7 @@ from propmap.vehicle.interference import (
     wake_flow,
 )
 from propmap.vehicle.vehicle import Mount, Vehicle, Wakes
+from propmap.vehicle.vortex_cylinder import axial_velocity
 from propmap.vehicle.wake_table import SeenWake, frame_of
 
 PROPELLER = propmap.propeller("apc-8x6e")
@@ -322,7 +322,7 @@ def test_rotors_meet_the_wakes_of_their_attached_thrust() -> None:
     flow = flow_of(quad_rotor, [(0.0, 0.0, 0.0), (9.0, 2.0, 1.0)])
     # Thrust of small angles is some per cent low here, and inflow goes as its root or itself.
     near = in_wakes(quad_rotor, ONE, model, flow)
-    loads = propmap.Rotor(model, compiled=False).loads_at_velocity(
+    loads = propmap.Rotor(model).loads_at_velocity(
         flow.omega, np.stack([flow.inplane, 0.0 * flow.axial, flow.axial], axis=-1)
     )
     from_loads = added_flow(quad_rotor, ONE, flow, loads.thrust)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from propmap.arrays.types import Floats
+from propmap.typing import Floats
 from propmap.vehicle.flight_log import FlightLog
 from propmap.vehicle.logs import read_flight_log
 from propmap.vehicle.time_derivatives import low_passed

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from propmap.errors import InputError
-from propmap.physics.mount_drag import MountDrag
+from propmap.model.corrections import MountDrag
 from propmap.vehicle.vehicle import Body, Wakes, Wing
 from propmap.vehicle.vehicle_toml import VehicleFile, read_vehicle
 from tests.io import samples

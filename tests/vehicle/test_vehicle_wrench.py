@@ -13,7 +13,7 @@ import pytest
 
 import propmap
 from propmap import InputError, VehicleForces
-from propmap.physics.mount_drag import MountDrag
+from propmap.model.corrections import MountDrag
 from propmap.results import STATUSES
 from propmap.table.lookup import STATUSES as TABLE_STATUSES
 from propmap.vehicle.load_sources import SEVERITY, worst
@@ -25,7 +25,7 @@ PROPELLER = propmap.propeller("apc-8x6e")
 MODEL = propmap.Model(
     PROPELLER, propmap.airfoil("apc-8x6e-2019"), corrections=propmap.corrections_of("recommended")
 )
-ROTOR = propmap.Rotor(MODEL, compiled=False)
+ROTOR = propmap.Rotor(MODEL)
 LEAN = (math.sin(0.1), 0.0, math.cos(0.1))
 QUAD = Vehicle(
     "quad",

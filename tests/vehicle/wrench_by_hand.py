@@ -9,7 +9,6 @@ import numpy as np
 from scipy.optimize import brentq
 
 import propmap
-from propmap.engine.attached_thrust import attached_thrust
 from propmap.vehicle.vehicle import Mount, Vehicle
 from propmap.vehicle.wake_table import SeenWake
 from propmap.vehicle.wake_table import frame_of as own_frame
@@ -49,8 +48,7 @@ def added_flows(
             frame = frame_of(np.array(source.axis))
             x, y, z = frame @ hub
             across = math.hypot(x, y)
-            points = (np.array([omega]), np.array([z]), np.array([across]))
-            thrust = float(attached_thrust(rotor.model.arrays(), *points)[0][0])
+            thrust = float(rotor.attached_thrust(omega, z, across)[0])
 
             def excess(v: float, t: float = thrust, at: tuple[float, float] = (across, z)) -> float:
                 return 2.0 * rho * math.pi * radius**2 * v * math.hypot(at[0], at[1] + v) - t

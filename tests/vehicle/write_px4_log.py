@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from propmap.arrays.types import Floats
+from propmap.typing import Floats
 from propmap.vehicle.flight_log import FlightLog
 
 from .write_logs import RPM, InFrames

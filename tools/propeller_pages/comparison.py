@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.arrays.types import Floats
 from propmap.catalogue.identified import Identified
 from propmap.catalogue.lookup import propeller
 from propmap.fit.population.verdict import ALIKE_RPM
@@ -15,6 +14,7 @@ from propmap.io.uiuc_database import MeasuredPropeller
 from propmap.model.model import Model
 from propmap.model.propeller import Propeller
 from propmap.rotor import Rotor
+from propmap.typing import Floats
 
 Rows = NDArray[np.intp]
 
@@ -96,7 +96,7 @@ def compare(entry: Identified, tested: MeasuredPropeller) -> Comparison:
     asked = _asked(tested)
     # One batch for all, since most of the time of a small one goes elsewhere.
     found = coefficients(
-        Rotor(Model(blade, entry.airfoil), compiled=False),
+        Rotor(Model(blade, entry.airfoil)),
         np.concatenate([*(rpm for rpm, _, _ in asked), tested.rpm]),
         np.concatenate([*(advance for _, advance, _ in asked), tested.advance]),
     )

@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.io.uiuc_database import MeasuredPropeller
+from propmap.typing import Floats
 
 
 class ErrorParts(NamedTuple):

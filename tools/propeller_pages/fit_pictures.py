@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from propmap.arrays.types import Floats
+from propmap.typing import Floats
 from tools.propeller_pages.comparison import Comparison
 from tools.propeller_pages.plot import COLOURS, Series, plot
 

@@ -9,7 +9,7 @@ from html import escape
 import numpy as np
 from matplotlib.ticker import MaxNLocator
 
-from propmap.arrays.types import Floats
+from propmap.typing import Floats
 
 WIDTH, HEIGHT = 360.0, 230.0
 LEFT, RIGHT, TOP, BOTTOM = 50.0, 10.0, 24.0, 36.0

@@ -5,7 +5,8 @@
 // About stall the residual has a maximum, the hump: where its top is above zero (11) has three roots, of which
 // the largest, on the attached branch, is taken; where it is below, the one root is stalled.  So a root that
 // Newton's method finds in attached flow is the one wanted, if the residual can be shown to fall from there
-// on; anywhere else the whole range of inflows is scanned.
+// on; and one that it finds above the hump, or below a hump that is below zero, if that is how humps at radii
+// near by say it should be.  Anywhere else the whole range of inflows is scanned.
 #pragma once
 
 #include <array>
@@ -296,7 +297,8 @@ struct Hump {
     bool falls;     // whether it falls with v_i everywhere
     bool top;       // whether it is a maximum
     bool folded;    // whether (11) has three roots here
-    bool near;      // whether the height is small
+    bool near;      // whether the height is small, and whether it is so small that the blade's shape between two
+    bool touching;  // stations may take it through zero
 };
 
 // The maximum in samples of falling v_i that decides on the largest root, the first one above zero or else the
@@ -340,6 +342,14 @@ Lanes inflow_past_stall(const Annuli<R>& of, const Station<Lanes>& at, Lanes spe
     return inflow_at_angle(of, at, speed, stall + off * of.stall_scale());
 }
 
+// Over how wide a range of mean angles an annulus stalls, as a share of the paper's: in forward flight some azimuths
+// stall before others.
+template <class R> Lanes stall_spread(const Annuli<R>& of, const Station<Lanes>& at, Lanes stall) {
+    const auto turn = sine_cosine(stall);
+    const Lanes rise = absolute(at.sine * turn.cosine - at.cosine * turn.sine);  // sin(phi) at stall
+    return minimum(of.stall_scale() + 5.0 * rise * of.flow.v_inplane / (of.flow.omega * at.radius + 1e-12), 1.0);
+}
+
 // The humps about the stall at positive (side = 1) or negative angles, at a radius per lane.
 template <class R> void humps_at(const Annuli<R>& of, Lanes radius, double side, Hump (&found)[width]) {
     const Dual<Lanes, 1> moved{radius, {broadcast(1.0)}};
@@ -354,14 +364,16 @@ template <class R> void humps_at(const Annuli<R>& of, Lanes radius, double side,
         for (int k = 0; k < width; ++k)
             if (known[k]) s[k].append(v[k], g.v[k], g.d[0][k]);
     };
+    const Lanes spread = stall_spread(of, at, stall);
     for (double off : {-0.2, -0.14, -0.095, -0.06, -0.03, -0.005, 0.025, 0.06, 0.1, 0.15})
-        sample(inflow_past_stall(of, at, speed, stall, off), of.few);
+        sample(inflow_at_angle(of, at, speed, stall + off * spread), of.few);
     if (!of.plain())
-        for (double off : {0.2, 0.27, 0.35, 0.43, 0.52, 0.62, 0.73, 0.85}) sample(inflow_at_angle(of, at, speed, stall + off), of.few);
+        for (double off : {0.2, 0.27, 0.35, 0.43, 0.52, 0.62, 0.73, 0.85})
+            sample(inflow_at_angle(of, at, speed, stall + off), of.few);
     Lanes inflow{}, below = broadcast(std::nan("")), depth = broadcast(INFINITY);
     bool deeper = false;
     for (int k = 0; k < width; ++k) {
-        found[k] = {radius[k], std::nan(""), 0.0, 0.0, 0.0, std::nan(""), true, true, false, false, false};
+        found[k] = {radius[k], std::nan(""), 0.0, 0.0, 0.0, std::nan(""), true, true, false, false, false, false};
         if (s[k].count < 3) continue;
         found[k].top = deciding_top(s[k], found[k].inflow, found[k].height);
         inflow[k] = found[k].inflow;
@@ -411,6 +423,7 @@ template <class R> void humps_at(const Annuli<R>& of, Lanes radius, double side,
         found[k].height = height.v[k], found[k].slope = height.d[0][k];
         found[k].past = past[k], found[k].below = below[k];
         found[k].near = std::fabs(height.v[k]) < 0.3 * wake[k];
+        found[k].touching = std::fabs(height.v[k]) < 0.02 * wake[k];
         found[k].folded = found[k].top && found[k].height > 0.0 && depth[k] < 0.0;
     }
 }
@@ -488,7 +501,12 @@ template <class R> Fold fold_between(const Annuli<R>& of, Hump low, Hump high, d
                 near_enough = std::fabs(dy) < 2e-3 * y && std::fabs(dv) < 3e-3 * speed;
                 continue;
             }
-            if (std::fabs(dy) < 1e-7 * y && std::fabs(dv) < 1e-5 * speed) {
+            if (std::fabs(dy) < 1e-9 * y && std::fabs(dv) < 1e-6 * speed) {
+                // It must be that of the hump which is above zero: Newton's steps may end at another one's.
+                const Hump& above = low.height > 0.0 ? low : high;
+                const auto at = of.station(broadcast(y));
+                const Lanes past = angle_at(at, of.rms_speed(at), broadcast(of.flow.v_axial + v)) - stall_angles(of, at, side);
+                if (above.top && std::fabs(past[0] - above.past) > 0.03 && narrowing < 6) break;
                 if (curved < 0.0 && (top || s1 < 0.0)) return {y, v, top ? Fold::Kind::top : Fold::Kind::shoulder, side};
                 break;
             }
@@ -519,6 +537,7 @@ template <class R> Fold fold_between(const Annuli<R>& of, Hump low, Hump high, d
         y -= step;
         if (!(y > first - (last - first) && y < last + (last - first))) return {std::nan(""), 0.0, Fold::Kind::angle, side};
     }
+    if (!(std::fabs(step) < 1e-9 * y)) y = std::nan("");
     return {y, 0.0, Fold::Kind::angle, side};
 }
 

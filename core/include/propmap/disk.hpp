@@ -84,7 +84,6 @@ struct Disk {
     std::array<Fold, most_edges + 2> fold;      // that an edge follows, where `moves`
     std::array<bool, most_edges + 2> moves{};
     std::array<int, most_edges + 1> count;      // nodes of each panel
-    std::array<bool, most_edges + 1> attached;  // whether the hump is above zero on a panel that follows stall
     int nodes = 0, groups = 0;
     std::vector<Station<Lanes>> at;  // the blade at the nodes; those beyond the last repeat it
     std::vector<Lanes> weight;       // of the nodes [m], zero beyond the last
@@ -213,11 +212,15 @@ void find_folds(const Annuli<R>& of, const Disk& disk, const std::vector<bool>& 
     const auto sort = [&] {
         std::sort(seen.begin(), seen.end(), [](const Hump& a, const Hump& b) { return a.radius < b.radius; });
     };
-    // Of the nodes every other one will do, as the slopes are known.
-    std::array<double, most_nodes> places;
+    // Every other node will do, as the slopes are known.
+    std::array<double, most_nodes + 2> places;
     int near = 0, chosen = 0;
     const auto add_group = [&](int g) {
+        // A fold may lie beyond the last node.
+        const double inset = 1e-5 * (tip - root);
+        if (g == 0) places[near++] = root + inset;
         for (int k = 0; k < width && g * width + k < disk.nodes; ++k) places[near++] = disk.at[g].radius[k];
+        if (g + 1 == disk.groups) places[near++] = tip - inset;
     };
     const auto look_at_places = [&] {
         chosen = 0;
@@ -259,11 +262,13 @@ void find_folds(const Annuli<R>& of, const Disk& disk, const std::vector<bool>& 
             for (int e = cubic.extremes(t) - 1; e >= 0 && place == 0.0; --e) {
                 const double there = cubic.at(t[e]);
                 if (!crosses && (there < 0.0) == (a.height < 0.0) && std::fabs(there) > 0.7 * nearest) continue;
-                if (t[e] > 0.02 && t[e] < 0.98) place = t[e];
+                const double least = crosses ? 0.02 : 1e-6 * tip / gap;
+                if (t[e] > least && t[e] < 1.0 - least) place = t[e];
             }
             // Where the hump is another one further out, its height may jump.
             const double steepest = std::max(std::fabs(a.slope), std::fabs(b.slope));
             if (!crosses && a.top != b.top && gap > 0.004 * tip && nearest < steepest * gap) place = 0.5;
+            if (place == 0.0 && (a.touching || b.touching) && gap > 0.012 * tip) place = 0.5;
             if (place > 0.0) closer.push_back(a.radius + place * gap);
         }
         if (closer.empty()) break;
@@ -276,6 +281,11 @@ void find_folds(const Annuli<R>& of, const Disk& disk, const std::vector<bool>& 
         if ((seen[k].height < 0.0) == (seen[k + 1].height < 0.0)) continue;
         const Fold found = fold_between(of, seen[k], seen[k + 1], side);
         if (!(found.radius > root && found.radius < tip)) continue;
+        // Two between which nothing is flat are one place.
+        if (folds.count > 0 && found.kind == Fold::Kind::angle) {
+            const Fold& before = folds.fold[folds.count - 1];
+            if (before.kind == Fold::Kind::angle && std::fabs(found.radius - before.radius) < 1e-6 * tip) continue;
+        }
         several |= found.kind == Fold::Kind::top;
         folds.fold[folds.count++] = found;
     }
@@ -300,17 +310,8 @@ inline void make_panels(const Folds& folds, double root, double tip, int nodes, 
         disk.moves[k + 1] = edges[k].fold >= 0;
         if (edges[k].fold >= 0) disk.fold[k + 1] = folds.fold[edges[k].fold];
     }
-    for (int p = 0; p < disk.panels; ++p) {
+    for (int p = 0; p < disk.panels; ++p)
         disk.count[p] = disk.panels > 3 ? nodes / disk.panels + 2 : p == 0 ? nodes / 4 : 3 * nodes / 8;
-        // The hump nearest to the middle tells the panel's state; where none was looked at, flow is attached.
-        const double middle = 0.5 * (disk.edge[p] + disk.edge[p + 1]);
-        double nearest = INFINITY;
-        disk.attached[p] = true;
-        for (const Hump& h : folds.seen) {
-            if (h.radius <= disk.edge[p] || h.radius >= disk.edge[p + 1] || std::fabs(h.radius - middle) > nearest) continue;
-            nearest = std::fabs(h.radius - middle), disk.attached[p] = h.height > 0.0;
-        }
-    }
     if (disk.panels == 3) disk.count[2] = nodes - disk.count[0] - disk.count[1];
 }
 
@@ -318,7 +319,7 @@ inline void single_panel(Disk& disk, double root, double tip, int nodes) {
     disk.panels = 1;
     disk.edge[0] = root, disk.edge[1] = tip;
     disk.moves.fill(false);
-    disk.count[0] = nodes, disk.attached[0] = true;
+    disk.count[0] = nodes;
 }
 
 // What the humps seen tell of the roots at radii.
@@ -329,7 +330,8 @@ struct Outlook {
     Mask attached{}, stalled{};  // whether the root is above the top or below it; neither where it may be both
     Lanes top, below;  // v_i of the top, and where the residual is positive again; NaN where not known
 };
-template <class R> Outlook outlook(const Annuli<R>& of, const Folds& folds, const Station<Lanes>& at, Lanes speed) {
+template <class R>
+Outlook outlook(const Annuli<R>& of, const Folds& folds, bool follow, const Station<Lanes>& at, Lanes speed) {
     Outlook o;
     const auto& seen = folds.seen;
     const double tip = of.rotor.tip();
@@ -342,19 +344,30 @@ template <class R> Outlook outlook(const Annuli<R>& of, const Folds& folds, cons
         const Hump& a = after == seen.begin() ? *after : *(after - 1);
         const Hump& b = after == seen.end() ? a : *after;
         if (std::min(std::fabs(y - a.radius), std::fabs(b.radius - y)) > 0.12 * tip) continue;
+        // A hump beyond a jump tells nothing of the state on this side.
+        bool within = true, without = true;
+        for (int f = 0; follow && f < folds.count; ++f) {
+            const double jump = folds.fold[f].radius;
+            if (folds.fold[f].kind == Fold::Kind::angle) continue;
+            within &= !((a.radius < jump) == (jump < y)), without &= !((y < jump) == (jump < b.radius));
+        }
         const double share = b.radius > a.radius ? (y - a.radius) / (b.radius - a.radius) : 0.0;
         past[k] = a.past + share * (b.past - a.past);
         below[k] = a.below > b.below || std::isnan(a.below) ? a.below : b.below;
         o.known[k] = -1;
         o.single[k] = -(!a.top && !b.top && a.falls && b.falls);
         o.clear[k] = -(a.clear && b.clear);
-        o.attached[k] = -(a.height > 0.0 && b.height > 0.0);
-        o.stalled[k] = -(a.height < 0.0 && b.height < 0.0);
+        o.attached[k] = -((within || without) && (a.height > 0.0 || !within) && (b.height > 0.0 || !without));
+        o.stalled[k] = -((within || without) && (a.height < 0.0 || !within) && (b.height < 0.0 || !without));
     }
     const Lanes stall = stall_angles(of, at, folds.side);
     o.top = inflow_at_angle(of, at, speed, stall + past), o.below = inflow_at_angle(of, at, speed, stall + below);
     o.known &= o.top == o.top;
     if (!of.plain()) o.single = o.clear = Mask{};
+    // Beside the hub its loss takes the wake's thrust away, and humps change from one radius to the next.
+    if (const double hub = of.rotor.hub_radius; hub > 0.0) o.known &= at.radius > 1.5 * hub;
+    // Deep in reverse flow stall lasts over most azimuths, and nothing is told by its angle.
+    o.known &= of.flow.v_inplane < 1.4 * (of.flow.omega * at.radius);
     return o;
 }
 
@@ -364,8 +377,6 @@ template <class R> Outlook outlook(const Annuli<R>& of, const Folds& folds, cons
 template <class R> void solve_nodes(const Annuli<R>& of, Disk& disk, const Folds* folds, bool follow) {
     std::array<int, most_nodes + width> open;
     int left = 0;
-    std::array<bool, most_nodes + width> attached;
-    if (follow) disk.for_each_node([&](int node, int panel, const PanelRule&, int) { attached[node] = disk.attached[panel]; });
     const auto turn = turning_points(of.flow.v_axial, of.flow.v_inplane);
     // Above this inflow the wake's thrust rises.
     const double rises = of.windmill || turn.second <= turn.first ? -INFINITY : turn.second;
@@ -376,9 +387,7 @@ template <class R> void solve_nodes(const Annuli<R>& of, Disk& disk, const Folds
         v = attached_guess(of, at);
         Outlook o{};
         if (folds) {
-            o = outlook(of, *folds, at, speed);
-            if (follow)
-                for (int k = 0; k < width; ++k) o.attached[k] = -(o.stalled[k] = -(o.known[k] && !attached[g * width + k])) - 1;
+            o = outlook(of, *folds, follow, at, speed);
             // About stall at negative angles it is the other way round: above the top flow is stalled.
             if (folds->side > 0.0) {
                 v = o.stalled & (o.below == o.below) ? o.below : v;
@@ -394,7 +403,8 @@ template <class R> void solve_nodes(const Annuli<R>& of, Disk& disk, const Folds
             const Lanes near = 0.003 * scale;
             const Mask above = v > o.top + near, about = v > o.top - near;
             const Mask below = o.stalled & o.clear & (v < o.top + near) & (folds->side < 0.0 ? v == v : v > o.below - near);
-            found &= sure | (o.known & (v >= rises) & ((o.attached & about) | above | o.single | below));
+            const Mask told = above | o.single | (o.attached & about) | below;
+            found &= sure | (o.known & (v >= rises) & told);
         } else {
             found = sure;
         }

@@ -196,11 +196,7 @@ template <template <class> class LawOf> class RotorSolver {
     void solve_stalled(Solution& s, int following) const {
         const auto of = annuli(s);
         find_folds(of, s.disk, s.near_stall, following > 0, s.folds, s.disk.several);
-        // Far from any fold the inflow is smooth, and fewer nodes do.
-        const bool smooth = std::none_of(s.folds.seen.begin(), s.folds.seen.end(), [](const Hump& h) { return h.near; });
-        const bool fewer = following == accuracy_.stalled && s.folds.count == 0 && smooth;
-        const int nodes = fewer ? following * 3 / 4 : following;
-        if (following) make_panels(s.folds, rotor_.root(), rotor_.tip(), nodes, s.disk);
+        if (following) make_panels(s.folds, rotor_.root(), rotor_.tip(), following, s.disk);
         else single_panel(s.disk, rotor_.root(), rotor_.tip(), accuracy_.fast);
         place_nodes(rotor_, s.flow.omega, s.disk);
         solve_nodes(of, s.disk, &s.folds, following > 0);

@@ -21,6 +21,19 @@ template <class A, class B> auto speed_squared(const A& a, const B& b) {
     return a * a + b * b + speed_floor * speed_floor;
 }
 
+// Share of the annulus between `root` and `tip` [m] inside the reverse-flow circle y = -V sin(beta) sin(psi)/Omega, which
+// passes through the hub.
+inline double reverse_flow_share(const Flow<double>& flow, double root, double tip) {
+    if (flow.v_inplane == 0.0) return 0.0;
+    const double diameter = std::min(flow.v_inplane / std::max(flow.omega, 1e-12), 1e4 * tip);
+    const auto within = [&](double radius) {
+        const double angle = std::acos(std::min(radius / std::max(diameter, 1e-12), 1.0));
+        return radius * radius * angle +
+               0.5 * diameter * diameter * (0.5 * pi - angle - std::sin(angle) * std::cos(angle));
+    };
+    return (within(tip) - within(root)) / (pi * (tip * tip - root * root));
+}
+
 // Equally spaced azimuths: the mean over them, the periodic trapezoidal rule, converges spectrally.
 // Nodes lie symmetrically about the advancing and the retreating side, psi and pi - psi, so that those
 // of the front of the disk are enough where the inflow does not vary around it.

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from propmap.aircraft.controls import controls
 from propmap.aircraft.newton import solve
-from propmap.arrays.types import Floats
+from propmap.typing import Floats
 from propmap.vehicle.flight_log import GRAVITY, in_vehicle_frame
 from propmap.vehicle.free_stream_force import free_stream_force
 from propmap.vehicle.rotors import Rotors, RotorWrenches

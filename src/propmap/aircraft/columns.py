@@ -9,7 +9,7 @@ import numpy as np
 
 from propmap.aircraft.deviations import Spread
 from propmap.aircraft.steady_states import SteadyStates
-from propmap.arrays.types import Floats
+from propmap.typing import Floats
 
 RPM, DEGREES = 30.0 / math.pi, 180.0 / math.pi
 

@@ -12,14 +12,13 @@ from propmap.aircraft.load_changes import LoadChanges
 from propmap.aircraft.response import Response, Responses
 from propmap.aircraft.steady import Aircraft
 from propmap.aircraft.steady_states import SteadyStates
-from propmap.arrays.types import Floats
-from propmap.bands import FEW, FlowPoints, errors_of_loads, parameter_slopes, scales_of
+from propmap.bands import FlowPoints, errors_of_loads
 from propmap.errors import InputError
-from propmap.loads import LOADS
+from propmap.loads import FLOW, LOADS
 from propmap.model.section_covariance import SectionCovariance
 from propmap.rotor import Rotor
-from propmap.solve.moved_case import GEOMETRY
 from propmap.table.query import LoadTable
+from propmap.typing import Floats
 
 FLIGHT = ("speed", "climb")
 AREAS = ("drag_area_x", "drag_area_y", "drag_area_z")
@@ -67,9 +66,8 @@ def derivatives(
 ) -> dict[str, Response]:
     """Derivatives of steady states; the attitude and the rotor speeds follow each change.
 
-    Those of the loads by the flow, by constants and by chord and twist come from JAX where the
-    rotor's programs are compiled, and by the flow from a table's own derivatives; else they are
-    differences, as those by the diameter always are.
+    Those of the loads by the flow, by constants and by chord and twist are the rotor's own, and by
+    the flow those of a table; by the diameter they are differences.
 
     Parameters
     ----------
@@ -153,7 +151,7 @@ def spread(aircraft: Aircraft, states: SteadyStates) -> Spread | None:
     responses = Responses(aircraft, states)
     covariance = _covariance(aircraft)
     names = covariance.names if covariance is not None else ()
-    constants = _to_parameters(responses, names, FEW[False]) if names else []
+    constants = _to_parameters(responses, names) if names else []
     errors = _to_errors(responses)
 
     def deviation(values: Any) -> Floats:
@@ -188,10 +186,8 @@ def _covariance(aircraft: Aircraft) -> SectionCovariance | None:
     return None if known is None else known.covariance.determined
 
 
-def _to_parameters(
-    responses: Responses, names: tuple[str, ...], few: int | None = None
-) -> list[Response]:
-    """By constants of the section law and geometry; ``few`` is that of ``parameter_slopes``."""
+def _to_parameters(responses: Responses, names: tuple[str, ...]) -> list[Response]:
+    """By constants of the section law and geometry."""
     if DIAMETER in names and responses.aircraft.vehicle.wakes is not None:
         raise InputError(
             f"there is no derivative by {DIAMETER!r} where rotors are in each other's wakes",
@@ -204,33 +200,24 @@ def _to_parameters(
                 f"there is no derivative by {names[0]!r}: the loads are from a table",
                 f"give the aircraft a Rotor, or names of {', '.join(VEHICLE)}",
             )
-        known = (*source.arrays.law.parameters, *GEOMETRY, DIAMETER)
+        known = (*(name for name in source.parameters if name not in FLOW), DIAMETER)
         unknown = [name for name in names if name not in known]
         if unknown:
             raise InputError(
                 f"there is no derivative by {unknown[0]!r}",
                 f"choose from {', '.join((*VEHICLE, *known))}",
             )
-        changes.append((LoadChanges(_slopes_of(source, names, few)), which))
+        changes.append((LoadChanges(_slopes_of(source, names)), which))
     return _each(responses, changes, len(names))
 
 
-def _slopes_of(rotor: Rotor, wanted: tuple[str, ...], few: int | None) -> Any:
+def _slopes_of(rotor: Rotor, wanted: tuple[str, ...]) -> Any:
     names = tuple(name for name in wanted if name != DIAMETER)
-    known = rotor.model.uncertainty
-    whole = None if known is None else known.covariance.determined
-    if whole is not None and whole.names == names:
-        scales = scales_of(whole)
-    else:
-        scales = [
-            SCALES[name] if name in SCALES else abs(float(getattr(rotor.arrays.law, name))) or 0.1
-            for name in names
-        ]
 
     def at(points: FlowPoints) -> Floats:
         by_name = {}
         if names:
-            slopes = parameter_slopes(rotor._prepared, names, scales, points, few)
+            slopes = rotor.gradients(names, *points).slopes
             by_name = dict(zip(names, slopes.transpose(1, 0, 2), strict=True))
         if DIAMETER in wanted:
             by_name[DIAMETER] = _by_diameter(rotor, points)

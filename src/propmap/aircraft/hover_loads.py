@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.baselines.hover import HoverModel
+from propmap.typing import Floats
 
 
 class HoverLoads:

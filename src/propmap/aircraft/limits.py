@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.model.usual_ranges import FAST_TIP_MACH, SPEED_OF_SOUND
+from propmap.typing import Floats
 from propmap.vehicle.powertrain import ElectricState, Powertrain
 
 LIMITS = {

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.bands import FlowPoints
 from propmap.loads import LOADS
+from propmap.typing import Floats
 
 ChangesAt = Callable[[FlowPoints], Floats]
 """D changes of the L loads at N operating points, (D, L, N)."""

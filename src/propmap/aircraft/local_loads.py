@@ -7,23 +7,18 @@ from typing import Any
 
 import numpy as np
 
-from propmap.arrays.types import Floats
-from propmap.engine.gradients import load_gradients
-from propmap.loads import LOADS
+from propmap.loads import FLOW, LOADS
 from propmap.rotor import Rotor
-from propmap.solve.moved_case import FLOW
 from propmap.table.query import LoadTable
+from propmap.typing import Floats
 
 
 def has_slopes(source: Any) -> bool:
     """Whether the loads of a ``source`` have exact derivatives by the flow.
 
-    A rotor's programs have, by the implicit function theorem in JAX, and a table; a rotor that is
-    not compiled and the hover model have not.
+    A rotor has, by the implicit function theorem, and a table; the hover model has not.
     """
-    if isinstance(source, Rotor):
-        return source.compiled and source.precision == "float64"
-    return isinstance(source, LoadTable)
+    return isinstance(source, Rotor | LoadTable)
 
 
 class LocalLoads:
@@ -64,7 +59,7 @@ class LocalLoads:
 def _loads_and_slopes(source: Any, points: Floats) -> tuple[Floats, Floats]:
     """Loads (L, N) at N points (3, N), and their derivatives (L, 3, N) by ``FLOW``."""
     if isinstance(source, Rotor):
-        found = load_gradients(source._prepared, source._setting, FLOW, *points)
+        found = source.gradients(FLOW, *points)
         return found.loads, found.slopes
     omega, along, across = points
     velocity = np.stack([across, np.zeros_like(across), along], axis=1)

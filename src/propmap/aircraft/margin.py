@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from propmap.arrays.types import Floats
+from propmap.typing import Floats
 
 SLOWEST, FASTEST = 0.2, 20.0
 """Least and largest factor on rotor speeds that is looked at."""

@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 
 from propmap.aircraft.steady import Aircraft
 from propmap.aircraft.steady_states import FLOWN, STATUSES, SteadyStates
-from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.io.blade_table import parse_number
 from propmap.io.csv_dialect import read_csv_table
 from propmap.io.text_file import read_lines
+from propmap.typing import Floats
 
 COLUMNS = ("speed_mps", "climb_mps", "duration_s")
 EMPTY, NOT_REACHED = "battery_empty", "not_reached"

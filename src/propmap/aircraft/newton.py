@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.arrays.types import Floats
+from propmap.typing import Floats
 
 ITERATIONS = 40
 

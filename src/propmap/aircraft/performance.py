@@ -13,8 +13,8 @@ from propmap.aircraft.response import Responses
 from propmap.aircraft.steady import Aircraft
 from propmap.aircraft.steady_states import SteadyStates
 from propmap.aircraft.top_speed import top_speed
-from propmap.arrays.types import Floats
 from propmap.errors import InputError
+from propmap.typing import Floats
 
 TOP = 3
 """Number of the top speed among the states with a name."""

@@ -16,11 +16,10 @@ from propmap.aircraft.steady import Aircraft
 from propmap.aircraft.steady_states import STATUSES, SteadyStates
 from propmap.aircraft.task import Task
 from propmap.aircraft.top_speed import top_speed
-from propmap.engine.batch import cores
 from propmap.model.corrections import Correction
 from propmap.model.model import Model
 from propmap.rotor import Rotor
-from propmap.tasks import InThreads, Workers, in_order
+from propmap.tasks import InThreads, Workers, cores, in_order
 from propmap.vehicle.vehicle import Vehicle
 
 ALONE = 1e-3
@@ -171,7 +170,7 @@ class Ranking:
         own = getattr(candidate.airfoil, "corrections", None)
         corrections = self.corrections if own is None else ()
         model = Model(candidate.propeller, candidate.airfoil, air, corrections)
-        rotor = Rotor(model).for_all_blades()
+        rotor = Rotor(model)
         return Aircraft(
             vehicle, rotor, maximum_rotor_speed=self.maximum_rotor_speed, charge=self.charge
         )

@@ -13,7 +13,7 @@ from propmap.aircraft.balance import Balanced, Flight
 from propmap.aircraft.local_loads import LocalLoads, has_slopes
 from propmap.aircraft.steady import Aircraft
 from propmap.aircraft.steady_states import SteadyStates
-from propmap.arrays.types import Floats
+from propmap.typing import Floats
 from propmap.vehicle.load_sources import LoadSource
 from propmap.vehicle.rotors import Rotors
 

@@ -25,11 +25,11 @@ from propmap.aircraft.steady_states import (
     SteadyStates,
 )
 from propmap.aircraft.wing_borne import of_less_power, on_the_wing, stalled
-from propmap.arrays.types import Floats
 from propmap.baselines.hover import REFERENCE_TIP_SPEED, HoverModel
 from propmap.errors import InputError
 from propmap.operating_points import broadcast
 from propmap.rotor import Rotor
+from propmap.typing import Floats
 from propmap.vehicle.rotors import Rotors
 from propmap.vehicle.vehicle import Vehicle
 
@@ -53,8 +53,7 @@ class Aircraft:
     vehicle : Vehicle
         What flies, from ``read_vehicle(path).vehicle``.
     loads : Rotor or LoadTable
-        Of its rotors.  A search has batches of many sizes: ``Rotor(...).for_all_blades()`` takes
-        least time in all.
+        Of its rotors.
     maximum_rotor_speed : float
         [rad/s] besides what the vehicle's motor tells.
     charge : float

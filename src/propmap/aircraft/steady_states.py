@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from propmap.aircraft.limits import LIMITS
-from propmap.arrays.types import Floats
+from propmap.typing import Floats
 
 JUMP = 2e-3
 """Share of the weight by which a rotor's loads may jump past the balance, where their nodes change

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from propmap.aircraft.balance import Balance, Balanced, Flight
-from propmap.arrays.types import Floats
+from propmap.typing import Floats
 from propmap.vehicle.flight_log import GRAVITY
 from propmap.vehicle.free_stream_force import wing_lift
 from propmap.vehicle.vehicle import Vehicle, Wing

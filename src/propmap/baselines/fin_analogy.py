@@ -8,9 +8,9 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
-from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.model.propeller import Propeller
+from propmap.typing import Floats
 
 ASPECT_RATIO = 8.0
 """Effective aspect ratio of the fin; the reports say "of the order of 8"."""

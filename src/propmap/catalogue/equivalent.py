@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.catalogue.identified import PARAMETERS
 from propmap.model.propeller import Propeller
+from propmap.typing import Floats
 
 INNERMOST = 0.3
 """Share of the radius from which blades are compared."""

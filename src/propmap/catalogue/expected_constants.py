@@ -8,7 +8,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from propmap import catalogue
-from propmap.arrays.types import Floats
 from propmap.catalogue.designation import designation
 from propmap.catalogue.equivalent import equivalent
 from propmap.catalogue.expected_blade import ExpectedBlade
@@ -27,6 +26,7 @@ from propmap.model.airfoil import Airfoil
 from propmap.model.propeller import Propeller
 from propmap.model.section_covariance import SectionCovariance
 from propmap.model.uncertainty import SectionUncertainty
+from propmap.typing import Floats
 
 MEDIAN_ERRORS = {"family": 0.09, "population": 0.12}
 """Of C_T and C_P of propellers that were left out, by ``python -m tools.left_out``: half of them

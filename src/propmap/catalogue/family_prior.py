@@ -7,10 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.catalogue.identified import Identified
 from propmap.catalogue.population import Population, Size, likeness
 from propmap.catalogue.prior import POPULATION, PopulationPrior, coordinate_covariance, coordinates
+from propmap.typing import Floats
 
 
 class Member(NamedTuple):

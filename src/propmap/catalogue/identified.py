@@ -12,11 +12,11 @@ from typing import Any
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.model.airfoil import Airfoil
 from propmap.model.section_covariance import SectionCovariance
 from propmap.model.uncertainty import SectionUncertainty
+from propmap.typing import Floats
 
 PARAMETERS = (
     "c_l1",

@@ -16,9 +16,9 @@ from typing import NamedTuple
 import numpy as np
 
 from propmap import catalogue
-from propmap.arrays.types import Floats
 from propmap.catalogue.designation import Designation, designation
 from propmap.model.propeller import Propeller
+from propmap.typing import Floats
 
 SHARES = np.linspace(0.15, 1.0, 18)
 """Radii over the tip radius at which blades are averaged, those of most measured blades."""

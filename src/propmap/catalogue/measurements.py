@@ -10,10 +10,10 @@ from importlib.resources import files
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.errors import InputError, quoted
 from propmap.io.toml_table import parse_toml
 from propmap.loads import LOADS
+from propmap.typing import Floats
 
 SCHEMA = 1
 SUFFIX = ".toml"

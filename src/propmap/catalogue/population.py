@@ -14,7 +14,7 @@ from importlib.resources import files
 
 import numpy as np
 
-from propmap.arrays.types import Floats
+from propmap.typing import Floats
 
 MIDDLE = (0.2286, 0.6)
 """Diameter [m] and pitch over diameter at which a family's mean is stated."""

@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.catalogue.identified import PARAMETERS
+from propmap.typing import Floats
 
 HELD = {"c_l2": 2.0}
 """Held at one value for all: its value after stall and ``alpha_0`` would trade for each other."""

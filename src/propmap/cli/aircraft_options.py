@@ -75,12 +75,8 @@ def aircraft_of(
     accuracy: AccuracyName,
     maximum_rpm: float | None,
     charge: float,
-    compiled: bool = True,
 ) -> Aircraft:
-    """The aircraft with loads from a table or from a rotor; notes say what is not known of it.
-
-    For few states, programs are not ``compiled``.
-    """
+    """The aircraft with loads from a table or from a rotor; notes say what is not known of it."""
     limits = {"maximum_rotor_speed": checked_rpm(maximum_rpm), "charge": charge}
     if table is not None:
         if airfoil or model or correction:
@@ -98,11 +94,9 @@ def aircraft_of(
     say_missing(vehicle)
 
     from propmap.aircraft.steady import Aircraft
-    from propmap.engine.compilation import keep_compiled
     from propmap.rotor import Rotor
 
-    keep_compiled()
-    rotor = Rotor(chosen, accuracy=accuracy.value, compiled=compiled).for_all_blades()
+    rotor = Rotor(chosen, accuracy=accuracy.value)
     return Aircraft(vehicle, rotor, **limits)
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gc
 import io
 import os
 import sys
@@ -31,7 +30,6 @@ from propmap.cli.study import study
 from propmap.cli.sweep import sweep
 from propmap.cli.table import table
 from propmap.cli.trim import trim
-from propmap.engine.compilation import compile_quickly
 from propmap.errors import InputError
 from propmap.model.drag_factor import MESSAGE as DRAG_FACTOR
 
@@ -84,10 +82,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
     The ``arguments``, without the program's name, are by default those of the process.
     """
-    if arguments is None:
-        compile_quickly()  # the process is this command's
-        # Tracing makes many objects that stay; to look through them takes a tenth of it.
-        gc.set_threshold(100_000, 50, 50)
     given = list(sys.argv[1:] if arguments is None else arguments)
     if isinstance(sys.stdout, io.TextIOWrapper):
         # A terminal without the characters of a table shows "?" rather than a traceback.

@@ -92,7 +92,6 @@ def _compare(
 ) -> tuple[dict[str, Comparison], dict[str, Comparison]]:
     """Errors of the physics, and of it with a learned residual where the fit has one."""
     from propmap.catalogue.lookup import propeller
-    from propmap.engine.compilation import keep_compiled
     from propmap.fit.comparison import compare_forces, compare_tunnel, flight_forces
     from propmap.fit.other_flights import values_for
     from propmap.fit.result_file import is_fit, read_fit
@@ -106,7 +105,6 @@ def _compare(
         if prop is not None:
             raise InputError("--prop is given with a vehicle, which has its own", "leave it out")
         file = read_vehicle(vehicle)
-        keep_compiled()
         paths = [Path(item) for item in data]
         cutoff = fitted.low_pass if fitted else 0.0
         flights = read_flights(paths, file, "balance", seconds=2.0, samples=2**31, low_pass=cutoff)
@@ -135,7 +133,6 @@ def _compare(
     blade = fitted.model.propeller if fitted and prop is None else propeller(prop or "")
     model = Model(blade, law, air)
     measured = read_tunnel(data, blade, air)
-    keep_compiled()
     say_reynolds(model, measured.omega, measured.speed, measured.beta)
     if prop is not None:
         say_expected(prop)

@@ -116,9 +116,8 @@ def choose(
     from propmap.aircraft.ranking import Ranking
     from propmap.aircraft.task import Task
     from propmap.catalogue.lookup import airfoil as section_law
-    from propmap.engine.batch import cores
-    from propmap.engine.compilation import keep_compiled
     from propmap.model.corrections import corrections_of
+    from propmap.tasks import cores
 
     legs = _legs(task)
     name = "mission" if legs else task
@@ -132,7 +131,6 @@ def choose(
     candidates = [*own, *(one for one in others if one.name not in there)]
     corrections = tuple(corrections_of(model or ModelName.recommended, correction or ()))
     say_missing(read)
-    keep_compiled()
     ranking = Ranking(read, wanted, corrections, maximum_rotor_speed=largest, charge=charge)
     with workers_of(cluster, InThreads(cores())) as workers:
         judged = _judged(ranking, candidates, top, workers)

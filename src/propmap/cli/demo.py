@@ -23,9 +23,7 @@ def demo(output: OutputFolder = Path("propmap-demo")) -> None:
     from propmap.cli.demo_results import compute, write_pictures, write_tables
     from propmap.cli.demo_words import notes, told
     from propmap.cli.output import show
-    from propmap.engine.compilation import keep_compiled
 
-    keep_compiled()
     results = compute()
     write_tables(results, output, notes(results))
     curves, disk = write_pictures(results, output)

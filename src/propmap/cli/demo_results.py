@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 
 import propmap
-from propmap.arrays.types import Floats
 from propmap.catalogue.lookup import propeller
 from propmap.catalogue.measurements import Measurement, measurement
 from propmap.cli.output import json_text, write_text
@@ -23,6 +22,7 @@ from propmap.model.corrections import MODELS, corrections_of
 from propmap.model.model import Model
 from propmap.report.comparison import Comparison, LoadErrors, compare
 from propmap.rotor import Rotor
+from propmap.typing import Floats
 
 PROPELLER = "apc-8x6e"
 SECTIONS = {"recommended": "apc-8x6e-2019", "paper": "paper-apc"}
@@ -236,16 +236,10 @@ def write_pictures(results: Results, folder: Path) -> tuple[Path, Path]:
 
 
 def _rotors(data: Measurement) -> dict[str, Rotor]:
-    """The rotor by the name of the model, in the air of the ``data``.
-
-    The recommended one is compiled, since it is timed; the others have too few points for it.
-    """
+    """The rotor by the name of the model, in the air of the ``data``."""
     blade, air = propeller(PROPELLER), propmap.Air(density=data.air_density)
     return {
-        name: Rotor(
-            Model(blade, parameter_set(section), air, corrections_of(name)),
-            compiled=name == "recommended",
-        )
+        name: Rotor(Model(blade, parameter_set(section), air, corrections_of(name)))
         for name, section in SECTIONS.items()
     }
 

@@ -36,20 +36,12 @@ def explore(
     host: Annotated[
         str, typer.Option("--host", help="Where to listen; by default for this machine alone.")
     ] = "127.0.0.1",
-    prepare: Annotated[
-        bool,
-        typer.Option(
-            "--prepare/--no-prepare",
-            help="Whether programs for live updates are compiled in the background.",
-        ),
-    ] = True,
 ) -> None:
     """See a propeller in the browser: loads, disk, blade, constants, aircraft, trust."""
     if importlib.util.find_spec("dash") is None:
         raise InputError(
             "the package dash is not installed", "pip install '.[explore]' in propmap's checkout"
         )
-    from propmap.engine.compilation import keep_compiled
     from propmap.explore.application import Application
     from propmap.explore.given import Shelf, read_path
     from propmap.explore.server import guard, is_loopback, listen, names_of, serve
@@ -63,8 +55,7 @@ def explore(
     elif subject is not None:
         first = Session(prop=subject)
     first.model  # noqa: B018 - what is wrong with it is told before anything listens
-    keep_compiled()
-    app = Application(first, VIEWS, shelf, prepare=prepare)
+    app = Application(first, VIEWS, shelf)
     guard(app.dash.server, names_of(host))
     server = listen(app.dash.server, host, port, PORT)
     if not is_loopback(host):

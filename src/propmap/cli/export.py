@@ -131,13 +131,11 @@ def _table(
                 raise InputError(f"{option} is given with a map, which has its own", "leave it out")
         return LoadTable.load(source)
     from propmap.catalogue.lookup import airfoil, propeller
-    from propmap.engine.compilation import keep_compiled
     from propmap.fit.result_file import is_fit, read_fit
     from propmap.rotor import Rotor
 
     if prop is not None:
         say_expected(prop)
-    keep_compiled()
     law = with_physics(airfoil(source), physics, corrections)
     fit = read_fit(source) if prop is None or is_fit(source) else None
     model = (

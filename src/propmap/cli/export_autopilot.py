@@ -74,7 +74,6 @@ def export_vehicle(
         accuracy=AccuracyName.standard,
         maximum_rpm=None,
         charge=1.0 if charge is None else charge,
-        compiled=False,
     )
     try:
         paths = export_autopilot(craft, to, output, speeds=np.asarray(speeds), replace=replace)

@@ -41,7 +41,6 @@ def fit_catalogue(
     four: started again, the command goes on where it was.
     """
     from propmap.catalogue.population import as_toml
-    from propmap.engine.compilation import keep_compiled
     from propmap.fit.population.catalogue import identify_all, identify_without_blade
     from propmap.fit.population.misfiled import refiled
     from propmap.fit.population.populations import populations_of
@@ -68,8 +67,6 @@ def fit_catalogue(
         kept = [one for key, one in known.items() if key not in rest]
         write_text(as_csv([*so_far, *kept]), output)
 
-    if cluster is None:
-        keep_compiled()
     with workers_of(cluster) as workers:
         measured = identify_all(every, known, done, workers)
         if len({one.family for one in measured}) < LEAST_FAMILIES:

@@ -42,7 +42,7 @@ if TYPE_CHECKING:
     from propmap.fit.force_model import ForceModel
     from propmap.vehicle.flight_log import FlightLog
 
-EVERY = 3
+EVERY, FEW = 3, 1500
 """Of so many samples of whole flights one is fitted from all starts, and all from the best end."""
 
 
@@ -119,8 +119,6 @@ def fit_flight(
     doubts = [*doubts_on_blade(file.vehicle.propeller), *doubts_on_air(file.vehicle.air)]
     say_doubts(doubts)
 
-    from propmap.engine.compilation import keep_compiled
-    from propmap.engine.evaluation import FEW
     from propmap.fit.added_parameter import body_terms_verdict
     from propmap.fit.body_forces import wing_values
     from propmap.fit.by_flight import by_flight
@@ -134,7 +132,6 @@ def fit_flight(
     from propmap.fit.thrust_scale import HoverScale as Scale
     from propmap.fit.tunnel import first_guess, model_with
 
-    keep_compiled()
     cutoff = CUTOFF if low_pass is None else low_pass
     flights = read_flights(
         logs,
@@ -164,8 +161,7 @@ def fit_flight(
     model = ForceModel(file.vehicle, flights.log, law)
     make = level_rows if flights.level else balance_rows
     fewer = None
-    # Fewer points would take programs of their own.
-    if not flights.level and flights.log.rotor_speed.size >= EVERY * FEW:
+    if not flights.level and flights.log.rotor_speed.size >= FEW:
         part = flights.log.picked(slice(None, None, EVERY))
         fewer = make(ForceModel(file.vehicle, part, law), chosen)
     remake = functools.partial(make, model, chosen)

@@ -95,7 +95,6 @@ def fit_static(
     chosen = choice_of(free, fix, prior, ("c_l1", "zero_lift_angle"), base, expected=expected)
     settings = settings_of(starts, robust, folds, bootstrap, seed)
 
-    from propmap.engine.compilation import keep_compiled
     from propmap.fit.coverage import coverage, range_warnings
     from propmap.fit.fitted import fit
     from propmap.fit.forward_trust import forward_trust
@@ -104,7 +103,6 @@ def fit_static(
     from propmap.fit.tunnel import first_guess, hover_rows, rotor_with, tunnel_rows
     from propmap.model.model import Model
 
-    keep_compiled()
     law = base or (expected.airfoil if expected else first_guess())
     model = Model(blade, with_physics(law, choice.model, choice.correction), air)
     setting = choice.accuracy.value

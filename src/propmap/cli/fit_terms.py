@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 import typer
 
-from propmap.arrays.types import Floats
 from propmap.cli.flight_options import BLADE, LowPass, flight_priors, with_flight_priors
 from propmap.cli.prior_options import PriorFrom, section_prior
 from propmap.errors import InputError, quoted
 from propmap.fit.parameters import FLEX, MOUNT, SECTION, SENSOR, WAKES, Choice, Prior
+from propmap.typing import Floats
 
 if TYPE_CHECKING:
     from propmap.fit.flight_terms import Flight, Step
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from propmap.vehicle.vehicle_toml import VehicleFile
 
 ALMOST_NONE = 1e-9
-"""Area [m^2] of a mount that drags nothing, so that one compiled program serves all steps."""
+"""Area [m^2] of a mount that drags nothing."""
 
 STALL = ("c_l1", "c_d", "alpha_0")
 """The paper's four without c_l2, which level flights do not tell."""
@@ -74,11 +74,9 @@ def fit_terms_page(
     # Moments play no part here, and the wakes are one of the terms.
     file = replace(file, vehicle=replace(file.vehicle, inertia=None, wakes=None))
 
-    from propmap.engine.compilation import keep_compiled
     from propmap.fit.flight_terms import fit_terms
     from propmap.report.terms_page.page import terms_pages
 
-    keep_compiled()
     cutoff = CUTOFF if low_pass is None else low_pass
     flights, remarks = read_pairs(logs, file, cutoff, prediction)
     prior = expected(prior_from, file.vehicle)

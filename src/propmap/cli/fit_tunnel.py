@@ -77,7 +77,6 @@ def fit_tunnel(
     doubts = doubts_on_tunnel(data, blade, air)
     say_doubts(doubts)
 
-    from propmap.engine.compilation import keep_compiled
     from propmap.fit.added_parameter import failing_assumptions
     from propmap.fit.coverage import coverage, range_warnings
     from propmap.fit.fitted import fit
@@ -86,7 +85,6 @@ def fit_tunnel(
     from propmap.fit.tunnel import first_guess, hover_rows, rotor_with, tunnel_rows
     from propmap.model.model import Model
 
-    keep_compiled()
     law = base or (expected.airfoil if expected else first_guess())
     model = Model(blade, with_physics(law, choice.model, choice.correction), air)
     named = [name.strip() for name in loads.split(",")] if loads else []

@@ -161,7 +161,7 @@ def _nominal_rotor(file: VehicleFile) -> Rotor:
     from propmap.rotor import Rotor
 
     model = Model(file.vehicle.propeller, parameter_set("paper-apc"), file.vehicle.air)
-    return Rotor(model, compiled=False)
+    return Rotor(model)
 
 
 def all_level_tables(paths: Sequence[Path]) -> bool:

@@ -6,9 +6,9 @@ import itertools
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.io.operating_points import OperatingPoints, check_value
+from propmap.typing import Floats
 
 
 def single_point(rpm: float, speed: float, beta: float) -> OperatingPoints:

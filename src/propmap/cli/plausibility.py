@@ -12,8 +12,8 @@ from propmap.catalogue.lookup import meant_by
 from propmap.model.plausible import doubts_on_points
 
 if TYPE_CHECKING:
-    from propmap.arrays.types import Floats
     from propmap.model.model import Model
+    from propmap.typing import Floats
 
 
 def say_doubts(doubts: Iterable[str]) -> None:

@@ -65,7 +65,7 @@ def plot_map(
     betas = np.radians(parse_axis("--beta", "beta", beta))
     check_pictures(output)
     points = None if measured is None else _measured(measured, rpm)
-    rotor = choice.rotor(speeds.size * (betas.size + 1))
+    rotor = choice.rotor()
     points_drawn = np.array(omega), speeds[:, None], betas
     say_reynolds(rotor.model, *points_drawn)
     say_doubts_on_points(rotor.model, *points_drawn)
@@ -119,7 +119,7 @@ def plot_disk(
     """The angle of attack over the disk, with stall and reverse flow outlined."""
     point = single_point(rpm, speed, beta)
     check_output(output, (*PICTURES, ".csv"))
-    rotor = choice.rotor(1)
+    rotor = choice.rotor()
     say_reynolds(rotor.model, *point.si)
     say_doubts_on_points(rotor.model, *point.si)
 

@@ -32,10 +32,10 @@ from propmap.model.uncertainty import SOURCES
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from propmap.arrays.types import Floats
     from propmap.baselines.hover import HoverModel
     from propmap.results import Loads
     from propmap.rotor import Rotor
+    from propmap.typing import Floats
 
 
 @takes_rotor
@@ -61,7 +61,7 @@ def predict(
     """All six loads and the power at operating points, and how sure they are."""
     where = _points(rpm, speed, beta, points)
     chosen = chosen_format(format_, output)
-    rotor = choice.rotor(where.count)
+    rotor = choice.rotor()
     say_reynolds(rotor.model, *where.si)
     say_doubts_on_points(rotor.model, *where.si)
     loads = where.loads(rotor)

@@ -67,10 +67,8 @@ def _fit_files(source: Path, data: Sequence[str], vehicle: Path | None) -> dict[
     if file.record.kind != "tunnel" and data and vehicle is None:
         raise InputError("--data with a fit of flights needs the vehicle", "add --vehicle FILE")
 
-    from propmap.engine.compilation import keep_compiled
     from propmap.report.fit_page.page import fit_pages
 
-    keep_compiled()
     given = _given(file, data, vehicle) if data else None
     digest = hashlib.sha256(source.read_bytes()).hexdigest()
     return fit_pages(file, source.name, digest, given)

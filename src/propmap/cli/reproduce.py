@@ -26,11 +26,9 @@ def reproduce(
 
     check_folder(output, FILES)
 
-    from propmap.engine.compilation import keep_compiled
     from propmap.papers.gill_dandrea_2017.numbers import compute
     from propmap.papers.gill_dandrea_2017.pages.page import pages
 
-    keep_compiled()
     typer.echo("computing: about two minutes, less from the second time on", err=True)
     files = pages(compute())
     write_folder(output, files)

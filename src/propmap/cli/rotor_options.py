@@ -27,8 +27,8 @@ from propmap.model.propeller import Propeller
 from propmap.model.section_table import SectionTable
 
 if TYPE_CHECKING:
-    from propmap.arrays.types import Floats
     from propmap.rotor import Rotor
+    from propmap.typing import Floats
 
 Others = ParamSpec("Others")
 
@@ -107,9 +107,6 @@ AccuracyOption = Annotated[
     AccuracyName, typer.Option("--accuracy", help="Loads to 0.1 % or, slower, to 0.01 %.")
 ]
 
-FEW_POINTS = {AccuracyName.standard: 2000, AccuracyName.fine: 200}
-"""Operating points up to which NumPy is done before the compiler would be."""
-
 
 @dataclass(frozen=True)
 class RotorChoice:
@@ -137,17 +134,14 @@ class RotorChoice:
     radius: Radius = None
     accuracy: AccuracyOption = AccuracyName.standard
 
-    def rotor(self, points: int | None = None) -> Rotor:
-        """The rotor; its programs are not compiled for few ``points``, None for many."""
+    def rotor(self) -> Rotor:
+        """The rotor that the options tell of."""
         blade, air = self.blade(), self.medium()
         section = with_physics(self.section(blade), self.model, self.correction)
 
-        from propmap.engine.compilation import keep_compiled
         from propmap.rotor import Rotor
 
-        keep_compiled()
-        compiled = points is None or points > FEW_POINTS[self.accuracy]
-        return Rotor(Model(blade, section, air), accuracy=self.accuracy.value, compiled=compiled)
+        return Rotor(Model(blade, section, air), accuracy=self.accuracy.value)
 
     def section(self, blade: Propeller) -> Airfoil | SectionTable:
         """The section law: that which is named, else constants known for the ``blade``.

@@ -124,11 +124,9 @@ def simulate_flight(
             str(vehicle),
         )
 
-    from propmap.engine.compilation import keep_compiled
     from propmap.flight.expectation import expectation
     from propmap.flight.trim import trim
 
-    keep_compiled()
     # Another stream than that of the sensors.
     error = noise * np.random.default_rng([seed, 1]).standard_normal(speeds.size)
     points = trim(flown, law, speeds, radius=radius, tether=not banked, disturbance=error)

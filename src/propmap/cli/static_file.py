@@ -8,7 +8,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.fit.tunnel import TunnelData
 from propmap.fit.tunnel_files import read_tunnel
@@ -18,6 +17,7 @@ from propmap.io.text_file import read_lines
 from propmap.io.uiuc_loads import looks_like_uiuc_loads
 from propmap.model.air import Air
 from propmap.model.propeller import Propeller
+from propmap.typing import Floats
 
 GRAM_FORCE = 9.80665e-3
 """[N]."""

@@ -17,8 +17,8 @@ from propmap.sweep.points import RPM, Grid, parts_along
 from propmap.sweep.run import Sweep
 
 if TYPE_CHECKING:
-    from propmap.arrays.types import Floats
     from propmap.rotor import Rotor
+    from propmap.typing import Floats
 
 SOME = 30
 """Values of each axis at which operating points are looked at for what is odd about them."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import shlex
-import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -70,7 +69,7 @@ def study(
         raise InputError("--picture needs two quantities that vary", "vary another", str(file))
     choice = RotorChoice(read.propeller, airfoil=read.airfoil or None, accuracy=accuracy)
     try:
-        made = read.study(choice.rotor(None if cluster else read.points))
+        made = read.study(choice.rotor())
     except InputError as error:
         raise InputError(error.found, error.remedy, str(file)) from None
     layout = study_layout(made, shlex.join(["propmap", *context.obj]))
@@ -102,22 +101,14 @@ def _announce(
     made: Study, layout: Layout, store: Store | InMemory, workers: Workers, *, yes: bool
 ) -> None:
     from propmap.study.plan import Designs
+    from propmap.study.run import loads_of_designs
+    from propmap.sweep.stream import seconds
 
     some = np.unique(np.linspace(0, made.count - 1, SAMPLE).astype(int))
     rows = {name: values[some] for name, values in made.rows.items()}
     sample = Designs(rows, {name: np.asarray(v) for name, v in made.axes.items()})
-    ((_, seconds),) = workers.results(_timed, made, [sample])
-    each = seconds / (some.size * np.prod(made.shape[1:]))
+    each = seconds(workers, loads_of_designs, made, sample) / (some.size * np.prod(made.shape[1:]))
     announce(layout, store, each, workers.count, yes=yes, what="points")
-
-
-def _timed(made: Study, sample: Any) -> float:
-    from propmap.study.run import loads_of_designs
-
-    loads_of_designs(made, sample)
-    start = time.perf_counter()
-    loads_of_designs(made, sample)
-    return time.perf_counter() - start
 
 
 def _dataset(store: Store | InMemory, output: Path) -> xarray.Dataset:

@@ -65,7 +65,7 @@ def sweep(
         from propmap.cli.streamed_sweep import streamed_sweep
 
         streamed_sweep(
-            choice.rotor(count),
+            choice.rotor(),
             axes,
             output,
             command,
@@ -86,7 +86,7 @@ def sweep(
             "end the file's name with .zarr",
         )
     check_output(output, (".nc", ".csv", ".zarr"), keep_existing=not force)
-    rotor = choice.rotor(count)
+    rotor = choice.rotor()
     points = OperatingPoints.grid(*axes)
     say_reynolds(rotor.model, *points.si)
     say_doubts_on_points(rotor.model, *points.si)

@@ -10,9 +10,9 @@ from propmap.sweep.provenance import provenance
 from propmap.sweep.quantities import AXES, attributes, quantities
 
 if TYPE_CHECKING:
-    from propmap.arrays.types import Floats
     from propmap.results import Loads
     from propmap.rotor import Rotor
+    from propmap.typing import Floats
 
 
 def dataset(

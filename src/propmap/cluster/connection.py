@@ -87,8 +87,6 @@ def _local(count: int) -> Iterator[DaskWorkers]:
 
     settings: Any = {
         "distributed.scheduler.allowed-failures": FAILURES,
-        # Compiling holds a worker's event loop for seconds, which is no fault.
-        "distributed.admin.tick.limit": "10 minutes",
         # What the scheduler remembers of tasks that are done, else a hundred thousand entries.
         "distributed.admin.low-level-log-length": 1000,
         "distributed.admin.log-length": 1000,

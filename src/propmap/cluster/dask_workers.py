@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
+import functools
 import itertools
-import os
+import pickle
 import time
 import uuid
 from collections.abc import Callable, Iterable, Iterator
 from queue import Empty, Queue
 from typing import TYPE_CHECKING, Any
 
-from propmap.cluster.at_worker import run_task
 from propmap.errors import InputError
-from propmap.tasks import Common, Result, Task
+from propmap.tasks import Common, Result, Task, on_cores
 
 if TYPE_CHECKING:
     from distributed import Client, Future
@@ -27,14 +27,16 @@ RECOUNT = 2.0
 ALONE = 60.0
 """Time that a run waits for a worker where none is left [s]."""
 
+KEPT = 4
+"""Things shared by tasks, such as rotors, that a worker keeps at a time."""
+
 GONE = InputError("the scheduler went away", "start it, and run the command again to go on")
 
 
 class DaskWorkers:
     """Does tasks on the workers of a Dask cluster; a ``propmap.tasks.Workers``.
 
-    Each task takes one core of a worker, and each process keeps the programs that it has compiled.
-    A task whose worker dies is done by another.
+    Each task takes one core of a worker.  A task whose worker dies is done by another.
 
     Parameters
     ----------
@@ -77,7 +79,7 @@ class DaskWorkers:
         import cloudpickle
 
         name = f"propmap-{work.__name__}-{uuid.uuid4().hex[:8]}"
-        shared = (work, cloudpickle.dumps(common), os.environ.get("XLA_FLAGS", ""))
+        shared = (work, cloudpickle.dumps(common))
         waiting = enumerate(tasks)
         under_way: dict[Future, int] = {}
         done: Queue[Future] = Queue()
@@ -85,7 +87,7 @@ class DaskWorkers:
         def send(count: int) -> None:
             for place, task in itertools.islice(waiting, count):
                 key = f"{name}-{place}"
-                future = self.client.submit(run_task, *shared, task, key=key, pure=False)
+                future = self.client.submit(_run, *shared, task, key=key, pure=False)
                 under_way[future] = place
                 future.add_done_callback(done.put)
 
@@ -124,6 +126,17 @@ class DaskWorkers:
                     "start some and run the command again to go on",
                     str(self.client.scheduler.address),
                 )
+
+
+def _run(work: Callable[[Any, Any], Any], common: bytes, task: Any) -> Any:
+    """``work(common, task)`` at a worker, on one core; what tasks share is kept there."""
+    with on_cores(1):
+        return work(_shared(common), task)
+
+
+@functools.lru_cache(KEPT)
+def _shared(common: bytes) -> Any:
+    return pickle.loads(common)
 
 
 def _result(future: Future) -> Any:

@@ -10,7 +10,7 @@ from propmap.errors import InputError
 if TYPE_CHECKING:
     from distributed import Client
 
-SAME = ("propmap", "jax", "jaxlib", "numpy", "python", "distributed")
+SAME = ("propmap", "numpy", "python", "distributed")
 """What must be of one version everywhere: loads, or what is sent, depend on it."""
 
 

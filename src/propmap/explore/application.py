@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -11,7 +10,7 @@ from typing import Any
 import dash
 from dash import ALL, Dash, Input, Output, State, ctx, no_update
 from dash.exceptions import PreventUpdate
-from flask import has_request_context, request
+from flask import request
 
 from propmap.errors import InputError
 from propmap.explore import shell
@@ -21,7 +20,6 @@ from propmap.explore.given import Shelf
 from propmap.explore.in_the_browser import INDEX, register_in_the_browser
 from propmap.explore.jobs import Jobs
 from propmap.explore.newest import Newest
-from propmap.explore.rotors import Preparation
 from propmap.explore.session import Session
 from propmap.explore.view import View
 
@@ -29,12 +27,6 @@ send_string: Any = dash.dcc.send_string  # type: ignore[attr-defined]
 
 LIVE = "/_live"
 """Where figures are asked for while something moves."""
-
-STATE = "/_state"
-"""Where it is asked how far compiling is."""
-
-FIRST_PAINT = 1.5
-"""[s] after which compiling begins: what is on the screen first comes first."""
 
 
 class Application(Choices):
@@ -48,16 +40,12 @@ class Application(Choices):
         The first is that of the address /.
     shelf : Shelf
         Where files are.
-    prepare : bool
-        Whether programs are compiled in the background.
     """
 
-    def __init__(
-        self, first: Session, views: Sequence[View], shelf: Shelf, *, prepare: bool = True
-    ) -> None:
+    def __init__(self, first: Session, views: Sequence[View], shelf: Shelf) -> None:
         super().__init__(first, shelf)
         self.views = {view.name: view for view in views}
-        self.preparation, self.jobs = Preparation(wanted=prepare), Jobs()
+        self.jobs = Jobs()
         self.dash = Dash(
             "propmap.explore",
             assets_folder=str(Path(__file__).parent / "assets"),
@@ -85,7 +73,7 @@ class Application(Choices):
             session = self.session(search)
             controls = view.controls(session)
             values, remarks = values_of(controls, of_query(search))
-            answer = view.answer(session, values, self.preparation, settled=False)
+            answer = view.answer(session, values, settled=False)
         except InputError as error:
             query = session.query() if session else {}
             return shell.failed(session, str(error)), {
@@ -94,8 +82,6 @@ class Application(Choices):
                 "empty": True,
             }
         answer = replace(answer, remarks=[*remarks, *answer.remarks])
-        if has_request_context():
-            threading.Timer(FIRST_PAINT, self.preparation.begin, [session.model]).start()
         shown = shell.view_page(view, session, values, controls, answer)
         return shown, {"query": session.query(), "view": view.name}
 
@@ -109,7 +95,7 @@ class Application(Choices):
             if getattr(view, "slow", False):
                 return {}
             values, _ = values_of(view.controls(session), _mapping(asked.get("values")))
-            found = view.answer(session, values, self.preparation, settled=False)
+            found = view.answer(session, values, settled=False)
         except InputError:
             return {}
         return {"figures": dict(found.figures)}
@@ -120,7 +106,7 @@ class Application(Choices):
         try:
             view, session = self.view(path), self.session(here)
             values, remarks = values_of(view.controls(session), given)
-            found = view.answer(session, values, self.preparation, settled=True)
+            found = view.answer(session, values, settled=True)
             told = view.shell(session, values), view.python(session, values)
         except InputError as error:
             same = [no_update] * len(places)
@@ -163,14 +149,10 @@ class Application(Choices):
             newest.told(asked)
             return self.live(asked)
 
-        def _state() -> Any:
-            return {"told": self.state(request.args.get("search"))}
-
         app.server.add_url_rule(LIVE, "live", _live, methods=["POST"])
-        app.server.add_url_rule(STATE, "state", _state)
 
         @app.callback(
-            *together, Output("state", "children"), Output("told", "data"),
+            *together, Output("told", "data"),
             Input("settled", "data"), *where,
             prevent_initial_call=True,
         )  # fmt: skip
@@ -183,7 +165,7 @@ class Application(Choices):
                     # The page has moved on; whoever waits behind is to be answered sooner.
                     raise PreventUpdate
                 found = self.answer(path, here, given)
-            return *found, self.state(here), asked.get("serial", 0)
+            return *found, asked.get("serial", 0)
 
         @app.callback(
             Output("address", "search", allow_duplicate=True),
@@ -241,17 +223,6 @@ class Application(Choices):
             more = getattr(view, "register", None)
             if more is not None:
                 more(self)
-
-    def state(self, here: Any) -> str:
-        """How far compiling is, in a line."""
-        try:
-            model = self.session(here).model
-        except InputError:
-            return ""
-        if self.preparation.done(model) or not self.preparation.wanted:
-            return ""
-        self.preparation.begin(model)
-        return "Preparing the fast rotor in the background; until then a step takes longer."
 
 
 def _mapping(value: Any) -> dict[str, Any]:

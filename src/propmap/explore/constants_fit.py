@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.catalogue.identified import PARAMETERS
 from propmap.errors import InputError
 from propmap.explore.controls import Values
@@ -19,6 +18,7 @@ from propmap.fit.rows import Rows
 from propmap.fit.tunnel import TunnelData
 from propmap.model.airfoil import LIMITS, Airfoil
 from propmap.model.model import Model
+from propmap.typing import Floats
 
 CONSTANTS = ("c_l1", "c_l2", *(name for name in PARAMETERS if name != "c_l1"))
 
@@ -102,8 +102,6 @@ def _telling(rows: Rows, job: Job) -> Rows:
 
     def model(values: Mapping[str, float], free: tuple[str, ...]) -> tuple[Floats, Floats]:
         nonlocal count
-        if not count:
-            job.told = "fitting: preparing programs, up to a minute the first time"
         found = own(values, free)
         count += 1
         off = (found[0] - rows.measured) / rows.scale

@@ -6,16 +6,14 @@ from typing import Any
 
 import numpy as np
 
-from propmap.arrays.namespace import by_numpy
-from propmap.arrays.types import Floats
 from propmap.explore import figures
 from propmap.explore.view import Table
 from propmap.fit.tunnel import TunnelData
 from propmap.io.operating_points import RPM
 from propmap.model.airfoil import Airfoil
 from propmap.model.model import Model
-from propmap.physics.sections.law import coefficients_at
 from propmap.report.style import COLOURS
+from propmap.typing import Floats
 
 ALPHA = np.radians(np.linspace(-20.0, 60.0, 161))
 
@@ -28,15 +26,14 @@ def of_section(model: Model, old: Airfoil, new: Airfoil) -> dict[str, figures.Fi
     reynolds = np.full_like(
         ALPHA, air.density * 0.75 * blade.radius * omega * chord / air.viscosity
     )
-    with by_numpy():
-        both = [coefficients_at(law.law(), ALPHA, reynolds) for law in (old, new)]  # type: ignore[arg-type]
+    both = [law.coefficients(ALPHA, reynolds) for law in (old, new)]
     x = np.degrees(ALPHA)
     found = {}
-    for key, name, title in (
-        ("lift", "lift", "lift coefficient C_L [-]"),
-        ("section-drag", "drag", "drag coefficient C_D [-]"),
+    for k, key, title in (
+        (0, "lift", "lift coefficient C_L [-]"),
+        (1, "section-drag", "drag coefficient C_D [-]"),
     ):
-        pair = [np.asarray(getattr(c, name)) for c in both]
+        pair = [one[k] for one in both]
         found[key] = figures.figure(
             [
                 figures.line(x, pair[0], "as they were", figures.GREY, "dash"),

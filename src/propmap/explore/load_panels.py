@@ -8,7 +8,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.baselines.hover import HoverModel
 from propmap.explore import figures
 from propmap.explore.controls import Values
@@ -16,6 +15,7 @@ from propmap.fit.tunnel import TunnelData
 from propmap.io.operating_points import RPM
 from propmap.report.style import COLOURS
 from propmap.results import Loads
+from propmap.typing import Floats
 
 WIDE = NormalDist().inv_cdf(0.975)
 """Standard deviations on either side of a band that holds 95 %."""

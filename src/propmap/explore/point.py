@@ -7,7 +7,7 @@ import numpy as np
 from propmap.explore import figures
 from propmap.explore.controls import Slider, Values
 from propmap.explore.reproduce import number
-from propmap.explore.rotors import exact, fastest, hover_model
+from propmap.explore.rotors import fastest, hover_model, rotor_of
 from propmap.explore.session import Session
 from propmap.explore.view import Table
 from propmap.io.operating_points import RPM, OperatingPoints
@@ -48,7 +48,7 @@ def point_words(values: Values) -> str:
 
 def point_table(session: Session, values: Values) -> Table:
     """Loads at the operating point as `propmap predict` tells them, and how sure they are."""
-    rotor = exact(session.model)
+    rotor = rotor_of(session.model)
     point = point_of(values)
     loads = point.loads(rotor)
     still = hover_model(session.model).loads(point.si[0])

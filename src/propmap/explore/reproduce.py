@@ -108,7 +108,7 @@ class Recipe:
             if own is None or tuple(own) != corrections or self.session.physics:
                 lines.append(f"law = law.with_corrections({list(corrections)!r})")
             lines.append(f"model = propmap.Model(blade, law{self._air()})")
-        lines.append("rotor = propmap.Rotor(model, compiled=False)")
+        lines.append("rotor = propmap.Rotor(model)")
         return "\n".join([*lines, rest.strip(), ""])
 
     def _air(self) -> str:

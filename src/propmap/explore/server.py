@@ -178,7 +178,7 @@ def serve(server: BaseWSGIServer, say: Callable[[str], None], *, browser: bool, 
         if browser:
             threading.Thread(target=_open, args=(address, say), daemon=True).start()
         server.serve_forever()
-    # Threads that compile cannot be told to stop, and waiting for them takes half a minute.
+    # A fit under way is not waited for.
     sys.stdout.flush()
     sys.stderr.flush()
     os._exit(0)

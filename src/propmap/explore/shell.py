@@ -51,7 +51,6 @@ def page(views: Sequence[View]) -> Any:
                 ]
             ),
             html.Main(html.P("Loading …", className="loading"), id="page", tabIndex="-1"),
-            html.P("", id="state", role="status", className="state"),
             html.Div(id="void", hidden=True),
         ],
         id="whole",

@@ -8,7 +8,6 @@ from typing import Protocol
 
 from propmap.explore.controls import Control, Values
 from propmap.explore.figures import Figure
-from propmap.explore.rotors import Preparation
 from propmap.explore.session import Session
 
 
@@ -97,9 +96,7 @@ class View(Protocol):
     def graphs(self, session: Session) -> Sequence[Graph]:
         """Where figures are."""
 
-    def answer(
-        self, session: Session, values: Values, ready: Preparation, *, settled: bool
-    ) -> Answer:
+    def answer(self, session: Session, values: Values, *, settled: bool) -> Answer:
         """What is shown; ``settled`` when nothing has been moved for a moment."""
 
     def shell(self, session: Session, values: Values) -> str:

@@ -11,7 +11,6 @@ from collections.abc import Callable
 import numpy as np
 
 from propmap.aircraft.steady import Aircraft
-from propmap.arrays.types import Floats
 from propmap.export.curve_factor import curve_factor, fitted_factor
 from propmap.export.drag_filter import DragFilter
 from propmap.export.parameter_set import (
@@ -25,6 +24,7 @@ from propmap.export.parameter_set import (
 )
 from propmap.export.static_loads import static_loads
 from propmap.export.thrust_curve import ThrustCurve, known_curve
+from propmap.typing import Floats
 from propmap.vehicle.vehicle import Vehicle
 
 FILTER = DragFilter(

@@ -10,7 +10,6 @@ from pathlib import Path
 import numpy as np
 
 from propmap.aircraft.steady import Aircraft
-from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.export import AUTOPILOTS
 from propmap.export.folder import check_folder, write_files
@@ -18,6 +17,7 @@ from propmap.export.inplane_drag import check_vehicle, inplane_forces
 from propmap.export.parameter_note import note
 from propmap.export.parameter_set import AutopilotParameters, Flights
 from propmap.export.provenance import vehicle_identifier
+from propmap.typing import Floats
 
 SPEEDS = np.linspace(1.0, 15.0, 8)
 """At which a vehicle is flown where nothing else is asked for [m/s]."""

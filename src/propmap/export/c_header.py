@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from propmap.arrays.types import Floats
 from propmap.export.folder import Files
 from propmap.export.note import note
 from propmap.export.provenance import identifier
@@ -25,6 +24,7 @@ from propmap.table.content import TableContent
 from propmap.table.inverse import END_SLACK
 from propmap.table.lookup import cell_codes
 from propmap.table.query import SLACK, LoadTable
+from propmap.typing import Floats
 
 MOST_BUCKETS = 1024
 

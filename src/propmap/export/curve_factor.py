@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from propmap.aircraft.steady import Aircraft
-from propmap.arrays.types import Floats
 from propmap.export.static_loads import StaticLoads
 from propmap.export.thrust_curve import ThrustCurve, thrust_curve
+from propmap.typing import Floats
 
 DISCHARGED = 0.3
 """State of charge besides the given one at which factors are told."""

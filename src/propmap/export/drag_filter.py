@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.export.drag_fit import Comparison, compare, fit_drag
 from propmap.export.parameter_note import holds
 from propmap.export.parameter_set import Explained, Flights
+from propmap.typing import Floats
 from propmap.vehicle.vehicle import Vehicle
 
 SEA_LEVEL = 1.225

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.arrays.types import Floats
 from propmap.export.inplane_drag import InplaneForces
+from propmap.typing import Floats
 
 CLOSE = 0.1
 """Share of the force up to which the simplification is said to hold."""

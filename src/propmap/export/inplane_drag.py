@@ -8,11 +8,11 @@ import numpy as np
 
 from propmap.aircraft.steady import Aircraft
 from propmap.aircraft.steady_states import STATUSES
-from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.export.load_errors import load_errors, rotor_sources
 from propmap.model.corrections import MOUNT_DRAG
 from propmap.rotor import Rotor
+from propmap.typing import Floats
 from propmap.vehicle.flight_log import GRAVITY, in_vehicle_frame
 from propmap.vehicle.vehicle import Body, Vector, Vehicle
 

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.export.folder import Files
 from propmap.export.multinomial import Forms, fit_multinomial, multinomial_loads
@@ -19,6 +18,7 @@ from propmap.export.samples import Samples, errors, middle_omega, sample
 from propmap.export.template import rendered
 from propmap.loads import LOADS
 from propmap.table.query import LoadTable
+from propmap.typing import Floats
 
 METERS_PER_INCH = 0.0254
 METERS_PER_FOOT = 0.3048

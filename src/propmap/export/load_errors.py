@@ -7,14 +7,12 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.arrays.types import Floats
-from propmap.bands import FlowPoints, parameter_slopes, scales_of
-from propmap.engine.evaluation import prepare
 from propmap.errors import InputError
 from propmap.loads import LOADS
 from propmap.model.section_covariance import SectionCovariance
 from propmap.operating_points import split_velocity
 from propmap.rotor import Rotor
+from propmap.typing import Floats
 from propmap.vehicle.mounted_rotors import mounted_rotors
 from propmap.vehicle.vehicle import Vehicle
 
@@ -110,8 +108,7 @@ def _of_constants(
     names = determined.names
     if not names:
         return np.zeros((0, len(USED), omega.size))
-    arrays, at = prepare(rotor.arrays, compiled=False), FlowPoints(omega, along, across)
-    slopes = parameter_slopes(arrays, names, scales_of(determined), at, few=omega.size)
+    slopes = rotor.gradients(names, omega, along, across).slopes
     size, axes = np.linalg.eigh(determined.matrix)
     root = axes * np.sqrt(np.maximum(size, 0.0))
     rows = [list(LOADS).index(name) for name in USED]

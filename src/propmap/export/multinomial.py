@@ -12,7 +12,6 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.export.folder import Files
 from propmap.export.note import note
 from propmap.export.provenance import identifier
@@ -20,6 +19,7 @@ from propmap.export.samples import Samples, errors, sample
 from propmap.export.template import rendered
 from propmap.loads import LOADS
 from propmap.table.query import LoadTable
+from propmap.typing import Floats
 
 Forms = Mapping[str, tuple[float, ...]]
 """By load, factors over the density of Omega^2, Omega z, z^2 and r^2; or, of loads by the in-plane

@@ -12,13 +12,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.export.folder import Files
 from propmap.export.note import note
 from propmap.export.provenance import identifier
 from propmap.export.samples import Samples, errors, middle_omega, sample, slope, static_loads
 from propmap.export.template import rendered
 from propmap.table.query import LoadTable
+from propmap.typing import Floats
 
 
 @dataclass(frozen=True)

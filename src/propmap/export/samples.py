@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.loads import LOADS, error_scales
 from propmap.table.lookup import VORTEX_RING
 from propmap.table.query import LoadTable
+from propmap.typing import Floats
 
 POINTS = 32_768
 

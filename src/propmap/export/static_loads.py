@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from propmap.aircraft.steady import Aircraft
-from propmap.arrays.types import Floats
 from propmap.export.load_errors import load_errors, rotor_sources
+from propmap.typing import Floats
 
 
 @dataclass(frozen=True, eq=False)

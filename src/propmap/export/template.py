@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import Any
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from propmap.export.provenance import identifier, provenance
 from propmap.loads import LOADS
@@ -20,7 +21,7 @@ def rendered(template: str, table: LoadTable, **values: Any) -> str:
     that name in capitals, ``P``, and the ``lines`` of the provenance.
     """
     environment = Environment(
-        loader=PackageLoader("propmap.export"),
+        loader=FileSystemLoader(Path(__file__).parent / "templates"),
         variable_start_string="@",
         variable_end_string="@",
         line_statement_prefix="%%",

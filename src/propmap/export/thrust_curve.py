@@ -11,9 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from propmap.aircraft.steady import Aircraft
-from propmap.arrays.types import Floats
 from propmap.export.load_errors import rotor_sources
 from propmap.rotor import Rotor
+from propmap.typing import Floats
 from propmap.vehicle.motor import RPM, Motor
 
 KNOTS = 12

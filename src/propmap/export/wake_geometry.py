@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.arrays.types import Floats
+from propmap.typing import Floats
 from propmap.vehicle.vehicle import Vehicle
 from propmap.vehicle.wake_table import BEARINGS, SKEWS, SeenWake, frame_of
 

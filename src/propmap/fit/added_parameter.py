@@ -7,7 +7,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.fit.fitted import Fitted
 from propmap.fit.parameters import MOUNT, Choice, described
 from propmap.fit.residuals import rms
@@ -15,6 +14,7 @@ from propmap.fit.rows import Rows
 from propmap.fit.search import search
 from propmap.fit.uncertainty import uncertainty
 from propmap.model.drag_factor import drag_factor_accepted
+from propmap.typing import Floats
 
 TELLING = 0.7
 """Share of the residuals' size below which giving up an assumption is worth saying."""

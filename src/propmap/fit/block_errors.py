@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.arrays.types import Floats
 from propmap.fit.search import NOISE_FLOOR
+from propmap.typing import Floats
 
 MOST_ALONE = 0.9
 """Share of what is known of a direction that one stretch is taken to tell, at most: what a single

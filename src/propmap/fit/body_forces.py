@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.fit.parameters import WING
+from propmap.typing import Floats
 from propmap.vehicle.flight_log import FlightLog
 from propmap.vehicle.free_stream_force import free_stream_force
 from propmap.vehicle.vehicle import Body, Vehicle

@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.baselines.hover import HoverModel
 from propmap.errors import InputError
 from propmap.fit.body_forces import body_force
@@ -24,6 +23,7 @@ from propmap.fit.wake_parameters import wakes_with
 from propmap.loads import LOADS
 from propmap.model.model import Model, Section
 from propmap.rotor import Rotor
+from propmap.typing import Floats
 from propmap.vehicle.flight_log import GRAVITY, FlightLog
 from propmap.vehicle.hub_flow import HubFlow, hub_flow, rotor_wrench
 from propmap.vehicle.interference import in_wakes

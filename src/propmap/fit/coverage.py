@@ -9,9 +9,9 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.fit.rows import Rows
+from propmap.typing import Floats
 
 AT_REST = 0.1
 """Speed [m/s] below which the direction of the flow means nothing."""

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.baselines.hover import HoverModel
 from propmap.fit.fitted import Fitted
 from propmap.fit.residuals import errors
 from propmap.model.model import Model
 from propmap.rotor import Rotor
+from propmap.typing import Floats
 
 OF_THRUST, OF_TORQUE = ("thrust", "force_z", "vertical_force"), ("torque",)
 """Rows whose errors, over what the hover model says of them, are shares of a static load."""
@@ -38,7 +38,7 @@ def discrepancy(fitted: Fitted, found: Model, hover: Floats) -> dict[str, float]
                 shares[kind] = errors(*fitted.compared(k)).rms / size
     if not shares or not np.isfinite(list(shares.values())).all():
         return {}
-    static = HoverModel.of(Rotor(found, compiled=False))
+    static = HoverModel.of(Rotor(found))
     blade, air = found.propeller, found.air
     thrust = abs(static.k_thrust) * (2.0 * np.pi) ** 2 / (air.density * blade.diameter**4)
     power = abs(static.k_torque) * (2.0 * np.pi) ** 3 / (air.density * blade.diameter**5)

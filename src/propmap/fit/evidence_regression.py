@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from propmap.arrays.types import Floats
+from propmap.typing import Floats
 
 STEPS = 200
 """Of the evidence's fixed-point iteration."""

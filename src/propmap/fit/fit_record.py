@@ -11,13 +11,13 @@ from typing import Any
 import msgspec
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.fit.coverage import Coverage
 from propmap.fit.residuals import Errors, FlightErrors
 from propmap.fit.search import End
 from propmap.model.air import Air
 from propmap.model.propeller import Propeller
+from propmap.typing import Floats
 
 BY_NAME = ("parameters", "residuals")
 """In the file these are tables by name, in a record lists whose entries hold their name."""

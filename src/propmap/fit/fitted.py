@@ -9,7 +9,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.arrays.types import Floats
 from propmap.fit.parameters import Choice
 from propmap.fit.residuals import rms_known
 from propmap.fit.rows import Rows
@@ -18,6 +17,7 @@ from propmap.fit.search import NOISE_FLOOR, Minimum, search, starts
 from propmap.fit.section_prior import LEAST_ERROR
 from propmap.fit.uncertainty import Uncertainty, residual_errors, uncertainty
 from propmap.tasks import InTurn, Workers, in_order
+from propmap.typing import Floats
 
 MEDIAN_TO_DEVIATION = 1.4826
 """Standard deviation over median size, of normal errors."""

@@ -7,7 +7,6 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.arrays.types import Floats
 from propmap.baselines.hover import HoverModel
 from propmap.errors import InputError
 from propmap.fit.force_model import ForceModel, hover_loads
@@ -16,6 +15,7 @@ from propmap.fit.rows import Rows
 from propmap.fit.tunnel import model_with
 from propmap.fit.turning import measured_moment
 from propmap.rotor import Rotor
+from propmap.typing import Floats
 from propmap.vehicle.flight_log import GRAVITY, FlightLog
 
 AXES, VERTICAL = ("force_x", "force_y", "force_z"), ("vertical_force",)
@@ -172,6 +172,5 @@ def hover_rows(model: ForceModel, values: Mapping[str, float], rows: Rows) -> Fl
 
     ``values``, all parameters by name, give the rotor whose constants are taken.
     """
-    # One point by NumPy, without waiting for the compiler.
-    hover = HoverModel.of(Rotor(model_with(model.model, values), compiled=False))
+    hover = HoverModel.of(Rotor(model_with(model.model, values)))
     return rows.picked(_along(model.log, rows.names, hover_loads(hover, model.flow)))

@@ -7,9 +7,9 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.arrays.types import Floats
 from propmap.errors import InputError, quoted
 from propmap.fit.parameters import EVERY, PER_FLIGHT, general, of_flight
+from propmap.typing import Floats
 from propmap.vehicle.flight_log import FlightLog
 
 

@@ -7,15 +7,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.fit.comparison import flight_forces
 from propmap.fit.fitted import Settings, fit
 from propmap.fit.flight import ALIKE, balance_rows, vertical_rows
 from propmap.fit.force_model import ForceModel
-from propmap.fit.parameters import BODY, FIRST_GUESS, ROTOR, SENSOR, WAKES, Choice, constants_of
+from propmap.fit.parameters import BODY, FIRST_GUESS, SENSOR, WAKES, Choice, constants_of
 from propmap.fit.tunnel import model_with
 from propmap.model.airfoil import Airfoil
 from propmap.model.model import Model
+from propmap.typing import Floats
 from propmap.vehicle.flight_log import FlightLog, joined
 from propmap.vehicle.vehicle import Vehicle
 
@@ -145,13 +145,12 @@ def fit_terms(
     list of Fitted
         In the order of the steps, then of the flights left out.
     """
-    also = _rotor_names(steps)
     found = []
     for step in steps:
         for left_out in range(len(flights)) if len(flights) > 1 else (None,):
             seen = joined([f.passed for k, f in enumerate(flights) if k != left_out])
             picked = np.unique(np.linspace(0, len(seen) - 1, min(samples, len(seen))).astype(int))
-            model = ForceModel(vehicle, seen.picked(picked), law, also=also)
+            model = ForceModel(vehicle, seen.picked(picked), law)
             rows = (vertical_rows if step.vertical else balance_rows)(model, step.choice)
             values = fit(rows, step.choice, Settings(starts=1, folds=0)).values
             pairs = [_off(vehicle, flight, law, values) for flight in flights]
@@ -211,12 +210,6 @@ def measured_off(vehicle: Vehicle, flight: Flight) -> Off | None:
         flight.prediction - vehicle.mass * flight.passed.specific_force,
         flight.raw_prediction - vehicle.mass * flight.raw.specific_force,
     )
-
-
-def _rotor_names(steps: Sequence[Step]) -> tuple[str, ...]:
-    """All parameters of the rotor that any step frees, and the axial velocity."""
-    free = dict.fromkeys(name for step in steps for name in step.choice.free if name in ROTOR)
-    return (*free, "v_axial")
 
 
 def _off(

@@ -7,12 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.baselines.hover import HoverModel
-from propmap.engine.accuracy import accuracy
-from propmap.engine.attached_thrust import attached_thrust
-from propmap.engine.evaluation import prepare
-from propmap.engine.gradients import load_gradients
 from propmap.errors import InputError
 from propmap.fit.body_forces import body_force
 from propmap.fit.coverage import Coverage, coverage
@@ -25,6 +20,8 @@ from propmap.fit.wake_parameters import PREFIX, wakes_with
 from propmap.loads import LOADS
 from propmap.model.airfoil import Airfoil
 from propmap.model.model import Model
+from propmap.rotor import Rotor
+from propmap.typing import Floats
 from propmap.vehicle.flight_log import FlightLog
 from propmap.vehicle.hub_flow import HubFlow, hub_flow, rotor_wrench
 from propmap.vehicle.interference import check_apart, wake_flow
@@ -81,9 +78,6 @@ class ForceModel:
         Gives what no parameter of a fit does.
     setting : str
         Accuracy of the loads, as in ``Rotor``.
-    also : tuple of str
-        Parameters of the rotor by which loads are differentiated whether they are free or not, so
-        that one compiled program serves fits with different free ones.
 
     Raises
     ------
@@ -97,8 +91,6 @@ class ForceModel:
         log: FlightLog,
         base: Airfoil,
         setting: str = "standard",
-        *,
-        also: tuple[str, ...] = (),
     ) -> None:
         if log.rotor_speed.shape[1] != len(vehicle.mounts):
             raise InputError(
@@ -106,7 +98,7 @@ class ForceModel:
                 "give the vehicle file one [[rotors]] table per rotor of the log",
                 log.source,
             )
-        self.vehicle, self.log, self.setting, self.also = vehicle, log, setting, also
+        self.vehicle, self.log, self.setting = vehicle, log, setting
         self.model = Model(vehicle.propeller, base, vehicle.air)
         self.flow = hub_flow(vehicle, log)
 
@@ -170,26 +162,25 @@ class ForceModel:
         self, values: Mapping[str, float], names: tuple[str, ...]
     ) -> tuple[Floats, Floats]:
         """Thrust (n, m) that the wakes are computed from, and its derivatives (P, n, m)."""
-        flow, shape = self.flow, self.flow.omega.shape
+        flow = self.flow
         known = {name: value for name, value in values.items() if name not in MOUNT}
         lifting = [name for name in names if name in LIFT]
         steps = [LIFT_STEP * EVERY[name].spread for name in lifting]
         moved = [
-            model_with(self.model, {**known, name: known[name] + step}).arrays()
+            model_with(self.model, {**known, name: known[name] + step})
             for name, step in zip(lifting, steps, strict=True)
         ]
         scale = values.get(ROTOR_SPEED, 1.0)
-        omega, axial, inplane = (a.ravel() for a in (scale * flow.omega, flow.axial, flow.inplane))
-        rotor = model_with(self.model, known).arrays()
-        thrust, more = attached_thrust(rotor, omega, axial, inplane, moved)
-        slopes = np.zeros((len(names), *shape))
+        omega, along = scale * flow.omega, (flow.axial, flow.inplane)
+        rotor = Rotor(model_with(self.model, known))
+        thrust, more = rotor.attached_thrust(omega, *along, moved)
+        slopes = np.zeros((len(names), *omega.shape))
         if ROTOR_SPEED in names:
-            faster, _ = attached_thrust(rotor, (1.0 + SPEED_STEP) * omega, axial, inplane)
-            by_scale = (faster - thrust) / (SPEED_STEP * scale)
-            slopes[names.index(ROTOR_SPEED)] = by_scale.reshape(shape)
+            faster, _ = rotor.attached_thrust((1.0 + SPEED_STEP) * omega, *along)
+            slopes[names.index(ROTOR_SPEED)] = (faster - thrust) / (SPEED_STEP * scale)
         for name, step, change in zip(lifting, steps, more, strict=True):
-            slopes[names.index(name)] = change.reshape(shape) / step
-        return thrust.reshape(shape), slopes
+            slopes[names.index(name)] = change / step
+        return thrust, slopes
 
     def _loads(
         self, values: Mapping[str, float], names: tuple[str, ...], axial: Floats
@@ -198,18 +189,14 @@ class ForceModel:
         (L, P, n, m) by the P of these ``names``."""
         flow, shape = self.flow, self.flow.omega.shape
         omega = values.get(ROTOR_SPEED, 1.0) * flow.omega
-        along = ("omega" if name == ROTOR_SPEED else name for name in names)
-        asked = tuple(dict.fromkeys((*along, *self.also)))
+        asked = tuple("omega" if name == ROTOR_SPEED else name for name in names)
         loads = np.empty((len(LOADS), *shape))
         slopes = np.empty((len(LOADS), len(names), *shape))
         for model, mine in mounted_rotors(self.vehicle, model_with(self.model, values)):
-            some = [a[:, mine] for a in (omega, axial, flow.inplane)]
-            points = (a.ravel() for a in some)
-            rotor = prepare(model.arrays(), uniform=True)
-            found = load_gradients(rotor, accuracy(self.setting), asked, *points)
-            loads[..., mine] = found.loads.reshape(-1, *some[0].shape)
-            by_name = found.slopes[:, : len(names)]
-            slopes[..., mine] = by_name.reshape(len(LOADS), -1, *some[0].shape)
+            rotor = Rotor(model, accuracy=self.setting)
+            found = rotor.gradients(asked, *(a[:, mine] for a in (omega, axial, flow.inplane)))
+            loads[..., mine] = found.loads
+            slopes[..., mine] = found.slopes
         if ROTOR_SPEED in names:
             slopes[:, names.index(ROTOR_SPEED)] *= flow.omega
         return loads, slopes

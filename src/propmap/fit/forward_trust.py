@@ -6,15 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from propmap.arrays.types import Floats
-from propmap.engine.accuracy import accuracy
-from propmap.engine.evaluation import prepare
-from propmap.engine.gradients import load_gradients
 from propmap.fit.fitted import Fitted
 from propmap.fit.parameters import ROTOR
 from propmap.fit.tunnel import rotor_with
 from propmap.loads import LOADS
 from propmap.model.model import Model
+from propmap.typing import Floats
 
 ADVANCE = (0.0, 0.2, 0.4, 0.6, 0.2, 0.4, 0.6)
 """J = V / (n D) of the points looked at [-]."""
@@ -84,9 +81,9 @@ def forward_trust(model: Model, fitted: Fitted, omega: float, setting: str) -> F
     rows = [list(LOADS).index(name) for name in TOLD]
 
     def loads(x: Floats, covariance: Floats) -> tuple[Floats, Floats]:
-        prepared = prepare(rotor_with(model, choice.values(x), setting).arrays)
+        rotor = rotor_with(model, choice.values(x), setting)
         names = tuple(name for name in choice.free if name in ROTOR)
-        found = load_gradients(prepared, accuracy(setting), names, *flow)
+        found = rotor.gradients(names, *flow)
         mine = [choice.free.index(name) for name in names]
         part = covariance[np.ix_(mine, mine)]
         variance = np.einsum("lpm,pq,lqm->ml", found.slopes[rows], part, found.slopes[rows])

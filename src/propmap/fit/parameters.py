@@ -8,13 +8,13 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.catalogue.identified import PARAMETERS
 from propmap.errors import InputError, quoted
 from propmap.fit.section_prior import SectionPrior
 from propmap.model.airfoil import Airfoil
 from propmap.model.drag_factor import warn_of_drag_factor
 from propmap.model.model import Section
+from propmap.typing import Floats
 
 
 @dataclass(frozen=True)

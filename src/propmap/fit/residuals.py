@@ -7,7 +7,7 @@ import itertools
 import msgspec
 import numpy as np
 
-from propmap.arrays.types import Floats
+from propmap.typing import Floats
 
 BANDS = (0.0, 3.0, 6.0, 9.0, 12.0, 15.0, np.inf)
 """Edges of the bands of speed [m/s]."""

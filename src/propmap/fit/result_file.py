@@ -13,7 +13,6 @@ import msgspec
 import numpy as np
 
 import propmap
-from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.fit.coverage import Coverage
 from propmap.fit.discrepancy import discrepancy
@@ -46,6 +45,7 @@ from propmap.model.drag_factor import drag_factor_accepted
 from propmap.model.model import Model
 from propmap.model.section_covariance import SectionCovariance
 from propmap.model.uncertainty import fitted_uncertainty
+from propmap.typing import Floats
 
 BEYOND_ROTORS = BODY | SENSOR | TURNING | WAKES | FLIGHT
 """What the table ``[fit.body]`` has; the rest is the section law, its corrections and the wing."""

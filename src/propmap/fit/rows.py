@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.arrays.types import Floats
+from propmap.typing import Floats
 
 Evaluation = tuple[Floats, Floats]
 Model = Callable[[Mapping[str, float], tuple[str, ...]], Evaluation]

@@ -10,10 +10,10 @@ from dataclasses import dataclass
 import msgspec
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.fit.parameters import Choice
 from propmap.fit.rows import Rows
+from propmap.typing import Floats
 
 Jacobian = Callable[[Floats], Floats]
 

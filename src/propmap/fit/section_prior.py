@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.catalogue.identified import PARAMETERS
 from propmap.catalogue.prior import (
     LOGARITHMIC,
@@ -17,6 +16,7 @@ from propmap.catalogue.prior import (
     slopes_of,
 )
 from propmap.model.airfoil import Airfoil
+from propmap.typing import Floats
 
 SMALLEST = 1e-6
 """Taken for a constant at its bound of 0, which is infinitely far in coordinates that are logs."""

@@ -10,10 +10,10 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.fit.flight_parameters import at_samples, samples_of
 from propmap.fit.parameters import general
+from propmap.typing import Floats
 from propmap.vehicle.flight_log import FlightLog
 from propmap.vehicle.vehicle import Vehicle
 

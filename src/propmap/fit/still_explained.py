@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.arrays.types import Floats
 from propmap.fit.fitted import Fitted
+from propmap.typing import Floats
 from propmap.vehicle.flight_log import FlightLog
 
 LEAST_SHARE = 0.05

@@ -8,11 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from propmap.arrays.types import Floats
-from propmap.baselines.hover import REFERENCE_TIP_SPEED, HoverModel
-from propmap.engine.accuracy import accuracy
-from propmap.engine.evaluation import prepare
-from propmap.engine.gradients import load_gradients
+from propmap.baselines.hover import HoverModel
 from propmap.errors import InputError
 from propmap.fit.parameters import (
     BODY,
@@ -29,11 +25,11 @@ from propmap.fit.parameters import (
 from propmap.fit.rows import Rows
 from propmap.loads import LOADS
 from propmap.model.airfoil import Airfoil
+from propmap.model.corrections import BladeUntwist, MountDrag
 from propmap.model.drag_factor import drag_factor_accepted
 from propmap.model.model import Model, Section
-from propmap.physics.blade_untwist import BladeUntwist
-from propmap.physics.mount_drag import MountDrag
 from propmap.rotor import Rotor
+from propmap.typing import Floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,8 +161,8 @@ def tunnel_rows(
     columns = [list(LOADS).index(name) for name in names]
 
     def modelled(values: Mapping[str, float], free: tuple[str, ...]) -> tuple[Floats, Floats]:
-        prepared = prepare(rotor_with(model, values, setting).arrays)
-        found = load_gradients(prepared, accuracy(setting), free, data.omega, axial, inplane)
+        rotor = rotor_with(model, values, setting)
+        found = rotor.gradients(free, data.omega, axial, inplane)
         return found.loads[columns].T, found.slopes[columns].transpose(2, 0, 1)
 
     return Rows.of_points(
@@ -204,16 +200,7 @@ def _check(
             raise InputError(f"{name} is free but drag is not fitted", "add drag to the loads")
 
 
-def hover_after_fit(rotor: Rotor) -> HoverModel:
-    """``HoverModel.of(rotor)`` by the program that the fit has compiled, within 0.1 %."""
-    omega = REFERENCE_TIP_SPEED / rotor.model.propeller.radius
-    still, setting = np.zeros(1), accuracy(rotor.accuracy)
-    found = load_gradients(prepare(rotor.arrays), setting, (), np.array([omega]), still, still)
-    static = dict(zip(LOADS, found.loads[:, 0].tolist(), strict=True))
-    return HoverModel(static["thrust"] / omega**2, static["torque"] / omega**2, omega)
-
-
 def hover_rows(rotor: Rotor, data: TunnelData, rows: Rows) -> Floats:
     """What the hover model with this rotor's constants says of the rows (M,) made of ``data``."""
-    loads = hover_after_fit(rotor).loads(data.omega)
+    loads = HoverModel.of(rotor).loads(data.omega)
     return rows.picked(np.stack([loads[name] for name in rows.names], axis=1))

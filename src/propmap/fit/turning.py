@@ -14,7 +14,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from propmap.arrays.types import Floats
+from propmap.typing import Floats
 from propmap.vehicle.flight_log import FlightLog
 from propmap.vehicle.hub_flow import HubFlow
 from propmap.vehicle.vehicle import Vehicle

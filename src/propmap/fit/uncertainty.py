@@ -8,13 +8,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.arrays.types import Floats
 from propmap.fit.block_errors import block_errors
 from propmap.fit.bounded_interval import Quadratic, bounded_intervals
 from propmap.fit.parameters import LINEAR, Choice, described, general
 from propmap.fit.rows import Rows
 from propmap.fit.search import NOISE_FLOOR, Evaluator, Minimum, weight_of_priors
 from propmap.fit.section_prior import LEAST_ERROR
+from propmap.typing import Floats
 
 AT_BOUND = 1e-6
 """Distance from a bound, in spreads, within which the bound holds a parameter."""

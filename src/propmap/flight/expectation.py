@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.fit.flight import level_rows
 from propmap.fit.force_model import ForceModel
@@ -16,6 +15,7 @@ from propmap.fit.search import NOISE_FLOOR, Minimum
 from propmap.fit.uncertainty import AT_BOUND, Uncertainty, uncertainty
 from propmap.flight.trim import true_values
 from propmap.model.airfoil import Airfoil
+from propmap.typing import Floats
 from propmap.vehicle.flight_log import FlightLog
 from propmap.vehicle.vehicle import Vehicle
 

@@ -7,10 +7,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.flight.plausible_rpm import FEWEST_SLOW, SLOW, slow_flight
 from propmap.flight.steady import airborne
+from propmap.typing import Floats
 from propmap.vehicle.flight_log import GRAVITY, FlightLog
 from propmap.vehicle.time_derivatives import low_passed
 from propmap.vehicle.vehicle import Vehicle

@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.errors import InputError
+from propmap.typing import Floats
 from propmap.vehicle.flight_log import GRAVITY, FlightLog, in_vehicle_frame, pitch_and_roll
 from propmap.vehicle.log_map import CHOICES, LogMap
 

@@ -9,13 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from propmap.aircraft.newton import solve
-from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.fit.body_forces import wing_values
 from propmap.fit.force_model import ForceModel
-from propmap.fit.parameters import FIRST_GUESS, PAPER_FOUR, SECTION, constants_of
+from propmap.fit.parameters import FIRST_GUESS, SECTION, constants_of
 from propmap.model.airfoil import Airfoil
+from propmap.model.corrections import MountDrag
 from propmap.model.model import Model
+from propmap.typing import Floats
 from propmap.vehicle.flight_log import GRAVITY, FlightLog, in_vehicle_frame
 from propmap.vehicle.vehicle import Vehicle
 
@@ -47,8 +48,9 @@ def true_values(vehicle: Vehicle, airfoil: Airfoil) -> dict[str, float]:
     law = constants_of(airfoil)
     section = {name: getattr(law, name) for name in SECTION}
     told = any(mount.drag is not None for mount in vehicle.mounts)
-    mounted = Model(vehicle.propeller, law, vehicle.air).arrays().mount
-    mount = {} if told or mounted is None else {"mount_area": float(mounted.area)}
+    mounted = Model(vehicle.propeller, law, vehicle.air).correction_of(MountDrag)
+    area = None if told or mounted is None else mounted.area(vehicle.propeller.radius)
+    mount = {} if area is None else {"mount_area": area}
     return FIRST_GUESS | section | mount | wing_values(vehicle)
 
 
@@ -160,8 +162,7 @@ class _Problem:
     def residual(self, unknowns: Floats, which: NDArray[np.intp]) -> Floats:
         """Forces forward, up and to the left, less those wanted, over the weight; (m, k)."""
         log = self.log(unknowns, which)
-        # With the derivatives that a fit of the paper's four needs, so as to share its program.
-        force = ForceModel(self.vehicle, log, self.airfoil).at(self.values, PAPER_FOUR).force
+        force = ForceModel(self.vehicle, log, self.airfoil).at(self.values, ()).force
         forward = np.cross(_left(log.up), log.up)
         parts = np.stack([forward, log.up, _left(log.up)], axis=1)[:, : self.count]
         weight = self.vehicle.mass * GRAVITY

@@ -7,10 +7,10 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.errors import InputError, quoted
 from propmap.model.blade_check import check_blade, check_blades
 from propmap.model.propeller import Propeller
+from propmap.typing import Floats
 
 INCH = 0.0254
 """Metres in an inch."""

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 from propmap.io.operating_points import COLUMNS, OperatingPoints
 
 if TYPE_CHECKING:
-    from propmap.arrays.types import Floats
     from propmap.results import Loads
+    from propmap.typing import Floats
 
 FURTHER = ("mean_inflow", "reverse_flow", "roots")
 """Fields of ``Loads`` that `propmap sweep` tells beside the columns of `propmap predict`."""

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.loads import LOADS
+from propmap.typing import Floats
 
 if TYPE_CHECKING:
     from propmap.results import Loads, LoadValues

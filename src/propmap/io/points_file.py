@@ -9,12 +9,12 @@ from pathlib import Path
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.errors import InputError, quoted
 from propmap.io.csv_dialect import read_csv_table
 from propmap.io.operating_points import REMEDIES, OperatingPoints
 from propmap.io.text_file import read_lines
 from propmap.loads import LOADS
+from propmap.typing import Floats
 
 POINT_COLUMNS = {"rpm": "rpm", "speed_mps": "speed", "beta_deg": "beta"}
 LOAD_COLUMNS = {load.column: name for name, load in LOADS.items()}

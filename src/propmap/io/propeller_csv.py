@@ -8,7 +8,6 @@ from pathlib import Path
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.errors import InputError, quoted
 from propmap.io.blade_table import (
     INCH,
@@ -24,6 +23,7 @@ from propmap.io.csv_dialect import read_csv_table
 from propmap.io.text_file import read_lines
 from propmap.model.blade_check import twist_from_degrees
 from propmap.model.propeller import Propeller
+from propmap.typing import Floats
 
 LENGTH_UNITS = {"m": 1.0, "mm": 1e-3, "in": INCH}
 STATION_COLUMNS = ("radius_m", "radius_mm", "radius_in", "r_over_R")

@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.errors import InputError
+from propmap.typing import Floats
 
 ASPECT_RATIO = 10.0
 """Of a propeller's blade, in Viterna's drag of a plate across the flow."""

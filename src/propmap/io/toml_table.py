@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.errors import InputError, quoted
+from propmap.typing import Floats
 
 
 def parse_toml(text: str, where: str, schema: int) -> dict[str, Any]:

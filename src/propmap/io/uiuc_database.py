@@ -10,11 +10,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.io.blade_table import parse_blades, parse_number
 from propmap.io.csv_dialect import read_csv_table
 from propmap.io.text_file import read_lines
+from propmap.typing import Floats
 
 COLUMNS = ("PropName", "BladeName", "Family", "B", "J", "N", "CT", "CP")
 

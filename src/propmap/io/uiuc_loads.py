@@ -8,10 +8,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.errors import InputError, quoted
 from propmap.io.blade_table import parse_rows
 from propmap.io.text_file import read_lines
+from propmap.typing import Floats
 
 FLIGHT, STATIC = ("J", "CT", "CP"), ("RPM", "CT", "CP")
 _RPM_IN_NAME = re.compile(r"_(\d{3,5})\.txt$", re.IGNORECASE)

@@ -14,15 +14,16 @@ from importlib.resources.abc import Traversable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
+from numpy.typing import ArrayLike
 
 from propmap.errors import InputError
+from propmap.model.core_section import section_coefficients
 from propmap.model.corrections import agreed, as_texts
 from propmap.model.drag_factor import drag_factor_accepted, warn_of_drag_factor
 from propmap.model.uncertainty import SectionUncertainty, filed_uncertainty, fitted_uncertainty
 
 if TYPE_CHECKING:
-    from propmap.physics.sections.blended import BlendedLaw
+    from propmap.typing import Floats
 
 SCHEMA = 1
 LIFT_LAWS = ("blended", "simplified")
@@ -125,14 +126,38 @@ class Airfoil:
             warn_of_drag_factor(stacklevel=3)
         object.__setattr__(self, "corrections", as_texts(self.corrections))
 
-    def law(self) -> BlendedLaw:
-        """The constants as arrays for the solver."""
-        from propmap.physics.sections.blended import BlendedLaw
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """Names of the constants by which loads can be differentiated."""
+        return tuple(LIMITS)
 
-        attached = np.float64(1.0 if self.lift_law == "blended" else 0.0)
-        numbers: Any = {name: np.float64(getattr(self, name)) for name in LIMITS}
-        numbers |= {name: None for name in BEYOND_THE_PAPER if numbers[name] == 0.0}
-        return BlendedLaw(attached=attached, **numbers)  # type: ignore[arg-type]
+    @property
+    def has_attached_lift(self) -> bool:
+        """Whether lift rises with the angle of attack up to stall: not by footnote 1."""
+        return self.lift_law == "blended" and self.c_l1 > 0.0
+
+    def coefficients(self, alpha: ArrayLike, reynolds: ArrayLike) -> tuple[Floats, Floats]:
+        """Lift and drag of the section by itself, eqs. (3) and (4).
+
+        Parameters
+        ----------
+        alpha : array_like, shape (...)
+            Angle of attack from the chord line [rad].
+        reynolds : array_like, shape (...)
+            Re [-], also that of the rotation alone; both broadcast.
+
+        Returns
+        -------
+        lift, drag : ndarray, shape (...)
+            C_L and C_D [-].
+        """
+        return section_coefficients(self.core_law(), alpha, reynolds)
+
+    def core_law(self) -> dict[str, Any]:
+        """The law as the compiled core takes it: its numbers by name."""
+        attached = 1.0 if self.lift_law == "blended" else 0.0
+        numbers = {name: getattr(self, name) for name in self.parameters}
+        return {"kind": "blended", "attached": attached, **numbers}
 
     def with_parameters(self, **changes: Any) -> Airfoil:
         """A copy with ``changes`` to constants, by name as in the constructor.

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.errors import InputError, quoted
 from propmap.model.usual_ranges import CHORD_SLIPS, LENGTH_SLIPS, WIDEST_CHORD, Range, guessed
+from propmap.typing import Floats
 
 MIN_STATIONS = 4
 MAX_BLADES = 12

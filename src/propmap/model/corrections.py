@@ -1,50 +1,479 @@
-"""The corrections that a model can have, by name."""
+"""The corrections that a model can have: what is added to the paper's physics, as values.
+
+Here are their numbers and what makes them impossible.
+"""
 
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, Protocol
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
 
 from propmap.errors import InputError
+from propmap.typing import Floats
 
 if TYPE_CHECKING:
-    from propmap.physics.rotor import RotorArrays
+    from propmap.model.model import Model
+    from propmap.model.propeller import Propeller
 
-CORRECTIONS = {
-    "blade-to-hub": "propmap.physics.blade_to_hub.BladeToHub",
-    "blade-untwist": "propmap.physics.blade_untwist.BladeUntwist",
-    "tip-loss": "propmap.physics.tip_loss.TipLoss",
-    "hub-loss": "propmap.physics.tip_loss.HubLoss",
-    "pitt-peters": "propmap.physics.inflow_harmonics.PittPeters",
-    "pitt-peters-gradient": "propmap.physics.inflow_harmonics.PittPetersGradient",
-    "coleman": "propmap.physics.inflow_harmonics.Coleman",
-    "drees": "propmap.physics.inflow_harmonics.Drees",
-    "white-blake": "propmap.physics.inflow_harmonics.WhiteBlake",
-    "mount-drag": "propmap.physics.mount_drag.MountDrag",
-    "stall-delay": "propmap.physics.sections.stall_delay.StallDelay",
-    "prandtl-glauert": "propmap.physics.sections.compressible.PrandtlGlauert",
-    "radial-friction": "propmap.physics.radial_friction.RadialFriction",
+HUB_SHARE = 0.08
+"""Radius of a hub whose size is not given, over that of the tip [-]: 16 mm across on an 8-inch
+propeller."""
+
+LARGEST_UNTWIST = 0.2
+"""Of what the tip's twist loses [rad]; a blade that gives way further is no propeller's."""
+
+MOTOR_DIAMETER, MOTOR_HEIGHT = 28.0 / 101.6, 30.0 / 101.6
+"""Of a motor, over the radius of its propeller [-]: 28 mm x 30 mm below one of 8 inches."""
+
+MOTOR_DRAG_COEFFICIENT = 1.0
+"""Of a motor across the flow [-], between a smooth cylinder as high as it is wide, 0.63, and a long
+one, 1.2: S. F. Hoerner, Fluid-Dynamic Drag, 1965, chapter III."""
+
+STALL_DELAY_STRENGTH = 3.0
+"""Snel's factor of (c/y)^2 [-]."""
+
+SPEED_OF_SOUND = 340.3
+"""[m/s], of the standard atmosphere at sea level (ISO 2533: 15 degrees Celsius)."""
+
+
+class Correction:
+    """A change to the physics, as a validated value: a frozen dataclass of numbers."""
+
+    inflow_shape: ClassVar[bool] = False
+    """Whether it sets how the inflow varies around the disk: of these a model has one at most."""
+
+    def check(self, model: Model) -> None:
+        """Raise ``InputError`` where it does not fit a ``model`` that has it."""
+
+
+@dataclass(frozen=True)
+class BladeToHub(Correction):
+    """The blade continued to the hub, inside its first measured station.
+
+    The chord line keeps the geometric pitch of the first station, 2 pi y tan(theta), as it does on
+    blades whose pitch is constant.  The chord goes on with its mean slope over the first tenth of
+    the radius, but no wider than at the first station and no narrower than half of it.  The
+    measured part stays as it is.
+
+    Geometry files begin where the blade leaves the hub's fairing.  What lies inside stands steeply
+    in the in-plane flow: on the APC 8x6E it is a hundredth or two of the thrust and more than a
+    tenth of the rotor drag.  A blade that reaches the hub stays as it is.
+
+    Attributes
+    ----------
+    radius_m : float or None
+        Radius of the hub [m]; None for ``HUB_SHARE`` of the tip's radius.
+
+    Raises
+    ------
+    InputError
+        For a radius that is no positive number; in a ``Model``, for one outside the first station
+        and for a blade that a root cut-out shortens.
+    """
+
+    radius_m: float | None = None
+
+    def __post_init__(self) -> None:
+        _check_radius(self.radius_m)
+
+    def hub(self, propeller: Propeller) -> float:
+        """Where the blade of a ``propeller`` then begins [m].
+
+        Raises
+        ------
+        InputError
+            For a blade that a root cut-out shortens, and a hub outside the first station.
+        """
+        first, root = float(propeller.station[0]), propeller.root
+        if root > first * (1.0 + 1e-9):
+            raise InputError(
+                f"blade-to-hub continues the blade inwards, but its root is cut out at {root:g} m",
+                "leave out one of the two",
+            )
+        hub = HUB_SHARE * propeller.radius if self.radius_m is None else self.radius_m
+        if self.radius_m is not None and hub > first * (1.0 + 1e-9):
+            raise InputError(
+                f"radius_m of blade-to-hub is {hub:g} m, but the blade begins at {first:g} m",
+                "give a smaller radius in metres, or leave the correction out",
+            )
+        return root if hub >= first * (1.0 - 1e-9) else hub
+
+    def check(self, model: Model) -> None:
+        """As ``hub``, for the propeller of a ``model``."""
+        self.hub(model.propeller)
+
+
+@dataclass(frozen=True)
+class BladeUntwist(Correction):
+    """A blade that flattens as it turns: the centrifugal force twists it to the disk plane.
+
+    A section's mass lies along its chord.  Turning at Omega pulls it outwards from the axis and so
+    into the disk plane: the propeller moment -Omega^2 I sin(theta) cos(theta) per length.  A blade
+    of length R that is held at its hub gives way to a moment that is the same all along it by
+
+        delta(y) = delta_tip s (2 - s),   s = y / R,   delta_tip ~ Omega^2 .
+
+    Between blades of one material and shape delta_tip goes as the square of the tip speed, whatever
+    their size, and with (c/t)^2, the square of chord over thickness.  For c/t = 10 and a pitch of
+    17 degrees it is 0.5 (rho_b (Omega R)^2 / G) (c/2t)^2 sin(theta) cos(theta), at a tip speed of
+    100 m/s about 0.05 rad for polycarbonate and 0.02 rad for nylon with glass fibres.
+
+    Attributes
+    ----------
+    tip_angle : float
+        What the tip's twist loses at a tip speed of 100 m/s [rad]; it grows with Omega^2.
+
+    Raises
+    ------
+    InputError
+        For an angle beyond 0.2 rad either way.
+
+    References
+    ----------
+    J. C. Houbolt, G. W. Brooks, "Differential Equations of Motion for Combined Flapwise Bending,
+    Chordwise Bending, and Torsion of Twisted Nonuniform Rotor Blades", NACA Report 1346, 1958.
+    """
+
+    tip_angle: float
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.tip_angle) and abs(self.tip_angle) <= LARGEST_UNTWIST):
+            raise InputError(
+                f"tip_angle is {self.tip_angle}: give what the tip's twist loses at a tip speed of "
+                f"100 m/s, in rad, from {-LARGEST_UNTWIST:g} to {LARGEST_UNTWIST:g}"
+            )
+
+
+@dataclass(frozen=True)
+class TipLoss(Correction):
+    """Prandtl's loss at the tip: a factor on the momentum thrust for a finite number of blades.
+
+    The thrust (10) of an annulus is multiplied by F = 2/pi arccos(exp(-f)) with
+    f = N_b (R - y) / (2 y sin(phi)).  phi is the inflow angle with V sin(beta) left out,
+    tan(phi) = |U_P| / (Omega y): an annulus has one inflow at all azimuths, hence one F.
+
+    References
+    ----------
+    L. Prandtl, appendix to A. Betz, "Schraubenpropeller mit geringstem Energieverlust",
+    Nachrichten von der Gesellschaft der Wissenschaften zu Goettingen, 1919.
+    H. Glauert, "Airplane Propellers", in W. F. Durand, Aerodynamic Theory IV, 1935.
+    """
+
+
+@dataclass(frozen=True)
+class HubLoss(Correction):
+    """Prandtl's loss at the hub: as ``TipLoss`` with f = N_b (y - r) / (2 r sin(phi)).
+
+    Attributes
+    ----------
+    radius_m : float or None
+        r, of the hub [m]; None for the radius at which the blade begins.
+
+    Raises
+    ------
+    InputError
+        For a radius that is no positive number; in a ``Model``, for one outside the blade's root.
+    """
+
+    radius_m: float | None = None
+
+    def __post_init__(self) -> None:
+        _check_radius(self.radius_m)
+
+    def radius(self, root: float) -> float:
+        """Of the hub [m], of a blade that begins at ``root`` [m]."""
+        return root if self.radius_m is None else self.radius_m
+
+    def check(self, model: Model) -> None:
+        """Refuse a hub that is larger than where the blade of a ``model`` begins."""
+        root, _ = model.span
+        radius = self.radius(root)
+        if radius > root * (1.0 + 1e-9):
+            raise InputError(
+                f"radius_m of the hub loss is {radius:g} m, but the blade begins at {root:g} m",
+                "give a smaller radius, or a root cut-out",
+            )
+
+
+@dataclass(frozen=True)
+class PittPeters(Correction):
+    """Static inflow of Pitt and Peters, with the moments' feedback.
+
+    With coefficients by rho A (Omega R)^2, times R for moments, chi the wake's skew and V its
+    mass-flow parameter:
+
+        lambda_s = 4 / (1 + cos(chi)) C_roll / V,
+        lambda_c = 15 pi/64 tan(chi/2) C_T / V + 4 cos(chi) / (1 + cos(chi)) C_rear / V,
+
+    C_rear being the moment that lifts the rear: there is more downwash where the disk lifts more.
+    The mean inflow is that of eq. (11), averaged over the disk, where Pitt and Peters have a
+    uniform one.
+
+    References
+    ----------
+    D. M. Pitt, D. A. Peters, "Theoretical Prediction of Dynamic-Inflow Derivatives",
+    Vertica 5(1), 1981.
+    D. A. Peters, N. HaQuang, "Dynamic Inflow for Practical Applications",
+    J. American Helicopter Society 33(4), 1988.
+    """
+
+    inflow_shape: ClassVar[bool] = True
+
+
+@dataclass(frozen=True)
+class PittPetersGradient(Correction):
+    """The gradient of Pitt and Peters that thrust drives, without the moments' feedback.
+
+    v_c = 15 pi/32 tan(chi/2) times the mean inflow; see ``PittPeters``.
+    """
+
+    inflow_shape: ClassVar[bool] = True
+
+
+@dataclass(frozen=True)
+class Coleman(Correction):
+    """v_c = tan(chi/2) times the mean inflow.
+
+    References
+    ----------
+    R. P. Coleman, A. M. Feingold, C. W. Stempin, "Evaluation of the Induced-Velocity Field of an
+    Idealized Helicopter Rotor", NACA ARR L5E10, 1945.
+    """
+
+    inflow_shape: ClassVar[bool] = True
+
+
+@dataclass(frozen=True)
+class Drees(Correction):
+    """v_c = 4/3 (1 - cos(chi) - 1.8 mu^2) / sin(chi) and v_s = -2 mu, times the mean inflow.
+
+    mu = V sin(beta)/(Omega R), held at 0.5 above it.
+
+    References
+    ----------
+    J. M. Drees, "A Theory of Airflow Through Rotors and Its Application to Some Helicopter
+    Problems", J. Helicopter Association of Great Britain 3(2), 1949.
+    """
+
+    inflow_shape: ClassVar[bool] = True
+
+
+@dataclass(frozen=True)
+class WhiteBlake(Correction):
+    """v_c = sqrt(2) sin(chi) times the mean inflow.
+
+    References
+    ----------
+    F. White, B. B. Blake, "Improved Method of Predicting Helicopter Control Response and Gust
+    Sensitivity", 35th Annual Forum of the American Helicopter Society, 1979.
+    """
+
+    inflow_shape: ClassVar[bool] = True
+
+
+@dataclass(frozen=True)
+class MountDrag(Correction):
+    """The drag of what is mounted in the slipstream: a motor, a stand, an arm.
+
+    It adds to the rotor drag alone, at the hub: no moment comes from it; see ``drag``.
+
+    Attributes
+    ----------
+    area_m2 : float or None
+        f, drag coefficient times area across the flow [m^2]; None for ``typical_area``.
+    wake : float
+        k, the share of the disk's inflow in the air that it meets [-]: 1 at the disk, where a
+        motor sits, towards 2 far below, 0 outside the slipstream.
+
+    Raises
+    ------
+    InputError
+        For an area below zero and a share that is not from 0 to 2.
+    """
+
+    area_m2: float | None = None
+    wake: float = 1.0
+
+    def __post_init__(self) -> None:
+        if self.area_m2 is not None and not 0.0 <= self.area_m2 < math.inf:
+            raise InputError(f"area_m2 is {self.area_m2}: give an area of 0 m^2 or more")
+        if not 0.0 <= self.wake <= 2.0:
+            raise InputError(
+                f"wake is {self.wake}: give a share of the inflow, 1 at the disk to 2 far below"
+            )
+
+    def area(self, radius: float) -> float:
+        """f [m^2] below a propeller of this ``radius`` [m]."""
+        return typical_area(radius) if self.area_m2 is None else self.area_m2
+
+    def drag(
+        self, radius: float, density: float, v_axial: Floats, v_inplane: Floats, inflow: Floats
+    ) -> Floats:
+        """D = 1/2 rho f V_inplane sqrt(V_inplane^2 + (V_axial + k v_i)^2).
+
+        It is the part in the disk plane of a drag along the air's velocity, so that the slipstream
+        raises it: in slow flight it grows with the in-plane velocity itself, not with its square.
+
+        Parameters
+        ----------
+        radius : float
+            R [m].
+        density : float
+            rho [kg/m^3].
+        v_axial, v_inplane : ndarray, shape (...)
+            V cos(beta) and V sin(beta) [m/s].
+        inflow : ndarray, shape (...)
+            v_i averaged over the disk's area [m/s].
+
+        Returns
+        -------
+        ndarray, shape (...)
+            [N], against the in-plane velocity.
+        """
+        speed = np.hypot(v_inplane, v_axial + self.wake * inflow)
+        return np.asarray(0.5 * density * self.area(radius) * v_inplane * speed)
+
+
+def typical_area(radius: float) -> float:
+    """f [m^2] of a motor in proportion to a propeller of this ``radius`` [m].
+
+    8.4 cm^2 for one of 8 inches.
+    """
+    return MOTOR_DRAG_COEFFICIENT * MOTOR_DIAMETER * MOTOR_HEIGHT * radius**2
+
+
+@dataclass(frozen=True)
+class StallDelay(Correction):
+    """Stall delay of the inner blade by Snel: rotation holds the separated flow on the blade.
+
+    Lift is C_L + min(k (c/y)^2, 1) w (s a - C_L), s being the attached lift's slope, a the angle
+    from zero lift and w a weight, 1 up to 30 degrees on either side and 0 from 60 on.  Drag is left
+    as it is.  Made for the slender blades of wind turbines: where c/y is large no stall is left.
+
+    Attributes
+    ----------
+    strength : float
+        k, factor of (c/y)^2 [-].
+
+    Raises
+    ------
+    InputError
+        For a strength below zero; in a ``Model``, for a section law without attached lift.
+
+    References
+    ----------
+    H. Snel, R. Houwink, J. Bosschers, "Sectional Prediction of Lift Coefficients on Rotating Wind
+    Turbine Blades in Stall", ECN-C--93-052, 1994, which has the lift of a thin plate for s a.
+    """
+
+    strength: float = STALL_DELAY_STRENGTH
+
+    def __post_init__(self) -> None:
+        if not 0.0 <= self.strength < math.inf:
+            raise InputError(
+                f"strength of the stall delay is {self.strength}", "give a number, 3 in Snel's form"
+            )
+
+    def check(self, model: Model) -> None:
+        """Refuse a ``model`` whose section law says that it has no attached lift."""
+        if not getattr(model.airfoil, "has_attached_lift", True):
+            raise InputError(
+                "stall-delay gives lift back that stall takes, but this section law has no "
+                "attached lift that could be continued",
+                "leave the correction out, or give another law",
+            )
+
+
+@dataclass(frozen=True)
+class PrandtlGlauert(Correction):
+    """Lift by the rule of Prandtl and Glauert: divided by sqrt(1 - M^2), M being the Mach number.
+
+    The rule is used as it is up to M = 0.6, and held at 0.7 above some 0.79.  The lift of separated
+    flow is raised with the rest; drag is left as it is, without the rise that shocks bring.
+
+    Attributes
+    ----------
+    sound_mps : float
+        Speed of sound [m/s].
+
+    Raises
+    ------
+    InputError
+        For a speed that is no positive number.
+
+    References
+    ----------
+    H. Glauert, "The Effect of Compressibility on the Lift of an Aerofoil", Proc. R. Soc. A
+    118(779), 1928, doi 10.1098/rspa.1928.0039.
+    """
+
+    sound_mps: float = SPEED_OF_SOUND
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.sound_mps < math.inf:
+            raise InputError(f"sound_mps is {self.sound_mps}: give the speed of sound in m/s")
+
+
+@dataclass(frozen=True)
+class RadialFriction(Correction):
+    """Viscous drag along the flow with its part along the blade.
+
+    In forward flight air also moves along the blade, outwards with U_R = V sin(beta) cos(psi).  By
+    the independence principle lift and pressure drag do not feel it, as in the paper; friction
+    does, and acts along the whole velocity, whose size is W = sqrt(U_T^2 + U_P^2 + U_R^2).  So the
+    law's viscous drag 1/2 rho U C_v c (U_T, U_P) becomes 1/2 rho W C_v c (U_T, U_P, U_R), C_v being
+    taken at the Reynolds number of W.  The part along the blade adds to the rotor drag, and the
+    larger velocity to drag and torque.  In axial flow nothing changes.
+
+    A law's drag at zero lift is taken to be viscous: c_d0 and the friction in eq. (4).
+
+    Not taken into account: what friction adds to the forces along the axis, less than 1e-3 of the
+    thrust, and hence to the inflow; and how it differs between the rear and the front of a disk
+    whose inflow varies, which would give a force across.
+
+    References
+    ----------
+    R. T. Jones, "Effects of Sweepback on Boundary Layer and Separation", NACA TR 884, 1947.
+    W. Johnson, Helicopter Theory, 1980, section 5-12, on the radial drag of helicopter blades.
+    """
+
+
+def _check_radius(radius: float | None) -> None:
+    if radius is not None and not 0.0 < radius < math.inf:
+        raise InputError(f"radius_m is {radius}: give the hub's radius in metres")
+
+
+CORRECTIONS: dict[str, type[Correction]] = {
+    "blade-to-hub": BladeToHub,
+    "blade-untwist": BladeUntwist,
+    "tip-loss": TipLoss,
+    "hub-loss": HubLoss,
+    "pitt-peters": PittPeters,
+    "pitt-peters-gradient": PittPetersGradient,
+    "coleman": Coleman,
+    "drees": Drees,
+    "white-blake": WhiteBlake,
+    "mount-drag": MountDrag,
+    "stall-delay": StallDelay,
+    "prandtl-glauert": PrandtlGlauert,
+    "radial-friction": RadialFriction,
 }
-"""Where each is; a new correction is one file of physics and one line here.  A model applies its
-corrections in this order, whichever way they are given: the blade's shape comes first."""
+"""Each by its name.  They act in this order, whichever way they are given: the blade's shape comes
+first."""
 
 MODELS = {"recommended": ("pitt-peters",), "paper": ()}
 """Corrections by the model's name.  The commands take "recommended" where nothing else is said;
-"paper" is Gill & D'Andrea, CCTA 2017, doi 10.1109/CCTA.2017.8062533, to the letter."""
+"paper" is Gill & D'Andrea, CCTA 2017, doi 10.1109/CCTA.2017.8062443, to the letter."""
 
 
 MOUNT_DRAG = "mount-drag"
 """The one that tells of the surroundings of a rotor: no section constant depends on it, so that it
 may be another than in the test that the constants are from."""
-
-
-class Correction(Protocol):
-    """A change to the physics, as a validated value: a frozen dataclass of numbers."""
-
-    def applied(self, rotor: RotorArrays) -> RotorArrays:
-        """The ``rotor`` with this change."""
-        ...
 
 
 def correction(text: str) -> Correction:
@@ -105,24 +534,16 @@ def corrections_of(model: str = "recommended", added: Sequence[str] = ()) -> tup
 
 
 def _replaces(one: Correction, other: Correction) -> bool:
-    return type(one) is type(other) or (sets_inflow_shape(one) and sets_inflow_shape(other))
-
-
-def sets_inflow_shape(value: Correction) -> bool:
-    """Whether a correction sets how the inflow varies around the disk."""
-    return hasattr(value, "response")
+    return type(one) is type(other) or (one.inflow_shape and other.inflow_shape)
 
 
 def from_fields(name: str, fields: dict[str, Any]) -> Correction:
     """A correction from its name and fields, as they are kept in files."""
-    import importlib
-
     if name not in CORRECTIONS:
         raise InputError(
             f"correction {name!r} is not known", f"this version has {', '.join(CORRECTIONS)}"
         )
-    module, _, kind = CORRECTIONS[name].rpartition(".")
-    made = getattr(importlib.import_module(module), kind)
+    made: Any = CORRECTIONS[name]
     known = [field.name for field in dataclasses.fields(made)]
     extra = sorted(set(fields) - set(known))
     if extra:
@@ -194,9 +615,8 @@ def name_of(value: Correction) -> str:
     InputError
         For a value that is no correction.
     """
-    path = f"{type(value).__module__}.{type(value).__qualname__}"
-    for name, place in CORRECTIONS.items():
-        if place == path:
+    for name, kind in CORRECTIONS.items():
+        if type(value) is kind:
             return name
     raise InputError(
         f"{value!r} is no correction",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
+from typing import Any, Protocol, TypeVar, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,34 +14,36 @@ from propmap.model.air import Air
 from propmap.model.corrections import (
     CORRECTIONS,
     MOUNT_DRAG,
+    BladeToHub,
     Correction,
     agreed,
     apart,
     as_text,
     correction,
     name_of,
-    sets_inflow_shape,
 )
 from propmap.model.propeller import Propeller
 from propmap.model.uncertainty import SectionUncertainty
 
-if TYPE_CHECKING:
-    from propmap.physics.rotor import RotorArrays
-    from propmap.physics.sections.law import SectionLaw
+OneOf = TypeVar("OneOf", bound=Correction)
 
 
 @runtime_checkable
 class Section(Protocol):
-    """What may be the section law of a model: ``Airfoil``, ``SectionTable`` or a value of one's
-    own."""
+    """What may be the section law of a model: ``Airfoil`` or ``SectionTable``."""
 
     @property
     def name(self) -> str:
         """What it is called."""
         ...
 
-    def law(self) -> SectionLaw:
-        """Lift and drag as arrays for the solver."""
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """Names of what loads can be differentiated by."""
+        ...
+
+    def core_law(self) -> dict[str, Any]:
+        """The law as the compiled core takes it."""
         ...
 
     def metadata(self) -> dict[str, Any]:
@@ -101,8 +103,14 @@ class Model:
         for name in names:
             if names.count(name) > 1:
                 raise InputError(f"correction {name} is given twice: give it once")
-        if self.corrections:
-            self.arrays()  # refuses a correction that does not fit
+        shapes = [name_of(value) for value in self.corrections if value.inflow_shape]
+        if len(shapes) > 1:
+            raise InputError(
+                f"{' and '.join(shapes)} both set how the inflow varies around the disk",
+                "give one of them",
+            )
+        for value in self.corrections:
+            value.check(self)
 
     def with_airfoil(self, airfoil: Section) -> Model:
         """The same model with another section law, ``airfoil``."""
@@ -124,29 +132,22 @@ class Model:
             law = replace(law, corrections=tuple(as_text(one) for one in corrections))
         return replace(self, airfoil=law, corrections=corrections)
 
-    def arrays(self) -> RotorArrays:
-        """The model as arrays of NumPy float64, for the solver."""
-        from propmap.arrays.namespace import by_numpy
-        from propmap.physics.element import Medium
-        from propmap.physics.geometry import make_blade
-        from propmap.physics.rotor import RotorArrays
+    def correction_of(self, kind: type[OneOf]) -> OneOf | None:
+        """The correction of this ``kind``, such as ``MountDrag``, or None."""
+        return next((value for value in self.corrections if isinstance(value, kind)), None)
 
-        p, number = self.propeller, np.float64
-        blades: Any = (number(p.blades), number(p.root))
-        with by_numpy():
-            blade = make_blade(p.station, p.chord, p.twist, *blades)
-        air: Any = (number(self.air.density), number(self.air.viscosity))
-        rotor = RotorArrays(blade, self.airfoil.law(), Medium(*air))
-        shapes = [name_of(value) for value in self.corrections if sets_inflow_shape(value)]
-        if len(shapes) > 1:
-            raise InputError(
-                f"{' and '.join(shapes)} both set how the inflow varies around the disk",
-                "give one of them",
-            )
+    @property
+    def span(self) -> tuple[float, float]:
+        """Where the blade begins and ends [m], continued to the hub or not."""
+        to_hub = self.correction_of(BladeToHub)
+        blade = self.propeller
+        return (blade.root if to_hub is None else to_hub.hub(blade)), blade.radius
+
+    @property
+    def applied(self) -> tuple[Correction, ...]:
+        """The corrections in the order in which they act, that of ``CORRECTIONS``."""
         order = list(CORRECTIONS)
-        for value in sorted(self.corrections, key=lambda one: order.index(name_of(one))):
-            rotor = value.applied(rotor)
-        return rotor
+        return tuple(sorted(self.corrections, key=lambda one: order.index(name_of(one))))
 
     @property
     def uncertainty(self) -> SectionUncertainty | None:
@@ -187,9 +188,9 @@ class Model:
             left out.
         """
         w, v, b = (np.ravel(a)[:, None, None] for a in np.broadcast_arrays(omega, speed, beta))
-        blade = self.arrays().blade
-        y = np.linspace(float(blade.root), float(blade.tip), 61)[:, None]
-        chord = np.interp(y, blade.station, blade.chord)
+        y = np.linspace(*self.span, 61)[:, None]
+        # Inside the first station, where little of the load is, the chord is taken to be its own.
+        chord = np.interp(y, self.propeller.station, self.propeller.chord)
         psi = 2.0 * np.pi * np.arange(24) / 24
         flow = np.hypot(w * y + v * np.sin(b) * np.sin(psi), v * np.cos(b))
         re = (self.air.density / self.air.viscosity * flow * chord).reshape(flow.shape[0], -1)

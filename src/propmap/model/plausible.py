@@ -31,9 +31,9 @@ from propmap.model.usual_ranges import (
 )
 
 if TYPE_CHECKING:
-    from propmap.arrays.types import Floats
     from propmap.model.air import Air
     from propmap.model.propeller import Propeller
+    from propmap.typing import Floats
 
 PITCH_STATION = 0.75
 """Share of the radius at which chord and twist stand for the blade."""

@@ -28,9 +28,9 @@ from propmap.model.usual_ranges import (
 )
 
 if TYPE_CHECKING:
-    from propmap.arrays.types import Floats
     from propmap.model.air import Air
     from propmap.model.propeller import Propeller
+    from propmap.typing import Floats
 
 SLOW = 0.6
 """Axial speed over the blade's pitch speed, up to which an estimate of the loads is any good."""

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.errors import InputError, quoted
 from propmap.model.blade_check import check_blade, check_blades, check_root_cutout
+from propmap.typing import Floats
 
 
 @dataclass(frozen=True, eq=False, repr=False)

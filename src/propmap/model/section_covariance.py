@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.errors import InputError
+from propmap.typing import Floats
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,25 +4,30 @@ from __future__ import annotations
 
 import hashlib
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any, ClassVar
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from propmap.arrays.types import Floats
 from propmap.errors import InputError
+from propmap.model.core_section import section_coefficients
 from propmap.model.corrections import agreed, as_texts
 from propmap.model.drag_factor import drag_factor_accepted, warn_of_drag_factor
-
-if TYPE_CHECKING:
-    from propmap.physics.sections.tabulated import TabulatedLaw
+from propmap.typing import Floats
 
 LARGEST = 10.0
 """Coefficients beyond are taken for an error of the file [-]."""
 
 CLOSEST = 0.999 * math.radians(0.01)
 """Least distance of two angles [rad]."""
+
+SectionFunction = Callable[[Floats, Floats], tuple[ArrayLike, ArrayLike]]
+"""Gives C_L and C_D (N,) at angles of attack [rad] and Reynolds numbers (N,)."""
+
+MOST_ANGLES = 4000
+"""Angles at which a function is sampled, at most."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -44,6 +49,9 @@ class SectionTable:
         where nothing is said of them.
     name, source : str
         What the table is called and where its numbers come from.
+    sampling_error : float
+        Largest difference of C_L or C_D seen between the table and the function that it was sampled
+        from [-]; 0 for a table that was not.
 
     Raises
     ------
@@ -59,6 +67,10 @@ class SectionTable:
     name: str = "unnamed"
     source: str = ""
     corrections: tuple[str, ...] | None = None
+    sampling_error: float = 0.0
+
+    parameters: ClassVar[tuple[str, ...]] = ("zero_lift_angle", "drag_factor")
+    """Names of what loads can be differentiated by."""
 
     def __post_init__(self) -> None:
         for field in ("angle", "reynolds", "lift", "drag"):
@@ -119,12 +131,115 @@ class SectionTable:
                 "give angles from the chord line, positive nose up",
             )
 
-    def law(self) -> TabulatedLaw:
-        """The table as arrays for the solver."""
-        from propmap.physics.sections.tabulated import tabulated_law
+    @classmethod
+    def from_function(
+        cls,
+        function: SectionFunction,
+        reynolds: ArrayLike,
+        *,
+        tolerance: float = 1e-3,
+        name: str = "unnamed",
+        source: str = "",
+    ) -> SectionTable:
+        """Sample a section law of your own, so that a rotor can have it.
 
-        figures = (self.angle, self.reynolds, self.lift, self.drag)
-        return tabulated_law(*figures, drag_factor=self.drag_factor)
+        Angles are added half-way between others until the table is as close to the function as is
+        asked for.  The function is not called again afterwards.
+
+        Parameters
+        ----------
+        function : callable
+            ``function(alpha, reynolds)`` gives C_L and C_D (N,) at angles of attack from the chord
+            line [rad], between -pi and pi, and Reynolds numbers, both (N,).
+        reynolds : array_like, shape (R,)
+            Reynolds numbers of the table, rising.
+        tolerance : float
+            Largest difference of C_L and C_D wanted at these Reynolds numbers [-].
+        name, source : str
+            As in ``SectionTable``.
+
+        Returns
+        -------
+        SectionTable
+            With ``sampling_error``, which counts what lies between two Reynolds numbers too.
+
+        Raises
+        ------
+        InputError
+            For a function that does not give two arrays of N finite numbers, a tolerance that 4000
+            angles do not reach, as at a jump, and as ``SectionTable``.
+        """
+        rows = np.atleast_1d(np.asarray(reynolds, np.float64))
+
+        def sampled(alpha: Floats, at: Floats) -> Floats:
+            """C_L and C_D (2, R, K)."""
+            every = np.broadcast_arrays(alpha[None, :], at[:, None])
+            found = function(*(np.ravel(a) for a in every))
+            try:
+                both = np.asarray(np.stack([np.asarray(c, np.float64) for c in found]))
+                return both.reshape(2, at.size, alpha.size)
+            except (TypeError, ValueError):
+                raise InputError(
+                    f"the section law gives {found!r:.80} for {alpha.size * at.size} angles",
+                    "return C_L and C_D as two arrays of as many numbers",
+                ) from None
+
+        def made(alpha: Floats, error: float = 0.0) -> SectionTable:
+            lift, drag = sampled(alpha, rows)
+            # -pi and pi are one angle.
+            lift[:, -1], drag[:, -1] = lift[:, 0], drag[:, 0]
+            return cls(alpha, rows, lift, drag, name=name, source=source, sampling_error=error)
+
+        def errors(table: SectionTable, alpha: Floats, at: Floats) -> Floats:
+            got = np.stack(table.coefficients(alpha[None, :], at[:, None]))
+            return np.asarray(np.abs(got - sampled(alpha, at)).max(axis=(0, 1)))
+
+        near = np.radians(np.arange(-40.0, 40.5, 1.0))
+        far = np.radians(np.arange(-180.0, 181.0, 5.0))
+        alpha = np.unique(np.concatenate([far[np.abs(far) > near[-1]], near]))
+        while True:
+            table, middle = made(alpha), 0.5 * (alpha[:-1] + alpha[1:])
+            error = errors(table, middle, rows)
+            wide = np.diff(alpha) > 2.0 * CLOSEST
+            more = middle[(error > tolerance) & wide]
+            if not more.size or alpha.size + more.size > MOST_ANGLES:
+                break
+            alpha = np.unique(np.concatenate([alpha, more]))
+        if not error.max() <= tolerance:
+            worst = math.degrees(middle[int(np.argmax(error))])
+            raise InputError(
+                f"a table of {alpha.size} angles differs from the section law by {error.max():.2g} "
+                f"at {worst:.2f} deg, expected at most {tolerance:g}",
+                "make the law continuous there, or give a larger tolerance",
+            )
+        between = np.sqrt(rows[:-1] * rows[1:])
+        whole = max(error.max(), errors(table, alpha, between).max() if between.size else 0.0)
+        return replace(table, sampling_error=float(whole))
+
+    def coefficients(self, alpha: ArrayLike, reynolds: ArrayLike) -> tuple[Floats, Floats]:
+        """Lift and drag between the figures of the table; as ``Airfoil.coefficients``.
+
+        Parameters
+        ----------
+        alpha : array_like, shape (...)
+            Angle of attack from the chord line [rad].
+        reynolds : array_like, shape (...)
+            Re [-]; outside the table's that of the nearest row holds.  Both broadcast.
+
+        Returns
+        -------
+        lift, drag : ndarray, shape (...)
+            C_L and C_D [-].
+        """
+        return section_coefficients(self.core_law(), alpha, reynolds)
+
+    def core_law(self) -> dict[str, Any]:
+        """The law as the compiled core takes it: its figures by name."""
+        figures = {
+            name: np.ascontiguousarray(getattr(self, name).ravel())
+            for name in ("angle", "reynolds", "lift", "drag")
+        }
+        return {"kind": "tabulated", "drag_factor": self.drag_factor, **figures}
 
     def with_corrections(self, texts: Sequence[str]) -> SectionTable:
         """The table as it is to be used with corrections of these ``texts``; see ``Airfoil``."""

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.arrays.types import Floats
 from propmap.baselines.hover import HoverModel
 from propmap.fit.residuals import errors, rms
 from propmap.loads import LOADS
+from propmap.typing import Floats
 
 if TYPE_CHECKING:
     from propmap.catalogue.measurements import Measurement

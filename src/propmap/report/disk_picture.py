@@ -13,7 +13,7 @@ from propmap.errors import InputError
 from propmap.report.style import COLOURS, RPM, style
 
 if TYPE_CHECKING:
-    from propmap.engine.disk_field import Inflow
+    from propmap.results import Inflow
     from propmap.rotor import Rotor
 
 STALL: dict[str, Any] = {"color": COLOURS[1], "linewidth": 1.6, "linestyle": "solid"}
@@ -41,8 +41,7 @@ def disk_picture(rotor: Rotor, omega: float, speed: float, beta: float) -> Figur
         Where the inflow did not converge everywhere.
     """
     blade = rotor.model.propeller
-    span = rotor.arrays.blade  # with corrections
-    radius = np.linspace(float(span.root), float(span.tip), 160)
+    radius = np.linspace(*rotor.model.span, 160)
     azimuth = np.radians(np.linspace(0.0, 360.0, 361))
     field = rotor.inflow(omega, speed, beta, radius=radius, azimuth=azimuth)
     if not np.isfinite(field.alpha).all():

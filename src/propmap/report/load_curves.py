@@ -10,7 +10,6 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from propmap.arrays.types import Floats
 from propmap.baselines.hover import HoverModel
 from propmap.errors import InputError
 from propmap.loads import LOADS
@@ -28,6 +27,7 @@ from propmap.report.style import (
     marked,
     style,
 )
+from propmap.typing import Floats
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import ArrayLike
 
-from propmap.arrays.namespace import by_numpy
-from propmap.arrays.types import Floats
-from propmap.physics.mount_drag import MOTOR_DIAMETER, MOTOR_HEIGHT, MountDrag
+from propmap.model.corrections import MOTOR_DIAMETER, MOTOR_HEIGHT, MountDrag
 from propmap.results import Loads
 from propmap.rotor import Rotor
+from propmap.typing import Floats
 
 
 def rise_by_motor(rotor: Rotor, loads: Loads, speed: ArrayLike, beta: ArrayLike) -> Floats:
@@ -32,19 +29,17 @@ def rise_by_motor(rotor: Rotor, loads: Loads, speed: ArrayLike, beta: ArrayLike)
         Of the shape of the loads; NaN without an in-plane velocity, and where the drag is not
         positive.
     """
-    motor: Any = MountDrag().applied(rotor.arrays).mount
     velocity, angle = np.broadcast_arrays(np.asarray(speed, float), np.asarray(beta, float))
     along, across = velocity * np.cos(angle), velocity * np.abs(np.sin(angle))
-    with by_numpy():
-        density = rotor.arrays.medium.density
-        drag = np.asarray(motor.drag(density, along, across, loads.mean_inflow))
+    radius, density = rotor.model.propeller.radius, rotor.model.air.density
+    drag = MountDrag().drag(radius, density, along, across, loads.mean_inflow)
     known = (across > 1e-9 * np.maximum(velocity, 1.0)) & (loads.drag > 0.0)
     return np.divide(drag, loads.drag, out=np.full(np.shape(loads.drag), np.nan), where=known)
 
 
 def motor_note(rotor: Rotor, loads: Loads, speed: ArrayLike, beta: ArrayLike) -> str:
     """A sentence on ``rise_by_motor``; empty where something is mounted, or nothing can be said."""
-    if rotor.arrays.mount is not None:
+    if rotor.model.correction_of(MountDrag) is not None:
         return ""
     rise = 100.0 * rise_by_motor(rotor, loads, speed, beta)
     if not np.isfinite(rise).any():

@@ -11,10 +11,11 @@ import csv
 import io
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
-from jinja2 import Environment, PackageLoader, StrictUndefined
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from matplotlib.figure import Figure
 
 import propmap
@@ -50,7 +51,7 @@ def report_files(
     images = {name: as_svg(figure) for name, figure in figures.items()}
     inside = {name: base64.b64encode(image).decode("ascii") for name, image in images.items()}
     environment = Environment(
-        loader=PackageLoader("propmap", "."),
+        loader=FileSystemLoader(Path(__file__).parents[1]),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,

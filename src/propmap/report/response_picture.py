@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 from propmap.report.style import new_figure, style
 
 if TYPE_CHECKING:
-    from propmap.arrays.types import Floats
     from propmap.study.response_surface import ResponseSurface
+    from propmap.typing import Floats
 
 GRID = 80
 """Values along each axis."""

@@ -11,12 +11,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.rotor import Rotor
 from propmap.study.changed_blade import changed_blade
 from propmap.sweep.points import Place
 from propmap.sweep.quantities import AXES
+from propmap.typing import Floats
 
 GEOMETRY = {
     "diameter": ("m", "of the propeller"),

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+import propmap
 from propmap.study.plan import GEOMETRY, OPERATION, VARIABLES, Designs, Study
 from propmap.sweep.points import RPM, Place, chunk_shape, parts_along
 from propmap.sweep.provenance import provenance
-from propmap.sweep.quantities import attributes, quantities
+from propmap.sweep.quantities import attributes, filed_as, quantities
 from propmap.sweep.store import NOT_DONE, Layout, Store
-from propmap.sweep.stream import Filing, Values, software, stream
+from propmap.sweep.stream import Filing, Values, stream
 from propmap.tasks import InTurn, Workers
 
 if TYPE_CHECKING:
@@ -95,8 +95,8 @@ def study_layout(study: Study, command: str = "", points_per_task: int = POINTS_
     for dim, name in zip(study.dims[1:], shared, strict=True):
         coordinates[name] = ((dim,), study.axes[name], _texts(name))
     probe = study.design({name: float(values[0]) for name, values in study.rows.items()})
-    found = quantities(_by_numpy(probe).loads([300.0], 0.0, 0.0), bands=False, by_source=False)
-    kinds = {name: (_filed_as(values.dtype), attributes(name)) for name, values in found.items()}
+    found = quantities(probe.loads([300.0], 0.0, 0.0), bands=False, by_source=False)
+    kinds = {name: (filed_as(values.dtype), attributes(name)) for name, values in found.items()}
     chunk = chunk_shape(study.shape, points_per_task)
     told = {**provenance(study.rotor, command)}
     told["title"] = f"Designs made from {study.rotor.model.propeller.name}"
@@ -108,10 +108,10 @@ def study_layout(study: Study, command: str = "", points_per_task: int = POINTS_
         digest.update(name.encode() + np.asarray(values).tobytes())
     depends_on = {
         "kind": "study",
-        **software(),
+        "propmap": propmap.__version__,
         "model": str(told["model_sha256"]),
         "points": digest.hexdigest(),
-        "accuracy": f"{study.rotor.accuracy} {study.rotor.precision} {study.rotor.compiled}",
+        "accuracy": study.rotor.accuracy,
         "quantities": " ".join(kinds),
         "chunk": str(chunk),
     }
@@ -168,23 +168,12 @@ def loads_of_designs(study: Study, part: Designs) -> Values:
     lengths = [part.axes[name].size for name in OPERATION if name in part.axes]
     return {
         name: np.stack([one[name].reshape(lengths) for one in every]).astype(
-            _filed_as(every[0][name].dtype)
+            filed_as(every[0][name].dtype)
         )
         for name in every[0]
     }
 
 
-def _by_numpy(rotor: Any) -> Any:
-    from propmap.rotor import Rotor
-
-    return Rotor(replace(rotor.model), compiled=False)
-
-
 def _texts(name: str) -> dict[str, str]:
     unit, meaning = VARIABLES[name]
     return {"units": unit, "long_name": f"{name} {meaning}" if name in GEOMETRY else meaning}
-
-
-def _filed_as(kind: np.dtype[Any]) -> np.dtype[Any]:
-    """Numbers of solutions are small."""
-    return np.dtype(np.uint8) if kind.kind in "iu" else kind

@@ -8,13 +8,13 @@ from pathlib import Path
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.errors import InputError, quoted
 from propmap.io.text_file import read_lines
 from propmap.io.toml_table import TomlTable, parse_toml
 from propmap.rotor import Rotor
 from propmap.study.plan import OPERATION, Study
 from propmap.sweep.quantities import TEXTS
+from propmap.typing import Floats
 
 SCHEMA = 1
 INCH = 0.0254

@@ -9,9 +9,9 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.sweep.quantities import AXES
+from propmap.typing import Floats
 
 RPM = np.pi / 30.0
 """[rad/s] per revolution per minute."""

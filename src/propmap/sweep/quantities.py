@@ -77,3 +77,8 @@ def attributes(name: str) -> dict[str, Any]:
         meaning += f", by {source.removeprefix('_')} alone"
     assert source.removeprefix("_") in ("", *SOURCES)
     return {"units": unit, "long_name": meaning}
+
+
+def filed_as(kind: np.dtype[Any]) -> np.dtype[Any]:
+    """The type in which values of a ``kind`` are filed: numbers of solutions are small."""
+    return np.dtype(np.uint8) if kind.kind in "iu" else kind

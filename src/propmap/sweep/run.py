@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,11 +10,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+import propmap
 from propmap.sweep.points import Part, Points, chunk_shape, parts_along, size
 from propmap.sweep.provenance import provenance
-from propmap.sweep.quantities import AXES, attributes, quantities
+from propmap.sweep.quantities import AXES, attributes, filed_as, quantities
 from propmap.sweep.store import Layout, Store
-from propmap.sweep.stream import Filing, Values, software, stream
+from propmap.sweep.stream import Filing, Values, seconds, stream
 from propmap.tasks import InTurn, Workers
 
 if TYPE_CHECKING:
@@ -70,10 +70,10 @@ class Sweep:
         told = provenance(self.rotor, command)
         depends_on = {
             "kind": "sweep",
-            **software(),
+            "propmap": propmap.__version__,
             "model": _digest(told["model_sha256"], self._known()),
             "points": _digest(*(values.tobytes() for _, values, _ in coordinates.values()), *shape),
-            "accuracy": f"{self.rotor.accuracy} {self.rotor.precision} {self.rotor.compiled}",
+            "accuracy": self.rotor.accuracy,
             "quantities": " ".join(described),
             "chunk": str(chunk),
         }
@@ -86,7 +86,7 @@ class Sweep:
         Parameters
         ----------
         workers : Workers
-            Of whom one is asked; afterwards it has its programs compiled.
+            Of whom one is asked.
         """
         count = size(self.points)
         some = np.unique(np.linspace(0, count - 1, min(count, SAMPLE)).astype(np.int64))
@@ -95,8 +95,7 @@ class Sweep:
             axis[at[self.points.dims.index(dims[0])]]
             for dims, axis in self.points.coordinates().values()
         ]
-        ((_, found),) = workers.results(timed, self, [Part((), *values)])
-        return found
+        return seconds(workers, loads_of_part, self, Part((), *values)) / some.size
 
     def run(
         self,
@@ -128,27 +127,17 @@ class Sweep:
         return {**vars(self), "points": None}
 
     def _described(self) -> dict[str, Any]:
-        """Type and attributes of each quantity, from one point by NumPy."""
-        from propmap.rotor import Rotor
-
-        probe = Rotor(self.rotor.model, compiled=False)
-        radius = self.rotor.model.propeller.radius
+        """Type and attributes of each quantity, from one point."""
         # In hover at a tip speed of 100 m/s.
-        found = quantities(
-            probe.loads([100.0 / radius], 0.0, 0.0), bands=self.bands, by_source=self.by_source
-        )
-        if not self._has_bands:
+        loads = self.rotor.loads([100.0 / self.rotor.model.propeller.radius], 0.0, 0.0)
+        found = quantities(loads, bands=self.bands, by_source=self.by_source)
+        if not self.bands:
             found = {name: values for name, values in found.items() if "_std" not in name}
-        return {name: (_filed_as(values.dtype), attributes(name)) for name, values in found.items()}
-
-    @property
-    def _has_bands(self) -> bool:
-        # Derivatives are compiled in float64 alone.
-        return self.bands and self.rotor.precision == "float64"
+        return {name: (filed_as(values.dtype), attributes(name)) for name, values in found.items()}
 
     def _known(self) -> str:
         """All that deviations depend on but the model."""
-        known = self.rotor.model.uncertainty if self._has_bands else None
+        known = self.rotor.model.uncertainty if self.bands else None
         return repr(known.as_dict()) if known is not None else ""
 
 
@@ -178,7 +167,8 @@ def sweep_to_store(
         The store, a folder whose name ends with ".zarr".
     workers : Workers, optional
         Who computes: by default this process; ``propmap.cluster.dask_workers.DaskWorkers(client)``
-        for a ``distributed.Client``.  Loads are the same to the last digit.
+        for a ``distributed.Client``.  Loads are the same to the last digit
+        where they have the same build of the core.
     bands, by_source : bool
         Whether standard deviations are filed, if any are known, and by what they are from.
     points_per_task : int
@@ -215,29 +205,8 @@ def loads_of_part(sweep: Sweep, part: Part) -> Values:
         Operating points.
     """
     loads = sweep.rotor.loads(*part.si)
-    found = quantities(loads, bands=sweep._has_bands, by_source=sweep.by_source)
-    return {name: values.astype(_filed_as(values.dtype)) for name, values in found.items()}
-
-
-def timed(sweep: Sweep, part: Part) -> float:
-    """Seconds per point of a part, programs being compiled.
-
-    Parameters
-    ----------
-    sweep : Sweep
-        The rotor and what is wanted of it.
-    part : Part
-        Operating points.
-    """
-    loads_of_part(sweep, part)
-    start = time.perf_counter()
-    loads_of_part(sweep, part)
-    return (time.perf_counter() - start) / part.rpm.size
-
-
-def _filed_as(kind: np.dtype[Any]) -> np.dtype[Any]:
-    """Numbers of solutions are small."""
-    return np.dtype(np.uint8) if kind.kind in "iu" else kind
+    found = quantities(loads, bands=sweep.bands, by_source=sweep.by_source)
+    return {name: values.astype(filed_as(values.dtype)) for name, values in found.items()}
 
 
 def _digest(*parts: object) -> str:

@@ -33,8 +33,6 @@ RUN = "propmap_run"
 SAME = {
     "kind": "kind of run",
     "propmap": "version of propmap",
-    "jaxlib": "version of jaxlib",
-    "xla_flags": "setting of XLA_FLAGS",
     "model": "model",
     "points": "set of operating points",
     "accuracy": "accuracy",

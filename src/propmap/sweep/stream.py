@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import importlib.metadata
-import os
+import time
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol
@@ -11,7 +10,6 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-import propmap
 from propmap.sweep.points import Place
 from propmap.sweep.store import Layout
 from propmap.tasks import Workers
@@ -111,10 +109,26 @@ def stream(
         yield count
 
 
-def software() -> dict[str, str]:
-    """The entries of ``store.SAME`` that are not of the run but of the installation."""
-    return {
-        "propmap": propmap.__version__,
-        "jaxlib": importlib.metadata.version("jaxlib"),
-        "xla_flags": os.environ.get("XLA_FLAGS", ""),
-    }
+def seconds(workers: Workers, work: Callable[[Any, Any], Values], common: Any, part: Any) -> float:
+    """Time that a worker takes for a part [s].
+
+    Parameters
+    ----------
+    workers : Workers
+        Of whom one is asked.
+    work, common : callable, object
+        As in ``Filing``.
+    part : object
+        The part.
+    """
+    ((_, found),) = workers.results(_timed, (work, common), [part])
+    return found
+
+
+def _timed(asked: tuple[Callable[[Any, Any], Values], Any], part: Any) -> float:
+    """Of the second time: at the first one modules are loaded."""
+    work, common = asked
+    work(common, part)
+    start = time.perf_counter()
+    work(common, part)
+    return time.perf_counter() - start

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from propmap.arrays.types import Floats
 from propmap.errors import InputError, quoted
+from propmap.typing import Floats
 
 
 def broadcast(**named: ArrayLike) -> list[Floats]:

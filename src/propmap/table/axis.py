@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.arrays.types import Floats
+from propmap.typing import Floats
 
 
 def interval_polynomials(knots: Floats) -> Floats:

@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 import propmap
-from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.loads import LOADS
 from propmap.table.certificate import POINTS, certify, unresolved_share
@@ -20,6 +19,7 @@ from propmap.table.model import Model, Progress
 from propmap.table.query import LoadTable
 from propmap.table.refine import CELL_SHARE, Refined, refine, starting_axes
 from propmap.tasks import Workers
+from propmap.typing import Floats
 
 if TYPE_CHECKING:
     from propmap.rotor import Rotor
@@ -91,7 +91,7 @@ def build_table(
     check_tolerance(tolerance, rotor.accuracy)
     ends = _envelope(omega, speed, beta)
     model = Model(
-        rotor.for_all_sizes(),
+        rotor,
         ends[0],
         leave_out_vortex_ring=leave_out_vortex_ring,
         progress=progress,

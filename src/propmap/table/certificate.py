@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.loads import LOADS
 from propmap.table.axis import locate
 from propmap.table.comparison import Comparison, compare, quasi_random
 from propmap.table.content import UNRESOLVED as UNRESOLVED_BIT
 from propmap.table.largest_errors import largest_errors
 from propmap.table.lookup import UNRESOLVED, VORTEX_RING
+from propmap.typing import Floats
 
 if TYPE_CHECKING:
     from propmap.table.model import Model

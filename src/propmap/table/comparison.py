@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.arrays.types import Floats
 from propmap.loads import LOADS
 from propmap.table.lookup import NO_VALUE
+from propmap.typing import Floats
 
 if TYPE_CHECKING:
     from propmap.table.model import Model

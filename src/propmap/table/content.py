@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.loads import LOADS
 from propmap.table.axis import on_planes, pad
+from propmap.typing import Floats
 
 PARITY = np.array([-1.0 if load.inplane else 1.0 for load in LOADS.values()])
 """How the loads behave across beta = 0 and pi: along and about the axis they are even, across

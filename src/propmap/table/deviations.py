@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.arrays.types import Floats
 from propmap.loads import LOADS
 from propmap.table.axis import locate
 from propmap.table.content import TableContent
+from propmap.typing import Floats
 
 if TYPE_CHECKING:
     from propmap.rotor import Rotor

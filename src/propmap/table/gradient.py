@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.table.content import TableContent
 from propmap.table.lookup import WIDTH, Lookup
 from propmap.table.results import TORQUE
+from propmap.typing import Floats
 
 HARDLY_MOVING = 1e-7
 """Advance ratio below which d/dbeta over J, 0/0 at rest, is taken from its limit."""

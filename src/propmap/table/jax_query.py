@@ -7,8 +7,6 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 
 from propmap.table.axis import interval_polynomials
@@ -16,6 +14,12 @@ from propmap.table.gradient import chain_rule
 from propmap.table.lookup import NO_VALUE, OUTSIDE, cell_codes
 from propmap.table.query import SLACK, LoadTable
 from propmap.table.results import TORQUE, JaxLoads
+
+try:
+    import jax
+    import jax.numpy as jnp
+except ModuleNotFoundError as missing:
+    raise ImportError("JAX is not installed; run: pip install 'propmap[jax]'") from missing
 
 
 class JaxTable(NamedTuple):

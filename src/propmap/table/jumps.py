@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.arrays.types import Floats
 from propmap.table.axis import locate
 from propmap.table.comparison import Comparison, compare, quasi_random
 from propmap.table.content import UNRESOLVED, TableContent
 from propmap.table.positions import points_at
 from propmap.table.query import LoadTable
 from propmap.table.refine import spread
+from propmap.typing import Floats
 
 if TYPE_CHECKING:
     from propmap.table.model import Model

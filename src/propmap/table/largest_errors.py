@@ -14,12 +14,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.arrays.types import Floats
 from propmap.loads import LOADS
 from propmap.table.comparison import Comparison, compare
 from propmap.table.content import TableContent
 from propmap.table.lookup import UNRESOLVED
 from propmap.table.positions import most_position, points_at, positions_of
+from propmap.typing import Floats
 
 if TYPE_CHECKING:
     from propmap.table.model import Model

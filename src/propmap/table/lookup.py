@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.arrays.types import Floats
 from propmap.loads import LOADS
 from propmap.table.axis import interval_polynomials, locate
 from propmap.table.content import TableContent
+from propmap.typing import Floats
 
 STATUSES = ("ok", "vortex_ring", "unresolved", "clamped", "no_value", "outside")
 """What a code stands for, from harmless to fatal; where several apply, the last is given."""

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.loads import LOADS, error_scales
 from propmap.tasks import InTurn, Workers
+from propmap.typing import Floats
 
 if TYPE_CHECKING:
     from propmap.rotor import Rotor

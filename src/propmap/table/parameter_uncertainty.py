@@ -6,12 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from propmap.arrays.types import Floats
-from propmap.engine.accuracy import accuracy
-from propmap.engine.evaluation import prepare
-from propmap.engine.gradients import load_gradients
 from propmap.table.certificate import by_load
 from propmap.table.comparison import quasi_random, static_loads
+from propmap.typing import Floats
 
 if TYPE_CHECKING:
     from propmap.model.section_covariance import SectionCovariance
@@ -56,13 +53,8 @@ def load_deviations(
 
     sqrt(g' S g), with g the derivatives by the parameters and S their covariance.
     """
-    found = load_gradients(
-        prepare(rotor.arrays),
-        accuracy(rotor.accuracy),
-        covariance.names,
-        omega,
-        speed * np.cos(beta),
-        speed * np.sin(beta),
+    found = rotor.gradients(
+        covariance.names, omega, speed * np.cos(beta), np.abs(speed * np.sin(beta))
     )
     variance = np.einsum("lpn,pq,lqn->nl", found.slopes, covariance.matrix, found.slopes)
     return np.asarray(np.sqrt(np.maximum(variance, 0.0)))

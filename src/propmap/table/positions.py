@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.table.axis import locate
 from propmap.table.content import TableContent
+from propmap.typing import Floats
 
 
 def most_position(content: TableContent) -> Floats:

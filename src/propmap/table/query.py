@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.table.arguments import broadcast, fold, split_velocity
 from propmap.table.content import TableContent
@@ -18,6 +17,7 @@ from propmap.table.gradient import polar_gradient, velocity_gradient
 from propmap.table.lookup import CLAMPED, NO_VALUE, OUTSIDE, WIDTH, Lookup
 from propmap.table.results import TORQUE, Deviation, Gradient, TableLoads
 from propmap.table.table_file import read_table, write_table
+from propmap.typing import Floats
 
 if TYPE_CHECKING:
     from propmap.model.propeller import Propeller

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.table.axis import interpolate, on_planes, pad
 from propmap.table.content import PARITY
+from propmap.typing import Floats
 
 if TYPE_CHECKING:
     from propmap.table.model import Model

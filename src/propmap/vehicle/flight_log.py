@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.arrays.types import Floats
+from propmap.typing import Floats
 
 GRAVITY = 9.80665
 """[m/s^2], the standard value."""

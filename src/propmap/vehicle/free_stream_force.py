@@ -3,20 +3,15 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from propmap.arrays.namespace import by_numpy
-from propmap.arrays.types import Floats
 from propmap.model.airfoil import Airfoil
-from propmap.physics.sections.law import coefficients_at
+from propmap.typing import Floats
 
 if TYPE_CHECKING:
     from propmap.vehicle.vehicle import Body, Wing
-
-PLAIN = Airfoil(c_l1=5.0, c_l2=1.0, c_d=0.0, alpha_0=0.3).law()
-"""Eq. (3); a wing has three parameters of its own."""
 
 
 def free_stream_force(body: Body, wing: Wing | None, density: float, velocity: Floats) -> Floats:
@@ -59,11 +54,9 @@ def wing_force(wing: Wing, density: float, velocity: Floats) -> Floats:
 
 def wing_lift(wing: Wing, angle: Floats) -> Floats:
     """Lift of a ``wing`` over the dynamic pressure [m^2] at an ``angle`` of attack [rad]."""
-    own: Any = {name: np.float64(getattr(wing, name)) for name in ("c_l1", "c_l2", "alpha_0")}
-    alpha: Any = angle
-    with by_numpy():
-        found = coefficients_at(PLAIN._replace(**own), alpha, np.ones_like(alpha))
-    return wing.area * np.asarray(found.lift)
+    section = Airfoil(c_l1=wing.c_l1, c_l2=wing.c_l2, c_d=0.0, alpha_0=wing.alpha_0)
+    lift, _ = section.coefficients(angle, 1.0)  # eq. (3), which does not depend on Re
+    return wing.area * lift
 
 
 def _in_plane_of_symmetry(velocity: Floats) -> tuple[Floats, Floats, Floats]:

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.arrays.types import Floats
 from propmap.loads import LOADS
 from propmap.results import spin_sign
+from propmap.typing import Floats
 
 if TYPE_CHECKING:
     from propmap.vehicle.flight_log import FlightLog

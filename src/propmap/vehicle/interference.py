@@ -1,6 +1,6 @@
 """The rotors' wakes on each other: what they add to the axial flow at each other's disks.
 
-Each rotor's wake is a skewed vortex cylinder (``physics.vortex_cylinder``) that carries twice the
+Each rotor's wake is a skewed vortex cylinder (``vehicle.vortex_cylinder``) that carries twice the
 inflow of Glauert's momentum theory (10).  Its velocity along the axis of each other rotor, averaged
 over that disk, times a gain, adds to V cos(beta) there.  The gains stand for what the cylinder
 leaves out, as rolled-up tip vortices and the wake's contraction; they are one where the cylinder
@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from propmap.arrays.types import Floats
-from propmap.engine.attached_thrust import attached_thrust
 from propmap.errors import InputError
+from propmap.rotor import Rotor
+from propmap.typing import Floats
 from propmap.vehicle.hub_flow import HubFlow
 from propmap.vehicle.wake_table import frame_of, seen_wake
 
@@ -116,9 +116,8 @@ def in_wakes(vehicle: Vehicle, wakes: Wakes, model: Model, flow: HubFlow) -> Hub
         Where two rotors are in one place.
     """
     check_apart(vehicle)
-    omega, axial, inplane = (a.ravel() for a in (flow.omega, flow.axial, flow.inplane))
-    thrust, _ = attached_thrust(model.arrays(), omega, axial, inplane)
-    added = added_flow(vehicle, wakes, flow, thrust.reshape(flow.omega.shape))
+    thrust, _ = Rotor(model).attached_thrust(flow.omega, flow.axial, flow.inplane)
+    added = added_flow(vehicle, wakes, flow, thrust)
     return flow._replace(axial=flow.axial + added)
 
 

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.loads import LOADS
 from propmap.results import STATUSES
+from propmap.typing import Floats
 from propmap.vehicle.hub_flow import HubFlow
 
 if TYPE_CHECKING:

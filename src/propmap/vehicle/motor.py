@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.errors import InputError
+from propmap.typing import Floats
 
 RPM = math.pi / 30.0
 """One revolution per minute [rad/s]."""

@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.errors import InputError
+from propmap.typing import Floats
 from propmap.vehicle.battery import Battery
 from propmap.vehicle.motor import RPM, Motor
 from propmap.vehicle.speed_controller import SpeedController

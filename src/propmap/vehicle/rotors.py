@@ -7,11 +7,10 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.arrays.types import Floats
-from propmap.engine.attached_thrust import attached_thrust
 from propmap.errors import InputError
 from propmap.loads import LOADS
 from propmap.rotor import Rotor
+from propmap.typing import Floats
 from propmap.vehicle.hub_flow import HubFlow, flow_of_hubs, hub_wrenches
 from propmap.vehicle.interference import added_flow, check_apart, wake_flow
 from propmap.vehicle.load_sources import (
@@ -25,7 +24,6 @@ from propmap.vehicle.load_sources import (
 from propmap.vehicle.mounted_rotors import mounted_rotors
 
 if TYPE_CHECKING:
-    from propmap.physics.rotor import RotorArrays
     from propmap.vehicle.vehicle import Vehicle
 
 THRUST, TORQUE = (list(LOADS).index(name) for name in ("thrust", "torque"))
@@ -69,9 +67,9 @@ class Rotors:
         Where they are.
     sources : list of (LoadSource, ndarray of int)
         What gives the loads of which rotors.
-    arrays : RotorArrays, optional
-        Of a rotor, whose attached thrust makes the wakes, see ``attached_thrust``; by default it is
-        the thrust of the sources, which takes their loads twice.
+    attached : Rotor, optional
+        Whose ``attached_thrust`` makes the wakes; by default it is the thrust of the sources, which
+        takes their loads twice.
 
     Raises
     ------
@@ -79,15 +77,13 @@ class Rotors:
         Where there are wakes and two rotors are in one place.
     """
 
-    def __init__(
-        self, vehicle: Vehicle, sources: Sources, arrays: RotorArrays | None = None
-    ) -> None:
+    def __init__(self, vehicle: Vehicle, sources: Sources, attached: Rotor | None = None) -> None:
         self.vehicle, self.sources = vehicle, sources
         nothing = np.zeros((0, len(vehicle.mounts)))
         flow = flow_of_hubs(vehicle, nothing, np.zeros((*nothing.shape, 3)))
         self.position, self.axis, self.spin = flow.position, flow.axis, flow.spin
         self.radius = vehicle.propeller.radius
-        self.wakes, self._wake_arrays = vehicle.wakes, arrays
+        self.wakes, self._attached = vehicle.wakes, attached
         if self.wakes is not None:
             check_apart(vehicle)
 
@@ -122,7 +118,7 @@ class Rotors:
                 "give Rotor(Model(vehicle.propeller, airfoil, vehicle.air))",
             )
         every: Sources = [(loads.with_model(own), k) for own, k in mounted_rotors(vehicle, model)]
-        return cls(vehicle, every, model.arrays() if vehicle.wakes is not None else None)
+        return cls(vehicle, every, loads if vehicle.wakes is not None else None)
 
     def moment(self, force: Floats, moment: Floats) -> Floats:
         """About the centre of mass, (..., k, 3) [N m], of what acts at the hubs."""
@@ -241,12 +237,10 @@ class Rotors:
 
     def _alone(self, flow: HubFlow) -> _Alone:
         """What the rotors do without each other's wakes."""
-        if self._wake_arrays is None:
+        if self._attached is None:
             loads, status = loads_at_hubs(self.sources, flow)
             return _Alone(np.nan_to_num(loads[THRUST]), np.isnan(loads[THRUST]), status)
-        omega, axial, inplane = (a.ravel() for a in (flow.omega, flow.axial, flow.inplane))
-        found, _ = attached_thrust(self._wake_arrays, omega, axial, inplane)
-        thrust = found.reshape(flow.omega.shape)
+        thrust, _ = self._attached.attached_thrust(flow.omega, flow.axial, flow.inplane)
         return _Alone(thrust, np.zeros(thrust.shape, bool), np.full(thrust.shape, SEVERITY[0]))
 
     def _in_wakes(

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 from propmap.errors import InputError
 from propmap.model.air import Air
+from propmap.model.corrections import MountDrag
 from propmap.model.propeller import Propeller
-from propmap.physics.mount_drag import MountDrag
 from propmap.vehicle.powertrain import Powertrain
 
 if TYPE_CHECKING:

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from propmap.arrays.types import Floats
 from propmap.errors import InputError
 from propmap.operating_points import broadcast, rates_of
+from propmap.typing import Floats
 from propmap.vehicle.free_stream_force import body_force, wing_force
 from propmap.vehicle.load_sources import LoadSource, worst
 from propmap.vehicle.rotors import Rotors

@@ -17,8 +17,8 @@ from propmap.errors import InputError, quoted
 from propmap.io.text_file import read_lines
 from propmap.io.toml_table import TomlTable, parse_toml
 from propmap.model.air import PAPER_DENSITY, PAPER_VISCOSITY, Air
+from propmap.model.corrections import MountDrag
 from propmap.model.propeller import Propeller
-from propmap.physics.mount_drag import MountDrag
 from propmap.vehicle import log_map, powertrain_toml
 from propmap.vehicle.log_map import CHOICES, LogMap, read_log_map
 from propmap.vehicle.powertrain_toml import read_powertrain

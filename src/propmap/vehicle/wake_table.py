@@ -1,7 +1,7 @@
 """The velocity of one rotor's wake, averaged over another's disk, for every way the wake may go.
 
 It depends on where the air carries the wake alone, so that a table over the two angles of that
-direction serves all flights of a vehicle.  The table is made from ``physics.vortex_cylinder`` when
+direction serves all flights of a vehicle.  The table is made from ``vehicle.vortex_cylinder`` when
 it is first asked for, in some tenths of a second per pair of rotors that no other pair resembles.
 Cubic splines go through it, so that the velocity and its slope are continuous.
 """
@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from propmap.arrays.types import Floats
-from propmap.physics.vortex_cylinder import axial_velocity
+from propmap.typing import Floats
+from propmap.vehicle.vortex_cylinder import axial_velocity
 
 if TYPE_CHECKING:
     from propmap.vehicle.vehicle import Mount

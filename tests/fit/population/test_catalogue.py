@@ -87,7 +87,7 @@ def test_the_bundled_constants_are_what_the_command_finds(monkeypatch: pytest.Mo
     for one in found:
         same = bundled[one.key]
         apart = np.abs(one.constants - same.constants) / np.sqrt(np.diag(one.covariance))
-        # The digits of the file, and compilers that round differently.
+        # The digits of the file, and processors that round differently.
         assert apart.max() < 1e-3
     called: list[object] = []
     again = catalogue.identify_all(every[:2], bundled, lambda *told: called.append(told))
@@ -126,23 +126,21 @@ def test_propellers_without_blade_are_what_the_command_finds() -> None:
 
 
 @with_data
-def test_blades_with_many_stations_share_a_task() -> None:
+def test_a_task_is_of_some_propellers() -> None:
     every = refiled(read_uiuc_database(LOADS))
-    groups: list[list[int]] = []
+    sizes: list[int] = []
 
     class Counting:
         count = 1
 
         def results(self, work: Any, common: Any, tasks: Any) -> Any:
             del work, common
-            groups.extend([one.test.stations for one in task] for task in tasks)
+            sizes.extend(len(task) for task in tasks)
             return iter(())
 
     with pytest.raises(KeyError):  # nobody has identified them
         catalogue.identify_all(every, {}, print, Counting())
-    assert groups[0] == [40, 40, 40]
-    assert {stations for group in groups[1:] for stations in group} == {18}
-    assert max(len(group) for group in groups[1:]) == catalogue.TOGETHER
+    assert set(sizes[:-1]) == {catalogue.TOGETHER} and 1 <= sizes[-1] <= catalogue.TOGETHER
 
 
 @pytest.mark.slow

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import propmap.catalogue.population as settings
-from propmap.arrays.types import Floats
 from propmap.catalogue.family_prior import Member, family_prior, member
 from propmap.catalogue.identified import all_identified, one_of_each
 from propmap.catalogue.population import (
@@ -20,6 +19,7 @@ from propmap.catalogue.population import (
 )
 from propmap.catalogue.prior import POPULATION, PopulationPrior
 from propmap.fit.population.hierarchy import population_of
+from propmap.typing import Floats
 
 DEVIATION = POPULATION.deviation
 SIZES: list[Size] = [(0.13, 0.09), (0.23, 0.11), (0.25, 0.18), (0.36, 0.30)]

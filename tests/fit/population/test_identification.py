@@ -27,7 +27,7 @@ def made(thrust: np.ndarray, power: np.ndarray) -> MeasuredPropeller:
 @pytest.fixture(scope="module")
 def tested() -> MeasuredPropeller:
     """By the rotor's own loads, which are evaluated another way than a fit's."""
-    rotor = pm.Rotor(pm.Model(BLADE, airfoil_of(TRUTH)), compiled=False)
+    rotor = pm.Rotor(pm.Model(BLADE, airfoil_of(TRUTH)))
     turns, diameter = RPM / 60.0, 2.0 * BLADE.radius
     loads = rotor.loads(2.0 * np.pi * turns, ADVANCE * turns * diameter, 0.0)
     thrust = loads.thrust / (1.225 * turns**2 * diameter**4)

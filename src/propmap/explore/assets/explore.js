@@ -62,21 +62,6 @@
     return "?" + told.toString();
   }
 
-  // The note that programs are being compiled goes when they are.
-  let watched = null;
-  function watch() {
-    clearTimeout(watched);
-    const note = document.getElementById("state");
-    if (!note || !note.textContent) return;
-    fetch("/_state?search=" + encodeURIComponent(window.location.search))
-      .then((answer) => answer.json())
-      .then((found) => {
-        if (!found.told) props("state", { children: "" });
-        else watched = setTimeout(watch, 2000);
-      })
-      .catch(() => null);
-  }
-
   const links = (menu) => menu.map((id) => "/" + id.menu + window.location.search);
   const numbered = (name) => document.getElementById(JSON.stringify({ number: name })) !== null;
   const same = (a, b) => JSON.stringify(a) === JSON.stringify(b);
@@ -174,7 +159,6 @@
       },
       settled(number, menu) {
         told = number;
-        setTimeout(watch, 2000);
         return [window.dash_clientside.no_update, links(menu)];
       },
       theme(clicks) {

@@ -16,13 +16,12 @@ from propmap.errors import InputError
 from propmap.explore import figures
 from propmap.explore.controls import Control, Slider, Values
 from propmap.explore.reproduce import axis, number
-from propmap.explore.rotors import Preparation
+from propmap.explore.rotors import rotor_of
 from propmap.explore.session import Session
 from propmap.explore.view import Answer, Download, Graph, Table
 from propmap.io.csv_text import csv_text
 from propmap.io.operating_points import RPM
 from propmap.report.style import COLOURS
-from propmap.rotor import Rotor
 
 NAME = "trim.csv"
 
@@ -62,11 +61,9 @@ class AircraftView:
         """Power, attitude, rotors, margin."""
         return [Graph(name, title.partition(" [")[0]) for name, title in PANELS.items()]
 
-    def answer(
-        self, session: Session, values: Values, ready: Preparation, *, settled: bool
-    ) -> Answer:
+    def answer(self, session: Session, values: Values, *, settled: bool) -> Answer:
         """States at all speeds, and those that have a name."""
-        craft = _aircraft(session, values, ready)
+        craft = _aircraft(session, values)
         speed = np.linspace(0.0, values["top"], ALONG)
         states = craft.steady(speed, values["climb"])
         hover = craft.with_hover_model().steady(speed, values["climb"])
@@ -109,7 +106,7 @@ class AircraftView:
             "from propmap.vehicle.vehicle_toml import read_vehicle\n\n"
             f"vehicle = read_vehicle({given.path or given.name!r}).vehicle\n"
             "model = propmap.known_model(vehicle.propeller.name, air=vehicle.air)\n"
-            "rotor = propmap.Rotor(model).for_all_blades()\n"
+            "rotor = propmap.Rotor(model)\n"
             f"craft = Aircraft(vehicle, rotor, charge={number(values['charge'])})\n"
             f"states = craft.steady(np.linspace(0.0, {number(values['top'])}, {ALONG}), "
             f"{number(values['climb'])})\n"
@@ -119,7 +116,7 @@ class AircraftView:
 
     def text(self, session: Session, values: Values, file: str) -> str:  # noqa: ARG002 - one file
         """What `propmap trim -o trim.csv` writes."""
-        craft = _craft(session, values, Rotor(session.model).for_all_blades())
+        craft = _aircraft(session, values)
         states = craft.steady(np.linspace(0.0, values["top"], ALONG), values["climb"])
         found = performance(craft, states, climb=values["climb"], wind=values["wind"])
         listed = state_rows(states)
@@ -129,15 +126,11 @@ class AircraftView:
         return csv_text(list(listed[0]), listed)
 
 
-def _aircraft(session: Session, values: Values, ready: Preparation) -> Aircraft:
-    return _craft(session, values, ready.quick(session.model))
-
-
-def _craft(session: Session, values: Values, rotor: Rotor) -> Aircraft:
+def _aircraft(session: Session, values: Values) -> Aircraft:
     vehicle = session.vehicle
     if vehicle is None:
         raise InputError("there is no vehicle", "open a vehicle file here")
-    return Aircraft(vehicle, rotor, charge=values["charge"])
+    return Aircraft(vehicle, rotor_of(session.model), charge=values["charge"])
 
 
 def _figures(states: SteadyStates, hover: SteadyStates) -> dict[str, figures.Figure]:

@@ -9,12 +9,11 @@ from typing import Any
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
-from propmap.arrays.types import Floats
 from propmap.explore import figures
 from propmap.explore.controls import Control, Slider, Values
 from propmap.explore.point import point_controls, point_lines, point_words
 from propmap.explore.reproduce import Recipe, axis, number
-from propmap.explore.rotors import Preparation, exact
+from propmap.explore.rotors import rotor_of
 from propmap.explore.session import Session
 from propmap.explore.view import Answer, Download, Graph, Table
 from propmap.io.csv_text import loads_csv
@@ -22,6 +21,7 @@ from propmap.io.operating_points import RPM, OperatingPoints
 from propmap.io.propeller_toml import propeller_toml
 from propmap.model.propeller import Propeller
 from propmap.report.style import COLOURS
+from propmap.typing import Floats
 
 PLACES = (0.2, 0.35, 0.5, 0.65, 0.8, 0.95)
 """y/R of the points that can be dragged."""
@@ -63,16 +63,13 @@ class BladeView:
             Graph("power", "power against speed"),
         ]
 
-    def answer(
-        self, session: Session, values: Values, ready: Preparation, *, settled: bool
-    ) -> Answer:
+    def answer(self, session: Session, values: Values, *, settled: bool) -> Answer:
         """The blade as it was and as it is."""
         old, new = session.model.propeller, changed(session.model.propeller, values)
         model = replace(session.model, propeller=new)
-        make = (lambda one: exact(one)) if settled else ready.quick
         speed = np.linspace(0.0, FASTEST, ALONG)
         flow = values["rpm"] * RPM, speed, np.radians(values["beta"])
-        before, after = make(session.model).loads(*flow), make(model).loads(*flow)
+        before, after = rotor_of(session.model).loads(*flow), rotor_of(model).loads(*flow)
         shown = {
             "outline": _outline(old, new),
             "chord": _draggable(old, new, "chord", values),
@@ -122,7 +119,7 @@ class BladeView:
             return propeller_toml(blade)
         speed = np.linspace(0.0, FASTEST, ALONG)
         points = OperatingPoints.grid(np.array([values["rpm"]]), speed, np.array([values["beta"]]))
-        rotor = exact(replace(session.model, propeller=blade))
+        rotor = rotor_of(replace(session.model, propeller=blade))
         return loads_csv(points, points.loads(rotor), {})
 
     def _recipe(self, session: Session, values: Values) -> Recipe:
@@ -219,7 +216,7 @@ def _draggable(old: Propeller, new: Propeller, what: str, values: Values) -> fig
 
 def _table(session: Session, model: Any, values: Values) -> Table:
     flow = values["rpm"] * RPM, values["speed"], np.radians(values["beta"])
-    before, after = exact(session.model).loads(*flow), exact(model).loads(*flow)
+    before, after = rotor_of(session.model).loads(*flow), rotor_of(model).loads(*flow)
     rows = []
     for name, label in figures.LABELS.items():
         a, b = float(getattr(before, name)), float(getattr(after, name))

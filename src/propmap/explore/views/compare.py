@@ -14,7 +14,7 @@ from propmap.explore import figures
 from propmap.explore.controls import Choice, Control, Slider, Text, Values
 from propmap.explore.point import point_controls, point_lines, point_words
 from propmap.explore.reproduce import Recipe, axis, number
-from propmap.explore.rotors import Preparation, exact
+from propmap.explore.rotors import rotor_of
 from propmap.explore.session import KNOWN, Session
 from propmap.explore.view import Answer, Download, Graph, Table
 from propmap.io.csv_text import csv_text
@@ -73,11 +73,9 @@ class CompareView:
         apart = [Graph(f"{name}-apart", f"{figures.LABELS[name]}: difference") for name in SHOWN]
         return [graph for pair in zip(curves, apart, strict=True) for graph in pair]
 
-    def answer(
-        self, session: Session, values: Values, ready: Preparation, *, settled: bool
-    ) -> Answer:
+    def answer(self, session: Session, values: Values, *, settled: bool) -> Answer:
         """Curves, differences, and numbers at the operating point."""
-        items = _items(session, values, None if settled else ready)
+        items = _items(session, values)
         speed = np.linspace(0.0, values["fastest"], ALONG)
         beta = np.radians(values["beta"])
         omega = _omegas(items, values, speed)
@@ -106,7 +104,7 @@ class CompareView:
     def shell(self, session: Session, values: Values) -> str:
         """A sweep for each, at equal rpm."""
         lines = []
-        for k, one in enumerate(_items(session, values, None), start=1):
+        for k, one in enumerate(_items(session, values), start=1):
             if one.session is None:
                 lines.append(f"propmap show {session.files['table'].path or 'map.npz'}")
                 continue
@@ -130,14 +128,14 @@ class CompareView:
         )
         parts = [
             Recipe(one.session).python(rest)
-            for one in _items(session, values, None)
+            for one in _items(session, values)
             if one.session is not None
         ]
         return "\n".join(parts)
 
     def text(self, session: Session, values: Values, file: str) -> str:  # noqa: ARG002 - one file
         """Rows of `propmap sweep`, with what they are of before them."""
-        items = _items(session, values, None)
+        items = _items(session, values)
         speed = np.linspace(0.0, values["fastest"], ALONG)
         rows = []
         for one, omega in zip(items, _omegas(items, values, speed), strict=True):
@@ -158,15 +156,15 @@ def replace_power(loads: Any, points: OperatingPoints) -> Any:
     return SimpleNamespace(**own, power=power, status=loads.status)
 
 
-def _items(session: Session, values: Values, ready: Preparation | None) -> list[Item]:
+def _items(session: Session, values: Values) -> list[Item]:
     """What is compared; raises ``InputError`` for a name that means nothing."""
     told = [values[key] for key in ITEMS if values[key]]
     if not told:
         raise InputError("nothing is named", f"write {GIVEN} or a name in the first field")
-    return [_item(session, text, ready) for text in told]
+    return [_item(session, text) for text in told]
 
 
-def _item(session: Session, text: str, ready: Preparation | None) -> Item:
+def _item(session: Session, text: str) -> Item:
     name, at, law = (part.strip() for part in text.partition("@"))
     if name == TABLE:
         if session.table is None:
@@ -187,9 +185,8 @@ def _item(session: Session, text: str, ready: Preparation | None) -> Item:
         tokens = {k: v for k, v in one.tokens.items() if k in kept}
         one = replace(one, law=law, files=kept, tokens=tokens)
     model = one.model
-    rotor = exact(model) if ready is None else ready.quick(model)
     told = text if name != GIVEN else text.replace(GIVEN, model.propeller.name, 1)
-    return Item(told, rotor.loads, one)
+    return Item(told, rotor_of(model).loads, one)
 
 
 def _omegas(items: Sequence[Item], values: Values, speed: Any) -> list[Any]:

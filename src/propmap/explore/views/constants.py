@@ -15,7 +15,7 @@ from propmap.explore.constants_fit import CONSTANTS, Fit, law_at_first, law_of, 
 from propmap.explore.controls import Choice, Control, Several, Slider, Values, values_of
 from propmap.explore.point import point_controls, point_lines
 from propmap.explore.reproduce import CONSTANTS_FILE, Recipe
-from propmap.explore.rotors import Preparation, exact
+from propmap.explore.rotors import rotor_of
 from propmap.explore.session import Session
 from propmap.explore.view import Answer, Download, Graph
 from propmap.fit.parameters import SECTION
@@ -30,10 +30,8 @@ if TYPE_CHECKING:
 
 FREE = ("c_l1", "c_d", "alpha_0", "zero_lift_angle")
 
-LIVE = 60
-"""Measured points that are predicted while a slider moves; all are when it stands still."""
-
 MOST = 400
+"""Measured points that are predicted."""
 
 NAME = "errors.csv"
 
@@ -86,9 +84,7 @@ class ConstantsView:
             *(Graph(name, f"{figures.LABELS[name]}, modelled and measured") for name in names),
         ]
 
-    def answer(
-        self, session: Session, values: Values, ready: Preparation, *, settled: bool
-    ) -> Answer:
+    def answer(self, session: Session, values: Values, *, settled: bool) -> Answer:
         """Curves of the section, and errors on the data."""
         old, new = law_at_first(session), law_of(session, values)
         shown = constants_panels.of_section(session.model, old, new)
@@ -97,16 +93,15 @@ class ConstantsView:
         if data is None:
             return Answer(shown, (), ["Choose or drop measured loads to see errors."], key)
         remarks, tables = [], []
-        part = _some(data, MOST if settled else LIVE)
-        if settled and len(part) < len(data):
+        part = _some(data)
+        if len(part) < len(data):
             remarks.append(f"{len(part)} of {len(data)} points of {data.source}, evenly chosen")
         model = model_of(session, values)
-        rotor = exact(model) if settled else ready.quick(model)
-        now = rotor.loads(part.omega, part.speed, part.beta)
+        now = rotor_of(model).loads(part.omega, part.speed, part.beta)
         for name in (n for n in SHOWN if n in data.loads):
             shown[name] = constants_panels.measured_and_modelled(name, part, getattr(now, name))
         if settled:
-            before = exact(session.model).loads(part.omega, part.speed, part.beta)
+            before = rotor_of(session.model).loads(part.omega, part.speed, part.beta)
             tables = [constants_panels.errors(part, before, now)]
         return Answer(shown, tables, remarks, key)
 
@@ -142,7 +137,7 @@ class ConstantsView:
         data = session.measured(values["data"])
         if data is None:
             raise InputError("there are no measured loads", "choose or drop some")
-        found = exact(model_of(session, values)).loads(data.omega, data.speed, data.beta)
+        found = rotor_of(model_of(session, values)).loads(data.omega, data.speed, data.beta)
         columns = {
             "rpm": data.omega / RPM,
             "speed_mps": data.speed,
@@ -217,9 +212,9 @@ def _all() -> Any:
     return ALL
 
 
-def _some(data: TunnelData, most: int) -> TunnelData:
-    if len(data) <= most:
+def _some(data: TunnelData) -> TunnelData:
+    if len(data) <= MOST:
         return data
-    which = np.unique(np.linspace(0, len(data) - 1, most).astype(int))
+    which = np.unique(np.linspace(0, len(data) - 1, MOST).astype(int))
     loads = {name: values[which] for name, values in data.loads.items()}
     return TunnelData(data.source, data.omega[which], data.speed[which], data.beta[which], loads)

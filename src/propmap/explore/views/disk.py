@@ -8,18 +8,18 @@ from typing import Any
 import numpy as np
 from contourpy import contour_generator
 
-from propmap.arrays.types import Floats
-from propmap.engine.disk_field import Inflow
 from propmap.errors import InputError
 from propmap.explore import figures
 from propmap.explore.controls import Choice, Control, Slider, Values
 from propmap.explore.point import point_controls, point_lines, point_of, point_table, point_words
 from propmap.explore.reproduce import Recipe, number
-from propmap.explore.rotors import Preparation, exact
+from propmap.explore.rotors import rotor_of
 from propmap.explore.session import Session
 from propmap.explore.view import Answer, Download, Graph
 from propmap.io.disk_csv import disk_csv
 from propmap.report.style import COLOURS
+from propmap.results import Inflow
+from propmap.typing import Floats
 
 STATIONS, AZIMUTHS = 40, 73
 """Of the field that is drawn."""
@@ -67,14 +67,7 @@ class DiskView:
             Graph("force", "force along the blade"),
         ]
 
-    def answer(
-        self,
-        session: Session,
-        values: Values,
-        ready: Preparation,  # noqa: ARG002 - one point needs no compiler
-        *,
-        settled: bool,
-    ) -> Answer:
+    def answer(self, session: Session, values: Values, *, settled: bool) -> Answer:
         """The field at the operating point."""
         field = _field(session, values)
         if not np.isfinite(field.alpha).all():
@@ -123,7 +116,7 @@ class DiskView:
 
     def text(self, session: Session, values: Values, file: str) -> str:  # noqa: ARG002 - one file
         """What `propmap plot disk -o disk.csv` writes."""
-        return disk_csv(exact(session.model), *_si(values))
+        return disk_csv(rotor_of(session.model), *_si(values))
 
 
 def _si(values: Values) -> tuple[float, float, float]:
@@ -132,9 +125,8 @@ def _si(values: Values) -> tuple[float, float, float]:
 
 
 def _field(session: Session, values: Values) -> Inflow:
-    rotor = exact(session.model)
-    blade = rotor.arrays.blade
-    radius = np.linspace(float(blade.root), float(blade.tip), STATIONS)
+    rotor = rotor_of(session.model)
+    radius = np.linspace(*rotor.model.span, STATIONS)
     azimuth = np.linspace(0.0, 2.0 * np.pi, AZIMUTHS)
     return rotor.inflow(*_si(values), radius=radius, azimuth=azimuth)
 

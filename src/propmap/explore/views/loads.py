@@ -7,28 +7,24 @@ from typing import Any
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.errors import InputError, quoted
 from propmap.explore import figures
 from propmap.explore.controls import Choice, Control, Several, Slider, Text, Values
 from propmap.explore.load_panels import Curves, near_curves, nothing_near, panel
 from propmap.explore.point import point_controls, point_lines, point_table
 from propmap.explore.reproduce import Recipe, axis, number
-from propmap.explore.rotors import Preparation, exact, fastest, hover_model
+from propmap.explore.rotors import fastest, hover_model, rotor_of
 from propmap.explore.session import Session
 from propmap.explore.view import Answer, Download, Graph
 from propmap.io.csv_text import loads_csv
 from propmap.io.operating_points import RPM, OperatingPoints, std_columns
 from propmap.report.style import COLOURS
+from propmap.typing import Floats
 
 ALONG = 31
-"""Points of a curve: with four curves, deviations of all are found without compiling."""
-
-EVERY = 5
-"""Of these, every so many have a standard deviation of their own; between them it is linear."""
+"""Points of a curve."""
 
 MOST_CURVES = 6
-
 
 SHOWN = ("thrust", "drag", "torque", "roll_moment", "pitch_moment", "power")
 
@@ -75,18 +71,15 @@ class LoadsView:
         """One for each load."""
         return [Graph(name, title) for name, title in figures.TITLES.items()]
 
-    def answer(
-        self, session: Session, values: Values, ready: Preparation, *, settled: bool
-    ) -> Answer:
+    def answer(self, session: Session, values: Values, *, settled: bool) -> Answer:
         """Curves at once; deviations, points by status and words as soon as it is settled."""
         model, remarks = session.model, []
         curves = _curves(session, values)
-        rotor = exact(model) if settled else ready.quick(model)
-        loads = rotor.loads(curves.omega, curves.speed, curves.beta)
+        loads = rotor_of(model).loads(curves.omega, curves.speed, curves.beta)
         hover = hover_model(model)
         std: Mapping[str, Floats] = {}
         if settled and values["bands"] and model.uncertainty is not None:
-            std = _deviations(exact(model), curves)
+            std = {name: getattr(loads.std, name) for name in values["show"]}
         data = session.measured(values["data"])
         near = near_curves(curves, values["x"], data) if data is not None else []
         if data is not None and not any(which.size for which in near):
@@ -145,7 +138,7 @@ class LoadsView:
     def text(self, session: Session, values: Values, file: str) -> str:  # noqa: ARG002 - one file
         """What `propmap sweep` writes."""
         points = _grid(session, values)
-        loads = points.loads(exact(session.model))
+        loads = points.loads(rotor_of(session.model))
         spread = std_columns(loads, by_source=False) if values["bands"] else {}
         return loads_csv(points, loads, spread)
 
@@ -208,14 +201,3 @@ def _axes(session: Session, values: Values) -> list[str]:
     told[inner] = ",".join(number(one) for one in each)
     told[values["x"]] = axis(float(x[0]), float(x[-1]), ALONG)
     return [part for key, text in told.items() for part in (f"--{key}", text)]
-
-
-def _deviations(rotor: Any, curves: Curves) -> dict[str, Floats]:
-    """Standard deviations (k, n), found at every so many points."""
-    some = np.arange(0, curves.x.size, EVERY)
-    at = (values[:, some] for values in (curves.omega, curves.speed, curves.beta))
-    found = rotor.loads(*at).std
-    return {
-        name: np.stack([np.interp(curves.x, curves.x[some], row) for row in getattr(found, name)])
-        for name in figures.TITLES
-    }

@@ -10,7 +10,7 @@ import numpy as np
 from propmap.errors import InputError
 from propmap.explore import figures
 from propmap.explore.controls import Choice, Control, Slider, Values
-from propmap.explore.rotors import Preparation
+from propmap.explore.rotors import rotor_of
 from propmap.explore.session import Session
 from propmap.explore.view import Answer, Download, Graph, Table
 from propmap.io.operating_points import RPM
@@ -56,14 +56,7 @@ class TrustView:
             Graph("sample", "table against the model, at points of the envelope"),
         ]
 
-    def answer(
-        self,
-        session: Session,
-        values: Values,
-        ready: Preparation,
-        *,
-        settled: bool,
-    ) -> Answer:
+    def answer(self, session: Session, values: Values, *, settled: bool) -> Answer:
         """Cells at once, errors at a sample of points when all stands still."""
         table = _table(session)
         certificate = table.certificate
@@ -79,7 +72,7 @@ class TrustView:
         else:
             remarks.append("This table has no certificate: build it again with `propmap table`.")
         if settled:
-            sample = _sample(session, table, values, ready)
+            sample = _sample(session, table, values)
             if sample is None:
                 remarks.append(
                     "It was built from another model than the one explored: no errors at a sample."
@@ -209,16 +202,14 @@ def _by_load(certificate: dict[str, Any]) -> figures.Figure:
     )  # fmt: skip
 
 
-def _sample(
-    session: Session, table: LoadTable, values: Values, ready: Preparation
-) -> figures.Figure | None:
+def _sample(session: Session, table: LoadTable, values: Values) -> figures.Figure | None:
     """Errors at points of the envelope; None where the model is another one."""
     model = session.model
     if table.info.get("model_sha256") != model.fingerprint():
         return None
     omega, speed, beta = quasi_random(table, SAMPLE, seed=3)
-    own, found = ready.quick(model).loads(omega, speed, beta), table.loads(omega, speed, beta)
-    still = ready.quick(model).loads(omega, 0.0, 0.0)
+    own, found = rotor_of(model).loads(omega, speed, beta), table.loads(omega, speed, beta)
+    still = rotor_of(model).loads(omega, 0.0, 0.0)
     radius, errors = model.propeller.radius, []
     names = LOADS if values["load"] == "worst" else [values["load"]]
     for name in names:

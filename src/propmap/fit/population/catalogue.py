@@ -156,26 +156,14 @@ def _identified(
 ) -> list[Identified]:
     """Those that are ``known``, and the others by ``workers``, in the order ``wanted``."""
     found = {place: known[one.key] for place, one in enumerate(wanted) if one.key in known}
-    tasks = _tasks(wanted, [place for place in range(len(wanted)) if place not in found])
+    missing = [place for place in range(len(wanted)) if place not in found]
+    tasks = [missing[k : k + TOGETHER] for k in range(0, len(missing), TOGETHER)]
     groups = [[wanted[place] for place in places] for places in tasks]
     for which, some in (workers or InTurn()).results(_identify, None, groups):
         before = [found[place] for place in sorted(found)]
         found |= zip(tasks[which], some, strict=True)
         done(before, some)
     return [found[place] for place in range(len(wanted))]
-
-
-def _tasks(wanted: Sequence[_Wanted], places: Iterable[int]) -> list[list[int]]:
-    """The ``places`` of tasks: some each, the few that need programs of their own in one."""
-    by_programs: dict[int, list[int]] = {}
-    for place in places:
-        by_programs.setdefault(wanted[place].test.stations, []).append(place)
-    tasks = []
-    for stations in sorted(by_programs, reverse=True):
-        mine = by_programs[stations]
-        size = TOGETHER if stations == min(by_programs) else len(mine)
-        tasks += [mine[start : start + size] for start in range(0, len(mine), size)]
-    return tasks
 
 
 def _identify(_: None, task: Sequence[_Wanted]) -> list[Identified]:

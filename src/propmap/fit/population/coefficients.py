@@ -1,8 +1,4 @@
-"""C_T and C_P of a propeller in axial flow, with derivatives by its section constants.
-
-Blades share two compiled programs, whatever their shape and number; those with many stations have
-another two, see ``STATIONS``.
-"""
+"""C_T and C_P of a propeller in axial flow, with derivatives by its section constants."""
 
 from __future__ import annotations
 
@@ -11,25 +7,16 @@ from typing import Any
 
 import numpy as np
 
-from propmap.arrays.namespace import by_numpy
-from propmap.arrays.types import Floats
 from propmap.catalogue.identified import PARAMETERS
 from propmap.catalogue.prior import HELD
-from propmap.engine.accuracy import accuracy
-from propmap.engine.evaluation import prepare
-from propmap.engine.gradients import load_gradients
 from propmap.io.uiuc_database import MeasuredPropeller
 from propmap.loads import LOADS
 from propmap.model.airfoil import Airfoil
 from propmap.model.model import Model
 from propmap.model.propeller import Propeller
-from propmap.physics.geometry import with_stations
+from propmap.rotor import Rotor
+from propmap.typing import Floats
 
-STATIONS = (18, 40)
-"""Blades are brought to the first of these that is not less than what they have.  Nine in ten have
-18, as mean blades do, and 40 take two thirds longer."""
-
-SETTING = accuracy("standard")
 _THRUST, _TORQUE = (list(LOADS).index(name) for name in ("thrust", "torque"))
 
 
@@ -55,12 +42,6 @@ class AxialTest:
     tested: MeasuredPropeller
 
     @property
-    def stations(self) -> int:
-        """What the blade is brought to: where it is the same, so are the programs."""
-        own = self.propeller.station.size
-        return min((count for count in STATIONS if count >= own), default=own)
-
-    @property
     def measured(self) -> Floats:
         """C_T and C_P [-], (2, n)."""
         return np.stack([self.tested.thrust, self.tested.power])
@@ -77,13 +58,7 @@ class AxialTest:
         turns = self.tested.rpm / 60.0
         diameter = 2.0 * self.propeller.radius
         flow = (2.0 * np.pi * turns, self.tested.advance * turns * diameter)
-        arrays = model.arrays()
-        with by_numpy():
-            blade = with_stations(arrays.blade, self.stations)
-        still = np.zeros_like(turns)
-        found = load_gradients(
-            prepare(arrays._replace(blade=blade)), SETTING, PARAMETERS, *flow, still, alike=True
-        )
+        found = Rotor(model).gradients(PARAMETERS, *flow, 0.0)
         force = model.air.density * turns**2 * diameter**4
         # P = 2 pi n tau.
         size = np.stack([force, force * diameter / (2.0 * np.pi)])

@@ -7,9 +7,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.arrays.types import Floats
 from propmap.catalogue.prior import PopulationPrior, constants_of, coordinates, slopes_of
 from propmap.fit.population.coefficients import AxialTest
+from propmap.typing import Floats
 
 BAND = 1.959964
 """Standard deviations on either side that hold 95 % of a normal distribution."""

@@ -7,10 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.catalogue.family_prior import Member
 from propmap.catalogue.population import Population, covariates, likeness
 from propmap.catalogue.prior import POPULATION
+from propmap.typing import Floats
 
 STEPS = 100
 """Of the search from afar; ten are enough from close by."""

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.catalogue.prior import (
     POPULATION,
     PopulationPrior,
@@ -16,6 +15,7 @@ from propmap.catalogue.prior import (
 )
 from propmap.fit.population.coefficients import AxialTest
 from propmap.fit.rows import INDEPENDENT
+from propmap.typing import Floats
 
 AT_REST = 2.0
 """The same of rows at rest alone: level and slope of one curve over the rotational speed."""

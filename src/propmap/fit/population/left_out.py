@@ -9,7 +9,6 @@ from typing import NamedTuple
 import numpy as np
 
 from propmap import catalogue
-from propmap.arrays.types import Floats
 from propmap.catalogue.expected_constants import member_without_blade, on_mean_blade
 from propmap.catalogue.family_prior import Member, family_prior
 from propmap.catalogue.identified import Identified, one_of_each
@@ -29,6 +28,7 @@ from propmap.fit.population.hierarchy import population_of
 from propmap.fit.population.identification import identify, updated
 from propmap.fit.population.populations import all_members, errors_of
 from propmap.io.uiuc_database import MeasuredPropeller
+from propmap.typing import Floats
 
 STEPS = 8
 """Of the search for a population without one propeller, from that with it."""

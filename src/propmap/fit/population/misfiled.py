@@ -13,8 +13,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.arrays.types import Floats
 from propmap.io.uiuc_database import MeasuredPropeller
+from propmap.typing import Floats
 
 MISFILED = {
     ("nr640 5x3.16 - 4", 4031.0): 2,

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 import numpy as np
 
 from propmap import catalogue
-from propmap.arrays.types import Floats
 from propmap.catalogue.expected_constants import on_mean_blade
 from propmap.catalogue.family_prior import Member, member
 from propmap.catalogue.identified import Identified, one_of_each
@@ -15,6 +14,7 @@ from propmap.catalogue.mean_blade import MeanBlade, mean_blade, shapes_without
 from propmap.catalogue.population import GEOMETRIES, Population
 from propmap.fit.population.hierarchy import population_of
 from propmap.tasks import InTurn, Workers, in_order
+from propmap.typing import Floats
 
 
 def members_on(entries: Sequence[Identified], family: str, shape: MeanBlade) -> list[Member]:

@@ -6,10 +6,10 @@ import itertools
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.catalogue.identified import PARAMETERS, POOR
 from propmap.fit.population.identification import Identification
 from propmap.io.uiuc_database import MeasuredPropeller
+from propmap.typing import Floats
 
 ALIKE_RPM = 0.02
 """Share by which the rotational speeds of repeated runs differ at most."""

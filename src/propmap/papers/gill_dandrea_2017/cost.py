@@ -33,9 +33,7 @@ class Times:
     one_point, per_point : float
         Medians: a call for one operating point, and the share of one in a batch.
     level, tunnel : float
-        Identifications from 20 level flights and from the tunnel rows, compiled.
-    tunnel_first : float
-        The latter as it ran first, compilation and other work beside it included.
+        Identifications from 20 level flights and from the tunnel rows.
     machine, cores : str, int
         Where.
     """
@@ -44,13 +42,12 @@ class Times:
     per_point: float
     level: float
     tunnel: float
-    tunnel_first: float
     machine: str
     cores: int
 
 
 def measured_times(level: Fitted, tunnel: Fitted) -> Times:
-    """Time map calls, and these identifications again, which are compiled."""
+    """Time map calls, and these identifications again, with nothing beside them."""
     rotor = Rotor(Model(blade(TUNNEL_PROPELLER), parameter_set("paper-apc")))
     batch = [np.full(BATCH, value) for value in POINT]
     again = [fit(one.rows, one.choice, one.settings).seconds for one in (level, tunnel)]
@@ -59,7 +56,6 @@ def measured_times(level: Fitted, tunnel: Fitted) -> Times:
         per_point=_median(lambda: rotor.loads(*batch)) / BATCH,
         level=again[0],
         tunnel=again[1],
-        tunnel_first=tunnel.seconds,
         machine=f"{platform.system()} {platform.machine()}, Python {platform.python_version()}",
         cores=os.cpu_count() or 1,
     )

@@ -6,13 +6,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.model.airfoil import parameter_set
 from propmap.model.corrections import correction
 from propmap.model.model import Model
 from propmap.papers.gill_dandrea_2017.blades import TUNNEL_PROPELLER, blade
 from propmap.report.style import RPM
 from propmap.rotor import Rotor
+from propmap.typing import Floats
 
 SECTION = "paper-apc"
 """The set of Table I for this propeller, as printed."""
@@ -57,7 +57,7 @@ def drag_effects(added: tuple[str, ...] = ADDED) -> list[DragEffect]:
     for count in range(len(added) + 1):
         texts = added[:count]
         model = replace(paper, corrections=tuple(correction(text) for text in texts))
-        drag = Rotor(model, compiled=False).loads(*points).drag
+        drag = Rotor(model).loads(*points).drag
         first = found[0].drag if found else drag
         found.append(DragEffect(texts, drag, drag / first - 1.0))
     return found

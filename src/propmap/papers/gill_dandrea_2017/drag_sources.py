@@ -8,12 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.arrays.types import Floats
 from propmap.baselines.fin_analogy import side_force
 from propmap.papers.gill_dandrea_2017.blades import blade
 from propmap.papers.gill_dandrea_2017.identified import OBLIQUE_LABEL
 from propmap.papers.gill_dandrea_2017.rotor_drag import INCIDENCE
 from propmap.papers.gill_dandrea_2017.tunnel import OTHER_LABEL, RECOMMENDED_LABEL, Compared
+from propmap.typing import Floats
 
 Mask = NDArray[np.bool_]
 

@@ -12,7 +12,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.baselines.hover import HoverModel
 from propmap.fit.body_forces import body_force
 from propmap.fit.fitted import Fitted, Settings, fit
@@ -26,6 +25,7 @@ from propmap.model.model import Model
 from propmap.papers.gill_dandrea_2017.blades import blade
 from propmap.papers.gill_dandrea_2017.paper import FASTEST, FLIGHTS, RADIUS, TETHER
 from propmap.rotor import Rotor
+from propmap.typing import Floats
 from propmap.vehicle.flight_log import GRAVITY, FlightLog, pitch_and_roll
 from propmap.vehicle.hub_flow import hub_flow
 from propmap.vehicle.vehicle import Body, Mount, Vehicle

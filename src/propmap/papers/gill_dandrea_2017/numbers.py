@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
-from propmap.arrays.types import Floats
 from propmap.papers.gill_dandrea_2017 import (
     drag_sources,
     plate,
@@ -23,6 +21,7 @@ from propmap.papers.gill_dandrea_2017.identified import (
 )
 from propmap.papers.gill_dandrea_2017.level_circles import SetFlown, fly
 from propmap.papers.gill_dandrea_2017.paper import FLOWN
+from propmap.typing import Floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,24 +44,21 @@ class Numbers:
 
 
 def compute() -> Numbers:
-    """All numbers; about two minutes on two cores, most of it compilation."""
-    # Flight and tunnel need different programs: compiled side by side, they take half the time.
-    with ThreadPoolExecutor(2) as pool:
-        flights = pool.submit(lambda: {name: fly(name) for name in FLOWN})
-        fits = tunnel_fits()
-        found = tunnel.compared(fits)
-        printed = dict(list(found[AXIAL].laws.items())[:1])
-        axial = printed | {one.label: one.law for one in (fits.axial_four, fits.axial)}
-        slanted = found[OBLIQUE].laws
-        oblique = printed | {
-            label: slanted[label] for label in (OBLIQUE_LABEL, tunnel.RECOMMENDED_LABEL)
-        }
-        lines = tunnel_curves.axial_curves(found[AXIAL], axial)
-        sweeps = tunnel_curves.oblique_curves(found[OBLIQUE], oblique)
-        thrusts = tunnel_curves.thrust_curves(found[tunnel.MULTIROTOR])
-        small = rotor_drag.small_incidence(fits.oblique.law)
-        ratios = rotor_drag.ratios(found[OBLIQUE])
-        flown = flights.result()
+    """All numbers."""
+    flown = {name: fly(name) for name in FLOWN}
+    fits = tunnel_fits()
+    found = tunnel.compared(fits)
+    printed = dict(list(found[AXIAL].laws.items())[:1])
+    axial = printed | {one.label: one.law for one in (fits.axial_four, fits.axial)}
+    slanted = found[OBLIQUE].laws
+    oblique = printed | {
+        label: slanted[label] for label in (OBLIQUE_LABEL, tunnel.RECOMMENDED_LABEL)
+    }
+    lines = tunnel_curves.axial_curves(found[AXIAL], axial)
+    sweeps = tunnel_curves.oblique_curves(found[OBLIQUE], oblique)
+    thrusts = tunnel_curves.thrust_curves(found[tunnel.MULTIROTOR])
+    small = rotor_drag.small_incidence(fits.oblique.law)
+    ratios = rotor_drag.ratios(found[OBLIQUE])
     return Numbers(
         flown=flown,
         fits=fits,

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.fit.residuals import rms
 from propmap.papers.gill_dandrea_2017.blades import blade
 from propmap.papers.gill_dandrea_2017.identified import OBLIQUE, OBLIQUE_LABEL, OTHER_FORM
 from propmap.papers.gill_dandrea_2017.tunnel import OTHER_LABEL, RECOMMENDED_LABEL, Compared
+from propmap.typing import Floats
 
 SLIPSTREAM = (1.0, 2.0)
 """Inflow of the slipstream at the plate over that of the disk [-]: at the disk, far behind it."""

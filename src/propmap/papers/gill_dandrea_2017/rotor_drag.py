@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.baselines.fin_analogy import inflow_factor, side_force
 from propmap.catalogue.measurements import measurement
 from propmap.fit.residuals import rms
@@ -20,6 +19,7 @@ from propmap.papers.gill_dandrea_2017.level_circles import SPEEDS as CIRCLE_SPEE
 from propmap.papers.gill_dandrea_2017.level_circles import Circles, circles, quadrotor
 from propmap.papers.gill_dandrea_2017.tunnel import OTHER_LABEL, RECOMMENDED_LABEL, Compared
 from propmap.rotor import Rotor
+from propmap.typing import Floats
 
 PROPELLERS = ("apc-8x6e", "apc-9x6e", "apc-11x7e", "apc-8x4.5mr", "apc-8x6sf")
 INCIDENCE = np.radians(15.0)

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.baselines.hover import HoverModel
 from propmap.catalogue.measurements import Measurement, measurement
 from propmap.fit.residuals import errors as errors_of
@@ -20,6 +19,7 @@ from propmap.papers.gill_dandrea_2017.blades import blade
 from propmap.papers.gill_dandrea_2017.identified import AXIAL, OBLIQUE, OTHER_FORM, TunnelFits
 from propmap.papers.gill_dandrea_2017.paper import TUNNEL_ERROR
 from propmap.rotor import Rotor
+from propmap.typing import Floats
 
 MULTIROTOR = "davoudi-8x4.5mr-thrust"
 DATA_SETS = {

@@ -7,7 +7,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.catalogue.measurements import Measurement
 from propmap.loads import LOADS
 from propmap.model.airfoil import Airfoil
@@ -15,6 +14,7 @@ from propmap.model.model import Model
 from propmap.papers.gill_dandrea_2017.blades import blade
 from propmap.papers.gill_dandrea_2017.tunnel import Compared
 from propmap.rotor import Rotor
+from propmap.typing import Floats
 
 AXIAL_OMEGA = 5000.0 * np.pi / 30.0
 """[rad/s] of the axial lines; the Reynolds number moves them by a per cent at most."""

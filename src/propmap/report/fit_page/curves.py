@@ -11,11 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from propmap.arrays.types import Floats
 from propmap.baselines.hover import HoverModel
-from propmap.engine.accuracy import accuracy
-from propmap.engine.evaluation import prepare
-from propmap.engine.gradients import load_gradients
 from propmap.fit.coverage import CoveredAngle
 from propmap.fit.fit_record import FitRecord
 from propmap.fit.result_file import FitFile
@@ -36,6 +32,7 @@ from propmap.report.style import (
     style,
 )
 from propmap.rotor import Rotor
+from propmap.typing import Floats
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -224,11 +221,9 @@ def _slopes(
     rotor: Rotor, names: tuple[str, ...], omega: float, speed: Floats, betas: Floats
 ) -> Floats:
     """Derivatives (P, loads, angles, n) of the loads by the parameters named."""
-    v, b = (a.ravel() for a in np.broadcast_arrays(speed, betas[:, None]))
-    flow = (np.full(v.size, omega), v * np.cos(b), v * np.abs(np.sin(b)))
-    found = load_gradients(prepare(rotor.arrays), accuracy(rotor.accuracy), names, *flow)
-    shape = (len(names), len(LOADS), betas.size, speed.size)
-    return found.slopes.transpose(1, 0, 2).reshape(shape)
+    b = betas[:, None]
+    flow = (omega, speed * np.cos(b), speed * np.abs(np.sin(b)))
+    return rotor.gradients(names, *flow).slopes.swapaxes(0, 1)
 
 
 def _angles(fit: FitRecord) -> list[tuple[float, CoveredAngle | None]]:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.fit.fit_record import FitRecord
 from propmap.fit.parameters import ROTOR
+from propmap.typing import Floats
 
 DRAWS = 200
 """Sets of parameters that make a band."""

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from propmap.arrays.types import Floats
 from propmap.fit.still_explained import Trend
 from propmap.report.fit_page.judgement import label_of
 from propmap.report.page import csv_of_columns
 from propmap.report.style import BAND, COLOURS, key, legend_below, new_figure, style
+from propmap.typing import Floats
 
 BINS = 8
 """Of equal numbers of samples."""

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.figure import Figure
 
-from propmap.arrays.types import Floats
 from propmap.loads import LOADS
 from propmap.report.page import csv_of_columns
 from propmap.report.style import (
@@ -23,6 +22,7 @@ from propmap.report.style import (
 )
 from propmap.report.table_page.samples import TableSamples
 from propmap.table.lookup import STATUSES, UNRESOLVED, VORTEX_RING
+from propmap.typing import Floats
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.arrays.types import Floats
 from propmap.export.samples import evenly
 from propmap.fit.residuals import rms
 from propmap.loads import LOADS
@@ -18,6 +17,7 @@ from propmap.report.page import number
 from propmap.report.style import RPM
 from propmap.table.lookup import NO_VALUE, OK, STATUSES, UNRESOLVED, VORTEX_RING
 from propmap.table.query import LoadTable
+from propmap.typing import Floats
 
 POINTS = 32_768
 """Of the envelope, on which shares are counted."""

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.fit.flight_terms import Fitted, Flight, Off, gain, judged, measured_off
+from propmap.typing import Floats
 from propmap.vehicle.vehicle import Vehicle
 
 HOVER, PREDICTION = "hover model", "prediction in the file"

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.figure import Figure
 
-from propmap.arrays.types import Floats
 from propmap.fit.flight_terms import Fitted, Flight
 from propmap.report.page import csv_of_rows, number, report_files
 from propmap.report.style import DASHED, HOVER, key, legend_below, marked, new_figure, style
@@ -21,6 +20,7 @@ from propmap.report.terms_page.errors import (
     steps_of,
     worth,
 )
+from propmap.typing import Floats
 from propmap.vehicle.vehicle import Vehicle
 
 TERMS_FIGURE, VALUES_SHEET, WORTH_SHEET = "fit-terms", "fit-terms-values", "fit-terms-worth"

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.arrays.types import Floats
 from propmap.errors import InputError
+from propmap.typing import Floats
 from propmap.vehicle.flight_log import GRAVITY, FlightLog
 from propmap.vehicle.logs import frames
 from propmap.vehicle.logs.recording import FEWEST_SAMPLES, Recording, Signal, cleaned

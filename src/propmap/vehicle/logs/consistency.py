@@ -13,8 +13,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.arrays.types import Floats
 from propmap.errors import InputError
+from propmap.typing import Floats
 from propmap.vehicle.flight_log import GRAVITY
 from propmap.vehicle.logs import frames
 from propmap.vehicle.logs.assembly import LONGEST_GAP, common_clock, interpolated

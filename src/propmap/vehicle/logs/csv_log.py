@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from propmap.arrays.types import Floats
 from propmap.errors import InputError, quoted
 from propmap.io.csv_dialect import has_decimal_commas, separator_of, too_many_fields
+from propmap.typing import Floats
 from propmap.vehicle.log_map import EULER_COLUMNS, QUATERNION_COLUMNS, LogMap
 from propmap.vehicle.logs.frames import quaternion_of_angles
 from propmap.vehicle.logs.recording import Recording, Signal

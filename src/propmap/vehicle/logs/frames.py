@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from propmap.arrays.types import Floats
+from propmap.typing import Floats
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation

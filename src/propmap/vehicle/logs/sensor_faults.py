@@ -6,7 +6,7 @@ import itertools
 
 import numpy as np
 
-from propmap.arrays.types import Floats
+from propmap.typing import Floats
 from propmap.vehicle.logs.assembly import LONGEST_GAP
 from propmap.vehicle.logs.recording import Recording, Signal, cleaned
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from propmap.arrays.types import Floats
+from propmap.typing import Floats
 from propmap.vehicle.flight_log import GRAVITY
 from propmap.vehicle.logs import frames
 from propmap.vehicle.logs.assembly import interpolated

@@ -8,7 +8,6 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from propmap.arrays.types import Floats
 from propmap.fit.residuals import rms
 from propmap.loads import LOADS
 from propmap.papers.gill_dandrea_2017.tunnel import (
@@ -42,6 +41,7 @@ from propmap.report.style import (
     new_figure,
     style,
 )
+from propmap.typing import Floats
 
 SYMBOLS = {"thrust": "C_T", "power": "C_P"}
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import jax
 import numpy as np
 
 from propmap.catalogue.measurements import measurement
@@ -80,7 +79,7 @@ def pages(numbers: Numbers) -> dict[str, str | bytes]:
             **{title: measurement(name) for name, title in tunnel.DATA_SETS.items()},
             "2019 campaign, oblique (its blade-element model)": measurement(OTHER_FORM),
         },
-        software={"JAX": jax.__version__, "NumPy": np.__version__},
+        software={"NumPy": np.__version__},
     )
 
 
@@ -101,7 +100,6 @@ def _times_sheet(times: Times) -> str:
             ("per_point_of_256", times.per_point, None, None),
             ("level_flight_identification", times.level, *paper.IDENTIFICATION),
             ("tunnel_identification", times.tunnel, None, None),
-            ("tunnel_identification_first", times.tunnel_first, None, None),
         ),
     )
 

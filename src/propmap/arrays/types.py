@@ -1,8 +1,0 @@
-"""Names of NumPy's array types, for annotations."""
-
-from __future__ import annotations
-
-import numpy as np
-from numpy.typing import NDArray
-
-Floats = NDArray[np.float64]

@@ -1,0 +1,34 @@
+"""The compiled core, in the build that suits this processor.
+
+An installation from source has one build, made for its processor; a wheel that is passed on has
+one for each level of x86-64.
+"""
+
+from __future__ import annotations
+
+import importlib
+from types import ModuleType
+from typing import Any
+
+
+def _suitable() -> ModuleType:
+    try:
+        return importlib.import_module("propmap._core")
+    except ModuleNotFoundError as missing:
+        if missing.name != "propmap._core":
+            raise
+    try:
+        # The oldest level, which runs wherever NumPy does, knows the processor.
+        best = importlib.import_module("propmap._core_v2").best_instructions()
+    except ModuleNotFoundError as missing:
+        raise ImportError(
+            "propmap's compiled core is not there; run `pip install .` in the checkout"
+        ) from missing
+    return importlib.import_module(f"propmap._core_{best.removeprefix('x86-64-')}")
+
+
+_build = _suitable()
+
+
+def __getattr__(name: str) -> Any:
+    return getattr(_build, name)

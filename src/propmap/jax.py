@@ -1,0 +1,85 @@
+"""Loads as a function of JAX arrays, for programs that JAX compiles and differentiates."""
+
+from __future__ import annotations
+
+import functools
+from typing import Any
+
+import numpy as np
+
+from propmap.loads import FLOW, LOADS
+from propmap.rotor import Rotor
+from propmap.typing import Floats
+
+try:
+    import jax
+    import jax.numpy as jnp
+except ModuleNotFoundError as missing:
+    raise ImportError("JAX is not installed; run: pip install 'propmap[jax]'") from missing
+
+_Shape: Any = jax.ShapeDtypeStruct
+
+
+def loads(rotor: Rotor, omega: Any, v_axial: Any, v_inplane: Any) -> Any:
+    """Loads at operating points, through ``jit``, ``vmap``, ``grad``, ``jacfwd`` and ``jacrev``.
+
+    Parameters
+    ----------
+    rotor : Rotor
+        Whose loads; fixed in a compiled function.
+    omega, v_axial, v_inplane : array, shape (...)
+        Rotational speed [rad/s], >= 0, V cos(beta) and V sin(beta) [m/s], the latter >= 0; all
+        three broadcast.
+
+    Returns
+    -------
+    jax.Array, shape (L, ...)
+        Loads in the order of ``propmap.loads.LOADS`` [N], [N m]; NaN where no inflow was found.
+
+    Notes
+    -----
+    The compiled core is called back on the CPU and computes in float64, points beside each other.
+    What goes in and comes out is rounded to float32 unless the caller has entered
+    ``jax.enable_x64(True)``, around making arrays and using them; nothing is switched on here.
+    First derivatives are those of ``Rotor.gradients``.  There are no second ones, and none by the
+    constants of the section and the blade, which ``Rotor.gradients`` gives.  Values that
+    ``Rotor.gradients`` refuses end the computation with its message.
+    """
+    dtype = jnp.result_type(float)
+    given = [jnp.asarray(value, dtype) for value in (omega, v_axial, v_inplane)]
+    return jnp.moveaxis(_loads(rotor, *jnp.broadcast_arrays(*given)), -1, 0)
+
+
+@functools.partial(jax.custom_jvp, nondiff_argnums=(0,))
+def _loads(rotor: Rotor, omega: Any, v_axial: Any, v_inplane: Any) -> Any:
+    """Loads (..., L): the axes that ``vmap`` adds come in front."""
+    wanted = _Shape((*omega.shape, len(LOADS)), omega.dtype)
+
+    def found(*flow: Any) -> Floats:
+        values, _ = rotor.gradients((), *_double(flow))
+        return np.moveaxis(values, 0, -1).astype(wanted.dtype)
+
+    return jax.pure_callback(found, wanted, omega, v_axial, v_inplane, vmap_method="broadcast_all")
+
+
+@_loads.defjvp
+def _loads_jvp(rotor: Rotor, primals: Any, tangents: Any) -> Any:
+    shape, dtype = primals[0].shape, primals[0].dtype
+    wanted = (
+        _Shape((*shape, len(LOADS)), dtype),
+        _Shape((*shape, len(LOADS), len(FLOW)), dtype),
+    )
+
+    def found(*flow: Any) -> tuple[Floats, Floats]:
+        values, slopes = rotor.gradients(FLOW, *_double(flow))
+        return (
+            np.moveaxis(values, 0, -1).astype(dtype),
+            np.moveaxis(slopes, (0, 1), (-2, -1)).astype(dtype),
+        )
+
+    values, slopes = jax.pure_callback(found, wanted, *primals, vmap_method="broadcast_all")
+    return values, jnp.einsum("...lk,...k->...l", slopes, jnp.stack(tangents, axis=-1))
+
+
+def _double(flow: Any) -> list[Floats]:
+    return [np.asarray(values, np.float64) for values in flow]

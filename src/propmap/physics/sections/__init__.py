@@ -1,1 +1,0 @@
-"""Section laws: lift and drag of a blade section, one file per law."""
