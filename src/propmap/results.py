@@ -327,7 +327,7 @@ def hub_wrench(loads: Loads, direction: Floats, sign: float) -> Wrench:
     """
     # Counter-clockwise, the advancing side is on the right: lifting it rolls about -x.
     z = np.array([0.0, 0.0, 1.0])
-    left = np.cross(z, direction)
+    left = np.stack([0.0 - direction[..., 1], direction[..., 0], 0.0 * direction[..., 2]], axis=-1)
     side, pitch = sign * loads.side_force[..., None], loads.pitch_moment[..., None]
     force = loads.thrust[..., None] * z - loads.drag[..., None] * direction + side * left
     moment = -sign * (loads.torque[..., None] * z + loads.roll_moment[..., None] * direction)

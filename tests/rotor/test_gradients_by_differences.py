@@ -133,8 +133,7 @@ SMALL = 0.02
 def cases() -> list[Any]:
     outer_fold = pytest.mark.xfail(reason="derivatives by a fold close to the tip are 1 % off")
     marks = {name: () if name in QUICK[:3] else (pytest.mark.slow,) for name in CASES}
-    for name in ("tip loss", "simplified"):
-        marks[name] = (pytest.mark.slow, outer_fold)
+    marks["tip loss"] = (pytest.mark.slow, outer_fold)
     return [pytest.param(name, marks=marks[name]) for name in CASES]
 
 
