@@ -268,10 +268,10 @@ class CoreRotor {
             Solution s;
             solver.solve(omega, v_axial, v_inplane, s);
             const DiskField f = propmap::disk_field(solver, s, radii, psi);
-            nb::dict told;
+            nb::dict result;
             const auto tell = [&](const char* name, const std::vector<double>& values, bool around) {
                 double* data;
-                told[name] = around ? make_array({radii.size(), psi.size()}, data) : make_array({radii.size()}, data);
+                result[name] = around ? make_array({radii.size(), psi.size()}, data) : make_array({radii.size()}, data);
                 std::copy(values.begin(), values.end(), data);
             };
             tell("inflow", f.inflow, false), tell("thrust", f.thrust, false);
@@ -279,7 +279,7 @@ class CoreRotor {
             tell("local_inflow", f.local_inflow, true), tell("alpha", f.alpha, true);
             tell("past_stall", f.past_stall, true), tell("u_tangential", f.u_tangential, true);
             tell("u_normal", f.u_normal, true), tell("normal_force", f.normal_force, true);
-            return told;
+            return result;
         }, solver_);
     }
 
@@ -302,24 +302,24 @@ class CoreRotor {
             const auto of = solver.annuli(s);
             const std::size_t n = s.disk.nodes;
             double *radius, *inflow, *residual, *edge;
-            nb::dict told;
-            told["radius"] = make_array({n}, radius), told["inflow"] = make_array({n}, inflow);
-            told["residual"] = make_array({n}, residual);
+            nb::dict result;
+            result["radius"] = make_array({n}, radius), result["inflow"] = make_array({n}, inflow);
+            result["residual"] = make_array({n}, residual);
             for (std::size_t k = 0; k < n; ++k) {
                 const auto g = of.residual(s.disk.at[k / width], s.disk.inflow[k / width]);
                 radius[k] = s.disk.at[k / width].radius[k % width], inflow[k] = s.disk.inflow[k / width][k % width];
                 residual[k] = solver.rotor().density * g.v[k % width];
             }
-            told["edge"] = make_array({std::size_t(s.disk.panels) + 1}, edge);
+            result["edge"] = make_array({std::size_t(s.disk.panels) + 1}, edge);
             nb::list folds;
             const char* kinds[] = {"fold", "shoulder", "angle"};
             for (int k = 0; k <= s.disk.panels; ++k) {
                 edge[k] = s.disk.edge[k];
                 folds.append(!s.disk.moves[k] ? "" : kinds[int(s.disk.fold[k].kind)]);
             }
-            told["fold"] = folds, told["azimuths"] = 2 * s.psi.count;
-            told["v_hover"] = s.flow.v_hover, told["windmill"] = s.windmill;
-            return told;
+            result["fold"] = folds, result["azimuths"] = 2 * s.psi.count;
+            result["v_hover"] = s.flow.v_hover, result["windmill"] = s.windmill;
+            return result;
         }, solver_);
     }
 

@@ -160,7 +160,7 @@ class DynamicInflow:
 
     def _loads(self, points: _Points) -> Loads:
         motion = self._motion(points)
-        static = self.rotor._told(motion.loads, motion.found, points.flow, points.shape)
+        static = self.rotor._as_loads(motion.loads, motion.found, points.flow, points.shape)
         return replace(static, mean_inflow=points.state[:, 0].reshape(points.shape))
 
 

@@ -93,6 +93,7 @@ class Rotor:
         Propeller, section law, air and corrections.
     accuracy : str
         "standard" (0.1 % of static thrust and torque) or "fine" (0.01 %, slower).
+
     Raises
     ------
     InputError
@@ -378,9 +379,9 @@ class Rotor:
         flow = [np.ascontiguousarray(a.ravel()) for a in (omega, v_axial, v_inplane)]
         loads, found = self._core.loads(*flow, cores())
         if not self._has_deviations:
-            return self._told(loads, found, flow, shape)
+            return self._as_loads(loads, found, flow, shape)
         at = functools.partial(self._deviations, FlowPoints(*flow), loads, shape)
-        return self._told(loads, found, flow, shape, at)
+        return self._as_loads(loads, found, flow, shape, at)
 
     @functools.cached_property
     def _has_deviations(self) -> bool:
@@ -400,7 +401,7 @@ class Rotor:
             )
         return values
 
-    def _told(
+    def _as_loads(
         self,
         loads: Floats,
         found: Floats,

@@ -454,7 +454,7 @@ auto residual_at_stall(const R& rotor, const St& at, const F& flow, const Azimut
     return annulus_thrust(rotor, at, flow, inflow, psi) - wake_thrust(rotor, at.radius, flow, windmill, inflow);
 }
 
-// How far the inflows [m/s] are apart by whose residuals its second derivative at a radius is told.
+// Spacing [m/s] of the three inflows from whose residuals the second derivative at a radius is taken.
 template <class R, class F, class Y> auto fold_width(const Annuli<R>& of, const F& flow, const Y& radius, bool top) {
     const auto turning = flow.omega * radius;
     const auto speed = square_root(turning * turning + flow.v_inplane * flow.v_inplane) + absolute(flow.v_axial);

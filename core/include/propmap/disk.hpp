@@ -366,7 +366,7 @@ Outlook outlook(const Annuli<R>& of, const Folds& folds, bool follow, const Stat
     if (!of.plain()) o.single = o.clear = Mask{};
     // Beside the hub its loss takes the wake's thrust away, and humps change from one radius to the next.
     if (const double hub = of.rotor.hub_radius; hub > 0.0) o.known &= at.radius > 1.5 * hub;
-    // Deep in reverse flow stall lasts over most azimuths, and nothing is told by its angle.
+    // Deep in reverse flow stall lasts over most azimuths: its angle says nothing of the roots.
     o.known &= of.flow.v_inplane < 1.4 * (of.flow.omega * at.radius);
     return o;
 }
@@ -403,8 +403,8 @@ template <class R> void solve_nodes(const Annuli<R>& of, Disk& disk, const Folds
             const Lanes near = 0.003 * scale;
             const Mask above = v > o.top + near, about = v > o.top - near;
             const Mask below = o.stalled & o.clear & (v < o.top + near) & (folds->side < 0.0 ? v == v : v > o.below - near);
-            const Mask told = above | o.single | (o.attached & about) | below;
-            found &= sure | (o.known & (v >= rises) & told);
+            const Mask supported = above | o.single | (o.attached & about) | below;
+            found &= sure | (o.known & (v >= rises) & supported);
         } else {
             found = sure;
         }

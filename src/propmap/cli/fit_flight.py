@@ -148,7 +148,7 @@ def fit_flight(
     expected = section_prior(prior_from, blade.name, blade, by_default=by_default)
     wing = wing_values(file.vehicle)
     if not flights.level and free is None:
-        # Of one blade in one air, what hardly moves is left where other propellers have it.
+        # With one blade in one air, what hardly moves stays where other propellers have it.
         held = {text.partition("=")[0].strip() for text in fix or ()}
         free = ",".join(name for name in default if name not in held)
     chosen = choice_of(free, fix, prior, default, base, wing, expected)

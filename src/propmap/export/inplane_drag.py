@@ -170,7 +170,7 @@ def _errors(aircraft: Aircraft, velocity: Floats, omega: Floats) -> Floats:
         found = load_errors(source, omega[:, mine].ravel(), seen)
         both = found.errors[:, :2].reshape(-1, 2, *along.shape)
         pair = found.by_speed[:2].reshape(2, *along.shape)
-        # Of thrust and drag of each rotor, forward and up.
+        # Thrust and drag of each rotor, forward and up.
         way = np.stack([np.broadcast_to(axis, aside.shape), -aside / across[..., None]])
         forward.append(np.einsum("elnk,lnk->en", both, way[..., 0]))
         upward.append(np.einsum("elnk,lnk->en", both, way[..., 2]))
