@@ -124,12 +124,12 @@ void seed(Rotor<double, LawOf> from, Flow<double> from_flow, const std::vector<i
     to.tip_loss = from.tip_loss, to.hub_radius = from.hub_radius, to.inflow_shape = from.inflow_shape;
     to.mounted = from.mounted, to.mount_wake = from.mount_wake, to.radial_friction = from.radial_friction;
     to.law.stall_delay = from.law.stall_delay, to.law.speed_of_sound = from.law.speed_of_sound;
-    to.law.copy_fixed(from.law);
     flow.v_hover = {from_flow.v_hover, {}};
     const auto old = numbers_of(from, from_flow);
     const auto now = numbers_of(to, flow);
     for (std::size_t k = 0; k < now.size(); ++k) *now[k].second = {*old[k].second, {}};
     for (std::size_t d = 0; d < which.size(); ++d) now[which[d]].second->d[d] = 1.0;
+    to.law.copy_fixed(from.law);
 }
 
 // A dictionary that a law reads its numbers from.
@@ -180,11 +180,10 @@ Numbers section_coefficients(const nb::dict& of, Vector alpha, Vector reynolds) 
             };
             const Lanes re = at(reynolds), from = at(alpha);
             const auto turn = [&](Lanes angle) {
-                return sine_cosine(each_lane([&](int j) { return std::remainder((from - angle)[j], 2.0 * pi); }));
+                return angle_from(each_lane([&](int j) { return std::remainder((from - angle)[j], 2.0 * pi); }));
             };
-            const auto lift = turn(law.zero_lift_angle_at(re) + Lanes{}), drag = turn(law.least_drag_angle_at(re) + Lanes{});
-            const SectionFlow<Lanes, Lanes, Lanes, Lanes> flow{lift.sine, lift.cosine, drag.sine, Lanes{}, re,
-                                                               1.0 / square_root(re)};
+            const SectionFlow flow{turn(law.zero_lift_angle_at(re) + Lanes{}), turn(law.least_drag_angle_at(re) + Lanes{}),
+                                   Lanes{}, re, 1.0 / square_root(re)};
             const auto c = law.coefficients(flow);
             for (int j = 0; j < width && k + j < n; ++j) found[k + j] = c.lift[j], found[n + k + j] = c.drag[j];
         }

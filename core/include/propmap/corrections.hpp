@@ -52,11 +52,10 @@ template <class R, class W, class T> [[gnu::flatten]] auto station_at(const R& r
     const auto reynolds = per_speed * (omega * radius);
     const auto lift_line = line - rotor.law.zero_lift_angle_at(reynolds);
     const auto drag_line = line - rotor.law.least_drag_angle_at(reynolds);
-    const auto lift = sine_cosine(lift_line + 0.0 * wide), drag = sine_cosine(drag_line + 0.0 * wide);
-    using A = decltype(lift.sine + wide + radius);
+    using A = decltype(lift_line + drag_line + wide + radius);
     const A none{};
-    return Station<A>{radius + none,    wide + none,       lift.sine + none,  lift.cosine + none,
-                      drag.sine + none, drag.cosine + none, per_speed + none, root * root + none};
+    return Station<A>{radius + none,    wide + none, angle_from(lift_line + none), angle_from(drag_line + none),
+                      per_speed + none, root * root + none};
 }
 
 }  // namespace propmap

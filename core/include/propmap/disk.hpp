@@ -196,7 +196,7 @@ void find_folds(const Annuli<R>& of, const Disk& disk, const std::vector<bool>& 
     // The sign of the angle of attack without inflow tells at which stall to look.
     const double out = root + 0.6 * (tip - root);
     const auto beside = of.station(broadcast(out));
-    const double side = beside.sine[0] * f.omega * out - beside.cosine[0] * f.v_axial < 0.0 ? -1.0 : 1.0;
+    const double side = beside.line.sine[0] * f.omega * out - beside.line.cosine[0] * f.v_axial < 0.0 ? -1.0 : 1.0;
     auto& seen = folds.seen;
     seen.clear(), folds.count = 0, folds.side = side;
     const auto look = [&](Lanes radius, int count) {

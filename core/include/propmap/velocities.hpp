@@ -18,7 +18,7 @@ template <class S> struct Flow {
 inline constexpr double speed_floor = 1e-9;
 
 template <class A, class B> auto speed_squared(const A& a, const B& b) {
-    return a * a + b * b + speed_floor * speed_floor;
+    return square(a) + square(b) + speed_floor * speed_floor;
 }
 
 // Share of the annulus between `root` and `tip` [m] inside the reverse-flow circle y = -V sin(beta) sin(psi)/Omega, which
