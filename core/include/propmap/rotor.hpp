@@ -57,6 +57,10 @@ struct Result {
     double mean_inflow = 0.0;
 };
 
+// A last step of the harmonics, in shares of all speeds: loads that follow it by their slopes err by its square, up to
+// 7e-7 of those at rest.
+inline constexpr double harmonics_close = 1e-4;
+
 inline double sum(Lanes x) {
     double total = 0.0;
     for (int k = 0; k < width; ++k) total += x[k];
@@ -452,17 +456,15 @@ template <template <class> class LawOf> class RotorSolver {
     }
 
     // Harmonics of the inflow and the loads that belong to each other, three equations, by Newton's method from
-    // none.  The step after the first usually is so short that the loads follow from their slopes.
+    // none.  The first step, over a few azimuths, usually is so good that the next is short: the loads then follow from
+    // their slopes.
     Loads<double> find_harmonics(Solution& s, const std::vector<Lanes>& inflow, double ring, double* integrand) const {
         const auto response = faded(harmonic_response(rotor_.inflow_shape, s.mean, rotor_.tip()), 1.0 - ring);
         const double speed = s.flow.omega * rotor_.tip() + s.mean.speed();
         Loads<double> loads{}, by[3];
         Harmonics<double> h{};
-        without_harmonics(s, inflow, loads, by);
-        const double without = loads.thrust;
         double size = INFINITY;
-        for (int step = 0; step < 40 && size > 1e-5; ++step) {
-            if (step > 0) loads_and_slopes(s, s.psi, inflow, h, loads, by, integrand);
+        const auto step_to = [&](double without) {
             const auto asked = response.harmonics({loads.thrust, loads.roll_moment, -loads.pitch_moment}, without);
             const double wanted[3] = {asked.mean - h.mean, asked.lateral - h.lateral,
                                       asked.longitudinal - h.longitudinal};
@@ -474,30 +476,46 @@ template <template <class> class LawOf> class RotorSolver {
             h = {h.mean + change[0], h.lateral + change[1], h.longitudinal + change[2]};
             for (int j = 0; j < 3; ++j)
                 for (int k = 0; k < Loads<double>::count; ++k) loads.begin()[k] += change[j] * by[j].begin()[k];
-            if (step == 0) size = INFINITY;
-            if (!std::isfinite(size) && step > 0) break;
+        };
+        without_harmonics(s, ring > 0.0 ? s.psi : annuli(s).few, inflow, loads, by);
+        // Without harmonics the blades' thrust is the wake's, by eq. (11), but within the vortex ring.
+        double without = loads.thrust;
+        step_to(without);
+        if (!(ring > 0.0)) without = wake_thrust_of(s);
+        size = INFINITY;
+        for (int step = 0; step < 40 && size > harmonics_close; ++step) {
+            loads_and_slopes(s, s.psi, inflow, h, loads, by, integrand);
+            step_to(without);
+            if (!std::isfinite(size)) break;
         }
         s.harmonics = h;
-        if (!(size <= 1e-5))
+        if (!(size <= harmonics_close))
             for (int k = 0; k < Loads<double>::count; ++k) loads.begin()[k] = std::nan("");
         return loads;
     }
 
+    double wake_thrust_of(const Solution& s) const {
+        double total = 0.0;
+        for (int g = 0; g < s.disk.groups; ++g)
+            total += sum(s.disk.weight[g] * wake_thrust(rotor_, s.disk.at[g].radius, s.flow, s.windmill, s.disk.inflow[g]));
+        return total;
+    }
+
     // Loads per density without harmonics, and the derivatives that the first step needs.
-    void without_harmonics(const Solution& s, const std::vector<Lanes>& inflow, Loads<double>& loads,
+    void without_harmonics(const Solution& s, const Azimuths& psi, const std::vector<Lanes>& inflow, Loads<double>& loads,
                            Loads<double> (&by)[3]) const {
         loads = {}, by[0] = {}, by[1] = {}, by[2] = {};
         for (int g = 0; g < s.disk.groups; ++g) {
             const auto& at = s.disk.at[g];
             const Lanes& weight = s.disk.weight[g];
             Lanes mean{}, sine{}, slope{}, slope_sine{}, slope_square{};
-            for (int k = 0; k < s.psi.count; ++k) {
+            for (int k = 0; k < psi.count; ++k) {
                 const Dual<Lanes, 1> v{inflow[g], {broadcast(1.0)}};
-                const auto f = element_forces(rotor_, at, s.flow, v, s.psi.sine[k]).normal;
-                const double x = s.psi.sine[k];
+                const auto f = element_forces(rotor_, at, s.flow, v, psi.sine[k]).normal;
+                const double x = psi.sine[k];
                 mean += f.v, sine += f.v * x, slope += f.d[0], slope_sine += f.d[0] * x, slope_square += f.d[0] * (x * x);
             }
-            const Lanes part = weight * (rotor_.blade->blades / double(s.psi.count));
+            const Lanes part = weight * (rotor_.blade->blades / double(psi.count));
             const Lanes arm = part * at.radius, share = at.radius * (1.0 / rotor_.tip());
             loads.thrust += sum(part * mean), loads.roll_moment += sum(arm * sine);
             by[0].thrust += sum(part * slope), by[0].roll_moment += sum(arm * slope_sine);
