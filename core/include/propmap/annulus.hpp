@@ -162,7 +162,7 @@ struct Scan {
 };
 
 // Scan the residual over all inflows at one radius.
-template <class R> Scan scan(const Annuli<R>& of, double radius, Samples& samples) {
+template <class R> Scan scan(const Annuli<R>& of, double radius, const Azimuths& over, Samples& samples) {
     const auto& f = of.flow;
     const Station<Lanes> at = of.station(broadcast(radius));
     const double speed = std::max(of.rms_speed(at)[0], 0.1 * std::fabs(f.v_axial) + 1e-9);
@@ -196,7 +196,7 @@ template <class R> Scan scan(const Annuli<R>& of, double radius, Samples& sample
     const auto evaluate = [&](const double* v, int n, Samples& into) {
         for (int k = 0; k < n; k += width) {
             const Lanes x = each_lane([&](int j) { return v[std::min(k + j, n - 1)]; });
-            const auto g = of.residual(at, x);
+            const auto g = of.residual(at, x, over);
             for (int j = 0; j < width && k + j < n; ++j) into.append(x[j], g.v[j], g.d[0][j]);
         }
     };
@@ -261,6 +261,19 @@ template <class R> Scan scan(const Annuli<R>& of, double radius, Samples& sample
         result.guess = result.high - 0.5 * (low + high) * (result.high - result.low);
     }
     return result;
+}
+
+// Scan at one radius; in climb deep in reverse flow, where stall lasts over most azimuths, a few of these tell
+// as much, if they find one root and all agree to it.
+template <class R> Scan scan_of(const Annuli<R>& of, double radius, Samples& samples) {
+    const auto& f = of.flow;
+    if (f.v_axial >= 0.0 && of.few.count < of.psi.count && f.v_inplane > f.omega * radius) {
+        const Scan found = scan(of, radius, of.few, samples);
+        const auto at = of.station(broadcast(radius));
+        const auto ends = of.residual(at, each_lane([&](int k) { return k % 2 ? found.low : found.high; })).v;
+        if (found.roots == 1 && ends[0] < 0.0 && ends[1] >= 0.0) return found;
+    }
+    return scan(of, radius, of.psi, samples);
 }
 
 // Roots between `low` and `high` by Newton's method, held between the two: NaN where it does not converge.

@@ -149,17 +149,27 @@ template <class T> struct SineCosine {
 
 inline SineCosine<double> sine_cosine(double x) { return {std::sin(x), std::cos(x)}; }
 
-// For |x| <= pi, by the Taylor series of half the angle: to 3e-16.
-inline SineCosine<Lanes> sine_cosine(Lanes x) {
-    Lanes half = 0.5 * x, z = half * half;
-    Lanes sine = half, term = half;
-    Lanes cosine = broadcast(1.0), other = cosine;
-    for (int k = 1; k <= 10; ++k) {
-        other = other * z * (-1.0 / ((2.0 * k - 1.0) * (2.0 * k)));
-        cosine = cosine + other;
-        term = term * z * (-1.0 / ((2.0 * k) * (2.0 * k + 1.0)));
-        sine = sine + term;
+namespace detail {
+
+// Taylor's series of cos(x) and sin(x)/x by x^2.
+struct TurnSeries {
+    double cosine[11], sine[11];
+    constexpr TurnSeries() : cosine{1.0}, sine{1.0} {
+        for (int k = 1; k <= 10; ++k) {
+            cosine[k] = cosine[k - 1] / -((2.0 * k - 1.0) * (2.0 * k));
+            sine[k] = sine[k - 1] / -((2.0 * k) * (2.0 * k + 1.0));
+        }
     }
+};
+inline constexpr TurnSeries turn_series;
+
+}  // namespace detail
+
+// For |x| <= pi, by the series of half the angle: to 3e-16.
+inline SineCosine<Lanes> sine_cosine(Lanes x) {
+    const Lanes half = 0.5 * x, z = half * half;
+    const Lanes sine = half * detail::polynomial(detail::turn_series.sine, z);
+    const Lanes cosine = detail::polynomial(detail::turn_series.cosine, z);
     return {2.0 * sine * cosine, 1.0 - 2.0 * sine * sine};
 }
 

@@ -62,6 +62,8 @@ template <class S> struct BlendedLaw {
 
     // Re is that of the rotation alone: the angle is known before the inflow is.
     template <class R> auto zero_lift_angle_at(const R& reynolds) const {
+        if constexpr (!IsDual<S> && !IsDual<R>)
+            if (reynolds_camber == 0.0) return zero_lift_angle + 0.0 * reynolds;
         const auto within = minimum(maximum(reynolds, broadcast_like(value(reynolds), 1e4)),
                                     broadcast_like(value(reynolds), 1.2e5));
         return zero_lift_angle + reynolds_camber * logarithm(within * (1.0 / 5e4));
