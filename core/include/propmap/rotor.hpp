@@ -456,8 +456,8 @@ template <template <class> class LawOf> class RotorSolver {
     }
 
     // Harmonics of the inflow and the loads that belong to each other, three equations, by Newton's method from
-    // none.  The first step, over a few azimuths, usually is so good that the next is short: the loads then follow from
-    // their slopes.
+    // none.  The first steps, over a few azimuths, usually are so good that the next, over all, is short: the loads then
+    // follow from their slopes.
     Loads<double> find_harmonics(Solution& s, const std::vector<Lanes>& inflow, double ring, double* integrand) const {
         const auto response = faded(harmonic_response(rotor_.inflow_shape, s.mean, rotor_.tip()), 1.0 - ring);
         const double speed = s.flow.omega * rotor_.tip() + s.mean.speed();
@@ -477,10 +477,15 @@ template <template <class> class LawOf> class RotorSolver {
             for (int j = 0; j < 3; ++j)
                 for (int k = 0; k < Loads<double>::count; ++k) loads.begin()[k] += change[j] * by[j].begin()[k];
         };
-        without_harmonics(s, ring > 0.0 ? s.psi : annuli(s).few, inflow, loads, by);
-        // Without harmonics the blades' thrust is the wake's, by eq. (11), but within the vortex ring.
+        const Azimuths few = annuli(s).few;
+        without_harmonics(s, ring > 0.0 ? s.psi : few, inflow, loads, by);
         double without = loads.thrust;
         step_to(without);
+        for (int step = 0; step < 3 && size > 1e-3; ++step) {
+            loads_and_slopes(s, few, inflow, h, loads, by, integrand);
+            step_to(without);
+        }
+        // Without harmonics the blades' thrust is the wake's, by eq. (11), but within the vortex ring.
         if (!(ring > 0.0)) without = wake_thrust_of(s);
         size = INFINITY;
         for (int step = 0; step < 40 && size > harmonics_close; ++step) {
