@@ -8,24 +8,27 @@ namespace propmap {
 // How the inflow varies around the disk; see inflow.hpp.
 enum class InflowShape { uniform, pitt_peters, pitt_peters_gradient, coleman, white_blake, drees };
 
-// All that loads depend on but the operating point.  `S` is double, or dual where loads are differentiated.
-template <class S, template <class> class LawOf> struct Rotor {
-    using Scalar = S;
+// Blade, air and corrections: what loads are not differentiated by.
+struct RotorSettings {
     const BladeShape* blade = nullptr;
-    BladeChange<S> change{};
-    CorrectedLaw<LawOf<S>> law{};
     double density = 1.225;        // rho [kg/m^3]
     double viscosity = 1.983e-5;   // mu [Pa s]
     bool tip_loss = false;
     double hub_radius = 0.0;       // of Prandtl's loss at the hub [m]; 0 for none
     InflowShape inflow_shape = InflowShape::uniform;
     bool mounted = false;          // whether something stands in the slipstream
-    S mount_area{};                // its drag coefficient times area [m^2]
     double mount_wake = 1.0;       // inflow where it stands over that at the disk [-]
     bool radial_friction = false;
 
     double tip() const { return blade->tip; }
     double root() const { return blade->root; }
+};
+
+// All that loads depend on but the operating point.  `S` is double, or dual where loads are differentiated.
+template <class S, template <class> class LawOf> struct Rotor : RotorSettings {
+    BladeChange<S> change{};
+    CorrectedLaw<LawOf<S>> law{};
+    S mount_area{};                // drag coefficient times area of what is mounted [m^2]
 };
 
 // The blade at radii of a rotor that turns at omega.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "disk.hpp"
+#include "ground_effect.hpp"
 
 namespace propmap {
 
@@ -72,6 +73,13 @@ template <int N> Dual<double, N> sum(const Dual<Lanes, N>& x) {
     return total;
 }
 
+// From the loads of the blades per density to those of the rotor [N], [N m]: what is added, and factors on loads.
+template <class R, class S> void complete_loads(const R& rotor, const Flow<S>& flow, const S& mean_inflow, Loads<S>& loads) {
+    if (rotor.mounted) loads.drag += mount_drag(rotor, flow, mean_inflow);
+    loads.thrust = loads.thrust * ground_effect(rotor.tip(), flow, mean_inflow);
+    for (int k = 0; k < Loads<S>::count; ++k) loads.begin()[k] = loads.begin()[k] * rotor.density;
+}
+
 // All that is known of an operating point once (11) is solved.
 struct Solution {
     Flow<double> flow{};
@@ -117,7 +125,7 @@ template <template <class> class LawOf> class RotorSolver {
         // of the force against the rotation (0.01): a blade stalled at rest has small loads.
         const double omega = 100.0 / rotor_.tip();
         Solution at_rest;
-        at_rest.flow = {omega, 0.0, 0.0, 0.0};
+        at_rest.flow = {omega, 0.0, 0.0};
         at_rest.psi = azimuths(1);
         single_panel(at_rest.disk, rotor_.root(), rotor_.tip(), 24);
         place_nodes(rotor_, omega, at_rest.disk);
@@ -141,9 +149,10 @@ template <template <class> class LawOf> class RotorSolver {
 
     const Plain& rotor() const { return rotor_; }
 
-    // Loads at an operating point; `flow.v_hover` is filled in.
-    void solve(double omega, double v_axial, double v_inplane, Solution& s) const {
-        s.flow = {omega, v_axial, v_inplane, 0.0};
+    // Loads at an operating point; `v_hover` is filled in.
+    void solve(const Flow<double>& at, Solution& s) const {
+        const double omega = at.omega, v_axial = at.v_axial, v_inplane = at.v_inplane;
+        s.flow = at, s.flow.v_hover = 0.0;
         s.result = Result{};
         s.harmonics = {};
         if (omega == 0.0 && v_axial == 0.0 && v_inplane == 0.0) {
@@ -156,7 +165,7 @@ template <template <class> class LawOf> class RotorSolver {
         }
         if (v_axial < 0.0) {
             Solution still;
-            solve(omega, 0.0, 0.0, still);
+            solve({omega, 0.0, 0.0}, still);
             s.flow.v_hover = static_inflow(still.result.loads.thrust / rotor_.density, rotor_.tip());
         }
         s.windmill = vortex_ring::windmill(s.flow);
@@ -217,7 +226,7 @@ template <template <class> class LawOf> class RotorSolver {
 
     double hover_inflow(double omega) const {
         Solution still;
-        solve(omega, 0.0, 0.0, still);
+        solve({omega, 0.0, 0.0}, still);
         return static_inflow(still.result.loads.thrust / rotor_.density, rotor_.tip());
     }
 
@@ -235,9 +244,9 @@ template <template <class> class LawOf> class RotorSolver {
         if (s.flow.v_axial < 0.0) {
             // The static inflow follows what changes, but not the flight.
             Solution still;
-            solve(s.flow.omega, 0.0, 0.0, still);
+            solve({s.flow.omega, 0.0, 0.0}, still);
             const S zero{};
-            const auto at_rest = slopes<N>(still, rotor, Flow<S>{flow.omega, zero, zero, zero});
+            const auto at_rest = slopes<N>(still, rotor, Flow<S>{flow.omega, zero, zero});
             flow.v_hover = static_inflow(S(at_rest.thrust * (1.0 / rotor_.density)), rotor_.tip());
         }
         // Leaving axial flow, loads differ around the disk: the mean of sin^2(psi) takes several azimuths.
@@ -304,8 +313,7 @@ template <template <class> class LawOf> class RotorSolver {
             for (int j = 0; j < 3; ++j)
                 for (int k = 0; k < Loads<S>::count; ++k) total.begin()[k] += by[j].begin()[k] * steps[j];
         }
-        if (rotor_.mounted) total.drag += mount_drag(rotor, flow, mean_inflow);
-        for (int k = 0; k < Loads<S>::count; ++k) total.begin()[k] = total.begin()[k] * rotor_.density;
+        complete_loads(rotor, flow, mean_inflow, total);
         // In axial flow only the in-plane velocity makes loads in the disk plane and moments about it.
         for (int d = 0; d < N && s.flow.v_inplane == 0.0; ++d)
             if (flow.v_inplane.d[d] == 0.0)
@@ -448,8 +456,8 @@ template <template <class> class LawOf> class RotorSolver {
             if (rotor_.radial_friction && s.flow.v_inplane > 0.0)
                 add_up(radial_friction(rotor_, at, s.flow, inflow[g], s.psi));
         }
-        if (rotor_.mounted) total.drag += mount_drag(rotor_, s.flow, s.mean.inflow);
-        for (int k = 0; k < Loads<double>::count; ++k) s.result.loads.begin()[k] = total.begin()[k] * rotor_.density;
+        complete_loads(rotor_, s.flow, s.mean.inflow, total);
+        s.result.loads = total;
         s.thrust_tail = rotor_.density * tail(s, integrand.data());
         s.torque_tail = rotor_.density * tail(s, integrand.data() + most_nodes);
         s.result.ring = ring, s.result.mean_inflow = s.mean.inflow;

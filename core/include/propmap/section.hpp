@@ -314,11 +314,14 @@ template <class S> struct TabulatedLaw {
     double attached_slope() const { return table->attached_slope; }
 };
 
-// A law with the corrections of its lift that a model may have.
-template <class Law> struct CorrectedLaw : Law {
+// Corrections of a law's lift.
+struct LiftCorrections {
     double stall_delay = 0.0;     // factor of (c/y)^2 [-]; 0 for none
     double speed_of_sound = 0.0;  // [m/s]; 0 for incompressible flow
+};
 
+// A law with the corrections of its lift that a model may have.
+template <class Law> struct CorrectedLaw : Law, LiftCorrections {
     template <class F, class R, class C>
     auto corrected(const F& flow, const R& radius, const C& chord) const {
         auto c = Law::coefficients(flow);
