@@ -144,16 +144,38 @@ def split_velocity(
     omega: ArrayLike, velocity: ArrayLike, **further: Unpack[Further]
 ) -> tuple[FlowPoints, Floats]:
     """Operating points, and the unit vector (..., 3) of the velocity across the axis."""
+    more = _given(further)
+    alone = None if more else _split_alone(omega, velocity)
+    if alone is not None:
+        return alone
     (vector,) = broadcast(velocity=velocity)
     if vector.ndim == 0 or vector.shape[-1] != 3:
         raise InputError(f"velocity has shape {vector.shape}: its last axis must hold x, y, z")
-    more, parts = _given(further), {f"v{axis}": vector[..., k] for k, axis in enumerate("xyz")}
+    parts = {f"v{axis}": vector[..., k] for k, axis in enumerate("xyz")}
     w, x, y, z, *rest = broadcast(omega=omega, **parts, **more)
     across = np.hypot(x, y)
     unit = np.where(across > 0.0, across, 1.0)
     direction = np.stack([np.where(across > 0.0, x / unit, 1.0), y / unit, np.zeros_like(x)], -1)
     _refuse_negative("omega", w, SPIN_REMEDY)
     return FlowPoints(w, z, across, **dict(zip(more, rest, strict=True))), direction
+
+
+def _split_alone(omega: ArrayLike, velocity: ArrayLike) -> tuple[FlowPoints, Floats] | None:
+    """``split_velocity`` of a good number and three, in a tenth of the time; None for others."""
+    vector = velocity.tolist() if isinstance(velocity, np.ndarray) else velocity
+    if not (isinstance(omega, float | int) and isinstance(vector, list | tuple)):
+        return None
+    if len(vector) != 3:
+        return None
+    x, y, z = vector
+    for one in (omega, x, y, z):
+        if not (isinstance(one, float | int) and math.isfinite(one)):
+            return None
+    if omega < 0.0:
+        return None
+    across = float(np.hypot(x, y))
+    direction = np.array([x / across, y / across, 0.0] if across > 0.0 else [1.0, float(y), 0.0])
+    return FlowPoints(np.array(float(omega)), np.array(float(z)), np.array(across)), direction
 
 
 def _given(further: Further) -> dict[str, Any]:
