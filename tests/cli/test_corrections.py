@@ -107,8 +107,8 @@ def _commands(command: Any, path: str = "") -> Iterator[str]:
     if not hasattr(command, "commands"):
         yield path
         return
-    for name, inner in command.commands.items():
-        yield from _commands(inner, f"{path} {name}".strip())
+    for name in command.commands:
+        yield from _commands(command.get_command(None, name), f"{path} {name}".strip())
 
 
 ALL = sorted(_commands(typer.main.get_command(app)))
