@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import ThreadPoolExecutor, as_completed
 from contextlib import contextmanager
 from contextvars import ContextVar
 from typing import Protocol, TypeVar
@@ -81,6 +80,9 @@ class InThreads:
         tasks: Iterable[Task],
     ) -> Iterator[tuple[int, Result]]:
         """As ``Workers.results``, but for a list that is not long: all tasks are taken at once."""
+        # Imported here, as every rotor imports this module and few use threads of Python.
+        from concurrent.futures import ThreadPoolExecutor, as_completed
+
         with ThreadPoolExecutor(self.count) as pool:
             places = {pool.submit(work, common, task): k for k, task in enumerate(tasks)}
             for done in as_completed(places):
