@@ -45,22 +45,19 @@ def top_speed(aircraft: Aircraft, states: SteadyStates, climb: float) -> tuple[f
         if math.isnan(high):
             if low >= FASTEST:
                 return math.nan, ""
-            # The last two that are flown, to begin from, and one beyond.
-            speeds = np.array([*states.speed[states.found][-2:], max(low, 1.0) * BEYOND])
+            further = np.array([max(low, 1.0) * BEYOND])
         elif high - low <= CLOSE * high:
             break
         else:
             met = _met(states, low, high, why)
-            inner = met + NARROW * (high - low) * np.array([-1.0, 0.0, 1.0])
+            further = met + NARROW * (high - low) * np.array([-1.0, 0.0, 1.0])
             if math.isnan(met):
-                inner = low + (high - low) * np.array([0.25, 0.5, 0.75])
-            inner = inner[(inner > low) & (inner < high)]
-            speeds = np.concatenate([[low], inner, [high]])
-        following = aircraft.steady(speeds, climb, margin=False, near=states)
-        found = _last_and_next(following)
-        if math.isnan(found[0]):
-            break  # at the edge of what can be solved
-        states, (low, high, why) = following, found
+                further = low + (high - low) * np.array([0.25, 0.5, 0.75])
+            further = further[(further > low) & (further < high)]
+        # Those that are not found at once begin anew at the last that was.
+        speeds = np.array([low, *further])
+        states = states.and_also(aircraft.steady(speeds, climb, margin=False, near=states))
+        low, high, why = _last_and_next(states)
     met = _met(states, low, high, why)
     return (low if math.isnan(met) else low + WITHIN * (met - low)), why
 
