@@ -151,7 +151,10 @@ class Balance:
         def linearised(unknowns: Floats, which: NDArray[np.intp]) -> tuple[Floats, Floats]:
             return self._linearised(unknowns, flight.part(which))
 
-        found = solve(linearised, self._bounded, first, flight.speed, tolerance)
+        def residuals(unknowns: Floats, which: NDArray[np.intp]) -> Floats:
+            return self.told(unknowns, flight.part(which)).unbalanced
+
+        found = solve(linearised, residuals, self._bounded, first, flight.speed, tolerance)
         return self.told(found, flight)
 
     def unknowns(self, pitch: Floats, roll: Floats, squares: Floats) -> Floats:

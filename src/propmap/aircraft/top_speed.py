@@ -38,13 +38,20 @@ def top_speed(aircraft: Aircraft, states: SteadyStates, climb: float) -> tuple[f
     climb : float
         That climb rate [m/s].
     """
+    return searched(aircraft, states, climb)[:2]
+
+
+def searched(
+    aircraft: Aircraft, states: SteadyStates, climb: float
+) -> tuple[float, str, SteadyStates]:
+    """The same, and the ``states`` with those that the search has come by."""
     low, high, why = _last_and_next(states)
     for _ in range(STEPS):
         if math.isnan(low):
-            return math.nan, why
+            return math.nan, why, states
         if math.isnan(high):
             if low >= FASTEST:
-                return math.nan, ""
+                return math.nan, "", states
             further = np.array([max(low, 1.0) * BEYOND])
         elif high - low <= CLOSE * high:
             break
@@ -59,7 +66,7 @@ def top_speed(aircraft: Aircraft, states: SteadyStates, climb: float) -> tuple[f
         states = states.and_also(aircraft.steady(speeds, climb, margin=False, near=states))
         low, high, why = _last_and_next(states)
     met = _met(states, low, high, why)
-    return (low if math.isnan(met) else low + WITHIN * (met - low)), why
+    return (low if math.isnan(met) else low + WITHIN * (met - low)), why, states
 
 
 def _met(states: SteadyStates, low: float, high: float, why: str) -> float:
