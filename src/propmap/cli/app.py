@@ -19,6 +19,9 @@ from propmap.model.drag_factor import MESSAGE as DRAG_FACTOR
 
 INTERRUPTED = 130
 
+# SciPy's matrices are small here: threads of its own would wait for each other beside the core's.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 
 class Commands(LazyGroup):
     """All commands, in the order in which help lists them."""
