@@ -5,7 +5,6 @@ from __future__ import annotations
 import functools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
-from statistics import NormalDist
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -143,6 +142,8 @@ class Loads(LoadValues):
         """
         if not 0.0 < share < 1.0:
             raise InputError(f"the share is {share}", "give a probability such as 0.95")
+        from statistics import NormalDist
+
         wide = NormalDist().inv_cdf(0.5 + 0.5 * share)
         low, high = (
             LoadValues(

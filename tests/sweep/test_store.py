@@ -20,7 +20,7 @@ from propmap.sweep.points import Grid, PointList, chunk_shape, parts_along
 from propmap.sweep.run import Sweep, sweep_to_store
 from propmap.sweep.store import Layout, Store
 from propmap.sweep.stream import Filing, stream
-from propmap.tasks import InThreads, InTurn, in_order
+from propmap.tasks import InProcesses, InThreads, InTurn, in_order
 
 from .small_sweep import GRID, POINTS_PER_TASK, contents, rotor, sweep
 
@@ -169,5 +169,6 @@ def _less(common: int, task: int) -> int:
 
 
 def test_workers_give_each_result_once_with_its_place() -> None:
-    for workers in (InTurn(), InThreads(3)):
-        assert in_order(workers.results(_less, 1, range(9))) == list(range(-1, 8))
+    with InProcesses(2) as processes:
+        for workers in (InTurn(), InThreads(3), processes):
+            assert in_order(workers.results(_less, 1, range(9))) == list(range(-1, 8))
