@@ -47,6 +47,9 @@ inline const Accuracy fine_accuracy{
 // nothing, in climb and in descent; and above which reverse flow needs as many nodes as stall.
 inline constexpr double follow_below = 0.24, follow_descent_below = 0.45, reversed_above = 0.3;
 
+// A faster flow [m/s] is no propeller's, and squares of its speed lose all that is small beside them.
+inline constexpr double fastest_flow = 1e6;
+
 // From harmless to fatal; where several apply, the last is given.
 enum class Status : unsigned char { ok, multiple_roots, windmill, coarse, vortex_ring, not_converged };
 
@@ -155,12 +158,16 @@ template <template <class> class LawOf> class RotorSolver {
         s.flow = at, s.flow.v_hover = 0.0;
         s.result = Result{};
         s.harmonics = {};
-        if (omega == 0.0 && v_axial == 0.0 && v_inplane == 0.0) {
+        const double fastest = std::max({omega * rotor_.tip(), std::fabs(v_axial), v_inplane});
+        if (fastest == 0.0 || !(fastest < fastest_flow)) {
+            const double inflow = fastest == 0.0 ? 0.0 : std::nan("");
             s.psi = azimuths(1);
             single_panel(s.disk, rotor_.root(), rotor_.tip(), accuracy_.free);
-            place_nodes(rotor_, omega, s.disk);
-            std::fill(s.disk.inflow.begin(), s.disk.inflow.end(), Lanes{});
+            place_nodes(rotor_, 0.0, s.disk);
+            std::fill(s.disk.inflow.begin(), s.disk.inflow.end(), broadcast(inflow));
             s.disk.several = s.windmill = false;
+            s.result.loads.thrust = inflow;
+            set_status(s, false);
             return;
         }
         if (v_axial < 0.0) {
