@@ -108,8 +108,7 @@ void for_each_point(std::size_t count, int threads, const std::function<void(std
     if (stop) throw nb::python_error();
 }
 
-constexpr int together = 8;  // directions that are differentiated at once
-using Directions = Dual<double, together>;
+constexpr int together = 8, a_few = 3;  // directions that are differentiated at once: many, and what is left
 
 // What loads can be differentiated by: numbers of the law, of the blade and of the flow, by name.
 template <class S, template <class> class LawOf>
@@ -124,9 +123,9 @@ std::vector<std::pair<std::string, S*>> numbers_of(Rotor<S, LawOf>& rotor, Flow<
 }
 
 // The rotor and the flow with derivatives along some of their numbers.
-template <template <class> class LawOf>
+template <int N, template <class> class LawOf>
 void seed(Rotor<double, LawOf> from, Flow<double> from_flow, const std::vector<int>& which,
-          Rotor<Directions, LawOf>& to, Flow<Directions>& flow) {
+          Rotor<Dual<double, N>, LawOf>& to, Flow<Dual<double, N>>& flow) {
     static_cast<RotorSettings&>(to) = from;
     static_cast<LiftCorrections&>(to.law) = from.law;
     flow.v_hover = {from_flow.v_hover, {}};
@@ -376,16 +375,20 @@ class CoreRotor {
             solver.solve(point(points, k), s);
             for (int j = 0; j < Loads<double>::count; ++j) loads[j * n + k] = s.result.loads.begin()[j];
             const bool lost = s.result.status == Status::not_converged;
-            for (std::size_t first = 0; first < p; first += together) {
-                const std::size_t last = std::min(first + together, p);
-                Rotor<Directions, LawOf> rotor;
-                Flow<Directions> flow;
-                seed<LawOf>(solver.rotor(), s.flow, {which.begin() + first, which.begin() + last}, rotor, flow);
-                const auto found = solver.template slopes<together>(s, rotor, flow);
+            const auto by_some = [&]<int N>(std::integral_constant<int, N>, std::size_t first) {
+                const std::size_t last = std::min(first + N, p);
+                Rotor<Dual<double, N>, LawOf> rotor;
+                Flow<Dual<double, N>> flow;
+                seed<N, LawOf>(solver.rotor(), s.flow, {which.begin() + first, which.begin() + last}, rotor, flow);
+                const auto found = solver.template slopes<N>(s, rotor, flow);
                 for (int j = 0; j < Loads<double>::count; ++j)
                     for (std::size_t d = first; d < last; ++d)
                         slopes[(j * p + d) * n + k] = lost ? std::nan("") : found.begin()[j].d[d - first];
-            }
+                return last;
+            };
+            for (std::size_t first = 0; first < p;)
+                first = p - first > a_few ? by_some(std::integral_constant<int, together>{}, first)
+                                          : by_some(std::integral_constant<int, a_few>{}, first);
         });
     }
 
