@@ -141,7 +141,7 @@ def test_inflow_is_the_largest_of_all_roots(name: str) -> None:
     corrections = tuple(pm.correction(text) for text in texts)
     core = pm.Rotor(pm.Model(BLADE, law, corrections=corrections))._core
     random, states = np.random.default_rng(3), set()
-    for count, motion in enumerate(zip(*(one.tolist() for one in points(30, 8)), strict=True)):
+    for count, motion in enumerate(zip(*(one.tolist() for one in points(18, 8)), strict=True)):
         found = core.solution(along_and_across(*motion).rows)
         states.add((motion[1] < 0.0, found["windmill"]))
         rotor = literal(name, section, texts, motion, found["windmill"])

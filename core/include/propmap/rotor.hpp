@@ -159,8 +159,9 @@ template <template <class> class LawOf> class RotorSolver {
         s.result = Result{};
         s.harmonics = {};
         const double fastest = std::max({omega * rotor_.tip(), std::fabs(v_axial), v_inplane});
-        if (fastest == 0.0 || !(fastest < fastest_flow)) {
-            const double inflow = fastest == 0.0 ? 0.0 : std::nan("");
+        const bool at_rest = fastest <= speed_floor;
+        if (at_rest || !(fastest < fastest_flow)) {
+            const double inflow = at_rest ? 0.0 : std::nan("");
             s.psi = azimuths(1);
             single_panel(s.disk, rotor_.root(), rotor_.tip(), accuracy_.free);
             place_nodes(rotor_, 0.0, s.disk);
