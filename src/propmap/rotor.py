@@ -236,7 +236,7 @@ class Rotor:
         return self.gradients_at(names, along_and_across(omega, v_axial, v_inplane, **further))
 
     def gradients_at(self, names: Iterable[str], points: FlowPoints) -> LoadGradients:
-        """``gradients`` at ``points`` that are checked and of one shape."""
+        """``gradients`` by ``names`` at ``points`` that are checked and of one shape."""
         wanted = list(names)
         unknown = [name for name in wanted if name not in self.parameters]
         if unknown:

@@ -51,7 +51,7 @@ class Correction:
         """Raise ``InputError`` where it does not fit a ``model`` that has it."""
 
     def core_numbers(self, name: str, model: Model) -> dict[str, Any]:  # noqa: ARG002
-        """What the core gets of it in a ``model``: its only number, or 1, unless it is more."""
+        """What the core gets of it in a ``model``, by ``name``: its only number, or 1."""
         if self.inflow_shape:
             return {"inflow": name}
         values = list(vars(self).values())
@@ -115,7 +115,7 @@ class BladeToHub(Correction):
         self.hub(model.propeller)
 
     def core_numbers(self, name: str, model: Model) -> dict[str, Any]:
-        """The hub's radius, where the blade is continued at all."""
+        """The hub's radius by its ``name``, where the blade of a ``model`` is continued."""
         hub = self.hub(model.propeller)
         return {name: hub} if hub < model.propeller.root else {}
 
@@ -212,7 +212,7 @@ class HubLoss(Correction):
             )
 
     def core_numbers(self, name: str, model: Model) -> dict[str, Any]:
-        """The hub's radius."""
+        """The hub's radius in a ``model``, by its ``name``."""
         return {name: self.radius(model.span[0])}
 
 
@@ -328,7 +328,7 @@ class MountDrag(Correction):
         return typical_area(radius) if self.area_m2 is None else self.area_m2
 
     def core_numbers(self, name: str, model: Model) -> dict[str, Any]:
-        """The area, and the share of the inflow."""
+        """The area by its ``name``, in a ``model``, and the share of the inflow."""
         return {name: self.area(model.propeller.radius), "mount-wake": self.wake}
 
     def drag(
