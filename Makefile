@@ -8,7 +8,10 @@ PEERS_READY := $(VENV)/peers-ready
 
 .PHONY: demo reproduce test test-fast test-readers test-physics test-slow lint types bench bench-table bench-fine-table bench-choice bench-identification bench-peers bench-options bench-aircraft bench-mount convergence docs clean bench-certificates bench-lifting-line bench-interference bench-flight-twins bench-cluster bench-explore build sanitize
 
-INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt
+# Python compiles what it imports once and keeps it, here too where the environment says otherwise: tests start some hundred
+# processes.  Nothing is compiled that is never imported, as pip would.
+unexport PYTHONDONTWRITEBYTECODE
+INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile --constraint constraints.txt
 CORE := CMakeLists.txt $(shell find core -name '*.[ch]pp')
 
 # A C++ compiler builds the core.  Where there is none, the package index's is taken, Zig's, by the usual names.
@@ -33,9 +36,11 @@ $(ZIG_TOOLS): $(TOOLS_READY)
 
 # Builds with the tools of $(VENV), so that a changed core is built in the time of what has changed.
 $(READY): $(TOOLS_READY) $(ZIG_TOOLS) pyproject.toml $(CORE)
-	$(INSTALL) --no-build-isolation --editable '.[cluster,dev,explore,jax,targets]'
-	touch $@
+	$(INSTALL) --no-build-isolation --editable '.[cluster,dev,explore,jax,targets$(if $(WITH_DOCS),$(COMMA)docs)]'
+	touch $@ $(if $(WITH_DOCS),$(DOCS_READY))
 
+# What it takes comes with the rest where CI asks for both at once.
+COMMA := ,
 $(DOCS_READY): $(READY)
 	$(INSTALL) --no-build-isolation --editable '.[docs]'
 	touch $@

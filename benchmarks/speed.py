@@ -22,6 +22,7 @@ import propmap
 from benchmarks.results_file import machine, write_results
 from benchmarks.whole_process import python_process, whole_process
 from propmap.dynamic_inflow import DynamicInflow
+from propmap.flight.simulated import log_table
 from propmap.model.airfoil import parameter_set
 from propmap.model.model import Model
 from propmap.rotor import Rotor
@@ -48,7 +49,8 @@ RPM = np.pi / 30.0
 FIRST = (1, 10, 100, 1000)
 """Points of a process's first result."""
 
-VEHICLE = Path(__file__).parents[1] / "examples" / "aircraft" / "delivery.toml"
+EXAMPLES = Path(__file__).parents[1] / "examples"
+VEHICLE, FLOWN = EXAMPLES / "aircraft" / "delivery.toml", EXAMPLES / "px4" / "vehicle.toml"
 
 README_TABLE = "--airfoil paper-apc --rpm 3000:9000 --speed 0:15 --beta 0:90 --tolerance 1%"
 
@@ -58,6 +60,10 @@ COMMANDS = {
     "propmap fit tunnel": "fit tunnel apc-8x6e uiuc-8x6e -o fit.toml",
     "propmap table, README's": f"table apc-8x6e {README_TABLE} --force -o map.npz",
     "propmap choose, whole catalogue": f"choose {VEHICLE} --task cruise --speed 12",
+    "propmap fit flight, two flights": "fit flight 0.csv 1.csv --vehicle flown.toml "
+    "--method balance -o fit.toml",
+    "propmap demo": "demo -o propmap-demo",
+    "propmap --help": "--help",
 }
 """As a user types them."""
 
@@ -119,8 +125,20 @@ def processes() -> dict[str, dict[str, float]]:
         found[f"first result, points: {count}"] = python_process(["-c", code], 3)
     for name, command in COMMANDS.items():
         with tempfile.TemporaryDirectory() as folder:
+            if "flown.toml" in command:
+                fly(Path(folder))
             found[name] = whole_process(command.split(), 3, Path(folder))
     return found
+
+
+def fly(folder: Path) -> None:
+    """Two flights of 60 s, and the vehicle file that reads them, into a ``folder``."""
+    vehicle = FLOWN.read_text(encoding="utf-8").partition("[log]")[0] + log_table(4)
+    (folder / "flown.toml").write_text(vehicle, encoding="utf-8")
+    for seed in (0, 1):
+        flight = f"simulate flight --vehicle flown.toml --speeds 1:8:8 --banked --seed {seed}"
+        rest = f"--airfoil paper-apc --no-expectation -o {seed}.csv"
+        whole_process([*flight.split(), *rest.split()], 1, folder)
 
 
 def single_calls(rotor: Rotor) -> dict[str, dict[str, float]]:

@@ -31,6 +31,15 @@ namespace {
 
 using Vector = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 using Numbers = nb::ndarray<nb::numpy, double>;
+// Operating points: a row for each variable of `Flow`.
+using Points = nb::ndarray<const double, nb::shape<Flow<double>::variables, -1>, nb::c_contig, nb::device::cpu>;
+
+Flow<double> point(const Points& points, std::size_t k) {
+    Flow<double> flow{};
+    const double* row = points.data();
+    flow.each_variable([&](const char*, double& number) { number = row[k], row += points.shape(1); });
+    return flow;
+}
 
 std::vector<double> array_of(const nb::handle& from) {
     const auto v = nb::cast<Vector>(from);
@@ -99,37 +108,32 @@ void for_each_point(std::size_t count, int threads, const std::function<void(std
     if (stop) throw nb::python_error();
 }
 
-constexpr int together = 8;  // directions that are differentiated at once
-using Directions = Dual<double, together>;
+constexpr int together = 8, a_few = 3;  // directions that are differentiated at once: many, and what is left
 
 // What loads can be differentiated by: numbers of the law, of the blade and of the flow, by name.
 template <class S, template <class> class LawOf>
 std::vector<std::pair<std::string, S*>> numbers_of(Rotor<S, LawOf>& rotor, Flow<S>& flow) {
     std::vector<std::pair<std::string, S*>> all{{"chord_scale", &rotor.change.chord_scale},
                                                 {"twist_offset", &rotor.change.twist_offset},
-                                                {"untwist", &rotor.change.untwist},
-                                                {"omega", &flow.omega},
-                                                {"v_axial", &flow.v_axial},
-                                                {"v_inplane", &flow.v_inplane}};
+                                                {"untwist", &rotor.change.untwist}};
+    flow.each_variable([&](const char* name, S& number) { all.emplace_back(name, &number); });
     rotor.law.each_number([&](const char* name, S& number) { all.emplace_back(name, &number); });
     if (rotor.mounted) all.emplace_back("mount_area", &rotor.mount_area);
     return all;
 }
 
 // The rotor and the flow with derivatives along some of their numbers.
-template <template <class> class LawOf>
+template <int N, template <class> class LawOf>
 void seed(Rotor<double, LawOf> from, Flow<double> from_flow, const std::vector<int>& which,
-          Rotor<Directions, LawOf>& to, Flow<Directions>& flow) {
-    to.blade = from.blade, to.density = from.density, to.viscosity = from.viscosity;
-    to.tip_loss = from.tip_loss, to.hub_radius = from.hub_radius, to.inflow_shape = from.inflow_shape;
-    to.mounted = from.mounted, to.mount_wake = from.mount_wake, to.radial_friction = from.radial_friction;
-    to.law.stall_delay = from.law.stall_delay, to.law.speed_of_sound = from.law.speed_of_sound;
-    to.law.copy_fixed(from.law);
+          Rotor<Dual<double, N>, LawOf>& to, Flow<Dual<double, N>>& flow) {
+    static_cast<RotorSettings&>(to) = from;
+    static_cast<LiftCorrections&>(to.law) = from.law;
     flow.v_hover = {from_flow.v_hover, {}};
     const auto old = numbers_of(from, from_flow);
     const auto now = numbers_of(to, flow);
     for (std::size_t k = 0; k < now.size(); ++k) *now[k].second = {*old[k].second, {}};
     for (std::size_t d = 0; d < which.size(); ++d) now[which[d]].second->d[d] = 1.0;
+    to.law.copy_fixed(from.law);
 }
 
 // A dictionary that a law reads its numbers from.
@@ -180,11 +184,10 @@ Numbers section_coefficients(const nb::dict& of, Vector alpha, Vector reynolds) 
             };
             const Lanes re = at(reynolds), from = at(alpha);
             const auto turn = [&](Lanes angle) {
-                return sine_cosine(each_lane([&](int j) { return std::remainder((from - angle)[j], 2.0 * pi); }));
+                return angle_from(each_lane([&](int j) { return std::remainder((from - angle)[j], 2.0 * pi); }));
             };
-            const auto lift = turn(law.zero_lift_angle_at(re) + Lanes{}), drag = turn(law.least_drag_angle_at(re) + Lanes{});
-            const SectionFlow<Lanes, Lanes, Lanes, Lanes> flow{lift.sine, lift.cosine, drag.sine, Lanes{}, re,
-                                                               1.0 / square_root(re)};
+            const SectionFlow flow{turn(law.zero_lift_angle_at(re) + Lanes{}), turn(law.least_drag_angle_at(re) + Lanes{}),
+                                   Lanes{}, re, 1.0 / square_root(re)};
             const auto c = law.coefficients(flow);
             for (int j = 0; j < width && k + j < n; ++j) found[k + j] = c.lift[j], found[n + k + j] = c.drag[j];
         }
@@ -201,14 +204,14 @@ class CoreRotor {
                          nb::cast<int>(blade["blades"]), nb::cast<double>(blade["root"])))),
           solver_(make(law, air, corrections, fine)) {}
 
-    nb::tuple loads(Vector omega, Vector v_axial, Vector v_inplane, int threads) const {
-        const std::size_t n = omega.size();
+    nb::tuple loads(const Points& points, int threads) const {
+        const std::size_t n = points.shape(1);
         double *loads, *other;
         auto load_array = make_array({Loads<double>::count, n}, loads), others = make_array({5, n}, other);
         std::visit([&](const auto& solver) {
-            for_each_point(n, threads, [&, w = omega.data(), a = v_axial.data(), i = v_inplane.data()](std::size_t k) {
+            for_each_point(n, threads, [&](std::size_t k) {
                 thread_local Solution s;
-                solver.solve(w[k], a[k], i[k], s);
+                solver.solve(point(points, k), s);
                 for (int j = 0; j < Loads<double>::count; ++j) loads[j * n + k] = s.result.loads.begin()[j];
                 keep(s, solver.rotor(), other, k, n);
             });
@@ -216,13 +219,13 @@ class CoreRotor {
         return nb::make_tuple(load_array, others);
     }
 
-    nb::tuple gradients(const std::vector<std::string>& names, Vector omega, Vector v_axial, Vector v_inplane,
+    nb::tuple gradients(const std::vector<std::string>& names, const Points& points,
                         int threads) const {
-        const std::size_t n = omega.size(), p = names.size();
+        const std::size_t n = points.shape(1), p = names.size();
         double *loads, *slopes;
         auto load_array = make_array({Loads<double>::count, n}, loads);
         auto slope_array = make_array({Loads<double>::count, p, n}, slopes);
-        std::visit([&](const auto& solver) { differentiate(solver, names, omega, v_axial, v_inplane, threads, loads, slopes); },
+        std::visit([&](const auto& solver) { differentiate(solver, names, points, threads, loads, slopes); },
                    solver_);
         return nb::make_tuple(load_array, slope_array);
     }
@@ -238,17 +241,16 @@ class CoreRotor {
 
     // States of the inflow (N, 3) and times: static states, rates, states later (N, 3), loads (6, N), and derivatives of
     // the rates (N, 3, 3).
-    nb::tuple inflow_motion(Vector omega, Vector v_axial, Vector v_inplane, Vector states, Vector times, int threads) const {
-        const std::size_t n = omega.size();
+    nb::tuple inflow_motion(const Points& points, Vector states, Vector times, int threads) const {
+        const std::size_t n = points.shape(1);
         double *steady, *rates, *later, *loads, *linear, *other;
         auto steadies = make_array({n, 3}, steady), rate_array = make_array({n, 3}, rates);
         auto laters = make_array({n, 3}, later), load_array = make_array({Loads<double>::count, n}, loads);
         auto matrices = make_array({n, 3, 3}, linear), others = make_array({5, n}, other);
         std::visit([&](const auto& solver) {
-            for_each_point(n, threads, [&, w = omega.data(), a = v_axial.data(), i = v_inplane.data(), x = states.data(),
-                                        t = times.data()](std::size_t k) {
+            for_each_point(n, threads, [&, x = states.data(), t = times.data()](std::size_t k) {
                 thread_local Solution s;
-                solver.solve(w[k], a[k], i[k], s);
+                solver.solve(point(points, k), s);
                 const auto m = propmap::inflow_motion(solver, s, {x[3 * k], x[3 * k + 1], x[3 * k + 2]}, t[k]);
                 for (int j = 0; j < 3; ++j) {
                     steady[3 * k + j] = m.steady[j], rates[3 * k + j] = m.rates[j], later[3 * k + j] = m.later[j];
@@ -262,11 +264,10 @@ class CoreRotor {
     }
 
     // Fields over the disk at one operating point, by name; (S,) or (S, P), S from 1 to 1000.
-    nb::dict disk_field(double omega, double v_axial, double v_inplane, const std::vector<double>& radii,
-                        const std::vector<double>& psi) const {
+    nb::dict disk_field(const Points& points, const std::vector<double>& radii, const std::vector<double>& psi) const {
         return std::visit([&](const auto& solver) {
             Solution s;
-            solver.solve(omega, v_axial, v_inplane, s);
+            solver.solve(point(points, 0), s);
             const DiskField f = propmap::disk_field(solver, s, radii, psi);
             nb::dict result;
             const auto tell = [&](const char* name, const std::vector<double>& values, bool around) {
@@ -284,21 +285,20 @@ class CoreRotor {
     }
 
     // Thrust [N] of attached flow, a good guess at once.
-    Numbers attached_thrust(Vector omega, Vector v_axial, Vector v_inplane) const {
+    Numbers attached_thrust(const Points& points) const {
         double* found;
-        auto array = make_array({omega.size()}, found);
+        auto array = make_array({points.shape(1)}, found);
         std::visit([&](const auto& solver) {
-            for (std::size_t k = 0; k < omega.size(); ++k)
-                found[k] = propmap::attached_thrust(solver.rotor(), {omega.data()[k], v_axial.data()[k], v_inplane.data()[k], 0.0});
+            for (std::size_t k = 0; k < points.shape(1); ++k) found[k] = propmap::attached_thrust(solver.rotor(), point(points, k));
         }, solver_);
         return array;
     }
 
     // How one operating point was solved: nodes with their inflow and residual, and the panels' edges.
-    nb::dict solution(double omega, double v_axial, double v_inplane) const {
+    nb::dict solution(const Points& points) const {
         return std::visit([&](const auto& solver) {
             Solution s;
-            solver.solve(omega, v_axial, v_inplane, s);
+            solver.solve(point(points, 0), s);
             const auto of = solver.annuli(s);
             const std::size_t n = s.disk.nodes;
             double *radius, *inflow, *residual, *edge;
@@ -358,9 +358,8 @@ class CoreRotor {
     }
 
     template <template <class> class LawOf>
-    static void differentiate(const RotorSolver<LawOf>& solver, const std::vector<std::string>& names, const Vector& omega,
-                              const Vector& v_axial, const Vector& v_inplane, int threads, double* loads, double* slopes) {
-        const std::size_t n = omega.size(), p = names.size();
+    static void differentiate(const RotorSolver<LawOf>& solver, const std::vector<std::string>& names, const Points& points, int threads, double* loads, double* slopes) {
+        const std::size_t n = points.shape(1), p = names.size();
         Rotor<double, LawOf> example = solver.rotor();
         Flow<double> still{};
         std::vector<int> which;
@@ -371,21 +370,25 @@ class CoreRotor {
             if (k == known.size()) throw nb::key_error(name.c_str());
             which.push_back(int(k));
         }
-        for_each_point(n, threads, [&, w = omega.data(), a = v_axial.data(), i = v_inplane.data()](std::size_t k) {
+        for_each_point(n, threads, [&](std::size_t k) {
             thread_local Solution s;
-            solver.solve(w[k], a[k], i[k], s);
+            solver.solve(point(points, k), s);
             for (int j = 0; j < Loads<double>::count; ++j) loads[j * n + k] = s.result.loads.begin()[j];
             const bool lost = s.result.status == Status::not_converged;
-            for (std::size_t first = 0; first < p; first += together) {
-                const std::size_t last = std::min(first + together, p);
-                Rotor<Directions, LawOf> rotor;
-                Flow<Directions> flow;
-                seed<LawOf>(solver.rotor(), s.flow, {which.begin() + first, which.begin() + last}, rotor, flow);
-                const auto found = solver.template slopes<together>(s, rotor, flow);
+            const auto by_some = [&]<int N>(std::integral_constant<int, N>, std::size_t first) {
+                const std::size_t last = std::min(first + N, p);
+                Rotor<Dual<double, N>, LawOf> rotor;
+                Flow<Dual<double, N>> flow;
+                seed<N, LawOf>(solver.rotor(), s.flow, {which.begin() + first, which.begin() + last}, rotor, flow);
+                const auto found = solver.template slopes<N>(s, rotor, flow);
                 for (int j = 0; j < Loads<double>::count; ++j)
                     for (std::size_t d = first; d < last; ++d)
                         slopes[(j * p + d) * n + k] = lost ? std::nan("") : found.begin()[j].d[d - first];
-            }
+                return last;
+            };
+            for (std::size_t first = 0; first < p;)
+                first = p - first > a_few ? by_some(std::integral_constant<int, together>{}, first)
+                                          : by_some(std::integral_constant<int, a_few>{}, first);
         });
     }
 

@@ -69,4 +69,5 @@ def _imported(node: ast.AST, files: dict[str, Path]) -> Iterator[str]:
             inner = f"{node.module}.{alias.name}"
             yield inner if inner in files else node.module
     for child in ast.iter_child_nodes(node):
-        yield from _imported(child, files)
+        if not isinstance(child, ast.expr):  # in which nothing is imported
+            yield from _imported(child, files)

@@ -1,6 +1,7 @@
 """propmap: a propeller's six loads, from hover to fast oblique flight.
 
-Importing the package needs NumPy alone; the compiled core is loaded with the first rotor.
+Importing the package loads NumPy alone; each public name loads its own module when it is first
+asked for, and the first rotor the compiled core.
 """
 
 from __future__ import annotations
@@ -8,24 +9,22 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
-from propmap.catalogue.known import known_model
-from propmap.catalogue.lookup import airfoil, propeller
-from propmap.errors import InputError
-
-# The functions share their names with the modules they come from; importing them here, once,
-# makes the package's attribute the function.
-from propmap.model.air import Air
-from propmap.model.airfoil import Airfoil, airfoil_names
-from propmap.model.corrections import correction, corrections_of
-from propmap.model.model import Model
-from propmap.model.propeller import Propeller
-from propmap.model.section_covariance import SectionCovariance
-from propmap.model.section_table import SectionTable
-from propmap.model.uncertainty import SectionUncertainty
+import numpy  # noqa: F401 - all that follows needs it, and no first call is to wait for it
 
 if TYPE_CHECKING:
     from propmap.baselines.hover import HoverModel
+    from propmap.catalogue.known import known_model
+    from propmap.catalogue.lookup import airfoil, propeller
     from propmap.dynamic_inflow import DynamicInflow
+    from propmap.errors import InputError
+    from propmap.model.air import Air
+    from propmap.model.airfoil import Airfoil, airfoil_names
+    from propmap.model.corrections import correction, corrections_of
+    from propmap.model.model import Model
+    from propmap.model.propeller import Propeller
+    from propmap.model.section_covariance import SectionCovariance
+    from propmap.model.section_table import SectionTable
+    from propmap.model.uncertainty import SectionUncertainty
     from propmap.results import Loads, Wrench
     from propmap.rotor import Rotor
     from propmap.vehicle.vehicle import Vehicle
@@ -60,24 +59,39 @@ __all__ = [
     "read_vehicle",
 ]
 
-_LAZY = {
+_PLACES = {
+    "Air": "model.air",
+    "Airfoil": "model.airfoil",
     "DynamicInflow": "dynamic_inflow",
     "HoverModel": "baselines.hover",
+    "InputError": "errors",
     "Loads": "results",
+    "Model": "model.model",
+    "Propeller": "model.propeller",
     "Rotor": "rotor",
+    "SectionCovariance": "model.section_covariance",
+    "SectionTable": "model.section_table",
+    "SectionUncertainty": "model.uncertainty",
     "Vehicle": "vehicle.vehicle",
     "VehicleForces": "vehicle.vehicle_forces",
     "VehicleWrench": "vehicle.vehicle_forces",
     "Wrench": "results",
+    "airfoil": "catalogue.lookup",
+    "airfoil_names": "model.airfoil",
+    "correction": "model.corrections",
+    "corrections_of": "model.corrections",
+    "known_model": "catalogue.known",
+    "propeller": "catalogue.lookup",
     "read_vehicle": "vehicle.vehicle_toml",
 }
 
 
 def __getattr__(name: str) -> Any:
-    if name in _LAZY:
-        return getattr(importlib.import_module(f"propmap.{_LAZY[name]}"), name)
-    raise AttributeError(f"module 'propmap' has no attribute {name!r}")
+    if name not in _PLACES:
+        raise AttributeError(f"module 'propmap' has no attribute {name!r}")
+    found = globals()[name] = getattr(importlib.import_module(f"propmap.{_PLACES[name]}"), name)
+    return found
 
 
 def __dir__() -> list[str]:
-    return sorted([*globals(), *_LAZY])
+    return sorted([*globals(), *_PLACES])

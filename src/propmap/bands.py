@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,18 +16,11 @@ from propmap.model.uncertainty import (
     UNKNOWN_SHARE,
     SectionUncertainty,
 )
+from propmap.operating_points import FlowPoints
 from propmap.typing import Floats
 
 if TYPE_CHECKING:
     from propmap.rotor import Rotor
-
-
-class FlowPoints(NamedTuple):
-    """N operating points: omega [rad/s], velocity along the axis and in the disk plane [m/s]."""
-
-    omega: Floats
-    v_axial: Floats
-    v_inplane: Floats
 
 
 def load_deviations(rotor: Rotor, at: FlowPoints, loads: Floats) -> dict[str, Floats]:
@@ -78,7 +71,7 @@ def _by_parameters(known: SectionUncertainty, rotor: Rotor, at: FlowPoints) -> d
     whole = known.covariance.determined
     if not whole.names:
         return {}
-    slopes = rotor.gradients(whole.names, *at).slopes
+    slopes = rotor.gradients_at(whole.names, at).slopes
 
     def variance(of: SectionCovariance) -> Floats:
         return np.maximum(np.einsum("lpn,pq,lqn->ln", slopes, of.matrix, slopes), 0.0)

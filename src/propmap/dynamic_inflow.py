@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from propmap.errors import InputError
 from propmap.model.corrections import PittPeters
-from propmap.operating_points import broadcast, split_velocity
+from propmap.operating_points import FlowPoints, broadcast, split_velocity
 from propmap.results import Loads, Wrench, hub_wrench, spin_sign
 from propmap.rotor import Rotor
 from propmap.tasks import cores
@@ -154,13 +154,12 @@ class DynamicInflow:
             return points.shaped(-1.0 / values)
 
     def _motion(self, points: _Points) -> _Motion:
-        given = (*points.flow, points.state.ravel(), points.dt)
-        flat = (np.ascontiguousarray(a) for a in given)
-        return _Motion(*self.rotor._core.inflow_motion(*flat, cores()))
+        state, dt = np.ascontiguousarray(points.state.ravel()), np.ascontiguousarray(points.dt)
+        return _Motion(*self.rotor._core.inflow_motion(points.flow.rows, state, dt, cores()))
 
     def _loads(self, points: _Points) -> Loads:
         motion = self._motion(points)
-        static = self.rotor._as_loads(motion.loads, motion.found, points.flow, points.shape)
+        static = self.rotor._as_loads(motion.loads, motion.found, points.flow.omega, points.shape)
         return replace(static, mean_inflow=points.state[:, 0].reshape(points.shape))
 
 
@@ -194,16 +193,17 @@ class _Points:
                 f"state has shape {given.shape}: its last axis must hold the mean inflow and two "
                 "gradients"
             )
-        w, along, across, direction = split_velocity(omega, velocity)
+        flow, direction = split_velocity(omega, velocity)
         w, along, across, d_x, d_y, mean, x, y, time = broadcast(
-            omega=w, v_axial=along, v_inplane=across, d_x=direction[..., 0], d_y=direction[..., 1],
+            omega=flow.omega, v_axial=flow.v_axial, v_inplane=flow.v_inplane,
+            d_x=direction[..., 0], d_y=direction[..., 1],
             mean=given[..., 0], x=given[..., 1], y=given[..., 2], dt=dt,
         )  # fmt: skip
         if (time < 0.0).any():
             raise InputError(f"dt is negative ({time.min():g}): give the step's length [s]")
         self.shape = w.shape
         self.direction = np.stack([d_x, d_y, 0.0 * d_x], axis=-1)
-        self.flow = (w.ravel(), along.ravel(), across.ravel())
+        self.flow = FlowPoints(w, along, across)
         self.dt = time.ravel()
         self._sign, self._x, self._y = sign, d_x.ravel(), d_y.ravel()
         self.state = self._turned(np.stack([mean.ravel(), x.ravel(), y.ravel()], axis=-1))

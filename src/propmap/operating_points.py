@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any, NamedTuple, TypedDict, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,6 +13,37 @@ from propmap.typing import Floats
 
 SPIN_REMEDY = "give the spin by its direction, not by a sign [rad/s]"
 """What to do instead of a negative omega."""
+
+FAR = np.array(np.inf)
+"""Height of a rotor far from the ground [m]."""
+
+
+class Further(TypedDict, total=False):
+    """What an operating point may have beside rotational speed and velocity; None is not given."""
+
+    height: ArrayLike | None
+    """Of the disk above level ground [m]."""
+
+
+class FlowPoints(NamedTuple):
+    """Operating points as the compiled core takes them: arrays of one shape, or ``FAR``."""
+
+    omega: Floats
+    """Rotational speed [rad/s], >= 0."""
+    v_axial: Floats
+    """V cos(beta) [m/s], positive in climb."""
+    v_inplane: Floats
+    """V sin(beta) [m/s], >= 0."""
+    height: Floats = FAR
+    """Of the disk above the ground [m], > 0."""
+
+    @property
+    def rows(self) -> Floats:
+        """The fields as rows of one array (F, N)."""
+        found = np.empty((len(self), self.omega.size))
+        for row, values in zip(found, self, strict=True):
+            row[:] = values.ravel()
+        return found
 
 
 def broadcast(**named: ArrayLike) -> list[Floats]:
@@ -51,16 +83,22 @@ def rates_of(name: str, values: ArrayLike) -> Floats:
 
 
 def resolved(
-    omega: ArrayLike, speed: ArrayLike, beta: ArrayLike, *, one: bool = False
-) -> tuple[Floats, Floats, Floats]:
-    """omega [rad/s], V cos(beta) and |V sin(beta)| [m/s]; a multiple of pi/2 is taken at its word.
+    omega: ArrayLike,
+    speed: ArrayLike,
+    beta: ArrayLike,
+    *,
+    one: bool = False,
+    **further: Unpack[Further],
+) -> FlowPoints:
+    """V along the axis and across it; where beta is a multiple of pi/2, one is exactly zero.
 
-    Where ``one`` is true, arrays are refused.
+    Arrays are refused where ``one`` is true.
     """
-    alone = _resolved_alone(omega, speed, beta)
+    more = _given(further)
+    alone = None if more else _resolved_alone(omega, speed, beta)
     if alone is not None:
         return alone
-    w, v, b = broadcast(omega=omega, speed=speed, beta=beta)
+    w, v, b, *rest = broadcast(omega=omega, speed=speed, beta=beta, **more)
     if one and w.ndim:
         raise InputError("this takes one operating point: give scalars")
     _refuse_negative("omega", w, SPIN_REMEDY)
@@ -68,12 +106,11 @@ def resolved(
     cosine, sine = np.cos(b), np.abs(np.sin(b))
     rounding = 4e-16 * np.maximum(1.0, np.abs(b))
     cosine = np.where(np.abs(cosine) < rounding, 0.0, cosine)
-    return w, v * cosine, v * np.where(sine < rounding, 0.0, sine)
+    across = v * np.where(sine < rounding, 0.0, sine)
+    return FlowPoints(w, v * cosine, across, **dict(zip(more, rest, strict=True)))
 
 
-def _resolved_alone(
-    omega: ArrayLike, speed: ArrayLike, beta: ArrayLike
-) -> tuple[Floats, Floats, Floats] | None:
+def _resolved_alone(omega: ArrayLike, speed: ArrayLike, beta: ArrayLike) -> FlowPoints | None:
     """``resolved`` of three good numbers, in a tenth of the time; None for anything else."""
     w, v, b = omega, speed, beta
     number = float | int
@@ -86,30 +123,63 @@ def _resolved_alone(
     rounding = 4e-16 * max(1.0, abs(b))
     along = 0.0 if abs(cosine) < rounding else v * cosine
     across = 0.0 if sine < rounding else v * sine
-    return np.array(float(w)), np.array(along), np.array(across)
+    return FlowPoints(np.array(float(w)), np.array(along), np.array(across))
 
 
 def along_and_across(
-    omega: ArrayLike, v_axial: ArrayLike, v_inplane: ArrayLike
-) -> tuple[Floats, Floats, Floats]:
-    """omega [rad/s], and the velocity along the axis and in the disk plane [m/s], of one shape."""
-    w, along, across = broadcast(omega=omega, v_axial=v_axial, v_inplane=v_inplane)
+    omega: ArrayLike,
+    v_axial: ArrayLike,
+    v_inplane: ArrayLike,
+    **further: Unpack[Further],
+) -> FlowPoints:
+    """Operating points by the velocity along the axis and in the disk plane."""
+    more = _given(further)
+    w, along, across, *rest = broadcast(omega=omega, v_axial=v_axial, v_inplane=v_inplane, **more)
     _refuse_negative("omega", w, SPIN_REMEDY)
     _refuse_negative("v_inplane", across, "give its size; either direction has the same loads")
-    return w, along, across
+    return FlowPoints(w, along, across, **dict(zip(more, rest, strict=True)))
 
 
-def split_velocity(omega: ArrayLike, velocity: ArrayLike) -> tuple[Floats, Floats, Floats, Floats]:
-    """omega, velocity along the axis and across it, and the unit vector (..., 3) of the latter."""
+def split_velocity(
+    omega: ArrayLike, velocity: ArrayLike, **further: Unpack[Further]
+) -> tuple[FlowPoints, Floats]:
+    """Operating points, and the unit vector (..., 3) of the velocity across the axis."""
+    more = _given(further)
+    alone = None if more else _split_alone(omega, velocity)
+    if alone is not None:
+        return alone
     (vector,) = broadcast(velocity=velocity)
     if vector.ndim == 0 or vector.shape[-1] != 3:
         raise InputError(f"velocity has shape {vector.shape}: its last axis must hold x, y, z")
-    w, x, y, z = broadcast(omega=omega, vx=vector[..., 0], vy=vector[..., 1], vz=vector[..., 2])
+    parts = {f"v{axis}": vector[..., k] for k, axis in enumerate("xyz")}
+    w, x, y, z, *rest = broadcast(omega=omega, **parts, **more)
     across = np.hypot(x, y)
     unit = np.where(across > 0.0, across, 1.0)
     direction = np.stack([np.where(across > 0.0, x / unit, 1.0), y / unit, np.zeros_like(x)], -1)
     _refuse_negative("omega", w, SPIN_REMEDY)
-    return w, z, across, direction
+    return FlowPoints(w, z, across, **dict(zip(more, rest, strict=True))), direction
+
+
+def _split_alone(omega: ArrayLike, velocity: ArrayLike) -> tuple[FlowPoints, Floats] | None:
+    """``split_velocity`` of a good number and three, in a tenth of the time; None for others."""
+    vector = velocity.tolist() if isinstance(velocity, np.ndarray) else velocity
+    if not (isinstance(omega, float | int) and isinstance(vector, list | tuple)):
+        return None
+    if len(vector) != 3:
+        return None
+    x, y, z = vector
+    for one in (omega, x, y, z):
+        if not (isinstance(one, float | int) and math.isfinite(one)):
+            return None
+    if omega < 0.0:
+        return None
+    across = float(np.hypot(x, y))
+    direction = np.array([x / across, y / across, 0.0] if across > 0.0 else [1.0, float(y), 0.0])
+    return FlowPoints(np.array(float(omega)), np.array(float(z)), np.array(across)), direction
+
+
+def _given(further: Further) -> dict[str, Any]:
+    return {name: values for name, values in further.items() if values is not None}
 
 
 def _refuse_negative(name: str, values: Floats, remedy: str) -> None:

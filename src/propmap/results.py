@@ -5,7 +5,6 @@ from __future__ import annotations
 import functools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
-from statistics import NormalDist
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -143,6 +142,8 @@ class Loads(LoadValues):
         """
         if not 0.0 < share < 1.0:
             raise InputError(f"the share is {share}", "give a probability such as 0.95")
+        from statistics import NormalDist
+
         wide = NormalDist().inv_cdf(0.5 + 0.5 * share)
         low, high = (
             LoadValues(
@@ -325,10 +326,14 @@ def hub_wrench(loads: Loads, direction: Floats, sign: float) -> Wrench:
     sign : float
         That of the spin, see ``spin_sign``.
     """
-    # Counter-clockwise, the advancing side is on the right: lifting it rolls about -x.
-    z = np.array([0.0, 0.0, 1.0])
-    left = np.stack([0.0 - direction[..., 1], direction[..., 0], 0.0 * direction[..., 2]], axis=-1)
-    side, pitch = sign * loads.side_force[..., None], loads.pitch_moment[..., None]
-    force = loads.thrust[..., None] * z - loads.drag[..., None] * direction + side * left
-    moment = -sign * (loads.torque[..., None] * z + loads.roll_moment[..., None] * direction)
-    return Wrench(force, moment - pitch * left)
+    # Counter-clockwise, the advancing side is on the right: lifting it rolls about -x.  What is to
+    # the left acts along (-y, x).
+    x, y = direction[..., 0], direction[..., 1]
+    side, roll = sign * loads.side_force, sign * loads.roll_moment
+    drag, pitch = loads.drag, loads.pitch_moment
+    force, moment = np.empty(direction.shape), np.empty(direction.shape)
+    force[..., 0], force[..., 1] = -drag * x - side * y, -drag * y + side * x
+    force[..., 2] = loads.thrust
+    moment[..., 0], moment[..., 1] = -roll * x + pitch * y, -roll * y - pitch * x
+    moment[..., 2] = -sign * loads.torque
+    return Wrench(force, moment)

@@ -4,27 +4,20 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from propmap.bands import FlowPoints, load_deviations
+from propmap.bands import load_deviations
 from propmap.errors import InputError
-from propmap.loads import FLOW, GEOMETRY, LOADS, MOUNT_AREA
-from propmap.model.corrections import (
-    BladeToHub,
-    BladeUntwist,
-    HubLoss,
-    MountDrag,
-    PrandtlGlauert,
-    RadialFriction,
-    StallDelay,
-    TipLoss,
-    name_of,
-)
+from propmap.loads import GEOMETRY, LOADS, MOUNT_AREA
+from propmap.model.corrections import MountDrag, name_of
 from propmap.model.model import Model
 from propmap.operating_points import (
+    FAR,
+    FlowPoints,
+    Further,
     along_and_across,
     broadcast,
     rates,
@@ -61,26 +54,7 @@ def core_corrections(model: Model) -> dict[str, Any]:
     """The corrections of a ``model`` as the core takes them: numbers by name."""
     found: dict[str, Any] = {}
     for value in model.applied:
-        name = name_of(value)
-        match value:
-            case BladeToHub():
-                hub = value.hub(model.propeller)
-                if hub < model.propeller.root:
-                    found[name] = hub
-            case BladeUntwist():
-                found[name] = value.tip_angle
-            case HubLoss():
-                found[name] = value.radius(model.span[0])
-            case MountDrag():
-                found |= {name: value.area(model.propeller.radius), "mount-wake": value.wake}
-            case StallDelay():
-                found[name] = value.strength
-            case PrandtlGlauert():
-                found[name] = value.sound_mps
-            case TipLoss() | RadialFriction():
-                found[name] = 1.0
-            case _:
-                found["inflow"] = name
+        found |= value.core_numbers(name_of(value), model)
     return found
 
 
@@ -143,7 +117,13 @@ class Rotor:
         made: CoreRotor = core.Rotor(blade, law, medium, core_corrections(self.model), fine)
         return made
 
-    def loads(self, omega: ArrayLike, speed: ArrayLike, beta: ArrayLike) -> Loads:
+    def loads(
+        self,
+        omega: ArrayLike,
+        speed: ArrayLike,
+        beta: ArrayLike,
+        **further: Unpack[Further],
+    ) -> Loads:
         """Loads at operating points.
 
         Parameters
@@ -153,15 +133,21 @@ class Rotor:
         beta : array_like
             Angle of the velocity to the axis [rad]: 0 axial climb, pi/2 edgewise flight, pi axial
             descent; beta and 2 pi - beta are mirror images with the same loads.
+        **further
+            ``height`` of the disk above level ground [m], R/2 or more, or None far from it.  Thrust
+            is multiplied by 1/(1 - (R/4h)^2/(1 + (V sin(beta)/v_i)^2)) (Cheeseman & Bennett, ARC
+            R&M 3021, 1955), v_i being the mean inflow; the other loads stay.
 
         Raises
         ------
         InputError
-            For negative or non-finite values and unequal shapes.
+            For negative or non-finite values, unequal shapes and heights below R/2.
         """
-        return self._loads(*resolved(omega, speed, beta))
+        return self._loads(self._allowed(resolved(omega, speed, beta, **further)))
 
-    def loads_at_velocity(self, omega: ArrayLike, velocity: ArrayLike) -> Loads:
+    def loads_at_velocity(
+        self, omega: ArrayLike, velocity: ArrayLike, **further: Unpack[Further]
+    ) -> Loads:
         """Loads for a velocity vector in the rotor frame.
 
         Parameters
@@ -170,11 +156,19 @@ class Rotor:
             Rotational speed [rad/s], >= 0.
         velocity : array_like, shape (..., 3)
             Of the hub through the air, z along the thrust [m/s]; broadcast over the leading axes.
+        **further
+            ``height``, as in ``loads``.
         """
-        w, along, across, _ = split_velocity(omega, velocity)
-        return self._loads(w, along, across)
+        points, _ = split_velocity(omega, velocity, **further)
+        return self._loads(self._allowed(points))
 
-    def wrench(self, omega: ArrayLike, velocity: ArrayLike, spin: str = "ccw") -> Wrench:
+    def wrench(
+        self,
+        omega: ArrayLike,
+        velocity: ArrayLike,
+        spin: str = "ccw",
+        **further: Unpack[Further],
+    ) -> Wrench:
         """Force and moment on the vehicle, as vectors in the rotor frame.
 
         The frame is right-handed with z along the thrust.
@@ -185,10 +179,12 @@ class Rotor:
             As in ``loads_at_velocity``.
         spin : str
             "ccw" or "cw", seen from above with the thrust up.
+        **further
+            ``height``, as in ``loads``.
         """
         sign = spin_sign(spin)
-        w, along, across, direction = split_velocity(omega, velocity)
-        return hub_wrench(self._loads(w, along, across), direction, sign)
+        points, direction = split_velocity(omega, velocity, **further)
+        return hub_wrench(self._loads(self._allowed(points)), direction, sign)
 
     @property
     def parameters(self) -> tuple[str, ...]:
@@ -197,11 +193,11 @@ class Rotor:
         The section law's constants; "mount_area" [m^2], where something is mounted in the
         slipstream; "chord_scale" [-], a common relative change of the chord, "twist_offset" [rad],
         a common change of the twist, and "untwist" [rad], what the twist of the tip loses at a tip
-        speed of 100 m/s; "omega" [rad/s], "v_axial" and "v_inplane" [m/s].
+        speed of 100 m/s; "omega" [rad/s], "v_axial" and "v_inplane" [m/s], "height" [m].
         """
         law = self.model.airfoil.parameters
         mounted = () if self.model.correction_of(MountDrag) is None else (MOUNT_AREA,)
-        return (*law, *mounted, *GEOMETRY, *FLOW)
+        return (*law, *mounted, *GEOMETRY, *FlowPoints._fields)
 
     def gradients(
         self,
@@ -209,6 +205,7 @@ class Rotor:
         omega: ArrayLike,
         v_axial: ArrayLike,
         v_inplane: ArrayLike,
+        **further: Unpack[Further],
     ) -> LoadGradients:
         """Loads and their derivatives by section constants, blade, mount and flow.
 
@@ -222,6 +219,8 @@ class Rotor:
         omega, v_axial, v_inplane : array_like, shape (...)
             Rotational speed [rad/s], >= 0, V cos(beta) and V sin(beta) [m/s], the latter >= 0; all
             three broadcast.
+        **further
+            ``height``, as in ``loads``.
 
         Returns
         -------
@@ -234,6 +233,10 @@ class Rotor:
         InputError
             For an unknown name, and for values that ``loads`` refuses.
         """
+        return self.gradients_at(names, along_and_across(omega, v_axial, v_inplane, **further))
+
+    def gradients_at(self, names: Iterable[str], points: FlowPoints) -> LoadGradients:
+        """``gradients`` by ``names`` at ``points`` that are checked and of one shape."""
         wanted = list(names)
         unknown = [name for name in wanted if name not in self.parameters]
         if unknown:
@@ -241,9 +244,9 @@ class Rotor:
                 f"loads have no derivative by {unknown[0]!r}",
                 f"give some of {', '.join(self.parameters)}",
             )
-        flow = along_and_across(omega, v_axial, v_inplane)
-        shape, flat = flow[0].shape, [np.ascontiguousarray(a.ravel()) for a in flow]
-        loads, slopes = self._core.gradients(wanted, *flat, cores())
+        points = self._allowed(points)
+        shape = points.omega.shape
+        loads, slopes = self._core.gradients(wanted, points.rows, cores())
         return LoadGradients(
             loads.reshape(len(LOADS), *shape), slopes.reshape(len(LOADS), len(wanted), *shape)
         )
@@ -281,10 +284,10 @@ class Rotor:
         InputError
             For values that ``loads`` refuses.
         """
-        flow = along_and_across(omega, v_axial, v_inplane)
-        shape, flat = flow[0].shape, [np.ascontiguousarray(a.ravel()) for a in flow]
-        thrust = self._core.attached_thrust(*flat)
-        more = [self.with_model(one)._core.attached_thrust(*flat) - thrust for one in others]
+        points = along_and_across(omega, v_axial, v_inplane)
+        shape, rows = points.omega.shape, points.rows
+        thrust = self._core.attached_thrust(rows)
+        more = [self.with_model(one)._core.attached_thrust(rows) - thrust for one in others]
         return thrust.reshape(shape), np.reshape(more, (len(others), *shape))
 
     def hover_inflow(self, omega: ArrayLike) -> Floats:
@@ -314,18 +317,17 @@ class Rotor:
         azimuth : array_like, optional
             psi [rad]; by default every 5 degrees of a full turn.
         """
-        w, along, across = resolved(omega, speed, beta, one=True)
+        rows = resolved(omega, speed, beta, one=True).rows
         root, tip = self.model.span
         y = broadcast(radius=np.linspace(root, tip, 60) if radius is None else radius)[0].ravel()
         turn = np.linspace(0.0, 2.0 * np.pi, 73)
         psi = broadcast(azimuth=turn if azimuth is None else azimuth)[0].ravel()
         if (y < root).any() or (y > tip).any():
             raise InputError(f"radius must lie between {root:g} and {tip:g} m")
-        flow = (float(w), float(along), float(across))
         starts = range(0, max(y.size, 1), RADII_TOGETHER)
         parts = [y[k : k + RADII_TOGETHER] for k in starts]
         # The core takes one radius at least.
-        fields = [self._core.disk_field(*flow, list(part) or [tip], list(psi)) for part in parts]
+        fields = [self._core.disk_field(rows, list(part) or [tip], list(psi)) for part in parts]
         found = {
             name: np.concatenate([field[name] for field in fields])[: y.size] for name in fields[0]
         }
@@ -362,8 +364,7 @@ class Rotor:
         InputError
             For arrays, and for values that ``loads`` refuses.
         """
-        w, along, across = resolved(omega, speed, beta, one=True)
-        found = self._core.solution(float(w), float(along), float(across))
+        found = self._core.solution(resolved(omega, speed, beta, one=True).rows)
         return SearchReport(
             radius=found["radius"],
             inflow=found["inflow"],
@@ -374,14 +375,23 @@ class Rotor:
             tip=self.model.span[1],
         )
 
-    def _loads(self, omega: Floats, v_axial: Floats, v_inplane: Floats) -> Loads:
-        shape = omega.shape
-        flow = [np.ascontiguousarray(a.ravel()) for a in (omega, v_axial, v_inplane)]
-        loads, found = self._core.loads(*flow, cores())
+    def _allowed(self, points: FlowPoints) -> FlowPoints:
+        """The ``points``, if they are not so near the ground that nothing is known of it."""
+        least = 0.5 * self.model.span[1]
+        if points.height is not FAR and (points.height < least).any():
+            raise InputError(
+                f"height is {points.height.min():g} m, less than half the radius, {least:g} m",
+                "give the height of the disk [m], or none: closer to the ground nothing is known",
+            )
+        return points
+
+    def _loads(self, points: FlowPoints) -> Loads:
+        shape, rows = points.omega.shape, points.rows
+        loads, found = self._core.loads(rows, cores())
         if not self._has_deviations:
-            return self._as_loads(loads, found, flow, shape)
-        at = functools.partial(self._deviations, FlowPoints(*flow), loads, shape)
-        return self._as_loads(loads, found, flow, shape, at)
+            return self._as_loads(loads, found, rows[0], shape)
+        at = functools.partial(self._deviations, FlowPoints(*rows), loads, shape)
+        return self._as_loads(loads, found, rows[0], shape, at)
 
     @functools.cached_property
     def _has_deviations(self) -> bool:
@@ -405,17 +415,16 @@ class Rotor:
         self,
         loads: Floats,
         found: Floats,
-        flow: Sequence[Floats],
+        omega: Floats,
         shape: tuple[int, ...],
         deviations: Deviations | None = None,
     ) -> Loads:
         """Loads (L, N), and the results of each point (5, N), as the core gives them."""
         by_name = {name: row.reshape(shape) for name, row in zip(LOADS, loads, strict=True)}
-        omega = flow[0].reshape(shape)
         status, roots, ring, mean_inflow, reverse = (row.reshape(shape) for row in found)
         return Loads(
             **by_name,
-            power=by_name["torque"] * omega,
+            power=by_name["torque"] * omega.reshape(shape),
             status=np.asarray(_STATUSES[status.astype(np.int64)]),
             roots=roots.astype(np.int64),
             reverse_flow=reverse,

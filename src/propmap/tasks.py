@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import os
+import signal
 import sys
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import ThreadPoolExecutor, as_completed
 from contextlib import contextmanager
 from contextvars import ContextVar
-from typing import Protocol, TypeVar
+from typing import Protocol, Self, TypeVar
 
 Common = TypeVar("Common")
 Task = TypeVar("Task")
@@ -81,10 +81,59 @@ class InThreads:
         tasks: Iterable[Task],
     ) -> Iterator[tuple[int, Result]]:
         """As ``Workers.results``, but for a list that is not long: all tasks are taken at once."""
+        # Imported here, as every rotor imports this module and few use threads of Python.
+        from concurrent.futures import ThreadPoolExecutor, as_completed
+
         with ThreadPoolExecutor(self.count) as pool:
             places = {pool.submit(work, common, task): k for k, task in enumerate(tasks)}
             for done in as_completed(places):
                 yield places[done], done.result()
+
+
+class InProcesses:
+    """Tasks in processes of this machine, for work of which Python itself does much.
+
+    They start with the first tasks, and end with the ``with`` that this is used in.
+
+    Parameters
+    ----------
+    count : int
+        How many at a time, each on one core.
+    """
+
+    def __init__(self, count: int) -> None:
+        from concurrent.futures import ProcessPoolExecutor
+        from multiprocessing import get_context
+
+        self.count = count
+        # A fork would take along locks that threads hold; Ctrl-C is for this process to hear.
+        quiet = (signal.SIGINT, signal.SIG_IGN)
+        self._pool = ProcessPoolExecutor(count, get_context("spawn"), signal.signal, quiet)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self._pool.shutdown(cancel_futures=True)
+
+    def results(
+        self,
+        work: Callable[[Common, Task], Result],
+        common: Common,
+        tasks: Iterable[Task],
+    ) -> Iterator[tuple[int, Result]]:
+        """As ``InThreads.results``."""
+        from concurrent.futures import as_completed
+
+        submit = self._pool.submit
+        places = {submit(_on_one_core, work, common, task): k for k, task in enumerate(tasks)}
+        for done in as_completed(places):
+            yield places[done], done.result()
+
+
+def _on_one_core(work: Callable[[Common, Task], Result], common: Common, task: Task) -> Result:
+    with on_cores(1):
+        return work(common, task)
 
 
 def in_order(results: Iterable[tuple[int, Result]]) -> list[Result]:

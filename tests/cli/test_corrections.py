@@ -107,8 +107,8 @@ def _commands(command: Any, path: str = "") -> Iterator[str]:
     if not hasattr(command, "commands"):
         yield path
         return
-    for name, inner in command.commands.items():
-        yield from _commands(inner, f"{path} {name}".strip())
+    for name in command.commands:
+        yield from _commands(command.get_command(None, name), f"{path} {name}".strip())
 
 
 ALL = sorted(_commands(typer.main.get_command(app)))
@@ -141,9 +141,9 @@ def test_a_correction_acts(run: Run, monkeypatch: pytest.MonkeyPatch, name: str)
     # Two steps of a fit tell as much as its end.
     monkeypatch.setattr("propmap.fit.search.FINAL_EVALUATIONS", 2)
     monkeypatch.setattr("propmap.table.build.build_table", _brief)
-    # It takes most of the time of `trim` and `choose`, and the powers tell enough.
-    for module in ("ranking", "performance"):
-        monkeypatch.setattr(f"propmap.aircraft.{module}.top_speed", lambda *_: (30.0, ""))
+    # It takes most of the time of `trim`, and the powers tell enough.
+    found_at_once = "propmap.aircraft.performance.searched"
+    monkeypatch.setattr(found_at_once, lambda _, states, __: (30.0, "", states))
     arguments, found = MAKERS[name]
     results = []
     for added in ([], TIP_LOSS):

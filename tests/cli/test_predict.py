@@ -160,3 +160,39 @@ def test_constants_of_which_a_fit_knows_nothing_are_named(run: Run, tmp_path: Pa
 def test_a_table_of_points_shows_those_of_thrust_and_torque(run: Run, points_csv: Path) -> None:
     shown = run("predict", "apc 10x5e", "--points", points_csv).out
     assert "s(T)" in shown and "s(Q)" in shown and "standard deviations" in shown
+
+
+def test_height_above_ground_is_an_option_and_a_column(
+    run: Run, rotor: propmap.Rotor, tmp_path: Path
+) -> None:
+    at = (RPM * OMEGA, SPEED, np.radians(BETA))
+    found = json.loads(run("predict", *ROTOR, *POINT, "--height", 0.08, "--format", "json").out)
+    assert found["height_m"] == 0.08
+    near = float(rotor.loads(*at, height=0.08).thrust)
+    assert found["thrust_N"] == pytest.approx(near, rel=1e-14)
+    assert near > rotor.loads(*at).thrust
+    file = tmp_path / "points.csv"
+    file.write_text(f"height_m,rpm,speed_mps,beta_deg\n0.08,{RPM},{SPEED},{BETA}\n0.5,6000,0,0\n")
+    done = run("predict", *ROTOR, "--points", file, "--format", "csv")
+    rows = list(csv.DictReader(io.StringIO(done.out)))
+    assert float(rows[0]["thrust_N"]) == found["thrust_N"]
+    assert float(rows[1]["height_m"]) == 0.5
+
+
+@pytest.mark.parametrize(
+    ("height", "said"), [("-1", "height is negative"), ("0.01", "less than half the radius")]
+)
+def test_heights_that_cannot_be_are_refused(run: Run, height: str, said: str) -> None:
+    done = run("predict", *ROTOR, *POINT, "--height", height)
+    assert done.code != 0 and said in done.err
+
+
+def test_an_empty_height_in_a_file_is_named(run: Run, tmp_path: Path) -> None:
+    file = tmp_path / "points.csv"
+    file.write_text("rpm,speed_mps,beta_deg,height_m\n6000,0,0,\n")
+    done = run("predict", *ROTOR, "--points", file)
+    assert done.code != 0 and "line 2, column height_m" in done.err
+
+
+def test_a_table_has_no_height(run: Run) -> None:
+    assert "--height" in run("table", *ROTOR, "--height", 1).err

@@ -25,7 +25,7 @@ from tests.sweep.small_sweep import GRID, POINTS_PER_TASK, contents, rotor, swee
 
 pytestmark = pytest.mark.slow
 
-TIMES = 5
+TIMES = 3
 
 
 @pytest.fixture(scope="module")

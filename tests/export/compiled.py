@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import ctypes
+import functools
 import subprocess
+import tempfile
 from pathlib import Path
 
 import numpy as np
@@ -113,3 +115,10 @@ class Compiled:
         pointers = [ctypes.c_void_p(a.ctypes.data) for a in (*arrays, values, numbers)]
         getattr(self._library, function)(ctypes.c_size_t(count), *pointers)
         return values.astype(np.float64), numbers
+
+
+@functools.cache
+def compiled_of(table: LoadTable, *, single: bool = False) -> Compiled:
+    """The header of a table, which is compiled once."""
+    with tempfile.TemporaryDirectory() as folder:
+        return Compiled(table, Path(folder) / "c", single=single)

@@ -12,7 +12,7 @@ from propmap.export import export_table
 from propmap.export.samples import static_loads
 from propmap.table import LoadTable
 
-from .compiled import FIELDS, FLAGS, Compiled
+from .compiled import FIELDS, FLAGS, compiled_of
 from .conftest import invented_content, points
 from .needed import program
 
@@ -32,8 +32,8 @@ def any_table(request: pytest.FixtureRequest, table: LoadTable) -> LoadTable:
 
 
 @pytest.mark.parametrize("single", [False, True])
-def test_loads_are_those_of_python(any_table: LoadTable, tmp_path: Path, single: bool) -> None:
-    compiled = Compiled(any_table, tmp_path / "c", single=single)
+def test_loads_are_those_of_python(any_table: LoadTable, single: bool) -> None:
+    compiled = compiled_of(any_table, single=single)
     omega, speed, beta = points(any_table, POINTS)
     expected = any_table.loads(omega, speed, beta)
     found, status = compiled("loads", len(FIELDS), omega, speed, beta)
@@ -52,8 +52,8 @@ def test_loads_are_those_of_python(any_table: LoadTable, tmp_path: Path, single:
     assert set(np.unique(expected.code)) == set(np.unique(status))
 
 
-def test_not_a_number_and_infinity_are_outside(table: LoadTable, tmp_path: Path) -> None:
-    compiled = Compiled(table, tmp_path / "c")
+def test_not_a_number_and_infinity_are_outside(table: LoadTable) -> None:
+    compiled = compiled_of(table)
     bad = np.array([np.nan, np.inf, -np.inf])
     for k in range(3):
         point = [np.full(3, 500.0), np.full(3, 2.0), np.full(3, 1.0)]
@@ -62,8 +62,8 @@ def test_not_a_number_and_infinity_are_outside(table: LoadTable, tmp_path: Path)
         assert np.isnan(found).all() and (status == 5).all()
 
 
-def test_velocities_and_gradients_are_those_of_python(table: LoadTable, tmp_path: Path) -> None:
-    compiled = Compiled(table, tmp_path / "c")
+def test_velocities_and_gradients_are_those_of_python(table: LoadTable) -> None:
+    compiled = compiled_of(table)
     omega, speed, beta = points(table, POINTS)
     turn = 3.0 * omega
     velocity = np.stack(
@@ -90,8 +90,8 @@ def test_velocities_and_gradients_are_those_of_python(table: LoadTable, tmp_path
     np.testing.assert_array_equal(status, expected.code)
 
 
-def test_gradients_in_single_precision(table: LoadTable, tmp_path: Path) -> None:
-    compiled = Compiled(table, tmp_path / "c", single=True)
+def test_gradients_in_single_precision(table: LoadTable) -> None:
+    compiled = compiled_of(table, single=True)
     rng = np.random.default_rng(2)
     omega, axial = rng.uniform(450.0, 750.0, 1000), rng.uniform(0.1, 3.0, 1000)
     across = rng.uniform(0.5, 3.0, 1000)
@@ -103,8 +103,8 @@ def test_gradients_in_single_precision(table: LoadTable, tmp_path: Path) -> None
 
 
 @pytest.mark.parametrize("quantity", ["thrust", "torque", "power"])
-def test_the_inverse_is_that_of_python(table: LoadTable, tmp_path: Path, quantity: str) -> None:
-    compiled = Compiled(table, tmp_path / "c")
+def test_the_inverse_is_that_of_python(table: LoadTable, quantity: str) -> None:
+    compiled = compiled_of(table)
     rng = np.random.default_rng(1)
     count = 60
     # Away from the envelope's ends, where a root is found or not by the last bit.
@@ -124,9 +124,9 @@ def test_the_inverse_is_that_of_python(table: LoadTable, tmp_path: Path, quantit
 @pytest.mark.parametrize("single", [False, True])
 @pytest.mark.parametrize("end", [0, 1])
 def test_the_inverse_answers_the_ends_of_the_envelope(
-    table: LoadTable, tmp_path: Path, end: int, single: bool
+    table: LoadTable, end: int, single: bool
 ) -> None:
-    compiled = Compiled(table, tmp_path / "c", single=single)
+    compiled = compiled_of(table, single=single)
     rng = np.random.default_rng(3)
     count, omega = 100, table.envelope["omega"][end]
     speed, beta = rng.uniform(0.0, 6.0, count), rng.uniform(0.0, 1.5, count)
@@ -143,9 +143,9 @@ def test_the_inverse_answers_the_ends_of_the_envelope(
     assert solutions.tolist() == [0]
 
 
-def test_the_inverse_tells_of_several(tmp_path: Path) -> None:
+def test_the_inverse_tells_of_several() -> None:
     windmill = LoadTable(invented_content())
-    compiled = Compiled(windmill, tmp_path / "c")
+    compiled = compiled_of(windmill)
     # In climb, 0.016 Omega^2 - 0.08 Omega V/R turns at Omega = 2.5 V/R = 225 rad/s.
     speed, beta = np.full(3, 9.0), np.zeros(3)
     value = np.asarray(windmill.loads([205.0, 300.0, 224.0], speed, beta).thrust)

@@ -48,6 +48,7 @@ def test_workers_elsewhere_need_a_way_to_make_the_rows() -> None:
         noisy_intervals(exact(60), THREE, NOISE, 5, workers=Elsewhere())
 
 
+@pytest.mark.slow
 def test_intervals_hold_the_truth_as_often_as_they_say() -> None:
     found = noisy_intervals(exact(60), THREE, NOISE, 300, seed=1)
     inside = found.hold(truth_of(THREE)).mean(axis=0)

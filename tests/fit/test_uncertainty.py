@@ -16,7 +16,6 @@ from propmap.fit.uncertainty import Uncertainty, uncertainty
 
 from .synthetic_rows import (
     Floats,
-    decay_model,
     linear_model,
     noisy,
     rows_of,
@@ -67,10 +66,12 @@ def assert_promised(share: Floats) -> None:
     assert (share >= PROMISED[0]).all() and (share <= PROMISED[1]).all(), share
 
 
+@pytest.mark.slow
 def test_a_linear_model_s_intervals_contain_the_truth() -> None:
     assert_promised(coverage(exact(), THREE, lambda rng: rng.normal(0.0, 0.05, 40)))
 
 
+@pytest.mark.slow
 def test_so_they_do_where_only_few_rows_are_left_over() -> None:
     """Seven rows for three parameters: the quantile is Student's, 2.8, not 1.96."""
     model = linear_model(design(7))
@@ -80,12 +81,7 @@ def test_so_they_do_where_only_few_rows_are_left_over() -> None:
     assert (share >= 0.88).all() and (share <= 0.99).all(), share
 
 
-def test_a_nonlinear_model_s_intervals_contain_the_truth() -> None:
-    model = decay_model(np.linspace(0.0, 2.0, 50))
-    rows = rows_of(model, true_values(model))
-    assert_promised(coverage(rows, THREE, lambda rng: rng.normal(0.0, 0.05, 50)))
-
-
+@pytest.mark.slow
 def test_two_loads_with_different_noise() -> None:
     """c_l1 is seen in the noisy load alone, c_l2 in the quiet one, c_d in both."""
     count = 60

@@ -28,11 +28,12 @@ def file_of(fit: FitRecord) -> FitFile:
 
 
 def told(fit: FitRecord, monkeypatch: pytest.MonkeyPatch) -> str:
-    """The text of the page, without load curves, for which programs are compiled."""
+    """The text of the page, without load curves and pictures."""
     speed, nothing = np.linspace(0.0, 9.0, 3), dict.fromkeys(LOADS, np.zeros(3))
     curve = Curve(0.0, None, nothing, None, None, np.full(3, True))
     flat = Curves(500.0, 0.1, speed, [curve], dict.fromkeys(LOADS, 0.0), (), 0, "")
     monkeypatch.setattr(curves, "load_curves", lambda *_: flat)
+    monkeypatch.setattr("propmap.report.page.as_svg", lambda _: b"<svg/>")
     html = page.fit_pages(file_of(fit), "fit.toml", "abc", None)[PAGE]
     assert isinstance(html, str)
     text = unescape(re.sub(r"<[^>]+>", " ", html)).replace("\N{NO-BREAK SPACE}", " ")

@@ -31,14 +31,14 @@ def _check(loads: Loads) -> None:
 
 @pytest.mark.parametrize("airfoil", ["paper-soft", "paper-stiff", "paper-apc"])
 def test_random_points_are_finite_or_say_why(airfoil: str) -> None:
-    loads = _random(1_500, airfoil, seed=1)
+    loads = _random(4_000, airfoil, seed=1)
     _check(loads)
     assert {"ok", "multiple_roots", "windmill", "vortex_ring"} <= set(np.unique(loads.status))
 
 
 @pytest.mark.slow
-def test_a_hundred_thousand_random_points() -> None:
-    _check(_random(100_000, "paper-apc", seed=2))
+def test_forty_thousand_random_points() -> None:
+    _check(_random(40_000, "paper-apc", seed=2))
 
 
 def test_rest_is_rest() -> None:

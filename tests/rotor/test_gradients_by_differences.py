@@ -138,14 +138,14 @@ def cases() -> list[Any]:
 
 
 def unlike(name: str) -> set[str]:
-    """Names that no difference of models stands for."""
+    """Names that no difference of models stands for; test_ground_effect.py has the height."""
     law, texts = CASES[name]
     if not isinstance(law, pm.Airfoil):
-        return {"zero_lift_angle", "drag_factor"}
+        return {"height", "zero_lift_angle", "drag_factor"}
     if law.lift_law == "simplified":
-        return {"c_l1", "alpha_0", "sharpness"}
+        return {"height", "c_l1", "alpha_0", "sharpness"}
     # An offset of the measured twist is another one of the part that is continued to the hub.
-    return {"twist_offset"} if "blade-to-hub" in texts else set()
+    return {"height", "twist_offset"} if "blade-to-hub" in texts else {"height"}
 
 
 @pytest.mark.parametrize("name", cases())
@@ -215,7 +215,8 @@ def test_names_beside_each_other_do_not_matter() -> None:
         alone = rotor.gradients([name], *flow)
         np.testing.assert_array_equal(alone.loads, together.loads)
         got = together.slopes[:, rotor.parameters.index(name)]
-        np.testing.assert_array_equal(alone.slopes[:, 0], got)
+        # A compiler may fuse products and sums of some directions and not of others.
+        np.testing.assert_allclose(alone.slopes[:, 0], got, rtol=1e-14, atol=1e-16)
 
 
 def test_the_loads_beside_derivatives_are_those_of_the_rotor() -> None:

@@ -140,8 +140,8 @@ def test_the_harmonics_belong_to_the_loads(k: int) -> None:
     rear = -gain * float(loads.pitch_moment) / BLADE.radius
     longitudinal = 15.0 * np.pi / 64.0 * np.tan(0.5 * found.chi) * gain * float(loads.thrust)
     longitudinal += 4.0 * cosine / (1.0 + cosine) * rear
-    assert found.lateral == pytest.approx(lateral, rel=1e-3)
-    assert found.longitudinal == pytest.approx(longitudinal, rel=1e-3)
+    assert found.lateral == pytest.approx(lateral, rel=1e-6)
+    assert found.longitudinal == pytest.approx(longitudinal, rel=1e-6)
     mean = 0.5 * gain * float(loads.thrust - plain.thrust)
     assert found.mean == pytest.approx(mean, rel=0.02, abs=1e-3 * found.annuli)
 
@@ -159,7 +159,7 @@ def test_gradients_without_feedback_are_those_printed(name: str, k: int) -> None
     """A share of the mean inflow that the wake's skew chi sets, towards the rear alone."""
     found, _ = harmonics(name, float(OBLIQUE[1][k]), float(OBLIQUE[2][k]))
     expected = GRADIENTS[name](found.chi) * found.annuli
-    assert found.longitudinal == pytest.approx(expected, rel=1e-3)
+    assert found.longitudinal == pytest.approx(expected, rel=1e-6)
     assert found.lateral == pytest.approx(0.0, abs=1e-12)
 
 
@@ -170,8 +170,8 @@ def test_drees_at_an_advance_ratio(k: int) -> None:
     found, _ = harmonics("drees", speed, beta)
     mu = speed * np.sin(beta) / (OMEGA * BLADE.radius)
     factor = 4.0 / 3.0 * (1.0 - np.cos(found.chi) - 1.8 * mu**2) / np.sin(found.chi)
-    assert found.longitudinal == pytest.approx(factor * found.annuli, rel=1e-3)
-    assert found.lateral == pytest.approx(-2.0 * mu * found.annuli, rel=1e-3)
+    assert found.longitudinal == pytest.approx(factor * found.annuli, rel=1e-6)
+    assert found.lateral == pytest.approx(-2.0 * mu * found.annuli, rel=1e-6)
 
 
 @pytest.mark.parametrize("name", NAMES)

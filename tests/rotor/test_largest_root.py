@@ -12,6 +12,7 @@ from scipy.interpolate import PchipInterpolator
 from scipy.optimize import brentq
 
 import propmap as pm
+from propmap.operating_points import along_and_across
 from tests.oracle.literal_rotor import LiteralRotor
 from tests.oracle.literal_section import Array, LiteralTable, Section
 from tests.oracle.literal_wake import LiteralWake
@@ -140,8 +141,8 @@ def test_inflow_is_the_largest_of_all_roots(name: str) -> None:
     corrections = tuple(pm.correction(text) for text in texts)
     core = pm.Rotor(pm.Model(BLADE, law, corrections=corrections))._core
     random, states = np.random.default_rng(3), set()
-    for count, motion in enumerate(zip(*(one.tolist() for one in points(30, 8)), strict=True)):
-        found = core.solution(*motion)
+    for count, motion in enumerate(zip(*(one.tolist() for one in points(18, 8)), strict=True)):
+        found = core.solution(along_and_across(*motion).rows)
         states.add((motion[1] < 0.0, found["windmill"]))
         rotor = literal(name, section, texts, motion, found["windmill"])
         azimuth = half_turn(found["azimuths"])
@@ -160,7 +161,7 @@ def test_inflow_is_the_largest_of_all_roots(name: str) -> None:
 def test_inflow_beside_the_hub_is_the_largest_of_all_roots() -> None:
     model = pm.Model(BLADE, pm.airfoil("paper-soft"), corrections=(pm.correction("hub-loss"),))
     motion = (262.6545839714763, 0.0, 6.218851813681983)
-    found = pm.Rotor(model)._core.solution(*motion)
+    found = pm.Rotor(model)._core.solution(along_and_across(*motion).rows)
     rotor = literal("", SECTIONS["soft"], ("hub-loss",), motion, windmill=False)
     want = largest_root(rotor, float(found["radius"][0]), half_turn(found["azimuths"]))
     assert found["inflow"][0] == pytest.approx(want, rel=1e-8)
@@ -191,7 +192,7 @@ def test_an_edge_of_panels_lies_where_the_band_of_three_roots_ends(name: str) ->
         1,
     ]
     rotor = pm.Rotor(pm.Model(BLADE, pm.airfoil(f"paper-{name}")))
-    found = rotor._core.solution(HOVER, 0.0, 0.0)
+    found = rotor._core.solution(along_and_across(HOVER, 0.0, 0.0).rows)
     edge = found["edge"][found["fold"].index("fold")]
     assert edge == pytest.approx(low, abs=1e-4)
     assert int(rotor.loads(HOVER, 0.0, 0.0).roots) == 3
@@ -213,7 +214,7 @@ def test_the_simplified_law_and_camber_have_their_root_too() -> None:
         for motion in zip(*(one.tolist() for one in points(24, 5)), strict=True):
             if motion[1] < 0.0:
                 continue
-            found = core.solution(*motion)
+            found = core.solution(along_and_across(*motion).rows)
             y, v = found["radius"][7:8], found["inflow"][7:8]
             psi, weight = half_turn(found["azimuths"])
             grid = np.concatenate([v, np.linspace(v[0] + 1e-3, 3.0 * (v[0] + HOVER * y[0]), 3000)])
@@ -256,7 +257,7 @@ def check_nodes(blade: pm.Propeller, law: pm.Airfoil, flows: Iterable[Any], some
     shape = (blade.station, blade.chord, blade.twist, blade.blades)
     for given in flows:
         motion = tuple(float(v) for v in given)
-        found = core.solution(*motion)
+        found = core.solution(along_and_across(*motion).rows)
         wake = LiteralWake(RHO, *motion, blade.blades, blade.radius, windmill=found["windmill"])
         air = (RHO, MU, *motion, law.zero_lift_angle, 24, 0.004)
         rotor = LiteralRotor(*shape, section, wake, (0.0, 0.0), *air)

@@ -100,14 +100,14 @@ def test_loads_scale_with_density_at_fixed_reynolds_number(rotor: Rotor) -> None
     for beta in (0.0, 1.2):
         full, half = rotor.loads(OMEGA, 9.0, beta), thin.loads(OMEGA, 9.0, beta)
         for name in LOADS:
-            assert getattr(half, name) == pytest.approx(0.5 * getattr(full, name), rel=1e-9)
+            assert getattr(half, name) == pytest.approx(0.5 * getattr(full, name), rel=1e-10)
 
 
 def test_loads_scale_with_speed_squared_without_friction() -> None:
     rotor = rotor_of(pm.Model(BLADE, APC.with_parameters(c_p=0.0)))
     one, two = rotor.loads(400.0, 6.0, 1.0), rotor.loads(800.0, 12.0, 1.0)
-    assert float(two.thrust) == pytest.approx(4.0 * float(one.thrust), rel=1e-9)
-    assert float(two.torque) == pytest.approx(4.0 * float(one.torque), rel=1e-9)
+    assert float(two.thrust) == pytest.approx(4.0 * float(one.thrust), rel=1e-10)
+    assert float(two.torque) == pytest.approx(4.0 * float(one.torque), rel=1e-10)
 
 
 def test_simplified_lift_is_the_blend_with_stall_at_zero() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -10,7 +11,7 @@ import pytest
 import propmap
 from propmap.errors import InputError
 from propmap.loads import LOADS
-from propmap.model.corrections import typical_area
+from propmap.model.corrections import MountDrag, typical_area
 from propmap.rotor import core_corrections
 
 BLADE, LAW = propmap.propeller("apc-8x6e"), propmap.airfoil("paper-apc")
@@ -83,3 +84,23 @@ def test_a_mount_may_be_another_than_where_the_constants_are_from() -> None:
         propmap.Model(BLADE, law, corrections=(propmap.correction("pitt-peters"),))
     with pytest.raises(InputError, match="mount-drag is given twice"):
         propmap.Model(BLADE, LAW, corrections=(propmap.correction(MOUNT),) * 2)
+
+
+def test_a_typical_motor_has_28_by_30_mm_below_8_inches() -> None:
+    assert typical_area(0.1016) == pytest.approx(0.028 * 0.030)
+    assert typical_area(0.2032) == pytest.approx(4.0 * typical_area(0.1016))
+
+
+@pytest.mark.parametrize(
+    ("fields", "says"),
+    [
+        ({"area_m2": -1e-4}, "area_m2 is -0.0001: give an area of 0 m"),
+        ({"area_m2": math.nan}, "area_m2 is nan"),
+        ({"area_m2": math.inf}, "area_m2 is inf"),
+        ({"wake": 2.1}, "wake is 2.1: give a share of the inflow"),
+        ({"wake": math.nan}, "wake is nan"),
+    ],
+)
+def test_what_cannot_be_mounted(fields: dict[str, float], says: str) -> None:
+    with pytest.raises(InputError, match=says):
+        MountDrag(**fields)

@@ -56,6 +56,7 @@ def test_drag_by_hand() -> None:
 def test_footnote_1_is_the_simplified_lift(law: Law) -> None:
     simple = replace(law, attached=0.0)
     expected = law.c_l2 * np.sin(ALPHA) * np.cos(ALPHA)
+    # Sines by the core's polynomials and by the C library differ in the last bit or two.
     np.testing.assert_allclose(c_l(ALPHA, simple), expected, rtol=0.0, atol=4e-15)
     without = replace(simple, c_l1=0.0)
     np.testing.assert_array_equal(c_l(ALPHA, simple), c_l(ALPHA, without))
@@ -64,7 +65,7 @@ def test_footnote_1_is_the_simplified_lift(law: Law) -> None:
 @every_set
 def test_lift_is_odd_and_drag_even(law: Law) -> None:
     (up, drag_up), (down, drag_down) = (section(law).coefficients(s * ALPHA, 5e4) for s in (1, -1))
-    np.testing.assert_allclose(down, -up, atol=1e-14)
+    np.testing.assert_array_equal(down, -up)
     np.testing.assert_array_equal(drag_up, drag_down)
 
 
@@ -72,10 +73,10 @@ def test_lift_is_odd_and_drag_even(law: Law) -> None:
 def test_zero_lift_angle_shifts_lift_and_drag(shift: float) -> None:
     law = TABLE_I["stiff"]
     shifted = replace(law, zero_lift_angle=shift)
-    np.testing.assert_allclose(c_l(ALPHA + shift, shifted), c_l(ALPHA, law), atol=1e-11)
+    np.testing.assert_allclose(c_l(ALPHA + shift, shifted), c_l(ALPHA, law), atol=1e-12)
     moved = section(shifted).coefficients(ALPHA + shift, 5e4)[1]
     np.testing.assert_allclose(moved, drag(ALPHA, 5e4, law), atol=1e-14)
-    assert abs(float(c_l(np.array(shift), shifted))) < 1e-15
+    assert float(c_l(np.array(shift), shifted)) == 0.0
 
 
 def test_lift_slope_at_zero_lift_is_c_l1() -> None:
@@ -88,7 +89,7 @@ def test_lift_slope_at_zero_lift_is_c_l1() -> None:
 def test_attached_share_is_half_at_alpha_0_and_gone_in_reversed_flow() -> None:
     law = replace(TABLE_I["soft"], c_l2=0.0)
     angle = np.array([1e-3, law.alpha_0, -law.alpha_0, 3.1])
-    np.testing.assert_allclose(c_l(angle, law) / (law.c_l1 * angle), [1, 0.5, 0.5, 0], atol=1e-7)
+    np.testing.assert_allclose(c_l(angle, law) / (law.c_l1 * angle), [1, 0.5, 0.5, 0], atol=1e-9)
 
 
 laws = st.builds(
@@ -222,8 +223,8 @@ def test_lift_is_divided_by_the_root_of_one_minus_mach_squared(
     below = square < 0.36
     want = lift(alpha, TABLE_I["soft"]) / np.sqrt(1.0 - np.minimum(square, 0.49))
     # Forces are divided by what may be a small dynamic pressure.
-    np.testing.assert_allclose(found[below], want[below], atol=1e-7)
-    assert (np.abs(found) <= np.abs(lift(alpha, TABLE_I["soft"])) / np.sqrt(0.51) + 1e-7).all()
+    np.testing.assert_allclose(found[below], want[below], atol=1e-9)
+    assert (np.abs(found) <= np.abs(lift(alpha, TABLE_I["soft"])) / np.sqrt(0.51) + 1e-9).all()
 
 
 @pytest.mark.parametrize("flow", [(600.0, 0.0, 0.0), (300.0, 20.0, 1.5), (200.0, 9.0, 2.4)])
@@ -233,8 +234,8 @@ def test_a_share_of_the_attached_lift_comes_back(flow: tuple[float, float, float
     flat, share = lift(alpha, TABLE_I["soft"]), np.minimum(3.0 * (chord / y) ** 2, 1.0)
     near, far = np.abs(alpha) < np.pi / 6.0, np.abs(alpha) > np.pi / 3.0
     want = flat + share * (6.9 * alpha - flat)
-    np.testing.assert_allclose(found[near], want[near], atol=1e-7)
-    np.testing.assert_allclose(found[far], flat[far], atol=1e-7)
+    np.testing.assert_allclose(found[near], want[near], atol=1e-9)
+    np.testing.assert_allclose(found[far], flat[far], atol=1e-9)
 
 
 @pytest.mark.parametrize("text", ["stall-delay:strength=0", "prandtl-glauert:sound_mps=1e9"])

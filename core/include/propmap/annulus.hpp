@@ -54,7 +54,7 @@ template <class R> struct Annuli {
 // The angle of attack from zero lift [rad] at a tangential velocity.
 inline Lanes angle_at(const Station<Lanes>& at, Lanes u_t, Lanes u_p) {
     const Lanes per = 1.0 / square_root(u_t * u_t + u_p * u_p + 1e-30);
-    return angle_of((at.cosine * u_t + at.sine * u_p) * per, (at.sine * u_t - at.cosine * u_p) * per);
+    return radians(at.line - Angle<Lanes>{u_p * per, u_t * per, {}});
 }
 
 // An inflow of attached flow without drag [m/s]: v W = k (U_T^2 theta - U_T u), a few steps down to its root.
@@ -62,7 +62,7 @@ template <class R> Lanes attached_guess(const Annuli<R>& of, const Station<Lanes
     const auto& f = of.flow;
     const Lanes speed = of.rms_speed(at);
     const Lanes k = (of.rotor.blade->blades * value(of.rotor.law.attached_slope()) / (8.0 * pi)) * at.chord / at.radius;
-    const Lanes lift = k * speed * speed * at.sine, loss = k * f.omega * at.radius * at.cosine;
+    const Lanes lift = k * speed * speed * at.line.sine, loss = k * f.omega * at.radius * at.line.cosine;
     Lanes v = square_root(maximum(lift, 0.0)) + 1.5 * std::max(-f.v_axial, 0.0);
     for (int step = 0; step < 4; ++step) {
         const Lanes u = f.v_axial + v;
@@ -162,11 +162,11 @@ struct Scan {
 };
 
 // Scan the residual over all inflows at one radius.
-template <class R> Scan scan(const Annuli<R>& of, double radius, Samples& samples) {
+template <class R> Scan scan(const Annuli<R>& of, double radius, const Azimuths& over, Samples& samples) {
     const auto& f = of.flow;
     const Station<Lanes> at = of.station(broadcast(radius));
     const double speed = std::max(of.rms_speed(at)[0], 0.1 * std::fabs(f.v_axial) + 1e-9);
-    const double line = std::atan2(at.sine[0], at.cosine[0]);
+    const double line = radians(at.line)[0];
     std::array<double, 96> grid;
     int count = 0;
     const auto add_angle = [&](double phi) {
@@ -196,7 +196,7 @@ template <class R> Scan scan(const Annuli<R>& of, double radius, Samples& sample
     const auto evaluate = [&](const double* v, int n, Samples& into) {
         for (int k = 0; k < n; k += width) {
             const Lanes x = each_lane([&](int j) { return v[std::min(k + j, n - 1)]; });
-            const auto g = of.residual(at, x);
+            const auto g = of.residual(at, x, over);
             for (int j = 0; j < width && k + j < n; ++j) into.append(x[j], g.v[j], g.d[0][j]);
         }
     };
@@ -261,6 +261,19 @@ template <class R> Scan scan(const Annuli<R>& of, double radius, Samples& sample
         result.guess = result.high - 0.5 * (low + high) * (result.high - result.low);
     }
     return result;
+}
+
+// Scan at one radius; in climb deep in reverse flow, where stall lasts over most azimuths, a few of these tell
+// as much, if they find one root and all agree to it.
+template <class R> Scan scan_of(const Annuli<R>& of, double radius, Samples& samples) {
+    const auto& f = of.flow;
+    if (f.v_axial >= 0.0 && of.few.count < of.psi.count && f.v_inplane > f.omega * radius) {
+        const Scan found = scan(of, radius, of.few, samples);
+        const auto at = of.station(broadcast(radius));
+        const auto ends = of.residual(at, each_lane([&](int k) { return k % 2 ? found.low : found.high; })).v;
+        if (found.roots == 1 && ends[0] < 0.0 && ends[1] >= 0.0) return found;
+    }
+    return scan(of, radius, of.psi, samples);
 }
 
 // Roots between `low` and `high` by Newton's method, held between the two: NaN where it does not converge.
@@ -332,10 +345,8 @@ template <class R> Lanes stall_angles(const Annuli<R>& of, const Station<Lanes>&
 
 // Inflows at which the mean angle of attack is this one; NaN where none gives it.
 template <class R> Lanes inflow_at_angle(const Annuli<R>& of, const Station<Lanes>& at, Lanes speed, Lanes angle) {
-    const auto turn = sine_cosine(angle);
-    const Lanes rise = at.sine * turn.cosine - at.cosine * turn.sine;
-    const Lanes run = at.cosine * turn.cosine + at.sine * turn.sine;
-    return run > 0.05 ? speed * rise / run - of.flow.v_axial : broadcast(std::nan(""));
+    const auto phi = at.line - angle_from(angle);
+    return phi.cosine > 0.05 ? speed * phi.sine / phi.cosine - of.flow.v_axial : broadcast(std::nan(""));
 }
 template <class R>
 Lanes inflow_past_stall(const Annuli<R>& of, const Station<Lanes>& at, Lanes speed, Lanes stall, double off) {
@@ -345,8 +356,7 @@ Lanes inflow_past_stall(const Annuli<R>& of, const Station<Lanes>& at, Lanes spe
 // Over how wide a range of mean angles an annulus stalls, as a share of the paper's: in forward flight some azimuths
 // stall before others.
 template <class R> Lanes stall_spread(const Annuli<R>& of, const Station<Lanes>& at, Lanes stall) {
-    const auto turn = sine_cosine(stall);
-    const Lanes rise = absolute(at.sine * turn.cosine - at.cosine * turn.sine);  // sin(phi) at stall
+    const Lanes rise = absolute((at.line - angle_from(stall)).sine);  // sin(phi) at stall
     return minimum(of.stall_scale() + 5.0 * rise * of.flow.v_inplane / (of.flow.omega * at.radius + 1e-12), 1.0);
 }
 
@@ -354,8 +364,9 @@ template <class R> Lanes stall_spread(const Annuli<R>& of, const Station<Lanes>&
 template <class R> void humps_at(const Annuli<R>& of, Lanes radius, double side, Hump (&found)[width]) {
     const Dual<Lanes, 1> moved{radius, {broadcast(1.0)}};
     const Station<Dual<Lanes, 1>> moving = station_at(of.rotor, of.flow.omega, moved);
-    const Station<Lanes> at = {radius, moving.chord.v, moving.sine.v, moving.cosine.v, moving.drag_sine.v,
-                               moving.drag_cosine.v, moving.reynolds_per_speed.v, moving.inverse_root.v};
+    const Station<Lanes> at = {radius, moving.chord.v, {moving.line.sine, moving.line.cosine, {}},
+                               {moving.drag_line.sine, moving.drag_line.cosine, {}}, moving.reynolds_per_speed.v,
+                               moving.inverse_root.v};
     const Lanes speed = of.rms_speed(at), stall = stall_angles(of, at, side);
     Samples s[width];
     const auto sample = [&](Lanes v, const Azimuths& over) {
@@ -447,10 +458,8 @@ auto residual_at_stall(const R& rotor, const St& at, const F& flow, const Azimut
     const auto turning = flow.omega * at.radius;
     const auto speed = square_root(turning * turning + 0.5 * (flow.v_inplane * flow.v_inplane));
     const double reynolds = value(at.reynolds_per_speed)[0] * value(flow.omega) * value(at.radius)[0];
-    const auto stall = sine_cosine(rotor.law.stall_angle(reynolds, side));
-    const auto rise = at.sine * stall.cosine - at.cosine * stall.sine;
-    const auto run = at.cosine * stall.cosine + at.sine * stall.sine;
-    const auto inflow = speed * rise / run - flow.v_axial;
+    const auto phi = at.line - angle_from(broadcast(0.0) + rotor.law.stall_angle(reynolds, side));
+    const auto inflow = speed * sine(phi) / cosine(phi) - flow.v_axial;
     return annulus_thrust(rotor, at, flow, inflow, psi) - wake_thrust(rotor, at.radius, flow, windmill, inflow);
 }
 

@@ -98,8 +98,8 @@ template <class U, class R, class W> auto untwisting(const U& tip_angle, double 
 template <class T> struct Station {
     T radius;              // y [m]
     T chord;               // c [m]
-    T sine, cosine;        // of the angle of the zero-lift line to the disk plane
-    T drag_sine, drag_cosine;  // of that of the line of least drag
+    Angle<T> line;         // of the zero-lift line to the disk plane
+    Angle<T> drag_line;    // of the line of least drag to the disk plane
     T reynolds_per_speed;  // rho c / mu [s/m]
     T inverse_root;        // its power -1/2
 };

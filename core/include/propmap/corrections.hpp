@@ -8,24 +8,27 @@ namespace propmap {
 // How the inflow varies around the disk; see inflow.hpp.
 enum class InflowShape { uniform, pitt_peters, pitt_peters_gradient, coleman, white_blake, drees };
 
-// All that loads depend on but the operating point.  `S` is double, or dual where loads are differentiated.
-template <class S, template <class> class LawOf> struct Rotor {
-    using Scalar = S;
+// Blade, air and corrections: what loads are not differentiated by.
+struct RotorSettings {
     const BladeShape* blade = nullptr;
-    BladeChange<S> change{};
-    CorrectedLaw<LawOf<S>> law{};
     double density = 1.225;        // rho [kg/m^3]
     double viscosity = 1.983e-5;   // mu [Pa s]
     bool tip_loss = false;
     double hub_radius = 0.0;       // of Prandtl's loss at the hub [m]; 0 for none
     InflowShape inflow_shape = InflowShape::uniform;
     bool mounted = false;          // whether something stands in the slipstream
-    S mount_area{};                // its drag coefficient times area [m^2]
     double mount_wake = 1.0;       // inflow where it stands over that at the disk [-]
     bool radial_friction = false;
 
     double tip() const { return blade->tip; }
     double root() const { return blade->root; }
+};
+
+// All that loads depend on but the operating point.  `S` is double, or dual where loads are differentiated.
+template <class S, template <class> class LawOf> struct Rotor : RotorSettings {
+    BladeChange<S> change{};
+    CorrectedLaw<LawOf<S>> law{};
+    S mount_area{};                // drag coefficient times area of what is mounted [m^2]
 };
 
 // The blade at radii of a rotor that turns at omega.
@@ -52,11 +55,10 @@ template <class R, class W, class T> [[gnu::flatten]] auto station_at(const R& r
     const auto reynolds = per_speed * (omega * radius);
     const auto lift_line = line - rotor.law.zero_lift_angle_at(reynolds);
     const auto drag_line = line - rotor.law.least_drag_angle_at(reynolds);
-    const auto lift = sine_cosine(lift_line + 0.0 * wide), drag = sine_cosine(drag_line + 0.0 * wide);
-    using A = decltype(lift.sine + wide + radius);
+    using A = decltype(lift_line + drag_line + wide + radius);
     const A none{};
-    return Station<A>{radius + none,    wide + none,       lift.sine + none,  lift.cosine + none,
-                      drag.sine + none, drag.cosine + none, per_speed + none, root * root + none};
+    return Station<A>{radius + none,    wide + none, angle_from(lift_line + none), angle_from(drag_line + none),
+                      per_speed + none, root * root + none};
 }
 
 }  // namespace propmap

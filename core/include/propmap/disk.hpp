@@ -196,7 +196,7 @@ void find_folds(const Annuli<R>& of, const Disk& disk, const std::vector<bool>& 
     // The sign of the angle of attack without inflow tells at which stall to look.
     const double out = root + 0.6 * (tip - root);
     const auto beside = of.station(broadcast(out));
-    const double side = beside.sine[0] * f.omega * out - beside.cosine[0] * f.v_axial < 0.0 ? -1.0 : 1.0;
+    const double side = beside.line.sine[0] * f.omega * out - beside.line.cosine[0] * f.v_axial < 0.0 ? -1.0 : 1.0;
     auto& seen = folds.seen;
     seen.clear(), folds.count = 0, folds.side = side;
     const auto look = [&](Lanes radius, int count) {
@@ -212,7 +212,8 @@ void find_folds(const Annuli<R>& of, const Disk& disk, const std::vector<bool>& 
     const auto sort = [&] {
         std::sort(seen.begin(), seen.end(), [](const Hump& a, const Hump& b) { return a.radius < b.radius; });
     };
-    // Every other node will do, as the slopes are known.
+    // Every other node will do, as the slopes are known, and every fourth where no panels follow what is found.
+    const int every = follow ? 2 : 4;
     std::array<double, most_nodes + 2> places;
     int near = 0, chosen = 0;
     const auto add_group = [&](int g) {
@@ -225,7 +226,7 @@ void find_folds(const Annuli<R>& of, const Disk& disk, const std::vector<bool>& 
     const auto look_at_places = [&] {
         chosen = 0;
         for (int k = 0; k < near; ++k)
-            if (near <= 8 || k % 2 == 0 || k == near - 1) places[chosen++] = places[k];
+            if (near <= 8 || k % every == 0 || k == near - 1) places[chosen++] = places[k];
         look_at(places.data(), chosen);
         near = 0;
         sort();
@@ -419,7 +420,7 @@ template <class R> void solve_nodes(const Annuli<R>& of, Disk& disk, const Folds
             if (first + k < left) {
                 const int node = open[first + k];
                 radius[k] = disk.at[node / width].radius[node % width];
-                const Scan found = scan(of, radius[k], samples);
+                const Scan found = scan_of(of, radius[k], samples);
                 low[k] = found.low, high[k] = found.high;
                 guess[k] = found.found ? found.guess : std::nan("");
                 disk.several |= found.roots > 1;

@@ -56,7 +56,8 @@ DiskField disk_field(const RotorSolver<LawOf>& solver, Solution& s, const std::v
                 const double local = v[k] + s.harmonics.mean + share * (s.harmonics.lateral * sine +
                                                                         s.harmonics.longitudinal * std::cos(azimuth));
                 const double u_t = f.omega * y + f.v_inplane * sine, u_p = f.v_axial + local;
-                const double angle = std::atan2(at.sine[k] * u_t - at.cosine[k] * u_p, at.cosine[k] * u_t + at.sine[k] * u_p);
+                const double line_sine = at.line.sine[k], line_cosine = at.line.cosine[k];
+                const double angle = std::atan2(line_sine * u_t - line_cosine * u_p, line_cosine * u_t + line_sine * u_p);
                 const double side = angle < 0.0 ? -1.0 : 1.0;
                 const double stall = value(rotor.law.stall_angle(reynolds * std::hypot(u_t, u_p), side));
                 field.local_inflow.push_back(local);

@@ -8,9 +8,21 @@
 
 namespace propmap {
 
+// Derivatives along N directions.  A single one is no array: compilers then keep it in a register.
+template <class V, int N> struct Slopes {
+    V along[N];
+    V& operator[](int k) { return along[k]; }
+    const V& operator[](int k) const { return along[k]; }
+};
+template <class V> struct Slopes<V, 1> {
+    V only;
+    V& operator[](int) { return only; }
+    const V& operator[](int) const { return only; }
+};
+
 template <class V, int N> struct Dual {
     V v;
-    V d[N];
+    Slopes<V, N> d;
 };
 
 template <class T> struct Traits {
@@ -47,6 +59,19 @@ template <class T, class V> auto chain(const T& x, const V& f, const V& slope) {
 }
 
 template <class A, class B> concept EitherDual = IsDual<A> || IsDual<B>;
+
+// f(x, y) with its slopes there.
+template <class A, class B, class V> auto chain(const A& x, const B& y, const V& f, const V& by_x, const V& by_y) {
+    if constexpr (IsDual<A> && IsDual<B>) {
+        auto r = chain(x, f, by_x);
+        for (int k = 0; k < directions_of<A>; ++k) r.d[k] += by_y * y.d[k];
+        return r;
+    } else if constexpr (IsDual<A>) {
+        return chain(x, f, by_x);
+    } else {
+        return chain(y, f, by_y);
+    }
+}
 
 // Subtracting zero makes a constant as wide as V, and costs nothing; adding it would not be left out.
 template <class A, class B> requires EitherDual<A, B> auto operator+(const A& a, const B& b) {
@@ -133,7 +158,9 @@ template <class A, class B> requires EitherDual<A, B> auto minimum(const A& a, c
 template <class A, class B> requires EitherDual<A, B> auto maximum(const A& a, const B& b) {
     return select(a > b, a, b);
 }
-template <IsDual T> T absolute(const T& x) { return select(x < 0.0, -x, x); }
+template <IsDual T> T absolute(const T& x) {
+    return chain(x, absolute(x.v), select(x.v < 0.0, broadcast_like(x.v, -1.0), broadcast_like(x.v, 1.0)));
+}
 
 template <IsDual T> auto square_root(const T& x) {
     auto s = square_root(x.v);
@@ -152,11 +179,33 @@ template <IsDual T> SineCosine<T> sine_cosine(const T& x) {
     auto both = sine_cosine(x.v);
     return {chain(x, both.sine, both.cosine), chain(x, both.cosine, -both.sine)};
 }
+template <IsDual T> T square(const T& x) { return chain(x, x.v * x.v, 2.0 * x.v); }
 // By cosine^2 + sine^2 = 1 the angle's change is cosine d(sine) - sine d(cosine).
 template <class A, class B> requires EitherDual<A, B> auto angle_of(const A& cosine, const B& sine) {
     auto turn = value(cosine) * sine - value(sine) * cosine;
     turn.v = angle_of(value(cosine), value(sine));
     return turn;
+}
+
+// An angle by its sine and cosine.  Derivatives are those of the angle itself, one per direction, in `change`,
+// whose value is zero: sums of angles cost least so.
+template <class T> struct Angle {
+    ValueOf<T> sine, cosine;
+    T change;
+};
+template <class A, class B> auto operator-(const Angle<A>& a, const Angle<B>& b) {
+    const auto change = a.change - b.change;
+    return Angle<std::remove_const_t<decltype(change)>>{a.sine * b.cosine - a.cosine * b.sine,
+                                                       a.cosine * b.cosine + a.sine * b.sine, change};
+}
+template <class T> T sine(const Angle<T>& a) { return chain(a.change, a.sine, a.cosine); }
+template <class T> T cosine(const Angle<T>& a) { return chain(a.change, a.cosine, -a.sine); }
+template <class T> T radians(const Angle<T>& a) {
+    return chain(a.change, angle_of(a.cosine, a.sine), broadcast_like(a.cosine, 1.0));
+}
+template <class T> auto angle_from(const T& x) {
+    const auto both = sine_cosine(value(x));
+    return Angle<T>{both.sine, both.cosine, x - value(x)};
 }
 
 }  // namespace propmap

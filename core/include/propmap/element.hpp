@@ -18,19 +18,18 @@ template <class R, class St, class F, class V, class A>
 auto element_forces(const R& rotor, const St& at, const F& flow, const V& inflow, const A& sine_psi) {
     const auto u_t = flow.omega * at.radius + flow.v_inplane * sine_psi;  // Eq. (1)
     const auto u_p = flow.v_axial + inflow;                               // Eq. (2)
-    const auto square = speed_squared(u_t, u_p);
-    const auto per_root = inverse_fourth_root(square);  // U^(-1/2)
+    const auto squared = speed_squared(value(u_t), value(u_p));
+    const auto per_root = inverse_fourth_root(squared);  // U^(-1/2)
     const auto per_u = per_root * per_root;
-    const auto u = square * per_u;
-    const auto sin_phi = u_p * per_u, cos_phi = u_t * per_u;
-    // alpha = theta - phi, by the sines and cosines of both
-    const auto sine = at.sine * cos_phi - at.cosine * sin_phi;
-    const auto cosine = at.cosine * cos_phi + at.sine * sin_phi;
-    const auto drag_sine = at.drag_sine * cos_phi - at.drag_cosine * sin_phi;
+    const auto sin_phi = value(u_p) * per_u, cos_phi = value(u_t) * per_u;
+    // U changes with the velocity along the flow, phi with that across it.
+    const auto u = chain(u_t, u_p, squared * per_u, cos_phi, sin_phi);
+    const auto turned = chain(u_t, u_p, 0.0 * per_u, -sin_phi * per_u, cos_phi * per_u);
+    const Angle<std::remove_const_t<decltype(turned)>> phi{sin_phi, cos_phi, turned};
+    const auto alpha = at.line - phi, drag_alpha = at.drag_line - phi;
     const auto reynolds = at.reynolds_per_speed * u;
-    const auto root_re = at.inverse_root * per_root;
-    const SectionFlow<decltype(sine), decltype(u), decltype(reynolds), decltype(root_re)> section{
-        sine, cosine, drag_sine, u, reynolds, root_re};
+    const auto root_re = at.inverse_root * chain(u, per_root, -0.5 * per_root * per_u);
+    const SectionFlow section{alpha, drag_alpha, u, reynolds, root_re};
     const auto c = rotor.law.corrected(section, at.radius, at.chord);  // Eqs. (3)(4)
     // dL = 1/2 rho U^2 C_L c dy, dD = 1/2 rho U^2 C_D c dy
     const auto half = 0.5 * at.chord * u;
@@ -189,8 +188,8 @@ template <class R, class St, class F, class V>
         const auto reynolds = at.reynolds_per_speed * speed;
         const auto root_re = at.inverse_root * per_root;
         const auto none = 0.0 * speed;
-        const SectionFlow<decltype(none), decltype(speed), decltype(reynolds), decltype(root_re)> section{
-            none, none + 1.0, none, speed, reynolds, root_re};
+        const Angle<std::remove_const_t<decltype(none)>> zero{value(none), value(none) + 1.0, none};
+        const SectionFlow section{zero, zero, speed, reynolds, root_re};
         return speed * rotor.law.coefficients(section).drag;
     };
     const auto term = [&](int k, auto& turning, auto& along) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "disk.hpp"
+#include "ground_effect.hpp"
 
 namespace propmap {
 
@@ -46,6 +47,9 @@ inline const Accuracy fine_accuracy{
 // nothing, in climb and in descent; and above which reverse flow needs as many nodes as stall.
 inline constexpr double follow_below = 0.24, follow_descent_below = 0.45, reversed_above = 0.3;
 
+// A faster flow [m/s] is no propeller's, and squares of its speed lose all that is small beside them.
+inline constexpr double fastest_flow = 1e6;
+
 // From harmless to fatal; where several apply, the last is given.
 enum class Status : unsigned char { ok, multiple_roots, windmill, coarse, vortex_ring, not_converged };
 
@@ -57,6 +61,10 @@ struct Result {
     double mean_inflow = 0.0;
 };
 
+// A last step of the harmonics, in shares of all speeds: loads that follow it by their slopes err by its square, up to
+// 7e-7 of those at rest.
+inline constexpr double harmonics_close = 1e-4;
+
 inline double sum(Lanes x) {
     double total = 0.0;
     for (int k = 0; k < width; ++k) total += x[k];
@@ -66,6 +74,13 @@ template <int N> Dual<double, N> sum(const Dual<Lanes, N>& x) {
     Dual<double, N> total{sum(x.v), {}};
     for (int k = 0; k < N; ++k) total.d[k] = sum(x.d[k]);
     return total;
+}
+
+// From the loads of the blades per density to those of the rotor [N], [N m]: what is added, and factors on loads.
+template <class R, class S> void complete_loads(const R& rotor, const Flow<S>& flow, const S& mean_inflow, Loads<S>& loads) {
+    if (rotor.mounted) loads.drag += mount_drag(rotor, flow, mean_inflow);
+    loads.thrust = loads.thrust * ground_effect(rotor.tip(), flow, mean_inflow);
+    for (int k = 0; k < Loads<S>::count; ++k) loads.begin()[k] = loads.begin()[k] * rotor.density;
 }
 
 // All that is known of an operating point once (11) is solved.
@@ -113,7 +128,7 @@ template <template <class> class LawOf> class RotorSolver {
         // of the force against the rotation (0.01): a blade stalled at rest has small loads.
         const double omega = 100.0 / rotor_.tip();
         Solution at_rest;
-        at_rest.flow = {omega, 0.0, 0.0, 0.0};
+        at_rest.flow = {omega, 0.0, 0.0};
         at_rest.psi = azimuths(1);
         single_panel(at_rest.disk, rotor_.root(), rotor_.tip(), 24);
         place_nodes(rotor_, omega, at_rest.disk);
@@ -137,22 +152,28 @@ template <template <class> class LawOf> class RotorSolver {
 
     const Plain& rotor() const { return rotor_; }
 
-    // Loads at an operating point; `flow.v_hover` is filled in.
-    void solve(double omega, double v_axial, double v_inplane, Solution& s) const {
-        s.flow = {omega, v_axial, v_inplane, 0.0};
+    // Loads at an operating point; `v_hover` is filled in.
+    void solve(const Flow<double>& at, Solution& s) const {
+        const double omega = at.omega, v_axial = at.v_axial, v_inplane = at.v_inplane;
+        s.flow = at, s.flow.v_hover = 0.0;
         s.result = Result{};
         s.harmonics = {};
-        if (omega == 0.0 && v_axial == 0.0 && v_inplane == 0.0) {
+        const double fastest = std::max({omega * rotor_.tip(), std::fabs(v_axial), v_inplane});
+        const bool at_rest = fastest <= speed_floor;
+        if (at_rest || !(fastest < fastest_flow)) {
+            const double inflow = at_rest ? 0.0 : std::nan("");
             s.psi = azimuths(1);
             single_panel(s.disk, rotor_.root(), rotor_.tip(), accuracy_.free);
-            place_nodes(rotor_, omega, s.disk);
-            std::fill(s.disk.inflow.begin(), s.disk.inflow.end(), Lanes{});
+            place_nodes(rotor_, 0.0, s.disk);
+            std::fill(s.disk.inflow.begin(), s.disk.inflow.end(), broadcast(inflow));
             s.disk.several = s.windmill = false;
+            s.result.loads.thrust = inflow;
+            set_status(s, false);
             return;
         }
         if (v_axial < 0.0) {
             Solution still;
-            solve(omega, 0.0, 0.0, still);
+            solve({omega, 0.0, 0.0}, still);
             s.flow.v_hover = static_inflow(still.result.loads.thrust / rotor_.density, rotor_.tip());
         }
         s.windmill = vortex_ring::windmill(s.flow);
@@ -213,7 +234,7 @@ template <template <class> class LawOf> class RotorSolver {
 
     double hover_inflow(double omega) const {
         Solution still;
-        solve(omega, 0.0, 0.0, still);
+        solve({omega, 0.0, 0.0}, still);
         return static_inflow(still.result.loads.thrust / rotor_.density, rotor_.tip());
     }
 
@@ -231,9 +252,9 @@ template <template <class> class LawOf> class RotorSolver {
         if (s.flow.v_axial < 0.0) {
             // The static inflow follows what changes, but not the flight.
             Solution still;
-            solve(s.flow.omega, 0.0, 0.0, still);
+            solve({s.flow.omega, 0.0, 0.0}, still);
             const S zero{};
-            const auto at_rest = slopes<N>(still, rotor, Flow<S>{flow.omega, zero, zero, zero});
+            const auto at_rest = slopes<N>(still, rotor, Flow<S>{flow.omega, zero, zero});
             flow.v_hover = static_inflow(S(at_rest.thrust * (1.0 / rotor_.density)), rotor_.tip());
         }
         // Leaving axial flow, loads differ around the disk: the mean of sin^2(psi) takes several azimuths.
@@ -300,8 +321,7 @@ template <template <class> class LawOf> class RotorSolver {
             for (int j = 0; j < 3; ++j)
                 for (int k = 0; k < Loads<S>::count; ++k) total.begin()[k] += by[j].begin()[k] * steps[j];
         }
-        if (rotor_.mounted) total.drag += mount_drag(rotor, flow, mean_inflow);
-        for (int k = 0; k < Loads<S>::count; ++k) total.begin()[k] = total.begin()[k] * rotor_.density;
+        complete_loads(rotor, flow, mean_inflow, total);
         // In axial flow only the in-plane velocity makes loads in the disk plane and moments about it.
         for (int d = 0; d < N && s.flow.v_inplane == 0.0; ++d)
             if (flow.v_inplane.d[d] == 0.0)
@@ -444,25 +464,23 @@ template <template <class> class LawOf> class RotorSolver {
             if (rotor_.radial_friction && s.flow.v_inplane > 0.0)
                 add_up(radial_friction(rotor_, at, s.flow, inflow[g], s.psi));
         }
-        if (rotor_.mounted) total.drag += mount_drag(rotor_, s.flow, s.mean.inflow);
-        for (int k = 0; k < Loads<double>::count; ++k) s.result.loads.begin()[k] = total.begin()[k] * rotor_.density;
+        complete_loads(rotor_, s.flow, s.mean.inflow, total);
+        s.result.loads = total;
         s.thrust_tail = rotor_.density * tail(s, integrand.data());
         s.torque_tail = rotor_.density * tail(s, integrand.data() + most_nodes);
         s.result.ring = ring, s.result.mean_inflow = s.mean.inflow;
     }
 
     // Harmonics of the inflow and the loads that belong to each other, three equations, by Newton's method from
-    // none.  The step after the first usually is so short that the loads follow from their slopes.
+    // none.  The first steps, over a few azimuths, usually are so good that the next, over all, is short: the loads then
+    // follow from their slopes.
     Loads<double> find_harmonics(Solution& s, const std::vector<Lanes>& inflow, double ring, double* integrand) const {
         const auto response = faded(harmonic_response(rotor_.inflow_shape, s.mean, rotor_.tip()), 1.0 - ring);
         const double speed = s.flow.omega * rotor_.tip() + s.mean.speed();
         Loads<double> loads{}, by[3];
         Harmonics<double> h{};
-        without_harmonics(s, inflow, loads, by);
-        const double without = loads.thrust;
         double size = INFINITY;
-        for (int step = 0; step < 40 && size > 1e-5; ++step) {
-            if (step > 0) loads_and_slopes(s, s.psi, inflow, h, loads, by, integrand);
+        const auto step_to = [&](double without) {
             const auto asked = response.harmonics({loads.thrust, loads.roll_moment, -loads.pitch_moment}, without);
             const double wanted[3] = {asked.mean - h.mean, asked.lateral - h.lateral,
                                       asked.longitudinal - h.longitudinal};
@@ -474,30 +492,51 @@ template <template <class> class LawOf> class RotorSolver {
             h = {h.mean + change[0], h.lateral + change[1], h.longitudinal + change[2]};
             for (int j = 0; j < 3; ++j)
                 for (int k = 0; k < Loads<double>::count; ++k) loads.begin()[k] += change[j] * by[j].begin()[k];
-            if (step == 0) size = INFINITY;
-            if (!std::isfinite(size) && step > 0) break;
+        };
+        const Azimuths few = annuli(s).few;
+        without_harmonics(s, ring > 0.0 ? s.psi : few, inflow, loads, by);
+        double without = loads.thrust;
+        step_to(without);
+        for (int step = 0; step < 3 && size > 1e-3; ++step) {
+            loads_and_slopes(s, few, inflow, h, loads, by, integrand);
+            step_to(without);
+        }
+        // Without harmonics the blades' thrust is the wake's, by eq. (11), but within the vortex ring.
+        if (!(ring > 0.0)) without = wake_thrust_of(s);
+        size = INFINITY;
+        for (int step = 0; step < 40 && size > harmonics_close; ++step) {
+            loads_and_slopes(s, s.psi, inflow, h, loads, by, integrand);
+            step_to(without);
+            if (!std::isfinite(size)) break;
         }
         s.harmonics = h;
-        if (!(size <= 1e-5))
+        if (!(size <= harmonics_close))
             for (int k = 0; k < Loads<double>::count; ++k) loads.begin()[k] = std::nan("");
         return loads;
     }
 
+    double wake_thrust_of(const Solution& s) const {
+        double total = 0.0;
+        for (int g = 0; g < s.disk.groups; ++g)
+            total += sum(s.disk.weight[g] * wake_thrust(rotor_, s.disk.at[g].radius, s.flow, s.windmill, s.disk.inflow[g]));
+        return total;
+    }
+
     // Loads per density without harmonics, and the derivatives that the first step needs.
-    void without_harmonics(const Solution& s, const std::vector<Lanes>& inflow, Loads<double>& loads,
+    void without_harmonics(const Solution& s, const Azimuths& psi, const std::vector<Lanes>& inflow, Loads<double>& loads,
                            Loads<double> (&by)[3]) const {
         loads = {}, by[0] = {}, by[1] = {}, by[2] = {};
         for (int g = 0; g < s.disk.groups; ++g) {
             const auto& at = s.disk.at[g];
             const Lanes& weight = s.disk.weight[g];
             Lanes mean{}, sine{}, slope{}, slope_sine{}, slope_square{};
-            for (int k = 0; k < s.psi.count; ++k) {
+            for (int k = 0; k < psi.count; ++k) {
                 const Dual<Lanes, 1> v{inflow[g], {broadcast(1.0)}};
-                const auto f = element_forces(rotor_, at, s.flow, v, s.psi.sine[k]).normal;
-                const double x = s.psi.sine[k];
+                const auto f = element_forces(rotor_, at, s.flow, v, psi.sine[k]).normal;
+                const double x = psi.sine[k];
                 mean += f.v, sine += f.v * x, slope += f.d[0], slope_sine += f.d[0] * x, slope_square += f.d[0] * (x * x);
             }
-            const Lanes part = weight * (rotor_.blade->blades / double(s.psi.count));
+            const Lanes part = weight * (rotor_.blade->blades / double(psi.count));
             const Lanes arm = part * at.radius, share = at.radius * (1.0 / rotor_.tip());
             loads.thrust += sum(part * mean), loads.roll_moment += sum(arm * sine);
             by[0].thrust += sum(part * slope), by[0].roll_moment += sum(arm * slope_sine);

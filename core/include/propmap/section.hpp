@@ -3,7 +3,7 @@
 // A law is a struct of numbers with `coefficients`, `zero_lift_angle_at`, `least_drag_angle_at`, and what
 // the search for the inflow must know of stall: `stall_angle`, `stall_width`, `attached_slope`, `plain_stall`.  Its `kind`
 // names it; `each_number` lists by name what loads can be differentiated by; `read_fixed` and `copy_fixed`
-// are for what they cannot.  A new law is such a struct, and its name in laws.hpp.
+// are for what they cannot, once these are known.  A new law is such a struct, and its name in laws.hpp.
 #pragma once
 
 #include <algorithm>
@@ -15,9 +15,10 @@
 
 namespace propmap {
 
-// The flow at a section.  Angles of attack are from zero lift; `drag_sine` is of that from least drag.
+// The flow at a section.
 template <class A, class B, class C, class D> struct SectionFlow {
-    A sine, cosine, drag_sine;
+    Angle<A> alpha;           // of attack, from zero lift
+    Angle<A> drag_alpha;      // of attack, from least drag
     B speed;                  // U [m/s]
     C reynolds;               // rho U c / mu [-]
     D inverse_root_reynolds;  // Re^(-1/2) [-]
@@ -43,6 +44,7 @@ template <class S> struct BlendedLaw {
     S reynolds_camber;  // growth of the zero-lift angle by ln(Re) [rad]
     S drag_angle;       // of least pressure drag, above zero_lift_angle [rad]
     double attached;    // 1 for eq. (3); 0 for the simplified lift of footnote 1, whose c_l is c_l2
+    S far;              // exp(-2 M alpha_0), of the stall blend's other side
 
     static constexpr bool plain_stall = true;  // lift has no bends beyond that about stall
     static constexpr const char* kind = "blended";
@@ -52,13 +54,16 @@ template <class S> struct BlendedLaw {
         visit("sharpness", sharpness), visit("drag_factor", drag_factor);
         visit("reynolds_camber", reynolds_camber), visit("drag_angle", drag_angle);
     }
-    template <class Source> void read_fixed(const Source& from) { attached = from.number("attached"); }
-    template <class Law> void copy_fixed(const Law& from) { attached = from.attached; }
+    template <class Source> void read_fixed(const Source& from) { attached = from.number("attached"), complete(); }
+    template <class Law> void copy_fixed(const Law& from) { attached = from.attached, complete(); }
+    void complete() { far = power_of_two(maximum(-2.0 * log2_e * sharpness * alpha_0, 0.0 * alpha_0 - 100.0)); }
 
     static constexpr double log2_e = 1.44269504088896340736;
 
     // Re is that of the rotation alone: the angle is known before the inflow is.
     template <class R> auto zero_lift_angle_at(const R& reynolds) const {
+        if constexpr (!IsDual<S> && !IsDual<R>)
+            if (reynolds_camber == 0.0) return zero_lift_angle + 0.0 * reynolds;
         const auto within = minimum(maximum(reynolds, broadcast_like(value(reynolds), 1e4)),
                                     broadcast_like(value(reynolds), 1.2e5));
         return zero_lift_angle + reynolds_camber * logarithm(within * (1.0 / 5e4));
@@ -67,21 +72,27 @@ template <class S> struct BlendedLaw {
     bool varies_with_reynolds() const { return value(reynolds_camber) != 0.0 || IsDual<S>; }
 
     template <class F> auto coefficients(const F& flow) const {
-        const auto angle = angle_of(flow.cosine, flow.sine);
-        // The paper writes sigma = (1 + A + B)/((1 + A)(1 + B)), A = exp(-M (a - a0)), B = exp(M (a + a0)),
-        // which overflows.  It is even in a; for a >= 0, 1 - sigma = x/((1 + x)(x + e)) with x = 1/A and
-        // e = exp(-2 M a0): a single exponential, whose argument is limited.
-        const auto far = power_of_two(maximum(-2.0 * log2_e * sharpness * alpha_0, 0.0 * alpha_0 - 100.0));
-        auto exponent = log2_e * sharpness * (absolute(angle) - alpha_0);
-        const auto limit = broadcast_like(value(exponent), 58.0);
-        exponent = maximum(minimum(exponent, limit), -limit);
-        const auto x = power_of_two(exponent);
-        const auto share = attached * x / ((1.0 + x) * (x + far));  // 1 - sigma
-        const auto separated = c_l2 * flow.sine * flow.cosine;
-        const auto lift = separated + share * (c_l1 * angle - separated);  // Eq. (3)
-        const auto drag = c_d * flow.drag_sine * flow.drag_sine +
+        const auto angle = radians(flow.alpha);
+        const auto& [sine, cosine, change] = flow.alpha;
+        const auto separated = c_l2 * chain(change, sine * cosine, cosine * cosine - sine * sine);
+        const auto lift = separated + attached_share(angle) * (c_l1 * angle - separated);  // Eq. (3)
+        const auto drag = c_d * square(propmap::sine(flow.drag_alpha)) +
                           (2.0 * 1.02) * c_p * flow.inverse_root_reynolds + c_d0;  // Eq. (4)
         return Coefficients<decltype(lift + 0.0), decltype(drag + 0.0)>{lift, drag};
+    }
+
+    // 1 - sigma, how much of the flow is attached.
+    //
+    // The paper writes sigma = (1 + A + B)/((1 + A)(1 + B)), A = exp(-M (a - a0)), B = exp(M (a + a0)),
+    // which overflows.  It is even in a; for a >= 0, 1 - sigma = x/((1 + x)(x + e)) with x = 1/A and
+    // e = exp(-2 M a0): a single exponential, whose argument is limited.
+    template <class A> auto attached_share(const A& angle) const {
+        const auto exponent = sharpness * (absolute(angle) - alpha_0);
+        const auto limit = broadcast_like(value(exponent), 40.0);
+        const auto x = power_of_two(log2_e * maximum(minimum(value(exponent), limit), -limit));
+        const auto per = 1.0 / ((1.0 + x) * (x + value(far)));
+        const auto share = attached * x * per;
+        return chain(exponent, far, share, share * (value(far) - x * x) * per, -share * per * (1.0 + x));
     }
 
     S stall_angle(double, double side) const { return side * alpha_0; }
@@ -267,7 +278,7 @@ template <class S> struct TabulatedLaw {
     }
 
     template <class F> auto coefficients(const F& flow) const {
-        const auto angle = angle_of(flow.cosine, flow.sine);
+        const auto angle = radians(flow.alpha);
         const auto log_re = logarithm(flow.reynolds);
         Lanes lift[3], drag[3];
         for (int k = 0; k < width; ++k) {
@@ -303,15 +314,18 @@ template <class S> struct TabulatedLaw {
     double attached_slope() const { return table->attached_slope; }
 };
 
-// A law with the corrections of its lift that a model may have.
-template <class Law> struct CorrectedLaw : Law {
+// Corrections of a law's lift.
+struct LiftCorrections {
     double stall_delay = 0.0;     // factor of (c/y)^2 [-]; 0 for none
     double speed_of_sound = 0.0;  // [m/s]; 0 for incompressible flow
+};
 
+// A law with the corrections of its lift that a model may have.
+template <class Law> struct CorrectedLaw : Law, LiftCorrections {
     template <class F, class R, class C>
     auto corrected(const F& flow, const R& radius, const C& chord) const {
         auto c = Law::coefficients(flow);
-        using Lift = decltype(c.lift + this->attached_slope() * angle_of(flow.cosine, flow.sine) * chord / radius *
+        using Lift = decltype(c.lift + this->attached_slope() * radians(flow.alpha) * chord / radius *
                                            flow.speed);
         Coefficients<Lift, decltype(c.drag)> r{c.lift - Lift{}, c.drag};
         if (stall_delay > 0.0) r.lift = delayed(r.lift, flow, radius, chord);
@@ -324,7 +338,7 @@ template <class Law> struct CorrectedLaw : Law {
     template <class L, class F, class R, class C>
     auto delayed(const L& lift, const F& flow, const R& radius, const C& chord) const {
         const double from = pi / 6.0, span = pi / 6.0;
-        const auto angle = angle_of(flow.cosine, flow.sine);
+        const auto angle = radians(flow.alpha);
         const auto zero = 0.0 * angle;
         const auto past = minimum(maximum(absolute(angle) - from, zero), zero + span);
         const auto weight = 0.5 + 0.5 * sine_cosine(past * (pi / span)).cosine;

@@ -10,7 +10,14 @@ template <class S> struct Flow {
     S omega;      // Omega [rad/s], >= 0
     S v_axial;    // V cos(beta) [m/s], positive in climb
     S v_inplane;  // V sin(beta) [m/s], >= 0
-    S v_hover;    // static inflow (12) at the same Omega [m/s]; used where v_axial < 0
+    S v_hover{};  // static inflow (12) at the same Omega [m/s]; used where v_axial < 0
+    S height = S{} + INFINITY;  // of the disk above the ground [m]
+
+    // What a user gives, by name, in the order of arrays of operating points.
+    static constexpr int variables = 4;
+    template <class Visit> void each_variable(Visit visit) {
+        visit("omega", omega), visit("v_axial", v_axial), visit("v_inplane", v_inplane), visit("height", height);
+    }
 };
 
 // Speed [m/s] added in quadrature to every speed that is divided by: a section that stands still in the
@@ -18,7 +25,7 @@ template <class S> struct Flow {
 inline constexpr double speed_floor = 1e-9;
 
 template <class A, class B> auto speed_squared(const A& a, const B& b) {
-    return a * a + b * b + speed_floor * speed_floor;
+    return square(a) + square(b) + speed_floor * speed_floor;
 }
 
 // Share of the annulus between `root` and `tip` [m] inside the reverse-flow circle y = -V sin(beta) sin(psi)/Omega, which

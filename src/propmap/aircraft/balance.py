@@ -13,6 +13,7 @@ from propmap.typing import Floats
 from propmap.vehicle.flight_log import GRAVITY, in_vehicle_frame
 from propmap.vehicle.free_stream_force import free_stream_force
 from propmap.vehicle.rotors import Rotors, RotorWrenches
+from propmap.vehicle.vectors import cross
 from propmap.vehicle.vehicle import Vehicle
 
 CHANGE = 1e-4
@@ -150,7 +151,10 @@ class Balance:
         def linearised(unknowns: Floats, which: NDArray[np.intp]) -> tuple[Floats, Floats]:
             return self._linearised(unknowns, flight.part(which))
 
-        found = solve(linearised, self._bounded, first, flight.speed, tolerance)
+        def residuals(unknowns: Floats, which: NDArray[np.intp]) -> Floats:
+            return self.told(unknowns, flight.part(which)).unbalanced
+
+        found = solve(linearised, residuals, self._bounded, first, flight.speed, tolerance)
         return self.told(found, flight)
 
     def unknowns(self, pitch: Floats, roll: Floats, squares: Floats) -> Floats:
@@ -185,24 +189,24 @@ class Balance:
 
         Parameters
         ----------
-        pitch, roll : ndarray, shape (n,)
+        pitch, roll : ndarray, shape (..., n)
             [rad].
         flight : Flight
             Of n.
 
         Returns
         -------
-        velocity : ndarray, shape (n, 3)
+        velocity : ndarray, shape (..., n, 3)
             Of the centre of mass [m/s].
-        hubs : ndarray, shape (n, k, 3)
+        hubs : ndarray, shape (..., n, k, 3)
             That of the hubs [m/s].
-        specific : ndarray, shape (n, 3)
+        specific : ndarray, shape (..., n, 3)
             Specific force [m/s^2].
         """
         velocity = in_vehicle_frame(flight.speed, 0.0, flight.climb, pitch, roll)
         up = in_vehicle_frame(0.0, 0.0, 1.0, pitch, roll)
         rates = flight.turn_rate[:, None] * up
-        hubs = velocity[:, None] + np.cross(rates[:, None], self.rotors.position)
+        hubs = velocity[..., None, :] + cross(rates[..., None, :], self.rotors.position)
         aside = -GRAVITY * np.tan(flight.bank)
         return velocity, hubs, in_vehicle_frame(0.0, aside, GRAVITY, pitch, roll)
 
@@ -225,11 +229,8 @@ class Balance:
         """Residuals (n, u) and their derivatives (n, u, u)."""
         pitch, roll = unknowns[:, 0], unknowns[:, 1]
         omega = np.sqrt(self.squares(unknowns))
-        motions = [
-            self.motion(pitch + by_pitch, roll + by_roll, flight)
-            for by_pitch, by_roll in ((0.0, 0.0), (CHANGE, 0.0), (0.0, CHANGE))
-        ]
-        velocity, hubs, specific = (np.stack(each) for each in zip(*motions, strict=True))
+        turned = CHANGE * np.array([[0.0], [1.0], [0.0]]), CHANGE * np.array([[0.0], [0.0], [1.0]])
+        velocity, hubs, specific = self.motion(pitch + turned[0], roll + turned[1], flight)
         found, force, moment = self.rotors.around(omega, hubs, CHANGE)
         residual, _ = self._residual(velocity, specific, found)
         by_angles = (residual[1:] - residual[0]) / CHANGE

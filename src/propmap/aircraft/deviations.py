@@ -12,10 +12,11 @@ from propmap.aircraft.load_changes import LoadChanges
 from propmap.aircraft.response import Response, Responses
 from propmap.aircraft.steady import Aircraft
 from propmap.aircraft.steady_states import SteadyStates
-from propmap.bands import FlowPoints, errors_of_loads
+from propmap.bands import errors_of_loads
 from propmap.errors import InputError
-from propmap.loads import FLOW, LOADS
+from propmap.loads import LOADS
 from propmap.model.section_covariance import SectionCovariance
+from propmap.operating_points import FlowPoints
 from propmap.rotor import Rotor
 from propmap.table.query import LoadTable
 from propmap.typing import Floats
@@ -200,7 +201,7 @@ def _to_parameters(responses: Responses, names: tuple[str, ...]) -> list[Respons
                 f"there is no derivative by {names[0]!r}: the loads are from a table",
                 f"give the aircraft a Rotor, or names of {', '.join(VEHICLE)}",
             )
-        known = (*(name for name in source.parameters if name not in FLOW), DIAMETER)
+        known = (*(name for name in source.parameters if name not in FlowPoints._fields), DIAMETER)
         unknown = [name for name in names if name not in known]
         if unknown:
             raise InputError(
@@ -217,7 +218,7 @@ def _slopes_of(rotor: Rotor, wanted: tuple[str, ...]) -> Any:
     def at(points: FlowPoints) -> Floats:
         by_name = {}
         if names:
-            slopes = rotor.gradients(names, *points).slopes
+            slopes = rotor.gradients_at(names, points).slopes
             by_name = dict(zip(names, slopes.transpose(1, 0, 2), strict=True))
         if DIAMETER in wanted:
             by_name[DIAMETER] = _by_diameter(rotor, points)
@@ -228,7 +229,7 @@ def _slopes_of(rotor: Rotor, wanted: tuple[str, ...]) -> Any:
 
 def _by_diameter(rotor: Rotor, points: FlowPoints) -> Floats:
     """Derivatives (L, N) of the loads by a common factor on radius and chord."""
-    omega, along, across = points
+    omega, along, across, _ = points
     velocity = np.stack([across, np.zeros_like(across), along], axis=1)
     rows = []
     for factor in (1.0 + GROWTH, 1.0 - GROWTH):
@@ -254,7 +255,7 @@ def _to_errors(responses: Responses) -> list[Response]:
 
 def _errors_of(source: Any) -> Any:
     def at(points: FlowPoints) -> Floats:
-        omega, along, across = points
+        omega, along, across, _ = points
         if isinstance(source, Rotor):
             loads = source.loads_at_velocity(
                 omega, np.stack([across, np.zeros_like(across), along], axis=1)

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from propmap.bands import FlowPoints
 from propmap.loads import LOADS
+from propmap.operating_points import FlowPoints
 from propmap.typing import Floats
 
 ChangesAt = Callable[[FlowPoints], Floats]

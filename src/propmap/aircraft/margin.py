@@ -12,8 +12,8 @@ from propmap.typing import Floats
 SLOWEST, FASTEST = 0.2, 20.0
 """Least and largest factor on rotor speeds that is looked at."""
 
-PIECES, ROUNDS = 8, 3
-"""The factor's range is cut into so many, so many times; then shares are interpolated."""
+PIECES = (8, 4, 4, 4)
+"""The factor's range is cut into so many, one after the other; then shares are interpolated."""
 
 
 def thrust_margin(at: Callable[[Floats], tuple[Floats, Floats]], count: int) -> Floats:
@@ -29,15 +29,22 @@ def thrust_margin(at: Callable[[Floats], tuple[Floats, Floats]], count: int) -> 
     count : int
         n.
     """
+    each = np.arange(count)
     low, high = (np.full(count, math.log(factor)) for factor in (SLOWEST, FASTEST))
-    each, (_, needed) = np.arange(count), at(np.ones((1, count)))
-    for _ in range(ROUNDS):
-        logs = np.linspace(low, high, PIECES + 1)
-        share, thrust = at(np.exp(logs))
+    share, thrust = at(np.exp([np.zeros(count), low, high]))
+    needed, share, thrust = thrust[0], share[1:], thrust[1:]
+    for pieces in PIECES:
+        logs = np.linspace(low, high, pieces + 1)
+        inner = at(np.exp(logs[1:-1]))
+        share, thrust = (
+            np.concatenate([ends[:1], between, ends[1:]])
+            for ends, between in zip((share, thrust), inner, strict=True)
+        )
         beyond = ~(share <= 1.0)
         beyond[0], beyond[-1] = False, True
         k = beyond.argmax(axis=0)
-        low, high = logs[k - 1, each], logs[k, each]
-    (s0, s1), (t0, t1) = ((a[k - 1, each], a[k, each]) for a in (share, thrust))
-    found = (t0 + (1.0 - s0) / (s1 - s0) * (t1 - t0)) / needed[0]
+        around = np.stack([k - 1, k]), each
+        (low, high), share, thrust = logs[around], share[around], thrust[around]
+    (s0, s1), (t0, t1) = share, thrust
+    found = (t0 + (1.0 - s0) / (s1 - s0) * (t1 - t0)) / needed
     return np.where(s0 <= 1.0, found, math.nan)

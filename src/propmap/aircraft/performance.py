@@ -12,7 +12,7 @@ from propmap.aircraft.deviations import spread
 from propmap.aircraft.response import Responses
 from propmap.aircraft.steady import Aircraft
 from propmap.aircraft.steady_states import SteadyStates
-from propmap.aircraft.top_speed import top_speed
+from propmap.aircraft.top_speed import searched
 from propmap.errors import InputError
 from propmap.typing import Floats
 
@@ -138,10 +138,10 @@ def performance(
         raise InputError("the speeds must rise", "give two or more, each once")
     if not math.isfinite(wind):
         raise InputError(f"the wind is {wind}", "give a headwind in m/s, negative from behind")
-    fastest, limit = top_speed(aircraft, states, climb)
+    fastest, limit, known = searched(aircraft, states, climb)
     last = speed[-1] if math.isnan(fastest) else fastest
     grid = np.linspace(0.0, last, SPEEDS)
-    curve = aircraft.steady(grid, climb, margin=False, near=states)
+    curve = aircraft.steady(grid, climb, margin=False, near=known)
     power, at_rest = curve.power, str(curve.status[0])
     ok = np.isfinite(power)
     # Distance per energy; where the wind is faster there is none.

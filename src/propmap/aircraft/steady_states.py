@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -106,3 +107,16 @@ class SteadyStates:
         """Electrical power where it is known, else shaft power [W], (n,)."""
         known = np.isfinite(self.electrical_power)
         return np.where(known, self.electrical_power, self.shaft_power)
+
+    def and_also(self, other: SteadyStates) -> SteadyStates:
+        """These states and those of the ``other`` at further speeds, in the order of speeds."""
+        _, order = np.unique(np.concatenate([self.speed, other.speed]), return_index=True)
+
+        def both(mine: Any, its: Any) -> Any:
+            if isinstance(mine, dict):
+                return {name: both(values, its[name]) for name, values in mine.items()}
+            return np.concatenate([mine, its])[order]
+
+        return SteadyStates(
+            *(both(getattr(self, f.name), getattr(other, f.name)) for f in fields(self))
+        )

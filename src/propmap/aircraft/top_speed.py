@@ -38,31 +38,35 @@ def top_speed(aircraft: Aircraft, states: SteadyStates, climb: float) -> tuple[f
     climb : float
         That climb rate [m/s].
     """
+    return searched(aircraft, states, climb)[:2]
+
+
+def searched(
+    aircraft: Aircraft, states: SteadyStates, climb: float
+) -> tuple[float, str, SteadyStates]:
+    """The same, and the ``states`` with those that the search has come by."""
     low, high, why = _last_and_next(states)
     for _ in range(STEPS):
         if math.isnan(low):
-            return math.nan, why
+            return math.nan, why, states
         if math.isnan(high):
             if low >= FASTEST:
-                return math.nan, ""
-            # The last two that are flown, to begin from, and one beyond.
-            speeds = np.array([*states.speed[states.found][-2:], max(low, 1.0) * BEYOND])
+                return math.nan, "", states
+            further = np.array([max(low, 1.0) * BEYOND])
         elif high - low <= CLOSE * high:
             break
         else:
             met = _met(states, low, high, why)
-            inner = met + NARROW * (high - low) * np.array([-1.0, 0.0, 1.0])
+            further = met + NARROW * (high - low) * np.array([-1.0, 0.0, 1.0])
             if math.isnan(met):
-                inner = low + (high - low) * np.array([0.25, 0.5, 0.75])
-            inner = inner[(inner > low) & (inner < high)]
-            speeds = np.concatenate([[low], inner, [high]])
-        following = aircraft.steady(speeds, climb, margin=False, near=states)
-        found = _last_and_next(following)
-        if math.isnan(found[0]):
-            break  # at the edge of what can be solved
-        states, (low, high, why) = following, found
+                further = low + (high - low) * np.array([0.25, 0.5, 0.75])
+            further = further[(further > low) & (further < high)]
+        # Those that are not found at once begin anew at the last that was.
+        speeds = np.array([low, *further])
+        states = states.and_also(aircraft.steady(speeds, climb, margin=False, near=states))
+        low, high, why = _last_and_next(states)
     met = _met(states, low, high, why)
-    return (low if math.isnan(met) else low + WITHIN * (met - low)), why
+    return (low if math.isnan(met) else low + WITHIN * (met - low)), why, states
 
 
 def _met(states: SteadyStates, low: float, high: float, why: str) -> float:

@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-import difflib
 from dataclasses import dataclass
 from functools import lru_cache
-from importlib.resources import files
-from importlib.resources.abc import Traversable
+from pathlib import Path
 
 from propmap.errors import InputError, quoted
 from propmap.io.propeller_toml import SCHEMA, parse_propeller_toml
 from propmap.io.toml_table import parse_toml
 from propmap.model.propeller import Propeller
-
-SUFFIX = ".toml"
 
 
 @dataclass(frozen=True)
@@ -83,15 +79,16 @@ def unknown_name(name: str) -> InputError:
 
 def close_names(text: str) -> str:
     """A question that holds the names in the catalogue closest to ``text``."""
+    import difflib
+
     close = difflib.get_close_matches(text.strip().lower(), names(), n=3, cutoff=0.0)
     return f"did you mean {', '.join(close)}?"
 
 
 @lru_cache(maxsize=1)
-def _files() -> dict[str, Traversable]:
-    folder = files(__package__) / "propellers"
-    found = {f.name.removesuffix(SUFFIX): f for f in folder.iterdir() if f.name.endswith(SUFFIX)}
-    return dict(sorted(found.items()))
+def _files() -> dict[str, Path]:
+    found = (Path(__file__).parent / "propellers").glob("*.toml")
+    return {file.stem: file for file in sorted(found, key=lambda file: file.stem)}
 
 
 @lru_cache(maxsize=1)

@@ -6,8 +6,8 @@ import csv
 import io
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
-from importlib.resources import files
+from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -136,17 +136,26 @@ def identified(propeller: str, blades: int) -> Identified | None:
     blades : int
         How many of them the rotor has.
     """
-    return _bundled().get((propeller.strip().lower(), blades))
+    key = propeller.strip().lower(), blades
+    return _bundled(key) if key in _rows() else None
 
 
 def all_identified() -> list[Identified]:
     """All bundled constants of measured blades, in the order of the file."""
-    return [one for one in _bundled().values() if one.geometry == "measured"]
+    return [_bundled(key) for key, row in _rows().items() if row["geometry"] == "measured"]
 
 
 def identified_without_blade() -> list[Identified]:
     """All bundled constants of propellers whose blades were never measured."""
-    return [one for one in _bundled().values() if one.geometry != "measured"]
+    return [_bundled(key) for key, row in _rows().items() if row["geometry"] != "measured"]
+
+
+def named_without_blade(name: str) -> Identified | None:
+    """That of ``identified_without_blade`` with this ``name``, in lower case, if there is one."""
+    found = [
+        key for key, row in _rows().items() if key[0] == name and row["geometry"] != "measured"
+    ]
+    return _bundled(found[0]) if found else None
 
 
 def one_of_each(entries: Sequence[Identified]) -> list[Identified]:
@@ -237,8 +246,14 @@ def _pair(i: int, j: int) -> str:
     return f"cov_{PARAMETERS[i]}_{PARAMETERS[j]}"
 
 
-@lru_cache(maxsize=1)
-def _bundled() -> dict[tuple[str, int], Identified]:
-    file = files("propmap.catalogue") / "identified" / "uiuc.csv"
-    entries = parse_identified(file.read_text(encoding="utf-8"), "catalogue of constants")
-    return {(one.propeller, one.blades): one for one in entries}
+@cache
+def _rows() -> dict[tuple[str, int], dict[str, str]]:
+    """The bundled file's rows by propeller and number of blades."""
+    with (Path(__file__).parent / "identified" / "uiuc.csv").open(encoding="utf-8") as file:
+        return {(row["propeller"], int(row["blades"])): row for row in csv.DictReader(file)}
+
+
+@cache
+def _bundled(key: tuple[str, int]) -> Identified:
+    # Made when it is asked for: a process wants one of them, and all take longer than a rotor.
+    return _entry(_rows()[key])

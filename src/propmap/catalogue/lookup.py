@@ -17,7 +17,11 @@ from propmap.catalogue.designation import (
     series_named,
 )
 from propmap.catalogue.expected_blade import ExpectedBlade, blade_of, expected_blade
-from propmap.catalogue.identified import Identified, identified_without_blade
+from propmap.catalogue.identified import (
+    Identified,
+    identified_without_blade,
+    named_without_blade,
+)
 from propmap.errors import InputError, quoted
 from propmap.io.blade_table import check_radius
 from propmap.io.geometry_file import read_geometry_file
@@ -88,9 +92,9 @@ def meant_by(name_or_path: str | os.PathLike[str]) -> catalogue.Entry | Expected
     name = text.strip().lower()
     if name in catalogue.names():
         return catalogue.entry(name)
-    for one in identified_without_blade():
-        if name == one.propeller:
-            return blade_of(text, Designation((one.family,), *one.size, None), one)
+    one = named_without_blade(name)
+    if one is not None:
+        return blade_of(text, Designation((one.family,), *one.size, None), one)
     return None if looks_like_path(name_or_path) else designated(text)
 
 

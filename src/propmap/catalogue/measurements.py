@@ -6,7 +6,7 @@ import difflib
 import functools
 from collections.abc import Mapping
 from dataclasses import dataclass
-from importlib.resources import files
+from pathlib import Path
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from propmap.typing import Floats
 
 SCHEMA = 1
 SUFFIX = ".toml"
+_FOLDER = Path(__file__).parent / "measurements"
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,8 +54,7 @@ class Measurement:
 
 def measurement_names() -> list[str]:
     """The names of all measurements, in alphabetical order."""
-    folder = files("propmap.catalogue") / "measurements"
-    return sorted(f.name.removesuffix(SUFFIX) for f in folder.iterdir() if f.name.endswith(SUFFIX))
+    return sorted(file.stem for file in _FOLDER.glob(f"*{SUFFIX}"))
 
 
 @functools.lru_cache(maxsize=32)
@@ -67,7 +67,7 @@ def measurement(name: str) -> Measurement:
             f"{quoted(name)} is not a measurement of the catalogue",
             f"choose one of {', '.join(close)}",
         )
-    file = files("propmap.catalogue") / "measurements" / f"{key}{SUFFIX}"
+    file = _FOLDER / f"{key}{SUFFIX}"
     fields = parse_toml(file.read_text(encoding="utf-8"), f"measurement {key}", SCHEMA)
 
     def array(column: str) -> Floats:

@@ -10,7 +10,7 @@ import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import lru_cache
-from importlib.resources import files
+from pathlib import Path
 
 import numpy as np
 
@@ -108,5 +108,5 @@ def _listed(values: Floats) -> str:
 
 @lru_cache(maxsize=1)
 def _bundled() -> dict[str, Population]:
-    file = files("propmap.catalogue") / "identified" / "population.toml"
+    file = Path(__file__).parent / "identified" / "population.toml"
     return parse_populations(file.read_text(encoding="utf-8"))

@@ -8,57 +8,53 @@ import sys
 import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 import typer
 
 import propmap
-from propmap.cli.check import check
-from propmap.cli.choose import choose
-from propmap.cli.demo import demo
-from propmap.cli.explore import explore
-from propmap.cli.export import export
-from propmap.cli.fit import fit_app
-from propmap.cli.listings import airfoils_app, props_app
-from propmap.cli.plot import plot_app
-from propmap.cli.predict import predict
-from propmap.cli.report import report
-from propmap.cli.reproduce import reproduce
-from propmap.cli.show import show_table
-from propmap.cli.simulate import simulate_app
-from propmap.cli.study import study
-from propmap.cli.sweep import sweep
-from propmap.cli.table import table
-from propmap.cli.trim import trim
+from propmap.cli.lazy_group import LazyGroup
 from propmap.errors import InputError
 from propmap.model.drag_factor import MESSAGE as DRAG_FACTOR
 
 INTERRUPTED = 130
 
+# SciPy's matrices are small here: threads of its own would wait for each other beside the core's.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+
+class Commands(LazyGroup):
+    """All commands, in the order in which help lists them."""
+
+    places: ClassVar = {
+        "predict": "predict.predict",
+        "sweep": "sweep.sweep",
+        "study": "study.study",
+        "table": "table.table",
+        "show": "show.show_table",
+        "export": "export.export",
+        "trim": "trim.trim",
+        "choose": "choose.choose",
+        "check": "check.check",
+        "report": "report.report",
+        "explore": "explore.explore",
+        "demo": "demo.demo",
+        "reproduce": "reproduce.reproduce",
+        "fit": "fit.fit_app",
+        "simulate": "simulate.simulate_app",
+        "plot": "plot.plot_app",
+        "props": "listings.props_app",
+        "airfoils": "listings.airfoils_app",
+    }
+
+
 app = typer.Typer(
+    cls=Commands,
     help="A propeller's six loads, from hover to fast oblique flight.",
     add_completion=False,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
 )
-app.command()(predict)
-app.command()(sweep)
-app.command()(study)
-app.command()(table)
-app.command("show")(show_table)
-app.command()(export)
-app.add_typer(fit_app)
-app.add_typer(simulate_app)
-app.command()(trim)
-app.command()(choose)
-app.command()(check)
-app.command()(report)
-app.add_typer(plot_app)
-app.add_typer(props_app)
-app.add_typer(airfoils_app)
-app.command()(explore)
-app.command()(demo)
-app.command()(reproduce)
 
 
 def _show_version(wanted: bool) -> None:

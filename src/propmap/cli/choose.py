@@ -31,7 +31,7 @@ from propmap.cli.output import (
 )
 from propmap.cli.rotor_options import Corrections, ModelName, ModelOption
 from propmap.errors import InputError, quoted
-from propmap.tasks import InThreads, Workers
+from propmap.tasks import InProcesses, Workers
 
 if TYPE_CHECKING:
     from propmap.aircraft.candidates import Candidate
@@ -132,7 +132,7 @@ def choose(
     corrections = tuple(corrections_of(model or ModelName.recommended, correction or ()))
     say_missing(read)
     ranking = Ranking(read, wanted, corrections, maximum_rotor_speed=largest, charge=charge)
-    with workers_of(cluster, InThreads(cores())) as workers:
+    with InProcesses(cores()) as here, workers_of(cluster, here) as workers:
         judged = _judged(ranking, candidates, top, workers)
     title = (
         f"{read.name}, {read.mass:g} kg, {len(read.mounts)} rotors; "

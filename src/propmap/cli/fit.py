@@ -2,19 +2,29 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 import typer
 
-from propmap.cli.fit_catalogue import fit_catalogue
-from propmap.cli.fit_flight import fit_flight
-from propmap.cli.fit_static import fit_static
-from propmap.cli.fit_terms import fit_terms_page
-from propmap.cli.fit_tunnel import fit_tunnel
+from propmap.cli.lazy_group import LazyGroup
+
+
+class FitCommands(LazyGroup):
+    """What can be fitted, in the order in which help lists it."""
+
+    places: ClassVar = {
+        "tunnel": "fit_tunnel.fit_tunnel",
+        "flight": "fit_flight.fit_flight",
+        "static": "fit_static.fit_static",
+        "terms": "fit_terms.fit_terms_page",
+        "catalogue": "fit_catalogue.fit_catalogue",
+    }
+
 
 fit_app = typer.Typer(
-    name="fit", help="Identify section parameters.", no_args_is_help=True, rich_markup_mode=None
+    name="fit",
+    cls=FitCommands,
+    help="Identify section parameters.",
+    no_args_is_help=True,
+    rich_markup_mode=None,
 )
-fit_app.command("tunnel")(fit_tunnel)
-fit_app.command("flight")(fit_flight)
-fit_app.command("static")(fit_static)
-fit_app.command("terms")(fit_terms_page)
-fit_app.command("catalogue")(fit_catalogue)

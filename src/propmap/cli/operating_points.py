@@ -11,10 +11,13 @@ from propmap.io.operating_points import OperatingPoints, check_value
 from propmap.typing import Floats
 
 
-def single_point(rpm: float, speed: float, beta: float) -> OperatingPoints:
-    """One checked operating point."""
+def single_point(rpm: float, speed: float, beta: float, **further: float | None) -> OperatingPoints:
+    """One checked operating point, with what of ``further`` variables is not None."""
     values = {"rpm": rpm, "speed": speed, "beta": beta}
-    return OperatingPoints(*(np.array([check_value(k, v)]) for k, v in values.items()))
+    more = {name: value for name, value in further.items() if value is not None}
+    checked = {k: np.array([check_value(k, v)]) for k, v in (values | more).items()}
+    rpm_, speed_, beta_ = (checked.pop(name) for name in values)
+    return OperatingPoints(rpm_, speed_, beta_, checked)
 
 
 def parse_axis(option: str, quantity: str, text: str, count: int | None = None) -> Floats:

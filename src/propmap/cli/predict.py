@@ -24,7 +24,7 @@ from propmap.cli.output import (
 from propmap.cli.plausibility import say_doubts_on_points
 from propmap.cli.rotor_options import RotorChoice, say_reynolds, takes_rotor
 from propmap.errors import InputError
-from propmap.io.operating_points import COLUMNS, OperatingPoints, std_columns
+from propmap.io.operating_points import OperatingPoints, std_columns
 from propmap.io.points_file import read_points
 from propmap.loads import LOADS
 from propmap.model.uncertainty import SOURCES
@@ -49,9 +49,19 @@ def predict(
         float | None,
         typer.Option("--beta", help="Velocity to axis [deg]: 0 climb, 90 edgewise, 180 descent."),
     ] = None,
+    height: Annotated[
+        float | None,
+        typer.Option(
+            "--height", help="Of the disk above level ground [m]; by default far from it."
+        ),
+    ] = None,
     points: Annotated[
         Path | None,
-        typer.Option("--points", metavar="FILE.csv", help="Points: rpm, speed_mps, beta_deg."),
+        typer.Option(
+            "--points",
+            metavar="FILE.csv",
+            help="Points: rpm, speed_mps, beta_deg, and height_m if there is ground.",
+        ),
     ] = None,
     format_: FormatOption = None,
     output: TextOutput = None,
@@ -59,7 +69,7 @@ def predict(
     std_by_source: StdBySource = False,
 ) -> None:
     """All six loads and the power at operating points, and how sure they are."""
-    where = _points(rpm, speed, beta, points)
+    where = _points(rpm, speed, beta, points, height=height)
     chosen = chosen_format(format_, output)
     rotor = choice.rotor()
     say_reynolds(rotor.model, *where.si)
@@ -68,27 +78,34 @@ def predict(
     spread = std_columns(loads, by_source=std_by_source) if bands else {}
     if spread:
         say_not_counted(rotor.model)
+        if where.further:
+            typer.echo("note: the deviations leave out what the ground's factor errs by", err=True)
     if chosen is Format.table:
         _show_table(output, rotor, where, loads, spread, one=points is None)
     elif points is None and chosen is Format.json:
         emit(json_text(where.rows(loads, spread)[0]), output)
     else:
-        emit_rows([*COLUMNS, *spread], where.rows(loads, spread), chosen, output)
+        emit_rows([*where.columns, *spread], where.rows(loads, spread), chosen, output)
 
 
 def _points(
-    rpm: float | None, speed: float | None, beta: float | None, file: Path | None
+    rpm: float | None,
+    speed: float | None,
+    beta: float | None,
+    file: Path | None,
+    **further: float | None,
 ) -> OperatingPoints:
     given = {"--rpm": rpm, "--speed": speed, "--beta": beta}
     if file is not None:
-        both = [option for option, value in given.items() if value is not None]
+        more = {f"--{name}": value for name, value in further.items()}
+        both = [option for option, value in (given | more).items() if value is not None]
         if both:
             raise InputError(f"both --points and {both[0]} are given", "give one or the other")
         return read_points(file).points
     if rpm is None or speed is None or beta is None:
         missing = next(option for option, value in given.items() if value is None)
         raise InputError(f"{missing} is missing", "give --rpm, --speed and --beta, or --points")
-    return single_point(rpm, speed, beta)
+    return single_point(rpm, speed, beta, **further)
 
 
 def _show_table(
@@ -156,6 +173,7 @@ def _one_point(
         ("status", str(loads.status[0]), *none, "", ""),
     ]
     title = f"{rpm:g} rpm, {speed:g} m/s, beta {beta:g} deg"
+    title += "".join(f", {name} {values[0]:g} m" for name, values in where.further.items())
     heads = [what.replace("std_", "by ").replace("std", "std. dev.") for what in kinds]
     caption = "within two standard deviations with a probability of 95 %" if kinds else ""
     return grid("|".join(("<", "propmap", *heads, "hover model", "<unit")), rows, title, caption)
@@ -174,13 +192,15 @@ def _many_points(
     columns |= {"P [W]": loads.power, "reverse [%]": 100.0 * loads.reverse_flow}
     rows = []
     for i, status in enumerate(loads.status.tolist()):
-        given = (where.rpm[i], where.speed_mps[i], where.beta_deg[i])
+        given = [where.rpm[i], where.speed_mps[i], where.beta_deg[i]]
+        given += [values[i] for values in where.further.values()]
         cells = [f"{v:g}" for v in given] + [_digits(column[i]) for column in columns.values()]
         rows.append([*cells, str(loads.roots[i]), status])
     caption = "T h, Q h: thrust and torque of the hover model"
     if spread:
         caption += "; s: standard deviations, those of the other loads with --format csv"
-    heads = "|".join(("rpm", "V [m/s]", "beta [deg]", *columns, "roots", "<status"))
+    more = (f"{name} [m]" for name in where.further)
+    heads = "|".join(("rpm", "V [m/s]", "beta [deg]", *more, *columns, "roots", "<status"))
     return grid(heads, rows, caption=caption)
 
 

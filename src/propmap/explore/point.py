@@ -33,7 +33,8 @@ def point_controls(session: Session) -> list[Slider]:
 
 def point_of(values: Values) -> OperatingPoints:
     """The operating point."""
-    return OperatingPoints(*(np.array([values[key]]) for key in ("rpm", "speed", "beta")))
+    rpm, speed, beta = (np.array([values[key]]) for key in ("rpm", "speed", "beta"))
+    return OperatingPoints(rpm, speed, beta)
 
 
 def point_lines(values: Values) -> list[str]:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from propmap.errors import InputError
 from propmap.loads import LOADS
 from propmap.model.section_covariance import SectionCovariance
-from propmap.operating_points import split_velocity
+from propmap.operating_points import FlowPoints, split_velocity
 from propmap.rotor import Rotor
 from propmap.typing import Floats
 from propmap.vehicle.mounted_rotors import mounted_rotors
@@ -94,21 +94,19 @@ def _of_rotor(rotor: Rotor, omega: Floats, velocity: Floats) -> Floats:
     known = rotor.model.uncertainty
     if known is None:
         return np.zeros((0, len(USED), omega.size))
-    w, along, across, _ = split_velocity(omega, velocity)
+    at, _ = split_velocity(omega, velocity)
     parts = rotor.loads_at_velocity(omega, velocity).std_by_source
     each = [_apart(_stacked(parts[name])) for name in ("discrepancy", "tunnel") if name in parts]
-    return np.concatenate([_of_constants(rotor, known.covariance, w, along, across), *each])
+    return np.concatenate([_of_constants(rotor, known.covariance, at), *each])
 
 
-def _of_constants(
-    rotor: Rotor, covariance: SectionCovariance, omega: Floats, along: Floats, across: Floats
-) -> Floats:
+def _of_constants(rotor: Rotor, covariance: SectionCovariance, at: FlowPoints) -> Floats:
     """Along the principal axes of the covariance of the constants (P, 3, N)."""
     determined = covariance.determined
     names = determined.names
     if not names:
-        return np.zeros((0, len(USED), omega.size))
-    slopes = rotor.gradients(names, omega, along, across).slopes
+        return np.zeros((0, len(USED), at.omega.size))
+    slopes = rotor.gradients_at(names, at).slopes
     size, axes = np.linalg.eigh(determined.matrix)
     root = axes * np.sqrt(np.maximum(size, 0.0))
     rows = [list(LOADS).index(name) for name in USED]

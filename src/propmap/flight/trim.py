@@ -99,7 +99,8 @@ def trim(
     if not radius > 0.0:
         raise InputError(f"the circle's radius is {radius:g} m", "give metres, above 0")
     problem = _Problem(vehicle, airfoil, flown, radius, tether, disturbance)
-    unknowns = solve(problem.linearised, problem.bounded, problem.first, flown, EXACT)
+    functions = problem.linearised, problem.residual, problem.bounded
+    unknowns = solve(*functions, problem.first, flown, EXACT)
     left_over = np.abs(problem.residual(unknowns, np.arange(flown.size))).max(axis=1)
     lost = ~(left_over < ACCEPTED)
     if lost.any():

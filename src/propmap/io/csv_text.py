@@ -7,7 +7,7 @@ import io
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from propmap.io.operating_points import COLUMNS, OperatingPoints
+from propmap.io.operating_points import OperatingPoints
 
 if TYPE_CHECKING:
     from propmap.results import Loads
@@ -39,4 +39,4 @@ def loads_csv(points: OperatingPoints, loads: Loads, spread: Mapping[str, Floats
         Their standard deviations by column, see ``operating_points.std_columns``; may be empty.
     """
     further = {**{name: getattr(loads, name) for name in FURTHER}, **spread}
-    return csv_text([*COLUMNS, *further], points.rows(loads, further))
+    return csv_text([*points.columns, *further], points.rows(loads, further))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -33,7 +33,11 @@ REMEDIES = {
     "speed": "give 0 or more m/s; the direction is --beta, 180 in descent",
     "beta": "give degrees: 0 axial climb, 90 edgewise flight, 180 descent",
     "climb": "give m/s, negative in descent",
+    "height": "give the height of the disk above level ground in m, or leave it out",
 }
+
+FURTHER = {"height": "height_m"}
+"""Columns of what an operating point may have beside these, see ``operating_points.Further``."""
 
 SIGNED = ("beta", "climb")
 """Quantities that may be negative."""
@@ -41,17 +45,18 @@ SIGNED = ("beta", "climb")
 
 @dataclass(frozen=True)
 class OperatingPoints:
-    """rpm [1/min], speed [m/s] and beta [degrees], arrays of one shape (n,)."""
+    """rpm [1/min], speed [m/s], beta [degrees] and what is ``further`` given, arrays (n,)."""
 
     rpm: Floats
     speed_mps: Floats
     beta_deg: Floats
+    further: Mapping[str, Floats] = field(default_factory=dict)
 
     @classmethod
     def grid(cls, rpm: Floats, speed: Floats, beta: Floats) -> OperatingPoints:
         """All combinations, beta fastest."""
-        mesh = np.meshgrid(rpm, speed, beta, indexing="ij")
-        return cls(*(axis.ravel() for axis in mesh))
+        w, v, b = (axis.ravel() for axis in np.meshgrid(rpm, speed, beta, indexing="ij"))
+        return cls(w, v, b)
 
     @property
     def count(self) -> int:
@@ -61,7 +66,13 @@ class OperatingPoints:
     def part(self, start: int, count: int) -> OperatingPoints:
         """Up to ``count`` points from ``start`` on."""
         cut = slice(start, start + count)
-        return OperatingPoints(self.rpm[cut], self.speed_mps[cut], self.beta_deg[cut])
+        further = {name: values[cut] for name, values in self.further.items()}
+        return OperatingPoints(self.rpm[cut], self.speed_mps[cut], self.beta_deg[cut], further)
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Columns of ``rows``."""
+        return *COLUMNS[:3], *(FURTHER[name] for name in self.further), *COLUMNS[3:]
 
     @property
     def si(self) -> tuple[Floats, Floats, Floats]:
@@ -70,12 +81,12 @@ class OperatingPoints:
 
     def loads(self, rotor: Rotor) -> Loads:
         """Loads of the rotor at these points, fields of shape (n,)."""
-        return rotor.loads(*self.si)
+        return rotor.loads(*self.si, **self.further)
 
     def rows(
         self, loads: Loads, further: Mapping[str, Floats] | None = None
     ) -> list[dict[str, Any]]:
-        """One mapping of ``COLUMNS`` per point; None where a number is NaN.
+        """One mapping of ``columns`` per point; None where a number is NaN.
 
         Parameters
         ----------
@@ -85,11 +96,11 @@ class OperatingPoints:
             Columns to follow.
         """
         numbers = (*(getattr(loads, name) for name in LOADS), loads.power)
-        given = (self.rpm, self.speed_mps, self.beta_deg)
+        given = (self.rpm, self.speed_mps, self.beta_deg, *self.further.values())
         columns = [values.tolist() for values in (*given, *numbers)]
         status = loads.status.tolist()
         rows = [
-            dict(zip(COLUMNS, [*(_number(v) for v in row[:-1]), row[-1]], strict=True))
+            dict(zip(self.columns, [*(_number(v) for v in row[:-1]), row[-1]], strict=True))
             for row in zip(*columns, status, strict=True)
         ]
         for name, values in (further or {}).items():

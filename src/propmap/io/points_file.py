@@ -11,12 +11,13 @@ import numpy as np
 
 from propmap.errors import InputError, quoted
 from propmap.io.csv_dialect import read_csv_table
-from propmap.io.operating_points import REMEDIES, OperatingPoints
+from propmap.io.operating_points import FURTHER, REMEDIES, OperatingPoints
 from propmap.io.text_file import read_lines
 from propmap.loads import LOADS
 from propmap.typing import Floats
 
 POINT_COLUMNS = {"rpm": "rpm", "speed_mps": "speed", "beta_deg": "beta"}
+QUANTITIES = POINT_COLUMNS | {column: name for name, column in FURTHER.items()}
 LOAD_COLUMNS = {load.column: name for name, load in LOADS.items()}
 """Names of loads by their column."""
 
@@ -38,8 +39,8 @@ def read_points(path: Path, further: Iterable[str] = ()) -> PointsFile:
     Parameters
     ----------
     path : Path
-        Of a file with the columns rpm, speed_mps and beta_deg in any order, in any dialect of
-        ``propmap.io.csv_dialect``.
+        Of a file with the columns rpm, speed_mps and beta_deg, and height_m if there is ground, in
+        any order, in any dialect of ``propmap.io.csv_dialect``.
     further : sequence of str
         Columns to read as well, where the file has them; others are left.
 
@@ -48,9 +49,11 @@ def read_points(path: Path, further: Iterable[str] = ()) -> PointsFile:
     InputError
         Naming the file, the line and the column.
     """
-    columns = read_columns(path, POINT_COLUMNS, further, "list of operating points")
-    points = OperatingPoints(*(columns.pop(name) for name in POINT_COLUMNS))
-    return PointsFile(points, columns)
+    wanted = (*FURTHER.values(), *further)
+    columns = read_columns(path, POINT_COLUMNS, wanted, "list of operating points")
+    rpm, speed, beta = (columns.pop(name) for name in POINT_COLUMNS)
+    more = {name: columns.pop(column) for name, column in FURTHER.items() if column in columns}
+    return PointsFile(OperatingPoints(rpm, speed, beta, more), columns)
 
 
 def read_columns(
@@ -116,7 +119,7 @@ def _check_units(header: Collection[str], columns: Collection[str], where: str) 
 
 
 def _value(cell: str, column: str, where: str) -> float:
-    quantity = POINT_COLUMNS.get(column)
+    quantity = QUANTITIES.get(column)
     if quantity is None and not cell:
         return math.nan
     remedy = REMEDIES[quantity] if quantity else "give a finite number or leave the field empty"
@@ -127,6 +130,6 @@ def _value(cell: str, column: str, where: str) -> float:
         raise InputError(found, remedy, where) from None
     if not math.isfinite(value):
         raise InputError(f"{cell} is not a finite number", remedy, where)
-    if value < 0.0 and quantity in ("rpm", "speed"):
+    if value < 0.0 and quantity in ("rpm", "speed", *FURTHER):
         raise InputError(f"{cell} is negative", remedy, where)
     return value

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import math
 import tomllib
 from collections.abc import Callable, Mapping, Sequence
@@ -49,6 +48,8 @@ class TomlTable:
         self.entries, self.where = entries, where
         for key in entries:
             if key not in known:
+                import difflib
+
                 close = difflib.get_close_matches(key, known, n=1)
                 hint = f"did you mean {close[0]}? " if close else ""
                 raise InputError(

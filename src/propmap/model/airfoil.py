@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-import difflib
-import hashlib
-import importlib.resources
 import json
 import math
 import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
-from importlib.resources.abc import Traversable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -26,6 +22,7 @@ if TYPE_CHECKING:
     from propmap.typing import Floats
 
 SCHEMA = 1
+SETS = Path(__file__).parents[1] / "catalogue" / "airfoils"
 LIFT_LAWS = ("blended", "simplified")
 LIMITS = {
     "c_l1": (0.0, 20.0, "1/rad"),
@@ -204,6 +201,8 @@ class Airfoil:
 
     def fingerprint(self) -> str:
         """SHA-256 of the parameter file, without its corrections."""
+        import hashlib
+
         told = {key: value for key, value in self._told().items() if key != "corrections"}
         return hashlib.sha256(_toml_file(told).encode()).hexdigest()
 
@@ -228,10 +227,12 @@ def parameter_set(name_or_path: str | Path) -> Airfoil:
     """
     text = str(name_or_path)
     if text.lower() in airfoil_names():
-        return read_airfoil(_sets() / f"{text.lower()}.toml")
+        return read_airfoil(SETS / f"{text.lower()}.toml")
     path = Path(text)
     if path.suffix == ".toml" or path.exists() or "/" in text:
         return read_airfoil(path)
+    import difflib
+
     close = difflib.get_close_matches(text.lower(), airfoil_names(), n=2)
     known = ", ".join(close or airfoil_names())
     raise InputError(
@@ -242,10 +243,10 @@ def parameter_set(name_or_path: str | Path) -> Airfoil:
 
 def airfoil_names() -> list[str]:
     """Names of the bundled parameter sets."""
-    return sorted(f.name[:-5] for f in _sets().iterdir() if f.name.endswith(".toml"))
+    return sorted(file.stem for file in SETS.glob("*.toml"))
 
 
-def read_airfoil(path: Path | Traversable, *, uncertainty: bool = True) -> Airfoil:
+def read_airfoil(path: Path, *, uncertainty: bool = True) -> Airfoil:
     """Read a parameter file.
 
     Parameters
@@ -260,7 +261,7 @@ def read_airfoil(path: Path | Traversable, *, uncertainty: bool = True) -> Airfo
     InputError
         Naming the file and the field.
     """
-    name = path.name if not isinstance(path, Path) else str(path)
+    name = str(path)
     try:
         table = tomllib.loads(path.read_bytes().decode("utf-8"))
     except FileNotFoundError:
@@ -296,10 +297,6 @@ def read_airfoil(path: Path | Traversable, *, uncertainty: bool = True) -> Airfo
         return Airfoil(**{k: v for k, v in table.items() if k in FILED}, uncertainty=known)
     except InputError as error:
         raise InputError(f"{name}: {error}") from None
-
-
-def _sets() -> Traversable:
-    return importlib.resources.files("propmap.catalogue") / "airfoils"
 
 
 def _toml_file(told: Mapping[str, Any]) -> str:

@@ -50,6 +50,13 @@ class Correction:
     def check(self, model: Model) -> None:
         """Raise ``InputError`` where it does not fit a ``model`` that has it."""
 
+    def core_numbers(self, name: str, model: Model) -> dict[str, Any]:  # noqa: ARG002
+        """What the core gets of it in a ``model``, by ``name``: its only number, or 1."""
+        if self.inflow_shape:
+            return {"inflow": name}
+        values = list(vars(self).values())
+        return {name: values[0] if values else 1.0}
+
 
 @dataclass(frozen=True)
 class BladeToHub(Correction):
@@ -106,6 +113,11 @@ class BladeToHub(Correction):
     def check(self, model: Model) -> None:
         """As ``hub``, for the propeller of a ``model``."""
         self.hub(model.propeller)
+
+    def core_numbers(self, name: str, model: Model) -> dict[str, Any]:
+        """The hub's radius by its ``name``, where the blade of a ``model`` is continued."""
+        hub = self.hub(model.propeller)
+        return {name: hub} if hub < model.propeller.root else {}
 
 
 @dataclass(frozen=True)
@@ -198,6 +210,10 @@ class HubLoss(Correction):
                 f"radius_m of the hub loss is {radius:g} m, but the blade begins at {root:g} m",
                 "give a smaller radius, or a root cut-out",
             )
+
+    def core_numbers(self, name: str, model: Model) -> dict[str, Any]:
+        """The hub's radius in a ``model``, by its ``name``."""
+        return {name: self.radius(model.span[0])}
 
 
 @dataclass(frozen=True)
@@ -310,6 +326,10 @@ class MountDrag(Correction):
     def area(self, radius: float) -> float:
         """f [m^2] below a propeller of this ``radius`` [m]."""
         return typical_area(radius) if self.area_m2 is None else self.area_m2
+
+    def core_numbers(self, name: str, model: Model) -> dict[str, Any]:
+        """The area by its ``name``, in a ``model``, and the share of the inflow."""
+        return {name: self.area(model.propeller.radius), "mount-wake": self.wake}
 
     def drag(
         self, radius: float, density: float, v_axial: Floats, v_inplane: Floats, inflow: Floats

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from dataclasses import dataclass, field, replace
 from typing import Any, Protocol, TypeVar, runtime_checkable
 
@@ -203,6 +202,8 @@ class Model:
 
     def fingerprint(self) -> str:
         """SHA-256 that tells this model from any other: geometry, law, air and corrections."""
+        import hashlib
+
         parts = [
             self.propeller.fingerprint(),
             f"{type(self.airfoil).__qualname__} {self.airfoil.fingerprint()}",

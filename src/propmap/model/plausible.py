@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from statistics import median  # without numpy.ma, which takes longer to load than one point
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -186,8 +187,8 @@ def _doubts_on_speeds(propeller: Propeller, tip: Floats, speed: Floats, beta: Fl
     if not flying.any():
         return []
     share = speed[flying] / tip[flying]
-    advance = float(np.median(share))
-    along = float(np.median(share * np.cos(beta[flying]))) / max(pitch_ratio(propeller), 1e-3)
+    advance = median(share.tolist())
+    along = median((share * np.cos(beta[flying])).tolist()) / max(pitch_ratio(propeller), 1e-3)
     if advance <= ADVANCE.high and along <= WINDMILLING:
         return []
     told = f"the speed is {advance:.3g} times the tip speed"
@@ -204,7 +205,7 @@ def _doubts_on_speeds(propeller: Propeller, tip: Floats, speed: Floats, beta: Fl
 
 def _doubts_on_angle(beta: Floats) -> list[str]:
     """Radians among degrees: the angles are then multiples of 5 degrees once more converted."""
-    degrees = np.unique(np.abs(np.degrees(beta)))
+    degrees = np.sort(np.abs(np.degrees(beta)), axis=None)
     nonzero = degrees[degrees > 1e-9]
     step = math.radians(5.0)
     if not nonzero.size or nonzero[-1] > math.pi + RADIANS_WITHIN:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -91,6 +90,8 @@ class Propeller:
 
         Name and source play no part.
         """
+        import hashlib
+
         figures = (self.station, self.chord, self.twist, [self.root, float(self.blades)])
         return hashlib.sha256(np.concatenate(figures).astype("<f8").tobytes()).hexdigest()
 

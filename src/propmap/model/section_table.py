@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -253,6 +252,8 @@ class SectionTable:
 
     def fingerprint(self) -> str:
         """SHA-256 of the figures as little-endian f8."""
+        import hashlib
+
         arrays = (self.angle, self.reynolds, self.lift, self.drag, np.array(self.drag_factor))
         flat = np.concatenate([a.ravel() for a in arrays])
         return hashlib.sha256(flat.astype("<f8").tobytes()).hexdigest()

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from propmap.loads import LOADS
 from propmap.table.lookup import NO_VALUE
+from propmap.table.sobol import sobol
 from propmap.typing import Floats
 
 if TYPE_CHECKING:
@@ -67,11 +68,8 @@ def compare(
 
 def quasi_random(table: LoadTable, points: int, seed: int) -> tuple[Floats, Floats, Floats]:
     """omega, speed and beta of points that fill the envelope evenly, (n,) each."""
-    from scipy.stats import qmc
-
-    unit = qmc.Sobol(3, seed=seed).random(points)
     low, high = np.array(list(table.envelope.values())).T
-    omega, speed, beta = (low + (high - low) * unit).T
+    omega, speed, beta = (low + (high - low) * sobol(points, seed)).T
     return omega, speed, beta
 
 

@@ -19,6 +19,7 @@ from propmap.table.comparison import Comparison, compare
 from propmap.table.content import TableContent
 from propmap.table.lookup import UNRESOLVED
 from propmap.table.positions import most_position, points_at, positions_of
+from propmap.table.sobol import sobol
 from propmap.typing import Floats
 
 if TYPE_CHECKING:
@@ -143,8 +144,6 @@ def _sizes(found: Comparison) -> Floats:
 
 def _over_cells(content: TableContent, count: int, seed: int) -> Floats:
     """Positions (n, 3) spread evenly over the table's cells, ``count`` or some less."""
-    from scipy.stats import qmc
-
     most = most_position(content)
-    unit = qmc.Sobol(3, seed=seed).random_base2(int(np.log2(max(count, 1))))
+    unit = sobol(2 ** int(np.log2(max(count, 1))), seed)
     return np.clip(unit * (most + 2.0 * OVERHANG) - OVERHANG, 0.0, most)

@@ -131,17 +131,17 @@ def joined(logs: list[FlightLog], names: tuple[str, ...] = ()) -> FlightLog:
 def in_vehicle_frame(
     forward: Floats | float, left: Floats | float, up: Floats | float, pitch: Floats, roll: Floats
 ) -> Floats:
-    """Vectors with horizontal and vertical components, in the frame of a tilted vehicle; (n, 3).
+    """Vectors with horizontal and vertical components, in the frame of a tilted vehicle; (..., 3).
 
-    Components are (n,) or numbers.  ``pitch`` (n,) [rad] is about the left, positive where the top
-    leans forward; ``roll`` (n,) [rad] is about the vehicle's x axis, after the pitch, positive
+    Components are (...) or numbers.  ``pitch`` (...) [rad] is about the left, positive where the
+    top leans forward; ``roll`` (...) [rad] is about the vehicle's x axis, after the pitch, positive
     right side down.
     """
     # Pitch turns about y to the left, z towards x; roll then about x, y towards z.
     x = forward * np.cos(pitch) - up * np.sin(pitch)
     below = forward * np.sin(pitch) + up * np.cos(pitch)
     y, z = left * np.cos(roll) + below * np.sin(roll), below * np.cos(roll) - left * np.sin(roll)
-    return np.stack([x, y, z], axis=1)
+    return np.stack([x, y, z], axis=-1)
 
 
 def pitch_and_roll(up: Floats) -> tuple[Floats, Floats]:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from propmap.loads import LOADS
 from propmap.results import spin_sign
 from propmap.typing import Floats
+from propmap.vehicle.vectors import cross
 
 if TYPE_CHECKING:
     from propmap.vehicle.flight_log import FlightLog
@@ -85,7 +86,7 @@ def hub_flow_at(vehicle: Vehicle, omega: Floats, velocity: Floats, rates: Floats
         Of the centre of mass through the air [m/s], and of turning [rad/s], in its frame.
     """
     position = np.array([mount.position for mount in vehicle.mounts])
-    return flow_of_hubs(vehicle, omega, velocity[:, None] + np.cross(rates[:, None], position))
+    return flow_of_hubs(vehicle, omega, velocity[:, None] + cross(rates[:, None], position))
 
 
 def flow_of_hubs(vehicle: Vehicle, omega: Floats, hubs: Floats) -> HubFlow:
@@ -137,7 +138,7 @@ def hub_wrenches(flow: HubFlow, loads: Floats) -> tuple[Floats, Floats]:
     """
     by_name = dict(zip(LOADS, loads[..., None], strict=True))
     ahead = -flow.downstream
-    left, spin = np.cross(flow.axis, ahead), flow.spin[:, None]
+    left, spin = cross(flow.axis, ahead), flow.spin[:, None]
     force = by_name["thrust"] * flow.axis - by_name["drag"] * ahead
     force = force + spin * by_name["side_force"] * left
     turning = by_name["torque"] * flow.axis + by_name["roll_moment"] * ahead
@@ -158,4 +159,4 @@ def rotor_wrench(flow: HubFlow, loads: Floats) -> tuple[Floats, Floats]:
         Force and moment, arms included.
     """
     force, moment = hub_wrenches(flow, loads)
-    return force.sum(axis=-2), (moment + np.cross(flow.position, force)).sum(axis=-2)
+    return force.sum(axis=-2), (moment + cross(flow.position, force)).sum(axis=-2)

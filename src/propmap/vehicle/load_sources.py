@@ -72,8 +72,12 @@ def _apart(points: Floats) -> tuple[Floats, NDArray[np.intp]]:
     """The distinct rows of points (n, 3), but for rounding, and which of them each one is."""
     size = np.maximum(np.abs(points).max(axis=0, initial=0.0), 1e-30)
     rounded = np.round(points / size, 11) + 0.0
-    _, first, where = np.unique(rounded, axis=0, return_index=True, return_inverse=True)
-    return points[first], where.ravel()
+    order = np.lexsort(rounded.T)
+    ranked = rounded[order]
+    new = np.append(True, (ranked[1:] != ranked[:-1]).any(axis=1))
+    where = np.empty(len(points), np.intp)
+    where[order] = np.cumsum(new) - 1
+    return points[order[new]], where
 
 
 def check_table(vehicle: Vehicle, table: Any) -> None:

@@ -22,6 +22,7 @@ from propmap.vehicle.load_sources import (
     worst,
 )
 from propmap.vehicle.mounted_rotors import mounted_rotors
+from propmap.vehicle.vectors import cross
 
 if TYPE_CHECKING:
     from propmap.vehicle.vehicle import Vehicle
@@ -122,7 +123,7 @@ class Rotors:
 
     def moment(self, force: Floats, moment: Floats) -> Floats:
         """About the centre of mass, (..., k, 3) [N m], of what acts at the hubs."""
-        return moment + np.cross(self.position, force)
+        return moment + cross(self.position, force)
 
     def wrenches(self, omega: Floats, velocity: Floats) -> RotorWrenches:
         """Force and moment of each rotor.
