@@ -121,7 +121,7 @@ def test_eight_threads_with_one_rotor_have_the_same_bits() -> None:
 def test_other_processes_have_the_same_bits(how: str) -> None:
     want = told(rotor())  # the core has had threads before it forks
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # of forks, by newer Pythons and by JAX, where it was imported
+        warnings.simplefilter("ignore")  # of forks, by newer Pythons and by JAX
         with multiprocessing.get_context(how).Pool(2) as pool:
             found = pool.map(told_elsewhere, [pickle.dumps(rotor())] * 3)
     assert all(one == want for one in found)
