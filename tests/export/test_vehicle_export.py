@@ -22,7 +22,7 @@ from propmap.export.operation_count import cost
 from propmap.export.provenance import identifier, vehicle_name
 from propmap.model.corrections import MountDrag
 from propmap.table import LoadTable
-from propmap.table.lookup import STATUSES
+from propmap.table.interpolation import STATUSES
 from propmap.vehicle.vehicle import Body, Mount, Vehicle, Wakes, Wing
 
 from .compiled import FLAGS

@@ -15,7 +15,7 @@ import propmap
 from propmap import InputError, VehicleForces
 from propmap.model.corrections import MountDrag
 from propmap.results import STATUSES
-from propmap.table.lookup import STATUSES as TABLE_STATUSES
+from propmap.table.interpolation import STATUSES as TABLE_STATUSES
 from propmap.vehicle.load_sources import SEVERITY, worst
 from propmap.vehicle.vehicle import Body, Mount, Vehicle, Wakes, Wing
 

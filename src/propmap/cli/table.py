@@ -101,7 +101,7 @@ def _save(built: LoadTable, output: Path, command: str) -> None:
     content = replace(built.content, info={**built.info, "command": command})
     filed = LoadTable(content)
     if output.suffix.lower() == ".nc":
-        from propmap.table.netcdf import write_netcdf
+        from propmap.table.files import write_netcdf
 
         write_netcdf(filed, output)
     else:

@@ -11,7 +11,7 @@ from propmap.report.certificate_text import PLACE, TITLES, claims, largest_at, p
 
 if TYPE_CHECKING:
     from propmap.table import LoadTable
-    from propmap.table.model import Progress
+    from propmap.table.build import Progress
 
 
 @contextmanager

@@ -19,11 +19,14 @@ from propmap.export.note import note
 from propmap.export.provenance import identifier
 from propmap.export.template import rendered
 from propmap.loads import LOADS
-from propmap.table.axis import interval_polynomials, on_planes, pad
-from propmap.table.content import TableContent
-from propmap.table.inverse import END_SLACK
-from propmap.table.lookup import cell_codes
-from propmap.table.query import SLACK, LoadTable
+from propmap.table.interpolation import (
+    TableContent,
+    cell_codes,
+    interval_polynomials,
+    on_planes,
+    pad,
+)
+from propmap.table.query import END_SLACK, SLACK, LoadTable
 from propmap.typing import Floats
 
 MOST_BUCKETS = 1024

@@ -21,7 +21,7 @@ def npz_files(table: LoadTable) -> Files:
 
 def nc_files(table: LoadTable) -> Files:
     """The map as NetCDF."""
-    from propmap.table.netcdf import write_netcdf
+    from propmap.table.files import write_netcdf
 
     return {
         f"{identifier(table)}.nc": lambda path: write_netcdf(table, path),

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from propmap.errors import InputError
 from propmap.loads import LOADS, error_scales
-from propmap.table.lookup import VORTEX_RING
+from propmap.table.interpolation import VORTEX_RING
 from propmap.table.query import LoadTable
 from propmap.typing import Floats
 

@@ -17,7 +17,7 @@ from propmap.io.operating_points import RPM
 from propmap.loads import LOADS
 from propmap.report.style import COLOURS
 from propmap.report.table_page.envelope import KINDS, cell_ranks, cell_sheet
-from propmap.table.comparison import quasi_random
+from propmap.table.certificate import quasi_random
 from propmap.table.query import LoadTable
 
 NAME = "cells.csv"

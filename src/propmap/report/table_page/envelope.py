@@ -11,7 +11,7 @@ from matplotlib.patches import Patch
 
 from propmap.report.page import csv_of_rows
 from propmap.report.style import COLOURS, RPM, legend_below, new_figure, style
-from propmap.table.lookup import NO_VALUE, OK, STATUSES, UNRESOLVED, VORTEX_RING, cell_codes
+from propmap.table.interpolation import NO_VALUE, OK, STATUSES, UNRESOLVED, VORTEX_RING, cell_codes
 from propmap.table.query import LoadTable
 
 KINDS = {

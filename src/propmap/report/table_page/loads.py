@@ -21,7 +21,7 @@ from propmap.report.style import (
     style,
 )
 from propmap.report.table_page.samples import TableSamples
-from propmap.table.lookup import STATUSES, UNRESOLVED, VORTEX_RING
+from propmap.table.interpolation import STATUSES, UNRESOLVED, VORTEX_RING
 from propmap.typing import Floats
 
 if TYPE_CHECKING:

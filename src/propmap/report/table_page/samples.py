@@ -15,7 +15,7 @@ from propmap.fit.residuals import rms
 from propmap.loads import LOADS
 from propmap.report.page import number
 from propmap.report.style import RPM
-from propmap.table.lookup import NO_VALUE, OK, STATUSES, UNRESOLVED, VORTEX_RING
+from propmap.table.interpolation import NO_VALUE, OK, STATUSES, UNRESOLVED, VORTEX_RING
 from propmap.table.query import LoadTable
 from propmap.typing import Floats
 
