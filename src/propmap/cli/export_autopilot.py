@@ -56,7 +56,7 @@ def export_vehicle(
     import numpy as np
 
     from propmap.export.autopilot import SPEEDS, export_autopilot
-    from propmap.export.folder import check_folder
+    from propmap.export.files import check_folder
     from propmap.export.inplane_drag import missing_drag
 
     check_folder(output)

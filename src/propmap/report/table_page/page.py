@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from propmap.export.provenance import map_sha256
+from propmap.export.files import map_sha256
 from propmap.report.certificate_text import (
     PLACE,
     TITLES,

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.export.samples import evenly
+from propmap.export.files import evenly
 from propmap.fit.residuals import rms
 from propmap.loads import LOADS
 from propmap.report.page import number
