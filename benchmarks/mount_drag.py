@@ -22,7 +22,7 @@ from propmap.fit.tunnel import TunnelData, first_guess, rotor_with, tunnel_rows
 from propmap.fit.tunnel_files import read_tunnel
 from propmap.model.corrections import typical_area
 from propmap.model.model import Model
-from propmap.report.mounted_motor import rise_by_motor
+from propmap.report.words import rise_by_motor
 from propmap.typing import Floats
 
 PROPELLER, DATA = "apc-8x6e", "gill-dandrea-2019-8x6e"

@@ -121,7 +121,7 @@ def _files(tmp_path: Path, tunnel_csv: Path, monkeypatch: pytest.MonkeyPatch) ->
     (tmp_path / "stand.csv").write_text(STAND)
     (tmp_path / "vehicle.toml").write_text(VEHICLE)
     (tmp_path / "level.csv").write_text(LEVEL)
-    monkeypatch.setattr("propmap.report.style.save", lambda figure, _: KEPT.append(figure))
+    monkeypatch.setattr("propmap.report.html.save", lambda figure, _: KEPT.append(figure))
 
 
 def _brief(rotor: propmap.Rotor, **_: Any) -> LoadTable:

@@ -12,7 +12,7 @@ import pytest
 
 from propmap.catalogue.measurements import Measurement
 from propmap.report.comparison import Comparison
-from propmap.report.load_curves import MeasuredLoads
+from propmap.report.pictures import MeasuredLoads
 from propmap.typing import Floats
 
 from .conftest import POINT, ROTOR, Run

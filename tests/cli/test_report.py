@@ -14,7 +14,7 @@ import pytest
 
 import propmap
 from propmap.model.airfoil import parameter_set
-from propmap.report.folder import PAGE, REPORT_FILES
+from propmap.report.html import PAGE, REPORT_FILES
 from propmap.table import LoadTable
 from tests.fit.fit_records import fit_text
 

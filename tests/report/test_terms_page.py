@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 
 from propmap.fit.flight_terms import Fitted, Flight, Off
-from propmap.report.folder import PAGE, TERMS_FILES
-from propmap.report.terms_page.errors import HOVER, PREDICTION, rows, worth
-from propmap.report.terms_page.page import terms_pages
+from propmap.report.html import PAGE, TERMS_FILES
+from propmap.report.terms_page import HOVER_MODEL, PREDICTION, rows, terms_pages, worth
 from tests.fit.test_flight_terms import COUNT, VEHICLE, flight, held
 
 STEPS = ("vertical balance alone", "wakes", "noise")
@@ -44,7 +43,7 @@ def found(flights: list[Flight]) -> list[Fitted]:
 def test_rows_say_what_was_seen_and_what_not() -> None:
     flights = known(predicted=True)
     told = rows(VEHICLE, flights, found(flights))
-    assert [r.model for r in told] == 2 * [HOVER, *STEPS, PREDICTION]
+    assert [r.model for r in told] == 2 * [HOVER_MODEL, *STEPS, PREDICTION]
     hover, vertical, *_, own = told[:5]
     assert hover.unseen is not None and vertical.seen is not None and own.unseen is not None
     np.testing.assert_allclose(hover.unseen, 4.0)
@@ -79,7 +78,9 @@ def test_the_page_tells_it_in_words_and_files(names: tuple[str, ...], predicted:
     # Low-passed and as recorded; fitted to it and not, where there are two.
     per_flight = (2 if len(names) == 1 else 4) * len(STEPS) + 2 + 2 * predicted
     assert len(table) == per_flight * len(names)
-    hover = next(row for row in table if row["model"] == HOVER and row["signals"] == "as recorded")
+    hover = next(
+        row for row in table if row["model"] == HOVER_MODEL and row["signals"] == "as recorded"
+    )
     assert float(hover["z_rms_N"]) == 5.0
     values = pages["fit-terms-values.csv"]
     assert isinstance(values, str)

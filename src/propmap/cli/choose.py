@@ -148,8 +148,8 @@ def choose(
         emit_rows(list(rows[0]), rows, form, output)
     if picture is not None:
         from propmap.aircraft.ranking_comparison import pareto
-        from propmap.report.propeller_choice import propeller_choice
-        from propmap.report.style import save
+        from propmap.report.html import save
+        from propmap.report.pictures import propeller_choice
 
         save(propeller_choice(title, judged, pareto(judged).tolist()), picture)
         typer.echo(f"wrote {picture}", err=True)

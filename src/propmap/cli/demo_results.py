@@ -203,9 +203,8 @@ def write_pictures(results: Results, folder: Path) -> tuple[Path, Path]:
     The curves are of the constants that were identified on these data, the bands those of what is
     known of the propeller by its name.
     """
-    from propmap.report.disk_picture import disk_picture
-    from propmap.report.load_curves import MeasuredLoads, load_curves
-    from propmap.report.style import save
+    from propmap.report.html import save
+    from propmap.report.pictures import MeasuredLoads, disk_picture, load_curves
 
     oblique = results.oblique
     data = oblique.measurement

@@ -203,8 +203,8 @@ def fit_flight(
 
 def _picture_of_flight(picture: Path, fitted: Fitted, model: ForceModel, log: FlightLog) -> None:
     from propmap.fit.tunnel import section_with
-    from propmap.report.fit_pictures import level_flight
-    from propmap.report.style import save
+    from propmap.report.fit_curves import level_flight
+    from propmap.report.html import save
 
     law = section_with(model.model.airfoil, fitted.values)
     save(level_flight(model.vehicle, log, law), picture)

@@ -65,7 +65,7 @@ def fit_terms_page(
     Hover model, vertical balance, then one term more at a time, each fitted to all flights but
     one and checked on that one, beside a prediction that comes with the logs.
     """
-    from propmap.report.folder import PAGE, TERMS_FILES, check_folder, write_folder
+    from propmap.report.html import PAGE, TERMS_FILES, check_folder, write_folder
     from propmap.vehicle.time_derivatives import CUTOFF
     from propmap.vehicle.vehicle_toml import read_vehicle
 
@@ -75,7 +75,7 @@ def fit_terms_page(
     file = replace(file, vehicle=replace(file.vehicle, inertia=None, wakes=None))
 
     from propmap.fit.flight_terms import fit_terms
-    from propmap.report.terms_page.page import terms_pages
+    from propmap.report.terms_page import terms_pages
 
     cutoff = CUTOFF if low_pass is None else low_pass
     flights, remarks = read_pairs(logs, file, cutoff, prediction)

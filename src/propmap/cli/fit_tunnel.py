@@ -118,8 +118,8 @@ def fit_tunnel(
         options={"loads": list(fitted.rows.names), "weights": weights},
     )
     if picture is not None:
-        from propmap.report.fit_pictures import tunnel_fit
-        from propmap.report.style import save
+        from propmap.report.fit_curves import tunnel_fit
+        from propmap.report.html import save
 
         save(tunnel_fit(measured, rotor), picture)
     finish(fitted, rotor.model, remarks, text, output)

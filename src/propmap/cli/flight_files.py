@@ -127,8 +127,8 @@ def _points(
                 raise
             continue
         if picture is not None:
-            from propmap.report.fit_pictures import steady_parts
-            from propmap.report.style import save
+            from propmap.report.fit_curves import steady_parts
+            from propmap.report.html import save
 
             save(steady_parts(log, stretches), picture)
         found.append(operating_points(log, stretches))

@@ -146,8 +146,8 @@ def show_prop(
         *known_constants(prop, blade.blades),
     )
     if output is not None:
-        from propmap.report.planform import planform
-        from propmap.report.style import save
+        from propmap.report.html import save
+        from propmap.report.pictures import planform
 
         save(planform(blade), output)
         typer.echo(output)

@@ -52,8 +52,8 @@ def fly_and_show(
             whole = {"vehicle": craft.vehicle.name, "legs": listed, "over_time": _over_time(flown)}
             emit(json_text(whole), output)
     if picture is not None:
-        from propmap.report.mission_course import mission_course
-        from propmap.report.style import save
+        from propmap.report.html import save
+        from propmap.report.pictures import mission_course
 
         save(mission_course(title(craft), legs, flown), picture)
         typer.echo(f"wrote {picture}", err=True)

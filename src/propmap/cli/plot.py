@@ -29,7 +29,7 @@ from propmap.io.points_file import LOAD_COLUMNS, read_points
 from propmap.model.plausible import doubts_on_blade
 
 if TYPE_CHECKING:
-    from propmap.report.load_curves import MeasuredLoads
+    from propmap.report.pictures import MeasuredLoads
 
 SPEEDS_PER_CURVE = 61
 
@@ -70,8 +70,8 @@ def plot_map(
     say_reynolds(rotor.model, *points_drawn)
     say_doubts_on_points(rotor.model, *points_drawn)
 
-    from propmap.report.load_curves import load_curves
-    from propmap.report.style import save
+    from propmap.report.html import save
+    from propmap.report.pictures import load_curves
 
     band = rotor if bands else None
     save(load_curves(rotor, omega, speeds, betas.tolist(), points, band=band), output)
@@ -92,8 +92,8 @@ def plot_planform(
     say_expected(prop)
     say_doubts(doubts_on_blade(blade))
 
-    from propmap.report.planform import planform
-    from propmap.report.style import save
+    from propmap.report.html import save
+    from propmap.report.pictures import planform
 
     save(planform(blade), output)
     typer.echo(output)
@@ -129,8 +129,8 @@ def plot_disk(
         typer.echo(output)
         return
 
-    from propmap.report.disk_picture import disk_picture
-    from propmap.report.style import save
+    from propmap.report.html import save
+    from propmap.report.pictures import disk_picture
 
     save(disk_picture(rotor, *flow), output)
     typer.echo(output)
@@ -149,7 +149,7 @@ def _measured(path: Path, rpm: float) -> MeasuredLoads:
         raise InputError(f"no row is within 1 % of {rpm:g} rpm", f"try --rpm {near:g}", str(path))
     loads = {LOAD_COLUMNS[name]: values[mine] for name, values in found.further.items()}
 
-    from propmap.report.load_curves import MeasuredLoads
+    from propmap.report.pictures import MeasuredLoads
 
     beta = np.radians(points.beta_deg[mine])
     return MeasuredLoads(path.stem, points.speed_mps[mine], beta, loads)

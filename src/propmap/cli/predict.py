@@ -118,7 +118,7 @@ def _show_table(
     one: bool,
 ) -> None:
     from propmap.baselines.hover import HoverModel
-    from propmap.report.mounted_motor import motor_note
+    from propmap.report.words import motor_note
 
     hover = HoverModel.of(rotor)
     note = motor_note(rotor, loads, *where.si[1:])

@@ -13,7 +13,7 @@ from propmap.errors import InputError
 
 if TYPE_CHECKING:
     from propmap.fit.result_file import FitFile
-    from propmap.report.fit_page.given_data import GivenData
+    from propmap.report.fit_page import GivenData
 
 
 def report(
@@ -42,7 +42,7 @@ def report(
     FOLDER gets index.html with all figures inside, and every figure as SVG and CSV; the files
     are there all at once or not at all.
     """
-    from propmap.report.folder import PAGE, REPORT_FILES, check_folder, write_folder
+    from propmap.report.html import PAGE, REPORT_FILES, check_folder, write_folder
 
     check_folder(output, REPORT_FILES)
     endings = {".toml": _fit_files, ".npz": _table_files}
@@ -67,7 +67,7 @@ def _fit_files(source: Path, data: Sequence[str], vehicle: Path | None) -> dict[
     if file.record.kind != "tunnel" and data and vehicle is None:
         raise InputError("--data with a fit of flights needs the vehicle", "add --vehicle FILE")
 
-    from propmap.report.fit_page.page import fit_pages
+    from propmap.report.fit_page import fit_pages
 
     given = _given(file, data, vehicle) if data else None
     digest = hashlib.sha256(source.read_bytes()).hexdigest()
@@ -84,7 +84,7 @@ def _given(file: FitFile, data: Sequence[str], vehicle: Path | None) -> GivenDat
     )
     from propmap.fit.fit_record import Source
     from propmap.fit.other_flights import values_for
-    from propmap.report.fit_page.given_data import GivenData
+    from propmap.report.fit_page import GivenData
 
     if vehicle is None:
         from propmap.fit.tunnel_files import read_tunnel, sources
@@ -120,7 +120,7 @@ def _table_files(source: Path, data: Sequence[str], vehicle: Path | None) -> dic
             "--data and --vehicle are for fits",
             "compare data with the fit the table was built from",
         )
-    from propmap.report.table_page.page import table_pages
+    from propmap.report.table_page import table_pages
     from propmap.table import LoadTable
 
     return table_pages(LoadTable.load(source), source.name)

@@ -150,8 +150,8 @@ def _surface(
     )
     if picture is None:
         return
-    from propmap.report.response_picture import response_picture
-    from propmap.report.style import save
+    from propmap.report.html import save
+    from propmap.report.pictures import response_picture
 
     labels = tuple(
         f"{name.replace('_', ' ')} [{VARIABLES[name][0]}]" for name in (asked.across, asked.up)

@@ -168,8 +168,8 @@ def trim(
     else:
         _emit(craft, flown, sure, found, form, output)
     if picture is not None:
-        from propmap.report.power_curves import power_curves
-        from propmap.report.style import save
+        from propmap.report.html import save
+        from propmap.report.pictures import power_curves
 
         hover = craft.with_hover_model()
         still = [hover.steady(speeds, each, math.radians(bank)) for each in climbs.tolist()]

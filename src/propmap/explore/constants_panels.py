@@ -12,7 +12,7 @@ from propmap.fit.tunnel import TunnelData
 from propmap.io.operating_points import RPM
 from propmap.model.airfoil import Airfoil
 from propmap.model.model import Model
-from propmap.report.style import COLOURS
+from propmap.report.html import COLOURS
 from propmap.typing import Floats
 
 ALPHA = np.radians(np.linspace(-20.0, 60.0, 161))

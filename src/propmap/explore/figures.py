@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from propmap.loads import LOADS
-from propmap.report.style import COLOURS
+from propmap.report.html import COLOURS
 
 Figure = dict[str, Any]
 

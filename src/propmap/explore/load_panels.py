@@ -13,7 +13,7 @@ from propmap.explore import figures
 from propmap.explore.controls import Values
 from propmap.fit.tunnel import TunnelData
 from propmap.io.operating_points import RPM
-from propmap.report.style import COLOURS
+from propmap.report.html import COLOURS
 from propmap.results import Loads
 from propmap.typing import Floats
 

@@ -21,7 +21,7 @@ from propmap.explore.session import Session
 from propmap.explore.view import Answer, Download, Graph, Table
 from propmap.io.csv_text import csv_text
 from propmap.io.operating_points import RPM
-from propmap.report.style import COLOURS
+from propmap.report.html import COLOURS
 
 NAME = "trim.csv"
 

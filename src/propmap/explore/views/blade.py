@@ -20,7 +20,7 @@ from propmap.io.csv_text import loads_csv
 from propmap.io.operating_points import RPM, OperatingPoints
 from propmap.io.propeller_toml import propeller_toml
 from propmap.model.propeller import Propeller
-from propmap.report.style import COLOURS
+from propmap.report.html import COLOURS
 from propmap.typing import Floats
 
 PLACES = (0.2, 0.35, 0.5, 0.65, 0.8, 0.95)

@@ -20,7 +20,7 @@ from propmap.explore.view import Answer, Download, Graph, Table
 from propmap.io.csv_text import csv_text
 from propmap.io.operating_points import COLUMNS, RPM, OperatingPoints
 from propmap.model.airfoil import airfoil_names
-from propmap.report.style import COLOURS
+from propmap.report.html import COLOURS
 
 ALONG = 31
 

@@ -23,7 +23,7 @@ from propmap.fit.tunnel import TunnelData
 from propmap.io.csv_text import csv_text
 from propmap.io.operating_points import RPM
 from propmap.loads import LOADS
-from propmap.report.style import COLOURS
+from propmap.report.html import COLOURS
 
 if TYPE_CHECKING:
     from propmap.explore.application import Application

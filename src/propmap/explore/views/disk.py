@@ -17,7 +17,7 @@ from propmap.explore.rotors import rotor_of
 from propmap.explore.session import Session
 from propmap.explore.view import Answer, Download, Graph
 from propmap.io.disk_csv import disk_csv
-from propmap.report.style import COLOURS
+from propmap.report.html import COLOURS
 from propmap.results import Inflow
 from propmap.typing import Floats
 

@@ -18,7 +18,7 @@ from propmap.explore.session import Session
 from propmap.explore.view import Answer, Download, Graph
 from propmap.io.csv_text import loads_csv
 from propmap.io.operating_points import RPM, OperatingPoints, std_columns
-from propmap.report.style import COLOURS
+from propmap.report.html import COLOURS
 from propmap.typing import Floats
 
 ALONG = 31

@@ -15,8 +15,8 @@ from propmap.explore.session import Session
 from propmap.explore.view import Answer, Download, Graph, Table
 from propmap.io.operating_points import RPM
 from propmap.loads import LOADS
-from propmap.report.style import COLOURS
-from propmap.report.table_page.envelope import KINDS, cell_ranks, cell_sheet
+from propmap.report.html import COLOURS
+from propmap.report.table_page import KINDS, cell_ranks, cell_sheet
 from propmap.table.certificate import quasi_random
 from propmap.table.query import LoadTable
 

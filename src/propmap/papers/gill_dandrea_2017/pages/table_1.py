@@ -17,7 +17,7 @@ from propmap.papers.gill_dandrea_2017.identified import FIVE
 from propmap.papers.gill_dandrea_2017.level_circles import BLADE
 from propmap.papers.gill_dandrea_2017.numbers import Numbers
 from propmap.papers.gill_dandrea_2017.paper import RADIUS, TABLE_1
-from propmap.report.page import csv_of_rows, number
+from propmap.report.html import csv_of_rows, number
 
 COLUMNS = {
     "c_l1": "c_l1_per_rad",
