@@ -29,7 +29,7 @@ from propmap.aircraft.steady import Aircraft
 from propmap.aircraft.task import Task
 from propmap.catalogue.expected_constants import expected_constants
 from propmap.cli.trim_words import plain
-from propmap.fit.fitted import Settings, fit
+from propmap.fit.fit import Settings, fit
 from propmap.fit.parameters import SECTION, Choice
 from propmap.fit.tunnel import TunnelData, section_with, tunnel_rows
 from propmap.table.build import build_table

@@ -19,7 +19,7 @@ from benchmarks.results_file import machine, write_results
 from propmap.cli.flight_options import BLADE
 from propmap.cli.prior_options import section_prior
 from propmap.fit.comparison import flight_forces
-from propmap.fit.force_model import ForceModel
+from propmap.fit.flight import ForceModel
 from propmap.fit.parameters import BODY, FIRST_GUESS, FLEX, MOUNT, SECTION, WAKES
 from propmap.typing import Floats
 from propmap.vehicle.flight_log import FlightLog

@@ -18,7 +18,7 @@ from pathlib import Path
 
 import tomli_w
 
-from propmap.fit.result_file import read_fit
+from propmap.fit.files import read_fit
 from propmap.io.atomic_file import replacing
 from propmap.model.airfoil import Airfoil
 from propmap.model.corrections import MODELS

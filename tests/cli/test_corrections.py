@@ -139,7 +139,7 @@ def test_every_command_is_known_here() -> None:
 def test_a_correction_acts(run: Run, monkeypatch: pytest.MonkeyPatch, name: str) -> None:
     be_brief(monkeypatch)
     # Two steps of a fit tell as much as its end.
-    monkeypatch.setattr("propmap.fit.search.FINAL_EVALUATIONS", 2)
+    monkeypatch.setattr("propmap.fit.least_squares.FINAL_EVALUATIONS", 2)
     monkeypatch.setattr("propmap.table.build.build_table", _brief)
     # It takes most of the time of `trim`, and the powers tell enough.
     found_at_once = "propmap.aircraft.performance.searched"

@@ -12,7 +12,7 @@ import propmap
 from propmap.catalogue.measurements import measurement
 from propmap.cli.flight_files import read_flights
 from propmap.errors import InputError
-from propmap.fit.tunnel_files import doubts_on_tunnel
+from propmap.fit.tunnel import doubts_on_tunnel
 from propmap.model.plausible import doubts_on_blade
 from propmap.vehicle.vehicle_toml import read_vehicle
 

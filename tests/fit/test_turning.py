@@ -8,10 +8,8 @@ import numpy as np
 import pytest
 
 from propmap.errors import InputError
-from propmap.fit.flight import balance_rows
-from propmap.fit.force_model import ForceModel
+from propmap.fit.flight import ForceModel, added_moment, balance_rows, measured_moment
 from propmap.fit.parameters import FIRST_GUESS, SECTION, Choice
-from propmap.fit.turning import added_moment, measured_moment
 from propmap.vehicle.hub_flow import hub_flow
 from propmap.vehicle.vehicle_toml import read_vehicle
 from tests.fit.test_flight_balance import LAW, LAW_VALUES, VEHICLE, manoeuvre

@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 import propmap
-from propmap.fit.fitted import Settings, fit
-from propmap.fit.flight import level_rows
-from propmap.fit.force_model import ForceModel
+from propmap.fit.fit import Settings, fit
+from propmap.fit.flight import ForceModel, level_rows
 from propmap.fit.parameters import Choice
 from propmap.fit.tunnel import first_guess
 from propmap.flight.simulated import SensorNoise, fly

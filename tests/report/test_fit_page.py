@@ -10,8 +10,7 @@ import numpy as np
 import pytest
 
 import propmap
-from propmap.fit.fit_record import FitRecord
-from propmap.fit.result_file import FitFile
+from propmap.fit.files import FitFile, FitRecord
 from propmap.loads import LOADS
 from propmap.report import fit_curves, fit_page
 from propmap.report.fit_curves import DRAWS, Curve, Curves, drawn_changes, held, load_curves

@@ -11,10 +11,9 @@ import numpy as np
 import pytest
 
 import propmap
-from propmap.fit.comparison import Comparison
-from propmap.fit.residuals import by_band, errors
-from propmap.fit.result_file import FitFile
-from propmap.fit.still_explained import candidates, trends
+from propmap.fit.comparison import Comparison, candidates, trends
+from propmap.fit.files import FitFile
+from propmap.fit.least_squares import by_band, errors
 from propmap.loads import LOADS
 from propmap.report import fit_curves, fit_page
 from propmap.report.fit_curves import Curve, Curves

@@ -7,7 +7,7 @@ import pytest
 
 import propmap
 from propmap.catalogue.measurements import measurement
-from propmap.fit.residuals import rms
+from propmap.fit.least_squares import rms
 from propmap.results import Loads
 
 DATA = measurement("gill-dandrea-2019-8x6e")

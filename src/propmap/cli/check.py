@@ -93,13 +93,13 @@ def _compare(
     """Errors of the physics, and of it with a learned residual where the fit has one."""
     from propmap.catalogue.lookup import propeller
     from propmap.fit.comparison import compare_forces, compare_tunnel, flight_forces
-    from propmap.fit.other_flights import values_for
-    from propmap.fit.result_file import is_fit, read_fit
+    from propmap.fit.files import is_fit, read_fit
+    from propmap.fit.flight_study import values_for
 
     fitted = read_fit(fit) if is_fit(fit) else None
     if vehicle is not None:
         from propmap.cli.flight_files import read_flights
-        from propmap.fit.body_forces import wing_values
+        from propmap.fit.flight import wing_values
         from propmap.vehicle.vehicle_toml import read_vehicle
 
         if prop is not None:
@@ -123,7 +123,7 @@ def _compare(
         typer.echo(f"note: {_envelope(added)}", err=True)
         corrected = compare_forces(file.vehicle, flights.log, replace(forces, model=with_it))
         return errors, corrected
-    from propmap.fit.tunnel_files import doubts_on_tunnel, read_tunnel
+    from propmap.fit.tunnel import doubts_on_tunnel, read_tunnel
 
     if fitted is None and prop is None:
         raise InputError(

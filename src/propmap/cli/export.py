@@ -131,7 +131,7 @@ def _table(
                 raise InputError(f"{option} is given with a map, which has its own", "leave it out")
         return LoadTable.load(source)
     from propmap.catalogue.lookup import airfoil, propeller
-    from propmap.fit.result_file import is_fit, read_fit
+    from propmap.fit.files import is_fit, read_fit
     from propmap.rotor import Rotor
 
     if prop is not None:

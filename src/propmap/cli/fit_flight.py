@@ -38,8 +38,8 @@ from propmap.cli.rotor_options import Corrections, ModelOption, constants, with_
 from propmap.model.plausible import doubts_on_air, doubts_on_blade
 
 if TYPE_CHECKING:
-    from propmap.fit.fitted import Fitted
-    from propmap.fit.force_model import ForceModel
+    from propmap.fit.fit import Fitted
+    from propmap.fit.flight import ForceModel
     from propmap.vehicle.flight_log import FlightLog
 
 EVERY, FEW = 3, 1500
@@ -119,17 +119,12 @@ def fit_flight(
     doubts = [*doubts_on_blade(file.vehicle.propeller), *doubts_on_air(file.vehicle.air)]
     say_doubts(doubts)
 
-    from propmap.fit.added_parameter import body_terms_verdict
-    from propmap.fit.body_forces import wing_values
-    from propmap.fit.by_flight import by_flight
-    from propmap.fit.coverage import range_warnings
-    from propmap.fit.fitted import fit
-    from propmap.fit.flight import balance_rows, hover_rows, level_rows
-    from propmap.fit.force_model import ForceModel
-    from propmap.fit.prior_conflict import doubts_on_constants
-    from propmap.fit.result_file import fit_text
-    from propmap.fit.still_explained import still_explained
-    from propmap.fit.thrust_scale import HoverScale as Scale
+    from propmap.fit.comparison import body_terms_verdict, doubts_on_constants, still_explained
+    from propmap.fit.files import fit_text
+    from propmap.fit.fit import fit, range_warnings
+    from propmap.fit.flight import ForceModel, balance_rows, hover_rows, level_rows, wing_values
+    from propmap.fit.flight import HoverScale as Scale
+    from propmap.fit.flight_study import by_flight
     from propmap.fit.tunnel import first_guess, model_with
 
     cutoff = CUTOFF if low_pass is None else low_pass

@@ -9,9 +9,8 @@ import typer
 
 from propmap.catalogue.identified import PARAMETERS
 from propmap.errors import InputError, quoted
-from propmap.fit.fitted import Settings
-from propmap.fit.parameters import EVERY, SECTION, Choice, Prior, known
-from propmap.fit.section_prior import SectionPrior
+from propmap.fit.fit import Settings
+from propmap.fit.parameters import EVERY, SECTION, Choice, Prior, SectionPrior, known
 from propmap.model.airfoil import Airfoil
 
 Free = Annotated[

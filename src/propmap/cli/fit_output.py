@@ -11,8 +11,8 @@ import typer
 from propmap.cli.output import check_output, check_pictures, show, write_text
 
 if TYPE_CHECKING:
-    from propmap.fit.fitted import Fitted
-    from propmap.fit.residuals import FlightErrors
+    from propmap.fit.fit import Fitted
+    from propmap.fit.least_squares import FlightErrors
     from propmap.model.model import Model
 
 Output = Annotated[

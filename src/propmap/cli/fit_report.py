@@ -7,9 +7,9 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from propmap.cli.output import grid
-from propmap.fit.fitted import Fitted
+from propmap.fit.fit import Fitted
+from propmap.fit.least_squares import FlightErrors, errors
 from propmap.fit.parameters import described
-from propmap.fit.residuals import FlightErrors, errors
 from propmap.model.corrections import in_words
 
 

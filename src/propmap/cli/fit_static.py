@@ -38,8 +38,8 @@ from propmap.model.plausible import doubts_on_air, doubts_on_blade, doubts_on_po
 from propmap.model.plausible_loads import doubts_on_loads
 
 if TYPE_CHECKING:
-    from propmap.fit.fitted import Fitted
-    from propmap.fit.forward_trust import ForwardTrust
+    from propmap.fit.comparison import ForwardTrust
+    from propmap.fit.fit import Fitted
 
 LIKE_ELECTRICAL = 1.2
 """Measured power over what the prior lets expect, from which it may be the battery's."""
@@ -95,11 +95,9 @@ def fit_static(
     chosen = choice_of(free, fix, prior, ("c_l1", "zero_lift_angle"), base, expected=expected)
     settings = settings_of(starts, robust, folds, bootstrap, seed)
 
-    from propmap.fit.coverage import coverage, range_warnings
-    from propmap.fit.fitted import fit
-    from propmap.fit.forward_trust import forward_trust
-    from propmap.fit.prior_conflict import doubts_on_constants
-    from propmap.fit.result_file import fit_text
+    from propmap.fit.comparison import doubts_on_constants, forward_trust
+    from propmap.fit.files import fit_text
+    from propmap.fit.fit import coverage, fit, range_warnings
     from propmap.fit.tunnel import first_guess, hover_rows, rotor_with, tunnel_rows
     from propmap.model.model import Model
 
@@ -157,7 +155,7 @@ def _like_electrical(fitted: Fitted, files: list[Path]) -> list[str]:
 
 def _tell(trust: ForwardTrust) -> None:
     """A table of what forward flight can be trusted to."""
-    from propmap.fit.forward_trust import MODEL_ERROR
+    from propmap.fit.comparison import MODEL_ERROR
 
     heads = "J|beta|thrust|sd before -> after|torque|sd before -> after"
     rows = [

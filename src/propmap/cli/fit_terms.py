@@ -17,8 +17,8 @@ from propmap.fit.parameters import FLEX, MOUNT, SECTION, SENSOR, WAKES, Choice, 
 from propmap.typing import Floats
 
 if TYPE_CHECKING:
-    from propmap.fit.flight_terms import Flight, Step
-    from propmap.fit.section_prior import SectionPrior
+    from propmap.fit.flight_study import Flight, Step
+    from propmap.fit.parameters import SectionPrior
     from propmap.vehicle.vehicle import Vehicle
     from propmap.vehicle.vehicle_toml import VehicleFile
 
@@ -74,7 +74,7 @@ def fit_terms_page(
     # Moments play no part here, and the wakes are one of the terms.
     file = replace(file, vehicle=replace(file.vehicle, inertia=None, wakes=None))
 
-    from propmap.fit.flight_terms import fit_terms
+    from propmap.fit.flight_study import fit_terms
     from propmap.report.terms_page import terms_pages
 
     cutoff = CUTOFF if low_pass is None else low_pass
@@ -110,7 +110,7 @@ def steps(vehicle: Vehicle, prior: SectionPrior, known: Mapping[str, Prior]) -> 
 
     ``prior`` is what other propellers tell of the blade, ``known`` what is known of other terms.
     """
-    from propmap.fit.flight_terms import Step
+    from propmap.fit.flight_study import Step
 
     own_mounts = any(one.drag for one in vehicle.mounts)
     mount = () if own_mounts else tuple(MOUNT)
@@ -162,7 +162,7 @@ def read_pairs(
         For bad logs, and columns that are not there.
     """
     from propmap.cli.flight_files import read_flights
-    from propmap.fit.flight_terms import Flight
+    from propmap.fit.flight_study import Flight
 
     names = [path.stem for path in paths]
     twice = [name for name in names if names.count(name) > 1]

@@ -29,8 +29,8 @@ from propmap.errors import InputError
 from propmap.model.plausible import doubts_on_air, doubts_on_blade
 
 if TYPE_CHECKING:
+    from propmap.fit.least_squares import Rows
     from propmap.fit.parameters import Choice
-    from propmap.fit.rows import Rows
 
 
 @takes_rotor
@@ -61,7 +61,7 @@ def fit_tunnel(
     cluster: Cluster = None,
 ) -> None:
     """Fit loads measured in a tunnel or on a bench."""
-    from propmap.fit.tunnel_files import doubts_on_tunnel, read_tunnel, sources
+    from propmap.fit.tunnel import doubts_on_tunnel, read_tunnel, sources
 
     check_outputs(output, picture)
     base = constants(choice.airfoil) if choice.airfoil else None
@@ -77,11 +77,9 @@ def fit_tunnel(
     doubts = doubts_on_tunnel(data, blade, air)
     say_doubts(doubts)
 
-    from propmap.fit.added_parameter import failing_assumptions
-    from propmap.fit.coverage import coverage, range_warnings
-    from propmap.fit.fitted import fit
-    from propmap.fit.prior_conflict import doubts_on_constants
-    from propmap.fit.result_file import fit_text
+    from propmap.fit.comparison import doubts_on_constants, failing_assumptions
+    from propmap.fit.files import fit_text
+    from propmap.fit.fit import coverage, fit, range_warnings
     from propmap.fit.tunnel import first_guess, hover_rows, rotor_with, tunnel_rows
     from propmap.model.model import Model
 

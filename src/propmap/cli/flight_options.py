@@ -13,8 +13,8 @@ from propmap.errors import InputError
 from propmap.fit.parameters import BODY, FLEX, MOUNT, PAPER_FOUR, TURNING, WAKES, Choice, Prior
 
 if TYPE_CHECKING:
-    from propmap.fit.fitted import Fitted
-    from propmap.fit.force_model import ForceModel
+    from propmap.fit.fit import Fitted
+    from propmap.fit.flight import ForceModel
     from propmap.fit.learned_residual import LearnedResidual
     from propmap.vehicle.flight_log import FlightLog
     from propmap.vehicle.vehicle import Vehicle
@@ -81,11 +81,8 @@ def flight_priors(vehicle: Vehicle, log: FlightLog, *, hover: bool) -> dict[str,
 
     With ``hover``, the thrust scale of each flight is expected where its own hover has it.
     """
-    from propmap.fit.flight_parameters import of_each
-    from propmap.fit.sensor_forces import OFFSET
-    from propmap.fit.thrust_scale import OVER_FLIGHTS
-    from propmap.fit.thrust_scale import HoverScale as Measured
-    from propmap.fit.turning import CENTRE
+    from propmap.fit.flight import CENTRE, OFFSET, OVER_FLIGHTS, of_each
+    from propmap.fit.flight import HoverScale as Measured
 
     disk = math.pi * vehicle.propeller.radius**2
     bodies = Prior(0.0, BODY_SHARE * disk * len(vehicle.mounts))
@@ -120,8 +117,7 @@ def free_by_default(vehicle: Vehicle, log: FlightLog, *, level: bool) -> tuple[s
     """
     if level:
         return PAPER_FOUR
-    from propmap.fit.flight_parameters import of_each
-    from propmap.fit.sensor_forces import OFFSET
+    from propmap.fit.flight import OFFSET, of_each
 
     turning = tuple(TURNING) if vehicle.inertia else ()
     mount = () if any(one.drag for one in vehicle.mounts) else tuple(MOUNT)

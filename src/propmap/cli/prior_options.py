@@ -14,7 +14,7 @@ from propmap.catalogue.identified import all_identified
 from propmap.catalogue.known import own_constants
 from propmap.catalogue.lookup import meant_by
 from propmap.errors import InputError, quoted
-from propmap.fit.section_prior import SectionPrior
+from propmap.fit.parameters import SectionPrior
 from propmap.model.propeller import Propeller
 
 PriorFrom = Annotated[

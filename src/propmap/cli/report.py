@@ -12,7 +12,7 @@ import typer
 from propmap.errors import InputError
 
 if TYPE_CHECKING:
-    from propmap.fit.result_file import FitFile
+    from propmap.fit.files import FitFile
     from propmap.report.fit_page import GivenData
 
 
@@ -59,7 +59,7 @@ def report(
 
 
 def _fit_files(source: Path, data: Sequence[str], vehicle: Path | None) -> dict[str, str | bytes]:
-    from propmap.fit.result_file import read_fit
+    from propmap.fit.files import read_fit
 
     file = read_fit(source)
     if vehicle is not None and not data:
@@ -82,12 +82,12 @@ def _given(file: FitFile, data: Sequence[str], vehicle: Path | None) -> GivenDat
         flight_forces,
         force_trends,
     )
-    from propmap.fit.fit_record import Source
-    from propmap.fit.other_flights import values_for
+    from propmap.fit.files import Source
+    from propmap.fit.flight_study import values_for
     from propmap.report.fit_page import GivenData
 
     if vehicle is None:
-        from propmap.fit.tunnel_files import read_tunnel, sources
+        from propmap.fit.tunnel import read_tunnel, sources
 
         measured = read_tunnel(data, file.model.propeller, file.model.air)
         found = compare_tunnel(file.model, measured)

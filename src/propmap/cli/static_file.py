@@ -9,8 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from propmap.errors import InputError
-from propmap.fit.tunnel import TunnelData
-from propmap.fit.tunnel_files import read_tunnel
+from propmap.fit.tunnel import TunnelData, read_tunnel
 from propmap.io.operating_points import RPM
 from propmap.io.points_file import read_columns
 from propmap.io.text_file import read_lines

@@ -12,9 +12,9 @@ from propmap.errors import InputError
 from propmap.explore.controls import Values
 from propmap.explore.jobs import Job
 from propmap.explore.session import Session
+from propmap.fit.least_squares import Rows
 from propmap.fit.parameters import SECTION
 from propmap.fit.parameters import Choice as FitChoice
-from propmap.fit.rows import Rows
 from propmap.fit.tunnel import TunnelData
 from propmap.model.airfoil import LIMITS, Airfoil
 from propmap.model.model import Model
@@ -76,7 +76,7 @@ class Fit:
 
     def run(self, job: Job) -> Mapping[str, float]:
         """Fit, and tell how far it is."""
-        from propmap.fit.fitted import Settings, fit
+        from propmap.fit.fit import Settings, fit
         from propmap.fit.tunnel import tunnel_rows
 
         rows = tunnel_rows(self.model, self.data, self.choice)

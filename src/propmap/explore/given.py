@@ -15,9 +15,8 @@ from typing import Any, Literal
 
 from propmap.catalogue.lookup import looks_like_path
 from propmap.errors import InputError, quoted
-from propmap.fit.result_file import is_fit, read_fit
-from propmap.fit.tunnel import TunnelData
-from propmap.fit.tunnel_files import measured_loads
+from propmap.fit.files import is_fit, read_fit
+from propmap.fit.tunnel import TunnelData, measured_loads
 from propmap.io.geometry_file import read_geometry_file
 from propmap.io.points_file import LOAD_COLUMNS
 from propmap.io.text_file import read_lines

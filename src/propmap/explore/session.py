@@ -14,7 +14,7 @@ from propmap.catalogue.lookup import looks_like_path, meant_by, propeller
 from propmap.catalogue.measurements import measurement, measurement_names
 from propmap.errors import InputError, quoted
 from propmap.explore.given import Given, Shelf
-from propmap.fit.tunnel_files import measured_in_catalogue
+from propmap.fit.tunnel import measured_in_catalogue
 from propmap.model.air import Air
 from propmap.model.airfoil import Airfoil, airfoil_names, parameter_set
 from propmap.model.corrections import as_text, corrections_of

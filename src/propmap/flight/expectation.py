@@ -8,10 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from propmap.errors import InputError
-from propmap.fit.flight import level_rows
-from propmap.fit.force_model import ForceModel
+from propmap.fit.flight import ForceModel, level_rows
+from propmap.fit.least_squares import NOISE_FLOOR, Minimum
 from propmap.fit.parameters import EVERY, MOUNT, PAPER_FOUR, Choice
-from propmap.fit.search import NOISE_FLOOR, Minimum
 from propmap.fit.uncertainty import AT_BOUND, Uncertainty, uncertainty
 from propmap.flight.trim import true_values
 from propmap.model.airfoil import Airfoil

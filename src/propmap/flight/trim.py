@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 
 from propmap.aircraft.newton import solve
 from propmap.errors import InputError
-from propmap.fit.body_forces import wing_values
-from propmap.fit.force_model import ForceModel
+from propmap.fit.flight import ForceModel, wing_values
 from propmap.fit.parameters import FIRST_GUESS, SECTION, constants_of
 from propmap.model.airfoil import Airfoil
 from propmap.model.corrections import MountDrag

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from propmap.baselines.hover import HoverModel
-from propmap.fit.residuals import errors, rms
+from propmap.fit.least_squares import errors, rms
 from propmap.loads import LOADS
 from propmap.typing import Floats
 

@@ -13,13 +13,11 @@ from numpy.typing import NDArray
 
 from propmap.baselines.hover import HoverModel
 from propmap.errors import InputError
-from propmap.fit.body_forces import body_force, wing_values
-from propmap.fit.coverage import CoveredAngle
-from propmap.fit.fit_record import FitRecord
-from propmap.fit.force_model import hover_loads
+from propmap.fit.files import FitFile, FitRecord
+from propmap.fit.fit import CoveredAngle
+from propmap.fit.flight import body_force, hover_loads, wing_values
+from propmap.fit.least_squares import rms
 from propmap.fit.parameters import EVERY, ROTOR
-from propmap.fit.residuals import rms
-from propmap.fit.result_file import FitFile
 from propmap.fit.tunnel import TunnelData
 from propmap.loads import LOADS, Load
 from propmap.model.model import Model

@@ -13,13 +13,11 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from propmap.baselines.hover import HoverModel
-from propmap.fit.comparison import Comparison, level_forces
-from propmap.fit.coverage import Covered, CoveredAngle
-from propmap.fit.fit_record import FitRecord, FittedLoad, Source
+from propmap.fit.comparison import Comparison, Trend, level_forces
+from propmap.fit.files import FitFile, FitRecord, FittedLoad, Source
+from propmap.fit.fit import Covered, CoveredAngle
+from propmap.fit.least_squares import Errors
 from propmap.fit.parameters import EVERY, general
-from propmap.fit.residuals import Errors
-from propmap.fit.result_file import FitFile
-from propmap.fit.still_explained import Trend
 from propmap.fit.tunnel import TunnelData
 from propmap.loads import LOADS
 from propmap.report import fit_curves

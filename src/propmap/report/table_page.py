@@ -15,7 +15,7 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from propmap.export.files import evenly, map_sha256
-from propmap.fit.residuals import rms
+from propmap.fit.least_squares import rms
 from propmap.loads import LOADS
 from propmap.report.html import (
     COLOURS,

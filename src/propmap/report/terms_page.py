@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.figure import Figure
 
-from propmap.fit.flight_terms import Fitted, Flight, Off, gain, judged, measured_off
+from propmap.fit.flight_study import FittedStep, Flight, Off, gain, judged, measured_off
 from propmap.report.html import (
     DASHED,
     HOVER,
@@ -36,7 +36,7 @@ COLOURS = 7
 def terms_pages(
     vehicle: Vehicle,
     flights: Sequence[Flight],
-    found: Sequence[Fitted],
+    found: Sequence[FittedStep],
     *,
     low_pass: float,
     samples: int,
@@ -98,7 +98,9 @@ def terms_pages(
 
 
 @style()
-def terms_figure(told: Sequence[Row], flights: Sequence[Flight], found: Sequence[Fitted]) -> Figure:
+def terms_figure(
+    told: Sequence[Row], flights: Sequence[Flight], found: Sequence[FittedStep]
+) -> Figure:
     """Errors along each axis as terms are added, on the flights left out.
 
     Parameters
@@ -159,7 +161,7 @@ def errors_sheet(told: Sequence[Row]) -> str:
     return csv_of_rows("model flight signals fitted_to_it x_rms_N y_rms_N z_rms_N", lines)
 
 
-def values_sheet(flights: Sequence[Flight], found: Sequence[Fitted]) -> str:
+def values_sheet(flights: Sequence[Flight], found: Sequence[FittedStep]) -> str:
     """What each fit found, as CSV."""
     return csv_of_rows(
         "step left_out parameter value",
@@ -249,7 +251,7 @@ class Worth:
     deviation: float
 
 
-def rows(vehicle: Vehicle, flights: Sequence[Flight], found: Sequence[Fitted]) -> list[Row]:
+def rows(vehicle: Vehicle, flights: Sequence[Flight], found: Sequence[FittedStep]) -> list[Row]:
     """Hover model, steps in order, and the prediction that comes with the data, flight by flight.
 
     Parameters
@@ -285,7 +287,7 @@ def rows(vehicle: Vehicle, flights: Sequence[Flight], found: Sequence[Fitted]) -
     return told
 
 
-def worth(flights: Sequence[Flight], found: Sequence[Fitted]) -> list[Worth]:
+def worth(flights: Sequence[Flight], found: Sequence[FittedStep]) -> list[Worth]:
     """What each step but the first changes, on flights that its fits have not seen.
 
     Parameters
@@ -301,12 +303,12 @@ def worth(flights: Sequence[Flight], found: Sequence[Fitted]) -> list[Worth]:
     return told
 
 
-def steps_of(found: Sequence[Fitted]) -> list[str]:
+def steps_of(found: Sequence[FittedStep]) -> list[str]:
     """Names of the steps of ``found``, in order."""
     return list(dict.fromkeys(f.step for f in found))
 
 
-def _unseen(step: str, found: Sequence[Fitted]) -> list[Off]:
+def _unseen(step: str, found: Sequence[FittedStep]) -> list[Off]:
     """One per flight."""
     fits = [f for f in found if f.step == step]
     return [f.off[f.left_out or 0] for f in fits]

@@ -17,11 +17,11 @@ from propmap.catalogue.mean_blade import MeanBlade, bundled_mean, families_measu
 from propmap.catalogue.population import ALIKE, APART, Population
 from propmap.catalogue.prior import POPULATION, PopulationPrior
 from propmap.errors import InputError
+from propmap.fit.least_squares import INDEPENDENT
 from propmap.fit.population import identification
 from propmap.fit.population.coefficients import AxialTest, airfoil_of
 from propmap.fit.population.populations import members_on
 from propmap.fit.population.verdict import verdict
-from propmap.fit.rows import INDEPENDENT
 from propmap.io.uiuc_database import MeasuredPropeller
 from propmap.model.propeller import Propeller
 from propmap.tasks import InTurn, Workers

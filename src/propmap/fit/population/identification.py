@@ -13,8 +13,8 @@ from propmap.catalogue.prior import (
     constants_of,
     slopes_of,
 )
+from propmap.fit.least_squares import INDEPENDENT
 from propmap.fit.population.coefficients import AxialTest
-from propmap.fit.rows import INDEPENDENT
 from propmap.typing import Floats
 
 AT_REST = 2.0

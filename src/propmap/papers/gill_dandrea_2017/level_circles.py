@@ -13,10 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from propmap.baselines.hover import HoverModel
-from propmap.fit.body_forces import body_force
-from propmap.fit.fitted import Fitted, Settings, fit
-from propmap.fit.flight import level_rows
-from propmap.fit.force_model import ForceModel, hover_loads
+from propmap.fit.fit import Fitted, Settings, fit
+from propmap.fit.flight import ForceModel, body_force, hover_loads, level_rows
 from propmap.fit.parameters import PAPER_FOUR, Choice
 from propmap.fit.tunnel import first_guess
 from propmap.flight.trim import trim, true_values

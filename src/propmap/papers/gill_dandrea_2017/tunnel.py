@@ -9,7 +9,7 @@ import numpy as np
 
 from propmap.baselines.hover import HoverModel
 from propmap.catalogue.measurements import Measurement, measurement
-from propmap.fit.residuals import errors as errors_of
+from propmap.fit.least_squares import errors as errors_of
 from propmap.loads import LOADS
 from propmap.model.air import Air
 from propmap.model.airfoil import Airfoil, parameter_set

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from propmap.fit.residuals import rms
+from propmap.fit.least_squares import rms
 from propmap.loads import LOADS
 from propmap.papers.gill_dandrea_2017.tunnel import (
     DIGITISED,

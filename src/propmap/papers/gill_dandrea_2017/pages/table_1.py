@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from propmap.catalogue.lookup import propeller
-from propmap.fit.fitted import Fitted
+from propmap.fit.fit import Fitted
+from propmap.fit.least_squares import rms
 from propmap.fit.parameters import PAPER_FOUR
-from propmap.fit.residuals import rms
 from propmap.model.airfoil import parameter_set
 from propmap.model.propeller import Propeller
 from propmap.papers.gill_dandrea_2017.blades import TUNNEL_PROPELLER, blade

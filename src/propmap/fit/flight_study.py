@@ -1,23 +1,39 @@
-"""What each term of a whole-flight fit is worth, on flights that the fit has not seen."""
+"""What each term of a flight fit is worth, and what a fit says of flights that it has not seen."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 
 from propmap.fit.comparison import flight_forces
-from propmap.fit.fitted import Settings, fit
-from propmap.fit.flight import ALIKE, balance_rows, vertical_rows
-from propmap.fit.force_model import ForceModel
-from propmap.fit.parameters import BODY, FIRST_GUESS, SENSOR, WAKES, Choice, constants_of
+from propmap.fit.files import FitFile, Source
+from propmap.fit.fit import Fitted, Settings, fit
+from propmap.fit.flight import ALIKE, ForceModel, HoverScale, balance_rows, of_others, vertical_rows
+from propmap.fit.least_squares import FlightErrors, rms_known
+from propmap.fit.parameters import (
+    BODY,
+    EVERY,
+    FIRST_GUESS,
+    PER_FLIGHT,
+    SENSOR,
+    WAKES,
+    Choice,
+    constants_of,
+    of_flight,
+)
 from propmap.fit.tunnel import model_with
 from propmap.model.airfoil import Airfoil
 from propmap.model.model import Model
 from propmap.typing import Floats
 from propmap.vehicle.flight_log import FlightLog, joined
+from propmap.vehicle.flight_names import flight_names
 from propmap.vehicle.vehicle import Vehicle
+
+# -------------------------------------------------------------------------------------------------
+# What each term of a whole-flight fit is worth, on flights that the fit has not seen.
 
 SURE = 2.0
 """Standard errors by which a term has to change the mean square error to be said to pay."""
@@ -92,7 +108,7 @@ class Off:
 
 
 @dataclass(frozen=True, eq=False)
-class Fitted:
+class FittedStep:
     """One step fitted to all flights but one, or to a single flight.
 
     Attributes
@@ -122,7 +138,7 @@ def fit_terms(
     *,
     samples: int,
     tell: Callable[[str], None] | None = None,
-) -> list[Fitted]:
+) -> list[FittedStep]:
     """Fit all steps, each flight in turn left out and the others joined.
 
     Parameters
@@ -156,7 +172,7 @@ def fit_terms(
             pairs = [_off(vehicle, flight, law, values) for flight in flights]
             off, hover = zip(*pairs, strict=True)
             free = {name: values[name] for name in step.choice.free}
-            found.append(Fitted(step.name, left_out, free, off, hover))
+            found.append(FittedStep(step.name, left_out, free, off, hover))
             if tell is not None:
                 unseen = found[-1].off[left_out or 0].rms
                 tell(f"{step.name}: {', '.join(f'{x:.3f}' for x in unseen)} N")
@@ -230,3 +246,88 @@ def _off(
 def _rms(off: Floats) -> Floats:
     found: Floats = np.sqrt(np.nanmean(off**2, axis=0))
     return found
+
+
+# -------------------------------------------------------------------------------------------------
+# What a fit's parameters are for flights, of which it may have seen some.
+
+
+def values_for(
+    file: FitFile, vehicle: Vehicle, log: FlightLog, paths: Sequence[Path]
+) -> tuple[dict[str, float], list[str]]:
+    """Parameters for flights, and what is to be said of them.
+
+    A flight of the fit keeps its own.  Of any other, the thrust scale is what its own hover has
+    beside the hover of the fit's flights, where that tells; else it is the mean of the fit's
+    flights, as its clock is.
+
+    Parameters
+    ----------
+    file : FitFile
+        The fit.
+    vehicle, log : Vehicle, FlightLog
+        What flew, and how.
+    paths : sequence of Path
+        The flights' files.
+    """
+    logs = file.record.data[:-1]  # The vehicle's file is the last.
+    names = flight_names([source.file for source in logs])
+    seen = {source.sha256: name for source, name in zip(logs, names, strict=True)}
+    values, told = of_others(file.values), []
+    by_hover, telling = dict[str, float](), dict[str, float]()
+    if file.hover_reference:
+        hovers = HoverScale.of(vehicle, log, file.hover_reference)
+        by_hover, telling = hovers.scales, hovers.telling
+    for flight, path in zip(log.flights, paths, strict=True):
+        name = seen.get(Source.of(path).sha256)
+        for one in PER_FLIGHT:
+            here = of_flight(one, flight)
+            values.pop(here, None)
+            if name is not None:
+                common = values.get(one, EVERY[one].start)
+                values[here] = file.values.get(of_flight(one, name), common)
+        scale = of_flight("thrust_scale", flight)
+        if name is None and scale in by_hover:
+            values |= {scale: telling[scale]} if scale in telling else {}
+            why = "so much is applied" if scale in telling else "too near to 1 to be applied"
+            told.append(
+                f"in its hover flight {flight} has {by_hover[scale]:.3f} times the thrust of the "
+                f"fit's flights at the same rotor speeds: {why}"
+            )
+    return values, told
+
+
+# -------------------------------------------------------------------------------------------------
+# Errors of a fit to several flights, flight by flight.
+
+
+def by_flight(fitted: Fitted, log: FlightLog) -> dict[str, dict[str, FlightErrors]]:
+    """Errors by load and by flight.
+
+    Parameters
+    ----------
+    fitted : Fitted
+        A fit of rows made of the samples of ``log``.
+    log : FlightLog
+        The samples.
+
+    Returns
+    -------
+    dict of str to dict of str to FlightErrors
+        By the name of the load and that of the flight; of one flight alone, nothing.
+    """
+    if len(log.flights) < 2:
+        return {}
+    rows = fitted.rows
+    flight = log.flight[rows.point]
+
+    def of(load: int, number: int) -> FlightErrors:
+        mine = rows.of_load(load) & (flight == number) & np.isfinite(fitted.residual)
+        off = fitted.residual[mine]
+        bias = float(off.mean()) if off.size else float("nan")
+        return FlightErrors(off.size, rms_known(off), bias, rms_known(fitted.left_out[mine]))
+
+    return {
+        load: {name: of(k, number) for number, name in enumerate(log.flights)}
+        for k, load in enumerate(rows.names)
+    }

@@ -1,19 +1,24 @@
-"""Bounded nonlinear least squares from several starts; eq. (18)."""
+"""Bounded nonlinear least squares from several starts, eq. (18), and the rows that it sees."""
 
 from __future__ import annotations
 
 import functools
+import itertools
 import warnings
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
 
 import msgspec
 import numpy as np
+from numpy.typing import NDArray
 
 from propmap.errors import InputError
 from propmap.fit.parameters import Choice
-from propmap.fit.rows import Rows
 from propmap.typing import Floats
+
+# -------------------------------------------------------------------------------------------------
+# Bounded nonlinear least squares from several starts; eq. (18).
 
 Jacobian = Callable[[Floats], Floats]
 
@@ -280,3 +285,265 @@ def minima(ends: list[End], spread: Floats) -> tuple[End, ...]:
             bests.append(best)
         found.append(msgspec.structs.replace(end, minimum=best.minimum))
     return tuple(found)
+
+
+# -------------------------------------------------------------------------------------------------
+# What every fit sees: numbers measured, and a model of them with its derivatives.
+
+Evaluation = tuple[Floats, Floats]
+Model = Callable[[Mapping[str, float], tuple[str, ...]], Evaluation]
+"""From all parameters by name and the P free names: values (M,) and derivatives (M, P)."""
+
+INDEPENDENT = 10.0
+"""Independent numbers that the rows of one load are worth at most, beside what is known of
+propellers in general: what a model or a stand gets wrong, neighbouring rows have in common."""
+
+INDEPENDENT_AT_REST = 4.0
+"""The same of rows that are all at rest, which differ in rotational speed alone."""
+
+REMEMBERED = 16
+"""Evaluations that are kept: more than one refit takes."""
+
+
+@dataclass(frozen=True, eq=False)
+class Rows:
+    """M measured numbers of one or several kinds of load, and a model of them.
+
+    Attributes
+    ----------
+    names, units : tuple of str
+        Of each kind of load.
+    measured : ndarray, shape (M,)
+        In the unit of the load.
+    load : ndarray, shape (M,)
+        Index into ``names``.
+    scale : ndarray, shape (M,)
+        By which residuals are divided before they are squared.
+    speed : ndarray, shape (M,)
+        Flight speed [m/s].
+    point : ndarray, shape (M,)
+        Operating point of each number; points are drawn and left out as a whole.
+    group : ndarray, shape (M,), or None
+        Stretches within which errors may be alike; None where every number errs by itself.
+    model : callable
+        Gives values and derivatives, see ``Model``.
+    weight : ndarray, shape (M,)
+        1, or 0 for what is left out.
+    """
+
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    measured: Floats
+    load: NDArray[np.intp]
+    scale: Floats
+    speed: Floats
+    point: NDArray[np.intp]
+    group: NDArray[np.intp] | None
+    model: Model
+    weight: Floats
+
+    @classmethod
+    def of_points(
+        cls,
+        names: tuple[str, ...],
+        units: tuple[str, ...],
+        measured: Floats,
+        scale: Floats,
+        speed: Floats,
+        model: Model,
+        group: NDArray[np.intp] | None = None,
+    ) -> Rows:
+        """A row for each finite number of a table of L loads at n operating points.
+
+        Parameters
+        ----------
+        names, units : tuple of str
+            Of the L loads.
+        measured, scale : ndarray, shape (n, L)
+            See ``Rows``.
+        speed, group : ndarray, shape (n,)
+            The same.
+        model : callable
+            Gives values of shape (n, L) and derivatives of shape (n, L, P).
+        """
+        point, load = np.nonzero(np.isfinite(measured))
+
+        # A search is polished where it ended, and refits of parts of the data begin there.
+        @functools.lru_cache(REMEMBERED)
+        def at(values: tuple[tuple[str, float], ...], free: tuple[str, ...]) -> Evaluation:
+            value, slope = model(dict(values), free)
+            return value[point, load], slope[point, load]
+
+        return cls(
+            names=names,
+            units=units,
+            measured=measured[point, load],
+            load=load,
+            scale=scale[point, load],
+            speed=speed[point],
+            point=point,
+            group=None if group is None else group[point],
+            model=lambda values, free: at(tuple(values.items()), free),
+            weight=np.ones(point.size),
+        )
+
+    @property
+    def unit(self) -> NDArray[np.intp]:
+        """What is drawn and left out as a whole (M,): the group, or else the operating point."""
+        return self.point if self.group is None else self.group
+
+    def picked(self, table: Floats) -> Floats:
+        """The numbers (M,) of these rows in a ``table`` (n, L) of loads at the operating points."""
+        return np.asarray(table[self.point, self.load])
+
+    def of_load(self, load: int) -> NDArray[np.bool_]:
+        """Which rows (M,) are of the ``load`` of this index and have weight."""
+        return (self.load == load) & (self.weight > 0.0)
+
+    @property
+    def counts(self) -> NDArray[np.intp]:
+        """How many rows of each load (L,) have weight."""
+        return np.array([np.count_nonzero(self.of_load(k)) for k in range(len(self.names))])
+
+    @property
+    def independent(self) -> Floats:
+        """How many independent numbers the rows of each load (L,) are worth.
+
+        In flight that is one for each group; each manoeuvre meets another flow.
+        """
+        parts = [self.of_load(k) for k in range(len(self.names))]
+        if self.group is not None:
+            return np.array([float(np.unique(self.group[part]).size) for part in parts])
+        moving = [np.any(self.speed[part] > 0.0) for part in parts]
+        return np.minimum(self.counts, np.where(moving, INDEPENDENT, INDEPENDENT_AT_REST))
+
+    def left(self, kept: NDArray[np.bool_]) -> Rows:
+        """The same rows, without weight where ``kept``, shape (M,), is false."""
+        return replace(self, weight=self.weight * kept)
+
+
+# -------------------------------------------------------------------------------------------------
+# How far a model is from measurements: over all rows and by speed.
+
+BANDS = (0.0, 3.0, 6.0, 9.0, 12.0, 15.0, np.inf)
+"""Edges of the bands of speed [m/s]."""
+
+
+class Errors(msgspec.Struct, frozen=True):
+    """Errors of one load, model minus measurement, in the unit of the load.
+
+    Attributes
+    ----------
+    rows : int
+        Numbers that are both measured and modelled.
+    rms : float
+        Root mean square of the errors.
+    relative_rms : float
+        ``rms`` over the root mean square of the measurements [-].
+    bias : float
+        Mean of the errors.
+    worst : float
+        The error of largest magnitude, with its sign.
+    hover_rms : float
+        Root mean square of the hover model's errors; NaN where it was not asked for.
+    """
+
+    rows: int
+    rms: float
+    relative_rms: float
+    bias: float
+    worst: float
+    hover_rms: float
+
+
+class FlightErrors(msgspec.Struct, frozen=True):
+    """Errors of one load on one flight, model minus measurement, in the unit of the load.
+
+    Attributes
+    ----------
+    rows : int
+        Numbers that are both measured and modelled.
+    rms, bias : float
+        Root mean square and mean of the errors.
+    cross_validated_rms : float
+        Root mean square of the errors on stretches left out of the fit; NaN where it was not done.
+    """
+
+    rows: int
+    rms: float
+    bias: float
+    cross_validated_rms: float
+
+
+def rms(values: Floats) -> float:
+    """Root mean square of all values, in their unit."""
+    return float(np.sqrt(np.mean(np.square(values))))
+
+
+def rms_known(values: Floats) -> float:
+    """Root mean square of those values that are known; NaN where none is."""
+    known = values[np.isfinite(values)]
+    return rms(known) if known.size else float("nan")
+
+
+def errors(model: Floats, measured: Floats, hover: Floats | None = None) -> Errors:
+    """Errors over all numbers that are both measured and modelled; arrays of shape (n,)."""
+    both = np.isfinite(model) & np.isfinite(measured)
+    if not both.any():
+        return Errors(0, *(5 * (np.nan,)))
+    off = (model - measured)[both]
+    size, left = rms(measured[both]), rms(off)
+    return Errors(
+        rows=int(both.sum()),
+        rms=left,
+        relative_rms=left / size if size > 0.0 else np.nan,
+        bias=float(off.mean()),
+        worst=float(off[np.argmax(np.abs(off))]),
+        hover_rms=np.nan if hover is None else rms((hover - measured)[both]),
+    )
+
+
+def by_band(
+    model: Floats, measured: Floats, speed: Floats, hover: Floats | None = None
+) -> dict[str, Errors]:
+    """Errors in each band of speed that has numbers, by a name such as "3-6 m/s"."""
+    found = {}
+    for low, high in itertools.pairwise(BANDS):
+        mine = (speed >= low) & (speed < high)
+        if mine.any():
+            name = f"{low:g}-{high:g} m/s" if np.isfinite(high) else f"above {low:g} m/s"
+            part = None if hover is None else hover[mine]
+            found[name] = errors(model[mine], measured[mine], part)
+    return found
+
+
+# -------------------------------------------------------------------------------------------------
+# Rows in other processes: they are made there again, since their models cannot be sent.
+
+
+class RowsElsewhere:
+    """What is sent to a worker without its rows, which the worker makes again.
+
+    Attributes
+    ----------
+    rows : Rows
+        What was measured, with its model.
+    remake : callable or None
+        Gives the rows again; picklable.  None where no other process works.
+    """
+
+    rows: Rows
+    remake: Callable[[], Rows] | None
+
+    def __getstate__(self) -> dict[str, Any]:
+        if self.remake is None:
+            raise InputError(
+                "workers in other processes cannot be sent the rows of a fit",
+                "give remake, which makes them there",
+            )
+        return {key: value for key, value in vars(self).items() if key != "rows"}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        vars(self).update(state)
+        assert self.remake is not None
+        self.rows = self.remake()
