@@ -21,12 +21,10 @@ import numpy as np
 
 import propmap
 from benchmarks.results_file import machine, write_results
-from propmap.aircraft.candidates import catalogue_candidates
-from propmap.aircraft.deviations import spread
 from propmap.aircraft.performance import performance
-from propmap.aircraft.ranking import Ranking
-from propmap.aircraft.steady import Aircraft
-from propmap.aircraft.task import Task
+from propmap.aircraft.ranking import Ranking, Task, catalogue_candidates
+from propmap.aircraft.sensitivity import spread
+from propmap.aircraft.trim import Aircraft
 from propmap.catalogue.expected_constants import expected_constants
 from propmap.cli.trim_words import plain
 from propmap.fit.fit import Settings, fit

@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 
 import propmap
-from propmap.aircraft.steady import Aircraft
+from propmap.aircraft.trim import Aircraft
 from propmap.vehicle.battery import Battery
 from propmap.vehicle.motor import RPM, Motor
 from propmap.vehicle.powertrain import Powertrain

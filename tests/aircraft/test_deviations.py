@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 
 import propmap
-from propmap.aircraft.deviations import derivatives, power_gradient, spread
-from propmap.aircraft.steady import Aircraft
-from propmap.aircraft.steady_states import SteadyStates
+from propmap.aircraft.sensitivity import derivatives, power_gradient, spread
+from propmap.aircraft.trim import Aircraft, SteadyStates
 from propmap.errors import InputError
 from propmap.vehicle.vehicle import Body, Wakes
 from propmap.vehicle.vehicle_toml import read_vehicle

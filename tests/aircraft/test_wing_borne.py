@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from propmap.aircraft.performance import performance
-from propmap.aircraft.steady import Aircraft
+from propmap.aircraft.trim import Aircraft
 from propmap.vehicle.free_stream_force import free_stream_force
 from propmap.vehicle.motor import RPM
 from propmap.vehicle.powertrain import Powertrain

@@ -13,7 +13,7 @@ import pytest
 from scipy.optimize import brentq
 
 import propmap
-from propmap.aircraft.steady import Aircraft
+from propmap.aircraft.trim import Aircraft
 from propmap.errors import InputError
 from propmap.export.autopilot import autopilot_parameters, export_autopilot
 from propmap.export.inplane_drag import inplane_forces

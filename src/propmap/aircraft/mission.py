@@ -10,8 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.aircraft.steady import Aircraft
-from propmap.aircraft.steady_states import FLOWN, STATUSES, SteadyStates
+from propmap.aircraft.trim import FLOWN, STATUSES, Aircraft, SteadyStates
 from propmap.errors import InputError
 from propmap.io.blade_table import parse_number
 from propmap.io.csv_dialect import read_csv_table

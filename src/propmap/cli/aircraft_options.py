@@ -15,7 +15,7 @@ from propmap.errors import InputError
 from propmap.io.operating_points import RPM
 
 if TYPE_CHECKING:
-    from propmap.aircraft.steady import Aircraft
+    from propmap.aircraft.trim import Aircraft
     from propmap.model.model import Model
     from propmap.model.propeller import Propeller
     from propmap.vehicle.vehicle import Vehicle
@@ -84,7 +84,7 @@ def aircraft_of(
                 "--table is given with --airfoil, --model or --correction",
                 "leave these out: the table was built with its own",
             )
-        from propmap.aircraft.steady import Aircraft
+        from propmap.aircraft.trim import Aircraft
         from propmap.table.query import LoadTable
 
         found = LoadTable.load(table)
@@ -93,7 +93,7 @@ def aircraft_of(
     chosen = model_of(vehicle, vehicle.propeller, airfoil, model, correction)
     say_missing(vehicle)
 
-    from propmap.aircraft.steady import Aircraft
+    from propmap.aircraft.trim import Aircraft
     from propmap.rotor import Rotor
 
     rotor = Rotor(chosen, accuracy=accuracy.value)

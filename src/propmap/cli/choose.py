@@ -34,9 +34,8 @@ from propmap.errors import InputError, quoted
 from propmap.tasks import InProcesses, Workers
 
 if TYPE_CHECKING:
-    from propmap.aircraft.candidates import Candidate
     from propmap.aircraft.mission import Mission
-    from propmap.aircraft.ranking import Judged, Ranking
+    from propmap.aircraft.ranking import Candidate, Judged, Ranking
 
 INCH = 0.0254
 
@@ -112,9 +111,7 @@ def choose(
 
     read = vehicle_of(vehicle, no_wakes=no_wakes)
 
-    from propmap.aircraft.candidates import catalogue_candidates, file_candidate
-    from propmap.aircraft.ranking import Ranking
-    from propmap.aircraft.task import Task
+    from propmap.aircraft.ranking import Ranking, Task, catalogue_candidates, file_candidate
     from propmap.catalogue.lookup import airfoil as section_law
     from propmap.model.corrections import corrections_of
     from propmap.tasks import cores
@@ -147,7 +144,7 @@ def choose(
         rows = rows_of(wanted, judged)
         emit_rows(list(rows[0]), rows, form, output)
     if picture is not None:
-        from propmap.aircraft.ranking_comparison import pareto
+        from propmap.aircraft.ranking import pareto
         from propmap.report.html import save
         from propmap.report.pictures import propeller_choice
 
@@ -172,7 +169,7 @@ def _diameters(text: str | None) -> tuple[float, float]:
 def _legs(task: str) -> Mission | None:
     """The mission that ``--task`` names, None for another task."""
     from propmap.aircraft.mission import read_mission
-    from propmap.aircraft.task import MEASURES
+    from propmap.aircraft.ranking import MEASURES
 
     if task != "mission" and task in MEASURES:
         return None

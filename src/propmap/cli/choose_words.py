@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Any
 from propmap.cli.output import WideGrid, grid
 
 if TYPE_CHECKING:
-    from propmap.aircraft.ranking import Judged
-    from propmap.aircraft.task import Task
+    from propmap.aircraft.ranking import Judged, Task
 
 SHOWN = {"J": ("Wh", 3600.0), "s": ("min", 60.0), "m": ("km", 1000.0)}
 """Units of scores as tables show them, and how much of the unit in files that is."""
@@ -23,7 +22,7 @@ SURE = 0.95
 
 def table_of(task: Task, judged: list[Judged]) -> WideGrid:
     """The first of a ranking, ``judged`` for a ``task``, in a table."""
-    from propmap.aircraft.ranking_comparison import beats
+    from propmap.aircraft.ranking import beats
 
     unit, size = SHOWN.get(task.unit, (task.unit, 1.0))
     times = any(math.isfinite(one.hover_time) for one in judged)
@@ -81,8 +80,8 @@ def told_of(judged: list[Judged], top: int, *, all_: bool) -> list[Any]:
     all_ : bool
         Whether all are shown.
     """
-    from propmap.aircraft.ranking_comparison import beats
-    from propmap.aircraft.steady_states import STATUSES
+    from propmap.aircraft.ranking import beats
+    from propmap.aircraft.trim import STATUSES
 
     fit = [one for one in judged if one.feasible]
     rest = [one for one in judged if not one.feasible]
@@ -115,7 +114,7 @@ def told_of(judged: list[Judged], top: int, *, all_: bool) -> list[Any]:
 
 def rows_of(task: Task, judged: list[Judged]) -> list[dict[str, Any]]:
     """A mapping for each of a ranking, ``judged`` for a ``task``; None for NaN."""
-    from propmap.aircraft.ranking_comparison import beats
+    from propmap.aircraft.ranking import beats
 
     name = f"{task.ranked_by}_{task.unit.replace('/', '_per_')}"
     rows = []

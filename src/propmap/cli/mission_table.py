@@ -13,7 +13,7 @@ from propmap.cli.output import Format, emit, emit_rows, grid, json_text, show
 
 if TYPE_CHECKING:
     from propmap.aircraft.mission import Flown, Mission
-    from propmap.aircraft.steady import Aircraft
+    from propmap.aircraft.trim import Aircraft
 
 
 def fly_and_show(

@@ -53,10 +53,9 @@ from propmap.cli.trim_words import (
 from propmap.errors import InputError
 
 if TYPE_CHECKING:
-    from propmap.aircraft.deviations import Spread
     from propmap.aircraft.performance import Performance
-    from propmap.aircraft.steady import Aircraft
-    from propmap.aircraft.steady_states import SteadyStates
+    from propmap.aircraft.sensitivity import Spread
+    from propmap.aircraft.trim import Aircraft, SteadyStates
 
 SPEEDS = 21
 """Where --speed is A:B."""
@@ -181,7 +180,7 @@ def _deviations(craft: Aircraft, flown: list[SteadyStates], *, bands: bool) -> l
     """Standard deviations of the states, None where they are not asked for or not known."""
     if not bands:
         return [None] * len(flown)
-    from propmap.aircraft.deviations import spread
+    from propmap.aircraft.sensitivity import spread
     from propmap.rotor import Rotor
 
     if isinstance(craft.loads, Rotor):
@@ -197,7 +196,7 @@ def _emit(
     form: Format,
     output: Path | None,
 ) -> None:
-    from propmap.aircraft.columns import rows
+    from propmap.aircraft.performance import rows
 
     listed = [row for both in zip(flown, sure, strict=True) for row in rows(*both)]
     if found is not None:

@@ -9,14 +9,13 @@ import numpy as np
 import xarray
 
 import propmap
-from propmap.aircraft.columns import columns
-from propmap.aircraft.steady import Aircraft
-from propmap.aircraft.steady_states import STATUSES
+from propmap.aircraft.performance import columns
+from propmap.aircraft.trim import STATUSES, Aircraft
 from propmap.rotor import Rotor
 
 if TYPE_CHECKING:
-    from propmap.aircraft.deviations import Spread
-    from propmap.aircraft.steady_states import SteadyStates
+    from propmap.aircraft.sensitivity import Spread
+    from propmap.aircraft.trim import SteadyStates
 
 AXES = ("climb_mps", "speed_mps")
 

@@ -15,10 +15,9 @@ from propmap.cli.plausibility import say_doubts
 from propmap.model.plausible import doubts_on_points
 
 if TYPE_CHECKING:
-    from propmap.aircraft.deviations import Spread
     from propmap.aircraft.performance import NamedState, Performance
-    from propmap.aircraft.steady import Aircraft
-    from propmap.aircraft.steady_states import SteadyStates
+    from propmap.aircraft.sensitivity import Spread
+    from propmap.aircraft.trim import Aircraft, SteadyStates
 
 SPARE = ("throttle [%]", "I motor [A]", "T [N]", "P shaft [W]", "way [km]", "roll [deg]", "rpm")
 """Columns that a narrow window goes without, the first first."""
@@ -75,7 +74,7 @@ def say_beyond_data(craft: Aircraft, flown: list[SteadyStates], where: str = "")
 
 
 def _beyond(own: Identified, omega: Any, speed: Any, diameter: float) -> list[str]:
-    from propmap.aircraft.columns import RPM
+    from propmap.aircraft.performance import RPM
 
     rpm, advance = (
         float(omega.max()) * RPM,
@@ -154,7 +153,7 @@ def table_of(states: SteadyStates, sure: Spread | None, found: Performance | Non
     caption = "rpm: slowest to fastest rotor; thrust margin: T at the first limit over T needed"
     if deviations:
         caption += "\n+-: one standard deviation of the power, from those of the rotors' loads"
-    from propmap.aircraft.steady_states import STATUSES
+    from propmap.aircraft.trim import STATUSES
 
     met = [status for status in STATUSES if status != "ok" and status in states.status]
     caption += "".join(f"\n{status}: {STATUSES[status]}" for status in met)
@@ -191,9 +190,8 @@ def told(found: Performance | None) -> list[str]:
     """Lines on the states that have a name."""
     if found is None:
         return []
-    from propmap.aircraft.limits import LIMITS
-    from propmap.aircraft.steady_states import STATUSES
-    from propmap.aircraft.top_speed import FASTEST
+    from propmap.aircraft.performance import FASTEST
+    from propmap.aircraft.trim import LIMITS, STATUSES
 
     lines = []
     climbs = bool(found.states.climb[0])

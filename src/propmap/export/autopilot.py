@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from propmap.aircraft.steady import Aircraft
+from propmap.aircraft.trim import Aircraft
 from propmap.errors import InputError
 from propmap.export import AUTOPILOTS
 from propmap.export.files import check_folder, vehicle_identifier, write_files

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.aircraft.steady import Aircraft
-from propmap.aircraft.steady_states import STATUSES
+from propmap.aircraft.trim import STATUSES, Aircraft
 from propmap.errors import InputError
 from propmap.loads import LOADS
 from propmap.model.corrections import MOUNT_DRAG

@@ -8,8 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 import propmap
-from propmap.aircraft.steady import Aircraft
-from propmap.aircraft.steady_states import STATUSES
+from propmap.aircraft.trim import STATUSES, Aircraft
 from propmap.export.inplane_drag import (
     AXES,
     CLOSE,

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from propmap.aircraft.steady import Aircraft
+from propmap.aircraft.trim import Aircraft
 from propmap.errors import InputError
 from propmap.export.parameter_set import (
     AutopilotParameters,

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from propmap.aircraft.steady import Aircraft
+from propmap.aircraft.trim import Aircraft
 from propmap.export.inplane_drag import load_errors, rotor_sources
 from propmap.rotor import Rotor
 from propmap.typing import Floats

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.aircraft.newton import solve
+from propmap.aircraft.trim import solve
 from propmap.errors import InputError
 from propmap.fit.flight import ForceModel, wing_values
 from propmap.fit.parameters import FIRST_GUESS, SECTION, constants_of

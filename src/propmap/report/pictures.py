@@ -38,11 +38,11 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
 
-    from propmap.aircraft.deviations import Spread
     from propmap.aircraft.mission import Flown, Mission
     from propmap.aircraft.performance import Performance
     from propmap.aircraft.ranking import Judged
-    from propmap.aircraft.steady_states import SteadyStates
+    from propmap.aircraft.sensitivity import Spread
+    from propmap.aircraft.trim import SteadyStates
     from propmap.model.propeller import Propeller
     from propmap.results import Inflow
     from propmap.rotor import Rotor

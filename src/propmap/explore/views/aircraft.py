@@ -7,11 +7,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from propmap.aircraft.columns import rows as state_rows
-from propmap.aircraft.limits import LIMITS
 from propmap.aircraft.performance import NamedState, Performance, performance
-from propmap.aircraft.steady import Aircraft
-from propmap.aircraft.steady_states import STATUSES, SteadyStates
+from propmap.aircraft.performance import rows as state_rows
+from propmap.aircraft.trim import LIMITS, STATUSES, Aircraft, SteadyStates
 from propmap.errors import InputError
 from propmap.explore import view
 from propmap.explore.session import Session, axis, number, rotor_of
@@ -99,7 +97,7 @@ class AircraftView:
         return (
             "import numpy as np\nimport propmap\n"
             "from propmap.aircraft.performance import performance\n"
-            "from propmap.aircraft.steady import Aircraft\n"
+            "from propmap.aircraft.trim import Aircraft\n"
             "from propmap.vehicle.vehicle_toml import read_vehicle\n\n"
             f"vehicle = read_vehicle({given.path or given.name!r}).vehicle\n"
             "model = propmap.known_model(vehicle.propeller.name, air=vehicle.air)\n"
