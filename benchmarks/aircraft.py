@@ -31,10 +31,10 @@ from propmap.fit.fit import Settings, fit
 from propmap.fit.parameters import SECTION, Choice
 from propmap.fit.tunnel import TunnelData, section_with, tunnel_rows
 from propmap.table.build import build_table
-from propmap.vehicle.flight_log import GRAVITY
-from propmap.vehicle.motor import RPM
+from propmap.vehicle.files import read_vehicle
+from propmap.vehicle.log import GRAVITY
+from propmap.vehicle.powertrain import RPM
 from propmap.vehicle.vehicle import Vehicle
-from propmap.vehicle.vehicle_toml import read_vehicle
 
 EXAMPLE = Path(__file__).parent.parent / "examples" / "aircraft" / "delivery.toml"
 DATA = Path(__file__).parents[2] / "shared" / "data" / "power"

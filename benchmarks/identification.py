@@ -37,7 +37,7 @@ from propmap.flight.trim import trim
 from propmap.model.airfoil import parameter_set
 from propmap.model.model import Model
 from propmap.tasks import Workers
-from propmap.vehicle.flight_log import FlightLog, pitch_and_roll
+from propmap.vehicle.log import FlightLog, pitch_and_roll
 from propmap.vehicle.vehicle import Mount, Vehicle
 
 SETS = ("paper-soft", "paper-stiff", "paper-apc")

@@ -27,9 +27,9 @@ if TYPE_CHECKING:
     from propmap.model.uncertainty import SectionUncertainty
     from propmap.results import Loads, Wrench
     from propmap.rotor import Rotor
+    from propmap.vehicle.files import read_vehicle
     from propmap.vehicle.vehicle import Vehicle
     from propmap.vehicle.vehicle_forces import VehicleForces, VehicleWrench
-    from propmap.vehicle.vehicle_toml import read_vehicle
 
 __version__ = "0.1.0"
 
@@ -82,7 +82,7 @@ _PLACES = {
     "corrections_of": "model.corrections",
     "known_model": "catalogue.known",
     "propeller": "catalogue.lookup",
-    "read_vehicle": "vehicle.vehicle_toml",
+    "read_vehicle": "vehicle.files",
 }
 
 

@@ -12,8 +12,8 @@ import propmap
 from propmap.aircraft.sensitivity import derivatives, power_gradient, spread
 from propmap.aircraft.trim import Aircraft, SteadyStates
 from propmap.errors import InputError
+from propmap.vehicle.files import read_vehicle
 from propmap.vehicle.vehicle import Body, Wakes
-from propmap.vehicle.vehicle_toml import read_vehicle
 
 from .conftest import aircraft_of, quadcopter, rotor_of
 

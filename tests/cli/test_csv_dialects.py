@@ -18,8 +18,8 @@ from propmap.io.geometry_file import read_geometry_file
 from propmap.io.points_file import LOAD_COLUMNS, read_points
 from propmap.io.section_tables import looks_like_section_table, read_section_table
 from propmap.model.air import Air
-from propmap.vehicle.logs import read_flight_log
-from propmap.vehicle.vehicle_toml import read_vehicle
+from propmap.vehicle.files import read_vehicle
+from propmap.vehicle.log_readers import read_flight_log
 from tests.flight.synthetic import NEUROBEM, vehicle_with
 from tests.io import samples
 from tests.io.samples_csv import DIALECTS, rewritten

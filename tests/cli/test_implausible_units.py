@@ -14,7 +14,7 @@ from propmap.cli.flight_files import read_flights
 from propmap.errors import InputError
 from propmap.fit.tunnel import doubts_on_tunnel
 from propmap.model.plausible import doubts_on_blade
-from propmap.vehicle.vehicle_toml import read_vehicle
+from propmap.vehicle.files import read_vehicle
 
 from .conftest import Run
 from .fit_inputs import LEVEL, QUICK, UIUC, VEHICLE, picked, tunnel_table

@@ -10,9 +10,9 @@ import pytest
 from propmap.errors import InputError
 from propmap.flight.steady import operating_points, steady_stretches
 from propmap.flight.trim import trim
-from propmap.vehicle.logs import read_flight_log
+from propmap.vehicle.files import read_vehicle
+from propmap.vehicle.log_readers import read_flight_log
 from propmap.vehicle.vehicle import Vehicle, Wakes
-from propmap.vehicle.vehicle_toml import read_vehicle
 
 from .conftest import Run
 

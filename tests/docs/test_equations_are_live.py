@@ -22,7 +22,7 @@ from propmap.baselines import hover
 from propmap.fit import comparison, fit, flight
 from propmap.fit.parameters import BODY, FIRST_GUESS, SECTION, Choice
 from propmap.papers.gill_dandrea_2017 import rotor_drag
-from propmap.vehicle import wake_table
+from propmap.vehicle import wakes
 from propmap.vehicle.vehicle import Wakes, Wing
 from tests.docs.test_equations import functions, rows
 from tests.fit import test_paper_equations as paper
@@ -203,9 +203,8 @@ PROBES: dict[str, Callable[[], Any]] = {
     "propmap.rotor": inflow,
     "propmap.baselines.hover": hover_model,
     "propmap.baselines.fin_analogy": fin,
-    "propmap.vehicle.vortex_cylinder": whole_flights,
     "propmap.vehicle": flights,
-    "propmap.vehicle.interference": whole_flights,
+    "propmap.vehicle.wakes": all_flights,
     "propmap.fit.flight": all_flights,
     "propmap.fit": made_up_fit,
 }
@@ -224,7 +223,7 @@ def unbroken(probe: Callable[[], Any]) -> np.ndarray:
 @pytest.fixture(autouse=True)
 def _no_tables_kept() -> Iterator[None]:
     """Of the wakes' velocity, which would hide that what they are made of is broken."""
-    kept = (wake_table._table, wake_table.seen_wake, wake_table.frame_of)
+    kept = (wakes._table, wakes.seen_wake, wakes.frame_of)
     for one in kept:
         one.cache_clear()
     yield

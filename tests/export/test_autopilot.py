@@ -20,9 +20,7 @@ from propmap.export.inplane_drag import inplane_forces
 from propmap.model.section_covariance import SectionCovariance
 from propmap.model.uncertainty import SectionUncertainty
 from propmap.table import LoadTable
-from propmap.vehicle.battery import Battery
-from propmap.vehicle.motor import RPM, Motor
-from propmap.vehicle.powertrain import Powertrain
+from propmap.vehicle.powertrain import RPM, Battery, Motor, Powertrain
 from propmap.vehicle.vehicle import Body, Mount, Vehicle, Wakes, Wing
 from tests.aircraft.conftest import POWERTRAIN, aircraft_of, quadcopter
 from tests.oracle.literal_section import drag_coefficient, lift_coefficient

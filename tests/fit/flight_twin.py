@@ -13,8 +13,7 @@ from propmap.fit.least_squares import Rows
 from propmap.fit.parameters import FIRST_GUESS, SECTION, Choice, Prior
 from propmap.model.airfoil import parameter_set
 from propmap.typing import Floats
-from propmap.vehicle.flight_log import GRAVITY, FlightLog, joined
-from propmap.vehicle.time_derivatives import low_passed
+from propmap.vehicle.log import GRAVITY, FlightLog, joined, low_passed
 from propmap.vehicle.vehicle import Mount, Vehicle
 
 LAW = parameter_set("paper-apc")

@@ -13,7 +13,7 @@ from propmap.fit.flight_study import by_flight
 from propmap.fit.least_squares import Rows
 from propmap.fit.parameters import Choice
 from propmap.fit.uncertainty import block_errors
-from propmap.vehicle.flight_log import FlightLog, joined
+from propmap.vehicle.log import FlightLog, joined
 
 NONE = np.zeros((3, 3))
 

@@ -13,8 +13,7 @@ from propmap.fit.comparison import flight_forces, still_explained
 from propmap.fit.fit import Settings, fit
 from propmap.fit.flight import ForceModel, HoverScale, balance_rows, level_rows
 from propmap.fit.parameters import FIRST_GUESS, SECTION, Choice
-from propmap.vehicle.flight_log import GRAVITY, FlightLog, joined
-from propmap.vehicle.time_derivatives import low_passed
+from propmap.vehicle.log import GRAVITY, FlightLog, joined, low_passed
 from propmap.vehicle.vehicle import Mount, Vehicle, Wakes
 
 LAW = propmap.airfoil("paper-apc")

@@ -5,7 +5,7 @@ import pytest
 
 import propmap
 from propmap.flight.trim import trim
-from propmap.vehicle.flight_log import FlightLog
+from propmap.vehicle.log import FlightLog
 from propmap.vehicle.vehicle import Mount, Vehicle
 
 SPEEDS = np.linspace(0.5, 14.5, 12)

@@ -10,8 +10,8 @@ from scipy.spatial.transform import Rotation
 
 from propmap.errors import InputError
 from propmap.flight.level_table import read_level_table
-from propmap.vehicle.flight_log import FlightLog
-from propmap.vehicle.vehicle_toml import read_vehicle
+from propmap.vehicle.files import read_vehicle
+from propmap.vehicle.log import FlightLog
 
 from .synthetic import NEUROBEM
 

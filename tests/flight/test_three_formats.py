@@ -15,8 +15,8 @@ from propmap.fit.tunnel import first_guess
 from propmap.flight.simulated import SensorNoise, fly
 from propmap.flight.steady import operating_points, steady_stretches
 from propmap.flight.trim import trim
-from propmap.vehicle.flight_log import FlightLog
-from propmap.vehicle.logs import read_flight_log
+from propmap.vehicle.log import FlightLog
+from propmap.vehicle.log_readers import read_flight_log
 from tests.flight.synthetic import vehicle_with
 from tests.vehicle.write_logs import write_bag, write_csv, write_ulog
 

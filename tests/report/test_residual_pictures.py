@@ -20,7 +20,7 @@ from propmap.report.fit_curves import Curve, Curves
 from propmap.report.fit_page import GivenData, binned, residual_sheet, sentences
 from propmap.report.html import PAGE, REPORT_FILES
 from propmap.typing import Floats
-from propmap.vehicle.flight_log import FlightLog, joined
+from propmap.vehicle.log import FlightLog, joined
 from tests.fit.fit_records import load, record
 
 RNG = np.random.default_rng(1)

@@ -20,8 +20,7 @@ from propmap.operating_points import FlowPoints
 from propmap.rotor import Rotor
 from propmap.table.query import LoadTable
 from propmap.typing import Floats
-from propmap.vehicle.load_sources import LoadSource
-from propmap.vehicle.rotors import Rotors
+from propmap.vehicle.rotors import LoadSource, Rotors
 
 # -------------------------------------------------------------------------------------------------
 # How sure steady states are, and their derivatives by what a designer may choose.

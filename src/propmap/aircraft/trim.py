@@ -18,12 +18,12 @@ from propmap.model.usual_ranges import FAST_TIP_MACH, SPEED_OF_SOUND
 from propmap.operating_points import broadcast
 from propmap.rotor import Rotor
 from propmap.typing import Floats
-from propmap.vehicle.flight_log import GRAVITY, in_vehicle_frame
-from propmap.vehicle.free_stream_force import free_stream_force, wing_lift
+from propmap.vehicle.log import GRAVITY, in_vehicle_frame
 from propmap.vehicle.powertrain import ElectricState, Powertrain
 from propmap.vehicle.rotors import Rotors, RotorWrenches
-from propmap.vehicle.vectors import cross
 from propmap.vehicle.vehicle import Vehicle, Wing
+from propmap.vehicle.vehicle_forces import free_stream_force, wing_lift
+from propmap.vehicle.wakes import cross
 
 if TYPE_CHECKING:
     from propmap.table.query import LoadTable

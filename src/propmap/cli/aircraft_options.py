@@ -43,7 +43,7 @@ MISSING = {
 
 def vehicle_of(path: Path, *, no_wakes: bool) -> Vehicle:
     """The vehicle of a file; with ``no_wakes`` as if it had no table ``[wakes]``."""
-    from propmap.vehicle.vehicle_toml import read_vehicle
+    from propmap.vehicle.files import read_vehicle
 
     found = read_vehicle(path).vehicle
     return replace(found, wakes=None) if no_wakes else found

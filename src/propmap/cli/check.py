@@ -100,7 +100,7 @@ def _compare(
     if vehicle is not None:
         from propmap.cli.flight_files import read_flights
         from propmap.fit.flight import wing_values
-        from propmap.vehicle.vehicle_toml import read_vehicle
+        from propmap.vehicle.files import read_vehicle
 
         if prop is not None:
             raise InputError("--prop is given with a vehicle, which has its own", "leave it out")

@@ -40,7 +40,7 @@ from propmap.model.plausible import doubts_on_air, doubts_on_blade
 if TYPE_CHECKING:
     from propmap.fit.fit import Fitted
     from propmap.fit.flight import ForceModel
-    from propmap.vehicle.flight_log import FlightLog
+    from propmap.vehicle.log import FlightLog
 
 EVERY, FEW = 3, 1500
 """Of so many samples of whole flights one is fitted from all starts, and all from the best end."""
@@ -110,8 +110,8 @@ def fit_flight(
     estimated: state it in the vehicle file.
     """
     from propmap.cli.flight_files import read_flights
-    from propmap.vehicle.time_derivatives import CUTOFF
-    from propmap.vehicle.vehicle_toml import read_vehicle
+    from propmap.vehicle.files import read_vehicle
+    from propmap.vehicle.log import DERIVATIVE_CUTOFF
 
     check_outputs(output, picture, stretches_picture)
     base = constants(name_or_file) if name_or_file else None
@@ -127,7 +127,7 @@ def fit_flight(
     from propmap.fit.flight_study import by_flight
     from propmap.fit.tunnel import first_guess, model_with
 
-    cutoff = CUTOFF if low_pass is None else low_pass
+    cutoff = DERIVATIVE_CUTOFF if low_pass is None else low_pass
     flights = read_flights(
         logs,
         file,

@@ -19,8 +19,8 @@ from propmap.typing import Floats
 if TYPE_CHECKING:
     from propmap.fit.flight_study import Flight, Step
     from propmap.fit.parameters import SectionPrior
+    from propmap.vehicle.files import VehicleFile
     from propmap.vehicle.vehicle import Vehicle
-    from propmap.vehicle.vehicle_toml import VehicleFile
 
 ALMOST_NONE = 1e-9
 """Area [m^2] of a mount that drags nothing."""
@@ -66,8 +66,8 @@ def fit_terms_page(
     one and checked on that one, beside a prediction that comes with the logs.
     """
     from propmap.report.html import PAGE, TERMS_FILES, check_folder, write_folder
-    from propmap.vehicle.time_derivatives import CUTOFF
-    from propmap.vehicle.vehicle_toml import read_vehicle
+    from propmap.vehicle.files import read_vehicle
+    from propmap.vehicle.log import DERIVATIVE_CUTOFF
 
     check_folder(output, TERMS_FILES)
     file = read_vehicle(vehicle)
@@ -77,7 +77,7 @@ def fit_terms_page(
     from propmap.fit.flight_study import fit_terms
     from propmap.report.terms_page import terms_pages
 
-    cutoff = CUTOFF if low_pass is None else low_pass
+    cutoff = DERIVATIVE_CUTOFF if low_pass is None else low_pass
     flights, remarks = read_pairs(logs, file, cutoff, prediction)
     prior = expected(prior_from, file.vehicle)
     law = prior.airfoil.with_corrections(["pitt-peters"])
@@ -192,8 +192,7 @@ def _predicted(
     path: Path, file: VehicleFile, time: Floats, cutoff: float, columns: str | None
 ) -> Floats | None:
     """Forces [N] (n, 3) that columns of a CSV log predict at these times, low-passed."""
-    from propmap.vehicle.flight_log import FlightLog
-    from propmap.vehicle.time_derivatives import low_passed
+    from propmap.vehicle.log import FlightLog, low_passed
 
     if path.suffix.lower() != ".csv":
         return None

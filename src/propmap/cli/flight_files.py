@@ -14,13 +14,17 @@ from propmap.flight.level_table import is_level_table, read_level_table
 from propmap.flight.plausible_rotors import check_rotor_order, mixed_vehicles
 from propmap.flight.plausible_rpm import check_rotor_speed
 from propmap.flight.steady import airborne, operating_points, steady_stretches
-from propmap.vehicle.flight_log import FlightLog, joined
-from propmap.vehicle.flight_names import flight_names
-from propmap.vehicle.logs import read_recording
-from propmap.vehicle.logs.assembly import flight_log
-from propmap.vehicle.logs.plausible import check_recording
-from propmap.vehicle.time_derivatives import FEWEST_PER_PERIOD, low_passed
-from propmap.vehicle.vehicle_toml import VehicleFile
+from propmap.vehicle.files import VehicleFile
+from propmap.vehicle.log import (
+    FEWEST_PER_PERIOD,
+    FlightLog,
+    flight_log,
+    flight_names,
+    joined,
+    low_passed,
+)
+from propmap.vehicle.log_checks import check_recording
+from propmap.vehicle.log_readers import read_recording
 
 if TYPE_CHECKING:
     from propmap.rotor import Rotor

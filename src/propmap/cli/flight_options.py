@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from propmap.fit.fit import Fitted
     from propmap.fit.flight import ForceModel
     from propmap.fit.learned_residual import LearnedResidual
-    from propmap.vehicle.flight_log import FlightLog
+    from propmap.vehicle.log import FlightLog
     from propmap.vehicle.vehicle import Vehicle
 
 LowPass = Annotated[

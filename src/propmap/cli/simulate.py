@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from propmap.flight.expectation import Expectation
-    from propmap.vehicle.vehicle_toml import VehicleFile
+    from propmap.vehicle.files import VehicleFile
 
 LARGEST_ERROR = 0.2
 """Of the vertical force, as a share of the weight; with more, some draw leaves none to carry."""
@@ -111,7 +111,7 @@ def simulate_flight(
 
     from propmap.fit.parameters import Choice
     from propmap.flight.simulated import SensorNoise, check_sampling, fly, log_csv
-    from propmap.vehicle.vehicle_toml import read_vehicle
+    from propmap.vehicle.files import read_vehicle
 
     check_sampling(dwell, rate)
     names = Choice(tuple(name.strip() for name in free.split(","))).free

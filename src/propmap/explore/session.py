@@ -375,7 +375,7 @@ def _read_toml(path: Path, *, trusted: bool) -> tuple[Kind, Any]:
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"not valid TOML ({error})", "correct the file", str(path)) from None
     if "rotors" in fields or "mass" in fields:
-        from propmap.vehicle.vehicle_toml import read_vehicle
+        from propmap.vehicle.files import read_vehicle
 
         named = fields.get("propeller", "")
         named = named.get("geometry", "") if isinstance(named, dict) else named

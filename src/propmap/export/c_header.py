@@ -24,10 +24,19 @@ from propmap.table.interpolation import (
 )
 from propmap.table.query import END_SLACK, SLACK, LoadTable
 from propmap.typing import Floats
-from propmap.vehicle.interference import LARGEST_INFLOW, LARGEST_UPWASH, SLOW, STEPS, UPWASH
 from propmap.vehicle.rotors import Rotors
 from propmap.vehicle.vehicle import Vehicle
-from propmap.vehicle.wake_table import BEARINGS, SKEWS, SeenWake, frame_of
+from propmap.vehicle.wakes import (
+    BEARINGS,
+    LARGEST_INFLOW,
+    LARGEST_UPWASH,
+    SKEWS,
+    SLOW,
+    STEPS,
+    UPWASH,
+    SeenWake,
+    frame_of,
+)
 
 # -------------------------------------------------------------------------------------------------
 # Target ``c``: a C99 header with the table, its query, gradient and inverse.

@@ -17,8 +17,8 @@ from propmap.model.section_covariance import SectionCovariance
 from propmap.operating_points import FlowPoints, split_velocity
 from propmap.rotor import Rotor
 from propmap.typing import Floats
-from propmap.vehicle.flight_log import GRAVITY, in_vehicle_frame
-from propmap.vehicle.mounted_rotors import mounted_rotors
+from propmap.vehicle.log import GRAVITY, in_vehicle_frame
+from propmap.vehicle.rotors import mounted_rotors
 from propmap.vehicle.vehicle import Body, Vector, Vehicle
 
 if TYPE_CHECKING:

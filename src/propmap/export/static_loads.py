@@ -11,7 +11,7 @@ from propmap.aircraft.trim import Aircraft
 from propmap.export.inplane_drag import load_errors, rotor_sources
 from propmap.rotor import Rotor
 from propmap.typing import Floats
-from propmap.vehicle.motor import RPM, Motor
+from propmap.vehicle.powertrain import RPM, Motor
 
 # -------------------------------------------------------------------------------------------------
 # A vehicle's rotors at rest, with the errors of their loads.

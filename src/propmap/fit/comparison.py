@@ -43,11 +43,10 @@ from propmap.model.drag_factor import drag_factor_accepted
 from propmap.model.model import Model, Section
 from propmap.rotor import Rotor
 from propmap.typing import Floats
-from propmap.vehicle.flight_log import GRAVITY, FlightLog
-from propmap.vehicle.hub_flow import HubFlow, hub_flow, rotor_wrench
-from propmap.vehicle.interference import in_wakes
-from propmap.vehicle.mounted_rotors import mounted_rotors
+from propmap.vehicle.log import GRAVITY, FlightLog
+from propmap.vehicle.rotors import mounted_rotors
 from propmap.vehicle.vehicle import Vehicle
+from propmap.vehicle.wakes import HubFlow, hub_flow, in_wakes, rotor_wrench
 
 # -------------------------------------------------------------------------------------------------
 # A parameter set against measurements, beside the hover model of the same rotor.

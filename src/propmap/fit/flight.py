@@ -33,12 +33,11 @@ from propmap.model.airfoil import Airfoil
 from propmap.model.model import Model
 from propmap.rotor import Rotor
 from propmap.typing import Floats
-from propmap.vehicle.flight_log import GRAVITY, FlightLog
-from propmap.vehicle.free_stream_force import free_stream_force
-from propmap.vehicle.hub_flow import HubFlow, hub_flow, rotor_wrench
-from propmap.vehicle.interference import check_apart, wake_flow
-from propmap.vehicle.mounted_rotors import mounted_rotors
+from propmap.vehicle.log import GRAVITY, FlightLog
+from propmap.vehicle.rotors import mounted_rotors
 from propmap.vehicle.vehicle import Body, Vehicle, Wakes
+from propmap.vehicle.vehicle_forces import free_stream_force
+from propmap.vehicle.wakes import HubFlow, check_apart, hub_flow, rotor_wrench, wake_flow
 
 # -------------------------------------------------------------------------------------------------
 # Force balances of a flying vehicle as rows to fit, eqs. (16) and (17) and past them.
@@ -473,7 +472,7 @@ def sensor_force(
     Parameters
     ----------
     vehicle, log : Vehicle, FlightLog
-        What flies, and how; with time derivatives, see ``propmap.vehicle.time_derivatives``.
+        What flies, and how; with time derivatives, see ``propmap.vehicle.log``.
     values : mapping of str to float
         The sensor's parameters by name; its place adds to the vehicle file's.
     free : tuple of str

@@ -28,8 +28,7 @@ from propmap.fit.tunnel import model_with
 from propmap.model.airfoil import Airfoil
 from propmap.model.model import Model
 from propmap.typing import Floats
-from propmap.vehicle.flight_log import FlightLog, joined
-from propmap.vehicle.flight_names import flight_names
+from propmap.vehicle.log import FlightLog, flight_names, joined
 from propmap.vehicle.vehicle import Vehicle
 
 # -------------------------------------------------------------------------------------------------

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from propmap.errors import InputError
 from propmap.results import spin_sign
 from propmap.typing import Floats
-from propmap.vehicle.flight_log import FlightLog
+from propmap.vehicle.log import FlightLog
 from propmap.vehicle.vehicle import Vehicle
 
 ALIKE = 1.0

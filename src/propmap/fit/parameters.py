@@ -105,7 +105,7 @@ WAKES = {
     "wake_downwash": Parameter("-", 1.0, 0.0, 12.0, 1.0, "downwash of a wake"),
     "wake_share": Parameter("-", 1.0, 0.0, 2.0, 0.5, "share of the inflow that skews a wake"),
 }
-"""Of ``propmap.vehicle.interference``.  What is neither free nor fixed is the vehicle file's."""
+"""Of ``propmap.vehicle.wakes``.  What is neither free nor fixed is the vehicle file's."""
 
 ROTOR_SPEED = "rotor_speed_scale"
 

@@ -15,7 +15,7 @@ from propmap.fit.uncertainty import AT_BOUND, Uncertainty, uncertainty
 from propmap.flight.trim import true_values
 from propmap.model.airfoil import Airfoil
 from propmap.typing import Floats
-from propmap.vehicle.flight_log import FlightLog
+from propmap.vehicle.log import FlightLog
 from propmap.vehicle.vehicle import Vehicle
 
 

@@ -12,8 +12,8 @@ from propmap.errors import InputError
 from propmap.io.blade_table import parse_number
 from propmap.io.csv_dialect import header_names, read_csv_table
 from propmap.io.text_file import read_lines
-from propmap.vehicle.flight_log import FlightLog, in_vehicle_frame
-from propmap.vehicle.log_map import RPM
+from propmap.vehicle.log import FlightLog, in_vehicle_frame
+from propmap.vehicle.powertrain import RPM
 from propmap.vehicle.vehicle import Vehicle
 
 REQUIRED = ("speed_mps", "pitch_deg")

@@ -11,8 +11,7 @@ from propmap.errors import InputError
 from propmap.flight.plausible_rpm import FEWEST_SLOW, SLOW, slow_flight
 from propmap.flight.steady import airborne
 from propmap.typing import Floats
-from propmap.vehicle.flight_log import GRAVITY, FlightLog
-from propmap.vehicle.time_derivatives import low_passed
+from propmap.vehicle.log import GRAVITY, FlightLog, low_passed
 from propmap.vehicle.vehicle import Vehicle
 
 BAND = (1.0, 6.0)

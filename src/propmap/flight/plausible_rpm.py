@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from propmap.baselines.hover import HoverModel
 from propmap.errors import InputError
 from propmap.flight.steady import airborne
-from propmap.vehicle.flight_log import GRAVITY, FlightLog
-from propmap.vehicle.log_map import RPM
+from propmap.vehicle.log import GRAVITY, FlightLog
+from propmap.vehicle.powertrain import RPM
 from propmap.vehicle.vehicle import Vehicle
 
 if TYPE_CHECKING:

@@ -10,8 +10,8 @@ import numpy as np
 
 from propmap.errors import InputError
 from propmap.typing import Floats
-from propmap.vehicle.flight_log import GRAVITY, FlightLog, in_vehicle_frame, pitch_and_roll
-from propmap.vehicle.log_map import CHOICES, LogMap
+from propmap.vehicle.files import CHOICES, LogMap
+from propmap.vehicle.log import GRAVITY, FlightLog, in_vehicle_frame, pitch_and_roll
 
 HARDEST = 2.0
 """Largest acceleration [m/s^2] from one speed to the next."""

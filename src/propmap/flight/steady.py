@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 
 from propmap.errors import InputError
 from propmap.typing import Floats
-from propmap.vehicle.flight_log import FlightLog
-from propmap.vehicle.logs.assembly import LONGEST_GAP
+from propmap.vehicle.log import LONGEST_GAP, FlightLog
 
 MOVING = 1.0
 """Speed [m/s] above which a vehicle is certainly not on the ground."""

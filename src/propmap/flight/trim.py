@@ -16,7 +16,7 @@ from propmap.model.airfoil import Airfoil
 from propmap.model.corrections import MountDrag
 from propmap.model.model import Model
 from propmap.typing import Floats
-from propmap.vehicle.flight_log import GRAVITY, FlightLog, in_vehicle_frame
+from propmap.vehicle.log import GRAVITY, FlightLog, in_vehicle_frame
 from propmap.vehicle.vehicle import Vehicle
 
 PAPER_RADIUS = 1.7

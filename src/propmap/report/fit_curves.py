@@ -38,8 +38,8 @@ from propmap.report.html import (
 from propmap.report.words import motor_note
 from propmap.rotor import Rotor
 from propmap.typing import Floats
-from propmap.vehicle.flight_log import GRAVITY, FlightLog
-from propmap.vehicle.hub_flow import hub_flow, rotor_forces
+from propmap.vehicle.log import GRAVITY, FlightLog
+from propmap.vehicle.wakes import hub_flow, rotor_forces
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

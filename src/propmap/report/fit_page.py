@@ -39,7 +39,7 @@ from propmap.report.html import (
 )
 from propmap.rotor import Rotor
 from propmap.typing import Floats
-from propmap.vehicle.flight_log import GRAVITY, FlightLog
+from propmap.vehicle.log import GRAVITY, FlightLog
 from propmap.vehicle.vehicle import Vehicle
 
 # -------------------------------------------------------------------------------------------------

@@ -14,7 +14,7 @@ from propmap.vehicle.powertrain import Powertrain
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-    from propmap.vehicle.load_sources import LoadSource
+    from propmap.vehicle.rotors import LoadSource
     from propmap.vehicle.vehicle_forces import VehicleWrench
 
 SPINS = ("ccw", "cw")
@@ -92,7 +92,7 @@ class Wing:
 
 @dataclass(frozen=True)
 class Wakes:
-    """How the rotors' wakes act on each other, see ``propmap.vehicle.interference``.
+    """How the rotors' wakes act on each other, see ``propmap.vehicle.wakes``.
 
     Attributes
     ----------

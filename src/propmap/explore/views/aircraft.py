@@ -98,7 +98,7 @@ class AircraftView:
             "import numpy as np\nimport propmap\n"
             "from propmap.aircraft.performance import performance\n"
             "from propmap.aircraft.trim import Aircraft\n"
-            "from propmap.vehicle.vehicle_toml import read_vehicle\n\n"
+            "from propmap.vehicle.files import read_vehicle\n\n"
             f"vehicle = read_vehicle({given.path or given.name!r}).vehicle\n"
             "model = propmap.known_model(vehicle.propeller.name, air=vehicle.air)\n"
             "rotor = propmap.Rotor(model)\n"

@@ -24,9 +24,9 @@ from propmap.papers.gill_dandrea_2017.blades import blade
 from propmap.papers.gill_dandrea_2017.paper import FASTEST, FLIGHTS, RADIUS, TETHER
 from propmap.rotor import Rotor
 from propmap.typing import Floats
-from propmap.vehicle.flight_log import GRAVITY, FlightLog, pitch_and_roll
-from propmap.vehicle.hub_flow import hub_flow
+from propmap.vehicle.log import GRAVITY, FlightLog, pitch_and_roll
 from propmap.vehicle.vehicle import Body, Mount, Vehicle
+from propmap.vehicle.wakes import hub_flow
 
 BLADE = "apc-8x4.5mr"
 """Used for both propellers, scaled to 10 cm: their own blades are not published."""

@@ -33,7 +33,7 @@ from propmap.report.html import (
     share_of_weight,
     style,
 )
-from propmap.vehicle.flight_log import GRAVITY
+from propmap.vehicle.log import GRAVITY
 
 WEIGHT = ASSUMED.mass * GRAVITY
 FACES = (COLOURS[0], "white")

@@ -37,7 +37,7 @@ from propmap.report.html import (
     number,
     style,
 )
-from propmap.vehicle.flight_log import GRAVITY
+from propmap.vehicle.log import GRAVITY
 
 LIGHT: dict[str, Any] = {"color": COLOURS[4], "alpha": 0.6, "linewidth": 0.0}
 HEAVY: dict[str, Any] = {**LIGHT, "alpha": 0.25}
