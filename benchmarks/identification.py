@@ -33,7 +33,7 @@ from propmap.fit.interval_coverage import noisy_intervals
 from propmap.fit.least_squares import Rows
 from propmap.fit.parameters import PAPER_FOUR, Choice
 from propmap.fit.tunnel import TunnelData, first_guess, section_with, tunnel_rows
-from propmap.flight.trim import trim
+from propmap.flight.simulate import trim
 from propmap.model.airfoil import parameter_set
 from propmap.model.model import Model
 from propmap.tasks import Workers

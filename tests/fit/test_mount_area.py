@@ -16,8 +16,7 @@ from propmap.fit.fit import Fitted, Settings, coverage, fit
 from propmap.fit.flight import ForceModel, level_rows
 from propmap.fit.parameters import FIRST_GUESS, SECTION, Choice
 from propmap.fit.tunnel import TunnelData, model_with, tunnel_rows
-from propmap.flight.expectation import expectation
-from propmap.flight.trim import true_values
+from propmap.flight.simulate import expectation, true_values
 from propmap.model.corrections import MountDrag
 from propmap.vehicle.vehicle import Vehicle
 from tests.fit.test_flight_fit import MOUNTS, OMEGA, VELOCITIES, log

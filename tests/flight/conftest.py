@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import propmap
-from propmap.flight.trim import trim
+from propmap.flight.simulate import trim
 from propmap.vehicle.log import FlightLog
 from propmap.vehicle.vehicle import Mount, Vehicle
 

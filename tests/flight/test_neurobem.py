@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from propmap.errors import InputError
-from propmap.flight.plausible_rpm import check_rotor_speed
+from propmap.flight.checks import check_rotor_speed
 from propmap.flight.steady import steady_stretches
 from propmap.model.airfoil import parameter_set
 from propmap.model.model import Model

@@ -12,9 +12,8 @@ from propmap.fit.fit import Settings, fit
 from propmap.fit.flight import ForceModel, level_rows
 from propmap.fit.parameters import Choice
 from propmap.fit.tunnel import first_guess
-from propmap.flight.simulated import SensorNoise, fly
+from propmap.flight.simulate import SensorNoise, fly, trim
 from propmap.flight.steady import operating_points, steady_stretches
-from propmap.flight.trim import trim
 from propmap.vehicle.log import FlightLog
 from propmap.vehicle.log_readers import read_flight_log
 from tests.flight.synthetic import vehicle_with

@@ -10,10 +10,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from propmap.errors import InputError
-from propmap.flight.level_table import is_level_table, read_level_table
-from propmap.flight.plausible_rotors import check_rotor_order, mixed_vehicles
-from propmap.flight.plausible_rpm import check_rotor_speed
-from propmap.flight.steady import airborne, operating_points, steady_stretches
+from propmap.flight.checks import check_rotor_order, check_rotor_speed, mixed_vehicles
+from propmap.flight.steady import (
+    airborne,
+    is_level_table,
+    operating_points,
+    read_level_table,
+    steady_stretches,
+)
 from propmap.vehicle.files import VehicleFile
 from propmap.vehicle.log import (
     FEWEST_PER_PERIOD,

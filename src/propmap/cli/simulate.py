@@ -20,7 +20,7 @@ from propmap.io.operating_points import RPM
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from propmap.flight.expectation import Expectation
+    from propmap.flight.simulate import Expectation
     from propmap.vehicle.files import VehicleFile
 
 LARGEST_ERROR = 0.2
@@ -110,7 +110,7 @@ def simulate_flight(
     law = with_physics(constants(section), model, correction)
 
     from propmap.fit.parameters import Choice
-    from propmap.flight.simulated import SensorNoise, check_sampling, fly, log_csv
+    from propmap.flight.simulate import SensorNoise, check_sampling, fly, log_csv
     from propmap.vehicle.files import read_vehicle
 
     check_sampling(dwell, rate)
@@ -124,8 +124,7 @@ def simulate_flight(
             str(vehicle),
         )
 
-    from propmap.flight.expectation import expectation
-    from propmap.flight.trim import trim
+    from propmap.flight.simulate import expectation, trim
 
     # Another stream than that of the sensors.
     error = noise * np.random.default_rng([seed, 1]).standard_normal(speeds.size)
@@ -168,7 +167,7 @@ def _expected(expected: Expectation, flights: int) -> Table:
 
 def _how_to_read(read: VehicleFile, name: str) -> None:
     """Say how the log is read back, unless the vehicle file already does."""
-    from propmap.flight.simulated import log_map, log_table
+    from propmap.flight.simulate import log_map, log_table
 
     rotors = len(read.vehicle.mounts)
     if replace(log_map(rotors), file=read.log.file) == read.log:

@@ -522,8 +522,8 @@ def _in_rows(column: Floats, value: float) -> int:
 def check_recording(recording: Recording) -> list[str]:
     """Look for mistakes in frames, units, columns and clocks, and for sensors that failed.
 
-    What needs the vehicle, its rotors, is in ``propmap.flight.plausible_rpm`` and
-    ``propmap.flight.plausible_rotors``.
+    What needs the vehicle, its rotors, is in ``propmap.flight.checks`` and
+    ``propmap.flight.checks``.
 
     Parameters
     ----------
