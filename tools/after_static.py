@@ -28,8 +28,8 @@ from propmap.fit.fit import Settings, fit
 from propmap.fit.parameters import Choice, SectionPrior
 from propmap.fit.population.misfiled import refiled
 from propmap.fit.tunnel import TunnelData, rotor_with, tunnel_rows
-from propmap.io.atomic_file import replacing
-from propmap.io.uiuc_database import MeasuredPropeller, read_uiuc_database
+from propmap.io.csv import replacing
+from propmap.io.uiuc import MeasuredPropeller, read_uiuc_database
 from propmap.loads import LOADS
 from propmap.model.model import Model
 from propmap.typing import Floats

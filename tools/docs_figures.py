@@ -19,7 +19,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Arc, Circle, Polygon
 
-from propmap.io.atomic_file import replacing
+from propmap.io.csv import replacing
 from propmap.report.html import COLOURS, MARKERS, new_figure, style
 from tools import architecture_picture
 

@@ -23,7 +23,7 @@ from propmap.fit.comparison import flight_forces
 from propmap.fit.learned_residual import learn
 from propmap.fit.parameters import BODY, FIRST_GUESS, SENSOR, WAKES, constants_of
 from propmap.fit.tunnel import model_with
-from propmap.io.atomic_file import replacing
+from propmap.io.csv import replacing
 from propmap.model.model import Model
 from propmap.typing import Floats
 from propmap.vehicle.files import read_vehicle

@@ -19,7 +19,7 @@ from pathlib import Path
 import tomli_w
 
 from propmap.fit.files import read_fit
-from propmap.io.atomic_file import replacing
+from propmap.io.csv import replacing
 from propmap.model.airfoil import Airfoil
 from propmap.model.corrections import MODELS
 from propmap.model.uncertainty import DISCREPANCIES, SectionUncertainty

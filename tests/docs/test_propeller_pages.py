@@ -18,7 +18,7 @@ from propmap.catalogue.prior import POPULATION, coordinates
 from propmap.cli import main
 from propmap.fit.population.misfiled import refiled
 from propmap.fit.population.summary import summary
-from propmap.io.uiuc_database import read_uiuc_database
+from propmap.io.uiuc import read_uiuc_database
 from tools import measured_rows
 from tools.propeller_pages import listing, population, words
 from tools.propeller_pages.card import card

@@ -23,9 +23,8 @@ from propmap.catalogue.identified import (
     named_without_blade,
 )
 from propmap.errors import InputError, quoted
-from propmap.io.blade_table import check_radius
-from propmap.io.geometry_file import read_geometry_file
-from propmap.io.section_tables import looks_like_section_table, read_section_table
+from propmap.io.geometry import check_radius, read_geometry_file
+from propmap.io.sections import looks_like_section_table, read_section_table
 from propmap.model.airfoil import Airfoil, airfoil_names, parameter_set
 from propmap.model.propeller import Propeller
 from propmap.model.section_table import SectionTable

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from propmap.errors import InputError, quoted
-from propmap.io.toml_table import parse_toml
+from propmap.io.toml import parse_toml
 from propmap.loads import LOADS
 from propmap.typing import Floats
 

@@ -12,7 +12,7 @@ import typer
 from propmap import catalogue
 from propmap.cli.rotor_options import AccuracyName, ModelName, RotorChoice, with_physics
 from propmap.errors import InputError
-from propmap.io.operating_points import RPM
+from propmap.io.csv import RPM
 
 if TYPE_CHECKING:
     from propmap.aircraft.trim import Aircraft

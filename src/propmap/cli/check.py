@@ -24,7 +24,7 @@ from propmap.cli.output import (
 from propmap.cli.plausibility import say_doubts, say_expected
 from propmap.cli.rotor_options import Corrections, ModelOption, say_reynolds, with_physics
 from propmap.errors import InputError
-from propmap.io.csv_text import csv_text
+from propmap.io.csv import csv_text
 from propmap.model.air import Air
 from propmap.model.corrections import in_words
 from propmap.model.model import Model

@@ -14,8 +14,7 @@ import propmap
 from propmap.catalogue.lookup import propeller
 from propmap.catalogue.measurements import Measurement, measurement
 from propmap.cli.output import json_text, write_text
-from propmap.io.csv_text import csv_text
-from propmap.io.operating_points import RPM
+from propmap.io.csv import RPM, csv_text
 from propmap.loads import LOADS
 from propmap.model.airfoil import parameter_set
 from propmap.model.corrections import MODELS, corrections_of

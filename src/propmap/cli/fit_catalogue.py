@@ -44,7 +44,7 @@ def fit_catalogue(
     from propmap.fit.population.catalogue import identify_all, identify_without_blade
     from propmap.fit.population.misfiled import refiled
     from propmap.fit.population.populations import populations_of
-    from propmap.io.uiuc_database import read_uiuc_database
+    from propmap.io.uiuc import read_uiuc_database
 
     check_output(output, (".csv",))
     every = refiled(read_uiuc_database(loads))

@@ -33,7 +33,7 @@ from propmap.cli.rotor_options import (
     with_physics,
 )
 from propmap.errors import InputError
-from propmap.io.operating_points import RPM
+from propmap.io.csv import RPM
 from propmap.model.plausible import doubts_on_air, doubts_on_blade, doubts_on_points
 from propmap.model.plausible_loads import doubts_on_loads
 

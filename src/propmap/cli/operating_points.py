@@ -7,7 +7,7 @@ import itertools
 import numpy as np
 
 from propmap.errors import InputError
-from propmap.io.operating_points import OperatingPoints, check_value
+from propmap.io.csv import OperatingPoints, check_value
 from propmap.typing import Floats
 
 

@@ -23,9 +23,7 @@ from propmap.cli.rotor_options import (
     takes_rotor,
 )
 from propmap.errors import InputError
-from propmap.io.disk_csv import disk_csv
-from propmap.io.operating_points import RPM
-from propmap.io.points_file import LOAD_COLUMNS, read_points
+from propmap.io.csv import LOAD_COLUMNS, RPM, disk_csv, read_points
 from propmap.model.plausible import doubts_on_blade
 
 if TYPE_CHECKING:

@@ -24,8 +24,7 @@ from propmap.cli.output import (
 from propmap.cli.plausibility import say_doubts_on_points
 from propmap.cli.rotor_options import RotorChoice, say_reynolds, takes_rotor
 from propmap.errors import InputError
-from propmap.io.operating_points import OperatingPoints, std_columns
-from propmap.io.points_file import read_points
+from propmap.io.csv import OperatingPoints, read_points, std_columns
 from propmap.loads import LOADS
 from propmap.model.uncertainty import SOURCES
 

@@ -15,7 +15,7 @@ from propmap.cli.operating_points import parse_axis
 from propmap.cli.output import Force, check_output, grid, show, write_text
 from propmap.cli.rotor_options import Corrections, ModelOption, constants, with_physics
 from propmap.errors import InputError
-from propmap.io.operating_points import RPM
+from propmap.io.csv import RPM
 
 if TYPE_CHECKING:
     from rich.table import Table

@@ -10,10 +10,8 @@ import numpy as np
 
 from propmap.errors import InputError
 from propmap.fit.tunnel import TunnelData, read_tunnel
-from propmap.io.operating_points import RPM
-from propmap.io.points_file import read_columns
-from propmap.io.text_file import read_lines
-from propmap.io.uiuc_loads import looks_like_uiuc_loads
+from propmap.io.csv import RPM, read_columns, read_lines
+from propmap.io.uiuc import looks_like_uiuc_loads
 from propmap.model.air import Air
 from propmap.model.propeller import Propeller
 from propmap.typing import Floats

@@ -87,7 +87,7 @@ def study(
             run_study(made, store, layout, workers, lambda done: tell(done, total))
     found = _dataset(store, output)
     if not streamed:
-        from propmap.io.atomic_file import write_dataset
+        from propmap.io.csv import write_dataset
 
         write_dataset(found, output)
     lost = int(np.isnan(found["thrust"]).sum())

@@ -16,8 +16,7 @@ from propmap.cli.plausibility import say_doubts_on_points
 from propmap.cli.rotor_options import RotorChoice, say_reynolds, takes_rotor
 from propmap.cli.streamed_run import Yes, check_store
 from propmap.errors import InputError
-from propmap.io.csv_text import loads_csv
-from propmap.io.operating_points import OperatingPoints, std_columns
+from propmap.io.csv import OperatingPoints, loads_csv, std_columns
 
 if TYPE_CHECKING:
     from propmap.results import Loads
@@ -96,7 +95,7 @@ def sweep(
         say_not_counted(rotor.model)
     if output.suffix.lower() == ".nc":
         from propmap.cli.sweep_dataset import dataset
-        from propmap.io.atomic_file import write_dataset
+        from propmap.io.csv import write_dataset
 
         found = dataset(rotor, axes, loads, command, bands=bands, by_source=std_by_source)
         write_dataset(found, output)

@@ -18,7 +18,7 @@ from propmap.cli.plausibility import say_doubts_on_points
 from propmap.cli.rotor_options import RotorChoice, say_reynolds, takes_rotor
 from propmap.cli.table_report import building, told
 from propmap.errors import InputError, quoted
-from propmap.io.operating_points import RPM
+from propmap.io.csv import RPM
 
 if TYPE_CHECKING:
     from propmap.table import LoadTable

@@ -157,7 +157,7 @@ def trim(
     command = shlex.join(["propmap", *context.obj])
     if netcdf and output is not None:
         from propmap.cli.trim_dataset import dataset
-        from propmap.io.atomic_file import write_dataset
+        from propmap.io.csv import write_dataset
 
         write_dataset(dataset(craft, flown, sure, command), output)
         typer.echo(f"wrote {output}", err=True)

@@ -27,12 +27,9 @@ from propmap.errors import InputError, quoted
 from propmap.fit.files import is_fit, read_fit
 from propmap.fit.parameters import constants_of
 from propmap.fit.tunnel import TunnelData, measured_in_catalogue, measured_loads
-from propmap.io.geometry_file import read_geometry_file
-from propmap.io.operating_points import RPM
-from propmap.io.points_file import LOAD_COLUMNS
-from propmap.io.propeller_toml import propeller_toml
-from propmap.io.text_file import read_lines
-from propmap.io.uiuc_loads import looks_like_uiuc_loads
+from propmap.io.csv import LOAD_COLUMNS, RPM, read_lines
+from propmap.io.geometry import propeller_toml, read_geometry_file
+from propmap.io.uiuc import looks_like_uiuc_loads
 from propmap.model.air import Air
 from propmap.model.airfoil import Airfoil, airfoil_names, parameter_set, read_airfoil
 from propmap.model.corrections import as_text, corrections_of

@@ -31,7 +31,7 @@ from propmap.explore.session import (
     read_upload,
     rotor_of,
 )
-from propmap.io.operating_points import RPM, OperatingPoints
+from propmap.io.csv import RPM, OperatingPoints
 from propmap.loads import LOADS
 from propmap.model.airfoil import airfoil_names
 from propmap.report.html import COLOURS

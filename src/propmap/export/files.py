@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 import propmap
 from propmap.errors import InputError
-from propmap.io.atomic_file import replacing
+from propmap.io.csv import replacing
 from propmap.loads import LOADS, error_scales
 from propmap.table.interpolation import VORTEX_RING
 from propmap.table.query import LoadTable

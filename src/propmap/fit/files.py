@@ -32,7 +32,7 @@ from propmap.fit.parameters import (
     general,
 )
 from propmap.fit.tunnel import model_with, section_with
-from propmap.io.section_tables import looks_like_section_table
+from propmap.io.sections import looks_like_section_table
 from propmap.model.air import Air
 from propmap.model.airfoil import Airfoil, read_airfoil
 from propmap.model.drag_factor import drag_factor_accepted

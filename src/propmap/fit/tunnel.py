@@ -26,9 +26,8 @@ from propmap.fit.parameters import (
     constants_of,
     general,
 )
-from propmap.io.operating_points import RPM
-from propmap.io.points_file import LOAD_COLUMNS, read_points
-from propmap.io.uiuc_loads import Coefficients, looks_like_uiuc_loads, read_uiuc_loads
+from propmap.io.csv import LOAD_COLUMNS, RPM, read_points
+from propmap.io.uiuc import Coefficients, looks_like_uiuc_loads, read_uiuc_loads
 from propmap.loads import LOADS
 from propmap.model.air import Air
 from propmap.model.airfoil import Airfoil

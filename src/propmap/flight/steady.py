@@ -12,9 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from propmap.errors import InputError
-from propmap.io.blade_table import parse_number
-from propmap.io.csv_dialect import header_names, read_csv_table
-from propmap.io.text_file import read_lines
+from propmap.io.csv import header_names, read_csv_table, read_lines
+from propmap.io.geometry import parse_number
 from propmap.typing import Floats
 from propmap.vehicle.log import LONGEST_GAP, FlightLog, in_vehicle_frame
 from propmap.vehicle.powertrain import RPM
@@ -244,7 +243,7 @@ def read_level_table(path: str | os.PathLike[str], vehicle: Vehicle) -> FlightLo
     down), ``rpm_1`` ... ``rpm_n`` (of the vehicle's rotors in their order, mechanical, >= 0), and,
     0 where missing, ``roll_deg`` (about the vehicle's x axis, after the pitch; positive right side
     down), ``climb_mps`` (up positive), ``yaw_rate_dps`` (about the vertical, positive to the left).
-    Other columns are ignored.  Any dialect of ``propmap.io.csv_dialect`` is read.
+    Other columns are ignored.  Any dialect of ``propmap.io.csv`` is read.
 
     Parameters
     ----------

@@ -24,7 +24,7 @@ from matplotlib.lines import Line2D
 
 import propmap
 from propmap.errors import InputError
-from propmap.io.atomic_file import replacing
+from propmap.io.csv import replacing
 from propmap.loads import LOADS
 
 if TYPE_CHECKING:

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from propmap.errors import InputError, quoted
-from propmap.io.text_file import read_lines
-from propmap.io.toml_table import TomlTable, parse_toml
+from propmap.io.csv import read_lines
+from propmap.io.toml import TomlTable, parse_toml
 from propmap.rotor import Rotor
 from propmap.study.plan import OPERATION, Study
 from propmap.sweep.quantities import TEXTS

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 import numpy as np
 
 from propmap.errors import InputError, quoted
-from propmap.io.atomic_file import replacing, write_dataset
+from propmap.io.csv import replacing, write_dataset
 from propmap.loads import LOADS
 from propmap.table.certificate import Certificate
 from propmap.table.interpolation import TableContent

@@ -15,8 +15,8 @@ import numpy as np
 from propmap import catalogue
 from propmap.catalogue.lookup import looks_like_path, propeller
 from propmap.errors import InputError, quoted
-from propmap.io.text_file import read_lines
-from propmap.io.toml_table import TomlTable, parse_toml
+from propmap.io.csv import read_lines
+from propmap.io.toml import TomlTable, parse_toml
 from propmap.model.air import PAPER_DENSITY, PAPER_VISCOSITY, Air
 from propmap.model.corrections import MountDrag
 from propmap.model.propeller import Propeller

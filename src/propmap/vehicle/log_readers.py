@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from propmap.errors import InputError, quoted
-from propmap.io.csv_dialect import has_decimal_commas, separator_of, too_many_fields
+from propmap.io.csv import has_decimal_commas, separator_of, too_many_fields
 from propmap.typing import Floats
 from propmap.vehicle.files import EULER_COLUMNS, QUATERNION_COLUMNS, LogMap, VehicleFile
 from propmap.vehicle.log import FlightLog, Recording, Signal, flight_log, quaternion_of_angles
@@ -37,7 +37,7 @@ def read_csv_log(path: Path, log: LogMap) -> Recording:
     ``velocity`` [m/s], ``rates`` [rad/s] and the optional ``specific_force`` [m/s^2] (3 each),
     ``rotor_speed``, and either ``qw, qx, qy, qz`` or ``roll, pitch, yaw`` [rad] (yaw about z,
     then pitch about y, then roll about x of the stated body frame).
-    Any dialect of ``propmap.io.csv_dialect`` is read.  Empty cells are samples that are not
+    Any dialect of ``propmap.io.csv`` is read.  Empty cells are samples that are not
     finite; text is refused.  Raises ``InputError``.
     """
     where = str(path)

@@ -16,7 +16,7 @@ from propmap.fit.population.misfiled import MISFILED, refiled
 from propmap.fit.population.populations import populations_of
 from propmap.fit.population.summary import summary
 from propmap.fit.population.verdict import conflict
-from propmap.io.uiuc_database import MeasuredPropeller, read_uiuc_database
+from propmap.io.uiuc import MeasuredPropeller, read_uiuc_database
 from tests.workers_elsewhere import Elsewhere
 
 LOADS = Path(__file__).parents[4] / "shared" / "data" / "uiuc" / "loads.csv"

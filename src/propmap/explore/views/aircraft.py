@@ -14,8 +14,7 @@ from propmap.errors import InputError
 from propmap.explore import view
 from propmap.explore.session import Session, axis, number, rotor_of
 from propmap.explore.view import Answer, Control, Download, Graph, Slider, Table, Values
-from propmap.io.csv_text import csv_text
-from propmap.io.operating_points import RPM
+from propmap.io.csv import RPM, csv_text
 from propmap.report.html import COLOURS
 
 NAME = "trim.csv"

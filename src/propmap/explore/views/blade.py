@@ -23,9 +23,8 @@ from propmap.explore.view import (
     point_lines,
     point_words,
 )
-from propmap.io.csv_text import loads_csv
-from propmap.io.operating_points import RPM, OperatingPoints
-from propmap.io.propeller_toml import propeller_toml
+from propmap.io.csv import RPM, OperatingPoints, loads_csv
+from propmap.io.geometry import propeller_toml
 from propmap.model.propeller import Propeller
 from propmap.report.html import COLOURS
 from propmap.typing import Floats

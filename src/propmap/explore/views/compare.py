@@ -26,8 +26,7 @@ from propmap.explore.view import (
     point_lines,
     point_words,
 )
-from propmap.io.csv_text import csv_text
-from propmap.io.operating_points import COLUMNS, RPM, OperatingPoints
+from propmap.io.csv import PREDICT_COLUMNS, RPM, OperatingPoints, csv_text
 from propmap.model.airfoil import airfoil_names
 from propmap.report.html import COLOURS
 
@@ -153,7 +152,7 @@ class CompareView:
             if one.session is None:
                 loads = replace_power(loads, points)
             rows += [{"of": one.name, **row} for row in points.rows(loads)]
-        return csv_text(("of", *COLUMNS), rows)
+        return csv_text(("of", *PREDICT_COLUMNS), rows)
 
 
 def replace_power(loads: Any, points: OperatingPoints) -> Any:

@@ -33,8 +33,7 @@ from propmap.fit.least_squares import Rows
 from propmap.fit.parameters import SECTION
 from propmap.fit.parameters import Choice as FitChoice
 from propmap.fit.tunnel import TunnelData
-from propmap.io.csv_text import csv_text
-from propmap.io.operating_points import RPM
+from propmap.io.csv import RPM, csv_text
 from propmap.loads import LOADS
 from propmap.model.airfoil import LIMITS, Airfoil
 from propmap.model.model import Model

@@ -25,7 +25,7 @@ from propmap.explore.view import (
     point_table,
     point_words,
 )
-from propmap.io.disk_csv import disk_csv
+from propmap.io.csv import disk_csv
 from propmap.report.html import COLOURS
 from propmap.results import Inflow
 from propmap.typing import Floats

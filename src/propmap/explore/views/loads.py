@@ -27,8 +27,7 @@ from propmap.explore.view import (
     point_table,
 )
 from propmap.fit.tunnel import TunnelData
-from propmap.io.csv_text import loads_csv
-from propmap.io.operating_points import RPM, OperatingPoints, std_columns
+from propmap.io.csv import RPM, OperatingPoints, loads_csv, std_columns
 from propmap.report.html import COLOURS
 from propmap.results import Loads
 from propmap.typing import Floats

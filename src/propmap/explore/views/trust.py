@@ -11,7 +11,7 @@ from propmap.errors import InputError
 from propmap.explore import view
 from propmap.explore.session import Session, rotor_of
 from propmap.explore.view import Answer, Choice, Control, Download, Graph, Slider, Table, Values
-from propmap.io.operating_points import RPM
+from propmap.io.csv import RPM
 from propmap.loads import LOADS
 from propmap.report.html import COLOURS
 from propmap.report.table_page import KINDS, cell_ranks, cell_sheet

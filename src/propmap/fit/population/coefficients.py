@@ -9,7 +9,7 @@ import numpy as np
 
 from propmap.catalogue.identified import PARAMETERS
 from propmap.catalogue.prior import HELD
-from propmap.io.uiuc_database import MeasuredPropeller
+from propmap.io.uiuc import MeasuredPropeller
 from propmap.loads import LOADS
 from propmap.model.airfoil import Airfoil
 from propmap.model.model import Model

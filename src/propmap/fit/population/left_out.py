@@ -27,7 +27,7 @@ from propmap.fit.population.foretold import Foretold, foretold, posterior
 from propmap.fit.population.hierarchy import population_of
 from propmap.fit.population.identification import identify, updated
 from propmap.fit.population.populations import all_members, errors_of
-from propmap.io.uiuc_database import MeasuredPropeller
+from propmap.io.uiuc import MeasuredPropeller
 from propmap.typing import Floats
 
 STEPS = 8

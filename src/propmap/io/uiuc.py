@@ -1,8 +1,9 @@
-"""All loads of the UIUC propeller database in one CSV file, propeller by propeller."""
+"""Measured loads of the UIUC propeller database: its text format, and all of it in one CSV file."""
 
 from __future__ import annotations
 
 import itertools
+import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import NamedTuple
@@ -10,11 +11,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.errors import InputError
-from propmap.io.blade_table import parse_blades, parse_number
-from propmap.io.csv_dialect import read_csv_table
-from propmap.io.text_file import read_lines
+from propmap.errors import InputError, quoted
+from propmap.io.csv import read_csv_table, read_lines
+from propmap.io.geometry import parse_blades, parse_number, parse_rows
 from propmap.typing import Floats
+
+# -------------------------------------------------------------------------------------------------
+# All loads of the UIUC propeller database in one CSV file, propeller by propeller.
 
 COLUMNS = ("PropName", "BladeName", "Family", "B", "J", "N", "CT", "CP")
 
@@ -54,7 +57,7 @@ def read_uiuc_database(path: Path) -> list[MeasuredPropeller]:
     ----------
     path : Path
         A CSV file with the columns PropName, BladeName, Family, B, J, N, CT and CP, in any dialect
-        of ``propmap.io.csv_dialect``.
+        of ``propmap.io.csv``.
 
     Raises
     ------
@@ -99,3 +102,77 @@ def _propeller(
         *(rpm, advance, column("CT"), column("CP")),
         np.array(run),
     )
+
+
+# -------------------------------------------------------------------------------------------------
+# Load files of the UIUC propeller database in their own text format.
+
+FLIGHT, STATIC = ("J", "CT", "CP"), ("RPM", "CT", "CP")
+_RPM_IN_NAME = re.compile(r"_(\d{3,5})\.txt$", re.IGNORECASE)
+
+
+class Coefficients(NamedTuple):
+    """Rows of one file, shape (n,).
+
+    Attributes
+    ----------
+    rpm : ndarray
+        Rotational speed [1/min].
+    advance : ndarray
+        J = V/(n D) [-].
+    thrust, power : ndarray
+        C_T = T/(rho n^2 D^4) and C_P = P/(rho n^3 D^5) [-].
+    """
+
+    rpm: Floats
+    advance: Floats
+    thrust: Floats
+    power: Floats
+
+
+def looks_like_uiuc_loads(path: Path) -> bool:
+    """Whether the first line of the file at ``path`` is a header of such a file."""
+    if path.suffix.lower() != ".txt":
+        return False
+    return tuple(read_lines(path, "load file")[0].split()[:3]) in (FLIGHT, STATIC)
+
+
+def read_uiuc_loads(path: Path) -> Coefficients:
+    """Rows under ``J CT CP [eta]`` (one rotational speed) or ``RPM CT CP`` (static).
+
+    Parameters
+    ----------
+    path : Path
+        Of the file; with J its name ends with the rotational speed, as in
+        apcsf_10x7_kt0828_3008.txt.
+
+    Raises
+    ------
+    InputError
+        Naming the file and the line.
+    """
+    where = str(path)
+    lines = enumerate(read_lines(path, "load file"), start=1)
+    (_, names), *rows = [(number, line.split()) for number, line in lines if line.strip()]
+    header = tuple(names[:3])
+    if header not in (FLIGHT, STATIC):
+        raise InputError(
+            f"line 1: found {quoted(' '.join(names))}",
+            "the header must be J CT CP (eta) or RPM CT CP",
+            where,
+        )
+    if not rows:
+        raise InputError("there is no row below the header", "give the whole file", where)
+    # Some rows lack the efficiency, which is not read.
+    _, table = parse_rows([(number, cells[:3]) for number, cells in rows], header, header, where)
+    first, thrust, power = table.T
+    if header == STATIC:
+        return Coefficients(first, np.zeros_like(first), thrust, power)
+    found = _RPM_IN_NAME.search(path.name)
+    if found is None:
+        raise InputError(
+            "the rotational speed is not in the file's name",
+            "name the file as in apcsf_10x7_kt0828_3008.txt, which is 3008 rpm",
+            where,
+        )
+    return Coefficients(np.full_like(first, float(found.group(1))), first, thrust, power)
