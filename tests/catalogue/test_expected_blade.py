@@ -26,7 +26,7 @@ from propmap.catalogue.mean_blade import (
     screw_angle,
     shapes_without,
 )
-from propmap.model.plausible import at_share, doubts_on_blade
+from propmap.model.plausibility import at_share, doubts_on_blade
 
 RESULTS = Path(__file__).resolve().parents[2] / "benchmarks" / "results" / "left_out.json"
 FAMILIES = sorted({entry.family for entry in catalogue.entries()})

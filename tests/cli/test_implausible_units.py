@@ -13,7 +13,7 @@ from propmap.catalogue.measurements import measurement
 from propmap.cli.flight_files import read_flights
 from propmap.errors import InputError
 from propmap.fit.tunnel import doubts_on_tunnel
-from propmap.model.plausible import doubts_on_blade
+from propmap.model.plausibility import doubts_on_blade
 from propmap.vehicle.files import read_vehicle
 
 from .conftest import Run

@@ -15,7 +15,7 @@ import xarray
 
 import propmap
 from propmap.loads import LOADS
-from propmap.model.section_covariance import SectionCovariance
+from propmap.model.airfoil import SectionCovariance
 from propmap.table import LoadTable, build_table
 from tests.fit.fit_records import fit_text, parameter
 

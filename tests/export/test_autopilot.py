@@ -17,8 +17,7 @@ from propmap.aircraft.trim import Aircraft
 from propmap.errors import InputError
 from propmap.export.autopilot import autopilot_parameters, export_autopilot
 from propmap.export.inplane_drag import inplane_forces
-from propmap.model.section_covariance import SectionCovariance
-from propmap.model.uncertainty import SectionUncertainty
+from propmap.model.airfoil import SectionCovariance, SectionUncertainty
 from propmap.table import LoadTable
 from propmap.vehicle.powertrain import RPM, Battery, Motor, Powertrain
 from propmap.vehicle.vehicle import Body, Mount, Vehicle, Wakes, Wing

@@ -11,8 +11,7 @@ import xarray
 
 import propmap
 from propmap.loads import LOADS
-from propmap.model.section_covariance import SectionCovariance
-from propmap.model.uncertainty import SectionUncertainty
+from propmap.model.airfoil import SectionCovariance, SectionUncertainty
 from propmap.table import LoadTable
 from propmap.table.interpolation import bilinear, deviation_coefficients
 

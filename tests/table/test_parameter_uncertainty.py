@@ -9,8 +9,7 @@ import pytest
 
 import propmap
 from propmap.loads import LOADS
-from propmap.model.section_covariance import SectionCovariance
-from propmap.model.uncertainty import SectionUncertainty
+from propmap.model.airfoil import SectionCovariance, SectionUncertainty
 from propmap.table import build_table
 from propmap.table.certificate import load_deviations
 

@@ -11,7 +11,7 @@ from propmap.catalogue.identified import PARAMETERS, Identified
 from propmap.catalogue.lookup import propeller
 from propmap.catalogue.prior import POPULATION, coordinate_covariance
 from propmap.io.uiuc import MeasuredPropeller
-from propmap.model.propeller import Propeller
+from propmap.model.model import Propeller
 from tools.measured_rows import SOURCE
 from tools.propeller_pages import blade_picture, fit_pictures
 from tools.propeller_pages.comparison import Comparison, compare, reynolds

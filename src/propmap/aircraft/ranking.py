@@ -19,11 +19,9 @@ from propmap.catalogue.identified import all_identified
 from propmap.catalogue.known import constants_to_expect, own_constants
 from propmap.catalogue.lookup import meant_by, propeller
 from propmap.errors import InputError
-from propmap.model.airfoil import Airfoil
+from propmap.model.airfoil import Airfoil, SectionCovariance
 from propmap.model.corrections import Correction
-from propmap.model.model import Model, Section
-from propmap.model.propeller import Propeller
-from propmap.model.section_covariance import SectionCovariance
+from propmap.model.model import Model, Propeller, Section
 from propmap.rotor import Rotor
 from propmap.tasks import InThreads, Workers, cores, in_order
 from propmap.vehicle.vehicle import Vehicle

@@ -15,7 +15,7 @@ from propmap.aircraft.trim import Aircraft, Balanced, Flight, SteadyStates
 from propmap.bands import errors_of_loads
 from propmap.errors import InputError
 from propmap.loads import FLOW, LOADS
-from propmap.model.section_covariance import SectionCovariance
+from propmap.model.airfoil import SectionCovariance
 from propmap.operating_points import FlowPoints
 from propmap.rotor import Rotor
 from propmap.table.query import LoadTable

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from propmap.baselines.hover import REFERENCE_TIP_SPEED, HoverModel
 from propmap.errors import InputError
-from propmap.model.usual_ranges import FAST_TIP_MACH, SPEED_OF_SOUND
+from propmap.model.plausibility import FAST_TIP_MACH, SPEED_OF_SOUND
 from propmap.operating_points import broadcast
 from propmap.rotor import Rotor
 from propmap.typing import Floats

@@ -9,7 +9,7 @@ from pathlib import Path
 from propmap.errors import InputError, quoted
 from propmap.io.geometry import SCHEMA, parse_propeller_toml
 from propmap.io.toml import parse_toml
-from propmap.model.propeller import Propeller
+from propmap.model.model import Propeller
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from propmap.catalogue.identified import PARAMETERS
-from propmap.model.propeller import Propeller
+from propmap.model.model import Propeller
 from propmap.typing import Floats
 
 INNERMOST = 0.3

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from propmap.catalogue.designation import Designation, same_size, series_named
 from propmap.catalogue.identified import Identified, all_identified, identified_without_blade
 from propmap.catalogue.mean_blade import MeanBlade, bundled_mean, families_measured
-from propmap.model.propeller import Propeller
+from propmap.model.model import Propeller
 
 ERRORS = {
     "family_blade": ((0.09, 0.08), (0.23, 0.21)),

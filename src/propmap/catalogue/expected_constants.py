@@ -22,10 +22,8 @@ from propmap.catalogue.identified import (
 from propmap.catalogue.mean_blade import MeanBlade, bundled_mean
 from propmap.catalogue.population import MIDDLE, Size, bundled_population
 from propmap.catalogue.prior import HELD, PopulationPrior, constants_of, slopes_of
-from propmap.model.airfoil import Airfoil
-from propmap.model.propeller import Propeller
-from propmap.model.section_covariance import SectionCovariance
-from propmap.model.uncertainty import SectionUncertainty
+from propmap.model.airfoil import Airfoil, SectionCovariance, SectionUncertainty
+from propmap.model.model import Propeller
 from propmap.typing import Floats
 
 MEDIAN_ERRORS = {"family": 0.09, "population": 0.12}

@@ -13,9 +13,7 @@ from typing import Any
 import numpy as np
 
 from propmap.errors import InputError
-from propmap.model.airfoil import Airfoil
-from propmap.model.section_covariance import SectionCovariance
-from propmap.model.uncertainty import SectionUncertainty
+from propmap.model.airfoil import Airfoil, SectionCovariance, SectionUncertainty
 from propmap.typing import Floats
 
 PARAMETERS = (

@@ -9,10 +9,8 @@ from propmap.catalogue.expected_blade import ExpectedBlade
 from propmap.catalogue.expected_constants import ExpectedConstants, expected_constants, size_of
 from propmap.catalogue.identified import Identified, identified
 from propmap.catalogue.lookup import meant_by, propeller
-from propmap.model.air import Air
 from propmap.model.corrections import Correction, corrections_of
-from propmap.model.model import Model
-from propmap.model.propeller import Propeller
+from propmap.model.model import Air, Model, Propeller
 
 
 def known_model(

@@ -25,9 +25,8 @@ from propmap.catalogue.identified import (
 from propmap.errors import InputError, quoted
 from propmap.io.geometry import check_radius, read_geometry_file
 from propmap.io.sections import looks_like_section_table, read_section_table
-from propmap.model.airfoil import Airfoil, airfoil_names, parameter_set
-from propmap.model.propeller import Propeller
-from propmap.model.section_table import SectionTable
+from propmap.model.airfoil import Airfoil, SectionTable, airfoil_names, parameter_set
+from propmap.model.model import Propeller
 
 _SIZE_AT_END = re.compile(r"\s+\d\S*( mm)?( \(.*\))?$")
 _NAME = re.compile(r"[A-Za-z][^\s-]*(-[^\s-]+)+")

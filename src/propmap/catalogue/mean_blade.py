@@ -17,7 +17,7 @@ import numpy as np
 
 from propmap import catalogue
 from propmap.catalogue.designation import Designation, designation
-from propmap.model.propeller import Propeller
+from propmap.model.model import Propeller
 from propmap.typing import Floats
 
 SHARES = np.linspace(0.15, 1.0, 18)

@@ -16,8 +16,7 @@ from propmap.io.csv import RPM
 
 if TYPE_CHECKING:
     from propmap.aircraft.trim import Aircraft
-    from propmap.model.model import Model
-    from propmap.model.propeller import Propeller
+    from propmap.model.model import Model, Propeller
     from propmap.vehicle.vehicle import Vehicle
 
 VehicleArgument = Annotated[

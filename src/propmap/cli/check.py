@@ -25,18 +25,16 @@ from propmap.cli.plausibility import say_doubts, say_expected
 from propmap.cli.rotor_options import Corrections, ModelOption, say_reynolds, with_physics
 from propmap.errors import InputError
 from propmap.io.csv import csv_text
-from propmap.model.air import Air
 from propmap.model.corrections import in_words
-from propmap.model.model import Model
-from propmap.model.plausible import doubts_on_blade
+from propmap.model.model import Air, Model
+from propmap.model.plausibility import doubts_on_blade
 
 if TYPE_CHECKING:
     from rich.table import Table
 
     from propmap.fit.comparison import Comparison
     from propmap.fit.learned_residual import Correction
-    from propmap.model.airfoil import Airfoil
-    from propmap.model.section_table import SectionTable
+    from propmap.model.airfoil import Airfoil, SectionTable
 
 
 def check(

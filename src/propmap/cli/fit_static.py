@@ -34,8 +34,12 @@ from propmap.cli.rotor_options import (
 )
 from propmap.errors import InputError
 from propmap.io.csv import RPM
-from propmap.model.plausible import doubts_on_air, doubts_on_blade, doubts_on_points
-from propmap.model.plausible_loads import doubts_on_loads
+from propmap.model.plausibility import (
+    doubts_on_air,
+    doubts_on_blade,
+    doubts_on_loads,
+    doubts_on_points,
+)
 
 if TYPE_CHECKING:
     from propmap.fit.comparison import ForwardTrust

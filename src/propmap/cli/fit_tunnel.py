@@ -26,7 +26,7 @@ from propmap.cli.plausibility import say_doubts
 from propmap.cli.prior_options import PriorFrom, say_prior, section_prior
 from propmap.cli.rotor_options import RotorChoice, constants, takes_rotor, with_physics
 from propmap.errors import InputError
-from propmap.model.plausible import doubts_on_air, doubts_on_blade
+from propmap.model.plausibility import doubts_on_air, doubts_on_blade
 
 if TYPE_CHECKING:
     from propmap.fit.least_squares import Rows

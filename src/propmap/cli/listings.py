@@ -27,10 +27,10 @@ from propmap.cli.output import (
 from propmap.cli.plausibility import say_doubts, say_expected
 from propmap.cli.rotor_options import Blades, PropArgument, Radius, constants
 from propmap.model.airfoil import airfoil_names, parameter_set
-from propmap.model.plausible import doubts_on_blade
+from propmap.model.plausibility import doubts_on_blade
 
 if TYPE_CHECKING:
-    from propmap.model.propeller import Propeller
+    from propmap.model.model import Propeller
 
 ENTRY = ("name", "title", "family", "blades", "diameter_m", "source")
 OUTLINE_WIDTH = 72

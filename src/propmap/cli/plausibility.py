@@ -9,7 +9,7 @@ import typer
 
 from propmap.catalogue.expected_blade import ExpectedBlade
 from propmap.catalogue.lookup import meant_by
-from propmap.model.plausible import doubts_on_points
+from propmap.model.plausibility import doubts_on_points
 
 if TYPE_CHECKING:
     from propmap.model.model import Model

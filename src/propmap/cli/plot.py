@@ -24,7 +24,7 @@ from propmap.cli.rotor_options import (
 )
 from propmap.errors import InputError
 from propmap.io.csv import LOAD_COLUMNS, RPM, disk_csv, read_points
-from propmap.model.plausible import doubts_on_blade
+from propmap.model.plausibility import doubts_on_blade
 
 if TYPE_CHECKING:
     from propmap.report.pictures import MeasuredLoads

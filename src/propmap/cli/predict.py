@@ -26,7 +26,7 @@ from propmap.cli.rotor_options import RotorChoice, say_reynolds, takes_rotor
 from propmap.errors import InputError
 from propmap.io.csv import OperatingPoints, read_points, std_columns
 from propmap.loads import LOADS
-from propmap.model.uncertainty import SOURCES
+from propmap.model.airfoil import SOURCES
 
 if TYPE_CHECKING:
     from rich.table import Table

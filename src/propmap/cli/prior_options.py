@@ -15,7 +15,7 @@ from propmap.catalogue.known import own_constants
 from propmap.catalogue.lookup import meant_by
 from propmap.errors import InputError, quoted
 from propmap.fit.parameters import SectionPrior
-from propmap.model.propeller import Propeller
+from propmap.model.model import Propeller
 
 PriorFrom = Annotated[
     str | None,

@@ -18,13 +18,10 @@ from propmap.catalogue.known import constants_to_expect, own_constants
 from propmap.catalogue.lookup import airfoil, meant_by, propeller
 from propmap.cli.plausibility import say_doubts, say_expected
 from propmap.errors import InputError
-from propmap.model.air import PAPER_DENSITY, PAPER_VISCOSITY, Air
-from propmap.model.airfoil import Airfoil, airfoil_names
+from propmap.model.airfoil import Airfoil, SectionTable, airfoil_names
 from propmap.model.corrections import CORRECTIONS, apart, as_text, correction, corrections_of
-from propmap.model.model import Model
-from propmap.model.plausible import doubts_on_air, doubts_on_blade
-from propmap.model.propeller import Propeller
-from propmap.model.section_table import SectionTable
+from propmap.model.model import PAPER_DENSITY, PAPER_VISCOSITY, Air, Model, Propeller
+from propmap.model.plausibility import doubts_on_air, doubts_on_blade
 
 if TYPE_CHECKING:
     from propmap.rotor import Rotor

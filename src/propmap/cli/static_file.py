@@ -12,8 +12,7 @@ from propmap.errors import InputError
 from propmap.fit.tunnel import TunnelData, read_tunnel
 from propmap.io.csv import RPM, read_columns, read_lines
 from propmap.io.uiuc import looks_like_uiuc_loads
-from propmap.model.air import Air
-from propmap.model.propeller import Propeller
+from propmap.model.model import Air, Propeller
 from propmap.typing import Floats
 
 GRAM_FORCE = 9.80665e-3

@@ -12,7 +12,7 @@ from propmap.catalogue.identified import Identified, identified
 from propmap.cli.aircraft_options import digits, number_or_none
 from propmap.cli.output import WideGrid
 from propmap.cli.plausibility import say_doubts
-from propmap.model.plausible import doubts_on_points
+from propmap.model.plausibility import doubts_on_points
 
 if TYPE_CHECKING:
     from propmap.aircraft.performance import NamedState, Performance

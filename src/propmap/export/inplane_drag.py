@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from propmap.aircraft.trim import STATUSES, Aircraft
 from propmap.errors import InputError
 from propmap.loads import LOADS
+from propmap.model.airfoil import SectionCovariance
 from propmap.model.corrections import MOUNT_DRAG
-from propmap.model.section_covariance import SectionCovariance
 from propmap.operating_points import FlowPoints, split_velocity
 from propmap.rotor import Rotor
 from propmap.typing import Floats

@@ -33,13 +33,9 @@ from propmap.fit.parameters import (
 )
 from propmap.fit.tunnel import model_with, section_with
 from propmap.io.sections import looks_like_section_table
-from propmap.model.air import Air
-from propmap.model.airfoil import Airfoil, read_airfoil
+from propmap.model.airfoil import Airfoil, SectionCovariance, fitted_uncertainty, read_airfoil
 from propmap.model.drag_factor import drag_factor_accepted
-from propmap.model.model import Model
-from propmap.model.propeller import Propeller
-from propmap.model.section_covariance import SectionCovariance
-from propmap.model.uncertainty import fitted_uncertainty
+from propmap.model.model import Air, Model, Propeller
 from propmap.typing import Floats
 
 # -------------------------------------------------------------------------------------------------

@@ -29,14 +29,11 @@ from propmap.fit.parameters import (
 from propmap.io.csv import LOAD_COLUMNS, RPM, read_points
 from propmap.io.uiuc import Coefficients, looks_like_uiuc_loads, read_uiuc_loads
 from propmap.loads import LOADS
-from propmap.model.air import Air
 from propmap.model.airfoil import Airfoil
 from propmap.model.corrections import BladeUntwist, MountDrag
 from propmap.model.drag_factor import drag_factor_accepted
-from propmap.model.model import Model, Section
-from propmap.model.plausible import doubts_on_points
-from propmap.model.plausible_loads import doubts_on_loads
-from propmap.model.propeller import Propeller
+from propmap.model.model import Air, Model, Propeller, Section
+from propmap.model.plausibility import doubts_on_loads, doubts_on_points
 from propmap.rotor import Rotor
 from propmap.typing import Floats
 

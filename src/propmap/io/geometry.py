@@ -13,13 +13,13 @@ import numpy as np
 from propmap.errors import InputError, quoted
 from propmap.io.csv import header_names, is_comment, read_csv_table, read_lines
 from propmap.io.toml import TomlTable, parse_toml
-from propmap.model.blade_check import (
+from propmap.model.model import Propeller
+from propmap.model.plausibility import (
     check_blade,
     check_blades,
     check_root_cutout,
     twist_from_degrees,
 )
-from propmap.model.propeller import Propeller
 from propmap.typing import Floats
 
 # -------------------------------------------------------------------------------------------------

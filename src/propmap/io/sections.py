@@ -13,7 +13,7 @@ import numpy as np
 from propmap.errors import InputError, quoted
 from propmap.io.csv import header_names, read_csv_table, read_lines
 from propmap.io.geometry import parse_number
-from propmap.model.section_table import SectionTable
+from propmap.model.airfoil import SectionTable
 from propmap.typing import Floats
 
 # -------------------------------------------------------------------------------------------------

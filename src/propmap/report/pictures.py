@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     from propmap.aircraft.ranking import Judged
     from propmap.aircraft.sensitivity import Spread
     from propmap.aircraft.trim import SteadyStates
-    from propmap.model.propeller import Propeller
+    from propmap.model.model import Propeller
     from propmap.results import Inflow
     from propmap.rotor import Rotor
     from propmap.study.response_surface import ResponseSurface

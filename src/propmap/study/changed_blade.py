@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from propmap.errors import InputError
-from propmap.model.propeller import Propeller
+from propmap.model.model import Propeller
 
 PITCH_AT = 0.75
 """Share of the radius at which a blade's pitch is told."""

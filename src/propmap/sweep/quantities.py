@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from propmap.loads import LOADS
-from propmap.model.uncertainty import SOURCES
+from propmap.model.airfoil import SOURCES
 from propmap.results import STATUSES
 
 if TYPE_CHECKING:

@@ -23,7 +23,7 @@ from propmap.table.interpolation import (
 from propmap.typing import Floats
 
 if TYPE_CHECKING:
-    from propmap.model.section_covariance import SectionCovariance
+    from propmap.model.airfoil import SectionCovariance
     from propmap.rotor import Rotor
     from propmap.table.build import Model
     from propmap.table.query import LoadTable

@@ -33,7 +33,7 @@ from propmap.table.interpolation import (
 from propmap.typing import Floats
 
 if TYPE_CHECKING:
-    from propmap.model.propeller import Propeller
+    from propmap.model.model import Propeller
 
 
 # -------------------------------------------------------------------------------------------------

@@ -17,9 +17,8 @@ from propmap.catalogue.lookup import looks_like_path, propeller
 from propmap.errors import InputError, quoted
 from propmap.io.csv import read_lines
 from propmap.io.toml import TomlTable, parse_toml
-from propmap.model.air import PAPER_DENSITY, PAPER_VISCOSITY, Air
 from propmap.model.corrections import MountDrag
-from propmap.model.propeller import Propeller
+from propmap.model.model import PAPER_DENSITY, PAPER_VISCOSITY, Air, Propeller
 from propmap.vehicle.powertrain import COLD, RPM, Battery, Motor, Powertrain, SpeedController
 from propmap.vehicle.vehicle import SPINS, Body, Mount, Vector, Vehicle, Wakes, Wing
 

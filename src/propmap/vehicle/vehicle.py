@@ -6,9 +6,8 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from propmap.errors import InputError
-from propmap.model.air import Air
 from propmap.model.corrections import MountDrag
-from propmap.model.propeller import Propeller
+from propmap.model.model import Air, Propeller
 from propmap.vehicle.powertrain import Powertrain
 
 if TYPE_CHECKING:

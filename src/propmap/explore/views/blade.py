@@ -25,7 +25,7 @@ from propmap.explore.view import (
 )
 from propmap.io.csv import RPM, OperatingPoints, loads_csv
 from propmap.io.geometry import propeller_toml
-from propmap.model.propeller import Propeller
+from propmap.model.model import Propeller
 from propmap.report.html import COLOURS
 from propmap.typing import Floats
 

@@ -23,7 +23,7 @@ from propmap.fit.population.coefficients import AxialTest, airfoil_of
 from propmap.fit.population.populations import members_on
 from propmap.fit.population.verdict import verdict
 from propmap.io.uiuc import MeasuredPropeller
-from propmap.model.propeller import Propeller
+from propmap.model.model import Propeller
 from propmap.tasks import InTurn, Workers
 
 SPECIMENS = ("", "-b", "-c")

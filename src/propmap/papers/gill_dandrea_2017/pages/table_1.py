@@ -11,7 +11,7 @@ from propmap.fit.fit import Fitted
 from propmap.fit.least_squares import rms
 from propmap.fit.parameters import PAPER_FOUR
 from propmap.model.airfoil import parameter_set
-from propmap.model.propeller import Propeller
+from propmap.model.model import Propeller
 from propmap.papers.gill_dandrea_2017.blades import TUNNEL_PROPELLER, blade
 from propmap.papers.gill_dandrea_2017.identified import FIVE
 from propmap.papers.gill_dandrea_2017.level_circles import BLADE
