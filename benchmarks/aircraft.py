@@ -25,7 +25,7 @@ from propmap.aircraft.performance import performance
 from propmap.aircraft.ranking import Ranking, Task, catalogue_candidates
 from propmap.aircraft.sensitivity import spread
 from propmap.aircraft.trim import Aircraft
-from propmap.catalogue.expected_constants import expected_constants
+from propmap.catalogue.expected import expected_constants
 from propmap.cli.trim_words import plain
 from propmap.fit.fit import Settings, fit
 from propmap.fit.parameters import SECTION, Choice

@@ -24,7 +24,7 @@ import numpy as np
 import propmap
 from benchmarks.results_file import RESULTS, machine, write_results
 from benchmarks.whole_process import whole_process
-from propmap.catalogue.measurements import measurement
+from propmap.catalogue.lookup import measurement
 from propmap.cli.cluster_option import workers_of
 from propmap.fit.comparison import compare_tunnel
 from propmap.fit.fit import Settings, fit

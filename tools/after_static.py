@@ -20,9 +20,8 @@ from typing import NamedTuple
 import numpy as np
 
 from propmap import catalogue
-from propmap.catalogue.expected_constants import airfoil_at, expected_prior
+from propmap.catalogue.expected import HELD, airfoil_at, expected_prior
 from propmap.catalogue.identified import PARAMETERS, Identified, all_identified, one_of_each
-from propmap.catalogue.prior import HELD
 from propmap.fit.comparison import MODEL_ERROR
 from propmap.fit.fit import Settings, fit
 from propmap.fit.parameters import Choice, SectionPrior

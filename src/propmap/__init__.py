@@ -13,8 +13,7 @@ import numpy  # noqa: F401 - all that follows needs it, and no first call is to 
 
 if TYPE_CHECKING:
     from propmap.baselines.hover import HoverModel
-    from propmap.catalogue.known import known_model
-    from propmap.catalogue.lookup import airfoil, propeller
+    from propmap.catalogue.lookup import airfoil, known_model, propeller
     from propmap.dynamic_inflow import DynamicInflow
     from propmap.errors import InputError
     from propmap.model.airfoil import (
@@ -81,7 +80,7 @@ _PLACES = {
     "airfoil_names": "model.airfoil",
     "correction": "model.corrections",
     "corrections_of": "model.corrections",
-    "known_model": "catalogue.known",
+    "known_model": "catalogue.lookup",
     "propeller": "catalogue.lookup",
     "read_vehicle": "vehicle.files",
 }

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import propmap
-from propmap.catalogue.measurements import measurement
+from propmap.catalogue.lookup import measurement
 from propmap.cli.flight_files import read_flights
 from propmap.errors import InputError
 from propmap.fit.tunnel import doubts_on_tunnel

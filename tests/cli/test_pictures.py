@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from propmap.catalogue.measurements import Measurement
+from propmap.catalogue.lookup import Measurement
 from propmap.report.comparison import Comparison
 from propmap.report.pictures import MeasuredLoads
 from propmap.typing import Floats

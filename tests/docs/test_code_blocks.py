@@ -20,7 +20,7 @@ import pytest
 
 import propmap
 from propmap import catalogue, core
-from propmap.catalogue.measurements import measurement
+from propmap.catalogue.lookup import measurement
 from propmap.flight.simulate import SensorNoise, fly, trim
 from propmap.vehicle.files import read_vehicle
 from tests.vehicle.write_logs import write_ulog

@@ -7,9 +7,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from propmap.catalogue.expected_constants import airfoil_at, expected_prior
+from propmap.catalogue.expected import (
+    HELD,
+    POPULATION,
+    PopulationPrior,
+    airfoil_at,
+    coordinates,
+    expected_prior,
+)
 from propmap.catalogue.identified import PARAMETERS
-from propmap.catalogue.prior import HELD, POPULATION, PopulationPrior, coordinates
 from propmap.fit.comparison import doubts_on_constants
 from propmap.fit.fit import Fitted, Settings, fit
 from propmap.fit.least_squares import INDEPENDENT, INDEPENDENT_AT_REST, Rows

@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 import propmap as pm
-from propmap.catalogue.expected_blade import ExpectedBlade
-from propmap.catalogue.expected_constants import expected_constants, size_of
+from propmap.catalogue.expected import ExpectedBlade, expected_constants, size_of
 from propmap.catalogue.identified import identified
 from propmap.catalogue.lookup import meant_by
 from propmap.loads import LOADS

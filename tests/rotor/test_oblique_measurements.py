@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import propmap
-from propmap.catalogue.measurements import measurement
+from propmap.catalogue.lookup import measurement
 from propmap.fit.least_squares import rms
 from propmap.results import Loads
 

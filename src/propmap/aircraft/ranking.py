@@ -16,8 +16,7 @@ from propmap.aircraft.mission import fly as fly_mission
 from propmap.aircraft.performance import endurance, top_speed
 from propmap.aircraft.trim import STATUSES, Aircraft, SteadyStates
 from propmap.catalogue.identified import all_identified
-from propmap.catalogue.known import constants_to_expect, own_constants
-from propmap.catalogue.lookup import meant_by, propeller
+from propmap.catalogue.lookup import constants_to_expect, meant_by, own_constants, propeller
 from propmap.errors import InputError
 from propmap.model.airfoil import Airfoil, SectionCovariance
 from propmap.model.corrections import Correction

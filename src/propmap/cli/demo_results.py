@@ -11,8 +11,7 @@ from typing import Any
 import numpy as np
 
 import propmap
-from propmap.catalogue.lookup import propeller
-from propmap.catalogue.measurements import Measurement, measurement
+from propmap.catalogue.lookup import Measurement, measurement, propeller
 from propmap.cli.output import json_text, write_text
 from propmap.io.csv import RPM, csv_text
 from propmap.loads import LOADS

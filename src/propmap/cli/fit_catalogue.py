@@ -12,7 +12,7 @@ from propmap.cli.cluster_option import Cluster, workers_of
 from propmap.cli.output import check_output, grid, show, write_text
 
 if TYPE_CHECKING:
-    from propmap.catalogue.population import Population
+    from propmap.catalogue.expected import Population
 
 LEAST_FAMILIES = 8
 """Below this number there is no saying how constants are spread over propellers."""
@@ -40,7 +40,7 @@ def fit_catalogue(
     blade of their family or of all. Each takes some tenths of a second. FILE is written after every
     four: started again, the command goes on where it was.
     """
-    from propmap.catalogue.population import as_toml
+    from propmap.catalogue.expected import as_toml
     from propmap.fit.population.catalogue import identify_all, identify_without_blade
     from propmap.fit.population.misfiled import refiled
     from propmap.fit.population.populations import populations_of

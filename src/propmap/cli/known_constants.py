@@ -7,10 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from propmap.catalogue import Entry
+from propmap.catalogue.expected import HELD
 from propmap.catalogue.identified import PARAMETERS, all_identified
-from propmap.catalogue.known import constants_to_expect, own_constants
-from propmap.catalogue.lookup import meant_by, propeller
-from propmap.catalogue.prior import HELD
+from propmap.catalogue.lookup import constants_to_expect, meant_by, own_constants, propeller
 from propmap.cli.output import grid
 from propmap.model.airfoil import Airfoil
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from propmap.catalogue.expected_blade import ExpectedBlade
+from propmap.catalogue.expected import ExpectedBlade
 from propmap.catalogue.lookup import meant_by
 from propmap.model.plausibility import doubts_on_points
 

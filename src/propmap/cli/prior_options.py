@@ -8,11 +8,9 @@ from typing import Annotated
 import typer
 
 from propmap.catalogue import Entry
-from propmap.catalogue.expected_blade import ExpectedBlade
-from propmap.catalogue.expected_constants import airfoil_at, expected_prior, siblings, size_of
+from propmap.catalogue.expected import ExpectedBlade, airfoil_at, expected_prior, siblings, size_of
 from propmap.catalogue.identified import all_identified
-from propmap.catalogue.known import own_constants
-from propmap.catalogue.lookup import meant_by
+from propmap.catalogue.lookup import meant_by, own_constants
 from propmap.errors import InputError, quoted
 from propmap.fit.parameters import SectionPrior
 from propmap.model.model import Propeller

@@ -12,10 +12,15 @@ from typing import TYPE_CHECKING, Annotated, Any, Concatenate, ParamSpec, get_ty
 import numpy as np
 import typer
 
-from propmap.catalogue.expected_blade import ExpectedBlade
+from propmap.catalogue.expected import ExpectedBlade
 from propmap.catalogue.identified import Identified
-from propmap.catalogue.known import constants_to_expect, own_constants
-from propmap.catalogue.lookup import airfoil, meant_by, propeller
+from propmap.catalogue.lookup import (
+    airfoil,
+    constants_to_expect,
+    meant_by,
+    own_constants,
+    propeller,
+)
 from propmap.cli.plausibility import say_doubts, say_expected
 from propmap.errors import InputError
 from propmap.model.airfoil import Airfoil, SectionTable, airfoil_names

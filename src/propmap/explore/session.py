@@ -19,10 +19,16 @@ import numpy as np
 
 from propmap.baselines.hover import HoverModel
 from propmap.catalogue import load
-from propmap.catalogue.expected_blade import ExpectedBlade
-from propmap.catalogue.known import constants_to_expect, own_constants
-from propmap.catalogue.lookup import looks_like_path, meant_by, propeller
-from propmap.catalogue.measurements import measurement, measurement_names
+from propmap.catalogue.expected import ExpectedBlade
+from propmap.catalogue.lookup import (
+    constants_to_expect,
+    looks_like_path,
+    meant_by,
+    measurement,
+    measurement_names,
+    own_constants,
+    propeller,
+)
 from propmap.errors import InputError, quoted
 from propmap.fit.files import is_fit, read_fit
 from propmap.fit.parameters import constants_of

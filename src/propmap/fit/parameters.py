@@ -8,9 +8,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from propmap.catalogue.expected import LOGARITHMIC, PopulationPrior, coordinates, slopes_of
+from propmap.catalogue.expected import constants_of as prior_constants
 from propmap.catalogue.identified import PARAMETERS
-from propmap.catalogue.prior import LOGARITHMIC, PopulationPrior, coordinates, slopes_of
-from propmap.catalogue.prior import constants_of as prior_constants
 from propmap.errors import InputError, quoted
 from propmap.model.airfoil import Airfoil
 from propmap.model.drag_factor import warn_of_drag_factor

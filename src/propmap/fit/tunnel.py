@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from propmap.baselines.hover import HoverModel
-from propmap.catalogue.measurements import measurement, measurement_names
+from propmap.catalogue.lookup import measurement, measurement_names
 from propmap.errors import InputError, quoted
 from propmap.fit.least_squares import Rows
 from propmap.fit.parameters import (

@@ -15,7 +15,7 @@ from propmap.loads import LOADS
 from propmap.typing import Floats
 
 if TYPE_CHECKING:
-    from propmap.catalogue.measurements import Measurement
+    from propmap.catalogue.lookup import Measurement
     from propmap.rotor import Rotor
 
 HOVER = "hover"

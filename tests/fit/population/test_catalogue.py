@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from propmap.catalogue.expected import GEOMETRIES, bundled_population, coordinates
 from propmap.catalogue.identified import Identified, all_identified, identified_without_blade
-from propmap.catalogue.population import GEOMETRIES, bundled_population
-from propmap.catalogue.prior import coordinates
 from propmap.fit.population import catalogue, identification
 from propmap.fit.population.misfiled import MISFILED, refiled
 from propmap.fit.population.populations import populations_of

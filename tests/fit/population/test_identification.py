@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import propmap as pm
+from propmap.catalogue.expected import POPULATION, PopulationPrior, constants_of
 from propmap.catalogue.identified import PARAMETERS
-from propmap.catalogue.prior import POPULATION, PopulationPrior, constants_of
 from propmap.fit.population.coefficients import AxialTest, airfoil_of
 from propmap.fit.population.identification import Identification, identify
 from propmap.fit.population.verdict import conflict, verdict

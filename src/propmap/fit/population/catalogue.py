@@ -10,12 +10,18 @@ from typing import NamedTuple
 import numpy as np
 
 from propmap import catalogue
-from propmap.catalogue.designation import Designation, designation
-from propmap.catalogue.family_prior import family_prior
-from propmap.catalogue.identified import Identified
-from propmap.catalogue.mean_blade import MeanBlade, bundled_mean, families_measured
-from propmap.catalogue.population import ALIKE, APART, Population
-from propmap.catalogue.prior import POPULATION, PopulationPrior
+from propmap.catalogue.expected import (
+    ALIKE,
+    APART,
+    POPULATION,
+    MeanBlade,
+    Population,
+    PopulationPrior,
+    bundled_mean,
+    families_measured,
+    family_prior,
+)
+from propmap.catalogue.identified import Designation, Identified, designation
 from propmap.errors import InputError
 from propmap.fit.least_squares import INDEPENDENT
 from propmap.fit.population import identification

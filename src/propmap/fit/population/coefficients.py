@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from propmap.catalogue.expected import HELD
 from propmap.catalogue.identified import PARAMETERS
-from propmap.catalogue.prior import HELD
 from propmap.io.uiuc import MeasuredPropeller
 from propmap.loads import LOADS
 from propmap.model.airfoil import Airfoil

@@ -7,12 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from propmap.catalogue.prior import (
-    POPULATION,
-    PopulationPrior,
-    constants_of,
-    slopes_of,
-)
+from propmap.catalogue.expected import POPULATION, PopulationPrior, constants_of, slopes_of
 from propmap.fit.least_squares import INDEPENDENT
 from propmap.fit.population.coefficients import AxialTest
 from propmap.typing import Floats

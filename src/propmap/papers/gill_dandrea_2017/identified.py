@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from propmap.catalogue.measurements import measurement
+from propmap.catalogue.lookup import measurement
 from propmap.fit.fit import Fitted, Settings, fit
 from propmap.fit.parameters import PAPER_FOUR, Choice
 from propmap.fit.tunnel import TunnelData, first_guess, section_with, tunnel_rows

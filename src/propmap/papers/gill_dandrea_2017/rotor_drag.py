@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from propmap.baselines.fin_analogy import inflow_factor, side_force
-from propmap.catalogue.measurements import measurement
+from propmap.catalogue.lookup import measurement
 from propmap.fit.least_squares import rms
 from propmap.model.airfoil import Airfoil, parameter_set
 from propmap.model.drag_factor import drag_factor_accepted

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from propmap.baselines.hover import HoverModel
-from propmap.catalogue.measurements import Measurement, measurement
+from propmap.catalogue.lookup import Measurement, measurement
 from propmap.fit.least_squares import errors as errors_of
 from propmap.loads import LOADS
 from propmap.model.airfoil import Airfoil, parameter_set

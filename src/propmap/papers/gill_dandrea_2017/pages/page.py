@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from propmap.catalogue.measurements import measurement
+from propmap.catalogue.lookup import measurement
 from propmap.papers.gill_dandrea_2017 import drag_sources, level_circles, paper, tunnel
 from propmap.papers.gill_dandrea_2017 import rotor_drag as drag
 from propmap.papers.gill_dandrea_2017.cost import Times
