@@ -31,7 +31,7 @@ def workers_of(cluster: str | None, otherwise: Workers | None = None) -> Iterato
     if cluster is None:
         yield otherwise or InTurn()
         return
-    from propmap.cluster.connection import connected
+    from propmap.cluster.workers import connected
 
     with connected(cluster) as workers:
         typer.echo(

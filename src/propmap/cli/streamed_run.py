@@ -12,8 +12,8 @@ import typer
 
 from propmap.errors import InputError
 from propmap.sweep.points import parts_along
+from propmap.sweep.run import Filed
 from propmap.sweep.store import Layout, Store, begun
-from propmap.sweep.stream import Filed
 
 ASK_ABOVE_BYTES = 1e9
 ASK_ABOVE_SECONDS = 3600.0

@@ -18,9 +18,8 @@ from propmap.errors import InputError
 if TYPE_CHECKING:
     import xarray
 
-    from propmap.study.plan import Study
-    from propmap.study.run import InMemory
-    from propmap.study.study_toml import StudyFile, Surface
+    from propmap.study.files import StudyFile, Surface
+    from propmap.study.run import InMemory, Study
     from propmap.sweep.store import Layout, Store
     from propmap.tasks import Workers
 
@@ -61,8 +60,8 @@ def study(
         check_output(output, (".nc", ".zarr"), keep_existing=not force)
     check_pictures(picture)
 
+    from propmap.study.files import read_study
     from propmap.study.run import InMemory, run_study, study_layout
-    from propmap.study.study_toml import read_study
 
     read = read_study(file)
     if picture is not None and read.surface is None:
@@ -100,9 +99,8 @@ def study(
 def _announce(
     made: Study, layout: Layout, store: Store | InMemory, workers: Workers, *, yes: bool
 ) -> None:
-    from propmap.study.plan import Designs
-    from propmap.study.run import loads_of_designs
-    from propmap.sweep.stream import seconds
+    from propmap.study.run import Designs, loads_of_designs
+    from propmap.sweep.run import seconds
 
     some = np.unique(np.linspace(0, made.count - 1, SAMPLE).astype(int))
     rows = {name: values[some] for name, values in made.rows.items()}
@@ -125,9 +123,9 @@ def _surface(
     read: StudyFile, asked: Surface, made: Study, found: xarray.Dataset, picture: Path | None
 ) -> None:
     """Fit the surface, say how good it is, and draw it."""
-    from propmap.study.plan import VARIABLES
-    from propmap.study.response_surface import response_surface
-    from propmap.sweep.quantities import AXES, TEXTS
+    from propmap.study.files import response_surface
+    from propmap.study.run import VARIABLES
+    from propmap.sweep.points import AXES, TEXTS
 
     at: dict[str, Any] = {}
     told = []

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import xarray
 
-from propmap.sweep.provenance import provenance
-from propmap.sweep.quantities import AXES, attributes, quantities
+from propmap.sweep.points import AXES, attributes, quantities
+from propmap.sweep.run import provenance
 
 if TYPE_CHECKING:
     from propmap.results import Loads

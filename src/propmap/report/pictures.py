@@ -46,7 +46,7 @@ if TYPE_CHECKING:
     from propmap.model.model import Propeller
     from propmap.results import Inflow
     from propmap.rotor import Rotor
-    from propmap.study.response_surface import ResponseSurface
+    from propmap.study.files import ResponseSurface
     from propmap.typing import Floats
 
 
