@@ -26,7 +26,7 @@ from propmap.aircraft.ranking import Ranking, Task, catalogue_candidates
 from propmap.aircraft.sensitivity import spread
 from propmap.aircraft.trim import Aircraft
 from propmap.catalogue.expected import expected_constants
-from propmap.cli.trim_words import plain
+from propmap.cli.trim import plain
 from propmap.fit.fit import Settings, fit
 from propmap.fit.parameters import SECTION, Choice
 from propmap.fit.tunnel import TunnelData, section_with, tunnel_rows

@@ -25,7 +25,7 @@ import propmap
 from benchmarks.results_file import RESULTS, machine, write_results
 from benchmarks.whole_process import whole_process
 from propmap.catalogue.lookup import measurement
-from propmap.cli.cluster_option import workers_of
+from propmap.cli.options import workers_of
 from propmap.fit.comparison import compare_tunnel
 from propmap.fit.fit import Settings, fit
 from propmap.fit.flight import ForceModel, level_rows

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from propmap.cli.flight_files import read_flights
+from propmap.cli.fit_flight import read_flights
 from propmap.errors import InputError
 from propmap.model.airfoil import parameter_set
 from propmap.typing import Floats

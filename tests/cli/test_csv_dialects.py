@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from propmap.catalogue.lookup import propeller
-from propmap.cli.flight_files import all_level_tables
+from propmap.cli.fit_flight import all_level_tables
 from propmap.errors import InputError
 from propmap.fit.tunnel import read_tunnel
 from propmap.flight.steady import read_level_table

@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 import propmap
-from propmap.cli.fit_options import choice_of
-from propmap.cli.prior_options import section_prior
+from propmap.cli.fit_options import choice_of, section_prior
 from propmap.fit.files import FitFile, read_fit
 from propmap.fit.parameters import Choice
 from propmap.loads import LOADS

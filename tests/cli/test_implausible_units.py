@@ -10,7 +10,7 @@ import pytest
 
 import propmap
 from propmap.catalogue.lookup import measurement
-from propmap.cli.flight_files import read_flights
+from propmap.cli.fit_flight import read_flights
 from propmap.errors import InputError
 from propmap.fit.tunnel import doubts_on_tunnel
 from propmap.model.plausibility import doubts_on_blade

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 import xarray
 
-from propmap.cli import streamed_run
+from propmap.cli import sweep
 
 from .conftest import ROTOR, Run
 
@@ -66,7 +66,7 @@ def test_what_is_not_a_store_is_left_alone(run: Run, tmp_path: Path) -> None:
 
 
 def test_much_is_asked_for(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(streamed_run, "ASK_ABOVE_BYTES", 100.0)
+    monkeypatch.setattr(sweep, "ASK_ABOVE_BYTES", 100.0)
     monkeypatch.setattr("sys.stdin.isatty", lambda: False, raising=False)
     done = run("sweep", *ROTOR, *GRID, "-o", tmp_path / "map.zarr")
     assert done.code == 2

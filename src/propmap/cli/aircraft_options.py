@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from propmap import catalogue
-from propmap.cli.rotor_options import AccuracyName, ModelName, RotorChoice, with_physics
+from propmap.cli.options import AccuracyName, ModelName, RotorChoice, with_physics
 from propmap.errors import InputError
 from propmap.io.csv import RPM
 

@@ -11,6 +11,14 @@ import numpy as np
 import typer
 
 from propmap.catalogue.lookup import airfoil
+from propmap.cli.options import (
+    Corrections,
+    ModelOption,
+    say_doubts,
+    say_expected,
+    say_reynolds,
+    with_physics,
+)
 from propmap.cli.output import (
     Format,
     FormatOption,
@@ -21,8 +29,6 @@ from propmap.cli.output import (
     json_text,
     show,
 )
-from propmap.cli.plausibility import say_doubts, say_expected
-from propmap.cli.rotor_options import Corrections, ModelOption, say_reynolds, with_physics
 from propmap.errors import InputError
 from propmap.io.csv import csv_text
 from propmap.model.corrections import in_words
@@ -96,7 +102,7 @@ def _compare(
 
     fitted = read_fit(fit) if is_fit(fit) else None
     if vehicle is not None:
-        from propmap.cli.flight_files import read_flights
+        from propmap.cli.fit_flight import read_flights
         from propmap.fit.flight import wing_values
         from propmap.vehicle.files import read_vehicle
 

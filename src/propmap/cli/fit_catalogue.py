@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from propmap.catalogue.identified import Identified, as_csv, parse_identified
-from propmap.cli.cluster_option import Cluster, workers_of
+from propmap.cli.options import Cluster, workers_of
 from propmap.cli.output import check_output, grid, show, write_text
 
 if TYPE_CHECKING:

@@ -9,19 +9,22 @@ import numpy as np
 import typer
 
 from propmap.catalogue.lookup import propeller
-from propmap.cli.bands import Bands
-from propmap.cli.operating_points import parse_axis, single_point
-from propmap.cli.output import PICTURES, PictureOutput, check_output, check_pictures, write_text
-from propmap.cli.plausibility import say_doubts, say_doubts_on_points, say_expected
-from propmap.cli.rotor_options import (
+from propmap.cli.options import (
+    Bands,
     Blades,
     PropArgument,
     Radius,
     RootCutout,
     RotorChoice,
+    parse_axis,
+    say_doubts,
+    say_doubts_on_points,
+    say_expected,
     say_reynolds,
+    single_point,
     takes_rotor,
 )
+from propmap.cli.output import PICTURES, PictureOutput, check_output, check_pictures, write_text
 from propmap.errors import InputError
 from propmap.io.csv import LOAD_COLUMNS, RPM, disk_csv, read_points
 from propmap.model.plausibility import doubts_on_blade

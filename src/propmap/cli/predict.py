@@ -8,8 +8,16 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from propmap.cli.bands import Bands, StdBySource, say_not_counted
-from propmap.cli.operating_points import single_point
+from propmap.cli.options import (
+    Bands,
+    RotorChoice,
+    StdBySource,
+    say_doubts_on_points,
+    say_not_counted,
+    say_reynolds,
+    single_point,
+    takes_rotor,
+)
 from propmap.cli.output import (
     Format,
     FormatOption,
@@ -21,8 +29,6 @@ from propmap.cli.output import (
     json_text,
     show,
 )
-from propmap.cli.plausibility import say_doubts_on_points
-from propmap.cli.rotor_options import RotorChoice, say_reynolds, takes_rotor
 from propmap.errors import InputError
 from propmap.io.csv import OperatingPoints, read_points, std_columns
 from propmap.loads import LOADS

@@ -92,7 +92,7 @@ def _given(file: FitFile, data: Sequence[str], vehicle: Path | None) -> GivenDat
         measured = read_tunnel(data, file.model.propeller, file.model.air)
         found = compare_tunnel(file.model, measured)
         return GivenData([Source.of(item) for item in sources(data)], found, tunnel=measured)
-    from propmap.cli.flight_files import all_level_tables, read_flights
+    from propmap.cli.fit_flight import all_level_tables, read_flights
     from propmap.vehicle.files import read_vehicle
 
     described, paths = read_vehicle(vehicle), [Path(item) for item in data]

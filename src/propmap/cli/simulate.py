@@ -11,9 +11,8 @@ import numpy as np
 import typer
 
 from propmap.cli.aircraft_options import NoWakes
-from propmap.cli.operating_points import parse_axis
+from propmap.cli.options import Corrections, ModelOption, constants, parse_axis, with_physics
 from propmap.cli.output import Force, check_output, grid, show, write_text
-from propmap.cli.rotor_options import Corrections, ModelOption, constants, with_physics
 from propmap.errors import InputError
 from propmap.io.csv import RPM
 

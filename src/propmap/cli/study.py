@@ -9,10 +9,16 @@ from typing import TYPE_CHECKING, Annotated, Any
 import numpy as np
 import typer
 
-from propmap.cli.cluster_option import Cluster, progress_bar, workers_of
+from propmap.cli.options import (
+    AccuracyName,
+    AccuracyOption,
+    Cluster,
+    RotorChoice,
+    progress_bar,
+    workers_of,
+)
 from propmap.cli.output import Force, check_output, check_pictures, show
-from propmap.cli.rotor_options import AccuracyName, AccuracyOption, RotorChoice
-from propmap.cli.streamed_run import Yes, announce, check_store, opened
+from propmap.cli.sweep import Yes, announce, check_store, opened
 from propmap.errors import InputError
 
 if TYPE_CHECKING:

@@ -11,11 +11,16 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 import typer
 
-from propmap.cli.cluster_option import Cluster, workers_of
-from propmap.cli.operating_points import parse_axis
+from propmap.cli.options import (
+    Cluster,
+    RotorChoice,
+    parse_axis,
+    say_doubts_on_points,
+    say_reynolds,
+    takes_rotor,
+    workers_of,
+)
 from propmap.cli.output import Force, check_output, show
-from propmap.cli.plausibility import say_doubts_on_points
-from propmap.cli.rotor_options import RotorChoice, say_reynolds, takes_rotor
 from propmap.cli.table_report import building, told
 from propmap.errors import InputError, quoted
 from propmap.io.csv import RPM

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from propmap.loads import LOADS
-from propmap.model.corrections import MOTOR_DIAMETER, MOTOR_HEIGHT, MountDrag
-from propmap.results import Loads
-from propmap.rotor import Rotor
 from propmap.typing import Floats
+
+if TYPE_CHECKING:
+    from propmap.results import Loads
+    from propmap.rotor import Rotor
 
 # -------------------------------------------------------------------------------------------------
 # A table's certificate in words.
@@ -98,6 +99,8 @@ def rise_by_motor(rotor: Rotor, loads: Loads, speed: ArrayLike, beta: ArrayLike)
         Of the shape of the loads; NaN without an in-plane velocity, and where the drag is not
         positive.
     """
+    from propmap.model.corrections import MountDrag
+
     velocity, angle = np.broadcast_arrays(np.asarray(speed, float), np.asarray(beta, float))
     along, across = velocity * np.cos(angle), velocity * np.abs(np.sin(angle))
     radius, density = rotor.model.propeller.radius, rotor.model.air.density
@@ -108,6 +111,8 @@ def rise_by_motor(rotor: Rotor, loads: Loads, speed: ArrayLike, beta: ArrayLike)
 
 def motor_note(rotor: Rotor, loads: Loads, speed: ArrayLike, beta: ArrayLike) -> str:
     """A sentence on ``rise_by_motor``; empty where something is mounted, or nothing can be said."""
+    from propmap.model.corrections import MOTOR_DIAMETER, MOTOR_HEIGHT, MountDrag
+
     if rotor.model.correction_of(MountDrag) is not None:
         return ""
     rise = 100.0 * rise_by_motor(rotor, loads, speed, beta)

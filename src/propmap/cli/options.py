@@ -1,10 +1,12 @@
-"""PROP and the options that choose a rotor, shared by the commands that compute loads."""
+"""Options that commands share: PROP and its rotor, operating points, workers, bands, notes."""
 
 from __future__ import annotations
 
 import functools
 import inspect
-from collections.abc import Callable, Sequence
+import itertools
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, fields
 from enum import StrEnum
 from typing import TYPE_CHECKING, Annotated, Any, Concatenate, ParamSpec, get_type_hints, overload
@@ -21,16 +23,23 @@ from propmap.catalogue.lookup import (
     own_constants,
     propeller,
 )
-from propmap.cli.plausibility import say_doubts, say_expected
 from propmap.errors import InputError
+from propmap.io.csv import OperatingPoints, check_value
 from propmap.model.airfoil import Airfoil, SectionTable, airfoil_names
 from propmap.model.corrections import CORRECTIONS, apart, as_text, correction, corrections_of
 from propmap.model.model import PAPER_DENSITY, PAPER_VISCOSITY, Air, Model, Propeller
-from propmap.model.plausibility import doubts_on_air, doubts_on_blade
+from propmap.model.plausibility import doubts_on_air, doubts_on_blade, doubts_on_points
+from propmap.tasks import InTurn, Workers
+from propmap.typing import Floats
 
 if TYPE_CHECKING:
+    from propmap.model.model import Model
     from propmap.rotor import Rotor
     from propmap.typing import Floats
+
+
+# -------------------------------------------------------------------------------------------------
+# PROP and the options that choose a rotor, shared by the commands that compute loads.
 
 Others = ParamSpec("Others")
 
@@ -274,3 +283,175 @@ def takes_rotor(
     run.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
     run.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters}
     return run
+
+
+# -------------------------------------------------------------------------------------------------
+# Operating points as options of the command line.
+
+
+def single_point(rpm: float, speed: float, beta: float, **further: float | None) -> OperatingPoints:
+    """One checked operating point, with what of ``further`` variables is not None."""
+    values = {"rpm": rpm, "speed": speed, "beta": beta}
+    more = {name: value for name, value in further.items() if value is not None}
+    checked = {k: np.array([check_value(k, v)]) for k, v in (values | more).items()}
+    rpm_, speed_, beta_ = (checked.pop(name) for name in values)
+    return OperatingPoints(rpm_, speed_, beta_, checked)
+
+
+def parse_axis(option: str, quantity: str, text: str, count: int | None = None) -> Floats:
+    """Rising values (n,) from "6000", "10,20" or "A:B:N", N values from A to B.
+
+    ``option`` is its name in messages, ``count`` N where "A:B" is written, None to ask for it.
+    """
+    parts = text.split(":")
+    form = "A:B:N" if count is None else "A:B or A:B:N"
+    remedy = f"write a number, a list such as 10,20, or {form} (N values from A to B)"
+    try:
+        if len(parts) == 1:
+            values = np.array([float(part) for part in text.split(",")])
+        elif len(parts) == 3 or (len(parts) == 2 and count is not None):
+            number = int(parts[2]) if len(parts) == 3 else int(count or 0)
+            if not 2 <= number <= 1_000_000:
+                raise InputError(f"{option} {text}: N is {number}", "use 2 to 1000000 values")
+            values = np.linspace(float(parts[0]), float(parts[1]), number)
+        else:
+            raise ValueError
+    except InputError:
+        raise
+    except (ValueError, OverflowError):
+        raise InputError(f"{option} {text!r} cannot be read", remedy) from None
+    for value in values.tolist():
+        check_value(quantity, value)
+    if any(b <= a for a, b in itertools.pairwise(values.tolist())):
+        raise InputError(f"{option} {text}: the values do not rise", "write each once, rising")
+    return values
+
+
+# -------------------------------------------------------------------------------------------------
+# Columns and cells of how sure the loads are.
+
+Bands = Annotated[
+    bool,
+    typer.Option(
+        "--bands/--no-bands",
+        help="Standard deviations or bands of the loads, where the constants or the blade say "
+        "how well they are known.",
+    ),
+]
+StdBySource = Annotated[
+    bool,
+    typer.Option(
+        "--std-by-source",
+        help="Standard deviations by what they are from, too: parameters of the section law, "
+        "geometry that was not measured, discrepancy of the model, another tunnel.",
+    ),
+]
+
+
+def say_not_counted(model: Model) -> None:
+    """Name constants of which the data of a fit said nothing, on standard error."""
+    known = model.uncertainty
+    if known is not None and known.covariance.unknown:
+        names = ", ".join(known.covariance.unknown)
+        typer.echo(
+            f"note: standard deviations do not count {names}, of which the data of the fit say "
+            "nothing",
+            err=True,
+        )
+
+
+# -------------------------------------------------------------------------------------------------
+# What is unlike small propellers or not measured, as notes beside the output of a command.
+
+
+def say_doubts(doubts: Iterable[str]) -> None:
+    """A line on standard error for each."""
+    for doubt in doubts:
+        typer.echo(f"note: {doubt}", err=True)
+
+
+def say_expected(prop: str) -> None:
+    """Say what a blade rests on that was not measured."""
+    meant = meant_by(prop)
+    if isinstance(meant, ExpectedBlade):
+        typer.echo(f"note: {meant.told}", err=True)
+
+
+def say_doubts_on_points(model: Model, omega: Floats, speed: Floats, beta: Floats) -> None:
+    """Say what is odd about operating points [rad/s], [m/s], [rad], before loads are computed.
+
+    Raises ``InputError`` where a blade tip is faster than sound.
+    """
+    say_doubts(doubts_on_points(model.propeller, omega, speed, beta))
+
+
+# -------------------------------------------------------------------------------------------------
+# ``--cluster``: who does the work, and how far it is.
+
+Cluster = Annotated[
+    str | None,
+    typer.Option(
+        "--cluster",
+        metavar="local[:N]|tcp://HOST:PORT",
+        help="Work on N processes of this machine, by default one per core, or on the workers of a "
+        "Dask scheduler. Results are the same.",
+    ),
+]
+
+
+@contextmanager
+def workers_of(cluster: str | None, otherwise: Workers | None = None) -> Iterator[Workers]:
+    """The workers that ``--cluster`` asks for; without it ``otherwise``, by default this process.
+
+    A line on standard error says how many, and where their dashboard is.
+    """
+    if cluster is None:
+        yield otherwise or InTurn()
+        return
+    from propmap.cluster.workers import connected
+
+    with connected(cluster) as workers:
+        typer.echo(
+            f"{workers.count} worker threads, dashboard at {workers.client.dashboard_link}",
+            err=True,
+        )
+        yield workers
+
+
+def workers_of_bootstrap(cluster: str | None, bootstrap: int) -> AbstractContextManager[Workers]:
+    """The same for a fit, of which only the refits of ``bootstrap`` are independent tasks."""
+    if cluster is not None and not bootstrap:
+        raise InputError(
+            "--cluster spreads the refits of --bootstrap, of which there are none",
+            "give --bootstrap 200, or leave --cluster out",
+        )
+    return workers_of(cluster)
+
+
+@contextmanager
+def progress_bar(what: str) -> Iterator[Callable[[int, int], None]]:
+    """A progress bar on a terminal, told how much is done and of how much; with what is left."""
+    from rich.console import Console
+    from rich.progress import (
+        BarColumn,
+        MofNCompleteColumn,
+        Progress,
+        TextColumn,
+        TimeElapsedColumn,
+        TimeRemainingColumn,
+    )
+
+    console = Console(stderr=True)
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeElapsedColumn(),
+        TextColumn("left:"),
+        TimeRemainingColumn(),
+    )
+    with Progress(
+        *columns, console=console, disable=not console.is_terminal, transient=True
+    ) as bar:
+        task = bar.add_task(what, total=None)
+        yield lambda done, total: bar.update(task, completed=done, total=total)
