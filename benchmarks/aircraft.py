@@ -21,22 +21,20 @@ import numpy as np
 
 import propmap
 from benchmarks.results_file import machine, write_results
-from propmap.aircraft.candidates import catalogue_candidates
-from propmap.aircraft.deviations import spread
 from propmap.aircraft.performance import performance
-from propmap.aircraft.ranking import Ranking
-from propmap.aircraft.steady import Aircraft
-from propmap.aircraft.task import Task
-from propmap.catalogue.expected_constants import expected_constants
-from propmap.cli.trim_words import plain
-from propmap.fit.fitted import Settings, fit
+from propmap.aircraft.ranking import Ranking, Task, catalogue_candidates
+from propmap.aircraft.sensitivity import spread
+from propmap.aircraft.trim import Aircraft
+from propmap.catalogue.expected import expected_constants
+from propmap.cli.trim import plain
+from propmap.fit.fit import Settings, fit
 from propmap.fit.parameters import SECTION, Choice
 from propmap.fit.tunnel import TunnelData, section_with, tunnel_rows
 from propmap.table.build import build_table
-from propmap.vehicle.flight_log import GRAVITY
-from propmap.vehicle.motor import RPM
+from propmap.vehicle.files import read_vehicle
+from propmap.vehicle.log import GRAVITY
+from propmap.vehicle.powertrain import RPM
 from propmap.vehicle.vehicle import Vehicle
-from propmap.vehicle.vehicle_toml import read_vehicle
 
 EXAMPLE = Path(__file__).parent.parent / "examples" / "aircraft" / "delivery.toml"
 DATA = Path(__file__).parents[2] / "shared" / "data" / "power"

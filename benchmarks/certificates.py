@@ -25,9 +25,9 @@ from propmap.model.airfoil import parameter_set
 from propmap.model.model import Model
 from propmap.rotor import Rotor
 from propmap.table import LoadTable, build_table
-from propmap.table.comparison import compare
-from propmap.table.lookup import UNRESOLVED
-from propmap.table.model import Model as TableModel
+from propmap.table.build import Model as TableModel
+from propmap.table.certificate import compare
+from propmap.table.interpolation import UNRESOLVED
 
 RPM = np.pi / 30.0
 FRESH, SEED = 100_000, 26

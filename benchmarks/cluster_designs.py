@@ -9,8 +9,7 @@ import numpy as np
 
 from benchmarks.cluster_rotor import LARGE, grid, model
 from propmap.rotor import Rotor
-from propmap.study.plan import Study
-from propmap.study.run import loads_of_designs
+from propmap.study.run import Study, loads_of_designs
 from propmap.sweep.points import Part
 from propmap.sweep.run import POINTS_PER_TASK, Sweep, loads_of_part
 

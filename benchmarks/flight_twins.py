@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from scipy.special import stdtrit
 
 from benchmarks.results_file import machine, write_results
-from propmap.fit.fitted import Fitted, Settings, fit
+from propmap.fit.fit import Fitted, Settings, fit
 from propmap.fit.parameters import Choice, Prior, described
 from propmap.typing import Floats
 from tests.fit.flight_twin import BEFOREHAND, FIXED, FREE, TRUTH, Noise, Twin

@@ -24,21 +24,20 @@ import numpy as np
 import propmap
 from benchmarks.results_file import RESULTS, machine, write_results
 from benchmarks.whole_process import whole_process
-from propmap.catalogue.measurements import measurement
-from propmap.cli.cluster_option import workers_of
+from propmap.catalogue.lookup import measurement
+from propmap.cli.options import workers_of
 from propmap.fit.comparison import compare_tunnel
-from propmap.fit.fitted import Settings, fit
-from propmap.fit.flight import level_rows
-from propmap.fit.force_model import ForceModel
+from propmap.fit.fit import Settings, fit
+from propmap.fit.flight import ForceModel, level_rows
 from propmap.fit.interval_coverage import noisy_intervals
+from propmap.fit.least_squares import Rows
 from propmap.fit.parameters import PAPER_FOUR, Choice
-from propmap.fit.rows import Rows
 from propmap.fit.tunnel import TunnelData, first_guess, section_with, tunnel_rows
-from propmap.flight.trim import trim
+from propmap.flight.simulate import trim
 from propmap.model.airfoil import parameter_set
 from propmap.model.model import Model
 from propmap.tasks import Workers
-from propmap.vehicle.flight_log import FlightLog, pitch_and_roll
+from propmap.vehicle.log import FlightLog, pitch_and_roll
 from propmap.vehicle.vehicle import Mount, Vehicle
 
 SETS = ("paper-soft", "paper-stiff", "paper-apc")

@@ -16,17 +16,15 @@ from typing import Any
 import numpy as np
 
 from benchmarks.results_file import machine, write_results
-from propmap.cli.flight_options import BLADE
-from propmap.cli.prior_options import section_prior
+from propmap.cli.fit_options import BLADE, section_prior
 from propmap.fit.comparison import flight_forces
-from propmap.fit.force_model import ForceModel
+from propmap.fit.flight import ForceModel
 from propmap.fit.parameters import BODY, FIRST_GUESS, FLEX, MOUNT, SECTION, WAKES
 from propmap.typing import Floats
-from propmap.vehicle.flight_log import FlightLog
-from propmap.vehicle.hub_flow import hub_flow_at
-from propmap.vehicle.interference import added_flow, glauert_inflow
+from propmap.vehicle.files import read_vehicle
+from propmap.vehicle.log import FlightLog
 from propmap.vehicle.vehicle import Mount, Vehicle, Wakes
-from propmap.vehicle.vehicle_toml import read_vehicle
+from propmap.vehicle.wakes import added_flow, glauert_inflow, hub_flow_at
 
 VEHICLE = Path(__file__).parent.parent / "examples" / "neurobem" / "vehicle.toml"
 SAMPLES = {"fit": 300, "forces": 2048}

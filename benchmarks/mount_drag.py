@@ -16,13 +16,12 @@ import numpy as np
 
 import propmap
 from benchmarks.results_file import machine, write_results
-from propmap.fit.fitted import Fitted, Settings, fit
+from propmap.fit.fit import Fitted, Settings, fit
 from propmap.fit.parameters import Choice
-from propmap.fit.tunnel import TunnelData, first_guess, rotor_with, tunnel_rows
-from propmap.fit.tunnel_files import read_tunnel
+from propmap.fit.tunnel import TunnelData, first_guess, read_tunnel, rotor_with, tunnel_rows
 from propmap.model.corrections import typical_area
 from propmap.model.model import Model
-from propmap.report.mounted_motor import rise_by_motor
+from propmap.report.words import rise_by_motor
 from propmap.typing import Floats
 
 PROPELLER, DATA = "apc-8x6e", "gill-dandrea-2019-8x6e"

@@ -14,8 +14,7 @@ import numpy as np
 import propmap
 from benchmarks.results_file import machine, write_results
 from benchmarks.speed import BATCH, oblique
-from propmap.model.airfoil import parameter_set
-from propmap.model.section_table import SectionTable
+from propmap.model.airfoil import SectionTable, parameter_set
 
 REPEATS = 5
 

@@ -12,7 +12,7 @@ import numpy as np
 
 import propmap
 from propmap import core
-from propmap.io.atomic_file import replacing
+from propmap.io.csv import replacing
 
 RESULTS = Path(__file__).with_name("results")
 

@@ -22,7 +22,7 @@ import propmap
 from benchmarks.results_file import machine, write_results
 from benchmarks.whole_process import python_process, whole_process
 from propmap.dynamic_inflow import DynamicInflow
-from propmap.flight.simulated import log_table
+from propmap.flight.simulate import log_table
 from propmap.model.airfoil import parameter_set
 from propmap.model.model import Model
 from propmap.rotor import Rotor

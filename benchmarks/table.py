@@ -135,8 +135,8 @@ def rotorpy_microseconds(table: LoadTable) -> float | None:
         from rotorpy.vehicles.multirotor import Multirotor
     except ModuleNotFoundError:
         return None
-    from propmap.export.rotorpy import fit_rotor
-    from propmap.export.samples import sample
+    from propmap.export.files import sample
+    from propmap.export.simple_models import fit_rotor
 
     fitted = fit_rotor(table, sample(table))
     corners = ((1.0, 1.0), (1.0, -1.0), (-1.0, -1.0), (-1.0, 1.0))

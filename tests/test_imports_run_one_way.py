@@ -42,7 +42,7 @@ LEFT_TO_RIGHT = (
 )
 """Rooms of the package; none knows of one to its right."""
 
-FACES = ("rotor", "model.core_section")
+FACES = ("rotor", "model.airfoil")
 """The modules through which all others use the compiled core; sections ask for their own
 coefficients."""
 

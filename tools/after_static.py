@@ -20,17 +20,15 @@ from typing import NamedTuple
 import numpy as np
 
 from propmap import catalogue
-from propmap.catalogue.expected_constants import airfoil_at, expected_prior
+from propmap.catalogue.expected import HELD, airfoil_at, expected_prior
 from propmap.catalogue.identified import PARAMETERS, Identified, all_identified, one_of_each
-from propmap.catalogue.prior import HELD
-from propmap.fit.fitted import Settings, fit
-from propmap.fit.forward_trust import MODEL_ERROR
-from propmap.fit.parameters import Choice
+from propmap.fit.comparison import MODEL_ERROR
+from propmap.fit.fit import Settings, fit
+from propmap.fit.parameters import Choice, SectionPrior
 from propmap.fit.population.misfiled import refiled
-from propmap.fit.section_prior import SectionPrior
 from propmap.fit.tunnel import TunnelData, rotor_with, tunnel_rows
-from propmap.io.atomic_file import replacing
-from propmap.io.uiuc_database import MeasuredPropeller, read_uiuc_database
+from propmap.io.csv import replacing
+from propmap.io.uiuc import MeasuredPropeller, read_uiuc_database
 from propmap.loads import LOADS
 from propmap.model.model import Model
 from propmap.typing import Floats

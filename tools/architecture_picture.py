@@ -21,7 +21,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import FancyArrowPatch, FancyBboxPatch
 from matplotlib.path import Path
 
-from propmap.report.style import COLOURS, new_figure, save, style
+from propmap.report.html import COLOURS, new_figure, save, style
 from tools.import_graph import lines, room_imports
 
 WIDTH, HEIGHT = 0.8, 0.56

@@ -16,9 +16,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
-from propmap.io.apc_pe0 import read_apc_pe0
-from propmap.io.blade_table import INCH
-from propmap.io.uiuc_geometry import CITATION as UIUC_CITATION
+from propmap.io.geometry import INCH, UIUC_CITATION, read_apc_pe0
 
 CATALOGUE = Path(__file__).resolve().parent.parent / "src" / "propmap" / "catalogue"
 PER_LINE = 6

@@ -19,8 +19,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Arc, Circle, Polygon
 
-from propmap.io.atomic_file import replacing
-from propmap.report.style import COLOURS, MARKERS, new_figure, style
+from propmap.io.csv import replacing
+from propmap.report.html import COLOURS, MARKERS, new_figure, style
 from tools import architecture_picture
 
 RESULTS = Path(__file__).resolve().parent.parent / "benchmarks" / "results"

@@ -17,7 +17,7 @@ from typing import Any
 
 from propmap.catalogue.identified import all_identified
 from propmap.fit.population.summary import summary
-from propmap.io.atomic_file import replacing
+from propmap.io.csv import replacing
 from propmap.papers.gill_dandrea_2017.drag_effects import drag_effects
 from tools import (
     aircraft_tables,

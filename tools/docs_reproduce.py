@@ -14,7 +14,7 @@ import sys
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from propmap.io.atomic_file import replacing
+from propmap.io.csv import replacing
 from propmap.papers.gill_dandrea_2017.pages.rotor_drag import DATA as FORMS
 from propmap.papers.gill_dandrea_2017.pages.rotor_drag import MODELS as INFLOWS
 

@@ -17,19 +17,18 @@ from typing import Any
 
 import numpy as np
 
-from propmap.cli.fit_terms import expected, read_pairs, steps
-from propmap.cli.flight_options import flight_priors
+from propmap.cli.fit_flight import expected, read_pairs, steps
+from propmap.cli.fit_options import flight_priors
 from propmap.fit.comparison import flight_forces
 from propmap.fit.learned_residual import learn
 from propmap.fit.parameters import BODY, FIRST_GUESS, SENSOR, WAKES, constants_of
 from propmap.fit.tunnel import model_with
-from propmap.io.atomic_file import replacing
+from propmap.io.csv import replacing
 from propmap.model.model import Model
 from propmap.typing import Floats
-from propmap.vehicle.flight_log import FlightLog
-from propmap.vehicle.time_derivatives import CUTOFF
+from propmap.vehicle.files import read_vehicle
+from propmap.vehicle.log import DERIVATIVE_CUTOFF, FlightLog
 from propmap.vehicle.vehicle import Vehicle
-from propmap.vehicle.vehicle_toml import read_vehicle
 from tools.flight_steps import rows
 
 RESULTS = Path(__file__).resolve().parent.parent / "benchmarks" / "results"
@@ -40,7 +39,7 @@ SAMPLES = 1000
 def main(folder: str, vehicle_path: str, *paths: str) -> None:
     """Learn, check, print and file."""
     file = read_vehicle(vehicle_path)
-    flights, _ = read_pairs([Path(p) for p in paths], file, CUTOFF, None)
+    flights, _ = read_pairs([Path(p) for p in paths], file, DERIVATIVE_CUTOFF, None)
     prior = expected(None, file.vehicle)
     known = flight_priors(file.vehicle, flights[0].passed, hover=False)
     last = steps(file.vehicle, prior, known)[-1]
@@ -74,7 +73,7 @@ def main(folder: str, vehicle_path: str, *paths: str) -> None:
         )
         print(checks[-1], flush=True)
     with replacing(RESULTS / "flight_residual.json") as place:
-        told = {"samples": SAMPLES, "low_pass_hz": CUTOFF, "checks": checks}
+        told = {"samples": SAMPLES, "low_pass_hz": DERIVATIVE_CUTOFF, "checks": checks}
         place.write_text(json.dumps(told, indent=1) + "\n", encoding="utf-8")
 
 

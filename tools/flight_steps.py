@@ -14,7 +14,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from propmap.io.atomic_file import replacing
+from propmap.io.csv import replacing
 
 RESULTS = Path(__file__).resolve().parent.parent / "benchmarks" / "results" / "flight_steps.json"
 SHEETS = {"errors": "fit-terms", "worth": "fit-terms-worth", "values": "fit-terms-values"}

@@ -18,11 +18,10 @@ from pathlib import Path
 
 import tomli_w
 
-from propmap.fit.result_file import read_fit
-from propmap.io.atomic_file import replacing
-from propmap.model.airfoil import Airfoil
+from propmap.fit.files import read_fit
+from propmap.io.csv import replacing
+from propmap.model.airfoil import DISCREPANCIES, Airfoil, SectionUncertainty
 from propmap.model.corrections import MODELS
-from propmap.model.uncertainty import DISCREPANCIES, SectionUncertainty
 
 NAME = "apc-8x6e-2019"
 TARGET = Path(__file__).resolve().parent.parent / "src/propmap/catalogue/airfoils" / f"{NAME}.toml"

@@ -24,8 +24,8 @@ from propmap.fit.population.foretold import Foretold
 from propmap.fit.population.left_out import GROUPS, left_out, never_measured
 from propmap.fit.population.misfiled import refiled
 from propmap.fit.population.populations import populations_of
-from propmap.io.atomic_file import replacing
-from propmap.io.uiuc_database import read_uiuc_database
+from propmap.io.csv import replacing
+from propmap.io.uiuc import read_uiuc_database
 from propmap.typing import Floats
 
 RESULTS = Path(__file__).resolve().parent.parent / "benchmarks" / "results" / "left_out.json"

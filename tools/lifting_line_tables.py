@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from propmap.catalogue.measurements import measurement
+from propmap.catalogue.lookup import measurement
 
 WAKES = {
     "rigid_wake": "rigid, same constants",

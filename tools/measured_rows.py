@@ -19,8 +19,8 @@ import numpy as np
 
 from propmap.catalogue.identified import all_identified
 from propmap.fit.population.misfiled import refiled
-from propmap.io.atomic_file import replacing
-from propmap.io.uiuc_database import MeasuredPropeller, read_uiuc_database
+from propmap.io.csv import replacing
+from propmap.io.uiuc import MeasuredPropeller, read_uiuc_database
 
 FILE = Path(__file__).resolve().parent.parent / "docs" / "measured" / "uiuc-axial.csv"
 

@@ -17,7 +17,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from propmap.io.atomic_file import replacing
+from propmap.io.csv import replacing
 
 ROOT = Path(__file__).resolve().parent.parent
 README = ROOT / "README.md"

@@ -13,23 +13,23 @@ import numpy  # noqa: F401 - all that follows needs it, and no first call is to 
 
 if TYPE_CHECKING:
     from propmap.baselines.hover import HoverModel
-    from propmap.catalogue.known import known_model
-    from propmap.catalogue.lookup import airfoil, propeller
+    from propmap.catalogue.lookup import airfoil, known_model, propeller
     from propmap.dynamic_inflow import DynamicInflow
     from propmap.errors import InputError
-    from propmap.model.air import Air
-    from propmap.model.airfoil import Airfoil, airfoil_names
+    from propmap.model.airfoil import (
+        Airfoil,
+        SectionCovariance,
+        SectionTable,
+        SectionUncertainty,
+        airfoil_names,
+    )
     from propmap.model.corrections import correction, corrections_of
-    from propmap.model.model import Model
-    from propmap.model.propeller import Propeller
-    from propmap.model.section_covariance import SectionCovariance
-    from propmap.model.section_table import SectionTable
-    from propmap.model.uncertainty import SectionUncertainty
+    from propmap.model.model import Air, Model, Propeller
     from propmap.results import Loads, Wrench
     from propmap.rotor import Rotor
+    from propmap.vehicle.files import read_vehicle
     from propmap.vehicle.vehicle import Vehicle
     from propmap.vehicle.vehicle_forces import VehicleForces, VehicleWrench
-    from propmap.vehicle.vehicle_toml import read_vehicle
 
 __version__ = "0.1.0"
 
@@ -60,18 +60,18 @@ __all__ = [
 ]
 
 _PLACES = {
-    "Air": "model.air",
+    "Air": "model.model",
     "Airfoil": "model.airfoil",
     "DynamicInflow": "dynamic_inflow",
     "HoverModel": "baselines.hover",
     "InputError": "errors",
     "Loads": "results",
     "Model": "model.model",
-    "Propeller": "model.propeller",
+    "Propeller": "model.model",
     "Rotor": "rotor",
-    "SectionCovariance": "model.section_covariance",
-    "SectionTable": "model.section_table",
-    "SectionUncertainty": "model.uncertainty",
+    "SectionCovariance": "model.airfoil",
+    "SectionTable": "model.airfoil",
+    "SectionUncertainty": "model.airfoil",
     "Vehicle": "vehicle.vehicle",
     "VehicleForces": "vehicle.vehicle_forces",
     "VehicleWrench": "vehicle.vehicle_forces",
@@ -80,9 +80,9 @@ _PLACES = {
     "airfoil_names": "model.airfoil",
     "correction": "model.corrections",
     "corrections_of": "model.corrections",
-    "known_model": "catalogue.known",
+    "known_model": "catalogue.lookup",
     "propeller": "catalogue.lookup",
-    "read_vehicle": "vehicle.vehicle_toml",
+    "read_vehicle": "vehicle.files",
 }
 
 

@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from propmap.loads import LOADS
-from propmap.model.model import Model
-from propmap.model.section_covariance import SectionCovariance
-from propmap.model.uncertainty import (
+from propmap.model.airfoil import (
     INPLANE_SHARES,
     TUNNEL_GAIN,
     TUNNEL_TILT,
     UNKNOWN_SHARE,
+    SectionCovariance,
     SectionUncertainty,
 )
+from propmap.model.model import Model
 from propmap.operating_points import FlowPoints
 from propmap.typing import Floats
 

@@ -194,19 +194,25 @@ class _Points:
                 "gradients"
             )
         flow, direction = split_velocity(omega, velocity)
-        w, along, across, d_x, d_y, mean, x, y, time = broadcast(
-            omega=flow.omega, v_axial=flow.v_axial, v_inplane=flow.v_inplane,
-            d_x=direction[..., 0], d_y=direction[..., 1],
-            mean=given[..., 0], x=given[..., 1], y=given[..., 2], dt=dt,
-        )  # fmt: skip
+        (time,) = broadcast(dt=dt)
         if (time < 0.0).any():
             raise InputError(f"dt is negative ({time.min():g}): give the step's length [s]")
-        self.shape = w.shape
-        self.direction = np.stack([d_x, d_y, 0.0 * d_x], axis=-1)
-        self.flow = FlowPoints(w, along, across)
-        self.dt = time.ravel()
-        self._sign, self._x, self._y = sign, d_x.ravel(), d_y.ravel()
-        self.state = self._turned(np.stack([mean.ravel(), x.ravel(), y.ravel()], axis=-1))
+        shapes = {"omega": flow.omega.shape, "state": given.shape[:-1], "dt": time.shape}
+        try:
+            self.shape = np.broadcast_shapes(*shapes.values())
+        except ValueError:
+            found = ", ".join(f"{name} {shape}" for name, shape in shapes.items())
+            raise InputError(f"shapes do not fit together: {found}; they must broadcast") from None
+
+        def flat(values: Floats) -> Floats:
+            return np.broadcast_to(values, self.shape).ravel()
+
+        self.direction = np.broadcast_to(direction, (*self.shape, 3))
+        self.flow = FlowPoints(flat(flow.omega), flat(flow.v_axial), flat(flow.v_inplane))
+        self.dt = flat(time)
+        self._sign = sign
+        self._x, self._y = flat(direction[..., 0]), flat(direction[..., 1])
+        self.state = self._turned(np.broadcast_to(given, self.direction.shape).reshape(-1, 3))
 
     def _turned(self, vectors: Floats) -> Floats:
         """Mean, v_s and v_c from mean, x and y (N, 3).
@@ -215,16 +221,19 @@ class _Points:
         turns counter-clockwise.
         """
         mean, x, y = vectors.T
-        right = x * self._y - y * self._x
-        return np.stack([mean, self._sign * right, -(x * self._x + y * self._y)], axis=-1)
+        found = np.empty(vectors.shape)
+        found[:, 0], found[:, 1] = mean, self._sign * (x * self._y - y * self._x)
+        found[:, 2] = -(x * self._x + y * self._y)
+        return found
 
     def in_rotor_frame(self, vectors: Floats) -> Floats:
         """Mean, x and y (..., 3) from mean, v_s and v_c (N, 3)."""
         mean, lateral, longitudinal = vectors.T
         right = self._sign * lateral
-        x = right * self._y - longitudinal * self._x
-        y = -right * self._x - longitudinal * self._y
-        return self.shaped(np.stack([mean, x, y], axis=-1))
+        found = np.empty(vectors.shape)
+        found[:, 0], found[:, 1] = mean, right * self._y - longitudinal * self._x
+        found[:, 2] = -right * self._x - longitudinal * self._y
+        return self.shaped(found)
 
     def shaped(self, vectors: Floats) -> Floats:
         """Of flat (N, 3) the shape (..., 3) of the points."""

@@ -3,11 +3,8 @@ from __future__ import annotations
 import pytest
 
 import propmap
-from propmap.aircraft.steady import Aircraft
-from propmap.vehicle.battery import Battery
-from propmap.vehicle.motor import RPM, Motor
-from propmap.vehicle.powertrain import Powertrain
-from propmap.vehicle.speed_controller import SpeedController
+from propmap.aircraft.trim import Aircraft
+from propmap.vehicle.powertrain import RPM, Battery, Motor, Powertrain, SpeedController
 from propmap.vehicle.vehicle import Body, Mount, Vehicle
 
 ARM = 0.16

@@ -9,12 +9,11 @@ import numpy as np
 import pytest
 
 import propmap
-from propmap.aircraft.deviations import derivatives, power_gradient, spread
-from propmap.aircraft.steady import Aircraft
-from propmap.aircraft.steady_states import SteadyStates
+from propmap.aircraft.sensitivity import derivatives, power_gradient, spread
+from propmap.aircraft.trim import Aircraft, SteadyStates
 from propmap.errors import InputError
+from propmap.vehicle.files import read_vehicle
 from propmap.vehicle.vehicle import Body, Wakes
-from propmap.vehicle.vehicle_toml import read_vehicle
 
 from .conftest import aircraft_of, quadcopter, rotor_of
 

@@ -9,11 +9,9 @@ import numpy as np
 import pytest
 
 import propmap
-from propmap.aircraft.deviations import derivatives, power_gradient
-from propmap.aircraft.local_loads import has_slopes
-from propmap.aircraft.steady import Aircraft
-from propmap.aircraft.steady_states import SteadyStates
-from propmap.model.propeller import Propeller
+from propmap.aircraft.sensitivity import derivatives, has_slopes, power_gradient
+from propmap.aircraft.trim import Aircraft, SteadyStates
+from propmap.model.model import Propeller
 from propmap.vehicle.vehicle import Body
 
 from .conftest import quadcopter

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import propmap
-from propmap.aircraft.deviations import power_gradient
-from propmap.aircraft.steady import Aircraft
+from propmap.aircraft.sensitivity import power_gradient
+from propmap.aircraft.trim import Aircraft
 from propmap.errors import InputError
 from propmap.model.corrections import MountDrag
 from propmap.table import LoadTable, build_table

@@ -9,11 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from propmap.aircraft.columns import rows
 from propmap.aircraft.mission import EMPTY, Mission, fly, read_mission
-from propmap.aircraft.performance import Performance, endurance, performance
-from propmap.aircraft.steady import Aircraft
-from propmap.aircraft.top_speed import top_speed
+from propmap.aircraft.performance import Performance, endurance, performance, rows, top_speed
+from propmap.aircraft.trim import Aircraft
 from propmap.errors import InputError
 from propmap.vehicle.powertrain import Powertrain
 from propmap.vehicle.vehicle import Body, Vehicle

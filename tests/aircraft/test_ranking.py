@@ -11,12 +11,18 @@ import numpy as np
 import pytest
 
 import propmap
-from propmap.aircraft.candidates import Candidate, catalogue_candidates, file_candidate
 from propmap.aircraft.mission import Mission
-from propmap.aircraft.ranking import Judged, Ranking
-from propmap.aircraft.ranking_comparison import beats, pareto
-from propmap.aircraft.steady import Aircraft
-from propmap.aircraft.task import Task
+from propmap.aircraft.ranking import (
+    Candidate,
+    Judged,
+    Ranking,
+    Task,
+    beats,
+    catalogue_candidates,
+    file_candidate,
+    pareto,
+)
+from propmap.aircraft.trim import Aircraft
 from propmap.catalogue.identified import identified
 from propmap.errors import InputError
 from tests.workers_elsewhere import Elsewhere

@@ -11,8 +11,7 @@ from scipy.optimize import root
 from scipy.spatial.transform import Rotation
 
 import propmap
-from propmap.aircraft.steady import Aircraft
-from propmap.aircraft.steady_states import SteadyStates
+from propmap.aircraft.trim import Aircraft, SteadyStates
 from propmap.errors import InputError
 from propmap.vehicle.vehicle import Body, Mount, Vehicle, Wing
 

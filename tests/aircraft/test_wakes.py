@@ -14,11 +14,9 @@ from scipy.spatial.transform import Rotation
 
 import propmap
 from propmap.aircraft import ranking
-from propmap.aircraft.candidates import Candidate
-from propmap.aircraft.deviations import derivatives
-from propmap.aircraft.steady import Aircraft
-from propmap.aircraft.steady_states import SteadyStates
-from propmap.aircraft.task import Task
+from propmap.aircraft.ranking import Candidate, Task
+from propmap.aircraft.sensitivity import derivatives
+from propmap.aircraft.trim import Aircraft, SteadyStates
 from propmap.vehicle.rotors import Rotors
 from propmap.vehicle.vehicle import Mount, Vehicle, Wakes
 

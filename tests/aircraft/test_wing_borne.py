@@ -9,11 +9,10 @@ import numpy as np
 import pytest
 
 from propmap.aircraft.performance import performance
-from propmap.aircraft.steady import Aircraft
-from propmap.vehicle.free_stream_force import free_stream_force
-from propmap.vehicle.motor import RPM
-from propmap.vehicle.powertrain import Powertrain
+from propmap.aircraft.trim import Aircraft
+from propmap.vehicle.powertrain import RPM, Powertrain
 from propmap.vehicle.vehicle import Body, Mount, Vehicle, Wing
+from propmap.vehicle.vehicle_forces import free_stream_force
 
 from .conftest import aircraft_of, quadcopter
 

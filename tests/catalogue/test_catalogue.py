@@ -63,7 +63,7 @@ def test_the_label_is_the_diameter(name: str) -> None:
 
 def test_import_is_light() -> None:
     script = (
-        "import sys, propmap.catalogue, propmap.io.geometry_file as g;"
+        "import sys, propmap.catalogue, propmap.io.geometry as g;"
         "print(sorted({'jax', 'scipy', 'pandas', 'matplotlib'} & set(sys.modules)))"
     )
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, check=True)

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 import propmap
 from propmap import catalogue
-from propmap.catalogue.designation import INCH, candidates, designation
+from propmap.catalogue.identified import INCH, candidates, designation
 from propmap.catalogue.lookup import designated
 
 MM = 1e-3

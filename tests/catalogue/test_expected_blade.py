@@ -13,20 +13,21 @@ from hypothesis import strategies as st
 
 import propmap
 from propmap import catalogue
-from propmap.catalogue.designation import designation
-from propmap.catalogue.expected_blade import ERRORS, ExpectedBlade
-from propmap.catalogue.expected_constants import expected_constants
-from propmap.catalogue.lookup import designated
-from propmap.catalogue.mean_blade import (
+from propmap.catalogue.expected import (
+    ERRORS,
     SHARES,
+    ExpectedBlade,
     MeasuredShape,
     bundled_mean,
+    expected_constants,
     mean_blade,
     measured_shapes,
     screw_angle,
     shapes_without,
 )
-from propmap.model.plausible import at_share, doubts_on_blade
+from propmap.catalogue.identified import designation
+from propmap.catalogue.lookup import designated
+from propmap.model.plausibility import at_share, doubts_on_blade
 
 RESULTS = Path(__file__).resolve().parents[2] / "benchmarks" / "results" / "left_out.json"
 FAMILIES = sorted({entry.family for entry in catalogue.entries()})

@@ -10,17 +10,18 @@ import pytest
 
 import propmap
 from propmap import catalogue
-from propmap.catalogue.equivalent import equivalent
-from propmap.catalogue.expected_blade import ExpectedBlade
-from propmap.catalogue.expected_constants import (
+from propmap.catalogue.expected import (
     MEDIAN_ERRORS,
+    ExpectedBlade,
+    constants_of,
+    coordinates,
+    equivalent,
     expected_constants,
     expected_prior,
     size_of,
 )
 from propmap.catalogue.identified import PARAMETERS, identified_without_blade
 from propmap.catalogue.lookup import designated, meant_by, search
-from propmap.catalogue.prior import constants_of, coordinates
 from propmap.errors import InputError
 from propmap.typing import Floats
 from tests.catalogue.test_expected_blade import RESULTS

@@ -16,7 +16,7 @@ from propmap.catalogue.identified import (
     identified,
     parse_identified,
 )
-from propmap.catalogue.measurements import measurement
+from propmap.catalogue.lookup import measurement
 from propmap.errors import InputError
 
 FILE = Path(catalogue.__file__).with_name("identified") / "uiuc.csv"

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from propmap import catalogue
-from propmap.catalogue.measurements import measurement, measurement_names
+from propmap.catalogue.lookup import measurement, measurement_names
 from propmap.errors import InputError
 from propmap.loads import LOADS
 

@@ -9,12 +9,19 @@ import numpy as np
 import pytest
 
 from propmap import catalogue
-from propmap.catalogue.measurements import measurement, measurement_names
-from propmap.model.air import Air
-from propmap.model.plausible import at_share, doubts_on_air, doubts_on_blade, doubts_on_points
-from propmap.model.plausible_loads import doubts_on_loads
-from propmap.model.propeller import Propeller
-from propmap.model.usual_ranges import CHORD, RADIUS, TWIST, WIDEST_CHORD
+from propmap.catalogue.lookup import measurement, measurement_names
+from propmap.model.model import Air, Propeller
+from propmap.model.plausibility import (
+    CHORD,
+    RADIUS,
+    TWIST,
+    WIDEST_CHORD,
+    at_share,
+    doubts_on_air,
+    doubts_on_blade,
+    doubts_on_loads,
+    doubts_on_points,
+)
 
 DATA = Path(__file__).resolve().parents[3] / "shared" / "data"
 INCH = 0.0254

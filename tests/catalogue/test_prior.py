@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from propmap.catalogue.expected import POPULATION, constants_of, coordinates, slopes_of
 from propmap.catalogue.identified import PARAMETERS
-from propmap.catalogue.prior import POPULATION, constants_of, coordinates, slopes_of
 
 CONSTANTS = np.array([5.3, 2.4, 0.29, -0.045, 0.024, -0.019, 0.07])
 

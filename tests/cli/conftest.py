@@ -36,9 +36,9 @@ def _workplace(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 def be_brief(patch: pytest.MonkeyPatch) -> None:
     """For what is about commands and not about numbers: fits end after few steps, and none looks
-    for what it leaves out, see ``propmap.fit.added_parameter``."""
-    patch.setattr("propmap.fit.search.FINAL_EVALUATIONS", 8)
-    patch.setattr("propmap.fit.added_parameter.POOR", np.inf)
+    for what it leaves out, see ``propmap.fit.comparison``."""
+    patch.setattr("propmap.fit.least_squares.FINAL_EVALUATIONS", 8)
+    patch.setattr("propmap.fit.comparison.POOR", np.inf)
 
 
 @pytest.fixture

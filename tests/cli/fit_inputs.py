@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import propmap
-from propmap.catalogue.measurements import measurement
+from propmap.catalogue.lookup import measurement
 
 if TYPE_CHECKING:
     from .conftest import Run

@@ -8,7 +8,7 @@ import numpy as np
 
 from propmap.loads import LOADS
 from propmap.table import LoadTable
-from propmap.table.content import TableContent
+from propmap.table.interpolation import TableContent
 
 
 def invented() -> LoadTable:

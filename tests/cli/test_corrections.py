@@ -121,7 +121,7 @@ def _files(tmp_path: Path, tunnel_csv: Path, monkeypatch: pytest.MonkeyPatch) ->
     (tmp_path / "stand.csv").write_text(STAND)
     (tmp_path / "vehicle.toml").write_text(VEHICLE)
     (tmp_path / "level.csv").write_text(LEVEL)
-    monkeypatch.setattr("propmap.report.style.save", lambda figure, _: KEPT.append(figure))
+    monkeypatch.setattr("propmap.report.html.save", lambda figure, _: KEPT.append(figure))
 
 
 def _brief(rotor: propmap.Rotor, **_: Any) -> LoadTable:
@@ -139,7 +139,7 @@ def test_every_command_is_known_here() -> None:
 def test_a_correction_acts(run: Run, monkeypatch: pytest.MonkeyPatch, name: str) -> None:
     be_brief(monkeypatch)
     # Two steps of a fit tell as much as its end.
-    monkeypatch.setattr("propmap.fit.search.FINAL_EVALUATIONS", 2)
+    monkeypatch.setattr("propmap.fit.least_squares.FINAL_EVALUATIONS", 2)
     monkeypatch.setattr("propmap.table.build.build_table", _brief)
     # It takes most of the time of `trim`, and the powers tell enough.
     found_at_once = "propmap.aircraft.performance.searched"

@@ -10,16 +10,16 @@ import numpy as np
 import pytest
 
 from propmap.catalogue.lookup import propeller
-from propmap.cli.flight_files import all_level_tables
+from propmap.cli.fit_flight import all_level_tables
 from propmap.errors import InputError
-from propmap.fit.tunnel_files import read_tunnel
-from propmap.flight.level_table import read_level_table
-from propmap.io.geometry_file import read_geometry_file
-from propmap.io.points_file import LOAD_COLUMNS, read_points
-from propmap.io.section_tables import looks_like_section_table, read_section_table
-from propmap.model.air import Air
-from propmap.vehicle.logs import read_flight_log
-from propmap.vehicle.vehicle_toml import read_vehicle
+from propmap.fit.tunnel import read_tunnel
+from propmap.flight.steady import read_level_table
+from propmap.io.csv import LOAD_COLUMNS, read_points
+from propmap.io.geometry import read_geometry_file
+from propmap.io.sections import looks_like_section_table, read_section_table
+from propmap.model.model import Air
+from propmap.vehicle.files import read_vehicle
+from propmap.vehicle.log_readers import read_flight_log
 from tests.flight.synthetic import NEUROBEM, vehicle_with
 from tests.io import samples
 from tests.io.samples_csv import DIALECTS, rewritten

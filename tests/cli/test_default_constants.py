@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import propmap
-from propmap.catalogue.expected_constants import expected_constants, size_of
+from propmap.catalogue.expected import expected_constants, size_of
 from propmap.catalogue.identified import all_identified, identified, one_of_each
 from propmap.catalogue.lookup import meant_by
 from propmap.table import LoadTable, build_table

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 import propmap
-from propmap.catalogue.expected_blade import ExpectedBlade
-from propmap.catalogue.expected_constants import expected_constants, size_of
+from propmap.catalogue.expected import ExpectedBlade, expected_constants, size_of
 from propmap.catalogue.lookup import designated
 
 from .conftest import Run

@@ -130,7 +130,7 @@ def test_what_a_poor_fit_leaves_out_is_noted(
     run: Run, monkeypatch: pytest.MonkeyPatch, tunnel_csv: Path
 ) -> None:
     # Other fits here do not look for it.
-    monkeypatch.setattr("propmap.fit.added_parameter.POOR", 0.03)
+    monkeypatch.setattr("propmap.fit.comparison.POOR", 0.03)
     found, out = fitted(run, "tunnel", "apc-8x6e", tunnel_csv, *QUICK)
     told = "c_d0 = 0.01, the constant drag, does not hold"
     assert any(told in remark for remark in found["remarks"])

@@ -12,9 +12,9 @@ import tomli_w
 
 from propmap.cli import main
 from propmap.fit.learned_residual import LearnedResidual, features
-from propmap.vehicle.flight_log import GRAVITY
-from propmap.vehicle.logs import read_flight_log
-from propmap.vehicle.vehicle_toml import read_vehicle
+from propmap.vehicle.files import read_vehicle
+from propmap.vehicle.log import GRAVITY
+from propmap.vehicle.log_readers import read_flight_log
 
 from .conftest import Run, brief_commands
 from .fit_inputs import CHECKED, FREE, LEVEL, QUICK, VEHICLE, fit_record, fitted

@@ -9,10 +9,9 @@ import numpy as np
 import pytest
 
 import propmap
-from propmap.cli.fit_options import choice_of
-from propmap.cli.prior_options import section_prior
+from propmap.cli.fit_options import choice_of, section_prior
+from propmap.fit.files import FitFile, read_fit
 from propmap.fit.parameters import Choice
-from propmap.fit.result_file import FitFile, read_fit
 from propmap.loads import LOADS
 from propmap.model.airfoil import parameter_set
 

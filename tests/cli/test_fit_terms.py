@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from propmap.fit import flight_terms
-from propmap.fit.flight_terms import Fitted, Flight, Off, Step
-from propmap.vehicle.flight_log import GRAVITY
+from propmap.fit import flight_study
+from propmap.fit.flight_study import FittedStep, Flight, Off, Step
+from propmap.vehicle.log import GRAVITY
 
 from .conftest import Run
 from .test_fit_flight import turning_log
@@ -23,7 +23,7 @@ ASKED: list[dict[str, Any]] = []
 
 def made_up(
     _: object, flights: Sequence[Flight], steps: Sequence[Step], __: object, **settings: Any
-) -> list[Fitted]:
+) -> list[FittedStep]:
     """Each step has half of the error of the one before it."""
     ASKED.append({"flights": flights, "steps": steps, **settings})
     found = []
@@ -31,14 +31,14 @@ def made_up(
         for left_out in range(len(flights)):
             offs = [np.full((len(f.passed), 3), 0.5**number) for f in flights]
             off = tuple(Off(one, one) for one in offs)
-            found.append(Fitted(step.name, left_out, {"c_l1": 5.0}, off, off))
+            found.append(FittedStep(step.name, left_out, {"c_l1": 5.0}, off, off))
     return found
 
 
 @pytest.fixture
 def flown(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """Two logs with a prediction beside them, the vehicle, and no fitting."""
-    monkeypatch.setattr(flight_terms, "fit_terms", made_up)
+    monkeypatch.setattr(flight_study, "fit_terms", made_up)
     ASKED.clear()
     log = turning_log(tmp_path, 400)
     with log.open() as lines:

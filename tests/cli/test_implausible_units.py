@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 import propmap
-from propmap.catalogue.measurements import measurement
-from propmap.cli.flight_files import read_flights
+from propmap.catalogue.lookup import measurement
+from propmap.cli.fit_flight import read_flights
 from propmap.errors import InputError
-from propmap.fit.tunnel_files import doubts_on_tunnel
-from propmap.model.plausible import doubts_on_blade
-from propmap.vehicle.vehicle_toml import read_vehicle
+from propmap.fit.tunnel import doubts_on_tunnel
+from propmap.model.plausibility import doubts_on_blade
+from propmap.vehicle.files import read_vehicle
 
 from .conftest import Run
 from .fit_inputs import LEVEL, QUICK, UIUC, VEHICLE, picked, tunnel_table

@@ -14,7 +14,7 @@ import pytest
 import propmap
 from propmap import catalogue
 from propmap.catalogue.identified import PARAMETERS, identified, identified_without_blade
-from propmap.catalogue.known import known_model
+from propmap.catalogue.lookup import known_model
 
 from .conftest import POINT, ROTOR, Run
 

@@ -10,9 +10,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from propmap.catalogue.measurements import Measurement
+from propmap.catalogue.lookup import Measurement
 from propmap.report.comparison import Comparison
-from propmap.report.load_curves import MeasuredLoads
+from propmap.report.pictures import MeasuredLoads
 from propmap.typing import Floats
 
 from .conftest import POINT, ROTOR, Run

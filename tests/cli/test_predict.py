@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import propmap
-from propmap.io.operating_points import COLUMNS, OperatingPoints
+from propmap.io.csv import PREDICT_COLUMNS, OperatingPoints
 from propmap.loads import LOADS
 from propmap.results import Loads
 
@@ -25,7 +25,7 @@ def test_json_of_one_point_is_the_rotor_s_loads(run: Run, rotor: propmap.Rotor) 
     done = run("predict", *ROTOR, *POINT, "--format", "json")
     assert (done.code, done.err) == (0, "")
     found = json.loads(done.out)
-    assert tuple(found) == COLUMNS
+    assert tuple(found) == PREDICT_COLUMNS
     assert (found["rpm"], found["speed_mps"], found["beta_deg"]) == (RPM, SPEED, BETA)
     loads = rotor.loads(np.array([RPM]) * OMEGA, np.array([SPEED]), np.radians([BETA]))
     for column, field in FIELDS.items():
@@ -39,7 +39,7 @@ def test_points_to_json_and_csv(run: Run, rotor: propmap.Rotor, points_csv: Path
     listed = json.loads(run("predict", *ROTOR, "--points", points_csv, "--format", "json").out)
     table = run("predict", *ROTOR, "--points", points_csv, "--format", "csv").out
     rows = list(csv.DictReader(io.StringIO(table)))
-    assert tuple(rows[0]) == COLUMNS
+    assert tuple(rows[0]) == PREDICT_COLUMNS
     assert len(listed) == len(rows) == 3
     for i, (one, row) in enumerate(zip(listed, rows, strict=True)):
         for column, values in {"rpm": rpm, "speed_mps": speed, "beta_deg": beta}.items():
@@ -76,7 +76,7 @@ def test_table_shows_the_hover_model_and_diagnostics(run: Run, points_csv: Path)
 
 def test_what_did_not_converge_is_null_and_empty(capsys: pytest.CaptureFixture[str]) -> None:
     from propmap.cli.output import json_text
-    from propmap.io.csv_text import csv_text
+    from propmap.io.csv import csv_text
 
     nan, zero = np.array([np.nan]), np.array([0.0])
     lost = Loads(
@@ -92,7 +92,7 @@ def test_what_did_not_converge_is_null_and_empty(capsys: pytest.CaptureFixture[s
     found = json.loads(json_text(rows[0]))
     assert found["thrust_N"] is None
     assert found["status"] == "not_converged"
-    cells = csv_text(COLUMNS, rows).splitlines()[1].split(",")
+    cells = csv_text(PREDICT_COLUMNS, rows).splitlines()[1].split(",")
     assert cells == ["0.0"] * 3 + [""] * (len(LOADS) + 1) + ["not_converged"]
     assert capsys.readouterr().out == ""
 
@@ -125,7 +125,7 @@ def test_standard_deviations_stand_beside_the_loads_of_a_propeller_by_name(run: 
     assert STD[:3] == ["thrust_std_N", "drag_std_N", "torque_std_Nm"]
     assert STD[3:5] == ["roll_moment_std_Nm", "side_force_std_N"]
     found = json.loads(run("predict", *NAMED, "--format", "json").out)
-    assert tuple(found) == (*COLUMNS, *STD)
+    assert tuple(found) == (*PREDICT_COLUMNS, *STD)
     assert all(found[column] > 0.0 for column in STD)
     assert found["power_std_W"] == pytest.approx(found["torque_std_Nm"] * 6000.0 * OMEGA)
     (row,) = csv.DictReader(io.StringIO(run("predict", *NAMED, "--format", "csv").out))
@@ -141,7 +141,7 @@ def test_standard_deviations_by_source_and_none(run: Run) -> None:
     assert "thrust_std_geometry_N" not in found  # it was measured
     assert "by tunnel" in run("predict", *NAMED, "--std-by-source").out
     plain = json.loads(run("predict", *NAMED, "--no-bands", "--format", "json").out)
-    assert tuple(plain) == COLUMNS
+    assert tuple(plain) == PREDICT_COLUMNS
     assert "std. dev." not in run("predict", *NAMED, "--no-bands").out
     guessed = run("predict", "5x4.3x3", *NAMED[1:], "--std-by-source", "--format", "json")
     assert json.loads(guessed.out)["thrust_std_geometry_N"] > 0.0

@@ -14,7 +14,7 @@ import pytest
 
 import propmap
 from propmap.model.airfoil import parameter_set
-from propmap.report.folder import PAGE, REPORT_FILES
+from propmap.report.html import PAGE, REPORT_FILES
 from propmap.table import LoadTable
 from tests.fit.fit_records import fit_text
 
@@ -173,7 +173,7 @@ def test_a_table(run: Run, tmp_path: Path) -> None:
 def test_tables_that_are_not_certified_or_do_not_hold(
     run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("propmap.report.page.as_svg", lambda _: b"<svg/>")  # words are all
+    monkeypatch.setattr("propmap.report.html.as_svg", lambda _: b"<svg/>")  # words are all
     invented().save("map.npz")
     assert run("report", "map.npz", "-o", "out").code == 0
     assert "As a copy of the model: not known" in page_of(tmp_path / "out")

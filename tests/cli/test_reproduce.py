@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from propmap.papers.gill_dandrea_2017 import FIGURES, FILES
-from propmap.report.folder import PAGE
+from propmap.report.html import PAGE
 
 from .conftest import Run
 

@@ -97,8 +97,8 @@ def test_what_needs_constants_says_so(run: Run, command: list[str]) -> None:
 
 
 def test_in_python_too() -> None:
-    from propmap.flight.trim import trim
-    from propmap.vehicle.vehicle_toml import read_vehicle
+    from propmap.flight.simulate import trim
+    from propmap.vehicle.files import read_vehicle
 
     Path("vehicle.toml").write_text(VEHICLE)
     with pytest.raises(propmap.InputError, match="'plate' is no set of constants"):

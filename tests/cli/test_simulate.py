@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from propmap.errors import InputError
+from propmap.flight.simulate import trim
 from propmap.flight.steady import operating_points, steady_stretches
-from propmap.flight.trim import trim
-from propmap.vehicle.logs import read_flight_log
+from propmap.vehicle.files import read_vehicle
+from propmap.vehicle.log_readers import read_flight_log
 from propmap.vehicle.vehicle import Vehicle, Wakes
-from propmap.vehicle.vehicle_toml import read_vehicle
 
 from .conftest import Run
 
@@ -45,7 +45,7 @@ def test_wakes_are_flown_unless_they_are_left_out(
         flown.append(vehicle.wakes)
         raise InputError("this is enough", "look at what was flown")
 
-    monkeypatch.setattr("propmap.flight.trim.trim", note)
+    monkeypatch.setattr("propmap.flight.simulate.trim", note)
     Path("vehicle.toml").write_text(VEHICLE + "[wakes]\ndownwash = 3.0\n")
     for more in ((), ("--no-wakes",)):
         assert "this is enough" in run(*SMALL, *more).err

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 import xarray
 
-from propmap.cli import streamed_run
+from propmap.cli import sweep
 
 from .conftest import ROTOR, Run
 
@@ -66,7 +66,7 @@ def test_what_is_not_a_store_is_left_alone(run: Run, tmp_path: Path) -> None:
 
 
 def test_much_is_asked_for(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(streamed_run, "ASK_ABOVE_BYTES", 100.0)
+    monkeypatch.setattr(sweep, "ASK_ABOVE_BYTES", 100.0)
     monkeypatch.setattr("sys.stdin.isatty", lambda: False, raising=False)
     done = run("sweep", *ROTOR, *GRID, "-o", tmp_path / "map.zarr")
     assert done.code == 2
@@ -100,7 +100,7 @@ def test_wrong_clusters_are_one_line(
     cluster: str,
     told: str,
 ) -> None:
-    monkeypatch.setattr("propmap.cluster.connection.ANSWER_WITHIN", 0.5)
+    monkeypatch.setattr("propmap.cluster.workers.ANSWER_WITHIN", 0.5)
     with socket.socket() as free:
         free.bind(("localhost", 0))
         cluster = cluster.replace("PORT", str(free.getsockname()[1]))

@@ -10,7 +10,7 @@ import pytest
 import xarray
 
 import propmap
-from propmap.io.operating_points import COLUMNS, OperatingPoints
+from propmap.io.csv import PREDICT_COLUMNS, OperatingPoints
 
 from .conftest import ROTOR, Run
 
@@ -52,7 +52,7 @@ def test_csv_has_a_row_per_point(run: Run, tmp_path: Path) -> None:
     with path.open(newline="") as file:
         rows = list(csv.DictReader(file))
     assert len(rows) == 8
-    assert tuple(rows[0])[: len(COLUMNS)] == COLUMNS
+    assert tuple(rows[0])[: len(PREDICT_COLUMNS)] == PREDICT_COLUMNS
     assert [row["beta_deg"] for row in rows[:2]] == ["80.0", "90.0"]
 
 

@@ -14,7 +14,7 @@ import xarray
 
 import propmap
 from propmap.loads import LOADS
-from propmap.model.section_covariance import SectionCovariance
+from propmap.model.airfoil import SectionCovariance
 from propmap.table import LoadTable, build_table
 from tests.fit.fit_records import fit_text, parameter
 
@@ -123,7 +123,7 @@ def test_a_certificate_from_before_the_search_is_shown(
     run: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """It does not say where its largest errors are, nor that they were searched for."""
-    monkeypatch.setattr("propmap.report.page.as_svg", lambda _: b"<svg/>")  # words are all
+    monkeypatch.setattr("propmap.report.html.as_svg", lambda _: b"<svg/>")  # words are all
     content = invented().content
     later = ("search_points", "max_omega", "max_speed", "max_beta")
     told = {k: v for k, v in certificate(unresolved_cells=0).items() if k not in later}

@@ -14,8 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from propmap.cluster.connection import connected
-from propmap.cluster.dask_workers import AHEAD, DaskWorkers
+from propmap.cluster.workers import AHEAD, DaskWorkers, connected
 from propmap.errors import InputError
 from propmap.sweep.run import sweep_to_store
 from propmap.sweep.store import Store

@@ -8,8 +8,7 @@ from typing import Any
 
 import pytest
 
-from propmap.cluster.dask_workers import DaskWorkers
-from propmap.cluster.versions import differences
+from propmap.cluster.workers import DaskWorkers, differences
 from propmap.errors import InputError
 
 SAME: dict[str, Any] = {

@@ -121,7 +121,7 @@ def test_eight_threads_with_one_rotor_have_the_same_bits() -> None:
 def test_other_processes_have_the_same_bits(how: str) -> None:
     want = told(rotor())  # the core has had threads before it forks
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", DeprecationWarning)  # of forks, by newer Pythons
+        warnings.simplefilter("ignore")  # of forks, by newer Pythons and by JAX
         with multiprocessing.get_context(how).Pool(2) as pool:
             found = pool.map(told_elsewhere, [pickle.dumps(rotor())] * 3)
     assert all(one == want for one in found)
@@ -214,7 +214,7 @@ def test_any_call_gives_loads_or_a_refusal(call: str) -> None:
     In a process of its own, whose fall is that of one test.
     """
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", DeprecationWarning)
+        warnings.simplefilter("ignore")
         with ProcessPoolExecutor(1, multiprocessing.get_context("fork")) as pool:
             assert pool.submit(answered, call).result() >= (1 if call == "inflow" else 5)
 
@@ -222,7 +222,7 @@ def test_any_call_gives_loads_or_a_refusal(call: str) -> None:
 @pytest.mark.parametrize("count", [0, 1, 1100, 1101, 5000])
 def test_fields_have_as_many_stations_as_asked_for(count: int) -> None:
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", DeprecationWarning)
+        warnings.simplefilter("ignore")
         with ProcessPoolExecutor(1, multiprocessing.get_context("fork")) as pool:
             assert pool.submit(stations, count).result() == (count, 73)
 

@@ -20,10 +20,9 @@ import pytest
 
 import propmap
 from propmap import catalogue, core
-from propmap.catalogue.measurements import measurement
-from propmap.flight.simulated import SensorNoise, fly
-from propmap.flight.trim import trim
-from propmap.vehicle.vehicle_toml import read_vehicle
+from propmap.catalogue.lookup import measurement
+from propmap.flight.simulate import SensorNoise, fly, trim
+from propmap.vehicle.files import read_vehicle
 from tests.vehicle.write_logs import write_ulog
 
 from .pages import ROOT, Step, edited, steps

@@ -19,10 +19,10 @@ import pytest
 import propmap as pm
 from propmap import reference
 from propmap.baselines import hover
-from propmap.fit import added_parameter, body_forces, fitted, flight, force_model
+from propmap.fit import comparison, fit, flight
 from propmap.fit.parameters import BODY, FIRST_GUESS, SECTION, Choice
 from propmap.papers.gill_dandrea_2017 import rotor_drag
-from propmap.vehicle import wake_table
+from propmap.vehicle import wakes
 from propmap.vehicle.vehicle import Wakes, Wing
 from tests.docs.test_equations import functions, rows
 from tests.fit import test_paper_equations as paper
@@ -150,8 +150,8 @@ def flights() -> Any:
     """Residuals of both balances, of a vehicle with a body and a wing."""
     wing = Wing(0.02, 0.1)
     vehicle = dataclasses.replace(paper.QUADROTOR, wing=wing)
-    model = force_model.ForceModel(vehicle, paper.flights(), paper.LAW)
-    values = paper.VALUES | dict.fromkeys(BODY, 0.01) | body_forces.wing_values(vehicle)
+    model = flight.ForceModel(vehicle, paper.flights(), paper.LAW)
+    values = paper.VALUES | dict.fromkeys(BODY, 0.01) | flight.wing_values(vehicle)
     found = []
     for make in (flight.level_rows, flight.balance_rows):
         made = make(model, paper.TWO)
@@ -174,9 +174,13 @@ def whole_flights() -> Any:
     log = dataclasses.replace(
         log, rates=turning, angular_acceleration=2.0 * turning, specific_force_rate=turning
     )
-    model = force_model.ForceModel(vehicle, log, paper.LAW)
+    model = flight.ForceModel(vehicle, log, paper.LAW)
     rows = flight.balance_rows(model, paper.TWO)
     return model.at(paper.VALUES, ()).loads, rows.measured
+
+
+def all_flights() -> Any:
+    return flights(), whole_flights()
 
 
 def made_up_fit() -> Any:
@@ -188,8 +192,8 @@ def made_up_fit() -> Any:
     start = FIRST_GUESS | {name: getattr(paper.LAW, name) for name in SECTION}
     value, _ = model(start | {"lift_area": 0.03}, ("c_l1",))
     data = paper.rows_of(model, np.asarray(value) + 0.05 * random.normal(size=40))
-    found = fitted.fit(data, paper.TWO, fitted.Settings(starts=1, folds=0))
-    verdict = added_parameter.body_terms_verdict(found, lambda _: data)
+    found = fit.fit(data, paper.TWO, fit.Settings(starts=1, folds=0))
+    verdict = comparison.body_terms_verdict(found, lambda _: data)
     return found.x, float(len(verdict)), Choice().first
 
 
@@ -199,13 +203,9 @@ PROBES: dict[str, Callable[[], Any]] = {
     "propmap.rotor": inflow,
     "propmap.baselines.hover": hover_model,
     "propmap.baselines.fin_analogy": fin,
-    "propmap.vehicle.vortex_cylinder": whole_flights,
     "propmap.vehicle": flights,
-    "propmap.vehicle.interference": whole_flights,
-    "propmap.fit.sensor_forces": whole_flights,
-    "propmap.fit.turning": whole_flights,
-    "propmap.fit.flight": flights,
-    "propmap.fit.body_forces": flights,
+    "propmap.vehicle.wakes": all_flights,
+    "propmap.fit.flight": all_flights,
     "propmap.fit": made_up_fit,
 }
 """What must change, by the longest of these with which a module's name begins."""
@@ -223,7 +223,7 @@ def unbroken(probe: Callable[[], Any]) -> np.ndarray:
 @pytest.fixture(autouse=True)
 def _no_tables_kept() -> Iterator[None]:
     """Of the wakes' velocity, which would hide that what they are made of is broken."""
-    kept = (wake_table._table, wake_table.seen_wake, wake_table.frame_of)
+    kept = (wakes._table, wakes.seen_wake, wakes.frame_of)
     for one in kept:
         one.cache_clear()
     yield

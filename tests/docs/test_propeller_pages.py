@@ -12,13 +12,12 @@ import numpy as np
 import pytest
 
 import propmap
+from propmap.catalogue.expected import POPULATION, bundled_population, coordinates
 from propmap.catalogue.identified import PARAMETERS, Identified, all_identified, identified
-from propmap.catalogue.population import bundled_population
-from propmap.catalogue.prior import POPULATION, coordinates
 from propmap.cli import main
 from propmap.fit.population.misfiled import refiled
 from propmap.fit.population.summary import summary
-from propmap.io.uiuc_database import read_uiuc_database
+from propmap.io.uiuc import read_uiuc_database
 from tools import measured_rows
 from tools.propeller_pages import listing, population, words
 from tools.propeller_pages.card import card

@@ -7,11 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from propmap.explore.given import Given, Shelf, read_upload
-from propmap.explore.session import Session
+from propmap.explore.session import Given, Session, Shelf, read_upload
 
 if TYPE_CHECKING:
-    from propmap.explore.application import Application
+    from propmap.explore.app import Application
 
 collect_ignore_glob = [] if importlib.util.find_spec("dash") else ["test_*.py"]
 """Without the extra explore there is nothing to test."""
@@ -27,9 +26,8 @@ def shelf() -> Shelf:
 @pytest.fixture(scope="module")
 def application(shelf: Shelf) -> Application:
     """The application, guarded as the command guards it."""
-    from propmap.explore.application import Application
-    from propmap.explore.server import guard, names_of
-    from propmap.explore.views.all import VIEWS
+    from propmap.explore.app import Application, guard, names_of
+    from propmap.explore.views import VIEWS
 
     found = Application(Session(), VIEWS, shelf)
     guard(found.dash.server, names_of("127.0.0.1"))

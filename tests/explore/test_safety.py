@@ -11,10 +11,8 @@ from typing import Any
 import pytest
 
 from propmap.errors import InputError
-from propmap.explore.application import LIVE, Application
-from propmap.explore.given import MOST_BYTES, Shelf, read_upload
-from propmap.explore.server import is_loopback, names_of
-from propmap.explore.session import Session
+from propmap.explore.app import LIVE, Application, is_loopback, names_of
+from propmap.explore.session import MOST_BYTES, Session, Shelf, read_upload
 
 from .conftest import LOCAL, UPDATE, asked, with_file
 

@@ -14,12 +14,10 @@ import pytest
 
 import propmap as pm
 from propmap.errors import InputError
-from propmap.explore.application import Application
-from propmap.explore.controls import Choice, Several, Slider, values_of
-from propmap.explore.given import Shelf, read_path
-from propmap.explore.session import Session
-from propmap.explore.view import View
-from propmap.explore.views.all import VIEWS
+from propmap.explore.app import Application
+from propmap.explore.session import Session, Shelf, read_path
+from propmap.explore.view import Choice, Several, Slider, View, values_of
+from propmap.explore.views import VIEWS
 from tests.cli.invented_tables import certificate, invented
 
 from .conftest import EXAMPLES, with_file
@@ -210,8 +208,8 @@ def test_without_a_vehicle_or_a_table_a_line_says_what_to_do(application: Applic
 @pytest.mark.slow
 def test_measured_points_are_drawn_and_fitted(shelf: Shelf) -> None:
     """A fit of loads that the model made with other constants finds these."""
-    from propmap.explore.constants_fit import Fit, law_of
-    from propmap.explore.jobs import Job
+    from propmap.explore.app import Job
+    from propmap.explore.views.constants import Fit, law_of
 
     model = pm.known_model("apc-8x6e")
     law = model.airfoil

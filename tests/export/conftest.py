@@ -12,7 +12,7 @@ import propmap
 from propmap.export import export_table
 from propmap.loads import LOADS
 from propmap.table import LoadTable, build_table
-from propmap.table.content import TableContent
+from propmap.table.interpolation import TableContent
 
 OMEGA = (400.0, 800.0)
 SPEED = (0.0, 6.0)

@@ -6,9 +6,8 @@ import re
 import subprocess
 from pathlib import Path
 
-from propmap.export.folder import write_files
-from propmap.export.provenance import identifier, vehicle_name
-from propmap.export.vehicle_c import files
+from propmap.export.c_header import vehicle_c_files
+from propmap.export.files import identifier, vehicle_name, write_files
 from propmap.table import LoadTable
 from propmap.vehicle.vehicle import Vehicle
 
@@ -68,7 +67,7 @@ int main(void)
 
 def counts(vehicle: Vehicle, table: LoadTable, folder: Path, rows: list[list[float]]) -> list[dict]:
     """What each call does, by ``KINDS``; rows of omega, velocity, rates, wind."""
-    write_files(files(vehicle, table), folder, replace=True)
+    write_files(vehicle_c_files(vehicle, table), folder, replace=True)
     name, k = vehicle_name(vehicle, table), len(vehicle.mounts)
     rotor = folder / f"{identifier(table)}.h"
     text = re.sub(r"typedef double (\w+_real);", r"typedef counted \1;", rotor.read_text())

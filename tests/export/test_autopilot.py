@@ -13,16 +13,13 @@ import pytest
 from scipy.optimize import brentq
 
 import propmap
-from propmap.aircraft.steady import Aircraft
+from propmap.aircraft.trim import Aircraft
 from propmap.errors import InputError
 from propmap.export.autopilot import autopilot_parameters, export_autopilot
 from propmap.export.inplane_drag import inplane_forces
-from propmap.model.section_covariance import SectionCovariance
-from propmap.model.uncertainty import SectionUncertainty
+from propmap.model.airfoil import SectionCovariance, SectionUncertainty
 from propmap.table import LoadTable
-from propmap.vehicle.battery import Battery
-from propmap.vehicle.motor import RPM, Motor
-from propmap.vehicle.powertrain import Powertrain
+from propmap.vehicle.powertrain import RPM, Battery, Motor, Powertrain
 from propmap.vehicle.vehicle import Body, Mount, Vehicle, Wakes, Wing
 from tests.aircraft.conftest import POWERTRAIN, aircraft_of, quadcopter
 from tests.oracle.literal_section import drag_coefficient, lift_coefficient

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from propmap.export import export_table
-from propmap.export.samples import static_loads
+from propmap.export.files import static_loads
 from propmap.table import LoadTable
 
 from .compiled import FIELDS, FLAGS, compiled_of

@@ -10,7 +10,7 @@ import pytest
 
 from propmap.errors import InputError
 from propmap.export import export_table
-from propmap.export.jsbsim import axial_error, coefficients
+from propmap.export.simple_models import axial_error, coefficients
 from propmap.table import LoadTable
 
 from .conftest import RADIUS, invented_content

@@ -12,10 +12,13 @@ import pytest
 
 from propmap.errors import InputError
 from propmap.export import export_table
-from propmap.export.gazebo import fit_motor_model
-from propmap.export.multinomial import fit_multinomial, multinomial_loads
-from propmap.export.rotorpy import fit_rotor
-from propmap.export.samples import SIMPLE, errors, sample
+from propmap.export.files import SIMPLE, errors, sample
+from propmap.export.simple_models import (
+    fit_motor_model,
+    fit_multinomial,
+    fit_rotor,
+    multinomial_loads,
+)
 from propmap.loads import LOADS
 from propmap.table import LoadTable
 

@@ -17,12 +17,11 @@ import propmap
 from propmap import InputError, VehicleForces
 from propmap.cli import main
 from propmap.export import export_vehicle
-from propmap.export.literal import literal
-from propmap.export.operation_count import cost
-from propmap.export.provenance import identifier, vehicle_name
+from propmap.export.c_header import cost
+from propmap.export.files import identifier, literal, vehicle_name
 from propmap.model.corrections import MountDrag
 from propmap.table import LoadTable
-from propmap.table.lookup import STATUSES
+from propmap.table.interpolation import STATUSES
 from propmap.vehicle.vehicle import Body, Mount, Vehicle, Wakes, Wing
 
 from .compiled import FLAGS

@@ -10,16 +10,9 @@ import numpy as np
 import tomli_w
 
 import propmap
-from propmap.fit.coverage import Coverage, CoveredAngle
-from propmap.fit.fit_record import (
-    FitRecord,
-    FittedLoad,
-    FittedPropeller,
-    FreeParameter,
-    Source,
-)
-from propmap.fit.residuals import Errors
-from propmap.fit.search import End
+from propmap.fit.files import FitRecord, FittedLoad, FittedPropeller, FreeParameter, Source
+from propmap.fit.fit import Coverage, CoveredAngle
+from propmap.fit.least_squares import End, Errors
 
 
 def load(name: str, rms: float, hover: float, crossed: float = math.nan) -> FittedLoad:

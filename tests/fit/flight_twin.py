@@ -8,16 +8,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 import propmap
-from propmap.fit.flight import balance_rows
-from propmap.fit.force_model import ForceModel
+from propmap.fit.flight import OVER_FLIGHTS, ForceModel, balance_rows, measured_moment
+from propmap.fit.least_squares import Rows
 from propmap.fit.parameters import FIRST_GUESS, SECTION, Choice, Prior
-from propmap.fit.rows import Rows
-from propmap.fit.thrust_scale import OVER_FLIGHTS
-from propmap.fit.turning import measured_moment
 from propmap.model.airfoil import parameter_set
 from propmap.typing import Floats
-from propmap.vehicle.flight_log import GRAVITY, FlightLog, joined
-from propmap.vehicle.time_derivatives import low_passed
+from propmap.vehicle.log import GRAVITY, FlightLog, joined, low_passed
 from propmap.vehicle.vehicle import Mount, Vehicle
 
 LAW = parameter_set("paper-apc")

@@ -8,10 +8,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.fit.fitted import Fitted
+from propmap.fit.fit import Fitted
+from propmap.fit.least_squares import Model, Rows, errors
 from propmap.fit.parameters import EVERY, Choice
-from propmap.fit.residuals import errors
-from propmap.fit.rows import Model, Rows
 from propmap.typing import Floats
 
 TRUTH = {"c_l1": 5.0, "c_l2": 2.5, "c_d": 1.5}

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 from scipy.special import stdtrit
 
-from propmap.fit.block_errors import block_errors
-from propmap.fit.by_flight import by_flight
-from propmap.fit.fitted import Settings, fit
+from propmap.fit.fit import Settings, fit
+from propmap.fit.flight_study import by_flight
+from propmap.fit.least_squares import Rows
 from propmap.fit.parameters import Choice
-from propmap.fit.rows import Rows
-from propmap.vehicle.flight_log import FlightLog, joined
+from propmap.fit.uncertainty import block_errors
+from propmap.vehicle.log import FlightLog, joined
 
 NONE = np.zeros((3, 3))
 

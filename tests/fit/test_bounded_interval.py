@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from propmap.fit.bounded_interval import bounded_intervals
+from propmap.fit.uncertainty import bounded_intervals
 
 COVARIANCE = np.array([[0.04, 0.03], [0.03, 0.09]])
 ROOT = np.linalg.cholesky(np.linalg.inv(COVARIANCE)).T

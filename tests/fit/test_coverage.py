@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from propmap.errors import InputError
-from propmap.fit.coverage import coverage
+from propmap.fit.fit import coverage
 
 RPM = 30.0 / np.pi
 RADIUS = 0.1

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from propmap.errors import InputError
-from propmap.fit.coverage import coverage
-from propmap.fit.result_file import read_fit
+from propmap.fit.files import read_fit
+from propmap.fit.fit import coverage
 
 from .fit_records import fit_text, parameter, record
 

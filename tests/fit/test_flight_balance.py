@@ -9,15 +9,11 @@ import pytest
 
 import propmap
 from propmap.errors import InputError
-from propmap.fit.comparison import flight_forces
-from propmap.fit.fitted import Settings, fit
-from propmap.fit.flight import balance_rows, level_rows
-from propmap.fit.force_model import ForceModel
+from propmap.fit.comparison import flight_forces, still_explained
+from propmap.fit.fit import Settings, fit
+from propmap.fit.flight import ForceModel, HoverScale, balance_rows, level_rows
 from propmap.fit.parameters import FIRST_GUESS, SECTION, Choice
-from propmap.fit.still_explained import still_explained
-from propmap.fit.thrust_scale import HoverScale
-from propmap.vehicle.flight_log import GRAVITY, FlightLog, joined
-from propmap.vehicle.time_derivatives import low_passed
+from propmap.vehicle.log import GRAVITY, FlightLog, joined, low_passed
 from propmap.vehicle.vehicle import Mount, Vehicle, Wakes
 
 LAW = propmap.airfoil("paper-apc")

@@ -10,15 +10,13 @@ import pytest
 
 import propmap
 from propmap.errors import InputError
-from propmap.fit.body_forces import body_force, wing_values
 from propmap.fit.comparison import compare_flight
-from propmap.fit.coverage import range_warnings
-from propmap.fit.flight import balance_rows, level_rows
-from propmap.fit.force_model import ForceModel
+from propmap.fit.fit import range_warnings
+from propmap.fit.flight import ForceModel, balance_rows, body_force, level_rows, wing_values
 from propmap.fit.parameters import FIRST_GUESS, SECTION, Choice
-from propmap.vehicle.flight_log import GRAVITY, FlightLog
-from propmap.vehicle.hub_flow import hub_flow, rotor_forces
+from propmap.vehicle.log import GRAVITY, FlightLog
 from propmap.vehicle.vehicle import Body, Mount, Vehicle, Wing
+from propmap.vehicle.wakes import hub_flow, rotor_forces
 
 PROPELLER = propmap.propeller("apc-8x6e")
 LAW = propmap.airfoil("paper-apc")

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 import propmap
-from propmap.fit import flight_terms
-from propmap.fit.flight_terms import Flight, Off, Step, fit_terms, gain, judged, measured_off
+from propmap.fit import flight_study
+from propmap.fit.flight_study import Flight, Off, Step, fit_terms, gain, judged, measured_off
 from propmap.fit.parameters import FIRST_GUESS, SECTION, Choice
 from propmap.typing import Floats
-from propmap.vehicle.flight_log import GRAVITY, FlightLog
+from propmap.vehicle.log import GRAVITY, FlightLog
 from propmap.vehicle.vehicle import Mount, Vehicle
 
 RATE, SECONDS = 50, 40
@@ -90,13 +90,13 @@ def test_each_flight_is_left_out_once(monkeypatch: pytest.MonkeyPatch) -> None:
     class Found:
         values = FIRST_GUESS | {name: getattr(LAW, name) for name in SECTION}
 
-    monkeypatch.setattr(flight_terms, "ForceModel", Model)
-    monkeypatch.setattr(flight_terms, "vertical_rows", lambda *_: "vertical")
-    monkeypatch.setattr(flight_terms, "balance_rows", lambda *_: "balance")
-    monkeypatch.setattr(flight_terms, "fit", lambda *_: Found)
+    monkeypatch.setattr(flight_study, "ForceModel", Model)
+    monkeypatch.setattr(flight_study, "vertical_rows", lambda *_: "vertical")
+    monkeypatch.setattr(flight_study, "balance_rows", lambda *_: "balance")
+    monkeypatch.setattr(flight_study, "fit", lambda *_: Found)
     zero = np.zeros((COUNT, 3))
     monkeypatch.setattr(
-        flight_terms, "flight_forces", lambda *_: type("F", (), {"model": zero, "hover": zero})
+        flight_study, "flight_forces", lambda *_: type("F", (), {"model": zero, "hover": zero})
     )
     flights = [flight(name) for name in ("a", "b", "c")]
     steps = [Step("one", Choice(("c_l1",)), vertical=True), Step("two", Choice(("c_l1", "c_d")))]

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from propmap.fit.fitted import Settings, fit
+from propmap.fit.fit import Settings, fit
 from propmap.fit.parameters import Choice, Prior
 
 from .flight_twin import BEFOREHAND, FIXED, FREE, TRUTH, Noise, Twin

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from propmap.errors import InputError
-from propmap.fit.fitted import Settings, fit
+from propmap.fit.fit import Settings, fit
 from propmap.fit.interval_coverage import noisy_intervals
+from propmap.fit.least_squares import Rows
 from propmap.fit.parameters import Choice
-from propmap.fit.rows import Rows
 from tests.workers_elsewhere import Elsewhere
 
 from .synthetic_rows import decay_model, rows_of, true_values, truth_of

@@ -11,7 +11,7 @@ import propmap
 from propmap.errors import InputError
 from propmap.fit.learned_residual import FADE, LearnedResidual, features, learn
 from propmap.typing import Floats
-from propmap.vehicle.flight_log import FlightLog
+from propmap.vehicle.log import FlightLog
 from propmap.vehicle.vehicle import Mount, Vehicle
 
 RATE, SECONDS = 20, 120

@@ -11,15 +11,12 @@ import pytest
 import propmap
 from propmap.errors import InputError
 from propmap.fit.comparison import compare_tunnel
-from propmap.fit.coverage import coverage
-from propmap.fit.fitted import Fitted, Settings, fit
-from propmap.fit.flight import level_rows
-from propmap.fit.force_model import ForceModel
+from propmap.fit.files import FitFile, fit_text, read_fit
+from propmap.fit.fit import Fitted, Settings, coverage, fit
+from propmap.fit.flight import ForceModel, level_rows
 from propmap.fit.parameters import FIRST_GUESS, SECTION, Choice
-from propmap.fit.result_file import FitFile, fit_text, read_fit
 from propmap.fit.tunnel import TunnelData, model_with, tunnel_rows
-from propmap.flight.expectation import expectation
-from propmap.flight.trim import true_values
+from propmap.flight.simulate import expectation, true_values
 from propmap.model.corrections import MountDrag
 from propmap.vehicle.vehicle import Vehicle
 from tests.fit.test_flight_fit import MOUNTS, OMEGA, VELOCITIES, log

@@ -6,14 +6,12 @@ import numpy as np
 import pytest
 
 import propmap
-from propmap.fit.added_parameter import body_terms_verdict
-from propmap.fit.fitted import Fitted, Settings, fit
-from propmap.fit.flight import level_rows
-from propmap.fit.force_model import ForceModel
+from propmap.fit.comparison import body_terms_verdict
+from propmap.fit.fit import Fitted, Settings, fit
+from propmap.fit.flight import ForceModel, level_rows
+from propmap.fit.least_squares import Rows, search
 from propmap.fit.parameters import FIRST_GUESS, PAPER_FOUR, SECTION, Choice
-from propmap.fit.rows import Rows
-from propmap.fit.search import search
-from propmap.vehicle.flight_log import GRAVITY, FlightLog
+from propmap.vehicle.log import GRAVITY, FlightLog
 from propmap.vehicle.vehicle import Mount, Vehicle
 
 from .synthetic_rows import Floats, linear_model, rows_of

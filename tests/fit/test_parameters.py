@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from propmap.errors import InputError
+from propmap.fit.least_squares import starts
 from propmap.fit.parameters import (
     BODY,
     EVERY,
@@ -24,7 +25,6 @@ from propmap.fit.parameters import (
     Choice,
     Prior,
 )
-from propmap.fit.search import starts
 from propmap.model.airfoil import Airfoil
 
 CASES: dict[str, tuple[dict[str, Any], str]] = {

@@ -10,11 +10,10 @@ import numpy as np
 import pytest
 
 from propmap.errors import InputError
-from propmap.fit import fitted as module
-from propmap.fit.fitted import Settings, fit
+from propmap.fit import fit as module
+from propmap.fit.fit import Settings, fit
+from propmap.fit.least_squares import Minimum, Rows, search, starts
 from propmap.fit.parameters import EVERY, Choice
-from propmap.fit.rows import Rows
-from propmap.fit.search import Minimum, search, starts
 from tests.workers_elsewhere import Elsewhere
 
 from .synthetic_rows import (

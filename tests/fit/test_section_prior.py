@@ -7,14 +7,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from propmap.catalogue.expected_constants import airfoil_at, expected_prior
+from propmap.catalogue.expected import (
+    HELD,
+    POPULATION,
+    PopulationPrior,
+    airfoil_at,
+    coordinates,
+    expected_prior,
+)
 from propmap.catalogue.identified import PARAMETERS
-from propmap.catalogue.prior import HELD, POPULATION, PopulationPrior, coordinates
-from propmap.fit.fitted import Fitted, Settings, fit
-from propmap.fit.parameters import Choice, Prior
-from propmap.fit.prior_conflict import doubts_on_constants
-from propmap.fit.rows import INDEPENDENT, INDEPENDENT_AT_REST, Rows
-from propmap.fit.section_prior import LEAST_ERROR, SectionPrior
+from propmap.fit.comparison import doubts_on_constants
+from propmap.fit.fit import Fitted, Settings, fit
+from propmap.fit.least_squares import INDEPENDENT, INDEPENDENT_AT_REST, Rows
+from propmap.fit.parameters import LEAST_ERROR, Choice, Prior, SectionPrior
 from propmap.typing import Floats
 
 from .synthetic_rows import linear_model, noisy, rows_of

@@ -10,10 +10,8 @@ from scipy.spatial.transform import Rotation
 
 import propmap
 from propmap.errors import InputError
-from propmap.fit.flight_parameters import at_samples, of_others
-from propmap.fit.sensor_forces import CLOCK, OFFSET, sensor_force
-from propmap.fit.thrust_scale import HoverScale
-from propmap.vehicle.flight_log import GRAVITY, FlightLog, joined
+from propmap.fit.flight import CLOCK, OFFSET, HoverScale, at_samples, of_others, sensor_force
+from propmap.vehicle.log import GRAVITY, FlightLog, joined
 from propmap.vehicle.vehicle import Mount, Vehicle
 
 VEHICLE = Vehicle("test", 0.8, propmap.propeller("apc-8x6e"), (Mount((0.0, 0.0, 0.0)),))

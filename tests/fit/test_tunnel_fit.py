@@ -11,19 +11,11 @@ from numpy.typing import NDArray
 
 import propmap
 from propmap.errors import InputError
-from propmap.fit.added_parameter import failing_assumptions
-from propmap.fit.comparison import compare_tunnel
-from propmap.fit.fitted import Fitted, Settings, fit
+from propmap.fit.comparison import compare_tunnel, failing_assumptions
+from propmap.fit.fit import Fitted, Settings, fit
+from propmap.fit.least_squares import Rows
 from propmap.fit.parameters import PAPER_FOUR, SECTION, Choice
-from propmap.fit.rows import Rows
-from propmap.fit.tunnel import (
-    TunnelData,
-    first_guess,
-    merged,
-    rotor_with,
-    tunnel_rows,
-)
-from propmap.fit.tunnel_files import read_tunnel
+from propmap.fit.tunnel import TunnelData, first_guess, merged, read_tunnel, rotor_with, tunnel_rows
 from propmap.loads import LOADS
 from propmap.model.airfoil import parameter_set
 from propmap.model.corrections import MODELS

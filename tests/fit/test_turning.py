@@ -8,12 +8,10 @@ import numpy as np
 import pytest
 
 from propmap.errors import InputError
-from propmap.fit.flight import balance_rows
-from propmap.fit.force_model import ForceModel
+from propmap.fit.flight import ForceModel, added_moment, balance_rows, measured_moment
 from propmap.fit.parameters import FIRST_GUESS, SECTION, Choice
-from propmap.fit.turning import added_moment, measured_moment
-from propmap.vehicle.hub_flow import hub_flow
-from propmap.vehicle.vehicle_toml import read_vehicle
+from propmap.vehicle.files import read_vehicle
+from propmap.vehicle.wakes import hub_flow
 from tests.fit.test_flight_balance import LAW, LAW_VALUES, VEHICLE, manoeuvre
 
 BODY = replace(VEHICLE, inertia=(4e-3, 5e-3, 8e-3), rotor_inertia=2e-5)

@@ -8,10 +8,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from propmap.fit.fitted import Settings, fit
+from propmap.fit.fit import Settings, fit
+from propmap.fit.least_squares import NOISE_FLOOR, Rows, search
 from propmap.fit.parameters import EVERY, Choice, Prior
-from propmap.fit.rows import Rows
-from propmap.fit.search import NOISE_FLOOR, search
 from propmap.fit.uncertainty import Uncertainty, uncertainty
 
 from .synthetic_rows import (

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import propmap
-from propmap.flight.trim import trim
-from propmap.vehicle.flight_log import FlightLog
+from propmap.flight.simulate import trim
+from propmap.vehicle.log import FlightLog
 from propmap.vehicle.vehicle import Mount, Vehicle
 
 SPEEDS = np.linspace(0.5, 14.5, 12)

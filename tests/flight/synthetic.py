@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from propmap.typing import Floats
-from propmap.vehicle.flight_log import GRAVITY, FlightLog
-from propmap.vehicle.vehicle_toml import VehicleFile, read_vehicle
+from propmap.vehicle.files import VehicleFile, read_vehicle
+from propmap.vehicle.log import GRAVITY, FlightLog
 
 ROOT = Path(__file__).parents[2]
 NEUROBEM = ROOT / "examples" / "neurobem" / "vehicle.toml"

@@ -9,9 +9,9 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from propmap.errors import InputError
-from propmap.flight.level_table import read_level_table
-from propmap.vehicle.flight_log import FlightLog
-from propmap.vehicle.vehicle_toml import read_vehicle
+from propmap.flight.steady import read_level_table
+from propmap.vehicle.files import read_vehicle
+from propmap.vehicle.log import FlightLog
 
 from .synthetic import NEUROBEM
 

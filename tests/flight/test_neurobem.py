@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 from propmap.errors import InputError
-from propmap.flight.plausible_rpm import check_rotor_speed
+from propmap.flight.checks import check_rotor_speed
 from propmap.flight.steady import steady_stretches
 from propmap.model.airfoil import parameter_set
 from propmap.model.model import Model
 from propmap.rotor import Rotor
-from propmap.vehicle.flight_log import GRAVITY, FlightLog
-from propmap.vehicle.logs import read_flight_log
-from propmap.vehicle.vehicle_toml import read_vehicle
+from propmap.vehicle.files import read_vehicle
+from propmap.vehicle.log import GRAVITY, FlightLog
+from propmap.vehicle.log_readers import read_flight_log
 
 from .synthetic import FLIGHTS, NEUROBEM
 

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from propmap.errors import InputError
-from propmap.flight.plausible_rpm import check_rotor_speed
+from propmap.flight.checks import check_rotor_speed
 from propmap.model.airfoil import parameter_set
 from propmap.model.model import Model
 from propmap.rotor import Rotor
-from propmap.vehicle.vehicle_toml import read_vehicle
+from propmap.vehicle.files import read_vehicle
 
 from .synthetic import NEUROBEM, flight
 

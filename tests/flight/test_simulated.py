@@ -9,15 +9,21 @@ import pytest
 
 import propmap
 from propmap.errors import InputError
-from propmap.flight.expectation import expectation
-from propmap.flight.simulated import NOISELESS, SensorNoise, fly, log_csv, log_map, log_table
+from propmap.flight.simulate import (
+    NOISELESS,
+    SensorNoise,
+    expectation,
+    fly,
+    log_csv,
+    log_map,
+    log_table,
+    trim,
+)
 from propmap.flight.steady import operating_points, steady_stretches
-from propmap.flight.trim import trim
-from propmap.vehicle.flight_log import GRAVITY, FlightLog
-from propmap.vehicle.log_map import LogMap
-from propmap.vehicle.logs import read_flight_log
+from propmap.vehicle.files import LogMap, VehicleFile, read_vehicle
+from propmap.vehicle.log import GRAVITY, FlightLog
+from propmap.vehicle.log_readers import read_flight_log
 from propmap.vehicle.vehicle import Vehicle
-from propmap.vehicle.vehicle_toml import VehicleFile, read_vehicle
 
 from .conftest import SPEEDS
 

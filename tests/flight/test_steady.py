@@ -10,7 +10,7 @@ import pytest
 
 from propmap.errors import InputError
 from propmap.flight.steady import airborne, operating_points, steady_stretches
-from propmap.vehicle.flight_log import FlightLog
+from propmap.vehicle.log import FlightLog
 
 from .synthetic import CHANGE, HOLD, SPEEDS, flight
 

@@ -8,16 +8,14 @@ import numpy as np
 import pytest
 
 import propmap
-from propmap.fit.fitted import Settings, fit
-from propmap.fit.flight import level_rows
-from propmap.fit.force_model import ForceModel
+from propmap.fit.fit import Settings, fit
+from propmap.fit.flight import ForceModel, level_rows
 from propmap.fit.parameters import Choice
 from propmap.fit.tunnel import first_guess
-from propmap.flight.simulated import SensorNoise, fly
+from propmap.flight.simulate import SensorNoise, fly, trim
 from propmap.flight.steady import operating_points, steady_stretches
-from propmap.flight.trim import trim
-from propmap.vehicle.flight_log import FlightLog
-from propmap.vehicle.logs import read_flight_log
+from propmap.vehicle.log import FlightLog
+from propmap.vehicle.log_readers import read_flight_log
 from tests.flight.synthetic import vehicle_with
 from tests.vehicle.write_logs import write_bag, write_csv, write_ulog
 

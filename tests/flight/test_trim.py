@@ -10,14 +10,13 @@ import pytest
 import propmap
 from propmap.baselines.hover import HoverModel
 from propmap.errors import InputError
-from propmap.fit.fitted import Settings, fit
-from propmap.fit.flight import level_rows
-from propmap.fit.force_model import ForceModel
+from propmap.fit.fit import Settings, fit
+from propmap.fit.flight import ForceModel, level_rows
 from propmap.fit.parameters import Choice
-from propmap.flight.trim import PAPER_RADIUS, trim, true_values
-from propmap.vehicle.flight_log import GRAVITY, FlightLog, pitch_and_roll
-from propmap.vehicle.hub_flow import hub_flow, rotor_forces
+from propmap.flight.simulate import PAPER_RADIUS, trim, true_values
+from propmap.vehicle.log import GRAVITY, FlightLog, pitch_and_roll
 from propmap.vehicle.vehicle import Body, Vehicle, Wing
+from propmap.vehicle.wakes import hub_flow, rotor_forces
 
 from .conftest import SPEEDS
 

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from propmap.errors import InputError
-from propmap.io.csv_dialect import SEPARATORS, read_csv_table, separator_of
+from propmap.io.csv import SEPARATORS, read_csv_table, separator_of
 
 from .samples_csv import DIALECTS, rewritten
 

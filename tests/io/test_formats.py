@@ -9,12 +9,14 @@ import numpy as np
 import pytest
 
 from propmap.catalogue.lookup import propeller
-from propmap.io.apc_pe0 import read_apc_pe0
-from propmap.io.geometry_file import read_geometry_file
-from propmap.io.propeller_csv import read_propeller_csv
-from propmap.io.propeller_toml import read_propeller_toml
-from propmap.io.uiuc_geometry import read_uiuc_geometry
-from propmap.model.propeller import Propeller
+from propmap.io.geometry import (
+    read_apc_pe0,
+    read_geometry_file,
+    read_propeller_csv,
+    read_propeller_toml,
+    read_uiuc_geometry,
+)
+from propmap.model.model import Propeller
 
 from . import samples
 

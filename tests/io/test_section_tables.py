@@ -10,7 +10,7 @@ import pytest
 
 import propmap
 from propmap.errors import InputError
-from propmap.io.section_tables import read_section_table
+from propmap.io.sections import read_section_table
 
 SHELDAHL = Path(__file__).resolve().parents[3] / "shared" / "data" / "airfoil" / "NACA_0015.dat"
 REYNOLDS = (1e5, 4e5)

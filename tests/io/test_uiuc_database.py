@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from propmap.errors import InputError
-from propmap.io.uiuc_database import read_uiuc_database
+from propmap.io.uiuc import read_uiuc_database
 
 from .samples_csv import DIALECTS, rewritten
 

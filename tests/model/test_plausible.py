@@ -9,27 +9,28 @@ import pytest
 
 import propmap
 from propmap.errors import InputError
-from propmap.model.plausible import doubts_on_air, doubts_on_blade, doubts_on_points, pitch_ratio
-from propmap.model.plausible_loads import (
-    LIFT_SLOPE,
-    SMALL_BLADES,
-    ZERO_LIFT,
-    doubts_on_loads,
-    estimated_loads,
-)
-from propmap.model.usual_ranges import (
+from propmap.model.plausibility import (
     CHORD,
     CHORD_SLIPS,
     DENSITY_SLIPS,
     LENGTH_SLIPS,
+    LIFT_SLOPE,
     LOAD_RATIO,
+    SMALL_BLADES,
     SPEED_OF_SOUND,
     THRUST_SLIPS,
     TORQUE_SLIPS,
+    ZERO_LIFT,
     Range,
     Slip,
+    doubts_on_air,
+    doubts_on_blade,
+    doubts_on_loads,
+    doubts_on_points,
+    estimated_loads,
     guessed,
     likely_slips,
+    pitch_ratio,
 )
 
 BLADE = propmap.propeller("apc-8x6e")

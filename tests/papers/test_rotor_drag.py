@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import propmap
-from propmap.catalogue.measurements import measurement
+from propmap.catalogue.lookup import measurement
 from propmap.papers.gill_dandrea_2017.drag_sources import sources
 from propmap.papers.gill_dandrea_2017.identified import OBLIQUE, OBLIQUE_LABEL, OTHER_FORM
 from propmap.papers.gill_dandrea_2017.plate import (

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from propmap.catalogue.measurements import Measurement, measurement
+from propmap.catalogue.lookup import Measurement, measurement
 from propmap.papers.gill_dandrea_2017.tunnel import DATA_SETS, Compared, errors, static_constants
 
 

@@ -10,15 +10,12 @@ import numpy as np
 import pytest
 
 import propmap
-from propmap.fit.fit_record import FitRecord
-from propmap.fit.result_file import FitFile
+from propmap.fit.files import FitFile, FitRecord
 from propmap.loads import LOADS
-from propmap.report.fit_page import curves, page
-from propmap.report.fit_page.curves import Curve, Curves, load_curves
-from propmap.report.fit_page.data import angles_without_data
-from propmap.report.fit_page.judgement import overall, speed_rows
-from propmap.report.fit_page.parameter_draws import DRAWS, drawn_changes, held
-from propmap.report.folder import PAGE
+from propmap.report import fit_curves, fit_page
+from propmap.report.fit_curves import DRAWS, Curve, Curves, drawn_changes, held, load_curves
+from propmap.report.fit_page import angles_without_data, overall, speed_rows
+from propmap.report.html import PAGE
 from tests.fit.fit_records import covered, load, parameter, record
 
 
@@ -32,9 +29,9 @@ def told(fit: FitRecord, monkeypatch: pytest.MonkeyPatch) -> str:
     speed, nothing = np.linspace(0.0, 9.0, 3), dict.fromkeys(LOADS, np.zeros(3))
     curve = Curve(0.0, None, nothing, None, None, np.full(3, True))
     flat = Curves(500.0, 0.1, speed, [curve], dict.fromkeys(LOADS, 0.0), (), 0, "")
-    monkeypatch.setattr(curves, "load_curves", lambda *_: flat)
-    monkeypatch.setattr("propmap.report.page.as_svg", lambda _: b"<svg/>")
-    html = page.fit_pages(file_of(fit), "fit.toml", "abc", None)[PAGE]
+    monkeypatch.setattr(fit_curves, "load_curves", lambda *_: flat)
+    monkeypatch.setattr("propmap.report.html.as_svg", lambda _: b"<svg/>")
+    html = fit_page.fit_pages(file_of(fit), "fit.toml", "abc", None)[PAGE]
     assert isinstance(html, str)
     text = unescape(re.sub(r"<[^>]+>", " ", html)).replace("\N{NO-BREAK SPACE}", " ")
     return " ".join(text.split())

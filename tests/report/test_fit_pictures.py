@@ -14,9 +14,9 @@ import propmap
 from propmap.baselines.hover import HoverModel
 from propmap.errors import InputError
 from propmap.fit.tunnel import TunnelData
-from propmap.report.fit_pictures import level_flight, steady_parts, tunnel_fit
-from propmap.report.style import COLOURS, HOVER, save
-from propmap.vehicle.flight_log import GRAVITY, FlightLog, in_vehicle_frame
+from propmap.report.fit_curves import level_flight, steady_parts, tunnel_fit
+from propmap.report.html import COLOURS, HOVER, save
+from propmap.vehicle.log import GRAVITY, FlightLog, in_vehicle_frame
 from propmap.vehicle.vehicle import Mount, Vehicle
 
 MASS = 0.7

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from propmap.errors import InputError
-from propmap.report.folder import check_folder, write_folder
+from propmap.report.html import check_folder, write_folder
 
 FILES = {"index.html": "<p>β</p>", "a.csv": b"1\n"}
 

@@ -10,18 +10,18 @@ import numpy as np
 import pytest
 from jinja2 import DictLoader, Environment, FileSystemLoader
 
-from propmap.report import page
-from propmap.report.folder import PAGE
-from propmap.report.page import (
+from propmap.report.html import (
     MINUS,
     MISSING,
+    PAGE,
     csv_of_columns,
     csv_of_rows,
+    new_figure,
     number,
     report_files,
     sentence,
+    style,
 )
-from propmap.report.style import new_figure, style
 
 BODY = """
 {% extends "report/layout.html.j2" %}
@@ -53,7 +53,7 @@ def _template(monkeypatch: pytest.MonkeyPatch) -> None:
                 return DictLoader({"test": BODY}).get_source(environment, template)
             return super().get_source(environment, template)
 
-    monkeypatch.setattr(page, "FileSystemLoader", Loader)
+    monkeypatch.setattr("jinja2.FileSystemLoader", Loader)
 
 
 def _files(heads: str = "propeller|thrust [N]|points|kind") -> dict[str, str | bytes]:

@@ -11,18 +11,16 @@ import numpy as np
 import pytest
 
 import propmap
-from propmap.fit.comparison import Comparison
-from propmap.fit.residuals import by_band, errors
-from propmap.fit.result_file import FitFile
-from propmap.fit.still_explained import candidates, trends
+from propmap.fit.comparison import Comparison, candidates, trends
+from propmap.fit.files import FitFile
+from propmap.fit.least_squares import by_band, errors
 from propmap.loads import LOADS
-from propmap.report.fit_page import curves, page
-from propmap.report.fit_page.curves import Curve, Curves
-from propmap.report.fit_page.given_data import GivenData
-from propmap.report.fit_page.residuals import binned, residual_sheet, sentences
-from propmap.report.folder import PAGE, REPORT_FILES
+from propmap.report import fit_curves, fit_page
+from propmap.report.fit_curves import Curve, Curves
+from propmap.report.fit_page import GivenData, binned, residual_sheet, sentences
+from propmap.report.html import PAGE, REPORT_FILES
 from propmap.typing import Floats
-from propmap.vehicle.flight_log import FlightLog, joined
+from propmap.vehicle.log import FlightLog, joined
 from tests.fit.fit_records import load, record
 
 RNG = np.random.default_rng(1)
@@ -109,7 +107,7 @@ def test_the_page_has_a_picture_and_a_sheet_of_each_force(monkeypatch: pytest.Mo
     flat = Curves(
         500.0, 0.1, np.linspace(0.0, 9.0, 3), [curve], dict.fromkeys(LOADS, 0.0), (), 0, ""
     )
-    monkeypatch.setattr(curves, "load_curves", lambda *_: flat)
+    monkeypatch.setattr(fit_curves, "load_curves", lambda *_: flat)
     measured = 7.6 + 0.0 * LEFT
     compared = Comparison(
         errors(measured + LEFT, measured, measured),
@@ -118,7 +116,7 @@ def test_the_page_has_a_picture_and_a_sheet_of_each_force(monkeypatch: pytest.Mo
     calm = trends(LOG, "force_x", "N", 0.1 * wandering(1.0), LOG.stretches(1.0))
     given = GivenData([], {"force_z_N": compared}, residuals=[calm, TRENDS])
     fit = FitFile(propmap.airfoil("paper-apc"), None, record(loads=[load("force_z", 0.02, 0.3)]))
-    files = page.fit_pages(fit, "fit.toml", "abc", given)
+    files = fit_page.fit_pages(fit, "fit.toml", "abc", given)
     assert set(files) <= REPORT_FILES
     assert {"fit-residuals-1.svg", "fit-residuals-2.svg", "fit-residuals-1.csv"} <= set(files)
     text = unescape(re.sub(r"<[^>]+>", " ", str(files[PAGE])))

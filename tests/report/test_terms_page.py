@@ -8,10 +8,9 @@ import io
 import numpy as np
 import pytest
 
-from propmap.fit.flight_terms import Fitted, Flight, Off
-from propmap.report.folder import PAGE, TERMS_FILES
-from propmap.report.terms_page.errors import HOVER, PREDICTION, rows, worth
-from propmap.report.terms_page.page import terms_pages
+from propmap.fit.flight_study import FittedStep, Flight, Off
+from propmap.report.html import PAGE, TERMS_FILES
+from propmap.report.terms_page import HOVER_MODEL, PREDICTION, rows, terms_pages, worth
 from tests.fit.test_flight_terms import COUNT, VEHICLE, flight, held
 
 STEPS = ("vertical balance alone", "wakes", "noise")
@@ -25,7 +24,7 @@ def known(predicted: bool, names: tuple[str, ...] = ("first", "second")) -> list
     return [Flight(f.name, f.passed, f.raw, weight + 0.4, weight + 0.5) for f in made]
 
 
-def found(flights: list[Flight]) -> list[Fitted]:
+def found(flights: list[Flight]) -> list[FittedStep]:
     """Wakes take half of the error away, noise adds a different one of the same size."""
     made, many = [], len(flights) > 1
     for number, (step, size) in enumerate(zip(STEPS, (0.6, 0.3, 0.3), strict=True)):
@@ -37,14 +36,14 @@ def found(flights: list[Flight]) -> list[Fitted]:
                 off = grown * size * np.sqrt(np.abs(held(1.0, 1.0, k if number < 2 else 90 + k)))
                 offs.append(Off(off, 1.5 * off))
             hover = tuple(Off(np.full((COUNT, 3), 4.0), np.full((COUNT, 3), 5.0)) for _ in flights)
-            made.append(Fitted(step, left_out, {"c_l1": 5.0 + number}, tuple(offs), hover))
+            made.append(FittedStep(step, left_out, {"c_l1": 5.0 + number}, tuple(offs), hover))
     return made
 
 
 def test_rows_say_what_was_seen_and_what_not() -> None:
     flights = known(predicted=True)
     told = rows(VEHICLE, flights, found(flights))
-    assert [r.model for r in told] == 2 * [HOVER, *STEPS, PREDICTION]
+    assert [r.model for r in told] == 2 * [HOVER_MODEL, *STEPS, PREDICTION]
     hover, vertical, *_, own = told[:5]
     assert hover.unseen is not None and vertical.seen is not None and own.unseen is not None
     np.testing.assert_allclose(hover.unseen, 4.0)
@@ -79,7 +78,9 @@ def test_the_page_tells_it_in_words_and_files(names: tuple[str, ...], predicted:
     # Low-passed and as recorded; fitted to it and not, where there are two.
     per_flight = (2 if len(names) == 1 else 4) * len(STEPS) + 2 + 2 * predicted
     assert len(table) == per_flight * len(names)
-    hover = next(row for row in table if row["model"] == HOVER and row["signals"] == "as recorded")
+    hover = next(
+        row for row in table if row["model"] == HOVER_MODEL and row["signals"] == "as recorded"
+    )
     assert float(hover["z_rms_N"]) == 5.0
     values = pages["fit-terms-values.csv"]
     assert isinstance(values, str)

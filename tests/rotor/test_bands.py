@@ -9,13 +9,11 @@ import numpy as np
 import pytest
 
 import propmap as pm
-from propmap.catalogue.expected_blade import ExpectedBlade
-from propmap.catalogue.expected_constants import expected_constants, size_of
+from propmap.catalogue.expected import ExpectedBlade, expected_constants, size_of
 from propmap.catalogue.identified import identified
 from propmap.catalogue.lookup import meant_by
 from propmap.loads import LOADS
-from propmap.model.section_covariance import SectionCovariance
-from propmap.model.uncertainty import SectionUncertainty
+from propmap.model.airfoil import SectionCovariance, SectionUncertainty
 from propmap.results import LoadValues, joined
 
 POINTS = (np.array([500.0, 600.0, 700.0]), np.array([6.0, 10.0, 14.0]), np.array([0.4, 1.2, 1.5]))

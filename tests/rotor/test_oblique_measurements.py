@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import propmap
-from propmap.catalogue.measurements import measurement
-from propmap.fit.residuals import rms
+from propmap.catalogue.lookup import measurement
+from propmap.fit.least_squares import rms
 from propmap.results import Loads
 
 DATA = measurement("gill-dandrea-2019-8x6e")

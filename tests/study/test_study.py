@@ -13,11 +13,8 @@ import xarray
 import propmap
 from propmap.errors import InputError
 from propmap.rotor import Rotor
-from propmap.study.changed_blade import changed_blade, pitch_of
-from propmap.study.plan import Study
-from propmap.study.response_surface import response_surface
-from propmap.study.run import InMemory, run_study, study_layout
-from propmap.study.study_toml import read_study
+from propmap.study.files import read_study, response_surface
+from propmap.study.run import InMemory, Study, changed_blade, pitch_of, run_study, study_layout
 from propmap.sweep.store import Store
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "study" / "around_8x6.toml"

@@ -17,9 +17,8 @@ import propmap
 from propmap.errors import InputError
 from propmap.rotor import Rotor
 from propmap.sweep.points import Grid, PointList, chunk_shape, parts_along
-from propmap.sweep.run import Sweep, sweep_to_store
+from propmap.sweep.run import Filing, Sweep, stream, sweep_to_store
 from propmap.sweep.store import Layout, Store
-from propmap.sweep.stream import Filing, stream
 from propmap.tasks import InProcesses, InThreads, InTurn, in_order
 
 from .small_sweep import GRID, POINTS_PER_TASK, contents, rotor, sweep

@@ -6,7 +6,7 @@ import pytest
 import propmap
 from propmap.loads import LOADS
 from propmap.table import LoadTable, build_table
-from propmap.table.content import TableContent
+from propmap.table.interpolation import TableContent
 
 OMEGA = (400.0, 800.0)
 SPEED = (0.0, 6.0)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from propmap.table.axis import interpolate, interval_polynomials, locate, pad
+from propmap.table.interpolation import interpolate, interval_polynomials, locate, pad
 
 KNOTS = np.array([0.0, 0.1, 0.15, 0.4, 1.0, 1.1, 2.0])
 

@@ -12,7 +12,7 @@ import xarray
 import propmap
 from propmap.loads import LOADS, error_scales
 from propmap.table import LoadTable, build_table, write_netcdf
-from propmap.table.model import Model
+from propmap.table.build import Model
 from tests.workers_elsewhere import Elsewhere
 
 from .conftest import BETA, OMEGA, SPEED, TOLERANCE, random_points
@@ -90,7 +90,7 @@ def test_netcdf_says_the_same(table: LoadTable, tmp_path: Path) -> None:
 def test_workers_evaluate_the_model_alike(
     rotor: propmap.Rotor, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("propmap.table.model.BATCH", 3)
+    monkeypatch.setattr("propmap.table.build.BATCH", 3)
     alone = propmap.Rotor(rotor.model)
     told: list[int] = []
     workers = Elsewhere()

@@ -11,10 +11,9 @@ import pytest
 
 from propmap.loads import LOADS
 from propmap.table import LoadTable
-from propmap.table.axis import locate
+from propmap.table.build import Model
 from propmap.table.certificate import certify
-from propmap.table.content import TableContent
-from propmap.table.model import Model
+from propmap.table.interpolation import TableContent, locate
 
 from .conftest import invented_content, random_points
 

@@ -11,10 +11,9 @@ import xarray
 
 import propmap
 from propmap.loads import LOADS
-from propmap.model.section_covariance import SectionCovariance
-from propmap.model.uncertainty import SectionUncertainty
+from propmap.model.airfoil import SectionCovariance, SectionUncertainty
 from propmap.table import LoadTable
-from propmap.table.deviations import bilinear, deviation_coefficients
+from propmap.table.interpolation import bilinear, deviation_coefficients
 
 from .conftest import invented_content, random_points
 
@@ -55,7 +54,7 @@ def test_what_is_filed_comes_back(tmp_path: Path) -> None:
         np.testing.assert_allclose(getattr(there, name), getattr(here, name), rtol=1e-6)
         assert (getattr(here, name) >= 0.0).all()
     np.testing.assert_allclose(here.power, here.torque * points[0])
-    from propmap.table.netcdf import write_netcdf
+    from propmap.table.files import write_netcdf
 
     write_netcdf(table, tmp_path / "x.nc")
     with xarray.open_dataset(tmp_path / "x.nc", engine="h5netcdf") as found:

@@ -12,12 +12,9 @@ import pytest
 import propmap
 from propmap.loads import LOADS
 from propmap.table import STATUSES, LoadTable, build_table
-from propmap.table.certificate import certify
-from propmap.table.comparison import compare, quasi_random
-from propmap.table.content import UNRESOLVED
-from propmap.table.model import Model
-from propmap.table.positions import points_at, positions_of
-from propmap.table.refine import refine
+from propmap.table.build import Model, refine
+from propmap.table.certificate import certify, compare, quasi_random
+from propmap.table.interpolation import UNRESOLVED_BIT, points_at, positions_of
 
 from .conftest import invented_content, random_points
 
@@ -83,7 +80,7 @@ def test_errors_in_unresolved_cells_are_climbed_apart(invented: LoadTable, spike
     nearest edge, 0.3 of a cell away along beta."""
     content = invented.content
     cells = content.cells.copy()
-    cells[23, 11] = UNRESOLVED
+    cells[23, 11] = UNRESOLVED_BIT
     table = LoadTable(replace(content, cells=cells))
     told, known = certify(table, spiked, 0.005, points=4096, seed=1)
     assert told.unresolved_max_error["thrust"] == pytest.approx(PEAK, rel=0.05)
@@ -134,7 +131,7 @@ def test_cells_in_which_the_certificate_fails_are_halved(
 
     monkeypatch.setattr("propmap.table.build.refine", coarse)
     monkeypatch.setattr("propmap.table.build.find_jumps", lambda content, *_: content)
-    monkeypatch.setattr("propmap.table.refine.FIRST_KNOTS", 4)
+    monkeypatch.setattr("propmap.table.build.FIRST_KNOTS", 4)
     table = build_table(
         rotor,
         omega=(420.0, 460.0),

@@ -9,10 +9,9 @@ import pytest
 
 import propmap
 from propmap.loads import LOADS
-from propmap.model.section_covariance import SectionCovariance
-from propmap.model.uncertainty import SectionUncertainty
+from propmap.model.airfoil import SectionCovariance, SectionUncertainty
 from propmap.table import build_table
-from propmap.table.parameter_uncertainty import load_deviations
+from propmap.table.certificate import load_deviations
 
 COVARIANCE = SectionCovariance(("c_l1", "c_d"), np.array([[0.04, -0.01], [-0.01, 0.09]]))
 

@@ -15,7 +15,7 @@ import pytest
 import propmap
 from propmap.loads import LOADS
 from propmap.table import Certificate, LoadTable
-from propmap.table.table_file import FORMAT_VERSION
+from propmap.table.files import FORMAT_VERSION
 
 from .conftest import random_points
 

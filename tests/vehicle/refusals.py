@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from propmap.errors import InputError
-from propmap.vehicle.logs import read_flight_log
-from propmap.vehicle.vehicle_toml import VehicleFile
+from propmap.vehicle.files import VehicleFile
+from propmap.vehicle.log_readers import read_flight_log
 from tests.flight.synthetic import flight
 
 LOG = flight(rate=50.0).picked(slice(0, 120))

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from propmap.vehicle.logs import read_flight_log
+from propmap.vehicle.log_readers import read_flight_log
 from tests.flight.synthetic import vehicle_with
 
 from .refusals import LOG, message_of

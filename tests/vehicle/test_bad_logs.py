@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from propmap.errors import InputError
-from propmap.vehicle.flight_log import FlightLog
-from propmap.vehicle.logs import read_flight_log
-from propmap.vehicle.vehicle_toml import read_vehicle
+from propmap.vehicle.files import read_vehicle
+from propmap.vehicle.log import FlightLog
+from propmap.vehicle.log_readers import read_flight_log
 from tests.flight.synthetic import NEUROBEM, vehicle_with
 
 from .refusals import LOG, message_of
@@ -149,8 +149,7 @@ def test_parquet_without_pyarrow(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 
 def test_signals_of_two_clocks(tmp_path: Path) -> None:
     """Rotor speeds recorded an hour after the rest, such as wall time against boot time."""
-    from propmap.vehicle.logs.assembly import common_clock
-    from propmap.vehicle.logs.recording import Signal
+    from propmap.vehicle.log import Signal, common_clock
 
     time = np.arange(0.0, 5.0, 0.01)
     early, late = (Signal(n, t, t[:, None]) for n, t in (("attitude", time), ("rpm", time + 3600)))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from propmap.vehicle.flight_names import flight_names
+from propmap.vehicle.log import flight_names
 
 
 @pytest.mark.parametrize(

@@ -7,11 +7,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from propmap.vehicle.flight_log import FlightLog
-from propmap.vehicle.logs import read_flight_log
-from propmap.vehicle.logs.assembly import common_clock, interpolated
-from propmap.vehicle.logs.frames import attitude_to_flu_enu, body_to_flu, world_to_enu
-from propmap.vehicle.logs.recording import Signal
+from propmap.vehicle.log import (
+    FlightLog,
+    Signal,
+    attitude_to_flu_enu,
+    body_to_flu,
+    common_clock,
+    interpolated,
+    world_to_enu,
+)
+from propmap.vehicle.log_readers import read_flight_log
 from tests.flight.synthetic import vehicle_with
 
 HALF, C30 = np.sqrt(0.5), np.cos(np.radians(30.0))

@@ -9,8 +9,8 @@ import numpy as np
 import propmap
 from propmap.loads import LOADS
 from propmap.results import hub_wrench
-from propmap.vehicle.hub_flow import HubFlow, hub_flow_at, hub_wrenches, rotor_forces, rotor_wrench
 from propmap.vehicle.vehicle import Mount, Vehicle
+from propmap.vehicle.wakes import HubFlow, hub_flow_at, hub_wrenches, rotor_forces, rotor_wrench
 
 ASKEW = np.array([[0.3, -0.2, 0.9], [0.0, 0.0, 1.0], [-0.6, 0.1, 0.5]])
 AXES = ASKEW / np.linalg.norm(ASKEW, axis=1, keepdims=True)

@@ -10,18 +10,20 @@ from scipy.integrate import quad as integral
 
 import propmap
 from propmap.errors import InputError
-from propmap.vehicle.flight_log import FlightLog
-from propmap.vehicle.hub_flow import HubFlow, hub_flow
-from propmap.vehicle.interference import (
+from propmap.vehicle.log import FlightLog
+from propmap.vehicle.vehicle import Mount, Vehicle, Wakes
+from propmap.vehicle.wakes import (
+    HubFlow,
+    SeenWake,
     added_flow,
+    axial_velocity,
     check_apart,
+    frame_of,
     glauert_inflow,
+    hub_flow,
     in_wakes,
     wake_flow,
 )
-from propmap.vehicle.vehicle import Mount, Vehicle, Wakes
-from propmap.vehicle.vortex_cylinder import axial_velocity
-from propmap.vehicle.wake_table import SeenWake, frame_of
 
 PROPELLER = propmap.propeller("apc-8x6e")
 RADIUS = PROPELLER.radius

@@ -10,11 +10,15 @@ import numpy as np
 import pytest
 
 from propmap.errors import InputError
-from propmap.vehicle.battery import Battery, cell_voltage
-from propmap.vehicle.motor import RPM, Motor
-from propmap.vehicle.powertrain import Powertrain
-from propmap.vehicle.speed_controller import SpeedController
-from propmap.vehicle.vehicle_toml import read_vehicle
+from propmap.vehicle.files import read_vehicle
+from propmap.vehicle.powertrain import (
+    RPM,
+    Battery,
+    Motor,
+    Powertrain,
+    SpeedController,
+    cell_voltage,
+)
 
 MOTOR = Motor(920.0 * RPM, 0.12, (0.6,), (10.0,))
 BATTERY = Battery(4, 5.0 * 3600.0, 0.02)

@@ -10,10 +10,9 @@ import numpy as np
 import pytest
 
 from propmap.typing import Floats
-from propmap.vehicle.flight_log import FlightLog
-from propmap.vehicle.logs import read_flight_log
-from propmap.vehicle.time_derivatives import low_passed
-from propmap.vehicle.vehicle_toml import read_vehicle
+from propmap.vehicle.files import read_vehicle
+from propmap.vehicle.log import FlightLog, low_passed
+from propmap.vehicle.log_readers import read_flight_log
 from tests.flight.synthetic import NEUROBEM, flight, vehicle_with
 
 from .refusals import message_of

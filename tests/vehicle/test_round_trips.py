@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from propmap.flight.steady import operating_points, steady_stretches
-from propmap.vehicle.flight_log import FlightLog
-from propmap.vehicle.logs import read_flight_log
-from propmap.vehicle.vehicle_toml import read_vehicle
+from propmap.vehicle.files import read_vehicle
+from propmap.vehicle.log import FlightLog
+from propmap.vehicle.log_readers import read_flight_log
 from tests.flight.synthetic import NEUROBEM, SPEEDS, flight, vehicle_with
 
 from .write_logs import START, csv_columns, write_bag, write_csv, write_ulog

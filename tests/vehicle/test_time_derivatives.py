@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from propmap.errors import InputError
-from propmap.vehicle.flight_log import FlightLog
-from propmap.vehicle.time_derivatives import low_passed
+from propmap.vehicle.log import FlightLog, low_passed
 
 
 def log(time: np.ndarray, slow: float, fast: float = 0.0) -> FlightLog:

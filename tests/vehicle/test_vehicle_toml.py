@@ -9,8 +9,8 @@ import pytest
 
 from propmap.errors import InputError
 from propmap.model.corrections import MountDrag
+from propmap.vehicle.files import VehicleFile, read_vehicle
 from propmap.vehicle.vehicle import Body, Wakes, Wing
-from propmap.vehicle.vehicle_toml import VehicleFile, read_vehicle
 from tests.io import samples
 
 VEHICLE = """schema = 1

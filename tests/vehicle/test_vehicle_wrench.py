@@ -15,8 +15,8 @@ import propmap
 from propmap import InputError, VehicleForces
 from propmap.model.corrections import MountDrag
 from propmap.results import STATUSES
-from propmap.table.lookup import STATUSES as TABLE_STATUSES
-from propmap.vehicle.load_sources import SEVERITY, worst
+from propmap.table.interpolation import STATUSES as TABLE_STATUSES
+from propmap.vehicle.rotors import SEVERITY, worst
 from propmap.vehicle.vehicle import Body, Mount, Vehicle, Wakes, Wing
 
 from .wrench_by_hand import by_hand

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from propmap.vehicle.vortex_cylinder import axial_velocity
+from propmap.vehicle.wakes import axial_velocity
 
 DOWN = np.array([0.0, 0.0, -1.0])
 

@@ -10,8 +10,8 @@ from scipy.optimize import brentq
 
 import propmap
 from propmap.vehicle.vehicle import Mount, Vehicle
-from propmap.vehicle.wake_table import SeenWake
-from propmap.vehicle.wake_table import frame_of as own_frame
+from propmap.vehicle.wakes import SeenWake
+from propmap.vehicle.wakes import frame_of as own_frame
 
 
 def frame_of(axis: np.ndarray) -> np.ndarray:

@@ -16,7 +16,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from propmap.typing import Floats
-from propmap.vehicle.flight_log import FlightLog
+from propmap.vehicle.log import FlightLog
 from propmap.vehicle.vehicle import Vehicle
 
 from .ros_messages import Messages

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from propmap.typing import Floats
-from propmap.vehicle.flight_log import FlightLog
+from propmap.vehicle.log import FlightLog
 
 from .write_logs import RPM, InFrames
 

@@ -7,11 +7,11 @@ from html import escape
 
 import numpy as np
 
+from propmap.catalogue.expected import POPULATION, coordinate_covariance
 from propmap.catalogue.identified import PARAMETERS, Identified
 from propmap.catalogue.lookup import propeller
-from propmap.catalogue.prior import POPULATION, coordinate_covariance
-from propmap.io.uiuc_database import MeasuredPropeller
-from propmap.model.propeller import Propeller
+from propmap.io.uiuc import MeasuredPropeller
+from propmap.model.model import Propeller
 from tools.measured_rows import SOURCE
 from tools.propeller_pages import blade_picture, fit_pictures
 from tools.propeller_pages.comparison import Comparison, compare, reynolds

@@ -10,9 +10,8 @@ from numpy.typing import NDArray
 from propmap.catalogue.identified import Identified
 from propmap.catalogue.lookup import propeller
 from propmap.fit.population.verdict import ALIKE_RPM
-from propmap.io.uiuc_database import MeasuredPropeller
-from propmap.model.model import Model
-from propmap.model.propeller import Propeller
+from propmap.io.uiuc import MeasuredPropeller
+from propmap.model.model import Model, Propeller
 from propmap.rotor import Rotor
 from propmap.typing import Floats
 

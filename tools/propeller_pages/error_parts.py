@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from propmap.io.uiuc_database import MeasuredPropeller
+from propmap.io.uiuc import MeasuredPropeller
 from propmap.typing import Floats
 
 

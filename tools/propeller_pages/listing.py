@@ -9,7 +9,7 @@ from propmap import catalogue
 from propmap.catalogue.identified import Identified
 from propmap.catalogue.lookup import propeller
 from propmap.fit.population.summary import summary
-from propmap.io.uiuc_database import MeasuredPropeller
+from propmap.io.uiuc import MeasuredPropeller
 from tools.propeller_pages import blade_picture
 from tools.propeller_pages.card import raw
 from tools.propeller_pages.comparison import compare, reynolds

@@ -13,7 +13,7 @@ import sys
 from pathlib import Path
 
 from propmap.catalogue.identified import all_identified
-from propmap.io.atomic_file import replacing
+from propmap.io.csv import replacing
 from tools import measured_rows
 from tools.propeller_pages import listing, population
 from tools.propeller_pages.card import card, raw

@@ -8,10 +8,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from propmap.catalogue.expected_constants import expected_prior
+from propmap.catalogue.expected import (
+    POPULATION,
+    Population,
+    bundled_population,
+    coordinate_covariance,
+    coordinates,
+    expected_prior,
+)
 from propmap.catalogue.identified import PARAMETERS, Identified
-from propmap.catalogue.population import Population, bundled_population
-from propmap.catalogue.prior import POPULATION, coordinate_covariance, coordinates
 from propmap.typing import Floats
 from tools.propeller_pages.plot import figure
 from tools.propeller_pages.words import fixed, series_title, title

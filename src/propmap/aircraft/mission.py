@@ -10,12 +10,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.aircraft.steady import Aircraft
-from propmap.aircraft.steady_states import FLOWN, STATUSES, SteadyStates
+from propmap.aircraft.trim import FLOWN, STATUSES, Aircraft, SteadyStates
 from propmap.errors import InputError
-from propmap.io.blade_table import parse_number
-from propmap.io.csv_dialect import read_csv_table
-from propmap.io.text_file import read_lines
+from propmap.io.csv import read_csv_table, read_lines
+from propmap.io.geometry import parse_number
 from propmap.typing import Floats
 
 COLUMNS = ("speed_mps", "climb_mps", "duration_s")
@@ -161,7 +159,7 @@ def read_mission(path: str | os.PathLike[str]) -> Mission:
     Parameters
     ----------
     path : path
-        Of the file, in any dialect of ``propmap.io.csv_dialect``.
+        Of the file, in any dialect of ``propmap.io.csv``.
 
     Raises
     ------

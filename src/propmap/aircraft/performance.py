@@ -1,20 +1,21 @@
-"""What a power curve says: hover, least power, best range, top speed and what limits it."""
+"""What a power curve says: hover, least power, best range, endurance, top speed and its limit."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.aircraft.deviations import spread
-from propmap.aircraft.response import Responses
-from propmap.aircraft.steady import Aircraft
-from propmap.aircraft.steady_states import SteadyStates
-from propmap.aircraft.top_speed import searched
+from propmap.aircraft.sensitivity import Responses, Spread, spread
+from propmap.aircraft.trim import Aircraft, SteadyStates
 from propmap.errors import InputError
 from propmap.typing import Floats
+
+# -------------------------------------------------------------------------------------------------
+# What a power curve says: hover, least power, best range, top speed and what limits it.
 
 TOP = 3
 """Number of the top speed among the states with a name."""
@@ -231,3 +232,170 @@ def _lowest(x: Floats, y: Floats) -> float:
     first = (y[k] - y[k - 1]) / (b - a)
     second = ((y[k + 1] - y[k]) / (c - b) - first) / (c - a)
     return float(np.clip(0.5 * (a + b) - 0.5 * first / second, a, c)) if second > 0.0 else float(b)
+
+
+# -------------------------------------------------------------------------------------------------
+# The top speed of an aircraft, and the limit that it meets there.
+
+BEYOND = 1.3
+"""Ratio of the speeds at which the top speed is looked for beyond those that were asked for."""
+
+FASTEST = 150.0
+"""[m/s] up to which it is looked for."""
+
+STEPS = 40
+"""Of a search for the top speed, at most."""
+
+CLOSE, NARROW = 2e-3, 0.1
+"""The interval with the top speed is narrowed until it is so small a share of it, each time to so
+much about where the share of the limit is likely to reach 1."""
+
+WITHIN = 0.999
+"""Share of the last interval, so that rounding does not put the top speed beyond the limit."""
+
+
+def top_speed(aircraft: Aircraft, states: SteadyStates, climb: float) -> tuple[float, str]:
+    """The top speed [m/s], NaN where there is none, and the status beyond it.
+
+    Parameters
+    ----------
+    aircraft : Aircraft
+        What flies.
+    states : SteadyStates
+        At two or more rising speeds, all at one climb rate.
+    climb : float
+        That climb rate [m/s].
+    """
+    return searched(aircraft, states, climb)[:2]
+
+
+def searched(
+    aircraft: Aircraft, states: SteadyStates, climb: float
+) -> tuple[float, str, SteadyStates]:
+    """The same, and the ``states`` with those that the search has come by."""
+    low, high, why = _last_and_next(states)
+    for _ in range(STEPS):
+        if math.isnan(low):
+            return math.nan, why, states
+        if math.isnan(high):
+            if low >= FASTEST:
+                return math.nan, "", states
+            further = np.array([max(low, 1.0) * BEYOND])
+        elif high - low <= CLOSE * high:
+            break
+        else:
+            met = _met(states, low, high, why)
+            further = met + NARROW * (high - low) * np.array([-1.0, 0.0, 1.0])
+            if math.isnan(met):
+                further = low + (high - low) * np.array([0.25, 0.5, 0.75])
+            further = further[(further > low) & (further < high)]
+        # Those that are not found at once begin anew at the last that was.
+        speeds = np.array([low, *further])
+        states = states.and_also(aircraft.steady(speeds, climb, margin=False, near=states))
+        low, high, why = _last_and_next(states)
+    met = _met(states, low, high, why)
+    return (low if math.isnan(met) else low + WITHIN * (met - low)), why, states
+
+
+def _met(states: SteadyStates, low: float, high: float, why: str) -> float:
+    """Where the share of a limit reaches 1 between two neighbouring speeds; NaN if not known."""
+    if why not in states.used:
+        return math.nan
+    k = int(np.argmin(np.abs(states.speed - low)))
+    before, after = np.log(np.maximum(states.used[why][k : k + 2], 1e-9))
+    step = -before / (after - before)
+    return low + step * (high - low) if 0.0 <= step <= 1.0 else math.nan
+
+
+def _last_and_next(states: SteadyStates) -> tuple[float, float, str]:
+    """The last speed that is flown, the next that is not, and why not; NaN where there is none."""
+    flown = np.flatnonzero(states.found)
+    if not flown.size:
+        return math.nan, float(states.speed[0]), str(states.status[0])
+    last = int(flown[-1])
+    if last == len(states) - 1:
+        return float(states.speed[last]), math.nan, ""
+    return float(states.speed[last]), float(states.speed[last + 1]), str(states.status[last + 1])
+
+
+# -------------------------------------------------------------------------------------------------
+# Steady states in the units of files and pictures: m/s, degrees, rpm, N, W, A, V.
+
+RPM, DEGREES = 30.0 / math.pi, 180.0 / math.pi
+
+
+class Column(NamedTuple):
+    """A quantity of n states: ``values`` (n,) or, of k rotors, (n, k); unit and meaning."""
+
+    values: Floats
+    unit: str
+    meaning: str
+
+
+def columns(states: SteadyStates, sure: Spread | None = None) -> dict[str, Column]:
+    """All quantities by their names in files.
+
+    Parameters
+    ----------
+    states : SteadyStates
+        Of n.
+    sure : Spread, optional
+        Their standard deviations, which have columns too.
+    """
+    return _of_states(states) | ({} if sure is None else _deviation_columns(sure))
+
+
+def _deviation_columns(sure: Spread) -> dict[str, Column]:
+    std = "standard deviation of the "
+    return {
+        "pitch_std_deg": Column(sure.pitch * DEGREES, "degree", std + "pitch"),
+        "rpm_std": Column(sure.rotor_speed * RPM, "1/min", std + "rotational speed"),
+        "shaft_power_std_W": Column(sure.shaft_power, "W", std + "shaft power"),
+        "electrical_power_std_W": Column(sure.electrical_power, "W", std + "electrical power"),
+    }
+
+
+def _of_states(states: SteadyStates) -> dict[str, Column]:
+    return {
+        "speed_mps": Column(states.speed, "m/s", "horizontal speed through the air"),
+        "climb_mps": Column(states.climb, "m/s", "climb rate"),
+        "bank_deg": Column(states.bank * DEGREES, "degree", "bank of the turn, to the right"),
+        "pitch_deg": Column(states.pitch * DEGREES, "degree", "pitch, positive nose down"),
+        "roll_deg": Column(states.roll * DEGREES, "degree", "roll, positive right side down"),
+        "rpm": Column(states.rotor_speed * RPM, "1/min", "rotational speed"),
+        "thrust_N": Column(states.thrust, "N", "thrust"),
+        "torque_Nm": Column(states.torque, "N m", "shaft torque"),
+        "shaft_power_W": Column(states.shaft_power, "W", "power of all shafts"),
+        "electrical_power_W": Column(states.electrical_power, "W", "power from the battery"),
+        "motor_current_A": Column(states.motor_current, "A", "current of a motor"),
+        "throttle": Column(states.throttle, "1", "share of the battery's voltage"),
+        "battery_current_A": Column(states.battery_current, "A", "current of the battery"),
+        "battery_voltage_V": Column(states.battery_voltage, "V", "voltage under load"),
+        "thrust_margin": Column(
+            states.thrust_margin, "1", "thrust at the first limit over that which is needed"
+        ),
+        "residual": Column(states.residual, "1", "unbalanced share of the weight"),
+    }
+
+
+def rows(states: SteadyStates, sure: Spread | None = None) -> list[dict[str, Any]]:
+    """One mapping per state, a number per rotor as rpm_1, rpm_2 ...; None for NaN.
+
+    ``states`` and ``sure`` are those of ``columns``.
+    """
+    flat: dict[str, list[float]] = {}
+    for name, column in columns(states, sure).items():
+        if column.values.ndim == 1:
+            flat[name] = column.values.tolist()
+            continue
+        # thrust_N of the first rotor is thrust_1_N.
+        head, _, unit = name.rpartition("_") if "_" in name else (name, "", "")
+        for k, values in enumerate(column.values.T, start=1):
+            flat["_".join(filter(None, (head, str(k), unit)))] = values.tolist()
+    return [
+        dict(zip(flat, (v if np.isfinite(v) else None for v in row), strict=True))
+        | {"status": status}
+        for row, status in zip(
+            zip(*flat.values(), strict=True), states.status.tolist(), strict=True
+        )
+    ]

@@ -1,26 +1,32 @@
-"""Which propeller an aircraft flies best with: every candidate judged, feasible ones first."""
+"""Which propeller an aircraft flies best with: task, candidates, their order, how sure it is."""
 
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from propmap.aircraft.candidates import Candidate
+from propmap.aircraft.mission import Mission
 from propmap.aircraft.mission import fly as fly_mission
-from propmap.aircraft.performance import endurance
-from propmap.aircraft.steady import Aircraft
-from propmap.aircraft.steady_states import STATUSES, SteadyStates
-from propmap.aircraft.task import Task
-from propmap.aircraft.top_speed import top_speed
+from propmap.aircraft.performance import endurance, top_speed
+from propmap.aircraft.trim import STATUSES, Aircraft, SteadyStates
+from propmap.catalogue.identified import all_identified
+from propmap.catalogue.lookup import constants_to_expect, meant_by, own_constants, propeller
+from propmap.errors import InputError
+from propmap.model.airfoil import Airfoil, SectionCovariance
 from propmap.model.corrections import Correction
-from propmap.model.model import Model
+from propmap.model.model import Model, Propeller, Section
 from propmap.rotor import Rotor
 from propmap.tasks import InThreads, Workers, cores, in_order
 from propmap.vehicle.vehicle import Vehicle
+
+# -------------------------------------------------------------------------------------------------
+# Which propeller an aircraft flies best with: every candidate judged, feasible ones first.
 
 ALONE = 1e-3
 """Distance of two axes over the radius below which rotors are one above the other [-]."""
@@ -293,3 +299,250 @@ def _overlap(vehicle: Vehicle, radius: float) -> str:
     if closest >= 2.0 * radius:
         return ""
     return f"the rotors overlap: hubs are {closest:.3g} m apart, the disks {2.0 * radius:.3g} m"
+
+
+# -------------------------------------------------------------------------------------------------
+# How sure a ranking is of its neighbours, and what no other propeller beats.
+
+
+def beats(better: Judged, worse: Judged) -> float:
+    """Probability that one candidate beats another, from the uncertainty of their constants alone.
+
+    What the model itself gets wrong is not counted, and is alike for both; constants of different
+    propellers were found from different data and are taken as independent.  NaN where either has
+    no deviation.
+
+    Parameters
+    ----------
+    better, worse : Judged
+        With deviations; the first is ahead of the second in a ranking.
+    """
+    spread = math.hypot(better.deviation, worse.deviation)
+    gap = abs(worse.score - better.score)
+    if not math.isfinite(spread):
+        return math.nan
+    return 0.5 * (1.0 + math.erf(gap / (spread * math.sqrt(2.0)))) if spread > 0.0 else 1.0
+
+
+def pareto(judged: Sequence[Judged]) -> NDArray[np.intp]:
+    """Numbers of those feasible ones among ``judged`` that no other beats in hover power and in top
+    speed, by rising hover power."""
+    power = np.array([one.hover_power if one.feasible else math.nan for one in judged])
+    speed = np.array([one.top_speed if one.feasible else math.nan for one in judged])
+    found = [
+        k
+        for k in range(len(judged))
+        if math.isfinite(power[k] + speed[k])
+        and not (
+            (power <= power[k]) & (speed >= speed[k]) & ((power < power[k]) | (speed > speed[k]))
+        ).any()
+    ]
+    return np.array(sorted(found, key=lambda k: power[k]), dtype=np.intp)
+
+
+# -------------------------------------------------------------------------------------------------
+# Propellers that an aircraft might fly with, and the constants of their blades.
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """A propeller to choose.
+
+    Attributes
+    ----------
+    name : str
+        In the catalogue, or of its file.
+    propeller : Propeller
+        Geometry.
+    airfoil : Section
+        Constants of its blades.
+    covariance : SectionCovariance or None
+        Of these constants; None where they were not identified for this propeller.
+    verdict : str
+        "good", or what is wrong with the constants.
+    """
+
+    name: str
+    propeller: Propeller
+    airfoil: Section
+    covariance: SectionCovariance | None = None
+    verdict: str = "good"
+
+    def varied(self) -> list[Candidate]:
+        """The same with constants off by one standard deviation along each principal axis of their
+        covariance; where a constant would leave its bounds, to the other side, or not at all."""
+        if self.covariance is None or not isinstance(self.airfoil, Airfoil):
+            return []
+        known = self.covariance.determined
+        variances, axes = np.linalg.eigh(known.matrix)
+        found = []
+        for variance, axis in zip(variances, axes.T, strict=True):
+            for size in (math.sqrt(max(variance, 0.0)), -math.sqrt(max(variance, 0.0))):
+                change: Any = {
+                    name: getattr(self.airfoil, name) + size * float(part)
+                    for name, part in zip(known.names, axis, strict=True)
+                }
+                try:
+                    found.append(replace(self, airfoil=self.airfoil.with_parameters(**change)))
+                except InputError:
+                    continue
+                break
+        return found
+
+
+def catalogue_candidates(
+    diameter: tuple[float, float] = (0.0, math.inf), blades: int | None = None
+) -> list[Candidate]:
+    """Every propeller whose constants were identified.
+
+    Parameters
+    ----------
+    diameter : tuple of 2 float
+        Least and largest [m].
+    blades : int, optional
+        How many; by default any.
+
+    Raises
+    ------
+    InputError
+        Where there is none.
+    """
+    low, high = diameter
+    found = []
+    for one in all_identified():
+        if blades not in (None, one.blades):
+            continue
+        blade = propeller(one.propeller, one.blades)
+        # 10 in are 0.254 m but for rounding in the catalogue.
+        if low - 1e-6 <= blade.diameter <= high + 1e-6:
+            name = one.propeller if one.blades == 2 else f"{one.propeller}, {one.blades} blades"
+            found.append(Candidate(name, blade, one.airfoil, one.section_covariance, one.verdict))
+    if not found:
+        raise InputError(
+            f"no propeller of the catalogue has {low / 0.0254:.3g} to {high / 0.0254:.3g} in"
+            + (f" and {blades} blades" if blades else ""),
+            "ask for other diameters, see `propmap props`",
+        )
+    return found
+
+
+def file_candidate(path: str | os.PathLike[str], section: Section | None = None) -> Candidate:
+    """A propeller from a file, or by its name, with constants of its own or to be expected.
+
+    Parameters
+    ----------
+    path : path or str
+        As for ``propmap.propeller``.
+    section : Section, optional
+        Its section law; by default the best constants that are known of it, see
+        ``propmap.known_model``.
+    """
+    blade = propeller(path)
+    law, verdict = section, "section law as given"
+    if law is None:
+        meant = meant_by(path)
+        own = own_constants(meant, blade.blades)
+        law = own.airfoil if own else constants_to_expect(meant, blade).airfoil
+        verdict = own.verdict if own else "constants to be expected, not identified"
+    known = getattr(law, "uncertainty", None)
+    return Candidate(os.fspath(path), blade, law, known and known.covariance, verdict)
+
+
+# -------------------------------------------------------------------------------------------------
+# What an aircraft is for, and what propellers are ranked by.
+
+MEASURES = {
+    "hover": {"energy": "power in hover", "time": "time in hover on one battery"},
+    "cruise": {
+        "energy": "energy per distance at the speed",
+        "time": "time at the speed on one battery",
+        "range": "distance at the speed on one battery",
+    },
+    "fast": {"speed": "top speed"},
+    "mission": {"energy": "energy of the mission"},
+}
+"""What candidates may be ranked by for each task, the first by default."""
+
+UNITS = {"energy": "W", "time": "s", "range": "m", "speed": "m/s"}
+ENERGIES = {"cruise": "J/m", "mission": "J"}
+"""Of scores: of the measures, and of the energy of tasks that are not held."""
+
+SPEED = 10.0
+"""[m/s] at which propellers are looked at besides hover where no speed is asked for."""
+
+
+@dataclass(frozen=True, eq=False)
+class Task:
+    """What an aircraft is for.
+
+    Attributes
+    ----------
+    name : str
+        A key of ``MEASURES``.
+    speed : float or None
+        Of the cruise [m/s]; None where the task has none.
+    mission : Mission or None
+        For the task "mission".
+    thrust_margin : float
+        That hover must leave.
+    measure : str
+        Of the task's ``MEASURES``; empty for the first.
+
+    Raises
+    ------
+    InputError
+        For another name or measure, a speed that is not positive or missing, and a missing mission.
+    """
+
+    name: str
+    speed: float | None = None
+    mission: Mission | None = None
+    thrust_margin: float = 1.5
+    measure: str = ""
+
+    def __post_init__(self) -> None:
+        if self.name not in MEASURES:
+            raise InputError(f"the task is {self.name!r}", f"choose from {', '.join(MEASURES)}")
+        if self.speed is None and self.name == "cruise":
+            raise InputError("cruise has no speed", "give a speed in m/s, or the task hover")
+        if self.speed is not None and not self.speed > 0.0:
+            raise InputError(f"the speed is {self.speed:g} m/s", "give a speed above 0")
+        if (self.name == "mission") != (self.mission is not None):
+            raise InputError("the task and the mission do not fit", "give a mission for this task")
+        if not self.thrust_margin >= 1.0:
+            raise InputError(
+                f"the thrust margin is {self.thrust_margin:g}",
+                "give 1 or more: with less thrust than weight nothing flies",
+            )
+        known = MEASURES[self.name]
+        if self.measure and self.measure not in known:
+            raise InputError(
+                f"the task {self.name} is not ranked by {self.measure}",
+                f"choose from {', '.join(known)}",
+            )
+
+    @property
+    def ranked_by(self) -> str:
+        """A key of its ``MEASURES``."""
+        return self.measure or next(iter(MEASURES[self.name]))
+
+    @property
+    def most_is_best(self) -> bool:
+        """Whether the largest score is the best."""
+        return self.ranked_by != "energy"
+
+    @property
+    def words(self) -> str:
+        """What is ranked by."""
+        return MEASURES[self.name][self.ranked_by]
+
+    @property
+    def unit(self) -> str:
+        """Of a score."""
+        unit = UNITS[self.ranked_by]
+        return ENERGIES.get(self.name, unit) if self.ranked_by == "energy" else unit
+
+    @property
+    def probed_speed(self) -> float:
+        """At which propellers are looked at besides hover [m/s]."""
+        return SPEED if self.speed is None else self.speed

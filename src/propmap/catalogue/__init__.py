@@ -7,9 +7,9 @@ from functools import lru_cache
 from pathlib import Path
 
 from propmap.errors import InputError, quoted
-from propmap.io.propeller_toml import SCHEMA, parse_propeller_toml
-from propmap.io.toml_table import parse_toml
-from propmap.model.propeller import Propeller
+from propmap.io.geometry import SCHEMA, parse_propeller_toml
+from propmap.io.toml import parse_toml
+from propmap.model.model import Propeller
 
 
 @dataclass(frozen=True)

@@ -1,34 +1,51 @@
-"""Propellers and section laws by their name in the catalogue, or from a file."""
+"""Propellers, section laws, models and measured loads by name."""
 
 from __future__ import annotations
 
+import difflib
+import functools
 import os
 import re
-from dataclasses import replace
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 
+import numpy as np
+
 from propmap import catalogue
-from propmap.catalogue.designation import (
+from propmap.catalogue import Entry
+from propmap.catalogue.expected import (
+    ExpectedBlade,
+    ExpectedConstants,
+    blade_of,
+    expected_blade,
+    expected_constants,
+    size_of,
+)
+from propmap.catalogue.identified import (
     INCH,
     WITHOUT_BLADE,
     Designation,
+    Identified,
     candidates,
     designation,
-    series_named,
-)
-from propmap.catalogue.expected_blade import ExpectedBlade, blade_of, expected_blade
-from propmap.catalogue.identified import (
-    Identified,
+    identified,
     identified_without_blade,
     named_without_blade,
+    series_named,
 )
 from propmap.errors import InputError, quoted
-from propmap.io.blade_table import check_radius
-from propmap.io.geometry_file import read_geometry_file
-from propmap.io.section_tables import looks_like_section_table, read_section_table
-from propmap.model.airfoil import Airfoil, airfoil_names, parameter_set
-from propmap.model.propeller import Propeller
-from propmap.model.section_table import SectionTable
+from propmap.io.geometry import check_radius, read_geometry_file
+from propmap.io.sections import looks_like_section_table, read_section_table
+from propmap.io.toml import parse_toml
+from propmap.loads import LOADS
+from propmap.model.airfoil import Airfoil, SectionTable, airfoil_names, parameter_set
+from propmap.model.corrections import Correction, corrections_of
+from propmap.model.model import Air, Model, Propeller
+from propmap.typing import Floats
+
+# -------------------------------------------------------------------------------------------------
+# Propellers and section laws by their name in the catalogue, or from a file.
 
 _SIZE_AT_END = re.compile(r"\s+\d\S*( mm)?( \(.*\))?$")
 _NAME = re.compile(r"[A-Za-z][^\s-]*(-[^\s-]+)+")
@@ -188,3 +205,152 @@ def looks_like_path(name_or_path: str | os.PathLike[str]) -> bool:
         return path.exists() or path.suffix[1:2].isalpha()
     except (OSError, ValueError):
         return True
+
+
+# -------------------------------------------------------------------------------------------------
+# A model of a propeller from its name alone: blade, and the best constants known of it.
+
+
+def known_model(
+    name_or_path: str | os.PathLike[str],
+    blades: int | None = None,
+    *,
+    air: Air | None = None,
+    corrections: tuple[Correction, ...] | None = None,
+) -> Model:
+    """The model of a propeller by name: its blade, and the best constants that are known of it.
+
+    The blade is that of ``propmap.propeller``.  The constants are those identified from the
+    propeller's own loads; else those to be expected of its family, else of any small propeller.
+    They carry how well they are known, so that loads have standard deviations.
+
+    Parameters
+    ----------
+    name_or_path : str or path
+        A name of the catalogue, a designation such as "HQ 5x4.3x3", or a geometry file.
+    blades : int, optional
+        Number of blades, where it is not said or another number is wanted.
+    air : Air, optional
+        By default the paper's.
+    corrections : tuple, optional
+        By default those of the recommended model.
+
+    Raises
+    ------
+    InputError
+        As ``propmap.propeller``.
+    """
+    blade = propeller(name_or_path, blades)
+    meant = meant_by(name_or_path)
+    known = own_constants(meant, blade.blades) or constants_to_expect(meant, blade)
+    added = corrections_of("recommended") if corrections is None else corrections
+    return Model(blade, known.airfoil, air or Air(), added)
+
+
+def own_constants(meant: Entry | ExpectedBlade | None, blades: int) -> Identified | None:
+    """The constants identified from a propeller's own loads with so many ``blades``, if any.
+
+    Parameters
+    ----------
+    meant : Entry, ExpectedBlade or None
+        What its name means, from ``meant_by``.
+    blades : int
+        Number of blades.
+    """
+    if isinstance(meant, ExpectedBlade):
+        return meant.own if meant.own is not None and meant.own.blades == blades else None
+    return identified(meant.name, blades) if meant is not None else None
+
+
+def constants_to_expect(meant: Entry | ExpectedBlade | None, blade: Propeller) -> ExpectedConstants:
+    """The constants to be expected of a propeller that was not identified itself.
+
+    Parameters
+    ----------
+    meant : Entry, ExpectedBlade or None
+        What its name means, from ``meant_by``; None of a geometry file.
+    blade : Propeller
+        Its blade.
+    """
+    return expected_constants(
+        meant.family if meant is not None else None,
+        size_of(meant, blade),
+        meant.geometry if isinstance(meant, ExpectedBlade) else "measured",
+    )
+
+
+# -------------------------------------------------------------------------------------------------
+# Measured loads that come with propmap, one TOML file each in ``measurements/``.
+
+SCHEMA = 1
+SUFFIX = ".toml"
+_FOLDER = Path(__file__).parent / "measurements"
+
+
+@dataclass(frozen=True, eq=False)
+class Measurement:
+    """Loads of one propeller at n operating points, as published.
+
+    Attributes
+    ----------
+    name, propeller : str
+        Names of the measurement and of the propeller in the catalogue.
+    kind : str
+        "measured" points, points "digitised" from a figure, or a published "fit".
+    air_density : float
+        [kg/m^3].
+    note, citation : str
+        What was done to the figures, and whom to cite.
+    omega, speed, beta : ndarray, shape (n,)
+        The operating points [rad/s], [m/s], [rad].
+    loads : mapping of str to ndarray, shape (n,)
+        Those published, by their names in ``propmap.loads.LOADS`` [N], [N m].
+    """
+
+    name: str
+    propeller: str
+    kind: str
+    air_density: float
+    note: str
+    citation: str
+    omega: Floats
+    speed: Floats
+    beta: Floats
+    loads: Mapping[str, Floats]
+
+
+def measurement_names() -> list[str]:
+    """The names of all measurements, in alphabetical order."""
+    return sorted(file.stem for file in _FOLDER.glob(f"*{SUFFIX}"))
+
+
+@functools.lru_cache(maxsize=32)
+def measurement(name: str) -> Measurement:
+    """The measurement called ``name``, in upper or lower case; ``InputError`` if none is."""
+    key, known = name.strip().lower(), measurement_names()
+    if key not in known:
+        close = difflib.get_close_matches(key, known, n=3, cutoff=0.3) or known
+        raise InputError(
+            f"{quoted(name)} is not a measurement of the catalogue",
+            f"choose one of {', '.join(close)}",
+        )
+    file = _FOLDER / f"{key}{SUFFIX}"
+    fields = parse_toml(file.read_text(encoding="utf-8"), f"measurement {key}", SCHEMA)
+
+    def array(column: str) -> Floats:
+        values = np.array(fields[column], dtype=np.float64)
+        values.flags.writeable = False
+        return values
+
+    return Measurement(
+        name=key,
+        propeller=fields["propeller"],
+        kind=fields["kind"],
+        air_density=float(fields["air_density"]),
+        note=fields["note"],
+        citation=fields["citation"],
+        omega=array("omega_rad_s"),
+        speed=array("speed_m_s"),
+        beta=array("beta_rad"),
+        loads={n: array(load.column) for n, load in LOADS.items() if load.column in fields},
+    )

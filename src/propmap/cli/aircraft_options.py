@@ -10,14 +10,13 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from propmap import catalogue
-from propmap.cli.rotor_options import AccuracyName, ModelName, RotorChoice, with_physics
+from propmap.cli.options import AccuracyName, ModelName, RotorChoice, with_physics
 from propmap.errors import InputError
-from propmap.io.operating_points import RPM
+from propmap.io.csv import RPM
 
 if TYPE_CHECKING:
-    from propmap.aircraft.steady import Aircraft
-    from propmap.model.model import Model
-    from propmap.model.propeller import Propeller
+    from propmap.aircraft.trim import Aircraft
+    from propmap.model.model import Model, Propeller
     from propmap.vehicle.vehicle import Vehicle
 
 VehicleArgument = Annotated[
@@ -43,7 +42,7 @@ MISSING = {
 
 def vehicle_of(path: Path, *, no_wakes: bool) -> Vehicle:
     """The vehicle of a file; with ``no_wakes`` as if it had no table ``[wakes]``."""
-    from propmap.vehicle.vehicle_toml import read_vehicle
+    from propmap.vehicle.files import read_vehicle
 
     found = read_vehicle(path).vehicle
     return replace(found, wakes=None) if no_wakes else found
@@ -84,7 +83,7 @@ def aircraft_of(
                 "--table is given with --airfoil, --model or --correction",
                 "leave these out: the table was built with its own",
             )
-        from propmap.aircraft.steady import Aircraft
+        from propmap.aircraft.trim import Aircraft
         from propmap.table.query import LoadTable
 
         found = LoadTable.load(table)
@@ -93,7 +92,7 @@ def aircraft_of(
     chosen = model_of(vehicle, vehicle.propeller, airfoil, model, correction)
     say_missing(vehicle)
 
-    from propmap.aircraft.steady import Aircraft
+    from propmap.aircraft.trim import Aircraft
     from propmap.rotor import Rotor
 
     rotor = Rotor(chosen, accuracy=accuracy.value)

@@ -11,6 +11,14 @@ import numpy as np
 import typer
 
 from propmap.catalogue.lookup import airfoil
+from propmap.cli.options import (
+    Corrections,
+    ModelOption,
+    say_doubts,
+    say_expected,
+    say_reynolds,
+    with_physics,
+)
 from propmap.cli.output import (
     Format,
     FormatOption,
@@ -21,22 +29,18 @@ from propmap.cli.output import (
     json_text,
     show,
 )
-from propmap.cli.plausibility import say_doubts, say_expected
-from propmap.cli.rotor_options import Corrections, ModelOption, say_reynolds, with_physics
 from propmap.errors import InputError
-from propmap.io.csv_text import csv_text
-from propmap.model.air import Air
+from propmap.io.csv import csv_text
 from propmap.model.corrections import in_words
-from propmap.model.model import Model
-from propmap.model.plausible import doubts_on_blade
+from propmap.model.model import Air, Model
+from propmap.model.plausibility import doubts_on_blade
 
 if TYPE_CHECKING:
     from rich.table import Table
 
     from propmap.fit.comparison import Comparison
     from propmap.fit.learned_residual import Correction
-    from propmap.model.airfoil import Airfoil
-    from propmap.model.section_table import SectionTable
+    from propmap.model.airfoil import Airfoil, SectionTable
 
 
 def check(
@@ -93,14 +97,14 @@ def _compare(
     """Errors of the physics, and of it with a learned residual where the fit has one."""
     from propmap.catalogue.lookup import propeller
     from propmap.fit.comparison import compare_forces, compare_tunnel, flight_forces
-    from propmap.fit.other_flights import values_for
-    from propmap.fit.result_file import is_fit, read_fit
+    from propmap.fit.files import is_fit, read_fit
+    from propmap.fit.flight_study import values_for
 
     fitted = read_fit(fit) if is_fit(fit) else None
     if vehicle is not None:
-        from propmap.cli.flight_files import read_flights
-        from propmap.fit.body_forces import wing_values
-        from propmap.vehicle.vehicle_toml import read_vehicle
+        from propmap.cli.fit_flight import read_flights
+        from propmap.fit.flight import wing_values
+        from propmap.vehicle.files import read_vehicle
 
         if prop is not None:
             raise InputError("--prop is given with a vehicle, which has its own", "leave it out")
@@ -123,7 +127,7 @@ def _compare(
         typer.echo(f"note: {_envelope(added)}", err=True)
         corrected = compare_forces(file.vehicle, flights.log, replace(forces, model=with_it))
         return errors, corrected
-    from propmap.fit.tunnel_files import doubts_on_tunnel, read_tunnel
+    from propmap.fit.tunnel import doubts_on_tunnel, read_tunnel
 
     if fitted is None and prop is None:
         raise InputError(

@@ -20,8 +20,7 @@ def demo(output: OutputFolder = Path("propmap-demo")) -> None:
         raise InputError("this is a file", "name a folder", str(output))
     output.mkdir(parents=True, exist_ok=True)
 
-    from propmap.cli.demo_results import compute, write_pictures, write_tables
-    from propmap.cli.demo_words import notes, told
+    from propmap.cli.demo_results import compute, notes, told, write_pictures, write_tables
     from propmap.cli.output import show
 
     results = compute()

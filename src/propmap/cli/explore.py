@@ -42,11 +42,9 @@ def explore(
         raise InputError(
             "the package dash is not installed", "pip install '.[explore]' in propmap's checkout"
         )
-    from propmap.explore.application import Application
-    from propmap.explore.given import Shelf, read_path
-    from propmap.explore.server import guard, is_loopback, listen, names_of, serve
-    from propmap.explore.session import Session
-    from propmap.explore.views.all import VIEWS
+    from propmap.explore.app import Application, guard, is_loopback, listen, names_of, serve
+    from propmap.explore.session import Session, Shelf, read_path
+    from propmap.explore.views import VIEWS
 
     shelf, first = Shelf(), Session()
     if subject is not None and looks_like_path(subject):

@@ -1,4 +1,4 @@
-"""``propmap export``: a map in the form that another program reads."""
+"""``propmap export``: a table, a vehicle or its parameters in the form that other programs read."""
 
 from __future__ import annotations
 
@@ -9,25 +9,18 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 import typer
 
-from propmap.cli.aircraft_options import NoWakes
-from propmap.cli.export_autopilot import (
-    AirfoilOption,
-    ChargeOption,
-    SpeedOption,
-    TableOption,
-    export_vehicle,
-    refuse_options,
-)
-from propmap.cli.export_wrench import export_wrench, is_vehicle
-from propmap.cli.output import Force
-from propmap.cli.plausibility import say_expected
-from propmap.cli.rotor_options import (
+from propmap.cli.aircraft_options import NoWakes, aircraft_of, vehicle_of
+from propmap.cli.options import (
+    AccuracyName,
     Corrections,
     ModelName,
     ModelOption,
+    parse_axis,
+    say_expected,
     say_reynolds,
     with_physics,
 )
+from propmap.cli.output import Force
 from propmap.cli.table_report import building
 from propmap.errors import InputError
 from propmap.model.model import Model
@@ -35,6 +28,10 @@ from propmap.model.model import Model
 if TYPE_CHECKING:
     from propmap.rotor import Rotor
     from propmap.table import LoadTable
+
+
+# -------------------------------------------------------------------------------------------------
+# ``propmap export``: a map in the form that another program reads.
 
 TIP_SPEED = (20.0, 105.0)
 SPEED = (0.0, 20.0)
@@ -131,7 +128,7 @@ def _table(
                 raise InputError(f"{option} is given with a map, which has its own", "leave it out")
         return LoadTable.load(source)
     from propmap.catalogue.lookup import airfoil, propeller
-    from propmap.fit.result_file import is_fit, read_fit
+    from propmap.fit.files import is_fit, read_fit
     from propmap.rotor import Rotor
 
     if prop is not None:
@@ -168,3 +165,132 @@ def _built(rotor: Rotor) -> LoadTable:
             tolerance=TOLERANCE,
             progress=progress,
         )
+
+
+# -------------------------------------------------------------------------------------------------
+# ``propmap export VEHICLE.toml --table MAP.npz --to c|rotorpy``: force and moment on a vehicle.
+
+
+def is_vehicle(path: Path) -> bool:
+    """Whether the file at ``path`` is a vehicle's: TOML with a table ``[[rotors]]``."""
+    import tomllib
+
+    if path.suffix.lower() != ".toml":
+        return False
+    try:
+        return "rotors" in tomllib.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return False
+
+
+def export_wrench(
+    source: Path, to: str, output: Path, *, table: Path | None, no_wakes: bool, replace: bool
+) -> None:
+    """Write force and moment on the vehicle file ``source`` for the target ``to``."""
+    from propmap.export import VEHICLE_TARGETS, check_folder, export_vehicle
+    from propmap.table import LoadTable
+
+    if to not in VEHICLE_TARGETS:
+        raise InputError(
+            f"this is a vehicle file, and {to} is written of a map alone",
+            f"give the map, or --to {', '.join(VEHICLE_TARGETS)}, px4 or ardupilot",
+            str(source),
+        )
+    if table is None:
+        raise InputError(
+            "this is a vehicle file, and the loads of its rotors are not given",
+            "build a map with propmap table and give it as --table MAP.npz",
+            str(source),
+        )
+    check_folder(output)
+    vehicle, loads = vehicle_of(source, no_wakes=no_wakes), LoadTable.load(table)
+    try:
+        paths = export_vehicle(vehicle, loads, to, output, replace=replace)
+    except InputError as error:
+        raise InputError(error.found, error.remedy, error.where or str(source)) from None
+    for path in paths:
+        typer.echo(f"wrote {path}")
+
+
+# -------------------------------------------------------------------------------------------------
+# ``propmap export VEHICLE.toml --to px4|ardupilot``: a vehicle's parameters for an autopilot.
+
+AirfoilOption = Annotated[
+    str | None,
+    typer.Option(
+        "--airfoil", metavar="NAME|FILE", help="For a vehicle: section law, as for predict."
+    ),
+]
+TableOption = Annotated[
+    Path | None,
+    typer.Option("--table", metavar="FILE.npz", help="For a vehicle: loads from a map instead."),
+]
+SpeedOption = Annotated[
+    str | None,
+    typer.Option(
+        "--speed",
+        metavar="A:B:N",
+        help="For px4 and ardupilot: level flights that drag is fitted to [m/s], else 1:15:8.",
+    ),
+]
+ChargeOption = Annotated[
+    float | None,
+    typer.Option(
+        "--charge", help="For px4 and ardupilot: state of charge of the thrust curve, else 1."
+    ),
+]
+
+
+def export_vehicle(
+    source: Path,
+    to: str,
+    output: Path,
+    *,
+    airfoil: str | None,
+    table: Path | None,
+    model: ModelName | None,
+    correction: list[str] | None,
+    speed: str | None,
+    charge: float | None,
+    no_wakes: bool,
+    replace: bool,
+) -> None:
+    """Write the parameters of the vehicle file ``source`` for the autopilot ``to``."""
+    import numpy as np
+
+    from propmap.export.autopilot import SPEEDS, export_autopilot
+    from propmap.export.files import check_folder
+    from propmap.export.inplane_drag import missing_drag
+
+    check_folder(output)
+    if source.suffix.lower() != ".toml":
+        raise InputError(
+            f"{to} takes a vehicle file", "give VEHICLE.toml, see propmap trim", str(source)
+        )
+    speeds = SPEEDS if speed is None else parse_axis("--speed", "speed", speed, len(SPEEDS))
+    craft = aircraft_of(
+        vehicle_of(source, no_wakes=no_wakes),
+        airfoil=airfoil,
+        table=table,
+        model=model,
+        correction=correction,
+        accuracy=AccuracyName.standard,
+        maximum_rpm=None,
+        charge=1.0 if charge is None else charge,
+    )
+    try:
+        paths = export_autopilot(craft, to, output, speeds=np.asarray(speeds), replace=replace)
+    except InputError as error:
+        raise InputError(error.found, error.remedy, error.where or str(source)) from None
+    for words in missing_drag(craft):
+        typer.echo(f"note: {words}", err=True)
+    for path in paths:
+        typer.echo(f"wrote {path}")
+
+
+def refuse_options(to: str, **given: object) -> None:
+    """Raise ``InputError`` for an option, by its name, that the target ``to`` does not have."""
+    for name, value in given.items():
+        if value is not None:
+            option = name.replace("_", "-")
+            raise InputError(f"--{option} is given with --to {to}, which has none", "leave it out")

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from propmap.catalogue.identified import Identified, as_csv, parse_identified
-from propmap.cli.cluster_option import Cluster, workers_of
+from propmap.cli.options import Cluster, workers_of
 from propmap.cli.output import check_output, grid, show, write_text
 
 if TYPE_CHECKING:
-    from propmap.catalogue.population import Population
+    from propmap.catalogue.expected import Population
 
 LEAST_FAMILIES = 8
 """Below this number there is no saying how constants are spread over propellers."""
@@ -40,11 +40,11 @@ def fit_catalogue(
     blade of their family or of all. Each takes some tenths of a second. FILE is written after every
     four: started again, the command goes on where it was.
     """
-    from propmap.catalogue.population import as_toml
+    from propmap.catalogue.expected import as_toml
     from propmap.fit.population.catalogue import identify_all, identify_without_blade
     from propmap.fit.population.misfiled import refiled
     from propmap.fit.population.populations import populations_of
-    from propmap.io.uiuc_database import read_uiuc_database
+    from propmap.io.uiuc import read_uiuc_database
 
     check_output(output, (".csv",))
     every = refiled(read_uiuc_database(loads))

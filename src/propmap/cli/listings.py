@@ -1,4 +1,4 @@
-"""``propmap props`` and ``propmap airfoils``: what comes with propmap."""
+"""``propmap props`` and ``propmap airfoils``: what comes with propmap, and how well it is known."""
 
 from __future__ import annotations
 
@@ -10,8 +10,11 @@ import numpy as np
 import typer
 from typer.core import TyperGroup
 
-from propmap.catalogue.lookup import propeller, search
-from propmap.cli.known_constants import known_constants
+from propmap.catalogue import Entry
+from propmap.catalogue.expected import HELD
+from propmap.catalogue.identified import PARAMETERS, all_identified
+from propmap.catalogue.lookup import constants_to_expect, meant_by, own_constants, propeller, search
+from propmap.cli.options import Blades, PropArgument, Radius, constants, say_doubts, say_expected
 from propmap.cli.output import (
     Format,
     FormatOption,
@@ -24,13 +27,17 @@ from propmap.cli.output import (
     grid,
     show,
 )
-from propmap.cli.plausibility import say_doubts, say_expected
-from propmap.cli.rotor_options import Blades, PropArgument, Radius, constants
-from propmap.model.airfoil import airfoil_names, parameter_set
-from propmap.model.plausible import doubts_on_blade
+from propmap.model.airfoil import Airfoil, airfoil_names, parameter_set
+from propmap.model.plausibility import doubts_on_blade
 
 if TYPE_CHECKING:
-    from propmap.model.propeller import Propeller
+    from rich.table import Table
+
+    from propmap.model.model import Propeller
+
+
+# -------------------------------------------------------------------------------------------------
+# ``propmap props`` and ``propmap airfoils``: what comes with propmap.
 
 ENTRY = ("name", "title", "family", "blades", "diameter_m", "source")
 OUTLINE_WIDTH = 72
@@ -146,8 +153,8 @@ def show_prop(
         *known_constants(prop, blade.blades),
     )
     if output is not None:
-        from propmap.report.planform import planform
-        from propmap.report.style import save
+        from propmap.report.html import save
+        from propmap.report.pictures import planform
 
         save(planform(blade), output)
         typer.echo(output)
@@ -170,3 +177,61 @@ def outline(blade: Propeller) -> list[str]:
     lines = marks[filled[0::2].astype(int) + 2 * filled[1::2]]
     lines[rows // 4, 0] = "┼"
     return ["".join(line).rstrip() for line in lines]
+
+
+# -------------------------------------------------------------------------------------------------
+# What ``propmap props show`` says of a propeller's section constants.
+
+UNITS = {
+    "c_l1": "1/rad",
+    "c_d": "-",
+    "alpha_0": "rad",
+    "zero_lift_angle": "rad",
+    "c_d0": "-",
+    "reynolds_camber": "rad",
+    "drag_angle": "rad",
+}
+
+
+def known_constants(prop: str, blades: int) -> list[object]:
+    """What to show: the constants that commands take for PROP by default, and how sure they are.
+
+    Parameters
+    ----------
+    prop : str
+        As it was given; of a file there is nothing to say.
+    blades : int
+        How many blades it has.
+    """
+    meant = meant_by(prop)
+    if meant is None:
+        return []
+    others = sorted(
+        one.blades
+        for one in all_identified()
+        if isinstance(meant, Entry) and one.propeller == meant.name and one.blades != blades
+    )
+    also = [f"identified with {' and '.join(map(str, others))} blades too: --blades N"]
+    found = own_constants(meant, blades)
+    if found is None:
+        expected = constants_to_expect(meant, propeller(prop, blades))
+        told: list[object] = [_table(expected.airfoil)]
+        if isinstance(meant, Entry):
+            # Else a note on the blade has said what both rest on.
+            told.append(expected.told)
+    else:
+        rest = found.told.removesuffix(f"; {found.verdict}")
+        told = [_table(found.airfoil), rest, f"verdict: {found.verdict}"]
+    return [*told, *(also if others else [])]
+
+
+def _table(law: Airfoil) -> Table:
+    """The constants with their standard deviations, and those that are held."""
+    assert law.uncertainty is not None  # both kinds carry it
+    deviations = np.sqrt(np.diag(law.uncertainty.covariance.matrix))
+    rows = [
+        (name, f"{getattr(law, name):.4f}", f"{deviation:.4f}", UNITS[name])
+        for name, deviation in zip(PARAMETERS, deviations, strict=True)
+    ]
+    held = [(name, f"{value:.4f}", "held", "-") for name, value in HELD.items()]
+    return grid("<constant|value|standard deviation|<unit", [*rows, *held])

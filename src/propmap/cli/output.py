@@ -14,8 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from propmap.errors import InputError
-from propmap.io.atomic_file import replacing
-from propmap.io.csv_text import csv_text
+from propmap.io.csv import csv_text, replacing
 
 if TYPE_CHECKING:
     from rich.console import Console, ConsoleOptions

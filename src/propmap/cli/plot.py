@@ -9,27 +9,28 @@ import numpy as np
 import typer
 
 from propmap.catalogue.lookup import propeller
-from propmap.cli.bands import Bands
-from propmap.cli.operating_points import parse_axis, single_point
-from propmap.cli.output import PICTURES, PictureOutput, check_output, check_pictures, write_text
-from propmap.cli.plausibility import say_doubts, say_doubts_on_points, say_expected
-from propmap.cli.rotor_options import (
+from propmap.cli.options import (
+    Bands,
     Blades,
     PropArgument,
     Radius,
     RootCutout,
     RotorChoice,
+    parse_axis,
+    say_doubts,
+    say_doubts_on_points,
+    say_expected,
     say_reynolds,
+    single_point,
     takes_rotor,
 )
+from propmap.cli.output import PICTURES, PictureOutput, check_output, check_pictures, write_text
 from propmap.errors import InputError
-from propmap.io.disk_csv import disk_csv
-from propmap.io.operating_points import RPM
-from propmap.io.points_file import LOAD_COLUMNS, read_points
-from propmap.model.plausible import doubts_on_blade
+from propmap.io.csv import LOAD_COLUMNS, RPM, disk_csv, read_points
+from propmap.model.plausibility import doubts_on_blade
 
 if TYPE_CHECKING:
-    from propmap.report.load_curves import MeasuredLoads
+    from propmap.report.pictures import MeasuredLoads
 
 SPEEDS_PER_CURVE = 61
 
@@ -70,8 +71,8 @@ def plot_map(
     say_reynolds(rotor.model, *points_drawn)
     say_doubts_on_points(rotor.model, *points_drawn)
 
-    from propmap.report.load_curves import load_curves
-    from propmap.report.style import save
+    from propmap.report.html import save
+    from propmap.report.pictures import load_curves
 
     band = rotor if bands else None
     save(load_curves(rotor, omega, speeds, betas.tolist(), points, band=band), output)
@@ -92,8 +93,8 @@ def plot_planform(
     say_expected(prop)
     say_doubts(doubts_on_blade(blade))
 
-    from propmap.report.planform import planform
-    from propmap.report.style import save
+    from propmap.report.html import save
+    from propmap.report.pictures import planform
 
     save(planform(blade), output)
     typer.echo(output)
@@ -129,8 +130,8 @@ def plot_disk(
         typer.echo(output)
         return
 
-    from propmap.report.disk_picture import disk_picture
-    from propmap.report.style import save
+    from propmap.report.html import save
+    from propmap.report.pictures import disk_picture
 
     save(disk_picture(rotor, *flow), output)
     typer.echo(output)
@@ -149,7 +150,7 @@ def _measured(path: Path, rpm: float) -> MeasuredLoads:
         raise InputError(f"no row is within 1 % of {rpm:g} rpm", f"try --rpm {near:g}", str(path))
     loads = {LOAD_COLUMNS[name]: values[mine] for name, values in found.further.items()}
 
-    from propmap.report.load_curves import MeasuredLoads
+    from propmap.report.pictures import MeasuredLoads
 
     beta = np.radians(points.beta_deg[mine])
     return MeasuredLoads(path.stem, points.speed_mps[mine], beta, loads)

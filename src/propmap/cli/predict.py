@@ -8,8 +8,16 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from propmap.cli.bands import Bands, StdBySource, say_not_counted
-from propmap.cli.operating_points import single_point
+from propmap.cli.options import (
+    Bands,
+    RotorChoice,
+    StdBySource,
+    say_doubts_on_points,
+    say_not_counted,
+    say_reynolds,
+    single_point,
+    takes_rotor,
+)
 from propmap.cli.output import (
     Format,
     FormatOption,
@@ -21,13 +29,10 @@ from propmap.cli.output import (
     json_text,
     show,
 )
-from propmap.cli.plausibility import say_doubts_on_points
-from propmap.cli.rotor_options import RotorChoice, say_reynolds, takes_rotor
 from propmap.errors import InputError
-from propmap.io.operating_points import OperatingPoints, std_columns
-from propmap.io.points_file import read_points
+from propmap.io.csv import OperatingPoints, read_points, std_columns
 from propmap.loads import LOADS
-from propmap.model.uncertainty import SOURCES
+from propmap.model.airfoil import SOURCES
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -118,7 +123,7 @@ def _show_table(
     one: bool,
 ) -> None:
     from propmap.baselines.hover import HoverModel
-    from propmap.report.mounted_motor import motor_note
+    from propmap.report.words import motor_note
 
     hover = HoverModel.of(rotor)
     note = motor_note(rotor, loads, *where.si[1:])

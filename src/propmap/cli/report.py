@@ -12,8 +12,8 @@ import typer
 from propmap.errors import InputError
 
 if TYPE_CHECKING:
-    from propmap.fit.result_file import FitFile
-    from propmap.report.fit_page.given_data import GivenData
+    from propmap.fit.files import FitFile
+    from propmap.report.fit_page import GivenData
 
 
 def report(
@@ -42,7 +42,7 @@ def report(
     FOLDER gets index.html with all figures inside, and every figure as SVG and CSV; the files
     are there all at once or not at all.
     """
-    from propmap.report.folder import PAGE, REPORT_FILES, check_folder, write_folder
+    from propmap.report.html import PAGE, REPORT_FILES, check_folder, write_folder
 
     check_folder(output, REPORT_FILES)
     endings = {".toml": _fit_files, ".npz": _table_files}
@@ -59,7 +59,7 @@ def report(
 
 
 def _fit_files(source: Path, data: Sequence[str], vehicle: Path | None) -> dict[str, str | bytes]:
-    from propmap.fit.result_file import read_fit
+    from propmap.fit.files import read_fit
 
     file = read_fit(source)
     if vehicle is not None and not data:
@@ -67,7 +67,7 @@ def _fit_files(source: Path, data: Sequence[str], vehicle: Path | None) -> dict[
     if file.record.kind != "tunnel" and data and vehicle is None:
         raise InputError("--data with a fit of flights needs the vehicle", "add --vehicle FILE")
 
-    from propmap.report.fit_page.page import fit_pages
+    from propmap.report.fit_page import fit_pages
 
     given = _given(file, data, vehicle) if data else None
     digest = hashlib.sha256(source.read_bytes()).hexdigest()
@@ -82,18 +82,18 @@ def _given(file: FitFile, data: Sequence[str], vehicle: Path | None) -> GivenDat
         flight_forces,
         force_trends,
     )
-    from propmap.fit.fit_record import Source
-    from propmap.fit.other_flights import values_for
-    from propmap.report.fit_page.given_data import GivenData
+    from propmap.fit.files import Source
+    from propmap.fit.flight_study import values_for
+    from propmap.report.fit_page import GivenData
 
     if vehicle is None:
-        from propmap.fit.tunnel_files import read_tunnel, sources
+        from propmap.fit.tunnel import read_tunnel, sources
 
         measured = read_tunnel(data, file.model.propeller, file.model.air)
         found = compare_tunnel(file.model, measured)
         return GivenData([Source.of(item) for item in sources(data)], found, tunnel=measured)
-    from propmap.cli.flight_files import all_level_tables, read_flights
-    from propmap.vehicle.vehicle_toml import read_vehicle
+    from propmap.cli.fit_flight import all_level_tables, read_flights
+    from propmap.vehicle.files import read_vehicle
 
     described, paths = read_vehicle(vehicle), [Path(item) for item in data]
     level = all_level_tables(paths)
@@ -120,7 +120,7 @@ def _table_files(source: Path, data: Sequence[str], vehicle: Path | None) -> dic
             "--data and --vehicle are for fits",
             "compare data with the fit the table was built from",
         )
-    from propmap.report.table_page.page import table_pages
+    from propmap.report.table_page import table_pages
     from propmap.table import LoadTable
 
     return table_pages(LoadTable.load(source), source.name)

@@ -22,7 +22,7 @@ def reproduce(
     every figure and table as SVG and CSV; the files are there all at once or not at all.
     """
     from propmap.papers.gill_dandrea_2017 import FILES
-    from propmap.report.folder import PAGE, check_folder, write_folder
+    from propmap.report.html import PAGE, check_folder, write_folder
 
     check_folder(output, FILES)
 

@@ -30,7 +30,7 @@ def show_table(
         raise InputError("what a table holds has no columns", "use --format json")
 
     from propmap.cli.table_report import told
-    from propmap.export.provenance import origin
+    from propmap.export.files import origin
     from propmap.table import LoadTable
 
     table = LoadTable.load(source)

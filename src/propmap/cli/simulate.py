@@ -11,17 +11,16 @@ import numpy as np
 import typer
 
 from propmap.cli.aircraft_options import NoWakes
-from propmap.cli.operating_points import parse_axis
+from propmap.cli.options import Corrections, ModelOption, constants, parse_axis, with_physics
 from propmap.cli.output import Force, check_output, grid, show, write_text
-from propmap.cli.rotor_options import Corrections, ModelOption, constants, with_physics
 from propmap.errors import InputError
-from propmap.io.operating_points import RPM
+from propmap.io.csv import RPM
 
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from propmap.flight.expectation import Expectation
-    from propmap.vehicle.vehicle_toml import VehicleFile
+    from propmap.flight.simulate import Expectation
+    from propmap.vehicle.files import VehicleFile
 
 LARGEST_ERROR = 0.2
 """Of the vertical force, as a share of the weight; with more, some draw leaves none to carry."""
@@ -110,8 +109,8 @@ def simulate_flight(
     law = with_physics(constants(section), model, correction)
 
     from propmap.fit.parameters import Choice
-    from propmap.flight.simulated import SensorNoise, check_sampling, fly, log_csv
-    from propmap.vehicle.vehicle_toml import read_vehicle
+    from propmap.flight.simulate import SensorNoise, check_sampling, fly, log_csv
+    from propmap.vehicle.files import read_vehicle
 
     check_sampling(dwell, rate)
     names = Choice(tuple(name.strip() for name in free.split(","))).free
@@ -124,8 +123,7 @@ def simulate_flight(
             str(vehicle),
         )
 
-    from propmap.flight.expectation import expectation
-    from propmap.flight.trim import trim
+    from propmap.flight.simulate import expectation, trim
 
     # Another stream than that of the sensors.
     error = noise * np.random.default_rng([seed, 1]).standard_normal(speeds.size)
@@ -168,7 +166,7 @@ def _expected(expected: Expectation, flights: int) -> Table:
 
 def _how_to_read(read: VehicleFile, name: str) -> None:
     """Say how the log is read back, unless the vehicle file already does."""
-    from propmap.flight.simulated import log_map, log_table
+    from propmap.flight.simulate import log_map, log_table
 
     rotors = len(read.vehicle.mounts)
     if replace(log_map(rotors), file=read.log.file) == read.log:

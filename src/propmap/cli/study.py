@@ -9,18 +9,23 @@ from typing import TYPE_CHECKING, Annotated, Any
 import numpy as np
 import typer
 
-from propmap.cli.cluster_option import Cluster, progress_bar, workers_of
+from propmap.cli.options import (
+    AccuracyName,
+    AccuracyOption,
+    Cluster,
+    RotorChoice,
+    progress_bar,
+    workers_of,
+)
 from propmap.cli.output import Force, check_output, check_pictures, show
-from propmap.cli.rotor_options import AccuracyName, AccuracyOption, RotorChoice
-from propmap.cli.streamed_run import Yes, announce, check_store, opened
+from propmap.cli.sweep import Yes, announce, check_store, opened
 from propmap.errors import InputError
 
 if TYPE_CHECKING:
     import xarray
 
-    from propmap.study.plan import Study
-    from propmap.study.run import InMemory
-    from propmap.study.study_toml import StudyFile, Surface
+    from propmap.study.files import StudyFile, Surface
+    from propmap.study.run import InMemory, Study
     from propmap.sweep.store import Layout, Store
     from propmap.tasks import Workers
 
@@ -61,8 +66,8 @@ def study(
         check_output(output, (".nc", ".zarr"), keep_existing=not force)
     check_pictures(picture)
 
+    from propmap.study.files import read_study
     from propmap.study.run import InMemory, run_study, study_layout
-    from propmap.study.study_toml import read_study
 
     read = read_study(file)
     if picture is not None and read.surface is None:
@@ -87,7 +92,7 @@ def study(
             run_study(made, store, layout, workers, lambda done: tell(done, total))
     found = _dataset(store, output)
     if not streamed:
-        from propmap.io.atomic_file import write_dataset
+        from propmap.io.csv import write_dataset
 
         write_dataset(found, output)
     lost = int(np.isnan(found["thrust"]).sum())
@@ -100,9 +105,8 @@ def study(
 def _announce(
     made: Study, layout: Layout, store: Store | InMemory, workers: Workers, *, yes: bool
 ) -> None:
-    from propmap.study.plan import Designs
-    from propmap.study.run import loads_of_designs
-    from propmap.sweep.stream import seconds
+    from propmap.study.run import Designs, loads_of_designs
+    from propmap.sweep.run import seconds
 
     some = np.unique(np.linspace(0, made.count - 1, SAMPLE).astype(int))
     rows = {name: values[some] for name, values in made.rows.items()}
@@ -125,9 +129,9 @@ def _surface(
     read: StudyFile, asked: Surface, made: Study, found: xarray.Dataset, picture: Path | None
 ) -> None:
     """Fit the surface, say how good it is, and draw it."""
-    from propmap.study.plan import VARIABLES
-    from propmap.study.response_surface import response_surface
-    from propmap.sweep.quantities import AXES, TEXTS
+    from propmap.study.files import response_surface
+    from propmap.study.run import VARIABLES
+    from propmap.sweep.points import AXES, TEXTS
 
     at: dict[str, Any] = {}
     told = []
@@ -150,8 +154,8 @@ def _surface(
     )
     if picture is None:
         return
-    from propmap.report.response_picture import response_picture
-    from propmap.report.style import save
+    from propmap.report.html import save
+    from propmap.report.pictures import response_picture
 
     labels = tuple(
         f"{name.replace('_', ' ')} [{VARIABLES[name][0]}]" for name in (asked.across, asked.up)

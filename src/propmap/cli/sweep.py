@@ -1,27 +1,233 @@
-"""``propmap sweep``: loads over a grid of operating points, to NetCDF, CSV or Zarr."""
+"""``propmap sweep``: loads over a grid of points, to NetCDF or CSV, or streamed to Zarr."""
 
 from __future__ import annotations
 
+import math
 import shlex
+import shutil
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
+import numpy as np
 import typer
 
-from propmap.cli.bands import Bands, StdBySource, say_not_counted
-from propmap.cli.cluster_option import Cluster
-from propmap.cli.operating_points import parse_axis
+from propmap.cli.options import (
+    Bands,
+    Cluster,
+    RotorChoice,
+    StdBySource,
+    parse_axis,
+    progress_bar,
+    say_doubts_on_points,
+    say_not_counted,
+    say_reynolds,
+    takes_rotor,
+    workers_of,
+)
 from propmap.cli.output import Force, check_output, write_text
-from propmap.cli.plausibility import say_doubts_on_points
-from propmap.cli.rotor_options import RotorChoice, say_reynolds, takes_rotor
-from propmap.cli.streamed_run import Yes, check_store
 from propmap.errors import InputError
-from propmap.io.csv_text import loads_csv
-from propmap.io.operating_points import OperatingPoints, std_columns
+from propmap.io.csv import OperatingPoints, loads_csv, std_columns
+from propmap.sweep.points import AXES, RPM, Grid, attributes, parts_along, quantities
+from propmap.sweep.run import Filed, Sweep, provenance
+from propmap.sweep.store import Layout, Store, begun
 
 if TYPE_CHECKING:
+    import xarray
+
     from propmap.results import Loads
     from propmap.rotor import Rotor
+    from propmap.typing import Floats
+
+
+# -------------------------------------------------------------------------------------------------
+# A run into a Zarr store: the store new or to go on with, its size and time told first.
+
+ASK_ABOVE_BYTES = 1e9
+ASK_ABOVE_SECONDS = 3600.0
+"""Size and time from which on a run is not begun without ``--yes``."""
+
+Yes = Annotated[
+    bool,
+    typer.Option("--yes", "-y", help="Do not ask before a run of over 1 GB or one hour (.zarr)."),
+]
+
+
+def check_store(path: Path, *, force: bool) -> None:
+    """Refuse a folder that a store cannot be made in, or ``force``d away, before any work.
+
+    Raises ``InputError`` where there is something else than a store of propmap's.
+    """
+    if not path.parent.is_dir():
+        raise InputError(
+            f"there is no folder {str(path.parent)!r}", "make it or choose another", str(path)
+        )
+    if path.exists():
+        begun(path)
+        if force:
+            shutil.rmtree(path)
+
+
+def opened(path: Path, layout: Layout) -> Store:
+    """The store, new or to go on with; ``InputError`` where it is complete or the disk too small.
+
+    What a run that was stopped has done is kept, and a line says so.
+    """
+    where = str(path)
+    if not path.exists():
+        free = shutil.disk_usage(path.parent).free
+        if layout.bytes > free:
+            raise InputError(
+                f"this takes up to {size_text(layout.bytes)}, and {size_text(free)} are free",
+                "choose another disk or fewer points",
+                where,
+            )
+        return Store.create(path, layout)
+    try:
+        store = Store.resume(path, layout)
+    except InputError:
+        if (path / list(layout.quantities)[-1] / "c").exists():
+            raise
+        # Another run that was refused or stopped before its first task: nothing is lost.
+        shutil.rmtree(path)
+        return opened(path, layout)
+    done = store.done(layout)
+    if done.all():
+        raise InputError("the store is there and complete", "pass --force to begin anew", where)
+    if done.any():
+        typer.echo(f"{path}: {int(done.sum())} of {done.size} tasks are done; going on", err=True)
+    return store
+
+
+def announce(
+    layout: Layout, store: Filed, seconds: float, workers: int, *, yes: bool, what: str
+) -> None:
+    """Say how large a run is and how long it takes, and ask where that is much.
+
+    Parameters
+    ----------
+    layout, store : Layout, Filed
+        Of the run.
+    seconds : float
+        That a worker takes for a point.
+    workers : int
+        How many there are.
+    yes : bool
+        Whether not to ask.
+    what : str
+        "operating points" or the like.
+    """
+    points = math.prod(layout.shape)
+    parts = math.prod(parts_along(layout.shape, layout.chunk))
+    left = points * (1.0 - float(store.done(layout).mean()))
+    needed = left * seconds / workers
+    typer.echo(
+        f"{points} {what} in {parts} task{'s' * (parts > 1)}, up to {size_text(layout.bytes)}; "
+        f"about {time_text(needed)} ({1e6 * seconds:.0f} us per point and worker)",
+        err=True,
+    )
+    if yes or (layout.bytes <= ASK_ABOVE_BYTES and needed <= ASK_ABOVE_SECONDS):
+        return
+    if not sys.stdin.isatty():
+        raise InputError(
+            f"a run of {size_text(layout.bytes)} and {time_text(needed)} is not begun unasked",
+            "pass --yes, or ask for fewer points",
+        )
+    typer.confirm("begin?", abort=True, err=True)
+
+
+def size_text(size: float) -> str:
+    """A size in bytes as "1.3 GB"."""
+    units = ("B", "kB", "MB", "GB", "TB", "PB")
+    power = min(int(math.log10(max(size, 1.0))) // 3, len(units) - 1)
+    return f"{size / 1000.0**power:.3g} {units[power]}"
+
+
+def time_text(seconds: float) -> str:
+    """A time as "3.5 h"."""
+    for unit, length in (("years", 3.156e7), ("days", 86400.0), ("h", 3600.0), ("min", 60.0)):
+        if seconds >= 2.0 * length:
+            return f"{seconds / length:.3g} {unit}"
+    return f"{seconds:.2g} s"
+
+
+# -------------------------------------------------------------------------------------------------
+# ``propmap sweep -o map.zarr``: a grid of any size, streamed.
+
+SOME = 30
+"""Values of each axis at which operating points are looked at for what is odd about them."""
+
+
+def streamed_sweep(
+    rotor: Rotor,
+    axes: tuple[Floats, Floats, Floats],
+    output: Path,
+    command: str,
+    *,
+    bands: bool,
+    by_source: bool,
+    cluster: str | None,
+    yes: bool,
+) -> None:
+    """Run or go on with a sweep over ``axes`` [1/min], [m/s], [degree] into a store."""
+    grid = Grid(*axes)
+    _say_doubts(rotor, axes)
+    sweep = Sweep(rotor, grid, bands, by_source)
+    layout = sweep.layout(command)
+    if any("_std" in name for name in layout.quantities):
+        say_not_counted(rotor.model)
+    store = opened(output, layout)
+    with workers_of(cluster) as workers:
+        seconds = sweep.seconds_per_point(workers)
+        announce(layout, store, seconds, workers.count, yes=yes, what="operating points")
+        total = int(np.prod(parts_along(layout.shape, layout.chunk)))
+        with progress_bar("tasks") as tell:
+            sweep.run(store, layout, workers, lambda done: tell(done, total))
+    typer.echo(f"wrote {output}: {int(np.prod(layout.shape))} points")
+
+
+def _say_doubts(rotor: Rotor, axes: tuple[Floats, Floats, Floats]) -> None:
+    few = [axis[np.unique(np.linspace(0, axis.size - 1, SOME).astype(int))] for axis in axes]
+    rpm, speed, beta = (values.ravel() for values in np.meshgrid(*few, indexing="ij"))
+    points = rpm * RPM, speed, np.radians(beta)
+    say_reynolds(rotor.model, *points)
+    say_doubts_on_points(rotor.model, *points)
+
+
+# -------------------------------------------------------------------------------------------------
+# A sweep as an xarray dataset: units, meanings, and where the figures come from.
+
+
+def dataset(
+    rotor: Rotor,
+    axes: tuple[Floats, Floats, Floats],
+    loads: Loads,
+    command: str,
+    *,
+    bands: bool,
+    by_source: bool,
+) -> xarray.Dataset:
+    """Loads (n,) over the axes rpm, speed [m/s] and beta [deg], beta fastest, with provenance.
+
+    ``bands`` and ``by_source`` tell of which standard deviations there are, as in ``quantities``.
+    """
+    import xarray
+
+    shape = tuple(axis.size for axis in axes)
+    dims = tuple(AXES)
+    coordinates = {
+        name: (dim, values, {"units": unit, "long_name": meaning})
+        for (dim, (name, unit, meaning)), values in zip(AXES.items(), axes, strict=True)
+    }
+    variables = {
+        name: (dims, values.reshape(shape), attributes(name))
+        for name, values in quantities(loads, bands=bands, by_source=by_source).items()
+    }
+    return xarray.Dataset(variables, coordinates, provenance(rotor, command))
+
+
+# -------------------------------------------------------------------------------------------------
+# ``propmap sweep``: loads over a grid of operating points, to NetCDF, CSV or Zarr.
 
 CHUNK = 4096
 """Operating points per step of the progress bar: some tenths of a second."""
@@ -62,7 +268,6 @@ def sweep(
     command = shlex.join(["propmap", *context.obj])
     if output.suffix.lower() == ".zarr":
         check_store(output, force=force)
-        from propmap.cli.streamed_sweep import streamed_sweep
 
         streamed_sweep(
             choice.rotor(),
@@ -95,8 +300,7 @@ def sweep(
     if spread:
         say_not_counted(rotor.model)
     if output.suffix.lower() == ".nc":
-        from propmap.cli.sweep_dataset import dataset
-        from propmap.io.atomic_file import write_dataset
+        from propmap.io.csv import write_dataset
 
         found = dataset(rotor, axes, loads, command, bands=bands, by_source=std_by_source)
         write_dataset(found, output)

@@ -11,14 +11,19 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 import typer
 
-from propmap.cli.cluster_option import Cluster, workers_of
-from propmap.cli.operating_points import parse_axis
+from propmap.cli.options import (
+    Cluster,
+    RotorChoice,
+    parse_axis,
+    say_doubts_on_points,
+    say_reynolds,
+    takes_rotor,
+    workers_of,
+)
 from propmap.cli.output import Force, check_output, show
-from propmap.cli.plausibility import say_doubts_on_points
-from propmap.cli.rotor_options import RotorChoice, say_reynolds, takes_rotor
 from propmap.cli.table_report import building, told
 from propmap.errors import InputError, quoted
-from propmap.io.operating_points import RPM
+from propmap.io.csv import RPM
 
 if TYPE_CHECKING:
     from propmap.table import LoadTable
@@ -101,7 +106,7 @@ def _save(built: LoadTable, output: Path, command: str) -> None:
     content = replace(built.content, info={**built.info, "command": command})
     filed = LoadTable(content)
     if output.suffix.lower() == ".nc":
-        from propmap.table.netcdf import write_netcdf
+        from propmap.table.files import write_netcdf
 
         write_netcdf(filed, output)
     else:

@@ -7,11 +7,11 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from propmap.cli.output import grid
-from propmap.report.certificate_text import PLACE, TITLES, claims, largest_at, parameter_claims
+from propmap.report.words import PLACE, TITLES, claims, largest_at, parameter_claims
 
 if TYPE_CHECKING:
     from propmap.table import LoadTable
-    from propmap.table.model import Progress
+    from propmap.table.build import Progress
 
 
 @contextmanager

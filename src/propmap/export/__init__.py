@@ -8,7 +8,7 @@ from importlib import import_module
 from pathlib import Path
 
 from propmap.errors import InputError, quoted
-from propmap.export.folder import Files, check_folder, write_files
+from propmap.export.files import Files, check_folder, write_files
 from propmap.table.query import LoadTable
 from propmap.vehicle.vehicle import Vehicle
 
@@ -23,19 +23,22 @@ __all__ = [
 ]
 
 _MAKERS = {
-    "c": ("c_header", "files"),
-    "multinomial": ("multinomial", "files"),
-    "gazebo": ("gazebo", "files"),
-    "rotorpy": ("rotorpy", "files"),
-    "jsbsim": ("jsbsim", "files"),
-    "npz": ("copies", "npz_files"),
-    "nc": ("copies", "nc_files"),
-    "csv": ("copies", "csv_files"),
+    "c": ("c_header", "c_files"),
+    "multinomial": ("simple_models", "multinomial_files"),
+    "gazebo": ("simple_models", "gazebo_files"),
+    "rotorpy": ("simple_models", "rotorpy_files"),
+    "jsbsim": ("simple_models", "jsbsim_files"),
+    "npz": ("simple_models", "npz_files"),
+    "nc": ("simple_models", "nc_files"),
+    "csv": ("simple_models", "csv_files"),
 }
 
 TARGETS = tuple(_MAKERS)
 
-_VEHICLE_MAKERS = {"c": ("vehicle_c", "files"), "rotorpy": ("vehicle_rotorpy", "files")}
+_VEHICLE_MAKERS = {
+    "c": ("c_header", "vehicle_c_files"),
+    "rotorpy": ("simple_models", "vehicle_rotorpy_files"),
+}
 
 VEHICLE_TARGETS = tuple(_VEHICLE_MAKERS)
 """Targets of a whole vehicle's force and moment, see ``export_vehicle``."""

@@ -10,11 +10,10 @@ from collections.abc import Callable
 
 import numpy as np
 
-from propmap.aircraft.steady import Aircraft
-from propmap.export.curve_factor import curve_factor, fitted_factor
-from propmap.export.drag_filter import DragFilter
+from propmap.aircraft.trim import Aircraft
 from propmap.export.parameter_set import (
     AutopilotParameters,
+    DragFilter,
     Explained,
     Flights,
     LeftOut,
@@ -22,8 +21,13 @@ from propmap.export.parameter_set import (
     comment_lines,
     common_remarks,
 )
-from propmap.export.static_loads import static_loads
-from propmap.export.thrust_curve import ThrustCurve, known_curve
+from propmap.export.static_loads import (
+    ThrustCurve,
+    curve_factor,
+    fitted_factor,
+    known_curve,
+    static_loads,
+)
 from propmap.typing import Floats
 from propmap.vehicle.vehicle import Vehicle
 

@@ -9,14 +9,12 @@ from pathlib import Path
 
 import numpy as np
 
-from propmap.aircraft.steady import Aircraft
+from propmap.aircraft.trim import Aircraft
 from propmap.errors import InputError
 from propmap.export import AUTOPILOTS
-from propmap.export.folder import check_folder, write_files
+from propmap.export.files import check_folder, vehicle_identifier, write_files
 from propmap.export.inplane_drag import check_vehicle, inplane_forces
-from propmap.export.parameter_note import note
-from propmap.export.parameter_set import AutopilotParameters, Flights
-from propmap.export.provenance import vehicle_identifier
+from propmap.export.parameter_set import AutopilotParameters, Flights, note
 from propmap.typing import Floats
 
 SPEEDS = np.linspace(1.0, 15.0, 8)

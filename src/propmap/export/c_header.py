@@ -1,37 +1,56 @@
-"""Target ``c``: a C99 header with the table, its query, gradient and inverse.
-
-The header keeps the coefficients as the file does, in single precision at both ends of omega, and
-extrapolates to no ghost values: their share is in the weights of the outermost intervals.  So a
-point costs the memory of its sixteen knots alone.
-"""
+"""Target ``c``: a table, or with it a whole vehicle, as a C99 header."""
 
 from __future__ import annotations
 
+import itertools
 import textwrap
 from collections.abc import Iterable
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from propmap.export.folder import Files
-from propmap.export.note import note
-from propmap.export.provenance import identifier
-from propmap.export.template import rendered
+from propmap.export.files import Files, identifier, note, rendered, vehicle_name, vehicle_note
 from propmap.loads import LOADS
-from propmap.table.axis import interval_polynomials, on_planes, pad
-from propmap.table.content import TableContent
-from propmap.table.inverse import END_SLACK
-from propmap.table.lookup import cell_codes
-from propmap.table.query import SLACK, LoadTable
+from propmap.model.airfoil import Airfoil
+from propmap.results import spin_sign
+from propmap.table.interpolation import (
+    TableContent,
+    cell_codes,
+    interval_polynomials,
+    on_planes,
+    pad,
+)
+from propmap.table.query import END_SLACK, SLACK, LoadTable
 from propmap.typing import Floats
+from propmap.vehicle.rotors import Rotors
+from propmap.vehicle.vehicle import Vehicle
+from propmap.vehicle.wakes import (
+    BEARINGS,
+    LARGEST_INFLOW,
+    LARGEST_UPWASH,
+    SKEWS,
+    SLOW,
+    STEPS,
+    UPWASH,
+    SeenWake,
+    frame_of,
+)
+
+# -------------------------------------------------------------------------------------------------
+# Target ``c``: a C99 header with the table, its query, gradient and inverse.
+#
+# The header keeps the coefficients as the file does, in single precision at both ends of omega, and
+# extrapolates to no ghost values: their share is in the weights of the outermost intervals.  So a
+# point costs the memory of its sixteen knots alone.
 
 MOST_BUCKETS = 1024
 
 LINE = 96
 
 
-def files(table: LoadTable) -> Files:
+def c_files(table: LoadTable) -> Files:
     """The header and its note."""
     return {f"{identifier(table)}.h": header(table), "README-c.txt": note(table, "c")}
 
@@ -166,3 +185,327 @@ def blocks_of_singles(blocks: Iterable[Iterable[Iterable[np.float32]]]) -> str:
         ",\n".join("{" + ", ".join(map(_single, row)) + "}" for row in block) for block in blocks
     )
     return ",\n".join("{\n" + block + "}" for block in rows)
+
+
+# -------------------------------------------------------------------------------------------------
+# Target ``c`` of a vehicle: a C99 header with force and moment of the air on all of it.
+#
+# The loads are those of the rotor's header (``c_header``), the wakes those of ``wake_geometry``.
+
+
+def vehicle_c_files(vehicle: Vehicle, table: LoadTable) -> Files:
+    """The rotor's header, the vehicle's, and the note.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        Of the aircraft.
+    table : LoadTable
+        Loads of its rotors.
+
+    Raises
+    ------
+    InputError
+        Where the table is of another propeller or air, see ``VehicleForces``.
+    """
+    Rotors.of(vehicle, table)
+    name = vehicle_name(vehicle, table)
+    return {
+        f"{identifier(table)}.h": header(table),
+        f"{name}.h": vehicle_header(vehicle, table),
+        "README-c.txt": vehicle_note(
+            vehicle, table, "c", v=name, cost=cost(vehicle, table).sentence
+        ),
+    }
+
+
+def vehicle_header(vehicle: Vehicle, table: LoadTable) -> str:
+    """The text of the vehicle's header."""
+    name = vehicle_name(vehicle, table)
+    values: dict[str, Any] = {"pairs": vehicle.wakes is not None and len(vehicle.mounts) > 1}
+    if values["pairs"]:
+        values |= {
+            "wakes": vehicle.wakes,
+            "wake": wake_geometry(vehicle),
+            "disk": vehicle.air.density * np.pi * vehicle.propeller.radius**2,
+            "steps": STEPS,
+            "largest": LARGEST_INFLOW,
+            "slow": SLOW,
+            "upwash": UPWASH,
+            "largest_upwash": LARGEST_UPWASH,
+        }
+    return rendered(
+        "vehicle.h",
+        table,
+        v=name,
+        V=name.upper(),
+        about=textwrap.wrap(cost(vehicle, table).sentence, 90),
+        vehicle=vehicle,
+        rotors=vehicle.mounts,
+        spins=[spin_sign(mount.spin) for mount in vehicle.mounts],
+        lifts=bool(vehicle.body.lift_area) or vehicle.wing is not None,
+        sharpness=Airfoil.sharpness,
+        numbers=numbers,
+        rows_of_numbers=rows_of_numbers,
+        blocks_of_numbers=blocks_of_numbers,
+        blocks_of_singles=blocks_of_singles,
+        **values,
+    )
+
+
+# -------------------------------------------------------------------------------------------------
+# What one call of a vehicle's exported wrench costs: operations, bytes, and time on a small core.
+#
+# The counts follow from the structure of the code in ``templates/vehicle.h.j2``, piece by piece;
+# ``tests/export/test_vehicle_c.py`` holds them to a run with numbers that count.
+
+
+class Operations(NamedTuple):
+    """How many there are; a comparison and a change of sign count as sums, and ``functions`` are
+    those of the C library but the square root."""
+
+    sums: int = 0
+    products: int = 0
+    divisions: int = 0
+    roots: int = 0
+    functions: int = 0
+
+    def __add__(self, other: object) -> Self:
+        if not isinstance(other, Operations):
+            return NotImplemented
+        return type(self)(*(a + b for a, b in zip(self, other, strict=True)))
+
+    def times(self, count: int) -> Operations:
+        """As many of each."""
+        return Operations(*(count * each for each in self))
+
+    @property
+    def total(self) -> int:
+        """All together."""
+        return sum(self)
+
+
+BODY = Operations(12, 15)
+"""Air's velocity, drag and download."""
+
+LIFT, WING = Operations(4, 10, 0, 1, 3), Operations(9, 9, 2, 0, 5)
+
+INDUCED = Operations(2, 8)
+"""Drag, where a wing has a span."""
+
+FLOW, FORCE = Operations(14, 18, 1, 1), Operations(28, 35)
+"""At a hub, and of a rotor on the vehicle."""
+
+QUERY = Operations(321, 307, 2, 2, 1)
+"""Of the map, with the angle and the speed that it is asked at."""
+
+SOURCE, STEP = Operations(35, 30, 1, 2, 2), Operations(10, 4, 2, 1)
+"""A rotor's wake, without the steps of Newton's method for its inflow, and such a step."""
+
+PAIR = Operations(40, 52, 0, 0, 2)
+"""Of a wake at another rotor."""
+
+USUAL_STEPS = 6
+"""Of Newton's method, outside of descent; it ends after ``interference.STEPS``."""
+
+CYCLES = Operations(3, 3, 16, 16, 150)
+"""Assumed of a core with a floating-point unit for single precision, loads, stores and loops
+included: sums and products take 1 cycle, divisions and roots 14 on an Arm Cortex-M4F (Technical
+Reference Manual, Arm DDI 0439) and no more on a Cortex-M7."""
+
+CLOCKS = {"Cortex-M4F at 168 MHz": 168e6, "Cortex-M7 at 480 MHz": 480e6}
+
+RATE = 1000.0
+"""Calls per second."""
+
+
+@dataclass(frozen=True)
+class Cost:
+    """Of one call, in single precision.
+
+    Attributes
+    ----------
+    operations : Operations
+        Outside of descent.
+    worst : Operations
+        Where Newton's method takes all its steps.
+    read : int
+        Bytes of tables that it reads, each as often as it is used.
+    stored : int
+        Bytes of tables, the map included.
+    """
+
+    operations: Operations
+    worst: Operations
+    read: int
+    stored: int
+
+    @property
+    def cycles(self) -> int:
+        """By ``CYCLES``."""
+        return sum(a * b for a, b in zip(self.operations, CYCLES, strict=True))
+
+    @property
+    def sentence(self) -> str:
+        """All of this in words."""
+        done = self.operations
+        parts = ", ".join(f"{count} {kind}" for kind, count in done._asdict().items() if count)
+        worst = f" (at most {self.worst.total}, in fast descent)" if self.worst != done else ""
+        times = " and ".join(
+            f"{self.cycles / clock * 1e3:.2f} ms on a {core}" for core, clock in CLOCKS.items()
+        )
+        share = max(self.cycles / clock * RATE for clock in CLOCKS.values())
+        return (
+            f"A call takes {done.total} operations{worst}: {parts}. It reads {self.read} bytes of "
+            f"tables, which are {self.stored / 1000.0:.0f} kB in all, in single precision. At an "
+            f"assumed {CYCLES.sums} cycles for a sum or a product, {CYCLES.divisions} for a "
+            f"division or a root and {CYCLES.functions} for another function, loads and stores "
+            f"included, it is {self.cycles} cycles: {times}, so that {RATE:g} calls a second take "
+            f"at most {share:.0%} of the time. Not measured on such a core."
+        )
+
+
+def cost(vehicle: Vehicle, table: LoadTable) -> Cost:
+    """What a call costs.
+
+    Parameters
+    ----------
+    vehicle, table : Vehicle, LoadTable
+        What is exported.
+    """
+    rotors = len(vehicle.mounts)
+    pairs = rotors * (rotors - 1) if vehicle.wakes is not None else 0
+    done = BODY + (FLOW + QUERY + FORCE).times(rotors)
+    if vehicle.body.lift_area or vehicle.wing is not None:
+        done += LIFT
+    if vehicle.wing is not None:
+        done += WING
+        if vehicle.wing.span is not None:
+            done += INDUCED
+    # Sixteen knots with both ends of each load, three polynomials of weights, knots and scales.
+    query = 16 * 2 * len(LOADS) * 4 + (3 * 16 + len(LOADS) + 12) * 4
+    read = (query + 7 * 4) * rotors
+    stored = table_bytes(table.content, 4) + (7 * rotors + 6) * 4
+    worst = done
+    if pairs:
+        without = done + (SOURCE + QUERY).times(rotors) + PAIR.times(pairs)
+        done = without + STEP.times(USUAL_STEPS * rotors)
+        worst = without + STEP.times(STEPS * rotors)
+        wake = wake_geometry(vehicle)
+        polynomials = wake.skew.weights.size + wake.around.weights.size
+        read += query * rotors + (pairs * (16 + 16 + 5) + rotors * (16 + 9)) * 4
+        stored += (wake.coefficients.size + polynomials + pairs * 5 + rotors * 9) * 4
+    return Cost(done, worst, read, stored)
+
+
+# -------------------------------------------------------------------------------------------------
+# The rotors' wakes on each other as tables for exported code.
+#
+# They are the splines of ``vehicle.wake_table``: coefficients over skew and bearing of a wake, and
+# the weights of four neighbouring ones as polynomials in each interval between the table's knots.
+
+
+@dataclass(frozen=True, eq=False)
+class SplineAxis:
+    """The intervals of one axis of the splines, all of one width.
+
+    Attributes
+    ----------
+    per_unit : float
+        Intervals per radian.
+    first : ndarray of int, shape (n,)
+        The first of the four coefficients that count in each.
+    kind : ndarray of int, shape (n,)
+        Which polynomials are those of each; most intervals have the same.
+    weights : ndarray, shape (K, 16)
+        Four constant terms, four linear ones, and so on, of the place in the interval, 0 to 1.
+    """
+
+    per_unit: float
+    first: NDArray[np.intp]
+    kind: NDArray[np.intp]
+    weights: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class WakeGeometry:
+    """Of the wakes of k rotors on each other.
+
+    Attributes
+    ----------
+    frames : ndarray, shape (k, 3, 3)
+        Rows: two directions in the disk, and the axis.
+    kind : ndarray of int, shape (k, k)
+        Of each target and source: which of the K kinds of pairs they are.
+    bearing : ndarray, shape (k, k)
+        Of the target in the source's frame [rad].
+    towards : ndarray, shape (k, k, 3)
+        Unit vector from the source to the target in the plane of the source's disk.
+    coefficients : ndarray of float32, shape (K, a, b)
+        Of the splines.
+    skew, around : SplineAxis
+        Their axes: from straight down to straight up, and around.
+    """
+
+    frames: Floats
+    kind: NDArray[np.intp]
+    bearing: Floats
+    towards: Floats
+    coefficients: NDArray[np.float32]
+    skew: SplineAxis
+    around: SplineAxis
+
+
+def wake_geometry(vehicle: Vehicle) -> WakeGeometry:
+    """The tables of the rotors of a ``vehicle``, two or more."""
+    mounts, radius = vehicle.mounts, vehicle.propeller.radius
+    k = len(mounts)
+    frames = np.stack([frame_of(mount.axis) for mount in mounts])
+    kind, bearing, towards = np.zeros((k, k), int), np.zeros((k, k)), np.zeros((k, k, 3))
+    splines: list[object] = []
+    for t, target in enumerate(mounts):
+        for s, source in enumerate(mounts):
+            if t == s:
+                continue
+            seen = SeenWake(source, target, radius)
+            # Pairs that are alike share a spline.
+            same = [n for n, spline in enumerate(splines) if spline is seen.spline]
+            if not same:
+                splines.append(seen.spline)
+            kind[t, s] = same[0] if same else len(splines) - 1
+            bearing[t, s] = seen.towards
+            apart = np.subtract(target.position, source.position)
+            beside = apart - (apart @ frames[s, 2]) * frames[s, 2]
+            length = np.linalg.norm(beside)
+            towards[t, s] = beside / (length if length > 1e-9 else 1.0)
+    knots = splines[0].tck[:2]  # type: ignore[attr-defined]
+    skew = _axis(knots[0], np.linspace(0.0, np.pi, SKEWS))
+    around = _axis(knots[1], np.linspace(0.0, 2.0 * np.pi, BEARINGS + 1))
+    used = slice(around.first[0], around.first[-1] + 4)
+    tables = [
+        spline.get_coeffs().reshape(len(knots[0]) - 4, -1)[:, used]  # type: ignore[attr-defined]
+        for spline in splines
+    ]
+    around.first[:] -= used.start
+    return WakeGeometry(
+        frames, kind, bearing, towards, np.stack(tables).astype(np.float32), skew, around
+    )
+
+
+def _axis(knots: Floats, breaks: Floats) -> SplineAxis:
+    """Of cubic splines with these ``knots``, the intervals between ``breaks``."""
+    from scipy.interpolate import BSpline
+
+    inside = np.linspace(0.1, 0.9, 4)
+    to_powers = np.linalg.inv(np.vander(inside, increasing=True))
+    every, first = [], []
+    for low, high in itertools.pairwise(breaks):
+        span = int(np.searchsorted(knots, 0.5 * (low + high), side="right")) - 4
+        at = low + inside * (high - low)
+        four = [BSpline.basis_element(knots[j : j + 5])(at) for j in range(span, span + 4)]
+        every.append((to_powers @ np.stack(four, axis=1)).ravel())
+        first.append(span)
+    rounded = np.round(np.array(every), 9) + 0.0
+    _, where, kind = np.unique(rounded, axis=0, return_index=True, return_inverse=True)
+    per_unit = 1.0 / float(breaks[1] - breaks[0])
+    return SplineAxis(per_unit, np.array(first), kind.ravel(), np.array(every)[where])

@@ -1,20 +1,32 @@
-"""The specific force along a body axis in level flight along it: what drag models are fitted to."""
+"""The force across the rotors' axes in level flight, and the constants of drag that fit it best."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from propmap.aircraft.steady import Aircraft
-from propmap.aircraft.steady_states import STATUSES
+from propmap.aircraft.trim import STATUSES, Aircraft
 from propmap.errors import InputError
-from propmap.export.load_errors import load_errors, rotor_sources
+from propmap.loads import LOADS
+from propmap.model.airfoil import SectionCovariance
 from propmap.model.corrections import MOUNT_DRAG
+from propmap.operating_points import FlowPoints, split_velocity
 from propmap.rotor import Rotor
 from propmap.typing import Floats
-from propmap.vehicle.flight_log import GRAVITY, in_vehicle_frame
+from propmap.vehicle.log import GRAVITY, in_vehicle_frame
+from propmap.vehicle.rotors import mounted_rotors
 from propmap.vehicle.vehicle import Body, Vector, Vehicle
+
+if TYPE_CHECKING:
+    from propmap.table.query import LoadTable
+
+
+# -------------------------------------------------------------------------------------------------
+# The specific force along a body axis in level flight along it: what drag models are fitted to.
 
 AXES = {"x": "forward", "y": "sideways"}
 """Body axes, and how the vehicle flies along them."""
@@ -234,3 +246,269 @@ def missing_drag(aircraft: Aircraft) -> list[str]:
             "fit it to a flight"
         )
     return found
+
+
+# -------------------------------------------------------------------------------------------------
+# Rotor drag by speed and body drag by its square: what the Kalman filters of autopilots know.
+#
+# The specific force along a body axis is taken to be m v + 1/2 rho b q, with v the component of the
+# velocity along the axis, q a square of the velocity, m the same for both axes, and 1/b the
+# ballistic coefficient of the axis.
+
+CLOSE = 0.1
+"""Share of the force up to which the simplification is said to hold."""
+
+
+@dataclass(frozen=True, eq=False)
+class DragFit:
+    """The constants with their errors, and what they leave.
+
+    Attributes
+    ----------
+    momentum : float
+        m, in the air of the vehicle [1/s].
+    inverse : tuple of 2 float
+        b along x and y [m^2/kg]; 0 where there is too little for the filter.
+    errors : ndarray, shape (E, 3)
+        What each of E independent causes, at one standard deviation, adds to m and to b.
+    """
+
+    momentum: float
+    inverse: tuple[float, float]
+    errors: Floats
+
+    @property
+    def std(self) -> tuple[float, float, float] | None:
+        """Standard deviations of m and b; None where nothing is known of the errors."""
+        if not self.errors.size:
+            return None
+        m, x, y = np.sqrt(np.sum(self.errors**2, axis=0)).tolist()
+        return m, x, y
+
+
+def fit_drag(
+    flights: tuple[InplaneForces, InplaneForces],
+    square: Callable[[InplaneForces], Floats],
+    density: float,
+    least: float,
+) -> DragFit:
+    """Least squares over all flights, none of the constants below zero.
+
+    Parameters
+    ----------
+    flights : tuple of 2 InplaneForces
+        Along x and y.
+    square : callable
+        Gives q of n flights [m^2/s^2].
+    density : float
+        Of the air [kg/m^3].
+    least : float
+        b below which the filter has none [m^2/kg].
+    """
+    from scipy.optimize import nnls
+
+    rows = []
+    for k, flight in enumerate(flights):
+        block = np.zeros((flight.speed.size, 3))
+        block[:, 0], block[:, 1 + k] = flight.along, 0.5 * density * square(flight)
+        rows.append(block)
+    matrix = np.concatenate(rows)
+    force = np.concatenate([flight.force for flight in flights])
+    changes = np.concatenate([flight.errors for flight in flights], axis=1)
+    kept = np.ones(3, dtype=bool)
+    while True:
+        found = np.zeros(3)
+        found[kept] = nnls(matrix[:, kept], force)[0]
+        small = kept & (found <= np.array([0.0, least, least]))
+        if not small.any():
+            break
+        kept &= ~small
+    momentum, *inverse = found.tolist()
+    return DragFit(momentum, (inverse[0], inverse[1]), _constants_errors(matrix, kept, changes))
+
+
+def _constants_errors(matrix: Floats, kept: NDArray[np.bool_], changes: Floats) -> Floats:
+    """What changes (E, n) of the forces change in the constants (E, 3)."""
+    found = np.zeros((changes.shape[0], 3))
+    found[:, kept] = changes @ np.linalg.pinv(matrix[:, kept]).T
+    return found
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """The force along an axis by the full model and by the filter's equation.
+
+    Attributes
+    ----------
+    flight : InplaneForces
+        n flights.
+    full, filtered, std : ndarray, shape (n,)
+        By the model, by the filter with the constants as they are written, and the standard
+        deviation of the first [N]; NaN where it is not known.
+    wind : ndarray, shape (n,)
+        The error of the wind that the filter makes of the difference [m/s].
+    """
+
+    flight: InplaneForces
+    full: Floats
+    filtered: Floats
+    std: Floats
+    wind: Floats
+
+    @property
+    def share(self) -> Floats:
+        """Difference over the full model's force (n,)."""
+        return np.asarray((self.filtered - self.full) / self.full)
+
+    @property
+    def holds(self) -> tuple[float, float] | None:
+        """The longest run of speeds [m/s] with differences up to ``CLOSE``; None without one."""
+        best: tuple[float, float] | None = None
+        first = None
+        for speed, share in zip(self.flight.speed.tolist(), self.share.tolist(), strict=True):
+            if abs(share) > CLOSE:
+                first = None
+                continue
+            first = speed if first is None else first
+            if best is None or speed - first > best[1] - best[0]:
+                best = (first, speed)
+        return best
+
+
+def compare(flight: InplaneForces, mass: float, predicted: Floats, slope: Floats) -> Comparison:
+    """A flight beside what a filter makes of it.
+
+    Parameters
+    ----------
+    flight : InplaneForces
+        n flights.
+    mass : float
+        Of the vehicle [kg].
+    predicted, slope : ndarray, shape (n,)
+        Specific force of the filter against the motion [m/s^2], and its derivative by the
+        component of the velocity along the axis [1/s].
+    """
+    spread = np.sqrt(np.sum(flight.errors**2, axis=0))
+    known = flight.errors.size > 0
+    return Comparison(
+        flight=flight,
+        full=mass * flight.force,
+        filtered=mass * predicted,
+        std=mass * spread if known else np.full_like(spread, np.nan),
+        wind=(predicted - flight.force) / slope,
+    )
+
+
+# -------------------------------------------------------------------------------------------------
+# Loads of a rotor with their independent errors, for what is computed from several of them.
+
+USED = ("thrust", "drag", "torque")
+"""Loads that are looked at, in this order."""
+
+FASTER = 0.02
+"""Share by which a rotor speed is changed up and down in a difference quotient: large beside what
+loads jump by where their nodes change with the speed."""
+
+
+class LoadErrors(NamedTuple):
+    """Loads at N operating points, in the order of ``USED`` [N], [N], [N m].
+
+    Attributes
+    ----------
+    loads : ndarray, shape (3, N)
+        Of a rotor.
+    by_speed : ndarray, shape (3, N)
+        Their derivatives by the logarithm of the rotor speed.
+    errors : ndarray, shape (E, 3, N)
+        What each of E independent causes, at one standard deviation, adds to them; no causes
+        where nothing is known of the errors.
+    """
+
+    loads: Floats
+    by_speed: Floats
+    errors: Floats
+
+
+def rotor_sources(
+    vehicle: Vehicle, loads: Rotor | LoadTable
+) -> list[tuple[Rotor | LoadTable, NDArray[np.intp]]]:
+    """What gives the loads of which rotors of a ``vehicle``, whose ``loads`` are these."""
+    if not isinstance(loads, Rotor):
+        return [(loads, np.arange(len(vehicle.mounts)))]
+    return [(loads.with_model(own), k) for own, k in mounted_rotors(vehicle, loads.model)]
+
+
+def load_errors(source: Rotor | LoadTable, omega: Floats, velocity: Floats) -> LoadErrors:
+    """Loads at N operating points with their independent errors.
+
+    Parameters
+    ----------
+    source : Rotor or LoadTable
+        Of the loads.  Of a table's errors it is not known which loads they have in common: each
+        load has its own.
+    omega : ndarray, shape (N,)
+        [rad/s].
+    velocity : ndarray, shape (N, 3)
+        In the rotor frame, z along the thrust [m/s].
+    """
+    once, where = np.unique(
+        np.column_stack([omega, velocity]).round(9), axis=0, return_inverse=True
+    )
+    found = _once(source, once[:, 0], once[:, 1:])
+    return LoadErrors(*(array[..., where.ravel()] for array in found))
+
+
+def _once(source: Rotor | LoadTable, omega: Floats, velocity: Floats) -> LoadErrors:
+    """``load_errors`` at points that differ: half the rotors see what the others see."""
+    here, slower, faster = (
+        _stacked(source.loads_at_velocity(omega * factor, velocity))
+        for factor in (1.0, 1.0 - FASTER, 1.0 + FASTER)
+    )
+    by_speed = (faster - slower) / (2.0 * FASTER)
+    found = (
+        _of_rotor(source, omega, velocity)
+        if isinstance(source, Rotor)
+        else _of_table(source, omega, velocity)
+    )
+    return LoadErrors(here, by_speed, found)
+
+
+def _of_rotor(rotor: Rotor, omega: Floats, velocity: Floats) -> Floats:
+    known = rotor.model.uncertainty
+    if known is None:
+        return np.zeros((0, len(USED), omega.size))
+    at, _ = split_velocity(omega, velocity)
+    parts = rotor.loads_at_velocity(omega, velocity).std_by_source
+    each = [_apart(_stacked(parts[name])) for name in ("discrepancy", "tunnel") if name in parts]
+    return np.concatenate([_of_constants(rotor, known.covariance, at), *each])
+
+
+def _of_constants(rotor: Rotor, covariance: SectionCovariance, at: FlowPoints) -> Floats:
+    """Along the principal axes of the covariance of the constants (P, 3, N)."""
+    determined = covariance.determined
+    names = determined.names
+    if not names:
+        return np.zeros((0, len(USED), at.omega.size))
+    slopes = rotor.gradients_at(names, at).slopes
+    size, axes = np.linalg.eigh(determined.matrix)
+    root = axes * np.sqrt(np.maximum(size, 0.0))
+    rows = [list(LOADS).index(name) for name in USED]
+    return np.einsum("lpn,pq->qln", slopes[rows], root)
+
+
+def _of_table(table: LoadTable, omega: Floats, velocity: Floats) -> Floats:
+    speed = np.linalg.norm(velocity, axis=-1)
+    beta = np.arctan2(np.hypot(velocity[:, 0], velocity[:, 1]), velocity[:, 2])
+    try:
+        return _apart(_stacked(table.std(omega, speed, beta)))
+    except InputError:
+        return np.zeros((0, len(USED), omega.size))
+
+
+def _stacked(loads: object) -> Floats:
+    return np.stack([np.asarray(getattr(loads, name)) for name in USED])
+
+
+def _apart(deviations: Floats) -> Floats:
+    """Deviations (3, N) as those of one cause for each load (3, 3, N)."""
+    return np.eye(len(USED))[:, :, None] * deviations

@@ -1,8 +1,4 @@
-"""Target ``px4``: parameters of PX4's Kalman filter, control allocation and simulator.
-
-Each definition was read in PX4's source, whose files the parameters name; the file format is that
-of QGroundControl.
-"""
+"""Parameters of PX4: of its control allocation, its estimator and its simulator."""
 
 from __future__ import annotations
 
@@ -10,11 +6,11 @@ from collections.abc import Callable
 
 import numpy as np
 
-from propmap.aircraft.steady import Aircraft
-from propmap.export.curve_factor import curve_factor
-from propmap.export.drag_filter import DragFilter
+from propmap.aircraft.trim import Aircraft
+from propmap.errors import InputError
 from propmap.export.parameter_set import (
     AutopilotParameters,
+    DragFilter,
     Explained,
     Flights,
     LeftOut,
@@ -22,18 +18,22 @@ from propmap.export.parameter_set import (
     comment_lines,
     common_remarks,
 )
-from propmap.export.px4_allocation import (
-    LARGEST_THRUST,
-    NORMALISED,
-    geometry,
-    moment_ratio,
-    thrust_coefficient,
+from propmap.export.static_loads import (
+    StaticLoads,
+    ThrustCurve,
+    curve_factor,
+    known_curve,
+    static_loads,
 )
-from propmap.export.px4_simulator import simulator
-from propmap.export.static_loads import StaticLoads, static_loads
-from propmap.export.thrust_curve import ThrustCurve, known_curve
 from propmap.typing import Floats
-from propmap.vehicle.vehicle import Vehicle
+from propmap.vehicle.log import GRAVITY
+from propmap.vehicle.vehicle import Vector, Vehicle
+
+# -------------------------------------------------------------------------------------------------
+# Target ``px4``: parameters of PX4's Kalman filter, control allocation and simulator.
+#
+# Each definition was read in PX4's source, whose files the parameters name; the file format is that
+# of QGroundControl.
 
 FILTER = DragFilter(
     momentum="EKF2_MCOEF",
@@ -134,3 +134,233 @@ def _gazebo(flights: Flights, still: StaticLoads) -> str:
         f"N s^2 and {still.torque / still.thrust:.4g} m. With drag and rolling moment of a rotor "
         "they are what `propmap export MAP --to gazebo` writes from a map of the propeller."
     )
+
+
+# -------------------------------------------------------------------------------------------------
+# Parameters of PX4's control allocation: where the rotors are, and what they make.
+
+MOST_ROTORS, LARGEST_THRUST = 12, 100.0
+"""That control allocation takes: rotors, and CA_ROTORn_CT [N]."""
+
+ALLOCATOR = "PX4-Autopilot src/modules/control_allocator"
+ROTORS = f"{ALLOCATOR}/VehicleActuatorEffectiveness/ActuatorEffectivenessRotors.cpp"
+NORMALISED = "Control allocation is normalised: what all rotors have in common plays no part"
+
+
+def in_frd(vector: Vector) -> Vector:
+    """A ``vector`` with x forward, y left, z up as one with y right, z down."""
+    x, y, z = vector
+    return x, 0.0 - y, 0.0 - z
+
+
+def geometry(vehicle: Vehicle) -> list[Explained]:
+    """Number, places and axes of the rotors of a ``vehicle``.
+
+    Raises
+    ------
+    InputError
+        For more rotors than PX4 takes.
+    """
+    count = len(vehicle.mounts)
+    if count > MOST_ROTORS:
+        raise InputError(
+            f"the vehicle has {count} rotors, and PX4's control allocation takes {MOST_ROTORS}",
+            "choose another autopilot",
+        )
+    places, axes = {}, {}
+    for k, mount in enumerate(vehicle.mounts):
+        for letter, place, axis in zip(
+            "XYZ", in_frd(mount.position), in_frd(mount.axis), strict=True
+        ):
+            places[f"CA_ROTOR{k}_P{letter}"] = float(place)
+            axes[f"CA_ROTOR{k}_A{letter}"] = float(axis)
+    exact = "Exact: it is the vehicle file's."
+    told = "Position of the hub from the centre of mass, x forward, y right, z down."
+    return [
+        Explained("CA_ROTOR_COUNT", {"CA_ROTOR_COUNT": count}, "-", None, "Rotors.", ROTORS, exact),
+        Explained("CA_ROTORn_PX, _PY, _PZ", places, "m", None, told, ROTORS, exact),
+        Explained(
+            "CA_ROTORn_AX, _AY, _AZ",
+            axes,
+            "-",
+            None,
+            "Direction of the thrust, in the same frame.",
+            ROTORS,
+            exact,
+        ),
+    ]
+
+
+def moment_ratio(vehicle: Vehicle, still: StaticLoads, flights: Flights) -> Explained:
+    """Torque over thrust.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        Whose rotors they are.
+    still : StaticLoads
+        In hover.
+    flights : tuple of 2 InplaneForces
+        Level flights along x and y.
+    """
+    arm = flights[0].hover_arm
+    arms = np.concatenate([flight.arm for flight in flights]) / arm
+    return Explained(
+        title="CA_ROTORn_KM",
+        values={
+            f"CA_ROTOR{k}_KM": round(arm if mount.spin == "ccw" else -arm, 7)
+            for k, mount in enumerate(vehicle.mounts)
+        },
+        unit="m",
+        std=still.std_of(-arm / still.thrust, 1.0 / still.thrust),
+        meaning=(
+            "Torque = CA_ROTORn_KM times thrust; positive for a rotor that turns counter-clockwise "
+            "seen from above, whose reaction turns the vehicle clockwise."
+        ),
+        source=f"{ROTORS}, computeEffectivenessMatrix, and module.yaml",
+        holds=(
+            "That of hover. In the level flights below the ratio is "
+            f"{arms.min():.2f} to {arms.max():.2f} times as large."
+        ),
+    )
+
+
+def thrust_coefficient(vehicle: Vehicle, still: StaticLoads, curve: ThrustCurve) -> Explained:
+    """Thrust at the full signal.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        Whose rotors they are.
+    still : StaticLoads
+        In hover.
+    curve : ThrustCurve
+        Thrust by the signal, at most ``LARGEST_THRUST``.
+    """
+    share = still.std_of(1.0 / still.thrust, 0.0)
+    return Explained(
+        title="CA_ROTORn_CT",
+        values={f"CA_ROTOR{k}_CT": round(curve.full_thrust, 4) for k in range(len(vehicle.mounts))},
+        unit="N",
+        std=None if share is None else share * curve.full_thrust,
+        meaning=(
+            "Thrust = CA_ROTORn_CT u^2 with the signal u, hence the thrust at u = 1, at rest. "
+            f"{NORMALISED}."
+        ),
+        source=(
+            f"{ALLOCATOR}/module.yaml, and for the normalisation src/lib/control_allocation/"
+            "control_allocation/ControlAllocationPseudoInverse.cpp"
+        ),
+        holds=curve.full_signal(vehicle.powertrain.motor),
+    )
+
+
+# -------------------------------------------------------------------------------------------------
+# Parameters of PX4's simulator in hardware (SIH): linear rotors and linear drag.
+
+SIH = "PX4-Autopilot src/modules/simulation/simulator_sih/sih.cpp, generate_force_and_torques"
+
+SIH_QUAD = ((1, 1, "ccw"), (-1, -1, "ccw"), (1, -1, "cw"), (-1, 1, "cw"))
+"""Signs of x and y (to the right) and spins of the simulator's rotors."""
+
+
+def simulator(
+    vehicle: Vehicle, flights: Flights, still: StaticLoads, curve: ThrustCurve | None
+) -> tuple[list[Explained], str]:
+    """Parameters of the simulator in hardware, or why there are none.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        What is simulated.
+    flights : tuple of 2 InplaneForces
+        Its level flights along x and y.
+    still : StaticLoads
+        Of its rotors.
+    curve : ThrustCurve or None
+        Their thrust by the signal.
+    """
+    if curve is None:
+        return [], "they need the thrust at the full signal, see THR_MDL_FAC"
+    places = [in_frd(mount.position) for mount in vehicle.mounts]
+    arms = np.abs(np.array(places))[:, :2]
+    pattern = tuple(
+        (int(np.sign(place[0])), int(np.sign(place[1])), mount.spin)
+        for place, mount in zip(places, vehicle.mounts, strict=True)
+    )
+    alike = np.ptp(arms, axis=0) <= 0.01 * arms.max()
+    if pattern != SIH_QUAD or not alike.all():
+        return [], (
+            "the simulator flies a quadrotor in X with equal arms, rotors 1 to 4 front right, back "
+            "left, front left, back right, the first two counter-clockwise; this vehicle is another"
+        )
+    weight = vehicle.mass * GRAVITY
+    speed = np.concatenate([flight.speed for flight in flights])
+    needed = np.concatenate([weight * np.tan(flight.pitch) for flight in flights])
+    drag = float(np.sum(speed * needed) / np.sum(speed**2))
+    worst = float(np.abs(drag * speed - needed).max())
+    changes = np.concatenate([flight.errors for flight in flights], axis=1) * vehicle.mass
+    spread = float(np.linalg.norm(changes @ speed) / np.sum(speed**2)) if changes.size else None
+    share = still.std_of(1.0 / still.thrust, 0.0)
+    whole = still.std_of(0.0, 1.0 / still.torque)
+    linear = "The simulator's thrust and torque are linear in the signal, hence THR_MDL_FAC is 0."
+    full = curve.full_signal(vehicle.powertrain.motor)
+    return [
+        Explained(
+            "SIH_VEHICLE_TYPE", {"SIH_VEHICLE_TYPE": 0}, "-", None, "0, a quadrotor.", SIH, "Exact."
+        ),
+        Explained(
+            "SIH_MASS",
+            {"SIH_MASS": float(vehicle.mass)},
+            "kg",
+            None,
+            "Take-off mass.",
+            SIH,
+            "Exact: it is the vehicle file's. Moments of inertia are not written: set SIH_IXX etc.",
+        ),
+        Explained(
+            "SIH_T_MAX",
+            {"SIH_T_MAX": round(curve.full_thrust, 4)},
+            "N",
+            None if share is None else share * curve.full_thrust,
+            f"Thrust of a rotor = SIH_T_MAX u. {linear}",
+            SIH,
+            full,
+        ),
+        Explained(
+            "SIH_Q_MAX",
+            {"SIH_Q_MAX": round(curve.full_torque, 6)},
+            "N m",
+            None if whole is None else whole * curve.full_torque,
+            "Torque of a rotor = SIH_Q_MAX u.",
+            SIH,
+            full,
+        ),
+        Explained(
+            "SIH_L_ROLL, SIH_L_PITCH",
+            {"SIH_L_ROLL": float(arms[:, 1].mean()), "SIH_L_PITCH": float(arms[:, 0].mean())},
+            "m",
+            None,
+            "Distances of the rotors from the planes of symmetry.",
+            SIH,
+            "Exact.",
+        ),
+        Explained(
+            "SIH_KDV",
+            {"SIH_KDV": round(drag, 5)},
+            "N s/m",
+            spread,
+            "Force on the vehicle = -SIH_KDV V, in all directions.",
+            SIH,
+            f"Fitted to what the lean in the level flights below takes: within {worst:.2g} N.",
+        ),
+        Explained(
+            "THR_MDL_FAC",
+            {"THR_MDL_FAC": 0.0},
+            "-",
+            None,
+            linear,
+            SIH,
+            "Of the simulator alone: the real vehicle has another.",
+        ),
+    ], ""

@@ -1,14 +1,20 @@
-"""A vehicle's rotors at rest, with the errors of their loads."""
+"""Loads at rest, the curve of thrust by the signal, and the factor that autopilots make of it."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
-from propmap.aircraft.steady import Aircraft
-from propmap.export.load_errors import load_errors, rotor_sources
+from propmap.aircraft.trim import Aircraft
+from propmap.export.inplane_drag import load_errors, rotor_sources
+from propmap.rotor import Rotor
 from propmap.typing import Floats
+from propmap.vehicle.powertrain import RPM, Motor
+
+# -------------------------------------------------------------------------------------------------
+# A vehicle's rotors at rest, with the errors of their loads.
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,3 +49,220 @@ def static_loads(aircraft: Aircraft, omega: float) -> StaticLoads:
         parts.append((share * found.loads[[0, 2], 0], share * found.errors[:, [0, 2], 0]))
     loads, errors = (np.sum(each, axis=0) for each in zip(*parts, strict=True))
     return StaticLoads(float(loads[0]), float(loads[1]), errors)
+
+
+# -------------------------------------------------------------------------------------------------
+# Static thrust by the signal to the speed controller, from motor, controller and battery.
+#
+# The signal is the share of the battery's voltage that the controller passes on, as in
+# ``propmap.vehicle.powertrain``; all rotors get the same, and the battery sags under all of them.
+
+KNOTS = 12
+"""Rotor speeds at which loads at rest over their square are computed; they vary slowly."""
+
+SPEEDS = 2000
+"""Rotor speeds at which the signal is computed."""
+
+
+@dataclass(frozen=True, eq=False)
+class ThrustCurve:
+    """Thrust of a rotor at rest.
+
+    Attributes
+    ----------
+    signal, thrust : ndarray, shape (n,)
+        Rising from 0 to 1; the mean of the rotors [N].
+    full_thrust, full_torque, full_speed, full_current : float
+        At the signal 1 [N], [N m], [rad/s], [A] of a motor.
+    """
+
+    signal: Floats
+    thrust: Floats
+    full_thrust: float
+    full_torque: float
+    full_speed: float
+    full_current: float
+
+    def at(self, signal: Floats) -> Floats:
+        """Thrust [N] at ``signal``."""
+        return np.asarray(np.interp(signal, self.signal, self.thrust))
+
+    def full_signal(self, motor: Motor | None) -> str:
+        """What the full signal asks of a ``motor``, in words."""
+        rpm = self.full_speed / RPM
+        told = f"At rest, full signal: {rpm:.0f} rpm, {self.full_current:.3g} A per motor."
+        if motor is not None and self.full_current > motor.maximum_current:
+            told += f" That is above the motor's {motor.maximum_current:g} A."
+        if motor is not None and self.full_speed > motor.maximum_speed:
+            told += f" That is above the motor's {motor.maximum_speed / RPM:.0f} rpm."
+        return told
+
+
+def known_curve(aircraft: Aircraft) -> tuple[ThrustCurve | None, str]:
+    """The curve of an ``aircraft`` at its state of charge, or why there is none."""
+    powertrain = aircraft.vehicle.powertrain
+    missing = [
+        name
+        for name, part in (("[motor]", powertrain.motor), ("[battery]", powertrain.battery))
+        if part is None
+    ]
+    if missing:
+        return None, f"the vehicle file has no {' and no '.join(missing)}"
+    curve = thrust_curve(aircraft, aircraft.limits.charge)
+    if curve is None:
+        return None, "the battery cannot deliver the power of full throttle"
+    if not isinstance(aircraft.loads, Rotor):
+        fastest = aircraft.loads.envelope["omega"][1]
+        if curve.full_speed > fastest:
+            return None, (
+                f"the map ends at {fastest / RPM:.0f} rpm, and full throttle is "
+                f"{curve.full_speed / RPM:.0f}"
+            )
+    return curve, ""
+
+
+def thrust_curve(aircraft: Aircraft, charge: float, more_torque: float = 0.0) -> ThrustCurve | None:
+    """The curve of a vehicle with motor and battery; None where it does not reach the signal 1.
+
+    Parameters
+    ----------
+    aircraft : Aircraft
+        The vehicle and the loads of its rotors.
+    charge : float
+        State of charge, 0 to 1.
+    more_torque : float
+        Share by which the torque is larger than the model's, to see what its error does [-].
+    """
+    powertrain, count = aircraft.vehicle.powertrain, len(aircraft.vehicle.mounts)
+    motor, battery = powertrain.motor, powertrain.battery
+    assert motor is not None and battery is not None
+    unloaded = motor.speed_constant * float(battery.open_circuit_voltage(np.array(charge)))
+    knots, thrust, torque = _over_square(aircraft, unloaded)
+    omega = np.linspace(0.0, unloaded, SPEEDS)
+    lift = np.interp(omega, knots, thrust) * omega**2
+    turn = np.interp(omega, knots, torque) * omega**2 * (1.0 + more_torque)
+    each = np.repeat(turn[:, None], count, axis=1), np.repeat(omega[:, None], count, axis=1)
+    state = powertrain.driven(*each, charge)
+    signal = state.controller_voltage[:, 0] / state.battery_voltage
+    beyond = np.flatnonzero(~(signal < 1.0))
+    if not beyond.size or np.isnan(signal[beyond[0]]):
+        return None
+    upto = slice(0, int(beyond[0]) + 1)
+    signal, lift = signal[upto], lift[upto]
+
+    def full(values: Floats) -> float:
+        return float(np.interp(1.0, signal, values[upto]))
+
+    # Below the signal that overcomes the motor's own friction there is no thrust.
+    risen = np.concatenate([[0.0], signal])
+    return ThrustCurve(
+        signal=risen,
+        thrust=np.concatenate([[0.0], lift]),
+        full_thrust=float(np.interp(1.0, signal, lift)),
+        full_torque=full(turn),
+        full_speed=full(omega),
+        full_current=full(state.motor_current[:, 0]),
+    )
+
+
+def _over_square(aircraft: Aircraft, fastest: float) -> tuple[Floats, Floats, Floats]:
+    """Rotor speeds, and mean thrust and torque at rest over their square there."""
+    omega = np.linspace(0.1, 1.0, KNOTS) * fastest
+    if not isinstance(aircraft.loads, Rotor):
+        low, high = aircraft.loads.envelope["omega"]
+        omega = np.linspace(low, min(high, fastest), KNOTS)
+    thrust, torque = np.zeros(KNOTS), np.zeros(KNOTS)
+    for source, mine in rotor_sources(aircraft.vehicle, aircraft.loads):
+        found = source.loads(omega, 0.0, 0.0)
+        thrust += mine.size * found.thrust
+        torque += mine.size * found.torque
+    count = len(aircraft.vehicle.mounts)
+    return omega, thrust / omega**2 / count, torque / omega**2 / count
+
+
+# -------------------------------------------------------------------------------------------------
+# The one number by which an autopilot describes a thrust curve, and how sure it is.
+
+DISCHARGED = 0.3
+"""State of charge besides the given one at which factors are told."""
+
+Shares = Callable[[Callable[[Floats], Floats]], Floats]
+"""Makes of a curve, thrust by signal, its thrust over the largest at equally spaced x (n,)."""
+
+
+@dataclass(frozen=True)
+class CurveFactor:
+    """A curve as f x^2 + (1 - f) x, thrust over the largest and x from 0 to 1.
+
+    Attributes
+    ----------
+    factor : float
+        f [-].
+    worst : float
+        Largest difference from the curve, over the largest thrust [-].
+    std : float or None
+        Standard deviation of f by that of the torque [-]; None where it is not known.
+    charge : float
+        State of charge of the battery.
+    discharged : float
+        f at the charge ``DISCHARGED``; NaN where there is no full throttle then.
+    """
+
+    factor: float
+    worst: float
+    std: float | None
+    charge: float
+    discharged: float
+
+    @property
+    def holds(self) -> str:
+        """What it is good for, in words."""
+        told = (
+            f"At rest, battery at {self.charge:.0%}: within {self.worst:.1%} of the largest thrust."
+        )
+        if np.isfinite(self.discharged):
+            return f"{told} At {DISCHARGED:.0%} it would be {self.discharged:.3f}."
+        return f"{told} At {DISCHARGED:.0%} the battery does not deliver full throttle."
+
+
+def curve_factor(
+    aircraft: Aircraft,
+    curve: ThrustCurve,
+    still: StaticLoads,
+    shares: Shares,
+    limits: tuple[float, float],
+) -> CurveFactor:
+    """f of an aircraft's curve, by least squares.
+
+    Parameters
+    ----------
+    aircraft, curve, still : Aircraft, ThrustCurve, StaticLoads
+        Whose curve it is, and its loads at rest with their errors.
+    shares : callable
+        What the autopilot takes as x.
+    limits : tuple of 2 float
+        The least and largest f that the autopilot takes.
+    """
+    charge = aircraft.limits.charge
+
+    def factor(found: ThrustCurve | None) -> float:
+        return float("nan") if found is None else fitted_factor(shares(found.at), limits)
+
+    here, share = factor(curve), shares(curve.at)
+    spread = still.std_of(0.0, 1.0 / still.torque)
+    more = None if spread is None else factor(thrust_curve(aircraft, charge, spread))
+    x = np.linspace(0.0, 1.0, share.size)
+    return CurveFactor(
+        factor=here,
+        worst=float(np.abs(x + here * (x**2 - x) - share).max()),
+        std=None if more is None else abs(more - here),
+        charge=charge,
+        discharged=factor(thrust_curve(aircraft, DISCHARGED)),
+    )
+
+
+def fitted_factor(share: Floats, limits: tuple[float, float]) -> float:
+    """f within its ``limits`` that is nearest to thrusts over the largest, ``share`` (n,)."""
+    x = np.linspace(0.0, 1.0, share.size)
+    bent = x**2 - x
+    return float(np.clip(np.sum((share - x) * bent) / np.sum(bent**2), *limits))

@@ -1,34 +1,55 @@
-"""A parameter set against measurements, beside the hover model of the same rotor."""
+"""Parameters against measurements, beside the hover model, and verdicts on what is left over."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from propmap.baselines.hover import HoverModel
+from propmap.catalogue.identified import PARAMETERS
 from propmap.errors import InputError
-from propmap.fit.body_forces import body_force
-from propmap.fit.flight import ALIKE, AXES, MOMENTS, UNITS
-from propmap.fit.flight_parameters import at_samples
-from propmap.fit.force_model import hover_loads
-from propmap.fit.parameters import FIRST_GUESS, ROTOR_SPEED, SENSOR, general
-from propmap.fit.residuals import Errors, by_band, errors
-from propmap.fit.sensor_forces import sensor_force
-from propmap.fit.still_explained import Trend, trends
-from propmap.fit.tunnel import TunnelData
-from propmap.fit.turning import added_moment, measured_moment
-from propmap.fit.wake_parameters import wakes_with
+from propmap.fit.fit import Fitted
+from propmap.fit.flight import (
+    ALIKE,
+    AXES,
+    MOMENTS,
+    UNITS,
+    added_moment,
+    at_samples,
+    body_force,
+    hover_loads,
+    measured_moment,
+    sensor_force,
+    wakes_with,
+)
+from propmap.fit.least_squares import Errors, Rows, by_band, errors, rms, search
+from propmap.fit.parameters import (
+    FIRST_GUESS,
+    MOUNT,
+    ROTOR,
+    ROTOR_SPEED,
+    SENSOR,
+    Choice,
+    described,
+    general,
+)
+from propmap.fit.tunnel import TunnelData, rotor_with
+from propmap.fit.uncertainty import uncertainty
 from propmap.loads import LOADS
+from propmap.model.drag_factor import drag_factor_accepted
 from propmap.model.model import Model, Section
 from propmap.rotor import Rotor
 from propmap.typing import Floats
-from propmap.vehicle.flight_log import GRAVITY, FlightLog
-from propmap.vehicle.hub_flow import HubFlow, hub_flow, rotor_wrench
-from propmap.vehicle.interference import in_wakes
-from propmap.vehicle.mounted_rotors import mounted_rotors
+from propmap.vehicle.log import GRAVITY, FlightLog
+from propmap.vehicle.rotors import mounted_rotors
 from propmap.vehicle.vehicle import Vehicle
+from propmap.vehicle.wakes import HubFlow, hub_flow, in_wakes, rotor_wrench
+
+# -------------------------------------------------------------------------------------------------
+# A parameter set against measurements, beside the hover model of the same rotor.
 
 
 @dataclass(frozen=True)
@@ -212,3 +233,415 @@ def level_forces(
 
 def _compared(model: Floats, measured: Floats, speed: Floats, hover: Floats) -> Comparison:
     return Comparison(errors(model, measured, hover), by_band(model, measured, speed, hover))
+
+
+# -------------------------------------------------------------------------------------------------
+# What a fit could not explain, as errors of thrust and power coefficients.
+
+OF_THRUST, OF_TORQUE = ("thrust", "force_z", "vertical_force"), ("torque",)
+"""Rows whose errors, over what the hover model says of them, are shares of a static load."""
+
+
+def discrepancy(fitted: Fitted, found: Model, hover: Floats) -> dict[str, float]:
+    """Standard deviations of C_T and C_P, by the names of ``model.uncertainty.DISCREPANCIES``.
+
+    A load that was not fitted is taken to err by as large a share as the other.
+
+    Parameters
+    ----------
+    fitted : Fitted
+        The fit.
+    found : Model
+        With its parameters.
+    hover : ndarray, shape (M,)
+        The hover model's values of the rows.
+    """
+    shares = {}
+    for kind, names in (("thrust", OF_THRUST), ("torque", OF_TORQUE)):
+        for k, name in enumerate(fitted.rows.names):
+            still = hover[fitted.rows.of_load(k)]
+            size = float(np.sqrt(np.nanmean(still**2))) if still.size else 0.0
+            if name in names and size > 0.0:
+                shares[kind] = errors(*fitted.compared(k)).rms / size
+    if not shares or not np.isfinite(list(shares.values())).all():
+        return {}
+    static = HoverModel.of(Rotor(found))
+    blade, air = found.propeller, found.air
+    thrust = abs(static.k_thrust) * (2.0 * np.pi) ** 2 / (air.density * blade.diameter**4)
+    power = abs(static.k_torque) * (2.0 * np.pi) ** 3 / (air.density * blade.diameter**5)
+    largest = max(shares.values())
+    return {
+        "thrust_coefficient": shares.get("thrust", largest) * thrust,
+        "power_coefficient": shares.get("torque", largest) * power,
+    }
+
+
+# -------------------------------------------------------------------------------------------------
+# How far forward flight is known: relative uncertainty of thrust and torque, before and after.
+
+ADVANCE = (0.0, 0.2, 0.4, 0.6, 0.2, 0.4, 0.6)
+"""J = V / (n D) of the points looked at [-]."""
+
+BETA = np.radians([0.0, 0.0, 0.0, 0.0, 90.0, 90.0, 90.0])
+"""Their angles to the axis [rad]."""
+
+TOLD = ("thrust", "torque")
+
+MODEL_ERROR = 0.03
+"""What the model gets wrong with the best constants, as a share of the load at rest; so much makes
+the intervals hold after a fit to static rows: ``python -m tools.after_static``."""
+
+SMALL = 0.1
+"""Share of the load at rest below which a load has no relative uncertainty worth telling."""
+
+
+@dataclass(frozen=True, eq=False)
+class ForwardTrust:
+    """Thrust and torque at m points, and how uncertain they are.
+
+    Attributes
+    ----------
+    omega : float
+        Rotational speed of all points [rad/s].
+    advance, beta : ndarray, shape (m,)
+        V / (n D) [-] and the angle to the axis [rad].
+    load : ndarray, shape (m, 2)
+        Thrust [N] and torque [N m] after the fit.
+    before, after : ndarray, shape (m, 2)
+        Standard deviations over the loads [-]; NaN where a load is hardly there, and infinite
+        where nothing was known.
+    """
+
+    omega: float
+    advance: Floats
+    beta: Floats
+    load: Floats
+    before: Floats
+    after: Floats
+
+
+def forward_trust(model: Model, fitted: Fitted, omega: float, setting: str) -> ForwardTrust:
+    """What a fit leaves open of thrust and torque at rest, in axial and in edgewise flow.
+
+    To first order, sqrt(g' S g) with g the derivatives by the free constants: before the fit at
+    the most likely ones with their covariance, after it at those found with that of the fit; and
+    ``MODEL_ERROR`` beside it.
+
+    Parameters
+    ----------
+    model : Model
+        That was fitted.
+    fitted : Fitted
+        The fit.
+    omega : float
+        Rotational speed [rad/s].
+    setting : str
+        Accuracy of the loads, as in ``Rotor``.
+    """
+    choice = fitted.choice
+    by_prior = choice.apart(choice.first)[1]
+    before = np.asarray(np.linalg.pinv(by_prior.T @ by_prior), np.float64)
+    unknown = [k for k, name in enumerate(choice.free) if choice.prior_of(name) is None]
+    speed = np.array(ADVANCE) * omega / (2.0 * np.pi) * model.propeller.diameter
+    flow = np.full(speed.size, omega), speed * np.cos(BETA), speed * np.sin(BETA)
+    rows = [list(LOADS).index(name) for name in TOLD]
+
+    def loads(x: Floats, covariance: Floats) -> tuple[Floats, Floats]:
+        rotor = rotor_with(model, choice.values(x), setting)
+        names = tuple(name for name in choice.free if name in ROTOR)
+        found = rotor.gradients(names, *flow)
+        mine = [choice.free.index(name) for name in names]
+        part = covariance[np.ix_(mine, mine)]
+        variance = np.einsum("lpm,pq,lqm->ml", found.slopes[rows], part, found.slopes[rows])
+        load = found.loads[rows].T
+        relative = np.sqrt(variance + (MODEL_ERROR * load[0]) ** 2) / np.abs(load)
+        return load, np.where(load < SMALL * load[0], np.nan, relative)
+
+    _, was = loads(choice.first, before)
+    if unknown:
+        was = np.where(np.isfinite(was), np.inf, was)
+    load, now = loads(fitted.x, fitted.uncertainty.covariance)
+    return ForwardTrust(omega, np.array(ADVANCE), BETA, load, was, now)
+
+
+# -------------------------------------------------------------------------------------------------
+# Whether the constants that a fit found are at odds with those of other propellers.
+
+FAR = 2.5
+"""Standard deviations from what propellers let expect, from which a constant is worth a remark."""
+
+
+def doubts_on_constants(fitted: Fitted) -> list[str]:
+    """Constants that lie far from those of other propellers, in one sentence; mostly nothing.
+
+    Parameters
+    ----------
+    fitted : Fitted
+        The fit; without a prior over propellers there is nothing to compare with.
+    """
+    expected = fitted.choice.expected
+    if expected is None:
+        return []
+    apart = np.abs(expected.apart(fitted.values)[0])
+    own = {**fitted.choice.fixed, **fitted.choice.priors}
+    far = [
+        f"{name} is {fitted.values[name]:.3g}, {apart[k]:.1f} standard deviations from what "
+        "propellers let expect"
+        for k, name in enumerate(PARAMETERS)
+        if apart[k] > FAR and name not in own
+    ]
+    if not far:
+        return []
+    return [f"{'; '.join(far)}: check the blade's twist, the radius, the units and the density"]
+
+
+# -------------------------------------------------------------------------------------------------
+# What one more free parameter changes in a fit: assumptions that fail, terms of the body.
+
+TELLING = 0.7
+"""Share of the residuals' size below which giving up an assumption is worth saying."""
+
+POOR = 0.03
+"""Relative residual from which a fit is looked into."""
+
+ASSUMPTIONS = {
+    "zero_lift_angle": "C_L(0) = 0, an uncambered section",
+    "c_d0": "c_d0 = 0.01, the constant drag",
+    "mount_area": "the rotor drag without more in the slipstream",
+}
+"""What holds as long as the parameter is not free."""
+
+BODY_TERMS = ("lift_area", "drag_area_x")
+
+LEAST_FALL = 0.05
+"""Share by which a term of the body has to lower the residuals to earn its place."""
+
+
+def failing_assumptions(fitted: Fitted, rows_for: Callable[[Choice], Rows]) -> list[str]:
+    """Which assumptions of the section law a poor fit points at.
+
+    Parameters
+    ----------
+    fitted : Fitted
+        The fit.
+    rows_for : callable
+        The same data as rows for another choice of free parameters.
+
+    Returns
+    -------
+    list of str
+        A sentence per assumption that lowers the residuals by 30 % or more when it is given up;
+        none where the fit is good.
+    """
+    size = rms(fitted.minimum.residual)
+    if size < POOR:
+        return []
+    told = []
+    for name, assumption in ASSUMPTIONS.items():
+        acts = name not in MOUNT or "drag" in fitted.rows.names
+        if name in fitted.choice.free or not acts:
+            continue
+        choice, begin = _with(fitted, name)
+        again = search(rows_for(choice), choice, [choice.first, begin], error=fitted.error)
+        left = rms(again.residual) / size
+        if left < TELLING:
+            told.append(
+                f"{assumption}, does not hold: with {name} free ({again.x[-1]:.3g} "
+                f"{described(name).unit}) the residuals fall to {100.0 * left:.0f} %"
+            )
+    return told
+
+
+def body_terms_verdict(fitted: Fitted, rows_for: Callable[[Choice], Rows]) -> list[str]:
+    """Whether lift and drag of the body earn their place in a flight fit (section III.A).
+
+    A term does if its 95 % interval leaves out zero and the residuals fall by more than 5 %.
+
+    Parameters
+    ----------
+    fitted : Fitted
+        The fit without them.
+    rows_for : callable
+        The same data as rows for another choice of free parameters.
+
+    Returns
+    -------
+    list of str
+        A sentence per term of the body that was not free.
+    """
+    told = []
+    size = rms(fitted.minimum.residual)
+    for name in BODY_TERMS:
+        if name in fitted.choice.free:
+            continue
+        choice, begin = _with(fitted, name)
+        rows = rows_for(choice)
+        again = search(rows, choice, [begin], error=fitted.error)
+        sure = uncertainty(rows, choice, again, fitted.error)
+        fall = 1.0 - rms(again.residual) / size if size > 0.0 else 0.0
+        shift = np.max(np.abs(again.x[:-1] - fitted.x) / fitted.choice.column("spread"))
+        nonzero = sure.low[-1] > 0.0 or sure.high[-1] < 0.0
+        earns = "earns its place" if nonzero and fall > LEAST_FALL else "does not earn its place"
+        told.append(
+            f"{name} {earns}: {again.x[-1]:.4g} m^2 ({sure.low[-1]:.2g} to {sure.high[-1]:.2g}), "
+            f"residuals {-100.0 * fall:+.1f} %, the other parameters move by at most "
+            f"{shift:.2f} of their spread"
+        )
+    return told
+
+
+def _with(fitted: Fitted, name: str) -> tuple[Choice, Floats]:
+    """The choice of a fit with one more free parameter, the last, and where to begin."""
+    fixed = {k: v for k, v in fitted.choice.fixed.items() if k != name}
+    with drag_factor_accepted():
+        choice = replace(fitted.choice, free=(*fitted.choice.free, name), fixed=fixed)
+    return choice, np.append(fitted.x, fitted.values.get(name, described(name).start))
+
+
+# -------------------------------------------------------------------------------------------------
+# Which variables still explain something of a flight fit's residuals, in words.
+
+LEAST_SHARE = 0.05
+"""Share of the residuals' variance from which a variable is worth a sentence."""
+
+CERTAIN = 3.0
+"""Slope over its block-wise standard error from which it is no chance."""
+
+MOST = 2
+"""Sentences per load."""
+
+
+def candidates(log: FlightLog) -> dict[str, Floats]:
+    """Variables (n,) of a log that residuals may depend on, by their names with units.
+
+    Parameters
+    ----------
+    log : FlightLog
+        n samples.
+    """
+    forward, left, up = log.velocity.T
+    roll, pitch, yaw = log.rates.T
+    rotor = np.sqrt(np.mean(np.square(log.rotor_speed), axis=1))
+    return {
+        "speed [m/s]": log.speed,
+        "forward velocity [m/s]": forward,
+        "sideways velocity to the left [m/s]": left,
+        "velocity along the body's z axis [m/s]": up,
+        "square of the forward velocity [m^2/s^2]": forward**2,
+        "square of the sideways velocity [m^2/s^2]": left**2,
+        "climb rate [m/s]": log.climb_rate,
+        "speed of descent along z [m/s]": np.maximum(-up, 0.0),
+        "roll rate [rad/s]": roll,
+        "pitch rate [rad/s]": pitch,
+        "yaw rate [rad/s]": yaw,
+        "square of the roll rate [rad^2/s^2]": roll**2,
+        "square of the pitch rate [rad^2/s^2]": pitch**2,
+        "rotor speed [rad/s]": rotor,
+        "time since the flight's start [s]": log.since_start,
+    }
+
+
+@dataclass(frozen=True, eq=False)
+class Trend:
+    """How the residual of one load goes with one variable, over n samples.
+
+    Attributes
+    ----------
+    load, unit, variable : str
+        Names; that of the variable with its unit.
+    at, residual : ndarray, shape (n,)
+        The variable, and model minus measurement.
+    block : ndarray, shape (n,)
+        Stretches within which errors may be alike.
+    slope, error : float
+        By least squares, and its block-wise standard error.
+    share : float
+        Of the residual's variance that the slope explains [-].
+    """
+
+    load: str
+    unit: str
+    variable: str
+    at: Floats
+    residual: Floats
+    block: NDArray[np.intp]
+    slope: float
+    error: float
+    share: float
+
+    @property
+    def tells(self) -> bool:
+        """Whether it is worth a sentence and no chance."""
+        return self.share >= LEAST_SHARE and abs(self.slope) >= CERTAIN * self.error
+
+    @property
+    def sentence(self) -> str:
+        """What the slope says."""
+        way, per = "grows" if self.slope > 0.0 else "falls", self.variable.partition(" [")
+        return (
+            f"the error of {self.load} {way} with {per[0]}: {self.slope:+.2g} {self.unit} per "
+            f"{per[2].rstrip(']')}, {100.0 * self.share:.0f} % of its variance"
+        )
+
+
+def trends(
+    log: FlightLog, load: str, unit: str, residual: Floats, block: NDArray[np.intp]
+) -> list[Trend]:
+    """The residual of a load against every candidate, the strongest first.
+
+    Parameters
+    ----------
+    log : FlightLog
+        n samples.
+    load, unit : str
+        Of the residual.
+    residual : ndarray, shape (n,)
+        Model minus measurement; samples that are not finite are left out.
+    block : ndarray, shape (n,)
+        Stretches within which errors may be alike.
+    """
+    known = np.isfinite(residual)
+    off, stretch, found = residual[known], block[known], []
+    for name, variable in candidates(log).items():
+        at = variable[known]
+        found.append(Trend(load, unit, name, at, off, stretch, *_slope(at, off, stretch)))
+    return sorted(found, key=lambda trend: -trend.share)
+
+
+def still_explained(fitted: Fitted, log: FlightLog) -> list[str]:
+    """Sentences on what residuals still depend on, the strongest first, two per load at most.
+
+    Parameters
+    ----------
+    fitted : Fitted
+        A fit of rows made of the samples of ``log``.
+    log : FlightLog
+        The n samples.
+    """
+    rows, told = fitted.rows, []
+    if rows.group is None:
+        return []
+    for k, (load, unit) in enumerate(zip(rows.names, rows.units, strict=True)):
+        mine = rows.of_load(k)
+        residual, block = np.full(len(log), np.nan), np.zeros(len(log), dtype=np.intp)
+        residual[rows.point[mine]], block[rows.point[mine]] = (
+            fitted.residual[mine],
+            rows.group[mine],
+        )
+        telling = [one for one in trends(log, load, unit, residual, block) if one.tells]
+        told += [one.sentence for one in telling[:MOST]]
+    return told
+
+
+def _slope(
+    variable: Floats, residual: Floats, block: NDArray[np.intp]
+) -> tuple[float, float, float]:
+    """Slope of the residual, its block-wise standard error, and the share of its variance."""
+    x, y = variable - variable.mean(), residual - residual.mean()
+    size, spread = float(x @ x), float(y @ y)
+    if size <= 1e-12 * max(float(variable @ variable), 1e-300) or spread == 0.0:
+        return 0.0, np.inf, 0.0
+    slope = float(x @ y) / size
+    _, index = np.unique(block, return_inverse=True)
+    scores = np.bincount(index, weights=x * (y - slope * x))
+    return slope, float(np.sqrt(scores @ scores)) / size, slope**2 * size / spread

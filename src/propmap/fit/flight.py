@@ -1,22 +1,46 @@
-"""Force balances of a flying vehicle as rows to fit, eqs. (16) and (17) and past them."""
+"""A flying vehicle's forces and moments, and their balances as rows to fit, eqs. (16) and (17)."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from propmap.baselines.hover import HoverModel
-from propmap.errors import InputError
-from propmap.fit.force_model import ForceModel, hover_loads
-from propmap.fit.parameters import MOUNT, SENSOR, TURNING, WAKES, WING, Choice, general
-from propmap.fit.rows import Rows
+from propmap.errors import InputError, quoted
+from propmap.fit.fit import Coverage, coverage
+from propmap.fit.least_squares import Rows
+from propmap.fit.parameters import (
+    EVERY,
+    MOUNT,
+    PER_FLIGHT,
+    ROTOR,
+    ROTOR_SPEED,
+    SENSOR,
+    TURNING,
+    WAKES,
+    WING,
+    Choice,
+    Prior,
+    general,
+    of_flight,
+)
 from propmap.fit.tunnel import model_with
-from propmap.fit.turning import measured_moment
+from propmap.loads import LOADS
+from propmap.model.airfoil import Airfoil
+from propmap.model.model import Model
 from propmap.rotor import Rotor
 from propmap.typing import Floats
-from propmap.vehicle.flight_log import GRAVITY, FlightLog
+from propmap.vehicle.log import GRAVITY, FlightLog
+from propmap.vehicle.rotors import mounted_rotors
+from propmap.vehicle.vehicle import Body, Vehicle, Wakes
+from propmap.vehicle.vehicle_forces import free_stream_force
+from propmap.vehicle.wakes import HubFlow, check_apart, hub_flow, rotor_wrench, wake_flow
+
+# -------------------------------------------------------------------------------------------------
+# Force balances of a flying vehicle as rows to fit, eqs. (16) and (17) and past them.
 
 AXES, VERTICAL = ("force_x", "force_y", "force_z"), ("vertical_force",)
 MOMENTS = ("moment_x", "moment_y", "moment_z")
@@ -174,3 +198,593 @@ def hover_rows(model: ForceModel, values: Mapping[str, float], rows: Rows) -> Fl
     """
     hover = HoverModel.of(Rotor(model_with(model.model, values)))
     return rows.picked(_along(model.log, rows.names, hover_loads(hover, model.flow)))
+
+
+# -------------------------------------------------------------------------------------------------
+# Forces and moments on a flying vehicle at the samples of a log, and their derivatives.
+
+LIFT = ("c_l1", "zero_lift_angle", "reynolds_camber", "untwist")
+"""Parameters of attached lift, and so of the rotors' wakes."""
+
+LIFT_STEP = 1e-4
+"""Of the difference quotients by these, over the spread of each."""
+
+SPEED_STEP = 1e-6
+"""Of that by the rotor speed, over the speed."""
+
+
+@dataclass(frozen=True)
+class Balance:
+    """What acts on the vehicle at n samples, in its frame.
+
+    Attributes
+    ----------
+    loads : ndarray, shape (n, 6)
+        Force [N] and moment about the centre of mass [N m], NaN where the rotors' loads were not
+        found.
+    slopes : ndarray, shape (P, n, 6)
+        By the parameters asked for.
+    """
+
+    loads: Floats
+    slopes: Floats
+
+    @property
+    def force(self) -> Floats:
+        """[N], (n, 3)."""
+        return self.loads[:, :3]
+
+    @property
+    def moment(self) -> Floats:
+        """[N m], (n, 3)."""
+        return self.loads[:, 3:]
+
+
+class ForceModel:
+    """All forces but gravity on a vehicle and their moments, at the samples of a log.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        Its rotors, body and wing.
+    log : FlightLog
+        How it moves.
+    base : Airfoil
+        Gives what no parameter of a fit does.
+    setting : str
+        Accuracy of the loads, as in ``Rotor``.
+
+    Raises
+    ------
+    InputError
+        Where the log has not one rotor speed per rotor.
+    """
+
+    def __init__(
+        self,
+        vehicle: Vehicle,
+        log: FlightLog,
+        base: Airfoil,
+        setting: str = "standard",
+    ) -> None:
+        if log.rotor_speed.shape[1] != len(vehicle.mounts):
+            raise InputError(
+                f"{log.rotor_speed.shape[1]} rotor speeds for {len(vehicle.mounts)} rotors",
+                "give the vehicle file one [[rotors]] table per rotor of the log",
+                log.source,
+            )
+        self.vehicle, self.log, self.setting = vehicle, log, setting
+        self.model = Model(vehicle.propeller, base, vehicle.air)
+        self.flow = hub_flow(vehicle, log)
+
+    def at(self, values: Mapping[str, float], free: tuple[str, ...]) -> Balance:
+        """Forces and moments, and their derivatives.
+
+        Parameters
+        ----------
+        values : mapping of str to float
+            All parameters by name.
+        free : tuple of str
+            Names of the P by which to differentiate.
+        """
+        check_flights(free, self.log)
+        loads, slopes = self._rotors(values, free)
+        scale = at_samples("thrust_scale", values, self.log)[:, None]
+        slopes = scale * slopes
+        for row, name in enumerate(free):
+            if general(name) == "thrust_scale":
+                slopes[row] = samples_of(name, values, self.log)[:, None] * loads
+        loads = scale * loads
+        body, by_body = body_force(self.vehicle, self.log, values, free)
+        force, by_force = loads[:, :3] + body, slopes[..., :3] + by_body
+        more, by_more = added_moment(
+            self.vehicle, self.log, self.flow, force, by_force, values, free
+        )
+        sensed, by_sensor = sensor_force(self.vehicle, self.log, values, free)
+        return Balance(
+            np.concatenate([force + sensed, loads[:, 3:] + more], axis=-1),
+            np.concatenate([by_force + by_sensor, slopes[..., 3:] + by_more], axis=-1),
+        )
+
+    def _rotors(self, values: Mapping[str, float], free: tuple[str, ...]) -> tuple[Floats, Floats]:
+        """Loads (n, 6) of all rotors, in each other's wakes where there are any, and their
+        derivatives (P, n, 6)."""
+        section = tuple(name for name in free if name in (*ROTOR, ROTOR_SPEED))
+        at_section = [name in section for name in free]
+        slopes = np.zeros((len(free), len(self.log), 6))
+        wakes = wakes_with(self.vehicle, values)
+        if wakes is None:
+            loads, by_section = self._loads(values, section, self.flow.axial)
+            slopes[at_section] = _six(self.flow, by_section)
+            return _six(self.flow, loads), slopes
+        check_apart(self.vehicle)
+        named = (*section, "v_axial")
+        thrust, by_lift = self._attached(values, section)
+        wake = wake_flow(self.vehicle, wakes, self.flow, thrust)
+        loads, by_here = self._loads(values, named, self.flow.axial + wake.added)
+        by_axial = by_here[:, -1]
+        # The wakes change with the thrusts that they are computed from.
+        followed = np.einsum("nts,pns->pnt", wake.by_thrust, by_lift)
+        by_section = by_here[:, :-1] + by_axial[:, None] * followed
+        slopes[at_section] = _six(self.flow, by_section)
+        for row, name in enumerate(free):
+            if name in WAKES:
+                added = wake.by_gain[name.removeprefix(PREFIX)]
+                slopes[row] = _six(self.flow, by_axial * added)
+        return _six(self.flow, loads), slopes
+
+    def _attached(
+        self, values: Mapping[str, float], names: tuple[str, ...]
+    ) -> tuple[Floats, Floats]:
+        """Thrust (n, m) that the wakes are computed from, and its derivatives (P, n, m)."""
+        flow = self.flow
+        known = {name: value for name, value in values.items() if name not in MOUNT}
+        lifting = [name for name in names if name in LIFT]
+        steps = [LIFT_STEP * EVERY[name].spread for name in lifting]
+        moved = [
+            model_with(self.model, {**known, name: known[name] + step})
+            for name, step in zip(lifting, steps, strict=True)
+        ]
+        scale = values.get(ROTOR_SPEED, 1.0)
+        omega, along = scale * flow.omega, (flow.axial, flow.inplane)
+        rotor = Rotor(model_with(self.model, known))
+        thrust, more = rotor.attached_thrust(omega, *along, moved)
+        slopes = np.zeros((len(names), *omega.shape))
+        if ROTOR_SPEED in names:
+            faster, _ = rotor.attached_thrust((1.0 + SPEED_STEP) * omega, *along)
+            slopes[names.index(ROTOR_SPEED)] = (faster - thrust) / (SPEED_STEP * scale)
+        for name, step, change in zip(lifting, steps, more, strict=True):
+            slopes[names.index(name)] = change / step
+        return thrust, slopes
+
+    def _loads(
+        self, values: Mapping[str, float], names: tuple[str, ...], axial: Floats
+    ) -> tuple[Floats, Floats]:
+        """Loads (L, n, m) of the rotors at V cos(beta) = ``axial`` (n, m), and their derivatives
+        (L, P, n, m) by the P of these ``names``."""
+        flow, shape = self.flow, self.flow.omega.shape
+        omega = values.get(ROTOR_SPEED, 1.0) * flow.omega
+        asked = tuple("omega" if name == ROTOR_SPEED else name for name in names)
+        loads = np.empty((len(LOADS), *shape))
+        slopes = np.empty((len(LOADS), len(names), *shape))
+        for model, mine in mounted_rotors(self.vehicle, model_with(self.model, values)):
+            rotor = Rotor(model, accuracy=self.setting)
+            found = rotor.gradients(asked, *(a[:, mine] for a in (omega, axial, flow.inplane)))
+            loads[..., mine] = found.loads
+            slopes[..., mine] = found.slopes
+        if ROTOR_SPEED in names:
+            slopes[:, names.index(ROTOR_SPEED)] *= flow.omega
+        return loads, slopes
+
+    def coverage(self) -> Coverage:
+        """What ``coverage`` says of the flow at all rotors."""
+        flow = self.flow
+        speed, beta = np.hypot(flow.axial, flow.inplane), np.arctan2(flow.inplane, flow.axial)
+        radius = self.vehicle.propeller.radius
+        return coverage(flow.omega.ravel(), speed.ravel(), beta.ravel(), radius)
+
+
+def _six(flow: HubFlow, loads: Floats) -> Floats:
+    """Force and moment (..., n, 6) of all rotors from loads (L, ..., n, m)."""
+    return np.concatenate(rotor_wrench(flow, loads), axis=-1)
+
+
+def hover_loads(hover: HoverModel, flow: HubFlow) -> Floats:
+    """The hover model's force [N] and moment [N m] of all rotors on the vehicle; (n, 6)."""
+    known = hover.loads(flow.omega)
+    return _six(flow, np.stack([known[name] for name in LOADS]))
+
+
+# -------------------------------------------------------------------------------------------------
+# Forces of the body and the wing on the vehicle: section III.A and footnote 4.
+
+STEPS = {"drag_area_x": 1e-3, "drag_area_y": 1e-3, "drag_area_z": 1e-3, "lift_area": 1e-3}
+STEPS |= {"download_area_x": 1e-3, "download_area_y": 1e-3}
+STEPS |= {"wing_c_l1": 1e-4, "wing_c_l2": 1e-4, "wing_alpha_0": 1e-5}
+"""Of central differences, by parameter; the forces are linear in all but the last."""
+
+
+def wing_values(vehicle: Vehicle) -> dict[str, float]:
+    """The wing's parameters by name, as the vehicle file gives them; none without a wing."""
+    if vehicle.wing is None:
+        return {}
+    return {name: getattr(vehicle.wing, name.removeprefix("wing_")) for name in WING}
+
+
+def body_force(
+    vehicle: Vehicle, log: FlightLog, values: Mapping[str, float], free: tuple[str, ...]
+) -> tuple[Floats, Floats]:
+    """Force of body and wing in the vehicle's frame, and its derivatives.
+
+    Parameters
+    ----------
+    vehicle, log : Vehicle, FlightLog
+        What flies, and how.
+    values : mapping of str to float
+        The body's and the wing's parameters by name; the body's add to the vehicle file's.
+    free : tuple of str
+        Names of the P parameters by which to differentiate, by central differences.
+
+    Returns
+    -------
+    force, slopes : ndarray, shape (n, 3) and (P, n, 3)
+        [N], and per unit of each parameter.
+    """
+    force = _force(vehicle, log, values)
+    slopes = np.zeros((len(free), *force.shape))
+    for k, name in enumerate(free):
+        if name in STEPS:
+            h = STEPS[name]
+            up, down = (_force(vehicle, log, {**values, name: values[name] + d}) for d in (h, -h))
+            slopes[k] = (up - down) / (2.0 * h)
+    return force, slopes
+
+
+def _force(vehicle: Vehicle, log: FlightLog, values: Mapping[str, float]) -> Floats:
+    area = np.array([values[f"drag_area_{a}"] for a in "xyz"]) + vehicle.body.drag_area
+    down = np.array([values[f"download_area_{a}"] for a in "xy"]) + vehicle.body.download_area
+    lift = values["lift_area"] + vehicle.body.lift_area
+    body = Body(tuple(area.tolist()), lift, tuple(down.tolist()))
+    wing = vehicle.wing
+    if wing is not None:
+        wing = replace(wing, **{n.removeprefix("wing_"): values[n] for n in WING})
+    return free_stream_force(body, wing, vehicle.air.density, log.velocity)
+
+
+# -------------------------------------------------------------------------------------------------
+# What an accelerometer away from the centre of mass, on a clock of its own, adds to a balance.
+#
+# It reads a = a_cm + dw/dt x r + w x (w x r) of the vehicle that turns at w, r from the centre of
+# mass; and where its stamps are late by d, a(t - d), here a - d da/dt.
+
+OFFSET = ("sensor_x", "sensor_y", "sensor_z")
+CLOCK = "clock_offset"
+
+
+def sensor_force(
+    vehicle: Vehicle, log: FlightLog, values: Mapping[str, float], free: tuple[str, ...]
+) -> tuple[Floats, Floats]:
+    """Mass times what the sensor reads beyond the acceleration of the centre of mass.
+
+    Of steady operating points, which have no time derivatives, the vehicle file's place of the
+    sensor plays no part.
+
+    Parameters
+    ----------
+    vehicle, log : Vehicle, FlightLog
+        What flies, and how; with time derivatives, see ``propmap.vehicle.log``.
+    values : mapping of str to float
+        The sensor's parameters by name; its place adds to the vehicle file's.
+    free : tuple of str
+        Names of the P parameters by which to differentiate.
+
+    Returns
+    -------
+    force, slopes : ndarray, shape (n, 3) and (P, n, 3)
+        [N], and per unit of each parameter; zero of parameters that are not the sensor's.
+
+    Raises
+    ------
+    InputError
+        Where a parameter acts and the log has no time derivatives.
+    """
+    own = np.array([values.get(name, 0.0) for name in OFFSET])
+    place, late = own + vehicle.sensor, at_samples(CLOCK, values, log)
+    force, slopes = np.zeros((len(log), 3)), np.zeros((len(free), len(log), 3))
+    fitted = own.any() or late.any() or any(general(name) in (*OFFSET, CLOCK) for name in free)
+    points = not np.isfinite(log.angular_acceleration).any()
+    if not fitted and (points or not place.any()):
+        return force, slopes
+    if not np.isfinite(log.angular_acceleration).all():
+        raise InputError(
+            "a sensor's place or clock acts on a log without time derivatives",
+            "fit whole flights with --method balance, or leave the sensor's parameters out",
+            log.source,
+        )
+    rates, turning = log.rates, log.angular_acceleration
+    by_place = [
+        vehicle.mass * (np.cross(turning, e) + np.cross(rates, np.cross(rates, e)))
+        for e in np.eye(3)
+    ]
+    by_clock = -vehicle.mass * log.specific_force_rate
+    force = np.einsum("k,knj->nj", place, np.stack(by_place)) + late[:, None] * by_clock
+    for row, name in enumerate(free):
+        if name in OFFSET:
+            slopes[row] = by_place[OFFSET.index(name)]
+        elif general(name) == CLOCK:
+            slopes[row] = by_clock * samples_of(name, values, log)[:, None]
+    return force, slopes
+
+
+# -------------------------------------------------------------------------------------------------
+# What turns a vehicle, beside the air's moment on its rotors, and what that amounts to.
+#
+# About a vehicle's centre of mass, with its inertia J and with rotors of inertia I_r and spin s_i
+# about axes a_i, the air's moment is
+#
+#     M = J dw/dt + w x J w + I_r sum_i s_i (dOmega_i/dt a_i + Omega_i w x a_i) .
+#
+# A force F acts on a centre of mass that is at c in the vehicle file's frame with M - c x F.
+
+CENTRE = ("centre_x", "centre_y", "centre_z")
+ROTOR_INERTIA = "rotor_inertia"
+
+
+def measured_moment(vehicle: Vehicle, log: FlightLog) -> Floats:
+    """Moment that turns the frame, J dw/dt + w x J w [N m]; (n, 3), NaN where it is not known.
+
+    Parameters
+    ----------
+    vehicle, log : Vehicle, FlightLog
+        With its moments of inertia; with time derivatives, see ``time_derivatives``.
+    """
+    if vehicle.inertia is None:
+        return np.full_like(log.rates, np.nan)
+    inertia = np.array(vehicle.inertia)
+    turning = np.cross(log.rates, inertia * log.rates)
+    return np.asarray(inertia * log.angular_acceleration + turning)
+
+
+def added_moment(
+    vehicle: Vehicle,
+    log: FlightLog,
+    flow: HubFlow,
+    force: Floats,
+    slopes: Floats,
+    values: Mapping[str, float],
+    free: tuple[str, ...],
+) -> tuple[Floats, Floats]:
+    """Moment of a shifted centre of mass and of the spinning rotors on the frame.
+
+    Parameters
+    ----------
+    vehicle, log, flow : Vehicle, FlightLog, HubFlow
+        What flies, how, and the flow at its m rotors.
+    force, slopes : ndarray, shape (n, 3) and (P, n, 3)
+        Of the air on the vehicle [N], and its derivatives.
+    values : mapping of str to float
+        The parameters of ``TURNING`` by name; they add to the vehicle file's.
+    free : tuple of str
+        Names of the P parameters.
+
+    Returns
+    -------
+    moment, slopes : ndarray, shape (n, 3) and (P, n, 3)
+        [N m], and per unit of each parameter.
+    """
+    centre = np.array([values.get(name, 0.0) for name in CENTRE])
+    spun = flow.spin[:, None] * flow.axis
+    momentum = flow.omega @ spun
+    reaction = -(np.nan_to_num(log.rotor_acceleration) @ spun + np.cross(log.rates, momentum))
+    heavy = vehicle.rotor_inertia + values.get(ROTOR_INERTIA, 0.0)
+    moment = heavy * reaction - np.cross(centre, force)
+    by = -np.cross(centre, slopes)
+    for row, name in enumerate(free):
+        if name in CENTRE:
+            by[row] -= np.cross(np.eye(3)[CENTRE.index(name)], force)
+        elif name == ROTOR_INERTIA:
+            by[row] += reaction
+    return moment, by
+
+
+# -------------------------------------------------------------------------------------------------
+# The rotors' wakes on each other as parameters of a fit: axial flow added, and its derivatives.
+
+PREFIX = "wake_"
+
+
+def wakes_with(vehicle: Vehicle, values: Mapping[str, float]) -> Wakes | None:
+    """The vehicle's wakes with those parameters of ``WAKES`` that are among ``values``.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        Gives what is not among the values, or else ``Wakes`` as it is by default.
+    values : mapping of str to float
+        Parameters by name.
+
+    Returns
+    -------
+    Wakes or None
+        None where neither tells of wakes: the rotors then do not act on each other.
+    """
+    given = {name.removeprefix(PREFIX): values[name] for name in WAKES if name in values}
+    if not given:
+        return vehicle.wakes
+    return Wakes(**(asdict(vehicle.wakes or Wakes()) | given))
+
+
+# -------------------------------------------------------------------------------------------------
+# A flight's thrust scale: what its own hover says of battery, mass and motor-speed scale.
+#
+# In hover a rotor's thrust goes as the square of its speed.  How much thrust a flight measures
+# there
+# per square of its rotor speeds, over what the flights of a fit measure, is no matter of the model:
+# it is a scale of that flight's rotor speeds or forces, ``thrust_scale[FLIGHT]``, by which all its
+# rotor loads are multiplied.
+
+SLOW, LEVEL_RATE, QUIET = 1.0, 0.5, 0.15
+"""A sample hovers below this speed [m/s] and rate [rad/s], its specific force within this share of
+gravity."""
+
+LEAST_HOVER = 0.5
+"""Duration of hover [s] that a scale needs."""
+
+NAME = "thrust_scale"
+
+OVER_FLIGHTS, IN_HOVER = 0.02, 0.01
+"""Standard deviation of flights' scales beforehand, without and with a hover of their own.
+Batteries, payloads and temperatures differ by so much; and by a hundredth do half seconds of one
+flight's hover, at its start and at its end: 0.7 and 1.2 % in the two of examples/neurobem."""
+
+RANGE = (0.9, 1.1)
+"""Of a scale; outside, the mass or the unit of the rotor speeds is wrong, and none is applied."""
+
+
+@dataclass(frozen=True)
+class HoverScale:
+    """Thrust scales of the flights of a log, from where each of them hovers.
+
+    Attributes
+    ----------
+    flights : tuple of str
+        Names of the flights, by number.
+    measured : mapping of int to float
+        Thrust over the sum of the squares of the rotor speeds [N s^2], by number of each flight
+        that hovers for long enough.
+    reference : float or None
+        The same of the flights of a fit [N s^2]; None where none of them hovers.
+    """
+
+    flights: tuple[str, ...]
+    measured: Mapping[int, float]
+    reference: float | None
+
+    @classmethod
+    def of(cls, vehicle: Vehicle, log: FlightLog, reference: float | None = None) -> HoverScale:
+        """Find where the flights hover.
+
+        Parameters
+        ----------
+        vehicle, log : Vehicle, FlightLog
+            What flew, and one or several of its flights.
+        reference : float, optional
+            Of the flights of a fit; by default the mean of these flights.
+        """
+        total = np.sum([mount.axis for mount in vehicle.mounts], axis=0)
+        axis = total / max(float(np.linalg.norm(total)), 1e-9)
+        still = (log.speed < SLOW) & (np.linalg.norm(log.rates, axis=1) < LEVEL_RATE)
+        off = np.linalg.norm(log.specific_force - GRAVITY * log.up, axis=1)
+        still &= off < QUIET * GRAVITY
+        measured = {}
+        for number in np.unique(log.flight):
+            mine = log.flight == number
+            steps = np.diff(log.time[mine])
+            step = float(np.median(steps)) if steps.size else 0.0
+            hovers = still & mine
+            squares = float(np.sum(np.square(log.rotor_speed[hovers])))
+            if np.count_nonzero(hovers) * step >= LEAST_HOVER and squares > 0.0:
+                thrust = vehicle.mass * float(np.sum(log.specific_force[hovers] @ axis))
+                measured[int(number)] = thrust / squares
+        if reference is None and measured:
+            reference = float(np.mean(list(measured.values())))
+        return cls(log.flights, measured, reference)
+
+    @property
+    def scales(self) -> dict[str, float]:
+        """By the flight's parameter, where it is within ``RANGE`` [-]."""
+        if not self.reference:
+            return {}
+        found = {
+            of_flight(NAME, self.flights[number]): one / self.reference
+            for number, one in self.measured.items()
+        }
+        return {n: scale for n, scale in found.items() if RANGE[0] <= scale <= RANGE[1]}
+
+    @property
+    def telling(self) -> dict[str, float]:
+        """Those that differ from 1 by more than a hover may by itself."""
+        return {name: one for name, one in self.scales.items() if abs(one - 1.0) > 2.0 * IN_HOVER}
+
+    @property
+    def priors(self) -> dict[str, Prior]:
+        """What is known of the scale of each flight before a fit; nothing of one flight alone.
+
+        The scale of a flight is beside the others': alone, it is not told from the blade.
+        """
+        if len(self.flights) < 2:
+            return {}
+        names = [of_flight(NAME, flight) for flight in self.flights]
+        known = {name: Prior(scale, IN_HOVER) for name, scale in self.scales.items()}
+        return {name: known.get(name, Prior(1.0, OVER_FLIGHTS)) for name in names}
+
+    def reference_at(self, values: Mapping[str, float]) -> float | None:
+        """What a flight with the scale 1 measures in hover [N s^2], by the scales that a fit found.
+
+        Parameters
+        ----------
+        values : mapping of str to float
+            Parameters by name.
+        """
+        each = [
+            one / values.get(of_flight(NAME, self.flights[number]), 1.0)
+            for number, one in self.measured.items()
+        ]
+        return float(np.mean(each)) if each else None
+
+
+# -------------------------------------------------------------------------------------------------
+# Parameters that each flight of a log may have for itself: its thrust scale, its clock.
+
+
+def of_each(name: str, log: FlightLog) -> tuple[str, ...]:
+    """The parameter ``name`` of each flight of ``log``."""
+    return tuple(of_flight(name, flight) for flight in log.flights)
+
+
+def at_samples(name: str, values: Mapping[str, float], log: FlightLog) -> Floats:
+    """The parameter of the flight of each sample; (n,).
+
+    Parameters
+    ----------
+    name : str
+        One of ``PER_FLIGHT``.
+    values : mapping of str to float
+        Parameters by name; what is not given for a flight is what is given for all.
+    log : FlightLog
+        n samples.
+    """
+    common = values.get(name, EVERY[name].start)
+    each = [values.get(one, common) for one in of_each(name, log)]
+    return np.array(each)[log.flight.astype(int)]
+
+
+def samples_of(name: str, values: Mapping[str, float], log: FlightLog) -> NDArray[np.bool_]:
+    """Which samples (n,) the parameter ``name`` acts on: those of its flight, or of all flights
+    that have none of their own among the ``values``."""
+    if general(name) == name:
+        own = np.array([one in values for one in of_each(name, log)])
+        return np.asarray(~own[log.flight.astype(int)])
+    flights = [of_flight(general(name), flight) for flight in log.flights]
+    return np.asarray(log.flight == flights.index(name))
+
+
+def check_flights(names: Sequence[str], log: FlightLog) -> None:
+    """Raise ``InputError`` where one of these ``names`` is of a flight that ``log`` has not."""
+    here = [one for name in PER_FLIGHT for one in of_each(name, log)]
+    for name in names:
+        if general(name) != name and name not in here:
+            raise InputError(
+                f"{quoted(name)} is of no flight of these",
+                f"name one of {', '.join(log.flights)}, or leave the brackets out for all",
+            )
+
+
+def of_others(values: Mapping[str, float]) -> dict[str, float]:
+    """The ``values`` with those for flights that a fit has not seen: the means of its flights'."""
+    found = dict(values)
+    for name in PER_FLIGHT:
+        mine = [value for one, value in values.items() if general(one) == name != one]
+        if mine:
+            found[name] = float(np.mean(mine))
+    return found

@@ -8,10 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.fit.fitted import Settings, fit
+from propmap.fit.fit import Settings, fit
+from propmap.fit.least_squares import Rows, RowsElsewhere
 from propmap.fit.parameters import Choice
-from propmap.fit.rows import Rows
-from propmap.fit.rows_elsewhere import RowsElsewhere
 from propmap.tasks import InTurn, Workers, in_order
 from propmap.typing import Floats
 

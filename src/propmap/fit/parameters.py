@@ -1,20 +1,24 @@
-"""What a fit may vary: names, bounds, first guesses, and what the user chose."""
+"""What a fit may vary: names, bounds, first guesses, the user's choice, and priors."""
 
 from __future__ import annotations
 
 import difflib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
+from propmap.catalogue.expected import LOGARITHMIC, PopulationPrior, coordinates, slopes_of
+from propmap.catalogue.expected import constants_of as prior_constants
 from propmap.catalogue.identified import PARAMETERS
 from propmap.errors import InputError, quoted
-from propmap.fit.section_prior import SectionPrior
 from propmap.model.airfoil import Airfoil
 from propmap.model.drag_factor import warn_of_drag_factor
 from propmap.model.model import Section
 from propmap.typing import Floats
+
+# -------------------------------------------------------------------------------------------------
+# What a fit may vary: names, bounds, first guesses, and what the user chose.
 
 
 @dataclass(frozen=True)
@@ -101,7 +105,7 @@ WAKES = {
     "wake_downwash": Parameter("-", 1.0, 0.0, 12.0, 1.0, "downwash of a wake"),
     "wake_share": Parameter("-", 1.0, 0.0, 2.0, 0.5, "share of the inflow that skews a wake"),
 }
-"""Of ``propmap.vehicle.interference``.  What is neither free nor fixed is the vehicle file's."""
+"""Of ``propmap.vehicle.wakes``.  What is neither free nor fixed is the vehicle file's."""
 
 ROTOR_SPEED = "rotor_speed_scale"
 
@@ -282,3 +286,88 @@ def known(name: str) -> str:
         close = difflib.get_close_matches(name, EVERY, n=2) or list(EVERY)
         raise InputError(f"{quoted(name)} is not a parameter", f"choose from {', '.join(close)}")
     return name
+
+
+# -------------------------------------------------------------------------------------------------
+# What propellers in general tell of the section constants of one that is being fitted.
+
+SMALLEST = 1e-6
+"""Taken for a constant at its bound of 0, which is infinitely far in coordinates that are logs."""
+
+LEAST_ERROR = 0.03
+"""Standard deviation of residuals at least, as a share of their scale, where such a prior is
+weighed against them: no stand and no model is better, however well few rows are fitted.  With it,
+after a fit to static rows, a propeller's rows in flight lie within their intervals as often as they
+should: ``python -m tools.after_static``."""
+
+
+@dataclass(frozen=True, eq=False)
+class SectionPrior:
+    """A distribution of section constants over propellers, as what is known of one beforehand.
+
+    The constants are not independent of each other: it is the angle of least drag from the chord
+    line that propellers have in common, so that ``drag_angle`` falls as ``zero_lift_angle`` rises.
+
+    Attributes
+    ----------
+    distribution : PopulationPrior
+        Of the coordinates of the constants.
+    airfoil : Airfoil
+        The most likely constants.
+    told : str
+        In one line, of which propellers this is.
+    """
+
+    distribution: PopulationPrior
+    airfoil: Airfoil
+    told: str
+
+    def apart(self, values: Mapping[str, float]) -> tuple[Floats, Floats]:
+        """How many standard deviations each coordinate is from its mean.
+
+        Parameters
+        ----------
+        values : mapping of str to float
+            The constants by name.
+
+        Returns
+        -------
+        tuple of ndarray
+            (7,) in the order of ``PARAMETERS``, and the derivatives by the constants (7, 7).
+        """
+        constants = np.array([values[name] for name in PARAMETERS])
+        inside = np.where(LOGARITHMIC, np.maximum(constants, SMALLEST), constants)
+        place = coordinates(inside)
+        deviation = self.distribution.deviation
+        slopes = np.linalg.inv(slopes_of(place)) / deviation[:, None]
+        return (place - self.distribution.mean) / deviation, slopes
+
+    def penalty(self, values: Mapping[str, float], kept: Sequence[int]) -> tuple[Floats, Floats]:
+        """Numbers that are independent and of variance 1 beforehand, for least squares.
+
+        Parameters
+        ----------
+        values : mapping of str to float
+            The constants by name.
+        kept : sequence of int
+            Which K coordinates are known beforehand by this prior.
+
+        Returns
+        -------
+        tuple of ndarray
+            The numbers (K,), and their derivatives by the constants (K, 7).
+        """
+        apart, slopes = self.apart(values)
+        own = list(kept)
+        root = np.linalg.cholesky(self.distribution.correlation[np.ix_(own, own)])
+        return np.linalg.solve(root, apart[own]), np.linalg.solve(root, slopes[own])
+
+    def of_constant(self, name: str) -> tuple[float, float] | None:
+        """Mean and standard deviation of the constant ``name``; None where there is none."""
+        if name not in PARAMETERS:
+            return None
+        k = PARAMETERS.index(name)
+        place = self.distribution.mean
+        slopes = slopes_of(place)[k]
+        variance = slopes @ self.distribution.covariance @ slopes
+        return float(prior_constants(place)[k]), float(np.sqrt(variance))

@@ -1,4 +1,4 @@
-"""How well a fit determines its parameters, from the residuals and their derivatives."""
+"""How well a fit determines its parameters: intervals within bounds, errors that come in blocks."""
 
 from __future__ import annotations
 
@@ -8,13 +8,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.fit.block_errors import block_errors
-from propmap.fit.bounded_interval import Quadratic, bounded_intervals
-from propmap.fit.parameters import LINEAR, Choice, described, general
-from propmap.fit.rows import Rows
-from propmap.fit.search import NOISE_FLOOR, Evaluator, Minimum, weight_of_priors
-from propmap.fit.section_prior import LEAST_ERROR
+from propmap.fit.least_squares import NOISE_FLOOR, Evaluator, Minimum, Rows, weight_of_priors
+from propmap.fit.parameters import LEAST_ERROR, LINEAR, Choice, described, general
 from propmap.typing import Floats
+
+# -------------------------------------------------------------------------------------------------
+# How well a fit determines its parameters, from the residuals and their derivatives.
 
 AT_BOUND = 1e-6
 """Distance from a bound, in spreads, within which the bound holds a parameter."""
@@ -291,3 +290,146 @@ def _beside_prior(verdict: tuple[str, bool], left: float) -> tuple[str, bool]:
     text, good = verdict
     text = text.replace("held by its start, the data leave it", "data and prior leave it")
     return f"{text}; {left:.2f} of the prior's deviation is left", good
+
+
+# -------------------------------------------------------------------------------------------------
+# Confidence intervals of parameters that are known to lie within bounds.
+
+
+class Quadratic(NamedTuple):
+    """A sum of squares |slopes x - target|^2 within bounds; slopes (R, P), bounds (P,)."""
+
+    slopes: Floats
+    target: Floats
+    lower: Floats
+    upper: Floats
+
+    def profile(self, k: int, value: float) -> tuple[float, Floats]:
+        """The least sum of squares with parameter k at ``value``, and x (P,) there."""
+        from scipy.optimize import lsq_linear
+
+        rest = np.arange(self.lower.size) != k
+        wanted = self.target - self.slopes[:, k] * value
+        x = np.full(self.lower.size, value)
+        if not rest.any():
+            return float(wanted @ wanted), x
+        bounds = (self.lower[rest], self.upper[rest])
+        inside = lsq_linear(self.slopes[:, rest], wanted, bounds, "bvls")
+        x[rest] = inside.x
+        return 2.0 * float(inside.cost), x
+
+
+def bounded_intervals(
+    centre: Floats, root: Floats, lower: Floats, upper: Floats, quantile: Floats | float
+) -> tuple[Floats, Floats]:
+    """Ends of the profile intervals of the sum of squares |W (x - centre)|^2 within bounds.
+
+    A value of one parameter belongs to its interval if some values of the others, within their
+    bounds, make the sum of squares exceed its least value within the bounds by no more than
+    ``quantile`` squared.  So the bounds of one parameter narrow the intervals of those that it is
+    correlated with; far from all bounds the ends are centre +- quantile * deviation.
+
+    Parameters
+    ----------
+    centre : ndarray, shape (P,)
+        Where the sum is least, bounds left aside; in units in which parameters are of like size.
+    root : ndarray, shape (R, P)
+        W, R <= P; W^T W is the inverse of the covariance, where there is one.
+    lower, upper : ndarray, shape (P,)
+        Bounds.
+    quantile : float, or ndarray of shape (P,)
+        Of Student's t.
+
+    Returns
+    -------
+    low, high : ndarray, shape (P,)
+        Ends.
+    """
+    from scipy.optimize import brentq, lsq_linear
+
+    squares = Quadratic(root, root @ centre, lower, upper)
+    best = lsq_linear(root, squares.target, (lower, upper), "bvls")
+    each = np.broadcast_to(quantile, centre.shape)
+    ends = np.empty((2, centre.size))
+    for k, middle in enumerate(best.x):
+        allowed = 2.0 * float(best.cost) + float(each[k]) ** 2
+
+        def beyond(v: float, k: int = k, allowed: float = allowed) -> float:
+            return squares.profile(k, v)[0] - allowed
+
+        for side, bound in enumerate((lower[k], upper[k])):
+            ends[side, k] = bound
+            if bound != middle and beyond(bound) > 0.0:
+                ends[side, k] = brentq(beyond, middle, bound)
+    return ends[0], ends[1]
+
+
+# -------------------------------------------------------------------------------------------------
+# Errors of parameters from residuals that are alike within stretches of the data.
+
+MOST_ALONE = 0.9
+"""Share of what is known of a direction that one stretch is taken to tell, at most: what a single
+stretch alone determines has no error that could be told from the others."""
+
+
+class BlockErrors(NamedTuple):
+    """What G stretches tell of P parameters.
+
+    ``middle`` (P, P) is the covariance of the slopes of half the sum of squares; ``freedom`` (P,)
+    the degrees of freedom of each parameter's variance.
+    """
+
+    middle: Floats
+    freedom: Floats
+
+
+def block_errors(
+    slopes: Floats,
+    residual: Floats,
+    group: NDArray[np.intp],
+    whole: Floats,
+    by_priors: Floats,
+) -> BlockErrors:
+    """Cluster-robust errors, each stretch's residuals being those of a fit that left it out.
+
+    Residuals of few stretches and many parameters are too small, most in the stretches that
+    decide.  Left out by the linear model they are not (the jackknife, CR3 of Bell and McCaffrey,
+    Survey Methodology 28, 2002, page 169); degrees of freedom are Satterthwaite's, by how evenly
+    the stretches share in each parameter.
+
+    Parameters
+    ----------
+    slopes, residual, group : ndarray, shape (M, P), (M,) and (M,)
+        Of rows with weight.
+    whole : ndarray, shape (P, P)
+        Information of data and priors.
+    by_priors : ndarray, shape (P, P)
+        Covariance of what priors add to the slopes of half the sum of squares.
+    """
+    labels, index = np.unique(group, return_inverse=True)
+    floor = np.where(np.abs(residual) < NOISE_FLOOR, NOISE_FLOOR * np.sign(residual), residual)
+    values, vectors = np.linalg.eigh(whole)
+    seen = values > 1e-12 * max(float(values[-1]), 1e-300)
+    root = vectors[:, seen] * np.sqrt(values[seen])
+    back = (vectors[:, seen] / np.sqrt(values[seen])).T
+    middle, evenness = np.zeros_like(whole), np.zeros((labels.size, whole.shape[0]))
+    for k in range(labels.size):
+        mine = slopes[index == k]
+        score = back @ (mine.T @ floor[index == k])
+        share = back @ mine.T @ mine @ back.T
+        alone, ways = np.linalg.eigh(share)
+        apart = ways @ ((ways.T @ score) / (1.0 - np.minimum(alone, MOST_ALONE)))
+        one = root @ apart
+        middle += np.outer(one, one)
+        evenness[k] = np.einsum("sp,st,tp->p", back, share, back)
+    small = max(labels.size - 1, 1) / labels.size
+    inverse = back.T @ back
+    of_data = np.einsum("pq,qr,rp->p", inverse, small * middle, inverse)
+    of_priors = np.einsum("pq,qr,rp->p", inverse, by_priors, inverse)
+    squares = np.sum(evenness**2, axis=0)
+    counted = np.sum(evenness, axis=0) ** 2 / np.where(squares > 0.0, squares, 1.0)
+    counted = np.clip(counted, 1.0, max(labels.size - 1, 1))
+    # The variance that priors bring is known.
+    both = of_data + of_priors
+    unknown = np.where(both > 0.0, of_data / np.where(both > 0.0, both, 1.0), 1.0)
+    return BlockErrors(small * middle, counted / np.maximum(unknown, 1e-3) ** 2)

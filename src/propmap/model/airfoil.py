@@ -1,25 +1,29 @@
-"""The section law's constants: named sets, files, and checks."""
+"""The section law: constants or tables, how uncertain they are, and its coefficients."""
 
 from __future__ import annotations
 
 import json
 import math
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from propmap.errors import InputError
-from propmap.model.core_section import section_coefficients
 from propmap.model.corrections import agreed, as_texts
 from propmap.model.drag_factor import drag_factor_accepted, warn_of_drag_factor
-from propmap.model.uncertainty import SectionUncertainty, filed_uncertainty, fitted_uncertainty
+from propmap.typing import Floats
 
 if TYPE_CHECKING:
     from propmap.typing import Floats
+
+
+# -------------------------------------------------------------------------------------------------
+# The section law's constants: named sets, files, and checks.
 
 SCHEMA = 1
 SETS = Path(__file__).parents[1] / "catalogue" / "airfoils"
@@ -309,3 +313,497 @@ def _toml(value: Any) -> str:
     """A number, a text or a list of texts in TOML."""
     # JSON's strings are TOML's; only DEL differs.
     return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+
+
+# -------------------------------------------------------------------------------------------------
+# A section law given as a table of C_L and C_D.
+
+LARGEST = 10.0
+"""Coefficients beyond are taken for an error of the file [-]."""
+
+CLOSEST = 0.999 * math.radians(0.01)
+"""Least distance of two angles [rad]."""
+
+SectionFunction = Callable[[Floats, Floats], tuple[ArrayLike, ArrayLike]]
+"""Gives C_L and C_D (N,) at angles of attack [rad] and Reynolds numbers (N,)."""
+
+MOST_ANGLES = 4000
+"""Angles at which a function is sampled, at most."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class SectionTable:
+    """C_L and C_D of a blade section, all the way round, at one or more Reynolds numbers.
+
+    Attributes
+    ----------
+    angle : ndarray, shape (K,)
+        Angle of attack from the chord line [rad], rising from -pi to pi.
+    reynolds : ndarray, shape (R,)
+        Reynolds numbers, rising.
+    lift, drag : ndarray, shape (R, K)
+        C_L and C_D [-], the same at -pi and pi.
+    drag_factor : float
+        Multiplies the rotor drag, 1 in the paper; deprecated, see ``Airfoil``.
+    corrections : tuple of str or None
+        Corrections that a ``Model`` with this table has, as ``propmap.correction`` reads them; None
+        where nothing is said of them.
+    name, source : str
+        What the table is called and where its numbers come from.
+    sampling_error : float
+        Largest difference of C_L or C_D seen between the table and the function that it was sampled
+        from [-]; 0 for a table that was not.
+
+    Raises
+    ------
+    InputError
+        Where the arrays do not fit together or hold no section's figures.
+    """
+
+    angle: Floats
+    reynolds: Floats
+    lift: Floats
+    drag: Floats
+    drag_factor: float = 1.0
+    name: str = "unnamed"
+    source: str = ""
+    corrections: tuple[str, ...] | None = None
+    sampling_error: float = 0.0
+
+    parameters: ClassVar[tuple[str, ...]] = ("zero_lift_angle", "drag_factor")
+    """Names of what loads can be differentiated by."""
+
+    def __post_init__(self) -> None:
+        for array in ("angle", "reynolds", "lift", "drag"):
+            values = np.array(getattr(self, array), dtype=np.float64)
+            if not np.isfinite(values).all():
+                raise InputError(f"{array} holds a value that is not finite: remove it")
+            values.flags.writeable = False
+            object.__setattr__(self, array, values)
+        shape = (self.reynolds.size, self.angle.size)
+        if self.lift.shape != shape or self.drag.shape != shape:
+            raise InputError(
+                f"lift has shape {self.lift.shape} and drag {self.drag.shape}",
+                f"give a row of {shape[1]} angles for each of {shape[0]} Reynolds numbers",
+            )
+        object.__setattr__(self, "corrections", as_texts(self.corrections))
+        self._check_axes()
+        self._check_figures()
+        if self.drag_factor != 1.0:
+            warn_of_drag_factor(stacklevel=3)
+
+    def _check_axes(self) -> None:
+        if self.angle.size < 8 or not (np.diff(self.angle) > 0.0).all():
+            raise InputError("angles must rise, and be eight at least: sort the table")
+        ends = self.angle[[0, -1]]
+        if not np.allclose(ends, [-math.pi, math.pi], atol=1e-6):
+            told = np.degrees(ends).round(2).tolist()
+            raise InputError(
+                f"angles run from {told[0]} to {told[1]} deg, expected -180 to 180",
+                "extend the table, for instance by Viterna's method",
+            )
+        if np.diff(self.angle).min() < CLOSEST:
+            raise InputError("two angles are less than 0.01 deg apart: remove one of them")
+        object.__setattr__(self, "angle", np.array([-math.pi, *self.angle[1:-1], math.pi]))
+        if not (self.reynolds > 0.0).all() or not (np.diff(self.reynolds) > 0.0).all():
+            raise InputError("Reynolds numbers must be positive and rise: sort the table")
+
+    def _check_figures(self) -> None:
+        for name, values in (("lift", self.lift), ("drag", self.drag)):
+            worst = float(np.abs(values).max())
+            if worst > LARGEST:
+                raise InputError(
+                    f"{name} coefficient of {worst:g}, expected at most {LARGEST:g}",
+                    "check the table's columns",
+                )
+            gap = np.abs(values[:, 0] - values[:, -1]).max()
+            if gap > 1e-6:
+                raise InputError(
+                    f"{name} differs by {gap:g} between -180 and 180 deg, which are one angle",
+                    "make them equal",
+                )
+        if (self.drag < 0.0).any():
+            raise InputError("a drag coefficient is negative: check the table's columns")
+        middle = self.lift[self.reynolds.size // 2]
+        near = np.abs(self.angle) < math.radians(30.0)
+        if not (middle[near].min() < 0.0 < middle[near].max()):
+            raise InputError(
+                "lift does not pass zero between -30 and 30 deg",
+                "give angles from the chord line, positive nose up",
+            )
+
+    @classmethod
+    def from_function(
+        cls,
+        function: SectionFunction,
+        reynolds: ArrayLike,
+        *,
+        tolerance: float = 1e-3,
+        name: str = "unnamed",
+        source: str = "",
+    ) -> SectionTable:
+        """Sample a section law of your own, so that a rotor can have it.
+
+        Angles are added half-way between others until the table is as close to the function as is
+        asked for.  The function is not called again afterwards.
+
+        Parameters
+        ----------
+        function : callable
+            ``function(alpha, reynolds)`` gives C_L and C_D (N,) at angles of attack from the chord
+            line [rad], between -pi and pi, and Reynolds numbers, both (N,).
+        reynolds : array_like, shape (R,)
+            Reynolds numbers of the table, rising.
+        tolerance : float
+            Largest difference of C_L and C_D wanted at these Reynolds numbers [-].
+        name, source : str
+            As in ``SectionTable``.
+
+        Returns
+        -------
+        SectionTable
+            With ``sampling_error``, which counts what lies between two Reynolds numbers too.
+
+        Raises
+        ------
+        InputError
+            For a function that does not give two arrays of N finite numbers, a tolerance that 4000
+            angles do not reach, as at a jump, and as ``SectionTable``.
+        """
+        rows = np.atleast_1d(np.asarray(reynolds, np.float64))
+
+        def sampled(alpha: Floats, at: Floats) -> Floats:
+            """C_L and C_D (2, R, K)."""
+            every = np.broadcast_arrays(alpha[None, :], at[:, None])
+            found = function(*(np.ravel(a) for a in every))
+            try:
+                both = np.asarray(np.stack([np.asarray(c, np.float64) for c in found]))
+                return both.reshape(2, at.size, alpha.size)
+            except (TypeError, ValueError):
+                raise InputError(
+                    f"the section law gives {found!r:.80} for {alpha.size * at.size} angles",
+                    "return C_L and C_D as two arrays of as many numbers",
+                ) from None
+
+        def made(alpha: Floats, error: float = 0.0) -> SectionTable:
+            lift, drag = sampled(alpha, rows)
+            # -pi and pi are one angle.
+            lift[:, -1], drag[:, -1] = lift[:, 0], drag[:, 0]
+            return cls(alpha, rows, lift, drag, name=name, source=source, sampling_error=error)
+
+        def errors(table: SectionTable, alpha: Floats, at: Floats) -> Floats:
+            got = np.stack(table.coefficients(alpha[None, :], at[:, None]))
+            return np.asarray(np.abs(got - sampled(alpha, at)).max(axis=(0, 1)))
+
+        near = np.radians(np.arange(-40.0, 40.5, 1.0))
+        far = np.radians(np.arange(-180.0, 181.0, 5.0))
+        alpha = np.unique(np.concatenate([far[np.abs(far) > near[-1]], near]))
+        while True:
+            table, middle = made(alpha), 0.5 * (alpha[:-1] + alpha[1:])
+            error = errors(table, middle, rows)
+            wide = np.diff(alpha) > 2.0 * CLOSEST
+            more = middle[(error > tolerance) & wide]
+            if not more.size or alpha.size + more.size > MOST_ANGLES:
+                break
+            alpha = np.unique(np.concatenate([alpha, more]))
+        if not error.max() <= tolerance:
+            worst = math.degrees(middle[int(np.argmax(error))])
+            raise InputError(
+                f"a table of {alpha.size} angles differs from the section law by {error.max():.2g} "
+                f"at {worst:.2f} deg, expected at most {tolerance:g}",
+                "make the law continuous there, or give a larger tolerance",
+            )
+        between = np.sqrt(rows[:-1] * rows[1:])
+        whole = max(error.max(), errors(table, alpha, between).max() if between.size else 0.0)
+        return replace(table, sampling_error=float(whole))
+
+    def coefficients(self, alpha: ArrayLike, reynolds: ArrayLike) -> tuple[Floats, Floats]:
+        """Lift and drag between the figures of the table; as ``Airfoil.coefficients``.
+
+        Parameters
+        ----------
+        alpha : array_like, shape (...)
+            Angle of attack from the chord line [rad].
+        reynolds : array_like, shape (...)
+            Re [-]; outside the table's that of the nearest row holds.  Both broadcast.
+
+        Returns
+        -------
+        lift, drag : ndarray, shape (...)
+            C_L and C_D [-].
+        """
+        return section_coefficients(self.core_law(), alpha, reynolds)
+
+    def core_law(self) -> dict[str, Any]:
+        """The law as the compiled core takes it: its figures by name."""
+        figures = {
+            name: np.ascontiguousarray(getattr(self, name).ravel())
+            for name in ("angle", "reynolds", "lift", "drag")
+        }
+        return {"kind": "tabulated", "drag_factor": self.drag_factor, **figures}
+
+    def with_corrections(self, texts: Sequence[str]) -> SectionTable:
+        """The table as it is to be used with corrections of these ``texts``; see ``Airfoil``."""
+        with drag_factor_accepted():
+            return replace(self, corrections=agreed(self.name, self.corrections, texts))
+
+    def metadata(self) -> dict[str, Any]:
+        """Name, source and Reynolds numbers; not the coefficients."""
+        told = {"name": self.name, "source": self.source, "drag_factor": self.drag_factor}
+        return told | {"reynolds": self.reynolds.tolist()}
+
+    def fingerprint(self) -> str:
+        """SHA-256 of the figures as little-endian f8."""
+        import hashlib
+
+        arrays = (self.angle, self.reynolds, self.lift, self.drag, np.array(self.drag_factor))
+        flat = np.concatenate([a.ravel() for a in arrays])
+        return hashlib.sha256(flat.astype("<f8").tobytes()).hexdigest()
+
+    def __eq__(self, other: object) -> bool:
+        return self._key() == other._key() if isinstance(other, SectionTable) else NotImplemented
+
+    def __hash__(self) -> int:
+        return hash(self._key())
+
+    def __repr__(self) -> str:
+        return (
+            f"SectionTable({self.name!r}, {self.angle.size} angles, "
+            f"Re {self.reynolds[0]:.3g} to {self.reynolds[-1]:.3g})"
+        )
+
+    def _key(self) -> tuple[Any, ...]:
+        arrays = (self.angle, self.reynolds, self.lift, self.drag)
+        return (
+            *(a.tobytes() for a in arrays),
+            self.drag_factor,
+            self.name,
+            self.source,
+            self.corrections,
+        )
+
+
+# -------------------------------------------------------------------------------------------------
+# How far loads computed with a set of constants may err, and by what.
+
+SOURCES = ("parameters", "geometry", "discrepancy", "tunnel")
+"""What a load's error is made of; independent of each other."""
+
+TUNNEL_GAIN = 0.08
+"""Standard deviation of a tunnel's readings of one propeller about another tunnel's, as a share of
+the load.  Loads identified from the UIUC database differ from those of the 2019 campaign (Gill and
+D'Andrea, Drones 3(4):77, doi 10.3390/drones3040077) by 6-18 % in thrust and 3-14 % in torque."""
+
+TUNNEL_TILT = 1.0
+"""The same of the thrust's slope by the advance ratio V/(Omega R): 0.10 per 0.1 in axial flow.  In
+flow along the disk it is taken to be as large, where one propeller was measured: the 8x6E's thrust
+there grows in the campaign of 2019 and falls by the constants of UIUC's axial loads, which stall
+earlier (``propmap demo``)."""
+
+INPLANE_SHARES = {"drag": 0.10, "roll_moment": 0.10, "side_force": 0.5, "pitch_moment": 0.5}
+"""Standard deviations of what the theory itself errs by in loads that no axial test has seen, as
+shares of the load: rotor drag of bare blades is within about 20 % of a free-wake lifting line, of
+Ribner's fin analogy and of measurements, rolling moments within 0 to -18 % of the lifting line, and
+pitching moments differ by a factor of about 2 (docs/validation.md)."""
+
+
+UNKNOWN_SHARE = 0.5
+"""The same of a load of which there is no such judgement."""
+
+DISCREPANCIES = ("thrust_coefficient", "power_coefficient")
+"""Loads of an axial test, as coefficients, and fields of ``SectionUncertainty``."""
+
+
+@dataclass(frozen=True, eq=False)
+class SectionUncertainty:
+    """How well a set of section constants is known.
+
+    Attributes
+    ----------
+    covariance : SectionCovariance
+        Of the constants.  Where the blade was not measured it holds what is not known of chord and
+        twist, too, as changes of the constants that have the same loads.
+    thrust_coefficient, power_coefficient : float
+        Standard deviations of the errors of C_T and C_P that the best constants would leave [-].
+    another_tunnel : bool
+        Whether the constants rest on a tunnel other than the one, or the flight, that the loads
+        are to agree with, so that ``TUNNEL_GAIN`` and ``TUNNEL_TILT`` count.
+    with_blade : SectionCovariance or None
+        What ``covariance`` would be with the blade measured; None where it was.
+
+    Raises
+    ------
+    InputError
+        For a standard deviation that is negative or no number.
+    """
+
+    covariance: SectionCovariance
+    thrust_coefficient: float = 0.0
+    power_coefficient: float = 0.0
+    another_tunnel: bool = True
+    with_blade: SectionCovariance | None = None
+
+    def __post_init__(self) -> None:
+        for name in DISCREPANCIES:
+            value = getattr(self, name)
+            if not (math.isfinite(value) and value >= 0.0):
+                raise InputError(f"{name} is {value}", "give a standard deviation, 0 or more")
+        if self.with_blade is not None and self.with_blade.names != self.covariance.names:
+            raise InputError(
+                f"the covariances are of {self.with_blade.names} and {self.covariance.names}",
+                "give them for the same constants",
+            )
+
+    def without(self, name: str) -> SectionUncertainty:
+        """The same with the constant ``name`` taken as known."""
+        names = [each for each in self.covariance.names if each != name]
+        kept = self.covariance.of(names)
+        blade = None if self.with_blade is None else self.with_blade.of(names)
+        return replace(self, covariance=kept, with_blade=blade)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain data, as ``filed_uncertainty`` reads it."""
+        return {
+            "names": list(self.covariance.names),
+            "covariance": self.covariance.matrix.tolist(),
+            **{name: getattr(self, name) for name in DISCREPANCIES},
+            "another_tunnel": self.another_tunnel,
+            **({} if self.with_blade is None else {"with_blade": self.with_blade.matrix.tolist()}),
+        }
+
+
+def filed_uncertainty(table: Any) -> SectionUncertainty | None:
+    """What the table ``[uncertainty]`` of a parameter file says; None where there is none.
+
+    Parameters
+    ----------
+    table : mapping or None
+        As ``SectionUncertainty.as_dict`` gives it.
+
+    Raises
+    ------
+    InputError
+        Where an entry is missing or of another kind.
+    """
+    if table is None:
+        return None
+    try:
+        names, other = tuple(map(str, table["names"])), bool(table["another_tunnel"])
+        _ = table["covariance"]
+        matrices: Any = {
+            key: SectionCovariance(names, np.array(table[key], np.float64))
+            for key in ("covariance", "with_blade")
+            if key in table
+        }
+        left: Any = {name: float(table[name]) for name in DISCREPANCIES}
+    except (KeyError, TypeError, ValueError) as error:
+        raise InputError(
+            f"the table [uncertainty] is damaged ({error})", "remove it, or write the file anew"
+        ) from None
+    return SectionUncertainty(**matrices, **left, another_tunnel=other)
+
+
+def fitted_uncertainty(table: Any, names: Collection[str]) -> SectionUncertainty | None:
+    """What the table ``[fit]`` of a fit's file says of the constants; None where there is none.
+
+    Parameters
+    ----------
+    table : mapping or None
+        With the names "free", their "covariance", and a table "discrepancy".
+    names : collection of str
+        Those of the free parameters that belong to the section law.
+
+    Raises
+    ------
+    InputError
+        Where the covariance does not fit the names.
+    """
+    if not isinstance(table, Mapping):
+        return None
+    try:
+        free, left = table["free"], table.get("discrepancy", {})
+        matrix = np.array(table["covariance"], np.float64).reshape(len(free), len(free))
+        every = SectionCovariance(tuple(free), matrix)
+        kept = [name for name in free if name in names]
+        shares: Any = {name: float(left[name]) for name in DISCREPANCIES if name in left}
+    except (KeyError, TypeError, ValueError) as error:
+        raise InputError(
+            f"the table [fit] is damaged: covariance ({error})", "write it again with propmap fit"
+        ) from None
+    return SectionUncertainty(every.of(kept), **shares, another_tunnel=False)
+
+
+# -------------------------------------------------------------------------------------------------
+# How uncertain the parameters of a section law are, as a fit has found.
+
+
+@dataclass(frozen=True, eq=False)
+class SectionCovariance:
+    """The covariance of P parameters of ``Airfoil``.
+
+    Attributes
+    ----------
+    names : tuple of str
+        The parameters.
+    matrix : ndarray, shape (P, P)
+        In the parameters' units; a variance is infinite where the data say nothing of the
+        parameter.
+
+    Raises
+    ------
+    InputError
+        Where these do not fit together.
+    """
+
+    names: tuple[str, ...]
+    matrix: Floats
+
+    def __post_init__(self) -> None:
+        count = len(self.names)
+        if self.matrix.shape != (count, count):
+            raise InputError(
+                f"the covariance of {count} parameters has shape {self.matrix.shape}",
+                f"give {count} rows of {count} numbers",
+            )
+        known = self.determined.matrix if self.unknown else self.matrix
+        if not known.size:
+            return
+        if not np.isfinite(known).all() or np.linalg.eigvalsh(known)[0] < -1e-6 * known.max():
+            raise InputError("the covariance has a negative variance", "fit again")
+
+    @property
+    def unknown(self) -> tuple[str, ...]:
+        """Parameters with an infinite variance."""
+        variances = np.diag(self.matrix)
+        return tuple(n for n, v in zip(self.names, variances, strict=True) if not np.isfinite(v))
+
+    @property
+    def determined(self) -> SectionCovariance:
+        """The same without those of infinite variance."""
+        return self.of([name for name in self.names if name not in self.unknown])
+
+    def of(self, names: list[str]) -> SectionCovariance:
+        """The part that belongs to some of the parameters, ``names``."""
+        kept = [self.names.index(name) for name in names]
+        return SectionCovariance(tuple(names), self.matrix[np.ix_(kept, kept)])
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain data, None for an infinite variance."""
+        rows = [[v if np.isfinite(v) else None for v in row] for row in self.matrix.tolist()]
+        return {"names": list(self.names), "matrix": rows}
+
+
+# -------------------------------------------------------------------------------------------------
+# A section by itself in the compiled core.
+
+
+def section_coefficients(
+    law: dict[str, Any], alpha: ArrayLike, reynolds: ArrayLike
+) -> tuple[Floats, Floats]:
+    """C_L and C_D [-] of a section at angles [rad] from the chord line and Reynolds numbers."""
+    from propmap import core
+
+    at = np.broadcast_arrays(np.asarray(alpha, np.float64), np.asarray(reynolds, np.float64))
+    flat = [np.ascontiguousarray(a.ravel()) for a in at]
+    lift, drag = core.section_coefficients(law, *flat)
+    return lift.reshape(at[0].shape), drag.reshape(at[0].shape)

@@ -17,8 +17,7 @@ from propmap.errors import InputError
 from propmap.typing import Floats
 
 if TYPE_CHECKING:
-    from propmap.model.model import Model
-    from propmap.model.propeller import Propeller
+    from propmap.model.model import Model, Propeller
 
 HUB_SHARE = 0.08
 """Radius of a hub whose size is not given, over that of the tip [-]: 16 mm across on an 8-inch

@@ -10,12 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from propmap.baselines.hover import HoverModel
-from propmap.fit.residuals import errors, rms
+from propmap.fit.least_squares import errors, rms
 from propmap.loads import LOADS
 from propmap.typing import Floats
 
 if TYPE_CHECKING:
-    from propmap.catalogue.measurements import Measurement
+    from propmap.catalogue.lookup import Measurement
     from propmap.rotor import Rotor
 
 HOVER = "hover"

@@ -1,25 +1,40 @@
-"""Loads of a rotor at any number of operating points, in one Zarr store."""
+"""Loads of a rotor at any number of operating points, streamed into one Zarr store."""
 
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable
+import time
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from datetime import UTC, datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 import propmap
-from propmap.sweep.points import Part, Points, chunk_shape, parts_along, size
-from propmap.sweep.provenance import provenance
-from propmap.sweep.quantities import AXES, attributes, filed_as, quantities
+from propmap.sweep.points import (
+    AXES,
+    Part,
+    Place,
+    Points,
+    attributes,
+    chunk_shape,
+    filed_as,
+    parts_along,
+    quantities,
+    size,
+)
 from propmap.sweep.store import Layout, Store
-from propmap.sweep.stream import Filing, Values, seconds, stream
 from propmap.tasks import InTurn, Workers
 
 if TYPE_CHECKING:
     from propmap.rotor import Rotor
+
+
+# -------------------------------------------------------------------------------------------------
+# Loads of a rotor at any number of operating points, in one Zarr store.
 
 POINTS_PER_TASK = 16_384
 """One to some seconds of one core: long beside what it costs to hand out a task, short beside what
@@ -166,7 +181,7 @@ def sweep_to_store(
     path : Path
         The store, a folder whose name ends with ".zarr".
     workers : Workers, optional
-        Who computes: by default this process; ``propmap.cluster.dask_workers.DaskWorkers(client)``
+        Who computes: by default this process; ``propmap.cluster.workers.DaskWorkers(client)``
         for a ``distributed.Client``.  Loads are the same to the last digit
         where they have the same build of the core.
     bands, by_source : bool
@@ -214,3 +229,164 @@ def _digest(*parts: object) -> str:
     for part in parts:
         digest.update(part if isinstance(part, bytes) else repr(part).encode())
     return digest.hexdigest()
+
+
+# -------------------------------------------------------------------------------------------------
+# Streaming: parts are computed by workers and filed, by them where they see the store.
+
+Values = dict[str, Any]
+"""Arrays by quantity."""
+
+
+class Filed(Protocol):
+    """Where parts go: a ``Store``, or what takes its place."""
+
+    @property
+    def here(self) -> bool:
+        """Whether this process can write to it."""
+        ...
+
+    def write(self, place: Place, values: Mapping[str, NDArray[Any]]) -> None:
+        """File the ``values`` of the part at a ``place``, by quantity."""
+        ...
+
+    def done(self, layout: Layout) -> NDArray[np.bool_]:
+        """Which parts of the ``layout`` are filed, by place."""
+        ...
+
+
+@dataclass(frozen=True)
+class Filing:
+    """What all tasks of a run share.
+
+    Attributes
+    ----------
+    work : callable
+        Gives the values of a part, called as ``work(common, part)``.
+    common : object
+        What it needs for all parts.
+    store : Filed
+        Where they go.
+    """
+
+    work: Callable[[Any, Any], Values]
+    common: Any
+    store: Filed
+
+
+def file_part(filing: Filing, task: tuple[Place, Any]) -> Values | None:
+    """Compute and file a part; its values, to be filed by the caller, where the store is not seen.
+
+    Parameters
+    ----------
+    filing : Filing
+        How, and where to.
+    task : tuple
+        The place of the part and the part.
+    """
+    place, part = task
+    values = filing.work(filing.common, part)
+    if not filing.store.here:
+        return values
+    filing.store.write(place, values)
+    return None
+
+
+def stream(
+    workers: Workers,
+    filing: Filing,
+    layout: Layout,
+    part: Callable[[Place, tuple[int, ...]], Any],
+) -> Iterator[int]:
+    """Compute and file all parts that are missing; yields how many parts are done.
+
+    Parameters
+    ----------
+    workers : Workers
+        Who computes.
+    filing : Filing
+        How, and where to.
+    layout : Layout
+        Of the store.
+    part : callable
+        The part at a place, called with the place and the shape of parts.
+    """
+    done = filing.store.done(layout)
+    count = int(done.sum())
+    yield count
+    missing = np.flatnonzero(~done)
+
+    def place(which: int) -> Place:
+        return tuple(int(k) for k in np.unravel_index(missing[which], done.shape))
+
+    # Made one by one, as workers become free.
+    at = map(place, range(missing.size))
+    tasks = ((where, part(where, layout.chunk)) for where in at)
+    for which, values in workers.results(file_part, filing, tasks):
+        if values is not None:
+            filing.store.write(place(which), values)
+        count += 1
+        yield count
+
+
+def seconds(workers: Workers, work: Callable[[Any, Any], Values], common: Any, part: Any) -> float:
+    """Time that a worker takes for a part [s].
+
+    Parameters
+    ----------
+    workers : Workers
+        Of whom one is asked.
+    work, common : callable, object
+        As in ``Filing``.
+    part : object
+        The part.
+    """
+    ((_, found),) = workers.results(_timed, (work, common), [part])
+    return found
+
+
+def _timed(asked: tuple[Callable[[Any, Any], Values], Any], part: Any) -> float:
+    """Of the second time: at the first one modules are loaded."""
+    work, common = asked
+    work(common, part)
+    start = time.perf_counter()
+    work(common, part)
+    return time.perf_counter() - start
+
+
+# -------------------------------------------------------------------------------------------------
+# Where the figures of a sweep come from.
+
+
+def provenance(rotor: Rotor, command: str) -> dict[str, Any]:
+    """Texts and numbers that files of loads carry.
+
+    Parameters
+    ----------
+    rotor : Rotor
+        Whose loads they are.
+    command : str
+        What was asked for.
+    """
+    blade = rotor.model.propeller
+    section = {f"airfoil_{key}": value for key, value in rotor.model.airfoil.metadata().items()}
+    return {
+        "title": f"Loads of {blade.name}",
+        "propmap_version": propmap.__version__,
+        "method": "Gill & D'Andrea, Propeller Thrust and Drag in Forward Flight, CCTA 2017",
+        "propeller": blade.name,
+        "propeller_source": blade.source,
+        "propeller_citation": blade.citation,
+        "blades": blade.blades,
+        "radius_m": blade.radius,
+        "root_m": blade.root,
+        "geometry_sha256": blade.fingerprint(),
+        **section,
+        "corrections": ", ".join(rotor.model.correction_texts) or "none",
+        "air_density_kg_m3": rotor.model.air.density,
+        "air_viscosity_Pa_s": rotor.model.air.viscosity,
+        "model_sha256": rotor.model.fingerprint(),
+        "accuracy": rotor.accuracy,
+        "command": command,
+        "created": datetime.now(UTC).isoformat(timespec="seconds"),
+    }

@@ -8,16 +8,14 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
-from propmap.table.inverse import Inverse
-from propmap.table.lookup import STATUSES
-from propmap.table.query import LoadTable
-from propmap.table.results import Gradient, TableLoads
+from propmap.table.interpolation import STATUSES
+from propmap.table.query import Gradient, Inverse, LoadTable, TableLoads
 
 if TYPE_CHECKING:
     from propmap.table.build import build_table
     from propmap.table.certificate import Certificate, certify
+    from propmap.table.files import write_netcdf
     from propmap.table.jax_query import JaxTable
-    from propmap.table.netcdf import write_netcdf
 
 __all__ = [
     "STATUSES",
@@ -37,7 +35,7 @@ _LAZY = {
     "JaxTable": "jax_query",
     "build_table": "build",
     "certify": "certificate",
-    "write_netcdf": "netcdf",
+    "write_netcdf": "files",
 }
 
 

@@ -1,8 +1,9 @@
-"""Building a table: knots, coefficients, a patrol for jumps, and the certificate."""
+"""Building a table: knots where the model needs them, coefficients, jumps, and the certificate."""
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Any
 
@@ -11,18 +12,37 @@ from numpy.typing import NDArray
 
 import propmap
 from propmap.errors import InputError
-from propmap.loads import LOADS
-from propmap.table.certificate import POINTS, certify, unresolved_share
-from propmap.table.content import UNRESOLVED, VORTEX_RING, TableContent, coefficient_scale
-from propmap.table.jumps import exceeding, find_jumps, marked, with_marks_of
-from propmap.table.model import Model, Progress
+from propmap.loads import LOADS, error_scales
+from propmap.table.certificate import (
+    POINTS,
+    Comparison,
+    certify,
+    compare,
+    quasi_random,
+    unresolved_share,
+)
+from propmap.table.interpolation import (
+    PARITY,
+    UNRESOLVED_BIT,
+    VORTEX_RING_BIT,
+    TableContent,
+    coefficient_scale,
+    interpolate,
+    locate,
+    on_planes,
+    pad,
+    points_at,
+)
 from propmap.table.query import LoadTable
-from propmap.table.refine import CELL_SHARE, Refined, refine, starting_axes
-from propmap.tasks import Workers
+from propmap.tasks import InTurn, Workers
 from propmap.typing import Floats
 
 if TYPE_CHECKING:
     from propmap.rotor import Rotor
+
+
+# -------------------------------------------------------------------------------------------------
+# Building a table: knots, coefficients, a patrol for jumps, and the certificate.
 
 Range = tuple[float, float]
 
@@ -108,7 +128,7 @@ def build_table(
         content = find_jumps(content, model, CELL_SHARE * tolerance, narrow)
         if unresolved_share(LoadTable(content)) <= NARROW_ABOVE:
             break
-        if not _halved((content.cells & UNRESOLVED) > 0, refined):
+        if not _halved((content.cells & UNRESOLVED_BIT) > 0, refined):
             break
     for attempt in range(1, ATTEMPTS + 1):
         table = LoadTable(content)
@@ -135,12 +155,12 @@ def build_table(
     filed: dict[str, Any] = {"certificate": certificate.as_dict()}
     known, deviations = rotor.model.uncertainty, None
     if known is not None and known.covariance.determined.names:
-        from propmap.table.parameter_uncertainty import parameter_uncertainty
+        from propmap.table.certificate import parameter_uncertainty
 
         covariance = known.covariance
         filed["parameter_uncertainty"] = parameter_uncertainty(table, model, covariance)
     if known is not None:
-        from propmap.table.deviations import deviation_coefficients
+        from propmap.table.interpolation import deviation_coefficients
 
         model.stage = "standard deviations"
         deviations = deviation_coefficients(rotor, content)
@@ -200,7 +220,9 @@ def _content(
     coefficients = (refined.values * relative[:, None, None, :]).transpose(0, 3, 1, 2)
     ring = refined.ring
     any_ring = ring[:-1, :-1] | ring[1:, :-1] | ring[:-1, 1:] | ring[1:, 1:]
-    cells = VORTEX_RING * any_ring.astype(np.uint8) + UNRESOLVED * refined.missed.astype(np.uint8)
+    cells = VORTEX_RING_BIT * any_ring.astype(np.uint8) + UNRESOLVED_BIT * refined.missed.astype(
+        np.uint8
+    )
     return TableContent(
         advance=refined.advance.knots,
         beta=refined.beta.knots,
@@ -251,3 +273,374 @@ def _provenance(rotor: Rotor, leave_out_vortex_ring: bool) -> dict[str, Any]:
         "accuracy": rotor.accuracy,
         "vortex_ring": "left out" if leave_out_vortex_ring else "kept",
     }
+
+
+# -------------------------------------------------------------------------------------------------
+# Knots placed where a rotor's loads need them, until interpolation meets the tolerance.
+
+FIRST_KNOTS = 13
+
+LINE_SHARE = 0.35
+"""Share of the tolerance that interpolation along one axis may take; both add up."""
+
+CELL_SHARE = 0.6
+"""Share of the tolerance that a cell's centre may show; the rest is for the cell's corners and
+for the Reynolds term."""
+
+FINEST_INFLOW = 300
+"""Knots per hover inflow ratio, sqrt(C_T/2), where the loads jump and no number is enough."""
+
+FINEST_ANGLE = np.pi / 512
+"""[rad] between knots at the least, likewise."""
+
+MOST_KNOTS = 400_000
+"""Of a table; 32 bytes each in its file, before compression."""
+
+ROUNDS = 40
+
+
+@dataclass
+class Axis:
+    """Knots (n,), the least distance between them, and which intervals are yet to be tested."""
+
+    knots: Floats
+    finest: float
+    parity: tuple[Floats | None, Floats | None] = (None, None)
+    untested: NDArray[np.bool_] = field(default_factory=lambda: np.ones(0, bool))
+
+    def __post_init__(self) -> None:
+        self.untested = np.ones(self.knots.size - 1, bool)
+
+    @property
+    def middles(self) -> Floats:
+        """Of the intervals (n - 1,)."""
+        return np.asarray(0.5 * (self.knots[:-1] + self.knots[1:]))
+
+    @property
+    def divisible(self) -> NDArray[np.bool_]:
+        """Intervals (n - 1,) whose halves would not be too narrow."""
+        return np.asarray(np.diff(self.knots) >= 2.0 * self.finest)
+
+    def padded(self, values: Floats) -> Floats:
+        """Values (n, ...) with ghosts."""
+        return pad(self.knots, values, *self.parity)
+
+    def split(self, intervals: NDArray[np.bool_]) -> None:
+        """Halve these intervals; their halves and what is beside them are to be tested."""
+        fresh = intervals.copy()
+        fresh[1:] |= intervals[:-1]
+        fresh[:-1] |= intervals[1:]
+        open_ = np.repeat(self.untested | fresh, np.where(intervals, 2, 1))
+        self.knots = np.sort(np.concatenate([self.knots, self.middles[intervals]]))
+        self.untested = open_
+
+
+@dataclass(frozen=True)
+class Refined:
+    """Axes, loads over static ones (2, n, m, 4), the vortex ring state (n, m), and the cells
+    (n - 1, m - 1) where the tolerance was not met."""
+
+    advance: Axis
+    beta: Axis
+    values: Floats
+    ring: NDArray[np.bool_]
+    missed: NDArray[np.bool_]
+
+
+def starting_axes(
+    model: Model, advance: tuple[float, float], beta: tuple[float, float]
+) -> tuple[Axis, Axis]:
+    """Few knots, those of the advance ratio denser where it is small."""
+    blade, air = model.rotor.model.propeller, model.rotor.model.air
+    force = air.density * np.pi * blade.radius**4 * model.omega[1] ** 2
+    inflow = float(np.sqrt(0.5 * model.static[1, 0] / force))
+    share = np.linspace(0.0, 1.0, FIRST_KNOTS)
+    low, high = advance
+    first, last = (PARITY if on else None for on in on_planes(np.array(beta)))
+    return (
+        Axis(low + (high - low) * share**1.5, inflow / FINEST_INFLOW),
+        Axis(np.linspace(*beta, FIRST_KNOTS), FINEST_ANGLE, (first, last)),
+    )
+
+
+def refine(model: Model, advance: Axis, beta: Axis, tolerance: float) -> Refined:
+    """Insert knots until lines and cells, tested at their middles, are within the tolerance.
+
+    Where the loads jump it cannot be met; knots end at the axes' finest distance, and the cells
+    are told.  Raises ``InputError`` where more than ``MOST_KNOTS`` knots would be needed.
+    """
+    model.stage = "placing knots"
+    for _ in range(ROUNDS):
+        _refine_lines(model, advance, beta, tolerance)
+        bad = _centre_errors(model, advance, beta) > CELL_SHARE * tolerance
+        split_advance = np.any(bad & advance.divisible[:, None], axis=1)
+        split_beta = np.any(bad & beta.divisible[None, :], axis=0)
+        if not (split_advance.any() or split_beta.any()):
+            break
+        advance.split(split_advance)
+        beta.split(split_beta)
+    nodes = [model.relative(node, advance.knots, beta.knots) for node in (0, 1)]
+    ring = (nodes[0][1] > 0.0) | (nodes[1][1] > 0.0)
+    return Refined(advance, beta, np.stack([n[0] for n in nodes]), ring, spread(bad))
+
+
+def spread(cells: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """These cells and their neighbours, into whose interpolation a jump reaches."""
+    wide = np.pad(cells, 1)
+    n, m = cells.shape
+    parts = [wide[i : i + n, j : j + m] for i in range(3) for j in range(3)]
+    return np.asarray(np.any(parts, axis=0))
+
+
+def _refine_lines(model: Model, advance: Axis, beta: Axis, tolerance: float) -> None:
+    """Test the axes' untested intervals in turn until none is left."""
+    while advance.untested.any() or beta.untested.any():
+        for axis, other, along in ((advance, beta, 0), (beta, advance, 1)):
+            tested = axis.untested & axis.divisible
+            axis.untested[:] = False
+            if not tested.any():
+                continue
+            if (axis.knots.size + tested.sum()) * other.knots.size > MOST_KNOTS:
+                raise InputError(
+                    f"a tolerance of {tolerance:.2%} takes more than {MOST_KNOTS} knots here",
+                    "allow more, or make the envelope smaller, the least omega higher above all",
+                )
+            known, _ = model.relative(0, advance.knots, beta.knots)
+            middles = axis.middles[tested]
+            if along == 0:
+                found, _ = model.relative(0, middles, other.knots)
+                expected = interpolate(axis.knots, axis.padded(known), middles)
+            else:
+                found = model.relative(0, other.knots, middles)[0].transpose(1, 0, 2)
+                expected = interpolate(axis.knots, axis.padded(known.transpose(1, 0, 2)), middles)
+            missed = _largest(found - expected, (1, 2)) > LINE_SHARE * tolerance
+            split = np.zeros(axis.knots.size - 1, bool)
+            split[np.flatnonzero(tested)[missed]] = True
+            axis.split(split)
+
+
+def _centre_errors(model: Model, advance: Axis, beta: Axis) -> Floats:
+    """Largest error of the loads at the cells' centres, (n - 1, m - 1)."""
+    known, _ = model.relative(0, advance.knots, beta.knots)
+    across = interpolate(advance.knots, advance.padded(known), advance.middles)
+    expected = interpolate(beta.knots, beta.padded(across.transpose(1, 0, 2)), beta.middles)
+    found, _ = model.relative(0, advance.middles, beta.middles)
+    return _largest(found - expected.transpose(1, 0, 2), (2,))
+
+
+def _largest(error: Floats, axes: tuple[int, ...]) -> Floats:
+    """Largest size along the axes; where there is no value there is no error."""
+    return np.asarray(np.max(np.nan_to_num(np.abs(error), nan=0.0), axis=axes))
+
+
+# -------------------------------------------------------------------------------------------------
+# Cells in which the model's loads jump or nearly so, found and marked as unresolved.
+
+PATROL_POINTS = 8192
+"""Spread over the whole envelope, for jumps that no cell's middle has shown."""
+
+PATROL_ROUNDS = 4
+
+REACH = 3
+"""Cells around a jump that are searched for its like."""
+
+TRIES = 12
+"""Points per cell there."""
+
+GLANCES = 4
+"""Points per cell as small as cells become; such cells are where jumps have been met."""
+
+
+def find_jumps(
+    content: TableContent, model: Model, limit: float, suspects: NDArray[np.bool_]
+) -> TableContent:
+    """The table with further cells marked where its error exceeds ``limit``.
+
+    The ``suspects`` (n - 1, m - 1), cells as small as cells become, are searched first.  A jump
+    is seldom alone: then the cells around those marked are searched, and those around what is
+    found, always at random points.
+    """
+    model.stage = "looking for jumps"
+    rng = np.random.default_rng(PATROL_POINTS)
+    found = compare(
+        LoadTable(content),
+        model,
+        *quasi_random(LoadTable(content), PATROL_POINTS, seed=PATROL_POINTS),
+    )
+    content = marked(content, found, limit)
+    content = _searched(content, model, limit, suspects, GLANCES, rng)
+    done: NDArray[np.bool_] = np.zeros(content.cells.shape, bool)
+    for _ in range(PATROL_ROUNDS):
+        near = (content.cells & UNRESOLVED_BIT) > 0
+        for _ in range(REACH):
+            near = spread(near)
+        near = near & ~done
+        content = _searched(content, model, limit, near, TRIES, rng)
+        done |= near
+    return content
+
+
+def _searched(
+    content: TableContent,
+    model: Model,
+    limit: float,
+    cells: NDArray[np.bool_],
+    tries: int,
+    rng: np.random.Generator,
+) -> TableContent:
+    """The table with what so many random points in each of these cells have shown."""
+    cells = cells & ((content.cells & UNRESOLVED_BIT) == 0)
+    if not cells.any():
+        return content
+    points = _inside(content, cells, tries, rng)
+    return marked(content, compare(LoadTable(content), model, *points), limit)
+
+
+def marked(content: TableContent, found: Comparison, limit: float) -> TableContent:
+    """The table with the cells in which an error exceeds the limit, and those around, marked."""
+    cells = exceeding(content, found, limit)
+    unresolved = closed(spread(cells) | ((content.cells & UNRESOLVED_BIT) > 0))
+    flags = (unresolved * UNRESOLVED_BIT).astype(np.uint8)
+    return replace(content, cells=content.cells | flags)
+
+
+def exceeding(content: TableContent, found: Comparison, limit: float) -> NDArray[np.bool_]:
+    """Cells (n - 1, m - 1) in which an error exceeds the limit."""
+    bad = (np.abs(found.errors) > limit).any(axis=1)
+    cells: NDArray[np.bool_] = np.zeros(content.cells.shape, bool)
+    cells[
+        locate(content.advance, found.advance[bad])[0], locate(content.beta, found.beta[bad])[0]
+    ] = True
+    return cells
+
+
+def with_marks_of(old: TableContent, new: TableContent) -> TableContent:
+    """The ``new`` table with those cells marked too whose middles the ``old`` one had marked."""
+    middles = (0.5 * (k[:-1] + k[1:]) for k in (new.advance, new.beta))
+    row, column = (locate(k, x)[0] for k, x in zip((old.advance, old.beta), middles, strict=True))
+    return replace(
+        new, cells=new.cells | (old.cells[np.ix_(row, column)] & np.uint8(UNRESOLVED_BIT))
+    )
+
+
+def closed(cells: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """These cells and the gaps among them that are at most two cells wide."""
+    return ~spread(~spread(cells))
+
+
+def _inside(
+    content: TableContent, cells: NDArray[np.bool_], tries: int, rng: np.random.Generator
+) -> tuple[Floats, Floats, Floats]:
+    """Random omega, speed and beta in these cells, at omegas for which they are in the envelope."""
+    i, j = (np.repeat(index, tries) for index in np.nonzero(cells))
+    return points_at(content, np.stack([i, j, 0 * i], axis=1) + rng.random((3, i.size)).T)
+
+
+# -------------------------------------------------------------------------------------------------
+# The model as the builder of a table sees it: coefficients at (J, beta), each asked for once.
+
+Progress = Callable[[str, int], None]
+"""Called with what is being done and the number of operating points evaluated so far."""
+
+BATCH = 4096
+"""Operating points between two reports of progress: some tenths of a second."""
+
+
+class Model:
+    """Loads of a rotor relative to its static ones, at two rotational speeds.
+
+    Parameters
+    ----------
+    rotor : Rotor
+        The model.
+    omega : ndarray, shape (2,)
+        Both speeds [rad/s].
+    leave_out_vortex_ring : bool
+        Whether loads in the vortex ring state are NaN.
+    progress : Progress, optional
+        Told of every batch.
+    workers : Workers, optional
+        Who evaluates; by default this process.
+
+    Raises
+    ------
+    InputError
+        Unless static thrust and torque are positive.
+    """
+
+    def __init__(
+        self,
+        rotor: Rotor,
+        omega: Floats,
+        *,
+        leave_out_vortex_ring: bool = False,
+        progress: Progress | None = None,
+        workers: Workers | None = None,
+    ) -> None:
+        self.rotor, self.omega = rotor, omega
+        self._workers = workers or InTurn()
+        self.leave_out_vortex_ring = leave_out_vortex_ring
+        self.evaluations = 0
+        self.stage = "static loads"
+        self._progress = progress
+        self._known: list[dict[tuple[float, float], Floats]] = [{}, {}]
+        self.static = self.static_loads(omega)
+
+    def static_loads(self, omega: Floats) -> Floats:
+        """What errors are relative to (n, L), see ``loads.error_scales``."""
+        loads, _ = self._evaluate(omega, np.zeros_like(omega), np.zeros_like(omega))
+        static = dict(zip(LOADS, loads.T, strict=True))
+        scales = np.array(list(error_scales(static, self.rotor.model.propeller.radius).values())).T
+        if not (scales > 0.0).all():
+            raise InputError(
+                "at rest in the air this rotor has no positive thrust and torque, to which a "
+                "table's errors could be related",
+                "check the propeller's pitch and the section law",
+            )
+        return scales
+
+    def loads(self, omega: Floats, speed: Floats, beta: Floats) -> tuple[Floats, NDArray[np.bool_]]:
+        """Loads (n, L) in the order of ``LOADS``, and whether in the vortex ring state (n,)."""
+        values, ring = self._evaluate(omega, speed, beta)
+        if self.leave_out_vortex_ring:
+            values[ring] = np.nan
+        return values, ring
+
+    def relative(self, node: int, advance: Floats, beta: Floats) -> tuple[Floats, Floats]:
+        """Loads over static ones on a grid at one omega (n, m, L), and 1 in the vortex ring."""
+        known = self._known[node]
+        grid = [(j, b) for j in advance.tolist() for b in beta.tolist()]
+        self._learn(node, [point for point in grid if point not in known])
+        found = np.array([known[point] for point in grid]).reshape(advance.size, beta.size, -1)
+        return found[..., :-1], found[..., -1]
+
+    def _learn(self, node: int, points: list[tuple[float, float]]) -> None:
+        if not points:
+            return
+        advance, beta = np.array(points).T
+        omega = np.full(advance.size, self.omega[node])
+        values, ring = self.loads(omega, advance * omega * self.rotor.model.propeller.radius, beta)
+        rows = np.concatenate([values / self.static[node], ring[:, None]], axis=1)
+        self._known[node].update(zip(points, rows, strict=True))
+
+    def _evaluate(
+        self, omega: Floats, speed: Floats, beta: Floats
+    ) -> tuple[Floats, NDArray[np.bool_]]:
+        values, ring = np.empty((omega.size, len(LOADS))), np.empty(omega.size, bool)
+        cuts = [slice(start, start + BATCH) for start in range(0, omega.size, BATCH)]
+        batches = ((omega[cut], speed[cut], beta[cut]) for cut in cuts)
+        for which, found in self._workers.results(_loads_of, self.rotor, batches):
+            values[cuts[which]], ring[cuts[which]] = found
+            self.evaluations += found[1].size
+            if self._progress:
+                self._progress(self.stage, self.evaluations)
+        return values, ring
+
+
+def _loads_of(
+    rotor: Rotor, batch: tuple[Floats, Floats, Floats]
+) -> tuple[Floats, NDArray[np.bool_]]:
+    """Loads (n, L) of a batch, and whether in the vortex ring state (n,)."""
+    found = rotor.loads(*batch)
+    values = np.stack([getattr(found, name) for name in LOADS], axis=-1)
+    return values, found.status == "vortex_ring"

@@ -1,23 +1,36 @@
-"""How far a table is from the model, on points that its building did not use."""
+"""The certificate: how far a table is from the model, on points that its building did not use."""
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, field
-from typing import TYPE_CHECKING, Any
+from dataclasses import asdict, dataclass, field, fields
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
+from numpy.typing import NDArray
 
 from propmap.loads import LOADS
-from propmap.table.axis import locate
-from propmap.table.comparison import Comparison, compare, quasi_random
-from propmap.table.content import UNRESOLVED as UNRESOLVED_BIT
-from propmap.table.largest_errors import largest_errors
-from propmap.table.lookup import UNRESOLVED, VORTEX_RING
+from propmap.table.interpolation import (
+    NO_VALUE,
+    UNRESOLVED,
+    UNRESOLVED_BIT,
+    VORTEX_RING,
+    TableContent,
+    locate,
+    most_position,
+    points_at,
+    positions_of,
+)
 from propmap.typing import Floats
 
 if TYPE_CHECKING:
-    from propmap.table.model import Model
+    from propmap.model.airfoil import SectionCovariance
+    from propmap.rotor import Rotor
+    from propmap.table.build import Model
     from propmap.table.query import LoadTable
+
+
+# -------------------------------------------------------------------------------------------------
+# How far a table is from the model, on points that its building did not use.
 
 POINTS = 32_768
 """Of a certificate; a power of two, as Sobol's sequence wants."""
@@ -34,7 +47,7 @@ MOST_INSIDE = 4
 class Certificate:
     """Errors of a table against the model on quasi-random points of its envelope.
 
-    The largest are searched for from these; see ``propmap.table.largest_errors``.  Errors are
+    The largest are searched for from these; see ``propmap.table.certificate``.  Errors are
     shares of the static loads at the same omega, by load; see ``loads.error_scales``.
 
     Attributes
@@ -187,3 +200,299 @@ def _rms(errors: Floats) -> dict[str, float]:
 def by_load(values: Floats) -> dict[str, float]:
     """Values (L,) with the names of ``LOADS``."""
     return dict(zip(LOADS, values.tolist(), strict=True))
+
+
+# -------------------------------------------------------------------------------------------------
+# A table beside the model, at points of its envelope.
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Errors of a table at n operating points.
+
+    Attributes
+    ----------
+    errors : ndarray, shape (n, L)
+        As shares of the static loads at the same omega; NaN where there are no loads.
+    code : ndarray of uint8, shape (n,)
+        The table's, an index into ``STATUSES``.
+    omega, speed, beta, advance : ndarray, shape (n,)
+        Where [rad/s], [m/s], [rad], V/(Omega R) [-].
+    """
+
+    errors: Floats
+    code: NDArray[np.uint8]
+    omega: Floats
+    speed: Floats
+    beta: Floats
+    advance: Floats
+
+    @property
+    def lost(self) -> NDArray[np.bool_]:
+        """Where there are no loads, of the table or of the model (n,)."""
+        return np.asarray(np.isnan(self.errors).any(axis=1) | (self.code == NO_VALUE))
+
+    def where(self, chosen: NDArray[np.bool_]) -> Self:
+        """The points chosen (n,)."""
+        return type(self)(*(getattr(self, f.name)[chosen] for f in fields(self)))
+
+    def and_also(self, other: Self) -> Self:
+        """These points and those of the ``other``."""
+        both = ((getattr(self, f.name), getattr(other, f.name)) for f in fields(self))
+        return type(self)(*map(np.concatenate, both))
+
+
+def compare(
+    table: LoadTable, model: Model, omega: Floats, speed: Floats, beta: Floats
+) -> Comparison:
+    """The table's errors at n points of its envelope, (n,) each."""
+    expected, _ = model.loads(omega, speed, beta)
+    found = table.loads(omega, speed, beta)
+    values = np.stack(found[: len(LOADS)], axis=-1)
+    errors = (values - expected) / static_loads(model, omega)
+    advance = speed / (omega * table.content.radius)
+    return Comparison(errors, found.code, omega, speed, beta, advance)
+
+
+def quasi_random(table: LoadTable, points: int, seed: int) -> tuple[Floats, Floats, Floats]:
+    """omega, speed and beta of points that fill the envelope evenly, (n,) each."""
+    low, high = np.array(list(table.envelope.values())).T
+    omega, speed, beta = (low + (high - low) * sobol(points, seed)).T
+    return omega, speed, beta
+
+
+def static_loads(model: Model, omega: Floats) -> Floats:
+    """Static loads (n, L) at omega (n,).
+
+    Over Omega^2 they are linear in Omega^(-1/2), between the ends of the envelope to 1e-5, as
+    the model's friction is.
+    """
+    roots, ends = omega**-0.5, model.omega**-0.5
+    share = ((roots - ends[0]) / (ends[1] - ends[0]))[:, None]
+    low, high = model.static / (model.omega**2)[:, None]
+    return np.asarray((low + share * (high - low)) * (omega**2)[:, None])
+
+
+# -------------------------------------------------------------------------------------------------
+# The search for a table's largest errors, which evenly spread points alone would miss.
+#
+# An error that fills one ten-thousandth of the envelope is seldom met by chance, but mostly has
+# slopes that are.  So each cell of the table is sampled, however small a share of the envelope it
+# is.  From the worst points of each load, each in a cell of its own, the error is climbed by random
+# steps, which grow where they succeed and shrink where they fail.  The worse half of the climbs is
+# given up again and again, for more steps of the others.
+
+OVERHANG = np.array([0.5, 0.5, 0.25])
+"""How far beyond the envelope points are spread over the cells, then held back, so that its edges
+and corners get their part."""
+
+CLIMBS = 32
+"""At first, per load and 32768 points known."""
+
+FEWEST_CLIMBS = 8
+
+TRIES = 4
+"""Steps that each climb tries in a round, at first."""
+
+HALVINGS, ROUNDS = 4, 5
+"""How often the better half of the climbs goes on, and rounds in between."""
+
+STEP = np.array([0.5, 0.5, 0.25])
+"""Largest step of the first round along each axis, as positions count."""
+
+GROWTH, SHRINKAGE = 1.5, 0.6
+
+
+def largest_errors(table: LoadTable, model: Model, sampled: Comparison, seed: int) -> Comparison:
+    """The points that a search for the largest errors, by load, has come by.
+
+    Errors inside unresolved cells are climbed apart from the others.
+
+    Parameters
+    ----------
+    table, model : LoadTable, Model
+        What is compared.
+    sampled : Comparison
+        Points known already, from which to begin.
+    seed : int
+        Of the random steps.
+    """
+    rng = np.random.default_rng(seed)
+    content = table.content
+    points = sampled.omega.size
+    found = compare(table, model, *points_at(content, _over_cells(content, points // 2, seed)))
+    known = sampled.and_also(found)
+    climbs = _Climbs.begin(content, known, max(FEWEST_CLIMBS, CLIMBS * points // 32_768))
+    for halving in range(HALVINGS):
+        for _ in range(ROUNDS):
+            position = climbs.steps(TRIES * 2**halving, rng, most_position(content))
+            tried = compare(table, model, *points_at(content, position))
+            found = found.and_also(tried)
+            climbs.take(position, tried)
+        climbs.halve()
+    return found
+
+
+class _Climbs:
+    """Positions (k, 3) with the largest error met so far, (k,), each by one load in one kind of
+    cell (k,), and the lengths of their steps (k,), in ``STEP``."""
+
+    def __init__(self, position: Floats, error: Floats, goal: NDArray[np.intp]) -> None:
+        self.position, self.error, self.goal = position, error, goal
+        self.length = np.ones(goal.size)
+
+    @classmethod
+    def begin(cls, content: TableContent, known: Comparison, most: int) -> _Climbs:
+        """From the worst points of each goal, the ``most``, no two in the same cell."""
+        position = positions_of(content, known.omega, known.advance, known.beta)
+        cell = np.floor(position[:, 0]) * content.beta.size + np.floor(position[:, 1])
+        sizes = _sizes(known)
+        starts, goals = [], []
+        for goal, size in enumerate(sizes.T):
+            order = np.argsort(-size)[: np.count_nonzero(size > 0.0)]
+            first = np.sort(np.unique(cell[order], return_index=True)[1])[:most]
+            starts.append(order[first])
+            goals.append(np.full(first.size, goal))
+        start, goal_of = np.concatenate(starts), np.concatenate(goals)
+        return cls(position[start], sizes[start, goal_of], goal_of)
+
+    def steps(self, tries: int, rng: np.random.Generator, most: Floats) -> Floats:
+        """Positions (k tries, 3) to be tried, those of the first climb first."""
+        share = rng.uniform(-1.0, 1.0, (self.goal.size, tries, 3))
+        step = share * STEP * self.length[:, None, None]
+        return np.clip(self.position[:, None] + step, 0.0, most).reshape(-1, 3)
+
+    def take(self, position: Floats, tried: Comparison) -> None:
+        """Go to the best of the positions tried, where it is better."""
+        count = self.goal.size
+        if not count:
+            return
+        size = _sizes(tried).reshape(count, -1, _goals())
+        every = np.arange(count)
+        size = size[every, :, self.goal]
+        best = size.argmax(axis=1)
+        better = size[every, best] > self.error
+        self.position[better] = position.reshape(count, -1, 3)[every, best][better]
+        self.error[better] = size[every, best][better]
+        self.length *= np.where(better, GROWTH, SHRINKAGE)
+
+    def halve(self) -> None:
+        """Give up the worse half of each goal's climbs."""
+        order = np.lexsort((-self.error, self.goal))
+        rank = np.arange(order.size) - np.searchsorted(self.goal[order], self.goal[order])
+        count = np.bincount(self.goal, minlength=_goals())[self.goal[order]]
+        kept = order[2 * rank < count]
+        for name in ("position", "error", "goal", "length"):
+            setattr(self, name, getattr(self, name)[kept])
+
+
+def _goals() -> int:
+    """Each load in resolved cells, then each in the others."""
+    return 2 * len(LOADS)
+
+
+def _sizes(found: Comparison) -> Floats:
+    """Sizes (n, ``_goals``) of the errors; zero where the cell is of the other kind."""
+    size = np.where(found.lost[:, None], 0.0, np.abs(found.errors))
+    loose = (found.code == UNRESOLVED)[:, None]
+    return np.concatenate([np.where(loose, 0.0, size), np.where(loose, size, 0.0)], axis=1)
+
+
+def _over_cells(content: TableContent, count: int, seed: int) -> Floats:
+    """Positions (n, 3) spread evenly over the table's cells, ``count`` or some less."""
+    most = most_position(content)
+    unit = sobol(2 ** int(np.log2(max(count, 1))), seed)
+    return np.clip(unit * (most + 2.0 * OVERHANG) - OVERHANG, 0.0, most)
+
+
+# -------------------------------------------------------------------------------------------------
+# How uncertain a table's loads are because the section law's parameters are.
+
+UNCERTAINTY_POINTS = 1024
+"""Of the envelope; a power of two."""
+
+SEED = 20_170
+
+
+def parameter_uncertainty(
+    table: LoadTable, model: Model, covariance: SectionCovariance
+) -> dict[str, Any]:
+    """What the covariance means for the loads, over the envelope; plain data.
+
+    Standard deviations, to first order, as shares of the static loads as in the certificate:
+    "median" and "percentile_95" over so many "points", by load.  "not_counted": parameters of
+    which the data said nothing.  Beside these the table's own errors matter or they do not.
+    """
+    model.stage = "uncertainty of the parameters"
+    known = covariance.determined
+    omega, speed, beta = quasi_random(table, UNCERTAINTY_POINTS, SEED)
+    shares = load_deviations(model.rotor, known, omega, speed, beta) / static_loads(model, omega)
+    shares = shares[np.isfinite(shares).all(axis=1)]
+    median, high = np.percentile(shares, [50.0, 95.0], axis=0)
+    return {
+        "parameters": list(known.names),
+        "not_counted": list(covariance.unknown),
+        "points": len(shares),
+        "median": by_load(median),
+        "percentile_95": by_load(high),
+    }
+
+
+def load_deviations(
+    rotor: Rotor, covariance: SectionCovariance, omega: Floats, speed: Floats, beta: Floats
+) -> Floats:
+    """Standard deviations (n, L) [N], [N], [N m], [N m] of the loads at n operating points.
+
+    sqrt(g' S g), with g the derivatives by the parameters and S their covariance.
+    """
+    found = rotor.gradients(
+        covariance.names, omega, speed * np.cos(beta), np.abs(speed * np.sin(beta))
+    )
+    variance = np.einsum("lpn,pq,lqn->nl", found.slopes, covariance.matrix, found.slopes)
+    return np.asarray(np.sqrt(np.maximum(variance, 0.0)))
+
+
+# -------------------------------------------------------------------------------------------------
+# Points that fill a box evenly: Sobol's sequence in three dimensions, scrambled.
+
+BITS = 30
+"""Of each coordinate."""
+
+
+def sobol(count: int, seed: int) -> Floats:
+    """The first points (n, 3) of the sequence, in the unit cube.
+
+    They are those of ``scipy.stats.qmc.Sobol``, which takes longer to import than a small table to
+    build: direction numbers by Joe and Kuo, scrambled by a lower triangular matrix and a shift.
+
+    Parameters
+    ----------
+    count, seed : int
+        How many, and which scrambling.
+    """
+    rng = np.random.default_rng(seed)
+    place = np.arange(BITS, dtype=np.uint32)
+    shift = rng.integers(2, size=(3, BITS), dtype=np.uint32) @ (np.uint32(1) << place)
+    mixing = np.tril(rng.integers(2, size=(3, BITS, BITS), dtype=np.uint32), -1)
+    mixing += np.eye(BITS, dtype=np.uint32)
+    # The highest bit first.
+    bits = (_directions()[:, None] >> place[::-1, None]) & 1
+    directions = (np.uint32(1) << place[::-1]) @ (mixing @ bits % 2)
+    found = shift[None]
+    for direction in directions.T:
+        if len(found) >= count:
+            break
+        # In Gray code the numbers with a further bit are those without it, backwards.
+        found = np.concatenate([found, found[::-1] ^ direction])
+    return found[:count] / 2.0**BITS
+
+
+def _directions() -> NDArray[np.uint32]:
+    """Direction numbers (3, ``BITS``): of no polynomial, of x + 1 and of x^2 + x + 1."""
+    found = np.ones((3, BITS), np.uint32)
+    found[2, 1] = 3
+    for k in range(1, BITS):
+        found[1, k] = 2 * found[1, k - 1] ^ found[1, k - 1]
+    for k in range(2, BITS):
+        found[2, k] = 2 * found[2, k - 1] ^ 4 * found[2, k - 2] ^ found[2, k - 2]
+    return found << np.arange(BITS, dtype=np.uint32)[::-1]

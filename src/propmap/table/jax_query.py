@@ -9,11 +9,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from propmap.table.axis import interval_polynomials
-from propmap.table.gradient import chain_rule
-from propmap.table.lookup import NO_VALUE, OUTSIDE, cell_codes
-from propmap.table.query import SLACK, LoadTable
-from propmap.table.results import TORQUE, JaxLoads
+from propmap.table.interpolation import NO_VALUE, OUTSIDE, cell_codes, interval_polynomials
+from propmap.table.query import SLACK, TORQUE, JaxLoads, LoadTable, chain_rule
 
 try:
     import jax

@@ -1,27 +1,153 @@
-"""``LoadTable``: loads from a table, with NumPy alone."""
+"""``LoadTable``: loads from a table, with NumPy alone.
+
+Here are what its queries take and return, their derivatives, and the way from a load to the
+rotational speed.
+"""
 
 from __future__ import annotations
 
+import itertools
 import math
 import os
-from typing import TYPE_CHECKING, Any, Self
+from collections import namedtuple
+from collections.abc import Callable
+from inspect import cleandoc
+from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from propmap.errors import InputError
-from propmap.table.arguments import broadcast, fold, split_velocity
-from propmap.table.content import TableContent
-from propmap.table.deviations import bilinear
-from propmap.table.gradient import polar_gradient, velocity_gradient
-from propmap.table.lookup import CLAMPED, NO_VALUE, OUTSIDE, WIDTH, Lookup
-from propmap.table.results import TORQUE, Deviation, Gradient, TableLoads
-from propmap.table.table_file import read_table, write_table
+from propmap.errors import InputError, quoted
+from propmap.loads import LOADS
+from propmap.table.files import read_table, write_table
+from propmap.table.interpolation import (
+    CLAMPED,
+    NO_VALUE,
+    OUTSIDE,
+    STATUSES,
+    WIDTH,
+    Lookup,
+    TableContent,
+    bilinear,
+)
 from propmap.typing import Floats
 
 if TYPE_CHECKING:
-    from propmap.model.propeller import Propeller
-    from propmap.table.inverse import Inverse
+    from propmap.model.model import Propeller
+
+
+# -------------------------------------------------------------------------------------------------
+# The arguments of a table's queries: numbers or arrays that broadcast, in any quadrant.
+
+
+def broadcast(**named: ArrayLike) -> list[Floats]:
+    """The arguments as arrays of one shape; raises ``InputError`` where they are no numbers."""
+    arrays = []
+    for name, value in named.items():
+        try:
+            arrays.append(np.asarray(value, dtype=np.float64))
+        except (TypeError, ValueError):
+            raise InputError(
+                f"{name} is {quoted(value)}: give a number or an array of numbers"
+            ) from None
+    try:
+        return list(np.broadcast_arrays(*arrays))
+    except ValueError:
+        shapes = ", ".join(f"{n} {a.shape}" for n, a in zip(named, arrays, strict=True))
+        raise InputError(f"shapes do not fit together: {shapes}; they must broadcast") from None
+
+
+def split_velocity(omega: ArrayLike, velocity: ArrayLike) -> tuple[Floats, Floats, Floats, Floats]:
+    """omega and the velocity's x, y, z, arrays of one shape."""
+    (vector,) = broadcast(velocity=velocity)
+    if vector.ndim == 0 or vector.shape[-1] != 3:
+        raise InputError(f"velocity has shape {vector.shape}: its last axis must hold x, y, z")
+    w, x, y, z = broadcast(omega=omega, vx=vector[..., 0], vy=vector[..., 1], vz=vector[..., 2])
+    return w, x, y, z
+
+
+def fold(beta: Floats) -> tuple[Floats, Floats]:
+    """beta brought to 0...pi by the loads' mirror symmetry, and the sign of its change."""
+    if ((beta >= 0.0) & (beta <= np.pi)).all():
+        return beta, np.ones_like(beta)
+    with np.errstate(invalid="ignore"):
+        turned = np.remainder(beta + np.pi, 2.0 * np.pi) - np.pi
+        within = (beta >= 0.0) & (beta <= np.pi)
+    return np.where(within, beta, np.abs(turned)), np.where(within | (turned >= 0.0), 1.0, -1.0)
+
+
+# -------------------------------------------------------------------------------------------------
+# What a table's queries return: tuples of every load of the registry.
+
+TORQUE = list(LOADS).index("torque")
+
+
+def _every_load(*further: str) -> Any:
+    """A named tuple of all loads; tuples, since for a single point a dataclass takes too long."""
+    return namedtuple("_EveryLoad", (*LOADS, *further))
+
+
+class TableLoads(_every_load("power", "code")):  # type: ignore[misc]
+    """Loads from a table; floats for a single point, else arrays of the points' shape.
+
+    The fields are the loads of ``propmap.loads.LOADS``, the power, and ``code``, an index into
+    ``STATUSES``; see ``status``.
+    """
+
+    __slots__ = ()
+
+    @property
+    def status(self) -> Any:
+        """A word of ``STATUSES`` per point.
+
+        "vortex_ring": the model's momentum theory does not hold nearby.  "unresolved": the
+        model's loads jump or nearly so, and the table's error may exceed its tolerance.
+        "clamped": outside the envelope, the loads are those of the nearest point of it.
+        "no_value": the model found no loads nearby, or they were left out; NaN.  "outside":
+        outside the envelope; NaN.
+        """
+        words = np.asarray(STATUSES)[self.code]
+        return str(words) if words.ndim == 0 else words
+
+    @property
+    def inside(self) -> Any:
+        """Where the point asked for is inside the envelope."""
+        return (self.code != OUTSIDE) & (self.code != CLAMPED)
+
+
+class Gradient(_every_load("power")):  # type: ignore[misc]
+    """Derivatives of the fields below, (..., k).
+
+    The last axis counts what they are taken by: omega, speed and beta, or omega and the
+    velocity's x, y, z.
+    """
+
+    __slots__ = ()
+
+
+class Deviation(_every_load("power")):  # type: ignore[misc]
+    """Standard deviations of the fields below; NaN outside the envelope."""
+
+    __slots__ = ()
+
+
+class JaxLoads(_every_load("power")):  # type: ignore[misc]
+    """Loads from a table in JAX; NaN outside the envelope."""
+
+    __slots__ = ()
+
+
+_LINES = [
+    *(f"{name} : array\n    {load.meaning} [{load.unit}]" for name, load in LOADS.items()),
+    "power : array\n    torque times omega [W]",
+]
+for _kind in (TableLoads, Gradient, Deviation, JaxLoads):
+    _parts = [cleandoc(_kind.__doc__ or ""), "", "Attributes", "----------", *_LINES]
+    _kind.__doc__ = "\n".join(_parts)
+
+
+# -------------------------------------------------------------------------------------------------
+# ``LoadTable``: loads from a table, with NumPy alone.
 
 CHUNK = 1024
 """Points that are interpolated together, so that what they gather stays in the cache."""
@@ -224,7 +350,6 @@ class LoadTable:
         value, speed, beta : array_like
             Its value, V [m/s] and beta [rad], broadcast.
         """
-        from propmap.table.inverse import solve
 
         wanted, v, b = broadcast(value=value, speed=speed, beta=beta)
         return solve(self, quantity, wanted, v, fold(b)[0])
@@ -298,3 +423,212 @@ class LoadTable:
         ]
         found = np.concatenate(parts)
         return Gradient(*found.swapaxes(0, 1).reshape(found.shape[1], *shape, found.shape[2]))
+
+
+# -------------------------------------------------------------------------------------------------
+# Derivatives of a table's loads, by the chain rule through J, beta and Omega^(-1/2).
+
+HARDLY_MOVING = 1e-7
+"""Advance ratio below which d/dbeta over J, 0/0 at rest, is taken from its limit."""
+
+
+def polar_gradient(
+    content: TableContent, lookup: Lookup, omega: Floats, speed: Floats, beta: Floats, sign: Floats
+) -> Floats:
+    """Derivatives by omega, speed and beta, (n, L + 1, 3); ``sign`` is that of beta's change."""
+    loads, by_omega, by_speed, by_angle = _derivatives(content, lookup, omega, speed, beta)
+    by_beta = by_angle * (sign * speed)[:, None]
+    return _with_power(loads, omega, np.stack([by_omega, by_speed, by_beta], axis=-1))
+
+
+def velocity_gradient(
+    content: TableContent,
+    lookup: Lookup,
+    omega: Floats,
+    speed: Floats,
+    beta: Floats,
+    vx: Floats,
+    vy: Floats,
+) -> Floats:
+    """Derivatives by omega and the velocity's components, (n, L + 1, 4)."""
+    loads, by_omega, by_speed, by_angle = _derivatives(content, lookup, omega, speed, beta)
+    cosine, sine = np.cos(beta)[:, None], np.sin(beta)[:, None]
+    by_axial = by_speed * cosine - by_angle * sine
+    by_inplane = by_speed * sine + by_angle * cosine
+    across = np.hypot(vx, vy)
+    moves = across > 0.0
+    divisor = np.where(moves, across, 1.0)
+    x, y = np.where(moves, vx / divisor, 1.0)[:, None], (vy / divisor)[:, None]
+    each = np.stack([by_omega, by_inplane * x, by_inplane * y, by_axial], axis=-1)
+    return _with_power(loads, omega, each)
+
+
+def _derivatives(
+    content: TableContent, lookup: Lookup, omega: Floats, speed: Floats, beta: Floats
+) -> tuple[Floats, Floats, Floats, Floats]:
+    tip_speed = omega * content.radius
+    advance = speed / tip_speed
+    root = omega**-0.5 - content.omega[0] ** -0.5
+    return chain_rule(lookup.slopes(advance, beta), omega, advance, tip_speed, root, np.where)
+
+
+def chain_rule(
+    found: Any, omega: Any, advance: Any, tip_speed: Any, root: Any, where: Callable[..., Any]
+) -> tuple[Any, Any, Any, Any]:
+    """Loads, and their derivatives by omega, by speed, and by beta over the speed, (..., L).
+
+    Parameters
+    ----------
+    found : array, shape (..., 2, 2, WIDTH)
+        As from ``Lookup.slopes``.
+    omega, advance, tip_speed : array, shape (...)
+        Omega [rad/s], J [-], Omega R [m/s].
+    root : array, shape (...)
+        Omega^(-1/2) less that at the least omega of the table [(s/rad)^(1/2)].
+    where : function
+        Of NumPy or of JAX.
+    """
+    half = WIDTH // 2
+    both = found[..., :half] + root[..., None, None, None] * found[..., half:]
+    value, by_beta = both[..., 0, 0, :], both[..., 0, 1, :]
+    by_advance, mixed = both[..., 1, 0, :], both[..., 1, 1, :]
+    omega, advance = omega[..., None], advance[..., None]
+    resting = advance < HARDLY_MOVING
+    by_angle = where(resting, mixed, by_beta / where(resting, 1.0, advance))
+    square = omega**2
+    # dJ/dOmega = -J / Omega; the Reynolds term is linear in Omega^(-1/2).
+    by_root = found[..., 0, 0, half:] * (-0.5 * omega**-1.5)
+    by_omega = square * (2.0 * value / omega - by_advance * (advance / omega) + by_root)
+    per_speed = square / tip_speed[..., None]
+    return square * value, by_omega, per_speed * by_advance, per_speed * by_angle
+
+
+def _with_power(loads: Floats, omega: Floats, each: Floats) -> Floats:
+    """``each`` (n, L, k), and the power's (n, L + 1, k); the first variable is omega."""
+    power = each[:, TORQUE] * omega[:, None]
+    power[:, 0] += loads[:, TORQUE]
+    return np.concatenate([each, power[:, None]], axis=1)
+
+
+# -------------------------------------------------------------------------------------------------
+# From a load to the rotational speed.
+
+QUANTITIES = ("thrust", "torque", "power")
+
+END_SLACK = 1e-11
+"""How far, relatively, a request may lie beyond the load at an end of the envelope for rounding;
+the answer is that end."""
+
+
+class Inverse(NamedTuple):
+    """The rotational speeds at which a load has the value asked for; arrays of one shape.
+
+    Attributes
+    ----------
+    omega, least : ndarray
+        The largest and the smallest [rad/s]; NaN where there is none.
+    solutions : ndarray of int
+        How many there are inside the envelope.
+    status : ndarray of str
+        "ok" for one, "none", "several".
+    """
+
+    omega: Floats
+    least: Floats
+    solutions: NDArray[np.int64]
+    status: NDArray[np.str_]
+
+
+def solve(table: LoadTable, quantity: str, value: Floats, speed: Floats, beta: Floats) -> Inverse:
+    """Every omega of the envelope at which a load has a value; arguments of one shape.
+
+    A point outside the envelope, or where the table has no values, has none.  Where the blades
+    windmill at low omega, the same thrust often occurs twice: "several".  The load at an end of
+    the envelope is answered with that end, to rounding, see ``END_SLACK``.
+    """
+    if quantity not in QUANTITIES:
+        raise InputError(f"quantity is {quantity!r}: it must be one of {', '.join(QUANTITIES)}")
+    shape = value.shape
+    roots = [
+        _roots(table, quantity, *point)
+        for point in zip(
+            value.ravel().tolist(), speed.ravel().tolist(), beta.ravel().tolist(), strict=True
+        )
+    ]
+    count = np.array([len(found) for found in roots], np.int64).reshape(shape)
+    largest = np.array([found[-1] if found else np.nan for found in roots]).reshape(shape)
+    least = np.array([found[0] if found else np.nan for found in roots]).reshape(shape)
+    status = np.array(["none", "ok", "several"])[np.minimum(count, 2)]
+    return Inverse(largest, least, count, status)
+
+
+def _roots(table: LoadTable, quantity: str, value: float, speed: float, beta: float) -> list[float]:
+    """Rising omegas at which the load is ``value``."""
+    omega = _pieces(table, speed)
+    field = getattr(table.loads(omega, speed, beta), quantity) - value
+    slope = getattr(table.gradient(omega, speed, beta), quantity)[:, 0]
+    field = _met_at_the_ends(field, value, omega, slope)
+
+    def excess(w: float) -> float:
+        return float(getattr(table.loads(w, speed, beta), quantity)) - value
+
+    def rate(w: float) -> float:
+        return float(getattr(table.gradient(w, speed, beta), quantity)[0])
+
+    found: list[float] = []
+    points = list(zip(omega.tolist(), field.tolist(), slope.tolist(), strict=True))
+    for (a, fa, da), (b, fb, db) in itertools.pairwise(points):
+        if fa * fb >= 0.0 and da * db < 0.0:
+            # The load turns back on its way; perhaps it meets the value before and after.
+            turn = _bisect(rate, a, b, da)
+            middle = excess(turn)
+            found += _met(excess, a, fa, turn, middle) + _met(excess, turn, middle, b, fb)
+        else:
+            found += _met(excess, a, fa, b, fb)
+    if points[-1][1] == 0.0:
+        found.append(points[-1][0])
+    return found
+
+
+def _met_at_the_ends(excess: Floats, value: float, omega: Floats, slope: Floats) -> Floats:
+    """The excess (n,) of a load over ``value``, zero at the envelope's ends if mere rounding."""
+    size = np.fmax(np.abs(omega * slope), abs(value))
+    near = np.abs(excess) <= END_SLACK * size
+    near[1:-1] = False
+    return np.where(near, 0.0, excess)
+
+
+def _met(
+    excess: Callable[[float], float], low: float, at_low: float, high: float, at_high: float
+) -> list[float]:
+    """The root in [low, high) of a function that is monotonic there, if it has one."""
+    if at_low == 0.0:
+        return [low]
+    return [_bisect(excess, low, high, at_low)] if at_low * at_high < 0.0 else []
+
+
+def _pieces(table: LoadTable, speed: float) -> Floats:
+    """Omegas between which the load is one smooth piece, halved; rising, within the envelope."""
+    low, high = table.envelope["omega"]
+    knots = table.content.advance
+    with np.errstate(divide="ignore", invalid="ignore"):
+        crossed = speed / (knots * table.content.radius)
+    crossed = crossed[(crossed > low) & (crossed < high)]
+    ends = np.unique(np.concatenate([[low], crossed, [high]]))
+    return np.sort(np.concatenate([ends, 0.5 * (ends[:-1] + ends[1:])]))
+
+
+def _bisect(function: Callable[[float], float], low: float, high: float, start: float) -> float:
+    """Where ``function``, of the sign of ``start`` at low and the other at high, vanishes."""
+    for _ in range(200):
+        middle = 0.5 * (low + high)
+        if not low < middle < high:
+            break
+        value = function(middle)
+        if value == 0.0:
+            return middle
+        if (value > 0.0) == (start > 0.0):
+            low = middle
+        else:
+            high = middle
+    return 0.5 * (low + high)

@@ -1,4 +1,4 @@
-"""From shaft power to the battery: motor, speed controller and battery together."""
+"""Motors, speed controllers and a battery: what they take for a torque at a speed."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ import numpy as np
 
 from propmap.errors import InputError
 from propmap.typing import Floats
-from propmap.vehicle.battery import Battery
-from propmap.vehicle.motor import RPM, Motor
-from propmap.vehicle.speed_controller import SpeedController
+
+# -------------------------------------------------------------------------------------------------
+# From shaft power to the battery: motor, speed controller and battery together.
 
 USUAL_TIP_SPEED = (60.0, 900.0)
 """[m/s] of a blade on an unloaded motor at full charge.  A Kv in rad/s/V read as rpm/V is a tenth
@@ -115,3 +115,380 @@ class Powertrain:
             self.battery.current(power, full),
             self.battery.voltage(power, full),
         )
+
+
+# -------------------------------------------------------------------------------------------------
+# A brushless motor by its Kv, winding resistance and no-load current.
+
+RPM = math.pi / 30.0
+"""One revolution per minute [rad/s]."""
+
+COPPER = 0.00393
+"""[1/K] by which the resistance of copper grows, from that at 20 degrees C: IEC 60028."""
+
+COLD = 20.0
+"""[degrees C] at which the resistance of a data sheet holds."""
+
+
+class MotorState(NamedTuple):
+    """What goes into a motor: ``current`` [A] and ``voltage`` [V], of the shape of its load."""
+
+    current: Floats
+    voltage: Floats
+
+    @property
+    def power(self) -> Floats:
+        """Into the motor's terminals [W]."""
+        return self.current * self.voltage
+
+
+@dataclass(frozen=True)
+class Motor:
+    """The equivalent circuit of a DC motor: a back-EMF behind a resistance.
+
+    With omega = Kv (v - i R) and Q = (i - i_0) / Kv, Kv in rad/s/V; i_0(omega) covers iron and
+    friction.  Source: M. Drela, First-Order DC Electric Motor Model, MIT Aero & Astro, 2007, and
+    Second-Order DC Electric Motor Model, 2006, for an i_0 that depends on omega.
+
+    Attributes
+    ----------
+    speed_constant : float
+        Kv [rad/s/V], without load.
+    resistance : float
+        Of the winding, at 20 degrees C [ohm].
+    no_load_current : tuple of float
+        i_0 [A]; more than one where it was measured at several voltages.
+    no_load_voltage : tuple of float
+        At which these were measured [V], one for each; may be empty for one current, which then
+        holds at any speed.
+    maximum_current : float
+        [A], infinite where none is known.
+    maximum_speed : float
+        [rad/s], infinite where none is known.
+    temperature : float
+        Of the winding in flight [degrees C].
+
+    Raises
+    ------
+    InputError
+        For values that no motor has.
+    """
+
+    speed_constant: float
+    resistance: float
+    no_load_current: tuple[float, ...]
+    no_load_voltage: tuple[float, ...] = ()
+    maximum_current: float = math.inf
+    maximum_speed: float = math.inf
+    temperature: float = COLD
+
+    def __post_init__(self) -> None:
+        for name, value, told in (
+            ("kv", self.speed_constant, "revolutions per minute and volt, as the data sheet does"),
+            ("resistance", self.resistance, "the winding's ohms, between two of the three wires"),
+            ("maximum_current", self.maximum_current, "amperes, or leave it out"),
+            ("maximum_rpm", self.maximum_speed, "revolutions per minute, or leave it out"),
+        ):
+            if not value > 0.0:
+                raise InputError(f"{name} is {value:g}", f"give {told}, above 0")
+        if not self.no_load_current or min(self.no_load_current) < 0.0:
+            raise InputError("no_load_current is negative or empty", "give amperes, 0 or more")
+        currents, voltages = len(self.no_load_current), len(self.no_load_voltage)
+        if (currents > 1 or voltages) and currents != voltages:
+            raise InputError(
+                f"{currents} no_load_current for {voltages} no_load_voltage",
+                "give the voltage of each current",
+            )
+        if currents > 3 or len(set(self.no_load_voltage)) != voltages:
+            raise InputError(
+                f"no_load_voltage is {list(self.no_load_voltage)}",
+                "give one, two or three voltages, each once",
+            )
+        if any(
+            v <= i * self.resistance
+            for i, v in zip(self.no_load_current, self.no_load_voltage, strict=False)
+        ):
+            raise InputError(
+                "the winding alone takes more than the no_load_voltage",
+                "give volts, and the resistance in ohms, not milliohms",
+            )
+        if not -60.0 <= self.temperature <= 250.0:
+            raise InputError(
+                f"temperature is {self.temperature:g} degrees C",
+                "give that of the winding in flight, -60 to 250",
+            )
+
+    @property
+    def hot_resistance(self) -> float:
+        """Of the winding at its temperature [ohm]."""
+        return self.resistance * (1.0 + COPPER * (self.temperature - COLD))
+
+    def idle_current(self, omega: Floats) -> Floats:
+        """i_0 [A] at ``omega`` [rad/s]: the polynomial through what was measured."""
+        if len(self.no_load_current) == 1:
+            return np.full_like(omega, self.no_load_current[0])
+        i, v = np.array(self.no_load_current), np.array(self.no_load_voltage)
+        speeds = self.speed_constant * (v - i * self.resistance)
+        scale = speeds.max()
+        fit = np.linalg.solve(np.vander(speeds / scale), i)
+        # A parabola through three points must not turn back beyond them.
+        return np.asarray(np.maximum(np.polyval(fit, omega / scale), 0.0))
+
+    def driven(self, torque: Floats, omega: Floats) -> MotorState:
+        """Current and voltage that turn a shaft.
+
+        Parameters
+        ----------
+        torque, omega : ndarray
+            Of the shaft [N m], [rad/s].
+        """
+        current = self.speed_constant * torque + self.idle_current(omega)
+        return MotorState(current, omega / self.speed_constant + current * self.hot_resistance)
+
+
+# -------------------------------------------------------------------------------------------------
+# A lithium-polymer battery: open-circuit voltage by charge, a resistance, a usable share.
+
+NODES, WEIGHTS = np.polynomial.legendre.leggauss(24)
+"""Of the integral over charge."""
+
+HALVINGS = 60
+
+
+def cell_voltage(charge: Floats) -> Floats:
+    """Open-circuit voltage [V] of a lithium-polymer cell whose state of ``charge`` is 0 to 1.
+
+    Source: M. Chen, G. A. Rincon-Mora, Accurate Electrical Battery Model Capable of Predicting
+    Runtime and I-V Performance, IEEE Trans. Energy Conversion 21(2), 2006, doi
+    10.1109/TEC.2006.874229; 4.10 V when full.
+    """
+    s = charge
+    return np.asarray(
+        -1.031 * np.exp(-35.0 * s) + 3.685 + 0.2156 * s - 0.1178 * s**2 + 0.3201 * s**3
+    )
+
+
+@dataclass(frozen=True)
+class Battery:
+    """Cells in series behind a resistance.
+
+    Attributes
+    ----------
+    cells : int
+        In series.
+    capacity : float
+        Of the pack [A s].
+    resistance : float
+        Of the pack [ohm].
+    usable_share : float
+        Of the charge that a flight uses [-].
+    maximum_current : float
+        [A], infinite where none is known.
+    auxiliary_power : float
+        What is not for the motors [W].
+
+    Raises
+    ------
+    InputError
+        For values that no battery has.
+    """
+
+    cells: int
+    capacity: float
+    resistance: float = 0.0
+    usable_share: float = 0.8
+    maximum_current: float = math.inf
+    auxiliary_power: float = 0.0
+
+    def __post_init__(self) -> None:
+        if type(self.cells) is not int or not 1 <= self.cells <= 200:
+            raise InputError(
+                f"cells is {self.cells!r}", "give how many are in series, 1 to 200, 4 for a 4S pack"
+            )
+        if not self.capacity > 0.0:
+            raise InputError(f"capacity is {self.capacity / 3600.0:g} A h", "give it, above 0")
+        if not self.resistance >= 0.0:
+            raise InputError(f"resistance is {self.resistance:g} ohm", "give 0 or more")
+        if not 0.0 < self.usable_share <= 1.0:
+            raise InputError(
+                f"usable_share is {self.usable_share:g}", "give a share such as 0.8, not percent"
+            )
+        if not self.maximum_current > 0.0:
+            raise InputError(
+                f"maximum_current is {self.maximum_current:g} A", "give it, or leave it out"
+            )
+        if not self.auxiliary_power >= 0.0:
+            raise InputError(f"auxiliary_power is {self.auxiliary_power:g} W", "give 0 or more")
+
+    def open_circuit_voltage(self, charge: Floats) -> Floats:
+        """Of the pack [V] at a state of ``charge`` of 0 to 1."""
+        return self.cells * cell_voltage(charge)
+
+    def current(self, power: Floats, charge: Floats) -> Floats:
+        """What delivers a power; NaN where the battery cannot.
+
+        The smaller root of power = (V_oc - i R) i.
+
+        Parameters
+        ----------
+        power : ndarray
+            At the terminals [W].
+        charge : ndarray
+            State of charge, 0 to 1, of the same shape or a number.
+
+        Returns
+        -------
+        ndarray
+            [A].
+        """
+        voltage = self.open_circuit_voltage(charge)
+        left = voltage**2 - 4.0 * self.resistance * power
+        with np.errstate(invalid="ignore"):
+            return 2.0 * power / (voltage + np.sqrt(np.where(left >= 0.0, left, np.nan)))
+
+    def voltage(self, power: Floats, charge: Floats) -> Floats:
+        """At the terminals [V] while it delivers ``power`` [W] at this ``charge``."""
+        current = self.current(power, charge)
+        return self.open_circuit_voltage(charge) - self.resistance * current
+
+    def voltage_or_least(self, power: Floats, charge: Floats) -> Floats:
+        """As ``voltage``, of ``power`` and ``charge``, but that at the largest power beyond it."""
+        least = 0.5 * self.open_circuit_voltage(charge)
+        return np.where(np.isnan(found := self.voltage(power, charge)), least, found)
+
+    def share_used(self, power: Floats, charge: Floats) -> Floats:
+        """Share of the largest power or current that ``power`` at this ``charge`` takes."""
+        voltage = self.open_circuit_voltage(charge)
+        of_power = 4.0 * self.resistance * np.maximum(power, 0.0) / voltage**2
+        current = np.nan_to_num(self.current(power, charge), nan=0.0)
+        return np.maximum(of_power, current / self.maximum_current)
+
+    def charge_after(self, power: Floats, duration: float, charge: Floats) -> Floats:
+        """State of charge after a time at constant power; NaN where it does not last so long.
+
+        Parameters
+        ----------
+        power : ndarray
+            At the terminals [W].
+        duration : float
+            [s].
+        charge : ndarray
+            State of charge at the beginning, 0 to 1.
+        """
+        low, high = np.zeros_like(charge), np.array(charge)
+        for _ in range(HALVINGS):
+            middle = 0.5 * (low + high)
+            later = self._time(power, charge, middle)
+            late = ~(later <= duration)
+            low, high = np.where(late, middle, low), np.where(late, high, middle)
+        return np.where(self._time(power, charge, high) >= duration * (1.0 - 1e-9), high, np.nan)
+
+    def charges(self, power: float, times: Floats, charge: float) -> Floats:
+        """States of charge along a time at constant power; NaN from where it does not last.
+
+        Parameters
+        ----------
+        power : float
+            At the terminals [W].
+        times : ndarray, shape (m,)
+            Rising [s].
+        charge : float
+            State of charge at time 0.
+
+        Returns
+        -------
+        ndarray, shape (m,)
+            States of charge.
+        """
+        found, before = [], 0.0
+        for time in times.tolist():
+            now = np.array(charge)
+            charge = float(self.charge_after(np.array(power), time - before, now))
+            found.append(charge)
+            before = time
+        return np.array(found)
+
+    def endurance(self, power: Floats, voltage: Floats, charge: float = 1.0) -> Floats:
+        """Time of flight at constant power, until the usable share is used up.
+
+        Parameters
+        ----------
+        power : ndarray
+            At the terminals [W].
+        voltage : ndarray
+            Below which the motors do not turn fast enough [V]; the flight ends there if it comes
+            first.
+        charge : float
+            State of charge at the beginning.
+
+        Returns
+        -------
+        ndarray
+            [s]; NaN where the flight cannot begin, infinite without power.
+        """
+        power = np.asarray(power, dtype=np.float64)
+        low = np.full_like(power, max(charge - self.usable_share, 0.0))
+        high = np.full_like(power, charge)
+        begins = self.voltage(power, high) >= voltage
+        lasts = self.voltage(power, low) >= voltage
+        end = np.array(low)
+        for _ in range(HALVINGS):
+            middle = 0.5 * (low + high)
+            enough = self.voltage(power, middle) >= voltage
+            low, high = np.where(enough, low, middle), np.where(enough, middle, high)
+        end = np.where(lasts, end, high)
+        return np.where(begins, self._time(power, np.full_like(power, charge), end), np.nan)
+
+    def _time(self, power: Floats, start: Floats, end: Floats) -> Floats:
+        """From one state of charge to a lower one [s]."""
+        half = 0.5 * (start - end)
+        charges = end + half * (1.0 + NODES.reshape(-1, *np.ones_like(power.shape)))
+        with np.errstate(divide="ignore"):
+            rates = 1.0 / self.current(power, charges)
+        return self.capacity * half * np.tensordot(WEIGHTS, rates, axes=(0, 0))
+
+
+# -------------------------------------------------------------------------------------------------
+# An electronic speed controller: what it loses between battery and motor.
+
+
+@dataclass(frozen=True)
+class SpeedController:
+    """A resistance in series with the motor, or an efficiency.
+
+    As a chopper it takes the motor's power from the battery at the battery's voltage.  That its
+    efficiency falls at part throttle is left out: see C. R. Green, R. A. McDonald, Modeling and
+    Test of the Efficiency of Electronic Speed Controllers for Brushless DC Motors, AIAA 2015-3191,
+    doi 10.2514/6.2015-3191.
+
+    Attributes
+    ----------
+    resistance : float
+        [ohm], at full throttle.
+    efficiency : float
+        Motor power over battery power besides [-].
+
+    Raises
+    ------
+    InputError
+        For a negative resistance, and an efficiency that is none.
+    """
+
+    resistance: float = 0.0
+    efficiency: float = 1.0
+
+    def __post_init__(self) -> None:
+        if not self.resistance >= 0.0:
+            raise InputError(f"resistance is {self.resistance:g} ohm", "give 0 or more")
+        if not 0.5 <= self.efficiency <= 1.0:
+            raise InputError(
+                f"efficiency is {self.efficiency:g}", "give a share from 0.5 to 1, such as 0.95"
+            )
+
+    def power(self, motor: MotorState) -> Floats:
+        """What is taken from the battery for a ``motor`` in this state [W]."""
+        return (motor.power + self.resistance * motor.current**2) / self.efficiency
+
+    def voltage(self, motor: MotorState) -> Floats:
+        """Of a battery that just keeps a ``motor`` in this state, at full throttle [V]."""
+        return motor.voltage + self.resistance * motor.current

@@ -2,30 +2,33 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
 from propmap.errors import InputError
 from propmap.loads import LOADS
+from propmap.model.model import Model
+from propmap.results import STATUSES
 from propmap.rotor import Rotor
 from propmap.typing import Floats
-from propmap.vehicle.hub_flow import HubFlow, flow_of_hubs, hub_wrenches
-from propmap.vehicle.interference import added_flow, check_apart, wake_flow
-from propmap.vehicle.load_sources import (
-    SEVERITY,
-    LoadSource,
-    Sources,
-    check_table,
-    loads_at_hubs,
-    worst,
+from propmap.vehicle.wakes import (
+    HubFlow,
+    added_flow,
+    check_apart,
+    cross,
+    flow_of_hubs,
+    hub_wrenches,
+    wake_flow,
 )
-from propmap.vehicle.mounted_rotors import mounted_rotors
-from propmap.vehicle.vectors import cross
 
 if TYPE_CHECKING:
     from propmap.vehicle.vehicle import Vehicle
+
+
+# -------------------------------------------------------------------------------------------------
+# The rotors of a vehicle as force and moment on it, in each other's wakes.
 
 THRUST, TORQUE = (list(LOADS).index(name) for name in ("thrust", "torque"))
 
@@ -282,3 +285,118 @@ def _told(
     force, moment = (values.reshape(*shape, 3) for values in hub_wrenches(flow, loads))
     thrust, torque = loads[THRUST].reshape(shape), loads[TORQUE].reshape(shape)
     return RotorWrenches(force, moment, thrust, torque, added.reshape(shape), status.reshape(shape))
+
+
+# -------------------------------------------------------------------------------------------------
+# The models of a vehicle's rotors, which differ in what they are mounted on.
+
+
+def mounted_rotors(vehicle: Vehicle, model: Model) -> list[tuple[Model, NDArray[np.intp]]]:
+    """Each model that some of the rotors have, and their indices.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        Tells what its rotors are mounted on.
+    model : Model
+        Of a rotor of which it tells nothing.
+    """
+    drags = [mount.drag for mount in vehicle.mounts]
+    return [
+        (
+            model if drag is None else model.with_mount(drag),
+            np.array([k for k, other in enumerate(drags) if other == drag]),
+        )
+        for drag in dict.fromkeys(drags)
+    ]
+
+
+# -------------------------------------------------------------------------------------------------
+# Loads of a vehicle's rotors from what gives them: a rotor, a table or the hover model.
+
+SEVERITY = (
+    *STATUSES[:-1],
+    "unresolved",
+    "clamped",
+    STATUSES[-1],
+    "no_value",
+    "outside",
+)
+"""Statuses of rotors and of tables, from harmless to fatal."""
+
+
+@runtime_checkable
+class LoadSource(Protocol):
+    """What gives loads for a velocity in the rotor frame, as ``Rotor`` and ``LoadTable`` do."""
+
+    def loads_at_velocity(self, omega: Any, velocity: Any) -> Any:
+        """Loads with a ``status``."""
+        ...
+
+
+Sources = list[tuple[LoadSource, NDArray[np.intp]]]
+"""What gives the loads of which rotors."""
+
+
+def loads_at_hubs(sources: Sources, flow: HubFlow) -> tuple[Floats, NDArray[np.str_]]:
+    """Loads (L, n, k) of the ``sources`` in the ``flow`` at the hubs, and their status (n, k)."""
+    loads = np.empty((len(LOADS), *flow.omega.shape))
+    status = np.empty(flow.omega.shape, dtype="<U16")
+    for source, mine in sources:
+        parts = [values[:, mine] for values in (flow.omega, flow.inplane, flow.axial)]
+        if not parts[0].size:
+            continue
+        # Half the rotors of a symmetric vehicle see what the other half sees.
+        once, where = _apart(np.stack(parts, axis=-1).reshape(-1, 3))
+        where = where.reshape(parts[0].shape)
+        omega, across, along = once.T
+        velocity = np.stack([across, np.zeros_like(across), along], axis=1)
+        found = source.loads_at_velocity(omega, velocity)
+        for rows, name in zip(loads, LOADS, strict=True):
+            rows[:, mine] = np.asarray(getattr(found, name))[where]
+        status[:, mine] = np.asarray(found.status)[where]
+    return loads, status
+
+
+def worst(status: NDArray[np.str_]) -> NDArray[np.str_]:
+    """The worst ``status`` (..., k) of all rotors, (...)."""
+    names = np.array(SEVERITY)
+    order = np.argsort(names)
+    rank = order[np.searchsorted(names, status, sorter=order)]
+    return np.asarray(names[rank.max(axis=-1)])
+
+
+def _apart(points: Floats) -> tuple[Floats, NDArray[np.intp]]:
+    """The distinct rows of points (n, 3), but for rounding, and which of them each one is."""
+    size = np.maximum(np.abs(points).max(axis=0, initial=0.0), 1e-30)
+    rounded = np.round(points / size, 11) + 0.0
+    order = np.lexsort(rounded.T)
+    ranked = rounded[order]
+    new = np.append(True, (ranked[1:] != ranked[:-1]).any(axis=1))
+    where = np.empty(len(points), np.intp)
+    where[order] = np.cumsum(new) - 1
+    return points[order[new]], where
+
+
+def check_table(vehicle: Vehicle, table: Any) -> None:
+    """Raise ``InputError`` for a ``table``, or what else has loads, of another rotor or air."""
+    if any(mount.drag is not None for mount in vehicle.mounts):
+        raise InputError(
+            "the vehicle file has [mount], of which a table knows nothing",
+            "leave out [mount] and build the table with --correction mount-drag:area_m2=...",
+        )
+    described = getattr(table, "info", {}).get("propeller")
+    if described is None:
+        return
+    if described.get("geometry_sha256") != vehicle.propeller.fingerprint():
+        raise InputError(
+            f"the table is of {described.get('name')!r}, the vehicle has "
+            f"{vehicle.propeller.name!r}, or the same with another geometry",
+            "build a table for this propeller",
+        )
+    if abs(table.content.density - vehicle.air.density) > 1e-6 * vehicle.air.density:
+        raise InputError(
+            f"the table holds for {table.content.density:g} kg/m^3, the vehicle flies in "
+            f"{vehicle.air.density:g}",
+            "build a table with --rho, or change [air]",
+        )

@@ -6,15 +6,14 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from propmap.errors import InputError
-from propmap.model.air import Air
 from propmap.model.corrections import MountDrag
-from propmap.model.propeller import Propeller
+from propmap.model.model import Air, Propeller
 from propmap.vehicle.powertrain import Powertrain
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-    from propmap.vehicle.load_sources import LoadSource
+    from propmap.vehicle.rotors import LoadSource
     from propmap.vehicle.vehicle_forces import VehicleWrench
 
 SPINS = ("ccw", "cw")
@@ -92,7 +91,7 @@ class Wing:
 
 @dataclass(frozen=True)
 class Wakes:
-    """How the rotors' wakes act on each other, see ``propmap.vehicle.interference``.
+    """How the rotors' wakes act on each other, see ``propmap.vehicle.wakes``.
 
     Attributes
     ----------

@@ -8,15 +8,14 @@ from typing import Any
 import numpy as np
 import pytest
 
+from propmap.catalogue.expected import GEOMETRIES, bundled_population, coordinates
 from propmap.catalogue.identified import Identified, all_identified, identified_without_blade
-from propmap.catalogue.population import GEOMETRIES, bundled_population
-from propmap.catalogue.prior import coordinates
 from propmap.fit.population import catalogue, identification
 from propmap.fit.population.misfiled import MISFILED, refiled
 from propmap.fit.population.populations import populations_of
 from propmap.fit.population.summary import summary
 from propmap.fit.population.verdict import conflict
-from propmap.io.uiuc_database import MeasuredPropeller, read_uiuc_database
+from propmap.io.uiuc import MeasuredPropeller, read_uiuc_database
 from tests.workers_elsewhere import Elsewhere
 
 LOADS = Path(__file__).parents[4] / "shared" / "data" / "uiuc" / "loads.csv"

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from propmap.catalogue.expected import GEOMETRIES, bundled_population
 from propmap.catalogue.identified import all_identified, identified_without_blade
-from propmap.catalogue.population import GEOMETRIES, bundled_population
 from propmap.fit.population.left_out import GROUPS, LeftOut, left_out, never_measured
 from propmap.fit.population.misfiled import refiled
-from propmap.io.uiuc_database import read_uiuc_database
+from propmap.io.uiuc import read_uiuc_database
 from propmap.typing import Floats
 from tests.fit.population.test_catalogue import LOADS, with_data
 

@@ -5,19 +5,22 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-import propmap.catalogue.population as settings
-from propmap.catalogue.family_prior import Member, family_prior, member
-from propmap.catalogue.identified import all_identified, one_of_each
-from propmap.catalogue.population import (
+import propmap.catalogue.expected as settings
+from propmap.catalogue.expected import (
     GEOMETRIES,
+    POPULATION,
+    Member,
     Population,
+    PopulationPrior,
     Size,
     as_toml,
     bundled_population,
+    family_prior,
     likeness,
+    member,
     parse_populations,
 )
-from propmap.catalogue.prior import POPULATION, PopulationPrior
+from propmap.catalogue.identified import all_identified, one_of_each
 from propmap.fit.population.hierarchy import population_of
 from propmap.typing import Floats
 
@@ -128,7 +131,7 @@ def test_a_member_is_its_posterior_without_its_prior() -> None:
     both = found.precision + np.linalg.inv(POPULATION.covariance)
     pull = found.pull + np.linalg.inv(POPULATION.covariance) @ POPULATION.mean
     place = np.linalg.solve(both, pull)
-    from propmap.catalogue.prior import coordinates
+    from propmap.catalogue.expected import coordinates
 
     np.testing.assert_allclose(place, coordinates(one.constants), rtol=1e-6)
     assert np.linalg.eigvalsh(found.precision).min() > -1e-9 * found.precision.max()

@@ -1,1 +1,22 @@
-"""One module for each view of the application."""
+"""All views, in the order of the menu."""
+
+from __future__ import annotations
+
+from propmap.explore.view import View
+from propmap.explore.views.aircraft import AircraftView
+from propmap.explore.views.blade import BladeView
+from propmap.explore.views.compare import CompareView
+from propmap.explore.views.constants import ConstantsView
+from propmap.explore.views.disk import DiskView
+from propmap.explore.views.loads import LoadsView
+from propmap.explore.views.trust import TrustView
+
+VIEWS: tuple[View, ...] = (
+    LoadsView(),
+    DiskView(),
+    BladeView(),
+    ConstantsView(),
+    CompareView(),
+    AircraftView(),
+    TrustView(),
+)

@@ -7,21 +7,15 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from propmap.aircraft.columns import rows as state_rows
-from propmap.aircraft.limits import LIMITS
 from propmap.aircraft.performance import NamedState, Performance, performance
-from propmap.aircraft.steady import Aircraft
-from propmap.aircraft.steady_states import STATUSES, SteadyStates
+from propmap.aircraft.performance import rows as state_rows
+from propmap.aircraft.trim import LIMITS, STATUSES, Aircraft, SteadyStates
 from propmap.errors import InputError
-from propmap.explore import figures
-from propmap.explore.controls import Control, Slider, Values
-from propmap.explore.reproduce import axis, number
-from propmap.explore.rotors import rotor_of
-from propmap.explore.session import Session
-from propmap.explore.view import Answer, Download, Graph, Table
-from propmap.io.csv_text import csv_text
-from propmap.io.operating_points import RPM
-from propmap.report.style import COLOURS
+from propmap.explore import view
+from propmap.explore.session import Session, axis, number, rotor_of
+from propmap.explore.view import Answer, Control, Download, Graph, Slider, Table, Values
+from propmap.io.csv import RPM, csv_text
+from propmap.report.html import COLOURS
 
 NAME = "trim.csv"
 
@@ -68,7 +62,7 @@ class AircraftView:
         states = craft.steady(speed, values["climb"])
         hover = craft.with_hover_model().steady(speed, values["climb"])
         shown = _figures(states, hover)
-        key = [("this model", COLOURS[0]), ("hover model", f"-{figures.GREY}")]
+        key = [("this model", COLOURS[0]), ("hover model", f"-{view.GREY}")]
         tables = []
         if settled:
             found = performance(craft, states, climb=values["climb"], wind=values["wind"])
@@ -102,8 +96,8 @@ class AircraftView:
         return (
             "import numpy as np\nimport propmap\n"
             "from propmap.aircraft.performance import performance\n"
-            "from propmap.aircraft.steady import Aircraft\n"
-            "from propmap.vehicle.vehicle_toml import read_vehicle\n\n"
+            "from propmap.aircraft.trim import Aircraft\n"
+            "from propmap.vehicle.files import read_vehicle\n\n"
             f"vehicle = read_vehicle({given.path or given.name!r}).vehicle\n"
             "model = propmap.known_model(vehicle.propeller.name, air=vehicle.air)\n"
             "rotor = propmap.Rotor(model)\n"
@@ -133,7 +127,7 @@ def _aircraft(session: Session, values: Values) -> Aircraft:
     return Aircraft(vehicle, rotor_of(session.model), charge=values["charge"])
 
 
-def _figures(states: SteadyStates, hover: SteadyStates) -> dict[str, figures.Figure]:
+def _figures(states: SteadyStates, hover: SteadyStates) -> dict[str, view.Figure]:
     rpm, still = states.rotor_speed / RPM, hover.rotor_speed / RPM
     curves = {
         "power": ([states.power], hover.power),
@@ -143,14 +137,14 @@ def _figures(states: SteadyStates, hover: SteadyStates) -> dict[str, figures.Fig
     }
     found = {}
     for name, (own, other) in curves.items():
-        traces = [figures.line(states.speed, y, "this model", COLOURS[0]) for y in own]
-        traces.append(figures.line(hover.speed, other, "hover model", figures.GREY, "dash"))
-        found[name] = figures.figure(
+        traces = [view.line(states.speed, y, "this model", COLOURS[0]) for y in own]
+        traces.append(view.line(hover.speed, other, "hover model", view.GREY, "dash"))
+        found[name] = view.figure(
             traces,
             "horizontal speed [m/s]",
             PANELS[name],
             xaxis={"range": [0.0, float(states.speed[-1])]},
-            yaxis=figures.span(*own, other, zero=name != "rpm"),
+            yaxis=view.span(*own, other, zero=name != "rpm"),
         )
     return found
 
@@ -178,8 +172,8 @@ def _named(found: Performance) -> Table:
 def _state(state: NamedState) -> list[str]:
     power = state.electrical_power if math.isfinite(state.electrical_power) else state.power
     return [
-        figures.digits(state.speed),
-        figures.digits(power),
-        figures.digits(state.endurance / 60.0),
-        figures.digits(state.distance / 1e3),
+        view.digits(state.speed),
+        view.digits(power),
+        view.digits(state.endurance / 60.0),
+        view.digits(state.distance / 1e3),
     ]

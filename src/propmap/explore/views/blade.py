@@ -9,18 +9,24 @@ from typing import Any
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
-from propmap.explore import figures
-from propmap.explore.controls import Control, Slider, Values
-from propmap.explore.point import point_controls, point_lines, point_words
-from propmap.explore.reproduce import Recipe, axis, number
-from propmap.explore.rotors import rotor_of
-from propmap.explore.session import Session
-from propmap.explore.view import Answer, Download, Graph, Table
-from propmap.io.csv_text import loads_csv
-from propmap.io.operating_points import RPM, OperatingPoints
-from propmap.io.propeller_toml import propeller_toml
-from propmap.model.propeller import Propeller
-from propmap.report.style import COLOURS
+from propmap.explore import view
+from propmap.explore.session import Recipe, Session, axis, number, rotor_of
+from propmap.explore.view import (
+    Answer,
+    Control,
+    Download,
+    Graph,
+    Slider,
+    Table,
+    Values,
+    point_controls,
+    point_lines,
+    point_words,
+)
+from propmap.io.csv import RPM, OperatingPoints, loads_csv
+from propmap.io.geometry import propeller_toml
+from propmap.model.model import Propeller
+from propmap.report.html import COLOURS
 from propmap.typing import Floats
 
 PLACES = (0.2, 0.35, 0.5, 0.65, 0.8, 0.95)
@@ -77,18 +83,18 @@ class BladeView:
         }
         for name in ("thrust", "power"):
             pair = getattr(before, name), getattr(after, name)
-            shown[name] = figures.figure(
+            shown[name] = view.figure(
                 [
-                    figures.line(speed, pair[0], "as it was", figures.GREY, "dash"),
-                    figures.line(speed, pair[1], "as it is", COLOURS[0]),
+                    view.line(speed, pair[0], "as it was", view.GREY, "dash"),
+                    view.line(speed, pair[1], "as it is", COLOURS[0]),
                 ],
                 "speed V [m/s]",
-                figures.TITLES[name],
-                shapes=[figures.upright(values["speed"])],
-                yaxis=figures.span(*pair, zero=True),
+                view.TITLES[name],
+                shapes=[view.upright(values["speed"])],
+                yaxis=view.span(*pair, zero=True),
                 xaxis={"range": [0.0, FASTEST]},
             )
-        key = [("as it was", f"-{figures.GREY}"), ("as it is", COLOURS[0])]
+        key = [("as it was", f"-{view.GREY}"), ("as it is", COLOURS[0])]
         return Answer(shown, [_table(session, model, values)] if settled else [], (), key)
 
     def shell(self, session: Session, values: Values) -> str:
@@ -146,14 +152,14 @@ def changed(blade: Propeller, values: Values) -> Propeller:
     )
 
 
-def _outline(old: Propeller, new: Propeller) -> figures.Figure:
+def _outline(old: Propeller, new: Propeller) -> view.Figure:
     traces, widest = [], MM * max(float(old.chord.max()), float(new.chord.max()))
-    for blade, colour, dash in ((old, figures.GREY, "dash"), (new, COLOURS[0], "solid")):
+    for blade, colour, dash in ((old, view.GREY, "dash"), (new, COLOURS[0], "solid")):
         y, half = MM * blade.station, 0.5 * MM * blade.chord
         edge = np.concatenate([half, -half[::-1], half[:1]])
         along = np.concatenate([y, y[::-1], y[:1]])
-        traces.append(figures.line(along, edge, blade.name, colour, dash))
-    return figures.figure(
+        traces.append(view.line(along, edge, blade.name, colour, dash))
+    return view.figure(
         traces,
         "radius y [mm]",
         "about mid-chord [mm]",
@@ -163,11 +169,11 @@ def _outline(old: Propeller, new: Propeller) -> figures.Figure:
             "constrain": "domain",
             "range": [-0.6 * widest, 0.6 * widest],
         },
-        shapes=[figures.upright(MM * old.root)],
+        shapes=[view.upright(MM * old.root)],
     )
 
 
-def _draggable(old: Propeller, new: Propeller, what: str, values: Values) -> figures.Figure:
+def _draggable(old: Propeller, new: Propeller, what: str, values: Values) -> view.Figure:
     """Chord [mm] or twist [deg] with a point to drag at each place."""
     own, other = (
         (MM * blade.chord if what == "chord" else np.degrees(blade.twist)) for blade in (old, new)
@@ -179,10 +185,10 @@ def _draggable(old: Propeller, new: Propeller, what: str, values: Values) -> fig
     high = 1.25 * max(float(other.max()), float(own.max()))
     size = 0.016 * MM * old.radius, 0.03 * (high - low)
     label = "chord c [mm]" if what == "chord" else "twist θ [deg]"
-    return figures.figure(
+    return view.figure(
         [
-            figures.line(y, own, "as it was", figures.GREY, "dash"),
-            figures.line(y, other, "as it is", COLOURS[0]),
+            view.line(y, own, "as it was", view.GREY, "dash"),
+            view.line(y, other, "as it is", COLOURS[0]),
         ],
         "radius y [mm]",
         label,
@@ -218,12 +224,12 @@ def _table(session: Session, model: Any, values: Values) -> Table:
     flow = values["rpm"] * RPM, values["speed"], np.radians(values["beta"])
     before, after = rotor_of(session.model).loads(*flow), rotor_of(model).loads(*flow)
     rows = []
-    for name, label in figures.LABELS.items():
+    for name, label in view.LABELS.items():
         a, b = float(getattr(before, name)), float(getattr(after, name))
         change = f"{100.0 * (b / a - 1.0):+.1f} %" if abs(a) > 1e-9 else ""
-        rows.append([label, figures.digits(a), figures.digits(b), change, figures.UNITS[name]])
+        rows.append([label, view.digits(a), view.digits(b), change, view.UNITS[name]])
     solidity = _solidity(session.model.propeller), _solidity(model.propeller)
-    rows.append(["solidity", *(figures.digits(s) for s in solidity), "", "-"])
+    rows.append(["solidity", *(view.digits(s) for s in solidity), "", "-"])
     heads = ("", "as it was", "as it is", "change", "unit")
     return Table(heads, rows, f"At {point_words(values)}")
 

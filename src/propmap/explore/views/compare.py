@@ -10,17 +10,25 @@ import numpy as np
 
 from propmap.catalogue.lookup import looks_like_path
 from propmap.errors import InputError, quoted
-from propmap.explore import figures
-from propmap.explore.controls import Choice, Control, Slider, Text, Values
-from propmap.explore.point import point_controls, point_lines, point_words
-from propmap.explore.reproduce import Recipe, axis, number
-from propmap.explore.rotors import rotor_of
-from propmap.explore.session import KNOWN, Session
-from propmap.explore.view import Answer, Download, Graph, Table
-from propmap.io.csv_text import csv_text
-from propmap.io.operating_points import COLUMNS, RPM, OperatingPoints
+from propmap.explore import view
+from propmap.explore.session import KNOWN, Recipe, Session, axis, number, rotor_of
+from propmap.explore.view import (
+    Answer,
+    Choice,
+    Control,
+    Download,
+    Graph,
+    Slider,
+    Table,
+    Text,
+    Values,
+    point_controls,
+    point_lines,
+    point_words,
+)
+from propmap.io.csv import PREDICT_COLUMNS, RPM, OperatingPoints, csv_text
 from propmap.model.airfoil import airfoil_names
-from propmap.report.style import COLOURS
+from propmap.report.html import COLOURS
 
 ALONG = 31
 
@@ -69,8 +77,8 @@ class CompareView:
 
     def graphs(self, session: Session) -> Sequence[Graph]:  # noqa: ARG002 - the same for all
         """Curves above, differences below."""
-        curves = [Graph(name, f"{figures.LABELS[name]} against speed") for name in SHOWN]
-        apart = [Graph(f"{name}-apart", f"{figures.LABELS[name]}: difference") for name in SHOWN]
+        curves = [Graph(name, f"{view.LABELS[name]} against speed") for name in SHOWN]
+        apart = [Graph(f"{name}-apart", f"{view.LABELS[name]}: difference") for name in SHOWN]
         return [graph for pair in zip(curves, apart, strict=True) for graph in pair]
 
     def answer(self, session: Session, values: Values, *, settled: bool) -> Answer:
@@ -85,17 +93,17 @@ class CompareView:
             curves = [_of(loads, w, name) for loads, w in zip(every, omega, strict=True)]
             for apart in (False, True):
                 rows = [c - curves[0] for c in curves] if apart else curves
-                title = f"{figures.TITLES[name]}{', minus the first' if apart else ''}"
-                shown[f"{name}{'-apart' if apart else ''}"] = figures.figure(
+                title = f"{view.TITLES[name]}{', minus the first' if apart else ''}"
+                shown[f"{name}{'-apart' if apart else ''}"] = view.figure(
                     [
-                        figures.line(speed, row, one.name, colour)
+                        view.line(speed, row, one.name, colour)
                         for row, one, colour in zip(rows, items, COLOURS, strict=False)
                     ],
                     "speed V [m/s]",
                     title,
-                    shapes=[figures.upright(values["speed"])],
+                    shapes=[view.upright(values["speed"])],
                     xaxis={"range": [0.0, values["fastest"]]},
-                    yaxis=figures.span(*rows, zero=True),
+                    yaxis=view.span(*rows, zero=True),
                 )
         key = [(one.name, colour) for one, colour in zip(items, COLOURS, strict=False)]
         tables = [_table(items, values)] if settled else []
@@ -144,14 +152,14 @@ class CompareView:
             if one.session is None:
                 loads = replace_power(loads, points)
             rows += [{"of": one.name, **row} for row in points.rows(loads)]
-        return csv_text(("of", *COLUMNS), rows)
+        return csv_text(("of", *PREDICT_COLUMNS), rows)
 
 
 def replace_power(loads: Any, points: OperatingPoints) -> Any:
     """The loads of a table with the power that follows."""
     from types import SimpleNamespace
 
-    own = {name: getattr(loads, name) for name in figures.TITLES if name != "power"}
+    own = {name: getattr(loads, name) for name in view.TITLES if name != "power"}
     power = loads.torque * points.si[0]
     return SimpleNamespace(**own, power=power, status=loads.status)
 
@@ -223,17 +231,17 @@ def _table(items: Sequence[Item], values: Values) -> Table:
     beta = np.radians(values["beta"])
     every = [one.loads(w, speed, beta) for one, w in zip(items, omegas, strict=True)]
     rows = [["rpm", *_with_difference([float(w[0]) / RPM for w in omegas]), "1/min"]]
-    for name, label in figures.LABELS.items():
+    for name, label in view.LABELS.items():
         found = [float(_of(x, w, name)[0]) for x, w in zip(every, omegas, strict=True)]
-        rows.append([label, *_with_difference(found), figures.UNITS[name]])
+        rows.append([label, *_with_difference(found), view.UNITS[name]])
     rows.append(["status", *(str(x.status[0]) for x in every), ""])
     return Table(("", *(one.name for one in items), "unit"), rows, f"At {point_words(values)}")
 
 
 def _with_difference(found: Sequence[float]) -> list[str]:
     first = found[0]
-    told = [figures.digits(first)]
+    told = [view.digits(first)]
     for value in found[1:]:
         apart = f" ({100.0 * (value / first - 1.0):+.1f} %)" if abs(first) > 1e-9 else ""
-        told.append(f"{figures.digits(value)}{apart}")
+        told.append(f"{view.digits(value)}{apart}")
     return told

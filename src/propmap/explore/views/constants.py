@@ -1,32 +1,51 @@
-"""Constants: the section law by hand or by a fit, with its curves and its error on data."""
+"""Section constants: what sliders or a fit make of measured loads, and what it is worth."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from dash import Input, Output, State, html, no_update, set_props
 from dash.exceptions import PreventUpdate
 
+from propmap.catalogue.identified import PARAMETERS
 from propmap.errors import InputError
-from propmap.explore import constants_panels, figures
-from propmap.explore.constants_fit import CONSTANTS, Fit, law_at_first, law_of, model_of
-from propmap.explore.controls import Choice, Control, Several, Slider, Values, values_of
-from propmap.explore.point import point_controls, point_lines
-from propmap.explore.reproduce import CONSTANTS_FILE, Recipe
-from propmap.explore.rotors import rotor_of
-from propmap.explore.session import Session
-from propmap.explore.view import Answer, Download, Graph
+from propmap.explore import view
+from propmap.explore.app import Job
+from propmap.explore.session import CONSTANTS_FILE, Recipe, Session, rotor_of
+from propmap.explore.view import (
+    Answer,
+    Choice,
+    Control,
+    Download,
+    Graph,
+    Several,
+    Slider,
+    Table,
+    Values,
+    point_controls,
+    point_lines,
+    values_of,
+)
+from propmap.fit.least_squares import Rows
 from propmap.fit.parameters import SECTION
+from propmap.fit.parameters import Choice as FitChoice
 from propmap.fit.tunnel import TunnelData
-from propmap.io.csv_text import csv_text
-from propmap.io.operating_points import RPM
+from propmap.io.csv import RPM, csv_text
 from propmap.loads import LOADS
-from propmap.report.style import COLOURS
+from propmap.model.airfoil import LIMITS, Airfoil
+from propmap.model.model import Model
+from propmap.report.html import COLOURS
+from propmap.typing import Floats
 
 if TYPE_CHECKING:
-    from propmap.explore.application import Application
+    from propmap.explore.app import Application
+
+
+# -------------------------------------------------------------------------------------------------
+# Constants: the section law by hand or by a fit, with its curves and its error on data.
 
 FREE = ("c_l1", "c_d", "alpha_0", "zero_lift_angle")
 
@@ -81,14 +100,14 @@ class ConstantsView:
         return [
             Graph("lift", "lift of the section"),
             Graph("section-drag", "drag of the section"),
-            *(Graph(name, f"{figures.LABELS[name]}, modelled and measured") for name in names),
+            *(Graph(name, f"{view.LABELS[name]}, modelled and measured") for name in names),
         ]
 
     def answer(self, session: Session, values: Values, *, settled: bool) -> Answer:
         """Curves of the section, and errors on the data."""
         old, new = law_at_first(session), law_of(session, values)
-        shown = constants_panels.of_section(session.model, old, new)
-        key = [("as they were", f"-{figures.GREY}"), ("as they are", COLOURS[0])]
+        shown = of_section(session.model, old, new)
+        key = [("as they were", f"-{view.GREY}"), ("as they are", COLOURS[0])]
         data = session.measured(values["data"])
         if data is None:
             return Answer(shown, (), ["Choose or drop measured loads to see errors."], key)
@@ -99,10 +118,10 @@ class ConstantsView:
         model = model_of(session, values)
         now = rotor_of(model).loads(part.omega, part.speed, part.beta)
         for name in (n for n in SHOWN if n in data.loads):
-            shown[name] = constants_panels.measured_and_modelled(name, part, getattr(now, name))
+            shown[name] = measured_and_modelled(name, part, getattr(now, name))
         if settled:
             before = rotor_of(session.model).loads(part.omega, part.speed, part.beta)
-            tables = [constants_panels.errors(part, before, now)]
+            tables = [errors(part, before, now)]
         return Answer(shown, tables, remarks, key)
 
     def shell(self, session: Session, values: Values) -> str:
@@ -218,3 +237,176 @@ def _some(data: TunnelData) -> TunnelData:
     which = np.unique(np.linspace(0, len(data) - 1, MOST).astype(int))
     loads = {name: values[which] for name, values in data.loads.items()}
     return TunnelData(data.source, data.omega[which], data.speed[which], data.beta[which], loads)
+
+
+# -------------------------------------------------------------------------------------------------
+# Panels of the section's constants: its curves, and loads measured and modelled.
+
+ALPHA = np.radians(np.linspace(-20.0, 60.0, 161))
+
+
+def of_section(model: Model, old: Airfoil, new: Airfoil) -> dict[str, view.Figure]:
+    """C_L and C_D over the angle of attack, at the Reynolds number of three quarters of R."""
+    blade, air = model.propeller, model.air
+    omega = 60.0 / blade.radius
+    chord = np.interp(0.75 * blade.radius, blade.station, blade.chord)
+    reynolds = np.full_like(
+        ALPHA, air.density * 0.75 * blade.radius * omega * chord / air.viscosity
+    )
+    both = [law.coefficients(ALPHA, reynolds) for law in (old, new)]
+    x = np.degrees(ALPHA)
+    found = {}
+    for k, key, title in (
+        (0, "lift", "lift coefficient C_L [-]"),
+        (1, "section-drag", "drag coefficient C_D [-]"),
+    ):
+        pair = [one[k] for one in both]
+        found[key] = view.figure(
+            [
+                view.line(x, pair[0], "as they were", view.GREY, "dash"),
+                view.line(x, pair[1], "as they are", COLOURS[0]),
+            ],
+            f"angle of attack [deg], Re = {reynolds[0]:.2g}",
+            title,
+            xaxis={"range": [float(x[0]), float(x[-1])]},
+            yaxis=view.span(*pair, zero=True),
+        )
+    return found
+
+
+def measured_and_modelled(name: str, data: TunnelData, modelled: Floats) -> view.Figure:
+    """A load, modelled over measured (n,)."""
+    measured = data.loads[name]
+    both = view.span(measured, modelled)
+    ends = both["range"]
+    words = [
+        f"{w / RPM:.0f} rpm, {v:.3g} m/s, β {np.degrees(b):.3g}°"
+        for w, v, b in zip(data.omega, data.speed, data.beta, strict=True)
+    ]
+    return view.figure(
+        [
+            view.line(ends, ends, "equal", view.GREY, "dash", hoverinfo="skip"),
+            view.points(
+                measured,
+                modelled,
+                data.source,
+                COLOURS[0],
+                text=words,
+                hovertemplate="%{text}<br>measured %{x:.4g}, modelled %{y:.4g}<extra></extra>",
+            ),
+        ],
+        f"measured {view.TITLES[name]}",
+        "modelled",
+        xaxis=both,
+        yaxis=both,
+    )
+
+
+def errors(data: TunnelData, before: Any, now: Any) -> Table:
+    """Root mean square errors of two sets of loads, such as ``Loads``, on the data."""
+    rows = []
+    for name, measured in data.loads.items():
+        size = np.sqrt(np.nanmean(measured**2))
+        cells = []
+        for loads in (before, now):
+            off = np.sqrt(np.nanmean((getattr(loads, name) - measured) ** 2))
+            cells.append(f"{view.digits(off)} ({100.0 * off / size:.1f} %)")
+        rows.append([view.LABELS[name], *cells, view.UNITS[name]])
+    caption = f"Root mean square errors on {data.source}, in brackets over its rms"
+    return Table(("", "as they were", "as they are", "unit"), rows, caption)
+
+
+# -------------------------------------------------------------------------------------------------
+# Constants that are set by hand, and their fit to measured loads while the page goes on.
+
+CONSTANTS = ("c_l1", "c_l2", *(name for name in PARAMETERS if name != "c_l1"))
+
+
+def law_at_first(session: Session) -> Airfoil:
+    """The constants that the ``session`` begins with; ``InputError`` where there are none."""
+    law = session.model.airfoil
+    if not isinstance(law, Airfoil):
+        raise InputError("a section table has no constants", "choose a set of constants")
+    return law
+
+
+def law_of(session: Session, values: Values) -> Airfoil:
+    """The constants that are set."""
+    law = law_at_first(session)
+    changes = {
+        name: float(np.clip(values[name], *LIMITS[name][:2]))
+        for name in CONSTANTS
+        if values[name] != getattr(law, name)
+    }
+    if not changes:
+        return law
+    own = tuple(session.model.correction_texts)
+    told = {"name": f"{law.name} changed"[:80], "source": "changed in propmap explore"}
+    return law.with_parameters(**changes, **told, corrections=own)
+
+
+def model_of(session: Session, values: Values) -> Model:
+    """The model with the constants that are set."""
+    law = law_of(session, values)
+    return session.model if law is session.model.airfoil else session.model.with_airfoil(law)
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A fit of a session's data from the constants that are set."""
+
+    model: Model
+    data: TunnelData
+    choice: FitChoice
+
+    @classmethod
+    def of(cls, session: Session, values: Values) -> Fit:
+        """The fit that the page asks for; ``InputError`` where there is nothing to fit."""
+        data = session.measured(values["data"])
+        if data is None:
+            raise InputError("there are no measured loads to fit", "choose or drop some")
+        if not values["free"]:
+            raise InputError("no constant is free", "choose some")
+        law, free = law_of(session, values), tuple(values["free"])
+        given = {name: float(getattr(law, name)) for name in SECTION}
+        fixed = {name: value for name, value in given.items() if name not in free}
+        start = {name: value for name, value in given.items() if name in free}
+        return cls(model_of(session, values), data, FitChoice(free, fixed, {}, start))
+
+    def run(self, job: Job) -> Mapping[str, float]:
+        """Fit, and tell how far it is."""
+        from propmap.fit.fit import Settings, fit
+        from propmap.fit.tunnel import tunnel_rows
+
+        rows = tunnel_rows(self.model, self.data, self.choice)
+        fitted = fit(_telling(rows, job), self.choice, Settings(starts=1, folds=0))
+        errors = []
+        for k, name in enumerate(fitted.rows.names):
+            modelled, measured = fitted.compared(k)
+            off = np.sqrt(np.nanmean((modelled - measured) ** 2) / np.nanmean(measured**2))
+            errors.append(f"{name} {100.0 * off:.1f} %")
+        half = 1.96 * np.sqrt(np.diag(fitted.uncertainty.covariance))
+        told = [
+            f"{name} = {value:.4g} ± {one:.2g}"
+            for name, value, one in zip(self.choice.free, fitted.x, half, strict=True)
+        ]
+        job.told = f"Fitted: {'; '.join(told)}. Errors, rms: {', '.join(errors)}."
+        return dict(zip(self.choice.free, map(float, fitted.x), strict=True))
+
+
+def _telling(rows: Rows, job: Job) -> Rows:
+    """The rows, which tell how often they were evaluated and with what error."""
+    count = 0
+    own = rows.model
+
+    def model(values: Mapping[str, float], free: tuple[str, ...]) -> tuple[Floats, Floats]:
+        nonlocal count
+        found = own(values, free)
+        count += 1
+        off = (found[0] - rows.measured) / rows.scale
+        job.told = (
+            f"fitting: {count} evaluations, error {100.0 * np.sqrt(np.nanmean(off**2)):.2f} %"
+        )
+        return found
+
+    return replace(rows, model=model)

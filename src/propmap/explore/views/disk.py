@@ -9,15 +9,24 @@ import numpy as np
 from contourpy import contour_generator
 
 from propmap.errors import InputError
-from propmap.explore import figures
-from propmap.explore.controls import Choice, Control, Slider, Values
-from propmap.explore.point import point_controls, point_lines, point_of, point_table, point_words
-from propmap.explore.reproduce import Recipe, number
-from propmap.explore.rotors import rotor_of
-from propmap.explore.session import Session
-from propmap.explore.view import Answer, Download, Graph
-from propmap.io.disk_csv import disk_csv
-from propmap.report.style import COLOURS
+from propmap.explore import view
+from propmap.explore.session import Recipe, Session, number, rotor_of
+from propmap.explore.view import (
+    Answer,
+    Choice,
+    Control,
+    Download,
+    Graph,
+    Slider,
+    Values,
+    point_controls,
+    point_lines,
+    point_of,
+    point_table,
+    point_words,
+)
+from propmap.io.csv import disk_csv
+from propmap.report.html import COLOURS
 from propmap.results import Inflow
 from propmap.typing import Floats
 
@@ -87,7 +96,7 @@ class DiskView:
         told = ", ".join(f"{100.0 * _share(field, at):.2g} % {name}" for name, at in share.items())
         key = [
             (f"at ψ = {5 * psi}°", COLOURS[0]),
-            ("mean over azimuth", f"-{figures.GREY}"),
+            ("mean over azimuth", f"-{view.GREY}"),
             ("stalled inside", COLOURS[1]),
             ("reverse flow inside", f"-{COLOURS[3]}"),
         ]
@@ -140,7 +149,7 @@ def _shown(field: Inflow, which: str) -> Floats:
     }[which]
 
 
-def _disk(field: Inflow, values: Values) -> figures.Figure:
+def _disk(field: Inflow, values: Values) -> view.Figure:
     which = values["field"]
     title, colours = FIELDS[which]
     root, tip = MM * field.radius[0], MM * field.radius[-1]
@@ -163,9 +172,9 @@ def _disk(field: Inflow, values: Values) -> figures.Figure:
     traces: list[dict[str, Any]] = [
         {
             "type": "heatmap",
-            "x": figures.array(side),
-            "y": figures.array(side),
-            "z": figures.array(over(drawn).astype(np.float32)),
+            "x": view.array(side),
+            "y": view.array(side),
+            "z": view.array(over(drawn).astype(np.float32)),
             "zmin": low,
             "zmax": max(high, low + 1e-6),
             "colorscale": colours,
@@ -196,7 +205,7 @@ def _disk(field: Inflow, values: Values) -> figures.Figure:
         _word(0.5, 0.0, "ψ = 0°", "top"),
     ]
     bare = {"visible": False, "range": [-1.03 * tip, 1.03 * tip]}
-    return figures.figure(
+    return view.figure(
         traces,
         "",
         "",
@@ -222,7 +231,7 @@ def _outline(field: Inflow, values: Floats, colour: str, dash: str) -> list[dict
         psi, radius = np.asarray(line).T
         along += [*(radius * np.sin(psi)).tolist(), np.nan]
         across += [*(-radius * np.cos(psi)).tolist(), np.nan]
-    return [figures.line(along, across, "", colour, dash, hoverinfo="skip")]
+    return [view.line(along, across, "", colour, dash, hoverinfo="skip")]
 
 
 def _interpolated(field: Inflow, values: Floats, radius: Floats, psi: Floats) -> Floats:
@@ -243,18 +252,18 @@ def _interpolated(field: Inflow, values: Floats, radius: Floats, psi: Floats) ->
 
 def _along(
     field: Inflow, values: Floats, title: str, mean: Floats | None = None, name: str = ""
-) -> figures.Figure:
+) -> view.Figure:
     radius = MM * field.radius
-    traces = [figures.line(radius, values, title, COLOURS[0])]
+    traces = [view.line(radius, values, title, COLOURS[0])]
     if mean is not None:
-        traces.append(figures.line(radius, mean, name, figures.GREY, "dash"))
+        traces.append(view.line(radius, mean, name, view.GREY, "dash"))
     shown = [values] if mean is None else [values, mean]
-    return figures.figure(
+    return view.figure(
         traces,
         "radius y [mm]",
         title,
         xaxis={"range": [0.0, float(radius[-1])]},
-        yaxis=figures.span(*shown),
+        yaxis=view.span(*shown),
     )
 
 

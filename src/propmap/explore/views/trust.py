@@ -8,16 +8,14 @@ from typing import Any
 import numpy as np
 
 from propmap.errors import InputError
-from propmap.explore import figures
-from propmap.explore.controls import Choice, Control, Slider, Values
-from propmap.explore.rotors import rotor_of
-from propmap.explore.session import Session
-from propmap.explore.view import Answer, Download, Graph, Table
-from propmap.io.operating_points import RPM
+from propmap.explore import view
+from propmap.explore.session import Session, rotor_of
+from propmap.explore.view import Answer, Choice, Control, Download, Graph, Slider, Table, Values
+from propmap.io.csv import RPM
 from propmap.loads import LOADS
-from propmap.report.style import COLOURS
-from propmap.report.table_page.envelope import KINDS, cell_ranks, cell_sheet
-from propmap.table.comparison import quasi_random
+from propmap.report.html import COLOURS
+from propmap.report.table_page import KINDS, cell_ranks, cell_sheet
+from propmap.table.certificate import quasi_random
 from propmap.table.query import LoadTable
 
 NAME = "cells.csv"
@@ -82,7 +80,7 @@ class TrustView:
         tables = [_told(table)] if settled else []
         found = set(np.unique(cell_ranks(table)[1]).tolist())
         key = [
-            (label, colour if colour.startswith("#") else figures.GREY)
+            (label, colour if colour.startswith("#") else view.GREY)
             for code, (label, colour) in KINDS.items()
             if code in found
         ]
@@ -119,13 +117,13 @@ def _table(session: Session) -> LoadTable:
     return session.table
 
 
-def _cells(session: Session, table: LoadTable, values: Values) -> figures.Figure:
+def _cells(session: Session, table: LoadTable, values: Values) -> view.Figure:
     content = table.content
     rank, _ = cell_ranks(table)
     last = len(KINDS) - 1
     stops = []
     for k, (_, colour) in enumerate(KINDS.values()):
-        shade = colour if colour.startswith("#") else figures.GREY
+        shade = colour if colour.startswith("#") else view.GREY
         stops += [[k / (last + 1), shade], [(k + 1) / (last + 1), shade]]
     beta = np.degrees(content.beta)
     middle = [0.5 * (edge[1:] + edge[:-1]) for edge in (content.advance, beta)]
@@ -133,9 +131,9 @@ def _cells(session: Session, table: LoadTable, values: Values) -> figures.Figure
     traces: list[dict[str, Any]] = [
         {
             "type": "heatmap",
-            "x": figures.array(content.advance),
-            "y": figures.array(beta),
-            "z": figures.array(rank.T),
+            "x": view.array(content.advance),
+            "y": view.array(beta),
+            "z": view.array(rank.T),
             "text": [[names[int(k)] for k in row] for row in rank.T],
             "hovertemplate": "V/(ΩR) %{x:.3g}, β %{y:.3g}°: %{text}<extra></extra>",
             "zmin": -0.5,
@@ -149,7 +147,7 @@ def _cells(session: Session, table: LoadTable, values: Values) -> figures.Figure
     if data is not None:
         advance = data.speed / (data.omega * content.radius)
         traces.append(
-            figures.points(
+            view.points(
                 advance, np.degrees(data.folded_beta), f"measured: {data.source}", COLOURS[0],
                 "circle-open",
             )
@@ -159,23 +157,23 @@ def _cells(session: Session, table: LoadTable, values: Values) -> figures.Figure
     for k, name in enumerate(n for n in worst if values["load"] in ("worst", n)):
         advance = where["max_speed"][name] / (worst[name] * content.radius)
         traces.append(
-            figures.points(
+            view.points(
                 [advance], [np.degrees(where["max_beta"][name])],
-                f"largest error of {LOADS[name].label}", "#000000", figures.MARKS[k % 7],
+                f"largest error of {LOADS[name].label}", "#000000", view.MARKS[k % 7],
             )
         )  # fmt: skip
     fastest = table.envelope["speed"][1] / (values["at"] * RPM * content.radius)
-    return figures.figure(
+    return view.figure(
         traces,
         "advance ratio V/(ΩR) [-]",
         "angle β [deg]",
-        shapes=[figures.upright(fastest)],
+        shapes=[view.upright(fastest)],
         xaxis={"range": [float(content.advance[0]), float(content.advance[-1])]},
         yaxis={"range": [float(beta[0]), float(beta[-1])]},
     )
 
 
-def _by_load(certificate: dict[str, Any]) -> figures.Figure:
+def _by_load(certificate: dict[str, Any]) -> view.Figure:
     names = [name for name in LOADS if name in certificate["max_error"]]
     bars = []
     for key, label, colour in (
@@ -193,16 +191,16 @@ def _by_load(certificate: dict[str, Any]) -> figures.Figure:
         )
     level = 100.0 * certificate["tolerance"]
     line = {
-        **figures.upright(0.0),
+        **view.upright(0.0),
         **{"xref": "paper", "yref": "y", "x0": 0, "x1": 1, "y0": level, "y1": level},
     }
-    return figures.figure(
+    return view.figure(
         bars, "", "error / static load [%]", shapes=[line], legend=True, barmode="group",
         margin={"l": 62, "r": 12, "t": 12, "b": 84},
     )  # fmt: skip
 
 
-def _sample(session: Session, table: LoadTable, values: Values) -> figures.Figure | None:
+def _sample(session: Session, table: LoadTable, values: Values) -> view.Figure | None:
     """Errors at points of the envelope; None where the model is another one."""
     model = session.model
     if table.info.get("model_sha256") != model.fingerprint():
@@ -219,18 +217,18 @@ def _sample(session: Session, table: LoadTable, values: Values) -> figures.Figur
         errors.append(np.abs(getattr(found, name) - getattr(own, name)) / scale)
     worst = 100.0 * np.max(errors, axis=0)
     marker = {
-        "color": figures.array(np.log10(np.maximum(worst, 1e-6))),
+        "color": view.array(np.log10(np.maximum(worst, 1e-6))),
         "colorscale": "Viridis",
         "size": 7,
         "colorbar": {"title": {"text": "log10 error [%]"}, "thickness": 12},
     }
-    trace = figures.points(speed / (omega * radius), np.degrees(beta), "error", COLOURS[0])
+    trace = view.points(speed / (omega * radius), np.degrees(beta), "error", COLOURS[0])
     trace |= {
         "marker": marker,
         "text": [f"{value:.3g} %" for value in worst],
         "hovertemplate": "V/(ΩR) %{x:.3g}, β %{y:.3g}°: %{text}<extra></extra>",
     }
-    return figures.figure([trace], "advance ratio V/(ΩR) [-]", "angle β [deg]")
+    return view.figure([trace], "advance ratio V/(ΩR) [-]", "angle β [deg]")
 
 
 def _told(table: LoadTable) -> Table:

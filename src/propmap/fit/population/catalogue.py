@@ -10,20 +10,26 @@ from typing import NamedTuple
 import numpy as np
 
 from propmap import catalogue
-from propmap.catalogue.designation import Designation, designation
-from propmap.catalogue.family_prior import family_prior
-from propmap.catalogue.identified import Identified
-from propmap.catalogue.mean_blade import MeanBlade, bundled_mean, families_measured
-from propmap.catalogue.population import ALIKE, APART, Population
-from propmap.catalogue.prior import POPULATION, PopulationPrior
+from propmap.catalogue.expected import (
+    ALIKE,
+    APART,
+    POPULATION,
+    MeanBlade,
+    Population,
+    PopulationPrior,
+    bundled_mean,
+    families_measured,
+    family_prior,
+)
+from propmap.catalogue.identified import Designation, Identified, designation
 from propmap.errors import InputError
+from propmap.fit.least_squares import INDEPENDENT
 from propmap.fit.population import identification
 from propmap.fit.population.coefficients import AxialTest, airfoil_of
 from propmap.fit.population.populations import members_on
 from propmap.fit.population.verdict import verdict
-from propmap.fit.rows import INDEPENDENT
-from propmap.io.uiuc_database import MeasuredPropeller
-from propmap.model.propeller import Propeller
+from propmap.io.uiuc import MeasuredPropeller
+from propmap.model.model import Propeller
 from propmap.tasks import InTurn, Workers
 
 SPECIMENS = ("", "-b", "-c")

@@ -7,13 +7,12 @@ from typing import Any
 
 import numpy as np
 
+from propmap.catalogue.expected import HELD
 from propmap.catalogue.identified import PARAMETERS
-from propmap.catalogue.prior import HELD
-from propmap.io.uiuc_database import MeasuredPropeller
+from propmap.io.uiuc import MeasuredPropeller
 from propmap.loads import LOADS
 from propmap.model.airfoil import Airfoil
-from propmap.model.model import Model
-from propmap.model.propeller import Propeller
+from propmap.model.model import Model, Propeller
 from propmap.rotor import Rotor
 from propmap.typing import Floats
 

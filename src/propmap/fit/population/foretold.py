@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.catalogue.prior import PopulationPrior, constants_of, coordinates, slopes_of
+from propmap.catalogue.expected import PopulationPrior, constants_of, coordinates, slopes_of
 from propmap.fit.population.coefficients import AxialTest
 from propmap.typing import Floats
 

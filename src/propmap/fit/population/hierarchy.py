@@ -7,9 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from propmap.catalogue.family_prior import Member
-from propmap.catalogue.population import Population, covariates, likeness
-from propmap.catalogue.prior import POPULATION
+from propmap.catalogue.expected import POPULATION, Member, Population, covariates, likeness
 from propmap.typing import Floats
 
 STEPS = 100

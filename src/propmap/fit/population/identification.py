@@ -7,14 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from propmap.catalogue.prior import (
-    POPULATION,
-    PopulationPrior,
-    constants_of,
-    slopes_of,
-)
+from propmap.catalogue.expected import POPULATION, PopulationPrior, constants_of, slopes_of
+from propmap.fit.least_squares import INDEPENDENT
 from propmap.fit.population.coefficients import AxialTest
-from propmap.fit.rows import INDEPENDENT
 from propmap.typing import Floats
 
 AT_REST = 2.0

@@ -9,25 +9,27 @@ from typing import NamedTuple
 import numpy as np
 
 from propmap import catalogue
-from propmap.catalogue.expected_constants import member_without_blade, on_mean_blade
-from propmap.catalogue.family_prior import Member, family_prior
-from propmap.catalogue.identified import Identified, one_of_each
-from propmap.catalogue.mean_blade import (
+from propmap.catalogue.expected import (
     MeanBlade,
+    Member,
+    Population,
+    PopulationPrior,
     families_measured,
+    family_prior,
     mean_blade,
     measured_shapes,
+    member_without_blade,
+    on_mean_blade,
     shapes_without,
 )
-from propmap.catalogue.population import Population
-from propmap.catalogue.prior import PopulationPrior
+from propmap.catalogue.identified import Identified, one_of_each
 from propmap.fit.population.catalogue import label_of, mean_propeller
 from propmap.fit.population.coefficients import AxialTest
 from propmap.fit.population.foretold import Foretold, foretold, posterior
 from propmap.fit.population.hierarchy import population_of
 from propmap.fit.population.identification import identify, updated
 from propmap.fit.population.populations import all_members, errors_of
-from propmap.io.uiuc_database import MeasuredPropeller
+from propmap.io.uiuc import MeasuredPropeller
 from propmap.typing import Floats
 
 STEPS = 8

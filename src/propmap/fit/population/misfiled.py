@@ -13,7 +13,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.io.uiuc_database import MeasuredPropeller
+from propmap.io.uiuc import MeasuredPropeller
 from propmap.typing import Floats
 
 MISFILED = {

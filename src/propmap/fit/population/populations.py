@@ -7,11 +7,17 @@ from collections.abc import Sequence
 import numpy as np
 
 from propmap import catalogue
-from propmap.catalogue.expected_constants import on_mean_blade
-from propmap.catalogue.family_prior import Member, member
+from propmap.catalogue.expected import (
+    GEOMETRIES,
+    MeanBlade,
+    Member,
+    Population,
+    mean_blade,
+    member,
+    on_mean_blade,
+    shapes_without,
+)
 from propmap.catalogue.identified import Identified, one_of_each
-from propmap.catalogue.mean_blade import MeanBlade, mean_blade, shapes_without
-from propmap.catalogue.population import GEOMETRIES, Population
 from propmap.fit.population.hierarchy import population_of
 from propmap.tasks import InTurn, Workers, in_order
 from propmap.typing import Floats

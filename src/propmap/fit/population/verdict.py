@@ -8,7 +8,7 @@ import numpy as np
 
 from propmap.catalogue.identified import PARAMETERS, POOR
 from propmap.fit.population.identification import Identification
-from propmap.io.uiuc_database import MeasuredPropeller
+from propmap.io.uiuc import MeasuredPropeller
 from propmap.typing import Floats
 
 ALIKE_RPM = 0.02

@@ -3,7 +3,7 @@
 The numbers are computed by the modules here, and drawn and told in ``pages``.
 """
 
-from propmap.report.folder import file_names
+from propmap.report.html import file_names
 
 FIGURES = (
     "figure-6-level-circles",

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from propmap.catalogue.lookup import propeller
-from propmap.model.propeller import Propeller
+from propmap.model.model import Propeller
 
 TUNNEL_PROPELLER = "apc-8x6e"
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from propmap.fit.fitted import Fitted, fit
+from propmap.fit.fit import Fitted, fit
 from propmap.model.airfoil import parameter_set
 from propmap.model.model import Model
 from propmap.papers.gill_dandrea_2017.blades import TUNNEL_PROPELLER, blade

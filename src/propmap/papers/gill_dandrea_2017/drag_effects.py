@@ -10,7 +10,7 @@ from propmap.model.airfoil import parameter_set
 from propmap.model.corrections import correction
 from propmap.model.model import Model
 from propmap.papers.gill_dandrea_2017.blades import TUNNEL_PROPELLER, blade
-from propmap.report.style import RPM
+from propmap.report.html import RPM
 from propmap.rotor import Rotor
 from propmap.typing import Floats
 

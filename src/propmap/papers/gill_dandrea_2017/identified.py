@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from propmap.catalogue.measurements import measurement
-from propmap.fit.fitted import Fitted, Settings, fit
+from propmap.catalogue.lookup import measurement
+from propmap.fit.fit import Fitted, Settings, fit
 from propmap.fit.parameters import PAPER_FOUR, Choice
 from propmap.fit.tunnel import TunnelData, first_guess, section_with, tunnel_rows
 from propmap.model.airfoil import Airfoil

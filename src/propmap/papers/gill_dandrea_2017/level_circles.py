@@ -13,22 +13,20 @@ from dataclasses import dataclass
 import numpy as np
 
 from propmap.baselines.hover import HoverModel
-from propmap.fit.body_forces import body_force
-from propmap.fit.fitted import Fitted, Settings, fit
-from propmap.fit.flight import level_rows
-from propmap.fit.force_model import ForceModel, hover_loads
+from propmap.fit.fit import Fitted, Settings, fit
+from propmap.fit.flight import ForceModel, body_force, hover_loads, level_rows
 from propmap.fit.parameters import PAPER_FOUR, Choice
 from propmap.fit.tunnel import first_guess
-from propmap.flight.trim import trim, true_values
+from propmap.flight.simulate import trim, true_values
 from propmap.model.airfoil import Airfoil, parameter_set
 from propmap.model.model import Model
 from propmap.papers.gill_dandrea_2017.blades import blade
 from propmap.papers.gill_dandrea_2017.paper import FASTEST, FLIGHTS, RADIUS, TETHER
 from propmap.rotor import Rotor
 from propmap.typing import Floats
-from propmap.vehicle.flight_log import GRAVITY, FlightLog, pitch_and_roll
-from propmap.vehicle.hub_flow import hub_flow
+from propmap.vehicle.log import GRAVITY, FlightLog, pitch_and_roll
 from propmap.vehicle.vehicle import Body, Mount, Vehicle
+from propmap.vehicle.wakes import hub_flow
 
 BLADE = "apc-8x4.5mr"
 """Used for both propellers, scaled to 10 cm: their own blades are not published."""

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from propmap.fit.residuals import rms
+from propmap.fit.least_squares import rms
 from propmap.papers.gill_dandrea_2017.blades import blade
 from propmap.papers.gill_dandrea_2017.identified import OBLIQUE, OBLIQUE_LABEL, OTHER_FORM
 from propmap.papers.gill_dandrea_2017.tunnel import OTHER_LABEL, RECOMMENDED_LABEL, Compared

@@ -7,12 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from propmap.baselines.fin_analogy import inflow_factor, side_force
-from propmap.catalogue.measurements import measurement
-from propmap.fit.residuals import rms
-from propmap.model.air import Air
+from propmap.catalogue.lookup import measurement
+from propmap.fit.least_squares import rms
 from propmap.model.airfoil import Airfoil, parameter_set
 from propmap.model.drag_factor import drag_factor_accepted
-from propmap.model.model import Model
+from propmap.model.model import Air, Model
 from propmap.papers.gill_dandrea_2017.blades import blade
 from propmap.papers.gill_dandrea_2017.identified import OBLIQUE, OBLIQUE_LABEL, OTHER_FORM
 from propmap.papers.gill_dandrea_2017.level_circles import SPEEDS as CIRCLE_SPEEDS

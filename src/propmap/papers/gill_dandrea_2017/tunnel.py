@@ -8,13 +8,12 @@ from typing import Any
 import numpy as np
 
 from propmap.baselines.hover import HoverModel
-from propmap.catalogue.measurements import Measurement, measurement
-from propmap.fit.residuals import errors as errors_of
+from propmap.catalogue.lookup import Measurement, measurement
+from propmap.fit.least_squares import errors as errors_of
 from propmap.loads import LOADS
-from propmap.model.air import Air
 from propmap.model.airfoil import Airfoil, parameter_set
 from propmap.model.corrections import MODELS
-from propmap.model.model import Model
+from propmap.model.model import Air, Model
 from propmap.papers.gill_dandrea_2017.blades import blade
 from propmap.papers.gill_dandrea_2017.identified import AXIAL, OBLIQUE, OTHER_FORM, TunnelFits
 from propmap.papers.gill_dandrea_2017.paper import TUNNEL_ERROR

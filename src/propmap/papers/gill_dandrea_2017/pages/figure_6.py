@@ -16,22 +16,24 @@ from propmap.papers.gill_dandrea_2017.level_circles import (
     static_inflow,
 )
 from propmap.papers.gill_dandrea_2017.paper import FASTEST, FLOWN, HOVER_FAILS
-from propmap.report.page import csv_of_columns, csv_of_rows, number
-from propmap.report.style import (
+from propmap.report.html import (
     COLOURS,
     DASHED,
     MEASURED,
     MODEL,
     RPM,
+    csv_of_columns,
+    csv_of_rows,
     key,
     legend_below,
     legend_in_last,
     marked,
     new_figure,
+    number,
     share_of_weight,
     style,
 )
-from propmap.vehicle.flight_log import GRAVITY
+from propmap.vehicle.log import GRAVITY
 
 WEIGHT = ASSUMED.mass * GRAVITY
 FACES = (COLOURS[0], "white")

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from propmap.fit.residuals import rms
+from propmap.fit.least_squares import rms
 from propmap.loads import LOADS
 from propmap.papers.gill_dandrea_2017.tunnel import (
     DIGITISED,
@@ -25,8 +25,7 @@ from propmap.papers.gill_dandrea_2017.tunnel_curves import (
     ThrustCurve,
     measured_coefficients,
 )
-from propmap.report.page import csv_of_columns, csv_of_rows, number
-from propmap.report.style import (
+from propmap.report.html import (
     BAND,
     COLOURS,
     HOVER,
@@ -35,10 +34,13 @@ from propmap.report.style import (
     MODEL,
     RPM,
     angle_keys,
+    csv_of_columns,
+    csv_of_rows,
     key,
     legend_below,
     marked,
     new_figure,
+    number,
     style,
 )
 from propmap.typing import Floats

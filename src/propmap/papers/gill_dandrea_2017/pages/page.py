@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from propmap.catalogue.measurements import measurement
+from propmap.catalogue.lookup import measurement
 from propmap.papers.gill_dandrea_2017 import drag_sources, level_circles, paper, tunnel
 from propmap.papers.gill_dandrea_2017 import rotor_drag as drag
 from propmap.papers.gill_dandrea_2017.cost import Times
@@ -12,8 +12,7 @@ from propmap.papers.gill_dandrea_2017.identified import AXIAL, OBLIQUE, OTHER_FO
 from propmap.papers.gill_dandrea_2017.numbers import Numbers
 from propmap.papers.gill_dandrea_2017.pages import figure_6, figure_7, rotor_drag, table_1
 from propmap.papers.gill_dandrea_2017.tunnel_curves import OBLIQUE_OMEGA
-from propmap.report.page import csv_of_rows, number, report_files
-from propmap.report.style import RPM
+from propmap.report.html import RPM, csv_of_rows, number, report_files
 
 FILES_OF_DATA = {
     AXIAL: "figure-7-axial",

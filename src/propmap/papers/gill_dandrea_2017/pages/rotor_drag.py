@@ -22,20 +22,22 @@ from propmap.papers.gill_dandrea_2017.rotor_drag import (
     SmallIncidence,
 )
 from propmap.papers.gill_dandrea_2017.tunnel import RECOMMENDED_LABEL
-from propmap.report.page import csv_of_columns, csv_of_rows, number
-from propmap.report.style import (
+from propmap.report.html import (
     BAND,
     COLOURS,
     HOVER,
     MEASURED,
     MODEL,
     RPM,
+    csv_of_columns,
+    csv_of_rows,
     key,
     legend_in_last,
     new_figure,
+    number,
     style,
 )
-from propmap.vehicle.flight_log import GRAVITY
+from propmap.vehicle.log import GRAVITY
 
 LIGHT: dict[str, Any] = {"color": COLOURS[4], "alpha": 0.6, "linewidth": 0.0}
 HEAVY: dict[str, Any] = {**LIGHT, "alpha": 0.25}

@@ -7,17 +7,17 @@ from typing import Any
 import numpy as np
 
 from propmap.catalogue.lookup import propeller
-from propmap.fit.fitted import Fitted
+from propmap.fit.fit import Fitted
+from propmap.fit.least_squares import rms
 from propmap.fit.parameters import PAPER_FOUR
-from propmap.fit.residuals import rms
 from propmap.model.airfoil import parameter_set
-from propmap.model.propeller import Propeller
+from propmap.model.model import Propeller
 from propmap.papers.gill_dandrea_2017.blades import TUNNEL_PROPELLER, blade
 from propmap.papers.gill_dandrea_2017.identified import FIVE
 from propmap.papers.gill_dandrea_2017.level_circles import BLADE
 from propmap.papers.gill_dandrea_2017.numbers import Numbers
 from propmap.papers.gill_dandrea_2017.paper import RADIUS, TABLE_1
-from propmap.report.page import csv_of_rows, number
+from propmap.report.html import csv_of_rows, number
 
 COLUMNS = {
     "c_l1": "c_l1_per_rad",

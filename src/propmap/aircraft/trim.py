@@ -1,0 +1,984 @@
+"""An aircraft's steady states: level, climbing, descending, turning, by Newton's method."""
+
+from __future__ import annotations
+
+import copy
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, fields, replace
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from propmap.baselines.hover import REFERENCE_TIP_SPEED, HoverModel
+from propmap.errors import InputError
+from propmap.model.plausibility import FAST_TIP_MACH, SPEED_OF_SOUND
+from propmap.operating_points import broadcast
+from propmap.rotor import Rotor
+from propmap.typing import Floats
+from propmap.vehicle.log import GRAVITY, in_vehicle_frame
+from propmap.vehicle.powertrain import ElectricState, Powertrain
+from propmap.vehicle.rotors import Rotors, RotorWrenches
+from propmap.vehicle.vehicle import Vehicle, Wing
+from propmap.vehicle.vehicle_forces import free_stream_force, wing_lift
+from propmap.vehicle.wakes import cross
+
+if TYPE_CHECKING:
+    from propmap.table.query import LoadTable
+
+
+# -------------------------------------------------------------------------------------------------
+# An aircraft's steady states: level flight, climb, descent and coordinated turns.
+
+STEEPEST_BANK = math.radians(80.0)
+
+SOLVED, ACCEPTED = 1e-10, 1e-8
+"""Unbalanced share of the weight at which the search ends, and up to which a state is balanced."""
+
+EXTRAPOLATED = 2.0
+"""Intervals of known states over which a search begins on their line, at most."""
+
+
+class Aircraft:
+    """A vehicle with the loads of its rotors: the face of this package.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        What flies, from ``read_vehicle(path).vehicle``.
+    loads : Rotor or LoadTable
+        Of its rotors.
+    maximum_rotor_speed : float
+        [rad/s] besides what the vehicle's motor tells.
+    charge : float
+        State of charge, 0 to 1, at which the limits are taken.
+
+    Raises
+    ------
+    InputError
+        Where the loads are of another propeller or air than the vehicle's.
+    """
+
+    def __init__(
+        self,
+        vehicle: Vehicle,
+        loads: Rotor | LoadTable,
+        *,
+        maximum_rotor_speed: float = math.inf,
+        charge: float = 1.0,
+    ) -> None:
+        self.vehicle, self.loads = vehicle, loads
+        self.limits = Limits(vehicle.powertrain, maximum_rotor_speed, charge)
+        self.rotors = Rotors.of(vehicle, loads)
+        self.balance = Balance(vehicle, self.rotors)
+        self._lost = NOT_FOUND if isinstance(loads, Rotor) else OUTSIDE_TABLE
+
+    def with_hover_model(self) -> Aircraft:
+        """The same aircraft with the hover model of its rotors: no drag, loads as at rest."""
+        other = copy.copy(self)
+        omega = REFERENCE_TIP_SPEED / self.vehicle.propeller.radius
+        if not isinstance(self.loads, Rotor):
+            omega = min(
+                max(omega, self.loads.envelope["omega"][0]), self.loads.envelope["omega"][1]
+            )
+        still = self.loads.loads(omega, 0.0, 0.0)
+        hover = HoverModel(float(still.thrust) / omega**2, float(still.torque) / omega**2, omega)
+        everyone = np.arange(len(self.rotors))
+        # Its loads do not depend on the flow, nor then on the wakes.
+        alone = replace(self.vehicle, wakes=None)
+        other.rotors = Rotors(alone, [(HoverLoads(hover), everyone)])
+        other.balance = Balance(self.vehicle, other.rotors)
+        other._lost = NOT_FOUND
+        return other
+
+    def steady(
+        self,
+        speed: ArrayLike,
+        climb: ArrayLike = 0.0,
+        bank: ArrayLike = 0.0,
+        *,
+        margin: bool = True,
+        near: SteadyStates | None = None,
+    ) -> SteadyStates:
+        """Steady states, nose first.
+
+        An aircraft with a wing may fly at one speed with the wing stalled and without: the state is
+        that of less power.
+
+        Parameters
+        ----------
+        speed : array_like
+            Horizontal speed through the air [m/s], >= 0.
+        climb : array_like
+            Climb rate through the air, negative in descent [m/s].
+        bank : array_like
+            Of a coordinated level turn, positive to the right [rad]; all three broadcast to (n,).
+        margin : bool
+            Whether the thrust margin is wanted, which takes as long again.
+        near : SteadyStates, optional
+            States at rising speeds between and beyond which the search begins; it takes less time
+            then.
+
+        Raises
+        ------
+        InputError
+            For negative speeds, a bank beyond 80 degrees, and a turn on the spot.
+        """
+        v, w, turn = (np.atleast_1d(a) for a in broadcast(speed=speed, climb=climb, bank=bank))
+        if v.ndim > 1:
+            raise InputError(f"speed, climb and bank have {v.ndim} axes together", "give one")
+        if (v < 0.0).any():
+            raise InputError(f"speed is negative ({v.min():g})", "the nose points into the flight")
+        if (np.abs(turn) > STEEPEST_BANK).any():
+            raise InputError("bank is beyond 80 degrees", "give radians, -1.39 to 1.39")
+        if ((turn != 0.0) & ((v == 0.0) | (w != 0.0))).any():
+            raise InputError("a turn is level and takes speed", "give speed above 0 and climb 0")
+        flight = Flight(v, w, turn)
+        first = None if near is None else self._between(near, v)
+        found = self.balance.solve(flight, SOLVED, first)
+        if self.vehicle.wing is not None:
+            carried = on_the_wing(self.balance, flight)
+            found = of_less_power(found, self.balance.solve(flight, SOLVED, carried), ACCEPTED)
+        return self._states(flight, found, margin=margin)
+
+    def _between(self, near: SteadyStates, speed: Floats) -> Floats | None:
+        """Unknowns (n, u) on the lines through known states, None where there are too few."""
+        known = np.flatnonzero(near.found)
+        if known.size < 2:
+            return None
+        at = near.speed[known]
+        values = self.balance.unknowns(
+            near.pitch[known], near.roll[known], near.rotor_speed[known] ** 2
+        )
+        k = np.clip(np.searchsorted(at, speed), 1, known.size - 1)
+        share = ((speed - at[k - 1]) / (at[k] - at[k - 1]))[:, None]
+        share = np.minimum(share, EXTRAPOLATED)
+        return values[k - 1] + share * (values[k] - values[k - 1])
+
+    def rotor_motion(self, states: SteadyStates) -> tuple[Floats, Floats]:
+        """Rotor speeds and the hubs' velocities of those ``states`` that have numbers.
+
+        Returns
+        -------
+        omega : ndarray, shape (m, k)
+            [rad/s].
+        velocity : ndarray, shape (m, k, 3)
+            Through the air, in the vehicle's frame [m/s].
+        """
+        flown = np.flatnonzero(states.found)
+        flight = Flight(states.speed, states.climb, states.bank).part(flown)
+        _, hubs, _ = self.balance.motion(states.pitch[flown], states.roll[flown], flight)
+        return states.rotor_speed[flown], hubs
+
+    def used(self, omega: Floats, velocity: Floats, torque: Floats) -> dict[str, Floats]:
+        """Share of each of ``LIMITS`` that n states use, 1 at the limit, (n,).
+
+        Parameters
+        ----------
+        omega, torque : ndarray, shape (n, k)
+            Of the rotors [rad/s], [N m].
+        velocity : ndarray, shape (n, k, 3)
+            Of the hubs, in the vehicle's frame [m/s].
+        """
+        axial = np.einsum("...kj,kj->...k", velocity, self.rotors.axis)
+        across = np.sqrt(np.maximum(np.sum(velocity**2, axis=-1) - axial**2, 0.0))
+        tip = np.hypot(omega * self.rotors.radius + across, axial)
+        electric = self.vehicle.powertrain.driven(torque, omega, self.limits.charge)
+        return self.limits.used(omega, tip, electric)
+
+    def _states(self, flight: Flight, found: Balanced, *, margin: bool) -> SteadyStates:
+        omega, wrenches = found.omega, found.wrenches
+        used = self.used(omega, found.hubs, wrenches.torque)
+        lost = ~(found.residual <= JUMP)
+        ring = (wrenches.status == VORTEX_RING).any(axis=1)
+        over = [share > 1.0 for share in used.values()]
+        rough = found.residual > ACCEPTED
+        slow = np.zeros_like(lost)
+        if self.vehicle.wing is not None and self._lost == NOT_FOUND:
+            # What hangs on its rotors is told their limit; what hangs on a wing, that it stalls.
+            gone = lost | np.any(over, axis=0) if self.rotors.forward else lost
+            slow = gone & stalled(self.vehicle, flight)
+        names = [STALL, self._lost, *used, VORTEX_RING, COARSE]
+        status = np.select([slow, lost, *over, ring, rough], names, "ok")
+        electric = self.vehicle.powertrain.driven(wrenches.torque, omega, self.limits.charge)
+        gone = ~np.isin(status, FLOWN)
+        nothing = np.full(len(gone), math.nan)
+        margins = np.array(nothing)
+        if margin and not lost.all():
+            margins[~lost] = self._thrust_margin(omega[~lost], found.hubs[~lost])
+
+        def known(values: Floats, where: NDArray[np.bool_] = gone) -> Floats:
+            return np.where(where.reshape(-1, *[1] * (values.ndim - 1)), math.nan, values)
+
+        return SteadyStates(
+            *flight,
+            used={name: known(share, lost) for name, share in used.items()},
+            pitch=known(found.pitch),
+            roll=known(found.roll),
+            rotor_speed=known(omega),
+            thrust=known(wrenches.thrust),
+            torque=known(wrenches.torque),
+            shaft_power=known(np.sum(wrenches.torque * omega, axis=1)),
+            electrical_power=known(electric.power),
+            motor_current=known(electric.motor_current),
+            throttle=known(electric.controller_voltage / electric.battery_voltage[:, None]),
+            battery_current=known(electric.battery_current),
+            battery_voltage=known(electric.battery_voltage),
+            moment=known(found.moment),
+            thrust_margin=margins,
+            residual=known(found.residual),
+            status=status,
+        )
+
+    def _thrust_margin(self, omega: Floats, velocity: Floats) -> Floats:
+        def at(factors: Floats) -> tuple[Floats, Floats]:
+            turning = omega * factors[..., None]
+            moving = np.broadcast_to(velocity, (*turning.shape, 3))
+            wrenches = self.rotors.wrenches(turning, moving)
+            flat = (-1, omega.shape[1])
+            shares = self.used(
+                turning.reshape(flat), moving.reshape(*flat, 3), wrenches.torque.reshape(flat)
+            )
+            largest = np.max(list(shares.values()), axis=0)
+            return largest.reshape(factors.shape), wrenches.thrust.sum(axis=-1)
+
+        return thrust_margin(at, len(omega))
+
+
+# -------------------------------------------------------------------------------------------------
+# Forces and moments on a vehicle in steady flight, and the attitude that balances them.
+
+CHANGE = 1e-4
+"""Step of a difference quotient, of angles [rad] and of the logarithm of rotor speed."""
+
+LONGEST_TURN = 0.25
+"""Largest change of pitch and of roll in one step [rad]."""
+
+LONGEST_CHANGE = 0.4
+"""Largest change in one step of a squared rotor speed, as a share."""
+
+
+class Flight(NamedTuple):
+    """n steady flights; every array is (n,).
+
+    Attributes
+    ----------
+    speed, climb : ndarray
+        Horizontal towards the nose, >= 0, and up, through the air [m/s].
+    bank : ndarray
+        Of a coordinated level turn [rad], positive to the right; tan(bank) = V^2/(g R).
+    """
+
+    speed: Floats
+    climb: Floats
+    bank: Floats
+
+    def part(self, which: NDArray[np.intp]) -> Flight:
+        """Some of them."""
+        return Flight(*(array[which] for array in self))
+
+    @property
+    def turn_rate(self) -> Floats:
+        """About the vertical, positive to the left [rad/s]."""
+        rate = -GRAVITY * np.tan(self.bank)
+        return np.divide(rate, self.speed, out=np.zeros_like(rate), where=self.speed > 0.0)
+
+
+class Balanced(NamedTuple):
+    """What was found for n flights of k rotors; numbers also where nothing was found.
+
+    Attributes
+    ----------
+    pitch, roll : ndarray, shape (n,)
+        Nose down, right side down [rad].
+    omega : ndarray, shape (n, k)
+        Rotor speeds [rad/s].
+    velocity : ndarray, shape (n, 3)
+        Of the centre of mass, in the vehicle's frame [m/s].
+    hubs : ndarray, shape (n, k, 3)
+        That of the hubs [m/s].
+    wrenches : RotorWrenches
+        Of the rotors.
+    moment : ndarray, shape (n, 3)
+        What is left for control surfaces where rotors cannot balance it [N m].
+    unbalanced : ndarray, shape (n, u)
+        Force over the weight along each axis, and moments over weight times arm [-].
+    """
+
+    pitch: Floats
+    roll: Floats
+    omega: Floats
+    velocity: Floats
+    hubs: Floats
+    wrenches: RotorWrenches
+    moment: Floats
+    unbalanced: Floats
+
+    @property
+    def residual(self) -> Floats:
+        """The largest share that is unbalanced (n,)."""
+        return np.abs(self.unbalanced).max(axis=1)
+
+    @property
+    def power(self) -> Floats:
+        """Of all shafts [W], (n,)."""
+        return np.sum(self.wrenches.torque * self.omega, axis=1)
+
+    def or_else(self, other: Balanced, where: NDArray[np.bool_]) -> Balanced:
+        """Flights of the ``other`` in the places ``where`` (n,), of these elsewhere."""
+
+        def pick(own: Any, its: Any) -> Any:
+            return np.where(where.reshape(-1, *[1] * (own.ndim - 1)), its, own)
+
+        wrenches = RotorWrenches(*map(pick, self.wrenches, other.wrenches))
+        rest = {
+            name: pick(getattr(self, name), getattr(other, name))
+            for name in self._fields
+            if name != "wrenches"
+        }
+        return Balanced(**rest, wrenches=wrenches)
+
+
+class Balance:
+    """Force and moment balances of a vehicle with given rotors.
+
+    The unknowns are pitch, roll, and the amplitudes of ``controls``.  Moments of inertia play no
+    part: in a steady turn their gyroscopic moments, of some per cent of a rotor's arm times its
+    thrust, are left out.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        What flies.
+    rotors : Rotors
+        Its rotors.
+    """
+
+    def __init__(self, vehicle: Vehicle, rotors: Rotors) -> None:
+        self.vehicle, self.rotors = vehicle, rotors
+        self.weight = vehicle.mass * GRAVITY
+        reach = np.linalg.norm(rotors.position, axis=1).max()
+        self.arm = float(max(reach, vehicle.propeller.radius))
+        omega = np.full((1, len(rotors)), REFERENCE_TIP_SPEED / rotors.radius)
+        still = rotors.wrenches(omega, np.zeros((*omega.shape, 3)))
+        thrust = float(still.thrust.mean())
+        self.controls = controls(rotors, float(still.torque.mean()) / thrust)
+        upward = max(float(rotors.axis[:, 2].mean()), 0.2)
+        lifted = self.weight / (len(rotors) * upward)
+        self.reference = omega[0, 0] ** 2 * lifted / thrust
+        """Squared rotor speed in hover, about [rad^2/s^2]."""
+
+    def solve(self, flight: Flight, tolerance: float, first: Floats | None = None) -> Balanced:
+        """The attitude and rotor speeds of n flights, to an unbalanced share of the weight.
+
+        The search begins at ``first``, unknowns (n, u), by default at what hover and the body's
+        drag make likely.
+        """
+        if first is None:
+            first = self._likely(flight)
+
+        def linearised(unknowns: Floats, which: NDArray[np.intp]) -> tuple[Floats, Floats]:
+            return self._linearised(unknowns, flight.part(which))
+
+        def residuals(unknowns: Floats, which: NDArray[np.intp]) -> Floats:
+            return self.told(unknowns, flight.part(which)).unbalanced
+
+        found = solve(linearised, residuals, self._bounded, first, flight.speed, tolerance)
+        return self.told(found, flight)
+
+    def unknowns(self, pitch: Floats, roll: Floats, squares: Floats) -> Floats:
+        """Unknowns (n, u) of attitudes (n,) [rad] and squared rotor speeds (n, k)."""
+        shares = squares @ np.linalg.pinv(self.controls.patterns).T / self.reference
+        return np.column_stack([pitch, roll, shares])
+
+    def _likely(self, flight: Flight) -> Floats:
+        area = self.vehicle.body.drag_area[0]
+        push = 0.5 * self.vehicle.air.density * area * flight.speed**2 / self.weight
+        first = np.zeros((flight.speed.size, 2 + self.controls.patterns.shape[1]))
+        first[:, 0] = np.minimum(np.arctan(push), 0.6)
+        first[:, 1] = flight.bank
+        first[:, 2] = np.hypot(1.0 / np.cos(flight.bank), push)
+        return first
+
+    def _bounded(self, unknowns: Floats, step: Floats) -> Floats:
+        """The step (n, u), shortened to what may be trusted."""
+        turn = np.abs(step[:, :2]).max(axis=1) / LONGEST_TURN
+        squares = self.squares(unknowns)
+        change = (step[:, 2:] @ self.controls.patterns.T) * self.reference
+        grow = (np.abs(change) / squares).max(axis=1) / LONGEST_CHANGE
+        return step / np.maximum(np.maximum(turn, grow), 1.0)[:, None]
+
+    def squares(self, unknowns: Floats) -> Floats:
+        """Squared rotor speeds (n, k) [rad^2/s^2] of ``unknowns`` (n, u)."""
+        squares = self.reference * (unknowns[:, 2:] @ self.controls.patterns.T)
+        return np.maximum(squares, 1e-4 * self.reference)
+
+    def motion(self, pitch: Floats, roll: Floats, flight: Flight) -> tuple[Floats, Floats, Floats]:
+        """Motion in the vehicle's frame.
+
+        Parameters
+        ----------
+        pitch, roll : ndarray, shape (..., n)
+            [rad].
+        flight : Flight
+            Of n.
+
+        Returns
+        -------
+        velocity : ndarray, shape (..., n, 3)
+            Of the centre of mass [m/s].
+        hubs : ndarray, shape (..., n, k, 3)
+            That of the hubs [m/s].
+        specific : ndarray, shape (..., n, 3)
+            Specific force [m/s^2].
+        """
+        velocity = in_vehicle_frame(flight.speed, 0.0, flight.climb, pitch, roll)
+        up = in_vehicle_frame(0.0, 0.0, 1.0, pitch, roll)
+        rates = flight.turn_rate[:, None] * up
+        hubs = velocity[..., None, :] + cross(rates[..., None, :], self.rotors.position)
+        aside = -GRAVITY * np.tan(flight.bank)
+        return velocity, hubs, in_vehicle_frame(0.0, aside, GRAVITY, pitch, roll)
+
+    def _residual(
+        self, velocity: Floats, specific: Floats, wrenches: RotorWrenches
+    ) -> tuple[Floats, Floats]:
+        """Unbalanced shares (..., u) and the moment (..., 3) [N m]."""
+        vehicle = self.vehicle
+        body = free_stream_force(vehicle.body, vehicle.wing, vehicle.air.density, velocity)
+        force = wrenches.force.sum(axis=-2) + body - vehicle.mass * specific
+        moment = self.rotors.moment(wrenches.force, wrenches.moment).sum(axis=-2)
+        return self.shares(force, moment), moment
+
+    def shares(self, force: Floats, moment: Floats) -> Floats:
+        """A force [N] and moment [N m] (..., 3) as what counts of them in a residual (..., u)."""
+        turned = moment @ self.controls.moments.T / (self.weight * self.arm)
+        return np.concatenate([force / self.weight, turned], axis=-1)
+
+    def _linearised(self, unknowns: Floats, flight: Flight) -> tuple[Floats, Floats]:
+        """Residuals (n, u) and their derivatives (n, u, u)."""
+        pitch, roll = unknowns[:, 0], unknowns[:, 1]
+        omega = np.sqrt(self.squares(unknowns))
+        turned = CHANGE * np.array([[0.0], [1.0], [0.0]]), CHANGE * np.array([[0.0], [0.0], [1.0]])
+        velocity, hubs, specific = self.motion(pitch + turned[0], roll + turned[1], flight)
+        found, force, moment = self.rotors.around(omega, hubs, CHANGE)
+        residual, _ = self._residual(velocity, specific, found)
+        by_angles = (residual[1:] - residual[0]) / CHANGE
+        # d/d(omega^2) by the square of each rotor's speed.
+        each = self.shares(force, moment) / (2.0 * omega[..., None])
+        by_controls = self.reference * np.einsum("nku,kc->nuc", each, self.controls.patterns)
+        slopes = np.concatenate([np.moveaxis(by_angles, 0, -1), by_controls], axis=-1)
+        return residual[0], slopes
+
+    def told(self, unknowns: Floats, flight: Flight) -> Balanced:
+        """What ``unknowns`` (n, u) mean in n flights, balanced or not."""
+        pitch, roll = unknowns[:, 0], unknowns[:, 1]
+        velocity, hubs, specific = self.motion(pitch, roll, flight)
+        omega = np.sqrt(self.squares(unknowns))
+        wrenches = self.rotors.wrenches(omega, hubs)
+        residual, moment = self._residual(velocity, specific, wrenches)
+        return Balanced(pitch, roll, omega, velocity, hubs, wrenches, moment, residual)
+
+
+# -------------------------------------------------------------------------------------------------
+# How rotor speeds make thrust and moments: which of these a vehicle's rotors can balance.
+
+WEAKEST = 0.02
+"""Moment that a pattern of rotor speeds must make, over that of the strongest: below, as for the
+yaw of rotors that all spin alike about one axis, it is left to control surfaces."""
+
+
+class Controls(NamedTuple):
+    """Patterns of squared rotor speeds, and what each is for.
+
+    Attributes
+    ----------
+    patterns : ndarray, shape (k, c)
+        Of k rotors: the first is thrust, with all rotors alike; the others, of length 1 each, make
+        moments.
+    moments : ndarray, shape (c - 1, 3)
+        Unit vectors along which these balance the moment about the centre of mass [-].
+    """
+
+    patterns: Floats
+    moments: Floats
+
+
+def controls(rotors: Rotors, arm_of_torque: float) -> Controls:
+    """The patterns of a vehicle.
+
+    With more rotors than there are forces and moments, the speeds differ least from each other.
+
+    Parameters
+    ----------
+    rotors : Rotors
+        Where they are.
+    arm_of_torque : float
+        Torque over thrust of a rotor [m].
+    """
+    turning = -arm_of_torque * rotors.spin[:, None] * rotors.axis
+    effect = (np.cross(rotors.position, rotors.axis) + turning).T
+    alike = np.ones((len(rotors), 1))
+    along, size, across = np.linalg.svd(effect, full_matrices=False)
+    kept = [k for k in range(size.size) if size[k] > WEAKEST * size[0]] if size[0] > 0.0 else []
+    # Thrust comes first: moments that only a change of it would balance are not balanced.
+    while kept and _dependent(np.hstack([alike, across[kept].T])):
+        kept.pop()
+    return Controls(np.hstack([alike, across[kept].T]), along[:, kept].T)
+
+
+def _dependent(patterns: Floats) -> bool:
+    size = np.linalg.svd(patterns / np.linalg.norm(patterns, axis=0), compute_uv=False)
+    return patterns.shape[1] > patterns.shape[0] or bool(size[-1] < 1e-3)
+
+
+# -------------------------------------------------------------------------------------------------
+# Newton's method for many small systems of equations at once.
+
+ITERATIONS = 40
+
+SHORTEST = 1.0 / 32.0
+"""Share of a step below which the search of a system ends."""
+
+NEAR = 1e-2
+"""Norm of a residual below which derivatives are kept up by what steps do, by Broyden's rule: they
+cost as much as three residuals."""
+
+RESTARTS = 10
+"""Times, at most, that systems without a solution begin anew at their neighbours'."""
+
+Linearised = Callable[[Floats, NDArray[np.intp]], tuple[Floats, Floats]]
+"""Residuals (m, u) and their derivatives (m, u, u), of unknowns (m, u) of the systems of these
+numbers (m,); NaN where there are none."""
+
+Residuals = Callable[[Floats, NDArray[np.intp]], Floats]
+"""The residuals alone."""
+
+Bounded = Callable[[Floats, Floats], Floats]
+"""A step (m, u), shortened to what may be trusted, from unknowns (m, u) and a step."""
+
+
+def solve(
+    linearised: Linearised,
+    residuals: Residuals,
+    bounded: Bounded,
+    first: Floats,
+    order: Floats,
+    tolerance: float,
+) -> Floats:
+    """Unknowns (n, u) of n systems, the best that were found.
+
+    A step that does not lower the residual is halved.  A system that ends without a solution begins
+    anew at that of the nearest system that has one.
+
+    Parameters
+    ----------
+    linearised, residuals, bounded : callable
+        See ``Linearised``, ``Residuals`` and ``Bounded``.
+    first : ndarray, shape (n, u)
+        Where to begin.
+    order : ndarray, shape (n,)
+        By which systems are near each other.
+    tolerance : float
+        Largest norm of a solution's residual.
+    """
+    functions = linearised, residuals, bounded
+    best, size = _newton(*functions, first, np.arange(len(first)), tolerance)
+    for _ in range(RESTARTS):
+        good, lost = np.flatnonzero(size <= tolerance), np.flatnonzero(size > tolerance)
+        if not (lost.size and good.size):
+            break
+        nearest = good[np.abs(order[lost][:, None] - order[good]).argmin(axis=1)]
+        found, left_over = _newton(*functions, best[nearest], lost, tolerance)
+        better = left_over < size[lost]
+        best[lost[better]], size[lost[better]] = found[better], left_over[better]
+        if not (left_over <= tolerance).any():
+            break
+    return best
+
+
+def _newton(
+    linearised: Linearised,
+    residuals: Residuals,
+    bounded: Bounded,
+    first: Floats,
+    numbers: NDArray[np.intp],
+    tolerance: float,
+) -> tuple[Floats, Floats]:
+    """The best unknowns (m, u) of some systems, and the norms of what they leave over (m,)."""
+    best, step = first.copy(), np.zeros_like(first)
+    size, share = np.full(len(first), np.inf), np.ones(len(first))
+    at_work, near = np.arange(len(first)), False
+    left, inverse = np.zeros(0), np.zeros(0)
+    for _ in range(ITERATIONS):
+        moved = share[at_work, None] * step[at_work]
+        trial = best[at_work] + moved
+        if near:
+            residual = residuals(trial, numbers[at_work])
+            inverse = _followed(inverse, moved, residual - left)
+        else:
+            residual, slopes = linearised(trial, numbers[at_work])
+            inverse = _inverse(slopes)
+        norm = np.nan_to_num(np.linalg.norm(residual, axis=1), nan=np.inf)
+        better = norm < size[at_work]
+        won = at_work[better]
+        best[won], size[won], share[won] = trial[better], norm[better], 1.0
+        share[at_work[~better]] *= 0.5
+        onward = -np.einsum("mij,mj->mi", inverse[better], residual[better])
+        step[won] = bounded(trial[better], onward)
+        kept = (size[at_work] > tolerance) & (share[at_work] >= SHORTEST)
+        at_work, left, inverse = at_work[kept], residual[kept], inverse[kept]
+        if not at_work.size:
+            break
+        near = bool(better[kept].all() and (size[at_work] <= NEAR).all())
+    return best, size
+
+
+def _inverse(slopes: Floats) -> Floats:
+    """Inverses (m, u, u) of derivatives, zero where there are none."""
+    known = np.asarray(np.isfinite(slopes).all(axis=(1, 2)))
+    return np.linalg.pinv(np.where(known[:, None, None], slopes, 0.0), rcond=1e-12)
+
+
+def _followed(inverse: Floats, moved: Floats, change: Floats) -> Floats:
+    """Inverses (m, u, u) that lead from the ``change`` of the residuals to what was ``moved``."""
+    missed = moved - np.einsum("mij,mj->mi", inverse, change)
+    along = np.einsum("mi,mij->mj", moved, inverse)
+    size = np.einsum("mi,mi->m", along, change)[:, None, None]
+    update = missed[:, :, None] * along[:, None, :]
+    return inverse + np.divide(update, size, out=np.zeros_like(update), where=size != 0.0)
+
+
+# -------------------------------------------------------------------------------------------------
+# Flight on a wing: where a search for it begins, and the speed below which the wing stalls.
+
+ATTACHED = 0.6
+"""Of ``alpha_0``: the largest angle of attack at which a search begins."""
+
+ADVANCE = 0.2
+"""Speed over tip speed at which it begins."""
+
+ANGLES = 181
+"""At which the largest lift is looked for, from 0 to twice ``alpha_0``."""
+
+
+def on_the_wing(balance: Balance, flight: Flight) -> Floats:
+    """Unknowns (n, u) of n flights whose wing is to carry them, for ``Balance.solve``.
+
+    Parameters
+    ----------
+    balance : Balance
+        Of a vehicle with a wing.
+    flight : Flight
+        Of n.
+    """
+    vehicle, wing = balance.vehicle, _wing_of(balance.vehicle)
+    speed = np.maximum(np.hypot(flight.speed, flight.climb), 1e-3)
+    slope = 0.5 * vehicle.air.density * speed**2 * wing.area * wing.c_l1
+    alpha = np.minimum(_load(vehicle, flight) / slope, ATTACHED * wing.alpha_0)
+    squares = np.square(speed / (ADVANCE * vehicle.propeller.radius))
+    least = 0.05 * balance.reference
+    every = np.repeat(np.maximum(squares, least)[:, None], len(balance.rotors), axis=1)
+    path = np.arctan2(flight.climb, np.maximum(flight.speed, 1e-3))
+    return balance.unknowns(wing.incidence - alpha - path, flight.bank, every)
+
+
+def of_less_power(one: Balanced, other: Balanced, tolerance: float) -> Balanced:
+    """Of two solutions of the same flights those that are balanced, and of these the cheaper.
+
+    Parameters
+    ----------
+    one, other : Balanced
+        Of n flights.
+    tolerance : float
+        Unbalanced share up to which a flight is balanced.
+    """
+    good, better = (found.residual <= tolerance for found in (one, other))
+    return one.or_else(other, better & (~good | (other.power < one.power)))
+
+
+def stalled(vehicle: Vehicle, flight: Flight) -> Any:
+    """Whether n flights are slower than their wing's stall speed, (n,) bool.
+
+    It is the speed at which the wing's largest lift is what there is to carry.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        With a wing.
+    flight : Flight
+        Of n.
+    """
+    wing = _wing_of(vehicle)
+    largest = wing_lift(wing, np.linspace(0.0, 2.0 * wing.alpha_0, ANGLES)).max()
+    pressure = 0.5 * vehicle.air.density * (flight.speed**2 + flight.climb**2)
+    return pressure * largest < _load(vehicle, flight)
+
+
+def _load(vehicle: Vehicle, flight: Flight) -> Floats:
+    return vehicle.mass * GRAVITY / np.cos(flight.bank)
+
+
+def _wing_of(vehicle: Vehicle) -> Wing:
+    assert vehicle.wing is not None
+    return vehicle.wing
+
+
+# -------------------------------------------------------------------------------------------------
+# Loads of the hover model where those of a rotor are wanted.
+
+
+class HoverLoads:
+    """T = k_T Omega^2 and Q = k_tau Omega^2 at any velocity, no other loads.
+
+    Parameters
+    ----------
+    hover : HoverModel
+        Gives the constants.
+    """
+
+    def __init__(self, hover: HoverModel) -> None:
+        self.hover = hover
+
+    def loads_at_velocity(self, omega: Floats, velocity: Floats) -> Any:  # noqa: ARG002
+        """Loads by name and a ``status``, of the shape of ``omega`` [rad/s]."""
+        return SimpleNamespace(**self.hover.loads(omega), status=np.full(omega.shape, "ok"))
+
+
+# -------------------------------------------------------------------------------------------------
+# How much more thrust there is before the first limit.
+
+SLOWEST, FASTEST = 0.2, 20.0
+"""Least and largest factor on rotor speeds that is looked at."""
+
+PIECES = (8, 4, 4, 4)
+"""The factor's range is cut into so many, one after the other; then shares are interpolated."""
+
+
+def thrust_margin(at: Callable[[Floats], tuple[Floats, Floats]], count: int) -> Floats:
+    """Thrust with all rotors at the first limit over that as they turn, (n,).
+
+    All are sped up alike, or slowed down, where they are beyond a limit: then it is below 1.
+
+    Parameters
+    ----------
+    at : callable
+        The largest share used of any limit, and the thrust, both (f, n), at f factors (f, n) on the
+        rotor speeds of n states.
+    count : int
+        n.
+    """
+    each = np.arange(count)
+    low, high = (np.full(count, math.log(factor)) for factor in (SLOWEST, FASTEST))
+    share, thrust = at(np.exp([np.zeros(count), low, high]))
+    needed, share, thrust = thrust[0], share[1:], thrust[1:]
+    for pieces in PIECES:
+        logs = np.linspace(low, high, pieces + 1)
+        inner = at(np.exp(logs[1:-1]))
+        share, thrust = (
+            np.concatenate([ends[:1], between, ends[1:]])
+            for ends, between in zip((share, thrust), inner, strict=True)
+        )
+        beyond = ~(share <= 1.0)
+        beyond[0], beyond[-1] = False, True
+        k = beyond.argmax(axis=0)
+        around = np.stack([k - 1, k]), each
+        (low, high), share, thrust = logs[around], share[around], thrust[around]
+    (s0, s1), (t0, t1) = share, thrust
+    found = (t0 + (1.0 - s0) / (s1 - s0) * (t1 - t0)) / needed
+    return np.where(s0 <= 1.0, found, math.nan)
+
+
+# -------------------------------------------------------------------------------------------------
+# What limits rotors, motors and battery, and how much of each limit a state uses.
+
+LIMITS = {
+    "rpm_limit": "the rotors' largest speed",
+    "tip_speed_limit": f"a blade tip at Mach {FAST_TIP_MACH:g}, where the model ends",
+    "motor_current_limit": "the motors' largest current",
+    "voltage_limit": "full throttle: the battery's voltage",
+    "battery_limit": "the battery's largest current or power",
+}
+"""Statuses of states beyond a limit, and the limit in words."""
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What n states of k rotors may not exceed.
+
+    Attributes
+    ----------
+    powertrain : Powertrain
+        Motors and battery.
+    rotor_speed : float
+        Largest speed of a rotor [rad/s], infinite where none is known.
+    charge : float
+        State of charge, 0 to 1, at which the battery's voltage is taken.
+
+    Raises
+    ------
+    InputError
+        For a charge beyond 0 to 1, and a speed that is not positive.
+    """
+
+    powertrain: Powertrain
+    rotor_speed: float = math.inf
+    charge: float = 1.0
+
+    def __post_init__(self) -> None:
+        if not self.rotor_speed > 0.0:
+            raise InputError(f"the rotors' largest speed is {self.rotor_speed:g}", "give rad/s")
+        if not 0.0 < self.charge <= 1.0:
+            raise InputError(f"charge is {self.charge:g}", "give a share, 1 for a full battery")
+
+    def used(self, omega: Floats, tip_speed: Floats, electric: ElectricState) -> dict[str, Floats]:
+        """Share of each limit that is used, 1 at the limit.
+
+        Parameters
+        ----------
+        omega, tip_speed : ndarray, shape (n, k)
+            Of the rotors [rad/s], of their advancing tips through the air [m/s].
+        electric : ElectricState
+            What the powertrain takes.
+
+        Returns
+        -------
+        dict of str to ndarray, shape (n,)
+            By the keys of ``LIMITS``; zero where nothing is known of a limit.
+        """
+        motor, battery = self.powertrain.motor, self.powertrain.battery
+        nothing = np.zeros(omega.shape[0])
+        largest = min(self.rotor_speed, motor.maximum_speed if motor else math.inf)
+        found = {
+            "rpm_limit": omega.max(axis=1) / largest,
+            "tip_speed_limit": tip_speed.max(axis=1) / (FAST_TIP_MACH * SPEED_OF_SOUND),
+            "motor_current_limit": nothing,
+            "voltage_limit": nothing,
+            "battery_limit": nothing,
+        }
+        if motor is not None:
+            found["motor_current_limit"] = (
+                electric.motor_current.max(axis=1) / motor.maximum_current
+            )
+        if battery is not None:
+            there = battery.voltage_or_least(electric.power, np.full_like(nothing, self.charge))
+            found["voltage_limit"] = electric.controller_voltage.max(axis=1) / there
+            found["battery_limit"] = battery.share_used(
+                electric.power, np.full_like(nothing, self.charge)
+            )
+        return found
+
+
+# -------------------------------------------------------------------------------------------------
+# Steady states of an aircraft as values, and what their statuses mean.
+
+JUMP = 2e-3
+"""Share of the weight by which a rotor's loads may jump past the balance, where their nodes change
+with the speed."""
+
+NOT_FOUND = "no_trim"
+STALL = "stall"
+OUTSIDE_TABLE = "outside_table"
+VORTEX_RING = "vortex_ring"
+
+COARSE = "coarse"
+FLOWN = ("ok", COARSE, VORTEX_RING)
+"""Statuses of states with numbers."""
+
+STATUSES = {
+    "ok": "found, within every limit",
+    COARSE: f"found, but the loads jump past the balance, by less than {JUMP:.1%} of the weight",
+    VORTEX_RING: "found, but a rotor is in the vortex ring state: not to be trusted",
+    **{name: f"beyond {words}" for name, words in LIMITS.items()},
+    OUTSIDE_TABLE: "nothing balances the aircraft inside the table's envelope",
+    STALL: "slower than the wing's stall speed, and the rotors cannot carry what is missing",
+    NOT_FOUND: "no attitude and rotor speeds balance it",
+}
+"""Statuses in words."""
+
+
+@dataclass(frozen=True, eq=False)
+class SteadyStates:
+    """n steady states of an aircraft with k rotors.
+
+    Of a state that was not found, or is beyond a limit, all are NaN but the first three and, beyond
+    a limit, the next two, which say by how much.
+
+    Attributes
+    ----------
+    speed, climb, bank : ndarray, shape (n,)
+        Horizontal speed through the air [m/s], climb rate [m/s], and bank of a coordinated level
+        turn [rad], positive to the right.
+    used : dict of str to ndarray, shape (n,)
+        Share of each of ``LIMITS`` that the state uses or would use, 1 at the limit.
+    thrust_margin : ndarray, shape (n,)
+        Thrust of all rotors, were all sped up alike to the first limit, over that which is needed;
+        below 1 beyond a limit.
+    pitch, roll : ndarray, shape (n,)
+        Positive nose down, and right side down [rad].
+    rotor_speed, thrust, torque : ndarray, shape (n, k)
+        Of each rotor [rad/s], [N], [N m].
+    shaft_power : ndarray, shape (n,)
+        Of all rotors [W].
+    electrical_power : ndarray, shape (n,)
+        At the battery's terminals [W]; NaN where the vehicle has no motor.
+    motor_current, throttle : ndarray, shape (n, k)
+        [A]; share of the battery's voltage [-].  NaN where the vehicle has no motor, no battery.
+    battery_current, battery_voltage : ndarray, shape (n,)
+        [A], [V]; NaN where the vehicle has no battery.
+    moment : ndarray, shape (n, 3)
+        About the centre of mass, what rotors cannot balance and control surfaces must [N m].
+    residual : ndarray, shape (n,)
+        The largest unbalanced force over the weight, and moment over the weight times the longest
+        arm [-].
+    status : ndarray of str, shape (n,)
+        Of ``STATUSES``.
+    """
+
+    speed: Floats
+    climb: Floats
+    bank: Floats
+    used: dict[str, Floats]
+    thrust_margin: Floats
+    pitch: Floats
+    roll: Floats
+    rotor_speed: Floats
+    thrust: Floats
+    torque: Floats
+    shaft_power: Floats
+    electrical_power: Floats
+    motor_current: Floats
+    throttle: Floats
+    battery_current: Floats
+    battery_voltage: Floats
+    moment: Floats
+    residual: Floats
+    status: NDArray[np.str_]
+
+    def __len__(self) -> int:
+        return int(self.speed.size)
+
+    @property
+    def found(self) -> NDArray[np.bool_]:
+        """Where there are numbers, (n,)."""
+        return np.isfinite(self.shaft_power)
+
+    @property
+    def power(self) -> Floats:
+        """Electrical power where it is known, else shaft power [W], (n,)."""
+        known = np.isfinite(self.electrical_power)
+        return np.where(known, self.electrical_power, self.shaft_power)
+
+    def and_also(self, other: SteadyStates) -> SteadyStates:
+        """These states and those of the ``other`` at further speeds, in the order of speeds."""
+        _, order = np.unique(np.concatenate([self.speed, other.speed]), return_index=True)
+
+        def both(mine: Any, its: Any) -> Any:
+            if isinstance(mine, dict):
+                return {name: both(values, its[name]) for name, values in mine.items()}
+            return np.concatenate([mine, its])[order]
+
+        return SteadyStates(
+            *(both(getattr(self, f.name), getattr(other, f.name)) for f in fields(self))
+        )

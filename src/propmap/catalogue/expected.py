@@ -1,0 +1,826 @@
+"""The blade and the section constants to expect of a propeller that was not measured."""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field, fields
+from functools import lru_cache
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from propmap import catalogue
+from propmap.catalogue.identified import (
+    PARAMETERS,
+    Designation,
+    Identified,
+    all_identified,
+    designation,
+    identified_without_blade,
+    one_of_each,
+    same_size,
+    series_named,
+)
+from propmap.model.airfoil import Airfoil, SectionCovariance, SectionUncertainty
+from propmap.model.model import Propeller
+from propmap.typing import Floats
+
+# -------------------------------------------------------------------------------------------------
+# The blade to expect of a propeller that is known by diameter, pitch and blades alone.
+
+ERRORS = {
+    "family_blade": ((0.09, 0.08), (0.23, 0.21)),
+    "siblings_label": ((0.09, 0.10), (0.18, 0.22)),
+    "population_blade": ((0.20, 0.19), (0.40, 0.41)),
+}
+"""Of C_T and C_P of propellers that were left out, blade and section constants alike, rms over rms,
+by ``python -m tools.left_out``: half of them err less than the first two, nine in ten less than the
+others; by the group there."""
+
+
+@dataclass(frozen=True, eq=False)
+class ExpectedBlade:
+    """What a designation means that no measured propeller has.
+
+    Attributes
+    ----------
+    text : str
+        The designation as it was given.
+    wanted : Designation
+        What it says.
+    families : tuple of str
+        Codes of the series that its words name, or of the series of the maker.
+    unknown : tuple of str
+        Its words that name no series.
+    shape : MeanBlade
+        Of the measured blades of these series, or of all.
+    own : Identified or None
+        Constants that were identified with this blade, from the propeller's own loads.
+    alike : tuple of str
+        Names of other propellers of this size that it may be.
+    """
+
+    text: str
+    wanted: Designation
+    families: tuple[str, ...]
+    unknown: tuple[str, ...]
+    shape: MeanBlade
+    own: Identified | None = None
+    alike: tuple[str, ...] = ()
+
+    @property
+    def family(self) -> str | None:
+        """Code of the series; None where it is not known."""
+        return self.families[0] if len(self.families) == 1 else None
+
+    @property
+    def geometry(self) -> str:
+        """Whose mean the blade is, "family" or "population", as ``expected_constants`` takes it."""
+        return "family" if self.shape.families == self.families[:1] else "population"
+
+    @property
+    def propeller(self) -> Propeller:
+        """The blade; two of them where the designation does not say how many."""
+        size = self.wanted
+        name = "".join(c for c in " ".join(self.text.split()) if c.isprintable())
+        return self.shape.propeller(name, size.diameter, size.pitch, size.blades or 2)
+
+    @property
+    def told(self) -> str:
+        """In one line: what the blade rests on, and how far loads may err."""
+        shape = self.shape
+        of = f"{len(shape.families)} families"
+        if self.geometry == "family":
+            of = f"its family, {self.family}"
+        some = f"{shape.propellers} propellers" if shape.propellers > 1 else "one propeller"
+        reason = "no measured blade of this size"
+        if self.own is not None:
+            reason = f"the blade of {self.own.tested!r} was not measured"
+        elif not self.wanted.words:
+            reason = "no maker is named"
+        elif self.unknown:
+            reason += f" ({' '.join(self.unknown)} names no series known here)"
+        if self.alike:
+            reason += f" (known of this size: {', '.join(self.alike)})"
+        geometry = f"{reason}: geometry by the means of {some} of {of}"
+        if self.own is not None:
+            return geometry
+        half, most = ERRORS[self._group]
+        return (
+            f"{geometry}; with section constants expected "
+            f"likewise, half of such propellers err in thrust and torque by less than "
+            f"{half[0]:.0%} and {half[1]:.0%} (rms) in axial flow, nine in ten by less than "
+            f"{most[0]:.0%} and {most[1]:.0%}"
+        )
+
+    @property
+    def _group(self) -> str:
+        # Where none of the family was identified, its constants are as little known as any's.
+        if self.geometry == "family" and _identified(all_identified(), self.family):
+            return "family_blade"
+        if self.geometry != "family" and _identified(identified_without_blade(), self.family):
+            return "siblings_label"
+        return "population_blade"
+
+
+def _identified(entries: Sequence[Identified], family: str | None) -> bool:
+    return any(one.family == family for one in entries)
+
+
+def expected_blade(text: str, wanted: Designation, measured: Sequence[str] = ()) -> ExpectedBlade:
+    """The blade to expect of ``wanted``, by the series that its words name or by all.
+
+    Parameters
+    ----------
+    text : str
+        The designation.
+    wanted : Designation
+        What it says.
+    measured : sequence of str
+        Names of measured propellers of the same size, to be told.
+    """
+    families, unknown = series_named(wanted.words)
+    known = [
+        one
+        for one in identified_without_blade()
+        if one.family in families and same_size((wanted.diameter, wanted.pitch), one.size)
+    ]
+    if len(known) == 1 and wanted.blades in (None, known[0].blades):
+        return blade_of(text, wanted, known[0])
+    names = (*measured, *(one.propeller for one in known))
+    return ExpectedBlade(
+        text, wanted, tuple(families), unknown, _shape_of(families), alike=tuple(names)
+    )
+
+
+def blade_of(text: str, wanted: Designation, own: Identified) -> ExpectedBlade:
+    """The blade with which ``own`` was identified, for what is called ``text``."""
+    return ExpectedBlade(text, wanted, (own.family,), (), _shape_of([own.family]), own)
+
+
+def _shape_of(families: Sequence[str]) -> MeanBlade:
+    """The mean of those of the ``families`` that were measured, of all where none was."""
+    return bundled_mean(tuple(f for f in families if f in families_measured()))
+
+
+# -------------------------------------------------------------------------------------------------
+# Section constants to expect of a propeller that was not identified: its family's, or any's.
+
+MEDIAN_ERRORS = {"family": 0.09, "population": 0.12}
+"""Of C_T and C_P of propellers that were left out, by ``python -m tools.left_out``: half of them
+err less, rms over rms."""
+
+
+class ExpectedConstants(NamedTuple):
+    """Constants of a propeller that was not identified, and how far its loads may be off.
+
+    Attributes
+    ----------
+    airfoil : Airfoil
+        The constants, with how well they are known.
+    told : str
+        In one line: how many propellers they are from and how far loads may err.
+    """
+
+    airfoil: Airfoil
+    told: str
+
+
+def expected_constants(
+    family: str | None = None, size: Size | None = None, geometry: str = "measured"
+) -> ExpectedConstants:
+    """The most likely constants of a small propeller.
+
+    Parameters
+    ----------
+    family : str, optional
+        Code of its series in the catalogue, such as "apcsf"; None where it is not known.
+    size : tuple of float, optional
+        Labelled diameter and pitch [m], see ``size_of``; a middling one where it is not known.
+    geometry : str
+        Its blade: "measured", or expected by the means of its "family" or of the "population".
+    """
+    prior = expected_prior(family, size, geometry)
+    members = _members(family, geometry)
+    known = members and geometry != "population"
+    name = f"{family} expected" if members else "small propeller expected"
+    source = f"prior over propellers by propmap, family {family if members else 'unknown'}"
+    likely = MEDIAN_ERRORS["family" if known else "population"]
+    of = (
+        f"of its family, {family}, {len(members)} propellers"
+        if members
+        else f"of {len(all_identified())} small propellers, none of its family"
+    )
+    told = (
+        f"constants as to be expected by those {of}; it was not identified itself: half of such "
+        f"propellers have thrust and torque within {likely:.0%} (rms) in axial flow, one in ten is "
+        "off by twice that"
+    )
+    errors = bundled_population(geometry).errors
+    with_blade = None
+    if geometry != "measured":
+        with_blade = _of_constants(expected_prior(family, size))
+    known_to = SectionUncertainty(
+        _of_constants(prior),
+        float(errors[0]),
+        float(errors[1]),
+        with_blade=with_blade,
+    )
+    law = airfoil_at(prior.mean, name, source).with_parameters(uncertainty=known_to)
+    return ExpectedConstants(law, told)
+
+
+def airfoil_at(place: Floats, name: str, source: str) -> Airfoil:
+    """The section law at coordinates of the constants.
+
+    Parameters
+    ----------
+    place : ndarray, shape (7,)
+        As in ``prior.PopulationPrior``.
+    name, source : str
+        Of the set.
+    """
+    found = zip(PARAMETERS, constants_of(place).tolist(), strict=True)
+    values: Any = {**HELD, **dict(found)}
+    return Airfoil(**values, name=name, source=source)
+
+
+def expected_prior(
+    family: str | None = None,
+    size: Size | None = None,
+    geometry: str = "measured",
+    without: str | None = None,
+) -> PopulationPrior:
+    """The distribution of a propeller's constants without its own data.
+
+    Parameters
+    ----------
+    family, size, geometry
+        As in ``expected_constants``.
+    without : str, optional
+        What the database calls a propeller that is left out.
+    """
+    members = [one for one in _members(family, geometry) if one.tested != without]
+    population = bundled_population(geometry)
+    return family_prior(members, population, size or (MIDDLE[0], MIDDLE[0] * MIDDLE[1]))
+
+
+def siblings(family: str | None, without: str | None = None) -> int:
+    """How many propellers of a ``family`` were identified, one that is left out apart.
+
+    Parameters
+    ----------
+    family : str or None
+        Code of its series in the catalogue; None where it is not known.
+    without : str, optional
+        What the database calls a propeller that is left out.
+    """
+    return sum(one.tested != without for one in _members(family, "measured"))
+
+
+def size_of(meant: catalogue.Entry | ExpectedBlade | None, blade: Propeller) -> Size:
+    """Labelled diameter and pitch [m] of what a name means, as ``lookup.meant_by`` gives it.
+
+    Of a file, None, they are the blade's diameter and the pitch of its twist at three quarters of
+    the radius, which is 3 % of the diameter above labels in the mean over those measured.
+    """
+    if isinstance(meant, ExpectedBlade):
+        return meant.wanted.diameter, meant.wanted.pitch
+    label = designation(meant.title) if meant is not None else None
+    if label is not None:
+        return label.diameter, label.pitch
+    at = 0.75 * blade.radius
+    return blade.diameter, 2.0 * np.pi * at * np.tan(np.interp(at, blade.station, blade.twist))
+
+
+@lru_cache(maxsize=64)
+def _members(family: str | None, geometry: str) -> list[Member]:
+    """What is known of the family's propellers, on the blade of this ``geometry``."""
+    if geometry == "population":
+        return [
+            member_without_blade(one)
+            for one in identified_without_blade()
+            if one.family == family and one.geometry == "population"
+        ]
+    measured = one_of_each([one for one in all_identified() if one.family == family])
+    if geometry == "measured" or not measured:
+        return [member(one) for one in measured]
+    return [on_mean_blade(one, bundled_mean((one.family,))) for one in measured]
+
+
+def on_mean_blade(one: Identified, shape: MeanBlade) -> Member:
+    """What the data of ``one`` say of the constants with a mean blade in place of its own."""
+    mean = shape.propeller(one.tested, one.diameter_m, one.pitch_m, one.blades)
+    return member(one).moved(equivalent(catalogue.load(one.propeller), mean))
+
+
+def member_without_blade(one: Identified) -> Member:
+    """What the data of ``one`` say, which was identified on the mean blade of all families."""
+    return member(one, family_prior([], bundled_population("population"), one.size))
+
+
+def _of_constants(prior: PopulationPrior) -> SectionCovariance:
+    slopes = slopes_of(prior.mean)
+    return SectionCovariance(PARAMETERS, slopes @ prior.covariance @ slopes.T)
+
+
+# -------------------------------------------------------------------------------------------------
+# The mean blade of a series of propellers, or of many.
+#
+# Propellers of one series are alike: chord over radius, and the twist less that of a screw with the
+# labelled pitch, hardly change with the size.  Their means over the measured blades of the series,
+# or over all series with one vote each, make a blade of any size.
+
+SHARES = np.linspace(0.15, 1.0, 18)
+"""Radii over the tip radius at which blades are averaged, those of most measured blades."""
+
+
+class MeasuredShape(NamedTuple):
+    """A blade without its size.
+
+    Attributes
+    ----------
+    family : str
+        Code of its series.
+    size : tuple of float
+        Labelled diameter and pitch [m]; blades of one series and size are one propeller.
+    chord : ndarray, shape (18,)
+        Over the tip radius at ``SHARES`` [-]; NaN inward of the first measured station.
+    offset : ndarray, shape (18,)
+        Twist less ``screw_angle`` there [rad]; NaN likewise.
+    """
+
+    family: str
+    size: tuple[float, float]
+    chord: Floats
+    offset: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class MeanBlade:
+    """Mean chord and twist of a series or of several, with their spread.
+
+    Attributes
+    ----------
+    families : tuple of str
+        The series that were averaged, each with one vote.
+    propellers : int
+        Number of measured propellers in them.
+    share : ndarray, shape (n,)
+        Radii over the tip radius [-], from where most members' blades begin to 1.
+    chord : ndarray, shape (n,)
+        Over the tip radius [-].
+    offset : ndarray, shape (n,)
+        Twist less that of a screw with the labelled pitch [rad].
+    chord_within, offset_within : ndarray, shape (n,)
+        Standard deviations between the propellers of a series, over all series [-], [rad].
+    chord_between, offset_between : ndarray, shape (n,)
+        Standard deviations between the means of series, over all series [-], [rad]; these and
+        those within are NaN where there are too few blades.
+    """
+
+    families: tuple[str, ...]
+    propellers: int
+    share: Floats
+    chord: Floats
+    offset: Floats
+    chord_within: Floats
+    offset_within: Floats
+    chord_between: Floats
+    offset_between: Floats
+
+    def propeller(self, name: str, diameter: float, pitch: float, blades: int) -> Propeller:
+        """A propeller of this shape.
+
+        Parameters
+        ----------
+        name : str
+            What it is called.
+        diameter, pitch : float
+            As labelled [m].
+        blades : int
+            Number of blades.
+        """
+        radius = 0.5 * diameter
+        of = self.families[0] if len(self.families) == 1 else f"{len(self.families)} series"
+        return Propeller(
+            name=name,
+            blades=blades,
+            station=self.share * radius,
+            chord=self.chord * radius,
+            twist=self.offset + screw_angle(self.share, pitch / diameter),
+            source=f"not measured: chord over radius, and twist less that of a screw of the "
+            f"labelled pitch, are the means of {self.propellers} propellers of {of}",
+            citation="geometry: that of the propellers of the catalogue",
+        )
+
+
+def screw_angle(share: Floats, pitch_ratio: float) -> Floats:
+    """Angle [rad] of a screw at a ``share`` of the radius, atan(P / (2 pi r)).
+
+    Parameters
+    ----------
+    share : ndarray
+        Radii over the tip radius [-].
+    pitch_ratio : float
+        Pitch over diameter [-].
+    """
+    return np.arctan(pitch_ratio / (math.pi * share))
+
+
+def shapes_without(entry: catalogue.Entry) -> list[MeasuredShape]:
+    """``measured_shapes`` but that of the propeller of which ``entry`` is a blade."""
+    label = designation(entry.title)
+    own = label and (entry.family, _size(label))
+    return [one for one in measured_shapes() if (one.family, one.size) != own]
+
+
+@lru_cache(maxsize=1)
+def measured_shapes() -> tuple[MeasuredShape, ...]:
+    """The propellers of the catalogue, one for each series and size: the mean of its blades."""
+    alike: dict[tuple[str, tuple[float, float]], list[tuple[Floats, Floats]]] = {}
+    for entry in catalogue.entries():
+        label = designation(entry.title)
+        assert label is not None  # a test reads all titles
+        blade = catalogue.load(entry.name)
+        share = blade.station / blade.radius
+        # A first station that is rounded lies on the grid all the same.
+        begun = share[0] - 1e-6 <= SHARES
+        chord, twist = (
+            np.where(begun, np.interp(SHARES, share, values), np.nan)
+            for values in (blade.chord / blade.radius, blade.twist)
+        )
+        offset = twist - screw_angle(SHARES, label.pitch / label.diameter)
+        alike.setdefault((entry.family, _size(label)), []).append((chord, offset))
+    return tuple(
+        MeasuredShape(family, size, *np.mean(blades, axis=0))
+        for (family, size), blades in alike.items()
+    )
+
+
+def families_measured() -> set[str]:
+    """Codes of the series of which a blade was measured."""
+    return {one.family for one in measured_shapes()}
+
+
+@lru_cache(maxsize=32)
+def bundled_mean(families: tuple[str, ...] = ()) -> MeanBlade:
+    """``mean_blade`` of the catalogue."""
+    return mean_blade(measured_shapes(), families)
+
+
+def mean_blade(shapes: Sequence[MeasuredShape], families: Collection[str] = ()) -> MeanBlade:
+    """The mean of some series, with the spread over all.
+
+    Parameters
+    ----------
+    shapes : sequence of MeasuredShape
+        Measured propellers.
+    families : collection of str
+        Codes of the series to average, which are among the ``shapes``; none for all.
+    """
+    by_family: dict[str, list[Floats]] = {}
+    for one in shapes:
+        by_family.setdefault(one.family, []).append(np.stack([one.chord, one.offset]))
+    means = {family: _mean(np.stack(some)) for family, some in by_family.items()}
+    chosen = tuple(families) or tuple(by_family)
+    counted = sum(len(by_family[family]) for family in chosen)
+    about = np.stack([one - means[f] for f, some in by_family.items() for one in some])
+    freedom = np.isfinite(about).sum(axis=0) - np.isfinite(list(means.values())).sum(axis=0)
+    within = np.sqrt(np.nansum(about**2, axis=0) / np.where(freedom > 0, freedom, np.nan))
+    between = _deviation(np.stack(list(means.values())))
+    begun = np.mean([np.isfinite(means[family][0]) for family in chosen], axis=0) >= 0.5
+    mean = _mean(np.stack([means[family] for family in chosen])[..., begun])
+    return MeanBlade(chosen, counted, SHARES[begun], *mean, *within[:, begun], *between[:, begun])
+
+
+def _size(label: Designation) -> tuple[float, float]:
+    return round(label.diameter, 5), round(label.pitch, 5)
+
+
+def _mean(some: Floats) -> Floats:
+    """Over the first axis, of those that are not NaN; NaN where all are."""
+    known = np.isfinite(some)
+    count = known.sum(axis=0)
+    total = np.where(known, some, 0.0).sum(axis=0)
+    return np.where(count > 0, total / np.maximum(count, 1), np.nan)
+
+
+def _deviation(some: Floats) -> Floats:
+    """Standard deviation over the first axis, NaN where fewer than two are known."""
+    count = np.isfinite(some).sum(axis=0)
+    squares = np.nansum((some - _mean(some)) ** 2, axis=0)
+    return np.sqrt(squares / np.where(count > 1, count - 1, np.nan))
+
+
+# -------------------------------------------------------------------------------------------------
+# Section constants that have the loads of another blade.
+#
+# A blade whose chord is larger by one factor everywhere has the forces of section constants larger
+# by
+# it, and a blade that is twisted further by one angle everywhere those of angles smaller by it.  So
+# what is not known of a blade is kept as a change of its constants.
+
+INNERMOST = 0.3
+"""Share of the radius from which blades are compared."""
+
+_FORCES = np.array([name in ("c_l1", "c_d", "c_d0") for name in PARAMETERS], float)
+# The coordinate of the drag angle is from the chord line, as the zero-lift angle is.
+_ANGLES = np.array([name in ("zero_lift_angle", "drag_angle") for name in PARAMETERS], float)
+
+
+def equivalent(blade: Propeller, other: Propeller) -> Floats:
+    """What the constants of a ``blade`` become on the ``other``, for about the same loads.
+
+    Parameters
+    ----------
+    blade, other : Propeller
+        Of the same radius.
+
+    Returns
+    -------
+    ndarray, shape (7,)
+        To be added to the coordinates of ``prior.PopulationPrior``: the logarithm of the mean ratio
+        of the chords in those of forces, and less the mean difference of the twists [rad] in those
+        of angles.  Means are weighed by the square of the radius and the other's chord.
+    """
+    share = other.station / other.radius
+    share = share[share >= INNERMOST]
+    own, its = (
+        [np.interp(share, b.station / b.radius, values) for values in (b.chord, b.twist)]
+        for b in (blade, other)
+    )
+    weight = share**2 * its[0]
+    ratio = (weight * own[0] / its[0]).sum() / weight.sum()
+    turned = (weight * (own[1] - its[1])).sum() / weight.sum()
+    return np.log(ratio) * _FORCES - turned * _ANGLES
+
+
+# -------------------------------------------------------------------------------------------------
+# What is known of a propeller's section constants before its own data are looked at.
+
+HELD = {"c_l2": 2.0}
+"""Held at one value for all: its value after stall and ``alpha_0`` would trade for each other."""
+
+LOGARITHMIC = np.array([True, True, True, False, True, False, False])
+"""Whose logarithm is the coordinate (7,)."""
+
+_DRAG_ANGLE, _ZERO_LIFT = PARAMETERS.index("drag_angle"), PARAMETERS.index("zero_lift_angle")
+
+
+@dataclass(frozen=True, eq=False)
+class PopulationPrior:
+    """A normal distribution of coordinates of the constants.
+
+    Coordinates are logarithms of c_l1, c_d, alpha_0 and c_d0, the zero-lift angle and Reynolds
+    camber themselves, and the angle of least pressure drag from the chord line, which is
+    ``zero_lift_angle`` + ``drag_angle``.
+
+    Attributes
+    ----------
+    mean, deviation : ndarray, shape (7,)
+        Of each coordinate.
+    correlation : ndarray, shape (7, 7)
+        Of the coordinates; independent ones unless given.
+    """
+
+    mean: Floats
+    deviation: Floats
+    correlation: Floats = field(default_factory=lambda: np.eye(len(PARAMETERS)))
+
+    @classmethod
+    def of(cls, mean: Floats, covariance: Floats) -> PopulationPrior:
+        """The distribution with this ``mean`` (7,) and ``covariance`` (7, 7)."""
+        deviation = np.sqrt(np.diag(covariance))
+        return cls(mean, deviation, covariance / np.outer(deviation, deviation))
+
+    @property
+    def covariance(self) -> Floats:
+        """Of the coordinates, (7, 7)."""
+        return np.outer(self.deviation, self.deviation) * self.correlation
+
+    @property
+    def whitening(self) -> Floats:
+        """W (7, 7), with which W (place - ``mean``) has independent parts of variance 1."""
+        return np.linalg.inv(np.linalg.cholesky(self.correlation)) / self.deviation
+
+
+def _population() -> PopulationPrior:
+    mean = np.array([5.31, 2.45, 0.290, -0.045, 0.024, -0.019, 0.025])
+    between = np.array([0.16, 0.38, 0.10, 0.024, 0.43, 0.014, 0.019])
+    within = np.array([0.09, 0.17, 0.10, 0.014, 0.16, 0.007, 0.012])
+    centre = np.where(LOGARITHMIC, np.log(np.where(LOGARITHMIC, mean, 1.0)), mean)
+    return PopulationPrior(centre, np.hypot(between, within))
+
+
+POPULATION = _population()
+"""Small propellers: means of 129 of them, and their spread between and within families, put
+together; a first identification of the UIUC database gave them."""
+
+
+def coordinates(constants: Floats) -> Floats:
+    """Coordinates (..., 7) of constants (..., 7) in the order of ``PARAMETERS``."""
+    found = np.where(LOGARITHMIC, np.log(np.where(LOGARITHMIC, constants, 1.0)), constants)
+    found[..., _DRAG_ANGLE] = constants[..., _DRAG_ANGLE] + constants[..., _ZERO_LIFT]
+    return found
+
+
+def constants_of(place: Floats) -> Floats:
+    """Constants (..., 7) at coordinates, the inverse of ``coordinates``."""
+    found = np.where(LOGARITHMIC, np.exp(np.where(LOGARITHMIC, place, 0.0)), place)
+    found[..., _DRAG_ANGLE] = place[..., _DRAG_ANGLE] - place[..., _ZERO_LIFT]
+    return found
+
+
+def slopes_of(place: Floats) -> Floats:
+    """Derivatives (7, 7) of the constants by the coordinates ``place`` (7,)."""
+    slopes = np.diag(np.where(LOGARITHMIC, constants_of(place), 1.0))
+    slopes[_DRAG_ANGLE, _ZERO_LIFT] = -1.0
+    return slopes
+
+
+def coordinate_covariance(constants: Floats, covariance: Floats) -> Floats:
+    """Covariance (7, 7) of the coordinates, by that of the ``constants`` (7,)."""
+    back = np.linalg.inv(slopes_of(coordinates(constants)))
+    return np.asarray(back @ covariance @ back.T)
+
+
+# -------------------------------------------------------------------------------------------------
+# What identified propellers say of one that is not: of its family, or of any.
+
+
+class Member(NamedTuple):
+    """What one propeller's own data say, without its prior: exp(pull x - x precision x / 2).
+
+    Attributes
+    ----------
+    family, tested : str
+        Code of its series, and what the source calls it.
+    size : tuple of float
+        Labelled diameter and pitch [m].
+    precision : ndarray, shape (7, 7)
+        Of its coordinates; singular where its data say nothing of some.
+    pull : ndarray, shape (7,)
+        ``precision`` times the coordinates that fit best.
+    """
+
+    family: str
+    tested: str
+    size: Size
+    precision: Floats
+    pull: Floats
+
+    def moved(self, shift: Floats) -> Member:
+        """The same with ``shift`` (7,) added to its coordinates."""
+        return self._replace(pull=self.pull + self.precision @ shift)
+
+
+def member(one: Identified, prior: PopulationPrior = POPULATION) -> Member:
+    """What the data of ``one`` say, which was identified with this ``prior``."""
+    place = coordinates(one.constants)
+    both = np.linalg.inv(coordinate_covariance(one.constants, one.covariance))
+    before = np.linalg.inv(prior.covariance)
+    values, vectors = np.linalg.eigh(both - before)
+    # Data say nothing where rounding makes them say less.
+    precision = (vectors * np.maximum(values, 0.0)) @ vectors.T
+    return Member(one.family, one.tested, one.size, precision, both @ place - before @ prior.mean)
+
+
+def family_prior(members: Sequence[Member], population: Population, size: Size) -> PopulationPrior:
+    """The distribution of a further propeller of the family of which ``members`` are known.
+
+    The normal distribution of its coordinates, given theirs, as ``Population`` puts them together:
+    siblings of a similar size say the most.  Without members it is that over all propellers.
+
+    Parameters
+    ----------
+    members : sequence of Member
+        Other propellers of the family.
+    population : Population
+        Of families and within them.
+    size : tuple of float
+        Labelled diameter and pitch [m].
+    """
+    own = population.mean + population.shift(size)
+    alike = likeness([*(one.size for one in members), size])
+    joint = np.kron(np.ones_like(alike), population.between) + np.kron(alike, population.within)
+    if not members:
+        return PopulationPrior.of(own, joint)
+    known = own.size * len(members)
+    precision = np.zeros((known, known))
+    for k, one in enumerate(members):
+        place = slice(k * own.size, (k + 1) * own.size)
+        precision[place, place] = one.precision
+    centre = np.concatenate([population.mean + population.shift(one.size) for one in members])
+    pull = np.concatenate([one.pull for one in members]) - precision @ centre
+    towards = joint[known:, :known] @ np.linalg.inv(
+        np.eye(known) + precision @ joint[:known, :known]
+    )
+    covariance = joint[known:, known:] - towards @ precision @ joint[:known, known:]
+    return PopulationPrior.of(own + towards @ pull, 0.5 * (covariance + covariance.T))
+
+
+# -------------------------------------------------------------------------------------------------
+# How section constants are spread over small propellers: by size, between families, within them.
+#
+# A propeller's coordinates are the mean of its family, a trend by size common to all families, and
+# a
+# part of its own, which is like that of its siblings of a similar size.
+
+MIDDLE = (0.2286, 0.6)
+"""Diameter [m] and pitch over diameter at which a family's mean is stated."""
+
+ALIKE = (0.4, 0.3)
+"""Standard deviations of the bell by which likeness falls with the distance between siblings in the
+logarithm of the diameter and in pitch over diameter; with ``APART``, those of the largest
+likelihood on a grid, over all three populations."""
+
+APART = 0.25
+"""Share of the variance within families in which siblings of one size differ."""
+
+GEOMETRIES = ("measured", "family", "population")
+"""Which blade the constants of a population belong to, as in ``Identified.geometry``."""
+
+Size = tuple[float, float]
+"""Labelled diameter and pitch [m]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Population:
+    """A normal distribution over propellers of the coordinates of ``prior.PopulationPrior``.
+
+    Attributes
+    ----------
+    mean : ndarray, shape (7,)
+        Over families, of a propeller of the size ``MIDDLE``.
+    trend : ndarray, shape (7, 2)
+        By the logarithm of the diameter, and by pitch over diameter.
+    between, within : ndarray, shape (7, 7)
+        Covariance of families' means, and of propellers about that of their family.
+    low, high : ndarray, shape (2,)
+        Range of the two in the data; the trend ends there.
+    errors : ndarray, shape (2,)
+        Standard deviations of C_T and C_P [-] about the model with the best constants.
+    """
+
+    mean: Floats
+    trend: Floats
+    between: Floats
+    within: Floats
+    low: Floats
+    high: Floats
+    errors: Floats
+
+    def shift(self, size: Size) -> Floats:
+        """What the trend adds to the coordinates at a ``size``, (7,)."""
+        return self.trend @ np.clip(covariates(size), self.low, self.high)
+
+
+def covariates(size: Size) -> Floats:
+    """Logarithm of the diameter, and pitch over diameter, from ``MIDDLE``, (2,)."""
+    diameter, pitch = size
+    return np.array([np.log(diameter / MIDDLE[0]), pitch / diameter - MIDDLE[1]])
+
+
+def likeness(sizes: Sequence[Size]) -> Floats:
+    """Correlation (n, n) of siblings about their family's mean; of one size, 1 - ``APART``."""
+    place = np.stack([covariates(size) for size in sizes]) / ALIKE
+    distance = ((place[:, None] - place[None]) ** 2).sum(axis=-1)
+    return (1.0 - APART) * np.exp(-0.5 * distance) + APART * np.eye(len(place))
+
+
+def bundled_population(geometry: str = "measured") -> Population:
+    """The population of propellers whose blade is known, or is expected: one of ``GEOMETRIES``."""
+    return _bundled()[geometry]
+
+
+def as_toml(populations: Mapping[str, Population]) -> str:
+    """The text of a file that ``parse_populations`` reads."""
+    lines = ["# Written by `propmap fit catalogue`; see propmap.catalogue.expected."]
+    for name, one in populations.items():
+        lines += ["", f"[{name}]"]
+        lines += [f"{f.name} = {_listed(getattr(one, f.name))}" for f in fields(one)]
+    return "\n".join(lines) + "\n"
+
+
+def parse_populations(text: str) -> dict[str, Population]:
+    """The populations of a file's ``text``, by the blade that their constants belong to."""
+    return {
+        name: Population(**{key: np.array(value) for key, value in table.items()})
+        for name, table in tomllib.loads(text).items()
+    }
+
+
+def _listed(values: Floats) -> str:
+    if values.ndim == 1:
+        return "[" + ", ".join(f"{value:.8e}" for value in values) + "]"
+    return "[\n" + "".join(f"  {_listed(row)},\n" for row in values) + "]"
+
+
+@lru_cache(maxsize=1)
+def _bundled() -> dict[str, Population]:
+    file = Path(__file__).parent / "identified" / "population.toml"
+    return parse_populations(file.read_text(encoding="utf-8"))

@@ -1,0 +1,549 @@
+"""Bounded nonlinear least squares from several starts, eq. (18), and the rows that it sees."""
+
+from __future__ import annotations
+
+import functools
+import itertools
+import warnings
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from propmap.errors import InputError
+from propmap.fit.parameters import Choice
+from propmap.typing import Floats
+
+# -------------------------------------------------------------------------------------------------
+# Bounded nonlinear least squares from several starts; eq. (18).
+
+Jacobian = Callable[[Floats], Floats]
+
+NOISE_FLOOR = 1e-3
+"""Smallest standard deviation assumed for a residual, relative to its scale: the accuracy of the
+computed loads."""
+
+SAME_MINIMUM = 1e-3
+"""Distance, in units of the parameters' spreads, within which two ends are one minimum."""
+
+DIFFERENCE = 1e-5
+"""Step of difference quotients, in spreads."""
+
+ON_BOUND = 1e-9
+"""Distance from a bound, in spreads, that is no distance: the search stays inside the bounds."""
+
+EVALUATIONS, FINAL_EVALUATIONS = 20, 30
+"""Evaluations of the model at most: from each start, and to polish the best end."""
+
+FINE = 1e-6, 1e-8
+"""Steps and gains, relative, with which the polishing ends.  Smaller steps are within the errors of
+the derivatives, and are all refused."""
+
+REFIT_EVALUATIONS = 6
+"""The same where a known minimum is only followed, as in cross-validation."""
+
+FAR = 1.5
+"""Standard deviations of a prior within which searches start."""
+
+MOST_UNSOLVED = 0.05
+"""Share of the rows that may have no solution in the model."""
+
+ONE_OF_FEW = 0.2
+"""The same where they are of one operating point."""
+
+
+class End(msgspec.Struct, frozen=True):
+    """Where a search from one start ended.
+
+    Attributes
+    ----------
+    start, x : ndarray, shape (P,)
+        First and last parameters.
+    cost : float
+        Half the sum of squares [-].
+    minimum : int
+        The number of its minimum, from 1 for the best.
+    """
+
+    start: Floats
+    x: Floats = msgspec.field(name="end")
+    cost: float
+    minimum: int = 1
+
+
+@dataclass(frozen=True)
+class Minimum:
+    """The best end of a search.
+
+    Attributes
+    ----------
+    x : ndarray, shape (P,)
+        Parameters.
+    residual, slopes : ndarray, shape (M,) and (M, P)
+        Residuals as shares of their scales, and their derivatives.
+    ends : tuple of End
+        All ends, best first.
+    unsolved : int
+        Rows that the model gave no value for.
+    """
+
+    x: Floats
+    residual: Floats
+    slopes: Floats
+    ends: tuple[End, ...]
+    unsolved: int
+
+
+class Evaluator:
+    """Residuals of a fit and their derivatives."""
+
+    def __init__(self, rows: Rows, choice: Choice, error: float) -> None:
+        self.rows, self.choice = rows, choice
+        self.weight = weight_of_priors(rows, choice, error)
+        self.unsolved = 0
+
+    def at(self, x: Floats) -> tuple[Floats, Floats]:
+        """Residuals (M,) as shares of their scales and derivatives (M, P), without priors."""
+        rows = self.rows
+        value, slope = rows.model(self.choice.values(x), self.choice.free)
+        lost = ~np.isfinite(value) | ~np.isfinite(slope).all(axis=1)
+        self.unsolved = int(lost.sum())
+        keep = np.where(lost, 0.0, rows.weight / rows.scale)
+        residual = keep * np.where(lost, 0.0, value - rows.measured)
+        return residual, keep[:, None] * np.where(lost[:, None], 0.0, slope)
+
+    def residual(self, x: Floats) -> Floats:
+        """The same with priors' residuals below."""
+        return np.concatenate([self.at(x)[0], self.weight * self.choice.apart(x)[0]])
+
+    def jacobian(self, x: Floats) -> Floats:
+        """Derivatives of ``residual``."""
+        return np.concatenate([self.at(x)[1], self.weight * self.choice.apart(x)[1]])
+
+    def difference_quotients(self, x: Floats) -> Floats:
+        """The Jacobian of the residuals as computed.
+
+        Where inflow rises steeply it differs from ``jacobian`` by up to some per cent; see
+        docs/theory.md, known limits.
+        """
+        from scipy.optimize import approx_fprime
+
+        step = DIFFERENCE * self.choice.column("spread")
+        inwards = np.where(x + step <= self.choice.column("upper"), step, -step)
+        return np.asarray(approx_fprime(x, self.residual, inwards))
+
+
+def weight_of_priors(rows: Rows, choice: Choice, error: float) -> float:
+    """By which deviations from priors are multiplied to count beside residuals.
+
+    This is the standard deviation ``error`` of a residual, where every row is a number of its own.
+    Of whole flights, and beside what is known of propellers in general, rows are worth
+    ``rows.independent``.
+    """
+    if choice.expected is None and rows.group is None:
+        return error
+    return error * float(np.sqrt(rows.counts.sum() / max(float(rows.independent.sum()), 1.0)))
+
+
+def starts(choice: Choice, count: int, seed: int) -> list[Floats]:
+    """The first guess and ``count`` - 1 more, at random within three spreads of it.
+
+    None is further than ``FAR`` standard deviations from what other propellers let expect.
+    """
+    away = np.random.default_rng(seed).uniform(-3.0, 3.0, (count - 1, len(choice.free)))
+    away = away * choice.column("spread")
+    if choice.expected is not None:
+        known = [choice.expected.of_constant(name) or (0.0, np.inf) for name in choice.free]
+        most = FAR * np.array([deviation for _, deviation in known])
+        away = np.clip(away, -most, most)
+    return [
+        choice.first,
+        *np.clip(choice.first + away, choice.column("lower"), choice.column("upper")),
+    ]
+
+
+def search(
+    rows: Rows,
+    choice: Choice,
+    begin: list[Floats],
+    *,
+    loss: str = "linear",
+    error: float = NOISE_FLOOR,
+    follow: bool = False,
+    polish: bool = True,
+) -> Minimum:
+    """The best minimum over all starts.
+
+    Parameters
+    ----------
+    rows, choice : Rows, Choice
+        What was measured, and which parameters are free.
+    begin : list of ndarray, shape (P,)
+        The starts.
+    loss : str
+        "linear", or "soft_l1" so that a few outliers do not decide.
+    error : float
+        Standard deviation of a residual as a share of its scale: priors are weighed against it,
+        and twice it is an outlier.
+    follow : bool
+        Whether the start is a minimum of much the same data, so that few steps do.
+    polish : bool
+        Whether the best end is followed to the last digit, where it is not ``follow``.
+
+    Raises
+    ------
+    InputError
+        Where there are fewer numbers than parameters, or where the model has no solution for more
+        than one row in twenty, or of few rows for more than those of one operating point.
+    """
+    from scipy.optimize import least_squares
+
+    used = int(np.count_nonzero(rows.weight))
+    first = choice.first
+    if used + choice.apart(first)[0].size < first.size:
+        raise InputError(
+            f"{used} measured numbers for {len(choice.free)} free parameters",
+            "give more data or free fewer parameters",
+        )
+    evaluator = Evaluator(rows, choice, error)
+    softened = functools.partial(_softened, rows.measured.size)
+    lower, upper, spread = (choice.column(a) for a in ("lower", "upper", "spread"))
+
+    def run(
+        x0: Floats, most: int, step: float, gain: float, jacobian: Jacobian = evaluator.jacobian
+    ) -> End:
+        with warnings.catch_warnings():
+            # At a bound SciPy divides by a zero distance and goes on.
+            warnings.simplefilter("ignore", RuntimeWarning)
+            found = least_squares(
+                evaluator.residual,
+                np.clip(x0, lower, upper),
+                jacobian,
+                bounds=(lower, upper),
+                x_scale=spread,
+                loss="linear" if loss == "linear" else softened,
+                f_scale=2.0 * error,
+                ftol=gain,
+                xtol=step,
+                gtol=1e-15,
+                max_nfev=most,
+            )
+        return End(x0, np.asarray(found.x), float(found.cost))
+
+    allowance = (REFIT_EVALUATIONS, 1e-4, 1e-4) if follow else (EVALUATIONS, 1e-5, 1e-5)
+    if polish and not follow and len(begin) == 1:
+        allowance = (FINAL_EVALUATIONS, *FINE)
+    ends = minima([run(x0, *allowance) for x0 in begin], spread)
+    best = ends[0]
+    if polish and not follow:
+        if len(begin) > 1:
+            best = min(run(best.x, FINAL_EVALUATIONS, *FINE), best, key=_cost)
+        if np.sqrt(2.0 * best.cost / used) < NOISE_FLOOR:
+            # So near to a perfect fit the errors of the derivatives would end the search early.
+            # Where priors or noise leave more than those errors, the first step gains little.
+            exact = evaluator.difference_quotients
+            best = min(run(best.x, FINAL_EVALUATIONS, 1e-12, 1e-4, exact), best, key=_cost)
+    x = best.x
+    for bound in (lower, upper):
+        x = np.where(np.abs(x - bound) < ON_BOUND * spread, bound, x)
+    residual, slopes = evaluator.at(x)
+    size = rows.measured.size
+    if evaluator.unsolved > max(MOST_UNSOLVED * size, min(len(rows.names), ONE_OF_FEW * size)):
+        raise InputError(
+            f"the model has no solution at {evaluator.unsolved} of {rows.measured.size} rows",
+            "check the units of the operating points",
+        )
+    return Minimum(x, residual, slopes, ends, evaluator.unsolved)
+
+
+def _softened(rows: int, squares: Floats) -> Floats:
+    """SciPy's ``soft_l1`` of so many first squares; priors, which follow, are no outliers."""
+    more = 1.0 + squares
+    found = np.array([2.0 * (more**0.5 - 1.0), more**-0.5, -0.5 * more**-1.5])
+    found[:, rows:] = [squares[rows:], np.ones(squares.size - rows), np.zeros(squares.size - rows)]
+    return found
+
+
+def _cost(end: End) -> float:
+    return end.cost
+
+
+def minima(ends: list[End], spread: Floats) -> tuple[End, ...]:
+    """The ends by rising cost, each with the number of its minimum."""
+    bests: list[End] = []
+    found = []
+    for end in sorted(ends, key=_cost):
+        for best in bests:
+            near = np.max(np.abs(end.x - best.x) / spread) < SAME_MINIMUM
+            if near or abs(end.cost - best.cost) <= 1e-6 * best.cost:
+                break
+        else:
+            best = msgspec.structs.replace(end, minimum=len(bests) + 1)
+            bests.append(best)
+        found.append(msgspec.structs.replace(end, minimum=best.minimum))
+    return tuple(found)
+
+
+# -------------------------------------------------------------------------------------------------
+# What every fit sees: numbers measured, and a model of them with its derivatives.
+
+Evaluation = tuple[Floats, Floats]
+Model = Callable[[Mapping[str, float], tuple[str, ...]], Evaluation]
+"""From all parameters by name and the P free names: values (M,) and derivatives (M, P)."""
+
+INDEPENDENT = 10.0
+"""Independent numbers that the rows of one load are worth at most, beside what is known of
+propellers in general: what a model or a stand gets wrong, neighbouring rows have in common."""
+
+INDEPENDENT_AT_REST = 4.0
+"""The same of rows that are all at rest, which differ in rotational speed alone."""
+
+REMEMBERED = 16
+"""Evaluations that are kept: more than one refit takes."""
+
+
+@dataclass(frozen=True, eq=False)
+class Rows:
+    """M measured numbers of one or several kinds of load, and a model of them.
+
+    Attributes
+    ----------
+    names, units : tuple of str
+        Of each kind of load.
+    measured : ndarray, shape (M,)
+        In the unit of the load.
+    load : ndarray, shape (M,)
+        Index into ``names``.
+    scale : ndarray, shape (M,)
+        By which residuals are divided before they are squared.
+    speed : ndarray, shape (M,)
+        Flight speed [m/s].
+    point : ndarray, shape (M,)
+        Operating point of each number; points are drawn and left out as a whole.
+    group : ndarray, shape (M,), or None
+        Stretches within which errors may be alike; None where every number errs by itself.
+    model : callable
+        Gives values and derivatives, see ``Model``.
+    weight : ndarray, shape (M,)
+        1, or 0 for what is left out.
+    """
+
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    measured: Floats
+    load: NDArray[np.intp]
+    scale: Floats
+    speed: Floats
+    point: NDArray[np.intp]
+    group: NDArray[np.intp] | None
+    model: Model
+    weight: Floats
+
+    @classmethod
+    def of_points(
+        cls,
+        names: tuple[str, ...],
+        units: tuple[str, ...],
+        measured: Floats,
+        scale: Floats,
+        speed: Floats,
+        model: Model,
+        group: NDArray[np.intp] | None = None,
+    ) -> Rows:
+        """A row for each finite number of a table of L loads at n operating points.
+
+        Parameters
+        ----------
+        names, units : tuple of str
+            Of the L loads.
+        measured, scale : ndarray, shape (n, L)
+            See ``Rows``.
+        speed, group : ndarray, shape (n,)
+            The same.
+        model : callable
+            Gives values of shape (n, L) and derivatives of shape (n, L, P).
+        """
+        point, load = np.nonzero(np.isfinite(measured))
+
+        # A search is polished where it ended, and refits of parts of the data begin there.
+        @functools.lru_cache(REMEMBERED)
+        def at(values: tuple[tuple[str, float], ...], free: tuple[str, ...]) -> Evaluation:
+            value, slope = model(dict(values), free)
+            return value[point, load], slope[point, load]
+
+        return cls(
+            names=names,
+            units=units,
+            measured=measured[point, load],
+            load=load,
+            scale=scale[point, load],
+            speed=speed[point],
+            point=point,
+            group=None if group is None else group[point],
+            model=lambda values, free: at(tuple(values.items()), free),
+            weight=np.ones(point.size),
+        )
+
+    @property
+    def unit(self) -> NDArray[np.intp]:
+        """What is drawn and left out as a whole (M,): the group, or else the operating point."""
+        return self.point if self.group is None else self.group
+
+    def picked(self, table: Floats) -> Floats:
+        """The numbers (M,) of these rows in a ``table`` (n, L) of loads at the operating points."""
+        return np.asarray(table[self.point, self.load])
+
+    def of_load(self, load: int) -> NDArray[np.bool_]:
+        """Which rows (M,) are of the ``load`` of this index and have weight."""
+        return (self.load == load) & (self.weight > 0.0)
+
+    @property
+    def counts(self) -> NDArray[np.intp]:
+        """How many rows of each load (L,) have weight."""
+        return np.array([np.count_nonzero(self.of_load(k)) for k in range(len(self.names))])
+
+    @property
+    def independent(self) -> Floats:
+        """How many independent numbers the rows of each load (L,) are worth.
+
+        In flight that is one for each group; each manoeuvre meets another flow.
+        """
+        parts = [self.of_load(k) for k in range(len(self.names))]
+        if self.group is not None:
+            return np.array([float(np.unique(self.group[part]).size) for part in parts])
+        moving = [np.any(self.speed[part] > 0.0) for part in parts]
+        return np.minimum(self.counts, np.where(moving, INDEPENDENT, INDEPENDENT_AT_REST))
+
+    def left(self, kept: NDArray[np.bool_]) -> Rows:
+        """The same rows, without weight where ``kept``, shape (M,), is false."""
+        return replace(self, weight=self.weight * kept)
+
+
+# -------------------------------------------------------------------------------------------------
+# How far a model is from measurements: over all rows and by speed.
+
+BANDS = (0.0, 3.0, 6.0, 9.0, 12.0, 15.0, np.inf)
+"""Edges of the bands of speed [m/s]."""
+
+
+class Errors(msgspec.Struct, frozen=True):
+    """Errors of one load, model minus measurement, in the unit of the load.
+
+    Attributes
+    ----------
+    rows : int
+        Numbers that are both measured and modelled.
+    rms : float
+        Root mean square of the errors.
+    relative_rms : float
+        ``rms`` over the root mean square of the measurements [-].
+    bias : float
+        Mean of the errors.
+    worst : float
+        The error of largest magnitude, with its sign.
+    hover_rms : float
+        Root mean square of the hover model's errors; NaN where it was not asked for.
+    """
+
+    rows: int
+    rms: float
+    relative_rms: float
+    bias: float
+    worst: float
+    hover_rms: float
+
+
+class FlightErrors(msgspec.Struct, frozen=True):
+    """Errors of one load on one flight, model minus measurement, in the unit of the load.
+
+    Attributes
+    ----------
+    rows : int
+        Numbers that are both measured and modelled.
+    rms, bias : float
+        Root mean square and mean of the errors.
+    cross_validated_rms : float
+        Root mean square of the errors on stretches left out of the fit; NaN where it was not done.
+    """
+
+    rows: int
+    rms: float
+    bias: float
+    cross_validated_rms: float
+
+
+def rms(values: Floats) -> float:
+    """Root mean square of all values, in their unit."""
+    return float(np.sqrt(np.mean(np.square(values))))
+
+
+def rms_known(values: Floats) -> float:
+    """Root mean square of those values that are known; NaN where none is."""
+    known = values[np.isfinite(values)]
+    return rms(known) if known.size else float("nan")
+
+
+def errors(model: Floats, measured: Floats, hover: Floats | None = None) -> Errors:
+    """Errors over all numbers that are both measured and modelled; arrays of shape (n,)."""
+    both = np.isfinite(model) & np.isfinite(measured)
+    if not both.any():
+        return Errors(0, *(5 * (np.nan,)))
+    off = (model - measured)[both]
+    size, left = rms(measured[both]), rms(off)
+    return Errors(
+        rows=int(both.sum()),
+        rms=left,
+        relative_rms=left / size if size > 0.0 else np.nan,
+        bias=float(off.mean()),
+        worst=float(off[np.argmax(np.abs(off))]),
+        hover_rms=np.nan if hover is None else rms((hover - measured)[both]),
+    )
+
+
+def by_band(
+    model: Floats, measured: Floats, speed: Floats, hover: Floats | None = None
+) -> dict[str, Errors]:
+    """Errors in each band of speed that has numbers, by a name such as "3-6 m/s"."""
+    found = {}
+    for low, high in itertools.pairwise(BANDS):
+        mine = (speed >= low) & (speed < high)
+        if mine.any():
+            name = f"{low:g}-{high:g} m/s" if np.isfinite(high) else f"above {low:g} m/s"
+            part = None if hover is None else hover[mine]
+            found[name] = errors(model[mine], measured[mine], part)
+    return found
+
+
+# -------------------------------------------------------------------------------------------------
+# Rows in other processes: they are made there again, since their models cannot be sent.
+
+
+class RowsElsewhere:
+    """What is sent to a worker without its rows, which the worker makes again.
+
+    Attributes
+    ----------
+    rows : Rows
+        What was measured, with its model.
+    remake : callable or None
+        Gives the rows again; picklable.  None where no other process works.
+    """
+
+    rows: Rows
+    remake: Callable[[], Rows] | None
+
+    def __getstate__(self) -> dict[str, Any]:
+        if self.remake is None:
+            raise InputError(
+                "workers in other processes cannot be sent the rows of a fit",
+                "give remake, which makes them there",
+            )
+        return {key: value for key, value in vars(self).items() if key != "rows"}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        vars(self).update(state)
+        assert self.remake is not None
+        self.rows = self.remake()

@@ -1,0 +1,450 @@
+"""Flights that were not flown: steady circles, their log with noise, and what it would tell."""
+
+from __future__ import annotations
+
+import io
+import json
+import math
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from propmap.aircraft.trim import solve
+from propmap.errors import InputError
+from propmap.fit.flight import ForceModel, level_rows, wing_values
+from propmap.fit.least_squares import NOISE_FLOOR, Minimum
+from propmap.fit.parameters import (
+    EVERY,
+    FIRST_GUESS,
+    MOUNT,
+    PAPER_FOUR,
+    SECTION,
+    Choice,
+    constants_of,
+)
+from propmap.fit.uncertainty import AT_BOUND, Uncertainty, uncertainty
+from propmap.model.airfoil import Airfoil
+from propmap.model.corrections import MountDrag
+from propmap.model.model import Model
+from propmap.typing import Floats
+from propmap.vehicle.files import CHOICES, LogMap
+from propmap.vehicle.log import GRAVITY, FlightLog, in_vehicle_frame, pitch_and_roll
+from propmap.vehicle.vehicle import Vehicle
+
+# -------------------------------------------------------------------------------------------------
+# Operating points flown one after the other, as a log with the noise of its sensors.
+
+HARDEST = 2.0
+"""Largest acceleration [m/s^2] from one speed to the next."""
+
+SHORTEST = 0.5
+"""Least time [s] from one speed to the next."""
+
+MOST_SAMPLES = 2_000_000
+
+VECTORS = {
+    "velocity": ("vx_mps", "vy_mps", "vz_mps"),
+    "rates": ("p_radps", "q_radps", "r_radps"),
+    "specific_force": ("ax_mps2", "ay_mps2", "az_mps2"),
+}
+ANGLES = ("roll", "pitch", "yaw")
+
+
+@dataclass(frozen=True)
+class SensorNoise:
+    """Standard deviations of one sample; the noise is white, so that averages have less.
+
+    Attributes
+    ----------
+    rotor_speed : float
+        As a share of the rotor speed [-].
+    velocity : float
+        Of each component [m/s].
+    attitude : float
+        Of pitch and roll [rad].
+    specific_force : float
+        Of each component [m/s^2].
+    """
+
+    rotor_speed: float = 0.005
+    velocity: float = 0.05
+    attitude: float = 0.005
+    specific_force: float = 0.3
+
+
+NOISELESS = SensorNoise(0.0, 0.0, 0.0, 0.0)
+
+
+def check_sampling(dwell: float, rate: float) -> None:
+    """Raise ``InputError`` for a ``dwell`` [s] or a ``rate`` [1/s] that makes no log."""
+    if not 1.0 <= dwell <= 3600.0:
+        raise InputError(f"each speed is held for {dwell:g} s", "give from 1 to 3600 s")
+    if not 4.0 <= rate <= 10_000.0:
+        raise InputError(f"the rate is {rate:g} samples per second", "give from 4 to 10000")
+
+
+def fly(
+    points: FlightLog,
+    *,
+    dwell: float = 6.0,
+    rate: float = 100.0,
+    noise: SensorNoise = NOISELESS,
+    seed: int = 0,
+) -> FlightLog:
+    """A log of level circles flown one after the other.
+
+    Between two speeds the vehicle leans into the acceleration and the rotors carry it, by the
+    thrust alone: these moments are there to be left out, as in a real log.
+
+    Parameters
+    ----------
+    points : FlightLog
+        Operating points of ``trim``, in the order in which they are flown.
+    dwell : float
+        How long each is held [s].
+    rate : float
+        Samples per second [1/s].
+    noise : SensorNoise
+        Of the sensors.
+    seed : int
+        Of the noise.
+    """
+    check_sampling(dwell, rate)
+    speed, (pitch, roll) = points.speed, pitch_and_roll(points.up)
+    turn = np.sum(points.rates * points.up, axis=1)
+    # The smooth change below is at most twice as fast as its mean.
+    lasts = np.maximum(2.0 * np.abs(np.diff(speed)) / HARDEST, SHORTEST)
+    begins = dwell * np.arange(1, speed.size) + np.concatenate([[0.0], np.cumsum(lasts)])[:-1]
+    count = int((dwell * speed.size + lasts.sum()) * rate)
+    if count > MOST_SAMPLES:
+        raise InputError(f"the log would have {count} samples", "lower the rate or the dwell")
+    time = np.arange(count) / rate
+    share = np.clip((time[:, None] - begins) / lasts, 0.0, 1.0)
+    done = share - np.sin(2.0 * np.pi * share) / (2.0 * np.pi)
+
+    def course(values: Floats) -> Floats:
+        return values[0] + done @ np.diff(values, axis=0)
+
+    push = (1.0 - np.cos(2.0 * np.pi * share)) @ (np.diff(speed) / lasts)
+    speed, turn = course(speed), course(turn)
+    pitch, roll = course(pitch) + np.arctan(push / GRAVITY), course(roll)
+    harder = (1.0 + (push / GRAVITY) ** 2) ** 0.25
+    up = in_vehicle_frame(0.0, 0.0, 1.0, pitch, roll)
+    roll_rate, pitch_rate = (np.gradient(angle, 1.0 / rate) for angle in (roll, pitch))
+    tilting = [roll_rate, np.cos(roll) * pitch_rate, -np.sin(roll) * pitch_rate]
+    log = FlightLog(
+        source="simulated flight",
+        time=time,
+        velocity=in_vehicle_frame(speed, 0.0, 0.0, pitch, roll),
+        rates=turn[:, None] * up + np.stack(tilting, axis=1),
+        up=up,
+        specific_force=in_vehicle_frame(push, speed * turn, GRAVITY, pitch, roll),
+        rotor_speed=course(points.rotor_speed) * harder[:, None],
+    )
+    return _measured(log, pitch, roll, noise, np.random.default_rng(seed))
+
+
+def _measured(
+    log: FlightLog, pitch: Floats, roll: Floats, noise: SensorNoise, rng: np.random.Generator
+) -> FlightLog:
+    def noisy(values: Floats, size: float) -> Floats:
+        return values + size * rng.standard_normal(values.shape)
+
+    pitch, roll = noisy(pitch, noise.attitude), noisy(roll, noise.attitude)
+    even = np.ones_like(log.rotor_speed)
+    return replace(
+        log,
+        velocity=noisy(log.velocity, noise.velocity),
+        up=in_vehicle_frame(0.0, 0.0, 1.0, pitch, roll),
+        specific_force=noisy(log.specific_force, noise.specific_force),
+        rotor_speed=np.abs(log.rotor_speed * noisy(even, noise.rotor_speed)),
+    )
+
+
+def log_map(rotors: int) -> LogMap:
+    """How a file of ``log_csv`` is to be read."""
+    columns = {"time": ("time_s",), **VECTORS, **{name: (f"{name}_rad",) for name in ANGLES}}
+    columns["rotor_speed"] = tuple(f"rotor_{k}_radps" for k in range(1, rotors + 1))
+    return LogMap("flu", "enu", "body", "rad/s", columns=columns)
+
+
+def log_table(rotors: int) -> str:
+    """The same as the text of the table ``[log]`` for a vehicle file."""
+    how, several = log_map(rotors), (*VECTORS, "rotor_speed")
+    stated = {key: how.stated(key) for key in CHOICES}
+    columns = {key: names if key in several else names[0] for key, names in how.columns.items()}
+    # Texts and lists of texts are the same in JSON and in TOML.
+    tables = [
+        [heading, *(f"{key} = {json.dumps(value)}" for key, value in table.items())]
+        for heading, table in (("[log]", stated), ("[log.columns]", columns))
+    ]
+    return "\n\n".join("\n".join(lines) for lines in tables) + "\n"
+
+
+def log_csv(log: FlightLog) -> str:
+    """The log as CSV; the heading, which a log does not have, follows from the yaw rate."""
+    pitch, roll = pitch_and_roll(log.up)
+    turn = np.sum(log.rates * log.up, axis=1)
+    steps = 0.5 * (turn[1:] + turn[:-1]) * np.diff(log.time)
+    yaw = np.concatenate([[0.0], np.cumsum(steps)])
+    vectors = np.concatenate([getattr(log, name) for name in VECTORS], axis=1)
+    angles = np.stack([roll, pitch, yaw], axis=1)
+    names = [name for part in log_map(log.rotor_speed.shape[1]).columns.values() for name in part]
+    text = io.StringIO()
+    table = np.column_stack([log.time, vectors, angles, log.rotor_speed])
+    np.savetxt(text, table, "%.9g", delimiter=",", header=",".join(names), comments="")
+    return text.getvalue()
+
+
+# -------------------------------------------------------------------------------------------------
+# Steady level circles of a vehicle whose section law is known: the paper's experiment.
+
+PAPER_RADIUS = 1.7
+"""Length of the tether [m]."""
+
+TIP_SPEED = 60.0
+"""Tip speed of the rotors [m/s] from which the search begins."""
+
+CHANGE = 1e-5
+"""Step of an unknown in a difference quotient; the forces are computed to about 1e-12."""
+
+LONGEST_STEPS = (0.3, 0.2, 0.2)
+"""Largest change in one step of the logarithm of the rotor speed, of pitch, of roll [rad]."""
+
+STEEPEST = 1.4
+"""Largest pitch and roll [rad]."""
+
+EXACT, ACCEPTED = 1e-9, 1e-4
+"""Unbalanced force as a share of the weight: the search ends below the first; up to the second is
+accepted, as the forces jump where the number of azimuths, which depends on the speed, changes."""
+
+
+def true_values(vehicle: Vehicle, airfoil: Airfoil) -> dict[str, float]:
+    """All parameters of a fit by name, as they are; what a fit would add to the body is zero.
+
+    Of what the rotors are mounted on, where the vehicle tells it, a fit has no parameter.
+    """
+    law = constants_of(airfoil)
+    section = {name: getattr(law, name) for name in SECTION}
+    told = any(mount.drag is not None for mount in vehicle.mounts)
+    mounted = Model(vehicle.propeller, law, vehicle.air).correction_of(MountDrag)
+    area = None if told or mounted is None else mounted.area(vehicle.propeller.radius)
+    mount = {} if area is None else {"mount_area": area}
+    return FIRST_GUESS | section | mount | wing_values(vehicle)
+
+
+def trim(
+    vehicle: Vehicle,
+    airfoil: Airfoil,
+    speeds: Floats,
+    *,
+    radius: float = PAPER_RADIUS,
+    tether: bool = True,
+    disturbance: Floats | None = None,
+) -> FlightLog:
+    """Operating points of level circles to the left, nose first; one per speed.
+
+    All rotors turn at one speed: moments, which take small differences of rotor speed, are not
+    balanced.  The forces are those that a fit uses.
+
+    Parameters
+    ----------
+    vehicle, airfoil : Vehicle, Airfoil
+        What flies, and the section law of its blades.
+    speeds : ndarray, shape (n,)
+        Flight speeds [m/s], >= 0.
+    radius : float
+        Of the circles [m]; infinity for straight flight.
+    tether : bool
+        Whether a horizontal tether carries the centripetal force, as in the paper; otherwise the
+        vehicle banks.
+    disturbance : ndarray, shape (n,), optional
+        Vertical force that the rotors carry besides the weight, as a share of it: what a fit,
+        which does not know of it, sees as an error.
+
+    Returns
+    -------
+    FlightLog
+        Its ``specific_force`` holds the tether's pull.
+
+    Raises
+    ------
+    InputError
+        For speeds that cannot be flown.
+    """
+    flown = np.asarray(speeds, dtype=np.float64)
+    if flown.ndim != 1 or flown.size == 0 or not (np.isfinite(flown) & (flown >= 0.0)).all():
+        raise InputError("speeds must be one or more numbers", "give 0 or more m/s")
+    if not radius > 0.0:
+        raise InputError(f"the circle's radius is {radius:g} m", "give metres, above 0")
+    problem = _Problem(vehicle, airfoil, flown, radius, tether, disturbance)
+    functions = problem.linearised, problem.residual, problem.bounded
+    unknowns = solve(*functions, problem.first, flown, EXACT)
+    left_over = np.abs(problem.residual(unknowns, np.arange(flown.size))).max(axis=1)
+    lost = ~(left_over < ACCEPTED)
+    if lost.any():
+        first = float(flown[lost].min())
+        slower = flown[~lost & (flown < first)]
+        remedy = f"{slower.max():.4g} m/s can be" if slower.size else "give slower ones"
+        if not tether and math.isfinite(radius):
+            remedy += ", or fly wider circles"
+        raise InputError(
+            f"{first:.4g} m/s cannot be flown: no rotor speed and attitude balance the forces",
+            f"{remedy}; check mass, propeller and body of the vehicle",
+        )
+    return problem.log(unknowns)
+
+
+class _Problem:
+    """Force balances of n circles; the unknowns (n, k) are log rotor speed, pitch, roll."""
+
+    def __init__(
+        self,
+        vehicle: Vehicle,
+        airfoil: Airfoil,
+        speeds: Floats,
+        radius: float,
+        tether: bool,
+        disturbance: Floats | None,
+    ) -> None:
+        self.vehicle, self.airfoil, self.speeds, self.radius = vehicle, airfoil, speeds, radius
+        self.values = true_values(vehicle, airfoil)
+        self.count = 2 if tether else 3
+        nothing = np.zeros_like(speeds)
+        lift = 1.0 + (nothing if disturbance is None else disturbance)
+        aside = speeds**2 / (radius * GRAVITY)
+        self.wanted = np.stack([nothing, lift, aside], axis=1)[:, : self.count]
+        bank = -np.arctan(aside)
+        rate = np.full_like(speeds, np.log(TIP_SPEED / vehicle.propeller.radius))
+        self.first = np.stack([rate, nothing, bank], axis=1)[:, : self.count]
+        # Thrust goes with the square of the rotor speed.
+        everyone = np.arange(speeds.size)
+        carried = np.nan_to_num(self.residual(self.first, everyone)[:, 1] + lift, nan=1.0)
+        self.first[:, 0] -= 0.5 * np.log(np.clip(carried / lift, 0.05, 20.0))
+
+    def log(self, unknowns: Floats, which: Any = slice(None)) -> FlightLog:
+        """The circles, or those of some speeds, as operating points."""
+        speeds, pitch = self.speeds[which], unknowns[:, 1]
+        roll = unknowns[:, 2] if self.count == 3 else np.zeros_like(pitch)
+        up, turn = in_vehicle_frame(0.0, 0.0, 1.0, pitch, roll), speeds / self.radius
+        pull = in_vehicle_frame(0.0, speeds * turn, GRAVITY, pitch, roll)
+        rotor_speed = np.exp(unknowns[:, :1])
+        return FlightLog(
+            source="simulated level circles",
+            time=np.arange(pitch.size, dtype=np.float64),
+            velocity=in_vehicle_frame(speeds, 0.0, 0.0, pitch, roll),
+            rates=turn[:, None] * up,
+            up=up,
+            specific_force=pull,
+            rotor_speed=np.repeat(rotor_speed, len(self.vehicle.mounts), axis=1),
+        )
+
+    def residual(self, unknowns: Floats, which: NDArray[np.intp]) -> Floats:
+        """Forces forward, up and to the left, less those wanted, over the weight; (m, k)."""
+        log = self.log(unknowns, which)
+        force = ForceModel(self.vehicle, log, self.airfoil).at(self.values, ()).force
+        forward = np.cross(_left(log.up), log.up)
+        parts = np.stack([forward, log.up, _left(log.up)], axis=1)[:, : self.count]
+        weight = self.vehicle.mass * GRAVITY
+        return np.asarray(np.einsum("nki,ni->nk", parts, force) / weight - self.wanted[which])
+
+    def linearised(self, unknowns: Floats, which: NDArray[np.intp]) -> tuple[Floats, Floats]:
+        """Residuals (m, k) and their derivatives (m, k, k)."""
+        residual = self.residual(unknowns, which)
+        changed = [
+            self.residual(unknowns + CHANGE * direction, which) - residual
+            for direction in np.eye(self.count)
+        ]
+        return residual, np.stack(changed, axis=-1) / CHANGE
+
+    def bounded(self, unknowns: Floats, step: Floats) -> Floats:
+        """The step, at most the longest and to the steepest attitude."""
+        longest = np.array(LONGEST_STEPS[: self.count])
+        step = np.clip(step, -longest, longest)
+        angles = unknowns[:, 1:]
+        step[:, 1:] = np.clip(angles + step[:, 1:], -STEEPEST, STEEPEST) - angles
+        return step
+
+
+def _left(up: Floats) -> Floats:
+    """The horizontal direction to the left in the frame of a vehicle that sees ``up``; (n, 3)."""
+    forward = np.array([1.0, 0.0, 0.0])
+    across = np.cross(up, forward)
+    return np.asarray(across / np.linalg.norm(across, axis=1, keepdims=True))
+
+
+# -------------------------------------------------------------------------------------------------
+# What a planned flight would tell of the parameters, before it is flown.
+
+
+@dataclass(frozen=True)
+class Expectation:
+    """What a fit of planned flights would find.
+
+    Attributes
+    ----------
+    choice : Choice
+        The P free parameters.
+    truth : ndarray, shape (P,)
+        Their true values.
+    uncertainty : Uncertainty
+        Intervals about these.
+    error : float
+        Of the flights' vertical forces, as a share of the weight.
+    """
+
+    choice: Choice
+    truth: Floats
+    uncertainty: Uncertainty
+    error: float
+
+
+def expectation(
+    vehicle: Vehicle,
+    airfoil: Airfoil,
+    points: FlightLog,
+    *,
+    free: tuple[str, ...] = PAPER_FOUR,
+    error: float = 0.01,
+) -> Expectation:
+    """Gauss-Newton intervals at the truth for a fit of level flights, eq. (18).
+
+    Parameters
+    ----------
+    vehicle, airfoil : Vehicle, Airfoil
+        What is flown, and the true section law of its blades.
+    points : FlightLog
+        Operating points of ``trim``.
+    free : tuple of str
+        Parameters of the fit.
+    error : float
+        Standard deviation of the vertical force of a flight, as a share of the weight; at least
+        the numerical error of the loads is assumed.
+
+    Raises
+    ------
+    InputError
+        For a true value outside the bounds of a fit.
+    """
+    truth = {name: EVERY[name].start for name in free if name in MOUNT}
+    truth |= true_values(vehicle, airfoil)
+    for name in EVERY.keys() & set(free):
+        low, high = EVERY[name].lower, EVERY[name].upper
+        if not low <= truth[name] <= high:
+            raise InputError(
+                f"{name} is {truth[name]:g}, a fit looks from {low:g} to {high:g}",
+                "simulate another airfoil or leave it out of the free ones",
+            )
+    choice = Choice(free, start={name: truth[name] for name in free if name in EVERY})
+    rows = level_rows(ForceModel(vehicle, points, airfoil), choice)
+    _, slopes = rows.model(truth, free)
+    x, error = choice.first, max(error, NOISE_FLOOR)
+    # Residuals that give this standard error again, once the fitted ones are discounted.
+    margin = AT_BOUND * choice.column("spread")
+    inside = np.minimum(x - choice.column("lower"), choice.column("upper") - x) >= margin
+    discount = max(len(rows.measured) - int(inside.sum()), 1) / len(rows.measured)
+    residual = np.full(len(rows.measured), error * math.sqrt(discount))
+    found = Minimum(x, residual, slopes / rows.scale[:, None], (), 0)
+    return Expectation(choice, x, uncertainty(rows, choice, found), error)

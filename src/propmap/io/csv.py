@@ -1,0 +1,672 @@
+"""Text and CSV files: any dialect of spreadsheets in, whole files or none out, points and loads."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+import os
+import re
+import stat
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from propmap.errors import InputError, quoted
+from propmap.loads import LOADS
+from propmap.typing import Floats
+
+if TYPE_CHECKING:
+    import xarray
+
+    from propmap.results import Loads, LoadValues
+    from propmap.rotor import Rotor
+    from propmap.typing import Floats
+
+
+# -------------------------------------------------------------------------------------------------
+# CSV as spreadsheets write it: commas, semicolons or tabs between columns, commas in numbers.
+
+SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs"}
+"""What may stand between columns, and its name."""
+
+SNIFFED = 10_000
+"""Characters of a header that ``csv.Sniffer`` sees, whose search is quadratic in quotes."""
+
+_MARKED = re.compile(r"[+-]?[\d.,]*\d[\d.,]*([eE][+-]?\d+)?")
+_GROUP = re.compile(r"[+-]?[1-9]\d{0,2}[.,]\d{3}")
+
+
+@dataclass(frozen=True)
+class CsvTable:
+    """A CSV file with a header line, as text.
+
+    Attributes
+    ----------
+    line : int
+        Number of the header's line, from 1.
+    header : list of str
+        Names of the columns, without those at the end that have none.
+    rows : list of (int, list of str)
+        Number of the line and cells of each row that is not blank.  Numbers have decimal points in
+        the columns that were asked for.  A row may be shorter than the header, but not longer.
+    comments : list of str
+        Lines that begin with #, where the format has them.
+    """
+
+    line: int
+    header: list[str]
+    rows: list[tuple[int, list[str]]]
+    comments: list[str]
+
+
+def read_csv_table(
+    lines: Iterable[str], columns: Collection[str], where: str, *, comments: bool = False
+) -> CsvTable | None:
+    """The header and the rows of a CSV file in any of the dialects of spreadsheets.
+
+    Parameters
+    ----------
+    lines : iterable of str
+        Of the file, without their ends.
+    columns : collection of str
+        Names of those that hold numbers; upper and lower case are alike.
+    where : str
+        The file, for messages.
+    comments : bool
+        Whether lines that begin with # are comments.
+
+    Returns
+    -------
+    CsvTable or None
+        None where all lines are blank or comments.
+
+    Raises
+    ------
+    InputError
+        Where quotes do not close, a row has more fields than the header, or points and commas in
+        numbers cannot be told apart.
+    """
+    body, told = [], []
+    for text in lines:
+        comment = comments and is_comment(text)
+        told += [text] if comment else []
+        body.append("" if comment else text)
+    first = next((text for text in body if text.strip(" \t;,")), None)
+    if first is None:
+        return None
+    separator = separator_of(first, columns)
+    (line, header), *rows = _rows(body, separator, where)
+    while not header[-1]:
+        header.pop()
+    for number, row in rows:
+        if any(row[len(header) :]):
+            raise too_many_fields(len(row), len(header), separator, f"{where}: line {number}")
+        del row[len(header) :]
+    wanted = {name.lower() for name in columns}
+    places = [place for place, name in enumerate(header) if name.lower() in wanted]
+    cells = [(n, row, place) for n, row in rows for place in places if place < len(row)]
+    if has_decimal_commas(((n, row[place]) for n, row, place in cells), separator, where):
+        for _, row, place in cells:
+            row[place] = row[place].replace(",", ".")
+    return CsvTable(line, header, rows, [_uncovered(text, separator) for text in told])
+
+
+def separator_of(header: str, columns: Collection[str]) -> str:
+    """The separator of a CSV file, one of ``SEPARATORS``, from its header line.
+
+    ``csv.Sniffer`` is shown the header alone: in rows it takes decimal commas and what stands next
+    to quotes for separators (CPython's issues 97611 and 119123).  It is overruled where another
+    separator brings to light more of the ``columns`` that are looked for, as it prefers commas.
+    """
+    try:
+        sniffed = csv.Sniffer().sniff(header[:SNIFFED], "".join(SEPARATORS)).delimiter
+    except csv.Error:
+        sniffed = ","  # one column
+    wanted = {name.lower() for name in columns}
+    return max((sniffed, *SEPARATORS), key=lambda mark: len(wanted & set(_names(header, mark))))
+
+
+def header_names(header: str, columns: Collection[str]) -> list[str]:
+    """The names in a header line, in lower case, where ``columns`` are looked for."""
+    return _names(header, separator_of(header, columns))
+
+
+def has_decimal_commas(cells: Iterable[tuple[int, str]], separator: str, where: str) -> bool:
+    """Whether the numbers of a file have decimal commas.
+
+    Parameters
+    ----------
+    cells : iterable of (int, str)
+        Number of the line, and what stands there for a number; other texts do not count.
+    separator : str
+        Of the columns.  Where it is the comma, no number has one.
+    where : str
+        The file, for messages.
+
+    Raises
+    ------
+    InputError
+        Where one number has two marks or one of each kind, numbers differ in their mark, or all
+        that have a mark may be thousands just as well, as 6.000 and 6,000.
+    """
+    if separator == ",":
+        return False
+    first: dict[str, tuple[int, str]] = {}
+    decimal = False
+    for number, cell in cells:
+        marks = [c for c in cell if c in ".,"]
+        if not marks or not _MARKED.fullmatch(cell):
+            continue
+        if len(marks) > 1:
+            raise InputError(
+                f"{quoted(cell)} has {len(marks)} marks, points or commas",
+                "write numbers without separators of thousands",
+                f"{where}: line {number}",
+            )
+        first.setdefault(marks[0], (number, cell))
+        decimal = decimal or not _GROUP.fullmatch(cell)
+    if len(first) > 1:
+        told = " and ".join(f"{quoted(cell)} in line {n}" for n, cell in first.values())
+        raise InputError(
+            f"found {told}: both commas and points in numbers", "keep one of them", where
+        )
+    if first and not decimal:
+        ((mark, (number, cell)),) = first.items()
+        whole = cell.replace(mark, "")
+        raise InputError(
+            f"{quoted(cell)} may be {whole} or {cell.replace(mark, '.')}, no other tells",
+            f"write {whole} or {cell}0",
+            f"{where}: line {number}",
+        )
+    return "," in first
+
+
+def too_many_fields(found: int, expected: int, separator: str, where: str) -> InputError:
+    """The error for a row with more fields than the header, which decimal commas may have made."""
+    advice = "complete the header or remove what is too much"
+    if separator == ",":
+        advice = f"use a decimal point or semicolons between columns, or {advice}"
+    return InputError(
+        f"found {found} figures separated by {SEPARATORS[separator]}, expected {expected}",
+        advice,
+        where,
+    )
+
+
+def is_comment(line: str) -> bool:
+    """Whether a line begins with #; a spreadsheet puts quotes around one that has a separator."""
+    return line.lstrip().removeprefix('"').startswith("#")
+
+
+def _uncovered(comment: str, separator: str) -> str:
+    """A comment without the quotes and the empty fields that a spreadsheet adds."""
+    if comment.lstrip().startswith('"'):
+        return next(_reader([comment.lstrip()], separator), [""])[0]
+    return comment.rstrip(f" {separator}")
+
+
+def _rows(lines: Iterable[str], separator: str, where: str) -> list[tuple[int, list[str]]]:
+    """Number of the line and cells of each row that is not blank."""
+    reader = _reader((f"{line}\n" for line in lines), separator, strict=True)
+    try:
+        found = [(reader.line_num, [cell.strip() for cell in row]) for row in reader]
+    except csv.Error as error:
+        raise InputError(
+            f"line {reader.line_num}: not CSV: {error}", "save the file as plain CSV", where
+        ) from None
+    return [(number, row) for number, row in found if any(row)]
+
+
+def _names(header: str, separator: str) -> list[str]:
+    return [cell.strip().lower() for cell in next(_reader([header], separator), [])]
+
+
+def _reader(lines: Iterable[str], separator: str, *, strict: bool = False) -> Any:
+    return csv.reader(lines, delimiter=separator, skipinitialspace=True, strict=strict)
+
+
+# -------------------------------------------------------------------------------------------------
+# CSV as text.
+
+FURTHER_LOADS = ("mean_inflow", "reverse_flow", "roots")
+"""Fields of ``Loads`` that `propmap sweep` tells beside the columns of `propmap predict`."""
+
+
+def csv_text(columns: Sequence[str], rows: Sequence[Mapping[str, Any]]) -> str:
+    """CSV with a header line; None becomes an empty field, a float all its digits."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(columns)
+    writer.writerows([row[name] for name in columns] for row in rows)
+    return text.getvalue()
+
+
+def loads_csv(points: OperatingPoints, loads: Loads, spread: Mapping[str, Floats]) -> str:
+    """The CSV of `propmap sweep`.
+
+    Parameters
+    ----------
+    points : OperatingPoints
+        Where.
+    loads : Loads
+        At these points.
+    spread : mapping of str to ndarray, shape (n,)
+        Their standard deviations by column, see ``operating_points.std_columns``; may be empty.
+    """
+    further = {**{name: getattr(loads, name) for name in FURTHER_LOADS}, **spread}
+    return csv_text([*points.columns, *further], points.rows(loads, further))
+
+
+# -------------------------------------------------------------------------------------------------
+# The lines of a text file, or an ``InputError`` that says why there are none.
+
+MAX_BYTES = 5_000_000
+
+
+def read_lines(path: str | os.PathLike[str], content: str = "geometry") -> list[str]:
+    """The lines of the UTF-8 text file at ``path``, without their line ends.
+
+    Parameters
+    ----------
+    path : path
+        Of the file.
+    content : str
+        What kind of file is expected, for the messages.
+
+    Raises
+    ------
+    InputError
+        For a missing file, a directory, a file above 5 MB, and a file that is empty, binary or in
+        another encoding.
+    """
+    where = os.fspath(path)
+    data = _read_bytes(where, content)
+    if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
+        raise InputError("the text is in UTF-16, expected UTF-8", "save it as UTF-8", where)
+    if b"\0" in data:
+        raise InputError(
+            "found binary data, expected text", f"give a text file with the {content}", where
+        )
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        raise InputError(
+            f"line {line}: byte 0x{data[error.start]:02x} is not UTF-8 text",
+            "save the file as UTF-8",
+            where,
+        ) from None
+    if not text.strip():
+        raise InputError(
+            f"the file is empty, expected the {content}", f"give a {content} file", where
+        )
+    # Not str.splitlines, which also splits at form feeds and would shift the line numbers.
+    return text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+
+
+def _read_bytes(where: str, content: str) -> bytes:
+    try:
+        status = Path(where).stat()
+        fault = _fault(status, content)
+        if fault is None:
+            return Path(where).read_bytes()
+    except FileNotFoundError:
+        fault = ("no such file", "check the path")
+    except OSError as error:
+        reason = error.strerror or type(error).__name__
+        fault = (f"cannot read it: {reason}", "check the path and the rights to read it")
+    except ValueError as error:
+        # A path with a null character.
+        fault = (f"not a path: {error}", "check the path")
+    raise InputError(*fault, where)
+
+
+def _fault(status: os.stat_result, content: str) -> tuple[str, str] | None:
+    """What keeps a path from being a readable text file, and the remedy."""
+    if stat.S_ISDIR(status.st_mode):
+        return "this is a directory, expected a file", "name a file inside it"
+    if not stat.S_ISREG(status.st_mode):
+        return "this is a device or pipe, expected a file", "save the data to a file"
+    if status.st_size > MAX_BYTES:
+        megabytes, limit = status.st_size / 1e6, MAX_BYTES / 1e6
+        return (
+            f"{megabytes:.1f} MB is not a {content} file, expected at most {limit:g} MB",
+            f"name the file with the {content}",
+        )
+    return None
+
+
+# -------------------------------------------------------------------------------------------------
+# Files that appear whole or not at all.
+
+
+@contextmanager
+def replacing(path: Path) -> Iterator[Path]:
+    """A path in the same folder to write to; renamed to ``path`` if the block succeeds.
+
+    Whatever ends the block otherwise, an interruption included, leaves ``path`` as it was
+    and nothing beside it.  An ``OSError``, of a full disk say, names ``path``.
+    """
+    part = path.with_name(f".{path.name[:100]}.{os.getpid()}.part")
+    try:
+        yield part
+        part.replace(path)
+    except OSError as error:
+        if error.filename is not None and str(error.filename) != str(part):
+            raise
+        reason = error.strerror or str(error)
+        raise OSError(error.errno or 0, reason, str(path)) from error
+    finally:
+        with suppress(OSError):
+            part.unlink(missing_ok=True)
+
+
+def write_dataset(dataset: xarray.Dataset, path: Path) -> None:
+    """Write a dataset as NetCDF, whole or not at all.
+
+    It is made in memory first: where a disk is full, the HDF5 library ends the process.
+    """
+    with replacing(path) as part:
+        part.write_bytes(dataset.to_netcdf(engine="h5netcdf"))
+
+
+# -------------------------------------------------------------------------------------------------
+# Operating points and their loads as users write them: rpm, m/s, degrees, columns with units.
+
+RPM = np.pi / 30.0
+"""[rad/s] per revolution per minute."""
+
+PREDICT_COLUMNS = (
+    "rpm",
+    "speed_mps",
+    "beta_deg",
+    *(load.column for load in LOADS.values()),
+    "power_W",
+    "status",
+)
+
+REMEDIES = {
+    "rpm": "give revolutions per minute, 0 or more; the spin's direction does not matter here",
+    "speed": "give 0 or more m/s; the direction is --beta, 180 in descent",
+    "beta": "give degrees: 0 axial climb, 90 edgewise flight, 180 descent",
+    "climb": "give m/s, negative in descent",
+    "height": "give the height of the disk above level ground in m, or leave it out",
+}
+
+FURTHER = {"height": "height_m"}
+"""Columns of what an operating point may have beside these, see ``operating_points.Further``."""
+
+SIGNED = ("beta", "climb")
+"""Quantities that may be negative."""
+
+
+@dataclass(frozen=True)
+class OperatingPoints:
+    """rpm [1/min], speed [m/s], beta [degrees] and what is ``further`` given, arrays (n,)."""
+
+    rpm: Floats
+    speed_mps: Floats
+    beta_deg: Floats
+    further: Mapping[str, Floats] = field(default_factory=dict)
+
+    @classmethod
+    def grid(cls, rpm: Floats, speed: Floats, beta: Floats) -> OperatingPoints:
+        """All combinations, beta fastest."""
+        w, v, b = (axis.ravel() for axis in np.meshgrid(rpm, speed, beta, indexing="ij"))
+        return cls(w, v, b)
+
+    @property
+    def count(self) -> int:
+        """How many points there are."""
+        return self.rpm.size
+
+    def part(self, start: int, count: int) -> OperatingPoints:
+        """Up to ``count`` points from ``start`` on."""
+        cut = slice(start, start + count)
+        further = {name: values[cut] for name, values in self.further.items()}
+        return OperatingPoints(self.rpm[cut], self.speed_mps[cut], self.beta_deg[cut], further)
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Columns of ``rows``."""
+        return *PREDICT_COLUMNS[:3], *(FURTHER[name] for name in self.further), *PREDICT_COLUMNS[3:]
+
+    @property
+    def si(self) -> tuple[Floats, Floats, Floats]:
+        """Omega [rad/s], V [m/s] and beta [rad], (n,) each."""
+        return self.rpm * RPM, self.speed_mps, np.radians(self.beta_deg)
+
+    def loads(self, rotor: Rotor) -> Loads:
+        """Loads of the rotor at these points, fields of shape (n,)."""
+        return rotor.loads(*self.si, **self.further)
+
+    def rows(
+        self, loads: Loads, further: Mapping[str, Floats] | None = None
+    ) -> list[dict[str, Any]]:
+        """One mapping of ``columns`` per point; None where a number is NaN.
+
+        Parameters
+        ----------
+        loads : Loads
+            At these points.
+        further : mapping of str to ndarray, shape (n,)
+            Columns to follow.
+        """
+        numbers = (*(getattr(loads, name) for name in LOADS), loads.power)
+        given = (self.rpm, self.speed_mps, self.beta_deg, *self.further.values())
+        columns = [values.tolist() for values in (*given, *numbers)]
+        status = loads.status.tolist()
+        rows = [
+            dict(zip(self.columns, [*(_number(v) for v in row[:-1]), row[-1]], strict=True))
+            for row in zip(*columns, status, strict=True)
+        ]
+        for name, values in (further or {}).items():
+            for one, value in zip(rows, values.tolist(), strict=True):
+                one[name] = _number(value)
+        return rows
+
+
+def check_value(quantity: str, value: float) -> float:
+    """``value`` if it can be a ``quantity`` of ``REMEDIES``; else raises ``InputError``."""
+    if not np.isfinite(value):
+        raise InputError(f"{quantity} is {value}, which is no finite number", REMEDIES[quantity])
+    if value < 0.0 and quantity not in SIGNED:
+        raise InputError(f"{quantity} is negative ({value:g})", REMEDIES[quantity])
+    return value
+
+
+def std_columns(loads: Loads, *, by_source: bool) -> dict[str, Floats]:
+    """Standard deviations by their columns in files, "thrust_std_N" or "thrust_std_tunnel_N".
+
+    Parameters
+    ----------
+    loads : Loads
+        With deviations, else there are no columns.
+    by_source : bool
+        Whether there is a column for each source, too.
+    """
+    if not loads.std_by_source:
+        return {}
+    found = dict(_columns("std", loads.std))
+    if by_source:
+        for source, values in loads.std_by_source.items():
+            found.update(_columns(f"std_{source}", values))
+    return found
+
+
+def _number(value: float) -> float | None:
+    return value if np.isfinite(value) else None
+
+
+def _columns(what: str, values: LoadValues) -> Iterator[tuple[str, Floats]]:
+    for name, load in LOADS.items():
+        yield load.column_of(what), getattr(values, name)
+    yield f"power_{what}_W", values.power
+
+
+# -------------------------------------------------------------------------------------------------
+# CSV files with a column per quantity: operating points and measured loads.
+
+POINT_COLUMNS = {"rpm": "rpm", "speed_mps": "speed", "beta_deg": "beta"}
+QUANTITIES = POINT_COLUMNS | {column: name for name, column in FURTHER.items()}
+LOAD_COLUMNS = {load.column: name for name, load in LOADS.items()}
+"""Names of loads by their column."""
+
+
+@dataclass(frozen=True)
+class PointsFile:
+    """Operating points (n,) and the further columns asked for that the file has, each (n,).
+
+    An empty field of a further column is NaN.
+    """
+
+    points: OperatingPoints
+    further: dict[str, Floats]
+
+
+def read_points(path: Path, further: Iterable[str] = ()) -> PointsFile:
+    """Operating points from a CSV file with a header.
+
+    Parameters
+    ----------
+    path : Path
+        Of a file with the columns rpm, speed_mps and beta_deg, and height_m if there is ground, in
+        any order, in any dialect of ``propmap.io.csv``.
+    further : sequence of str
+        Columns to read as well, where the file has them; others are left.
+
+    Raises
+    ------
+    InputError
+        Naming the file, the line and the column.
+    """
+    wanted = (*FURTHER.values(), *further)
+    columns = read_columns(path, POINT_COLUMNS, wanted, "list of operating points")
+    rpm, speed, beta = (columns.pop(name) for name in POINT_COLUMNS)
+    more = {name: columns.pop(column) for name, column in FURTHER.items() if column in columns}
+    return PointsFile(OperatingPoints(rpm, speed, beta, more), columns)
+
+
+def read_columns(
+    path: Path, needed: Collection[str], further: Iterable[str], what: str
+) -> dict[str, Floats]:
+    """Columns (n,) of a CSV file with a header, by their names.
+
+    Parameters
+    ----------
+    path : Path
+        Of a file in any dialect of ``propmap.io.csv``.
+    needed, further : collection and iterable of str
+        Columns that the file must have, and those to read where it has them, with NaN for an empty
+        field unless it is of an operating point.
+    what : str
+        What the file should be, for messages.
+
+    Raises
+    ------
+    InputError
+        Naming the file, the line and the column.
+    """
+    where, further = str(path), tuple(further)
+    lines = read_lines(path, what)
+    file = read_csv_table(lines, [*needed, *further], where)
+    header = file.header if file else []
+    missing = [name for name in needed if name not in header]
+    if missing:
+        raise InputError(
+            f"line 1: column {missing[0]} is missing",
+            f"the first line must name {', '.join(needed)}",
+            where,
+        )
+    if file is None or not file.rows:
+        raise InputError("there is no row below the header", "add a row per point", where)
+    _check_units(header, further, where)
+    wanted = [*needed, *(name for name in further if name in header)]
+    repeated = [name for name in wanted if header.count(name) > 1]
+    if repeated:
+        raise InputError(f"line 1: column {repeated[0]} occurs twice", "keep one of them", where)
+    columns: dict[str, list[float]] = {name: [] for name in wanted}
+    places = {name: header.index(name) for name in wanted}
+    for line, row in file.rows:
+        for name, place in places.items():
+            cell = row[place] if place < len(row) else ""
+            columns[name].append(_value(cell, name, f"{where}, line {line}, column {name}"))
+    return {name: np.array(values) for name, values in columns.items()}
+
+
+def _check_units(header: Collection[str], columns: Collection[str], where: str) -> None:
+    """Raise ``InputError`` for a load that is there, but in none of the units of ``columns``."""
+    for load in LOADS:
+        same = [name for name in columns if name.rpartition("_")[0] == load]
+        if not same or set(same) & set(header):
+            continue
+        for name in header:
+            if name.lower().replace(" ", "_").startswith(load):
+                raise InputError(
+                    f"line 1: column {quoted(name)} is in no unit that is known",
+                    f"name it {' or '.join(same)}, after its unit, or leave it out",
+                    where,
+                )
+
+
+def _value(cell: str, column: str, where: str) -> float:
+    quantity = QUANTITIES.get(column)
+    if quantity is None and not cell:
+        return math.nan
+    remedy = REMEDIES[quantity] if quantity else "give a finite number or leave the field empty"
+    try:
+        value = float(cell)
+    except ValueError:
+        found = f"{quoted(cell)} is not a number" if cell else "the field is empty"
+        raise InputError(found, remedy, where) from None
+    if not math.isfinite(value):
+        raise InputError(f"{cell} is not a finite number", remedy, where)
+    if value < 0.0 and quantity in ("rpm", "speed", *FURTHER):
+        raise InputError(f"{cell} is negative", remedy, where)
+    return value
+
+
+# -------------------------------------------------------------------------------------------------
+# The fields over the disk as CSV.
+
+DISK_COLUMNS = (
+    "radius_m",
+    "psi_deg",
+    "alpha_deg",
+    "inflow_mps",
+    "force_N_per_m",
+    "past_stall_deg",
+    "reverse",
+)
+
+
+def disk_csv(rotor: Rotor, omega: float, speed: float, beta: float) -> str:
+    """Angle of attack, inflow and force on a blade over the disk, a row per element and azimuth.
+
+    Parameters
+    ----------
+    rotor : Rotor
+        The rotor.
+    omega, speed, beta : float
+        Operating point [rad/s], [m/s], [rad].
+    """
+    field = rotor.inflow(omega, speed, beta)
+    radius, psi = np.meshgrid(field.radius, np.degrees(field.azimuth), indexing="ij")
+    columns = (
+        radius,
+        psi,
+        np.degrees(field.alpha),
+        field.local_inflow,
+        field.normal_force,
+        np.degrees(field.past_stall),
+        field.reverse.astype(int),
+    )
+    flat = [values.ravel().tolist() for values in columns]
+    return csv_text(
+        DISK_COLUMNS, [dict(zip(DISK_COLUMNS, row, strict=True)) for row in zip(*flat, strict=True)]
+    )

@@ -1,0 +1,661 @@
+"""Blade geometry from files: CSV, TOML, the UIUC database's and APC's formats, told by content."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from propmap.errors import InputError, quoted
+from propmap.io.csv import header_names, is_comment, read_csv_table, read_lines
+from propmap.io.toml import TomlTable, parse_toml
+from propmap.model.model import Propeller
+from propmap.model.plausibility import (
+    check_blade,
+    check_blades,
+    check_root_cutout,
+    twist_from_degrees,
+)
+from propmap.typing import Floats
+
+# -------------------------------------------------------------------------------------------------
+# Blade geometry in propmap's own format, one TOML file per propeller.
+
+SCHEMA = 1
+KEYS = (
+    *("schema", "name", "title", "family", "source", "citation"),
+    *("blades", "radius_m", "root_cutout_m", "station_m", "chord_m", "twist_rad"),
+)
+
+
+def read_propeller_toml(
+    path: str | os.PathLike[str], blades: int | None = None, radius: float | None = None
+) -> Propeller:
+    """A propeller from a file in the format of the catalogue.
+
+    Parameters
+    ----------
+    path : path
+        Of the file.
+    blades : int, optional
+        Replaces the file's.
+    radius : float, optional
+        Tip radius [m], which must agree with the file.
+
+    Raises
+    ------
+    InputError
+        Naming the field.
+    """
+    where = os.fspath(path)
+    return parse_propeller_toml("\n".join(read_lines(path)), where, blades, radius)
+
+
+def parse_propeller_toml(
+    text: str, where: str, blades: int | None = None, radius: float | None = None
+) -> Propeller:
+    """``read_propeller_toml`` for text already in memory; ``where`` names it in messages."""
+    table = TomlTable(parse_toml(text, where, SCHEMA), where, KEYS)
+    station, chord, twist = (table.numbers(key) for key in ("station_m", "chord_m", "twist_rad"))
+    for key in ("title", "family"):
+        table.text(key, '"..."', default="")
+    result = build_propeller(
+        where,
+        [f"entry {i}" for i in range(station.size)],
+        table.text("name", '"..."'),
+        check_blades(table.need("blades", "2") if blades is None else blades, where),
+        station,
+        chord,
+        twist,
+        source=table.text("source", '"..."', default=""),
+        citation=table.text("citation", '"..."', default=""),
+    )
+    for stated in (table.number("radius_m", "the tip radius in m"), radius):
+        if stated is not None:
+            check_radius(result.radius, stated, where)
+    if "root_cutout_m" not in table:
+        return result
+    root = table.number("root_cutout_m", "a length in m")
+    return result.with_root_cutout(check_root_cutout(root, station, f"{where}: root_cutout_m"))
+
+
+def propeller_toml(blade: Propeller) -> str:
+    """The text of a file that ``read_propeller_toml`` reads as the same ``blade``."""
+    import tomli_w
+
+    fields: dict[str, Any] = {
+        "schema": SCHEMA,
+        "name": blade.name,
+        "blades": blade.blades,
+        "radius_m": blade.radius,
+        "station_m": blade.station.tolist(),
+        "chord_m": blade.chord.tolist(),
+        "twist_rad": blade.twist.tolist(),
+    }
+    if blade.root_cutout is not None:
+        fields["root_cutout_m"] = blade.root_cutout
+    texts = {"source": blade.source, "citation": blade.citation}
+    fields |= {key: text for key, text in texts.items() if text}
+    return tomli_w.dumps(fields)
+
+
+# -------------------------------------------------------------------------------------------------
+# A blade as rows of a file, on the way to a ``Propeller``.
+
+INCH = 0.0254
+"""Metres in an inch."""
+
+RADIUS_TOLERANCE = 1e-3
+"""Share of the radius within which two statements of it agree."""
+
+GIVE_BLADES = "pass --blades 2 (in Python: blades=2)"
+GIVE_RADIUS = "pass --radius 0.1 (in Python: radius=0.1), in metres"
+
+
+def parse_number(text: str, field: str, where: str) -> float:
+    """A finite number written as plain decimal text, or ``InputError``."""
+    stripped = text.strip()
+    try:
+        # float() also takes 1_000, which in a data file is a slip.
+        value = float(stripped) if "_" not in stripped else math.nan
+    except ValueError:
+        value = math.nan
+    if math.isfinite(value):
+        return value
+    remedy = "use a decimal point" if "," in stripped else "remove the row or correct it"
+    found = quoted(stripped) if stripped else "nothing"
+    raise InputError(f"{field} is {found}, expected a finite number", remedy, where)
+
+
+def parse_blades(text: str, where: str) -> int:
+    """A number of blades written as text, or ``InputError``."""
+    stripped = text.strip()
+    count: object = int(stripped) if stripped.isascii() and stripped.isdigit() else stripped
+    return check_blades(count, where)
+
+
+def parse_rows(
+    rows: Iterable[tuple[int, Sequence[str]]],
+    header: Sequence[str],
+    columns: Sequence[str],
+    where: str,
+) -> tuple[list[str], Floats]:
+    """The numbers of a table, and "line 7" for each of its rows.
+
+    Parameters
+    ----------
+    rows : iterable
+        Number of the line, from 1, and its cells.
+    header, columns : sequence of str
+        Names of all columns, and of those wanted.
+    where : str
+        The file, for messages.
+
+    Returns
+    -------
+    labels : list of str
+        n of them.
+    table : ndarray, shape (n, columns)
+        As written in the file.
+    """
+    labels: list[str] = []
+    table: list[list[float]] = []
+    for number, cells in rows:
+        place = f"{where}: line {number}"
+        if len(cells) != len(header):
+            raise InputError(
+                f"found {len(cells)} figures, expected {len(header)}",
+                "complete the row or remove it",
+                place,
+            )
+        labels.append(f"line {number}")
+        table.append([parse_number(cells[header.index(name)], name, place) for name in columns])
+    return labels, np.array(table, dtype=np.float64).reshape(-1, len(columns))
+
+
+def check_radius(own: float, given: float, where: str, tolerance: float | None = None) -> None:
+    """Raise ``InputError`` unless ``given`` repeats the radius that the geometry has.
+
+    Parameters
+    ----------
+    own, given : float
+        Tip radius [m].
+    where : str
+        The file, for the message.
+    tolerance : float, optional
+        Largest difference [m]; by default 0.1 %.
+    """
+    limit = RADIUS_TOLERANCE * own if tolerance is None else tolerance
+    if not abs(given - own) <= limit:
+        raise InputError(
+            f"the radius is {own:.6g} m by its last station, but {given:g} m was given",
+            "leave the radius out or correct it",
+            where,
+        )
+
+
+def usable_radius(radius: float | None, where: str) -> float:
+    """The tip radius [m] that scales a file in fractions of it, or ``InputError``."""
+    if radius is None:
+        raise InputError("the file gives fractions of the radius only", GIVE_RADIUS, where)
+    if not (isinstance(radius, int | float) and 0.0 < radius < math.inf):
+        raise InputError(
+            f"the radius is {quoted(radius)} m, expected a length above 0", GIVE_RADIUS, where
+        )
+    return float(radius)
+
+
+def check_fractions(fraction: Floats, where: str, labels: Sequence[str]) -> None:
+    """Raise ``InputError`` unless fractions of the radius, shape (n,), end at the tip, 1.0."""
+    high = int(np.argmax(fraction))
+    if fraction[high] > 1.0:
+        raise InputError(
+            f"{labels[high]}: r/R is {fraction[high]:g}, expected at most 1"
+            + ("; it looks like per cent" if fraction[high] == 100.0 else ""),
+            "divide by the tip radius, or name the column after its unit",
+            where,
+        )
+    if fraction[-1] < 1.0 - 1e-6:
+        raise InputError(
+            f"{labels[-1]}: the last r/R is {fraction[-1]:g}, expected 1 (the tip)",
+            "add the tip station with its chord, or sort the rows by station",
+            where,
+        )
+
+
+def build_propeller(
+    path: str,
+    labels: Sequence[str],
+    name: str,
+    blades: int | None,
+    station: Floats,
+    chord: Floats,
+    twist: Floats,
+    source: str = "",
+    citation: str = "",
+) -> Propeller:
+    """A ``Propeller`` whose faults are reported with the file and the line they are in.
+
+    Parameters
+    ----------
+    path : str
+        The file.
+    labels : sequence of str
+        "line 7" for each row.
+    name, source, citation : str
+        As in ``Propeller``.
+    blades : int or None
+        None where the file gives no number, which is refused.
+    station, chord : ndarray, shape (n,)
+        [m].
+    twist : ndarray, shape (n,)
+        [rad].
+    """
+    check_blade(station, chord, twist, path, labels)
+    if blades is None:
+        raise InputError("the file gives no number of blades", GIVE_BLADES, path)
+    count = check_blades(blades, path)
+    return Propeller(name, count, station, chord, twist, None, source, citation)
+
+
+# -------------------------------------------------------------------------------------------------
+# Blade geometry as CSV with the unit in each column's name.
+
+LENGTH_UNITS = {"m": 1.0, "mm": 1e-3, "in": INCH}
+STATION_COLUMNS = ("radius_m", "radius_mm", "radius_in", "r_over_R")
+CHORD_COLUMNS = ("chord_m", "chord_mm", "chord_in", "c_over_R")
+TWIST_COLUMNS = ("twist_deg", "twist_rad")
+QUANTITIES = {"station": STATION_COLUMNS, "chord": CHORD_COLUMNS, "twist": TWIST_COLUMNS}
+COMMENT_KEYS = ("name", "blades", "radius_m", "source", "citation")
+
+
+def read_propeller_csv(
+    path: str | os.PathLike[str], blades: int | None = None, radius: float | None = None
+) -> Propeller:
+    """A propeller from a CSV file with one row per station, from root to tip.
+
+    One column each of radius_m, radius_mm, radius_in or r_over_R; chord_m, chord_mm, chord_in
+    or c_over_R; twist_deg or twist_rad; in any dialect of ``propmap.io.csv``.  Lines that
+    start with # are comments, in which ``# blades: 3``, ``# radius_m: 0.1``, ``# name:``,
+    ``# source:`` and ``# citation:`` count.
+
+    Parameters
+    ----------
+    path : path
+        Of the file.
+    blades : int, optional
+        Replaces the file's.
+    radius : float, optional
+        Tip radius [m], needed for r_over_R where the file gives none.
+
+    Raises
+    ------
+    InputError
+        Naming the line or the column.
+    """
+    where = os.fspath(path)
+    known = [name for several in QUANTITIES.values() for name in several]
+    file = read_csv_table(read_lines(path), known, where, comments=True)
+    if file is None:
+        remedy = "name the columns, for example radius_m,chord_m,twist_deg"
+        raise InputError("found comments only", remedy, where)
+    stated = _comments(file.comments)
+    columns = _choose_columns(file.header, f"{where}: line {file.line}")
+    if not file.rows:
+        raise InputError(
+            "found a header and no rows", "give one row per station of the blade", where
+        )
+    wanted = tuple(columns.values())
+    labels, table = parse_rows(file.rows, file.header, wanted, where)
+    if "radius_m" in stated:
+        place = f"{where}: # radius_m"
+        in_file = usable_radius(parse_number(stated["radius_m"], "the radius", place), place)
+        if radius is not None:
+            check_radius(in_file, radius, place)
+        radius = in_file
+    station, chord = _lengths(columns, table, radius, labels, where)
+    if radius is not None:
+        check_radius(float(station[-1]), radius, f"{where}: {labels[-1]}")
+    twist = table[:, 2]
+    if columns["twist"] == "twist_deg":
+        twist = twist_from_degrees(twist, f"{where}: twist_deg")
+    if blades is None and "blades" in stated:
+        blades = parse_blades(stated["blades"], f"{where}: # blades")
+    return build_propeller(
+        where,
+        labels,
+        stated.get("name", Path(where).stem),
+        blades,
+        station,
+        chord,
+        twist,
+        source=stated.get("source", f"file {Path(where).name}"),
+        citation=stated.get("citation", ""),
+    )
+
+
+def _comments(lines: Sequence[str]) -> dict[str, str]:
+    """What the comments state, first statement first."""
+    stated: dict[str, str] = {}
+    for line in lines:
+        key, _, value = line.lstrip().removeprefix("#").partition(":")
+        if key.strip().lower() in COMMENT_KEYS and value.strip():
+            stated.setdefault(key.strip().lower(), value.strip())
+    return stated
+
+
+def _choose_columns(header: Sequence[str], where: str) -> dict[str, str]:
+    """Which column gives station, chord and twist."""
+    known = [name for names in QUANTITIES.values() for name in names]
+    for cell in header:
+        if cell not in known:
+            raise InputError(
+                f"found column {quoted(cell)}, expected one of {', '.join(known)}",
+                "rename, comment or remove it",
+                where,
+            )
+    chosen: dict[str, str] = {}
+    for quantity, names in QUANTITIES.items():
+        found = [cell for cell in header if cell in names]
+        if not found:
+            raise InputError(
+                f"no column gives the {quantity}",
+                f"add {', '.join(names[:-1])} or {names[-1]}",
+                where,
+            )
+        if len(found) > 1:
+            raise InputError(
+                f"{' and '.join(found)} both give the {quantity}", "keep one of them", where
+            )
+        chosen[quantity] = found[0]
+    return chosen
+
+
+def _lengths(
+    columns: dict[str, str],
+    table: Floats,
+    radius: float | None,
+    labels: Sequence[str],
+    where: str,
+) -> tuple[Floats, Floats]:
+    """Station and chord [m]."""
+    if columns["station"] == "r_over_R":
+        tip = usable_radius(radius, where)
+        check_fractions(table[:, 0], where, labels)
+        station = table[:, 0] * tip
+    else:
+        station = table[:, 0] * LENGTH_UNITS[columns["station"].removeprefix("radius_")]
+        tip = float(station[-1])
+    if columns["chord"] == "c_over_R":
+        # A figure too large for a float becomes inf, which the check of the blade reports.
+        with np.errstate(over="ignore"):
+            return station, table[:, 1] * tip
+    return station, table[:, 1] * LENGTH_UNITS[columns["chord"].removeprefix("chord_")]
+
+
+# -------------------------------------------------------------------------------------------------
+# Blade geometry as the UIUC Propeller Database publishes it: ``r/R c/R beta``.
+
+HEADER = ["r/R", "c/R", "beta"]
+
+UIUC_CITATION = (
+    "Brandt, Deters, Ananda, Dantsker, Selig, UIUC Propeller Database, vols 1-3, "
+    "University of Illinois"
+)
+
+
+def read_uiuc_geometry(
+    path: str | os.PathLike[str], blades: int | None = None, radius: float | None = None
+) -> Propeller:
+    """A propeller from a UIUC geometry file: r/R, c/R and beta in degrees.
+
+    Nothing is extended: the last row must be the tip, r/R = 1.
+
+    Parameters
+    ----------
+    path : path
+        Of the file.
+    blades : int, optional
+        By default 2, as for nearly all of that database.
+    radius : float
+        Tip radius [m], which these files do not hold.
+
+    Raises
+    ------
+    InputError
+        Naming the line.
+    """
+    where = os.fspath(path)
+    lines = read_lines(path)
+    start = next(i for i, line in enumerate(lines) if line.strip())
+    if lines[start].split() != HEADER:
+        raise InputError(
+            f"line {start + 1}: the header is {quoted(lines[start].strip())}, "
+            "expected 'r/R c/R beta'",
+            "give the *_geom.txt file of the database",
+            where,
+        )
+    tip = usable_radius(radius, where)
+    rows = [
+        (n, line.split()) for n, line in enumerate(lines[start + 1 :], start + 2) if line.strip()
+    ]
+    if not rows:
+        raise InputError(
+            "found a header and no rows", "give one row per station of the blade", where
+        )
+    labels, table = parse_rows(rows, HEADER, HEADER, where)
+    check_fractions(table[:, 0], where, labels)
+    return build_propeller(
+        where,
+        labels,
+        Path(where).stem,
+        2 if blades is None else blades,
+        table[:, 0] * tip,
+        table[:, 1] * tip,
+        twist_from_degrees(table[:, 2], where),
+        source=f"UIUC geometry file {Path(where).name}",
+        citation=UIUC_CITATION,
+    )
+
+
+# -------------------------------------------------------------------------------------------------
+# Blade geometry as APC publishes it: ``*-PERF.PE0`` text files.
+
+UNITS = {"STATION": "(IN)", "CHORD": "(IN)", "TWIST": "(DEG)"}
+
+APC_CITATION = "Landing Products Inc. (APC Propellers), propeller performance data files"
+
+# The trailer gives lengths in inches to two decimals.
+TRAILER_TOLERANCE = 0.0051 * INCH
+
+
+def read_apc_pe0(
+    path: str | os.PathLike[str], blades: int | None = None, radius: float | None = None
+) -> Propeller:
+    """A propeller from an APC PE0 file.
+
+    TWIST is the angle of the line from leading to trailing edge.  The blade is loaded from the
+    first station, or from the hub transition (HUBTRA) where that lies further out.
+
+    Parameters
+    ----------
+    path : path
+        Of the file.
+    blades : int, optional
+        Replaces BLADES of the file.
+    radius : float, optional
+        Tip radius [m], which must agree with the file.
+
+    Raises
+    ------
+    InputError
+        For a file that is none, or describes no blade.
+    """
+    where = os.fspath(path)
+    lines = read_lines(path)
+    header = _header_line(lines, where)
+    names = _column_names(lines, header, where)
+    labels, table = parse_rows(_rows(lines, header), names, tuple(UNITS), where)
+    trailer = _trailer(lines[header:])
+    if blades is None:
+        if "BLADES" not in trailer:
+            raise InputError("found no line 'BLADES:'", GIVE_BLADES, where)
+        blades = parse_blades(trailer["BLADES"], f"{where}: BLADES")
+    station, chord = table[:, 0] * INCH, table[:, 1] * INCH
+    twist = twist_from_degrees(table[:, 2], where)
+    title = lines[0].split()[0] if lines[0].split() else "propeller"
+    result = build_propeller(
+        where,
+        labels,
+        f"apc-{title.lower()}",
+        blades,
+        station,
+        chord,
+        twist,
+        source=f"APC PE0 file {title}",
+        citation=APC_CITATION,
+    )
+    _check_tip(trailer, result, where)
+    if radius is not None:
+        check_radius(result.radius, radius, where)
+    return _with_hub_transition(trailer, result, where)
+
+
+def _header_line(lines: Sequence[str], where: str) -> int:
+    for number, line in enumerate(lines):
+        if line.split()[:2] == ["STATION", "CHORD"]:
+            return number
+    raise InputError(
+        "found no table with the header 'STATION CHORD ...'",
+        "give a PE0 file as APC publishes it",
+        where,
+    )
+
+
+def _column_names(lines: Sequence[str], header: int, where: str) -> list[str]:
+    """Of all columns, once the units of station, chord and twist on the next line are right."""
+    names = lines[header].split()
+    units = lines[header + 1].split() if header + 1 < len(lines) else []
+    for name, unit in UNITS.items():
+        if name not in names:
+            raise InputError(
+                f"line {header + 1}: no column {name}", "give the complete PE0 file", where
+            )
+        index = names.index(name)
+        found = units[index] if index < len(units) else ""
+        if found != unit:
+            raise InputError(
+                f"line {header + 2}: the unit of {name} is {quoted(found)}, expected {unit}",
+                "convert the column, or write the geometry as CSV",
+                where,
+            )
+    return names
+
+
+def _rows(lines: Sequence[str], header: int) -> list[tuple[int, list[str]]]:
+    """Numbers and cells of the lines below the units, up to the first that is no row."""
+    rows: list[tuple[int, list[str]]] = []
+    for number, line in enumerate(lines[header + 2 :], header + 3):
+        cells = line.split()
+        if cells and not cells[0].endswith(":"):
+            rows.append((number, cells))
+        elif cells or rows:
+            break
+    return rows
+
+
+def _trailer(lines: Sequence[str]) -> dict[str, str]:
+    """The figures behind RADIUS:, HUBTRA: and BLADES: as text."""
+    found: dict[str, str] = {}
+    for line in lines:
+        key, colon, rest = line.partition(":")
+        if colon and key.strip() in {"RADIUS", "HUBTRA", "BLADES"} and rest.split():
+            found.setdefault(key.strip(), rest.split()[0])
+    return found
+
+
+def _check_tip(trailer: dict[str, str], result: Propeller, where: str) -> None:
+    """A table that stops short of RADIUS was cut off."""
+    if "RADIUS" in trailer:
+        place = f"{where}: RADIUS"
+        stated = parse_number(trailer["RADIUS"], "the radius", place) * INCH
+        check_radius(result.radius, stated, place, TRAILER_TOLERANCE)
+
+
+def _with_hub_transition(trailer: dict[str, str], result: Propeller, where: str) -> Propeller:
+    if "HUBTRA" not in trailer:
+        return result
+    place = f"{where}: HUBTRA"
+    hub = parse_number(trailer["HUBTRA"], "the hub transition", place) * INCH
+    if hub <= result.root + TRAILER_TOLERANCE:
+        return result
+    return result.with_root_cutout(check_root_cutout(hub, result.station, place))
+
+
+# -------------------------------------------------------------------------------------------------
+# Any geometry file: which format it is in, read from its content.
+
+READERS: dict[str, Callable[..., Propeller]] = {
+    "apc-pe0": read_apc_pe0,
+    "uiuc": read_uiuc_geometry,
+    "csv": read_propeller_csv,
+    "toml": read_propeller_toml,
+}
+
+
+def read_geometry_file(
+    path: str | os.PathLike[str], blades: int | None = None, radius: float | None = None
+) -> Propeller:
+    """A propeller from a file in any format that propmap reads.
+
+    The format is told by the content; the name of the file plays no part.
+
+    Parameters
+    ----------
+    path : path
+        Of the file.
+    blades, radius : int, float, optional
+        As in the reader of that format; ``radius`` in [m].
+
+    Raises
+    ------
+    InputError
+        For a file in no format that is known, or with faults.
+    """
+    where = os.fspath(path)
+    kind = recognise(read_lines(path), where)
+    return READERS[kind](path, blades=blades, radius=radius)
+
+
+def recognise(lines: Sequence[str], where: str) -> str:
+    """The format of a file, one of ``READERS``, from its lines; ``InputError`` if unknown."""
+    body = [line for line in lines if line.strip() and not is_comment(line)]
+    first = body[0] if body else ""
+    if any(line.split()[:2] == ["STATION", "CHORD"] for line in body) or any(
+        "AIRFOIL SUMMARY DATA" in line for line in body
+    ):
+        return "apc-pe0"
+    if first.split()[:2] == HEADER[:2]:
+        return "uiuc"
+    if any(line.partition("=")[0].strip() == "schema" for line in body):
+        return "toml"
+    if _is_csv_header(first):
+        return "csv"
+    raise InputError(
+        f"begins with {quoted(first.strip())}, which is no propeller geometry that propmap knows",
+        "give an APC PE0 file, a UIUC geometry file (r/R c/R beta), a catalogue TOML file, "
+        "or a CSV file with columns such as radius_m,chord_m,twist_deg",
+        where,
+    )
+
+
+def _is_csv_header(line: str) -> bool:
+    """Whether a column is named after a blade quantity, its unit right or wrong."""
+    stems = {name.split("_")[0].lower() for names in QUANTITIES.values() for name in names}
+    known = [name for several in QUANTITIES.values() for name in several]
+    cells = header_names(line, known)
+    return len(cells) > 1 and any(cell.split("_")[0] in stems for cell in cells)

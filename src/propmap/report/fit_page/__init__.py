@@ -1,1 +1,0 @@
-"""The page on a fit: verdict, data, errors, parameters, load curves, further data."""

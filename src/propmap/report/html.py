@@ -1,0 +1,377 @@
+"""A report: one HTML page from a template, every figure as SVG, the numbers as CSV.
+
+The words and the order of a page are in a template of its name, beside the code that
+computes its numbers; all templates extend ``layout.html.j2`` of this folder.
+"""
+
+from __future__ import annotations
+
+import base64
+import csv
+import io
+import math
+import os
+import shutil
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+import propmap
+from propmap.errors import InputError
+from propmap.io.csv import replacing
+from propmap.loads import LOADS
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+MINUS, MISSING = "\N{MINUS SIGN}", "\N{EN DASH}"
+"""In front of a negative number, and where there is none."""
+
+DIGITS = 6
+"""Of the numbers in CSV files: the accuracy of the loads."""
+
+ZERO = 1e-9
+"""Smaller numbers, in SI units or degrees, are rounding errors, which differ between machines."""
+
+
+def report_files(
+    template: str, figures: Mapping[str, Figure], sheets: Mapping[str, str], **values: Any
+) -> dict[str, str | bytes]:
+    """All files of a report by name.
+
+    Parameters
+    ----------
+    template : str
+        Path of the page's template in the package.
+    figures : mapping of str to Figure
+        By name; the page holds them, and each is a file with the ending ``.svg`` as well.
+    sheets : mapping of str to str
+        Contents of CSV files, by name without the ending.
+    **values
+        What the template uses.
+    """
+    from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+    images = {name: as_svg(figure) for name, figure in figures.items()}
+    inside = {name: base64.b64encode(image).decode("ascii") for name, image in images.items()}
+    environment = Environment(
+        loader=FileSystemLoader(Path(__file__).parents[1]),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters |= {
+        "number": number,
+        "fixed": lambda value, digits=0: f"{value:.{digits}f}",
+        "percent": percent,
+        "sentence": sentence,
+    }
+    environment.globals |= {"columns": _columns, "version": propmap.__version__}
+    html = environment.get_template(template).render(images=inside, **values)
+    return {
+        PAGE: html,
+        **{f"{name}.svg": image for name, image in images.items()},
+        **{f"{name}.csv": text for name, text in sheets.items()},
+    }
+
+
+def number(value: float | None, digits: int = 3) -> str:
+    """A number to so many significant digits, without an exponent where that can be read."""
+    if value is None or value != value:
+        return MISSING
+    text = f"{value:.{digits}g}"
+    if "e" in text and 1e-5 < abs(value) < 1e7:
+        rounded = float(text)
+        text = f"{rounded:.0f}" if abs(value) >= 1.0 else f"{rounded:.{digits + 4}f}".rstrip("0")
+    return text.replace("-", MINUS)
+
+
+def percent(share: float) -> str:
+    """A share in per cent to two digits, without a line break."""
+    return f"{number(100.0 * share, 2)}\N{NO-BREAK SPACE}%"
+
+
+def sentence(text: str) -> str:
+    """With a capital letter and a full stop."""
+    return text[:1].upper() + text[1:] + ("" if text.endswith(".") else ".")
+
+
+def csv_of_rows(heads: str, rows: Iterable[Sequence[Any]]) -> str:
+    """Rows as CSV under heads with units, separated by spaces; NaN and None are empty fields."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(heads.split())
+    writer.writerows([_field(value) for value in row] for row in rows)
+    return text.getvalue()
+
+
+def csv_of_columns(groups: Iterable[Mapping[str, Any]]) -> str:
+    """Columns by head with unit as CSV; the groups of rows follow each other.
+
+    Values are array_like; in each group they are broadcast against each other.
+    """
+    heads = ""
+    rows: list[Sequence[Any]] = []
+    for group in groups:
+        heads = " ".join(group)
+        columns = np.broadcast_arrays(*(np.asarray(v, dtype=object) for v in group.values()))
+        rows += zip(*(column.ravel().tolist() for column in columns), strict=True)
+    return csv_of_rows(heads, rows)
+
+
+def _field(value: Any) -> Any:
+    if value is None or (isinstance(value, float) and math.isnan(value)):
+        return ""
+    if not isinstance(value, float):
+        return value
+    return f"{0.0 if abs(value) < ZERO else value:.{DIGITS}g}"
+
+
+def _columns(heads: str, rows: Iterable[Sequence[Any]]) -> list[tuple[str, str, bool, list[str]]]:
+    """Name, unit, whether it holds numbers, and cells of each column of a table.
+
+    ``heads`` such as "load | rms error [N]"; a cell is a text, or a number to be set to three
+    digits.
+    """
+    columns = []
+    for head, *values in zip(heads.split("|"), *rows, strict=True):
+        name, _, unit = head.strip().removesuffix("]").partition(" [")
+        cells = [value if isinstance(value, str) else _shown(value) for value in values]
+        columns.append((name, unit, bool(unit) or all(map(_is_number, cells)), cells))
+    return columns
+
+
+def _shown(value: float | None) -> str:
+    return str(value) if isinstance(value, int) else number(value)
+
+
+def _is_number(text: str) -> bool:
+    bare = text.replace(MINUS, "").replace(MISSING, "").replace("%", "").replace(" ", "")
+    return bare == "" or bare.replace(".", "", 1).isdigit()
+
+
+# -------------------------------------------------------------------------------------------------
+# The folder of a report: it appears with all its files or not at all.
+
+PAGE = "index.html"
+
+
+def file_names(figures: Collection[str], tables: Collection[str]) -> frozenset[str]:
+    """The page, an SVG and a CSV for each figure, a CSV for each table without a figure."""
+    pairs = {f"{name}{ending}" for name in figures for ending in (".svg", ".csv")}
+    return frozenset({PAGE, *pairs, *(f"{name}.csv" for name in tables)})
+
+
+MOST_LOADS = 6
+"""In flight, three forces and three moments."""
+
+REPORT_FILES = file_names(
+    [f"fit-{name}" for name in ("coverage", "errors", "loads", "parameters", "check", "measured")]
+    + [f"fit-residuals-{k}" for k in range(1, MOST_LOADS + 1)]
+    + [f"table-{name}" for name in ("cells", "loads", "maps", "hover")],
+    ["fit-correlations", "table-certificate"],
+)
+"""What ``propmap report`` may write."""
+
+TERMS_FILES = file_names(["fit-terms"], ["fit-terms-values", "fit-terms-worth"])
+"""What ``propmap fit terms`` may write."""
+
+
+def check_folder(folder: Path, names: Collection[str]) -> None:
+    """Raise ``InputError`` unless the folder can be made, or replaced without loss.
+
+    Parameters
+    ----------
+    folder : Path
+        If it exists, it may hold no files but those named.
+    names : collection of str
+        Of the files to be written.
+    """
+    where = str(folder)
+    try:
+        parent = folder.absolute().parent
+        if folder.is_symlink() or (folder.exists() and not folder.is_dir()):
+            raise InputError("this is not a folder", "name a folder to write into", where)
+        if not parent.is_dir():
+            told = f"there is no folder {str(parent)!r}"
+            raise InputError(told, "make it or choose another", where)
+        held = folder.iterdir() if folder.exists() else ()
+        others = sorted(p.name for p in held if p.name not in names or p.is_dir())
+    except InputError:
+        raise
+    except ValueError as error:
+        raise InputError(f"not a path: {error}", "choose another name", where) from None
+    if others:
+        raise InputError(
+            f"the folder holds {others[0]!r}, which this command does not write",
+            "choose a new or an empty folder",
+            where,
+        )
+    if not os.access(parent, os.W_OK):
+        raise InputError("the folder cannot be written to", "choose another", where)
+
+
+def write_folder(
+    folder: Path, files: Mapping[str, str | bytes], names: Collection[str] = ()
+) -> None:
+    """Make the folder, or replace it, with these files.
+
+    They are written into a folder beside it, which is renamed when all are there.
+
+    Parameters
+    ----------
+    folder : Path
+        Checked as by ``check_folder``, which may raise ``InputError``.
+    files : mapping of str to str or bytes
+        Contents by name; text is written as UTF-8.
+    names : collection of str
+        Of further files that the folder may hold; they are removed.
+    """
+    check_folder(folder, {*files, *names})
+    with _beside(folder, "part") as part, _beside(folder, "old") as old:
+        part.mkdir()
+        for name, content in files.items():
+            data = content.encode("utf-8") if isinstance(content, str) else content
+            (part / name).write_bytes(data)
+        if folder.exists():
+            folder.rename(old)
+        try:
+            part.rename(folder)
+        except BaseException:
+            if old.exists():
+                old.rename(folder)
+            raise
+
+
+@contextmanager
+def _beside(folder: Path, ending: str) -> Iterator[Path]:
+    """The path of a temporary folder beside this one; it is removed at the end."""
+    place = folder.absolute()
+    path = place.with_name(f".{place.name[:100]}.{os.getpid()}.{ending}")
+    try:
+        yield path
+    finally:
+        shutil.rmtree(path, ignore_errors=True)
+
+
+# -------------------------------------------------------------------------------------------------
+# One look for every figure, the pieces that many share, and how a figure is written.
+
+RPM = 30.0 / np.pi
+"""Revolutions per minute in 1 rad/s."""
+
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
+"""Okabe and Ito's palette without its yellow, which does not print: told apart by readers
+with any colour vision."""
+
+MARKERS = ("o", "s", "^", "D", "v", "P", "X")
+"""A marker goes with each colour, for print without colour."""
+
+MODEL: dict[str, Any] = {"linestyle": "-", "linewidth": 1.6}
+DASHED: dict[str, Any] = {"linestyle": (0, (5, 3)), "linewidth": 1.2}
+HOVER: dict[str, Any] = {**DASHED, "color": "0.35"}
+MEASURED: dict[str, Any] = {"linestyle": "none", "markersize": 4.5, "clip_on": False}
+BAND: dict[str, Any] = {"alpha": 0.25, "linewidth": 0.0}
+
+_SETTINGS: dict[Any, Any] = {
+    "font.size": 9.0,
+    "axes.grid": True,
+    "grid.color": "0.88",
+    "grid.linewidth": 0.6,
+    "axes.axisbelow": True,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "legend.frameon": False,
+    "figure.dpi": 150.0,
+    "savefig.facecolor": "white",
+    "svg.fonttype": "none",
+    "pdf.fonttype": 42,
+}
+
+
+@contextmanager
+def style() -> Iterator[None]:
+    """Draw in the package's style; the settings of the process stay.  Also a decorator."""
+    with mpl.rc_context(_SETTINGS):
+        yield
+
+
+def new_figure(width: float, height: float) -> Figure:
+    """An empty figure of this size [inches] that lays itself out."""
+    return Figure(figsize=(width, height), layout="constrained")
+
+
+def load_panels(height: float, **shared: Any) -> tuple[Figure, Any]:
+    """A figure with two panels in a row of this height [inches], and the axes (rows, 2)."""
+    rows = -(-len(LOADS) // 2)
+    figure = new_figure(8.6, height * rows)
+    return figure, figure.subplots(rows, 2, squeeze=False, **shared)
+
+
+def marked(k: int) -> dict[str, Any]:
+    """Colour and marker number k."""
+    return {"color": COLOURS[k], "marker": MARKERS[k]}
+
+
+def key(label: str, **look: Any) -> Line2D:
+    """A line of this look for a legend."""
+    return Line2D([], [], label=label, **look)
+
+
+def angle_keys(betas: Iterable[float], markersize: float = 0.0, **look: Any) -> list[Line2D]:
+    """A line for a legend for each angle [rad], with a marker if that has a size."""
+    return [
+        key(
+            f"β = {np.degrees(beta):.4g}°", color=COLOURS[k],
+            **({"marker": MARKERS[k], "markersize": markersize} if markersize else {}), **look,
+        )
+        for k, beta in enumerate(betas)
+    ]  # fmt: skip
+
+
+def legend_below(figure: Figure, handles: Sequence[Any], columns: int = 0, **look: Any) -> None:
+    """A legend under the panels, in one row unless ``columns`` is given."""
+    ncols = columns or len(handles)
+    figure.legend(handles=handles, loc="outside lower center", ncols=ncols, **look)
+
+
+def legend_in_last(axes: Sequence[Axes], handles: Sequence[Any], label: str) -> None:
+    """A legend in the last of 2 x 3 panels, and the label of the horizontal axis on the others."""
+    for ax in axes[2:5]:
+        ax.set_xlabel(label)
+        ax.tick_params(labelbottom=True)
+    axes[5].axis("off")
+    axes[5].legend(handles=handles, loc="center", fontsize=9.0)
+
+
+def share_of_weight(ax: Axes, weight: float) -> None:
+    """A second scale, so that a force error can be read as a share of the weight [N]."""
+    functions: Any = (lambda force: 100.0 * force / weight, lambda share: share * weight / 100.0)
+    ax.secondary_yaxis("right", functions=functions).set_ylabel("share of the weight [%]")
+
+
+def save(figure: Figure, path: Path) -> None:
+    """Write a figure in the format of the file's ending, whole or not at all."""
+    kind = path.suffix.lower().removeprefix(".")
+    with style(), replacing(path) as part:
+        figure.savefig(part, format=kind)
+
+
+def as_svg(figure: Figure) -> bytes:
+    """A figure for a page.
+
+    Letters are outlines, so that it looks alike everywhere; it holds no date and no random names,
+    so that the same figure gives the same bytes.
+    """
+    text = io.BytesIO()
+    fixed: dict[Any, Any] = {"svg.fonttype": "path", "svg.hashsalt": "propmap"}
+    with style(), mpl.rc_context(fixed):
+        figure.savefig(text, format="svg", metadata={"Date": None, "Creator": None})
+    return text.getvalue()

@@ -1,0 +1,632 @@
+"""Pictures: loads, disks, blades, power, missions, responses, mounts and choices of propellers."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from statistics import NormalDist
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from numpy.typing import NDArray
+
+from propmap.baselines.hover import HoverModel
+from propmap.errors import InputError
+from propmap.loads import LOADS
+from propmap.report.html import (
+    BAND,
+    COLOURS,
+    DASHED,
+    HOVER,
+    MEASURED,
+    MODEL,
+    RPM,
+    angle_keys,
+    key,
+    legend_below,
+    load_panels,
+    marked,
+    new_figure,
+    style,
+)
+from propmap.typing import Floats
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from numpy.typing import NDArray
+
+    from propmap.aircraft.mission import Flown, Mission
+    from propmap.aircraft.performance import Performance
+    from propmap.aircraft.ranking import Judged
+    from propmap.aircraft.sensitivity import Spread
+    from propmap.aircraft.trim import SteadyStates
+    from propmap.model.model import Propeller
+    from propmap.results import Inflow
+    from propmap.rotor import Rotor
+    from propmap.study.files import ResponseSurface
+    from propmap.typing import Floats
+
+
+# -------------------------------------------------------------------------------------------------
+# Loads against flight speed for several angles, as in the paper's figure 7.
+
+NEAR_ANGLE = np.radians(0.5)
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredLoads:
+    """Loads measured at one rotational speed.
+
+    Attributes
+    ----------
+    label : str
+        For the title.
+    speed, beta : ndarray, shape (n,)
+        Operating points [m/s], [rad].
+    loads : dict of str to ndarray, shape (n,)
+        By name; NaN where not measured.
+    """
+
+    label: str
+    speed: Floats
+    beta: Floats
+    loads: dict[str, Floats]
+
+    def along(self, beta: float, *, at_rest: bool) -> NDArray[np.intp]:
+        """Which points lie within half a degree of ``beta`` [rad], in the order of their speed;
+        those at rest too, at any angle, if ``at_rest``."""
+        near = np.abs(self.beta - beta) < NEAR_ANGLE
+        mine = np.flatnonzero(near | (at_rest & (self.speed == 0.0)))
+        return mine[np.argsort(self.speed[mine], kind="stable")]
+
+
+@style()
+def load_curves(
+    rotor: Rotor,
+    omega: float,
+    speed: Floats,
+    betas: Sequence[float],
+    measured: MeasuredLoads | None = None,
+    *,
+    band: Rotor | None = None,
+    band_label: str = "95 % band of the model",
+) -> Figure:
+    """Every load against flight speed, a curve for each angle, the hover model dashed.
+
+    Parameters
+    ----------
+    rotor : Rotor
+        What is drawn.
+    omega : float
+        Rotational speed [rad/s].
+    speed : ndarray, shape (n,)
+        Flight speeds [m/s].
+    betas : sequence of float
+        Up to 7 angles [rad].
+    measured : MeasuredLoads, optional
+        Points, drawn where their angle is within half a degree of a curve's; those at rest belong
+        to every curve and are drawn with the first.
+    band : Rotor, optional
+        Of this one, the band that holds the true loads with a probability of 95 % is shaded, where
+        it says how well it is known.
+    band_label : str
+        For the legend.
+
+    Raises
+    ------
+    InputError
+        For more than 7 angles.
+    """
+    if len(betas) > len(COLOURS):
+        raise InputError(
+            f"{len(betas)} angles make an unreadable picture", f"give at most {len(COLOURS)}"
+        )
+    found = rotor.loads(omega, speed, np.array(betas)[:, None])
+    low, high = None, None
+    if band is not None and band.model.uncertainty is not None:
+        shaded = found if band is rotor else band.loads(omega, speed, np.array(betas)[:, None])
+        low, high = shaded.interval()
+    hover = HoverModel.of(rotor).loads(omega)
+    figure, axes = load_panels(3.3, sharex=True)
+    for ax, load in zip(axes.ravel(), LOADS.values(), strict=True):
+        ax.axhline(float(hover[load.name]), **HOVER)
+        for k, curve in enumerate(getattr(found, load.name)):
+            ax.plot(speed, curve, color=COLOURS[k], **MODEL)
+            if low is not None and high is not None:
+                edges = (getattr(low, load.name)[k], getattr(high, load.name)[k])
+                ax.fill_between(speed, *edges, color=COLOURS[k], **BAND)
+        if measured is not None and load.name in measured.loads:
+            _draw_measured(ax, load.name, betas, measured)
+        ax.set_ylabel(load.title)
+        ax.margins(x=0.02)
+    for ax in axes[-1]:
+        ax.set_xlabel("flight speed V [m/s]")
+    model = rotor.model
+    title = f"{model.propeller.name}, airfoil {model.law_title}, {omega * RPM:.0f} rpm"
+    figure.suptitle(title if measured is None else f"{title}; points: {measured.label}")
+    keys: list[Any] = angle_keys(betas, markersize=0.0 if measured is None else 4.5, **MODEL)
+    keys.append(key("hover model", **HOVER))
+    if low is not None:
+        keys.append(Patch(label=band_label, color="0.4", **BAND))
+    legend_below(figure, keys)
+    return figure
+
+
+def _draw_measured(ax: Axes, load: str, betas: Sequence[float], measured: MeasuredLoads) -> None:
+    """The points of a load."""
+    values = measured.loads[load]
+    for k, beta in enumerate(betas):
+        mine = measured.along(beta, at_rest=k == 0)
+        ax.plot(measured.speed[mine], values[mine], **marked(k), **MEASURED)
+
+
+# -------------------------------------------------------------------------------------------------
+# The angle of attack over the disk, with inflow and thrust along the blade.
+
+STALL: dict[str, Any] = {"color": COLOURS[1], "linewidth": 1.6, "linestyle": "solid"}
+REVERSE: dict[str, Any] = {"color": "white", "linewidth": 1.6, "linestyle": "dashed"}
+ARROW: dict[str, Any] = {"arrowstyle": "-|>", "color": "0.2", "mutation_scale": 12.0}
+MM = 1e3
+
+
+@style()
+def disk_picture(rotor: Rotor, omega: float, speed: float, beta: float) -> Figure:
+    """Angle of attack over the disk seen from above, flight towards the top of the page.
+
+    A counter-clockwise propeller is shown; the other one is its mirror image.
+
+    Parameters
+    ----------
+    rotor : Rotor
+        What is drawn.
+    omega, speed, beta : float
+        Operating point [rad/s], [m/s], [rad].
+
+    Raises
+    ------
+    InputError
+        Where the inflow did not converge everywhere.
+    """
+    blade = rotor.model.propeller
+    radius = np.linspace(*rotor.model.span, 160)
+    azimuth = np.radians(np.linspace(0.0, 360.0, 361))
+    field = rotor.inflow(omega, speed, beta, radius=radius, azimuth=azimuth)
+    if not np.isfinite(field.alpha).all():
+        raise InputError(
+            "the inflow did not converge everywhere on the disk", "choose another operating point"
+        )
+    # Placed by hand: what is written around a polar plot is not laid out automatically.
+    figure = Figure(figsize=(9.2, 5.4))
+    disk = figure.add_axes((0.05, 0.15, 0.40, 0.66), projection="polar")
+    mesh = _angle_of_attack(disk, field)
+    bar = figure.colorbar(mesh, cax=figure.add_axes((0.53, 0.22, 0.014, 0.52)), extend="both")
+    bar.set_label(r"angle of attack $\alpha$ [deg]")
+    _directions(disk, MM * blade.radius, oblique=speed * abs(np.sin(beta)) > 1e-9)
+    handles = _regions(disk, field)
+    figure.legend(handles=handles, loc="lower center", bbox_to_anchor=(0.25, 0.0), ncols=2)
+    inflow = figure.add_axes((0.69, 0.52, 0.29, 0.37))
+    thrust = figure.add_axes((0.69, 0.10, 0.29, 0.37), sharex=inflow)
+    inflow.tick_params(labelbottom=False)
+    inflow.plot(MM * radius, field.inflow, color=COLOURS[0])
+    inflow.set_ylabel("inflow $v_i$ [m/s]")
+    thrust.plot(MM * radius, field.thrust_per_radius, color=COLOURS[0])
+    thrust.set_ylabel("thrust dT/dy [N/m]")
+    thrust.set_xlabel("radius y [mm]")
+    figure.suptitle(
+        f"{blade.name}, airfoil {rotor.model.law_title}: {omega * RPM:.0f} rpm, "
+        f"V = {speed:g} m/s, β = {np.degrees(beta):.4g}°"
+    )
+    return figure
+
+
+def _angle_of_attack(ax: Any, field: Inflow) -> Any:
+    degrees = np.degrees(field.alpha)
+    # In reverse flow alpha runs to +-180 deg; the colours are for the rest of the disk.
+    rest = degrees[~field.reverse] if not field.reverse.all() else degrees
+    low, high = np.floor(np.percentile(rest, 1.0)), np.ceil(np.percentile(rest, 99.0))
+    ax.set_theta_zero_location("S")
+    ax.grid(visible=False)
+    mesh = ax.pcolormesh(
+        field.azimuth, MM * field.radius, degrees, cmap="viridis", vmin=low,
+        vmax=max(high, low + 1.0), shading="gouraud", rasterized=True,
+    )  # fmt: skip
+    ax.set_ylim(0.0, MM * field.radius[-1])
+    ax.set_xticks([])
+    ax.set_yticks([])
+    return mesh
+
+
+def _regions(ax: Any, field: Inflow) -> list[Line2D]:
+    """Outline stall and reverse flow; handles for the legend."""
+    # Smooth fields whose zero is the boundary make smoother outlines than the regions.
+    regions = (
+        ("stalled", field.stalled, field.past_stall, STALL),
+        ("reverse flow", field.reverse, field.u_tangential, REVERSE),
+    )
+    handles = []
+    for name, region, boundary, look in regions:
+        if not region.any():
+            continue
+        if not region.all():
+            ax.contour(
+                field.azimuth, MM * field.radius, boundary, [0.0], colors=look["color"],
+                linewidths=look["linewidth"], linestyles=look["linestyle"],
+            )  # fmt: skip
+        colour = "0.5" if look["color"] == "white" else look["color"]
+        label = f"{name}: {100.0 * _share(field, region):.2g} % of the disk"
+        handles.append(Line2D([], [], **{**look, "color": colour}, label=label))
+    return handles
+
+
+def _share(field: Inflow, region: NDArray[np.bool_]) -> float:
+    """Share of the annulus from root to tip that a region covers [-]."""
+    around = region[:, :-1].mean(axis=1)
+    area = np.trapezoid(around * field.radius, field.radius)
+    return float(area / np.trapezoid(field.radius, field.radius))
+
+
+def _directions(ax: Any, tip: float, *, oblique: bool) -> None:
+    """Name the sides, and draw arrows for the rotation and the flight."""
+    sides = (" advancing", " retreating") if oblique else ("", "")
+    label: dict[str, Any] = {"transform": ax.transAxes, "ha": "center", "va": "center"}
+    ax.text(0.5, -0.035, "ψ = 0°", **label)
+    ax.text(1.035, 0.5, f"ψ = 90°{sides[0]}", rotation=-90.0, **label)
+    ax.text(0.5, 1.03, "ψ = 180°", **label)
+    ax.text(-0.035, 0.5, f"ψ = 270°{sides[1]}", rotation=90.0, **label)
+    turn = np.radians(np.linspace(32.0, 60.0, 30))
+    ax.plot(turn, np.full(30, 1.06 * tip), color="0.2", linewidth=1.2, clip_on=False)
+    ax.annotate(
+        "", (turn[-1] + 0.03, 1.06 * tip), (turn[-2], 1.06 * tip), arrowprops=ARROW,
+        annotation_clip=False,
+    )  # fmt: skip
+    middle = {"ha": "center", "va": "center", "rotation": 45.0}
+    ax.text(np.radians(45.0), 1.12 * tip, "rotation", **middle)
+    if oblique:
+        up = {"xycoords": "axes fraction", "arrowprops": ARROW}
+        ax.annotate("", xy=(0.5, 1.18), xytext=(0.5, 1.06), **up)
+        ax.text(0.53, 1.12, "flight", transform=ax.transAxes, va="center")
+
+
+# -------------------------------------------------------------------------------------------------
+# A blade: its outline, chord and twist.
+
+WIDTH = 7.2
+"""Of the figure [inches]."""
+
+
+@style()
+def planform(propeller: Propeller) -> Figure:
+    """The outline drawn about mid-chord (sweep plays no part in the model), chord and twist."""
+    station, chord, root = 1e3 * propeller.station, 1e3 * propeller.chord, 1e3 * propeller.root
+    tip = 1e3 * propeller.radius
+    loaded = np.union1d(station[station > root], [root])
+    half = 0.5 * np.interp(loaded, station, chord)
+    # Heights [inches] such that the outline, to scale, fills its panel's width.
+    height = 1.2 * WIDTH * chord.max() / station[-1]
+    figure = new_figure(WIDTH, height + 4.4)
+    outline, chords, twists = figure.subplots(3, 1, sharex=True, height_ratios=(height, 1.7, 1.7))
+    outline.fill_between(station, -0.5 * chord, 0.5 * chord, color="0.9", linewidth=0.0)
+    outline.fill_between(loaded, -half, half, color=COLOURS[5], alpha=0.6, linewidth=0.0)
+    for side in (-0.5, 0.5):
+        outline.plot(station, side * chord, color="0.2", linewidth=1.0)
+    outline.axvline(root, color="0.4", linewidth=1.0, linestyle=":")
+    outline.set_ylim(-0.55 * chord.max(), 0.55 * chord.max())
+    outline.set_aspect("equal", adjustable="box")
+    outline.set_ylabel("outline [mm]")
+    points = {"marker": "o", "markersize": 3.0}
+    chords.plot(station, chord, color=COLOURS[0], **points)
+    chords.set_ylabel("chord c [mm]")
+    chords.set_ylim(bottom=0.0)
+    twists.plot(station, np.degrees(propeller.twist), color=COLOURS[1], **points)
+    twists.set_ylabel("twist θ [deg]")
+    twists.set_xlabel("radius y [mm]")
+    twists.set_xlim(0.0, 1.02 * station[-1])
+    upper = outline.secondary_xaxis("top", functions=(lambda y: y / tip, lambda x: x * tip))
+    upper.set_xlabel("y/R")
+    number = f"{propeller.blades} blades" if propeller.blades > 1 else "1 blade"
+    figure.suptitle(f"{propeller.name}: {number}, R = {tip:.4g} mm, loaded from {root:.4g} mm")
+    return figure
+
+
+# -------------------------------------------------------------------------------------------------
+# Power, attitude, rotor speeds and thrust margin of an aircraft against its speed.
+
+WIDE = NormalDist().inv_cdf(0.975)
+"""Standard deviations on either side of a band that holds 95 %."""
+
+
+@style()
+def power_curves(
+    title: str,
+    flown: Sequence[SteadyStates],
+    hover: Sequence[SteadyStates],
+    found: Performance | None = None,
+    sure: Sequence[Spread | None] = (),
+) -> Figure:
+    """Four panels against speed, a curve for each climb rate, the hover model dashed.
+
+    Power, pitch and rotor speeds have bands that hold them with a probability of 95 %.
+
+    Parameters
+    ----------
+    title : str
+        Of the picture.
+    flown, hover : sequence of SteadyStates
+        Up to 7, of the aircraft and of the same with the hover model, each at one climb rate.
+    found : Performance, optional
+        Whose states with a name are marked.
+    sure : sequence of Spread, optional
+        Standard deviations of ``flown``, None where nothing is known of them.
+
+    Raises
+    ------
+    InputError
+        For more than 7 climb rates.
+    """
+    if len(flown) > len(COLOURS):
+        raise InputError(
+            f"{len(flown)} climb rates make an unreadable picture", f"give at most {len(COLOURS)}"
+        )
+    figure = new_figure(8.6, 6.2)
+    axes = figure.subplots(2, 2, sharex=True)
+    power, pitch, speed, margin = axes.ravel()
+    bands = sure or [None] * len(flown)
+    for states, still, known, colour in zip(flown, hover, bands, COLOURS, strict=False):
+        v = states.speed
+        same: dict[str, Any] = {"color": colour}
+        both = bool(np.isfinite(states.electrical_power).any())
+        power.plot(v, states.power, **MODEL, **same)
+        if both:
+            power.plot(v, states.shaft_power, linewidth=0.9, **same)
+        rpm = states.rotor_speed * RPM
+        edges = rpm.min(axis=1), rpm.max(axis=1)
+        for edge in edges:
+            speed.plot(v, edge, **MODEL, **same)
+        if known is not None:
+            degrees, turning = np.degrees(states.pitch), known.rotor_speed.max(axis=1) * RPM
+            for ax, low, high, std in (
+                (power, states.power, states.power, known.power),
+                (pitch, degrees, degrees, np.degrees(known.pitch)),
+                (speed, *edges, turning),
+            ):
+                ax.fill_between(v, low - WIDE * std, high + WIDE * std, **BAND, **same)
+        pitch.plot(v, np.degrees(states.pitch), **MODEL, **same)
+        margin.plot(v, states.thrust_margin, **MODEL, **same)
+        look = HOVER if len(flown) == 1 else {**DASHED, **same}
+        for ax, values in (
+            (power, still.power),
+            (pitch, np.degrees(still.pitch)),
+            (speed, still.rotor_speed.mean(axis=1) * RPM),
+            (margin, still.thrust_margin),
+        ):
+            ax.plot(v, values, **look)
+    margin.axhline(1.0, color="0.5", linewidth=0.8)
+    electric = bool(np.isfinite(flown[0].electrical_power).any())
+    power.set_ylabel("electrical power (thin: shafts) [W]" if electric else "shaft power [W]")
+    pitch.set_ylabel("pitch, nose down [deg]")
+    speed.set_ylabel("slowest and fastest rotor [1/min]")
+    margin.set_ylabel("thrust at the first limit / thrust [-]")
+    power.set_ylim(bottom=0.0)
+    margin.set_ylim(bottom=0.0)
+    for ax in (margin, speed):
+        ax.set_xlabel("horizontal speed through the air [m/s]")
+    if found is not None:
+        _mark(power, found)
+    figure.suptitle(title)
+    climbs = [float(states.climb[0]) for states in flown]
+    keys: list[Any] = [
+        key(f"climb {c:g} m/s" if c or len(climbs) > 1 else "this model", color=colour, **MODEL)
+        for c, colour in zip(climbs, COLOURS, strict=False)
+    ]
+    keys.append(key("hover model", **(HOVER if len(flown) == 1 else {**DASHED, "color": "0.35"})))
+    if any(each is not None for each in bands):
+        keys.append(Patch(label="95 % of what is likely", color="0.4", **BAND))
+    legend_below(figure, keys)
+    return figure
+
+
+def _mark(ax: Axes, found: Performance) -> None:
+    """The states with a name that lie in the picture, on the power curve."""
+    low, high = found.states.speed[[0, -1]]
+    for state, label, marker in (
+        (found.least_power, "least power", "v"),
+        (found.best_range, "best range", "D"),
+        (found.fastest, "top speed", "s"),
+    ):
+        if state is not None and low <= state.speed <= high:
+            ax.plot(state.speed, state.power, marker, color="black", markersize=5.0, label=label)
+    if ax.get_legend_handles_labels()[0]:
+        ax.legend(loc="lower left", fontsize=8.0)
+
+
+# -------------------------------------------------------------------------------------------------
+# Hover power against top speed of the propellers that an aircraft may have.
+
+NAMED = 3
+"""Of the ranking's best, so many are named beside those of the front."""
+
+
+@style()
+def propeller_choice(title: str, judged: Sequence[Judged], front: Sequence[int]) -> Figure:
+    """A point for each feasible propeller; those that no other beats in both are joined.
+
+    Parameters
+    ----------
+    title : str
+        Of the picture.
+    judged : sequence of Judged
+        The ranking, best first.
+    front : sequence of int
+        Numbers of those that no other beats, by rising hover power.
+    """
+    figure = new_figure(8.6, 5.6)
+    ax = figure.subplots()
+    drawn = [k for k, one in enumerate(judged) if one.feasible and np.isfinite(one.top_speed)]
+    power = [judged[k].hover_power for k in drawn]
+    ax.plot(power, [judged[k].top_speed for k in drawn], "o", color=COLOURS[5], markersize=4.0)
+    along = [judged[k].hover_power for k in front], [judged[k].top_speed for k in front]
+    ax.plot(*along, "-o", color=COLOURS[1], markersize=5.0, linewidth=1.2)
+    best = [k for k in range(min(NAMED, len(judged))) if k in drawn]
+    for rank, k in enumerate(best, start=1):
+        ax.plot(
+            judged[k].hover_power, judged[k].top_speed, "s", color="black", fillstyle="none",
+            markersize=9.0,
+        )  # fmt: skip
+        ax.annotate(
+            f"{rank}", (judged[k].hover_power, judged[k].top_speed), xytext=(0, 6),
+            textcoords="offset points", fontsize=8.0, ha="center", va="bottom",
+        )  # fmt: skip
+    for place, k in enumerate(front):
+        up = place % 2 == 0
+        ax.annotate(
+            judged[k].candidate.name.removeprefix("uiuc-"),
+            (judged[k].hover_power, judged[k].top_speed),
+            xytext=(-7, 6) if up else (7, -8),
+            textcoords="offset points",
+            fontsize=7.5,
+            ha="right" if up else "left",
+            va="bottom" if up else "top",
+        )
+    ax.margins(0.12)
+    ax.set_xlabel("power in hover [W]")
+    ax.set_ylabel("top speed [m/s]")
+    figure.suptitle(title)
+    legend_below(
+        figure,
+        [
+            key("feasible", color=COLOURS[5], marker="o", linestyle="none", markersize=4.0),
+            key("no other is better in both", color=COLOURS[1], marker="o", markersize=5.0),
+            key("best of the ranking", color="black", marker="s", linestyle="none",
+                fillstyle="none", markersize=8.0),
+        ],
+    )  # fmt: skip
+    return figure
+
+
+# -------------------------------------------------------------------------------------------------
+# A mission over time: speed, power, and the battery's charge and voltage.
+
+
+@style()
+def mission_course(title: str, legs: Mission, flown: Flown) -> Figure:
+    """Four panels over time, which end where the mission cannot go on.
+
+    Parameters
+    ----------
+    title : str
+        Of the picture.
+    legs : Mission
+        What was to be flown.
+    flown : Flown
+        How it was.
+    """
+    figure = new_figure(8.6, 5.4)
+    axes = figure.subplots(2, 2, sharex=True)
+    motion, power, charge, voltage = axes.ravel()
+    time = flown.course.time / 60.0
+    over = time[:, [0, -1]].ravel()
+
+    def steps(values: np.ndarray) -> np.ndarray:
+        return np.repeat(values, 2)
+
+    motion.plot(over, steps(legs.speed), color=COLOURS[0], **MODEL)
+    motion.plot(over, steps(legs.climb), color=COLOURS[1], **DASHED)
+    motion.set_ylabel("speed; climb [m/s]")
+    power.plot(over, steps(flown.states.power), color=COLOURS[0], **MODEL)
+    power.set_ylabel("power [W]")
+    power.set_ylim(0.0, 1.1 * max(power.get_ylim()[1], 1.0))
+    charge.plot(time.ravel(), 100.0 * flown.course.charge.ravel(), color=COLOURS[0], **MODEL)
+    charge.set_ylabel("state of charge [%]")
+    charge.set_ylim(0.0, 105.0)
+    voltage.plot(time.ravel(), flown.course.voltage.ravel(), color=COLOURS[0], **MODEL)
+    voltage.set_ylabel("battery's voltage [V]")
+    for ax in (charge, voltage):
+        ax.set_xlabel("time [min]")
+    lost = ~flown.lasted
+    if lost.any():
+        end = time[int(np.argmax(lost)), 0]
+        for ax in axes.ravel():
+            ax.axvspan(end, time[-1, -1], color="0.92", linewidth=0.0)
+    figure.suptitle(title)
+    keys = [
+        key("speed, power, charge, voltage", color=COLOURS[0], **MODEL),
+        key("climb", color=COLOURS[1], **DASHED),
+    ]
+    if lost.any():
+        keys.append(key("cannot be flown", color="0.88", linewidth=8.0))
+    legend_below(figure, keys)
+    return figure
+
+
+# -------------------------------------------------------------------------------------------------
+# A response surface, with the designs that it was fitted to.
+
+GRID = 80
+"""Values along each axis."""
+
+
+@style()
+def response_picture(
+    title: str,
+    label: str,
+    surface: ResponseSurface,
+    axes: tuple[str, str],
+    labels: tuple[str, str],
+    rows: dict[str, Floats],
+    values: Floats,
+) -> Figure:
+    """Contours over two variables, the others at the middle of their ranges.
+
+    Dots are all designs, wherever the others are.  Beside it what the surface says of each design,
+    against what was computed.
+
+    Parameters
+    ----------
+    title, label : str
+        Of the picture, and of the quantity, with its unit.
+    surface : ResponseSurface
+        What is drawn.
+    axes, labels : tuple of 2 str
+        What varies across and up, and its words with units.
+    rows : dict of str to ndarray, shape (n,)
+        The designs.
+    values : ndarray, shape (n,)
+        The quantity, computed.
+    """
+    figure = new_figure(9.6, 4.6)
+    ax, check = figure.subplots(1, 2, width_ratios=(1.35, 1.0))
+    ends = [(rows[name].min(), rows[name].max()) for name in axes]
+    across, up = np.meshgrid(*(np.linspace(*pair, GRID) for pair in ends))
+    middle = surface.middle()
+    if "blades" in middle:
+        middle["blades"] = float(rows["blades"].min())
+    at = {name: np.full(across.size, value) for name, value in middle.items()}
+    at |= {axes[0]: across.ravel(), axes[1]: up.ravel()}
+    found = surface(at).reshape(across.shape)
+    filled = ax.contourf(across, up, found, 14, cmap="viridis")
+    lines = ax.contour(across, up, found, filled.levels[::2], colors="white", linewidths=0.7)
+    ax.clabel(lines, fontsize=7.5)
+    figure.colorbar(filled, ax=ax, label=label)
+    ax.plot(rows[axes[0]], rows[axes[1]], ".", color="black", markersize=2.5, alpha=0.6)
+    ax.set_xlabel(labels[0])
+    ax.set_ylabel(labels[1])
+    rest = [f"{n.replace('_', ' ')} {v:.3g}" for n, v in middle.items() if n not in axes]
+    told_rest = [f"surface at {', '.join(rest)}", "dots: designs, at any of these"] if rest else []
+    ax.set_title("\n".join(told_rest), fontsize=8.0)
+    told = surface(rows)
+    check.plot(values, told, ".", markersize=3.5)
+    line = [np.nanmin(values), np.nanmax(values)]
+    check.plot(line, line, color="0.35", linewidth=0.9)
+    check.set_xlabel(f"computed: {label}")
+    check.set_ylabel("by the quadratic, fitted to them")
+    spread = float(np.nanstd(values))
+    unit = label[label.find("[") + 1 : -1]
+    share = f", {100.0 * surface.left_out_rms / spread:.2g} % of the spread" if spread else ""
+    check.set_title(
+        f"rms error of designs left out: {surface.left_out_rms:.2g} {unit}{share}", fontsize=8.0
+    )
+    figure.suptitle(title)
+    return figure

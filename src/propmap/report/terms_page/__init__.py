@@ -1,1 +1,0 @@
-"""The page on what each term of a flight fit is worth."""

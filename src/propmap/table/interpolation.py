@@ -1,0 +1,440 @@
+"""What a table holds, and the coefficients that it interpolates between its knots."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from propmap.errors import InputError
+from propmap.loads import LOADS
+from propmap.typing import Floats
+
+if TYPE_CHECKING:
+    from propmap.rotor import Rotor
+
+
+# -------------------------------------------------------------------------------------------------
+# What a table holds: axes, coefficients, flags, and where they come from.
+
+PARITY = np.array([-1.0 if load.inplane else 1.0 for load in LOADS.values()])
+"""How the loads behave across beta = 0 and pi: along and about the axis they are even, across
+it they are odd."""
+
+VORTEX_RING_BIT, UNRESOLVED_BIT = 1, 2
+"""Bits of a cell's flags: momentum theory does not hold somewhere in it; the table's error
+exceeds the tolerance somewhere in it."""
+
+
+@dataclass(frozen=True)
+class TableContent:
+    """A table as it is filed.
+
+    Attributes
+    ----------
+    advance : ndarray, shape (n,)
+        Knots of J = V/(Omega R) [-].
+    beta : ndarray, shape (m,)
+        Knots [rad]; the first and the last are the envelope's.
+    omega, speed : ndarray, shape (2,)
+        Least and largest of the envelope [rad/s], [m/s].
+    coefficients : ndarray, shape (2, L, n, m)
+        At both ends of omega, the loads in the order of ``LOADS`` over rho pi R^4 Omega^2
+        (forces) and rho pi R^5 Omega^2 (moments) [-]; NaN for no value.  Between the ends they
+        are linear in Omega^(-1/2), as the friction term of eq. (4) is.
+    cells : ndarray of uint8, shape (n - 1, m - 1)
+        ``VORTEX_RING_BIT`` and ``UNRESOLVED_BIT`` added up.
+    info : dict
+        Provenance and the certificate, as plain data for JSON.
+    deviations : ndarray, shape (2, L, n, m), or None
+        Standard deviations of the model's loads, like ``coefficients`` [-]; None where nothing is
+        known of them.
+
+    Raises
+    ------
+    InputError
+        Where these do not fit together.
+    """
+
+    advance: Floats
+    beta: Floats
+    omega: Floats
+    speed: Floats
+    coefficients: Floats
+    cells: NDArray[np.uint8]
+    info: dict[str, Any]
+    deviations: Floats | None = None
+
+    def __post_init__(self) -> None:
+        n, m = self.advance.size, self.beta.size
+        shapes = {
+            "advance": (n,),
+            "beta": (m,),
+            "omega": (2,),
+            "speed": (2,),
+            "coefficients": (2, len(LOADS), n, m),
+            "cells": (n - 1, m - 1),
+        }
+        if self.deviations is not None:
+            shapes["deviations"] = shapes["coefficients"]
+            if (self.deviations < 0.0).any():
+                raise InputError("a standard deviation is negative")
+        for name, shape in shapes.items():
+            found = getattr(self, name).shape
+            if found != shape:
+                raise InputError(f"{name} has shape {found}, expected {shape}")
+        for name in ("advance", "beta", "omega", "speed"):
+            values = getattr(self, name)
+            if not (np.isfinite(values).all() and (np.diff(values) > 0.0).all()):
+                raise InputError(f"the values of {name} do not rise")
+        if min(n, m) < 4:
+            raise InputError(f"the table has {n} x {m} knots, expected 4 at least on each axis")
+        if self.omega[0] <= 0.0 or self.speed[0] < 0.0 or self.advance[0] < 0.0:
+            raise InputError("omega must be positive, speed and advance not negative")
+        if self.beta[0] < 0.0 or self.beta[-1] > np.pi:
+            raise InputError("beta must lie between 0 and pi")
+        if np.isinf(self.coefficients).any():
+            raise InputError("a coefficient is infinite")
+        for name, value in (("radius", self.radius), ("density", self.density)):
+            if isinstance(value, bool) or not (isinstance(value, float) and 0.0 < value < np.inf):
+                raise InputError(f"{name} is {value!r}, expected a positive number")
+
+    @property
+    def radius(self) -> float:
+        """Of the tip [m]."""
+        return _entry(self.info, "propeller", "radius_m")
+
+    @property
+    def density(self) -> float:
+        """Of the air [kg/m^3]."""
+        return _entry(self.info, "air", "density_kg_m3")
+
+    @property
+    def scale(self) -> Floats:
+        """Loads per coefficient and Omega^2, in the order of ``LOADS``; (L,) [N s^2], [N m s^2]."""
+        return coefficient_scale(self.density, self.radius)
+
+    def padded(self) -> Floats:
+        """Loads over Omega^2 (n + 2, m + 2, 2 L) with the ghost values that interpolation needs.
+
+        The last axis: the loads at the least omega [N s^2], [N m s^2], then their slopes with
+        Omega^(-1/2).
+        """
+        low, high = self.coefficients
+        roots = self.omega**-0.5
+        both = np.concatenate([low, (high - low) / (roots[1] - roots[0])])
+        inside = pad(self.advance, both.transpose(1, 2, 0), None, None)
+        parity = np.tile(PARITY, 2)
+        ends = (parity if on else None for on in on_planes(self.beta))
+        across = pad(self.beta, inside.transpose(1, 0, 2), *ends)
+        return np.ascontiguousarray(across.transpose(1, 0, 2) * np.tile(self.scale, 2))
+
+
+def coefficient_scale(density: float, radius: float) -> Floats:
+    """rho pi R^4 of forces and rho pi R^5 of moments, in the order of ``LOADS``; (L,)."""
+    force = density * np.pi * radius**4
+    return force * np.array([radius if load.moment else 1.0 for load in LOADS.values()])
+
+
+def _entry(info: dict[str, Any], group: str, name: str) -> Any:
+    try:
+        return info[group][name]
+    except (KeyError, TypeError):
+        raise InputError(f"the table does not say {group}.{name}") from None
+
+
+# -------------------------------------------------------------------------------------------------
+# Coefficients of a table, and their slopes, at an advance ratio and an angle.
+
+STATUSES = ("ok", "vortex_ring", "unresolved", "clamped", "no_value", "outside")
+"""What a code stands for, from harmless to fatal; where several apply, the last is given."""
+
+OK, VORTEX_RING, UNRESOLVED, CLAMPED, NO_VALUE, OUTSIDE = range(len(STATUSES))
+
+WIDTH = 2 * len(LOADS)
+"""Values per knot: each load over Omega^2, and their slopes with Omega^(-1/2)."""
+
+
+def cell_codes(content: TableContent) -> NDArray[np.uint8]:
+    """``OK``, ``VORTEX_RING`` or ``UNRESOLVED`` for each cell (n - 1, m - 1)."""
+    return np.array([OK, VORTEX_RING, UNRESOLVED, UNRESOLVED], np.uint8)[content.cells]
+
+
+class Lookup:
+    """A table's coefficients, laid out for speed.
+
+    The four values along beta of one row of knots follow each other in memory, so that one
+    interpolation gathers four runs of 4 x ``WIDTH`` numbers.
+    """
+
+    def __init__(self, content: TableContent) -> None:
+        self.padded = content.padded()
+        self.row = self.padded.shape[1]
+        self._rows = self.padded.reshape(self.padded.shape[0], -1)
+        runs = (self.padded.size // WIDTH - 3, 4 * WIDTH)
+        step = self.padded.itemsize
+        self._runs = np.lib.stride_tricks.as_strided(
+            self.padded, runs, (WIDTH * step, step), writeable=False
+        )
+        self._advance, self._beta = content.advance, content.beta
+        self._powers = [
+            np.ascontiguousarray(interval_polynomials(knots).transpose(2, 0, 1))
+            for knots in (content.advance, content.beta)
+        ]
+        # Plain Python numbers are several times as fast as NumPy's for a single point.
+        self._advance_list, self._beta_list = content.advance.tolist(), content.beta.tolist()
+        self._inner = self._advance_list[1:-1], self._beta_list[1:-1]
+        self._weights = [interval_polynomials(k).tolist() for k in (content.advance, content.beta)]
+        self._codes = cell_codes(content)
+        self._codes_list: list[list[int]] = self._codes.tolist()
+
+    def point(
+        self, advance: float, beta: float, square: float, friction: float
+    ) -> tuple[list[float], int]:
+        """The loads and the cell's code at one point of the table.
+
+        ``square`` is Omega^2, ``friction`` that times the change of Omega^(-1/2) from the least.
+        """
+        i = bisect_right(self._inner[0], advance)
+        j = bisect_right(self._inner[1], beta)
+        x0, y0 = self._advance_list[i], self._beta_list[j]
+        t = (advance - x0) / (self._advance_list[i + 1] - x0)
+        u = (beta - y0) / (self._beta_list[j + 1] - y0)
+        (a0, a1, a2, a3), (b0, b1, b2, b3), (c0, c1, c2, c3), (d0, d1, d2, d3) = self._weights[0][i]
+        across = np.array(
+            (
+                a0 + t * (a1 + t * (a2 + t * a3)),
+                b0 + t * (b1 + t * (b2 + t * b3)),
+                c0 + t * (c1 + t * (c2 + t * c3)),
+                d0 + t * (d1 + t * (d2 + t * d3)),
+            )
+        )
+        (a0, a1, a2, a3), (b0, b1, b2, b3), (c0, c1, c2, c3), (d0, d1, d2, d3) = self._weights[1][j]
+        a = a0 + u * (a1 + u * (a2 + u * a3))
+        b = b0 + u * (b1 + u * (b2 + u * b3))
+        c = c0 + u * (c1 + u * (c2 + u * c3))
+        d = d0 + u * (d1 + u * (d2 + u * d3))
+        s, f = square, friction
+        along = np.array((s * a, f * a, s * b, f * b, s * c, f * c, s * d, f * d))
+        block = self._rows[i : i + 4, WIDTH * j : WIDTH * j + 4 * WIDTH]
+        loads = along.dot(across.dot(block).reshape(8, -1))
+        return loads.tolist(), self._codes_list[i][j]
+
+    def points(self, advance: Floats, beta: Floats) -> tuple[Floats, NDArray[np.uint8]]:
+        """The values (n, ``WIDTH``) and the cells' codes (n,) at n points of the table."""
+        i, t = locate(self._advance, advance)
+        j, u = locate(self._beta, beta)
+        rows = self._gather(i, j)
+        across = self._at(0, i, t)[:, None, :]
+        along = self._at(1, j, u)[:, None, :]
+        values = np.matmul(along, np.matmul(across, rows).reshape(-1, 4, WIDTH))
+        return values[:, 0], self._codes[i, j]
+
+    def slopes(self, advance: Floats, beta: Floats) -> Floats:
+        """Values and derivatives (n, 2, 2, ``WIDTH``).
+
+        [:, 0, 0] the values, [:, 1, 0] their derivatives with the advance ratio, [:, 0, 1] with
+        beta, [:, 1, 1] with both.
+        """
+        i, t = locate(self._advance, advance)
+        j, u = locate(self._beta, beta)
+        width = self._advance[i + 1] - self._advance[i], self._beta[j + 1] - self._beta[j]
+        across = np.stack([self._at(0, i, t), self._slope(0, i, t, width[0])], axis=1)
+        along = np.stack([self._at(1, j, u), self._slope(1, j, u, width[1])], axis=1)
+        partly = np.matmul(across, self._gather(i, j)).reshape(-1, 2, 4, WIDTH)
+        return np.asarray(np.matmul(along[:, None], partly))
+
+    def _gather(self, i: NDArray[np.intp], j: NDArray[np.intp]) -> Floats:
+        first = i * self.row + j
+        return self._runs[first[:, None] + np.arange(0, 4 * self.row, self.row)]
+
+    def _at(self, axis: int, interval: NDArray[np.intp], share: Floats) -> Floats:
+        c0, c1, c2, c3 = (power[interval] for power in self._powers[axis])
+        t = share[:, None]
+        return np.asarray(c0 + t * (c1 + t * (c2 + t * c3)))
+
+    def _slope(self, axis: int, interval: NDArray[np.intp], share: Floats, width: Any) -> Floats:
+        _, c1, c2, c3 = (power[interval] for power in self._powers[axis])
+        t = share[:, None]
+        return np.asarray((c1 + t * (2.0 * c2 + t * 3.0 * c3)) / width[:, None])
+
+
+# -------------------------------------------------------------------------------------------------
+# Standard deviations of a table's loads, from the model at some of the knots.
+
+MOST_KNOTS = 20
+"""Along each axis: standard deviations vary more slowly than loads, and matter less exactly."""
+
+
+def deviation_coefficients(rotor: Rotor, content: TableContent) -> Floats:
+    """Standard deviations of the loads at the knots, as ``TableContent.deviations``.
+
+    Parameters
+    ----------
+    rotor : Rotor
+        Whose model says how well it is known.
+    content : TableContent
+        The table of its loads.
+    """
+    rows, columns = _some(content.advance.size), _some(content.beta.size)
+    advance, beta = content.advance[rows], content.beta[columns]
+    omega, j, b = np.meshgrid(content.omega, advance, beta, indexing="ij")
+    found = rotor.loads(omega.ravel(), (j * omega * content.radius).ravel(), b.ravel()).std
+    values = np.stack([getattr(found, name) for name in LOADS])
+    coarse = (values / content.scale[:, None] / omega.ravel() ** 2).reshape(-1, *omega.shape)
+    between = bilinear(advance, beta, coarse, content.advance[:, None], content.beta)
+    return np.asarray(between.transpose(1, 0, 2, 3))
+
+
+def bilinear(x: Floats, y: Floats, values: Floats, at_x: Floats, at_y: Floats) -> Floats:
+    """Values (..., n, m) at knots x (n,), y (m,), linear between them; (..., *shape).
+
+    ``at_x`` and ``at_y`` broadcast to ``shape`` and lie within the knots.
+    """
+    i, t = locate(x, at_x)
+    j, u = locate(y, at_y)
+    low = values[..., i, j] * (1.0 - t) + values[..., i + 1, j] * t
+    high = values[..., i, j + 1] * (1.0 - t) + values[..., i + 1, j + 1] * t
+    return np.asarray(low * (1.0 - u) + high * u)
+
+
+def _some(count: int) -> NDArray[np.intp]:
+    return np.unique(np.linspace(0, count - 1, min(count, MOST_KNOTS)).round().astype(np.intp))
+
+
+# -------------------------------------------------------------------------------------------------
+# One axis of a table: cubic interpolation between knots at any distances, C1.
+#
+# Between two knots runs the cubic Hermite polynomial whose slopes are those of the parabola
+# through each knot and its neighbours, so that four values decide: those at the interval's ends
+# and one further on either side.  At the ends of the axis a ghost value stands in for the fourth.
+
+
+def interval_polynomials(knots: Floats) -> Floats:
+    """Coefficients (n - 1, 4, 4) of the four weights in each interval between n >= 3 knots.
+
+    The weight of the k-th of the four values in interval i, at the share t of its width, is the
+    sum over m of coefficients[i, k, m] t^m.
+    """
+    wide = with_ghosts(knots)
+    before, width, after = wide[1:-2] - wide[:-3], wide[2:-1] - wide[1:-2], wide[3:] - wide[2:-1]
+    zero = np.zeros_like(width)
+    # Slopes of the parabolas at both ends, times the width, as weights of the four values.
+    left = _parabola_slope(before, width)
+    right = _parabola_slope(width, after)
+    first = width * np.stack([*left, zero])
+    second = width * np.stack([zero, *right])
+    start = np.stack([zero, zero + 1.0, zero, zero])
+    rise = np.stack([zero, zero - 1.0, zero + 1.0, zero])
+    powers = [start, first, 3.0 * rise - 2.0 * first - second, first + second - 2.0 * rise]
+    return np.ascontiguousarray(np.stack(powers).transpose(2, 1, 0))
+
+
+def with_ghosts(knots: Floats) -> Floats:
+    """The knots and one more on either side, as far out as the next one is inside; (n + 2,)."""
+    return np.concatenate(
+        [[2.0 * knots[0] - knots[1]], knots, [2.0 * knots[-1] - knots[-2]]], dtype=np.float64
+    )
+
+
+def on_planes(beta: Floats) -> tuple[bool, bool]:
+    """Whether the first and the last angle [rad] are on the axis, where loads are even or odd."""
+    return bool(abs(beta[0]) < 1e-9), bool(abs(beta[-1] - np.pi) < 1e-9)
+
+
+def pad(knots: Floats, values: Floats, low: Floats | None, high: Floats | None) -> Floats:
+    """Values (n, ...) with a ghost value on either side; (n + 2, ...).
+
+    Where the axis ends on a plane of symmetry, ``low`` and ``high`` are the parity of the values,
+    1 for even and -1 for odd; where they are None the ghost is on the parabola of the last three.
+    """
+    wide = with_ghosts(knots)
+    ghosts = []
+    for parity, ends, ghost in ((low, slice(0, 3), wide[0]), (high, slice(-1, -4, -1), wide[-1])):
+        x, y = knots[ends], values[ends]
+        if parity is None:
+            ghosts.append(np.tensordot(_parabola(x, ghost), y, 1))
+        else:
+            ghosts.append(parity * y[1])
+    return np.concatenate([ghosts[0][None], values, ghosts[1][None]])
+
+
+def locate(knots: Floats, x: Floats) -> tuple[NDArray[np.intp], Floats]:
+    """Interval (n,) that holds each x, and the share of its width that lies below x."""
+    i = np.searchsorted(knots[1:-1], x, side="right")
+    return i, (x - knots[i]) / (knots[i + 1] - knots[i])
+
+
+def interpolate(knots: Floats, padded: Floats, x: Floats) -> Floats:
+    """Values (m, ...) at x (m,) of padded values (n + 2, ...), along the first axis."""
+    i, t = locate(knots, x)
+    weights = np.einsum("akm,am->ak", interval_polynomials(knots)[i], t[:, None] ** np.arange(4))
+    rows = padded[i[:, None] + np.arange(4)]
+    return np.asarray(np.einsum("ak,ak...->a...", weights, rows))
+
+
+def _parabola_slope(before: Floats, after: Floats) -> tuple[Floats, Floats, Floats]:
+    """Weights of three values in the slope at the middle one, at these distances."""
+    both = before + after
+    return -after / (before * both), (after - before) / (before * after), before / (after * both)
+
+
+def _parabola(x: Floats, at: float) -> Floats:
+    a, b, c = x.tolist()
+    return np.array(
+        [
+            (at - b) * (at - c) / ((a - b) * (a - c)),
+            (at - a) * (at - c) / ((b - a) * (b - c)),
+            (at - a) * (at - b) / ((c - a) * (c - b)),
+        ]
+    )
+
+
+# -------------------------------------------------------------------------------------------------
+# Operating points told by a table's cells, in which its errors are alike on every scale.
+#
+# A position (n, 3) counts cells along the advance ratio and along beta, with the share of the cell
+# behind the point, and has the share of the rotational speeds that the envelope has at that
+# advance ratio, from the least to the largest.
+
+
+def most_position(content: TableContent) -> Floats:
+    """The largest position (3,); the least is zero."""
+    return np.array([content.advance.size - 1.0, content.beta.size - 1.0, 1.0])
+
+
+def points_at(content: TableContent, position: Floats) -> tuple[Floats, Floats, Floats]:
+    """omega, speed and beta (n,) each of positions (n, 3)."""
+    advance, beta = (
+        np.interp(position[:, axis], np.arange(knots.size), knots)
+        for axis, knots in enumerate((content.advance, content.beta))
+    )
+    least, most = _omegas(content, advance)
+    omega = least + position[:, 2] * (most - least)
+    speed = np.clip(advance * content.radius * omega, *content.speed)
+    return omega, speed, beta
+
+
+def positions_of(content: TableContent, omega: Floats, advance: Floats, beta: Floats) -> Floats:
+    """Positions (n, 3) of points of the envelope (n,) each."""
+    along, across = (
+        np.add(*locate(knots, values))
+        for knots, values in ((content.advance, advance), (content.beta, beta))
+    )
+    least, most = _omegas(content, advance)
+    share = np.divide(omega - least, most - least, out=np.zeros_like(omega), where=most > least)
+    return np.clip(np.stack([along, across, share], axis=1), 0.0, most_position(content))
+
+
+def _omegas(content: TableContent, advance: Floats) -> tuple[Floats, Floats]:
+    """Least and largest omega (n,) at which the envelope has these advance ratios."""
+    (slowest, fastest), per_omega = content.omega, advance * content.radius
+    moves = per_omega > 0.0
+    bounds = [
+        np.divide(speed, per_omega, out=np.full_like(advance, end), where=moves)
+        for speed, end in zip(content.speed, content.omega, strict=True)
+    ]
+    return np.clip(bounds[0], slowest, fastest), np.clip(bounds[1], slowest, fastest)

@@ -1,0 +1,630 @@
+"""A flight log: signals of a vehicle on one clock and in one frame, and how they are made so."""
+
+from __future__ import annotations
+
+import itertools
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, fields, replace
+from pathlib import PurePath
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from propmap.errors import InputError
+from propmap.typing import Floats
+from propmap.vehicle.files import VehicleFile
+
+if TYPE_CHECKING:
+    from scipy.spatial.transform import Rotation
+
+
+# -------------------------------------------------------------------------------------------------
+# A flight as arrays on one clock, in the vehicle's frame: x forward, y left, z up.
+
+GRAVITY = 9.80665
+"""[m/s^2], the standard value."""
+
+
+@dataclass(frozen=True, eq=False)
+class FlightLog:
+    """Samples of a flight, or operating points averaged from one; n of them.
+
+    Attributes
+    ----------
+    source : str
+        Where they come from, for messages and reports.
+    time : ndarray, shape (n,)
+        Rising [s].
+    velocity : ndarray, shape (n, 3)
+        Of the centre of mass through the air, in the vehicle's frame [m/s].
+    rates : ndarray, shape (n, 3)
+        Angular velocity in the vehicle's frame [rad/s].
+    up : ndarray, shape (n, 3)
+        Unit vector against gravity, in the vehicle's frame [-].
+    specific_force : ndarray, shape (n, 3)
+        What an accelerometer at the centre of mass reads, +g along ``up`` in hover [m/s^2]; NaN
+        where it was not measured.
+    rotor_speed : ndarray, shape (n, rotors)
+        Rotational speeds [rad/s], >= 0.
+    angular_acceleration : ndarray, shape (n, 3)
+        Time derivative of ``rates`` [rad/s^2]; NaN where it is not known.
+    specific_force_rate : ndarray, shape (n, 3)
+        Time derivative of ``specific_force`` [m/s^3]; NaN where it is not known.
+    rotor_acceleration : ndarray, shape (n, rotors)
+        Time derivative of ``rotor_speed`` [rad/s^2]; NaN where it is not known.
+    flight : ndarray, shape (n,)
+        Number of the flight among several that were joined, from 0.
+    flights : tuple of str
+        Names of the flights, by number.
+    """
+
+    source: str
+    time: Floats
+    velocity: Floats
+    rates: Floats
+    up: Floats
+    specific_force: Floats
+    rotor_speed: Floats
+    angular_acceleration: Floats = None  # type: ignore[assignment]
+    specific_force_rate: Floats = None  # type: ignore[assignment]
+    rotor_acceleration: Floats = None  # type: ignore[assignment]
+    flight: Floats = None  # type: ignore[assignment]
+    flights: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        unknown = np.full_like(self.rates, np.nan)
+        for name in ("angular_acceleration", "specific_force_rate"):
+            if getattr(self, name) is None:
+                object.__setattr__(self, name, unknown)
+        if self.rotor_acceleration is None:
+            object.__setattr__(self, "rotor_acceleration", np.full_like(self.rotor_speed, np.nan))
+        if self.flight is None:
+            object.__setattr__(self, "flight", np.zeros_like(self.time))
+        if not self.flights:
+            count = int(self.flight.max(initial=0.0)) + 1
+            object.__setattr__(self, "flights", tuple(str(k + 1) for k in range(count)))
+
+    def __len__(self) -> int:
+        return int(self.time.size)
+
+    def picked(self, which: Any) -> FlightLog:
+        """Some of the samples: ``which`` is a mask or indices."""
+        return self.with_each(lambda array: array[which])
+
+    def with_each(self, change: Callable[[Floats], Floats]) -> FlightLog:
+        """The same log with a ``change`` to every array, which may alter the number of samples."""
+        arrays: dict[str, Any] = {name: change(getattr(self, name)) for name in ARRAYS}
+        return replace(self, **arrays)
+
+    @property
+    def speed(self) -> Floats:
+        """Speed through the air [m/s]; (n,)."""
+        return np.asarray(np.linalg.norm(self.velocity, axis=1))
+
+    @property
+    def since_start(self) -> Floats:
+        """Time since the flight of each sample began [s]; (n,)."""
+        numbers, place = np.unique(self.flight, return_inverse=True)
+        first = np.array([self.time[self.flight == number].min() for number in numbers])
+        return np.asarray(self.time - first[place])
+
+    def stretches(self, seconds: float) -> NDArray[np.intp]:
+        """Number of the stretch of so many ``seconds`` [s] in which each sample is; (n,).
+
+        Stretches of different flights are different, whatever their clocks say.
+        """
+        of = np.stack([self.flight, self.since_start // seconds])
+        return np.unique(of, axis=1, return_inverse=True)[1].ravel()
+
+    @property
+    def climb_rate(self) -> Floats:
+        """Vertical velocity, up positive [m/s]; (n,)."""
+        return np.asarray(np.sum(self.velocity * self.up, axis=1))
+
+
+ARRAYS = tuple(f.name for f in fields(FlightLog) if f.name not in ("source", "flights"))
+"""Fields that have a row for each sample."""
+
+
+def joined(logs: list[FlightLog], names: tuple[str, ...] = ()) -> FlightLog:
+    """Several logs of one vehicle as one, in the order given; their clocks are kept.
+
+    The flights get these ``names``, or else are numbered.
+    """
+    logs = [replace(log, flight=np.full_like(log.time, k)) for k, log in enumerate(logs)]
+    arrays: dict[str, Any] = {
+        name: np.concatenate([getattr(log, name) for log in logs]) for name in ARRAYS
+    }
+    return FlightLog(source=", ".join(log.source for log in logs), **arrays, flights=names)
+
+
+def in_vehicle_frame(
+    forward: Floats | float, left: Floats | float, up: Floats | float, pitch: Floats, roll: Floats
+) -> Floats:
+    """Vectors with horizontal and vertical components, in the frame of a tilted vehicle; (..., 3).
+
+    Components are (...) or numbers.  ``pitch`` (...) [rad] is about the left, positive where the
+    top leans forward; ``roll`` (...) [rad] is about the vehicle's x axis, after the pitch, positive
+    right side down.
+    """
+    # Pitch turns about y to the left, z towards x; roll then about x, y towards z.
+    x = forward * np.cos(pitch) - up * np.sin(pitch)
+    below = forward * np.sin(pitch) + up * np.cos(pitch)
+    y, z = left * np.cos(roll) + below * np.sin(roll), below * np.cos(roll) - left * np.sin(roll)
+    return np.stack([x, y, z], axis=-1)
+
+
+def pitch_and_roll(up: Floats) -> tuple[Floats, Floats]:
+    """Pitch and roll [rad] as in ``in_vehicle_frame``, (n,), where ``up`` (n, 3) is vertical."""
+    return -np.arcsin(np.clip(up[:, 0], -1.0, 1.0)), np.arctan2(up[:, 1], up[:, 2])
+
+
+# -------------------------------------------------------------------------------------------------
+# Low-passed logs and their time derivatives: what a balance of forces needs of a raw log.
+#
+# An accelerometer, a gyro and a motor controller each filter what they measure in their own way.  A
+# balance compares them, so all signals pass one filter here, forwards and backwards, which shifts
+# none of them in time.
+
+DERIVATIVE_CUTOFF = 6.0
+"""Of the low-pass by default [Hz]: vehicles of up to some kilograms turn within 0.2 s, and rotor
+speeds of motor controllers carry noise above."""
+
+DERIVATIVES = ("angular_acceleration", "specific_force_rate", "rotor_acceleration")
+"""Fields of a log that follow from its others."""
+
+DERIVATIVE_ORDER = 2
+"""Of the Butterworth filter, applied twice."""
+
+FEWEST_PER_PERIOD = 3.0
+"""Samples per period of the cut-off below which there is nothing to filter."""
+
+
+def low_passed(log: FlightLog, cutoff: float = DERIVATIVE_CUTOFF) -> FlightLog:
+    """The log with all signals low-passed alike, and with the derivatives that follow from it.
+
+    Rotor speeds are filtered as their squares, to which forces are proportional.  Between gaps
+    each stretch is filtered by itself; a log that is slower than three samples per period of the
+    cut-off is left as it is.
+
+    Parameters
+    ----------
+    log : FlightLog
+        n samples in order of time, of one flight.
+    cutoff : float
+        Frequency above which signals are removed [Hz]; 0 for no filter.
+
+    Returns
+    -------
+    FlightLog
+        With ``angular_acceleration``, ``specific_force_rate`` and ``rotor_acceleration``.
+
+    Raises
+    ------
+    InputError
+        For a cut-off that is no frequency.
+    """
+    if not (np.isfinite(cutoff) and cutoff >= 0.0):
+        raise InputError(
+            f"the low-pass is at {cutoff:g} Hz", "give a frequency, or 0 for no filter"
+        )
+    steps = np.diff(log.time)
+    ends = [0, *(np.flatnonzero(steps > LONGEST_GAP) + 1), len(log)]
+    parts = [log.picked(slice(first, last)) for first, last in itertools.pairwise(ends)]
+    found = [_filtered(part, cutoff) for part in parts]
+    names = ("velocity", "rates", "up", "specific_force", "rotor_speed")
+    arrays: dict[str, Any] = {
+        name: np.concatenate([getattr(part, name) for part in found])
+        for name in (*names, *DERIVATIVES)
+    }
+    return replace(log, **arrays)
+
+
+def _filtered(part: FlightLog, cutoff: float) -> FlightLog:
+    """One stretch without gaps."""
+
+    def smooth(signal: Floats) -> Floats:
+        return _low_pass(signal, 2.0 * cutoff * step)
+
+    step = float(np.median(np.diff(part.time))) if len(part) > 1 else np.inf
+    if cutoff > 0.0 and FEWEST_PER_PERIOD * cutoff * step <= 1.0:
+        up = smooth(part.up)
+        part = replace(
+            part,
+            velocity=smooth(part.velocity),
+            rates=smooth(part.rates),
+            up=up / np.linalg.norm(up, axis=1, keepdims=True),
+            specific_force=smooth(part.specific_force),
+            rotor_speed=np.sqrt(np.maximum(smooth(np.square(part.rotor_speed)), 0.0)),
+        )
+    return replace(
+        part,
+        angular_acceleration=_slope(part.time, part.rates),
+        specific_force_rate=_slope(part.time, part.specific_force),
+        rotor_acceleration=_slope(part.time, part.rotor_speed),
+    )
+
+
+def _low_pass(signal: Floats, relative: float) -> Floats:
+    """Columns (n, k) without what is above the cut-off, ``relative`` to half the sampling rate,
+    and not shifted in time."""
+    from scipy.signal import butter, sosfiltfilt
+
+    sections = butter(DERIVATIVE_ORDER, relative, output="sos")
+    beyond = min(signal.shape[0] - 1, round(4.0 / relative))
+    return np.asarray(sosfiltfilt(sections, signal, axis=0, padlen=beyond))
+
+
+def _slope(time: Floats, signal: Floats) -> Floats:
+    """Time derivatives (n, k) of columns; zero where there is one sample alone."""
+    if time.size < 2:
+        return np.zeros_like(signal)
+    return np.asarray(np.gradient(signal, time, axis=0))
+
+
+# -------------------------------------------------------------------------------------------------
+# Short names of flights, from those of their files.
+
+TIME_OF_DAY = 6
+"""Digits at the end of a stamp such as 20210218171908."""
+
+
+def flight_names(sources: Sequence[str]) -> tuple[str, ...]:
+    """As much of the ends of the files' names as tells them apart; numbers where nothing does.
+
+    Parameters
+    ----------
+    sources : sequence of str
+        Paths of the logs.
+    """
+    parts = [_words(PurePath(source).stem) for source in sources]
+    for count in range(1, max(map(len, parts), default=1) + 1):
+        names = tuple("-".join(words[-count:]) for words in parts)
+        if len(set(names)) == len(names):
+            return names
+    return tuple(str(k + 1) for k in range(len(parts)))
+
+
+def _words(stem: str) -> list[str]:
+    words = re.findall(r"[^\W_]+", stem) or ["flight"]
+    stamp = re.fullmatch(rf"\d{{8}}(\d{{{TIME_OF_DAY}}})", words[-1])
+    return [*words[:-1], words[-1][:8], stamp[1]] if stamp else words
+
+
+# -------------------------------------------------------------------------------------------------
+# From the frames of a log to FLU (forward, left, up) and ENU (east, north, up), by name.
+
+
+def body_to_flu(vectors: Floats, frame: str) -> Floats:
+    """Vectors (n, 3) along the axes of the body frame "flu" or "frd", along those of FLU."""
+    return vectors if frame == "flu" else vectors * np.array([1.0, -1.0, -1.0])
+
+
+def world_to_enu(vectors: Floats, frame: str) -> Floats:
+    """Vectors (n, 3) along the axes of the world frame "enu" or "ned", along those of ENU."""
+    return vectors if frame == "enu" else vectors[:, [1, 0, 2]] * np.array([1.0, 1.0, -1.0])
+
+
+def attitude_to_flu_enu(quaternions: Floats, body_frame: str, world_frame: str) -> Rotation:
+    """Rotations from FLU to ENU, of quaternions w, x, y, z (n, 4) between the named frames."""
+    from scipy.spatial.transform import Rotation
+
+    attitude = Rotation.from_quat(quaternions, scalar_first=True)
+    if body_frame == "frd":  # FLU turned half a turn about x
+        attitude = attitude * Rotation.from_quat([0.0, 1.0, 0.0, 0.0], scalar_first=True)
+    if world_frame == "ned":  # ENU turned half a turn about north-east
+        attitude = Rotation.from_quat([0.0, 1.0, 1.0, 0.0], scalar_first=True) * attitude
+    return attitude
+
+
+def quaternion_of_angles(roll: Floats, pitch: Floats, yaw: Floats) -> Floats:
+    """Quaternions (n, 4) of angles [rad], (n,): yaw about z, then pitch about y, roll about x.
+
+    The axes are those of the frames that the angles are given in: in FLU a positive pitch is
+    nose down, in FRD it is nose up.
+    """
+    from scipy.spatial.transform import Rotation
+
+    angles = np.stack([yaw, pitch, roll], axis=1)
+    return np.asarray(Rotation.from_euler("ZYX", angles).as_quat(scalar_first=True))
+
+
+def continuous(quaternions: Floats) -> Floats:
+    """Unit quaternions (n, 4) with the signs that make neighbours close."""
+    unit = quaternions / np.linalg.norm(quaternions, axis=1, keepdims=True)
+    same = np.sum(unit[1:] * unit[:-1], axis=1) >= 0.0
+    return unit * np.concatenate([[1.0], np.cumprod(np.where(same, 1.0, -1.0))])[:, None]
+
+
+# -------------------------------------------------------------------------------------------------
+# What a log holds, each signal on its own clock, and the samples that cannot be used.
+
+FEWEST_SAMPLES = 10
+MOST_DROPPED = 0.05
+"""Share of a signal's samples that may be unusable before the log is refused."""
+
+
+@dataclass(frozen=True, eq=False)
+class Signal:
+    """Samples (n, k) of k numbers at n times [s], and a name for messages."""
+
+    name: str
+    time: Floats
+    values: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """The signals of a log in the frames that the log has: "flu" or "frd", "enu" or "ned".
+
+    ``velocity_in`` is "body" or "world".  The attitude (n, 4) is the unit quaternion w, x, y, z
+    that turns body to world axes; the velocity (n, 3) [m/s] is over the ground; rates (n, 3)
+    [rad/s] and specific force (n, 3) [m/s^2], if any, are along body axes; rotor speeds
+    (n, rotors) [rad/s] are in the order of the log.
+    """
+
+    source: str
+    body_frame: str
+    world_frame: str
+    velocity_in: str
+    attitude: Signal
+    velocity: Signal
+    rates: Signal
+    rotor_speed: Signal
+    specific_force: Signal | None
+
+    def signals(self) -> dict[str, Signal]:
+        """By name of the field, those that there are."""
+        return {name: value for name, value in vars(self).items() if isinstance(value, Signal)}
+
+
+def cleaned(recording: Recording) -> Recording:
+    """Without the samples that cannot be used; ``source`` then says how many these were.
+
+    Dropped are samples that are not finite, whose quaternion has not length 1, or whose time
+    does not rise above that of all before them.  Raises ``InputError`` where that is more than
+    5 % of a signal, or where fewer than 10 samples are left.
+    """
+    dropped: dict[str, int] = {}
+    parts: dict[str, Any] = {}
+    for name, signal in recording.signals().items():
+        _check_count(signal, signal.time.size, recording.source)
+        finite = np.isfinite(signal.time) & np.all(np.isfinite(signal.values), axis=1)
+        reasons = [("not finite", "export the log again or remove the column", finite)]
+        if name == "attitude":
+            with np.errstate(over="ignore"):
+                length = np.linalg.norm(np.nan_to_num(signal.values, nan=1.0), axis=1)
+            unit = np.abs(length - 1.0) < 0.05
+            remedy = "check which of its columns or fields are qw, qx, qy, qz"
+            reasons.append(("no unit quaternion", remedy, unit | ~finite))
+        usable = np.all([good for _, _, good in reasons], axis=0)
+        rising = ~usable
+        rising[usable] = _rising(signal.time[usable])
+        reasons.append(("with a time that does not rise", "sort by time or cut the log", rising))
+        for reason, remedy, good in reasons:
+            lost = int(np.sum(~good))
+            if lost > MOST_DROPPED * good.size:
+                raise InputError(
+                    f"{lost} of {good.size} samples of {signal.name} are {reason}",
+                    remedy,
+                    recording.source,
+                )
+            if lost:
+                # Columns of one table lose the same rows: these are not counted twice.
+                dropped[reason] = max(dropped.get(reason, 0), lost)
+        good = usable & rising
+        _check_count(signal, int(good.sum()), recording.source)
+        parts[name] = Signal(signal.name, signal.time[good], signal.values[good])
+    remark = ", ".join(f"{count} samples {reason}" for reason, count in dropped.items())
+    source = f"{recording.source} (dropped: {remark})" if remark else recording.source
+    return replace(recording, source=source, **parts)
+
+
+def _rising(time: Floats) -> NDArray[np.bool_]:
+    """Which times are above all that come before them."""
+    before = np.concatenate([[-np.inf], np.maximum.accumulate(time)[:-1]])
+    return np.asarray(time > before)
+
+
+def _check_count(signal: Signal, count: int, source: str) -> None:
+    if count < FEWEST_SAMPLES:
+        raise InputError(
+            f"{signal.name} has {count} samples, expected at least {FEWEST_SAMPLES}",
+            "give a log with some seconds of flight",
+            source,
+        )
+
+
+# -------------------------------------------------------------------------------------------------
+# A recording becomes a flight log: one clock, FLU, rotors in the vehicle's order.
+
+LONGEST_GAP = 0.25
+"""Time [s] between two samples of a signal that are still interpolated."""
+
+FASTER = 1.5
+"""Samples of a signal per time of the common clock from which it is low-passed first."""
+
+CLOCK_CUTOFF, CLOCK_ORDER = 0.4, 4
+"""Of that low-pass, per sample of the common clock, and of the Butterworth filter, applied twice:
+what the clock can show passes, vibrations that it would show as something slower do not."""
+
+
+def flight_log(
+    recording: Recording, vehicle_file: VehicleFile, rate: float | None = None
+) -> FlightLog:
+    """The log in the vehicle's frame, ``rate`` [1/s] times a second.
+
+    Without a rate, at the sample times of the slowest of attitude, velocity and rotor speed.  The
+    sign that some logs give to the spin of a rotor is dropped.  Raises ``InputError``, also where
+    the accelerometer says that the frames or its unit cannot be as stated.
+    """
+    logged, rotors = recording.rotor_speed.values.shape[1], len(vehicle_file.vehicle.mounts)
+    if logged != rotors:
+        raise InputError(
+            f"the log has {logged} rotor speeds, the vehicle has {rotors} rotors",
+            "give a [[rotors]] table per rotor, or the log of this vehicle",
+            recording.source,
+        )
+    recording = cleaned(recording)
+    leading = [recording.attitude, recording.velocity, recording.rotor_speed]
+    following = [recording.rates]
+    if recording.specific_force is not None:
+        following.append(recording.specific_force)
+    time = common_clock(leading, following, recording.source, rate)
+    signal = recording.attitude
+    smooth = Signal(signal.name, signal.time, continuous(signal.values))
+    attitude = attitude_to_flu_enu(
+        interpolated(smooth, time), recording.body_frame, recording.world_frame
+    )
+    result = FlightLog(
+        source=recording.source,
+        time=time,
+        velocity=_air_velocity(recording, vehicle_file, time, attitude),
+        rates=_in_body(recording, recording.rates, time),
+        up=_in_flu(attitude, np.tile([0.0, 0.0, 1.0], (time.size, 1))),
+        specific_force=_in_body(recording, recording.specific_force, time),
+        rotor_speed=_rotor_speed(recording, vehicle_file, time),
+    )
+    _check_frames(result, vehicle_file)
+    return result
+
+
+def common_clock(
+    leading: Sequence[Signal],
+    following: Sequence[Signal],
+    source: str,
+    rate: float | None = None,
+) -> Floats:
+    """Times [s] at which all signals are known; (n,), rising.
+
+    Without a ``rate`` [1/s], the sample times of the slowest of the ``leading`` signals.
+    Times inside a gap of any signal longer than 0.25 s are left out: gaps are cut, not bridged.
+    Raises ``InputError`` where nothing is left.
+    """
+    signals = [*leading, *following]
+    for signal in signals:
+        step = float(np.median(np.diff(signal.time)))
+        if step > LONGEST_GAP:
+            raise InputError(
+                f"{signal.name} comes every {step:.3g} s, expected every {LONGEST_GAP:g} s or less",
+                "log it at a higher rate, and give times in seconds",
+                source,
+            )
+    last_to_start = max(signals, key=lambda signal: signal.time[0])
+    first_to_end = min(signals, key=lambda signal: signal.time[-1])
+    start, end = last_to_start.time[0], first_to_end.time[-1]
+    if rate is None:
+        slowest = max(leading, key=lambda signal: float(np.median(np.diff(signal.time))))
+        time = slowest.time[(slowest.time >= start) & (slowest.time <= end)]
+    else:
+        if not 0.1 <= rate <= 10000.0:
+            raise InputError(f"the rate is {rate} 1/s", "give samples per second, such as 50")
+        time = np.arange(start, end, 1.0 / rate)
+    known = np.ones(time.size, dtype=np.bool_)
+    for signal in signals:
+        known &= ~_in_gap(signal, time)
+    if int(known.sum()) < FEWEST_SAMPLES:
+        raise InputError(
+            f"all signals together are known at {int(known.sum())} times: {first_to_end.name} "
+            f"ends at {end:.6g} s, {last_to_start.name} begins at {start:.6g} s",
+            "log all of them at once, with the stamps of one clock",
+            source,
+        )
+    return time[known]
+
+
+def interpolated(signal: Signal, time: Floats) -> Floats:
+    """Values of a signal at the times (n,) [s], linearly between its samples; (n, k).
+
+    A signal with many more samples is low-passed first, without a shift in time: a vibration must
+    not appear as a slow motion.
+    """
+    values = _slowed(signal, float(np.median(np.diff(time))))
+    columns = [np.interp(time, signal.time, column) for column in values.T]
+    return np.stack(columns, axis=1)
+
+
+def _slowed(signal: Signal, step: float) -> Floats:
+    """Values (m, k) without what a clock of this ``step`` [s] cannot show."""
+    own = float(np.median(np.diff(signal.time)))
+    if step < FASTER * own:
+        return signal.values
+    from scipy.signal import butter, sosfiltfilt
+
+    sections = butter(CLOCK_ORDER, 2.0 * CLOCK_CUTOFF * own / step, output="sos")
+    beyond = 2 * round(step / own)
+    breaks = np.flatnonzero(np.diff(signal.time) > LONGEST_GAP) + 1
+    parts = [
+        sosfiltfilt(sections, part, axis=0, padlen=beyond) if len(part) > 2 * beyond else part
+        for part in np.split(signal.values, breaks)
+    ]
+    return np.concatenate(parts)
+
+
+def _in_gap(signal: Signal, time: Floats) -> NDArray[np.bool_]:
+    """Which times lie between two samples that are too far apart, none of them at either."""
+    after = np.clip(np.searchsorted(signal.time, time), 1, signal.time.size - 1)
+    wide = signal.time[after] - signal.time[after - 1] > LONGEST_GAP
+    at_sample = (time == signal.time[after]) | (time == signal.time[after - 1])
+    return np.asarray(wide & ~at_sample)
+
+
+def _in_flu(attitude: Rotation, vectors: Floats) -> Floats:
+    """World vectors (n, 3) in ENU, in FLU."""
+    return np.asarray(attitude.apply(vectors, inverse=True))
+
+
+def _air_velocity(
+    recording: Recording, vehicle_file: VehicleFile, time: Floats, attitude: Rotation
+) -> Floats:
+    """Velocity through the air in FLU [m/s]; (n, 3)."""
+    log = vehicle_file.log
+    frame = log.world_frame or recording.world_frame
+    wind = world_to_enu(np.tile(np.array(log.wind), (time.size, 1)), frame)
+    velocity = interpolated(recording.velocity, time)
+    if recording.velocity_in == "world":
+        return _in_flu(attitude, world_to_enu(velocity, recording.world_frame) - wind)
+    return body_to_flu(velocity, recording.body_frame) - _in_flu(attitude, wind)
+
+
+def _in_body(recording: Recording, signal: Signal | None, time: Floats) -> Floats:
+    """A vector signal in FLU; (n, 3), NaN where there is none."""
+    if signal is None:
+        return np.full((time.size, 3), np.nan)
+    return body_to_flu(interpolated(signal, time), recording.body_frame)
+
+
+def _rotor_speed(recording: Recording, vehicle_file: VehicleFile, time: Floats) -> Floats:
+    """[rad/s], in the order of the vehicle's rotors; (n, rotors)."""
+    logged = np.abs(interpolated(recording.rotor_speed, time))
+    order = vehicle_file.log.rotor_order or range(1, logged.shape[1] + 1)
+    speeds = np.empty_like(logged)
+    speeds[:, [number - 1 for number in order]] = logged
+    return speeds
+
+
+def _check_frames(log: FlightLog, vehicle_file: VehicleFile) -> None:
+    """Over a flight the rotors point up, and the specific force along ``up`` averages near g."""
+    remedy = f"check body_frame, world_frame and the attitude ({vehicle_file.log.where})"
+    axes = np.array([mount.axis for mount in vehicle_file.vehicle.mounts])
+    if float(np.mean(log.up @ axes.T)) < 0.0:
+        raise InputError("on average the rotors point down", remedy, log.source)
+    if np.isnan(log.specific_force).any():
+        return
+    mean = float(np.mean(np.sum(log.specific_force * log.up, axis=1)))
+    if 0.5 * GRAVITY < mean < 1.5 * GRAVITY:
+        return
+    if 0.5 < mean < 1.5:
+        remedy = "give it in m/s^2, not in units of g"
+    elif abs(mean) < 0.5:
+        remedy = "gravity was taken off: give what the accelerometer reads, +g upwards in hover"
+    elif abs(mean + GRAVITY) < 0.5:
+        remedy = f"it points down: change its sign, or {remedy}"
+    raise InputError(
+        f"the specific force along the vertical averages {mean:.3g} m/s^2, expected about "
+        f"{GRAVITY:.3g}",
+        remedy,
+        log.source,
+    )

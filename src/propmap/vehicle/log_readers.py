@@ -1,0 +1,643 @@
+"""Readers of flight logs: CSV and Parquet, PX4's ULog, bags of ROS."""
+
+from __future__ import annotations
+
+import contextlib
+import csv
+import difflib
+import io
+import os
+from collections.abc import Callable, Collection
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from propmap.errors import InputError, quoted
+from propmap.io.csv import has_decimal_commas, separator_of, too_many_fields
+from propmap.typing import Floats
+from propmap.vehicle.files import EULER_COLUMNS, QUATERNION_COLUMNS, LogMap, VehicleFile
+from propmap.vehicle.log import FlightLog, Recording, Signal, flight_log, quaternion_of_angles
+
+# -------------------------------------------------------------------------------------------------
+# Flight logs as CSV or Parquet, whose columns the vehicle file names.
+
+MOST_SHOWN = 30
+"""Columns of a file that a message lists."""
+
+QUANTITIES = ("time", "velocity", "rates", "rotor_speed", "specific_force")
+OPTIONAL = ("specific_force",)
+
+
+def read_csv_log(path: Path, log: LogMap) -> Recording:
+    """A CSV file with a header line, or a Parquet file (``.parquet``, ``.pq``).
+
+    The ``log`` map must state the frames and units and name the columns: ``time`` [s],
+    ``velocity`` [m/s], ``rates`` [rad/s] and the optional ``specific_force`` [m/s^2] (3 each),
+    ``rotor_speed``, and either ``qw, qx, qy, qz`` or ``roll, pitch, yaw`` [rad] (yaw about z,
+    then pitch about y, then roll about x of the stated body frame).
+    Any dialect of ``propmap.io.csv`` is read.  Empty cells are samples that are not
+    finite; text is refused.  Raises ``InputError``.
+    """
+    where = str(path)
+    stated = {key: log.stated(key) for key in ("body_frame", "world_frame", "velocity_in")}
+    factor = log.rotor_factor(log.stated("rotor_unit"))
+    attitude = _attitude_columns(log)
+    wanted = [*QUANTITIES, *attitude]
+    for key in wanted:
+        if key not in log.columns and key not in OPTIONAL:
+            raise InputError(
+                f"no {key}", f"add {key} = the column's name", f"{log.file}: [log.columns]"
+            )
+    names = {key: log.columns[key] for key in wanted if key in log.columns}
+    table = _table(path, where, {name for several in names.values() for name in several})
+    values = {key: _columns(table, columns, key, where, log) for key, columns in names.items()}
+    time = values["time"][:, 0]
+
+    def signal(key: str, array: Floats) -> Signal:
+        return Signal(f"{key} ({', '.join(names.get(key, attitude))})", time, array)
+
+    force = values.get("specific_force")
+    return Recording(
+        source=where,
+        attitude=signal("attitude", _quaternions([values[key][:, 0] for key in attitude], where)),
+        velocity=signal("velocity", values["velocity"]),
+        rates=signal("rates", values["rates"]),
+        rotor_speed=signal("rotor_speed", values["rotor_speed"] * factor),
+        specific_force=None if force is None else signal("specific_force", force),
+        **stated,
+    )
+
+
+def _attitude_columns(log: LogMap) -> tuple[str, ...]:
+    given = [set(names) & set(log.columns) for names in (QUATERNION_COLUMNS, EULER_COLUMNS)]
+    if all(given):
+        raise InputError(
+            "the attitude is given twice, as quaternion and as angles",
+            "keep one of them",
+            f"{log.file}: [log.columns]",
+        )
+    return EULER_COLUMNS if given[1] else QUATERNION_COLUMNS
+
+
+def _quaternions(columns: list[Floats], where: str) -> Floats:
+    if len(columns) == len(QUATERNION_COLUMNS):
+        return np.stack(columns, axis=1)
+    largest = max(float(np.nanmax(np.abs(column), initial=0.0)) for column in columns)
+    # Yaw may be unwrapped over many turns, roll and pitch may not.
+    if float(np.nanmax(np.abs(columns[:2]), initial=0.0)) > 2.0 * np.pi:
+        raise InputError(
+            f"roll, pitch and yaw reach {largest:.4g}, which looks like degrees",
+            "convert these columns to radians",
+            where,
+        )
+    return quaternion_of_angles(*columns)
+
+
+def _table(path: Path, where: str, wanted: Collection[str]) -> Any:
+    """The file as a pandas data frame; of a CSV file, all cells as text with decimal points."""
+    import pandas as pd  # type: ignore[import-untyped]
+
+    try:
+        if path.suffix.lower() != ".csv":
+            table = pd.read_parquet(path, engine="pyarrow")
+        else:
+            table = _csv_table(path, where, wanted)
+    except InputError:
+        raise
+    except ImportError:
+        raise InputError(
+            "Parquet files need pyarrow, which is not installed",
+            "pip install '.[parquet]' in propmap's checkout, or save the log as CSV",
+            where,
+        ) from None
+    # Errors of pandas are ValueErrors; those of pyarrow for a damaged file OSErrors, too.
+    except (ValueError, OSError) as error:
+        raise InputError(f"cannot be read: {error}", "export the log again", where) from None
+    table.columns = [str(name).strip() for name in table.columns]
+    return table
+
+
+def _csv_table(path: Path, where: str, wanted: Collection[str]) -> Any:
+    import pandas as pd
+
+    with path.open(encoding="utf-8-sig", newline="") as file:
+        head = [file.readline(), file.readline()]
+    separator = separator_of(head[0].rstrip("\r\n"), wanted)
+    # Room for what spreadsheets add at the end of a row.
+    width = max(len(row) for row in csv.reader(head, delimiter=separator, skipinitialspace=True))
+    # Blank lines are kept, so that a row's place tells its line, and the header is read as a row,
+    # as pandas would rename a column that occurs twice.
+    cells = pd.read_csv(
+        path,
+        sep=separator,
+        header=None,
+        names=range(width),
+        dtype=str,
+        skipinitialspace=True,
+        skip_blank_lines=False,
+        encoding="utf-8-sig",
+    )
+    named = int(np.flatnonzero(cells.iloc[0].notna()).max(initial=-1)) + 1
+    beyond = np.flatnonzero(cells.iloc[:, named:].notna().any(axis=1))
+    if beyond.size:
+        raise too_many_fields(width, named, separator, f"{where}, line {beyond[0] + 1}")
+    table = cells.iloc[1:, :named].set_axis(cells.iloc[0, :named], axis=1)
+    _use_points(table, separator, where, wanted)
+    return table
+
+
+def _use_points(table: Any, separator: str, where: str, wanted: Collection[str]) -> None:
+    """Put decimal points into the columns ``wanted`` of a table that is separated otherwise."""
+    if separator == ",":
+        return
+    places = [k for k, name in enumerate(table.columns) if str(name).strip() in wanted]
+    marked = []
+    for k in places:
+        column = table.iloc[:, k]
+        some = column[column.str.contains("[.,]", na=False)]
+        marked += [(int(row) + 1, cell.strip()) for row, cell in some.items()]
+    if has_decimal_commas(marked, separator, where):
+        for k in places:
+            table.isetitem(k, table.iloc[:, k].str.replace(",", ".", regex=False))
+
+
+def _columns(table: Any, names: tuple[str, ...], key: str, where: str, log: LogMap) -> Floats:
+    """Columns as numbers; (n, len(names))."""
+    columns = []
+    for name in names:
+        count = list(table.columns).count(name)
+        if count != 1:
+            raise _missing_column(name, key, list(table.columns), where, log)
+        columns.append(_numbers(table[name], name, where))
+    return np.stack(columns, axis=1)
+
+
+def _missing_column(name: str, key: str, present: list[str], where: str, log: LogMap) -> InputError:
+    close = difflib.get_close_matches(name, present, n=1)
+    hint = f"did you mean {close[0]!r}? " if close else ""
+    listed = ", ".join(present[:MOST_SHOWN]) + (", ..." if len(present) > MOST_SHOWN else "")
+    times = "occurs more than once" if name in present else "is missing"
+    return InputError(
+        f"column {quoted(name)} {times}; the file has {listed}",
+        f"{hint}correct {key} in [log.columns] of {log.file}",
+        where,
+    )
+
+
+def _numbers(column: Any, name: str, where: str) -> Floats:
+    """A column of a data frame as float64; empty cells are NaN, other text is refused."""
+    import pandas as pd
+
+    numbers = pd.to_numeric(column, errors="coerce")
+    values: Floats = numbers.to_numpy(dtype=np.float64, na_value=np.nan)
+    text = np.flatnonzero(np.isnan(values) & column.notna().to_numpy())
+    if text.size:
+        row = int(text[0])
+        # pandas reads "nan" as an empty cell; line 1 is the header.
+        raise InputError(
+            f"{quoted(column.iloc[row])} is not a number",
+            "give a number with a decimal point, or leave the cell empty",
+            f"{where}, line {row + 2}, column {name}",
+        )
+    return values
+
+
+# -------------------------------------------------------------------------------------------------
+# Flight logs of PX4: ULog files, in FRD and NED.
+
+MICROSECOND = 1e-6
+
+ATTITUDE = {"vehicle_attitude": [f"q[{k}]" for k in range(4)]}
+VELOCITY = {"vehicle_local_position": ["vx", "vy", "vz"]}
+VALID = ("v_xy_valid", "v_z_valid")
+"""Flags of vehicle_local_position that say whether its velocity is known."""
+
+RATES = {
+    "vehicle_angular_velocity": [f"xyz[{k}]" for k in range(3)],
+    "sensor_combined": [f"gyro_rad[{k}]" for k in range(3)],
+}
+SPECIFIC_FORCE = {
+    "vehicle_acceleration": [f"xyz[{k}]" for k in range(3)],
+    "sensor_combined": [f"accelerometer_m_s2[{k}]" for k in range(3)],
+}
+ROTORS = "esc_status"
+"""Topics and fields per quantity; the first topic that the log has is used."""
+
+ACCELEROMETER_LATE, NOT_SAMPLED = "accelerometer_timestamp_relative", 2**31 - 1
+"""Field of sensor_combined with the time from its stamp to that of the accelerometer [us], and what
+it holds where there is none: PX4's SensorCombined.msg."""
+
+FIRST_MOTOR = 101
+"""``actuator_function`` of motor 1 in PX4's EscReport.msg; that of motor k is k - 1 more."""
+
+TOPICS = sorted({*ATTITUDE, *VELOCITY, *RATES, *SPECIFIC_FORCE, ROTORS})
+
+
+def read_ulog(path: Path, log: LogMap) -> Recording:
+    """A ULog file with the topics of PX4.
+
+    vehicle_attitude, vehicle_local_position, vehicle_angular_velocity (else sensor_combined),
+    vehicle_acceleration (else sensor_combined, else none) and esc_status, whose ``esc_rpm`` is
+    in rpm unless the ``log`` map says "erpm", and which are in the order of PX4's motors where the
+    log says which controller turns which.  Times are those of the measurement where logged.
+    Velocities that the log marks as not valid are left out.
+    Frames are PX4's, FRD and NED, whatever the map says.  Raises ``InputError``.
+    """
+    where = str(path)
+    file = _parsed(path, where)
+    unit = "erpm" if log.rotor_unit == "erpm" else "rpm"
+    rates = _signal(file, "rates", RATES, where)
+    source = f"{where} (damaged parts skipped)" if file.file_corruption else where
+    return Recording(
+        source=source,
+        body_frame="frd",
+        world_frame="ned",
+        velocity_in="world",
+        attitude=_signal(file, "attitude", ATTITUDE, where),
+        velocity=_signal(file, "velocity", VELOCITY, where),
+        rates=rates,
+        rotor_speed=_ulog_rotor_speed(file, log.rotor_factor(unit), where),
+        specific_force=(
+            _signal(file, "specific force", SPECIFIC_FORCE, where)
+            if any(_dataset(file, topic) for topic in SPECIFIC_FORCE)
+            else None
+        ),
+    )
+
+
+def _parsed(path: Path, where: str) -> Any:
+    from pyulog import ULog
+
+    try:
+        # pyulog prints what it finds damaged; ``file_corruption`` says it too.
+        with path.open("rb") as file, contextlib.redirect_stdout(io.StringIO()):
+            return ULog(file, TOPICS)
+    except OSError as error:
+        raise InputError(f"cannot be read: {error.strerror}", "check the path", where) from None
+    # Damaged bytes make its parser fail in ways that it does not list.
+    except Exception as error:
+        raise InputError(
+            f"not a ULog file: {error or type(error).__name__}",
+            "give the .ulg file as the flight controller wrote it",
+            where,
+        ) from None
+
+
+def _dataset(file: Any, topic: str) -> Any:
+    """The first instance of a topic with samples, or None."""
+    found = [data for data in file.data_list if data.name == topic and len(data.data["timestamp"])]
+    return min(found, key=lambda data: data.multi_id) if found else None
+
+
+def _signal(file: Any, name: str, sources: dict[str, list[str]], where: str) -> Signal:
+    for topic, fields in sources.items():
+        data = _dataset(file, topic)
+        if data is not None:
+            columns = [_field(data, topic, field, where) for field in fields]
+            values = np.stack(columns, axis=1)
+            valid = _valid(data, name, topic, where)
+            return Signal(f"{name} ({topic})", _time(data, fields[0])[valid], values[valid])
+    raise _missing_topic(file, " or ".join(sources), where)
+
+
+def _valid(data: Any, name: str, topic: str, where: str) -> NDArray[np.bool_]:
+    """Which samples (n,) of a topic the log does not mark as unknown."""
+    stamps = data.data["timestamp"]
+    flags = [data.data[flag] for flag in VALID if flag in data.data]
+    late = data.data.get(ACCELEROMETER_LATE)
+    if late is not None and name == "specific force":
+        flags.append(late != NOT_SAMPLED)
+    valid = np.all([np.ones(stamps.size, dtype=np.bool_), *flags], axis=0)
+    if not valid.any():
+        raise InputError(
+            f"{topic} marks all {stamps.size} samples of its {name} as not valid",
+            "fly where the autopilot knows its velocity: with GPS, optical flow or motion capture",
+            where,
+        )
+    return np.asarray(valid)
+
+
+def _ulog_rotor_speed(file: Any, factor: float, where: str) -> Signal:
+    data = _dataset(file, ROTORS)
+    if data is None:
+        raise _missing_topic(file, ROTORS, where)
+    count = int(np.max(_field(data, ROTORS, "esc_count", where)))
+    columns = [_field(data, ROTORS, f"esc[{k}].esc_rpm", where) for k in range(count)]
+    if not columns:
+        raise InputError(
+            "esc_count of topic esc_status is 0: no motor controller reports its speed",
+            "fly with controllers that report rpm, by DShot telemetry or UAVCAN",
+            where,
+        )
+    speeds = np.stack(columns, axis=1)[:, _by_motor(data, count)]
+    return Signal(f"rotor speed ({ROTORS})", _time(data), speeds * factor)
+
+
+def _by_motor(data: Any, count: int) -> list[int]:
+    """Places of motors 1 to ``count`` among the controllers, where the log tells them all."""
+    fields = [f"esc[{k}].actuator_function" for k in range(count)]
+    told = [int(np.median(data.data[field])) for field in fields if field in data.data]
+    motors = [FIRST_MOTOR + k for k in range(count)]
+    return [told.index(motor) for motor in motors] if sorted(told) == motors else [*range(count)]
+
+
+def _time(data: Any, field: str = "") -> Floats:
+    """[s]; (n,): of the measurement of a ``field`` where the topic says it, else of publication."""
+    stamps = data.data["timestamp"]
+    measured = data.data.get("timestamp_sample", stamps)
+    time = np.where(measured > 0, measured, stamps).astype(np.float64)
+    if field.startswith("accelerometer") and ACCELEROMETER_LATE in data.data:
+        time += data.data[ACCELEROMETER_LATE]
+    return np.asarray(time * MICROSECOND)
+
+
+def _field(data: Any, topic: str, field: str, where: str) -> Floats:
+    if field not in data.data:
+        raise InputError(
+            f"topic {topic} has no field {field}, it has {', '.join(data.data)}",
+            "give a log of PX4 1.11 or later",
+            where,
+        )
+    return np.asarray(data.data[field], dtype=np.float64)
+
+
+def _missing_topic(file: Any, topic: str, where: str) -> InputError:
+    # Topics that are not of use here are not parsed, but the log names their formats.
+    present = sorted({data.name for data in file.data_list}) or ["no topic of use"]
+    return InputError(
+        f"no topic {topic}; found {', '.join(present)}",
+        "log it: see SDLOG_PROFILE of PX4, and for esc_status motor controllers with telemetry "
+        "(actuator_motors and actuator_outputs are commands, no speeds)",
+        where,
+    )
+
+
+# -------------------------------------------------------------------------------------------------
+# Flight logs of ROS: bags of ROS 1 (.bag) and ROS 2 (folder, .db3, .mcap).
+
+TYPES = {
+    "odometry": "nav_msgs/msg/Odometry",
+    "pose": "geometry_msgs/msg/PoseStamped",
+    "velocity": "geometry_msgs/msg/TwistStamped",
+    "imu": "sensor_msgs/msg/Imu",
+}
+"""Message type per role of a topic."""
+
+ROTOR_FIELDS = {
+    "std_msgs/msg/Float64MultiArray": "data",
+    "std_msgs/msg/Float32MultiArray": "data",
+    "sensor_msgs/msg/JointState": "velocity",
+    "mav_msgs/msg/Actuators": "angular_velocities",
+    "actuator_msgs/msg/Actuators": "velocity",
+}
+"""Field with the rotor speeds; of another type, its only field that is an array of numbers."""
+
+Extract = Callable[[Any], list[float]]
+
+
+def read_rosbag(path: Path, log: LogMap) -> Recording:
+    """A bag whose topics ``[log.topics]`` names.
+
+    ``odometry`` (nav_msgs/Odometry), or ``pose`` (geometry_msgs/PoseStamped) and ``velocity``
+    (geometry_msgs/TwistStamped); ``rotor_speed`` (an array of numbers, see ``ROTOR_FIELDS``);
+    optional ``imu`` (sensor_msgs/Imu) for rates and specific force, else the rates are those
+    of the odometry or twist and the specific force is not known.
+    Times are those of the headers; of a message without one, when it was recorded.
+    Raises ``InputError``.
+    """
+    where = str(path)
+    topics = log.topics
+    if "rotor_speed" not in topics or not (
+        "odometry" in topics or {"pose", "velocity"} <= {*topics}
+    ):
+        raise InputError(
+            "bags need topics: odometry, or pose and velocity; and rotor_speed",
+            'add [log.topics] with odometry = "/...", imu = "/...", rotor_speed = "/..."',
+            log.where,
+        )
+    read = _messages(path, where, log)
+    odometry = "odometry" in topics
+    velocity_in = (log.velocity_in or "body") if odometry else log.stated("velocity_in")
+    twist_role = "odometry" if odometry else "velocity"
+    if "imu" not in topics and velocity_in == "world":
+        raise InputError(
+            "the twist is in the world frame, and no topic gives rates about body axes",
+            'add imu = "/..." to [log.topics]',
+            log.where,
+        )
+
+    def signal(name: str, role: str, extract: Extract) -> Signal:
+        time, messages = read[role]
+        rows = [extract(message) for message in messages]
+        return Signal(f"{name} (topic {topics[role]})", time, np.array(rows, dtype=np.float64))
+
+    def twist(message: Any) -> Any:
+        return message.twist.twist if odometry else message.twist
+
+    def orientation(message: Any) -> list[float]:
+        pose = message.pose.pose if odometry else message.pose
+        q = pose.orientation
+        return [q.w, q.x, q.y, q.z]
+
+    imu = "imu" in topics
+    factor = log.rotor_factor(log.stated("rotor_unit"))
+    return Recording(
+        source=where,
+        body_frame=log.body_frame or "flu",
+        world_frame=log.world_frame or "enu",
+        velocity_in=velocity_in,
+        attitude=signal("attitude", "odometry" if odometry else "pose", orientation),
+        velocity=signal("velocity", twist_role, lambda m: _xyz(twist(m).linear)),
+        rates=(
+            signal("rates", "imu", lambda m: _xyz(m.angular_velocity))
+            if imu
+            else signal("rates", twist_role, lambda m: _xyz(twist(m).angular))
+        ),
+        rotor_speed=_bag_rotor_speed(
+            *read["rotor_speed"], factor, f"rotor speed (topic {topics['rotor_speed']})", where
+        ),
+        specific_force=(
+            signal("specific force", "imu", lambda m: _xyz(m.linear_acceleration)) if imu else None
+        ),
+    )
+
+
+def _xyz(vector: Any) -> list[float]:
+    return [vector.x, vector.y, vector.z]
+
+
+def _messages(path: Path, where: str, log: LogMap) -> dict[str, tuple[Floats, list[Any]]]:
+    """Times [s] and messages of the topics named, by role."""
+    from rosbags.highlevel import AnyReader
+    from rosbags.typesys import Stores, get_typestore
+
+    try:
+        # Old bags of ROS 2 do not hold the definitions of their messages.
+        with AnyReader([path], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as bag:
+            return {
+                role: _topic(bag, role, topic, where, log) for role, topic in log.topics.items()
+            }
+    except InputError:
+        raise
+    # Damaged bytes make SQLite, MCAP and YAML parsers fail in ways that rosbags does not list.
+    except Exception as error:
+        raise InputError(
+            f"not a bag that can be read: {error or type(error).__name__}",
+            "give a ROS 1 .bag, a ROS 2 folder with metadata.yaml, or an .mcap file",
+            where,
+        ) from None
+
+
+def _topic(bag: Any, role: str, topic: str, where: str, log: LogMap) -> tuple[Floats, list[Any]]:
+    connections = [c for c in bag.connections if c.topic == topic]
+    if not connections:
+        present = ", ".join(sorted(f"{c.topic} ({_short(c.msgtype)})" for c in bag.connections))
+        raise InputError(
+            f"no topic {topic}; the bag has {present or 'none'}",
+            f"correct {role} in [log.topics] of {log.file}",
+            where,
+        )
+    wanted, found = TYPES.get(role), connections[0].msgtype
+    if wanted not in (None, found):
+        raise InputError(
+            f"topic {topic} is of type {_short(found)}, expected {_short(str(wanted))}",
+            f"name a topic of that type as {role} in [log.topics]",
+            where,
+        )
+    times, messages = [], []
+    for connection, recorded, data in bag.messages(connections):
+        message = bag.deserialize(data, connection.msgtype)
+        times.append(_stamp(message) or recorded * 1e-9)
+        messages.append(message)
+    return np.array(times, dtype=np.float64), messages
+
+
+def _stamp(message: Any) -> float:
+    """Time of the header [s]; 0 where there is none."""
+    header = getattr(message, "header", None)
+    return header.stamp.sec + header.stamp.nanosec * 1e-9 if header is not None else 0.0
+
+
+def _bag_rotor_speed(
+    time: Floats, messages: list[Any], factor: float, name: str, where: str
+) -> Signal:
+    """Rotor speeds [rad/s]; ``factor`` is their unit in the log."""
+    if not messages:
+        return Signal(name, time, np.empty((0, 0)))
+    field = _rotor_field(messages[0], name, where)
+    rows = [np.asarray(getattr(message, field), dtype=np.float64).ravel() for message in messages]
+    lengths = sorted({row.size for row in rows})
+    if len(lengths) > 1:
+        raise InputError(
+            f"messages of {name} have from {lengths[0]} to {lengths[-1]} values",
+            "record one value per rotor in every message",
+            where,
+        )
+    return Signal(name, time, np.stack(rows) * factor)
+
+
+def _rotor_field(message: Any, name: str, where: str) -> str:
+    kind: str = message.__msgtype__
+    if kind in ROTOR_FIELDS:
+        return ROTOR_FIELDS[kind]
+    arrays = [
+        field
+        for field in message.__dataclass_fields__
+        if isinstance(getattr(message, field), np.ndarray)
+    ]
+    if len(arrays) != 1:
+        listed = ", ".join(_short(known) for known in ROTOR_FIELDS)
+        raise InputError(
+            f"{name} is of type {_short(kind)} with {len(arrays)} arrays of numbers, expected 1",
+            f"record the speeds as one of {listed}",
+            where,
+        )
+    return arrays[0]
+
+
+def _short(kind: str) -> str:
+    """The name of a message type as it is written in ROS 1 and in speech."""
+    return kind.replace("/msg/", "/")
+
+
+# -------------------------------------------------------------------------------------------------
+# Readers of flight logs, one file per format.
+
+READERS: dict[str, Callable[[Path, LogMap], Recording]] = {
+    ".csv": read_csv_log,
+    ".parquet": read_csv_log,
+    ".pq": read_csv_log,
+    ".ulg": read_ulog,
+    ".bag": read_rosbag,
+    ".db3": read_rosbag,
+    ".mcap": read_rosbag,
+}
+"""By the file's ending; a folder is a bag of ROS 2."""
+
+
+def read_flight_log(
+    path: str | os.PathLike[str], vehicle_file: VehicleFile, *, rate: float | None = None
+) -> FlightLog:
+    """Read a flight log of any kind: CSV, Parquet, PX4's ULog, bags of ROS 1 and ROS 2.
+
+    Signals are interpolated linearly to one clock, those that are faster after a low-pass; gaps
+    above 0.25 s are cut out.  Samples that cannot be used are dropped, which ``source`` then tells,
+    or refused where they are many.
+
+    Parameters
+    ----------
+    path : path
+        Of the file, or the folder of a ROS 2 bag.
+    vehicle_file : VehicleFile
+        The vehicle and the map of the log.
+    rate : float, optional
+        Samples per second [1/s]; by default the sample times of the slowest of attitude, velocity
+        and rotor speed.
+
+    Raises
+    ------
+    InputError
+        Where the log cannot be read, or is not one of this vehicle.
+    """
+    return flight_log(read_recording(path, vehicle_file), vehicle_file, rate)
+
+
+def read_recording(path: str | os.PathLike[str], vehicle_file: VehicleFile) -> Recording:
+    """What a flight log of any kind holds, as it was recorded.
+
+    Parameters
+    ----------
+    path, vehicle_file : path, VehicleFile
+        As for ``read_flight_log``.
+
+    Raises
+    ------
+    InputError
+        Where the log cannot be read.
+    """
+    file = Path(path)
+    where = str(file)
+    try:
+        folder, there = file.is_dir(), file.exists()
+        empty = file.is_file() and file.stat().st_size == 0
+    except (OSError, ValueError) as error:
+        raise InputError(f"cannot be read: {error}", "check the path", where) from None
+    if not there:
+        raise InputError("no such file", "check the path", where)
+    if empty:
+        raise InputError("the file is empty", "give the log of a flight", where)
+    kind = file.suffix.lower()
+    if not folder and kind not in READERS:
+        raise InputError(
+            f"the file's ending is {kind!r}, expected one of {', '.join(READERS)}",
+            "give a log of one of these kinds, or the folder of a ROS 2 bag",
+            where,
+        )
+    if folder and not (file / "metadata.yaml").exists():
+        raise InputError(
+            "this folder has no metadata.yaml, expected a ROS 2 bag", "name a file inside it", where
+        )
+    reader = read_rosbag if folder else READERS[kind]
+    return reader(file, vehicle_file.log)
