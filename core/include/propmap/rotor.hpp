@@ -38,7 +38,7 @@ struct Accuracy {
 // `standard`: 0.1 % of static thrust and torque; `fine`: 0.01 %.
 inline const Accuracy standard_accuracy{
     {{0.03, 8}, {0.06, 12}, {0.12, 16}, {0.18, 24}, {0.3, 32}, {0.5, 64}, {1.0, 96}, {INFINITY, 128}},
-    24, 48, 64, 0.024, {{80, 0.024}, {240, 0.05}, {960, 0.09}}};
+    24, 48, 64, 0.022, {{80, 0.022}, {240, 0.05}, {960, 0.09}}};
 inline const Accuracy fine_accuracy{
     {{0.1, 32}, {0.15, 48}, {0.3, 96}, {0.5, 192}, {1.0, 256}, {INFINITY, 384}},
     96, 160, 160, 0.004, {{320, 0.004}, {960, 0.01}}};
@@ -62,8 +62,8 @@ struct Result {
 };
 
 // A last step of the harmonics, in shares of all speeds: loads that follow it by their slopes err by its square, up to
-// 7e-7 of those at rest.
-inline constexpr double harmonics_close = 1e-4;
+// 3e-8 of those at rest.
+inline constexpr double harmonics_close = 2e-5;
 
 inline double sum(Lanes x) {
     double total = 0.0;
