@@ -289,7 +289,8 @@ class CoreRotor {
         double* found;
         auto array = make_array({points.shape(1)}, found);
         std::visit([&](const auto& solver) {
-            for (std::size_t k = 0; k < points.shape(1); ++k) found[k] = propmap::attached_thrust(solver.rotor(), point(points, k));
+            for (std::size_t k = 0; k < points.shape(1); ++k)
+                found[k] = propmap::attached_thrust(solver.rotor(), point(points, k));
         }, solver_);
         return array;
     }
@@ -358,7 +359,8 @@ class CoreRotor {
     }
 
     template <template <class> class LawOf>
-    static void differentiate(const RotorSolver<LawOf>& solver, const std::vector<std::string>& names, const Points& points, int threads, double* loads, double* slopes) {
+    static void differentiate(const RotorSolver<LawOf>& solver, const std::vector<std::string>& names, const Points& points,
+                              int threads, double* loads, double* slopes) {
         const std::size_t n = points.shape(1), p = names.size();
         Rotor<double, LawOf> example = solver.rotor();
         Flow<double> still{};

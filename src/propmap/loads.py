@@ -1,7 +1,7 @@
 """The registry of loads: names, units, words, and what errors are shares of.
 
 Everything that lists loads iterates over ``LOADS``, and every array of loads has its order.  A new
-load is computed in ``physics.element``, described here, and a field of ``propmap.Loads``.
+load is computed in ``element.hpp`` of the core, described here, and a field of ``propmap.Loads``.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ class Load:
         return f"{self.name}_{self.unit.replace(' ', '')}"
 
     def column_of(self, what: str) -> str:
-        """The same of a quantity of it: "torque_std_Nm" where ``what`` is "std"."""
+        """The column of a quantity of it: "torque_std_Nm" where ``what`` is "std"."""
         return f"{self.name}_{what}_{self.unit.replace(' ', '')}"
 
     @property

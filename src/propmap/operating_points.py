@@ -76,7 +76,7 @@ def rates(omega: ArrayLike) -> Floats:
 
 
 def rates_of(name: str, values: ArrayLike) -> Floats:
-    """The same of an argument ``name`` with these ``values``."""
+    """Rotational speeds ``values`` [rad/s] of an argument ``name``, none of them negative."""
     (w,) = broadcast(**{name: values})
     _refuse_negative(name, w, SPIN_REMEDY)
     return w

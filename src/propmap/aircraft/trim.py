@@ -76,7 +76,7 @@ class Aircraft:
         self._lost = NOT_FOUND if isinstance(loads, Rotor) else OUTSIDE_TABLE
 
     def with_hover_model(self) -> Aircraft:
-        """The same aircraft with the hover model of its rotors: no drag, loads as at rest."""
+        """This aircraft with the hover model of its rotors: no drag, loads as at rest."""
         other = copy.copy(self)
         omega = REFERENCE_TIP_SPEED / self.vehicle.propeller.radius
         if not isinstance(self.loads, Rotor):

@@ -134,7 +134,7 @@ def inplane_forces(aircraft: Aircraft, axis: str, speeds: Floats) -> InplaneForc
 
 
 def _turned(aircraft: Aircraft) -> Aircraft:
-    """The same aircraft with its left where the nose was."""
+    """This aircraft with its left where the nose was."""
     vehicle = aircraft.vehicle
     x, y, z = vehicle.body.drag_area
     body = Body((y, x, z), download_area=vehicle.body.download_area[::-1])

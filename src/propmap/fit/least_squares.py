@@ -418,7 +418,7 @@ class Rows:
         return np.minimum(self.counts, np.where(moving, INDEPENDENT, INDEPENDENT_AT_REST))
 
     def left(self, kept: NDArray[np.bool_]) -> Rows:
-        """The same rows, without weight where ``kept``, shape (M,), is false."""
+        """These rows, without weight where ``kept``, shape (M,), is false."""
         return replace(self, weight=self.weight * kept)
 
 

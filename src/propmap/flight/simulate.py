@@ -171,7 +171,7 @@ def log_map(rotors: int) -> LogMap:
 
 
 def log_table(rotors: int) -> str:
-    """The same as the text of the table ``[log]`` for a vehicle file."""
+    """The table ``[log]`` of a vehicle file that reads such a log, as text."""
     how, several = log_map(rotors), (*VECTORS, "rotor_speed")
     stated = {key: how.stated(key) for key in CHOICES}
     columns = {key: names if key in several else names[0] for key, names in how.columns.items()}

@@ -92,11 +92,11 @@ class Propeller:
         return float(self.station[0]) if self.root_cutout is None else self.root_cutout
 
     def with_root_cutout(self, radius_m: float) -> Propeller:
-        """The same propeller, loaded from ``radius_m`` [m] outwards."""
+        """This propeller, loaded from ``radius_m`` [m] outwards."""
         return replace(self, root_cutout=radius_m)
 
     def scaled(self, factor: float) -> Propeller:
-        """The same shape with radius and chord ``factor`` times as large."""
+        """This shape with radius and chord ``factor`` times as large."""
         root = None if self.root_cutout is None else factor * self.root_cutout
         return replace(
             self, station=factor * self.station, chord=factor * self.chord, root_cutout=root
@@ -300,16 +300,16 @@ class Model:
             value.check(self)
 
     def with_airfoil(self, airfoil: Section) -> Model:
-        """The same model with another section law, ``airfoil``."""
+        """This model with another section law, ``airfoil``."""
         return replace(self, airfoil=airfoil)
 
     def with_mount(self, mount: Correction) -> Model:
-        """The same model with ``mount``, a ``mount-drag``, in the place of its own if any."""
+        """This model with ``mount``, a ``mount-drag``, in the place of its own if any."""
         others = [value for value in self.corrections if name_of(value) != MOUNT_DRAG]
         return replace(self, corrections=(*others, mount))
 
     def found_with(self, value: Correction) -> Model:
-        """The same model with ``value`` in the place of its own of that name, if any.
+        """This model with ``value`` in the place of its own of that name, if any.
 
         The section law is then one whose constants were found with it.
         """

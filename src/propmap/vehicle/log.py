@@ -94,7 +94,7 @@ class FlightLog:
         return self.with_each(lambda array: array[which])
 
     def with_each(self, change: Callable[[Floats], Floats]) -> FlightLog:
-        """The same log with a ``change`` to every array, which may alter the number of samples."""
+        """This log with a ``change`` to every array, which may alter the number of samples."""
         arrays: dict[str, Any] = {name: change(getattr(self, name)) for name in ARRAYS}
         return replace(self, **arrays)
 

@@ -522,8 +522,7 @@ def _in_rows(column: Floats, value: float) -> int:
 def check_recording(recording: Recording) -> list[str]:
     """Look for mistakes in frames, units, columns and clocks, and for sensors that failed.
 
-    What needs the vehicle, its rotors, is in ``propmap.flight.checks`` and
-    ``propmap.flight.checks``.
+    Checks that need the vehicle and its rotors are in ``propmap.flight.checks``.
 
     Parameters
     ----------

@@ -198,7 +198,7 @@ def _curves(session: Session, values: Values) -> Curves:
 
 
 def _grid(session: Session, values: Values) -> OperatingPoints:
-    """The same points, in the order of a sweep."""
+    """These points, in the order of a sweep."""
     x = _along(session, values)
     axes: dict[str, Any] = {k: np.array([values[k]]) for k in ("rpm", "speed", "beta")}
     inner = "speed" if values["x"] == "beta" else "beta"
