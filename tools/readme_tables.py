@@ -13,7 +13,6 @@ import json
 import re
 import shutil
 import sys
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +25,12 @@ PICTURE = ROOT / "docs" / "figures" / "apc-8x6e-loads.png"
 
 MODELS = {"recommended": "recommended model", "paper": "paper's model", "hover": "hover model"}
 """The demo's models, in words."""
+
+HEADLINE = {
+    "axial": {"thrust": "thrust", "torque": "torque"},
+    "oblique": {"thrust": "thrust", "torque": "torque", "drag": "rotor drag"},
+}
+"""What README shows: loads of the demo's data, in words."""
 
 
 def take_demo(folder: Path) -> None:
@@ -97,6 +102,24 @@ def model_accuracy(found: dict[str, Any]) -> str:
     return "\n".join([model_errors(found), "", "In words, from the same run:", "", *words])
 
 
+def headline(found: dict[str, Any]) -> str:
+    """Five loads in shares of the measured ones."""
+    rows = [
+        "| data | load | points | band of the data | " + " | ".join(MODELS.values()) + " |",
+        "|---|---|---:|---:|" + "---:|" * len(MODELS),
+    ]
+    for title, loads in HEADLINE.items():
+        (group,) = (one for one in found["groups"] if one["title"] == title)
+        for one in group["errors"]:
+            if one["load"] in loads:
+                shares = (one["models"][model]["relative_rms"] for model in MODELS)
+                band = "" if one["band"] is None else _share(one["band"])
+                cells = " | ".join(map(_share, shares))
+                load = loads[one["load"]]
+                rows.append(f"| {title} | {load} | {one['points']} | {band} | {cells} |")
+    return "\n".join(rows)
+
+
 def model_errors(found: dict[str, Any]) -> str:
     """The models against measurements, and by how much two forms of the data differ."""
     rows = [
@@ -123,36 +146,6 @@ def model_errors(found: dict[str, Any]) -> str:
 def _share(share: float) -> str:
     """In per cent, to a tenth below ten."""
     return f"{100.0 * share:.0f} %" if share >= 0.0995 else f"{100.0 * share:.1f} %"
-
-
-def times(model: dict[str, Any], table: dict[str, Any]) -> str:
-    """The times that a user meets first, of the model and of a table, with the machine."""
-    place, batch, process = model["machine"], model["batches"], model["processes"]
-    query, rotorpy, double = (
-        table["query_us"],
-        table["rotorpy_us_per_rotor"],
-        table["c_ns"]["double"],
-    )
-    rows = [
-        f"{place['cpu']}, {place['cores']} cores.",
-        "",
-        "| what | time |",
-        "|---|---:|",
-        f"| a Python process from its start to the first 1000 points "
-        f"| {process['first result, points: 1000']['wall_s']:.2f} s |",
-        f"| `propmap predict` | {process['propmap predict']['wall_s']:.2f} s |",
-        f"| one call, oblique | {model['single_call']['oblique']['median_us']:.0f} µs |",
-        f"| {model['batch']} oblique points at once "
-        f"| {batch['recommended, oblique']['wall_us']:.0f} µs per point |",
-        "| the same with derivatives by the flow and five section constants | "
-        f"{model['gradients']['recommended, eight derivatives']['wall_us']:.0f} µs per point |",
-        f"| table in Python, one point | {query['scalar']:.1f} µs |",
-        f"| table in Python, 100 000 points at once | {query['array']:.2f} µs per point |",
-        f"| table as C header, `double` | {_stated(double, 'ns', 0, 'no gcc')} |",
-        "| beside it, RotorPy's rotor model, per rotor "
-        f"| {_stated(rotorpy, 'µs', 1, 'not installed')} |",
-    ]
-    return "\n".join(rows)
 
 
 def _stated(value: float | None, unit: str, digits: int, missing: str) -> str:
@@ -253,16 +246,9 @@ def replaced(text: str, name: str, table: str) -> str:
 
 
 def with_tables(text: str) -> str:
-    """The README's ``text`` with the tables that the results give."""
-    makers: tuple[tuple[str, Callable[..., str], tuple[str, ...]], ...] = (
-        ("numerical accuracy", numerical_accuracy, ("convergence.json",)),
-        ("model accuracy", model_errors, ("demo.json",)),
-        ("speed", times, ("speed.json", "table.json")),
-    )
-    for name, make, sources in makers:
-        found = [json.loads((RESULTS / source).read_text(encoding="utf-8")) for source in sources]
-        text = replaced(text, name, make(*found))
-    return text
+    """README's ``text`` with the table that the results give."""
+    demo = json.loads((RESULTS / "demo.json").read_text(encoding="utf-8"))
+    return replaced(text, "model accuracy", headline(demo))
 
 
 def main(arguments: list[str]) -> None:

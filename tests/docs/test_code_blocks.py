@@ -63,17 +63,6 @@ def px4_logs(folder: Path) -> None:
         write_ulog(log, folder / name, file.vehicle)
 
 
-def stand_and_logs(folder: Path) -> None:
-    """A thrust stand's rows, and the flights of ``px4_logs``."""
-    rotor = propmap.Rotor(propmap.known_model("apc-8x6e"))
-    rpm = np.linspace(3000.0, 7000.0, 6)
-    loads = rotor.loads(rpm * np.pi / 30.0, 0.0, 0.0)
-    rows = zip(rpm, loads.thrust, loads.torque, strict=True)
-    lines = [f"{n:.0f},{t:.3f},{q:.4f}" for n, t, q in rows]
-    (folder / "stand.csv").write_text("\n".join(["rpm,thrust_N,torque_Nm", *lines]) + "\n")
-    px4_logs(folder)
-
-
 def uiuc_files(folder: Path) -> None:
     """Geometry and loads of a 10-inch propeller in the layout of the UIUC database."""
     blade = propmap.propeller("uiuc-apcsf-10x7")
@@ -131,7 +120,6 @@ def source(folder: Path) -> None:
 
 
 SUPPLIED: dict[str, Callable[[Path], None]] = {
-    "README.md": stand_and_logs,
     "docs/architecture.md": source,
     "docs/how-to/corrections-and-tables.md": polars,
     "docs/how-to/fit-px4.md": px4_logs,

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import re
 
-import pytest
-
 from tools import readme_tables
 
 
@@ -17,10 +15,11 @@ def test_readme_is_what_the_results_give() -> None:
     )
 
 
-@pytest.mark.parametrize("name", ["numerical accuracy", "model accuracy", "speed"])
-def test_a_changed_figure_is_noticed(name: str) -> None:
+def test_a_changed_figure_is_noticed() -> None:
     text = readme_tables.README.read_text(encoding="utf-8")
-    (table,) = re.findall(rf"<!-- {name} -->\n(.*?)<!-- /{name} -->", text, re.DOTALL)
+    (table,) = re.findall(
+        r"<!-- model accuracy -->\n(.*?)<!-- /model accuracy -->", text, re.DOTALL
+    )
     figures = re.findall(r"\d\.\d", table)
     assert figures
     changed = text.replace(table, table.replace(figures[0], "7.77", 1))
