@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,21 +16,12 @@ from propmap.tasks import InTurn, Workers, in_order
 from propmap.typing import Floats
 
 
-@dataclass(frozen=True, eq=False)
-class Intervals:
-    """The 95 % intervals of B fits and P parameters.
+class Intervals(NamedTuple):
+    """The 95 % intervals of B fits and P parameters."""
 
-    Attributes
-    ----------
-    low, high : ndarray, shape (B, P)
-        Their ends.
-    identified : ndarray, shape (B, P)
-        Whether the fit calls the parameter identified.
-    """
-
-    low: Floats
+    low: Floats  # (B, P)
     high: Floats
-    identified: NDArray[np.bool_]
+    identified: NDArray[np.bool_]  # (B, P): whether the fit calls the parameter identified
 
     def hold(self, truth: Floats) -> NDArray[np.bool_]:
         """Which of them (B, P) hold the ``truth`` (P,)."""
@@ -46,35 +38,21 @@ def noisy_intervals(
     workers: Workers | None = None,
     remake: Callable[[], Rows] | None = None,
 ) -> Intervals:
-    """Fit data again and again, each time with other noise.
+    """Fit ``rows`` without noise again and again, each time with other noise.
 
-    Parameters
-    ----------
-    rows : Rows
-        Data without noise.
-    choice : Choice
-        What is free, and where searches start.
-    noise : float
-        Standard deviation over the rows' ``scale`` [-].
-    draws : int
-        How many fits.
-    seed : int
-        Of the noise.
-    workers : Workers, optional
-        Who fits; by default this process.  Results are the same to the last digit.
-    remake : callable, optional
-        Makes ``rows`` again in another process; it needs to be picklable.
+    ``noise`` is its standard deviation over the rows' ``scale`` [-]; ``draws`` says how many fits.
+    Workers in other processes need ``remake``, picklable, which makes ``rows`` again there; results
+    are the same to the last digit.
     """
     rng = np.random.default_rng(seed)
     noises = (noise * rows.scale * rng.standard_normal(rows.measured.size) for _ in range(draws))
     measured = (rows.measured + one for one in noises)
     found = in_order((workers or InTurn()).results(_fitted, _Exact(rows, choice, remake), measured))
-    low, high, identified = (np.stack(part) for part in zip(*found, strict=True))
-    return Intervals(low, high, identified)
+    return Intervals(*(np.stack(part) for part in zip(*found, strict=True)))
 
 
 class _Exact(RowsElsewhere):
-    """Rows without noise; what is sent to another process remakes them there."""
+    """Rows without noise; another process makes them again instead of being sent them."""
 
     def __init__(self, rows: Rows, choice: Choice, remake: Callable[[], Rows] | None) -> None:
         self.rows, self.choice, self.remake = rows, choice, remake

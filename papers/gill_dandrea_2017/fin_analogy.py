@@ -1,5 +1,7 @@
-"""Ribner's fin analogy: the side force of a propeller in yaw, by another road than the blade
-element theory."""
+"""Ribner's fin analogy: the side force of a propeller in yaw, without blade elements.
+
+H. S. Ribner, NACA TR 819 and 820, 1945.
+"""
 
 from __future__ import annotations
 
@@ -12,9 +14,7 @@ from propmap.errors import InputError
 from propmap.model.model import Propeller
 from propmap.typing import Floats
 
-ASPECT_RATIO = 8.0
-"""Effective aspect ratio of the fin; the reports say "of the order of 8"."""
-
+ASPECT_RATIO = 8.0  # effective one of the fin; the reports say "of the order of 8"
 STATIONS = 400
 
 
@@ -22,14 +22,8 @@ def inflow_factor(thrust: ArrayLike, speed: ArrayLike, radius: float, density: f
     """Inflow a at the disk over the flight speed [-], from momentum theory.
 
     T = 2 rho pi R^2 V^2 a (1 + a); with T_c = T/(rho V^2 D^2), a = (sqrt(1 + 8 T_c/pi) - 1)/2.
-    NaN where the thrust brakes more than momentum theory can say, T_c < -pi/8.
-
-    Parameters
-    ----------
-    thrust, speed : array_like
-        [N] and [m/s], of shapes that broadcast; speed > 0.
-    radius, density : float
-        [m] and [kg/m^3].
+    NaN where the thrust [N] brakes more than momentum theory can say, T_c < -pi/8.  Speeds are
+    above 0 [m/s].
     """
     v = np.asarray(speed, dtype=np.float64)
     if not (v > 0.0).all():
@@ -40,10 +34,10 @@ def inflow_factor(thrust: ArrayLike, speed: ArrayLike, radius: float, density: f
 
 
 def dynamic_pressure_factor(inflow: ArrayLike) -> Floats:
-    """f(a) [-], by which the inflow a [-] raises the dynamic pressure at the fin.
+    """Factor f(a) [-] by which the inflow a [-] raises the dynamic pressure at the fin.
 
     f(a) = (1 + a) ((1 + a) + (1 + 2 a)^2) / (1 + (1 + 2 a)^2): 1 without inflow, 1 + a for
-    a strong one (H. S. Ribner, NACA TR 819 and 820, 1945).
+    a strong one.
     """
     a = np.asarray(inflow, dtype=np.float64)
     wake = (1.0 + 2.0 * a) ** 2
@@ -78,23 +72,8 @@ def side_force(
 
     The propeller acts as a fin of its ``side_area``, of aspect ratio 8 with the lift slope
     2 pi A/(A + 2) of lifting-line theory, in 1/2 rho V^2 f(a).  No spinner, no nacelle, no
-    compressibility.  The force is taken to grow with the sine of the incidence.
-
-    Parameters
-    ----------
-    propeller : Propeller
-        Geometry.
-    thrust, speed, incidence : array_like
-        Thrust without yaw [N], speed > 0 [m/s], and angle between velocity and axis [rad], of
-        shapes that broadcast.
-    density : float
-        [kg/m^3].
-    zero_lift_angle : float
-        See ``side_area`` [rad].
-
-    References
-    ----------
-    H. S. Ribner, NACA TR 819 and 820, 1945.
+    compressibility.  The force is taken to grow with the sine of the ``incidence``, the angle
+    between velocity and axis [rad]; ``thrust`` is that without yaw [N], ``speed`` above 0 [m/s].
     """
     a = inflow_factor(thrust, speed, propeller.radius, density)
     slope = 2.0 * math.pi * ASPECT_RATIO / (ASPECT_RATIO + 2.0)

@@ -1,4 +1,11 @@
-"""What the paper states, to compare with."""
+"""What the paper states, to compare with, and the propellers of its experiments."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from propmap.catalogue.lookup import propeller
+from propmap.model.model import Propeller
 
 CITATION = (
     "R. Gill, R. D'Andrea, Propeller Thrust and Drag in Forward Flight, IEEE CCTA 2017, "
@@ -19,32 +26,30 @@ TABLE_1 = {
 FLOWN = {"paper-soft": "soft", "paper-stiff": "stiff"}
 """The sets that were flown, and a short name of each propeller."""
 
-RADIUS = 0.1
-"""[m] of all three propellers."""
+RADIUS = 0.1  # [m] of all three propellers
+TETHER = 1.7  # [m], radius of the level circles
+FASTEST = 14.5  # [m/s] of the level circles
+FLIGHTS = 20  # level flights of one identification, with four rotors
+HOVER_FAILS = {"paper-soft": 7.0, "paper-stiff": 9.0}  # [m/s] from which the hover model fails
+SIGN_CHANGES = 7.0  # [m/s]: below, the hover model's vertical force is too small, above too large
+TUNNEL_ERROR = 0.09  # largest relative error of the model in the tunnel
+HOVER_TUNNEL_ERROR = 1.0  # and of the hover model
+ONE_POINT = 3.0  # [s] for one operating point
+IDENTIFICATION = (2.0 * 3600.0, 10.0 * 3600.0)  # [s], range of the times for one identification
 
-TETHER = 1.7
-"""[m], radius of the level circles."""
+TUNNEL_PROPELLER = "apc-8x6e"
 
-FASTEST = 14.5
-"""[m/s] of the level circles."""
 
-FLIGHTS = 20
-"""Level flights of one identification, with four rotors."""
-
-HOVER_FAILS = {"paper-soft": 7.0, "paper-stiff": 9.0}
-"""[m/s], flight speed from which the hover model fails."""
-
-SIGN_CHANGES = 7.0
-"""[m/s]: below, the hover model's vertical force is too small, above too large."""
-
-TUNNEL_ERROR = 0.09
-"""Largest relative error of the model in the tunnel."""
-
-HOVER_TUNNEL_ERROR = 1.0
-"""The same of the hover model."""
-
-ONE_POINT = 3.0
-"""[s] for one operating point."""
-
-IDENTIFICATION = (2.0 * 3600.0, 10.0 * 3600.0)
-"""[s], range of the times for one identification."""
+def blade(name: str, radius: float | None = None) -> Propeller:
+    """Load a propeller of the catalogue, scaled where a tip radius [m] is given."""
+    given = propeller(name)
+    if radius is None:
+        return given
+    scale = radius / given.radius
+    return replace(
+        given,
+        name=f"{given.name} scaled to {1e3 * radius:.0f} mm",
+        station=scale * given.station,
+        chord=scale * given.chord,
+        root_cutout=None if given.root_cutout is None else scale * given.root_cutout,
+    )

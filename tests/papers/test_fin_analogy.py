@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import propmap
-from propmap.baselines.fin_analogy import (
+from papers.gill_dandrea_2017.fin_analogy import (
     dynamic_pressure_factor,
     inflow_factor,
     side_area,

@@ -10,12 +10,11 @@ import pytest
 
 from propmap.errors import InputError
 from propmap.fit.fit import Settings, fit
-from propmap.fit.interval_coverage import noisy_intervals
 from propmap.fit.least_squares import Rows
 from propmap.fit.parameters import Choice
+from tests.fit.synthetic_rows import decay_model, rows_of, true_values, truth_of
 from tests.workers_elsewhere import Elsewhere
-
-from .synthetic_rows import decay_model, rows_of, true_values, truth_of
+from tools.interval_coverage import noisy_intervals
 
 THREE = Choice(("c_l1", "c_l2", "c_d"))
 NOISE = 0.03

@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 
 from propmap.catalogue.identified import Identified
 from propmap.catalogue.lookup import propeller
-from propmap.fit.population.verdict import ALIKE_RPM
 from propmap.io.uiuc import MeasuredPropeller
 from propmap.model.model import Model, Propeller
 from propmap.rotor import Rotor
 from propmap.typing import Floats
+from tools.catalogue.verdict import SAME_RPM
 
 Rows = NDArray[np.intp]
 
@@ -140,7 +140,7 @@ def _asked(tested: MeasuredPropeller) -> list[tuple[Floats, Floats, Rows]]:
     means = sorted((float(tested.rpm[tested.run == run].mean()), run) for run in runs)
     groups: list[list[tuple[float, int]]] = []
     for mean, run in means:
-        if groups and mean <= (1.0 + ALIKE_RPM) * groups[-1][0][0]:
+        if groups and mean <= (1.0 + SAME_RPM) * groups[-1][0][0]:
             groups[-1].append((mean, run))
         else:
             groups.append([(mean, run)])

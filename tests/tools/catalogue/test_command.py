@@ -1,4 +1,4 @@
-"""``propmap fit catalogue``, on two propellers of made-up rows."""
+"""``python -m tools.catalogue``, on two propellers of made-up rows."""
 
 from __future__ import annotations
 
@@ -9,10 +9,7 @@ import pytest
 
 import propmap as pm
 from propmap.catalogue.identified import identified, parse_identified
-
-from .conftest import Run
-
-pytestmark = pytest.mark.usefixtures("brief")
+from tools.catalogue.__main__ import main
 
 HEADER = "PropName,BladeName,Family,B,D,P,J,N,CT,CP,eta,volume\n"
 
@@ -35,12 +32,14 @@ def rows_of(blade: str, label: str) -> str:
 
 
 @pytest.mark.slow
-def test_constants_are_found_written_and_kept(run: Run, tmp_path: Path) -> None:
+def test_constants_are_found_written_and_kept(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     loads, output = tmp_path / "loads.csv", tmp_path / "identified.csv"
     first = rows_of("uiuc-apce-9x4.5", "apce 9.0x4.5")
     loads.write_text(HEADER + first, encoding="utf-8")
-    outcome = run("fit", "catalogue", str(loads), "-o", str(output))
-    assert outcome.code == 0, outcome.err
+    main([str(loads), "-o", str(output)])
+    capsys.readouterr()
     (found,) = parse_identified(output.read_text(encoding="utf-8"), "it")
     known = identified("uiuc-apce-9x4.5", 2)
     assert known is not None
@@ -55,8 +54,8 @@ def test_constants_are_found_written_and_kept(run: Run, tmp_path: Path) -> None:
     # What is in the file is kept, and what is new added.
     more = rows_of("uiuc-apce-9x6", "apce 9.0x6.0").replace("apce 9.0x6.0 - 2", "another - 2")
     loads.write_text(HEADER + first + more, encoding="utf-8")
-    outcome = run("fit", "catalogue", str(loads), "-o", str(output))
-    assert outcome.code == 0, outcome.err
+    main([str(loads), "-o", str(output)])
+    outcome = capsys.readouterr()
     assert "uiuc-apce-9x4.5," not in outcome.err and "uiuc-apce-9x6," in outcome.err
     assert "median" in outcome.out
     again = parse_identified(output.read_text(encoding="utf-8"), "it")
@@ -64,9 +63,12 @@ def test_constants_are_found_written_and_kept(run: Run, tmp_path: Path) -> None:
     assert again[0].constants.tolist() == found.constants.tolist()
 
 
-def test_a_table_of_something_else_is_refused_in_one_line(run: Run, tmp_path: Path) -> None:
+def test_a_table_of_something_else_is_refused_in_one_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     loads = tmp_path / "loads.csv"
     loads.write_text("rpm,thrust\n1,2\n", encoding="utf-8")
-    outcome = run("fit", "catalogue", str(loads), "-o", str(tmp_path / "out.csv"))
-    assert outcome.code == 2 and "there is no column PropName" in outcome.err
+    with pytest.raises(SystemExit) as ended:
+        main([str(loads), "-o", str(tmp_path / "out.csv")])
+    assert ended.value.code == 2 and "there is no column PropName" in capsys.readouterr().err
     assert not (tmp_path / "out.csv").exists()

@@ -8,10 +8,9 @@ import pytest
 import propmap as pm
 from propmap.catalogue.expected import POPULATION, PopulationPrior, constants_of
 from propmap.catalogue.identified import PARAMETERS
-from propmap.fit.population.coefficients import AxialTest, airfoil_of
-from propmap.fit.population.identification import Identification, identify
-from propmap.fit.population.verdict import conflict, verdict
 from propmap.io.uiuc import MeasuredPropeller
+from tools.catalogue.identification import AxialTest, Identification, airfoil_of, identify
+from tools.catalogue.verdict import conflict, verdict
 
 BLADE = pm.propeller("uiuc-apce-10x5")
 TRUTH = np.array([5.9, 1.8, 0.31, -0.06, 0.018, -0.026, 0.08])

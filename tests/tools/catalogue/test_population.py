@@ -21,8 +21,8 @@ from propmap.catalogue.expected import (
     parse_populations,
 )
 from propmap.catalogue.identified import all_identified, one_of_each
-from propmap.fit.population.hierarchy import population_of
 from propmap.typing import Floats
+from tools.catalogue.population import population_of
 
 DEVIATION = POPULATION.deviation
 SIZES: list[Size] = [(0.13, 0.09), (0.23, 0.11), (0.25, 0.18), (0.36, 0.30)]

@@ -7,11 +7,11 @@ import pytest
 
 from propmap.catalogue.expected import GEOMETRIES, bundled_population
 from propmap.catalogue.identified import all_identified, identified_without_blade
-from propmap.fit.population.left_out import GROUPS, LeftOut, left_out, never_measured
-from propmap.fit.population.misfiled import refiled
 from propmap.io.uiuc import read_uiuc_database
 from propmap.typing import Floats
-from tests.fit.population.test_catalogue import LOADS, with_data
+from tests.tools.catalogue.test_entries import LOADS, with_data
+from tools.catalogue.database import refiled
+from tools.catalogue.left_out import GROUPS, LeftOut, left_out, never_measured
 
 FAMILIES = ("apcsf", "gwssf", "kyosho", "mae")
 

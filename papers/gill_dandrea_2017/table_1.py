@@ -6,17 +6,15 @@ from typing import Any
 
 import numpy as np
 
+from papers.gill_dandrea_2017.level_circles import BLADE, SetFlown
+from papers.gill_dandrea_2017.paper import RADIUS, TABLE_1, TUNNEL_PROPELLER, blade
+from papers.gill_dandrea_2017.tunnel import FIVE, TunnelFits
 from propmap.catalogue.lookup import propeller
 from propmap.fit.fit import Fitted
 from propmap.fit.least_squares import rms
 from propmap.fit.parameters import PAPER_FOUR
 from propmap.model.airfoil import parameter_set
 from propmap.model.model import Propeller
-from propmap.papers.gill_dandrea_2017.blades import TUNNEL_PROPELLER, blade
-from propmap.papers.gill_dandrea_2017.identified import FIVE
-from propmap.papers.gill_dandrea_2017.level_circles import BLADE
-from propmap.papers.gill_dandrea_2017.numbers import Numbers
-from propmap.papers.gill_dandrea_2017.paper import RADIUS, TABLE_1
 from propmap.report.html import csv_of_rows, number
 
 COLUMNS = {
@@ -42,10 +40,10 @@ def blade_rows() -> list[tuple[Any, ...]]:
     ]
 
 
-def identified_rows(numbers: Numbers) -> list[tuple[str, ...]]:
+def identified_rows(fits: TunnelFits, flown: dict[str, SetFlown]) -> list[tuple[str, ...]]:
     """Fit, points, five parameters with half their interval, error left; a row per fit."""
     rows = []
-    for label, _, fitted in _fits(numbers):
+    for label, _, fitted in _fits(fits, flown):
         cells = []
         for name in FIVE:
             if name not in fitted.choice.free:
@@ -61,8 +59,8 @@ def identified_rows(numbers: Numbers) -> list[tuple[str, ...]]:
     return rows
 
 
-def sheets(numbers: Numbers) -> dict[str, str]:
-    """The CSV files."""
+def sheets(fits: TunnelFits, flown: dict[str, SetFlown]) -> dict[str, str]:
+    """Write the CSV files."""
     return {
         "table-1-sets": csv_of_rows(
             " ".join(("set", *(COLUMNS[name] for name in PAPER_FOUR), "radius_m", "blades")),
@@ -77,7 +75,7 @@ def sheets(numbers: Numbers) -> dict[str, str]:
             "fit data parameter value low_95 high_95 verdict",
             [
                 (label, data, COLUMNS[name], value, low, high, verdict)
-                for label, data, fitted in _fits(numbers)
+                for label, data, fitted in _fits(fits, flown)
                 for name in fitted.choice.free
                 for value, low, high, _, verdict in (_interval(fitted, name),)
             ],
@@ -105,12 +103,12 @@ def _shape(b: Propeller, used_for: str) -> tuple[Any, ...]:
     )
 
 
-def _fits(numbers: Numbers) -> list[tuple[str, str, Fitted]]:
+def _fits(fits: TunnelFits, flown: dict[str, SetFlown]) -> list[tuple[str, str, Fitted]]:
     """Label, data and fit, of tunnel rows and of simulated flights."""
-    tunnel = (numbers.fits.axial_four, numbers.fits.axial, numbers.fits.oblique)
+    tunnel = (fits.axial_four, fits.axial, fits.oblique)
     return [(one.label, one.data, one.fitted) for one in tunnel] + [
         (f"{TABLE_1[name].split(':')[0]}, level flights", "simulated flights", one.twin.fitted)
-        for name, one in numbers.flown.items()
+        for name, one in flown.items()
     ]
 
 

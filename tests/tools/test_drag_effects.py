@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 import propmap as pm
-from propmap.papers.gill_dandrea_2017.drag_effects import ADDED, ANGLES, SPEEDS, drag_effects
-from tools.drag_effects import table
+from tools.drag_effects import ADDED, ANGLES, SPEEDS, drag_effects, table
 
 
 def test_each_is_added_to_those_before() -> None:

@@ -10,13 +10,12 @@ import pytest
 
 from propmap.catalogue.expected import GEOMETRIES, bundled_population, coordinates
 from propmap.catalogue.identified import Identified, all_identified, identified_without_blade
-from propmap.fit.population import catalogue, identification
-from propmap.fit.population.misfiled import MISFILED, refiled
-from propmap.fit.population.populations import populations_of
-from propmap.fit.population.summary import summary
-from propmap.fit.population.verdict import conflict
 from propmap.io.uiuc import MeasuredPropeller, read_uiuc_database
 from tests.workers_elsewhere import Elsewhere
+from tools.catalogue import entries, identification
+from tools.catalogue.database import MISFILED, blade_names, label_of, refiled
+from tools.catalogue.population import populations_of
+from tools.catalogue.verdict import conflict, summary
 
 LOADS = Path(__file__).parents[4] / "shared" / "data" / "uiuc" / "loads.csv"
 with_data = pytest.mark.skipif(not LOADS.exists(), reason="the database is not there")
@@ -57,7 +56,7 @@ def test_refiled_runs_agree_with_those_beside_them() -> None:
 
 @with_data
 def test_blades_are_those_of_the_catalogue() -> None:
-    names = {one.name: catalogue.blade_names(one) for one in read_uiuc_database(LOADS)}
+    names = {one.name: blade_names(one) for one in read_uiuc_database(LOADS)}
     assert names["apce 10.0x5.0 - 2"] == ["uiuc-apce-10x5"]
     assert names["apce 9.0x6.0 - 2"] == ["uiuc-apce-9x6", "apc-9x6e"]
     assert names["apce 8.0x6.0 - 2"] == ["apc-8x6e"]
@@ -78,8 +77,8 @@ def test_the_bundled_constants_are_what_the_command_finds(monkeypatch: pytest.Mo
         before, new = ([one.blades for one in some] for some in told)
         kept.append((before, new))
 
-    monkeypatch.setattr(catalogue, "TOGETHER", 1)
-    found = catalogue.identify_all(every[:2], {}, keep, workers)
+    monkeypatch.setattr(entries, "TOGETHER", 1)
+    found = entries.identify_all(every[:2], {}, keep, workers)
     assert workers.tasks == 2
     assert kept == [([], [3]), ([3], [2])]
     assert [one.blades for one in found] == [2, 3]
@@ -89,7 +88,7 @@ def test_the_bundled_constants_are_what_the_command_finds(monkeypatch: pytest.Mo
         # The digits of the file, and processors that round differently.
         assert apart.max() < 1e-3
     called: list[object] = []
-    again = catalogue.identify_all(every[:2], bundled, lambda *told: called.append(told))
+    again = entries.identify_all(every[:2], bundled, lambda *told: called.append(told))
     assert not called and again[0] is bundled[again[0].key]
 
 
@@ -98,7 +97,7 @@ def test_labels_that_lost_a_decimal_point_are_put_right() -> None:
     every = {one.name: one for one in refiled(read_uiuc_database(LOADS))}
     assert not any("125" in name or "x65" in name for name in every)
     assert {"ancf 12.5x7.5 - 2", "ancf 12.0x6.5 - 2", "ancf 13.0x6.5 - 2"} <= set(every)
-    label = catalogue.label_of(every["ancf 12.5x7.5 - 2"])
+    label = label_of(every["ancf 12.5x7.5 - 2"])
     assert (label.diameter, label.pitch) == pytest.approx((12.5 * 0.0254, 7.5 * 0.0254))
     # A pitch of 65 inches would stop to give thrust at J above 5.
     assert every["ancf 12.0x6.5 - 2"].advance.max() < 1.0
@@ -111,7 +110,7 @@ def test_propellers_without_blade_are_what_the_command_finds() -> None:
     some = [one for one in every if one.name in ("apcsp 9.0x9.0 - 2", "ancf 12.5x7.5 - 2")]
     measured = all_identified()
     populations = {name: bundled_population(name) for name in GEOMETRIES}
-    found = catalogue.identify_without_blade(
+    found = entries.identify_without_blade(
         some, measured, populations, {}, lambda *_: None, Elsewhere()
     )
     assert [one.geometry for one in found] == ["family", "population"]
@@ -120,7 +119,7 @@ def test_propellers_without_blade_are_what_the_command_finds() -> None:
         same = bundled[one.key]
         apart = np.abs(one.constants - same.constants) / np.sqrt(np.diag(one.covariance))
         assert apart.max() < 1e-3 and same.propeller == one.propeller
-    again = catalogue.identify_without_blade(some, measured, populations, bundled, print)
+    again = entries.identify_without_blade(some, measured, populations, bundled, print)
     assert [one.key for one in again] == [one.key for one in found]
 
 
@@ -138,8 +137,8 @@ def test_a_task_is_of_some_propellers() -> None:
             return iter(())
 
     with pytest.raises(KeyError):  # nobody has identified them
-        catalogue.identify_all(every, {}, print, Counting())
-    assert set(sizes[:-1]) == {catalogue.TOGETHER} and 1 <= sizes[-1] <= catalogue.TOGETHER
+        entries.identify_all(every, {}, print, Counting())
+    assert set(sizes[:-1]) == {entries.TOGETHER} and 1 <= sizes[-1] <= entries.TOGETHER
 
 
 @pytest.mark.slow
