@@ -15,9 +15,8 @@ import propmap
 from propmap.catalogue.expected import POPULATION, bundled_population, coordinates
 from propmap.catalogue.identified import PARAMETERS, Identified, all_identified, identified
 from propmap.cli import main
-from propmap.io.uiuc import read_uiuc_database
 from tools import measured_rows
-from tools.catalogue.database import refiled
+from tools.catalogue.database import read_uiuc_database, refiled
 from tools.catalogue.verdict import summary
 from tools.propeller_pages import listing, population, words
 from tools.propeller_pages.card import card

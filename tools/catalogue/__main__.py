@@ -20,8 +20,7 @@ from propmap.catalogue.identified import PARAMETERS, Identified, as_csv, parse_i
 from propmap.cli.options import workers_of
 from propmap.cli.output import check_output, grid, show, write_text
 from propmap.errors import InputError
-from propmap.io.uiuc import read_uiuc_database
-from tools.catalogue.database import refiled
+from tools.catalogue.database import read_uiuc_database, refiled
 from tools.catalogue.entries import identify_all, identify_without_blade
 from tools.catalogue.population import populations_of
 from tools.catalogue.verdict import summary

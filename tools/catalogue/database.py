@@ -8,8 +8,10 @@ rotational speed.  Runs at one rotational speed that disagreed by a quarter then
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
+import itertools
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,8 +20,10 @@ from propmap import catalogue
 from propmap.catalogue.expected import MeanBlade
 from propmap.catalogue.identified import Designation, designation
 from propmap.errors import InputError
-from propmap.io.uiuc import MeasuredPropeller
+from propmap.io.csv import read_csv_table, read_lines
+from propmap.io.geometry import parse_blades, parse_number
 from propmap.model.model import Propeller
+from propmap.typing import Floats
 
 MISFILED = {  # number of blades by the propeller's name in the database and the speed [1/min]
     ("nr640 5x3.16 - 4", 4031.0): 2,
@@ -40,6 +44,69 @@ LOST_POINTS = {  # blades whose labels have lost a decimal point
 }
 SPECIMENS = ("", "-b", "-c")  # endings of the names of a blade of which several were measured
 MAKERS_FILES = {"apce": "apc-{}e", "apcsf": "apc-{}sf"}  # blades by their maker's own files
+
+
+COLUMNS = ("PropName", "BladeName", "Family", "B", "J", "N", "CT", "CP")
+
+
+class MeasuredPropeller(NamedTuple):
+    """One propeller of the database; n rows."""
+
+    name: str  # as the database has it, and the next two
+    blade: str
+    family: str  # of its maker's series
+    blades: int
+    rpm: Floats  # (n,) [1/min]
+    advance: Floats  # (n,): J = V/(n D) [-], 0 at rest
+    thrust: Floats  # (n,): C_T = T/(rho n^2 D^4) [-]
+    power: Floats  # (n,): C_P = P/(rho n^3 D^5) [-]
+    run: NDArray[np.intp]  # (n,): number of the run: rows in turn at one speed, or at rest
+
+
+def read_uiuc_database(path: Path) -> list[MeasuredPropeller]:
+    """Read the propellers of the database's table of loads, in the order of the file.
+
+    It is a CSV file with the columns ``COLUMNS``, in any dialect of ``propmap.io.csv``; raises
+    ``InputError`` for a missing file or column, and naming the line for what is not a number.
+    """
+    where = str(path)
+    file = read_csv_table(read_lines(path, "table of loads"), COLUMNS[3:], where)
+    header = file.header if file else []
+    missing = [name for name in COLUMNS if name not in header]
+    if file is None or missing:
+        raise InputError(
+            f"there is no column {missing[0]}",
+            f"give the database's loads as CSV with {', '.join(COLUMNS)}",
+            where,
+        )
+    found: dict[str, list[tuple[int, Mapping[str, str]]]] = {}
+    for line, cells in file.rows:
+        row = dict(itertools.zip_longest(header, cells, fillvalue=""))
+        found.setdefault(row["PropName"], []).append((line, row))
+    return [_propeller(name, rows, where) for name, rows in found.items()]
+
+
+def _propeller(
+    name: str, rows: list[tuple[int, Mapping[str, str]]], where: str
+) -> MeasuredPropeller:
+    def column(field: str) -> Floats:
+        return np.array(
+            [parse_number(row[field], f"line {line}: {field}", where) for line, row in rows]
+        )
+
+    _, first = rows[0]
+    rpm, advance = column("N"), column("J")
+    # At rest every row has its own rotational speed; together they are one test.
+    speed = np.where(advance == 0.0, 0.0, rpm)
+    run = list(itertools.accumulate(speed[1:] != speed[:-1], initial=0))
+    return MeasuredPropeller(
+        name,
+        first["BladeName"],
+        first["Family"],
+        parse_blades(first["B"], where),
+        *(rpm, advance, column("CT"), column("CP")),
+        np.array(run),
+    )
 
 
 def refiled(every: Sequence[MeasuredPropeller]) -> list[MeasuredPropeller]:

@@ -22,10 +22,15 @@ from propmap.catalogue.expected import (
 )
 from propmap.catalogue.identified import Identified
 from propmap.fit.least_squares import INDEPENDENT
-from propmap.io.uiuc import MeasuredPropeller
 from propmap.tasks import InTurn, Workers
 from tools.catalogue import identification
-from tools.catalogue.database import blade_names, family_and_size, label_of, mean_propeller
+from tools.catalogue.database import (
+    MeasuredPropeller,
+    blade_names,
+    family_and_size,
+    label_of,
+    mean_propeller,
+)
 from tools.catalogue.identification import AxialTest, airfoil_of
 from tools.catalogue.population import members_on
 from tools.catalogue.verdict import verdict

@@ -20,12 +20,12 @@ from propmap.catalogue.expected import (
 )
 from propmap.catalogue.identified import PARAMETERS
 from propmap.fit.least_squares import INDEPENDENT
-from propmap.io.uiuc import MeasuredPropeller
 from propmap.loads import LOADS
 from propmap.model.airfoil import Airfoil
 from propmap.model.model import Model, Propeller
 from propmap.rotor import Rotor
 from propmap.typing import Floats
+from tools.catalogue.database import MeasuredPropeller
 
 AT_REST = 2.0
 """Independent rows of each load that rows at rest count as: level and slope of one curve over the

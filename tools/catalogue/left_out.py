@@ -46,9 +46,15 @@ from propmap.catalogue.identified import (
     one_of_each,
 )
 from propmap.io.csv import replacing
-from propmap.io.uiuc import MeasuredPropeller, read_uiuc_database
 from propmap.typing import Floats
-from tools.catalogue.database import label_of, mean_propeller, refiled, with_rows
+from tools.catalogue.database import (
+    MeasuredPropeller,
+    label_of,
+    mean_propeller,
+    read_uiuc_database,
+    refiled,
+    with_rows,
+)
 from tools.catalogue.identification import AxialTest, identify, updated
 from tools.catalogue.population import all_members, errors_of, population_of, populations_of
 

@@ -9,8 +9,8 @@ from typing import NamedTuple
 import numpy as np
 
 from propmap.catalogue.identified import PARAMETERS, POOR, Identified, badness, one_of_each
-from propmap.io.uiuc import MeasuredPropeller
 from propmap.typing import Floats
+from tools.catalogue.database import MeasuredPropeller
 from tools.catalogue.identification import Identification
 
 SAME_RPM = 0.02

@@ -10,8 +10,8 @@ import numpy as np
 from propmap.catalogue.expected import POPULATION, coordinate_covariance
 from propmap.catalogue.identified import PARAMETERS, Identified
 from propmap.catalogue.lookup import propeller
-from propmap.io.uiuc import MeasuredPropeller
 from propmap.model.model import Propeller
+from tools.catalogue.database import MeasuredPropeller
 from tools.measured_rows import SOURCE
 from tools.propeller_pages import blade_picture, fit_pictures
 from tools.propeller_pages.comparison import Comparison, compare, reynolds

@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 from propmap.catalogue.identified import Identified
 from propmap.catalogue.lookup import propeller
-from propmap.io.uiuc import MeasuredPropeller
 from propmap.model.model import Model, Propeller
 from propmap.rotor import Rotor
 from propmap.typing import Floats
+from tools.catalogue.database import MeasuredPropeller
 from tools.catalogue.verdict import SAME_RPM
 
 Rows = NDArray[np.intp]

@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from propmap.io.uiuc import MeasuredPropeller
 from propmap.typing import Floats
+from tools.catalogue.database import MeasuredPropeller
 
 
 class ErrorParts(NamedTuple):

@@ -8,7 +8,7 @@ from html import escape
 from propmap import catalogue
 from propmap.catalogue.identified import Identified
 from propmap.catalogue.lookup import propeller
-from propmap.io.uiuc import MeasuredPropeller
+from tools.catalogue.database import MeasuredPropeller
 from tools.catalogue.verdict import summary
 from tools.propeller_pages import blade_picture
 from tools.propeller_pages.card import raw

@@ -10,10 +10,16 @@ import pytest
 
 from propmap.catalogue.expected import GEOMETRIES, bundled_population, coordinates
 from propmap.catalogue.identified import Identified, all_identified, identified_without_blade
-from propmap.io.uiuc import MeasuredPropeller, read_uiuc_database
 from tests.workers_elsewhere import Elsewhere
 from tools.catalogue import entries, identification
-from tools.catalogue.database import MISFILED, blade_names, label_of, refiled
+from tools.catalogue.database import (
+    MISFILED,
+    MeasuredPropeller,
+    blade_names,
+    label_of,
+    read_uiuc_database,
+    refiled,
+)
 from tools.catalogue.population import populations_of
 from tools.catalogue.verdict import conflict, summary
 

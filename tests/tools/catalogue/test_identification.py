@@ -8,7 +8,7 @@ import pytest
 import propmap as pm
 from propmap.catalogue.expected import POPULATION, PopulationPrior, constants_of
 from propmap.catalogue.identified import PARAMETERS
-from propmap.io.uiuc import MeasuredPropeller
+from tools.catalogue.database import MeasuredPropeller
 from tools.catalogue.identification import AxialTest, Identification, airfoil_of, identify
 from tools.catalogue.verdict import conflict, verdict
 

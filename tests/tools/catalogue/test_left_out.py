@@ -7,10 +7,9 @@ import pytest
 
 from propmap.catalogue.expected import GEOMETRIES, bundled_population
 from propmap.catalogue.identified import all_identified, identified_without_blade
-from propmap.io.uiuc import read_uiuc_database
 from propmap.typing import Floats
 from tests.tools.catalogue.test_entries import LOADS, with_data
-from tools.catalogue.database import refiled
+from tools.catalogue.database import read_uiuc_database, refiled
 from tools.catalogue.left_out import GROUPS, LeftOut, left_out, never_measured
 
 FAMILIES = ("apcsf", "gwssf", "kyosho", "mae")

@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 from propmap.errors import InputError
-from propmap.io.uiuc import read_uiuc_database
-
-from .samples_csv import DIALECTS, rewritten
+from tests.io.samples_csv import DIALECTS, rewritten
+from tools.catalogue.database import read_uiuc_database
 
 HEADER = "PropName,BladeName,Family,B,D,P,J,N,CT,CP,eta,volume\n"
 ROWS = """a 9.0x6.0 - 2,a 9.0x6.0,a,2,9.0,6.0,0.2,4000.0,0.09,0.05,0.3,1
