@@ -1,4 +1,4 @@
-"""What each way to a rotor's loads costs and how far it is off: `make bench-choice`.
+"""What each way to a rotor's loads costs and how far it is off: `make bench ONLY=choice`.
 
 Hover model, closed form, table and full model of one rotor: the APC 8x6E with constants fitted
 to thrust and torque of ``DATA`` (results/identification.json), compared with the model over the

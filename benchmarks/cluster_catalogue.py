@@ -19,7 +19,7 @@ FAMILY = "apce "
 
 
 def catalogue(every: int = 1) -> dict[str, Any]:
-    """`propmap fit catalogue` by one process on one core, by one on all, and by two workers.
+    """`python -m tools.catalogue` by one process on one core, by one on all, and by two workers.
 
     Programs are read from disk, where a run before the first has put them.
 
@@ -68,7 +68,7 @@ def _identified(
     """Times [s] and what the files hold."""
     folder.mkdir()
     output = folder / "identified.csv"
-    command = [sys.executable, "-m", "propmap", "fit", "catalogue", str(data), "-o", str(output)]
+    command = [sys.executable, "-m", "tools.catalogue", str(data), "-o", str(output)]
     before, start = _processor(), time.perf_counter()
     subprocess.run([*command, *cluster], check=True, capture_output=True, preexec_fn=prepared)
     times = {"wall_s": time.perf_counter() - start, "processor_s": _processor() - before}

@@ -1,4 +1,4 @@
-"""How well and how fast parameters are identified: `make bench-identification`.
+"""How well and how fast parameters are identified: `make bench ONLY=identification`.
 
 Twin experiments: level flights of a quadrotor with four APC 8x6E are computed with known
 parameters, and identified again from the paper's x0 and from random starts; once without noise,

@@ -105,7 +105,7 @@ def cost(found: dict[str, Any], table: dict[str, Any], propellers: int) -> str:
     Parameters
     ----------
     found, table : dict
-        Results of ``benchmarks.cluster`` and of `make bench-fine-table`.
+        Results of ``benchmarks.cluster`` and of `make bench ONLY='table fine'`.
     propellers : int
         In the catalogue.
     """
@@ -136,7 +136,7 @@ def catalogue(found: dict[str, Any]) -> str:
     part = found["catalogue"]
     same = "the same to the byte" if part["same_bytes"] else "NOT the same"
     rows = [
-        f"`propmap fit catalogue` of {part['propellers']} propellers with data:",
+        f"`python -m tools.catalogue` of {part['propellers']} propellers with data:",
         "",
         "| | wall | processor |",
         "|---|---:|---:|",

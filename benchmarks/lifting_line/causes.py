@@ -81,7 +81,3 @@ def main() -> None:
             ]
             print(f"{name:24} {point.speed:g} m/s {point.beta_deg:g} degrees", left, flush=True)
     print(write_results("lifting_line_causes.json", {"rows": rows, "machine": machine()}))
-
-
-if __name__ == "__main__":
-    main()
