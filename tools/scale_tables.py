@@ -100,15 +100,7 @@ def beyond(found: dict[str, Any]) -> str:
 
 
 def cost(found: dict[str, Any], table: dict[str, Any], propellers: int) -> str:
-    """What three large jobs take.
-
-    Parameters
-    ----------
-    found, table : dict
-        Results of ``benchmarks.cluster`` and of `make bench ONLY='table fine'`.
-    propellers : int
-        In the catalogue.
-    """
+    """Tabulate what three large jobs take."""
     each, part = found["designs"], found["scheduler"]
     costs = Costs(part["dispatch_s"], part["gap_s"])
     size = found["sweep"]["2e6_bytes_per_point"]

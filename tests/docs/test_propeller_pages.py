@@ -20,8 +20,7 @@ from tools.catalogue.database import read_uiuc_database, refiled
 from tools.catalogue.verdict import summary
 from tools.propeller_pages import listing, population, words
 from tools.propeller_pages.card import card
-from tools.propeller_pages.comparison import compare, reynolds
-from tools.propeller_pages.error_parts import error_parts
+from tools.propeller_pages.comparison import compare, error_parts, reynolds
 from tools.propeller_pages.pages import write
 
 from .pages import ROOT
