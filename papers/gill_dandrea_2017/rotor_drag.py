@@ -82,8 +82,8 @@ class Ratio(NamedTuple):
     ratio: float  # of the polynomials to this theory, by root mean squares
     lowest: float  # at single points
     highest: float
-    recommended: float  # of the polynomials to this theory with the recommended inflow
     other: float  # of the campaign's blade-element model to this theory
+    recommended: float  # of the polynomials to this theory with the recommended inflow
 
 
 class Consequence(NamedTuple):
@@ -453,10 +453,7 @@ def small_rows(small: list[SmallIncidence]) -> list[tuple[str, ...]]:
 
 def ratio_rows(ratios: list[Ratio]) -> list[tuple[Any, ...]]:
     """Angle, points, published over theoretical drag; a row per angle."""
-    return [
-        (f"{r.beta:.0f}", r.points, r.ratio, r.lowest, r.highest, r.other, r.recommended)
-        for r in ratios
-    ]
+    return [(f"{one.beta:.0f}", *one[1:]) for one in ratios]
 
 
 def source_rows(sources: list[Source]) -> list[tuple[str, ...]]:
@@ -464,12 +461,12 @@ def source_rows(sources: list[Source]) -> list[tuple[str, ...]]:
     theory = sources[0]
     return [
         (
-            s.label,
-            *(number(value, 2) for value in (s.incidence, s.edgewise, s.edgewise_by_thrust)),
-            number(s.incidence / theory.incidence, 3),
-            number(s.edgewise / theory.edgewise, 3),
+            one.label,
+            *(number(value, 2) for value in one[1:]),
+            number(one.incidence / theory.incidence, 3),
+            number(one.edgewise / theory.edgewise, 3),
         )
-        for s in sources
+        for one in sources
     ]
 
 
@@ -545,30 +542,20 @@ def sheets(found: RotorDrag) -> dict[str, str]:
         "rotor-drag-by-angle": csv_of_rows(
             "beta_deg points polynomials_over_theory lowest highest model_over_theory "
             "polynomials_over_recommended",
-            [
-                (r.beta, r.points, r.ratio, r.lowest, r.highest, r.other, r.recommended)
-                for r in found.ratios
-            ],
+            found.ratios,
         ),
         "rotor-drag-sources": csv_of_rows(
             "source incidence_H_over_mu edgewise_H_over_mu edgewise_H_over_T_mu",
-            [(s.label, s.incidence, s.edgewise, s.edgewise_by_thrust) for s in found.sources],
+            found.sources,
         ),
         "rotor-drag-plate": csv_of_rows(
             "model data slipstream_factor factor_alone factor_rms_over_rms_measured plate_alone_m2 "
             "plate_rms_over_rms_measured both_factor both_plate_m2 both_rms_over_rms_measured",
             [
                 (
-                    fit.model,
-                    fit.data,
-                    fit.slipstream,
-                    fit.factor.factor,
-                    fit.factor.error,
-                    fit.plate.area,
-                    fit.plate.error,
-                    fit.both.factor,
-                    fit.both.area,
-                    fit.both.error,
+                    *(fit.model, fit.data, fit.slipstream),
+                    *(fit.factor.factor, fit.factor.error, fit.plate.area, fit.plate.error),
+                    *fit.both,
                 )
                 for fit in found.plates
             ],

@@ -140,9 +140,9 @@ class LoadError(NamedTuple):
 
     data_set: str
     load: str
-    unit: str
     model: str
     points: int
+    unit: str
     rms: float
     worst: float  # largest magnitude
     rms_share: float  # over the root mean square of the measured load
@@ -497,11 +497,7 @@ def sheets(found: dict[str, Compared], errors: list[LoadError]) -> dict[str, str
         "figure-7-errors": csv_of_rows(
             "data_set load model points unit rms_error_in_unit worst_error_in_unit "
             "rms_over_rms_measured worst_over_largest_measured share_within_9_percent",
-            [
-                (e.data_set, e.load, e.model, e.points, e.unit, e.rms, e.worst, e.rms_share,
-                 e.worst_share, e.within_nine)
-                for e in errors
-            ],
+            errors,
         )
     }  # fmt: skip
 
