@@ -11,14 +11,13 @@ from typing import NamedTuple
 import numpy as np
 
 import propmap
-from propmap.report.html import RPM
 from propmap.rotor import Rotor
 from propmap.typing import Floats
 
 ADDED = ("pitt-peters", "blade-to-hub", "radial-friction")
 """Corrections in the order in which they are added to the paper's physics."""
 
-ROTATION = 6000.0 / RPM  # Omega [rad/s]
+ROTATION = 6000.0 * np.pi / 30.0  # Omega [rad/s]
 ANGLES = np.radians([45.0, 60.0, 75.0, 90.0])  # beta [rad]
 SPEEDS = np.array([5.0, 10.0, 15.0])  # V [m/s]
 

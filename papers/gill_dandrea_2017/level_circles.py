@@ -20,6 +20,7 @@ from papers.gill_dandrea_2017.paper import (
     FLOWN,
     HOVER_FAILS,
     RADIUS,
+    RPM,
     TETHER,
     blade,
 )
@@ -36,7 +37,6 @@ from propmap.report.html import (
     DASHED,
     MEASURED,
     MODEL,
-    RPM,
     csv_of_columns,
     csv_of_rows,
     key,
@@ -328,7 +328,7 @@ def sheets(flown: dict[str, SetFlown]) -> dict[str, str]:
             {
                 "set": name,
                 "speed_mps": c.speed,
-                "rotor_speed_rpm": c.rotor_speed * RPM,
+                "rotor_speed_rpm": c.rotor_speed / RPM,
                 "pitch_deg": np.degrees(c.pitch),
                 "thrust_N": c.thrust,
                 "drag_N": c.drag,

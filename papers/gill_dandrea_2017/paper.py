@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 from propmap.catalogue.lookup import propeller
@@ -25,6 +26,8 @@ TABLE_1 = {
 
 FLOWN = {"paper-soft": "soft", "paper-stiff": "stiff"}
 """The sets that were flown, and a short name of each propeller."""
+
+RPM = math.pi / 30.0  # a revolution per minute [rad/s]
 
 RADIUS = 0.1  # [m] of all three propellers
 TETHER = 1.7  # [m], radius of the level circles

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from papers.gill_dandrea_2017.fin_analogy import inflow_factor, side_force
 from papers.gill_dandrea_2017.level_circles import ASSUMED, Circles, circles, quadrotor
 from papers.gill_dandrea_2017.level_circles import SPEEDS as CIRCLE_SPEEDS
-from papers.gill_dandrea_2017.paper import FLOWN, blade
+from papers.gill_dandrea_2017.paper import FLOWN, RPM, blade
 from papers.gill_dandrea_2017.tunnel import (
     OBLIQUE,
     OBLIQUE_LABEL,
@@ -32,7 +32,6 @@ from propmap.report.html import (
     HOVER,
     MEASURED,
     MODEL,
-    RPM,
     csv_of_columns,
     csv_of_rows,
     key,
@@ -407,7 +406,7 @@ def small_figure(small: list[SmallIncidence]) -> Figure:
         if one.published is not None and one.other is not None:
             ax.fill_between(one.speed, one.published, one.other, color=COLOURS[1], **BAND)
             ax.plot(one.speed, one.published, **published)
-        ax.set_title(f"{one.propeller}, {one.omega * RPM:.0f} rpm", fontsize=9.0)
+        ax.set_title(f"{one.propeller}, {one.omega / RPM:.0f} rpm", fontsize=9.0)
         ax.set_ylabel("rotor drag D [N]")
         ax.set_xlim(0.0, 14.5)
         ax.set_xticks(range(0, 15, 2))
@@ -514,7 +513,7 @@ def flight_rows(consequences: list[Consequence]) -> list[tuple[str, ...]]:
                     FLOWN[one.name],
                     f"{one.theory.speed[k]:.1f}",
                     *(f"{np.degrees(c.pitch[k]):.1f}" for c in pair),
-                    *(f"{c.rotor_speed[k] * RPM:.0f}" for c in pair),
+                    *(f"{c.rotor_speed[k] / RPM:.0f}" for c in pair),
                     *(number(c.torque[k] * c.rotor_speed[k]) for c in pair),
                 )
             )
@@ -527,7 +526,7 @@ def sheets(found: RotorDrag) -> dict[str, str]:
         "rotor-drag": csv_of_columns(
             {
                 "propeller": one.propeller,
-                "rpm": one.omega * RPM,
+                "rpm": one.omega / RPM,
                 "incidence_deg": np.degrees(INCIDENCE),
                 "speed_mps": one.speed,
                 "inflow_over_speed": one.inflow,
@@ -566,7 +565,7 @@ def sheets(found: RotorDrag) -> dict[str, str]:
                 "drag_factor": factor,
                 "speed_mps": c.speed,
                 "pitch_deg": np.degrees(c.pitch),
-                "rotor_speed_rpm": c.rotor_speed * RPM,
+                "rotor_speed_rpm": c.rotor_speed / RPM,
                 "thrust_N": c.thrust,
                 "drag_N": c.drag,
                 "torque_Nm": c.torque,

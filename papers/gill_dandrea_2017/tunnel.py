@@ -11,7 +11,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from papers.gill_dandrea_2017.paper import TUNNEL_ERROR, TUNNEL_PROPELLER, blade
+from papers.gill_dandrea_2017.paper import RPM, TUNNEL_ERROR, TUNNEL_PROPELLER, blade
 from propmap.baselines.hover import HoverModel
 from propmap.catalogue.lookup import Measurement, measurement
 from propmap.fit.fit import Fitted, Settings, fit
@@ -30,7 +30,6 @@ from propmap.report.html import (
     MARKERS,
     MEASURED,
     MODEL,
-    RPM,
     angle_keys,
     csv_of_columns,
     csv_of_rows,
@@ -228,8 +227,8 @@ def _error(name: str, load: str, model: str, truth: Floats, found: Floats) -> Lo
 # -------------------------------------------------------------------------------------------------
 # Lines through the points.
 
-AXIAL_OMEGA = 5000.0 / RPM  # of the axial lines; the Reynolds number moves them by 1 % at most
-OBLIQUE_OMEGA = 6579.0 / RPM  # at which the 2019 campaign has most points
+AXIAL_OMEGA = 5000.0 * RPM  # of the axial lines; the Reynolds number moves them by 1 % at most
+OBLIQUE_OMEGA = 6579.0 * RPM  # at which the 2019 campaign has most points
 
 BETAS = np.radians([0.0, 30.0, 60.0, 90.0])
 LARGEST_ADVANCE = 1.1
@@ -418,12 +417,12 @@ def multirotor_figure(one: Compared, curves: list[ThrustCurve]) -> Figure:
         own = [curve for curve in curves if curve.label == label]
         for k, c in enumerate(own):
             at = (np.abs(data.speed - c.speed) < 0.01) & (np.abs(data.beta - c.beta) < 0.01)
-            ax.plot(c.omega * RPM / 1e3, c.thrust, color=COLOURS[k], **MODEL)
+            ax.plot(c.omega / RPM / 1e3, c.thrust, color=COLOURS[k], **MODEL)
             ax.errorbar(
-                data.omega[at] * RPM / 1e3, thrust[at], bar, linestyle="none", markersize=4.0,
+                data.omega[at] / RPM / 1e3, thrust[at], bar, linestyle="none", markersize=4.0,
                 elinewidth=0.8, **marked(k),
             )  # fmt: skip
-        ax.plot(own[0].omega * RPM / 1e3, still.thrust(own[0].omega), **HOVER)
+        ax.plot(own[0].omega / RPM / 1e3, still.thrust(own[0].omega), **HOVER)
         ax.set_title(label, fontsize=9.0)
         ax.set_xlabel("rotational speed [1000/min]")
     axes[0].set_ylabel("thrust T [N]")
@@ -509,7 +508,7 @@ def _slug(label: str) -> str:
 
 def _loads_sheet(one: Compared) -> str:
     data = one.data
-    columns: dict[str, Any] = {"rpm": data.omega * RPM, "speed_mps": data.speed}
+    columns: dict[str, Any] = {"rpm": data.omega / RPM, "speed_mps": data.speed}
     columns["beta_deg"] = np.degrees(data.beta)
     for load, truth in data.loads.items():
         columns[f"measured_{LOADS[load].column}"] = truth
