@@ -6,7 +6,7 @@ READY := $(VENV)/ready
 DOCS_READY := $(VENV)/docs-ready
 PEERS_READY := $(VENV)/peers-ready
 
-.PHONY: demo reproduce test test-fast test-readers test-physics test-slow lint types bench bench-table bench-fine-table bench-choice bench-identification bench-peers bench-options bench-aircraft bench-mount convergence docs clean bench-certificates bench-lifting-line bench-interference bench-flight-twins bench-cluster bench-explore build sanitize
+.PHONY: demo reproduce test test-fast test-slow lint types sanitize bench docs build clean
 
 # Python compiles what it imports once and keeps it, here too where the environment says otherwise: tests start some hundred
 # processes.  Nothing is compiled that is never imported, as pip would.
@@ -63,27 +63,20 @@ WORKERS := 2
 PYTEST := $(BIN)/python -m pytest --numprocesses $(WORKERS) --dist loadfile
 
 demo: $(READY)
-	$(BIN)/propmap demo -o propmap-demo
+	$(BIN)/python examples/demo.py -o propmap-demo
 
 reproduce: $(READY)
-	$(BIN)/propmap reproduce -o propmap-reproduce
+	$(BIN)/python -m papers.gill_dandrea_2017 -o propmap-reproduce
 
 test: $(READY)
 	$(PYTEST) -m 'not slow'
 
-# Every reader, and the physics in short, beside each other.
-READERS := tests/io tests/vehicle tests/model tests/catalogue
-PHYSICS := tests/core/test_core.py tests/rotor/test_limits.py tests/docs/test_equations.py \
-	tests/docs/test_equations_are_live.py tests/oracle/test_extended_reference.py
+# Every reader, and the physics in short.
+FAST := tests/io tests/vehicle tests/model tests/catalogue tests/core/test_core.py tests/rotor/test_limits.py \
+	tests/docs/test_equations.py tests/docs/test_equations_are_live.py tests/oracle/test_extended_reference.py
 
 test-fast: $(READY)
-	$(MAKE) --no-print-directory --jobs 2 test-readers test-physics
-
-test-readers: $(READY)
-	$(BIN)/python -m pytest -m 'not slow' $(READERS)
-
-test-physics: $(READY)
-	$(BIN)/python -m pytest -m 'not slow' $(PHYSICS)
+	$(PYTEST) -m 'not slow' $(FAST)
 
 test-slow: $(READY)
 	$(PYTEST) -m slow
@@ -107,56 +100,16 @@ sanitize: $(READY)
 		ASAN_OPTIONS=detect_leaks=0 UBSAN_OPTIONS=print_stacktrace=1 \
 		PYTHONPATH=$(SANITIZED)/site:$$(echo $(VENV)/lib/python3*/site-packages) $(BIN)/python -S -m pytest tests/core
 
-bench-identification: $(READY)
-	$(BIN)/python -m benchmarks.identification
-
-bench-flight-twins: $(READY)
-	$(BIN)/python -m benchmarks.flight_twins
-
-bench-choice: $(READY)
-	$(BIN)/python -m benchmarks.choice
-
-bench-peers: $(PEERS_READY)
-	$(BIN)/python -m benchmarks.peers
-
-bench: $(READY)
+# README's times; or one measurement with its arguments, as in `make bench ONLY=choice` and `make bench ONLY='table fine'`.
+# The lifting line's matrices are too small for several threads.
+bench: $(if $(filter peers,$(ONLY)),$(PEERS_READY),$(READY))
+ifdef ONLY
+	$(if $(filter lifting_line,$(ONLY)),OMP_NUM_THREADS=1) $(BIN)/python -m benchmarks.$(ONLY)
+else
 	$(BIN)/python -m benchmarks.speed
 	$(BIN)/python -m benchmarks.identification seconds
 	$(BIN)/python -m benchmarks.table
-
-bench-table: $(READY)
-	$(BIN)/python -m benchmarks.table
-
-bench-fine-table: $(READY)
-	$(BIN)/python -m benchmarks.table fine
-
-bench-options: $(READY)
-	$(BIN)/python -m benchmarks.options
-
-bench-aircraft: $(READY)
-	$(BIN)/python -m benchmarks.aircraft
-
-bench-explore: $(READY)
-	$(BIN)/python -m benchmarks.explore
-
-bench-interference: $(READY)
-	$(BIN)/python -m benchmarks.interference
-
-bench-mount: $(READY)
-	$(BIN)/python -m benchmarks.mount_drag
-
-bench-certificates: $(READY)
-	$(BIN)/python -m benchmarks.certificates
-# Its matrices are too small for several threads.
-bench-lifting-line: $(READY)
-	OMP_NUM_THREADS=1 $(BIN)/python -m benchmarks.lifting_line
-	OMP_NUM_THREADS=1 $(BIN)/python -m benchmarks.lifting_line.causes
-
-bench-cluster: $(READY)
-	$(BIN)/python -m benchmarks.cluster
-
-convergence: $(READY)
-	$(BIN)/python -m benchmarks.convergence
+endif
 
 docs: $(DOCS_READY)
 	$(BIN)/sphinx-build --fail-on-warning --keep-going docs docs/_build/html

@@ -1,4 +1,4 @@
-"""Measurements of speed and of numerical accuracy, run by hand: `make bench`, `make convergence`.
+"""Measurements of speed and of numerical accuracy, run by hand by `make bench`.
 
 Times and error figures belong here, never in a test.
 """

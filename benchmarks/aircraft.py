@@ -1,4 +1,4 @@
-"""Times of trim and of a ranking, and power beside a measurement: `make bench-aircraft`.
+"""Times of trim and of a ranking, and power beside a measurement: `make bench ONLY=aircraft`.
 
 Writes results/aircraft.json, with a study of the delivery quadcopter with some propellers and of
 the tailsitter through its transition, which the documentation shows.  Power: electrical power of an

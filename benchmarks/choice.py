@@ -1,4 +1,4 @@
-"""What each way to a rotor's loads costs and how far it is off: `make bench-choice`.
+"""What each way to a rotor's loads costs and how far it is off: `make bench ONLY=choice`.
 
 Hover model, closed form, table and full model of one rotor: the APC 8x6E with constants fitted
 to thrust and torque of ``DATA`` (results/identification.json), compared with the model over the
@@ -44,21 +44,12 @@ SINGLE = 200
 
 @dataclass(frozen=True)
 class Way:
-    """A way to loads.
-
-    Attributes
-    ----------
-    name : str
-        Of the way.
-    loads : callable
-        From omega, speed, beta (n,) to (4, n).
-    one : callable
-        The same of a single point, called as a simulation would.
-    """
+    """A way to loads."""
 
     name: str
-    loads: Callable[[Floats, Floats, Floats], Floats]
+    loads: Callable[[Floats, Floats, Floats], Floats]  # from omega, speed, beta (n,) to (4, n)
     one: Callable[[float, float, float], Any]
+    """The same of a single point, called as a simulation would."""
 
 
 def fitted_rotor(data: str) -> Rotor:

@@ -1,4 +1,4 @@
-"""Sweeps and fits on a cluster of this machine: `make bench-cluster`.
+"""Sweeps and fits on a cluster of this machine: `make bench ONLY=cluster`.
 
 Writes results/cluster.json: wall and processor time of one sweep with and without workers, whether
 its results are the same, and memory; overheads of a task; efficiency by number of workers, measured

@@ -14,28 +14,17 @@ from typing import Any
 
 DATA = Path(__file__).parents[2] / "shared" / "data" / "uiuc" / "loads.csv"
 
-FAMILY = "apce "
-"""Of blades with few stations and with many."""
-
 
 def catalogue(every: int = 1) -> dict[str, Any]:
-    """`propmap fit catalogue` by one process on one core, by one on all, and by two workers.
+    """Time `python -m tools.catalogue` on one core, on all, and by two workers.
 
-    Programs are read from disk, where a run before the first has put them.
-
-    Parameters
-    ----------
-    every : int
-        Distance of the propellers taken, 1 for all.
+    Of the propellers one in ``every`` is taken.
     """
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         rows = DATA.read_text(encoding="utf-8").splitlines()
         names = list(dict.fromkeys(row.partition(",")[0] for row in rows[1:]))
         data = _rows(folder / "loads.csv", rows, names[::every])
-        # It puts programs on disk, those of blades with many stations too.
-        few = [name for name in names if name.startswith(FAMILY)]
-        _identified(_rows(folder / "few.csv", rows, few), folder / "before", [])
         found: dict[str, Any] = {}
         contents = []
         for who, cluster, prepared in (
@@ -68,7 +57,7 @@ def _identified(
     """Times [s] and what the files hold."""
     folder.mkdir()
     output = folder / "identified.csv"
-    command = [sys.executable, "-m", "propmap", "fit", "catalogue", str(data), "-o", str(output)]
+    command = [sys.executable, "-m", "tools.catalogue", str(data), "-o", str(output)]
     before, start = _processor(), time.perf_counter()
     subprocess.run([*command, *cluster], check=True, capture_output=True, preexec_fn=prepared)
     times = {"wall_s": time.perf_counter() - start, "processor_s": _processor() - before}

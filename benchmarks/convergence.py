@@ -1,4 +1,4 @@
-"""How accurate numerically: `make convergence`.  Writes results/convergence.json.
+"""How accurate numerically: `make bench ONLY=convergence`.  Writes results/convergence.json.
 
 Three comparisons.  Both settings against the frozen loads of the independent, literal reference in
 tests/oracle, for the three parameter sets of Table I on the APC 8x6E; there ``standard`` against

@@ -1,4 +1,4 @@
-"""How well whole flights of six axes are identified: `make bench-flight-twins`.
+"""How well whole flights of six axes are identified: `make bench ONLY=flight_twins`.
 
 Two flights of half a minute each are computed with known constants, place of the accelerometer,
 gains of wakes and thrust scales, and identified again: once without noise, and a hundred times

@@ -1,4 +1,4 @@
-"""How well and how fast parameters are identified: `make bench-identification`.
+"""How well and how fast parameters are identified: `make bench ONLY=identification`.
 
 Twin experiments: level flights of a quadrotor with four APC 8x6E are computed with known
 parameters, and identified again from the paper's x0 and from random starts; once without noise,
@@ -29,7 +29,6 @@ from propmap.cli.options import workers_of
 from propmap.fit.comparison import compare_tunnel
 from propmap.fit.fit import Settings, fit
 from propmap.fit.flight import ForceModel, level_rows
-from propmap.fit.interval_coverage import noisy_intervals
 from propmap.fit.least_squares import Rows
 from propmap.fit.parameters import PAPER_FOUR, Choice
 from propmap.fit.tunnel import TunnelData, first_guess, section_with, tunnel_rows
@@ -39,6 +38,7 @@ from propmap.model.model import Model
 from propmap.tasks import Workers
 from propmap.vehicle.log import FlightLog, pitch_and_roll
 from propmap.vehicle.vehicle import Mount, Vehicle
+from tools.interval_coverage import noisy_intervals
 
 SETS = ("paper-soft", "paper-stiff", "paper-apc")
 ARM, MASS = 0.2, 1.0

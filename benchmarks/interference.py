@@ -1,4 +1,4 @@
-"""What the rotors' wakes on each other cost: `make bench-interference`.
+"""What the rotors' wakes on each other cost: `make bench ONLY=interference`.
 
 Writes results/interference.json: processor time with and without the wakes, by turns in one run,
 for a quadrotor in random motions.  One pair is the force model that a fit of whole flights steps

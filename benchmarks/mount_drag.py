@@ -1,4 +1,4 @@
-"""What a mount in the slipstream explains of the drag measured in 2019: `make bench-mount`.
+"""What a mount in the slipstream explains of the drag of 2019: `make bench ONLY=mount_drag`.
 
 The APC 8x6E, the polynomials of that campaign.  Section constants are fitted to thrust and torque,
 then the area of the mount, or a factor on the drag, to the drag; or all of them together.  Writes

@@ -1,4 +1,6 @@
-"""What corrections and section tables cost: `make bench-options`.  Writes results/options.json.
+"""What corrections and section tables cost: `make bench ONLY=options`.
+
+Writes results/options.json.
 
 Processor time per point of the oblique batch for each model, by turns in one run, and its ratio to
 the paper's model.  The tables are samples of the paper's own law, so that the blade is loaded

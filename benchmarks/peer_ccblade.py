@@ -56,7 +56,7 @@ def ccblade_module() -> Any:
     if "wisdem" not in sys.modules:
         found = importlib.util.find_spec("wisdem")
         if found is None:
-            raise ModuleNotFoundError("wisdem is not installed: run `make bench-peers`")
+            raise ModuleNotFoundError("wisdem is not installed: run `make bench ONLY=peers`")
         package = types.ModuleType("wisdem")
         package.__path__ = list(found.submodule_search_locations or [])
         sys.modules["wisdem"] = package

@@ -1,4 +1,6 @@
-"""How fast beside other tools at no worse an error: `make bench-peers`.  Writes results/peers.json.
+"""How fast beside other tools at no worse an error: `make bench ONLY=peers`.
+
+Writes results/peers.json.
 
 The APC 8x6E with ``paper-apc`` at 6000 rpm: hover, climb, two oblique points at 10 m/s, and the
 mixed oblique batch of `benchmarks.speed`.  Beside the package, its table and the table's C header:

@@ -20,37 +20,19 @@ from propmap.cluster.workers import AHEAD
 
 @dataclass(frozen=True)
 class Costs:
-    """Overheads of a task [s].
+    """Overheads of a task [s]."""
 
-    Attributes
-    ----------
-    dispatch : float
-        Of client and scheduler, which do one task at a time.
-    gap : float
-        Of a worker between two tasks.
-    """
-
-    dispatch: float
-    gap: float
+    dispatch: float  # of client and scheduler, which do one task at a time
+    gap: float  # of a worker between two tasks
 
 
 def simulate(
     tasks: Sequence[float], workers: int, cores: float, costs: Costs, ahead: int = AHEAD
 ) -> float:
-    """Time [s] from the first task handed out to the last one done.
+    """Simulate the time [s] from the first task handed out to the last one done.
 
-    Parameters
-    ----------
-    tasks : sequence of float
-        Times of one core [s], in order.
-    workers : int
-        How many; each runs one task at a time.
-    cores : float
-        How many there are, or what others leave of them.
-    costs : Costs
-        Overheads.
-    ahead : int
-        Tasks under way per worker, at most.
+    ``tasks`` are times of one core [s]; each worker runs one task at a time and has ``ahead`` under
+    way at most; ``cores`` are those there are, or what others leave of them.
     """
     left = deque(tasks)
     queues: list[deque[float]] = [deque() for _ in range(workers)]
@@ -112,19 +94,7 @@ def simulate(
 def efficiency(
     task: float, workers: int, costs: Costs, tasks_each: int = 20, ahead: int = AHEAD
 ) -> float:
-    """Share of the cores' time that goes into tasks, with a core for each worker.
-
-    Parameters
-    ----------
-    task : float
-        Time of a task [s]; all are alike.
-    workers : int
-        How many.
-    costs : Costs
-        Overheads.
-    tasks_each, ahead : int
-        Tasks of each worker in all, and under way.
-    """
+    """Share of the cores' time that goes into tasks of equal length [s], with a core per worker."""
     wall = simulate([task] * (tasks_each * workers), workers, workers, costs, ahead)
     return tasks_each * task / wall
 
@@ -134,18 +104,10 @@ TASKS = (2.0, 20.0, 200.0)
 
 
 def least_wall(work: float, workers: int, costs: Costs) -> tuple[float, float]:
-    """The least time of a job and the length of its tasks [s], by what limits the simulation.
+    """Find the least time of a job of ``work`` [s of one core] and the length of its tasks [s].
 
-    The dispatcher hands out one task at a time, and workers do tasks in whole rounds.
-
-    Parameters
-    ----------
-    work : float
-        Time of one core [s].
-    workers : int
-        How many, with a core each.
-    costs : Costs
-        Overheads.
+    By what limits the simulation: the dispatcher hands out one task at a time, and workers, with a
+    core each, do tasks in whole rounds.
     """
 
     def wall(task: float) -> float:

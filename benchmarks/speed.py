@@ -62,7 +62,6 @@ COMMANDS = {
     "propmap choose, whole catalogue": f"choose {VEHICLE} --task cruise --speed 12",
     "propmap fit flight, two flights": "fit flight 0.csv 1.csv --vehicle flown.toml "
     "--method balance -o fit.toml",
-    "propmap demo": "demo -o propmap-demo",
     "propmap --help": "--help",
 }
 """As a user types them."""

@@ -1,4 +1,4 @@
-"""How fast tables answer and are built: `make bench`; `make bench-fine-table` for 0.1 %.
+"""How fast tables answer and are built: `make bench`; `make bench ONLY='table fine'` for 0.1 %.
 
 The table is the one of the README: the APC 8x6E over 2000-10000 rpm, 0-20 m/s and all angles, at
 0.5 %.  Beside it, in the same run, the full model and RotorPy's rotor model.  Times are processor

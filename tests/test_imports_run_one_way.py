@@ -34,7 +34,6 @@ LEFT_TO_RIGHT = (
     "flight",
     "export",
     "report",
-    "papers",
     "cluster",
     "explore",
     "cli",

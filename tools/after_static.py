@@ -25,13 +25,12 @@ from propmap.catalogue.identified import PARAMETERS, Identified, all_identified,
 from propmap.fit.comparison import MODEL_ERROR
 from propmap.fit.fit import Settings, fit
 from propmap.fit.parameters import Choice, SectionPrior
-from propmap.fit.population.misfiled import refiled
 from propmap.fit.tunnel import TunnelData, rotor_with, tunnel_rows
 from propmap.io.csv import replacing
-from propmap.io.uiuc import MeasuredPropeller, read_uiuc_database
 from propmap.loads import LOADS
 from propmap.model.model import Model
 from propmap.typing import Floats
+from tools.catalogue.database import MeasuredPropeller, read_uiuc_database, refiled
 
 RESULTS = Path(__file__).resolve().parent.parent / "benchmarks" / "results" / "after_static.json"
 TOLD = ("thrust", "torque")

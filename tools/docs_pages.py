@@ -16,9 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from propmap.catalogue.identified import all_identified
-from propmap.fit.population.summary import summary
 from propmap.io.csv import replacing
-from propmap.papers.gill_dandrea_2017.drag_effects import drag_effects
 from tools import (
     aircraft_tables,
     flight_tables,
@@ -27,7 +25,9 @@ from tools import (
     readme_tables,
     scale_tables,
 )
-from tools import drag_effects as drag_effects_table
+from tools.catalogue.verdict import summary
+from tools.drag_effects import drag_effects
+from tools.drag_effects import table as drag_effects_table
 
 RESULTS = Path(__file__).resolve().parent.parent / "benchmarks" / "results"
 LOADS = {
@@ -114,7 +114,7 @@ def write(folder: Path) -> None:
         "lifting-line-everywhere": lifting_line_tables.everywhere(found["lifting_line"]),
         "performance-options": performance_tables.options(found["options"]),
         "performance-peers": performance_tables.peers(found["peers"]),
-        "drag-effects": drag_effects_table.table(drag_effects()),
+        "drag-effects": drag_effects_table(drag_effects()),
         "identified": identified(),
         "after-static": after_static(found["after_static"]),
         "left-out": left_out(found["left_out"]),
@@ -324,7 +324,7 @@ def other_tunnel(found: dict[str, Any]) -> str:
     ]
     for one in found["by_name"]:
         rows.append(
-            f"| {LOADS[one['load']]} | {one['inside']:.0%} | {one['apart']:+.1f} | "
+            f"| {LOADS[one['load']]} | {one['inside']:.0%} | {one['z_score']:+.1f} | "
             f"{one['relative_rms']:.0%} |"
         )
     return "\n".join(rows)
@@ -356,7 +356,7 @@ def identified() -> str:
     found = summary(all_identified())
     rows = [
         f"Root mean square errors over all rows of {found.propellers} propellers, by "
-        "`propmap fit catalogue`:",
+        "`python -m tools.catalogue`:",
         "",
         "| | median | 90 % below |",
         "|---|---:|---:|",

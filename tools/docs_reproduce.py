@@ -1,4 +1,4 @@
-"""Run ``propmap reproduce`` for the documentation, and write its main tables as Markdown.
+"""Run what `make reproduce` runs for the documentation, and write its main tables as Markdown.
 
 Usage: python -m tools.docs_reproduce FOLDER
 
@@ -14,10 +14,11 @@ import sys
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
+from papers.gill_dandrea_2017.rotor_drag import DATA as FORMS
+from papers.gill_dandrea_2017.rotor_drag import MODELS as INFLOWS
 from propmap.io.csv import replacing
-from propmap.papers.gill_dandrea_2017.pages.rotor_drag import DATA as FORMS
-from propmap.papers.gill_dandrea_2017.pages.rotor_drag import MODELS as INFLOWS
 
+ROOT = Path(__file__).resolve().parent.parent
 Rows = list[dict[str, str]]
 
 SETS = {"paper-soft": "soft", "paper-stiff": "stiff"}
@@ -44,15 +45,15 @@ def start(folder: Path) -> subprocess.Popen[bytes]:
     """Start the command, which takes about two minutes."""
     site = folder_of_page(folder)
     site.parent.mkdir(parents=True, exist_ok=True)
-    command = [sys.executable, "-m", "propmap", "reproduce", "-o", str(site)]
-    return subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+    command = [sys.executable, "-m", "papers.gill_dandrea_2017", "-o", str(site.resolve())]
+    return subprocess.Popen(command, cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
 
 
 def finish(process: subprocess.Popen[bytes], folder: Path) -> None:
     """Wait for the command, and make the tables of its files."""
-    _, told = process.communicate()
+    _, errors_said = process.communicate()
     if process.returncode:
-        raise RuntimeError(f"propmap reproduce failed: {told.decode(errors='replace')}")
+        raise RuntimeError(f"make reproduce failed: {errors_said.decode(errors='replace')}")
     site = folder_of_page(folder)
     tables = {
         "reproduce-identified": identified(read(site / "table-1-identified.csv")),

@@ -79,13 +79,7 @@ def causes(found: dict[str, Any]) -> str:
 
 
 def published_roll(omega: float, speed: float, beta_deg: float) -> float:
-    """Rolling moment [N m] of the 2019 polynomials, which have it in proportion to Omega V sin(b).
-
-    Parameters
-    ----------
-    omega, speed, beta_deg : float
-        [rad/s], [m/s] and degrees.
-    """
+    """Rolling moment [N m] of the 2019 polynomials, in proportion to Omega V sin(beta)."""
     data = measurement("gill-dandrea-2019-8x6e")
     advance = data.omega * data.speed * np.sin(data.beta)
     slope = (advance @ data.loads["roll_moment"]) / (advance @ advance)

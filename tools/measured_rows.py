@@ -18,9 +18,8 @@ from pathlib import Path
 import numpy as np
 
 from propmap.catalogue.identified import all_identified
-from propmap.fit.population.misfiled import refiled
 from propmap.io.csv import replacing
-from propmap.io.uiuc import MeasuredPropeller, read_uiuc_database
+from tools.catalogue.database import MeasuredPropeller, read_uiuc_database, refiled
 
 FILE = Path(__file__).resolve().parent.parent / "docs" / "measured" / "uiuc-axial.csv"
 

@@ -3,7 +3,7 @@
 Usage: python tools/readme_tables.py [DEMO_FOLDER]
 
 Reads the files of benchmarks/results; with DEMO_FOLDER, where
-`propmap demo` wrote, takes demo.json and the picture from there first.  The text between the
+`make demo` wrote, takes demo.json and the picture from there first.  The text between the
 markers is replaced; the same files give the same README.
 """
 

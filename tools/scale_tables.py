@@ -100,15 +100,7 @@ def beyond(found: dict[str, Any]) -> str:
 
 
 def cost(found: dict[str, Any], table: dict[str, Any], propellers: int) -> str:
-    """What three large jobs take.
-
-    Parameters
-    ----------
-    found, table : dict
-        Results of ``benchmarks.cluster`` and of `make bench-fine-table`.
-    propellers : int
-        In the catalogue.
-    """
+    """Tabulate what three large jobs take."""
     each, part = found["designs"], found["scheduler"]
     costs = Costs(part["dispatch_s"], part["gap_s"])
     size = found["sweep"]["2e6_bytes_per_point"]
@@ -136,7 +128,7 @@ def catalogue(found: dict[str, Any]) -> str:
     part = found["catalogue"]
     same = "the same to the byte" if part["same_bytes"] else "NOT the same"
     rows = [
-        f"`propmap fit catalogue` of {part['propellers']} propellers with data:",
+        f"`python -m tools.catalogue` of {part['propellers']} propellers with data:",
         "",
         "| | wall | processor |",
         "|---|---:|---:|",

@@ -1,4 +1,7 @@
-"""The lifting line's checks and the comparison: writes results/lifting_line.json."""
+"""Check the lifting line, compare inflow theories with it, and say why they differ.
+
+Writes results/lifting_line.json and lifting_line_causes.json.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.lifting_line import checks, compare
+from benchmarks.lifting_line import causes, checks, compare
 from benchmarks.lifting_line.compare import CONSTANTS, FREE, OMEGA, Point
 from benchmarks.lifting_line.rotor import RotorLoads
 from benchmarks.lifting_line.wake import Resolution
@@ -124,3 +127,4 @@ def _text(loads: RotorLoads) -> str:
 
 if __name__ == "__main__":
     main()
+    causes.main()

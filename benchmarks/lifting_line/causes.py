@@ -36,15 +36,7 @@ CASES = {
 
 
 def row(name: str, point: Point) -> dict[str, Any]:
-    """Roll and thrust with and without variation of the inflow around the disk.
-
-    Parameters
-    ----------
-    name : str
-        Of ``CASES``.
-    point : Point
-        Operating point.
-    """
+    """Compare loads with and without variation of the inflow around the disk, in a case by name."""
     blade, constants, phases = CASES[name]
     paper = propmap.Model(blade, constants)
     harmonic = propmap.Model(blade, constants, corrections=(propmap.correction("pitt-peters"),))
@@ -81,7 +73,3 @@ def main() -> None:
             ]
             print(f"{name:24} {point.speed:g} m/s {point.beta_deg:g} degrees", left, flush=True)
     print(write_results("lifting_line_causes.json", {"rows": rows, "machine": machine()}))
-
-
-if __name__ == "__main__":
-    main()

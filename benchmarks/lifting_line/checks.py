@@ -59,15 +59,7 @@ def _wing_sections(
 
 
 def elliptic_wing(stations: int = 24, aspect_ratio: float = 8.0) -> Compared:
-    """C_L per angle of attack of an elliptic wing, 2 pi / (1 + 2 / A) by Prandtl [1/rad].
-
-    Parameters
-    ----------
-    stations : int
-        Stations along the wing.
-    aspect_ratio : float
-        A [-].
-    """
+    """C_L per angle of attack of an elliptic wing, 2 pi / (1 + 2 / A) by Prandtl [1/rad]."""
     alpha, edges = 0.05, cosine_edges(-1.0, 1.0, stations)
     middle = cosine_middles(-1.0, 1.0, stations)
     chord = 8.0 / (np.pi * aspect_ratio) * np.sqrt(1.0 - middle**2)
@@ -82,22 +74,8 @@ def elliptic_wing(stations: int = 24, aspect_ratio: float = 8.0) -> Compared:
 def heaving_section(reduced_frequency: float, phases: int = 72) -> tuple[Compared, Compared]:
     """Lift of a heaving section over that without a wake, by Theodorsen C(k) [-].
 
-    Parameters
-    ----------
-    reduced_frequency : float
-        k, of half the chord [-].
-    phases : int
-        Steps of a period.
-
-    Returns
-    -------
-    Compared, Compared
-        Real and imaginary part.
-
-    References
-    ----------
-    T. Theodorsen, "General Theory of Aerodynamic Instability and the Mechanism of Flutter",
-    NACA TR 496, 1935.
+    Gives the real and the imaginary part; k is of half the chord.  T. Theodorsen, "General Theory
+    of Aerodynamic Instability and the Mechanism of Flutter", NACA TR 496, 1935.
     """
     chord, span = np.array([1.0]), np.array([-1e4, 1e4])
     step = np.pi * chord[0] / reduced_frequency / phases
@@ -113,24 +91,13 @@ def heaving_section(reduced_frequency: float, phases: int = 72) -> tuple[Compare
 
 
 def skewed_cylinder(skew: float, resolution: Resolution) -> tuple[Compared, Compared]:
-    """Mean and first harmonic of the inflow near the axis in a wake of constant circulation.
+    """Mean v_0 [m/s] of the inflow near the axis in a wake of constant circulation, and its slope.
 
     The vortex cylinder of Coleman, Feingold and Stempin: averaged over the turn, a wake of constant
     circulation has v_0 = N Gamma Omega / (4 pi W), W being the speed at which it goes away, and
-    from there to the rear a slope of tan(chi/2) v_0 / R near the axis.  (With the axis's root
-    vortex, which induces nothing along the axis of the rotor where it is straight.)
-
-    Parameters
-    ----------
-    skew : float
-        chi, of the wake to the axis [rad].
-    resolution : Resolution
-        Division of the wake.
-
-    Returns
-    -------
-    Compared, Compared
-        v_0 [m/s], and the harmonic over v_0 y / R [-].
+    from there to the rear a slope of tan(chi/2) v_0 / R near the axis, chi being its ``skew`` to
+    the axis [rad].  (With the axis's root vortex, which induces nothing along the axis of the rotor
+    where it is straight.)  The slope is given over v_0 y / R [-].
     """
     blade = propmap.propeller("apc-8x6e")
     station = np.linspace(0.01, 1.0, 20) * blade.radius
@@ -152,18 +119,11 @@ def skewed_cylinder(skew: float, resolution: Resolution) -> tuple[Compared, Comp
 
 
 class Hover(NamedTuple):
-    """A hovering rotor in the rigid wake of its own thrust.
+    """A hovering rotor in the rigid wake of its own thrust."""
 
-    Attributes
-    ----------
-    thrust : float
-        [N].
-    power_factor : float
-        Power that goes into the inflow, over that of momentum theory at the same thrust [-].
-    """
-
-    thrust: float
+    thrust: float  # [N]
     power_factor: float
+    """Power that goes into the inflow, over that of momentum theory at the same thrust [-]."""
 
 
 def hover(model: propmap.Model, omega: float, resolution: Resolution) -> Hover:

@@ -22,28 +22,17 @@ STALLED_SHARE = 0.3
 
 
 class Sections(NamedTuple):
-    """The blade's sections at all phases; shape (n, M) but for ``by_circulation``.
+    """The blade's sections at all phases; shape (n, M) where none is given."""
 
-    Attributes
-    ----------
-    chord, twist : Floats
-        [m], and angle of the chord line to the disk [rad].
-    tangential, normal : Floats
-        The air's velocity without the wake's: along the rotor's plane from the leading edge, and
-        against the thrust [m/s].
-    by_tangential, by_normal : Floats
-        What the wake adds per circulation [1/m], shape (n M, n M).
-    reynolds_per_speed : Floats
-        Re over the speed of the air [s/m].
-    """
-
-    chord: Floats
-    twist: Floats
-    tangential: Floats
-    normal: Floats
-    by_tangential: Floats
+    chord: Floats  # [m]
+    twist: Floats  # angle of the chord line to the disk [rad]
+    tangential: (
+        Floats  # air's velocity without the wake's in the rotor's plane, from the leading edge
+    )
+    normal: Floats  # against the thrust [m/s]
+    by_tangential: Floats  # what the wake adds per circulation [1/m], shape (n M, n M)
     by_normal: Floats
-    reynolds_per_speed: Floats
+    reynolds_per_speed: Floats  # Re over the speed of the air [s/m]
 
 
 class Flow(NamedTuple):
@@ -58,17 +47,7 @@ class Flow(NamedTuple):
 
 
 def flow_at(sections: Sections, law: Airfoil, circulation: Floats) -> Flow:
-    """The flow that belongs to a ``circulation`` [m^2/s], shape (n, M).
-
-    Parameters
-    ----------
-    sections : Sections
-        The blade.
-    law : Airfoil
-        Its lift and drag.
-    circulation : Floats
-        Of the sections.
-    """
+    """Compute the flow that belongs to a ``circulation`` (n, M) [m^2/s]."""
     shape, flat = circulation.shape, circulation.ravel()
     tangential = (sections.by_tangential @ flat).reshape(shape)
     normal = (sections.by_normal @ flat).reshape(shape)
@@ -76,17 +55,7 @@ def flow_at(sections: Sections, law: Airfoil, circulation: Floats) -> Flow:
 
 
 def averaged_flow(sections: Sections, law: Airfoil, flow: Flow) -> Flow:
-    """The flow if what the wake induces were the same all around, its mean at each radius.
-
-    Parameters
-    ----------
-    sections : Sections
-        The blade.
-    law : Airfoil
-        Its lift and drag.
-    flow : Flow
-        With what the wake does induce.
-    """
+    """Compute the flow if the wake induced the same all around, its mean at each radius."""
     tangential = (flow.tangential - sections.tangential).mean(axis=0)
     normal = (flow.normal - sections.normal).mean(axis=0)
     return _flow(sections, law, tangential, normal)
@@ -106,27 +75,12 @@ def _flow(
 
 
 def solve(sections: Sections, law: Airfoil, start: Floats) -> tuple[Floats, float]:
-    """The circulation [m^2/s] at which Gamma = 1/2 c U C_L everywhere, and what is left of it.
+    """Find the circulation (n, M) [m^2/s] at which Gamma = 1/2 c U C_L everywhere.
 
     Newton's steps.  Where some section's lift falls with the angle of attack that slope is taken as
     zero, and the steps are short: stalled sections beside each other have many solutions, and long
-    steps end at those that alternate along the blade.
-
-    Parameters
-    ----------
-    sections : Sections
-        The blade.
-    law : Airfoil
-        Its lift and drag.
-    start : Floats
-        Where to begin; an attached blade finds an attached one.
-
-    Returns
-    -------
-    Floats
-        Shape (n, M).
-    float
-        Largest error over the largest circulation [-].
+    steps end at those that alternate along the blade.  An attached blade as ``start`` finds an
+    attached one.  Also gives the largest error over the largest circulation [-].
     """
     circulation = start.copy()
     left = np.inf

@@ -82,64 +82,33 @@ def by_theory(points: list[Point]) -> dict[str, list[RotorLoads]]:
 
 
 class InRigidWake(NamedTuple):
-    """Loads in the rigid wake of the rotor's own thrust.
-
-    Attributes
-    ----------
-    loads : RotorLoads
-        The loads.
-    same_all_around : RotorLoads
-        What they would be if what the wake induces were its mean over the turn at each radius.
-    left : float
-        Error of the circulation, over the largest [-].
-    """
+    """Loads in the rigid wake of the rotor's own thrust."""
 
     loads: RotorLoads
     same_all_around: RotorLoads
-    left: float
+    """What they would be if what the wake induces were its mean over the turn at each radius."""
+    left: float  # error of the circulation, over the largest [-]
 
 
 def by_rigid_wake(constants: propmap.Airfoil, point: Point, resolution: Resolution) -> InRigidWake:
-    """Loads in a rigid wake.
-
-    Parameters
-    ----------
-    constants, point, resolution
-        Section law, operating point and division.
-    """
+    """Compute loads in a rigid wake."""
     rotor, solution = consistent(model(constants), point.flight, resolution)
     averaged = averaged_flow(rotor.sections, rotor.law, solution.flow)
     return InRigidWake(rotor.loads(solution.flow), rotor.loads(averaged), solution.left)
 
 
 class InFreeWake(NamedTuple):
-    """Loads in a free wake, and in the rigid one that it started as.
+    """Loads in a free wake, and in the rigid one that it started as."""
 
-    Attributes
-    ----------
-    start, end : RotorLoads
-        In the rigid and in the free wake.
-    moved : list of float
-        Root mean square by which the wake moved at each round, over R [-].
-    """
-
-    start: RotorLoads
+    start: RotorLoads  # in the rigid wake
     end: RotorLoads
-    moved: list[float]
+    moved: list[float]  # root mean square by which the wake moved at each round, over R [-]
 
 
 def by_free_wake(
     constants: propmap.Airfoil, point: Point, thrust: float, resolution: Resolution
 ) -> InFreeWake:
-    """Loads in a free wake.
-
-    Parameters
-    ----------
-    constants, point, resolution
-        Section law, operating point and division.
-    thrust : float
-        With which the wake starts [N].
-    """
+    """Compute loads in a free wake, which starts with a ``thrust`` [N]."""
     rotor = model(constants)
     start = in_rigid_wake(rotor, point.flight, thrust, resolution)
     found = free_wake(rotor, point.flight, thrust, resolution, free_turns=2, rounds=10)
@@ -151,17 +120,7 @@ def by_free_wake(
 def identified(
     points: list[Point], wanted: list[RotorLoads], resolution: Resolution
 ) -> propmap.Airfoil:
-    """Constants with which the lifting line has the thrust and torque of another theory.
-
-    Parameters
-    ----------
-    points : list of Point
-        Where.
-    wanted : list of RotorLoads
-        By the other theory.
-    resolution : Resolution
-        The division.
-    """
+    """Find constants with which the lifting line has the thrust and torque of another theory."""
     rotors = [
         in_rigid_wake(model(), point.flight, want.thrust, resolution)
         for point, want in zip(points, wanted, strict=True)

@@ -29,21 +29,12 @@ CHUNK = 48
 
 
 class FreeWake(NamedTuple):
-    """A rotor in a wake that is carried away by its own velocities.
-
-    Attributes
-    ----------
-    rotor : LiftingRotor
-        The rotor.
-    solution : Solution
-        Its circulation.
-    moved : list of float
-        Root mean square by which the wake's places moved at each round, over R [-].
-    """
+    """A rotor in a wake that is carried away by its own velocities."""
 
     rotor: LiftingRotor
     solution: Solution
     moved: list[float]
+    """Root mean square by which the wake's places moved at each round, over R [-]."""
 
 
 def free_wake(
@@ -54,18 +45,9 @@ def free_wake(
     free_turns: int,
     rounds: int,
 ) -> FreeWake:
-    """The rotor in a wake whose first turns are free.
+    """Solve the rotor in a wake whose first turns are free, and which is moved ``rounds`` times.
 
-    Parameters
-    ----------
-    model, flight, resolution
-        Rotor, operating point and division.
-    thrust : float
-        [N], for the uniform inflow at which the wake starts, and which its later turns keep.
-    free_turns : int
-        Turns that are free.
-    rounds : int
-        How often the wake is moved.
+    It starts with the uniform inflow of a ``thrust`` [N], which its later turns keep.
     """
     inflow = momentum_inflow(model, flight, thrust)
     blade, viscosity = model.propeller, kinematic_viscosity(model)

@@ -27,15 +27,7 @@ LATER_STALL = (2.0, 1.5, 1.25, 1.1)
 
 
 class RotorLoads(NamedTuple):
-    """Loads averaged over a turn, with the package's signs.
-
-    Attributes
-    ----------
-    thrust, drag, side_force : float
-        [N].
-    torque, roll_moment, pitch_moment : float
-        [N m].
-    """
+    """Loads averaged over a turn [N], [N m], with the package's signs."""
 
     thrust: float
     drag: float
@@ -47,37 +39,17 @@ class RotorLoads(NamedTuple):
 
 @dataclass(frozen=True)
 class LiftingRotor:
-    """A rotor at an operating point, with the velocities that its wake induces.
+    """A rotor at an operating point, with the velocities that its wake induces."""
 
-    Attributes
-    ----------
-    model : propmap.Model
-        Propeller, section law and air; its inflow is not used.
-    flight : Flight
-        The operating point.
-    radius, width : Floats
-        Of the stations [m], shape (M,).
-    azimuth : Floats
-        Of the phases [rad], shape (n,).
-    sections : Sections
-        The blade over a turn.
-    """
-
-    model: propmap.Model
+    model: propmap.Model  # its inflow is not used
     flight: Flight
-    radius: Floats
+    radius: Floats  # of the stations [m], (M,)
     width: Floats
-    azimuth: Floats
+    azimuth: Floats  # of the phases [rad], (n,)
     sections: Sections
 
     def solved(self, start: Floats | None = None) -> Solution:
-        """The periodic circulation.
-
-        Parameters
-        ----------
-        start : Floats, optional
-            Circulation to begin with [m^2/s], shape (n, M); that of attached flow otherwise.
-        """
+        """Solve for the periodic circulation from ``start`` (n, M) [m^2/s] or attached flow."""
         sections, law = self.sections, self.law
         if start is None:
             # Several solutions are possible where sections stall.  The one next to attached flow
@@ -94,7 +66,7 @@ class LiftingRotor:
         return self.model.airfoil
 
     def loads(self, flow: Flow) -> RotorLoads:
-        """Loads of the blades in a ``flow``."""
+        """Sum up loads of the blades in a ``flow``."""
         half = 0.5 * self.model.air.density * self.sections.chord * flow.speed * self.width
         normal = half * (flow.lift * flow.tangential - flow.drag * flow.normal)
         tangential = half * (flow.lift * flow.normal + flow.drag * flow.tangential)
@@ -122,26 +94,14 @@ class Solution(NamedTuple):
 
 
 def kinematic_viscosity(model: propmap.Model) -> float:
-    """Of the air of ``model`` [m^2/s]."""
+    """Kinematic viscosity of the air [m^2/s]."""
     return model.air.viscosity / model.air.density
 
 
 def lifting_rotor(
     model: propmap.Model, flight: Flight, wake: Lattice, resolution: Resolution
 ) -> LiftingRotor:
-    """The rotor in its ``wake``.
-
-    Parameters
-    ----------
-    model : propmap.Model
-        Propeller, section law and air.
-    flight : Flight
-        Operating point.
-    wake : Lattice
-        Where the first blade's vortices lie.
-    resolution : Resolution
-        That of ``wake``.
-    """
+    """Put the rotor in the ``wake`` of its first blade, which has this ``resolution``."""
     blade, n = model.propeller, resolution.phases
     radius = cosine_middles(blade.root, blade.radius, resolution.stations)
     width = np.diff(cosine_edges(blade.root, blade.radius, resolution.stations))
@@ -180,15 +140,7 @@ def momentum_inflow(model: propmap.Model, flight: Flight, thrust: float) -> floa
 def in_rigid_wake(
     model: propmap.Model, flight: Flight, thrust: float, resolution: Resolution
 ) -> LiftingRotor:
-    """The rotor in a wake that the free stream and the uniform inflow of a thrust carry away.
-
-    Parameters
-    ----------
-    model, flight, resolution
-        Rotor, operating point and division.
-    thrust : float
-        [N].
-    """
+    """Put the rotor in a wake that the free stream and the inflow of ``thrust`` [N] carry off."""
     inflow = momentum_inflow(model, flight, thrust)
     viscosity = kinematic_viscosity(model)
     wake = rigid_wake(model.propeller, flight, inflow, viscosity, resolution)
@@ -198,13 +150,7 @@ def in_rigid_wake(
 def consistent(
     model: propmap.Model, flight: Flight, resolution: Resolution
 ) -> tuple[LiftingRotor, Solution]:
-    """The rotor in the rigid wake of its own thrust, and its circulation.
-
-    Parameters
-    ----------
-    model, flight, resolution
-        As in ``in_rigid_wake``.
-    """
+    """Put the rotor in the rigid wake of its own thrust, and solve for its circulation."""
     # To begin with, a thrust coefficient of 0.01 by rho A (Omega R)^2, about that of a hover.
     tip_speed = flight.omega * model.propeller.radius
     thrust = 0.01 * model.air.density * np.pi * model.propeller.radius**2 * tip_speed**2

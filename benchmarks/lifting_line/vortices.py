@@ -15,40 +15,21 @@ class Lattice(NamedTuple):
 
     The sheet has K edges in age and M + 1 along the blade.  Between edges k and k + 1 lies what was
     shed about k steps ago; a step is a period over n.  The first edge is the bound vortex.
-
-    Attributes
-    ----------
-    edges : Floats
-        Where the edges are [m], shape (n, K, M + 1, 3).
-    trailing_core : Floats
-        Radius of the cores of what trails [m], shape (K - 1, M + 1).
-    shed_core : Floats
-        Radius of the cores of what is shed [m], shape (M,).
     """
 
-    edges: Floats
-    trailing_core: Floats
-    shed_core: Floats
+    edges: Floats  # (n, K, M + 1, 3) [m]
+    trailing_core: Floats  # radius of the cores of what trails [m], (K - 1, M + 1)
+    shed_core: Floats  # radius of the cores of what is shed [m], (M,)
 
 
 def segment_velocity(points: Floats, start: Floats, end: Floats, core: Floats) -> Floats:
-    """Velocity induced by straight vortex segments per circulation [1/m].
+    """Velocity induced by straight vortex segments per circulation [1/m], (..., 3).
 
     Biot and Savart's law with the distance h from the segment's line as h^2 + core^2 in the
-    denominator.
-
-    Parameters
-    ----------
-    points, start, end : Floats
-        Where, and from where to where the segments go [m]; shapes broadcast, (..., 3).
-    core : Floats
-        Radius of the core [m], shape (...).
-
-    References
-    ----------
-    J. Katz, A. Plotkin, "Low-Speed Aerodynamics", 2nd ed., Cambridge 2001, eq. (2.72);
-    M. P. Scully, "Computation of Helicopter Rotor Wake Geometry and Its Influence on Rotor
-    Harmonic Airloads", MIT ASRL TR 178-1, 1975, for the core.
+    denominator: J. Katz, A. Plotkin, "Low-Speed Aerodynamics", 2nd ed., Cambridge 2001, eq. (2.72);
+    M. P. Scully, "Computation of Helicopter Rotor Wake Geometry and Its Influence on Rotor Harmonic
+    Airloads", MIT ASRL TR 178-1, 1975, for the core.  Shapes broadcast, ``core`` without the last
+    axis.
     """
     first, second = _components(points - start), _components(points - end)
     along = _components(end - start)
@@ -75,23 +56,9 @@ def _length(vector: tuple[Floats, ...]) -> Floats:
 
 
 def panel_velocity(points: Floats, lattice: Lattice, phase: int) -> Floats:
-    """Velocity induced by each panel of ``lattice`` at a phase, per circulation [1/m].
+    """Velocity at points (P, 3) by each panel at a phase, per circulation [1/m], (P, K - 1, M, 3).
 
     A panel is a ring: outwards along its younger edge, back inwards along the older one.
-
-    Parameters
-    ----------
-    points : Floats
-        Where [m], shape (P, 3).
-    lattice : Lattice
-        The sheet.
-    phase : int
-        Which of its phases.
-
-    Returns
-    -------
-    Floats
-        Shape (P, K - 1, M, 3).
     """
     at, edges = points[:, None, None], lattice.edges[phase]
     trailing = segment_velocity(at, edges[:-1], edges[1:], lattice.trailing_core)
@@ -103,21 +70,8 @@ def influence(points: Floats, lattice: Lattice, blades: int) -> Floats:
     """Velocity at points that move with the phase, per circulation of each station at each phase.
 
     All blades do the same one after another, so that blade b at phase i is where the first one is
-    at phase i + b n / blades.
-
-    Parameters
-    ----------
-    points : Floats
-        Where [m], shape (n, P, 3).
-    lattice : Lattice
-        The sheet of the first blade.
-    blades : int
-        How many; n must be a multiple of it.
-
-    Returns
-    -------
-    Floats
-        [1/m], shape (n, P, n, M, 3): by phase and point, then phase and station of the vortex.
+    at phase i + b n / blades; n must be a multiple of ``blades``.  Points are (n, P, 3), velocities
+    (n, P, n, M, 3) [1/m]: by phase and point, then phase and station of the vortex.
     """
     n, count = points.shape[:2]
     panels, stations = lattice.edges.shape[1] - 1, lattice.edges.shape[2] - 1

@@ -19,41 +19,21 @@ LAMB, SQUIRE = 1.25643, 2e-4
 
 @dataclass(frozen=True)
 class Resolution:
-    """How finely blade and wake are divided, and how thick the vortices are.
+    """How finely blade and wake are divided, and how thick the vortices are."""
 
-    Attributes
-    ----------
-    stations : int
-        Stations of a blade, closer at its ends.
-    phases : int
-        Steps of a turn; a multiple of the number of blades.
-    turns : int
-        Turns of the wake that are kept.
-    first_core : float
-        Radius of a trailing vortex's core at the blade, over the rotor's radius [-].
-    """
-
-    stations: int = 20
-    phases: int = 36
-    turns: int = 10
+    stations: int = 20  # of a blade, closer at its ends
+    phases: int = 36  # steps of a turn; a multiple of the number of blades
+    turns: int = 10  # of the wake that are kept
     first_core: float = FIRST_CORE
 
 
 @dataclass(frozen=True)
 class Flight:
-    """An operating point.
+    """An operating point."""
 
-    Attributes
-    ----------
-    omega : float
-        Rotational speed [rad/s].
-    v_axial, v_inplane : float
-        V cos(beta) and V sin(beta) [m/s].
-    """
-
-    omega: float
-    v_axial: float
-    v_inplane: float
+    omega: float  # [rad/s]
+    v_axial: float  # V cos(beta) [m/s]
+    v_inplane: float  # V sin(beta) [m/s]
 
     @property
     def stream(self) -> Floats:
@@ -85,11 +65,6 @@ def ages(resolution: Resolution) -> Floats:
     """Ages of the lattice's edges, in steps [-]: 0, 1/2, 3/2 and so on.
 
     What was shed k steps ago then lies about its own place.
-
-    Parameters
-    ----------
-    resolution : Resolution
-        The division.
     """
     count = resolution.turns * resolution.phases
     return np.concatenate([[0.0], np.arange(count) + 0.5])
@@ -98,20 +73,9 @@ def ages(resolution: Resolution) -> Floats:
 def rigid_wake(
     propeller: Propeller, flight: Flight, inflow: float, viscosity: float, resolution: Resolution
 ) -> Lattice:
-    """The wake of one blade, carried away by the free stream and a uniform inflow.
+    """Lay the wake of one blade, carried away by the free stream and a uniform ``inflow`` [m/s].
 
-    Parameters
-    ----------
-    propeller : Propeller
-        The rotor.
-    flight : Flight
-        Its operating point.
-    inflow : float
-        What is added to the free stream, against the thrust [m/s].
-    viscosity : float
-        Kinematic [m^2/s], for the growth of the cores.
-    resolution : Resolution
-        The division.
+    Its cores grow by the kinematic ``viscosity`` [m^2/s].
     """
     step = 2.0 * np.pi / resolution.phases
     age = ages(resolution)
@@ -134,11 +98,6 @@ def cores(
     the trailing edge and asks for its downwash at three quarters of the chord, c/4 in front of it.
     Here it begins where the downwash is asked for, and h / (h^2 + (c/4)^2), summed along the sheet,
     comes to the same as 1 / (h + c/4).
-
-    Parameters
-    ----------
-    propeller, flight, viscosity, resolution
-        As in ``rigid_wake``.
     """
     chord = np.interp(
         cosine_middles(propeller.root, propeller.radius, resolution.stations),

@@ -1,4 +1,4 @@
-"""Runs ``propmap reproduce`` beside the build, which needs its results on one page only.
+"""Runs what `make reproduce` runs beside the build, which needs the results on one page only.
 
 The command takes as long as all the cells of the other pages: side by side they share the cores.
 """

@@ -106,7 +106,6 @@ CASES: list[tuple[list[str], str]] = [
     (["plot"], "command"),
     (["props", "show", "apc-8x6f"], "apc-8x6e"),
     (["airfoils", "show", "paper"], "paper-apc"),
-    (["demo", "-o", "taken.nc"], "folder"),
     (["fly"], "fly"),
 ]
 

@@ -96,7 +96,7 @@ MAKERS: dict[str, tuple[list[str], Found]] = {
 """Commands that make a model: their arguments, and what shows its loads."""
 
 OTHERS = {
-    "show", "report", "reproduce", "demo", "fit catalogue", "fit terms", "explore", "study",
+    "show", "report", "fit terms", "explore", "study",
     "plot planform", "props list", "props show", "airfoils list", "airfoils show",
 }  # fmt: skip
 """Commands that read a model or make none: they have no such option."""

@@ -35,10 +35,6 @@ PAGES = sorted(p for p in DOCS.rglob("*.md") if not WRITTEN & set(p.parts))
 BUILT = ("pip install", "make ")
 """What begins a block that installs or builds: CI itself does that, from a fresh clone."""
 
-RUN_ELSEWHERE = ("propmap demo ", "propmap reproduce ")
-"""What begins a line whose minutes tests/cli spends: test_pictures.py and test_reproduce.py run
-these commands from an empty folder, as the page does."""
-
 OTHER = {"toml", "text", "{toctree}", "{include}", "{eval-rst}", "{literalinclude}", "{math}"}
 """Blocks that show a file's form or are the documentation's own directives."""
 
@@ -169,9 +165,7 @@ def test_a_page_can_be_followed(page: Path, tmp_path: Path, environment: dict[st
         elif step.kind == "edit":
             path.write_text(edited(path.read_text("utf-8"), step), encoding="utf-8")
         elif runs(step) and not lacking(step):
-            lines = step.text.splitlines(keepends=True)
-            text = "".join(line for line in lines if not line.startswith(RUN_ELSEWHERE))
-            text = text.replace(OPTIMIZED, UNOPTIMIZED)
+            text = step.text.replace(OPTIMIZED, UNOPTIMIZED)
             command, place = ["bash", "-euo", "pipefail"], environment
             if step.kind == "python" and SUPPLIED.get(name_of(page)) is source:
                 command, place = [sys.executable, "-S"], own_source(environment)

@@ -17,8 +17,8 @@ ENTRY = re.compile(r"(?:^|(?<=[.;] ) ?)[A-Za-z_]\w*(?:(?:, | \(| \[)[^.:`]*)? : 
 
 
 def docstrings() -> Iterator[tuple[str, str]]:
-    """Where each docstring of the package, its tools and benchmarks stands, and its text."""
-    for folder in ("src/propmap", "tools", "benchmarks"):
+    """Where each docstring of the package, papers, tools and benchmarks stands, and its text."""
+    for folder in ("src/propmap", "papers", "tools", "benchmarks"):
         for file in sorted((ROOT / folder).rglob("*.py")):
             where = file.relative_to(ROOT).as_posix()
             for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):

@@ -54,9 +54,10 @@ def named(cell: str) -> list[tuple[str, str]]:
 
 
 def functions(cell: str) -> list[tuple[str, str]]:
-    """Module and name of every function in Python in a cell."""
-    python = [(file, name) for file, name in named(cell) if file.endswith(".py")]
-    return [("propmap." + f.removesuffix(".py").replace("/", "."), name) for f, name in python]
+    """Module and name of every function in Python in a cell, of the package or of ``papers``."""
+    python = [(file.removesuffix(".py"), name) for file, name in named(cell) if ".py" in file]
+    modules = [file if file.startswith("papers/") else f"propmap/{file}" for file, _ in python]
+    return [(m.replace("/", "."), name) for m, (_, name) in zip(modules, python, strict=True)]
 
 
 def in_headers(cell: str) -> list[tuple[str, str]]:

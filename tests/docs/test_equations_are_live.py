@@ -17,11 +17,11 @@ import numpy as np
 import pytest
 
 import propmap as pm
+from papers.gill_dandrea_2017 import rotor_drag
 from propmap import reference
 from propmap.baselines import hover
 from propmap.fit import comparison, fit, flight
 from propmap.fit.parameters import BODY, FIRST_GUESS, SECTION, Choice
-from propmap.papers.gill_dandrea_2017 import rotor_drag
 from propmap.vehicle import wakes
 from propmap.vehicle.vehicle import Wakes, Wing
 from tests.docs.test_equations import functions, rows
@@ -69,7 +69,7 @@ def breaking(function: Callable[..., Any]) -> Any:
 
 
 def break_it(patch: pytest.MonkeyPatch, module: str, name: str) -> None:
-    """A method in its class; a function in every module of the package that knows it."""
+    """Break a method in its class, or a function in every module that knows it."""
     *owner, last = name.split(".")
     if owner:
         kind = getattr(importlib.import_module(module), owner[0])
@@ -84,7 +84,7 @@ def break_it(patch: pytest.MonkeyPatch, module: str, name: str) -> None:
     function = getattr(importlib.import_module(module), last)
     wrong, places = breaking(function), 0
     for key, one in list(sys.modules.items()):
-        if key.split(".")[0] == "propmap":
+        if key.split(".")[0] in ("propmap", "papers"):
             for attribute, value in list(vars(one).items()):
                 if value is function:
                     patch.setattr(one, attribute, wrong)
@@ -202,7 +202,7 @@ PROBES: dict[str, Callable[[], Any]] = {
     "propmap.model": loads,
     "propmap.rotor": inflow,
     "propmap.baselines.hover": hover_model,
-    "propmap.baselines.fin_analogy": fin,
+    "papers.gill_dandrea_2017.fin_analogy": fin,
     "propmap.vehicle": flights,
     "propmap.vehicle.wakes": all_flights,
     "propmap.fit.flight": all_flights,

@@ -15,14 +15,12 @@ import propmap
 from propmap.catalogue.expected import POPULATION, bundled_population, coordinates
 from propmap.catalogue.identified import PARAMETERS, Identified, all_identified, identified
 from propmap.cli import main
-from propmap.fit.population.misfiled import refiled
-from propmap.fit.population.summary import summary
-from propmap.io.uiuc import read_uiuc_database
 from tools import measured_rows
+from tools.catalogue.database import read_uiuc_database, refiled
+from tools.catalogue.verdict import summary
 from tools.propeller_pages import listing, population, words
 from tools.propeller_pages.card import card
-from tools.propeller_pages.comparison import compare, reynolds
-from tools.propeller_pages.error_parts import error_parts
+from tools.propeller_pages.comparison import compare, error_parts, reynolds
 from tools.propeller_pages.pages import write
 
 from .pages import ROOT

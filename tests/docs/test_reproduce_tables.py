@@ -1,4 +1,4 @@
-"""The validation page's tables say what the files of `propmap reproduce` say."""
+"""The validation page's tables say what the files of `make reproduce` say."""
 
 from __future__ import annotations
 

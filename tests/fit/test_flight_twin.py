@@ -29,7 +29,7 @@ def test_without_noise_all_is_found_to_a_thousandth(twin: Twin) -> None:
 
 
 def test_errors_are_of_the_size_that_intervals_say(twin: Twin) -> None:
-    """`make bench-flight-twins` counts a hundred of these."""
+    """`make bench ONLY=flight_twins` counts a hundred of these."""
     z, named = [], set()
     for seed in range(1000, 1003):
         rows, choice, truth = twin.noisy(seed, Noise())

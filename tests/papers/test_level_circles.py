@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import fields
-
 import numpy as np
 import pytest
 
 import propmap
-from propmap.loads import LOADS
-from propmap.papers.gill_dandrea_2017.blades import blade
-from propmap.papers.gill_dandrea_2017.level_circles import (
+from papers.gill_dandrea_2017.level_circles import (
     Case,
     Circles,
     circles,
@@ -19,6 +15,8 @@ from propmap.papers.gill_dandrea_2017.level_circles import (
     quadrotor,
     static_inflow,
 )
+from papers.gill_dandrea_2017.paper import blade
+from propmap.loads import LOADS
 from propmap.vehicle.log import GRAVITY
 
 SPEED = np.array([0.0, 2.0, 4.0, 6.0, 8.0])
@@ -31,7 +29,7 @@ def test_first_crossing() -> None:
 
 
 def test_where_the_hover_model_fails() -> None:
-    nothing = {f.name: np.zeros(5) for f in fields(Circles)}
+    nothing = {name: np.zeros(5) for name in Circles._fields}
     share = np.array([0.001, -0.03, -0.12, -0.02, 0.02])
     found = Circles(**(nothing | {"speed": SPEED, "hover_error": 2.0 * GRAVITY * share}))
     failure = hover_failure(found, mass=2.0)

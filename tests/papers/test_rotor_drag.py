@@ -6,17 +6,23 @@ import numpy as np
 import pytest
 
 import propmap
-from propmap.catalogue.lookup import measurement
-from propmap.papers.gill_dandrea_2017.drag_sources import sources
-from propmap.papers.gill_dandrea_2017.identified import OBLIQUE, OBLIQUE_LABEL, OTHER_FORM
-from propmap.papers.gill_dandrea_2017.plate import (
+from papers.gill_dandrea_2017.rotor_drag import (
     dynamic_pressure,
     fits,
     momentum_inflow,
     plate_fits,
+    ratios,
+    sources,
 )
-from propmap.papers.gill_dandrea_2017.rotor_drag import ratios
-from propmap.papers.gill_dandrea_2017.tunnel import OTHER_LABEL, RECOMMENDED_LABEL, Compared
+from papers.gill_dandrea_2017.tunnel import (
+    OBLIQUE,
+    OBLIQUE_LABEL,
+    OTHER_FORM,
+    OTHER_LABEL,
+    RECOMMENDED_LABEL,
+    Compared,
+)
+from propmap.catalogue.lookup import measurement
 from propmap.typing import Floats
 
 DATA = measurement(OBLIQUE)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from papers.gill_dandrea_2017.tunnel import DATA_SETS, Compared, errors, static_constants
 from propmap.catalogue.lookup import Measurement, measurement
-from propmap.papers.gill_dandrea_2017.tunnel import DATA_SETS, Compared, errors, static_constants
 
 
 def _data(thrust: np.ndarray, torque: np.ndarray | None) -> Measurement:

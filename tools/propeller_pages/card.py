@@ -10,12 +10,11 @@ import numpy as np
 from propmap.catalogue.expected import POPULATION, coordinate_covariance
 from propmap.catalogue.identified import PARAMETERS, Identified
 from propmap.catalogue.lookup import propeller
-from propmap.io.uiuc import MeasuredPropeller
 from propmap.model.model import Propeller
+from tools.catalogue.database import MeasuredPropeller
 from tools.measured_rows import SOURCE
 from tools.propeller_pages import blade_picture, fit_pictures
-from tools.propeller_pages.comparison import Comparison, compare, reynolds
-from tools.propeller_pages.error_parts import error_parts
+from tools.propeller_pages.comparison import Comparison, compare, error_parts, reynolds
 from tools.propeller_pages.words import fixed, flagged, page_name, title
 
 MEANINGS = {
@@ -30,15 +29,7 @@ MEANINGS = {
 
 
 def card(one: Identified, tested: MeasuredPropeller | None) -> str:
-    """The page as Markdown.
-
-    Parameters
-    ----------
-    one : Identified
-        Constants and what they rest on.
-    tested : MeasuredPropeller or None
-        The rows; without them the page says that they are not at hand.
-    """
+    """Write the page as Markdown; without rows ``tested`` it says that they are not at hand."""
     blade = propeller(one.propeller, blades=one.blades)
     parts = [
         f"# {title(one)}",

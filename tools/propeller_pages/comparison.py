@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from propmap.catalogue.identified import Identified
 from propmap.catalogue.lookup import propeller
-from propmap.fit.population.verdict import ALIKE_RPM
-from propmap.io.uiuc import MeasuredPropeller
 from propmap.model.model import Model, Propeller
 from propmap.rotor import Rotor
 from propmap.typing import Floats
+from tools.catalogue.database import MeasuredPropeller
+from tools.catalogue.verdict import SAME_RPM
 
 Rows = NDArray[np.intp]
 
@@ -26,50 +27,24 @@ REFERENCE = 0.75
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """The model over J at one rotational speed, or at rest over the rotational speed; n points.
+    """The model over J at one rotational speed, or at rest over the rotational speed; n points."""
 
-    Attributes
-    ----------
-    rpm, advance : ndarray, shape (n,)
-        Rotational speed [1/min] and J [-].
-    coefficients : ndarray, shape (2, n)
-        C_T and C_P [-]; NaN where no inflow was found.
-    rows : ndarray, shape (m,)
-        Which measured rows belong to it.
-    """
-
-    rpm: Floats
-    advance: Floats
-    coefficients: Floats
-    rows: Rows
+    rpm: Floats  # (n,) [1/min]
+    advance: Floats  # (n,): J [-]
+    coefficients: Floats  # (2, n): C_T and C_P [-]; NaN where no inflow was found
+    rows: Rows  # (m,): which measured rows belong to it
 
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
-    """A propeller with what is drawn of it.
-
-    Attributes
-    ----------
-    entry : Identified
-        Its constants.
-    blade : Propeller
-        Its geometry.
-    tested : MeasuredPropeller
-        Its rows.
-    error : ndarray, shape (2, rows)
-        C_T and C_P of the model less those measured [-].
-    moving : list of Curve
-        One for each rotational speed in axial flow, slowest first.
-    still : Curve or None
-        At rest; None where nothing was measured there.
-    """
+    """A propeller with what is drawn of it."""
 
     entry: Identified
     blade: Propeller
     tested: MeasuredPropeller
-    error: Floats
-    moving: list[Curve]
-    still: Curve | None
+    error: Floats  # (2, rows): C_T and C_P of the model less those measured [-]
+    moving: list[Curve]  # one for each rotational speed in axial flow, slowest first
+    still: Curve | None  # at rest; None where nothing was measured there
 
 
 def reynolds(entry: Identified, blade: Propeller) -> tuple[float, float]:
@@ -82,15 +57,7 @@ def reynolds(entry: Identified, blade: Propeller) -> tuple[float, float]:
 
 
 def compare(entry: Identified, tested: MeasuredPropeller) -> Comparison:
-    """The model beside the rows that its constants were identified from.
-
-    Parameters
-    ----------
-    entry : Identified
-        The constants.
-    tested : MeasuredPropeller
-        The rows.
-    """
+    """Evaluate the model beside the rows that its constants were identified from."""
     blade = propeller(entry.propeller, blades=entry.blades)
     asked = _asked(tested)
     # One batch for all, since most of the time of a small one goes elsewhere.
@@ -114,15 +81,7 @@ def compare(entry: Identified, tested: MeasuredPropeller) -> Comparison:
 
 
 def coefficients(rotor: Rotor, rpm: Floats, advance: Floats) -> Floats:
-    """C_T and C_P [-], (2, n), in axial flow.
-
-    Parameters
-    ----------
-    rotor : Rotor
-        The model.
-    rpm, advance : ndarray, shape (n,)
-        Rotational speed [1/min] and J [-].
-    """
+    """C_T and C_P [-], (2, n), in axial flow at ``rpm`` [1/min] and J ``advance`` [-]."""
     turns = rpm / 60.0
     diameter = 2.0 * rotor.model.propeller.radius
     found = rotor.loads(2.0 * np.pi * turns, advance * turns * diameter, 0.0)
@@ -140,7 +99,7 @@ def _asked(tested: MeasuredPropeller) -> list[tuple[Floats, Floats, Rows]]:
     means = sorted((float(tested.rpm[tested.run == run].mean()), run) for run in runs)
     groups: list[list[tuple[float, int]]] = []
     for mean, run in means:
-        if groups and mean <= (1.0 + ALIKE_RPM) * groups[-1][0][0]:
+        if groups and mean <= (1.0 + SAME_RPM) * groups[-1][0][0]:
             groups[-1].append((mean, run))
         else:
             groups.append([(mean, run)])
@@ -154,3 +113,28 @@ def _asked(tested: MeasuredPropeller) -> list[tuple[Floats, Floats, Rows]]:
         ends = tested.rpm[still].min(), tested.rpm[still].max()
         found.append((np.linspace(*ends, CURVE), np.zeros(CURVE), still))
     return found
+
+
+class ErrorParts(NamedTuple):
+    """Shares of the sum of squared errors [-]; together 1."""
+
+    rest: float  # of the rows at rest
+    runs: float  # of the runs' means in axial flow: what is off by as much over a whole run
+    course: float  # of straight lines over J about those means, one for each run
+    scatter: float  # of what is left
+
+
+def error_parts(tested: MeasuredPropeller, error: Floats) -> ErrorParts:
+    """Split up the errors (n,) of one coefficient [-]; those that are NaN do not count."""
+    seen = np.isfinite(error)
+    still = tested.advance == 0.0
+    runs = course = 0.0
+    for run in np.unique(tested.run[seen & ~still]):
+        mine = seen & ~still & (tested.run == run)
+        mean, along = error[mine].mean(), tested.advance[mine] - tested.advance[mine].mean()
+        runs += mine.sum() * mean**2
+        if along.any():
+            course += (along @ error[mine]) ** 2 / (along @ along)
+    rest = np.sum(error[seen & still] ** 2)
+    rest, runs, course = (part / np.sum(error[seen] ** 2) for part in (rest, runs, course))
+    return ErrorParts(float(rest), float(runs), float(course), float(1.0 - rest - runs - course))

@@ -8,12 +8,11 @@ from html import escape
 from propmap import catalogue
 from propmap.catalogue.identified import Identified
 from propmap.catalogue.lookup import propeller
-from propmap.fit.population.summary import summary
-from propmap.io.uiuc import MeasuredPropeller
+from tools.catalogue.database import MeasuredPropeller
+from tools.catalogue.verdict import summary
 from tools.propeller_pages import blade_picture
 from tools.propeller_pages.card import raw
-from tools.propeller_pages.comparison import compare, reynolds
-from tools.propeller_pages.error_parts import ErrorParts, error_parts
+from tools.propeller_pages.comparison import ErrorParts, compare, error_parts, reynolds
 from tools.propeller_pages.words import fixed, flagged, page_name, series_title, title
 
 FOLDER = "propellers"
@@ -57,13 +56,7 @@ REASONS = {
 
 
 def listing(entries: Sequence[Identified]) -> str:
-    """All propellers with their outlines, by series and size; a script hides what is not meant.
-
-    Parameters
-    ----------
-    entries : sequence of Identified
-        In any order.
-    """
+    """List all propellers with their outlines, by series and size; a script hides some."""
     ordered = sorted(
         entries,
         key=lambda one: (
@@ -107,15 +100,7 @@ def counts(entries: Sequence[Identified]) -> str:
 
 
 def worst(entries: Sequence[Identified], rows: dict[str, MeasuredPropeller]) -> str:
-    """The worst fits: where their errors lie, and why.
-
-    Parameters
-    ----------
-    entries : sequence of Identified
-        All of them.
-    rows : dict of str to MeasuredPropeller
-        The measured rows by their name in the database.
-    """
+    """Tabulate the worst fits: where their errors lie, and why."""
     lines = [
         "| propeller | C_T | C_P | Re at 3/4 R | most of the errors are | what is behind them |",
         "|---|---:|---:|---:|---|---|",

@@ -21,21 +21,11 @@ COLOURS = 7
 
 @dataclass(frozen=True, eq=False)
 class Series:
-    """What is drawn in one colour.
+    """What is drawn in one colour."""
 
-    Attributes
-    ----------
-    x, y : ndarray, shape (n,)
-        Places; those that are not finite are left out.
-    line : bool
-        Whether they are joined rather than shown as points.
-    colour : int
-        Its number.
-    """
-
-    x: Floats
+    x: Floats  # (n,): places; those that are not finite are left out
     y: Floats
-    line: bool
+    line: bool  # whether they are joined rather than shown as points
     colour: int = 0
 
 
@@ -46,18 +36,10 @@ def plot(
     band: float | None = None,
     least: tuple[float, float] | None = None,
 ) -> str:
-    """A plot with its axes.
+    """Draw a plot with its axes.
 
-    Parameters
-    ----------
-    title, across : str
-        What is shown, and over what.
-    series : sequence of Series
-        At least one, with at least one place.
-    band : float, optional
-        Half the height of a shaded band about 0.
-    least : tuple of float, optional
-        Heights that the plot shows in any case; by default 0.
+    ``across`` says over what; ``band`` is half the height of a shaded band about 0; ``least`` are
+    heights that the plot shows in any case, by default 0.
     """
     x = np.concatenate([one.x[np.isfinite(one.y)] for one in series])
     y = np.concatenate([one.y[np.isfinite(one.y)] for one in series])

@@ -31,22 +31,12 @@ BOX, SPREAD = 18.0, 15.0
 
 
 class Axis(NamedTuple):
-    """How one coordinate of the constants is shown.
-
-    Attributes
-    ----------
-    name, unit : str
-        Of the constant.
-    logarithmic : bool
-        Whether the coordinate is its logarithm.
-    marks : tuple of float
-        Values that are written where the data reach them.
-    """
+    """How one coordinate of the constants is shown."""
 
     name: str
     unit: str
-    logarithmic: bool
-    marks: tuple[float, ...]
+    logarithmic: bool  # whether the coordinate is its logarithm
+    marks: tuple[float, ...]  # values that are written where the data reach them
 
     def coordinate(self, value: float) -> float:
         """The coordinate of a value."""
@@ -84,13 +74,7 @@ class Column:
 
 
 def picture(entries: Sequence[Identified]) -> str:
-    """The picture as SVG: a column for each constant, a row for each family.
-
-    Parameters
-    ----------
-    entries : sequence of Identified
-        All propellers.
-    """
+    """Draw the picture as SVG: a column for each constant, a row for each family."""
     found = bundled_population("measured")
     place = coordinates(np.stack([one.constants for one in entries]))
     error = np.sqrt(

@@ -799,7 +799,7 @@ def bundled_population(geometry: str = "measured") -> Population:
 
 def as_toml(populations: Mapping[str, Population]) -> str:
     """The text of a file that ``parse_populations`` reads."""
-    lines = ["# Written by `propmap fit catalogue`; see propmap.catalogue.expected."]
+    lines = ["# Written by `python -m tools.catalogue`; see propmap.catalogue.expected."]
     for name, one in populations.items():
         lines += ["", f"[{name}]"]
         lines += [f"{f.name} = {_listed(getattr(one, f.name))}" for f in fields(one)]

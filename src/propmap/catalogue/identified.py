@@ -211,7 +211,7 @@ def parse_identified(text: str, where: str) -> list[Identified]:
     if reader.fieldnames != _header():
         raise InputError(
             "the columns are not those of identified constants",
-            "write the file anew with `propmap fit catalogue`",
+            "write the file anew with `python -m tools.catalogue`",
             where,
         )
     found = []

@@ -38,8 +38,6 @@ class Commands(LazyGroup):
         "check": "check.check",
         "report": "report.report",
         "explore": "explore.explore",
-        "demo": "demo.demo",
-        "reproduce": "reproduce.reproduce",
         "fit": "fit.fit_app",
         "simulate": "simulate.simulate_app",
         "plot": "plot.plot_app",

@@ -74,7 +74,6 @@ class FitCommands(LazyGroup):
         "flight": "fit_flight.fit_flight",
         "static": "fit.fit_static",
         "terms": "fit_flight.fit_terms_page",
-        "catalogue": "fit_catalogue.fit_catalogue",
     }
 
 

@@ -598,7 +598,7 @@ TUNNEL_TILT = 1.0
 """The same of the thrust's slope by the advance ratio V/(Omega R): 0.10 per 0.1 in axial flow.  In
 flow along the disk it is taken to be as large, where one propeller was measured: the 8x6E's thrust
 there grows in the campaign of 2019 and falls by the constants of UIUC's axial loads, which stall
-earlier (``propmap demo``)."""
+earlier (`make demo`)."""
 
 INPLANE_SHARES = {"drag": 0.10, "roll_moment": 0.10, "side_force": 0.5, "pitch_moment": 0.5}
 """Standard deviations of what the theory itself errs by in loads that no axial test has seen, as

@@ -41,18 +41,24 @@ ZERO = 1e-9
 
 
 def report_files(
-    template: str, figures: Mapping[str, Figure], sheets: Mapping[str, str], **values: Any
+    template: str,
+    figures: Mapping[str, Figure],
+    sheets: Mapping[str, str],
+    folder: Path = Path(__file__).parents[1],
+    **values: Any,
 ) -> dict[str, str | bytes]:
     """All files of a report by name.
 
     Parameters
     ----------
     template : str
-        Path of the page's template in the package.
+        Path of the page's template in the folder.
     figures : mapping of str to Figure
         By name; the page holds them, and each is a file with the ending ``.svg`` as well.
     sheets : mapping of str to str
         Contents of CSV files, by name without the ending.
+    folder : Path
+        Where the template is, by default the package; what it extends is found there too.
     **values
         What the template uses.
     """
@@ -61,7 +67,7 @@ def report_files(
     images = {name: as_svg(figure) for name, figure in figures.items()}
     inside = {name: base64.b64encode(image).decode("ascii") for name, image in images.items()}
     environment = Environment(
-        loader=FileSystemLoader(Path(__file__).parents[1]),
+        loader=FileSystemLoader([folder, Path(__file__).parents[1]]),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,

@@ -1,1 +1,0 @@
-"""Section constants of many propellers at once, held together by a prior over propellers."""

@@ -1,0 +1,138 @@
+"""`make reproduce` writes one whole page and its numbers, the same ones every time."""
+
+from __future__ import annotations
+
+import base64
+import csv
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from papers.gill_dandrea_2017.__main__ import main
+from papers.gill_dandrea_2017.page import FIGURES, FILES
+from propmap.report.html import PAGE
+
+ROOT = Path(__file__).parents[2]
+SECTIONS = ("table-1", "figure-6", "figure-7", "camber", "rotor-drag", "times")
+WITHOUT_UNIT = {
+    "set", "propeller", "blade", "used_for", "fit", "data", "data_set", "parameter", "value",
+    "low_95", "high_95", "verdict", "load", "model", "unit", "points", "blades", "c_l2", "c_d",
+    "solidity", "what", "drag_factor", "advance_ratio", "inflow_over_speed", "lowest", "highest",
+    "source", "factor_alone", "both_factor", "slipstream_factor", "incidence_H_over_mu",
+    "edgewise_H_over_mu", "edgewise_H_over_T_mu", "polynomials_over_recommended",
+}  # fmt: skip
+UNITS = re.compile(
+    r"(_N|_Nm|_m|_m2|_mm|_deg|_rpm|_mps|_kg|_s|per_rad|_in_unit|_C_[TP]|_C_[TP]_error|rpm"
+    r"|_of_weight|_measured|_percent|_theory)$"
+)
+
+
+def test_other_folders_are_refused_before_any_work(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "mine.txt").write_text("mine")
+    for folder, message in (
+        (tmp_path, "mine.txt"),
+        (tmp_path / "mine.txt", "not a folder"),
+        (tmp_path / "no" / "out", "there is no folder"),
+    ):
+        with pytest.raises(SystemExit) as ended:
+            main(["-o", str(folder)])
+        assert ended.value.code == 2 and message in capsys.readouterr().err
+    assert [p.name for p in tmp_path.iterdir()] == ["mine.txt"]
+
+
+@pytest.mark.slow
+def test_the_page_and_its_numbers_twice(tmp_path: Path) -> None:
+    folders = [tmp_path / "first", tmp_path / "second"]
+    for folder in folders:
+        done = subprocess.run(
+            [sys.executable, "-m", "papers.gill_dandrea_2017", "-o", str(folder)],
+            cwd=ROOT, capture_output=True, text=True, check=False,
+        )  # fmt: skip
+        assert done.returncode == 0, done.stderr
+        assert done.stdout.startswith(f"wrote {folder / PAGE}")
+    assert {p.name for p in tmp_path.iterdir()} == {"first", "second"}
+    for folder in folders:
+        assert {p.name for p in folder.iterdir()} == FILES
+    _is_whole(folders[0])
+    for name in FILES - {PAGE, "times.csv"}:
+        first, second = ((folder / name).read_bytes() for folder in folders)
+        assert first == second, name
+    _says_what_was_found(folders[0])
+
+
+def _is_whole(folder: Path) -> None:
+    html = (folder / PAGE).read_text(encoding="utf-8")
+    for name in SECTIONS:
+        assert f'<section id="{name}">' in html and f'href="#{name}"' in html
+    inside = [
+        base64.b64decode(text)
+        for text in re.findall(r'src="data:image/svg\+xml;base64,([^"]+)"', html)
+    ]
+    for name in FIGURES:
+        assert f'href="{name}.svg"' in html
+        assert (folder / f"{name}.svg").read_bytes() in inside
+    assert len(inside) == len(FIGURES)
+    assert not [a for a in re.findall(r'(?:src|href)="([^"]*)"', html) if a.startswith("http")]
+    assert "nan" not in re.sub(r"base64,[^\"]+", "", html).lower().split()
+    for path in folder.glob("*.csv"):
+        with path.open(newline="") as file:
+            heads, *rows = list(csv.reader(file))
+        assert rows and all(len(row) == len(heads) for row in rows), path.name
+        for head in heads:
+            assert head in WITHOUT_UNIT or UNITS.search(head), (path.name, head)
+
+
+def _says_what_was_found(folder: Path) -> None:
+    """The numbers themselves, from the CSVs alone."""
+
+    def rows(name: str) -> list[dict[str, str]]:
+        with (folder / name).open(newline="") as file:
+            return list(csv.DictReader(file))
+
+    worst = {
+        (r["data_set"], r["load"], r["model"]): float(r["worst_over_largest_measured"])
+        for r in rows("figure-7-errors.csv")
+    }
+    oblique, paper, ours = (
+        "gill-dandrea-2019-8x6e", "with camber, 2019", "the same, recommended inflow",
+    )  # fmt: skip
+    for load in ("thrust", "torque"):
+        assert worst[oblique, load, paper] < 0.09 and worst[oblique, load, ours] < 0.09
+    # The annulus average lets a rolling moment induce nothing.
+    assert worst[oblique, "roll_moment", ours] < 0.09 < worst[oblique, "roll_moment", paper]
+    assert worst[oblique, "pitch_moment", paper] == pytest.approx(1.0)
+    assert worst[oblique, "thrust", "other form of the data"] < 0.09
+    assert (oblique, "pitch_moment", "other form of the data") not in worst
+    assert worst[oblique, "drag", "hover model"] == pytest.approx(1.0)
+    failures = rows("figure-6-failure-speeds.csv")
+    assert {r["set"] for r in failures} == {"paper-soft", "paper-stiff"}
+    for r in failures:
+        assert float(r["off_by_5_percent_mps"]) < float(r["off_by_10_percent_mps"])
+        # Without drag of the frame the hover model never predicts too much.
+        assert r["sign_changes_mps"] == "" or float(r["drag_area_m2"]) > 0.0
+    for r in rows("rotor-drag.csv"):
+        if float(r["inflow_over_speed"]) < 0.1:
+            low, high = float(r["fin_chord_line_N"]), float(r["fin_zero_lift_line_N"])
+            assert 0.8 * low < float(r["theory_N"]) < 1.25 * high
+    for r in rows("rotor-drag-by-angle.csv"):
+        for name in (
+            "polynomials_over_theory",
+            "polynomials_over_recommended",
+            "model_over_theory",
+        ):
+            assert 1.7 < float(r[name]) < 2.7, (name, r)
+    theory, *others = rows("rotor-drag-sources.csv")
+    for r in others:
+        share = float(r["incidence_H_over_mu"]) / float(theory["incidence_H_over_mu"])
+        assert 1.7 < share < 2.3 if r["source"].startswith("2019") else 0.75 < share < 1.25, r
+    for r in rows("rotor-drag-plate.csv"):
+        left = {
+            part: float(r[f"{part}_rms_over_rms_measured"]) for part in ("factor", "plate", "both")
+        }
+        assert left["both"] <= min(left["factor"], left["plate"]) + 1e-9
+        assert 0.0 < left["both"] < 0.12

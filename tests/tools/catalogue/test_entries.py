@@ -1,0 +1,169 @@
+"""All propellers of a table: which blades they get, runs that are misfiled, and a run continued."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from propmap.catalogue.expected import GEOMETRIES, bundled_population, coordinates
+from propmap.catalogue.identified import Identified, all_identified, identified_without_blade
+from tests.workers_elsewhere import Elsewhere
+from tools.catalogue import entries, identification
+from tools.catalogue.database import (
+    MISFILED,
+    MeasuredPropeller,
+    blade_names,
+    label_of,
+    read_uiuc_database,
+    refiled,
+)
+from tools.catalogue.population import populations_of
+from tools.catalogue.verdict import conflict, summary
+
+LOADS = Path(__file__).parents[4] / "shared" / "data" / "uiuc" / "loads.csv"
+with_data = pytest.mark.skipif(not LOADS.exists(), reason="the database is not there")
+
+
+def made(name: str, blade: str, blades: int, rpm: list[float]) -> MeasuredPropeller:
+    n = len(rpm)
+    advance, run = np.linspace(0.1, 0.3, n), np.cumsum(np.diff(rpm, prepend=rpm[0]) != 0.0)
+    return MeasuredPropeller(
+        name, blade, "nr640", blades, np.array(rpm), advance, 0.1 - 0.1 * advance, advance, run
+    )
+
+
+def test_runs_go_to_the_number_of_blades_that_they_have() -> None:
+    four = made("nr640 9x5.68 - 4", "nr640 9x5.68", 4, [4035.0, 4035.0, 6024.0])
+    two = made("nr640 9x5.68 - 2", "nr640 9x5.68", 2, [5032.0, 5032.0])
+    gone = made("nr640 9x7.72 - 4", "nr640 9x7.72", 4, [4051.0, 4058.0])
+    found = {one.name: one for one in refiled([four, two, gone])}
+    assert set(found) == {"nr640 9x5.68 - 4", "nr640 9x5.68 - 2", "nr640 9x7.72 - 2"}
+    np.testing.assert_array_equal(found["nr640 9x5.68 - 4"].rpm, [6024.0])
+    np.testing.assert_array_equal(found["nr640 9x5.68 - 2"].rpm, [5032.0, 5032.0, 4035.0, 4035.0])
+    assert len(set(found["nr640 9x5.68 - 2"].run)) == 2
+    assert [found[name].blades for name in sorted(found)] == [2, 4, 2]
+
+
+@with_data
+def test_refiled_runs_agree_with_those_beside_them() -> None:
+    every = read_uiuc_database(LOADS)
+    before = {one.name: one for one in every}
+    after = {one.name: one for one in refiled(every)}
+    rows = [sum(one.rpm.size for one in part.values()) for part in (before, after)]
+    assert rows[0] == rows[1]
+    for name in ("nr640 9x5.68 - 3", "nr640 9x5.68 - 4", "nr640 5x3.16 - 4"):
+        assert min(conflict(before[name])) > 0.15
+        assert max(conflict(after[name])) < 0.05
+    assert {name for name, _ in MISFILED} <= set(before)
+
+
+@with_data
+def test_blades_are_those_of_the_catalogue() -> None:
+    names = {one.name: blade_names(one) for one in read_uiuc_database(LOADS)}
+    assert names["apce 10.0x5.0 - 2"] == ["uiuc-apce-10x5"]
+    assert names["apce 9.0x6.0 - 2"] == ["uiuc-apce-9x6", "apc-9x6e"]
+    assert names["apce 8.0x6.0 - 2"] == ["apc-8x6e"]
+    assert len(names["gwsdd 5.0x4.3 - 2"]) == 3
+    measured = [found for found in names.values() if any(name[:4] == "uiuc" for name in found)]
+    assert len(measured) == 134
+
+
+@pytest.mark.slow
+@with_data
+def test_the_bundled_constants_are_what_the_command_finds(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of one propeller, of another number of blades too; and known results are not fitted again."""
+    every = [one for one in refiled(read_uiuc_database(LOADS)) if one.blade == "da4022 5.0x3.75"]
+    bundled = {one.key: one for one in all_identified()}
+    workers, kept = Elsewhere(), list[tuple[list[int], list[int]]]()
+
+    def keep(*told: list[Identified]) -> None:
+        before, new = ([one.blades for one in some] for some in told)
+        kept.append((before, new))
+
+    monkeypatch.setattr(entries, "TOGETHER", 1)
+    found = entries.identify_all(every[:2], {}, keep, workers)
+    assert workers.tasks == 2
+    assert kept == [([], [3]), ([3], [2])]
+    assert [one.blades for one in found] == [2, 3]
+    for one in found:
+        same = bundled[one.key]
+        apart = np.abs(one.constants - same.constants) / np.sqrt(np.diag(one.covariance))
+        # The digits of the file, and processors that round differently.
+        assert apart.max() < 1e-3
+    called: list[object] = []
+    again = entries.identify_all(every[:2], bundled, lambda *told: called.append(told))
+    assert not called and again[0] is bundled[again[0].key]
+
+
+@with_data
+def test_labels_that_lost_a_decimal_point_are_put_right() -> None:
+    every = {one.name: one for one in refiled(read_uiuc_database(LOADS))}
+    assert not any("125" in name or "x65" in name for name in every)
+    assert {"ancf 12.5x7.5 - 2", "ancf 12.0x6.5 - 2", "ancf 13.0x6.5 - 2"} <= set(every)
+    label = label_of(every["ancf 12.5x7.5 - 2"])
+    assert (label.diameter, label.pitch) == pytest.approx((12.5 * 0.0254, 7.5 * 0.0254))
+    # A pitch of 65 inches would stop to give thrust at J above 5.
+    assert every["ancf 12.0x6.5 - 2"].advance.max() < 1.0
+
+
+@with_data
+def test_propellers_without_blade_are_what_the_command_finds() -> None:
+    """Of a family with measured blades and of one without, from the bundled constants."""
+    every = refiled(read_uiuc_database(LOADS))
+    some = [one for one in every if one.name in ("apcsp 9.0x9.0 - 2", "ancf 12.5x7.5 - 2")]
+    measured = all_identified()
+    populations = {name: bundled_population(name) for name in GEOMETRIES}
+    found = entries.identify_without_blade(
+        some, measured, populations, {}, lambda *_: None, Elsewhere()
+    )
+    assert [one.geometry for one in found] == ["family", "population"]
+    bundled = {one.key: one for one in identified_without_blade()}
+    for one in found:
+        same = bundled[one.key]
+        apart = np.abs(one.constants - same.constants) / np.sqrt(np.diag(one.covariance))
+        assert apart.max() < 1e-3 and same.propeller == one.propeller
+    again = entries.identify_without_blade(some, measured, populations, bundled, print)
+    assert [one.key for one in again] == [one.key for one in found]
+
+
+@with_data
+def test_a_task_is_of_some_propellers() -> None:
+    every = refiled(read_uiuc_database(LOADS))
+    sizes: list[int] = []
+
+    class Counting:
+        count = 1
+
+        def results(self, work: Any, common: Any, tasks: Any) -> Any:
+            del work, common
+            sizes.extend(len(task) for task in tasks)
+            return iter(())
+
+    with pytest.raises(KeyError):  # nobody has identified them
+        entries.identify_all(every, {}, print, Counting())
+    assert set(sizes[:-1]) == {entries.TOGETHER} and 1 <= sizes[-1] <= entries.TOGETHER
+
+
+@pytest.mark.slow
+def test_the_bundled_populations_are_what_the_command_finds() -> None:
+    found = populations_of(all_identified())
+    for name, one in found.items():
+        same = bundled_population(name)
+        scale = np.sqrt(np.diag(one.between + one.within))
+        assert np.abs((one.mean - same.mean) / scale).max() < 1e-4
+        assert np.abs((one.trend - same.trend) / scale[:, None]).max() < 1e-4
+        for part in ("between", "within"):
+            apart = getattr(one, part) - getattr(same, part)
+            assert np.abs(apart / np.outer(scale, scale)).max() < 1e-4
+        np.testing.assert_allclose(one.errors, same.errors, rtol=1e-6)
+
+
+def test_the_summary_names_the_worst() -> None:
+    told = summary(all_identified())
+    assert told.propellers > 125 and len(told.worst) == 10
+    assert "gwsdd 5.0x4.3 - 2" in [one.tested for one in told.worst]
+    assert np.isfinite(coordinates(told.worst[0].constants)).all()
+    assert identification.INDEPENDENT == 10.0

@@ -1,0 +1,77 @@
+"""Propellers predicted from the others of their families."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from propmap.catalogue.expected import GEOMETRIES, bundled_population
+from propmap.catalogue.identified import all_identified, identified_without_blade
+from propmap.typing import Floats
+from tests.tools.catalogue.test_entries import LOADS, with_data
+from tools.catalogue.database import read_uiuc_database, refiled
+from tools.catalogue.left_out import GROUPS, LeftOut, left_out, never_measured
+
+FAMILIES = ("apcsf", "gwssf", "kyosho", "mae")
+
+
+@pytest.fixture(scope="module")
+def found() -> list[LeftOut]:
+    """Of four families whose blades are alike, and of two whose blades were not measured."""
+    every = refiled(read_uiuc_database(LOADS))
+    chosen = all_identified()
+    names = ("apcsf 8.0x3.8 - 2", "apcsf 9.0x3.8 - 2", "ance 8.5x6.0 - 2", "ance 8.5x7.0 - 2")
+    others = [one for one in identified_without_blade() if one.tested in names]
+    populations = {name: bundled_population(name) for name in GEOMETRIES}
+    some = [one for one in every if one.family in FAMILIES]
+    return [*left_out(chosen, some), *never_measured(chosen, others, every, populations)]
+
+
+def median(found: list[LeftOut], group: str) -> Floats:
+    return np.median([one.found.errors for one in found if one.group == group], axis=0)
+
+
+@with_data
+@pytest.mark.slow
+def test_what_is_known_makes_errors_smaller(found: list[LeftOut]) -> None:
+    half = {group: median(found, group) for group in GROUPS}
+    assert (half["own"] < 0.05).all()
+    for less, more in (
+        ("own", "family"),
+        ("family", "population"),
+        ("family_blade", "population_blade"),
+        ("family_static", "population_static"),
+    ):
+        assert (half[less] < half[more]).all(), (less, more)
+
+
+@with_data
+@pytest.mark.slow
+def test_a_static_test_narrows_the_band_and_improves_thrust_in_flight(
+    found: list[LeftOut],
+) -> None:
+    # Rows that move have less thrust: the same error is a larger share of it.
+    assert median(found, "population_static")[0] < 1.2 * median(found, "population")[0]
+    inside = [one.found.moving for one in found if one.group.endswith("_static")]
+    assert (np.mean(inside, axis=0) > 0.85).all()
+
+
+@with_data
+@pytest.mark.slow
+def test_bands_hold_most_rows_and_not_by_being_endless(found: list[LeftOut]) -> None:
+    for group in ("family", "population", "family_blade", "population_blade"):
+        held = [
+            np.concatenate([one.found.at_rest, one.found.moving])
+            for one in found
+            if one.group == group
+        ]
+        assert (np.nanmean(held, axis=0) > 0.85).all(), group
+
+
+@with_data
+@pytest.mark.slow
+def test_each_propeller_is_in_the_groups_that_it_can_be_in(found: list[LeftOut]) -> None:
+    count = {group: sum(one.group == group for one in found) for group in GROUPS}
+    assert count["own"] == count["population"] == count["population_blade"] == 21
+    assert count["family"] == count["family_blade"] == count["other_blade_of_family"] == 21
+    assert count["family_label"] == count["siblings_label"] == count["population_label"] == 2

@@ -1,0 +1,166 @@
+"""Populations: of made-up propellers the truth is found again, and settings are the likeliest."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import propmap.catalogue.expected as settings
+from propmap.catalogue.expected import (
+    GEOMETRIES,
+    POPULATION,
+    Member,
+    Population,
+    PopulationPrior,
+    Size,
+    as_toml,
+    bundled_population,
+    family_prior,
+    likeness,
+    member,
+    parse_populations,
+)
+from propmap.catalogue.identified import all_identified, one_of_each
+from propmap.typing import Floats
+from tools.catalogue.population import population_of
+
+DEVIATION = POPULATION.deviation
+SIZES: list[Size] = [(0.13, 0.09), (0.23, 0.11), (0.25, 0.18), (0.36, 0.30)]
+TREND = np.stack([0.5 * DEVIATION, -1.0 * DEVIATION], axis=1)
+
+
+def correlated(scale: float, correlation: float) -> Floats:
+    one = np.full((7, 7), correlation) + (1.0 - correlation) * np.eye(7)
+    return scale**2 * np.outer(DEVIATION, DEVIATION) * one
+
+
+TRUTH = Population(
+    mean=POPULATION.mean + 0.3 * DEVIATION,
+    trend=TREND,
+    between=correlated(0.8, 0.3),
+    within=correlated(0.4, -0.1),
+    low=np.array([-1.0, -1.0]),
+    high=np.array([1.0, 1.0]),
+    errors=np.array([0.003, 0.002]),
+)
+
+
+def drawn(families: int, error: float) -> tuple[list[Member], list[Floats]]:
+    """Propellers of ``TRUTH`` in the sizes of ``SIZES``, and where they are."""
+    rng = np.random.default_rng(27)
+    alike = np.linalg.cholesky(likeness(SIZES))
+    roots = [np.linalg.cholesky(part) for part in (TRUTH.between, TRUTH.within)]
+    precision = np.diag((error * DEVIATION) ** -2)
+    found, places = [], []
+    for family in range(families):
+        centre = TRUTH.mean + roots[0] @ rng.normal(size=7)
+        own = alike @ rng.normal(size=(len(SIZES), 7)) @ roots[1].T
+        for size, part in zip(SIZES, own, strict=True):
+            place = centre + TRUTH.shift(size) + part
+            seen = place + error * DEVIATION * rng.normal(size=7)
+            found.append(Member(str(family), str(size), size, precision, precision @ seen))
+            places.append(place)
+    return found, places
+
+
+def test_the_population_of_made_up_propellers_is_found_again() -> None:
+    # Four standard deviations of 150 families' sample variance are 0.3 of it.
+    found, _ = population_of(drawn(150, 0.1)[0], TRUTH.errors, steps=30)
+    np.testing.assert_allclose((found.mean - TRUTH.mean) / DEVIATION, 0.0, atol=0.25)
+    np.testing.assert_allclose((found.trend - TRUTH.trend) / DEVIATION[:, None], 0.0, atol=0.25)
+    for name, tolerance in (("between", 0.25), ("within", 0.03)):
+        apart = getattr(found, name) - getattr(TRUTH, name)
+        np.testing.assert_allclose(apart / np.outer(DEVIATION, DEVIATION), 0.0, atol=tolerance)
+
+
+def test_the_evidence_grows_with_every_step() -> None:
+    members, told = drawn(12, 0.3)[0], []
+    place: Population | None = None
+    for _ in range(12):
+        place, evidence = population_of(members, TRUTH.errors, place, 1)
+        told.append(evidence)
+    assert (np.diff(told) > -1e-9).all() and told[-1] > told[0] + 1.0
+
+
+def test_a_further_propeller_is_where_its_prior_says() -> None:
+    """Standardised by mean and covariance its coordinates have variance 1, with siblings or not."""
+    members, places = drawn(150, 0.1)
+    for siblings in (0, 3):
+        found = []
+        for k in range(0, len(members), len(SIZES)):
+            prior = family_prior(members[k + 1 : k + 1 + siblings], TRUTH, SIZES[0])
+            found.append(prior.whitening @ (places[k] - prior.mean))
+        np.testing.assert_allclose(np.mean(np.square(found), axis=0), 1.0, atol=0.3)
+        np.testing.assert_allclose(np.mean(found, axis=0), 0.0, atol=0.3)
+
+
+def test_of_an_unknown_family_all_propellers_are_the_prior() -> None:
+    found = family_prior([], TRUTH, SIZES[0])
+    np.testing.assert_allclose(found.mean, TRUTH.mean + TRUTH.shift(SIZES[0]))
+    np.testing.assert_allclose(found.covariance, TRUTH.between + TRUTH.within, rtol=1e-10)
+
+
+def test_the_sibling_of_its_size_says_more_than_others() -> None:
+    members, _ = drawn(1, 0.05)
+    size = SIZES[1]
+    spread = [family_prior(some, TRUTH, size).deviation for some in ([], members[3:], members[1:2])]
+    assert (spread[1] < spread[0]).all() and (spread[2] < spread[1]).all()
+    # No sibling makes it sure: propellers of one size differ too.
+    assert (spread[2] > np.sqrt(settings.APART * np.diag(TRUTH.within))).all()
+
+
+def test_a_sibling_of_which_nothing_is_known_says_nothing() -> None:
+    blank = Member("a", "b", SIZES[0], np.zeros((7, 7)), np.zeros(7))
+    with_blank, without = (family_prior(some, TRUTH, SIZES[1]) for some in ([blank], []))
+    np.testing.assert_allclose(with_blank.mean, without.mean, rtol=1e-12)
+    np.testing.assert_allclose(with_blank.covariance, without.covariance, rtol=1e-9)
+
+
+def test_the_trend_ends_with_the_data() -> None:
+    low, high = (bundled_population().shift(size) for size in ((0.48, 0.3), (3.0, 1.8)))
+    assert np.isfinite(high).all()
+    np.testing.assert_allclose(
+        bundled_population().shift((3.0, 1.875)), bundled_population().shift((2.0, 1.25))
+    )
+    assert (low != high).any()
+
+
+def test_a_member_is_its_posterior_without_its_prior() -> None:
+    one = all_identified()[0]
+    found = member(one)
+    both = found.precision + np.linalg.inv(POPULATION.covariance)
+    pull = found.pull + np.linalg.inv(POPULATION.covariance) @ POPULATION.mean
+    place = np.linalg.solve(both, pull)
+    from propmap.catalogue.expected import coordinates
+
+    np.testing.assert_allclose(place, coordinates(one.constants), rtol=1e-6)
+    assert np.linalg.eigvalsh(found.precision).min() > -1e-9 * found.precision.max()
+
+
+def test_whitening_is_a_root_of_the_inverse_covariance() -> None:
+    prior = PopulationPrior.of(TRUTH.mean, TRUTH.between)
+    np.testing.assert_allclose(
+        prior.whitening.T @ prior.whitening @ TRUTH.between, np.eye(7), atol=1e-9
+    )
+    np.testing.assert_allclose(POPULATION.whitening, np.diag(1.0 / DEVIATION))
+
+
+def test_populations_are_read_back_as_they_are_written() -> None:
+    text = as_toml({name: bundled_population(name) for name in GEOMETRIES})
+    assert as_toml(parse_populations(text)) == text
+
+
+@pytest.mark.parametrize(
+    ("name", "other"),
+    [("APART", 0.06), ("APART", 0.75), ("ALIKE", (0.1, 0.1)), ("ALIKE", (1.5, 1.5))],
+)
+def test_likeness_is_as_the_data_have_it(
+    name: str, other: float | tuple[float, float], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The likelihood of all constants is less by a factor of e^3 at least with other settings."""
+    members = [member(one) for one in one_of_each(all_identified())]
+    start = bundled_population()
+    _, chosen = population_of(members, start.errors, start, 15)
+    monkeypatch.setattr(settings, name, other)
+    _, changed = population_of(members, start.errors, start, 40)
+    assert changed < chosen - 3.0

@@ -1,0 +1,196 @@
+"""The propellers of the UIUC database: which blade each has, and what is filed wrongly.
+
+Eight runs of the NR640 name three or four blades and have the loads of others: those of two blades
+(one of them, of four) to within the scatter of repeated runs, where the number they name is off by
+a third to all of the thrust and power.  In each the number named is the first digit of the run's
+rotational speed.  Runs at one rotational speed that disagreed by a quarter then agree.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from propmap import catalogue
+from propmap.catalogue.expected import MeanBlade
+from propmap.catalogue.identified import Designation, designation
+from propmap.errors import InputError
+from propmap.io.csv import read_csv_table, read_lines
+from propmap.io.geometry import parse_blades, parse_number
+from propmap.model.model import Propeller
+from propmap.typing import Floats
+
+MISFILED = {  # number of blades by the propeller's name in the database and the speed [1/min]
+    ("nr640 5x3.16 - 4", 4031.0): 2,
+    ("nr640 5x4.29 - 4", 4027.0): 2,
+    ("nr640 9x5.68 - 3", 3023.0): 2,
+    ("nr640 9x5.68 - 3", 3024.0): 4,
+    ("nr640 9x5.68 - 4", 4035.0): 2,
+    ("nr640 9x7.72 - 3", 3020.0): 2,
+    ("nr640 9x7.72 - 4", 4051.0): 2,
+    ("nr640 9x7.72 - 4", 4058.0): 2,
+}
+LOST_POINTS = {  # blades whose labels have lost a decimal point
+    "ancf 12.0x65.0": "ancf 12.0x6.5",
+    "ancf 13.0x65.0": "ancf 13.0x6.5",
+    "ancf 125.0x6.0": "ancf 12.5x6.0",
+    "ancf 125.0x75.0": "ancf 12.5x7.5",
+    "ancf 125.0x9.0": "ancf 12.5x9.0",
+}
+SPECIMENS = ("", "-b", "-c")  # endings of the names of a blade of which several were measured
+MAKERS_FILES = {"apce": "apc-{}e", "apcsf": "apc-{}sf"}  # blades by their maker's own files
+
+
+COLUMNS = ("PropName", "BladeName", "Family", "B", "J", "N", "CT", "CP")
+
+
+class MeasuredPropeller(NamedTuple):
+    """One propeller of the database; n rows."""
+
+    name: str  # as the database has it, and the next two
+    blade: str
+    family: str  # of its maker's series
+    blades: int
+    rpm: Floats  # (n,) [1/min]
+    advance: Floats  # (n,): J = V/(n D) [-], 0 at rest
+    thrust: Floats  # (n,): C_T = T/(rho n^2 D^4) [-]
+    power: Floats  # (n,): C_P = P/(rho n^3 D^5) [-]
+    run: NDArray[np.intp]  # (n,): number of the run: rows in turn at one speed, or at rest
+
+
+def read_uiuc_database(path: Path) -> list[MeasuredPropeller]:
+    """Read the propellers of the database's table of loads, in the order of the file.
+
+    It is a CSV file with the columns ``COLUMNS``, in any dialect of ``propmap.io.csv``; raises
+    ``InputError`` for a missing file or column, and naming the line for what is not a number.
+    """
+    where = str(path)
+    file = read_csv_table(read_lines(path, "table of loads"), COLUMNS[3:], where)
+    header = file.header if file else []
+    missing = [name for name in COLUMNS if name not in header]
+    if file is None or missing:
+        raise InputError(
+            f"there is no column {missing[0]}",
+            f"give the database's loads as CSV with {', '.join(COLUMNS)}",
+            where,
+        )
+    found: dict[str, list[tuple[int, Mapping[str, str]]]] = {}
+    for line, cells in file.rows:
+        row = dict(itertools.zip_longest(header, cells, fillvalue=""))
+        found.setdefault(row["PropName"], []).append((line, row))
+    return [_propeller(name, rows, where) for name, rows in found.items()]
+
+
+def _propeller(
+    name: str, rows: list[tuple[int, Mapping[str, str]]], where: str
+) -> MeasuredPropeller:
+    def column(field: str) -> Floats:
+        return np.array(
+            [parse_number(row[field], f"line {line}: {field}", where) for line, row in rows]
+        )
+
+    _, first = rows[0]
+    rpm, advance = column("N"), column("J")
+    # At rest every row has its own rotational speed; together they are one test.
+    speed = np.where(advance == 0.0, 0.0, rpm)
+    run = list(itertools.accumulate(speed[1:] != speed[:-1], initial=0))
+    return MeasuredPropeller(
+        name,
+        first["BladeName"],
+        first["Family"],
+        parse_blades(first["B"], where),
+        *(rpm, advance, column("CT"), column("CP")),
+        np.array(run),
+    )
+
+
+def refiled(every: Sequence[MeasuredPropeller]) -> list[MeasuredPropeller]:
+    """Put each run under its blade's size and the number of blades of its loads.
+
+    A propeller of which no run is left is left out.
+    """
+    labelled = []
+    for one in every:
+        blade = LOST_POINTS.get(one.blade, one.blade)
+        labelled.append(one._replace(name=one.name.replace(one.blade, blade), blade=blade))
+    parts: dict[str, list[tuple[MeasuredPropeller, NDArray[np.bool_]]]] = {}
+    for one in labelled:
+        others = [_run(one, rpm) for name, rpm in MISFILED if name == one.name]
+        own = ~np.any(others, axis=0) if others else np.ones(one.rpm.size, bool)
+        parts[one.name] = [(one, own)]
+    for one in labelled:
+        for (name, rpm), blades in MISFILED.items():
+            if name == one.name and _run(one, rpm).any():
+                right = parts.setdefault(f"{one.blade} - {blades}", [])
+                right.append((one._replace(blades=blades), _run(one, rpm)))
+    joined = [_joined(name, some) for name, some in parts.items()]
+    return [one for one in joined if one.rpm.size > 0]
+
+
+def _run(one: MeasuredPropeller, rpm: float) -> NDArray[np.bool_]:
+    return (np.round(one.rpm) == rpm) & (one.advance > 0.0)
+
+
+def _joined(
+    name: str, parts: Sequence[tuple[MeasuredPropeller, NDArray[np.bool_]]]
+) -> MeasuredPropeller:
+    first = parts[0][0]
+    if len(parts) == 1 and parts[0][1].all():
+        return first
+
+    columns: dict[str, Any] = {
+        field: np.concatenate([getattr(one, field)[which] for one, which in parts])
+        for field in ("rpm", "advance", "thrust", "power")
+    }
+    runs = [one.run[which] + 1000 * k for k, (one, which) in enumerate(parts)]
+    return first._replace(
+        name=name,
+        blades=parts[-1][0].blades,
+        run=np.concatenate(runs),
+        **columns,
+    )
+
+
+def with_rows(tested: MeasuredPropeller, which: NDArray[np.bool_]) -> MeasuredPropeller:
+    """Keep the rows ``which`` (n,) of what was measured."""
+    fields = ("rpm", "advance", "thrust", "power", "run")
+    return tested._replace(**{name: getattr(tested, name)[which] for name in fields})
+
+
+def blade_names(tested: MeasuredPropeller) -> list[str]:
+    """Name the blades of the catalogue that a propeller may have, measured ones first."""
+    family, size = family_and_size(tested)
+    possible = [f"uiuc-{family}-{size}{end}" for end in SPECIMENS]
+    if family in MAKERS_FILES:
+        possible.append(MAKERS_FILES[family].format(size))
+    known = catalogue.names()
+    return [name for name in possible if name in known]
+
+
+def mean_propeller(tested: MeasuredPropeller, shape: MeanBlade) -> Propeller:
+    """Give what was ``tested`` a blade of this ``shape``."""
+    label = label_of(tested)
+    return shape.propeller(tested.name, label.diameter, label.pitch, tested.blades)
+
+
+def label_of(tested: MeasuredPropeller) -> Designation:
+    """Read the size off the name of a propeller's blade."""
+    found = designation(" ".join(family_and_size(tested)))
+    assert found is not None  # `family_and_size` has read the numbers
+    return found
+
+
+def family_and_size(tested: MeasuredPropeller) -> tuple[str, str]:
+    """Family and size as the catalogue's names have them, such as "apce" and "8x6"."""
+    family, _, size = tested.blade.partition(" ")
+    try:
+        return family, "x".join(f"{float(part):g}" for part in size.split("x"))
+    except ValueError:
+        raise InputError(
+            f"the blade's name is {tested.blade!r}", "expected one as in 'apce 8.0x6.0'"
+        ) from None

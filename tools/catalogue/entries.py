@@ -1,0 +1,179 @@
+"""The catalogue's entries: constants of every propeller of the UIUC database, by tasks."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from propmap import catalogue
+from propmap.catalogue.expected import (
+    ALIKE,
+    APART,
+    POPULATION,
+    Population,
+    PopulationPrior,
+    bundled_mean,
+    families_measured,
+    family_prior,
+)
+from propmap.catalogue.identified import Identified
+from propmap.fit.least_squares import INDEPENDENT
+from propmap.tasks import InTurn, Workers
+from tools.catalogue import identification
+from tools.catalogue.database import (
+    MeasuredPropeller,
+    blade_names,
+    family_and_size,
+    label_of,
+    mean_propeller,
+)
+from tools.catalogue.identification import AxialTest, airfoil_of
+from tools.catalogue.population import members_on
+from tools.catalogue.verdict import verdict
+
+TOGETHER = 4
+"""Propellers of a task: half a second, long beside what it costs to hand out a task."""
+
+Done = Callable[[list[Identified], list[Identified]], None]
+"""Called after each task with all results before it and with its own."""
+
+
+class _Wanted(NamedTuple):
+    """An identification to be made."""
+
+    name: str  # of the propeller in the catalogue
+    geometry: str  # as ``Identified.geometry``
+    test: AxialTest
+    prior: PopulationPrior
+    key: str
+    remark: str = ""  # goes before the verdict
+
+
+def identify_all(
+    every: Iterable[MeasuredPropeller],
+    known: Mapping[str, Identified],
+    done: Done,
+    workers: Workers | None = None,
+) -> list[Identified]:
+    """Identify all propellers with a blade in the catalogue, in the order given.
+
+    Results of an earlier, perhaps interrupted run, ``known`` by their ``key``, are taken as they
+    are.
+    """
+    wanted = []
+    for tested in every:
+        names = blade_names(tested)
+        specimens = sum(name.startswith("uiuc") for name in names)
+        for name in names:
+            test = AxialTest(replace(catalogue.load(name), blades=tested.blades), tested)
+            remark = ""
+            if not name.startswith("uiuc"):
+                remark = "blade by its maker's file; "
+            elif specimens > 1:
+                remark = f"one of {specimens} blades measured, each tested in some of the runs; "
+            wanted.append(_Wanted(name, "measured", test, POPULATION, _key(test), remark))
+    return _identified(wanted, known, done, workers)
+
+
+def identify_without_blade(
+    every: Iterable[MeasuredPropeller],
+    measured: Sequence[Identified],
+    populations: Mapping[str, Population],
+    known: Mapping[str, Identified],
+    done: Done,
+    workers: Workers | None = None,
+) -> list[Identified]:
+    """Identify the propellers whose blades were never measured, with their family's mean blade.
+
+    Where none of the family was measured it is the mean of all.  Their prior is that of their
+    family, and wider by what is not known of the blade: from ``measured``, what ``identify_all``
+    found, and the ``populations`` of it.
+    """
+    wanted = []
+    before = [one.key for one in measured]
+    for tested in every:
+        if blade_names(tested):
+            continue
+        family, size = family_and_size(tested)
+        geometry = "family" if family in families_measured() else "population"
+        shape = bundled_mean((family,) if geometry == "family" else ())
+        test = AxialTest(mean_propeller(tested, shape), tested)
+        members = members_on(measured, family, shape) if geometry == "family" else []
+        label = label_of(tested)
+        prior = family_prior(members, populations[geometry], (label.diameter, label.pitch))
+        name = f"uiuc-{family}-{size}"
+        wanted.append(_Wanted(name, geometry, test, prior, _key(test, before)))
+    return _identified(wanted, known, done, workers)
+
+
+def _identified(
+    wanted: Sequence[_Wanted],
+    known: Mapping[str, Identified],
+    done: Done,
+    workers: Workers | None,
+) -> list[Identified]:
+    found = {place: known[one.key] for place, one in enumerate(wanted) if one.key in known}
+    missing = [place for place in range(len(wanted)) if place not in found]
+    tasks = [missing[k : k + TOGETHER] for k in range(0, len(missing), TOGETHER)]
+    groups = [[wanted[place] for place in places] for places in tasks]
+    for which, some in (workers or InTurn()).results(_entries, None, groups):
+        before = [found[place] for place in sorted(found)]
+        found |= zip(tasks[which], some, strict=True)
+        done(before, some)
+    return [found[place] for place in range(len(wanted))]
+
+
+def _entries(_: None, task: Sequence[_Wanted]) -> list[Identified]:
+    return [_entry(one) for one in task]
+
+
+def _entry(one: _Wanted) -> Identified:
+    tested, label = one.test.tested, label_of(one.test.tested)
+    result = identification.identify(one.test, one.prior)
+    return Identified(
+        propeller=one.name,
+        blades=tested.blades,
+        family=tested.family,
+        tested=tested.name,
+        geometry=one.geometry,
+        diameter_m=label.diameter,
+        pitch_m=label.pitch,
+        airfoil=airfoil_of(result.constants),
+        covariance=result.covariance,
+        thrust_rms=result.thrust_rms,
+        power_rms=result.power_rms,
+        static_thrust_rms=result.static_thrust_rms,
+        static_power_rms=result.static_power_rms,
+        rows=tested.rpm.size,
+        static_rows=int((tested.advance == 0.0).sum()),
+        rpm_low=float(tested.rpm.min()),
+        rpm_high=float(tested.rpm.max()),
+        advance_high=float(tested.advance.max()),
+        verdict=one.remark + verdict(tested, result),
+        key=one.key,
+    )
+
+
+def _key(test: AxialTest, before: Sequence[str] = ()) -> str:
+    """A short digest of all that a result depends on but the program itself.
+
+    ``before`` are keys of the results that its prior is made of.
+    """
+    settings = (
+        INDEPENDENT,
+        identification.FIRST_ERRORS,
+        identification.LEAST_ERRORS,
+        identification.MOST_ERRORS,
+        POPULATION.mean.tolist(),
+        POPULATION.deviation.tolist(),
+        *((ALIKE, APART, *before) if before else ()),
+    )
+    digest = hashlib.sha256(repr(settings).encode())
+    digest.update(test.propeller.fingerprint().encode())
+    rows = (test.tested.rpm, test.tested.advance, test.tested.thrust, test.tested.power)
+    digest.update(np.stack(rows).tobytes())
+    return digest.hexdigest()[:16]

@@ -1,0 +1,194 @@
+"""Section constants of one propeller: penalised least squares, of its rows and of the prior.
+
+Coordinates are those of ``propmap.catalogue.expected``: the seven constants, some of them by their
+logarithm.
+"""
+
+from __future__ import annotations
+
+import warnings
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from propmap.catalogue.expected import (
+    HELD,
+    POPULATION,
+    PopulationPrior,
+    constants_of,
+    slopes_of,
+)
+from propmap.catalogue.identified import PARAMETERS
+from propmap.fit.least_squares import INDEPENDENT
+from propmap.loads import LOADS
+from propmap.model.airfoil import Airfoil
+from propmap.model.model import Model, Propeller
+from propmap.rotor import Rotor
+from propmap.typing import Floats
+from tools.catalogue.database import MeasuredPropeller
+
+AT_REST = 2.0
+"""Independent rows of each load that rows at rest count as: level and slope of one curve over the
+rotational speed."""
+
+FIRST_ERRORS = (0.003, 0.002)
+"""Errors of C_T and C_P [-] that a first fit assumes; the second takes those that it left."""
+
+LEAST_ERRORS, MOST_ERRORS = (0.0015, 0.001), (0.004, 0.003)
+"""Least and largest errors that the second fit assumes: where the model fails, its prior should not
+make it fail the more.  The covariance is with all errors that were left."""
+
+LOWER = np.array([np.log(2.0), np.log(0.2), np.log(0.12), -0.2, np.log(0.002), -0.09, -0.2])
+UPPER = np.array([np.log(12.0), np.log(9.0), np.log(0.8), 0.1, np.log(0.2), 0.09, 0.25])
+"""Bounds of the coordinates."""
+
+EVALUATIONS = (16, 10)
+"""Evaluations of the model by the first fit and by the second, at most."""
+
+
+def airfoil_of(constants: Floats) -> Airfoil:
+    """Make the section law of ``constants`` (7,) in the order of ``PARAMETERS``."""
+    values: Any = dict(zip(PARAMETERS, map(float, constants), strict=True)) | HELD
+    return Airfoil(**values)
+
+
+class AxialTest(NamedTuple):
+    """A propeller, and the n rows measured of it at rest and in axial flow."""
+
+    propeller: Propeller
+    tested: MeasuredPropeller
+
+    @property
+    def measured(self) -> Floats:
+        """C_T and C_P [-], (2, n)."""
+        return np.stack([self.tested.thrust, self.tested.power])
+
+    def modelled(self, constants: Floats) -> tuple[Floats, Floats]:
+        """C_T and C_P [-], (2, n), and their derivatives by ``constants`` (7,), (2, 7, n).
+
+        NaN where no inflow was found.
+        """
+        model = Model(self.propeller, airfoil_of(constants))
+        turns, diameter = self.tested.rpm / 60.0, 2.0 * self.propeller.radius
+        flow = (2.0 * np.pi * turns, self.tested.advance * turns * diameter)
+        found = Rotor(model).gradients(PARAMETERS, *flow, 0.0)
+        force = model.air.density * turns**2 * diameter**4
+        size = np.stack([force, force * diameter / (2.0 * np.pi)])  # P = 2 pi n tau
+        rows = [list(LOADS).index(name) for name in ("thrust", "torque")]
+        return found.loads[rows] / size, found.slopes[rows] / size[:, None]
+
+
+class Identification(NamedTuple):
+    """The constants of one propeller, (7,) in the order of ``PARAMETERS``."""
+
+    constants: Floats
+    covariance: Floats  # (7, 7), by the curvature of the penalised sum of squares
+    held: Floats  # (7,): posterior over prior deviation of a coordinate; near 1 data say nothing
+    thrust_rms: float  # of the errors of C_T over all rows [-]
+    power_rms: float
+    static_thrust_rms: float  # NaN without rows at rest
+    static_power_rms: float
+    residual: Floats  # (2, n): model minus measurement [-]; NaN where no inflow was found
+
+
+class _Penalised:
+    """The penalised sum of squares of a test; the model is evaluated once at each place."""
+
+    def __init__(self, test: AxialTest, prior: PopulationPrior, independent: float) -> None:
+        self.test, self.prior, self.whitening = test, prior, prior.whitening
+        self.weight = np.sqrt(min(independent / test.tested.rpm.size, 1.0))
+        self._found: dict[bytes, tuple[Floats, Floats]] = {}
+
+    def weigh(self, errors: Floats) -> None:
+        """Take ``errors`` (2,) of C_T and C_P [-] from here on."""
+        self.scale = (self.weight / errors)[:, None]
+
+    def errors(self, place: Floats) -> tuple[Floats, Floats]:
+        """Errors (2, n) [-] at coordinates (7,) and their derivatives by these, (2, n, 7).
+
+        NaN and 0 where no inflow was found.
+        """
+        key = place.tobytes()
+        if key not in self._found:
+            value, slope = self.test.modelled(constants_of(place))
+            lost = ~np.isfinite(value) | ~np.isfinite(slope).all(axis=1)
+            error = np.where(lost, np.nan, value - self.test.measured)
+            slope = np.where(lost[:, None], 0.0, slope)
+            self._found[key] = error, np.einsum("lcn,cp->lnp", slope, slopes_of(place))
+        return self._found[key]
+
+    def residuals(self, place: Floats) -> Floats:
+        """Weighed residuals of rows and prior at coordinates (7,), (2 n + 7,)."""
+        rows = self.scale * np.nan_to_num(self.errors(place)[0])
+        return np.concatenate([np.ravel(rows), self.whitening @ (place - self.prior.mean)])
+
+    def slopes(self, place: Floats) -> Floats:
+        """Derivatives of ``residuals`` by the coordinates, (2 n + 7, 7)."""
+        rows = self.scale[..., None] * self.errors(place)[1]
+        return np.concatenate([np.reshape(rows, (-1, place.size)), self.whitening])
+
+    def covariance(self, place: Floats) -> Floats:
+        """Covariance (7, 7) of the coordinates, by the curvature at ``place`` (7,)."""
+        slopes = self.slopes(place)
+        return np.asarray(np.linalg.inv(slopes.T @ slopes), float)
+
+    def minimum(self, start: Floats, evaluations: int) -> Floats:
+        """Coordinates (7,) of the least sum of squares, searched from ``start`` (7,)."""
+        from scipy.optimize import least_squares
+
+        with warnings.catch_warnings():
+            # At a bound SciPy divides by a zero distance and goes on.
+            warnings.simplefilter("ignore", RuntimeWarning)
+            found = least_squares(
+                self.residuals,
+                np.clip(start, LOWER + 1e-6, UPPER - 1e-6),
+                self.slopes,
+                bounds=(LOWER, UPPER),
+                x_scale=self.prior.deviation,
+                ftol=1e-5,
+                xtol=1e-5,
+                max_nfev=evaluations,
+            )
+        return np.asarray(found.x)
+
+
+def identify(test: AxialTest, prior: PopulationPrior = POPULATION) -> Identification:
+    """Find the constants of a propeller by a penalised least-squares fit to C_T and C_P."""
+    penalised = _Penalised(test, prior, INDEPENDENT)
+    penalised.weigh(np.array(FIRST_ERRORS))
+    place = penalised.minimum(prior.mean, EVALUATIONS[0])
+    left = np.sqrt(np.nanmean(penalised.errors(place)[0] ** 2, axis=1))
+    penalised.weigh(np.clip(left, LEAST_ERRORS, MOST_ERRORS))
+    place = penalised.minimum(place, EVALUATIONS[1])
+    error = penalised.errors(place)[0]
+    left = np.sqrt(np.nanmean(error**2, axis=1))
+    penalised.weigh(np.maximum(left, LEAST_ERRORS))
+    covariance = penalised.covariance(place)
+    to_constants = slopes_of(place)
+    still = test.tested.advance == 0.0
+
+    def rms(errors: Floats) -> float:
+        return float(np.sqrt(np.nanmean(errors**2))) if errors.size else np.nan
+
+    return Identification(
+        constants=constants_of(place),
+        covariance=to_constants @ covariance @ to_constants.T,
+        held=np.sqrt(np.diag(covariance)) / prior.deviation,
+        thrust_rms=rms(error[0]),
+        power_rms=rms(error[1]),
+        static_thrust_rms=rms(error[0, still]),
+        static_power_rms=rms(error[1, still]),
+        residual=error,
+    )
+
+
+def updated(at_rest: AxialTest, prior: PopulationPrior, errors: Floats) -> PopulationPrior:
+    """Update a prior by rows at rest alone, for loads in flight.
+
+    ``errors`` (2,) are standard deviations of C_T and C_P [-] about the model, such as
+    ``Population.errors``: those that rows at rest leave say nothing of flight.
+    """
+    penalised = _Penalised(at_rest, prior, AT_REST)
+    penalised.weigh(errors)
+    place = penalised.minimum(prior.mean, EVALUATIONS[0])
+    return PopulationPrior.of(place, penalised.covariance(place))

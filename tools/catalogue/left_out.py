@@ -1,0 +1,348 @@
+"""Print how well each propeller is predicted from the others, without its own rows.
+
+Usage: python -m tools.catalogue.left_out LOADS
+
+LOADS is the UIUC database's loads.csv; the constants are the bundled ones.  Errors are root mean
+squares over those of what was measured, over the rows of a propeller; bands are those of 95 %, and
+what they hold is the mean over propellers of the share of rows.  Nothing of the bands is fitted to
+what they hold: their width is that of the distribution over the other propellers, and of the errors
+that own constants leave.  The figures go into benchmarks/results/left_out.json as well.
+"""
+
+from __future__ import annotations
+
+import itertools
+import json
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from propmap import catalogue
+from propmap.catalogue.expected import (
+    MeanBlade,
+    Member,
+    Population,
+    PopulationPrior,
+    constants_of,
+    coordinates,
+    families_measured,
+    family_prior,
+    mean_blade,
+    measured_shapes,
+    member_without_blade,
+    on_mean_blade,
+    shapes_without,
+    slopes_of,
+)
+from propmap.catalogue.identified import (
+    Identified,
+    all_identified,
+    identified_without_blade,
+    one_of_each,
+)
+from propmap.io.csv import replacing
+from propmap.typing import Floats
+from tools.catalogue.database import (
+    MeasuredPropeller,
+    label_of,
+    mean_propeller,
+    read_uiuc_database,
+    refiled,
+    with_rows,
+)
+from tools.catalogue.identification import AxialTest, identify, updated
+from tools.catalogue.population import all_members, errors_of, population_of, populations_of
+
+RESULTS = Path(__file__).resolve().parents[2] / "benchmarks" / "results" / "left_out.json"
+
+BAND = 1.959964
+"""Standard deviations on either side that hold 95 % of a normal distribution."""
+
+STEPS = 8
+"""Of the search for a population without one propeller, from that with it."""
+
+GROUPS = {
+    "own": "own",
+    "own_run": "own, one run left out",
+    "own_fastest": "own, fastest run left out",
+    "family": "family",
+    "other_blade_of_family": "family, same blade left out too",
+    "population": "population",
+    "family_blade": "family, blade too",
+    "population_blade": "population, blade too",
+    "family_static": "family, after a static test",
+    "population_static": "population, after a static test",
+    "family_label": "family, never measured",
+    "siblings_label": "siblings, family never measured",
+    "population_label": "population, never measured",
+}
+"""What propellers are predicted from, and what that is called.
+
+"Own" are a propeller's own constants, and with a run left out, those found without the run at the
+middle one of its rotational speeds or at the highest, of which errors and bands are; all others
+leave its rows out.  "Blade too" is with the mean blade of the others in place of its own.  "After a
+static test", its rows at rest, and they alone, have updated what the others say, and errors and
+bands are those of its moving rows.  "Never measured" are propellers without geometry in the
+database, whose loads play no part in any population; "siblings" are of the same family and no more
+measured.
+"""
+
+
+class Prediction(NamedTuple):
+    """How far C_T and C_P are off, and what their bands of 95 % hold; (2,) each."""
+
+    errors: Floats  # rms over rms of what was measured [-]
+    at_rest: Floats  # share of the rows inside the band; NaN where there are none
+    moving: Floats
+
+
+class LeftOut(NamedTuple):
+    """One propeller, by its name in the database, predicted in one way of ``GROUPS``."""
+
+    group: str
+    tested: str
+    found: Prediction
+
+
+def predicted(
+    test: AxialTest, prior: PopulationPrior, errors: Floats, moving_only: bool = False
+) -> Prediction:
+    """What the mean of ``prior`` and its covariance say of the rows of ``test``.
+
+    ``errors`` (2,) are standard deviations of C_T and C_P [-] about the model with the best
+    constants; with ``moving_only``, rows at rest are not counted.
+    """
+    value, slope = test.modelled(constants_of(prior.mean))
+    by_place = np.einsum("lcn,cp->lpn", slope, slopes_of(prior.mean))
+    variance = np.einsum("lpn,pq,lqn->ln", by_place, prior.covariance, by_place)
+    error = value - test.measured
+    # Where no inflow was found the band holds nothing.
+    inside = np.abs(error) <= BAND * np.sqrt(variance + np.square(errors)[:, None])
+    moving = test.tested.advance > 0.0
+    counted = moving if moving_only else np.ones_like(moving)
+    squares = np.nanmean(error[:, counted] ** 2, axis=1)
+
+    def share(which: NDArray[np.bool_]) -> Floats:
+        return inside[:, which].mean(axis=1) if which.any() else np.full(2, np.nan)
+
+    return Prediction(
+        errors=np.sqrt(squares / np.mean(test.measured[:, counted] ** 2, axis=1)),
+        at_rest=share(~moving),
+        moving=share(moving),
+    )
+
+
+def posterior(constants: Floats, covariance: Floats) -> PopulationPrior:
+    """The distribution of constants (7,) with a ``covariance`` (7, 7), in coordinates."""
+    place = coordinates(constants)
+    back = np.linalg.inv(slopes_of(place))
+    return PopulationPrior.of(place, back @ covariance @ back.T)
+
+
+def left_out(
+    entries: Sequence[Identified], every: Sequence[MeasuredPropeller]
+) -> Iterator[LeftOut]:
+    """Predict each of ``entries``, of measured blades, from the others, blade known or left out.
+
+    ``every`` has the refiled rows of those that are to be left out in turn.
+    """
+    rows = {tested.name: tested for tested in every}
+    chosen = one_of_each(entries)
+    members, errors = all_members(chosen), errors_of(chosen)
+    whole = {name: population_of(some, errors)[0] for name, some in members.items()}
+    for one in chosen:
+        if one.tested not in rows:
+            continue
+        rest = [other for other in chosen if other is not one]
+        without = {
+            name: population_of(
+                [m for m in some if (m.family, m.tested) != (one.family, one.tested)],
+                errors_of(rest),
+                whole[name],
+                STEPS,
+            )[0]
+            for name, some in members.items()
+        }
+        siblings = [other for other in rest if other.family == one.family]
+        test = AxialTest(
+            replace(catalogue.load(one.propeller), blades=one.blades), rows[one.tested]
+        )
+        own = posterior(one.constants, one.covariance)
+        yield LeftOut("own", one.tested, predicted(test, own, np.array(one.discrepancy)))
+        yield from _one_run(one.tested, test)
+        yield from _known_blade(one, siblings, members["measured"], without["measured"], test)
+        yield from _mean_blade(one, siblings, without, rows[one.tested])
+
+
+def _one_run(name: str, test: AxialTest) -> Iterator[LeftOut]:
+    tested = test.tested
+    moving = tested.advance > 0.0
+    runs = {int(k): float(tested.rpm[tested.run == k].mean()) for k in set(tested.run[moving])}
+    if len(runs) < 2:
+        return
+    order = sorted(runs, key=lambda k: (runs[k], k))
+    for group, run in (("own_run", order[len(order) // 2]), ("own_fastest", order[-1])):
+        left = tested.run == run
+        result = identify(AxialTest(test.propeller, with_rows(tested, ~left)))
+        found = predicted(
+            AxialTest(test.propeller, with_rows(tested, left)),
+            posterior(result.constants, result.covariance),
+            np.array([result.thrust_rms, result.power_rms]),
+        )
+        yield LeftOut(group, name, found)
+
+
+def _known_blade(
+    one: Identified,
+    siblings: Sequence[Identified],
+    members: Sequence[Member],
+    population: Population,
+    test: AxialTest,
+) -> Iterator[LeftOut]:
+    def prior_from(some: Sequence[Identified]) -> PopulationPrior:
+        tested = {other.tested for other in some}
+        known = [m for m in members if m.family == one.family and m.tested in tested]
+        return family_prior(known, population, one.size)
+
+    still = test.tested.advance == 0.0
+
+    def both(group: str, prior: PopulationPrior) -> Iterator[LeftOut]:
+        yield LeftOut(group, one.tested, predicted(test, prior, population.errors))
+        if still.any() and not still.all():
+            at_rest = AxialTest(test.propeller, with_rows(test.tested, still))
+            after = updated(at_rest, prior, population.errors)
+            found = predicted(test, after, population.errors, moving_only=True)
+            yield LeftOut(f"{group}_static", one.tested, found)
+
+    yield from both("population", prior_from([]))
+    if siblings:
+        yield from both("family", prior_from(siblings))
+    others = [other for other in siblings if other.propeller != one.propeller]
+    if others:
+        found = predicted(test, prior_from(others), population.errors)
+        yield LeftOut("other_blade_of_family", one.tested, found)
+
+
+def _mean_blade(
+    one: Identified,
+    siblings: Sequence[Identified],
+    populations: Mapping[str, Population],
+    tested: MeasuredPropeller,
+) -> Iterator[LeftOut]:
+    shapes = shapes_without(catalogue.entry(one.propeller))
+    shape = mean_blade(shapes)
+    yield _on_mean("population_blade", [], populations["population"], shape, tested)
+    if siblings and one.family in {other.family for other in shapes}:
+        shape = mean_blade(shapes, [one.family])
+        members = [on_mean_blade(other, shape) for other in siblings]
+        yield _on_mean("family_blade", members, populations["family"], shape, tested)
+
+
+def never_measured(
+    entries: Sequence[Identified],
+    without_blade: Sequence[Identified],
+    every: Sequence[MeasuredPropeller],
+    populations: Mapping[str, Population],
+) -> Iterator[LeftOut]:
+    """Predict propellers ``without_blade`` from ``entries``, those with measured blades.
+
+    ``every`` has the refiled rows of the former, ``populations`` are those of the latter.
+    """
+    rows = {tested.name: tested for tested in every}
+    chosen = one_of_each(entries)
+    shapes = measured_shapes()
+    for one in without_blade:
+        tested = rows[one.tested]
+        if one.family in families_measured():
+            shape = mean_blade(shapes, [one.family])
+            members = [on_mean_blade(m, shape) for m in chosen if m.family == one.family]
+            yield _on_mean("family_label", members, populations["family"], shape, tested)
+            continue
+        shape, population = mean_blade(shapes), populations["population"]
+        yield _on_mean("population_label", [], population, shape, tested)
+        siblings = [
+            member_without_blade(other)
+            for other in without_blade
+            if other.family == one.family and other is not one
+        ]
+        if siblings:
+            yield _on_mean("siblings_label", siblings, population, shape, tested)
+
+
+def _on_mean(
+    group: str,
+    members: Sequence[Member],
+    population: Population,
+    shape: MeanBlade,
+    tested: MeasuredPropeller,
+) -> LeftOut:
+    label = label_of(tested)
+    prior = family_prior(members, population, (label.diameter, label.pitch))
+    test = AxialTest(mean_propeller(tested, shape), tested)
+    return LeftOut(group, tested.name, predicted(test, prior, population.errors))
+
+
+# -------------------------------------------------------------------------------------------------
+# The command: medians and 90th percentiles over propellers, and what bands hold.
+
+
+def main(loads: Path) -> None:
+    """Print the figures and write them."""
+    every = refiled(read_uiuc_database(loads))
+    measured = all_identified()
+    found: dict[str, list[Prediction]] = {name: [] for name in GROUPS}
+    populations = populations_of(measured)
+    for each in itertools.chain(
+        left_out(measured, every),
+        never_measured(measured, identified_without_blade(), every, populations),
+    ):
+        found[each.group].append(each.found)
+    results = {name: _summary(some) for name, some in found.items()}
+    print(f"{'':<37}errors, median (90 %)           bands hold, C_T and C_P")
+    print(f"{'constants from':<34}n  C_T            C_P            at rest      moving")
+    for name, words in GROUPS.items():
+        one = results[name]
+        shown = [
+            *(
+                f"{half:5.1%} ({most:5.1%})"
+                for half, most in zip(one["median"], one["nine_in_ten"], strict=True)
+            ),
+            *(" ".join(map(_percent, one[key])) for key in ("at_rest", "moving")),
+        ]
+        print(f"{words:<32}{one['propellers']:>3}  {'  '.join(shown)}")
+    with replacing(RESULTS) as path:
+        path.write_text(json.dumps(results, indent=2) + "\n", encoding="utf-8")
+
+
+def _summary(some: list[Prediction]) -> dict[str, Any]:
+    half, most = np.quantile([one.errors for one in some], (0.5, 0.9), axis=0)
+    held = {name: _mean([getattr(one, name) for one in some]) for name in ("at_rest", "moving")}
+    return {
+        "propellers": len(some),
+        "median": np.round(half, 5).tolist(),
+        "nine_in_ten": np.round(most, 5).tolist(),
+        **held,
+    }
+
+
+def _percent(share: float | None) -> str:
+    return "    -" if share is None else f"{share:5.1%}"
+
+
+def _mean(shares: list[Floats]) -> list[float | None]:
+    """Mean over propellers that have such rows; None where none has."""
+    known = [share for share in shares if np.isfinite(share).all()]
+    if not known:
+        return [None, None]
+    return [round(float(share), 4) for share in np.mean(known, axis=0)]
+
+
+if __name__ == "__main__":
+    if len(sys.argv) != 2:
+        sys.exit(__doc__)
+    main(Path(sys.argv[1]))

@@ -1,0 +1,189 @@
+"""How section constants are spread over propellers, by expectation and maximisation.
+
+There are three populations, by ``GEOMETRIES``: on propellers' own blades, and on mean blades of
+their family or of all.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from propmap import catalogue
+from propmap.catalogue.expected import (
+    GEOMETRIES,
+    POPULATION,
+    MeanBlade,
+    Member,
+    Population,
+    covariates,
+    likeness,
+    mean_blade,
+    member,
+    on_mean_blade,
+    shapes_without,
+)
+from propmap.catalogue.identified import Identified, one_of_each
+from propmap.tasks import InTurn, Workers, in_order
+from propmap.typing import Floats
+
+STEPS = 100
+"""Of the search from afar; ten are enough from close by."""
+
+
+def populations_of(
+    entries: Sequence[Identified], workers: Workers | None = None
+) -> dict[str, Population]:
+    """Find the populations that ``entries`` of measured blades, of two families at least, make."""
+    members = all_members(entries)
+    tasks = list(members.values())
+    found = in_order((workers or InTurn()).results(_population, errors_of(entries), tasks))
+    return dict(zip(members, found, strict=True))
+
+
+def _population(errors: Floats, members: Sequence[Member]) -> Population:
+    return population_of(members, errors)[0]
+
+
+def all_members(entries: Sequence[Identified]) -> dict[str, list[Member]]:
+    """What is known of all propellers, on the blade of each of ``GEOMETRIES``.
+
+    Mean blades are those of the others: so the spread over propellers holds what a mean blade
+    misses.  Those without measured siblings have none of their family.
+    """
+    found: dict[str, list[Member]] = {name: [] for name in GEOMETRIES}
+    for one in one_of_each(entries):
+        found["measured"].append(member(one))
+        others = shapes_without(catalogue.entry(one.propeller))
+        if one.family in {other.family for other in others}:
+            found["family"].append(on_mean_blade(one, mean_blade(others, [one.family])))
+        found["population"].append(on_mean_blade(one, mean_blade(others)))
+    return found
+
+
+def members_on(entries: Sequence[Identified], family: str, shape: MeanBlade) -> list[Member]:
+    """What the data of a family's propellers say of constants with a blade of this ``shape``."""
+    return [on_mean_blade(one, shape) for one in one_of_each(entries) if one.family == family]
+
+
+def errors_of(entries: Sequence[Identified]) -> Floats:
+    """Root mean squares over propellers of the errors of C_T and C_P that are left [-], (2,)."""
+    each = [one.discrepancy for one in one_of_each(entries)]
+    return np.sqrt(np.mean(np.square(each), axis=0))
+
+
+class _Family(NamedTuple):
+    members: list[Member]
+    where: Floats  # covariates (n, 2)
+    alike: Floats  # likeness (n, n)
+
+
+class _Expected(NamedTuple):
+    """Expectations over one family of n members, given the population."""
+
+    mean: Floats  # of the family, (7,)
+    squares: Floats  # covariance of that, (7, 7)
+    own: Floats  # parts of the members, (n, 7)
+    own_squares: Floats  # sum of their squares, (7, 7)
+    evidence: float
+
+
+def population_of(
+    members: Sequence[Member],
+    errors: Floats,
+    start: Population | None = None,
+    steps: int = STEPS,
+) -> tuple[Population, float]:
+    """Find the population under which the data of ``members`` are most likely.
+
+    Each member's coordinates are taken to be normal given its data.  A step of expectation and
+    maximisation puts each member where its data and its siblings let expect it, and takes mean,
+    trend and covariances from there (Dempster, Laird, Rubin, J. R. Stat. Soc. B 39, 1977).
+    Also gives the logarithm of the likelihood before the last step, but for what the data alone
+    determine.  ``errors`` (2,) of C_T and C_P [-] are kept with the rest.
+    """
+    where = np.stack([covariates(one.size) for one in members])
+    spread = np.diag(POPULATION.deviation**2)
+    found = Population(
+        mean=start.mean if start else POPULATION.mean,
+        trend=start.trend if start else np.zeros((POPULATION.mean.size, 2)),
+        between=start.between if start else 0.6 * spread,
+        within=start.within if start else 0.3 * spread,
+        low=where.min(axis=0),
+        high=where.max(axis=0),
+        errors=errors,
+    )
+    by_family: dict[str, list[Member]] = {}
+    for one in members:
+        by_family.setdefault(one.family, []).append(one)
+    families = [
+        _Family(
+            some,
+            np.stack([covariates(one.size) for one in some]),
+            likeness([one.size for one in some]),
+        )
+        for some in by_family.values()
+    ]
+    evidence = np.nan
+    for _ in range(steps):
+        expected = [_expected(found, family) for family in families]
+        evidence = sum(one.evidence for one in expected)
+        squares = [
+            one.squares + np.outer(one.mean - found.mean, one.mean - found.mean) for one in expected
+        ]
+        # Siblings that are alike say less of the trend.
+        back = [np.linalg.inv(family.alike) for family in families]
+        by = sum(f.where.T @ b @ f.where for f, b in zip(families, back, strict=True))
+        towards = sum(
+            (e.own + f.where @ found.trend.T).T @ b @ f.where
+            for e, f, b in zip(expected, families, back, strict=True)
+        )
+        found = Population(
+            mean=np.mean([one.mean for one in expected], axis=0),
+            trend=np.linalg.solve(by, np.transpose(towards)).T,
+            between=np.mean(squares, axis=0),
+            within=np.sum([one.own_squares for one in expected], axis=0) / len(members),
+            low=found.low,
+            high=found.high,
+            errors=errors,
+        )
+    return found, float(evidence)
+
+
+def _expected(population: Population, family: _Family) -> _Expected:
+    """The family's mean and its members' own parts, jointly normal."""
+    k, n = population.mean.size, len(family.members)
+    between, alike = np.linalg.inv(population.between), np.linalg.inv(family.alike)
+    precision = np.zeros(((n + 1) * k, (n + 1) * k))
+    precision[:k, :k] = between
+    precision[k:, k:] = np.kron(alike, np.linalg.inv(population.within))
+    pull = np.zeros((n + 1) * k)
+    pull[:k] = between @ population.mean
+    evidence = -0.5 * population.mean @ between @ population.mean
+    evidence -= 0.5 * (np.linalg.slogdet(population.between)[1])
+    evidence -= 0.5 * (
+        n * np.linalg.slogdet(population.within)[1] + k * np.linalg.slogdet(family.alike)[1]
+    )
+    for j, one in enumerate(family.members):
+        shift = population.shift(one.size)
+        places = slice(0, k), slice((j + 1) * k, (j + 2) * k)
+        left = one.pull - one.precision @ shift
+        evidence += shift @ (one.pull + left) / 2.0
+        for a in places:
+            pull[a] += left
+            for b in places:
+                precision[a, b] += one.precision
+    covariance = np.asarray(np.linalg.inv(precision), float)
+    place = covariance @ pull
+    evidence += 0.5 * pull @ place - 0.5 * np.linalg.slogdet(precision)[1]
+    own = place[k:].reshape(n, k)
+    spread = covariance[k:, k:].reshape(n, k, n, k)
+    return _Expected(
+        mean=place[:k],
+        squares=covariance[:k, :k],
+        own=own,
+        own_squares=np.einsum("ij,iajb->ab", alike, spread) + own.T @ alike @ own,
+        evidence=float(evidence),
+    )
