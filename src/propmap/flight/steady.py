@@ -232,7 +232,7 @@ OPTIONAL = ("roll_deg", "climb_mps", "yaw_rate_dps")
 RPM_COLUMN = re.compile(r"rpm_[1-9][0-9]*")
 
 STEEPEST = 85.0
-"""Pitch and roll [deg], beyond which a table of steady flight is a slip."""
+"""Pitch and roll [deg], beyond which no flight is steady."""
 
 
 def read_level_table(path: str | os.PathLike[str], vehicle: Vehicle) -> FlightLog:

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from propmap.errors import InputError
+from propmap.model.plausibility import GRAVITY as GRAVITY
 from propmap.typing import Floats
 from propmap.vehicle.files import VehicleFile
 
@@ -22,9 +23,6 @@ if TYPE_CHECKING:
 
 # -------------------------------------------------------------------------------------------------
 # A flight as arrays on one clock, in the vehicle's frame: x forward, y left, z up.
-
-GRAVITY = 9.80665
-"""[m/s^2], the standard value."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -175,9 +173,6 @@ speeds of motor controllers carry noise above."""
 DERIVATIVES = ("angular_acceleration", "specific_force_rate", "rotor_acceleration")
 """Fields of a log that follow from its others."""
 
-DERIVATIVE_ORDER = 2
-"""Of the Butterworth filter, applied twice."""
-
 FEWEST_PER_PERIOD = 3.0
 """Samples per period of the cut-off below which there is nothing to filter."""
 
@@ -226,7 +221,7 @@ def _filtered(part: FlightLog, cutoff: float) -> FlightLog:
     """One stretch without gaps."""
 
     def smooth(signal: Floats) -> Floats:
-        return _low_pass(signal, 2.0 * cutoff * step)
+        return low_pass(signal, 2.0 * cutoff * step, round(2.0 / (cutoff * step)))
 
     step = float(np.median(np.diff(part.time))) if len(part) > 1 else np.inf
     if cutoff > 0.0 and FEWEST_PER_PERIOD * cutoff * step <= 1.0:
@@ -247,13 +242,16 @@ def _filtered(part: FlightLog, cutoff: float) -> FlightLog:
     )
 
 
-def _low_pass(signal: Floats, relative: float) -> Floats:
-    """Columns (n, k) without what is above the cut-off, ``relative`` to half the sampling rate,
-    and not shifted in time."""
+def low_pass(signal: Floats, relative: float, padding: int, order: int = 2) -> Floats:
+    """Filter columns (n, k) forwards and backwards, which shifts nothing in time.
+
+    ``relative`` is the cut-off over half the sampling rate, ``order`` that of the Butterworth
+    filter, ``padding`` how many samples the signal is continued by at its ends.
+    """
     from scipy.signal import butter, sosfiltfilt
 
-    sections = butter(DERIVATIVE_ORDER, relative, output="sos")
-    beyond = min(signal.shape[0] - 1, round(4.0 / relative))
+    sections = butter(order, relative, output="sos")
+    beyond = min(signal.shape[0] - 1, padding)
     return np.asarray(sosfiltfilt(sections, signal, axis=0, padlen=beyond))
 
 
@@ -551,13 +549,10 @@ def _slowed(signal: Signal, step: float) -> Floats:
     own = float(np.median(np.diff(signal.time)))
     if step < FASTER * own:
         return signal.values
-    from scipy.signal import butter, sosfiltfilt
-
-    sections = butter(CLOCK_ORDER, 2.0 * CLOCK_CUTOFF * own / step, output="sos")
-    beyond = 2 * round(step / own)
+    relative, beyond = 2.0 * CLOCK_CUTOFF * own / step, 2 * round(step / own)
     breaks = np.flatnonzero(np.diff(signal.time) > LONGEST_GAP) + 1
     parts = [
-        sosfiltfilt(sections, part, axis=0, padlen=beyond) if len(part) > 2 * beyond else part
+        low_pass(part, relative, beyond, CLOCK_ORDER) if len(part) > 2 * beyond else part
         for part in np.split(signal.values, breaks)
     ]
     return np.concatenate(parts)
