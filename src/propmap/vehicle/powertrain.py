@@ -21,23 +21,13 @@ of what it should be, one in rpm/V read as rad/s/V ten times as much."""
 
 
 class ElectricState(NamedTuple):
-    """What n states of m motors take; NaN where a part of the powertrain is not known.
+    """What n states of m motors take; NaN where a part of the powertrain is not known."""
 
-    Attributes
-    ----------
-    motor_current, controller_voltage : ndarray, shape (n, m)
-        [A]; the battery voltage that just drives the motor so [V].
-    power : ndarray, shape (n,)
-        At the battery's terminals [W].
-    battery_current, battery_voltage : ndarray, shape (n,)
-        [A], [V].
-    """
-
-    motor_current: Floats
-    controller_voltage: Floats
-    power: Floats
-    battery_current: Floats
-    battery_voltage: Floats
+    motor_current: Floats  # (n, m) [A]
+    controller_voltage: Floats  # battery voltage that just drives the motor so, (n, m) [V]
+    power: Floats  # at the battery's terminals, (n,) [W]
+    battery_current: Floats  # (n,) [A]
+    battery_voltage: Floats  # (n,) [V]
 
 
 @dataclass(frozen=True)
@@ -88,18 +78,12 @@ class Powertrain:
             )
 
     def driven(self, torque: Floats, omega: Floats, charge: float) -> ElectricState:
-        """Currents, voltages and power of n states.
+        """Return what shafts take at ``torque`` [N m] and ``omega`` [rad/s], (n, m).
 
-        Parameters
-        ----------
-        torque, omega : ndarray, shape (n, m)
-            Of the shafts [N m], [rad/s].
-        charge : float
-            State of charge, 0 to 1.
+        ``charge`` is the battery's state of charge, 0 to 1.
         """
-        nothing = np.full(torque.shape[:1], math.nan)
+        nothing, unknown = np.full(torque.shape[:1], math.nan), np.full_like(torque, math.nan)
         if self.motor is None:
-            unknown = np.full_like(torque, math.nan)
             return ElectricState(unknown, unknown, nothing, nothing, nothing)
         controller = self.controller or SpeedController()
         state = self.motor.driven(torque, omega)
@@ -109,12 +93,9 @@ class Powertrain:
             return ElectricState(state.current, voltage, power, nothing, nothing)
         power = power + self.battery.auxiliary_power
         full = np.full_like(power, charge)
+        current = self.battery.current(power, full)
         return ElectricState(
-            state.current,
-            voltage,
-            power,
-            self.battery.current(power, full),
-            self.battery.voltage(power, full),
+            state.current, voltage, power, current, self.battery.voltage(power, full)
         )
 
 
@@ -129,14 +110,14 @@ COLD = 20.0
 
 
 class MotorState(NamedTuple):
-    """What goes into a motor: ``current`` [A] and ``voltage`` [V], of the shape of its load."""
+    """What goes into a motor, of the shape of its load."""
 
-    current: Floats
-    voltage: Floats
+    current: Floats  # [A]
+    voltage: Floats  # [V]
 
     @property
     def power(self) -> Floats:
-        """Into the motor's terminals [W]."""
+        """Power into the motor's terminals [W]."""
         return self.current * self.voltage
 
 
@@ -181,14 +162,14 @@ class Motor:
     temperature: float = COLD
 
     def __post_init__(self) -> None:
-        for name, value, told in (
+        for name, value, meaning in (
             ("kv", self.speed_constant, "revolutions per minute and volt, as the data sheet does"),
             ("resistance", self.resistance, "the winding's ohms, between two of the three wires"),
             ("maximum_current", self.maximum_current, "amperes, or leave it out"),
             ("maximum_rpm", self.maximum_speed, "revolutions per minute, or leave it out"),
         ):
             if not value > 0.0:
-                raise InputError(f"{name} is {value:g}", f"give {told}, above 0")
+                raise InputError(f"{name} is {value:g}", f"give {meaning}, above 0")
         if not self.no_load_current or min(self.no_load_current) < 0.0:
             raise InputError("no_load_current is negative or empty", "give amperes, 0 or more")
         currents, voltages = len(self.no_load_current), len(self.no_load_voltage)
@@ -218,11 +199,11 @@ class Motor:
 
     @property
     def hot_resistance(self) -> float:
-        """Of the winding at its temperature [ohm]."""
+        """Resistance of the winding at its temperature [ohm]."""
         return self.resistance * (1.0 + COPPER * (self.temperature - COLD))
 
     def idle_current(self, omega: Floats) -> Floats:
-        """i_0 [A] at ``omega`` [rad/s]: the polynomial through what was measured."""
+        """Return i_0 [A] at ``omega`` [rad/s]: the polynomial through what was measured."""
         if len(self.no_load_current) == 1:
             return np.full_like(omega, self.no_load_current[0])
         i, v = np.array(self.no_load_current), np.array(self.no_load_voltage)
@@ -233,13 +214,7 @@ class Motor:
         return np.asarray(np.maximum(np.polyval(fit, omega / scale), 0.0))
 
     def driven(self, torque: Floats, omega: Floats) -> MotorState:
-        """Current and voltage that turn a shaft.
-
-        Parameters
-        ----------
-        torque, omega : ndarray
-            Of the shaft [N m], [rad/s].
-        """
+        """Return what turns a shaft at this ``torque`` [N m] and ``omega`` [rad/s]."""
         current = self.speed_constant * torque + self.idle_current(omega)
         return MotorState(current, omega / self.speed_constant + current * self.hot_resistance)
 
@@ -254,10 +229,10 @@ HALVINGS = 60
 
 
 def cell_voltage(charge: Floats) -> Floats:
-    """Open-circuit voltage [V] of a lithium-polymer cell whose state of ``charge`` is 0 to 1.
+    """Return the open-circuit voltage [V] of a lithium-polymer cell at a ``charge`` of 0 to 1.
 
     Source: M. Chen, G. A. Rincon-Mora, Accurate Electrical Battery Model Capable of Predicting
-    Runtime and I-V Performance, IEEE Trans. Energy Conversion 21(2), 2006, doi
+    Runtime and I-V Performance, IEEE Trans.  Energy Conversion 21(2), 2006, doi
     10.1109/TEC.2006.874229; 4.10 V when full.
     """
     s = charge
@@ -319,11 +294,11 @@ class Battery:
             raise InputError(f"auxiliary_power is {self.auxiliary_power:g} W", "give 0 or more")
 
     def open_circuit_voltage(self, charge: Floats) -> Floats:
-        """Of the pack [V] at a state of ``charge`` of 0 to 1."""
+        """Return the voltage of the pack [V] at a ``charge`` of 0 to 1."""
         return self.cells * cell_voltage(charge)
 
     def current(self, power: Floats, charge: Floats) -> Floats:
-        """What delivers a power; NaN where the battery cannot.
+        """Return the current that delivers a power; NaN where the battery cannot.
 
         The smaller root of power = (V_oc - i R) i.
 
@@ -345,33 +320,26 @@ class Battery:
             return 2.0 * power / (voltage + np.sqrt(np.where(left >= 0.0, left, np.nan)))
 
     def voltage(self, power: Floats, charge: Floats) -> Floats:
-        """At the terminals [V] while it delivers ``power`` [W] at this ``charge``."""
+        """Return the voltage [V] at the terminals while it delivers ``power`` [W]."""
         current = self.current(power, charge)
         return self.open_circuit_voltage(charge) - self.resistance * current
 
     def voltage_or_least(self, power: Floats, charge: Floats) -> Floats:
-        """As ``voltage``, of ``power`` and ``charge``, but that at the largest power beyond it."""
+        """Return ``voltage``, or that at the largest power where there is none."""
         least = 0.5 * self.open_circuit_voltage(charge)
         return np.where(np.isnan(found := self.voltage(power, charge)), least, found)
 
     def share_used(self, power: Floats, charge: Floats) -> Floats:
-        """Share of the largest power or current that ``power`` at this ``charge`` takes."""
+        """Return the share of the largest power or current that ``power`` takes."""
         voltage = self.open_circuit_voltage(charge)
         of_power = 4.0 * self.resistance * np.maximum(power, 0.0) / voltage**2
         current = np.nan_to_num(self.current(power, charge), nan=0.0)
         return np.maximum(of_power, current / self.maximum_current)
 
     def charge_after(self, power: Floats, duration: float, charge: Floats) -> Floats:
-        """State of charge after a time at constant power; NaN where it does not last so long.
+        """Return the charge after a ``duration`` [s] at constant ``power`` [W], from ``charge``.
 
-        Parameters
-        ----------
-        power : ndarray
-            At the terminals [W].
-        duration : float
-            [s].
-        charge : ndarray
-            State of charge at the beginning, 0 to 1.
+        NaN where it does not last so long.
         """
         low, high = np.zeros_like(charge), np.array(charge)
         for _ in range(HALVINGS):
@@ -382,21 +350,9 @@ class Battery:
         return np.where(self._time(power, charge, high) >= duration * (1.0 - 1e-9), high, np.nan)
 
     def charges(self, power: float, times: Floats, charge: float) -> Floats:
-        """States of charge along a time at constant power; NaN from where it does not last.
+        """Return the charges at rising ``times`` (m,) [s], from ``charge``, of constant ``power``.
 
-        Parameters
-        ----------
-        power : float
-            At the terminals [W].
-        times : ndarray, shape (m,)
-            Rising [s].
-        charge : float
-            State of charge at time 0.
-
-        Returns
-        -------
-        ndarray, shape (m,)
-            States of charge.
+        NaN from where it does not last.
         """
         found, before = [], 0.0
         for time in times.tolist():
@@ -407,7 +363,7 @@ class Battery:
         return np.array(found)
 
     def endurance(self, power: Floats, voltage: Floats, charge: float = 1.0) -> Floats:
-        """Time of flight at constant power, until the usable share is used up.
+        """Return the time of flight at constant power, until the usable share is used up.
 
         Parameters
         ----------
@@ -438,7 +394,7 @@ class Battery:
         return np.where(begins, self._time(power, np.full_like(power, charge), end), np.nan)
 
     def _time(self, power: Floats, start: Floats, end: Floats) -> Floats:
-        """From one state of charge to a lower one [s]."""
+        """Return the time from one state of charge to a lower one [s]."""
         half = 0.5 * (start - end)
         charges = end + half * (1.0 + NODES.reshape(-1, *np.ones_like(power.shape)))
         with np.errstate(divide="ignore"):
@@ -484,9 +440,9 @@ class SpeedController:
             )
 
     def power(self, motor: MotorState) -> Floats:
-        """What is taken from the battery for a ``motor`` in this state [W]."""
+        """Return what is taken from the battery for a ``motor`` in this state [W]."""
         return (motor.power + self.resistance * motor.current**2) / self.efficiency
 
     def voltage(self, motor: MotorState) -> Floats:
-        """Of a battery that just keeps a ``motor`` in this state, at full throttle [V]."""
+        """Return the voltage [V] that keeps a ``motor`` in this state at full throttle."""
         return motor.voltage + self.resistance * motor.current

@@ -26,10 +26,6 @@ from propmap.vehicle.wakes import (
 if TYPE_CHECKING:
     from propmap.vehicle.vehicle import Vehicle
 
-
-# -------------------------------------------------------------------------------------------------
-# The rotors of a vehicle as force and moment on it, in each other's wakes.
-
 THRUST, TORQUE = (list(LOADS).index(name) for name in ("thrust", "torque"))
 
 FORWARD = 0.5
@@ -40,45 +36,22 @@ STEP = 1e-2
 
 
 class RotorWrenches(NamedTuple):
-    """What k rotors do at (...) states.
+    """What k rotors do at (...) states."""
 
-    Attributes
-    ----------
-    force, moment : ndarray, shape (..., k, 3)
-        On the vehicle at the hub, in its frame [N], [N m].
-    thrust, torque : ndarray, shape (..., k)
-        [N], [N m].
-    added_flow : ndarray, shape (..., k)
-        What the other rotors' wakes add to V cos(beta) [m/s]; NaN where it is not known.
-    status : ndarray of str, shape (..., k)
-        Of the loads.
-    """
-
-    force: Floats
-    moment: Floats
-    thrust: Floats
-    torque: Floats
-    added_flow: Floats
-    status: NDArray[np.str_]
+    force: Floats  # (..., k, 3) on the vehicle at the hub, in its frame [N]
+    moment: Floats  # (..., k, 3) about the hub [N m]
+    thrust: Floats  # (..., k) [N]
+    torque: Floats  # (..., k) [N m]
+    added_flow: Floats  # (..., k), by other rotors' wakes to V cos(beta) [m/s]; NaN: not known
+    status: NDArray[np.str_]  # (..., k)
 
 
 class Rotors:
     """All rotors of a vehicle, in each other's wakes where the vehicle has ``wakes``.
 
-    Parameters
-    ----------
-    vehicle : Vehicle
-        Where they are.
-    sources : list of (LoadSource, ndarray of int)
-        What gives the loads of which rotors.
-    attached : Rotor, optional
-        Whose ``attached_thrust`` makes the wakes; by default it is the thrust of the sources, which
-        takes their loads twice.
-
-    Raises
-    ------
-    InputError
-        Where there are wakes and two rotors are in one place.
+    ``sources`` give the loads of which rotors; ``attached`` is the rotor whose ``attached_thrust``
+    makes the wakes, by default the thrust of the sources, which takes their loads twice.  Raises
+    ``InputError`` where there are wakes and two rotors are in one place.
     """
 
     def __init__(self, vehicle: Vehicle, sources: Sources, attached: Rotor | None = None) -> None:
@@ -101,12 +74,9 @@ class Rotors:
 
     @classmethod
     def of(cls, vehicle: Vehicle, loads: LoadSource) -> Rotors:
-        """The rotors with loads from a ``Rotor``, of whose model they are, or from a table.
+        """Make the rotors with loads from a ``Rotor``, of whose model they are, or from a table.
 
-        Raises
-        ------
-        InputError
-            Where the propeller or the air is another than the vehicle's.
+        Raises ``InputError`` where the propeller or the air is another than the vehicle's.
         """
         if not isinstance(loads, LoadSource):
             raise InputError(
@@ -125,18 +95,13 @@ class Rotors:
         return cls(vehicle, every, loads if vehicle.wakes is not None else None)
 
     def moment(self, force: Floats, moment: Floats) -> Floats:
-        """About the centre of mass, (..., k, 3) [N m], of what acts at the hubs."""
+        """Return moments (..., k, 3) [N m] about the centre of mass of what acts at the hubs."""
         return moment + cross(self.position, force)
 
     def wrenches(self, omega: Floats, velocity: Floats) -> RotorWrenches:
-        """Force and moment of each rotor.
+        """Return force and moment of each rotor at ``omega`` (..., k) [rad/s].
 
-        Parameters
-        ----------
-        omega : ndarray, shape (..., k)
-            [rad/s].
-        velocity : ndarray, shape (..., k, 3)
-            Of the hubs through the air, in the vehicle's frame [m/s].
+        The hubs move at ``velocity`` (..., k, 3) through the air, in the vehicle's frame [m/s].
         """
         flow = self._flow(omega, velocity)
         added = np.zeros_like(flow.omega)
@@ -146,29 +111,18 @@ class Rotors:
             alone = self._alone(flow)
             added = alone.known(added_flow(self.vehicle, self.wakes, flow, alone.thrust))
             loads, status = self._in_wakes(flow, added, alone)
-        return _told(flow, loads, added, status, omega.shape)
+        return _as_wrenches(flow, loads, added, status, omega.shape)
 
     def around(
         self, omega: Floats, velocity: Floats, change: float
     ) -> tuple[RotorWrenches, Floats, Floats]:
-        """Force and moment of each rotor in some motions, and what its speed does to those of all.
+        """Return each rotor's wrench in s motions, and what its speed does to the wrenches of all.
 
-        Parameters
-        ----------
-        omega : ndarray, shape (n, k)
-            [rad/s], alike in all motions.
-        velocity : ndarray, shape (s, n, k, 3)
-            Of the hubs in s motions; in the first, the rotor speeds change.
-        change : float
-            Of a rotor speed in a difference quotient, as a share.
-
-        Returns
-        -------
-        wrenches : RotorWrenches
-            Of shapes (s, n, ...).
-        force, moment : ndarray, shape (n, k, 3)
-            Derivatives by the speed of each rotor of the force and of the moment about the centre
-            of mass, with the wakes that change [N s], [N m s].
+        Rotor speeds ``omega`` (n, k) [rad/s] are those of all motions, whose hubs move at
+        ``velocity`` (s, n, k, 3) [m/s]; ``change`` is the relative step of a difference quotient by
+        a rotor speed.  The derivatives (n, k, 3) by the speed of each rotor are of the force [N s]
+        and of the moment about the centre of mass [N m s], in the first motion, with the wakes that
+        change.
         """
         s, n, k = velocity.shape[:3]
         first, faster = np.arange(n), np.arange(s * n, (s + 1) * n)
@@ -200,106 +154,93 @@ class Rotors:
             force = force + np.einsum("ntj,nts->nsj", push, by_speed)
             moment = moment + np.einsum("ntj,nts->nsj", self.moment(push, turn), by_speed)
         motions = slice(s * n)
-        found = (flow.part(motions), loads[:, motions], added[motions], status[motions])
-        return _told(*found, (s, n, k)), force, moment
+        wrenches = _as_wrenches(
+            flow.part(motions), loads[:, motions], added[motions], status[motions], (s, n, k)
+        )
+        return wrenches, force, moment
 
     def changed(self, changes: Sources, omega: Floats, velocity: Floats) -> RotorWrenches:
-        """What ``changes`` of the loads, to first order, do to force and moment of each rotor.
+        """Return what ``changes`` of the loads do to each rotor's force and moment, to first order.
 
-        Where there are wakes, they change with the thrusts, attached or not.
-
-        Parameters
-        ----------
-        changes : list of (LoadSource, ndarray of int)
-            Changes of the loads at given operating points, and of which rotors they are.
-        omega, velocity : ndarray, shape (n, k) and (n, k, 3)
-            As for ``wrenches``.
+        Where there are wakes, they change with the thrusts, attached or not; ``omega`` (n, k) and
+        ``velocity`` (n, k, 3) are those of ``wrenches``.
         """
         flow = self._flow(omega, velocity)
         added = np.zeros_like(flow.omega)
         if self.wakes is None:
             loads, status = loads_at_hubs(changes, flow)
-            return _told(flow, loads, added, status, omega.shape)
+            return _as_wrenches(flow, loads, added, status, omega.shape)
         alone = self._alone(flow)
         wake = wake_flow(self.vehicle, self.wakes, flow, alone.thrust)
         more, less = (
-            loads_at_hubs(self.sources, flow.moved(wake.added + by))[0] for by in (STEP, -STEP)
+            loads_at_hubs(self.sources, flow.perturbed(wake.added + by))[0] for by in (STEP, -STEP)
         )
         # Both in one call: changes are computed once, for one set of points.
         twice = np.tile(np.arange(len(omega)), 2)
-        both = flow.part(twice).moved(np.concatenate([np.zeros_like(added), wake.added]))
+        both = flow.part(twice).perturbed(np.concatenate([np.zeros_like(added), wake.added]))
         every, status = loads_at_hubs(changes, both)
         first, here = every[:, : len(omega)], every[:, len(omega) :]
         follows = np.einsum("nts,ns->nt", wake.by_thrust, first[THRUST])
         loads = here + (more - less) / (2.0 * STEP) * follows
-        return _told(flow, loads, follows, status[len(omega) :], omega.shape)
+        return _as_wrenches(flow, loads, follows, status[len(omega) :], omega.shape)
 
     def _flow(self, omega: Floats, velocity: Floats) -> HubFlow:
-        """At the hubs; leading axes are made one."""
+        """Find the flow at the hubs; leading axes are made one."""
         k = len(self)
         return flow_of_hubs(self.vehicle, omega.reshape(-1, k), velocity.reshape(-1, k, 3))
 
-    def _alone(self, flow: HubFlow) -> _Alone:
-        """What the rotors do without each other's wakes."""
+    def _alone(self, flow: HubFlow) -> _Isolated:
+        """Find the thrust of the rotors without each other's wakes."""
         if self._attached is None:
             loads, status = loads_at_hubs(self.sources, flow)
-            return _Alone(np.nan_to_num(loads[THRUST]), np.isnan(loads[THRUST]), status)
+            return _Isolated(np.nan_to_num(loads[THRUST]), np.isnan(loads[THRUST]), status)
         thrust, _ = self._attached.attached_thrust(flow.omega, flow.axial, flow.inplane)
-        return _Alone(thrust, np.zeros(thrust.shape, bool), np.full(thrust.shape, SEVERITY[0]))
+        return _Isolated(thrust, np.zeros(thrust.shape, bool), np.full(thrust.shape, SEVERITY[0]))
 
     def _in_wakes(
-        self, flow: HubFlow, added: Floats, alone: _Alone
+        self, flow: HubFlow, added: Floats, alone: _Isolated
     ) -> tuple[Floats, NDArray[np.str_]]:
-        """Loads and their status with ``added`` (n, k) axial flow [m/s]."""
-        loads, found = loads_at_hubs(self.sources, flow.moved(np.nan_to_num(added)))
+        """Return loads and their status with ``added`` (n, k) axial flow [m/s]."""
+        loads, found = loads_at_hubs(self.sources, flow.perturbed(np.nan_to_num(added)))
         lost = np.isnan(added)
         found = np.where(lost, worst(alone.status)[:, None], found)
         return np.where(lost, np.nan, loads), found
 
 
-class _Alone(NamedTuple):
-    """Thrust that makes the wakes, where it is not known, and the rotors' status, (n, k) each."""
+class _Isolated(NamedTuple):
+    """Thrust that makes the wakes, where it is not known, and the status; (n, k) each."""
 
     thrust: Floats
     lost: NDArray[np.bool_]
     status: NDArray[np.str_]
 
-    def part(self, which: NDArray[np.intp]) -> _Alone:
-        """Some states."""
-        return _Alone(self.thrust[which], self.lost[which], self.status[which])
+    def part(self, which: NDArray[np.intp]) -> _Isolated:
+        """Return some states."""
+        return _Isolated(self.thrust[which], self.lost[which], self.status[which])
 
     def known(self, added: Floats) -> Floats:
-        """The ``added`` flow, NaN where the thrust of another rotor is not known."""
+        """Return the ``added`` flow, NaN where the thrust of another rotor is not known."""
         others = self.lost.sum(axis=1, keepdims=True) - self.lost
         return np.where(others > 0, np.nan, added)
 
 
-def _told(
+def _as_wrenches(
     flow: HubFlow,
     loads: Floats,
     added: Floats,
     status: NDArray[np.str_],
     shape: tuple[int, ...],
 ) -> RotorWrenches:
-    """Loads (L, n, k) as vectors, of the ``shape`` (..., k) that was asked for."""
+    """Return loads (L, n, k) as vectors, of the ``shape`` (..., k) that was asked for."""
     force, moment = (values.reshape(*shape, 3) for values in hub_wrenches(flow, loads))
     thrust, torque = loads[THRUST].reshape(shape), loads[TORQUE].reshape(shape)
     return RotorWrenches(force, moment, thrust, torque, added.reshape(shape), status.reshape(shape))
 
 
-# -------------------------------------------------------------------------------------------------
-# The models of a vehicle's rotors, which differ in what they are mounted on.
-
-
 def mounted_rotors(vehicle: Vehicle, model: Model) -> list[tuple[Model, NDArray[np.intp]]]:
-    """Each model that some of the rotors have, and their indices.
+    """List each model that some of the rotors have, by what they are mounted on, and their indices.
 
-    Parameters
-    ----------
-    vehicle : Vehicle
-        Tells what its rotors are mounted on.
-    model : Model
-        Of a rotor of which it tells nothing.
+    ``model`` is that of a rotor of which the vehicle says nothing.
     """
     drags = [mount.drag for mount in vehicle.mounts]
     return [
@@ -314,14 +255,7 @@ def mounted_rotors(vehicle: Vehicle, model: Model) -> list[tuple[Model, NDArray[
 # -------------------------------------------------------------------------------------------------
 # Loads of a vehicle's rotors from what gives them: a rotor, a table or the hover model.
 
-SEVERITY = (
-    *STATUSES[:-1],
-    "unresolved",
-    "clamped",
-    STATUSES[-1],
-    "no_value",
-    "outside",
-)
+SEVERITY = (*STATUSES[:-1], "unresolved", "clamped", STATUSES[-1], "no_value", "outside")
 """Statuses of rotors and of tables, from harmless to fatal."""
 
 
@@ -330,7 +264,7 @@ class LoadSource(Protocol):
     """What gives loads for a velocity in the rotor frame, as ``Rotor`` and ``LoadTable`` do."""
 
     def loads_at_velocity(self, omega: Any, velocity: Any) -> Any:
-        """Loads with a ``status``."""
+        """Return loads with a ``status``."""
         ...
 
 
@@ -339,7 +273,7 @@ Sources = list[tuple[LoadSource, NDArray[np.intp]]]
 
 
 def loads_at_hubs(sources: Sources, flow: HubFlow) -> tuple[Floats, NDArray[np.str_]]:
-    """Loads (L, n, k) of the ``sources`` in the ``flow`` at the hubs, and their status (n, k)."""
+    """Return loads (L, n, k) of the ``sources`` in the ``flow``, and their status (n, k)."""
     loads = np.empty((len(LOADS), *flow.omega.shape))
     status = np.empty(flow.omega.shape, dtype="<U16")
     for source, mine in sources:
@@ -347,27 +281,33 @@ def loads_at_hubs(sources: Sources, flow: HubFlow) -> tuple[Floats, NDArray[np.s
         if not parts[0].size:
             continue
         # Half the rotors of a symmetric vehicle see what the other half sees.
-        once, where = _apart(np.stack(parts, axis=-1).reshape(-1, 3))
+        once, where = _distinct(np.stack(parts, axis=-1).reshape(-1, 3))
         where = where.reshape(parts[0].shape)
         omega, across, along = once.T
-        velocity = np.stack([across, np.zeros_like(across), along], axis=1)
-        found = source.loads_at_velocity(omega, velocity)
-        for rows, name in zip(loads, LOADS, strict=True):
-            rows[:, mine] = np.asarray(getattr(found, name))[where]
-        status[:, mine] = np.asarray(found.status)[where]
+        found, words = load_rows(source, omega, along, across)
+        loads[:, :, mine], status[:, mine] = found[:, where], words[where]
     return loads, status
 
 
+def load_rows(
+    source: LoadSource, omega: Floats, axial: Floats, inplane: Floats
+) -> tuple[Floats, NDArray[np.str_]]:
+    """Return loads (L, N) of a ``source`` in the order of ``LOADS``, and their status (N,)."""
+    velocity = np.stack([inplane, np.zeros_like(inplane), axial], axis=1)
+    found = source.loads_at_velocity(omega, velocity)
+    return np.stack([getattr(found, name) for name in LOADS]), np.asarray(found.status)
+
+
 def worst(status: NDArray[np.str_]) -> NDArray[np.str_]:
-    """The worst ``status`` (..., k) of all rotors, (...)."""
+    """Return the worst ``status`` (..., k) of all rotors, (...)."""
     names = np.array(SEVERITY)
     order = np.argsort(names)
     rank = order[np.searchsorted(names, status, sorter=order)]
     return np.asarray(names[rank.max(axis=-1)])
 
 
-def _apart(points: Floats) -> tuple[Floats, NDArray[np.intp]]:
-    """The distinct rows of points (n, 3), but for rounding, and which of them each one is."""
+def _distinct(points: Floats) -> tuple[Floats, NDArray[np.intp]]:
+    """Return the distinct rows of points (n, 3), but for rounding, and which each one is."""
     size = np.maximum(np.abs(points).max(axis=0, initial=0.0), 1e-30)
     rounded = np.round(points / size, 11) + 0.0
     order = np.lexsort(rounded.T)

@@ -164,7 +164,14 @@ class Vehicle:
         if not self.mounts:
             raise InputError("the vehicle has no rotor", "add a [[rotors]] table per rotor")
         if self.inertia is not None:
-            _check_inertia(self.inertia)
+            largest, what = max(self.inertia), f"inertia is {list(self.inertia)} kg m^2"
+            if not min(self.inertia) > 0.0:
+                raise InputError(what, "give three numbers above zero, or leave it out")
+            if largest > (sum(self.inertia) - largest) * 1.001:
+                raise InputError(
+                    f"{what}, one of which is more than the other two together",
+                    "check the order [about x, about y, about z] and the units",
+                )
         if not 0.0 <= self.rotor_inertia < 0.1 * self.mass:
             raise InputError(
                 f"rotor_inertia is {self.rotor_inertia:g} kg m^2",
@@ -209,17 +216,3 @@ class Vehicle:
         from propmap.vehicle.vehicle_forces import VehicleForces
 
         return VehicleForces(self, loads).wrench(omegas, velocity, rates, wind)
-
-
-def _check_inertia(inertia: Vector) -> None:
-    """Raise ``InputError`` for moments of inertia that no body has."""
-    x, y, z = inertia
-    if not min(inertia) > 0.0:
-        raise InputError(
-            f"inertia is {list(inertia)} kg m^2", "give three numbers above zero, or leave it out"
-        )
-    if max(inertia) > (x + y + z - max(inertia)) * 1.001:
-        raise InputError(
-            f"inertia is {list(inertia)} kg m^2, one of which is more than the other two together",
-            "check the order [about x, about y, about z] and the units",
-        )

@@ -19,10 +19,6 @@ if TYPE_CHECKING:
     from propmap.vehicle.vehicle import Body, Vehicle, Wing
 
 
-# -------------------------------------------------------------------------------------------------
-# Force and moment of the air on a whole vehicle: rotors on their mounts, body and wing.
-
-
 @dataclass(frozen=True, eq=False)
 class VehicleWrench:
     """Force and moment of the air on a vehicle of k rotors at (...) states, in its frame.
@@ -114,15 +110,25 @@ class VehicleForces:
             For other shapes, for negative rotor speeds, and for what is not finite.
         """
         k = len(self._rotors)
-        omega = _last_axis("omegas", rates_of("omegas", omegas), k, f"speeds of the {k} rotors")
         vectors = {"velocity": velocity, "rates": rates, "wind": wind}
-        given = [
-            _last_axis(name, broadcast(**{name: vector})[0], 3, "x, y, z")
-            for name, vector in vectors.items()
-        ]
-        shape = _leading({"omegas": omega, **dict(zip(vectors, given, strict=True))})
-        omega = np.broadcast_to(omega, (*shape, k))
-        moving, turning, air = (np.broadcast_to(vector, (*shape, 3)) for vector in given)
+        given = {"omegas": rates_of("omegas", omegas)}
+        given |= {name: broadcast(**{name: vector})[0] for name, vector in vectors.items()}
+        for name, array in given.items():
+            count, what = (3, "x, y, z") if name in vectors else (k, f"speeds of the {k} rotors")
+            if array.ndim == 0 or array.shape[-1] != count:
+                raise InputError(
+                    f"{name} has shape {array.shape}", f"its last axis must hold the {what}"
+                )
+        try:
+            shape = np.broadcast_shapes(*(array.shape[:-1] for array in given.values()))
+        except ValueError:
+            shapes = ", ".join(f"{name} {array.shape}" for name, array in given.items())
+            raise InputError(
+                f"shapes do not fit together: {shapes}", "all axes but the last must broadcast"
+            ) from None
+        omega, moving, turning, air = (
+            np.broadcast_to(array, (*shape, array.shape[-1])) for array in given.values()
+        )
         through = moving - air
         hubs = through[..., None, :] + np.cross(turning[..., None, :], self._rotors.position)
         found = self._rotors.wrenches(omega, hubs)
@@ -147,44 +153,21 @@ class VehicleForces:
         )
 
 
-def _last_axis(name: str, array: Floats, count: int, what: str) -> Floats:
-    if array.ndim == 0 or array.shape[-1] != count:
-        raise InputError(f"{name} has shape {array.shape}", f"its last axis must hold the {what}")
-    return array
-
-
-def _leading(arrays: dict[str, Floats]) -> tuple[int, ...]:
-    try:
-        return np.broadcast_shapes(*(array.shape[:-1] for array in arrays.values()))
-    except ValueError:
-        shapes = ", ".join(f"{name} {array.shape}" for name, array in arrays.items())
-        raise InputError(
-            f"shapes do not fit together: {shapes}", "all axes but the last must broadcast"
-        ) from None
-
-
 # -------------------------------------------------------------------------------------------------
 # Force of a body and a wing in the free stream: section III.A and footnote 4 of the paper.
 
 
 def free_stream_force(body: Body, wing: Wing | None, density: float, velocity: Floats) -> Floats:
-    """Force of both in the vehicle's frame [N], of the velocity's shape.
+    """Return the force of body and wing [N] at a ``velocity`` (..., 3) through the air [m/s].
 
-    Parameters
-    ----------
-    body, wing : Body, Wing or None
-        What is in the flow.
-    density : float
-        Of the air [kg/m^3].
-    velocity : ndarray, shape (..., 3)
-        Through the air, in the vehicle's frame [m/s].
+    Both are in the vehicle's frame; ``density`` is that of the air [kg/m^3].
     """
     force = body_force(body, density, velocity)
     return force if wing is None else force + wing_force(wing, density, velocity)
 
 
 def body_force(body: Body, density: float, velocity: Floats) -> Floats:
-    """Drag, lift and download of a ``body``; ``density`` and ``velocity`` as above."""
+    """Return drag, lift and download of a ``body``, as in ``free_stream_force``."""
     angle, speed, across = _in_plane_of_symmetry(velocity)
     lift = body.lift_area * np.sin(angle) * np.cos(angle)
     drag = 0.5 * density * np.array(body.drag_area) * np.abs(velocity) * velocity
@@ -194,7 +177,7 @@ def body_force(body: Body, density: float, velocity: Floats) -> Floats:
 
 
 def wing_force(wing: Wing, density: float, velocity: Floats) -> Floats:
-    """Lift of a ``wing`` and its induced drag; ``density`` and ``velocity`` as above."""
+    """Return lift of a ``wing`` and its induced drag, as in ``free_stream_force``."""
     angle, speed, across = _in_plane_of_symmetry(velocity)
     lift = wing_lift(wing, angle + wing.incidence)
     force = lift[..., None] * across
@@ -206,15 +189,17 @@ def wing_force(wing: Wing, density: float, velocity: Floats) -> Floats:
 
 
 def wing_lift(wing: Wing, angle: Floats) -> Floats:
-    """Lift of a ``wing`` over the dynamic pressure [m^2] at an ``angle`` of attack [rad]."""
+    """Return lift over dynamic pressure [m^2] of a ``wing`` at an ``angle`` of attack [rad]."""
     section = Airfoil(c_l1=wing.c_l1, c_l2=wing.c_l2, c_d=0.0, alpha_0=wing.alpha_0)
     lift, _ = section.coefficients(angle, 1.0)  # eq. (3), which does not depend on Re
     return wing.area * lift
 
 
 def _in_plane_of_symmetry(velocity: Floats) -> tuple[Floats, Floats, Floats]:
-    """Angle of attack [rad], positive where the air comes from below, the speed V [m/s] there, and
-    V times the unit vector across the flow (-v_z, 0, v_x)/V."""
+    """Return angle of attack [rad], speed V [m/s], and V times the unit vector across the flow.
+
+    That is (-v_z, 0, v_x)/V; the angle is positive where the air comes from below.
+    """
     x, z = velocity[..., 0], velocity[..., 2]
     angle = np.arctan2(-z, x)
     return angle, np.hypot(x, z), np.stack([-z, np.zeros_like(angle), x], axis=-1)
