@@ -26,7 +26,7 @@ WORDS = {
 """Statuses of legs in words."""
 
 MOMENTS = 13
-"""Of each leg, at which its course is told."""
+"""Moments of each leg, at which its course is known."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,7 +94,7 @@ class Flown:
 
     @property
     def charge(self) -> Floats:
-        """At the end of each leg, NaN from the first that cannot be flown."""
+        """State of charge at the end of each leg, NaN from the first that cannot be flown."""
         return self.course.charge[:, -1]
 
     @property
@@ -102,8 +102,8 @@ class Flown:
         """Which legs could be flown to their end."""
         return np.isin(self.status, FLOWN)
 
-    def told(self, leg: int) -> str:
-        """The status of the ``leg`` number 0, 1, ... in words."""
+    def status_in_words(self, leg: int) -> str:
+        """Return the status of the ``leg`` number 0, 1, ... in words."""
         return WORDS[str(self.status[leg])]
 
 
@@ -117,6 +117,11 @@ def fly(aircraft: Aircraft, mission: Mission) -> Flown:
     ----------
     aircraft, mission : Aircraft, Mission
         What flies what.
+
+    Returns
+    -------
+    Flown
+        Of n legs.
     """
     states = aircraft.steady(mission.speed, mission.climb, margin=False)
     battery, n = aircraft.vehicle.powertrain.battery, len(states)
@@ -154,12 +159,17 @@ def fly(aircraft: Aircraft, mission: Mission) -> Flown:
 
 
 def read_mission(path: str | os.PathLike[str]) -> Mission:
-    """Legs from a CSV file with the columns ``speed_mps``, ``climb_mps``, ``duration_s``.
+    """Read legs from a CSV file with the columns ``speed_mps``, ``climb_mps``, ``duration_s``.
 
     Parameters
     ----------
     path : path
         Of the file, in any dialect of ``propmap.io.csv``.
+
+    Returns
+    -------
+    Mission
+        Of the legs, in order.
 
     Raises
     ------
