@@ -214,7 +214,7 @@ class Ranking:
         )
 
     def deviation(self, judged: Judged) -> float:
-        """Return the score's standard deviation, to first order; NaN if not known."""
+        """Return the first-order standard deviation of the score of ``judged``, or NaN."""
         if not judged.feasible or judged.candidate.covariance is None:
             return math.nan
         changes = [self._score_of(one) - judged.score for one in judged.candidate.varied()]

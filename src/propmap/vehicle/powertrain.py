@@ -320,17 +320,17 @@ class Battery:
             return 2.0 * power / (voltage + np.sqrt(np.where(left >= 0.0, left, np.nan)))
 
     def voltage(self, power: Floats, charge: Floats) -> Floats:
-        """Return the voltage [V] at the terminals while it delivers ``power`` [W]."""
+        """Return the voltage [V] while it delivers ``power`` [W] at this ``charge``."""
         current = self.current(power, charge)
         return self.open_circuit_voltage(charge) - self.resistance * current
 
     def voltage_or_least(self, power: Floats, charge: Floats) -> Floats:
-        """Return ``voltage``, or that at the largest power where there is none."""
+        """Return the voltage at ``power`` and ``charge``, or at the largest power."""
         least = 0.5 * self.open_circuit_voltage(charge)
         return np.where(np.isnan(found := self.voltage(power, charge)), least, found)
 
     def share_used(self, power: Floats, charge: Floats) -> Floats:
-        """Return the share of the largest power or current that ``power`` takes."""
+        """Return the share of the largest power or current that ``power`` at ``charge`` takes."""
         voltage = self.open_circuit_voltage(charge)
         of_power = 4.0 * self.resistance * np.maximum(power, 0.0) / voltage**2
         current = np.nan_to_num(self.current(power, charge), nan=0.0)
