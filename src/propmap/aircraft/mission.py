@@ -25,8 +25,7 @@ WORDS = {
 }
 """Statuses of legs in words."""
 
-MOMENTS = 13
-"""Moments of each leg, at which its course is known."""
+MOMENTS = 13  # moments of each leg, at which its course is known
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,9 +15,7 @@ from propmap.errors import InputError
 from propmap.typing import Floats
 from propmap.vehicle.powertrain import RPM
 
-TOP = 3
-"""Number of the top speed among the states with a name."""
-
+TOP = 3  # number of the top speed among the states with a name
 SPEEDS, BETWEEN = 41, 13
 """At which power is looked at, from rest to the top speed; and between the neighbours of the least
 of these."""
@@ -237,12 +235,8 @@ def _lowest(x: Floats, y: Floats) -> float:
 BEYOND = 1.3
 """Ratio of the speeds at which the top speed is looked for beyond those that were asked for."""
 
-FASTEST = 150.0
-"""[m/s] up to which it is looked for."""
-
-STEPS = 40
-"""Steps of a search for the top speed, at most."""
-
+FASTEST = 150.0  # [m/s] up to which it is looked for
+STEPS = 40  # steps of a search for the top speed, at most
 CLOSE, NARROW = 2e-3, 0.1
 """The interval with the top speed is narrowed until it is so small a share of it, each time to so
 much about where the share of the limit is likely to reach 1."""

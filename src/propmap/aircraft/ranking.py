@@ -460,8 +460,7 @@ UNITS = {"energy": "W", "time": "s", "range": "m", "speed": "m/s"}
 ENERGIES = {"cruise": "J/m", "mission": "J"}
 """Of scores: of the measures, and of the energy of tasks that are not held."""
 
-SPEED = 10.0
-"""[m/s] at which propellers are looked at besides hover where no speed is asked for."""
+SPEED = 10.0  # [m/s] at which propellers are looked at besides hover where no speed is asked for
 
 
 @dataclass(frozen=True, eq=False)

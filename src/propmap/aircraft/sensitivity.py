@@ -265,8 +265,7 @@ STEP = 1e-2
 torques, speeds over 1 m/s.  Loads jump by some 1e-4 of their size at isolated points, which a much
 smaller step would make the most of a quotient."""
 
-SMOOTH_STEP = 1e-5
-"""The same where the loads are linear: what is left is smooth."""
+SMOOTH_STEP = 1e-5  # the same where the loads are linear: what is left is smooth
 
 ChangesAt = Callable[[FlowPoints], Floats]
 """D changes of the L loads at N operating points, (D, L, N)."""

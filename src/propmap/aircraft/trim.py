@@ -33,9 +33,7 @@ STEEPEST_BANK = math.radians(80.0)
 SOLVED, ACCEPTED = 1e-10, 1e-8
 """Unbalanced share of the weight at which the search ends, and up to which a state is balanced."""
 
-EXTRAPOLATED = 2.0
-"""Intervals of known states over which a search begins on their line, at most."""
-
+EXTRAPOLATED = 2.0  # intervals of known states over which a search begins on their line, at most
 SLOWEST, FASTEST = 0.2, 20.0
 """Least and largest factor on rotor speeds at which the thrust margin is looked for."""
 
@@ -270,14 +268,9 @@ class Aircraft:
 # -------------------------------------------------------------------------------------------------
 # Forces and moments on a vehicle in steady flight, and the attitude that balances them.
 
-CHANGE = 1e-4
-"""Step of a difference quotient, of angles [rad] and of the logarithm of rotor speed."""
-
-LONGEST_TURN = 0.25
-"""Largest change of pitch and of roll in one step [rad]."""
-
-LONGEST_CHANGE = 0.4
-"""Largest change in one step of a squared rotor speed, as a share."""
+CHANGE = 1e-4  # step of a difference quotient, of angles [rad] and of the logarithm of rotor speed
+LONGEST_TURN = 0.25  # largest change of pitch and of roll in one step [rad]
+LONGEST_CHANGE = 0.4  # largest change in one step of a squared rotor speed, as a share
 
 
 class SteadyFlight(NamedTuple):
@@ -501,15 +494,12 @@ def controls(rotors: Rotors, arm_of_torque: float) -> Controls:
 
 ITERATIONS = 40
 
-SHORTEST = 1.0 / 32.0
-"""Share of a step below which the search of a system ends."""
-
+SHORTEST = 1.0 / 32.0  # share of a step below which the search of a system ends
 NEAR = 1e-2
 """Norm of a residual below which derivatives are kept up by what steps do, by Broyden's rule: they
 cost as much as three residuals."""
 
-RESTARTS = 10
-"""Times, at most, that systems without a solution begin anew at their neighbours'."""
+RESTARTS = 10  # times, at most, that systems without a solution begin anew at their neighbours'
 
 Linearised = Callable[[Floats, NDArray[np.intp]], tuple[Floats, Floats]]
 """Residuals (m, u) and their derivatives (m, u, u), of unknowns (m, u) of the systems of these
@@ -600,14 +590,9 @@ def _followed(inverse: Floats, step: Floats, change: Floats) -> Floats:
 # -------------------------------------------------------------------------------------------------
 # Flight on a wing: where a search for it begins, and the speed below which the wing stalls.
 
-ATTACHED = 0.6
-"""Of ``alpha_0``: the largest angle of attack at which a search begins."""
-
-ADVANCE = 0.2
-"""Speed over tip speed at which it begins."""
-
-ANGLES = 181
-"""At which the largest lift is looked for, from 0 to twice ``alpha_0``."""
+ATTACHED = 0.6  # of ``alpha_0``: the largest angle of attack at which a search begins
+ADVANCE = 0.2  # speed over tip speed at which it begins
+ANGLES = 181  # at which the largest lift is looked for, from 0 to twice ``alpha_0``
 
 
 def on_the_wing(balance: SteadyBalance, wing: Wing, flight: SteadyFlight) -> Floats:
@@ -714,9 +699,7 @@ with the speed."""
 
 NOT_FOUND, STALL, OUTSIDE_TABLE = "no_trim", "stall", "outside_table"
 VORTEX_RING, COARSE = "vortex_ring", "coarse"
-FLOWN = ("ok", COARSE, VORTEX_RING)
-"""Statuses of states with numbers."""
-
+FLOWN = ("ok", COARSE, VORTEX_RING)  # statuses of states with numbers
 STATUSES = {
     "ok": "found, within every limit",
     COARSE: f"found, but the loads jump past the balance, by less than {JUMP:.1%} of the weight",

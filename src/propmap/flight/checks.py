@@ -24,15 +24,9 @@ if TYPE_CHECKING:
 # -------------------------------------------------------------------------------------------------
 # Whether the rotor speeds of a log can carry the vehicle: unit errors show in hover.
 
-SLOW = 3.0
-"""Speed [m/s] below which the hover model serves."""
-
-QUIET = 0.1
-"""Share of g by which the specific force may differ from it."""
-
-FEWEST_SLOW = 20
-"""Samples of slow flight, below which there is too little of it."""
-
+SLOW = 3.0  # speed [m/s] below which the hover model serves
+QUIET = 0.1  # share of g by which the specific force may differ from it
+FEWEST_SLOW = 20  # samples of slow flight, below which there is too little of it
 NEAR_UNIT, NEAR_PAIRS = Range(0.75, 1.25), Range(0.9, 1.1)
 """Speeds over those that carry the weight, once corrected.  A nominal section law and a roughly
 known blade give the thrust to about 50 %, the speed to 25 %; several numbers of pole pairs then fit
@@ -40,8 +34,7 @@ and the nearest is named, but few pairs must fit closely, as 2 is near 1."""
 
 POLE_PAIRS = {str(count): float(count) for count in range(2, 15)}
 
-CARRIED = Range(0.4, 2.5)
-"""Thrust over the weight outside which a warning is due."""
+CARRIED = Range(0.4, 2.5)  # thrust over the weight outside which a warning is due
 
 
 def check_rotor_speed(
@@ -146,9 +139,7 @@ BAND = (1.0, 6.0)
 """Frequencies [Hz] in which moments of the rotors turn the vehicle: slower ones, the air's turn it
 as well; faster ones, motor controllers lag."""
 
-MOST_ROTORS = 6
-"""Rotors up to which all orders are tried."""
-
+MOST_ROTORS = 6  # rotors up to which all orders are tried
 WRONG_ORDER, RIGHT_ORDER = 0.3, 0.7
 """Correlation of moment and angular acceleration below which an order is wrong, and above which
 another one is right."""

@@ -37,12 +37,8 @@ from propmap.vehicle.vehicle import Vehicle
 # -------------------------------------------------------------------------------------------------
 # Operating points flown one after the other, as a log with the noise of its sensors.
 
-HARDEST = 2.0
-"""Largest acceleration [m/s^2] from one speed to the next."""
-
-SHORTEST = 0.5
-"""Least time [s] from one speed to the next."""
-
+HARDEST = 2.0  # largest acceleration [m/s^2] from one speed to the next
+SHORTEST = 0.5  # least time [s] from one speed to the next
 MOST_SAMPLES = 2_000_000
 
 VECTORS = {
@@ -174,18 +170,12 @@ def log_csv(log: FlightLog) -> str:
 # -------------------------------------------------------------------------------------------------
 # Steady level circles of a vehicle whose section law is known: the paper's experiment.
 
-PAPER_RADIUS = 1.7
-"""Length of the tether [m]."""
-
-CHANGE = 1e-5
-"""Step of an unknown in a difference quotient; the forces are computed to about 1e-12."""
-
+PAPER_RADIUS = 1.7  # length of the tether [m]
+CHANGE = 1e-5  # step of an unknown in a difference quotient; the forces are computed to about 1e-12
 LONGEST_STEPS = (0.3, 0.2, 0.2)
 """Largest change in one step of the logarithm of the rotor speed, of pitch, of roll [rad]."""
 
-STEEPEST = 1.4
-"""Largest pitch and roll [rad]."""
-
+STEEPEST = 1.4  # largest pitch and roll [rad]
 EXACT, ACCEPTED = 1e-9, 1e-4
 """Unbalanced force as a share of the weight: the search ends below the first; up to the second is
 accepted, as the forces jump where the number of azimuths, which depends on the speed, changes."""

@@ -22,17 +22,12 @@ from propmap.vehicle.vehicle import Vehicle
 # -------------------------------------------------------------------------------------------------
 # Stretches of a flight in which nothing changes, and the operating points they give.
 
-MOVING = 1.0
-"""Speed [m/s] above which a vehicle is certainly not on the ground."""
-
-IDLE = 0.3
-"""Share of the usual thrust below which the rotors do not carry the vehicle."""
-
+MOVING = 1.0  # speed [m/s] above which a vehicle is certainly not on the ground
+IDLE = 0.3  # share of the usual thrust below which the rotors do not carry the vehicle
 SMOOTHING = 0.25
 """Time [s] over which signals are averaged before their range is taken: noise is no change."""
 
-RESOLUTION = 1e-3
-"""Time [s] to which the longest stretch is found where there is no steady one."""
+RESOLUTION = 1e-3  # time [s] to which the longest stretch is found where there is no steady one
 
 
 @dataclass(frozen=True, eq=False)
@@ -213,8 +208,7 @@ REQUIRED = ("speed_mps", "pitch_deg")
 OPTIONAL = ("roll_deg", "climb_mps", "yaw_rate_dps")
 RPM_COLUMN = re.compile(r"rpm_[1-9][0-9]*")
 
-STEEPEST = 85.0
-"""Pitch and roll [deg], beyond which no flight is steady."""
+STEEPEST = 85.0  # pitch and roll [deg], beyond which no flight is steady
 
 
 def read_level_table(path: str | os.PathLike[str], vehicle: Vehicle) -> FlightLog:

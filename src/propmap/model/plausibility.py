@@ -195,15 +195,12 @@ SPEED_OF_SOUND = 340.3  # [m/s] at 15 degrees Celsius (ICAO Doc 7488/3, 1993); 8
 FAST_TIP_MACH = 0.75
 """Above it the drag of thick sections rises steeply, which no section law here has."""
 
-PITCH_STATION = 0.75
-"""Share of the radius at which chord and twist stand for the blade."""
-
+PITCH_STATION = 0.75  # share of the radius at which chord and twist stand for the blade
 PULLING, WINDMILLING = 1.6, 2.0
 """Axial speed over that of a screw with the blade's pitch, up to which a propeller pulls (measured
 1.35 at a quarter of the largest thrust), and beyond which it is a windmill."""
 
-RADIANS_WITHIN = 1e-3
-"""Closeness to a multiple of 5 degrees in radians."""
+RADIANS_WITHIN = 1e-3  # closeness to a multiple of 5 degrees in radians
 
 
 # -------------------------------------------------------------------------------------------------
@@ -384,12 +381,8 @@ IMPOSSIBLE_COEFFICIENT = 0.75
 ENERGY_MARGIN = 1.15
 """Ideal power over shaft power, above which no error of measurement explains it."""
 
-WEAK = 0.25
-"""Share of the slow thrust below which rows do not say how far a propeller pulls."""
-
-DRAG_SHARE = 0.02
-"""Drag over thrust that no axial flow has."""
-
+WEAK = 0.25  # share of the slow thrust below which rows do not say how far a propeller pulls
+DRAG_SHARE = 0.02  # drag over thrust that no axial flow has
 AXIAL_KEEPS, EDGEWISE_KEEPS = 0.8, 0.5
 """Of the thrust at rest, the most that is left at 0.7 of the pitch speed along the axis, and the
 least at this speed across it; measured at most 0.52, and more than 1."""

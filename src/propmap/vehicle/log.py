@@ -172,8 +172,7 @@ DERIVATIVE_CUTOFF = 6.0
 """Of the low-pass by default [Hz]: vehicles of up to some kilograms turn within 0.2 s, and rotor
 speeds of motor controllers carry noise above."""
 
-FEWEST_PER_PERIOD = 3.0
-"""Samples per period of the cut-off below which there is nothing to filter."""
+FEWEST_PER_PERIOD = 3.0  # samples per period of the cut-off below which there is nothing to filter
 
 
 def low_passed(log: FlightLog, cutoff: float = DERIVATIVE_CUTOFF) -> FlightLog:
@@ -263,8 +262,7 @@ def low_pass(signal: Floats, relative: float, padding: int, order: int = 2) -> F
 # -------------------------------------------------------------------------------------------------
 # Short names of flights, from those of their files.
 
-TIME_OF_DAY = 6
-"""Digits at the end of a stamp such as 20210218171908."""
+TIME_OF_DAY = 6  # digits at the end of a stamp such as 20210218171908
 
 
 def flight_names(sources: Sequence[str]) -> tuple[str, ...]:
@@ -332,8 +330,7 @@ def continuous(quaternions: Floats) -> Floats:
 # What a log holds, each signal on its own clock, and the samples that cannot be used.
 
 FEWEST_SAMPLES = 10
-MOST_DROPPED = 0.05
-"""Share of a signal's samples that may be unusable before the log is refused."""
+MOST_DROPPED = 0.05  # share of a signal's samples that may be unusable before the log is refused
 
 
 @dataclass(frozen=True, eq=False)
@@ -420,12 +417,8 @@ def _check_count(signal: Signal, count: int, source: str) -> None:
 # -------------------------------------------------------------------------------------------------
 # A recording becomes a flight log: one clock, FLU, rotors in the vehicle's order.
 
-LONGEST_GAP = 0.25
-"""Time [s] between two samples of a signal that are still interpolated."""
-
-FASTER = 1.5
-"""Samples of a signal per time of the common clock from which it is low-passed first."""
-
+LONGEST_GAP = 0.25  # time [s] between two samples of a signal that are still interpolated
+FASTER = 1.5  # samples of a signal per time of the common clock from which it is low-passed first
 CLOCK_CUTOFF, CLOCK_ORDER = 0.4, 4
 """Of that low-pass, per sample of the common clock, and of the Butterworth filter, applied twice:
 what the clock can show passes, vibrations that it would show as something slower do not."""

@@ -63,8 +63,7 @@ twice as large, 1 unrelated, 2 opposite; real flights have 0.001 to 0.01."""
 WINDOW, BROKEN = 2.0, 0.4
 """Stretches [s] that are compared by themselves, and the mismatch from which one is reported."""
 
-MOST_LATE, LATE = 0.6, 0.03
-"""Delays [s] that are tried, and from which a warning is due."""
+MOST_LATE, LATE = 0.6, 0.03  # delays [s] that are tried, and from which a warning is due
 
 
 @dataclass(frozen=True, eq=False)
@@ -209,11 +208,8 @@ def _broken_stretches(recording: Recording, turning: Pair, moving: Pair) -> list
 
 OTHER = {"flu": "frd", "frd": "flu", "enu": "ned", "ned": "enu", "body": "world", "world": "body"}
 
-HALF_TURN = np.array([1.0, -1.0, -1.0])
-"""FLU to FRD and back."""
-
-OFF_TIME = 0.2
-"""Relative error of the time from which it is named."""
+HALF_TURN = np.array([1.0, -1.0, -1.0])  # FLU to FRD and back
+OFF_TIME = 0.2  # relative error of the time from which it is named
 
 
 def mistakes(recording: Recording, turning: Pair) -> Iterator[tuple[str, str, Recording]]:
@@ -336,21 +332,13 @@ def mistakes(recording: Recording, turning: Pair) -> Iterator[tuple[str, str, Re
 # -------------------------------------------------------------------------------------------------
 # Sensors that stood still, reached the end of their range or fell silent.
 
-AT_END = 0.005
-"""Share of samples at the end of a range from which it is reported."""
-
-IN_A_ROW = 3
-"""Samples at an end of the range, one after the other, that are no chance."""
-
+AT_END = 0.005  # share of samples at the end of a range from which it is reported
+IN_A_ROW = 3  # samples at an end of the range, one after the other, that are no chance
 HELD = 0.2
 """Share of samples equal to the one before from which a signal is one that keeps its values."""
 
-WIDE = 2.0
-"""Range [m/s^2] or [rad/s] below which no sensor is at its end."""
-
-MOST_GAPS = 3
-"""Gaps that are listed."""
-
+WIDE = 2.0  # range [m/s^2] or [rad/s] below which no sensor is at its end
+MOST_GAPS = 3  # gaps that are listed
 AXES = "xyz"
 
 

@@ -23,9 +23,7 @@ from propmap.vehicle.log import FlightLog, Recording, Signal, flight_log, quater
 # -------------------------------------------------------------------------------------------------
 # Flight logs as CSV or Parquet, whose columns the vehicle file names.
 
-MOST_SHOWN = 30
-"""Columns of a file that a message lists."""
-
+MOST_SHOWN = 30  # columns of a file that a message lists
 QUANTITIES = ("time", "velocity", "rates", "rotor_speed", "specific_force")
 OPTIONAL = ("specific_force",)
 
@@ -216,9 +214,7 @@ SPECIFIC_FORCE = {
     "vehicle_acceleration": [f"xyz[{k}]" for k in range(3)],
     "sensor_combined": [f"accelerometer_m_s2[{k}]" for k in range(3)],
 }
-ROTORS = "esc_status"
-"""Topics and fields per quantity; the first topic that the log has is used."""
-
+ROTORS = "esc_status"  # topics and fields per quantity; the first topic that the log has is used
 ACCELEROMETER_LATE, NOT_SAMPLED = "accelerometer_timestamp_relative", 2**31 - 1
 """Field of sensor_combined with the time from its stamp to that of the accelerometer [us], and what
 it holds where there is none: PX4's SensorCombined.msg."""

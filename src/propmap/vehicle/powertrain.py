@@ -105,8 +105,7 @@ class Powertrain:
 COPPER = 0.00393
 """[1/K] by which the resistance of copper grows, from that at 20 degrees C: IEC 60028."""
 
-COLD = 20.0
-"""[degrees C] at which the resistance of a data sheet holds."""
+COLD = 20.0  # [degrees C] at which the resistance of a data sheet holds
 
 
 class MotorState(NamedTuple):
@@ -222,9 +221,7 @@ class Motor:
 # -------------------------------------------------------------------------------------------------
 # A lithium-polymer battery: open-circuit voltage by charge, a resistance, a usable share.
 
-NODES, WEIGHTS = np.polynomial.legendre.leggauss(24)
-"""Of the integral over charge."""
-
+NODES, WEIGHTS = np.polynomial.legendre.leggauss(24)  # of the integral over charge
 HALVINGS = 60
 
 

@@ -40,11 +40,8 @@ LARGEST_UPWASH = 0.5
 """Upwash per density of circulation, gain included [-], at most: a wake then moves the air by the
 inflow of its rotor, as a cylinder does at its own surface, the fastest there is outside."""
 
-SLOW = 0.5
-"""In-plane velocity [m/s] about which ahead and beside begin to differ."""
-
-STEPS = 40
-"""Of Newton's method, which is monotone from above."""
+SLOW = 0.5  # in-plane velocity [m/s] about which ahead and beside begin to differ
+STEPS = 40  # of Newton's method, which is monotone from above
 
 
 @dataclass(frozen=True, eq=False)
@@ -353,17 +350,12 @@ def rotor_wrench(flow: HubFlow, loads: Floats) -> tuple[Floats, Floats]:
 # first asked for, in some tenths of a second per pair of rotors that no other pair resembles.
 # Cubic splines go through it, so that the velocity and its slope are continuous.
 
-SKEWS, BEARINGS = 121, 96
-"""Of the table: from straight down to straight up, and around."""
-
+SKEWS, BEARINGS = 121, 96  # of the table: from straight down to straight up, and around
 TABLE_AZIMUTHS = 64
 """Around each ring.  With the core of the sheet the error on the wake's surface is below 1 %."""
 
-RINGS, SPOKES = 4, 8
-"""Of the disk that is averaged: Gauss's radii for equal areas, and angles."""
-
-_BEYOND = 4
-"""Bearings by which the table goes on past a full turn, so that splines close."""
+RINGS, SPOKES = 4, 8  # of the disk that is averaged: Gauss's radii for equal areas, and angles
+_BEYOND = 4  # bearings by which the table goes on past a full turn, so that splines close
 
 
 class SeenWake:
