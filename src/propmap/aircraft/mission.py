@@ -130,7 +130,7 @@ def fly(aircraft: Aircraft, mission: Mission) -> Flown:
     time = (ends - mission.duration)[:, None] + mission.duration[:, None] * moments
     charge, voltage = np.full((2, n, MOMENTS), math.nan)
     if battery is not None:
-        now = aircraft.limits.charge
+        now = aircraft.charge
         least = now - battery.usable_share
         needed = np.max(states.throttle * states.battery_voltage[:, None], axis=1)
         for k in range(n):

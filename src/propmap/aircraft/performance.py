@@ -104,7 +104,7 @@ def endurance(aircraft: Aircraft, states: SteadyStates, more_power: Floats | flo
         return np.full(len(states), math.nan)
     needed = np.max(states.throttle * states.battery_voltage[:, None], axis=1)
     power = states.electrical_power + more_power
-    return battery.endurance(power, needed, aircraft.limits.charge)
+    return battery.endurance(power, needed, aircraft.charge)
 
 
 def performance(

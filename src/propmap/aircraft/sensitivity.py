@@ -395,7 +395,7 @@ class Responses:
         aircraft, balance = self.aircraft, self.aircraft.balance
         (pitch, roll), omega = unknowns.T[:2], np.sqrt(balance.squares(unknowns))
         hubs = balance.motion(pitch, roll, flight)[1]
-        power = aircraft.vehicle.powertrain.driven(torque, omega, aircraft.limits.charge).power
+        power = aircraft.vehicle.powertrain.driven(torque, omega, aircraft.charge).power
         used = aircraft.used(omega, hubs, torque)
         return StateChange(pitch, roll, omega, np.sum(torque * omega, axis=1), power, used)
 

@@ -19,7 +19,6 @@ from propmap.operating_points import broadcast
 from propmap.rotor import Rotor
 from propmap.typing import Floats
 from propmap.vehicle.log import GRAVITY, in_vehicle_frame
-from propmap.vehicle.powertrain import ElectricState, Powertrain
 from propmap.vehicle.rotors import Rotors, RotorWrenches
 from propmap.vehicle.vehicle import Vehicle, Wing
 from propmap.vehicle.vehicle_forces import free_stream_force, wing_lift
@@ -58,7 +57,8 @@ class Aircraft:
     Raises
     ------
     InputError
-        Where the loads are of another propeller or air than the vehicle's.
+        Where the loads are of another propeller or air than the vehicle's, for a charge beyond 0
+        to 1, and for a largest speed that is not positive.
     """
 
     def __init__(
@@ -70,7 +70,11 @@ class Aircraft:
         charge: float = 1.0,
     ) -> None:
         self.vehicle, self.loads = vehicle, loads
-        self.limits = Limits(vehicle.powertrain, maximum_rotor_speed, charge)
+        if not maximum_rotor_speed > 0.0:
+            raise InputError(f"the rotors' largest speed is {maximum_rotor_speed:g}", "give rad/s")
+        if not 0.0 < charge <= 1.0:
+            raise InputError(f"charge is {charge:g}", "give a share, 1 for a full battery")
+        self.maximum_rotor_speed, self.charge = maximum_rotor_speed, charge
         self.rotors = Rotors.of(vehicle, loads)
         self.balance = SteadyBalance(vehicle, self.rotors)
         self._lost = NOT_FOUND if isinstance(loads, Rotor) else OUTSIDE_TABLE
@@ -170,7 +174,7 @@ class Aircraft:
         return states.rotor_speed[flown], hubs
 
     def used(self, omega: Floats, velocity: Floats, torque: Floats) -> dict[str, Floats]:
-        """Return the share of each of ``LIMITS`` that n states use, 1 at the limit, (n,).
+        """Return the share of each of ``LIMITS`` that n states use, (n,); 0 where none is known.
 
         Rotors turn at ``omega`` [rad/s] with ``torque`` [N m], (n, k); the hubs move at
         ``velocity`` (n, k, 3) in the vehicle's frame [m/s].
@@ -178,8 +182,23 @@ class Aircraft:
         axial = np.einsum("...kj,kj->...k", velocity, self.rotors.axis)
         across = np.sqrt(np.maximum(np.sum(velocity**2, axis=-1) - axial**2, 0.0))
         tip = np.hypot(omega * self.rotors.radius + across, axial)
-        electric = self.vehicle.powertrain.driven(torque, omega, self.limits.charge)
-        return self.limits.used(omega, tip, electric)
+        powertrain = self.vehicle.powertrain
+        motor, battery = powertrain.motor, powertrain.battery
+        electric = powertrain.driven(torque, omega, self.charge)
+        nothing = np.zeros(omega.shape[0])
+        largest = min(self.maximum_rotor_speed, motor.maximum_speed if motor else math.inf)
+        found = dict.fromkeys(LIMITS, nothing)
+        found["rpm_limit"] = omega.max(axis=1) / largest
+        found["tip_speed_limit"] = tip.max(axis=1) / (FAST_TIP_MACH * SPEED_OF_SOUND)
+        if motor is not None:
+            current = electric.motor_current.max(axis=1)
+            found["motor_current_limit"] = current / motor.maximum_current
+        if battery is not None:
+            charge = np.full_like(nothing, self.charge)
+            there = battery.voltage_or_least(electric.power, charge)
+            found["voltage_limit"] = electric.controller_voltage.max(axis=1) / there
+            found["battery_limit"] = battery.share_used(electric.power, charge)
+        return found
 
     def _states(self, flight: SteadyFlight, found: Balanced, *, margin: bool) -> SteadyStates:
         omega, wrenches = found.omega, found.wrenches
@@ -195,10 +214,9 @@ class Aircraft:
             slow = gone & stalled(self.vehicle, self.vehicle.wing, flight)
         names = [STALL, self._lost, *used, VORTEX_RING, COARSE]
         status = np.select([slow, lost, *over, ring, rough], names, "ok")
-        electric = self.vehicle.powertrain.driven(wrenches.torque, omega, self.limits.charge)
+        electric = self.vehicle.powertrain.driven(wrenches.torque, omega, self.charge)
         gone = ~np.isin(status, FLOWN)
-        nothing = np.full(len(gone), math.nan)
-        margins = np.array(nothing)
+        margins = np.full(len(gone), math.nan)
         if margin and not lost.all():
             margins[~lost] = self._thrust_margin(omega[~lost], found.hubs[~lost])
 
@@ -638,7 +656,7 @@ class HoverLoads:
 
 
 # -------------------------------------------------------------------------------------------------
-# What limits rotors, motors and battery, and how much of each limit a state uses.
+# Steady states of an aircraft as values, and what their statuses mean.
 
 LIMITS = {
     "rpm_limit": "the rotors' largest speed",
@@ -648,50 +666,6 @@ LIMITS = {
     "battery_limit": "the battery's largest current or power",
 }
 """Statuses of states beyond a limit, and the limit in words."""
-
-
-@dataclass(frozen=True)
-class Limits:
-    """What n states of k rotors may not exceed.
-
-    Raises ``InputError`` for a charge beyond 0 to 1, and a speed that is not positive.
-    """
-
-    powertrain: Powertrain
-    rotor_speed: float = math.inf  # largest [rad/s], infinite where none is known
-    charge: float = 1.0  # state of charge, 0 to 1, at which the battery's voltage is taken
-
-    def __post_init__(self) -> None:
-        if not self.rotor_speed > 0.0:
-            raise InputError(f"the rotors' largest speed is {self.rotor_speed:g}", "give rad/s")
-        if not 0.0 < self.charge <= 1.0:
-            raise InputError(f"charge is {self.charge:g}", "give a share, 1 for a full battery")
-
-    def used(self, omega: Floats, tip_speed: Floats, electric: ElectricState) -> dict[str, Floats]:
-        """Return the share of each limit that is used, (n,), 1 at the limit; 0 where none is known.
-
-        ``omega`` and ``tip_speed`` (n, k) are those of the rotors [rad/s] and of their advancing
-        tips through the air [m/s].
-        """
-        motor, battery = self.powertrain.motor, self.powertrain.battery
-        nothing = np.zeros(omega.shape[0])
-        largest = min(self.rotor_speed, motor.maximum_speed if motor else math.inf)
-        found = dict.fromkeys(LIMITS, nothing)
-        found["rpm_limit"] = omega.max(axis=1) / largest
-        found["tip_speed_limit"] = tip_speed.max(axis=1) / (FAST_TIP_MACH * SPEED_OF_SOUND)
-        if motor is not None:
-            current = electric.motor_current.max(axis=1)
-            found["motor_current_limit"] = current / motor.maximum_current
-        if battery is not None:
-            charge = np.full_like(nothing, self.charge)
-            there = battery.voltage_or_least(electric.power, charge)
-            found["voltage_limit"] = electric.controller_voltage.max(axis=1) / there
-            found["battery_limit"] = battery.share_used(electric.power, charge)
-        return found
-
-
-# -------------------------------------------------------------------------------------------------
-# Steady states of an aircraft as values, and what their statuses mean.
 
 JUMP = 2e-3
 """Share of the weight by which a rotor's loads may jump past the balance, where their nodes change

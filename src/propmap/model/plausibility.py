@@ -8,7 +8,7 @@ import operator
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from statistics import median  # without numpy.ma, which takes longer to load than one point
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 
@@ -593,82 +593,69 @@ def check_blade(
 
     Messages name the file ``where`` and the stations by their ``labels``, such as "line 7".
     """
+
+    def refuse(found: str, remedy: str) -> NoReturn:
+        raise InputError(found, remedy, where)
+
     columns = {"station": station, "chord": chord, "twist": twist}
     for field, values in columns.items():
         if values.ndim != 1 or values.size != station.size:
-            raise InputError(
+            refuse(
                 f"{field} has shape {values.shape}, expected one value per station",
                 "give station, chord and twist as lists of one length",
-                where,
             )
     if station.size < MIN_STATIONS:
-        found = f"found {station.size} stations, expected at least {MIN_STATIONS}"
-        raise InputError(found, "add stations between root and tip", where)
+        refuse(
+            f"found {station.size} stations, expected at least {MIN_STATIONS}",
+            "add stations between root and tip",
+        )
     labels = labels or [f"station {i}" for i in range(station.size)]
     for field, values in columns.items():
-        bad = np.flatnonzero(~np.isfinite(values))
-        if bad.size:
-            raise InputError(
-                f"{labels[bad[0]]}: {field} is {values[bad[0]]}, expected a finite number",
+        for k in np.flatnonzero(~np.isfinite(values)).tolist():
+            refuse(
+                f"{labels[k]}: {field} is {values[k]}, expected a finite number",
                 "remove the row or correct it",
-                where,
             )
-    _check_stations(station, where, labels)
-    _check_chord(chord, float(station[-1]), where, labels)
-    steepest = int(np.argmax(np.abs(twist)))
-    if abs(twist[steepest]) > MAX_TWIST:
-        raise InputError(
-            f"{labels[steepest]}: twist is {twist[steepest]:g} rad, expected at most {MAX_TWIST}; "
-            "it looks like degrees",
-            "the column must be in radians or be named twist_deg",
-            where,
-        )
-
-
-def _check_stations(station: Floats, where: str, labels: Sequence[str]) -> None:
     if station[0] <= 0.0:
-        raise InputError(
+        refuse(
             f"{labels[0]}: the first station is at {station[0]:g} m, expected more than 0",
             "start at the hub radius, where the blade begins",
-            where,
         )
-    falls = np.flatnonzero(station[1:] <= station[:-1])
-    if falls.size:
-        i = int(falls[0])
-        repeated = station[i + 1] == station[i]
-        raise InputError(
-            f"{labels[i + 1]}: station {station[i + 1]:g} m "
-            + ("is repeated" if repeated else f"is unsorted (it follows {station[i]:g} m)")
-            + ", expected stations that rise from root to tip",
+    for k in (np.flatnonzero(station[1:] <= station[:-1]) + 1).tolist():
+        repeated = station[k] == station[k - 1]
+        how = "repeated" if repeated else f"unsorted (it follows {station[k - 1]:g} m)"
+        refuse(
+            f"{labels[k]}: station {station[k]:g} m is {how}, expected stations that rise from "
+            "root to tip",
             "keep one row per station" if repeated else "sort the rows by station",
-            where,
         )
-    if station[-1] > MAX_RADIUS:
-        raise InputError(
-            f"{labels[-1]}: the radius is {station[-1]:g} m, expected at most {MAX_RADIUS:g} m"
-            + _hint(float(station[-1]), LIKELY_RADIUS, "length"),
+    radius, low, high = float(station[-1]), int(np.argmin(chord)), int(np.argmax(chord))
+    if radius > MAX_RADIUS:
+        refuse(
+            f"{labels[-1]}: the radius is {radius:g} m, expected at most {MAX_RADIUS:g} m"
+            + _hint(radius, LIKELY_RADIUS, "length"),
             "check the units; lengths are in metres",
-            where,
         )
-
-
-def _check_chord(chord: Floats, radius: float, where: str, labels: Sequence[str]) -> None:
-    low, high = int(np.argmin(chord)), int(np.argmax(chord))
     if chord[low] < 0.0:
-        raise InputError(
+        refuse(
             f"{labels[low]}: chord is {chord[low]:g} m, expected 0 or more",
             "correct the negative chord",
-            where,
         )
     if chord[high] == 0.0:
-        raise InputError("every chord is 0", "give the chord of each station", where)
+        refuse("every chord is 0", "give the chord of each station")
     if chord[high] >= radius:
-        raise InputError(
+        refuse(
             f"{labels[high]}: chord is {chord[high]:g} m, "
             f"expected less than the radius of {radius:g} m"
             + _hint(float(chord[high]) / radius, WIDEST_CHORD, "chord over radius"),
             "check the units of chord and radius",
-            where,
+        )
+    steepest = int(np.argmax(np.abs(twist)))
+    if abs(twist[steepest]) > MAX_TWIST:
+        refuse(
+            f"{labels[steepest]}: twist is {twist[steepest]:g} rad, expected at most {MAX_TWIST}; "
+            "it looks like degrees",
+            "the column must be in radians or be named twist_deg",
         )
 
 

@@ -201,6 +201,7 @@ def _numbers(column: Any, name: str, where: str) -> Floats:
 
 MICROSECOND = 1e-6
 
+# Topics and fields per quantity; the first topic that the log has is used.
 ATTITUDE = {"vehicle_attitude": [f"q[{k}]" for k in range(4)]}
 VELOCITY = {"vehicle_local_position": ["vx", "vy", "vz"]}
 VALID = ("v_xy_valid", "v_z_valid")
@@ -214,7 +215,7 @@ SPECIFIC_FORCE = {
     "vehicle_acceleration": [f"xyz[{k}]" for k in range(3)],
     "sensor_combined": [f"accelerometer_m_s2[{k}]" for k in range(3)],
 }
-ROTORS = "esc_status"  # topics and fields per quantity; the first topic that the log has is used
+ROTORS = "esc_status"
 ACCELEROMETER_LATE, NOT_SAMPLED = "accelerometer_timestamp_relative", 2**31 - 1
 """Field of sensor_combined with the time from its stamp to that of the accelerometer [us], and what
 it holds where there is none: PX4's SensorCombined.msg."""

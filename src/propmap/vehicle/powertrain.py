@@ -169,23 +169,20 @@ class Motor:
         ):
             if not value > 0.0:
                 raise InputError(f"{name} is {value:g}", f"give {meaning}, above 0")
-        if not self.no_load_current or min(self.no_load_current) < 0.0:
+        currents, voltages = self.no_load_current, self.no_load_voltage
+        if not currents or min(currents) < 0.0:
             raise InputError("no_load_current is negative or empty", "give amperes, 0 or more")
-        currents, voltages = len(self.no_load_current), len(self.no_load_voltage)
-        if (currents > 1 or voltages) and currents != voltages:
+        if (len(currents) > 1 or voltages) and len(currents) != len(voltages):
             raise InputError(
-                f"{currents} no_load_current for {voltages} no_load_voltage",
+                f"{len(currents)} no_load_current for {len(voltages)} no_load_voltage",
                 "give the voltage of each current",
             )
-        if currents > 3 or len(set(self.no_load_voltage)) != voltages:
+        if len(currents) > 3 or len(set(voltages)) != len(voltages):
             raise InputError(
-                f"no_load_voltage is {list(self.no_load_voltage)}",
+                f"no_load_voltage is {list(voltages)}",
                 "give one, two or three voltages, each once",
             )
-        if any(
-            v <= i * self.resistance
-            for i, v in zip(self.no_load_current, self.no_load_voltage, strict=False)
-        ):
+        if any(v <= i * self.resistance for i, v in zip(currents, voltages, strict=False)):
             raise InputError(
                 "the winding alone takes more than the no_load_voltage",
                 "give volts, and the resistance in ohms, not milliohms",
