@@ -18,11 +18,7 @@ from propmap.typing import Floats
 
 COLUMNS = ("speed_mps", "climb_mps", "duration_s")
 EMPTY, NOT_REACHED = "battery_empty", "not_reached"
-WORDS = {
-    EMPTY: "the battery is empty",
-    NOT_REACHED: "after a leg that cannot be flown",
-    **STATUSES,
-}
+WORDS = {EMPTY: "the battery is empty", NOT_REACHED: "after a leg that cannot be flown", **STATUSES}
 """Statuses of legs in words."""
 
 MOMENTS = 13  # moments of each leg, at which its course is known

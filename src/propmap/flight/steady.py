@@ -160,11 +160,7 @@ def _longest(piece: _Piece, seconds: float) -> slice:
 
 
 def _none_steady(
-    log: FlightLog,
-    pieces: list[_Piece],
-    seconds: float,
-    names: list[str],
-    limits: dict[str, float],
+    log: FlightLog, pieces: list[_Piece], seconds: float, names: list[str], limits: dict[str, float]
 ) -> InputError:
     """Make the error that says what ended the longest stretch; ``names`` are of channels."""
     if not pieces:

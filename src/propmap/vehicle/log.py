@@ -485,10 +485,7 @@ def flight_log(
 
 
 def common_clock(
-    leading: Sequence[Signal],
-    following: Sequence[Signal],
-    source: str,
-    rate: float | None = None,
+    leading: Sequence[Signal], following: Sequence[Signal], source: str, rate: float | None = None
 ) -> Floats:
     """Return the times [s] at which all signals are known; (n,), rising.
 

@@ -179,8 +179,7 @@ class Motor:
             )
         if len(currents) > 3 or len(set(voltages)) != len(voltages):
             raise InputError(
-                f"no_load_voltage is {list(voltages)}",
-                "give one, two or three voltages, each once",
+                f"no_load_voltage is {list(voltages)}", "give one, two or three voltages, each once"
             )
         if any(v <= i * self.resistance for i, v in zip(currents, voltages, strict=False)):
             raise InputError(

@@ -222,11 +222,7 @@ class _Isolated(NamedTuple):
 
 
 def _as_wrenches(
-    flow: HubFlow,
-    loads: Floats,
-    added: Floats,
-    status: NDArray[np.str_],
-    shape: tuple[int, ...],
+    flow: HubFlow, loads: Floats, added: Floats, status: NDArray[np.str_], shape: tuple[int, ...]
 ) -> RotorWrenches:
     """Return loads (L, n, k) as vectors, of the ``shape`` (..., k) that was asked for."""
     force, moment = (values.reshape(*shape, 3) for values in hub_wrenches(flow, loads))
