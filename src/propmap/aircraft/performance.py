@@ -17,8 +17,7 @@ from propmap.vehicle.powertrain import RPM
 
 TOP = 3  # number of the top speed among the states with a name
 SPEEDS, BETWEEN = 41, 13
-"""At which power is looked at, from rest to the top speed; and between the neighbours of the least
-of these."""
+"""Speeds at which power is computed, from rest to the top speed, and about the least of these."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -233,9 +232,9 @@ def _lowest(x: Floats, y: Floats) -> float:
 # The top speed of an aircraft, and the limit that it meets there.
 
 BEYOND = 1.3
-"""Ratio of the speeds at which the top speed is looked for beyond those that were asked for."""
+"""Ratio of the speeds at which the search goes on beyond those that were asked for."""
 
-FASTEST = 150.0  # [m/s] up to which it is looked for
+FASTEST = 150.0  # [m/s] up to which a top speed is searched
 STEPS = 40  # steps of a search for the top speed, at most
 CLOSE, NARROW = 2e-3, 0.1
 """The interval with the top speed is narrowed until it is so small a share of it, each time to so
@@ -330,20 +329,7 @@ class StateColumn(NamedTuple):
 
 def columns(states: SteadyStates, sure: StateChange | None = None) -> dict[str, StateColumn]:
     """Return all quantities by their names in files, and standard deviations that are ``sure``."""
-    found = _of_states(states)
-    if sure is None:
-        return found
-    std = "standard deviation of the "
-    return found | {
-        "pitch_std_deg": StateColumn(np.degrees(sure.pitch), "degree", std + "pitch"),
-        "rpm_std": StateColumn(sure.rotor_speed / RPM, "1/min", std + "rotational speed"),
-        "shaft_power_std_W": StateColumn(sure.shaft_power, "W", std + "shaft power"),
-        "electrical_power_std_W": StateColumn(sure.electrical_power, "W", std + "electrical power"),
-    }
-
-
-def _of_states(states: SteadyStates) -> dict[str, StateColumn]:
-    return {
+    found = {
         "speed_mps": StateColumn(states.speed, "m/s", "horizontal speed through the air"),
         "climb_mps": StateColumn(states.climb, "m/s", "climb rate"),
         "bank_deg": StateColumn(
@@ -366,6 +352,15 @@ def _of_states(states: SteadyStates) -> dict[str, StateColumn]:
             states.thrust_margin, "1", "thrust at the first limit over that which is needed"
         ),
         "residual": StateColumn(states.residual, "1", "unbalanced share of the weight"),
+    }
+    if sure is None:
+        return found
+    std = "standard deviation of the "
+    return found | {
+        "pitch_std_deg": StateColumn(np.degrees(sure.pitch), "degree", std + "pitch"),
+        "rpm_std": StateColumn(sure.rotor_speed / RPM, "1/min", std + "rotational speed"),
+        "shaft_power_std_W": StateColumn(sure.shaft_power, "W", std + "shaft power"),
+        "electrical_power_std_W": StateColumn(sure.electrical_power, "W", std + "electrical power"),
     }
 
 

@@ -48,7 +48,7 @@ class Judged:
     thrust_margin : float
         In hover.
     top_speed : float
-        [m/s]; NaN where it was not looked for or no limit was met.
+        [m/s]; NaN where it was not searched for or no limit was met.
     limit : str
         Of the top speed, a status.
     why_not : str
@@ -278,9 +278,9 @@ def _overlap(vehicle: Vehicle, radius: float) -> str:
     closest = math.inf
     for k in range(len(place)):
         for j in range(k):
-            apart = place[k] - place[j]
-            height = float(apart @ axis[k])
-            across = float(np.linalg.norm(apart - height * axis[k]))
+            offset = place[k] - place[j]
+            height = float(offset @ axis[k])
+            across = float(np.linalg.norm(offset - height * axis[k]))
             if across > COAXIAL * radius and abs(height) < radius:
                 closest = min(closest, across)
     if closest >= 2.0 * radius:
@@ -458,9 +458,9 @@ MEASURES = {
 
 UNITS = {"energy": "W", "time": "s", "range": "m", "speed": "m/s"}
 ENERGIES = {"cruise": "J/m", "mission": "J"}
-"""Of scores: of the measures, and of the energy of tasks that are not held."""
+"""Units of scores, and of the energy of tasks that are not held."""
 
-SPEED = 10.0  # [m/s] at which propellers are looked at besides hover where no speed is asked for
+SPEED = 10.0  # [m/s] at which propellers are compared besides hover, unless one is given
 
 
 @dataclass(frozen=True, eq=False)

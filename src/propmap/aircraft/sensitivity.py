@@ -34,7 +34,7 @@ DIAMETER, GROWTH = "diameter_scale", 0.01
 """A common factor on radius and chord, and the step of its differences."""
 
 SCALES = {"chord_scale": 0.2, "twist_offset": 0.1}
-"""Of the steps of differences, by parameter; else the constant itself."""
+"""Scales of the steps of differences, by parameter; else the constant itself."""
 
 
 class StateChange(NamedTuple):
@@ -63,7 +63,7 @@ class StateChange(NamedTuple):
 
     @property
     def power(self) -> Floats:
-        """Of the electrical power where it is known, else of the shaft power [W], (n,)."""
+        """Change of the electrical power where it is known, else of the shaft power [W], (n,)."""
         return np.where(np.isfinite(self.electrical_power), self.electrical_power, self.shaft_power)
 
 
@@ -261,11 +261,11 @@ def _errors_of(source: Any) -> ChangesAt:
 # How steady states change, to first order, with what they rest on.
 
 STEP = 1e-2
-"""Of difference quotients to either side: angles [rad], shares of squared rotor speeds and of
+"""Steps of difference quotients to either side: angles [rad], shares of squared rotor speeds and of
 torques, speeds over 1 m/s.  Loads jump by some 1e-4 of their size at isolated points, which a much
 smaller step would make the most of a quotient."""
 
-SMOOTH_STEP = 1e-5  # the same where the loads are linear: what is left is smooth
+SMOOTH_STEP = 1e-5  # instead of ``STEP`` where the loads are linear: what is left is smooth
 
 ChangesAt = Callable[[FlowPoints], Floats]
 """D changes of the L loads at N operating points, (D, L, N)."""
@@ -456,8 +456,8 @@ class LocalLoads:
             self._points = points
             self._loads, self._slopes = _loads_and_slopes(self._source, points)
         size = np.maximum(np.abs(self._points).max(axis=1), 1e-9)[:, None, None]
-        apart = (points[:, :, None] - self._points[:, None]) / size
-        k = np.argmin(np.sum(apart**2, axis=0), axis=1)
+        offset = (points[:, :, None] - self._points[:, None]) / size
+        k = np.argmin(np.sum(offset**2, axis=0), axis=1)
         change = points - self._points[:, k]
         rows = self._loads[:, k] + np.einsum("lpn,pn->ln", self._slopes[:, :, k], change)
         return _by_name(rows, omega)

@@ -34,7 +34,7 @@ SOLVED, ACCEPTED = 1e-10, 1e-8
 
 EXTRAPOLATED = 2.0  # intervals of known states over which a search begins on their line, at most
 SLOWEST, FASTEST = 0.2, 20.0
-"""Least and largest factor on rotor speeds at which the thrust margin is looked for."""
+"""Least and largest factor on rotor speeds between which the thrust margin is searched."""
 
 PIECES = (8, 4, 4, 4)
 """The factor's range is cut into so many, one after the other; then shares are interpolated."""
@@ -475,13 +475,13 @@ class SteadyBalance:
 
 WEAKEST = 0.02
 """Moment that a pattern of rotor speeds must make, over that of the strongest: below, as for the
-yaw of rotors that all spin alike about one axis, it is left to control surfaces."""
+yaw of rotors that all spin one way about one axis, it is left to control surfaces."""
 
 
 class Controls(NamedTuple):
     """Patterns of squared rotor speeds, and what each is for."""
 
-    patterns: Floats  # (k, c): the first is thrust, with all alike; others, of length 1, moments
+    patterns: Floats  # (k, c): the first is thrust, all equal; others, of length 1, moments
     moments: Floats  # unit vectors (c - 1, 3) along which these balance the moment [-]
 
 
@@ -492,19 +492,19 @@ def controls(rotors: Rotors, arm_of_torque: float) -> Controls:
     """
     turning = -arm_of_torque * rotors.spin[:, None] * rotors.axis
     effect = (np.cross(rotors.position, rotors.axis) + turning).T
-    alike = np.ones((len(rotors), 1))
+    equal = np.ones((len(rotors), 1))
     along, size, across = np.linalg.svd(effect, full_matrices=False)
     kept = [k for k in range(size.size) if size[k] > WEAKEST * size[0]] if size[0] > 0.0 else []
 
     def dependent() -> bool:
-        patterns = np.hstack([alike, across[kept].T])
+        patterns = np.hstack([equal, across[kept].T])
         sizes = np.linalg.svd(patterns / np.linalg.norm(patterns, axis=0), compute_uv=False)
         return patterns.shape[1] > patterns.shape[0] or bool(sizes[-1] < 1e-3)
 
     # Thrust comes first: moments that only a change of it would balance are not balanced.
     while kept and dependent():
         kept.pop()
-    return Controls(np.hstack([alike, across[kept].T]), along[:, kept].T)
+    return Controls(np.hstack([equal, across[kept].T]), along[:, kept].T)
 
 
 # -------------------------------------------------------------------------------------------------
@@ -517,7 +517,7 @@ NEAR = 1e-2
 """Norm of a residual below which derivatives are kept up by what steps do, by Broyden's rule: they
 cost as much as three residuals."""
 
-RESTARTS = 10  # times, at most, that systems without a solution begin anew at their neighbours'
+RESTARTS = 10  # most times that systems without a solution begin anew at their neighbours'
 
 Linearised = Callable[[Floats, NDArray[np.intp]], tuple[Floats, Floats]]
 """Residuals (m, u) and their derivatives (m, u, u), of unknowns (m, u) of the systems of these
@@ -608,9 +608,9 @@ def _followed(inverse: Floats, step: Floats, change: Floats) -> Floats:
 # -------------------------------------------------------------------------------------------------
 # Flight on a wing: where a search for it begins, and the speed below which the wing stalls.
 
-ATTACHED = 0.6  # of ``alpha_0``: the largest angle of attack at which a search begins
-ADVANCE = 0.2  # speed over tip speed at which it begins
-ANGLES = 181  # at which the largest lift is looked for, from 0 to twice ``alpha_0``
+ATTACHED = 0.6  # largest angle of attack at which a search begins, over ``alpha_0``
+ADVANCE = 0.2  # speed over tip speed at which a search begins
+ANGLES = 181  # angles, from 0 to twice ``alpha_0``, among which the largest lift is taken
 
 
 def on_the_wing(balance: SteadyBalance, wing: Wing, flight: SteadyFlight) -> Floats:
@@ -638,10 +638,6 @@ def stalled(vehicle: Vehicle, wing: Wing, flight: SteadyFlight) -> Any:
 
 def _load(vehicle: Vehicle, flight: SteadyFlight) -> Floats:
     return vehicle.mass * GRAVITY / np.cos(flight.bank)
-
-
-# -------------------------------------------------------------------------------------------------
-# Loads of the hover model where those of a rotor are wanted.
 
 
 class HoverLoads:

@@ -118,7 +118,7 @@ LOAD_UNIT_ERRORS = (
 """Errors of thrust and torque together, over estimates that go with rpm^2, and R^4 and R^5."""
 
 CLOSE_FACTOR = 2.3
-"""Factor below which two unit errors cannot be told apart: what loads of blades alike differ by."""
+"""Factor below which two unit errors cannot be distinguished: loads of similar blades differ so."""
 
 
 def unit_errors(value: float, usual: Range, errors: Mapping[str, float]) -> list[str]:
@@ -163,9 +163,14 @@ def unusual(
     """Warn of a ``value`` out of its usual range; unit errors must lead into the ``likely`` one."""
     if value in usual:
         return []
-    found = looks_like(unit_errors(value, likely or usual, UNIT_ERRORS[quantity]), suspect)
-    told = f"{subject} is {value:.4g} {unit}, usual are {usual.low:g} to {usual.high:g}"
-    return ["; ".join(filter(None, (told, found)))]
+    found = f"{subject} is {value:.4g} {unit}, usual are {usual.low:g} to {usual.high:g}"
+    return [found + _cause(value, likely or usual, quantity, suspect)]
+
+
+def _cause(value: float, likely: Range, quantity: str, suspect: str = "it") -> str:
+    """Say what unit a value looks like, for the end of a message; empty without a unit error."""
+    like = looks_like(unit_errors(value, likely, UNIT_ERRORS[quantity]), suspect)
+    return f"; {like}" if like else ""
 
 
 # -------------------------------------------------------------------------------------------------
@@ -293,19 +298,17 @@ def _fast_tip(tip: Floats, speed: Floats) -> list[str]:
         f"rotation and {speed[k]:.4g} m/s from the flight"
     )
     if speed[k] > tip[k]:
-        errors = unit_errors(float(speed[k]), Range(1.0, 130.0), UNIT_ERRORS["speed"])
-        like = looks_like(errors, "the speed")
+        like = _cause(float(speed[k]), Range(1.0, 130.0), "speed", "the speed")
     else:
-        errors = unit_errors(float(tip[k]), Range(40.0, 130.0), UNIT_ERRORS["fast rotation"])
-        like = looks_like(errors, "the rotational speed")
+        usual = Range(40.0, 130.0)
+        like = _cause(float(tip[k]), usual, "fast rotation", "the rotational speed")
         like += ", or the radius like the diameter" if like else ""
     if mach > 1.0:
         raise InputError(
-            "; ".join(filter(None, (motion, like))),
-            "check rpm, speed and radius: nothing here holds above Mach 1",
+            f"{motion}{like}", "check rpm, speed and radius: nothing here holds above Mach 1"
         )
     drag = f"above {FAST_TIP_MACH:g} drag rises, which the section law does not have"
-    return ["; ".join(filter(None, (motion, drag, like)))]
+    return [f"{motion}; {drag}{like}"]
 
 
 def _unlike_speeds(pitch: float, tip: Floats, speed: Floats, beta: Floats) -> list[str]:
@@ -633,7 +636,7 @@ def check_blade(
     if radius > MAX_RADIUS:
         refuse(
             f"{labels[-1]}: the radius is {radius:g} m, expected at most {MAX_RADIUS:g} m"
-            + _hint(radius, LIKELY_RADIUS, "length"),
+            + _cause(radius, LIKELY_RADIUS, "length"),
             "check the units; lengths are in metres",
         )
     if chord[low] < 0.0:
@@ -647,7 +650,7 @@ def check_blade(
         refuse(
             f"{labels[high]}: chord is {chord[high]:g} m, "
             f"expected less than the radius of {radius:g} m"
-            + _hint(float(chord[high]) / radius, WIDEST_CHORD, "chord over radius"),
+            + _cause(float(chord[high]) / radius, WIDEST_CHORD, "chord over radius"),
             "check the units of chord and radius",
         )
     steepest = int(np.argmax(np.abs(twist)))
@@ -657,11 +660,6 @@ def check_blade(
             "it looks like degrees",
             "the column must be in radians or be named twist_deg",
         )
-
-
-def _hint(value: float, likely: Range, quantity: str) -> str:
-    like = looks_like(unit_errors(value, likely, UNIT_ERRORS[quantity]))
-    return f"; {like}" if like else ""
 
 
 def check_blades(blades: Any, where: str = "") -> int:

@@ -169,14 +169,14 @@ def pitch_and_roll(up: Floats) -> tuple[Floats, Floats]:
 # none of them in time.
 
 DERIVATIVE_CUTOFF = 6.0
-"""Of the low-pass by default [Hz]: vehicles of up to some kilograms turn within 0.2 s, and rotor
+"""Default low-pass [Hz]: vehicles of up to some kilograms turn within 0.2 s, and rotor
 speeds of motor controllers carry noise above."""
 
 FEWEST_PER_PERIOD = 3.0  # samples per period of the cut-off below which there is nothing to filter
 
 
 def low_passed(log: FlightLog, cutoff: float = DERIVATIVE_CUTOFF) -> FlightLog:
-    """The log with all signals low-passed alike, and with the derivatives that follow from it.
+    """Low-pass all signals of a log with one filter, and differentiate them.
 
     Rotor speeds are filtered as their squares, to which forces are proportional.  Between gaps
     each stretch is filtered by itself; a log that is slower than three samples per period of the
@@ -420,8 +420,8 @@ def _check_count(signal: Signal, count: int, source: str) -> None:
 LONGEST_GAP = 0.25  # time [s] between two samples of a signal that are still interpolated
 FASTER = 1.5  # samples of a signal per time of the common clock from which it is low-passed first
 CLOCK_CUTOFF, CLOCK_ORDER = 0.4, 4
-"""Of that low-pass, per sample of the common clock, and of the Butterworth filter, applied twice:
-what the clock can show passes, vibrations that it would show as something slower do not."""
+"""That low-pass, per sample of the common clock, and the order of its Butterworth filter, applied
+twice: what the clock can show passes, vibrations that it would show as slower ones do not."""
 
 
 def flight_log(

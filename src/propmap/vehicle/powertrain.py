@@ -217,7 +217,7 @@ class Motor:
 # -------------------------------------------------------------------------------------------------
 # A lithium-polymer battery: open-circuit voltage by charge, a resistance, a usable share.
 
-NODES, WEIGHTS = np.polynomial.legendre.leggauss(24)  # of the integral over charge
+NODES, WEIGHTS = np.polynomial.legendre.leggauss(24)  # for the integral over charge
 HALVINGS = 60
 
 

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 THRUST, TORQUE = (list(LOADS).index(name) for name in ("thrust", "torque"))
 
 FORWARD = 0.5  # upward part of the rotors' mean axis below which they pull forward
-STEP = 1e-2  # of difference quotients by the axial flow [m/s]
+STEP = 1e-2  # step of difference quotients by the axial flow [m/s]
 
 
 class RotorWrenches(NamedTuple):

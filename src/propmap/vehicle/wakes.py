@@ -33,15 +33,14 @@ LARGEST_INFLOW = 2.0
 """Inflow over that of the same thrust in hover [-], at most: about what is measured in the vortex
 ring, where momentum theory has no solution."""
 
-UPWASH = 0.005
-"""Of the density of circulation [-]: the upwash at which the gain is all that of upwash."""
+UPWASH = 0.005  # per density of circulation [-], from which the gain is all that of upwash
 
 LARGEST_UPWASH = 0.5
 """Upwash per density of circulation, gain included [-], at most: a wake then moves the air by the
 inflow of its rotor, as a cylinder does at its own surface, the fastest there is outside."""
 
 SLOW = 0.5  # in-plane velocity [m/s] about which ahead and beside begin to differ
-STEPS = 40  # of Newton's method, which is monotone from above
+STEPS = 40  # steps of Newton's method, which is monotone from above
 
 
 @dataclass(frozen=True, eq=False)
@@ -185,10 +184,10 @@ def _along(vehicle: Vehicle, velocity: Floats) -> Floats:
     """
     position = np.array([mount.position for mount in vehicle.mounts])
     axis = np.array([mount.axis for mount in vehicle.mounts])
-    apart = position[:, None] - position[None]
-    apart = apart - np.sum(apart * axis, axis=-1, keepdims=True) * axis
-    length = np.linalg.norm(apart, axis=-1)
-    unit = apart / np.where(length > 1e-9, length, 1.0)[..., None]
+    offset = position[:, None] - position[None]
+    offset = offset - np.sum(offset * axis, axis=-1, keepdims=True) * axis
+    length = np.linalg.norm(offset, axis=-1)
+    unit = offset / np.where(length > 1e-9, length, 1.0)[..., None]
     speed2 = np.sum(np.square(np.cross(velocity, axis)), axis=-1)
     return np.einsum("nsk,tsk->nts", velocity, unit) ** 2 / (speed2 + SLOW**2)[:, None, :]
 
@@ -224,10 +223,10 @@ def check_apart(vehicle: Vehicle) -> None:
     """Raise ``InputError`` where two rotors of a ``vehicle`` with wakes are in one place."""
     for k, mount in enumerate(vehicle.mounts):
         for j, other in enumerate(vehicle.mounts[:k]):
-            apart = float(np.linalg.norm(np.subtract(mount.position, other.position)))
-            if apart < 0.05 * vehicle.propeller.radius:
+            distance = float(np.linalg.norm(np.subtract(mount.position, other.position)))
+            if distance < 0.05 * vehicle.propeller.radius:
                 raise InputError(
-                    f"rotors {j + 1} and {k + 1} are {apart:g} m apart",
+                    f"rotors {j + 1} and {k + 1} are {distance:g} m apart",
                     "give each hub its own position, or remove [wakes]",
                 )
 
@@ -350,11 +349,11 @@ def rotor_wrench(flow: HubFlow, loads: Floats) -> tuple[Floats, Floats]:
 # first asked for, in some tenths of a second per pair of rotors that no other pair resembles.
 # Cubic splines go through it, so that the velocity and its slope are continuous.
 
-SKEWS, BEARINGS = 121, 96  # of the table: from straight down to straight up, and around
+SKEWS, BEARINGS = 121, 96  # nodes of the table: from straight down to straight up, and around
 TABLE_AZIMUTHS = 64
 """Around each ring.  With the core of the sheet the error on the wake's surface is below 1 %."""
 
-RINGS, SPOKES = 4, 8  # of the disk that is averaged: Gauss's radii for equal areas, and angles
+RINGS, SPOKES = 4, 8  # nodes over a disk: Gauss's radii for equal areas, and angles
 _BEYOND = 4  # bearings by which the table goes on past a full turn, so that splines close
 
 
@@ -367,13 +366,13 @@ class SeenWake:
 
     def __init__(self, source: Mount, target: Mount, radius: float) -> None:
         frame = frame_of(source.axis)
-        apart = frame @ (np.subtract(target.position, source.position) / radius)
-        towards = float(np.arctan2(apart[1], apart[0])) if np.hypot(*apart[:2]) > 1e-9 else 0.0
+        offset = frame @ (np.subtract(target.position, source.position) / radius)
+        towards = float(np.arctan2(offset[1], offset[0])) if np.hypot(*offset[:2]) > 1e-9 else 0.0
         c, s = np.cos(towards), np.sin(towards)
         turn = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
         self.towards = towards
-        place, axis = turn @ apart, turn @ frame @ np.array(target.axis)
-        # Equal but for rounding: one table for all pairs that are alike.
+        place, axis = turn @ offset, turn @ frame @ np.array(target.axis)
+        # Equal but for rounding: one table for all such pairs.
         self.spline = _table(*(float(x) for x in np.round([*place, *axis], 9) + 0.0))
 
     def at(self, direction: Floats, *, skewing: bool = False) -> Floats:
@@ -461,8 +460,8 @@ def _disk() -> tuple[Floats, Floats]:
 # Tilted Rotors", Wind Energy 19, 2016, doi 10.1002/we.1838.
 
 CYLINDER_AZIMUTHS = 32
-"""Of the integral around a ring.  With ``CORE`` the error is below 1 % of the inflow outside the
-wake's surface and some per cent on it."""
+"""Nodes around a ring.  With ``CORE`` the error is below 1 % of the inflow outside the wake's surface
+and some per cent on it."""
 
 CORE = 0.05
 """Radius of the core of the vortex sheet, over the rotor's radius [-]: it spreads the jump of the
@@ -505,10 +504,6 @@ def axial_velocity(
     # Rings that push air down turn the other way: the sign of both terms is that of -z.
     total: Floats = np.mean((ring / distance - wake) / beside, axis=-1)
     return 0.5 * total
-
-
-# -------------------------------------------------------------------------------------------------
-# Products of vectors.
 
 
 def cross(one: Floats, other: Floats) -> Floats:
