@@ -460,8 +460,8 @@ def _disk() -> tuple[Floats, Floats]:
 # Tilted Rotors", Wind Energy 19, 2016, doi 10.1002/we.1838.
 
 CYLINDER_AZIMUTHS = 32
-"""Nodes around a ring.  With ``CORE`` the error is below 1 % of the inflow outside the wake's surface
-and some per cent on it."""
+"""Nodes around a ring.  With ``CORE`` the error is below 1 % of the inflow outside the wake's
+surface and some per cent on it."""
 
 CORE = 0.05
 """Radius of the core of the vortex sheet, over the rotor's radius [-]: it spreads the jump of the
