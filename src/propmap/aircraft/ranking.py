@@ -126,15 +126,12 @@ class Ranking:
         """
         found = self._each(Ranking.judge, candidates, progress, workers)
         sign = -1.0 if self.task.most_is_best else 1.0
-        order = sorted(
-            range(len(found)),
-            key=lambda k: (
-                (False, sign * found[k].score)
-                if found[k].feasible
-                else (True, -np.nan_to_num(found[k].thrust_margin))
-            ),
-        )
-        return [found[k] for k in order]
+
+        def place(one: Judged) -> tuple[bool, float]:
+            least = sign * one.score if one.feasible else -float(np.nan_to_num(one.thrust_margin))
+            return not one.feasible, least
+
+        return sorted(found, key=place)
 
     def with_deviations(
         self,
@@ -223,9 +220,7 @@ class Ranking:
     def _score_of(self, candidate: Candidate) -> float:
         craft = self.aircraft(candidate)
         states = craft.steady([0.0, self.task.probed_speed], margin=False)
-        top = math.nan
-        if self.task.name == "fast":
-            top, _ = top_speed(craft, states, 0.0)
+        top = top_speed(craft, states, 0.0)[0] if self.task.name == "fast" else math.nan
         return self._score(craft, states, top)[0]
 
     def _score(self, craft: Aircraft, states: SteadyStates, top: float) -> tuple[float, str]:

@@ -219,12 +219,29 @@ def read_level_table(path: str | os.PathLike[str], vehicle: Vehicle) -> FlightLo
     1, 2 ... and no ``specific_force``.  Raises ``InputError`` with the file, the line and the
     column.
     """
-    where = os.fspath(path)
-    rotors = len(vehicle.mounts)
-    known = (*REQUIRED, *OPTIONAL, *_speeds(rotors))
+    where, rotors = os.fspath(path), len(vehicle.mounts)
+    speeds = [f"rpm_{k}" for k in range(1, rotors + 1)]
+    known = (*REQUIRED, *OPTIONAL, *speeds)
     file = read_csv_table(read_lines(path, "table of operating points"), known, where)
     header = file.header if file else []
-    names = _columns(header, rotors, where)
+    for name in REQUIRED:
+        if name not in header:
+            raise InputError(
+                f"line 1: column {name} is missing",
+                f"the first line must name {', '.join([*REQUIRED, *speeds])}",
+                where,
+            )
+    found = sum(RPM_COLUMN.fullmatch(name) is not None for name in header)
+    if found != rotors or not set(speeds) <= set(header):
+        raise InputError(
+            f"line 1: {found} columns rpm_1, rpm_2 ..., the vehicle has {rotors} rotors",
+            f"name {', '.join(speeds)}",
+            where,
+        )
+    names = [*REQUIRED, *(name for name in OPTIONAL if name in header), *speeds]
+    repeated = [name for name in names if header.count(name) > 1]
+    if repeated:
+        raise InputError(f"line 1: column {repeated[0]} occurs twice", "keep one of them", where)
     if file is None or not file.rows:
         raise InputError("there is no row below the header", "add a row per point", where)
     table = np.array([_row(cells, line, header, names, where) for line, cells in file.rows])
@@ -253,34 +270,6 @@ def is_level_table(path: Path) -> bool:
         line = file.readline()
     needed = ("pitch_deg", "rpm_1")
     return set(needed) <= set(header_names(line, needed))
-
-
-def _speeds(rotors: int) -> list[str]:
-    return [f"rpm_{k}" for k in range(1, rotors + 1)]
-
-
-def _columns(header: list[str], rotors: int, where: str) -> list[str]:
-    """List the columns to read: those of REQUIRED and OPTIONAL, then the rotors'."""
-    speeds = _speeds(rotors)
-    found = sum(RPM_COLUMN.fullmatch(name) is not None for name in header)
-    for name in REQUIRED:
-        if name not in header:
-            raise InputError(
-                f"line 1: column {name} is missing",
-                f"the first line must name {', '.join([*REQUIRED, *speeds])}",
-                where,
-            )
-    if found != rotors or not set(speeds) <= set(header):
-        raise InputError(
-            f"line 1: {found} columns rpm_1, rpm_2 ..., the vehicle has {rotors} rotors",
-            f"name {', '.join(speeds)}",
-            where,
-        )
-    names = [*REQUIRED, *(name for name in OPTIONAL if name in header), *speeds]
-    repeated = [name for name in names if header.count(name) > 1]
-    if repeated:
-        raise InputError(f"line 1: column {repeated[0]} occurs twice", "keep one of them", where)
-    return names
 
 
 def _row(

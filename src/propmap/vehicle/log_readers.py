@@ -236,29 +236,27 @@ def read_ulog(path: Path, log: LogMap) -> Recording:
     that the log marks as not valid are left out.  Frames are PX4's, FRD and NED, whatever the map
     says.  Raises ``InputError``.
     """
-    where = str(path)
-    file = _parsed(path, where)
+    file = _parsed(path)
     unit = "erpm" if log.rotor_unit == "erpm" else "rpm"
-    rates = _signal(file, "rates", RATES, where)
-    source = f"{where} (damaged parts skipped)" if file.file_corruption else where
+    source = f"{path} (damaged parts skipped)" if file.file_corruption else str(path)
     return Recording(
         source=source,
         body_frame="frd",
         world_frame="ned",
         velocity_in="world",
-        attitude=_signal(file, "attitude", ATTITUDE, where),
-        velocity=_signal(file, "velocity", VELOCITY, where),
-        rates=rates,
-        rotor_speed=_ulog_rotor_speed(file, log.rotor_factor(unit), where),
+        attitude=_signal(file, "attitude", ATTITUDE),
+        velocity=_signal(file, "velocity", VELOCITY),
+        rates=_signal(file, "rates", RATES),
+        rotor_speed=_ulog_rotor_speed(file, log.rotor_factor(unit)),
         specific_force=(
-            _signal(file, "specific force", SPECIFIC_FORCE, where)
+            _signal(file, "specific force", SPECIFIC_FORCE)
             if any(_dataset(file, topic) for topic in SPECIFIC_FORCE)
             else None
         ),
     )
 
 
-def _parsed(path: Path, where: str) -> Any:
+def _parsed(path: Path) -> Any:
     from pyulog import ULog
 
     try:
@@ -266,13 +264,12 @@ def _parsed(path: Path, where: str) -> Any:
         with path.open("rb") as file, contextlib.redirect_stdout(io.StringIO()):
             return ULog(file, TOPICS)
     except OSError as error:
-        raise InputError(f"cannot be read: {error.strerror}", "check the path", where) from None
+        raise InputError(f"cannot be read: {error.strerror}", "check the path") from None
     # Damaged bytes make its parser fail in ways that it does not list.
     except Exception as error:
         raise InputError(
             f"not a ULog file: {error or type(error).__name__}",
             "give the .ulg file as the flight controller wrote it",
-            where,
         ) from None
 
 
@@ -282,18 +279,18 @@ def _dataset(file: Any, topic: str) -> Any:
     return min(found, key=lambda data: data.multi_id) if found else None
 
 
-def _signal(file: Any, name: str, sources: dict[str, list[str]], where: str) -> Signal:
+def _signal(file: Any, name: str, sources: dict[str, list[str]]) -> Signal:
     for topic, fields in sources.items():
         data = _dataset(file, topic)
         if data is not None:
-            columns = [_field(data, topic, field, where) for field in fields]
+            columns = [_field(data, topic, field) for field in fields]
             values = np.stack(columns, axis=1)
-            valid = _valid(data, name, topic, where)
+            valid = _valid(data, name, topic)
             return Signal(f"{name} ({topic})", _time(data, fields[0])[valid], values[valid])
-    raise _missing_topic(file, " or ".join(sources), where)
+    raise _missing_topic(file, " or ".join(sources))
 
 
-def _valid(data: Any, name: str, topic: str, where: str) -> NDArray[np.bool_]:
+def _valid(data: Any, name: str, topic: str) -> NDArray[np.bool_]:
     """Say which samples (n,) of a topic the log does not mark as unknown."""
     stamps = data.data["timestamp"]
     flags = [data.data[flag] for flag in VALID if flag in data.data]
@@ -305,22 +302,20 @@ def _valid(data: Any, name: str, topic: str, where: str) -> NDArray[np.bool_]:
         raise InputError(
             f"{topic} marks all {stamps.size} samples of its {name} as not valid",
             "fly where the autopilot knows its velocity: with GPS, optical flow or motion capture",
-            where,
         )
     return np.asarray(valid)
 
 
-def _ulog_rotor_speed(file: Any, factor: float, where: str) -> Signal:
+def _ulog_rotor_speed(file: Any, factor: float) -> Signal:
     data = _dataset(file, ROTORS)
     if data is None:
-        raise _missing_topic(file, ROTORS, where)
-    count = int(np.max(_field(data, ROTORS, "esc_count", where)))
-    columns = [_field(data, ROTORS, f"esc[{k}].esc_rpm", where) for k in range(count)]
+        raise _missing_topic(file, ROTORS)
+    count = int(np.max(_field(data, ROTORS, "esc_count")))
+    columns = [_field(data, ROTORS, f"esc[{k}].esc_rpm") for k in range(count)]
     if not columns:
         raise InputError(
             "esc_count of topic esc_status is 0: no motor controller reports its speed",
             "fly with controllers that report rpm, by DShot telemetry or UAVCAN",
-            where,
         )
     # In the order of the motors, where the log says of all controllers which one they turn.
     fields = [f"esc[{k}].actuator_function" for k in range(count)]
@@ -341,24 +336,22 @@ def _time(data: Any, field: str = "") -> Floats:
     return np.asarray(time * MICROSECOND)
 
 
-def _field(data: Any, topic: str, field: str, where: str) -> Floats:
+def _field(data: Any, topic: str, field: str) -> Floats:
     if field not in data.data:
         raise InputError(
             f"topic {topic} has no field {field}, it has {', '.join(data.data)}",
             "give a log of PX4 1.11 or later",
-            where,
         )
     return np.asarray(data.data[field], dtype=np.float64)
 
 
-def _missing_topic(file: Any, topic: str, where: str) -> InputError:
+def _missing_topic(file: Any, topic: str) -> InputError:
     # Topics that are not of use here are not parsed, but the log names their formats.
     present = sorted({data.name for data in file.data_list}) or ["no topic of use"]
     return InputError(
         f"no topic {topic}; found {', '.join(present)}",
         "log it: see SDLOG_PROFILE of PX4, and for esc_status motor controllers with telemetry "
         "(actuator_motors and actuator_outputs are commands, no speeds)",
-        where,
     )
 
 
@@ -394,7 +387,6 @@ def read_rosbag(path: Path, log: LogMap) -> Recording:
     odometry or twist and the specific force is not known.  Times are those of the headers; of a
     message without one, when it was recorded.  Raises ``InputError``.
     """
-    where = str(path)
     topics = log.topics
     if "rotor_speed" not in topics or not (
         "odometry" in topics or {"pose", "velocity"} <= {*topics}
@@ -404,7 +396,7 @@ def read_rosbag(path: Path, log: LogMap) -> Recording:
             'add [log.topics] with odometry = "/...", imu = "/...", rotor_speed = "/..."',
             log.where,
         )
-    read = _messages(path, where, log)
+    read = _messages(path, log)
     odometry = "odometry" in topics
     velocity_in = (log.velocity_in or "body") if odometry else log.stated("velocity_in")
     twist_role = "odometry" if odometry else "velocity"
@@ -431,7 +423,7 @@ def read_rosbag(path: Path, log: LogMap) -> Recording:
     imu = "imu" in topics
     factor = log.rotor_factor(log.stated("rotor_unit"))
     return Recording(
-        source=where,
+        source=str(path),
         body_frame=log.body_frame or "flu",
         world_frame=log.world_frame or "enu",
         velocity_in=velocity_in,
@@ -443,7 +435,7 @@ def read_rosbag(path: Path, log: LogMap) -> Recording:
             else signal("rates", twist_role, lambda m: _xyz(twist(m).angular))
         ),
         rotor_speed=_bag_rotor_speed(
-            *read["rotor_speed"], factor, f"rotor speed (topic {topics['rotor_speed']})", where
+            *read["rotor_speed"], factor, f"rotor speed (topic {topics['rotor_speed']})"
         ),
         specific_force=(
             signal("specific force", "imu", lambda m: _xyz(m.linear_acceleration)) if imu else None
@@ -455,7 +447,7 @@ def _xyz(vector: Any) -> list[float]:
     return [vector.x, vector.y, vector.z]
 
 
-def _messages(path: Path, where: str, log: LogMap) -> dict[str, tuple[Floats, list[Any]]]:
+def _messages(path: Path, log: LogMap) -> dict[str, tuple[Floats, list[Any]]]:
     """Return times [s] and messages of the topics named, by role."""
     from rosbags.highlevel import AnyReader
     from rosbags.typesys import Stores, get_typestore
@@ -463,9 +455,7 @@ def _messages(path: Path, where: str, log: LogMap) -> dict[str, tuple[Floats, li
     try:
         # Old bags of ROS 2 do not hold the definitions of their messages.
         with AnyReader([path], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as bag:
-            return {
-                role: _topic(bag, role, topic, where, log) for role, topic in log.topics.items()
-            }
+            return {role: _topic(bag, role, topic, log) for role, topic in log.topics.items()}
     except InputError:
         raise
     # Damaged bytes make SQLite, MCAP and YAML parsers fail in ways that rosbags does not list.
@@ -473,25 +463,22 @@ def _messages(path: Path, where: str, log: LogMap) -> dict[str, tuple[Floats, li
         raise InputError(
             f"not a bag that can be read: {error or type(error).__name__}",
             "give a ROS 1 .bag, a ROS 2 folder with metadata.yaml, or an .mcap file",
-            where,
         ) from None
 
 
-def _topic(bag: Any, role: str, topic: str, where: str, log: LogMap) -> tuple[Floats, list[Any]]:
+def _topic(bag: Any, role: str, topic: str, log: LogMap) -> tuple[Floats, list[Any]]:
     connections = [c for c in bag.connections if c.topic == topic]
     if not connections:
         present = ", ".join(sorted(f"{c.topic} ({_short(c.msgtype)})" for c in bag.connections))
         raise InputError(
             f"no topic {topic}; the bag has {present or 'none'}",
             f"correct {role} in [log.topics] of {log.file}",
-            where,
         )
     wanted, found = TYPES.get(role), connections[0].msgtype
     if wanted not in (None, found):
         raise InputError(
             f"topic {topic} is of type {_short(found)}, expected {_short(str(wanted))}",
             f"name a topic of that type as {role} in [log.topics]",
-            where,
         )
     times, messages = [], []
     for connection, recorded, data in bag.messages(connections):
@@ -503,9 +490,7 @@ def _topic(bag: Any, role: str, topic: str, where: str, log: LogMap) -> tuple[Fl
     return np.array(times, dtype=np.float64), messages
 
 
-def _bag_rotor_speed(
-    time: Floats, messages: list[Any], factor: float, name: str, where: str
-) -> Signal:
+def _bag_rotor_speed(time: Floats, messages: list[Any], factor: float, name: str) -> Signal:
     """Return rotor speeds [rad/s]; ``factor`` is their unit in the log."""
     if not messages:
         return Signal(name, time, np.empty((0, 0)))
@@ -519,7 +504,6 @@ def _bag_rotor_speed(
             raise InputError(
                 f"{name} is of type {_short(kind)} with {found}",
                 f"record the speeds as one of {', '.join(map(_short, ROTOR_FIELDS))}",
-                where,
             )
         field = arrays[0]
     rows = [np.asarray(getattr(message, field), dtype=np.float64).ravel() for message in messages]
@@ -528,7 +512,6 @@ def _bag_rotor_speed(
         raise InputError(
             f"messages of {name} have from {lengths[0]} to {lengths[-1]} values",
             "record one value per rotor in every message",
-            where,
         )
     return Signal(name, time, np.stack(rows) * factor)
 
@@ -607,4 +590,7 @@ def read_recording(path: str | os.PathLike[str], vehicle_file: VehicleFile) -> R
         raise InputError(
             "this folder has no metadata.yaml, expected a ROS 2 bag", "name a file inside it", where
         )
-    return (read_rosbag if folder else READERS[kind])(file, vehicle_file.log)
+    try:
+        return (read_rosbag if folder else READERS[kind])(file, vehicle_file.log)
+    except InputError as error:
+        raise InputError(error.found, error.remedy, error.where or where) from None
