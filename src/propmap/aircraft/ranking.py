@@ -125,7 +125,7 @@ class Ranking:
             In order.
         """
         found = self._each(Ranking.judge, candidates, progress, workers)
-        sign = -1.0 if self.task.most_is_best else 1.0
+        sign = 1.0 if self.task.ranked_by == "energy" else -1.0
 
         def place(one: Judged) -> tuple[bool, float]:
             least = sign * one.score if one.feasible else -float(np.nan_to_num(one.thrust_margin))
@@ -214,14 +214,13 @@ class Ranking:
         """Return the first-order standard deviation of the score of ``judged``, or NaN."""
         if not judged.feasible or judged.candidate.covariance is None:
             return math.nan
-        changes = [self._score_of(one) - judged.score for one in judged.candidate.varied()]
+        changes = []
+        for candidate in judged.candidate.varied():
+            craft = self.aircraft(candidate)
+            states = craft.steady([0.0, self.task.probed_speed], margin=False)
+            top = top_speed(craft, states, 0.0)[0] if self.task.name == "fast" else math.nan
+            changes.append(self._score(craft, states, top)[0] - judged.score)
         return math.sqrt(sum(change**2 for change in changes)) if changes else math.nan
-
-    def _score_of(self, candidate: Candidate) -> float:
-        craft = self.aircraft(candidate)
-        states = craft.steady([0.0, self.task.probed_speed], margin=False)
-        top = top_speed(craft, states, 0.0)[0] if self.task.name == "fast" else math.nan
-        return self._score(craft, states, top)[0]
 
     def _score(self, craft: Aircraft, states: SteadyStates, top: float) -> tuple[float, str]:
         """Return the score, and why there is none."""
@@ -512,11 +511,6 @@ class Task:
     def ranked_by(self) -> str:
         """Key of its ``MEASURES`` by which candidates are ranked."""
         return self.measure or next(iter(MEASURES[self.name]))
-
-    @property
-    def most_is_best(self) -> bool:
-        """Whether the largest score is the best."""
-        return self.ranked_by != "energy"
 
     @property
     def words(self) -> str:

@@ -302,12 +302,6 @@ class SteadyFlight(NamedTuple):
         """Return some of them."""
         return SteadyFlight(*(array[which] for array in self))
 
-    @property
-    def turn_rate(self) -> Floats:
-        """Rate of turn about the vertical, positive to the left [rad/s]."""
-        rate = -GRAVITY * np.tan(self.bank)
-        return np.divide(rate, self.speed, out=np.zeros_like(rate), where=self.speed > 0.0)
-
 
 class Balanced(NamedTuple):
     """What was found for n flights of k rotors; numbers also where nothing was found."""
@@ -377,7 +371,12 @@ class SteadyBalance:
         drag make likely.
         """
         if first is None:
-            first = self._likely(flight)
+            area = self.vehicle.body.drag_area[0]
+            push = 0.5 * self.vehicle.air.density * area * flight.speed**2 / self.weight
+            first = np.zeros((flight.speed.size, 2 + self.controls.patterns.shape[1]))
+            first[:, 0] = np.minimum(np.arctan(push), 0.6)
+            first[:, 1] = flight.bank
+            first[:, 2] = np.hypot(1.0 / np.cos(flight.bank), push)
 
         def linearised(unknowns: Floats, which: NDArray[np.intp]) -> tuple[Floats, Floats]:
             return self._linearised(unknowns, flight.part(which))
@@ -392,15 +391,6 @@ class SteadyBalance:
         """Return unknowns (n, u) of attitudes (n,) [rad] and squared rotor speeds (n, k)."""
         shares = squares @ np.linalg.pinv(self.controls.patterns).T / self.reference
         return np.column_stack([pitch, roll, shares])
-
-    def _likely(self, flight: SteadyFlight) -> Floats:
-        area = self.vehicle.body.drag_area[0]
-        push = 0.5 * self.vehicle.air.density * area * flight.speed**2 / self.weight
-        first = np.zeros((flight.speed.size, 2 + self.controls.patterns.shape[1]))
-        first[:, 0] = np.minimum(np.arctan(push), 0.6)
-        first[:, 1] = flight.bank
-        first[:, 2] = np.hypot(1.0 / np.cos(flight.bank), push)
-        return first
 
     def _bounded(self, unknowns: Floats, step: Floats) -> Floats:
         """Shorten the step (n, u) to what may be trusted."""
@@ -425,9 +415,10 @@ class SteadyBalance:
         """
         velocity = in_vehicle_frame(flight.speed, 0.0, flight.climb, pitch, roll)
         up = in_vehicle_frame(0.0, 0.0, 1.0, pitch, roll)
-        rates = flight.turn_rate[:, None] * up
-        hubs = velocity[..., None, :] + cross(rates[..., None, :], self.rotors.position)
         aside = -GRAVITY * np.tan(flight.bank)
+        turning = np.divide(aside, flight.speed, out=np.zeros_like(aside), where=flight.speed > 0.0)
+        rates = turning[:, None] * up
+        hubs = velocity[..., None, :] + cross(rates[..., None, :], self.rotors.position)
         return velocity, hubs, in_vehicle_frame(0.0, aside, GRAVITY, pitch, roll)
 
     def _residual(

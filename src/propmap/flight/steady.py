@@ -149,16 +149,6 @@ def _count_within(scaled: Floats) -> int:
         size *= 2
 
 
-def _longest(piece: _Piece, seconds: float) -> slice:
-    """Find the longest stretch of a piece that has none of ``seconds``, by its own indices."""
-    low, high = 0.0, seconds
-    while high - low > RESOLUTION:
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if _stretches(piece, middle) else (low, middle)
-    found = max(_stretches(piece, low), key=lambda stretch: stretch.stop - stretch.start)
-    return slice(found.start - piece.first, found.stop - piece.first)
-
-
 def _none_steady(
     log: FlightLog, pieces: list[_Piece], seconds: float, names: list[str], limits: dict[str, float]
 ) -> InputError:
@@ -168,15 +158,18 @@ def _none_steady(
             "the rotors never carry the vehicle", "give the log of a flight", log.source
         )
 
-    def duration(found: tuple[_Piece, slice]) -> float:
-        piece, stretch = found
-        return float(piece.time[stretch.stop - 1] - piece.time[stretch.start])
-
-    best, stretch = longest = max(
-        ((piece, _longest(piece, seconds)) for piece in pieces), key=duration
-    )
+    each = []
+    for piece in pieces:
+        low, high = 0.0, seconds
+        while high - low > RESOLUTION:
+            middle = 0.5 * (low + high)
+            low, high = (middle, high) if _stretches(piece, middle) else (low, middle)
+        longest = max(_stretches(piece, low), key=lambda one: one.stop - one.start)
+        stretch = slice(longest.start - piece.first, longest.stop - piece.first)
+        each.append((float(np.ptp(piece.time[stretch])), piece, stretch))
+    lasts, best, stretch = max(each, key=lambda one: one[0])
     found = (
-        f"no steady stretch of {seconds:g} s: the longest lasts {duration(longest):.2f} s, "
+        f"no steady stretch of {seconds:g} s: the longest lasts {lasts:.2f} s, "
         f"from {best.time[stretch.start]:.6g} s"
     )
     if stretch.stop < best.time.size:

@@ -512,7 +512,13 @@ def common_clock(
         if not 0.1 <= rate <= 10000.0:
             raise InputError(f"the rate is {rate} 1/s", "give samples per second, such as 50")
         time = np.arange(start, end, 1.0 / rate)
-    known = ~np.any([_in_gap(signal, time) for signal in signals], axis=0)
+    known = np.ones(time.size, dtype=np.bool_)
+    for signal in signals:
+        # Times between two samples that are too far apart, at neither of them, are in a gap.
+        after = np.clip(np.searchsorted(signal.time, time), 1, signal.time.size - 1)
+        wide = signal.time[after] - signal.time[after - 1] > LONGEST_GAP
+        at_sample = (time == signal.time[after]) | (time == signal.time[after - 1])
+        known &= at_sample | ~wide
     if int(known.sum()) < FEWEST_SAMPLES:
         raise InputError(
             f"all signals together are known at {int(known.sum())} times: {first_to_end.name} "
@@ -546,14 +552,6 @@ def _slowed(signal: Signal, step: float) -> Floats:
         for part in np.split(signal.values, breaks)
     ]
     return np.concatenate(parts)
-
-
-def _in_gap(signal: Signal, time: Floats) -> NDArray[np.bool_]:
-    """Say which times lie between two samples that are too far apart, none of them at either."""
-    after = np.clip(np.searchsorted(signal.time, time), 1, signal.time.size - 1)
-    wide = signal.time[after] - signal.time[after - 1] > LONGEST_GAP
-    at_sample = (time == signal.time[after]) | (time == signal.time[after - 1])
-    return np.asarray(wide & ~at_sample)
 
 
 def _check_frames(log: FlightLog, vehicle_file: VehicleFile) -> None:
