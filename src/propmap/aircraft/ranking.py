@@ -267,8 +267,7 @@ def _overlap(vehicle: Vehicle, radius: float) -> str:
 
     Rotors one above the other, on one axis, may have any radius.
     """
-    place = np.array([mount.position for mount in vehicle.mounts])
-    axis = np.array([mount.axis for mount in vehicle.mounts])
+    place, axis = vehicle.hub_positions, vehicle.rotor_axes
     closest = math.inf
     for k in range(len(place)):
         for j in range(k):

@@ -94,8 +94,9 @@ def _thrust_share(log: FlightLog, rotor: Rotor, vehicle: Vehicle) -> float:
     up = np.mean(log.up[:, 2])
     measured = np.mean(log.specific_force[:, 2])
     needed = vehicle.mass * (GRAVITY / up if np.isnan(measured) else measured)
-    axes = np.array([mount.axis[2] for mount in vehicle.mounts])
-    force = HoverModel.of(rotor).k_thrust * float(np.mean(np.square(log.rotor_speed) @ axes))
+    force = HoverModel.of(rotor).k_thrust * float(
+        np.mean(np.square(log.rotor_speed) @ vehicle.rotor_axes[:, 2])
+    )
     if not (needed > 0.0 and force > 0.0):
         raise InputError(
             f"slow flight takes {needed:.3g} N along the vehicle's z axis, of rotors that give "
@@ -167,8 +168,7 @@ def check_rotor_order(log: FlightLog, vehicle: Vehicle) -> None:
     thrust = (np.square(quick.rotor_speed) - np.square(slow.rotor_speed))[flying]
     if len(turning) < FEWEST or np.sqrt(np.mean(turning**2)) < AGILE:
         return
-    hubs = np.array([mount.position for mount in vehicle.mounts])
-    arms = np.cross(hubs, np.array([mount.axis for mount in vehicle.mounts]))[:, :2]
+    arms = np.cross(vehicle.hub_positions, vehicle.rotor_axes)[:, :2]
 
     def correlation(arms: Floats) -> float:
         moment = thrust @ arms
@@ -197,8 +197,7 @@ def check_rotor_order(log: FlightLog, vehicle: Vehicle) -> None:
 
 def mixed_vehicles(logs: Sequence[FlightLog], vehicle: Vehicle) -> list[str]:
     """Warn where ``logs`` cannot be of one vehicle, by what hover takes of the rotors."""
-    axes = np.array([mount.axis[2] for mount in vehicle.mounts])
-    found = {}
+    found, axes = {}, vehicle.rotor_axes[:, 2]
     for log in logs:
         hover = log.picked(slow_flight(log))
         if len(hover) < FEWEST_SLOW or hover.speed.max() > SLOW:

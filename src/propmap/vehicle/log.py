@@ -557,8 +557,7 @@ def _slowed(signal: Signal, step: float) -> Floats:
 def _check_frames(log: FlightLog, vehicle_file: VehicleFile) -> None:
     """Check that rotors point up and that the specific force along ``up`` averages near g."""
     remedy = f"check body_frame, world_frame and the attitude ({vehicle_file.log.where})"
-    axes = np.array([mount.axis for mount in vehicle_file.vehicle.mounts])
-    if float(np.mean(log.up @ axes.T)) < 0.0:
+    if float(np.mean(log.up @ vehicle_file.vehicle.rotor_axes.T)) < 0.0:
         raise InputError("on average the rotors point down", remedy, log.source)
     if np.isnan(log.specific_force).any():
         return

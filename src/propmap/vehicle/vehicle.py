@@ -5,9 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from propmap.errors import InputError
 from propmap.model.corrections import MountDrag
 from propmap.model.model import Air, Propeller
+from propmap.typing import Floats
 from propmap.vehicle.powertrain import Powertrain
 
 if TYPE_CHECKING:
@@ -187,6 +190,16 @@ class Vehicle:
                 raise InputError(
                     f"rotor {k}: the axis has length {length:g}", "give a unit vector, [0, 0, 1]"
                 )
+
+    @property
+    def hub_positions(self) -> Floats:
+        """Positions of the k hubs relative to the centre of mass, (k, 3) [m]."""
+        return np.array([mount.position for mount in self.mounts])
+
+    @property
+    def rotor_axes(self) -> Floats:
+        """Unit vectors along the thrust of the k rotors, (k, 3) [-]."""
+        return np.array([mount.axis for mount in self.mounts])
 
     def wrench(
         self,

@@ -182,8 +182,7 @@ def _along(vehicle: Vehicle, velocity: Floats) -> Floats:
     This is the squared cosine between the source's in-plane velocity and the direction to the
     target in the source's disk plane; it fades to 0 as the velocity does, where there is neither.
     """
-    position = np.array([mount.position for mount in vehicle.mounts])
-    axis = np.array([mount.axis for mount in vehicle.mounts])
+    position, axis = vehicle.hub_positions, vehicle.rotor_axes
     offset = position[:, None] - position[None]
     offset = offset - np.sum(offset * axis, axis=-1, keepdims=True) * axis
     length = np.linalg.norm(offset, axis=-1)
@@ -290,8 +289,8 @@ def hub_flow_at(vehicle: Vehicle, omega: Floats, velocity: Floats, rates: Floats
 
     The vehicle moves at ``velocity`` [m/s] and turns at ``rates`` [rad/s], (n, 3) in its frame.
     """
-    position = np.array([mount.position for mount in vehicle.mounts])
-    return flow_of_hubs(vehicle, omega, velocity[:, None] + cross(rates[:, None], position))
+    hubs = velocity[:, None] + cross(rates[:, None], vehicle.hub_positions)
+    return flow_of_hubs(vehicle, omega, hubs)
 
 
 def flow_of_hubs(vehicle: Vehicle, omega: Floats, hubs: Floats) -> HubFlow:
@@ -299,8 +298,7 @@ def flow_of_hubs(vehicle: Vehicle, omega: Floats, hubs: Floats) -> HubFlow:
 
     They are in the vehicle's frame [m/s]; ``omega`` is (n, m) [rad/s].
     """
-    position = np.array([mount.position for mount in vehicle.mounts])
-    axis = np.array([mount.axis for mount in vehicle.mounts])
+    position, axis = vehicle.hub_positions, vehicle.rotor_axes
     spin = np.array([spin_sign(mount.spin) for mount in vehicle.mounts])
     axial = np.sum(hubs * axis, axis=-1)
     across = hubs - axial[..., None] * axis
