@@ -19,7 +19,7 @@ from propmap.operating_points import FlowPoints
 from propmap.rotor import Rotor
 from propmap.table.query import LoadTable
 from propmap.typing import Floats
-from propmap.vehicle.rotors import Rotors, Sources, load_rows
+from propmap.vehicle.vehicle_forces import Rotors, Sources, load_rows
 
 # -------------------------------------------------------------------------------------------------
 # How sure steady states are, and their derivatives by what a designer may choose.

@@ -19,9 +19,8 @@ from propmap.operating_points import broadcast
 from propmap.rotor import Rotor
 from propmap.typing import Floats
 from propmap.vehicle.log import GRAVITY, in_vehicle_frame
-from propmap.vehicle.rotors import Rotors, RotorWrenches
 from propmap.vehicle.vehicle import Vehicle, Wing
-from propmap.vehicle.vehicle_forces import free_stream_force, wing_lift
+from propmap.vehicle.vehicle_forces import Rotors, RotorWrenches, free_stream_force, wing_lift
 from propmap.vehicle.wakes import cross
 
 if TYPE_CHECKING:
@@ -329,15 +328,11 @@ class Balanced(NamedTuple):
         """Return flights of the ``other`` in the places ``where`` (n,), of these elsewhere."""
 
         def pick(own: Any, its: Any) -> Any:
+            if isinstance(own, RotorWrenches):
+                return RotorWrenches(*map(pick, own, its))
             return np.where(where.reshape(-1, *[1] * (own.ndim - 1)), its, own)
 
-        wrenches = RotorWrenches(*map(pick, self.wrenches, other.wrenches))
-        rest = {
-            name: pick(getattr(self, name), getattr(other, name))
-            for name in self._fields
-            if name != "wrenches"
-        }
-        return Balanced(**rest, wrenches=wrenches)
+        return Balanced(*map(pick, self, other))
 
 
 class SteadyBalance:

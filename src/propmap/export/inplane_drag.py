@@ -18,8 +18,8 @@ from propmap.operating_points import FlowPoints, split_velocity
 from propmap.rotor import Rotor
 from propmap.typing import Floats
 from propmap.vehicle.log import GRAVITY, in_vehicle_frame
-from propmap.vehicle.rotors import mounted_rotors
 from propmap.vehicle.vehicle import Body, Vector, Vehicle
+from propmap.vehicle.vehicle_forces import mounted_rotors
 
 if TYPE_CHECKING:
     from propmap.table.query import LoadTable

@@ -16,8 +16,7 @@ from propmap.vehicle.powertrain import Powertrain
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-    from propmap.vehicle.rotors import LoadSource
-    from propmap.vehicle.vehicle_forces import VehicleWrench
+    from propmap.vehicle.vehicle_forces import LoadSource, VehicleWrench
 
 SPINS = ("ccw", "cw")
 Vector = tuple[float, float, float]
