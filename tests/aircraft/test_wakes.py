@@ -17,8 +17,8 @@ from propmap.aircraft import ranking
 from propmap.aircraft.ranking import Candidate, Task
 from propmap.aircraft.sensitivity import derivatives
 from propmap.aircraft.trim import Aircraft, SteadyStates
-from propmap.vehicle.rotors import Rotors
 from propmap.vehicle.vehicle import Mount, Vehicle, Wakes
+from propmap.vehicle.vehicle_forces import Rotors
 
 from ..vehicle.wrench_by_hand import by_hand
 from .conftest import aircraft_of, quadcopter, rotor_of

@@ -27,7 +27,7 @@ from propmap.catalogue.expected import (
 )
 from propmap.catalogue.identified import designation
 from propmap.catalogue.lookup import designated
-from propmap.model.plausibility import at_share, doubts_on_blade
+from propmap.model.plausibility import at_share, blade_warnings
 
 RESULTS = Path(__file__).resolve().parents[2] / "benchmarks" / "results" / "left_out.json"
 FAMILIES = sorted({entry.family for entry in catalogue.entries()})
@@ -185,7 +185,7 @@ def test_fifty_designations_give_loads_with_bands() -> None:
         meant = designated(text)
         assert isinstance(meant, ExpectedBlade), text
         blade = propmap.propeller(text)
-        assert doubts_on_blade(blade) == [], text
+        assert blade_warnings(blade) == [], text
         rotor = propmap.Rotor(propmap.known_model(text))
         omega = 80.0 / blade.radius
         loads = rotor.loads(np.array([omega, omega]), np.array([0.0, 6.0]), np.array([0.0, 1.2]))

@@ -114,7 +114,11 @@ CASES: dict[str, tuple[Callable[[Columns], Columns], list[str], bool]] = {
         ["rates (p, q, r) are in degrees per second", "convert them to rad/s"],
         True,
     ),
-    "gyro converted twice": (scaled(W, 1 / 57.29578), ["57 times too small", "once"], True),
+    "gyro converted twice": (
+        scaled(W, 1 / 57.29578),
+        ["in rad/s, converted from degrees twice"],
+        True,
+    ),
     "gyro in FRD": (
         scaled(W, 1, -1, -1),
         ["rates (p, q, r) are along the axes of FRD, not FLU", "change the signs of their y and z"],
@@ -170,7 +174,7 @@ CASES: dict[str, tuple[Callable[[Columns], Columns], list[str], bool]] = {
     "velocity in km/h": (scaled(V, 3.6), ["is in km/h", "convert it to m/s"], True),
     "positions": (
         lambda c: put(c, V, vectors(c, P)),
-        ["holds positions, whose change agrees", "columns of the velocity"],
+        ["holds positions", "columns of the velocity"],
         True,
     ),
     "velocity dead": (scaled(V, 0.0), ["velocity (vx, vy, vz) never change"], False),

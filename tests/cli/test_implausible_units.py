@@ -13,7 +13,7 @@ from propmap.catalogue.lookup import measurement
 from propmap.cli.fit_flight import read_flights
 from propmap.errors import InputError
 from propmap.fit.tunnel import doubts_on_tunnel
-from propmap.model.plausibility import doubts_on_blade
+from propmap.model.plausibility import blade_warnings
 from propmap.vehicle.files import read_vehicle
 
 from .conftest import Run
@@ -273,8 +273,8 @@ LOADS = {
     "torque in kg cm": (scaled(TUNNEL, torque_Nm=10.197), "kg cm"),
     "torque in g cm": (scaled(TUNNEL, torque_Nm=10197.0), "torque looks like g cm"),
     "torque in oz in": (scaled(TUNNEL, torque_Nm=141.61), "ounce-inches"),
-    "rpm in rad/s": (scaled(TUNNEL, rpm=1.0 / RPM_PER_RADIAN), "rpm like rad/s"),
-    "rpm per second": (scaled(TUNNEL, rpm=1.0 / 60.0), "rpm like revolutions per second"),
+    "rpm in rad/s": (scaled(TUNNEL, rpm=1.0 / RPM_PER_RADIAN), "rpm in rad/s"),
+    "rpm per second": (scaled(TUNNEL, rpm=1.0 / 60.0), "rpm in revolutions per second"),
     "rad/s converted twice": (scaled(TUNNEL, rpm=RPM_PER_RADIAN), "converted from rad/s twice"),
     "electrical rpm": (scaled(TUNNEL, rpm=7.0), "electrical rpm"),
     "slow electrical rpm": (scaled(TUNNEL, rpm=4.0), "electrical rpm"),
@@ -285,7 +285,7 @@ LOADS = {
     "oblique beta from the disk": (turned(OBLIQUE, lambda b: 90.0 - b), DISK),
     "beta in radians": (turned(OBLIQUE, np.radians), "looks like radians"),
     "thrust alone, in grams": (scaled(THRUST_ALONE, thrust_N=102.0), "thrust looks like grams"),
-    "thrust alone, rpm in rad/s": (scaled(THRUST_ALONE, rpm=0.10472), "rpm like rad/s"),
+    "thrust alone, rpm in rad/s": (scaled(THRUST_ALONE, rpm=0.10472), "rpm in rad/s"),
     "thrust alone, speed in km/h": (scaled(THRUST_ALONE, speed_mps=3.6), "looks like km/h"),
 }
 
@@ -317,8 +317,8 @@ def test_diameter_for_radius_shows_in_the_loads(tmp_path: Path) -> None:
         in_fractions(SHARE, WIDTH).replace(f"{BLADE.radius}", f"{2.0 * BLADE.radius}")
     )
     large = propmap.propeller(tmp_path / "blade.csv")
-    assert doubts_on_blade(large) == []
-    assert "a radius like the diameter" in told_of(TUNNEL, tmp_path, large)
+    assert blade_warnings(large) == []
+    assert "a diameter taken for the radius" in told_of(TUNNEL, tmp_path, large)
 
 
 def test_fit_refuses_what_cannot_be(run: Run, tmp_path: Path) -> None:

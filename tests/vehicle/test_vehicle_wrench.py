@@ -16,8 +16,8 @@ from propmap import InputError, VehicleForces
 from propmap.model.corrections import MountDrag
 from propmap.results import STATUSES
 from propmap.table.interpolation import STATUSES as TABLE_STATUSES
-from propmap.vehicle.rotors import SEVERITY, worst
 from propmap.vehicle.vehicle import Body, Mount, Vehicle, Wakes, Wing
+from propmap.vehicle.vehicle_forces import SEVERITY, worst
 
 from .wrench_by_hand import by_hand
 

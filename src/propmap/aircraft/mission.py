@@ -18,15 +18,10 @@ from propmap.typing import Floats
 
 COLUMNS = ("speed_mps", "climb_mps", "duration_s")
 EMPTY, NOT_REACHED = "battery_empty", "not_reached"
-WORDS = {
-    EMPTY: "the battery is empty",
-    NOT_REACHED: "after a leg that cannot be flown",
-    **STATUSES,
-}
+WORDS = {EMPTY: "the battery is empty", NOT_REACHED: "after a leg that cannot be flown", **STATUSES}
 """Statuses of legs in words."""
 
-MOMENTS = 13
-"""Of each leg, at which its course is told."""
+MOMENTS = 13  # moments of each leg, at which its course is known
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,7 +89,7 @@ class Flown:
 
     @property
     def charge(self) -> Floats:
-        """At the end of each leg, NaN from the first that cannot be flown."""
+        """State of charge at the end of each leg, NaN from the first that cannot be flown."""
         return self.course.charge[:, -1]
 
     @property
@@ -102,8 +97,8 @@ class Flown:
         """Which legs could be flown to their end."""
         return np.isin(self.status, FLOWN)
 
-    def told(self, leg: int) -> str:
-        """The status of the ``leg`` number 0, 1, ... in words."""
+    def status_in_words(self, leg: int) -> str:
+        """Return the status of the ``leg`` number 0, 1, ... in words."""
         return WORDS[str(self.status[leg])]
 
 
@@ -117,6 +112,11 @@ def fly(aircraft: Aircraft, mission: Mission) -> Flown:
     ----------
     aircraft, mission : Aircraft, Mission
         What flies what.
+
+    Returns
+    -------
+    Flown
+        Of n legs.
     """
     states = aircraft.steady(mission.speed, mission.climb, margin=False)
     battery, n = aircraft.vehicle.powertrain.battery, len(states)
@@ -126,7 +126,7 @@ def fly(aircraft: Aircraft, mission: Mission) -> Flown:
     time = (ends - mission.duration)[:, None] + mission.duration[:, None] * moments
     charge, voltage = np.full((2, n, MOMENTS), math.nan)
     if battery is not None:
-        now = aircraft.limits.charge
+        now = aircraft.charge
         least = now - battery.usable_share
         needed = np.max(states.throttle * states.battery_voltage[:, None], axis=1)
         for k in range(n):
@@ -154,12 +154,17 @@ def fly(aircraft: Aircraft, mission: Mission) -> Flown:
 
 
 def read_mission(path: str | os.PathLike[str]) -> Mission:
-    """Legs from a CSV file with the columns ``speed_mps``, ``climb_mps``, ``duration_s``.
+    """Read legs from a CSV file with the columns ``speed_mps``, ``climb_mps``, ``duration_s``.
 
     Parameters
     ----------
     path : path
         Of the file, in any dialect of ``propmap.io.csv``.
+
+    Returns
+    -------
+    Mission
+        Of the legs, in order.
 
     Raises
     ------

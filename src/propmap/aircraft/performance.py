@@ -9,20 +9,15 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.aircraft.sensitivity import Responses, Spread, spread
+from propmap.aircraft.sensitivity import Responses, StateChange, spread
 from propmap.aircraft.trim import Aircraft, SteadyStates
 from propmap.errors import InputError
 from propmap.typing import Floats
+from propmap.vehicle.powertrain import RPM
 
-# -------------------------------------------------------------------------------------------------
-# What a power curve says: hover, least power, best range, top speed and what limits it.
-
-TOP = 3
-"""Number of the top speed among the states with a name."""
-
+TOP = 3  # number of the top speed among the states with a name
 SPEEDS, BETWEEN = 41, 13
-"""At which power is looked at, from rest to the top speed; and between the neighbours of the least
-of these."""
+"""Speeds at which power is computed, from rest to the top speed, and about the least of these."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,21 +84,26 @@ class Performance:
 
 
 def endurance(aircraft: Aircraft, states: SteadyStates, more_power: Floats | float = 0.0) -> Floats:
-    """Time of flight in each state on one battery [s], (n,); NaN without a battery.
+    """Return the time of flight in each state on one battery.
 
     Parameters
     ----------
     aircraft, states : Aircraft, SteadyStates
-        What flies, and how.
+        What flies, and n states of it.
     more_power : ndarray, shape (n,), or float
         By which the electrical power is larger [W].
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        [s]; NaN without a battery.
     """
     battery = aircraft.vehicle.powertrain.battery
     if battery is None:
         return np.full(len(states), math.nan)
     needed = np.max(states.throttle * states.battery_voltage[:, None], axis=1)
     power = states.electrical_power + more_power
-    return battery.endurance(power, needed, aircraft.limits.charge)
+    return battery.endurance(power, needed, aircraft.charge)
 
 
 def performance(
@@ -173,7 +173,16 @@ def performance(
                 std = {name: float(values[place]) for name, values in sure.items()}
                 if k != TOP:
                     std.pop("speed_std", None)
-                named[k] = _named(found, place, float(time[place]), wind, std)
+                v, lasts = float(found.speed[place]), float(time[place])
+                named[k] = NamedState(
+                    speed=v,
+                    ground_speed=v - wind,
+                    power=float(found.power[place]),
+                    electrical_power=float(found.electrical_power[place]),
+                    endurance=lasts,
+                    distance=lasts * (v - wind),
+                    **std,
+                )
     times = endurance(aircraft, states)
     ground = states.speed - wind
     hover, least_power, best_range, top = named
@@ -183,7 +192,7 @@ def performance(
 
 
 def _deviations(aircraft: Aircraft, states: SteadyStates, limit: str) -> dict[str, Floats]:
-    """Fields of ``NamedState`` for each state; the speed's as if it were at the ``limit``."""
+    """Return deviations of each state for ``NamedState``; the speed's as if at the ``limit``."""
     sure = spread(aircraft, states)
     if sure is None:
         return {}
@@ -199,29 +208,14 @@ def _deviations(aircraft: Aircraft, states: SteadyStates, limit: str) -> dict[st
     return found
 
 
-def _named(
-    states: SteadyStates, k: int, time: float, wind: float, std: dict[str, float]
-) -> NamedState:
-    v = float(states.speed[k])
-    return NamedState(
-        speed=v,
-        ground_speed=v - wind,
-        power=float(states.power[k]),
-        electrical_power=float(states.electrical_power[k]),
-        endurance=time,
-        distance=time * (v - wind),
-        **std,
-    )
-
-
 def _around(x: Floats, places: NDArray[np.intp], y: Floats) -> Floats:
-    """Values between the neighbours of that of the ``places`` in ``x`` where ``y`` is least."""
+    """Return values between the neighbours of that of the ``places`` where ``y`` is least."""
     k = places[np.argmin(y[places])]
     return np.linspace(x[max(k - 1, 0)], x[min(k + 1, x.size - 1)], BETWEEN)
 
 
 def _lowest(x: Floats, y: Floats) -> float:
-    """Where y is least, by the parabola through the least sample and its neighbours."""
+    """Return where y is least, by the parabola through the least sample and its neighbours."""
     if not x.size:
         return math.nan
     k = int(np.argmin(y))
@@ -238,14 +232,10 @@ def _lowest(x: Floats, y: Floats) -> float:
 # The top speed of an aircraft, and the limit that it meets there.
 
 BEYOND = 1.3
-"""Ratio of the speeds at which the top speed is looked for beyond those that were asked for."""
+"""Ratio of the speeds at which the search goes on beyond those that were asked for."""
 
-FASTEST = 150.0
-"""[m/s] up to which it is looked for."""
-
-STEPS = 40
-"""Of a search for the top speed, at most."""
-
+FASTEST = 150.0  # [m/s] up to which a top speed is searched
+STEPS = 40  # steps of a search for the top speed, at most
 CLOSE, NARROW = 2e-3, 0.1
 """The interval with the top speed is narrowed until it is so small a share of it, each time to so
 much about where the share of the limit is likely to reach 1."""
@@ -255,7 +245,7 @@ WITHIN = 0.999
 
 
 def top_speed(aircraft: Aircraft, states: SteadyStates, climb: float) -> tuple[float, str]:
-    """The top speed [m/s], NaN where there is none, and the status beyond it.
+    """Find the top speed, and what limits it.
 
     Parameters
     ----------
@@ -265,6 +255,13 @@ def top_speed(aircraft: Aircraft, states: SteadyStates, climb: float) -> tuple[f
         At two or more rising speeds, all at one climb rate.
     climb : float
         That climb rate [m/s].
+
+    Returns
+    -------
+    speed : float
+        [m/s]; NaN where there is none.
+    limit : str
+        Status of the states beyond it.
     """
     return searched(aircraft, states, climb)[:2]
 
@@ -272,7 +269,7 @@ def top_speed(aircraft: Aircraft, states: SteadyStates, climb: float) -> tuple[f
 def searched(
     aircraft: Aircraft, states: SteadyStates, climb: float
 ) -> tuple[float, str, SteadyStates]:
-    """The same, and the ``states`` with those that the search has come by."""
+    """Return ``top_speed``, and the ``states`` with those that the search has come by."""
     low, high, why = _last_and_next(states)
     for _ in range(STEPS):
         if math.isnan(low):
@@ -298,7 +295,7 @@ def searched(
 
 
 def _met(states: SteadyStates, low: float, high: float, why: str) -> float:
-    """Where the share of a limit reaches 1 between two neighbouring speeds; NaN if not known."""
+    """Return where the share of a limit reaches 1 between neighbouring speeds; NaN if not known."""
     if why not in states.used:
         return math.nan
     k = int(np.argmin(np.abs(states.speed - low)))
@@ -308,7 +305,7 @@ def _met(states: SteadyStates, low: float, high: float, why: str) -> float:
 
 
 def _last_and_next(states: SteadyStates) -> tuple[float, float, str]:
-    """The last speed that is flown, the next that is not, and why not; NaN where there is none."""
+    """Return the last speed flown, the next that is not, and why; NaN where there is none."""
     flown = np.flatnonzero(states.found)
     if not flown.size:
         return math.nan, float(states.speed[0]), str(states.status[0])
@@ -321,10 +318,8 @@ def _last_and_next(states: SteadyStates) -> tuple[float, float, str]:
 # -------------------------------------------------------------------------------------------------
 # Steady states in the units of files and pictures: m/s, degrees, rpm, N, W, A, V.
 
-RPM, DEGREES = 30.0 / math.pi, 180.0 / math.pi
 
-
-class Column(NamedTuple):
+class StateColumn(NamedTuple):
     """A quantity of n states: ``values`` (n,) or, of k rotors, (n, k); unit and meaning."""
 
     values: Floats
@@ -332,54 +327,45 @@ class Column(NamedTuple):
     meaning: str
 
 
-def columns(states: SteadyStates, sure: Spread | None = None) -> dict[str, Column]:
-    """All quantities by their names in files.
-
-    Parameters
-    ----------
-    states : SteadyStates
-        Of n.
-    sure : Spread, optional
-        Their standard deviations, which have columns too.
-    """
-    return _of_states(states) | ({} if sure is None else _deviation_columns(sure))
-
-
-def _deviation_columns(sure: Spread) -> dict[str, Column]:
-    std = "standard deviation of the "
-    return {
-        "pitch_std_deg": Column(sure.pitch * DEGREES, "degree", std + "pitch"),
-        "rpm_std": Column(sure.rotor_speed * RPM, "1/min", std + "rotational speed"),
-        "shaft_power_std_W": Column(sure.shaft_power, "W", std + "shaft power"),
-        "electrical_power_std_W": Column(sure.electrical_power, "W", std + "electrical power"),
-    }
-
-
-def _of_states(states: SteadyStates) -> dict[str, Column]:
-    return {
-        "speed_mps": Column(states.speed, "m/s", "horizontal speed through the air"),
-        "climb_mps": Column(states.climb, "m/s", "climb rate"),
-        "bank_deg": Column(states.bank * DEGREES, "degree", "bank of the turn, to the right"),
-        "pitch_deg": Column(states.pitch * DEGREES, "degree", "pitch, positive nose down"),
-        "roll_deg": Column(states.roll * DEGREES, "degree", "roll, positive right side down"),
-        "rpm": Column(states.rotor_speed * RPM, "1/min", "rotational speed"),
-        "thrust_N": Column(states.thrust, "N", "thrust"),
-        "torque_Nm": Column(states.torque, "N m", "shaft torque"),
-        "shaft_power_W": Column(states.shaft_power, "W", "power of all shafts"),
-        "electrical_power_W": Column(states.electrical_power, "W", "power from the battery"),
-        "motor_current_A": Column(states.motor_current, "A", "current of a motor"),
-        "throttle": Column(states.throttle, "1", "share of the battery's voltage"),
-        "battery_current_A": Column(states.battery_current, "A", "current of the battery"),
-        "battery_voltage_V": Column(states.battery_voltage, "V", "voltage under load"),
-        "thrust_margin": Column(
+def columns(states: SteadyStates, sure: StateChange | None = None) -> dict[str, StateColumn]:
+    """Return all quantities by their names in files, and standard deviations that are ``sure``."""
+    found = {
+        "speed_mps": StateColumn(states.speed, "m/s", "horizontal speed through the air"),
+        "climb_mps": StateColumn(states.climb, "m/s", "climb rate"),
+        "bank_deg": StateColumn(
+            np.degrees(states.bank), "degree", "bank of the turn, to the right"
+        ),
+        "pitch_deg": StateColumn(np.degrees(states.pitch), "degree", "pitch, positive nose down"),
+        "roll_deg": StateColumn(
+            np.degrees(states.roll), "degree", "roll, positive right side down"
+        ),
+        "rpm": StateColumn(states.rotor_speed / RPM, "1/min", "rotational speed"),
+        "thrust_N": StateColumn(states.thrust, "N", "thrust"),
+        "torque_Nm": StateColumn(states.torque, "N m", "shaft torque"),
+        "shaft_power_W": StateColumn(states.shaft_power, "W", "power of all shafts"),
+        "electrical_power_W": StateColumn(states.electrical_power, "W", "power from the battery"),
+        "motor_current_A": StateColumn(states.motor_current, "A", "current of a motor"),
+        "throttle": StateColumn(states.throttle, "1", "share of the battery's voltage"),
+        "battery_current_A": StateColumn(states.battery_current, "A", "current of the battery"),
+        "battery_voltage_V": StateColumn(states.battery_voltage, "V", "voltage under load"),
+        "thrust_margin": StateColumn(
             states.thrust_margin, "1", "thrust at the first limit over that which is needed"
         ),
-        "residual": Column(states.residual, "1", "unbalanced share of the weight"),
+        "residual": StateColumn(states.residual, "1", "unbalanced share of the weight"),
+    }
+    if sure is None:
+        return found
+    std = "standard deviation of the "
+    return found | {
+        "pitch_std_deg": StateColumn(np.degrees(sure.pitch), "degree", std + "pitch"),
+        "rpm_std": StateColumn(sure.rotor_speed / RPM, "1/min", std + "rotational speed"),
+        "shaft_power_std_W": StateColumn(sure.shaft_power, "W", std + "shaft power"),
+        "electrical_power_std_W": StateColumn(sure.electrical_power, "W", std + "electrical power"),
     }
 
 
-def rows(states: SteadyStates, sure: Spread | None = None) -> list[dict[str, Any]]:
-    """One mapping per state, a number per rotor as rpm_1, rpm_2 ...; None for NaN.
+def rows(states: SteadyStates, sure: StateChange | None = None) -> list[dict[str, Any]]:
+    """Return one mapping per state, a number per rotor as rpm_1, rpm_2 ...; None for NaN.
 
     ``states`` and ``sure`` are those of ``columns``.
     """

@@ -25,10 +25,7 @@ from propmap.rotor import Rotor
 from propmap.tasks import InThreads, Workers, cores, in_order
 from propmap.vehicle.vehicle import Vehicle
 
-# -------------------------------------------------------------------------------------------------
-# Which propeller an aircraft flies best with: every candidate judged, feasible ones first.
-
-ALONE = 1e-3
+COAXIAL = 1e-3
 """Distance of two axes over the radius below which rotors are one above the other [-]."""
 
 
@@ -51,7 +48,7 @@ class Judged:
     thrust_margin : float
         In hover.
     top_speed : float
-        [m/s]; NaN where it was not looked for or no limit was met.
+        [m/s]; NaN where it was not searched for or no limit was met.
     limit : str
         Of the top speed, a status.
     why_not : str
@@ -59,16 +56,16 @@ class Judged:
     """
 
     candidate: Candidate
-    score: float
-    deviation: float
-    hover_power: float
-    cruise_power: float
-    hover_time: float
-    cruise_time: float
-    thrust_margin: float
-    top_speed: float
-    limit: str
-    why_not: str
+    score: float = math.nan
+    deviation: float = math.nan
+    hover_power: float = math.nan
+    cruise_power: float = math.nan
+    hover_time: float = math.nan
+    cruise_time: float = math.nan
+    thrust_margin: float = math.nan
+    top_speed: float = math.nan
+    limit: str = ""
+    why_not: str = ""
 
     @property
     def feasible(self) -> bool:
@@ -77,7 +74,7 @@ class Judged:
 
 
 class Ranking:
-    """Judges candidates.
+    """The order of candidates for a task, on a vehicle.
 
     Parameters
     ----------
@@ -111,7 +108,7 @@ class Ranking:
         progress: Callable[[], None] | None = None,
         workers: Workers | None = None,
     ) -> list[Judged]:
-        """All candidates, the best first, then those that are not feasible, by thrust margin.
+        """Judge all candidates: the best first, then those that are not feasible, by thrust margin.
 
         Parameters
         ----------
@@ -121,18 +118,20 @@ class Ranking:
             Called after each.
         workers : Workers, optional
             Who judges; by default threads of this process.
+
+        Returns
+        -------
+        list of Judged
+            In order.
         """
-        found = self._each(_judge, candidates, progress, workers)
-        sign = -1.0 if self.task.most_is_best else 1.0
-        order = sorted(
-            range(len(found)),
-            key=lambda k: (
-                (False, sign * found[k].score)
-                if found[k].feasible
-                else (True, -np.nan_to_num(found[k].thrust_margin))
-            ),
-        )
-        return [found[k] for k in order]
+        found = self._each(Ranking.judge, candidates, progress, workers)
+        sign = 1.0 if self.task.ranked_by == "energy" else -1.0
+
+        def place(one: Judged) -> tuple[bool, float]:
+            least = sign * one.score if one.feasible else -float(np.nan_to_num(one.thrust_margin))
+            return not one.feasible, least
+
+        return sorted(found, key=place)
 
     def with_deviations(
         self,
@@ -140,7 +139,7 @@ class Ranking:
         progress: Callable[[], None] | None = None,
         workers: Workers | None = None,
     ) -> list[Judged]:
-        """The same with the standard deviation of the scores, from seven more trims of each.
+        """Add the standard deviation of the scores, from seven more trims of each.
 
         Parameters
         ----------
@@ -150,8 +149,13 @@ class Ranking:
             Called after each.
         workers : Workers, optional
             Who computes; by default threads of this process.
+
+        Returns
+        -------
+        list of Judged
+            With deviations, in the order given.
         """
-        deviations = self._each(_deviation, judged, progress, workers)
+        deviations = self._each(Ranking.deviation, judged, progress, workers)
         return [replace(one, deviation=d) for one, d in zip(judged, deviations, strict=True)]
 
     def _each(
@@ -161,7 +165,7 @@ class Ranking:
         progress: Callable[[], None] | None,
         workers: Workers | None,
     ) -> list[Any]:
-        """``work`` of each, in order."""
+        """Return ``work`` of each, in order."""
         found = []
         for one in (workers or InThreads(cores())).results(work, self, of):
             found.append(one)
@@ -170,64 +174,56 @@ class Ranking:
         return in_order(found)
 
     def aircraft(self, candidate: Candidate) -> Aircraft:
-        """The vehicle with the ``candidate``."""
+        """Return the vehicle with the ``candidate``."""
         air = self.vehicle.air
         vehicle = replace(self.vehicle, propeller=candidate.propeller)
         own = getattr(candidate.airfoil, "corrections", None)
         corrections = self.corrections if own is None else ()
-        model = Model(candidate.propeller, candidate.airfoil, air, corrections)
-        rotor = Rotor(model)
+        rotor = Rotor(Model(candidate.propeller, candidate.airfoil, air, corrections))
         return Aircraft(
             vehicle, rotor, maximum_rotor_speed=self.maximum_rotor_speed, charge=self.charge
         )
 
     def judge(self, candidate: Candidate) -> Judged:
-        """One ``candidate``, without the deviation of its score."""
+        """Judge one ``candidate``, without the deviation of its score."""
         overlap = _overlap(self.vehicle, candidate.propeller.radius)
         if overlap:
-            return _refused(candidate, overlap)
+            return Judged(candidate, why_not=overlap)
         craft, task = self.aircraft(candidate), self.task
         states = craft.steady([0.0, task.probed_speed])
-        time = endurance(craft, states)
-        cruises = task.speed is not None
-        why_not = self._why_not(states)
-        top, limit = math.nan, ""
+        power, time = states.power.tolist(), endurance(craft, states).tolist()
+        score, top, limit, why_not = math.nan, math.nan, "", self._why_not(states)
         if not why_not:
             top, limit = top_speed(craft, states, 0.0)
-        score = math.nan
-        if not why_not:
             score, why_not = self._score(craft, states, top)
+        cruises = task.speed is not None
         return Judged(
             candidate,
             score,
-            math.nan,
-            float(states.power[0]),
-            float(states.power[1]) if cruises else math.nan,
-            float(time[0]),
-            float(time[1]) if cruises else math.nan,
-            float(states.thrust_margin[0]),
-            top,
-            limit,
-            why_not,
+            hover_power=power[0],
+            cruise_power=power[1] if cruises else math.nan,
+            hover_time=time[0],
+            cruise_time=time[1] if cruises else math.nan,
+            thrust_margin=float(states.thrust_margin[0]),
+            top_speed=top,
+            limit=limit,
+            why_not=why_not,
         )
 
     def deviation(self, judged: Judged) -> float:
-        """Standard deviation of the score of one ``judged``, to first order; NaN if not known."""
+        """Return the first-order standard deviation of the score of ``judged``, or NaN."""
         if not judged.feasible or judged.candidate.covariance is None:
             return math.nan
-        changes = [self._score_of(one) - judged.score for one in judged.candidate.varied()]
+        changes = []
+        for candidate in judged.candidate.varied():
+            craft = self.aircraft(candidate)
+            states = craft.steady([0.0, self.task.probed_speed], margin=False)
+            top = top_speed(craft, states, 0.0)[0] if self.task.name == "fast" else math.nan
+            changes.append(self._score(craft, states, top)[0] - judged.score)
         return math.sqrt(sum(change**2 for change in changes)) if changes else math.nan
 
-    def _score_of(self, candidate: Candidate) -> float:
-        craft = self.aircraft(candidate)
-        states = craft.steady([0.0, self.task.probed_speed], margin=False)
-        top = math.nan
-        if self.task.name == "fast":
-            top, _ = top_speed(craft, states, 0.0)
-        return self._score(craft, states, top)[0]
-
     def _score(self, craft: Aircraft, states: SteadyStates, top: float) -> tuple[float, str]:
-        """The score, and why there is none."""
+        """Return the score, and why there is none."""
         task = self.task
         if task.name == "fast":
             return top, "" if math.isfinite(top) else "no top speed was found"
@@ -236,7 +232,7 @@ class Ranking:
             lost = ~flown.lasted
             if lost.any():
                 leg = int(np.argmax(lost))
-                return math.nan, f"leg {leg + 1}: {flown.told(leg)}"
+                return math.nan, f"leg {leg + 1}: {flown.status_in_words(leg)}"
             return float(flown.energy.sum()), ""
         k = 0 if task.name == "hover" else 1
         if task.ranked_by == "energy":
@@ -266,35 +262,19 @@ class Ranking:
         return ""
 
 
-def _judge(ranking: Ranking, candidate: Candidate) -> Judged:
-    return ranking.judge(candidate)
-
-
-def _deviation(ranking: Ranking, judged: Judged) -> float:
-    return ranking.deviation(judged)
-
-
-def _refused(candidate: Candidate, why: str) -> Judged:
-    unknown = math.nan
-    return Judged(
-        candidate, unknown, unknown, unknown, unknown, unknown, unknown, unknown, unknown, "", why
-    )
-
-
 def _overlap(vehicle: Vehicle, radius: float) -> str:
-    """Why disks of this radius do not fit beside each other on the vehicle; empty where they do.
+    """Say why disks of this radius do not fit beside each other on a vehicle; empty where they do.
 
     Rotors one above the other, on one axis, may have any radius.
     """
-    place = np.array([mount.position for mount in vehicle.mounts])
-    axis = np.array([mount.axis for mount in vehicle.mounts])
+    place, axis = vehicle.hub_positions, vehicle.rotor_axes
     closest = math.inf
     for k in range(len(place)):
         for j in range(k):
-            apart = place[k] - place[j]
-            height = float(apart @ axis[k])
-            across = float(np.linalg.norm(apart - height * axis[k]))
-            if across > ALONE * radius and abs(height) < radius:
+            offset = place[k] - place[j]
+            height = float(offset @ axis[k])
+            across = float(np.linalg.norm(offset - height * axis[k]))
+            if across > COAXIAL * radius and abs(height) < radius:
                 closest = min(closest, across)
     if closest >= 2.0 * radius:
         return ""
@@ -306,16 +286,21 @@ def _overlap(vehicle: Vehicle, radius: float) -> str:
 
 
 def beats(better: Judged, worse: Judged) -> float:
-    """Probability that one candidate beats another, from the uncertainty of their constants alone.
+    """Return the probability that one candidate beats another.
 
-    What the model itself gets wrong is not counted, and is alike for both; constants of different
-    propellers were found from different data and are taken as independent.  NaN where either has
-    no deviation.
+    It is from the uncertainty of their constants alone.  What the model itself gets wrong is not
+    counted, and is similar for both; constants of different propellers were found from different
+    data and are taken as independent.
 
     Parameters
     ----------
     better, worse : Judged
         With deviations; the first is ahead of the second in a ranking.
+
+    Returns
+    -------
+    float
+        NaN where either has no deviation.
     """
     spread = math.hypot(better.deviation, worse.deviation)
     gap = abs(worse.score - better.score)
@@ -325,8 +310,10 @@ def beats(better: Judged, worse: Judged) -> float:
 
 
 def pareto(judged: Sequence[Judged]) -> NDArray[np.intp]:
-    """Numbers of those feasible ones among ``judged`` that no other beats in hover power and in top
-    speed, by rising hover power."""
+    """Return numbers of the feasible ones that no other beats in hover power and in top speed.
+
+    They are in the order of rising hover power.
+    """
     power = np.array([one.hover_power if one.feasible else math.nan for one in judged])
     speed = np.array([one.top_speed if one.feasible else math.nan for one in judged])
     found = [
@@ -346,31 +333,20 @@ def pareto(judged: Sequence[Judged]) -> NDArray[np.intp]:
 
 @dataclass(frozen=True, eq=False)
 class Candidate:
-    """A propeller to choose.
+    """A propeller to choose."""
 
-    Attributes
-    ----------
-    name : str
-        In the catalogue, or of its file.
-    propeller : Propeller
-        Geometry.
-    airfoil : Section
-        Constants of its blades.
-    covariance : SectionCovariance or None
-        Of these constants; None where they were not identified for this propeller.
-    verdict : str
-        "good", or what is wrong with the constants.
-    """
-
-    name: str
+    name: str  # in the catalogue, or of its file
     propeller: Propeller
     airfoil: Section
-    covariance: SectionCovariance | None = None
-    verdict: str = "good"
+    covariance: SectionCovariance | None = None  # of constants identified for this propeller
+    verdict: str = "good"  # or what is wrong with the constants
 
     def varied(self) -> list[Candidate]:
-        """The same with constants off by one standard deviation along each principal axis of their
-        covariance; where a constant would leave its bounds, to the other side, or not at all."""
+        """Return candidates with constants off by one standard deviation along each principal axis.
+
+        The axes are those of their covariance; where a constant would leave its bounds, it goes to
+        the other side, or not at all.
+        """
         if self.covariance is None or not isinstance(self.airfoil, Airfoil):
             return []
         known = self.covariance.determined
@@ -393,7 +369,7 @@ class Candidate:
 def catalogue_candidates(
     diameter: tuple[float, float] = (0.0, math.inf), blades: int | None = None
 ) -> list[Candidate]:
-    """Every propeller whose constants were identified.
+    """List every propeller whose constants were identified.
 
     Parameters
     ----------
@@ -401,6 +377,11 @@ def catalogue_candidates(
         Least and largest [m].
     blades : int, optional
         How many; by default any.
+
+    Returns
+    -------
+    list of Candidate
+        In the order of the catalogue.
 
     Raises
     ------
@@ -427,7 +408,7 @@ def catalogue_candidates(
 
 
 def file_candidate(path: str | os.PathLike[str], section: Section | None = None) -> Candidate:
-    """A propeller from a file, or by its name, with constants of its own or to be expected.
+    """Make a candidate of a file or a name, with constants of its own or predicted ones.
 
     Parameters
     ----------
@@ -436,6 +417,11 @@ def file_candidate(path: str | os.PathLike[str], section: Section | None = None)
     section : Section, optional
         Its section law; by default the best constants that are known of it, see
         ``propmap.known_model``.
+
+    Returns
+    -------
+    Candidate
+        Named as the path.
     """
     blade = propeller(path)
     law, verdict = section, "section law as given"
@@ -465,10 +451,9 @@ MEASURES = {
 
 UNITS = {"energy": "W", "time": "s", "range": "m", "speed": "m/s"}
 ENERGIES = {"cruise": "J/m", "mission": "J"}
-"""Of scores: of the measures, and of the energy of tasks that are not held."""
+"""Units of scores, and of the energy of tasks that are not held."""
 
-SPEED = 10.0
-"""[m/s] at which propellers are looked at besides hover where no speed is asked for."""
+SPEED = 10.0  # [m/s] at which propellers are compared besides hover, unless one is given
 
 
 @dataclass(frozen=True, eq=False)
@@ -523,26 +508,21 @@ class Task:
 
     @property
     def ranked_by(self) -> str:
-        """A key of its ``MEASURES``."""
+        """Key of its ``MEASURES`` by which candidates are ranked."""
         return self.measure or next(iter(MEASURES[self.name]))
 
     @property
-    def most_is_best(self) -> bool:
-        """Whether the largest score is the best."""
-        return self.ranked_by != "energy"
-
-    @property
     def words(self) -> str:
-        """What is ranked by."""
+        """What candidates are ranked by, in words."""
         return MEASURES[self.name][self.ranked_by]
 
     @property
     def unit(self) -> str:
-        """Of a score."""
+        """Unit of a score."""
         unit = UNITS[self.ranked_by]
         return ENERGIES.get(self.name, unit) if self.ranked_by == "energy" else unit
 
     @property
     def probed_speed(self) -> float:
-        """At which propellers are looked at besides hover [m/s]."""
+        """Speed at which propellers are compared besides hover [m/s]."""
         return SPEED if self.speed is None else self.speed

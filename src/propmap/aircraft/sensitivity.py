@@ -11,16 +11,15 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.aircraft.trim import Aircraft, Balanced, Flight, SteadyStates
+from propmap.aircraft.trim import Aircraft, SteadyFlight, SteadyStates
 from propmap.bands import errors_of_loads
 from propmap.errors import InputError
 from propmap.loads import FLOW, LOADS
-from propmap.model.airfoil import SectionCovariance
 from propmap.operating_points import FlowPoints
 from propmap.rotor import Rotor
 from propmap.table.query import LoadTable
 from propmap.typing import Floats
-from propmap.vehicle.rotors import LoadSource, Rotors
+from propmap.vehicle.vehicle_forces import Rotors, Sources, load_rows
 
 # -------------------------------------------------------------------------------------------------
 # How sure steady states are, and their derivatives by what a designer may choose.
@@ -35,11 +34,13 @@ DIAMETER, GROWTH = "diameter_scale", 0.01
 """A common factor on radius and chord, and the step of its differences."""
 
 SCALES = {"chord_scale": 0.2, "twist_offset": 0.1}
-"""Of the steps of differences, by parameter; else the constant itself."""
+"""Scales of the steps of differences, by parameter; else the constant itself."""
 
 
-class Spread(NamedTuple):
-    """Standard deviations of n steady states of k rotors; NaN where there is no state.
+class StateChange(NamedTuple):
+    """Derivatives of n steady states of k rotors, per unit of a quantity, or standard deviations.
+
+    All are NaN where there is no state.
 
     Attributes
     ----------
@@ -48,9 +49,9 @@ class Spread(NamedTuple):
     rotor_speed : ndarray, shape (n, k)
         [rad/s].
     shaft_power, electrical_power : ndarray, shape (n,)
-        [W].
+        [W]; the second is NaN where the vehicle has no motor.
     used : dict of str to ndarray, shape (n,)
-        Of the shares of limits.
+        Of the shares of limits, as in ``SteadyStates``.
     """
 
     pitch: Floats
@@ -62,14 +63,22 @@ class Spread(NamedTuple):
 
     @property
     def power(self) -> Floats:
-        """Of the electrical power where it is known, else of the shaft power [W], (n,)."""
+        """Change of the electrical power where it is known, else of the shaft power [W], (n,)."""
         return np.where(np.isfinite(self.electrical_power), self.electrical_power, self.shaft_power)
+
+
+def _joined(changes: Sequence[StateChange], join: Callable[[list[Floats]], Floats]) -> StateChange:
+    """Apply ``join`` to each array of all ``changes``."""
+    used = {name: join([one.used[name] for one in changes]) for name in changes[0].used}
+    names = StateChange._fields[:-1]
+    arrays: Any = {name: join([getattr(one, name) for one in changes]) for name in names}
+    return StateChange(**arrays, used=used)
 
 
 def derivatives(
     aircraft: Aircraft, states: SteadyStates, names: Iterable[str]
-) -> dict[str, Response]:
-    """Derivatives of steady states; the attitude and the rotor speeds follow each change.
+) -> dict[str, StateChange]:
+    """Differentiate steady states; the attitude and the rotor speeds follow each change.
 
     Those of the loads by the flow, by constants and by chord and twist are the rotor's own, and by
     the flow those of a table; by the diameter they are differences.
@@ -85,7 +94,7 @@ def derivatives(
 
     Returns
     -------
-    dict of str to Response
+    dict of str to StateChange
         By name, per unit.
 
     Raises
@@ -114,7 +123,7 @@ def derivatives(
 def power_gradient(
     aircraft: Aircraft, states: SteadyStates, names: Iterable[str]
 ) -> dict[str, Floats]:
-    """Derivatives of the power, electrical where it is known, else of the shafts.
+    """Differentiate the power, electrical where it is known, else of the shafts.
 
     Parameters
     ----------
@@ -138,61 +147,56 @@ def power_gradient(
     }
 
 
-def spread(aircraft: Aircraft, states: SteadyStates) -> Spread | None:
-    """Standard deviations of steady states; None where nothing is known of the loads' errors.
+def spread(aircraft: Aircraft, states: SteadyStates) -> StateChange | None:
+    """Return standard deviations of steady states, from those of the loads, to first order.
 
-    To first order, from those of the loads by their sources, see ``propmap.Loads.std_by_source``,
-    which are alike at all rotors.  Constants of the section law vary together by their covariance;
-    errors of the model and of the tunnel are independent from load to load.  Of a table the errors
-    of all its loads are taken to be so.
+    Deviations of the loads by their sources, see ``propmap.Loads.std_by_source``, are alike at all
+    rotors.  Constants of the section law vary together by their covariance; errors of the model and
+    of the tunnel are independent from load to load.  Of a table the errors of all its loads are
+    taken to be so.
 
     Parameters
     ----------
     aircraft, states : Aircraft, SteadyStates
         What flies, and n states of it.
+
+    Returns
+    -------
+    StateChange or None
+        None where nothing is known of the loads' errors.
     """
-    if not states.found.any() or not all(map(_known, _sources(aircraft))):
+    sources: list[Any] = [source for source, _ in aircraft.rotors.sources]
+    if not states.found.any() or not all(map(_has_errors, sources)):
         return None
     responses = Responses(aircraft, states)
-    covariance = _covariance(aircraft)
-    names = covariance.names if covariance is not None else ()
+    uncertainty = sources[0].model.uncertainty if isinstance(sources[0], Rotor) else None
+    covariance = None if uncertainty is None else uncertainty.covariance.determined
+    names = () if covariance is None else covariance.names
     constants = _to_parameters(responses, names) if names else []
-    errors = _to_errors(responses)
+    # By errors of each load, of one standard deviation.
+    count = len(LOADS) * (2 if uncertainty and uncertainty.another_tunnel else 1)
+    changes = [(_errors_of(source), which) for source, which in aircraft.rotors.sources]
+    errors = responses.to_each(changes, count)
 
-    def deviation(values: Any) -> Floats:
-        variance: Any = sum(np.square(values(one)) for one in errors)
+    def deviation(each: list[Floats]) -> Floats:
+        variance: Any = sum(np.square(one) for one in each[: len(errors)])
         if covariance is not None and constants:
-            each = np.stack([values(one) for one in constants])
-            variance = variance + np.einsum("p...,pq,q...->...", each, covariance.matrix, each)
+            by = np.stack(each[len(errors) :])
+            variance = variance + np.einsum("p...,pq,q...->...", by, covariance.matrix, by)
         return np.asarray(np.sqrt(np.maximum(variance, 0.0)))
 
-    every: list[Any] = [
-        deviation(lambda one, name=name: getattr(one, name)) for name in Spread._fields[:-1]
-    ]
-    every.append(
-        {name: deviation(lambda one, name=name: one.used[name]) for name in errors[0].used}
-    )
-    return Spread(*every)
+    return _joined([*errors, *constants], deviation)
 
 
-def _sources(aircraft: Aircraft) -> list[Any]:
-    return [source for source, _ in aircraft.rotors.sources]
-
-
-def _known(source: Any) -> bool:
+def _has_errors(source: Any) -> bool:
+    """Whether a source of loads says how sure they are."""
     if isinstance(source, Rotor):
         return source.model.uncertainty is not None
     return isinstance(source, LoadTable) and source.content.deviations is not None
 
 
-def _covariance(aircraft: Aircraft) -> SectionCovariance | None:
-    first = _sources(aircraft)[0]
-    known = first.model.uncertainty if isinstance(first, Rotor) else None
-    return None if known is None else known.covariance.determined
-
-
-def _to_parameters(responses: Responses, names: tuple[str, ...]) -> list[Response]:
-    """By constants of the section law and geometry."""
+def _to_parameters(responses: Responses, names: tuple[str, ...]) -> list[StateChange]:
+    """Differentiate by constants of the section law and geometry."""
     if DIAMETER in names and responses.aircraft.vehicle.wakes is not None:
         raise InputError(
             f"there is no derivative by {DIAMETER!r} where rotors are in each other's wakes",
@@ -212,12 +216,17 @@ def _to_parameters(responses: Responses, names: tuple[str, ...]) -> list[Respons
                 f"there is no derivative by {unknown[0]!r}",
                 f"choose from {', '.join((*VEHICLE, *known))}",
             )
-        changes.append((LoadChanges(_slopes_of(source, names)), which))
-    return _each(responses, changes, len(names))
+        changes.append((_slopes_of(source, names), which))
+    return responses.to_each(changes, len(names))
 
 
-def _slopes_of(rotor: Rotor, wanted: tuple[str, ...]) -> Any:
+def _slopes_of(rotor: Rotor, wanted: tuple[str, ...]) -> ChangesAt:
+    """Differentiate the loads of a rotor by the parameters ``wanted``."""
     names = tuple(name for name in wanted if name != DIAMETER)
+
+    def grown(factor: float, points: FlowPoints) -> Floats:
+        model = replace(rotor.model, propeller=rotor.model.propeller.scaled(factor))
+        return load_rows(rotor.with_model(model), *points[:3])[0]
 
     def at(points: FlowPoints) -> Floats:
         by_name = {}
@@ -225,127 +234,59 @@ def _slopes_of(rotor: Rotor, wanted: tuple[str, ...]) -> Any:
             slopes = rotor.gradients_at(names, points).slopes
             by_name = dict(zip(names, slopes.transpose(1, 0, 2), strict=True))
         if DIAMETER in wanted:
-            by_name[DIAMETER] = _by_diameter(rotor, points)
+            change = grown(1.0 + GROWTH, points) - grown(1.0 - GROWTH, points)
+            by_name[DIAMETER] = change / (2.0 * GROWTH)
         return np.stack([by_name[name] for name in wanted])
 
     return at
 
 
-def _by_diameter(rotor: Rotor, points: FlowPoints) -> Floats:
-    """Derivatives (L, N) of the loads by a common factor on radius and chord."""
-    omega, along, across, _ = points
-    velocity = np.stack([across, np.zeros_like(across), along], axis=1)
-    rows = []
-    for factor in (1.0 + GROWTH, 1.0 - GROWTH):
-        blade = rotor.model.propeller.scaled(factor)
-        loads = rotor.with_model(replace(rotor.model, propeller=blade)).loads_at_velocity(
-            omega, velocity
-        )
-        rows.append(np.stack([getattr(loads, name) for name in LOADS]))
-    return (rows[0] - rows[1]) / (2.0 * GROWTH)
+def _errors_of(source: Any) -> ChangesAt:
+    """Return the errors, one standard deviation, of the loads from a source, one at a time."""
 
-
-def _to_errors(responses: Responses) -> list[Response]:
-    """By errors of each load, of one standard deviation."""
-    changes, count = [], 0
-    for source, which in responses.aircraft.rotors.sources:
-        at = _errors_of(source)
-        changes.append((LoadChanges(at), which))
-    first: Any = _sources(responses.aircraft)[0]
-    known = first.model.uncertainty if isinstance(first, Rotor) else None
-    count = len(LOADS) * (1 if known is None or not known.another_tunnel else 2)
-    return _each(responses, changes, count)
-
-
-def _errors_of(source: Any) -> Any:
     def at(points: FlowPoints) -> Floats:
         omega, along, across, _ = points
         if isinstance(source, Rotor):
-            loads = source.loads_at_velocity(
-                omega, np.stack([across, np.zeros_like(across), along], axis=1)
-            )
-            rows = np.stack([getattr(loads, name) for name in LOADS])
+            rows, _ = load_rows(source, omega, along, across)
             found = list(errors_of_loads(source.model, points, rows).values())
         else:
             std = source.std(omega, np.hypot(across, along), np.arctan2(across, along))
             found = [np.stack([getattr(std, name) for name in LOADS])]
-        # One load at a time.
         return np.concatenate([np.eye(len(LOADS))[:, :, None] * rows for rows in found])
 
     return at
-
-
-def _each(
-    responses: Responses, changes: list[tuple[LoadChanges, Any]], count: int
-) -> list[Response]:
-    return [
-        responses.to_loads([(one.number(d), which) for one, which in changes]) for d in range(count)
-    ]
 
 
 # -------------------------------------------------------------------------------------------------
 # How steady states change, to first order, with what they rest on.
 
 STEP = 1e-2
-"""Of difference quotients to either side: angles [rad], shares of squared rotor speeds and of
+"""Steps of difference quotients to either side: angles [rad], shares of squared rotor speeds and of
 torques, speeds over 1 m/s.  Loads jump by some 1e-4 of their size at isolated points, which a much
 smaller step would make the most of a quotient."""
 
-SMOOTH_STEP = 1e-5
-"""The same where the loads are linear: what is left is smooth."""
+SMOOTH_STEP = 1e-5  # instead of ``STEP`` where the loads are linear: what is left is smooth
 
-Changes = Sequence[tuple[LoadSource, NDArray[np.intp]]]
-"""Changes of the loads at given operating points, and of which rotors they are."""
-
-
-class Response(NamedTuple):
-    """Derivatives of n steady states of k rotors by one quantity, per its unit.
-
-    All are NaN where there is no state.
-
-    Attributes
-    ----------
-    pitch, roll : ndarray, shape (n,)
-        [rad].
-    rotor_speed : ndarray, shape (n, k)
-        [rad/s].
-    shaft_power, electrical_power : ndarray, shape (n,)
-        [W]; the second is NaN where the vehicle has no motor.
-    used : dict of str to ndarray, shape (n,)
-        Shares of limits, as in ``SteadyStates``.
-    """
-
-    pitch: Floats
-    roll: Floats
-    rotor_speed: Floats
-    shaft_power: Floats
-    electrical_power: Floats
-    used: dict[str, Floats]
+ChangesAt = Callable[[FlowPoints], Floats]
+"""D changes of the L loads at N operating points, (D, L, N)."""
 
 
 class Responses:
     """Steady states, ready to be differentiated.
 
     What balances the aircraft follows a change by the implicit function theorem: with unknowns x
-    and the unbalanced shares r(x, p) = 0, dx/dp = -(dr/dx)^-1 dr/dp.
-
-    Parameters
-    ----------
-    aircraft, states : Aircraft, SteadyStates
-        What flies, and how.
-    exact : bool
-        Whether the loads' own derivatives by the flow are wanted where they have some, see
-        ``local_loads.has_slopes``; else all are differences.
+    and the unbalanced shares r(x, p) = 0, dx/dp = -(dr/dx)^-1 dr/dp.  With ``exact``, by the loads'
+    own derivatives by the flow where they have some, see ``has_slopes``; else all are differences.
     """
 
     def __init__(self, aircraft: Aircraft, states: SteadyStates, *, exact: bool = False) -> None:
         self.aircraft, self.count = aircraft, len(states)
         self.where = np.flatnonzero(states.found)
-        every = Flight(states.speed, states.climb, states.bank)
+        every = SteadyFlight(states.speed, states.climb, states.bank)
         self.flight, balance = every.part(self.where), aircraft.balance
         attitude = states.pitch[self.where], states.roll[self.where]
         self.unknowns = balance.unknowns(*attitude, states.rotor_speed[self.where] ** 2)
-        self.at = balance.told(self.unknowns, self.flight)
+        self.at = balance.evaluated(self.unknowns, self.flight)
         sources = aircraft.rotors.sources
         exact = exact and bool(self.where.size) and aircraft.vehicle.wakes is None
         exact = exact and all(has_slopes(source) for source, _ in sources)
@@ -357,60 +298,72 @@ class Responses:
             self._balance.rotors = rotors
         self._inverse, self._torque = self._by_unknowns()
 
-    def to_flight(self, name: str) -> Response:
-        """By the ``name`` "speed" or "climb" [m/s]."""
+    def to_flight(self, name: str) -> StateChange:
+        """Differentiate by the ``name`` "speed" or "climb" [m/s]."""
         ahead, behind = (
-            self._balance.told(self.unknowns, self._moved(name, h))
+            self._balance.evaluated(self.unknowns, self._perturbed(name, h))
             for h in (self._step, -self._step)
         )
-        residual, torque = _slopes(ahead, behind, 2.0 * self._step)
+        residual = (ahead.unbalanced - behind.unbalanced) / (2.0 * self._step)
+        torque = (ahead.wrenches.torque - behind.wrenches.torque) / (2.0 * self._step)
         return self._implied(residual, torque, name)
 
-    def to_mass(self) -> Response:
-        """By the mass [kg], the centre of mass where it is."""
+    def to_mass(self) -> StateChange:
+        """Differentiate by the mass [kg], the centre of mass where it is."""
         balance = self.aircraft.balance
         specific = balance.motion(self.at.pitch, self.at.roll, self.flight)[2]
         return self._implied(balance.shares(-specific, np.zeros_like(specific)))
 
-    def to_drag_area(self, axis: int) -> Response:
-        """By the body's drag area along ``axis`` 0, 1 or 2 [m^2]."""
+    def to_drag_area(self, axis: int) -> StateChange:
+        """Differentiate by the body's drag area along ``axis`` 0, 1 or 2 [m^2]."""
         force = np.zeros_like(self.at.velocity)
         along = self.at.velocity[:, axis]
         force[:, axis] = -0.5 * self.aircraft.vehicle.air.density * np.abs(along) * along
         return self._implied(self.aircraft.balance.shares(force, np.zeros_like(force)))
 
-    def to_loads(self, changes: Changes) -> Response:
-        """By what changes the loads of all rotors by ``changes`` per unit."""
-        rotors = self.aircraft.rotors
-        change = rotors.changed(list(changes), self.at.omega, self.at.hubs)
-        force = change.force.sum(axis=-2)
-        moment = rotors.moment(change.force, change.moment).sum(axis=-2)
-        return self._implied(self.aircraft.balance.shares(force, moment), change.torque)
+    def to_each(
+        self, changes: Sequence[tuple[ChangesAt, NDArray[np.intp]]], count: int
+    ) -> list[StateChange]:
+        """Differentiate by each of ``count`` changes of the loads, of these rotors, per unit."""
+        stores: list[tuple[ChangesAt, NDArray[np.intp], list[Floats]]] = [
+            (at, which, []) for at, which in changes
+        ]
+        rotors, found = self.aircraft.rotors, []
+        for d in range(count):
+            own: Sources = [(LoadChange(at, known, d), which) for at, which, known in stores]
+            change = rotors.changed(own, self.at.omega, self.at.hubs)
+            force = change.force.sum(axis=-2)
+            moment = rotors.moment(change.force, change.moment).sum(axis=-2)
+            shares = self.aircraft.balance.shares(force, moment)
+            found.append(self._implied(shares, change.torque))
+        return found
 
-    def _moved(self, name: str, by: Any) -> Flight:
+    def _perturbed(self, name: str, by: Any) -> SteadyFlight:
         return self.flight._replace(**{name: getattr(self.flight, name) + by})
 
     def _by_unknowns(self) -> tuple[Floats, Floats]:
-        """The inverse of dr/dx (n, u, r), and the torques' derivatives (n, k, u)."""
+        """Return the inverse of dr/dx (n, u, r), and the torques' derivatives (n, k, u)."""
         n, u = self.unknowns.shape
         steps = self._step * np.concatenate([np.eye(u), -np.eye(u)])
-        moved = self.unknowns + steps[:, None]
+        perturbed = self.unknowns + steps[:, None]
         flight = self.flight.part(np.tile(np.arange(n), 2 * u))
-        found = self._balance.told(moved.reshape(-1, u), flight)
-        each = [
-            values.reshape(2, u, n, values.shape[-1])
-            for values in (found.unbalanced, found.wrenches.torque)
-        ]
-        residual, torque = (
-            np.moveaxis((values[0] - values[1]) / (2.0 * self._step), 0, -1) for values in each
-        )
-        return np.linalg.pinv(residual, rcond=1e-12), torque
+        found = self._balance.evaluated(perturbed.reshape(-1, u), flight)
+
+        def slopes(values: Floats) -> Floats:
+            ahead, behind = values.reshape(2, u, n, values.shape[-1])
+            return np.moveaxis((ahead - behind) / (2.0 * self._step), 0, -1)
+
+        residual: Any = slopes(found.unbalanced)
+        return np.linalg.pinv(residual, rcond=1e-12), slopes(found.wrenches.torque)
 
     def _implied(
         self, residual: Floats, torque: Floats | None = None, flown: str | None = None
-    ) -> Response:
-        """The response to a change that, were nothing to follow, left over ``residual`` (n, u) and
-        changed torques (n, k) [N m]; ``flown`` is what of the flight changes itself."""
+    ) -> StateChange:
+        """Return the response to a change that, were nothing to follow, leaves ``residual`` (n, u).
+
+        It changed torques by ``torque`` (n, k) [N m]; ``flown`` is what of the flight changes
+        itself.
+        """
         dx = -np.einsum("nur,nr->nu", self._inverse, residual)
         dq = np.einsum("nku,nu->nk", self._torque, dx)
         if torque is not None:
@@ -423,97 +376,51 @@ class Responses:
         ahead, behind = (
             self._outcome(
                 self.unknowns + by[:, None] * dx,
-                self.flight if flown is None else self._moved(flown, by),
+                self.flight if flown is None else self._perturbed(flown, by),
                 now + by[:, None] * dq,
             )
             for by in (h, -h)
         )
 
-        def slope(high: Floats, low: Floats) -> Floats:
-            shape = (-1, *[1] * (high.ndim - 1))
+        def slope(both: list[Floats]) -> Floats:
+            high, low = both
             found = np.full((self.count, *high.shape[1:]), np.nan)
-            found[self.where] = (high - low) / (2.0 * h.reshape(shape))
+            found[self.where] = (high - low) / (2.0 * h.reshape(-1, *[1] * (high.ndim - 1)))
             return found
 
-        each: list[Any] = [slope(a, b) for a, b in zip(ahead[:-1], behind[:-1], strict=True)]
-        each.append({name: slope(share, behind[-1][name]) for name, share in ahead[-1].items()})
-        return Response(*each)
+        return _joined([ahead, behind], slope)
 
-    def _outcome(self, unknowns: Floats, flight: Flight, torque: Floats) -> Any:
-        """What ``Response`` is of, at torques (n, k) that are known."""
+    def _outcome(self, unknowns: Floats, flight: SteadyFlight, torque: Floats) -> StateChange:
+        """Return what changes, at torques (n, k) that are known."""
         aircraft, balance = self.aircraft, self.aircraft.balance
-        omega = np.sqrt(balance.squares(unknowns))
-        hubs = balance.motion(unknowns[:, 0], unknowns[:, 1], flight)[1]
-        charge = aircraft.limits.charge
-        return (
-            unknowns[:, 0],
-            unknowns[:, 1],
-            omega,
-            np.sum(torque * omega, axis=1),
-            aircraft.vehicle.powertrain.driven(torque, omega, charge).power,
-            aircraft.used(omega, hubs, torque),
-        )
-
-
-def _slopes(ahead: Balanced, behind: Balanced, apart: float) -> tuple[Floats, Floats]:
-    """Of the unbalanced shares, and of the torques."""
-    return (
-        (ahead.unbalanced - behind.unbalanced) / apart,
-        (ahead.wrenches.torque - behind.wrenches.torque) / apart,
-    )
+        (pitch, roll), omega = unknowns.T[:2], np.sqrt(balance.squares(unknowns))
+        hubs = balance.motion(pitch, roll, flight)[1]
+        power = aircraft.vehicle.powertrain.driven(torque, omega, aircraft.charge).power
+        used = aircraft.used(omega, hubs, torque)
+        return StateChange(pitch, roll, omega, np.sum(torque * omega, axis=1), power, used)
 
 
 # -------------------------------------------------------------------------------------------------
 # Changes of a rotor's loads, where loads are wanted: by a parameter, or by an error of theirs.
 
-ChangesAt = Callable[[FlowPoints], Floats]
-"""D changes of the L loads at N operating points, (D, L, N)."""
-
-
-class LoadChanges:
-    """Several changes of the loads at one set of operating points, computed once.
-
-    Parameters
-    ----------
-    at : callable
-        See ``ChangesAt``.
-    """
-
-    def __init__(self, at: ChangesAt) -> None:
-        self._at = at
-        self._known: Floats | None = None
-
-    def number(self, d: int) -> LoadChange:
-        """Change number ``d`` where a source of loads is wanted."""
-        return LoadChange(self, d)
-
-    def rows(self, d: int, points: FlowPoints) -> Floats:
-        """Change number ``d`` (L, N) at N ``points``, the same at every call."""
-        if self._known is None:
-            self._known = self._at(points)
-        return np.asarray(self._known[d])
-
 
 class LoadChange:
-    """One of several changes as a source of loads.
+    """Change number ``d`` of several as a source of loads; ``known`` keeps them, computed once."""
 
-    Parameters
-    ----------
-    changes : LoadChanges
-        All of them.
-    d : int
-        Which.
-    """
-
-    def __init__(self, changes: LoadChanges, d: int) -> None:
-        self.changes, self.d = changes, d
+    def __init__(self, at: ChangesAt, known: list[Floats], d: int) -> None:
+        self.at, self.known, self.d = at, known, d
 
     def loads_at_velocity(self, omega: Floats, velocity: Floats) -> Any:
-        """The change by the loads' names and a ``status``, of the shape of ``omega`` [rad/s]."""
-        across = np.hypot(velocity[:, 0], velocity[:, 1])
-        rows = self.changes.rows(self.d, FlowPoints(omega, velocity[:, 2], across))
-        by_name = dict(zip(LOADS, rows, strict=True))
-        return SimpleNamespace(**by_name, status=np.full(omega.shape, "ok"))
+        """Return the change by the loads' names and a ``status``, of the shape of ``omega``."""
+        if not self.known:
+            across = np.hypot(velocity[:, 0], velocity[:, 1])
+            self.known.append(self.at(FlowPoints(omega, velocity[:, 2], across)))
+        return _by_name(self.known[0][self.d], omega)
+
+
+def _by_name(rows: Floats, omega: Floats) -> Any:
+    """Name loads (L, N), with a ``status``."""
+    return SimpleNamespace(**dict(zip(LOADS, rows, strict=True)), status=np.full(omega.shape, "ok"))
 
 
 # -------------------------------------------------------------------------------------------------
@@ -534,11 +441,6 @@ class LocalLoads:
     They are linear about the operating points of the first call; a later one is about the nearest
     of these.  Where there is no velocity across the axis, drag and moments by it grow in whichever
     direction it does.
-
-    Parameters
-    ----------
-    source : Rotor or LoadTable
-        Has slopes, see ``has_slopes``.
     """
 
     def __init__(self, source: Any) -> None:
@@ -548,29 +450,26 @@ class LocalLoads:
         self._slopes = np.empty((len(LOADS), 3, 0))
 
     def loads_at_velocity(self, omega: Floats, velocity: Floats) -> Any:
-        """Loads by name and a ``status``, of the shape of ``omega`` [rad/s]."""
+        """Return loads by name and a ``status``, of the shape of ``omega`` [rad/s]."""
         points = np.stack([omega, velocity[:, 2], np.hypot(velocity[:, 0], velocity[:, 1])])
         if not self._points.size:
             self._points = points
             self._loads, self._slopes = _loads_and_slopes(self._source, points)
         size = np.maximum(np.abs(self._points).max(axis=1), 1e-9)[:, None, None]
-        apart = (points[:, :, None] - self._points[:, None]) / size
-        k = np.argmin(np.sum(apart**2, axis=0), axis=1)
+        offset = (points[:, :, None] - self._points[:, None]) / size
+        k = np.argmin(np.sum(offset**2, axis=0), axis=1)
         change = points - self._points[:, k]
         rows = self._loads[:, k] + np.einsum("lpn,pn->ln", self._slopes[:, :, k], change)
-        return SimpleNamespace(
-            **dict(zip(LOADS, rows, strict=True)), status=np.full(omega.shape, "ok")
-        )
+        return _by_name(rows, omega)
 
 
 def _loads_and_slopes(source: Any, points: Floats) -> tuple[Floats, Floats]:
-    """Loads (L, N) at N points (3, N), and their derivatives (L, 3, N) by ``FLOW``."""
+    """Return loads (L, N) at points (3, N), and their derivatives (L, 3, N) by ``FLOW``."""
     if isinstance(source, Rotor):
         found = source.gradients(FLOW, *points)
         return found.loads, found.slopes
     omega, along, across = points
     velocity = np.stack([across, np.zeros_like(across), along], axis=1)
-    loads = source.loads_at_velocity(omega, velocity)
     slopes = source.gradient_at_velocity(omega, velocity)
     each = np.stack([getattr(slopes, name) for name in LOADS])
-    return np.stack([getattr(loads, name) for name in LOADS]), each[:, :, [0, 3, 1]].swapaxes(1, 2)
+    return load_rows(source, *points)[0], each[:, :, [0, 3, 1]].swapaxes(1, 2)

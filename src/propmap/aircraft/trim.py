@@ -19,30 +19,28 @@ from propmap.operating_points import broadcast
 from propmap.rotor import Rotor
 from propmap.typing import Floats
 from propmap.vehicle.log import GRAVITY, in_vehicle_frame
-from propmap.vehicle.powertrain import ElectricState, Powertrain
-from propmap.vehicle.rotors import Rotors, RotorWrenches
 from propmap.vehicle.vehicle import Vehicle, Wing
-from propmap.vehicle.vehicle_forces import free_stream_force, wing_lift
+from propmap.vehicle.vehicle_forces import Rotors, RotorWrenches, free_stream_force, wing_lift
 from propmap.vehicle.wakes import cross
 
 if TYPE_CHECKING:
     from propmap.table.query import LoadTable
-
-
-# -------------------------------------------------------------------------------------------------
-# An aircraft's steady states: level flight, climb, descent and coordinated turns.
 
 STEEPEST_BANK = math.radians(80.0)
 
 SOLVED, ACCEPTED = 1e-10, 1e-8
 """Unbalanced share of the weight at which the search ends, and up to which a state is balanced."""
 
-EXTRAPOLATED = 2.0
-"""Intervals of known states over which a search begins on their line, at most."""
+EXTRAPOLATED = 2.0  # intervals of known states over which a search begins on their line, at most
+SLOWEST, FASTEST = 0.2, 20.0
+"""Least and largest factor on rotor speeds between which the thrust margin is searched."""
+
+PIECES = (8, 4, 4, 4)
+"""The factor's range is cut into so many, one after the other; then shares are interpolated."""
 
 
 class Aircraft:
-    """A vehicle with the loads of its rotors: the face of this package.
+    """A vehicle with the loads of its rotors, ready to be trimmed.
 
     Parameters
     ----------
@@ -51,14 +49,15 @@ class Aircraft:
     loads : Rotor or LoadTable
         Of its rotors.
     maximum_rotor_speed : float
-        [rad/s] besides what the vehicle's motor tells.
+        [rad/s] besides the largest of the vehicle's motor.
     charge : float
         State of charge, 0 to 1, at which the limits are taken.
 
     Raises
     ------
     InputError
-        Where the loads are of another propeller or air than the vehicle's.
+        Where the loads are of another propeller or air than the vehicle's, for a charge beyond 0
+        to 1, and for a largest speed that is not positive.
     """
 
     def __init__(
@@ -70,26 +69,29 @@ class Aircraft:
         charge: float = 1.0,
     ) -> None:
         self.vehicle, self.loads = vehicle, loads
-        self.limits = Limits(vehicle.powertrain, maximum_rotor_speed, charge)
+        if not maximum_rotor_speed > 0.0:
+            raise InputError(f"the rotors' largest speed is {maximum_rotor_speed:g}", "give rad/s")
+        if not 0.0 < charge <= 1.0:
+            raise InputError(f"charge is {charge:g}", "give a share, 1 for a full battery")
+        self.maximum_rotor_speed, self.charge = maximum_rotor_speed, charge
         self.rotors = Rotors.of(vehicle, loads)
-        self.balance = Balance(vehicle, self.rotors)
+        self.balance = SteadyBalance(vehicle, self.rotors)
         self._lost = NOT_FOUND if isinstance(loads, Rotor) else OUTSIDE_TABLE
 
     def with_hover_model(self) -> Aircraft:
-        """This aircraft with the hover model of its rotors: no drag, loads as at rest."""
+        """Return this aircraft with the hover model of its rotors: no drag, loads as at rest."""
         other = copy.copy(self)
         omega = REFERENCE_TIP_SPEED / self.vehicle.propeller.radius
         if not isinstance(self.loads, Rotor):
-            omega = min(
-                max(omega, self.loads.envelope["omega"][0]), self.loads.envelope["omega"][1]
-            )
+            low, high = self.loads.envelope["omega"]
+            omega = min(max(omega, low), high)
         still = self.loads.loads(omega, 0.0, 0.0)
         hover = HoverModel(float(still.thrust) / omega**2, float(still.torque) / omega**2, omega)
         everyone = np.arange(len(self.rotors))
         # Its loads do not depend on the flow, nor then on the wakes.
         alone = replace(self.vehicle, wakes=None)
         other.rotors = Rotors(alone, [(HoverLoads(hover), everyone)])
-        other.balance = Balance(self.vehicle, other.rotors)
+        other.balance = SteadyBalance(self.vehicle, other.rotors)
         other._lost = NOT_FOUND
         return other
 
@@ -102,7 +104,7 @@ class Aircraft:
         margin: bool = True,
         near: SteadyStates | None = None,
     ) -> SteadyStates:
-        """Steady states, nose first.
+        """Find steady states, nose first.
 
         An aircraft with a wing may fly at one speed with the wing stalled and without: the state is
         that of less power.
@@ -121,6 +123,11 @@ class Aircraft:
             States at rising speeds between and beyond which the search begins; it takes less time
             then.
 
+        Returns
+        -------
+        SteadyStates
+            Of n.
+
         Raises
         ------
         InputError
@@ -135,60 +142,64 @@ class Aircraft:
             raise InputError("bank is beyond 80 degrees", "give radians, -1.39 to 1.39")
         if ((turn != 0.0) & ((v == 0.0) | (w != 0.0))).any():
             raise InputError("a turn is level and takes speed", "give speed above 0 and climb 0")
-        flight = Flight(v, w, turn)
+        flight = SteadyFlight(v, w, turn)
         first = None if near is None else self._between(near, v)
         found = self.balance.solve(flight, SOLVED, first)
         if self.vehicle.wing is not None:
-            carried = on_the_wing(self.balance, flight)
-            found = of_less_power(found, self.balance.solve(flight, SOLVED, carried), ACCEPTED)
+            carried = on_the_wing(self.balance, self.vehicle.wing, flight)
+            other = self.balance.solve(flight, SOLVED, carried)
+            good, better = (each.residual <= ACCEPTED for each in (found, other))
+            found = found.or_else(other, better & (~good | (other.power < found.power)))
         return self._states(flight, found, margin=margin)
 
     def _between(self, near: SteadyStates, speed: Floats) -> Floats | None:
-        """Unknowns (n, u) on the lines through known states, None where there are too few."""
+        """Interpolate unknowns (n, u) between known states, None where there are too few."""
         known = np.flatnonzero(near.found)
         if known.size < 2:
             return None
         at = near.speed[known]
-        values = self.balance.unknowns(
-            near.pitch[known], near.roll[known], near.rotor_speed[known] ** 2
-        )
+        squares = near.rotor_speed[known] ** 2
+        values = self.balance.unknowns(near.pitch[known], near.roll[known], squares)
         k = np.clip(np.searchsorted(at, speed), 1, known.size - 1)
         share = ((speed - at[k - 1]) / (at[k] - at[k - 1]))[:, None]
         share = np.minimum(share, EXTRAPOLATED)
         return values[k - 1] + share * (values[k] - values[k - 1])
 
     def rotor_motion(self, states: SteadyStates) -> tuple[Floats, Floats]:
-        """Rotor speeds and the hubs' velocities of those ``states`` that have numbers.
-
-        Returns
-        -------
-        omega : ndarray, shape (m, k)
-            [rad/s].
-        velocity : ndarray, shape (m, k, 3)
-            Through the air, in the vehicle's frame [m/s].
-        """
+        """Return rotor (m, k) [rad/s] and hub speeds (m, k, 3) [m/s] of ``states`` with numbers."""
         flown = np.flatnonzero(states.found)
-        flight = Flight(states.speed, states.climb, states.bank).part(flown)
+        flight = SteadyFlight(states.speed, states.climb, states.bank).part(flown)
         _, hubs, _ = self.balance.motion(states.pitch[flown], states.roll[flown], flight)
         return states.rotor_speed[flown], hubs
 
     def used(self, omega: Floats, velocity: Floats, torque: Floats) -> dict[str, Floats]:
-        """Share of each of ``LIMITS`` that n states use, 1 at the limit, (n,).
+        """Return the share of each of ``LIMITS`` that n states use, (n,); 0 where none is known.
 
-        Parameters
-        ----------
-        omega, torque : ndarray, shape (n, k)
-            Of the rotors [rad/s], [N m].
-        velocity : ndarray, shape (n, k, 3)
-            Of the hubs, in the vehicle's frame [m/s].
+        Rotors turn at ``omega`` [rad/s] with ``torque`` [N m], (n, k); the hubs move at
+        ``velocity`` (n, k, 3) in the vehicle's frame [m/s].
         """
         axial = np.einsum("...kj,kj->...k", velocity, self.rotors.axis)
         across = np.sqrt(np.maximum(np.sum(velocity**2, axis=-1) - axial**2, 0.0))
         tip = np.hypot(omega * self.rotors.radius + across, axial)
-        electric = self.vehicle.powertrain.driven(torque, omega, self.limits.charge)
-        return self.limits.used(omega, tip, electric)
+        powertrain = self.vehicle.powertrain
+        motor, battery = powertrain.motor, powertrain.battery
+        electric = powertrain.driven(torque, omega, self.charge)
+        nothing = np.zeros(omega.shape[0])
+        largest = min(self.maximum_rotor_speed, motor.maximum_speed if motor else math.inf)
+        found = dict.fromkeys(LIMITS, nothing)
+        found["rpm_limit"] = omega.max(axis=1) / largest
+        found["tip_speed_limit"] = tip.max(axis=1) / (FAST_TIP_MACH * SPEED_OF_SOUND)
+        if motor is not None:
+            current = electric.motor_current.max(axis=1)
+            found["motor_current_limit"] = current / motor.maximum_current
+        if battery is not None:
+            charge = np.full_like(nothing, self.charge)
+            there = battery.voltage_or_least(electric.power, charge)
+            found["voltage_limit"] = electric.controller_voltage.max(axis=1) / there
+            found["battery_limit"] = battery.share_used(electric.power, charge)
+        return found
 
-    def _states(self, flight: Flight, found: Balanced, *, margin: bool) -> SteadyStates:
+    def _states(self, flight: SteadyFlight, found: Balanced, *, margin: bool) -> SteadyStates:
         omega, wrenches = found.omega, found.wrenches
         used = self.used(omega, found.hubs, wrenches.torque)
         lost = ~(found.residual <= JUMP)
@@ -197,15 +208,14 @@ class Aircraft:
         rough = found.residual > ACCEPTED
         slow = np.zeros_like(lost)
         if self.vehicle.wing is not None and self._lost == NOT_FOUND:
-            # What hangs on its rotors is told their limit; what hangs on a wing, that it stalls.
+            # What hangs on its rotors meets their limit first; what hangs on a wing stalls.
             gone = lost | np.any(over, axis=0) if self.rotors.forward else lost
-            slow = gone & stalled(self.vehicle, flight)
+            slow = gone & stalled(self.vehicle, self.vehicle.wing, flight)
         names = [STALL, self._lost, *used, VORTEX_RING, COARSE]
         status = np.select([slow, lost, *over, ring, rough], names, "ok")
-        electric = self.vehicle.powertrain.driven(wrenches.torque, omega, self.limits.charge)
+        electric = self.vehicle.powertrain.driven(wrenches.torque, omega, self.charge)
         gone = ~np.isin(status, FLOWN)
-        nothing = np.full(len(gone), math.nan)
-        margins = np.array(nothing)
+        margins = np.full(len(gone), math.nan)
         if margin and not lost.all():
             margins[~lost] = self._thrust_margin(omega[~lost], found.hubs[~lost])
 
@@ -233,127 +243,104 @@ class Aircraft:
         )
 
     def _thrust_margin(self, omega: Floats, velocity: Floats) -> Floats:
+        """Return thrust with all rotors at the first limit over that as they turn, (n,).
+
+        All are sped up alike, or slowed down, where they are beyond a limit: then it is below 1.
+        """
+        count, rotors = omega.shape
+
         def at(factors: Floats) -> tuple[Floats, Floats]:
+            """Return the largest share used of any limit, and the thrust, at factors (f, n)."""
             turning = omega * factors[..., None]
             moving = np.broadcast_to(velocity, (*turning.shape, 3))
             wrenches = self.rotors.wrenches(turning, moving)
-            flat = (-1, omega.shape[1])
             shares = self.used(
-                turning.reshape(flat), moving.reshape(*flat, 3), wrenches.torque.reshape(flat)
+                turning.reshape(-1, rotors),
+                moving.reshape(-1, rotors, 3),
+                wrenches.torque.reshape(-1, rotors),
             )
             largest = np.max(list(shares.values()), axis=0)
             return largest.reshape(factors.shape), wrenches.thrust.sum(axis=-1)
 
-        return thrust_margin(at, len(omega))
+        low, high = (np.full(count, math.log(factor)) for factor in (SLOWEST, FASTEST))
+        share, thrust = at(np.exp([np.zeros(count), low, high]))
+        needed, share, thrust = thrust[0], share[1:], thrust[1:]
+        for pieces in PIECES:
+            logs = np.linspace(low, high, pieces + 1)
+            inner = at(np.exp(logs[1:-1]))
+            share, thrust = (
+                np.concatenate([ends[:1], between, ends[1:]])
+                for ends, between in zip((share, thrust), inner, strict=True)
+            )
+            beyond = ~(share <= 1.0)
+            beyond[0], beyond[-1] = False, True
+            k = beyond.argmax(axis=0)
+            around = np.stack([k - 1, k]), np.arange(count)
+            (low, high), share, thrust = logs[around], share[around], thrust[around]
+        (s0, s1), (t0, t1) = share, thrust
+        found = (t0 + (1.0 - s0) / (s1 - s0) * (t1 - t0)) / needed
+        return np.where(s0 <= 1.0, found, math.nan)
 
 
 # -------------------------------------------------------------------------------------------------
 # Forces and moments on a vehicle in steady flight, and the attitude that balances them.
 
-CHANGE = 1e-4
-"""Step of a difference quotient, of angles [rad] and of the logarithm of rotor speed."""
-
-LONGEST_TURN = 0.25
-"""Largest change of pitch and of roll in one step [rad]."""
-
-LONGEST_CHANGE = 0.4
-"""Largest change in one step of a squared rotor speed, as a share."""
+CHANGE = 1e-4  # step of a difference quotient, of angles [rad] and of the logarithm of rotor speed
+LONGEST_TURN = 0.25  # largest change of pitch and of roll in one step [rad]
+LONGEST_CHANGE = 0.4  # largest change in one step of a squared rotor speed, as a share
 
 
-class Flight(NamedTuple):
-    """n steady flights; every array is (n,).
+class SteadyFlight(NamedTuple):
+    """n steady flights; every array is (n,)."""
 
-    Attributes
-    ----------
-    speed, climb : ndarray
-        Horizontal towards the nose, >= 0, and up, through the air [m/s].
-    bank : ndarray
-        Of a coordinated level turn [rad], positive to the right; tan(bank) = V^2/(g R).
-    """
+    speed: Floats  # horizontal, towards the nose, through the air [m/s], >= 0
+    climb: Floats  # up, through the air [m/s]
+    bank: Floats  # of a coordinated level turn [rad], positive to the right: tan(bank) = V^2/(g R)
 
-    speed: Floats
-    climb: Floats
-    bank: Floats
-
-    def part(self, which: NDArray[np.intp]) -> Flight:
-        """Some of them."""
-        return Flight(*(array[which] for array in self))
-
-    @property
-    def turn_rate(self) -> Floats:
-        """About the vertical, positive to the left [rad/s]."""
-        rate = -GRAVITY * np.tan(self.bank)
-        return np.divide(rate, self.speed, out=np.zeros_like(rate), where=self.speed > 0.0)
+    def part(self, which: NDArray[np.intp]) -> SteadyFlight:
+        """Return some of them."""
+        return SteadyFlight(*(array[which] for array in self))
 
 
 class Balanced(NamedTuple):
-    """What was found for n flights of k rotors; numbers also where nothing was found.
+    """What was found for n flights of k rotors; numbers also where nothing was found."""
 
-    Attributes
-    ----------
-    pitch, roll : ndarray, shape (n,)
-        Nose down, right side down [rad].
-    omega : ndarray, shape (n, k)
-        Rotor speeds [rad/s].
-    velocity : ndarray, shape (n, 3)
-        Of the centre of mass, in the vehicle's frame [m/s].
-    hubs : ndarray, shape (n, k, 3)
-        That of the hubs [m/s].
-    wrenches : RotorWrenches
-        Of the rotors.
-    moment : ndarray, shape (n, 3)
-        What is left for control surfaces where rotors cannot balance it [N m].
-    unbalanced : ndarray, shape (n, u)
-        Force over the weight along each axis, and moments over weight times arm [-].
-    """
-
-    pitch: Floats
-    roll: Floats
-    omega: Floats
-    velocity: Floats
-    hubs: Floats
+    pitch: Floats  # nose down, (n,) [rad]
+    roll: Floats  # right side down, (n,) [rad]
+    omega: Floats  # (n, k) [rad/s]
+    velocity: Floats  # of the centre of mass, in the vehicle's frame, (n, 3) [m/s]
+    hubs: Floats  # velocities of the hubs, (n, k, 3) [m/s]
     wrenches: RotorWrenches
-    moment: Floats
-    unbalanced: Floats
+    moment: Floats  # left for control surfaces where rotors cannot balance it, (n, 3) [N m]
+    unbalanced: Floats  # force over weight, moments over weight times arm, (n, u) [-]
 
     @property
     def residual(self) -> Floats:
-        """The largest share that is unbalanced (n,)."""
+        """The largest unbalanced share (n,)."""
         return np.abs(self.unbalanced).max(axis=1)
 
     @property
     def power(self) -> Floats:
-        """Of all shafts [W], (n,)."""
+        """Power of all shafts [W], (n,)."""
         return np.sum(self.wrenches.torque * self.omega, axis=1)
 
     def or_else(self, other: Balanced, where: NDArray[np.bool_]) -> Balanced:
-        """Flights of the ``other`` in the places ``where`` (n,), of these elsewhere."""
+        """Return flights of the ``other`` in the places ``where`` (n,), of these elsewhere."""
 
         def pick(own: Any, its: Any) -> Any:
+            if isinstance(own, RotorWrenches):
+                return RotorWrenches(*map(pick, own, its))
             return np.where(where.reshape(-1, *[1] * (own.ndim - 1)), its, own)
 
-        wrenches = RotorWrenches(*map(pick, self.wrenches, other.wrenches))
-        rest = {
-            name: pick(getattr(self, name), getattr(other, name))
-            for name in self._fields
-            if name != "wrenches"
-        }
-        return Balanced(**rest, wrenches=wrenches)
+        return Balanced(*map(pick, self, other))
 
 
-class Balance:
+class SteadyBalance:
     """Force and moment balances of a vehicle with given rotors.
 
     The unknowns are pitch, roll, and the amplitudes of ``controls``.  Moments of inertia play no
     part: in a steady turn their gyroscopic moments, of some per cent of a rotor's arm times its
     thrust, are left out.
-
-    Parameters
-    ----------
-    vehicle : Vehicle
-        What flies.
-    rotors : Rotors
-        Its rotors.
     """
 
     def __init__(self, vehicle: Vehicle, rotors: Rotors) -> None:
@@ -367,43 +354,41 @@ class Balance:
         self.controls = controls(rotors, float(still.torque.mean()) / thrust)
         upward = max(float(rotors.axis[:, 2].mean()), 0.2)
         lifted = self.weight / (len(rotors) * upward)
+        # Squared rotor speed in hover, about [rad^2/s^2].
         self.reference = omega[0, 0] ** 2 * lifted / thrust
-        """Squared rotor speed in hover, about [rad^2/s^2]."""
 
-    def solve(self, flight: Flight, tolerance: float, first: Floats | None = None) -> Balanced:
-        """The attitude and rotor speeds of n flights, to an unbalanced share of the weight.
+    def solve(
+        self, flight: SteadyFlight, tolerance: float, first: Floats | None = None
+    ) -> Balanced:
+        """Find attitude and rotor speeds of n flights, to an unbalanced share of the weight.
 
         The search begins at ``first``, unknowns (n, u), by default at what hover and the body's
         drag make likely.
         """
         if first is None:
-            first = self._likely(flight)
+            area = self.vehicle.body.drag_area[0]
+            push = 0.5 * self.vehicle.air.density * area * flight.speed**2 / self.weight
+            first = np.zeros((flight.speed.size, 2 + self.controls.patterns.shape[1]))
+            first[:, 0] = np.minimum(np.arctan(push), 0.6)
+            first[:, 1] = flight.bank
+            first[:, 2] = np.hypot(1.0 / np.cos(flight.bank), push)
 
         def linearised(unknowns: Floats, which: NDArray[np.intp]) -> tuple[Floats, Floats]:
             return self._linearised(unknowns, flight.part(which))
 
         def residuals(unknowns: Floats, which: NDArray[np.intp]) -> Floats:
-            return self.told(unknowns, flight.part(which)).unbalanced
+            return self.evaluated(unknowns, flight.part(which)).unbalanced
 
         found = solve(linearised, residuals, self._bounded, first, flight.speed, tolerance)
-        return self.told(found, flight)
+        return self.evaluated(found, flight)
 
     def unknowns(self, pitch: Floats, roll: Floats, squares: Floats) -> Floats:
-        """Unknowns (n, u) of attitudes (n,) [rad] and squared rotor speeds (n, k)."""
+        """Return unknowns (n, u) of attitudes (n,) [rad] and squared rotor speeds (n, k)."""
         shares = squares @ np.linalg.pinv(self.controls.patterns).T / self.reference
         return np.column_stack([pitch, roll, shares])
 
-    def _likely(self, flight: Flight) -> Floats:
-        area = self.vehicle.body.drag_area[0]
-        push = 0.5 * self.vehicle.air.density * area * flight.speed**2 / self.weight
-        first = np.zeros((flight.speed.size, 2 + self.controls.patterns.shape[1]))
-        first[:, 0] = np.minimum(np.arctan(push), 0.6)
-        first[:, 1] = flight.bank
-        first[:, 2] = np.hypot(1.0 / np.cos(flight.bank), push)
-        return first
-
     def _bounded(self, unknowns: Floats, step: Floats) -> Floats:
-        """The step (n, u), shortened to what may be trusted."""
+        """Shorten the step (n, u) to what may be trusted."""
         turn = np.abs(step[:, :2]).max(axis=1) / LONGEST_TURN
         squares = self.squares(unknowns)
         change = (step[:, 2:] @ self.controls.patterns.T) * self.reference
@@ -411,40 +396,30 @@ class Balance:
         return step / np.maximum(np.maximum(turn, grow), 1.0)[:, None]
 
     def squares(self, unknowns: Floats) -> Floats:
-        """Squared rotor speeds (n, k) [rad^2/s^2] of ``unknowns`` (n, u)."""
+        """Return squared rotor speeds (n, k) [rad^2/s^2] of ``unknowns`` (n, u)."""
         squares = self.reference * (unknowns[:, 2:] @ self.controls.patterns.T)
         return np.maximum(squares, 1e-4 * self.reference)
 
-    def motion(self, pitch: Floats, roll: Floats, flight: Flight) -> tuple[Floats, Floats, Floats]:
-        """Motion in the vehicle's frame.
+    def motion(
+        self, pitch: Floats, roll: Floats, flight: SteadyFlight
+    ) -> tuple[Floats, Floats, Floats]:
+        """Return the motion at ``pitch`` and ``roll`` (..., n) [rad] in the vehicle's frame.
 
-        Parameters
-        ----------
-        pitch, roll : ndarray, shape (..., n)
-            [rad].
-        flight : Flight
-            Of n.
-
-        Returns
-        -------
-        velocity : ndarray, shape (..., n, 3)
-            Of the centre of mass [m/s].
-        hubs : ndarray, shape (..., n, k, 3)
-            That of the hubs [m/s].
-        specific : ndarray, shape (..., n, 3)
-            Specific force [m/s^2].
+        These are the velocity of the centre of mass (..., n, 3) and that of the hubs (..., n, k, 3)
+        [m/s], and the specific force (..., n, 3) [m/s^2].
         """
         velocity = in_vehicle_frame(flight.speed, 0.0, flight.climb, pitch, roll)
         up = in_vehicle_frame(0.0, 0.0, 1.0, pitch, roll)
-        rates = flight.turn_rate[:, None] * up
-        hubs = velocity[..., None, :] + cross(rates[..., None, :], self.rotors.position)
         aside = -GRAVITY * np.tan(flight.bank)
+        turning = np.divide(aside, flight.speed, out=np.zeros_like(aside), where=flight.speed > 0.0)
+        rates = turning[:, None] * up
+        hubs = velocity[..., None, :] + cross(rates[..., None, :], self.rotors.position)
         return velocity, hubs, in_vehicle_frame(0.0, aside, GRAVITY, pitch, roll)
 
     def _residual(
         self, velocity: Floats, specific: Floats, wrenches: RotorWrenches
     ) -> tuple[Floats, Floats]:
-        """Unbalanced shares (..., u) and the moment (..., 3) [N m]."""
+        """Return unbalanced shares (..., u) and the moment (..., 3) [N m]."""
         vehicle = self.vehicle
         body = free_stream_force(vehicle.body, vehicle.wing, vehicle.air.density, velocity)
         force = wrenches.force.sum(axis=-2) + body - vehicle.mass * specific
@@ -452,12 +427,12 @@ class Balance:
         return self.shares(force, moment), moment
 
     def shares(self, force: Floats, moment: Floats) -> Floats:
-        """A force [N] and moment [N m] (..., 3) as what counts of them in a residual (..., u)."""
+        """Scale a force [N] and moment [N m] (..., 3) to what counts in a residual (..., u)."""
         turned = moment @ self.controls.moments.T / (self.weight * self.arm)
         return np.concatenate([force / self.weight, turned], axis=-1)
 
-    def _linearised(self, unknowns: Floats, flight: Flight) -> tuple[Floats, Floats]:
-        """Residuals (n, u) and their derivatives (n, u, u)."""
+    def _linearised(self, unknowns: Floats, flight: SteadyFlight) -> tuple[Floats, Floats]:
+        """Return residuals (n, u) and their derivatives (n, u, u)."""
         pitch, roll = unknowns[:, 0], unknowns[:, 1]
         omega = np.sqrt(self.squares(unknowns))
         turned = CHANGE * np.array([[0.0], [1.0], [0.0]]), CHANGE * np.array([[0.0], [0.0], [1.0]])
@@ -471,8 +446,8 @@ class Balance:
         slopes = np.concatenate([np.moveaxis(by_angles, 0, -1), by_controls], axis=-1)
         return residual[0], slopes
 
-    def told(self, unknowns: Floats, flight: Flight) -> Balanced:
-        """What ``unknowns`` (n, u) mean in n flights, balanced or not."""
+    def evaluated(self, unknowns: Floats, flight: SteadyFlight) -> Balanced:
+        """Return what ``unknowns`` (n, u) mean in n flights, balanced or not."""
         pitch, roll = unknowns[:, 0], unknowns[:, 1]
         velocity, hubs, specific = self.motion(pitch, roll, flight)
         omega = np.sqrt(self.squares(unknowns))
@@ -486,51 +461,36 @@ class Balance:
 
 WEAKEST = 0.02
 """Moment that a pattern of rotor speeds must make, over that of the strongest: below, as for the
-yaw of rotors that all spin alike about one axis, it is left to control surfaces."""
+yaw of rotors that all spin one way about one axis, it is left to control surfaces."""
 
 
 class Controls(NamedTuple):
-    """Patterns of squared rotor speeds, and what each is for.
+    """Patterns of squared rotor speeds, and what each is for."""
 
-    Attributes
-    ----------
-    patterns : ndarray, shape (k, c)
-        Of k rotors: the first is thrust, with all rotors alike; the others, of length 1 each, make
-        moments.
-    moments : ndarray, shape (c - 1, 3)
-        Unit vectors along which these balance the moment about the centre of mass [-].
-    """
-
-    patterns: Floats
-    moments: Floats
+    patterns: Floats  # (k, c): the first is thrust, all equal; others, of length 1, moments
+    moments: Floats  # unit vectors (c - 1, 3) along which these balance the moment [-]
 
 
 def controls(rotors: Rotors, arm_of_torque: float) -> Controls:
-    """The patterns of a vehicle.
+    """Find the patterns of a vehicle whose rotors have this arm of the torque about the thrust [m].
 
     With more rotors than there are forces and moments, the speeds differ least from each other.
-
-    Parameters
-    ----------
-    rotors : Rotors
-        Where they are.
-    arm_of_torque : float
-        Torque over thrust of a rotor [m].
     """
     turning = -arm_of_torque * rotors.spin[:, None] * rotors.axis
     effect = (np.cross(rotors.position, rotors.axis) + turning).T
-    alike = np.ones((len(rotors), 1))
+    equal = np.ones((len(rotors), 1))
     along, size, across = np.linalg.svd(effect, full_matrices=False)
     kept = [k for k in range(size.size) if size[k] > WEAKEST * size[0]] if size[0] > 0.0 else []
+
+    def dependent() -> bool:
+        patterns = np.hstack([equal, across[kept].T])
+        sizes = np.linalg.svd(patterns / np.linalg.norm(patterns, axis=0), compute_uv=False)
+        return patterns.shape[1] > patterns.shape[0] or bool(sizes[-1] < 1e-3)
+
     # Thrust comes first: moments that only a change of it would balance are not balanced.
-    while kept and _dependent(np.hstack([alike, across[kept].T])):
+    while kept and dependent():
         kept.pop()
-    return Controls(np.hstack([alike, across[kept].T]), along[:, kept].T)
-
-
-def _dependent(patterns: Floats) -> bool:
-    size = np.linalg.svd(patterns / np.linalg.norm(patterns, axis=0), compute_uv=False)
-    return patterns.shape[1] > patterns.shape[0] or bool(size[-1] < 1e-3)
+    return Controls(np.hstack([equal, across[kept].T]), along[:, kept].T)
 
 
 # -------------------------------------------------------------------------------------------------
@@ -538,15 +498,12 @@ def _dependent(patterns: Floats) -> bool:
 
 ITERATIONS = 40
 
-SHORTEST = 1.0 / 32.0
-"""Share of a step below which the search of a system ends."""
-
+SHORTEST = 1.0 / 32.0  # share of a step below which the search of a system ends
 NEAR = 1e-2
 """Norm of a residual below which derivatives are kept up by what steps do, by Broyden's rule: they
 cost as much as three residuals."""
 
-RESTARTS = 10
-"""Times, at most, that systems without a solution begin anew at their neighbours'."""
+RESTARTS = 10  # most times that systems without a solution begin anew at their neighbours'
 
 Linearised = Callable[[Floats, NDArray[np.intp]], tuple[Floats, Floats]]
 """Residuals (m, u) and their derivatives (m, u, u), of unknowns (m, u) of the systems of these
@@ -567,21 +524,10 @@ def solve(
     order: Floats,
     tolerance: float,
 ) -> Floats:
-    """Unknowns (n, u) of n systems, the best that were found.
+    """Find the unknowns (n, u) of n systems, from ``first``, or the best there are.
 
-    A step that does not lower the residual is halved.  A system that ends without a solution begins
-    anew at that of the nearest system that has one.
-
-    Parameters
-    ----------
-    linearised, residuals, bounded : callable
-        See ``Linearised``, ``Residuals`` and ``Bounded``.
-    first : ndarray, shape (n, u)
-        Where to begin.
-    order : ndarray, shape (n,)
-        By which systems are near each other.
-    tolerance : float
-        Largest norm of a solution's residual.
+    A step that does not lower the residual is halved.  A system whose residual's norm stays above
+    the ``tolerance`` begins anew at the solution of the system nearest in ``order`` (n,).
     """
     functions = linearised, residuals, bounded
     best, size = _newton(*functions, first, np.arange(len(first)), tolerance)
@@ -606,20 +552,21 @@ def _newton(
     numbers: NDArray[np.intp],
     tolerance: float,
 ) -> tuple[Floats, Floats]:
-    """The best unknowns (m, u) of some systems, and the norms of what they leave over (m,)."""
+    """Return the best unknowns (m, u) of some systems, and the norms of their residuals (m,)."""
     best, step = first.copy(), np.zeros_like(first)
     size, share = np.full(len(first), np.inf), np.ones(len(first))
     at_work, near = np.arange(len(first)), False
     left, inverse = np.zeros(0), np.zeros(0)
     for _ in range(ITERATIONS):
-        moved = share[at_work, None] * step[at_work]
-        trial = best[at_work] + moved
+        change = share[at_work, None] * step[at_work]
+        trial = best[at_work] + change
         if near:
             residual = residuals(trial, numbers[at_work])
-            inverse = _followed(inverse, moved, residual - left)
+            inverse = _followed(inverse, change, residual - left)
         else:
             residual, slopes = linearised(trial, numbers[at_work])
-            inverse = _inverse(slopes)
+            known = np.isfinite(slopes).all(axis=(1, 2), keepdims=True)
+            inverse = np.linalg.pinv(np.where(known, slopes, 0.0), rcond=1e-12)
         norm = np.nan_to_num(np.linalg.norm(residual, axis=1), nan=np.inf)
         better = norm < size[at_work]
         won = at_work[better]
@@ -635,16 +582,10 @@ def _newton(
     return best, size
 
 
-def _inverse(slopes: Floats) -> Floats:
-    """Inverses (m, u, u) of derivatives, zero where there are none."""
-    known = np.asarray(np.isfinite(slopes).all(axis=(1, 2)))
-    return np.linalg.pinv(np.where(known[:, None, None], slopes, 0.0), rcond=1e-12)
-
-
-def _followed(inverse: Floats, moved: Floats, change: Floats) -> Floats:
-    """Inverses (m, u, u) that lead from the ``change`` of the residuals to what was ``moved``."""
-    missed = moved - np.einsum("mij,mj->mi", inverse, change)
-    along = np.einsum("mi,mij->mj", moved, inverse)
+def _followed(inverse: Floats, step: Floats, change: Floats) -> Floats:
+    """Update inverses (m, u, u) by Broyden's rule: a ``step`` makes a ``change`` of residuals."""
+    missed = step - np.einsum("mij,mj->mi", inverse, change)
+    along = np.einsum("mi,mij->mj", step, inverse)
     size = np.einsum("mi,mi->m", along, change)[:, None, None]
     update = missed[:, :, None] * along[:, None, :]
     return inverse + np.divide(update, size, out=np.zeros_like(update), where=size != 0.0)
@@ -653,27 +594,14 @@ def _followed(inverse: Floats, moved: Floats, change: Floats) -> Floats:
 # -------------------------------------------------------------------------------------------------
 # Flight on a wing: where a search for it begins, and the speed below which the wing stalls.
 
-ATTACHED = 0.6
-"""Of ``alpha_0``: the largest angle of attack at which a search begins."""
-
-ADVANCE = 0.2
-"""Speed over tip speed at which it begins."""
-
-ANGLES = 181
-"""At which the largest lift is looked for, from 0 to twice ``alpha_0``."""
+ATTACHED = 0.6  # largest angle of attack at which a search begins, over ``alpha_0``
+ADVANCE = 0.2  # speed over tip speed at which a search begins
+ANGLES = 181  # angles, from 0 to twice ``alpha_0``, among which the largest lift is taken
 
 
-def on_the_wing(balance: Balance, flight: Flight) -> Floats:
-    """Unknowns (n, u) of n flights whose wing is to carry them, for ``Balance.solve``.
-
-    Parameters
-    ----------
-    balance : Balance
-        Of a vehicle with a wing.
-    flight : Flight
-        Of n.
-    """
-    vehicle, wing = balance.vehicle, _wing_of(balance.vehicle)
+def on_the_wing(balance: SteadyBalance, wing: Wing, flight: SteadyFlight) -> Floats:
+    """Return unknowns (n, u) of flights that the wing carries, for ``SteadyBalance.solve``."""
+    vehicle = balance.vehicle
     speed = np.maximum(np.hypot(flight.speed, flight.climb), 1e-3)
     slope = 0.5 * vehicle.air.density * speed**2 * wing.area * wing.c_l1
     alpha = np.minimum(_load(vehicle, flight) / slope, ATTACHED * wing.alpha_0)
@@ -684,114 +612,33 @@ def on_the_wing(balance: Balance, flight: Flight) -> Floats:
     return balance.unknowns(wing.incidence - alpha - path, flight.bank, every)
 
 
-def of_less_power(one: Balanced, other: Balanced, tolerance: float) -> Balanced:
-    """Of two solutions of the same flights those that are balanced, and of these the cheaper.
-
-    Parameters
-    ----------
-    one, other : Balanced
-        Of n flights.
-    tolerance : float
-        Unbalanced share up to which a flight is balanced.
-    """
-    good, better = (found.residual <= tolerance for found in (one, other))
-    return one.or_else(other, better & (~good | (other.power < one.power)))
-
-
-def stalled(vehicle: Vehicle, flight: Flight) -> Any:
-    """Whether n flights are slower than their wing's stall speed, (n,) bool.
+def stalled(vehicle: Vehicle, wing: Wing, flight: SteadyFlight) -> Any:
+    """Say whether n flights are slower than their wing's stall speed, (n,) bool.
 
     It is the speed at which the wing's largest lift is what there is to carry.
-
-    Parameters
-    ----------
-    vehicle : Vehicle
-        With a wing.
-    flight : Flight
-        Of n.
     """
-    wing = _wing_of(vehicle)
     largest = wing_lift(wing, np.linspace(0.0, 2.0 * wing.alpha_0, ANGLES)).max()
     pressure = 0.5 * vehicle.air.density * (flight.speed**2 + flight.climb**2)
     return pressure * largest < _load(vehicle, flight)
 
 
-def _load(vehicle: Vehicle, flight: Flight) -> Floats:
+def _load(vehicle: Vehicle, flight: SteadyFlight) -> Floats:
     return vehicle.mass * GRAVITY / np.cos(flight.bank)
 
 
-def _wing_of(vehicle: Vehicle) -> Wing:
-    assert vehicle.wing is not None
-    return vehicle.wing
-
-
-# -------------------------------------------------------------------------------------------------
-# Loads of the hover model where those of a rotor are wanted.
-
-
 class HoverLoads:
-    """T = k_T Omega^2 and Q = k_tau Omega^2 at any velocity, no other loads.
-
-    Parameters
-    ----------
-    hover : HoverModel
-        Gives the constants.
-    """
+    """T = k_T Omega^2 and Q = k_tau Omega^2 at any velocity, no other loads."""
 
     def __init__(self, hover: HoverModel) -> None:
         self.hover = hover
 
     def loads_at_velocity(self, omega: Floats, velocity: Floats) -> Any:  # noqa: ARG002
-        """Loads by name and a ``status``, of the shape of ``omega`` [rad/s]."""
+        """Return loads by name and a ``status``, of the shape of ``omega`` [rad/s]."""
         return SimpleNamespace(**self.hover.loads(omega), status=np.full(omega.shape, "ok"))
 
 
 # -------------------------------------------------------------------------------------------------
-# How much more thrust there is before the first limit.
-
-SLOWEST, FASTEST = 0.2, 20.0
-"""Least and largest factor on rotor speeds that is looked at."""
-
-PIECES = (8, 4, 4, 4)
-"""The factor's range is cut into so many, one after the other; then shares are interpolated."""
-
-
-def thrust_margin(at: Callable[[Floats], tuple[Floats, Floats]], count: int) -> Floats:
-    """Thrust with all rotors at the first limit over that as they turn, (n,).
-
-    All are sped up alike, or slowed down, where they are beyond a limit: then it is below 1.
-
-    Parameters
-    ----------
-    at : callable
-        The largest share used of any limit, and the thrust, both (f, n), at f factors (f, n) on the
-        rotor speeds of n states.
-    count : int
-        n.
-    """
-    each = np.arange(count)
-    low, high = (np.full(count, math.log(factor)) for factor in (SLOWEST, FASTEST))
-    share, thrust = at(np.exp([np.zeros(count), low, high]))
-    needed, share, thrust = thrust[0], share[1:], thrust[1:]
-    for pieces in PIECES:
-        logs = np.linspace(low, high, pieces + 1)
-        inner = at(np.exp(logs[1:-1]))
-        share, thrust = (
-            np.concatenate([ends[:1], between, ends[1:]])
-            for ends, between in zip((share, thrust), inner, strict=True)
-        )
-        beyond = ~(share <= 1.0)
-        beyond[0], beyond[-1] = False, True
-        k = beyond.argmax(axis=0)
-        around = np.stack([k - 1, k]), each
-        (low, high), share, thrust = logs[around], share[around], thrust[around]
-    (s0, s1), (t0, t1) = share, thrust
-    found = (t0 + (1.0 - s0) / (s1 - s0) * (t1 - t0)) / needed
-    return np.where(s0 <= 1.0, found, math.nan)
-
-
-# -------------------------------------------------------------------------------------------------
-# What limits rotors, motors and battery, and how much of each limit a state uses.
+# Steady states of an aircraft as values, and what their statuses mean.
 
 LIMITS = {
     "rpm_limit": "the rotors' largest speed",
@@ -802,90 +649,13 @@ LIMITS = {
 }
 """Statuses of states beyond a limit, and the limit in words."""
 
-
-@dataclass(frozen=True)
-class Limits:
-    """What n states of k rotors may not exceed.
-
-    Attributes
-    ----------
-    powertrain : Powertrain
-        Motors and battery.
-    rotor_speed : float
-        Largest speed of a rotor [rad/s], infinite where none is known.
-    charge : float
-        State of charge, 0 to 1, at which the battery's voltage is taken.
-
-    Raises
-    ------
-    InputError
-        For a charge beyond 0 to 1, and a speed that is not positive.
-    """
-
-    powertrain: Powertrain
-    rotor_speed: float = math.inf
-    charge: float = 1.0
-
-    def __post_init__(self) -> None:
-        if not self.rotor_speed > 0.0:
-            raise InputError(f"the rotors' largest speed is {self.rotor_speed:g}", "give rad/s")
-        if not 0.0 < self.charge <= 1.0:
-            raise InputError(f"charge is {self.charge:g}", "give a share, 1 for a full battery")
-
-    def used(self, omega: Floats, tip_speed: Floats, electric: ElectricState) -> dict[str, Floats]:
-        """Share of each limit that is used, 1 at the limit.
-
-        Parameters
-        ----------
-        omega, tip_speed : ndarray, shape (n, k)
-            Of the rotors [rad/s], of their advancing tips through the air [m/s].
-        electric : ElectricState
-            What the powertrain takes.
-
-        Returns
-        -------
-        dict of str to ndarray, shape (n,)
-            By the keys of ``LIMITS``; zero where nothing is known of a limit.
-        """
-        motor, battery = self.powertrain.motor, self.powertrain.battery
-        nothing = np.zeros(omega.shape[0])
-        largest = min(self.rotor_speed, motor.maximum_speed if motor else math.inf)
-        found = {
-            "rpm_limit": omega.max(axis=1) / largest,
-            "tip_speed_limit": tip_speed.max(axis=1) / (FAST_TIP_MACH * SPEED_OF_SOUND),
-            "motor_current_limit": nothing,
-            "voltage_limit": nothing,
-            "battery_limit": nothing,
-        }
-        if motor is not None:
-            found["motor_current_limit"] = (
-                electric.motor_current.max(axis=1) / motor.maximum_current
-            )
-        if battery is not None:
-            there = battery.voltage_or_least(electric.power, np.full_like(nothing, self.charge))
-            found["voltage_limit"] = electric.controller_voltage.max(axis=1) / there
-            found["battery_limit"] = battery.share_used(
-                electric.power, np.full_like(nothing, self.charge)
-            )
-        return found
-
-
-# -------------------------------------------------------------------------------------------------
-# Steady states of an aircraft as values, and what their statuses mean.
-
 JUMP = 2e-3
 """Share of the weight by which a rotor's loads may jump past the balance, where their nodes change
 with the speed."""
 
-NOT_FOUND = "no_trim"
-STALL = "stall"
-OUTSIDE_TABLE = "outside_table"
-VORTEX_RING = "vortex_ring"
-
-COARSE = "coarse"
-FLOWN = ("ok", COARSE, VORTEX_RING)
-"""Statuses of states with numbers."""
-
+NOT_FOUND, STALL, OUTSIDE_TABLE = "no_trim", "stall", "outside_table"
+VORTEX_RING, COARSE = "vortex_ring", "coarse"
+FLOWN = ("ok", COARSE, VORTEX_RING)  # statuses of states with numbers
 STATUSES = {
     "ok": "found, within every limit",
     COARSE: f"found, but the loads jump past the balance, by less than {JUMP:.1%} of the weight",
@@ -961,7 +731,7 @@ class SteadyStates:
 
     @property
     def found(self) -> NDArray[np.bool_]:
-        """Where there are numbers, (n,)."""
+        """Which states have numbers, (n,)."""
         return np.isfinite(self.shaft_power)
 
     @property
@@ -971,7 +741,7 @@ class SteadyStates:
         return np.where(known, self.electrical_power, self.shaft_power)
 
     def and_also(self, other: SteadyStates) -> SteadyStates:
-        """These states and those of the ``other`` at further speeds, in the order of speeds."""
+        """Return these states with those of the ``other``, in the order of speeds."""
         _, order = np.unique(np.concatenate([self.speed, other.speed]), return_index=True)
 
         def both(mine: Any, its: Any) -> Any:

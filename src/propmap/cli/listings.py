@@ -28,7 +28,7 @@ from propmap.cli.output import (
     show,
 )
 from propmap.model.airfoil import Airfoil, airfoil_names, parameter_set
-from propmap.model.plausibility import doubts_on_blade
+from propmap.model.plausibility import blade_warnings
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -137,7 +137,7 @@ def show_prop(
     check_pictures(output)
     blade = propeller(prop, blades, radius)
     say_expected(prop)
-    say_doubts(doubts_on_blade(blade))
+    say_doubts(blade_warnings(blade))
     rows = [
         (f"{y:.5f}", f"{y / blade.radius:.4f}", f"{1e3 * c:.3f}", f"{np.degrees(twist):.2f}")
         for y, c, twist in zip(blade.station, blade.chord, blade.twist, strict=True)

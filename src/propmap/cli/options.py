@@ -28,7 +28,7 @@ from propmap.io.csv import OperatingPoints, check_value
 from propmap.model.airfoil import Airfoil, SectionTable, airfoil_names
 from propmap.model.corrections import CORRECTIONS, apart, as_text, correction, corrections_of
 from propmap.model.model import PAPER_DENSITY, PAPER_VISCOSITY, Air, Model, Propeller
-from propmap.model.plausibility import doubts_on_air, doubts_on_blade, doubts_on_points
+from propmap.model.plausibility import air_warnings, blade_warnings, point_warnings
 from propmap.tasks import InTurn, Workers
 from propmap.typing import Floats
 
@@ -182,7 +182,7 @@ class RotorChoice:
         """The propeller; notes say what is odd about it, and if it was not measured."""
         found = propeller(self.prop, self.blades, self.radius, self.root_cutout)
         say_expected(self.prop)
-        say_doubts(doubts_on_blade(found))
+        say_doubts(blade_warnings(found))
         return found
 
     def medium(self) -> Air:
@@ -200,7 +200,7 @@ class RotorChoice:
             PAPER_DENSITY if self.rho is None else self.rho,
             PAPER_VISCOSITY if self.mu is None else self.mu,
         )
-        say_doubts(doubts_on_air(air))
+        say_doubts(air_warnings(air))
         return air
 
 
@@ -382,7 +382,7 @@ def say_doubts_on_points(model: Model, omega: Floats, speed: Floats, beta: Float
 
     Raises ``InputError`` where a blade tip is faster than sound.
     """
-    say_doubts(doubts_on_points(model.propeller, omega, speed, beta))
+    say_doubts(point_warnings(model.propeller, omega, speed, beta))
 
 
 # -------------------------------------------------------------------------------------------------

@@ -53,7 +53,7 @@ from propmap.cli.output import (
     show,
 )
 from propmap.errors import InputError
-from propmap.model.plausibility import doubts_on_points
+from propmap.model.plausibility import point_warnings
 from propmap.rotor import Rotor
 
 if TYPE_CHECKING:
@@ -61,7 +61,7 @@ if TYPE_CHECKING:
 
     from propmap.aircraft.mission import Flown, Mission
     from propmap.aircraft.performance import NamedState, Performance
-    from propmap.aircraft.sensitivity import Spread
+    from propmap.aircraft.sensitivity import StateChange
     from propmap.aircraft.trim import Aircraft, SteadyStates
 
 
@@ -184,7 +184,9 @@ def trim(
         typer.echo(f"wrote {picture}", err=True)
 
 
-def _deviations(craft: Aircraft, flown: list[SteadyStates], *, bands: bool) -> list[Spread | None]:
+def _deviations(
+    craft: Aircraft, flown: list[SteadyStates], *, bands: bool
+) -> list[StateChange | None]:
     """Standard deviations of the states, None where they are not asked for or not known."""
     if not bands:
         return [None] * len(flown)
@@ -199,7 +201,7 @@ def _deviations(craft: Aircraft, flown: list[SteadyStates], *, bands: bool) -> l
 def _emit(
     craft: Aircraft,
     flown: list[SteadyStates],
-    sure: list[Spread | None],
+    sure: list[StateChange | None],
     found: Performance | None,
     form: Format,
     output: Path | None,
@@ -270,7 +272,7 @@ def say_beyond_data(craft: Aircraft, flown: list[SteadyStates], where: str = "")
     speed = np.linalg.norm(hubs, axis=-1)
     along = np.einsum("nkj,kj->nk", hubs, craft.rotors.axis)
     beta = np.arccos(np.clip(np.divide(along, speed, out=along * 0.0, where=speed > 0.0), -1, 1))
-    doubts = doubts_on_points(blade, omega, speed, beta)
+    doubts = point_warnings(blade, omega, speed, beta)
     own = identified(blade.name, blade.blades)
     if own is not None and craft.loads.model.airfoil.name == own.airfoil.name:
         doubts = [*doubts, *_beyond(own, omega, speed, blade.diameter)]
@@ -278,10 +280,10 @@ def say_beyond_data(craft: Aircraft, flown: list[SteadyStates], where: str = "")
 
 
 def _beyond(own: Identified, omega: Any, speed: Any, diameter: float) -> list[str]:
-    from propmap.aircraft.performance import RPM
+    from propmap.vehicle.powertrain import RPM
 
     rpm, advance = (
-        float(omega.max()) * RPM,
+        float(omega.max()) / RPM,
         float((2.0 * np.pi * speed / (omega * diameter)).max()),
     )
     parts = []
@@ -305,14 +307,14 @@ def plain(state: NamedState | None) -> dict[str, float | None] | None:
     return None if state is None else {k: number_or_none(v) for k, v in vars(state).items()}
 
 
-def table_of(states: SteadyStates, sure: Spread | None, found: Performance | None) -> WideGrid:
+def table_of(states: SteadyStates, sure: StateChange | None, found: Performance | None) -> WideGrid:
     """States in a table.
 
     Parameters
     ----------
     states : SteadyStates
         At one climb rate and bank.
-    sure : Spread, optional
+    sure : StateChange, optional
         Their standard deviations.
     found : Performance, optional
         With their times and distances.
@@ -439,7 +441,7 @@ AXES = ("climb_mps", "speed_mps")
 
 
 def dataset(
-    craft: Aircraft, flown: list[SteadyStates], sure: list[Spread | None], command: str
+    craft: Aircraft, flown: list[SteadyStates], sure: list[StateChange | None], command: str
 ) -> xarray.Dataset:
     """States at the same n speeds for each of several climb rates, with provenance.
 
@@ -561,5 +563,5 @@ def _show_table(
     told = f"{np.sum(flown.energy) / 3600.0:.4g} Wh in {legs.duration.sum() / 60.0:.4g} min"
     if lost.any():
         leg = int(np.argmax(lost))
-        told = f"leg {leg + 1} cannot be flown to its end: {flown.told(leg)}"
+        told = f"leg {leg + 1} cannot be flown to its end: {flown.status_in_words(leg)}"
     show(output, title(craft), body, told)

@@ -24,8 +24,8 @@ from propmap.table.interpolation import (
 )
 from propmap.table.query import END_SLACK, SLACK, LoadTable
 from propmap.typing import Floats
-from propmap.vehicle.rotors import Rotors
 from propmap.vehicle.vehicle import Vehicle
+from propmap.vehicle.vehicle_forces import Rotors
 from propmap.vehicle.wakes import (
     BEARINGS,
     LARGEST_INFLOW,

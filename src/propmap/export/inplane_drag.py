@@ -18,8 +18,8 @@ from propmap.operating_points import FlowPoints, split_velocity
 from propmap.rotor import Rotor
 from propmap.typing import Floats
 from propmap.vehicle.log import GRAVITY, in_vehicle_frame
-from propmap.vehicle.rotors import mounted_rotors
 from propmap.vehicle.vehicle import Body, Vector, Vehicle
+from propmap.vehicle.vehicle_forces import mounted_rotors
 
 if TYPE_CHECKING:
     from propmap.table.query import LoadTable
@@ -148,10 +148,8 @@ def _turned(aircraft: Aircraft) -> Aircraft:
     )
     # Lift of the body is that in its plane of symmetry: along the left there is none.
     other = replace(vehicle, mounts=mounts, body=body, sensor=turn(vehicle.sensor))
-    limits = aircraft.limits
-    return Aircraft(
-        other, aircraft.loads, maximum_rotor_speed=limits.rotor_speed, charge=limits.charge
-    )
+    largest, charge = aircraft.maximum_rotor_speed, aircraft.charge
+    return Aircraft(other, aircraft.loads, maximum_rotor_speed=largest, charge=charge)
 
 
 def _check_moments(aircraft: Aircraft, moment: Floats) -> None:

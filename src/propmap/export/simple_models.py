@@ -30,8 +30,8 @@ from propmap.results import spin_sign
 from propmap.table.query import LoadTable
 from propmap.typing import Floats
 from propmap.vehicle.powertrain import Powertrain
-from propmap.vehicle.rotors import Rotors
 from propmap.vehicle.vehicle import Vehicle
+from propmap.vehicle.vehicle_forces import Rotors
 
 # -------------------------------------------------------------------------------------------------
 # Target ``gazebo``: parameters of the multicopter motor model of Gazebo and PX4.

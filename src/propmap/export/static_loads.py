@@ -108,7 +108,7 @@ def known_curve(aircraft: Aircraft) -> tuple[ThrustCurve | None, str]:
     ]
     if missing:
         return None, f"the vehicle file has no {' and no '.join(missing)}"
-    curve = thrust_curve(aircraft, aircraft.limits.charge)
+    curve = thrust_curve(aircraft, aircraft.charge)
     if curve is None:
         return None, "the battery cannot deliver the power of full throttle"
     if not isinstance(aircraft.loads, Rotor):
@@ -243,7 +243,7 @@ def curve_factor(
     limits : tuple of 2 float
         The least and largest f that the autopilot takes.
     """
-    charge = aircraft.limits.charge
+    charge = aircraft.charge
 
     def factor(found: ThrustCurve | None) -> float:
         return float("nan") if found is None else fitted_factor(shares(found.at), limits)

@@ -44,8 +44,8 @@ from propmap.model.model import Model, Section
 from propmap.rotor import Rotor
 from propmap.typing import Floats
 from propmap.vehicle.log import GRAVITY, FlightLog
-from propmap.vehicle.rotors import mounted_rotors
 from propmap.vehicle.vehicle import Vehicle
+from propmap.vehicle.vehicle_forces import mounted_rotors
 from propmap.vehicle.wakes import HubFlow, hub_flow, in_wakes, rotor_wrench
 
 # -------------------------------------------------------------------------------------------------

@@ -34,9 +34,8 @@ from propmap.model.model import Model
 from propmap.rotor import Rotor
 from propmap.typing import Floats
 from propmap.vehicle.log import GRAVITY, FlightLog
-from propmap.vehicle.rotors import mounted_rotors
 from propmap.vehicle.vehicle import Body, Vehicle, Wakes
-from propmap.vehicle.vehicle_forces import free_stream_force
+from propmap.vehicle.vehicle_forces import free_stream_force, mounted_rotors
 from propmap.vehicle.wakes import HubFlow, check_apart, hub_flow, rotor_wrench, wake_flow
 
 # -------------------------------------------------------------------------------------------------

@@ -1,4 +1,4 @@
-"""Whether rotor speeds can carry the vehicle and are those of its rotors: slips of units, order."""
+"""Whether the rotor speeds of a log can carry the vehicle and are those of its rotors."""
 
 from __future__ import annotations
 
@@ -13,68 +13,38 @@ from numpy.typing import NDArray
 from propmap.baselines.hover import HoverModel
 from propmap.errors import InputError
 from propmap.flight.steady import airborne
+from propmap.model.plausibility import GRAVITY, RPM, UNIT_ERRORS, Range, unit_errors
 from propmap.typing import Floats
-from propmap.vehicle.log import GRAVITY, FlightLog, low_passed
-from propmap.vehicle.powertrain import RPM
+from propmap.vehicle.log import FlightLog, low_passed
 from propmap.vehicle.vehicle import Vehicle
 
 if TYPE_CHECKING:
     from propmap.rotor import Rotor
 
-
 # -------------------------------------------------------------------------------------------------
 # Whether the rotor speeds of a log can carry the vehicle: unit errors show in hover.
 
-SLOW = 3.0
-"""Speed [m/s] below which the hover model serves."""
+SLOW = 3.0  # speed [m/s] below which the hover model serves
+QUIET = 0.1  # share of g by which the specific force may differ from it
+FEWEST_SLOW = 20  # samples of slow flight, below which there is too little of it
+NEAR_UNIT, NEAR_PAIRS = Range(0.75, 1.25), Range(0.9, 1.1)
+"""Speeds over those that carry the weight, once corrected.  A nominal section law and a roughly
+known blade give the thrust to about 50 %, the speed to 25 %; several numbers of pole pairs then fit
+and the nearest is named, but few pairs must fit closely, as 2 is near 1."""
 
-QUIET = 0.1
-"""Share of g by which the specific force may differ from it."""
+POLE_PAIRS = {str(count): float(count) for count in range(2, 15)}
 
-FEWEST_SLOW = 20
-"""Samples of slow flight, below which there is too little of it."""
-
-NEAR_RPM = 0.25
-NEAR_POLE_PAIRS = 0.1
-"""Relative differences of a speed ratio from that of a unit error.  A nominal section law and
-a roughly known blade give the thrust to about 50 %, the speed to 25 %; several numbers of pole
-pairs then fit and the nearest is named, but few pairs must fit closely, as 2 is near 1."""
-
-POLE_PAIRS = range(2, 15)
-DOUBTFUL = 2.5
-"""Factor of the thrust above which a warning is due."""
-
-GRAMS = 1000.0
-"""In a kilogram."""
+CARRIED = Range(0.4, 2.5)  # thrust over the weight outside which a warning is due
 
 
 def check_rotor_speed(
     log: FlightLog, rotor: Rotor, vehicle: Vehicle, rotor_unit: str | None = None
 ) -> list[str]:
-    """Compare the thrust that the rotor speeds give in slow flight with the weight.
+    """Warn where the thrust that the rotor speeds give in slow flight is not the weight.
 
-    Slow flight is below 3 m/s with a specific force within 10 % of g; where there is too little
-    of it, the slowest tenth of the flight serves.  Time on the ground does not count.
-
-    Parameters
-    ----------
-    log, vehicle : FlightLog, Vehicle
-        What was flown.
-    rotor : Rotor
-        The vehicle's propeller with a nominal section law.
-    rotor_unit : str, optional
-        What the vehicle file states: "rad/s", "rpm" or "erpm"; tells apart errors of like size.
-
-    Returns
-    -------
-    list of str
-        Warnings.
-
-    Raises
-    ------
-    InputError
-        Where a rotor stands still or the ratio of the forces is that of a wrong unit, of the speeds
-        or of the mass.
+    The ``rotor`` has a nominal section law.  ``rotor_unit``, "rad/s", "rpm" or "erpm", is what the
+    vehicle file states, and tells apart errors of like size.  Raises ``InputError`` where a rotor
+    stands still, or where a wrong unit, of the speeds or of the mass, explains the difference.
     """
     for k, column in enumerate(log.rotor_speed.T, start=1):
         if not np.max(column) > 0.0:
@@ -84,19 +54,18 @@ def check_rotor_speed(
                 "motor controllers report their speed",
                 log.source,
             )
-    chosen = log.picked(slow_flight(log))
-    share = _thrust_share(chosen, rotor, vehicle)
+    slow = log.picked(slow_flight(log))
+    share = _thrust_share(slow, rotor, vehicle)
     found = (
         f"in slow flight the rotors would carry {share:.3g} times the weight "
-        f"at {float(np.mean(chosen.rotor_speed)) / RPM:.0f} rpm"
+        f"at {float(np.mean(slow.rotor_speed)) / RPM:.0f} rpm"
     )
-    slip = _unit_slip(math.sqrt(share), rotor_unit)
-    if slip is not None:
-        cause, line = slip
-        raise InputError(f"{found}: {cause}", f"{line} in [log] of the vehicle file", log.source)
-    if 1.0 / DOUBTFUL <= share <= DOUBTFUL:
+    cause, remedy = _speed_error(math.sqrt(share), rotor_unit)
+    if cause:
+        raise InputError(f"{found}: {cause}", f"{remedy} in [log] of the vehicle file", log.source)
+    if share in CARRIED:
         return []
-    if 1.0 / DOUBTFUL <= GRAMS * share <= DOUBTFUL:
+    if unit_errors(1.0 / share, CARRIED, UNIT_ERRORS["mass"]):
         raise InputError(
             f"{found}: the mass of {vehicle.mass:g} kg looks like grams",
             "write kilograms in the vehicle file",
@@ -106,7 +75,11 @@ def check_rotor_speed(
 
 
 def slow_flight(log: FlightLog) -> NDArray[np.bool_]:
-    """Samples (n,) of slow and quiet flight, else the slowest tenth of the ``log``."""
+    """Return which samples (n,) are below 3 m/s with a specific force within 10 % of g.
+
+    Where there is too little of it, the slowest tenth of the flight serves.  Time on the ground
+    does not count.
+    """
     flying = airborne(log)
     force = np.linalg.norm(log.specific_force, axis=1)
     quiet = np.isnan(force) | (np.abs(force / GRAVITY - 1.0) < QUIET)
@@ -117,13 +90,13 @@ def slow_flight(log: FlightLog) -> NDArray[np.bool_]:
 
 
 def _thrust_share(log: FlightLog, rotor: Rotor, vehicle: Vehicle) -> float:
-    """Mean force of the rotors along the vehicle's z axis over the force that it takes."""
+    """Divide the rotors' mean force along the vehicle's z axis by the force that flight takes."""
     up = np.mean(log.up[:, 2])
     measured = np.mean(log.specific_force[:, 2])
     needed = vehicle.mass * (GRAVITY / up if np.isnan(measured) else measured)
-    k_thrust = HoverModel.of(rotor).k_thrust
-    axes = np.array([mount.axis[2] for mount in vehicle.mounts])
-    force = k_thrust * float(np.mean(np.square(log.rotor_speed) @ axes))
+    force = HoverModel.of(rotor).k_thrust * float(
+        np.mean(np.square(log.rotor_speed) @ vehicle.rotor_axes[:, 2])
+    )
     if not (needed > 0.0 and force > 0.0):
         raise InputError(
             f"slow flight takes {needed:.3g} N along the vehicle's z axis, of rotors that give "
@@ -134,32 +107,30 @@ def _thrust_share(log: FlightLog, rotor: Rotor, vehicle: Vehicle) -> float:
     return float(force / needed)
 
 
-def _unit_slip(ratio: float, unit: str | None) -> tuple[str, str] | None:
-    """The unit error that explains speeds wrong by the factor ``ratio``: cause and line."""
+def _speed_error(ratio: float, unit: str | None) -> tuple[str, str]:
+    """Return cause and remedy of speeds that are wrong by the factor ``ratio``; empty for none."""
+
+    def pole_pairs(factor: float) -> str:
+        return next(iter(unit_errors(factor, NEAR_PAIRS, POLE_PAIRS)), "")
+
     if unit == "erpm":
-        if _pole_pairs(1.0 / ratio):
+        if pole_pairs(1.0 / ratio):
             cause = "they look like mechanical rpm, divided by pole_pairs for nothing"
             return cause, 'write rotor_unit = "rpm", or correct pole_pairs'
-        pairs = _pole_pairs(ratio)
+        pairs = pole_pairs(ratio)
         cause = f"they look as if divided by too few pole pairs, by a factor of about {pairs}"
-        return (cause, "correct pole_pairs") if pairs else None
-    if unit != "rpm" and abs(ratio * RPM - 1.0) < NEAR_RPM:
-        cause, line = "they look like rpm read as rad/s", 'write rotor_unit = "rpm"'
+        return (cause, "correct pole_pairs") if pairs else ("", "")
+    if unit != "rpm" and ratio * RPM in NEAR_UNIT:
+        cause, remedy = "they look like rpm read as rad/s", 'write rotor_unit = "rpm"'
         if unit == "rad/s":
-            return cause, line
+            return cause, remedy
         # Not knowing what is stated, 9 or 10 pole pairs cannot be told from 60 / (2 pi).
-        return f"{cause}, or like electrical rpm", f'{line}, or "erpm" and pole_pairs,'
-    if unit != "rad/s" and abs(ratio / RPM - 1.0) < NEAR_RPM:
+        return f"{cause}, or like electrical rpm", f'{remedy}, or "erpm" and pole_pairs,'
+    if unit != "rad/s" and ratio / RPM in NEAR_UNIT:
         return "they look like rad/s read as rpm", 'write rotor_unit = "rad/s"'
-    pairs = _pole_pairs(ratio * RPM if unit == "rad/s" else ratio)
+    pairs = pole_pairs(ratio * RPM if unit == "rad/s" else ratio)
     cause = f"they look like electrical rpm of motors with about {pairs} pole pairs"
-    return (cause, f'write rotor_unit = "erpm" and pole_pairs ({pairs}?)') if pairs else None
-
-
-def _pole_pairs(ratio: float) -> int | None:
-    """The number of pole pairs that a ratio of speeds is near, or None."""
-    nearest = min(POLE_PAIRS, key=lambda count: abs(ratio / count - 1.0))
-    return nearest if abs(ratio / nearest - 1.0) < NEAR_POLE_PAIRS else None
+    return (cause, f'write rotor_unit = "erpm" and pole_pairs ({pairs}?)') if pairs else ("", "")
 
 
 # -------------------------------------------------------------------------------------------------
@@ -169,18 +140,13 @@ BAND = (1.0, 6.0)
 """Frequencies [Hz] in which moments of the rotors turn the vehicle: slower ones, the air's turn it
 as well; faster ones, motor controllers lag."""
 
-MOST_ROTORS = 6
-"""Of which all orders are tried."""
-
-UNLIKE, ALIKE = 0.3, 0.7
+MOST_ROTORS = 6  # rotors up to which all orders are tried
+WRONG_ORDER, RIGHT_ORDER = 0.3, 0.7
 """Correlation of moment and angular acceleration below which an order is wrong, and above which
 another one is right."""
 
-FEWEST = 200
-"""Samples in flight from which an order is told."""
-
-AGILE = 0.5
-"""Angular acceleration [rad/s^2] below which it is not."""
+FEWEST, AGILE = 200, 0.5
+"""Samples in flight, and their angular acceleration [rad/s^2], from which an order shows."""
 
 OTHER_VEHICLE = 1.15
 """Ratio of two flights' thrust per squared rotor speed in hover that batteries and air do not
@@ -190,17 +156,7 @@ explain."""
 def check_rotor_order(log: FlightLog, vehicle: Vehicle) -> None:
     """Compare the moments of the rotors, as they are ordered, with how the vehicle turns.
 
-    Parameters
-    ----------
-    log : FlightLog
-        As it was flown.
-    vehicle : Vehicle
-        What flew.
-
-    Raises
-    ------
-    InputError
-        Where another order turns the vehicle as it turned and the one given does not.
+    Raises ``InputError`` where another order turns it as it turned and the one given does not.
     """
     count = len(vehicle.mounts)
     step = float(np.median(np.diff(log.time))) if len(log) > 1 else np.inf
@@ -212,55 +168,43 @@ def check_rotor_order(log: FlightLog, vehicle: Vehicle) -> None:
     thrust = (np.square(quick.rotor_speed) - np.square(slow.rotor_speed))[flying]
     if len(turning) < FEWEST or np.sqrt(np.mean(turning**2)) < AGILE:
         return
-    hubs = np.array([mount.position for mount in vehicle.mounts])
-    axes = np.array([mount.axis for mount in vehicle.mounts])
-    arms = np.cross(hubs, axes)[:, :2]
-    given = _alike(thrust, arms, turning)
-    if given > UNLIKE:
+    arms = np.cross(vehicle.hub_positions, vehicle.rotor_axes)[:, :2]
+
+    def correlation(arms: Floats) -> float:
+        moment = thrust @ arms
+        size = np.linalg.norm(moment, axis=0) * np.linalg.norm(turning, axis=0)
+        if not (size > 0.0).all():
+            return 0.0
+        return float(np.mean(np.sum(moment * turning, axis=0) / size))
+
+    given = correlation(arms)
+    if given > WRONG_ORDER:
         return
     orders = [list(order) for order in itertools.permutations(range(count))]
-    best = max(orders, key=lambda order: _alike(thrust, arms[order], turning))
-    alike = _alike(thrust, arms[best], turning)
-    if alike < ALIKE:
+    best = max(orders, key=lambda order: correlation(arms[order]))
+    found = correlation(arms[best])
+    if found < RIGHT_ORDER:
         return
     # Column k, which is rotor k's now, is the one of the rotor whose arm suits it.
     order = ", ".join(str(number + 1) for number in best)
     raise InputError(
         "the rotor speeds do not turn the vehicle as it turned (correlation "
-        f"{given:.2f}); those of rotors 1 to {count} are rather of rotors {order} ({alike:.2f})",
+        f"{given:.2f}); those of rotors 1 to {count} are rather of rotors {order} ({found:.2f})",
         "correct rotor_order, the columns, or the positions of the [[rotors]]",
         log.source,
     )
 
 
-def _alike(thrust: Floats, arms: Floats, turning: Floats) -> float:
-    """Mean correlation of the moments of the thrusts (n, m) with the turning (n, 2)."""
-    moment = thrust @ arms
-    size = np.linalg.norm(moment, axis=0) * np.linalg.norm(turning, axis=0)
-    if not (size > 0.0).all():
-        return 0.0
-    return float(np.mean(np.sum(moment * turning, axis=0) / size))
-
-
 def mixed_vehicles(logs: Sequence[FlightLog], vehicle: Vehicle) -> list[str]:
-    """A warning where the logs cannot be of one vehicle, by what hover takes of the rotors.
-
-    Parameters
-    ----------
-    logs : sequence of FlightLog
-        Of one vehicle, as is said.
-    vehicle : Vehicle
-        Which it is.
-    """
-    axes = np.array([mount.axis[2] for mount in vehicle.mounts])
-    found = {}
+    """Warn where ``logs`` cannot be of one vehicle, by what hover takes of the rotors."""
+    found, axes = {}, vehicle.rotor_axes[:, 2]
     for log in logs:
         hover = log.picked(slow_flight(log))
         if len(hover) < FEWEST_SLOW or hover.speed.max() > SLOW:
             continue
-        force = np.nanmean(hover.specific_force[:, 2]) if _measured(hover) else GRAVITY
-        squares = float(np.mean(np.square(hover.rotor_speed) @ axes))
-        found[log.source] = float(force) / squares
+        measured = bool(np.isfinite(hover.specific_force).all())
+        force = np.mean(hover.specific_force[:, 2]) if measured else GRAVITY
+        found[log.source] = float(force) / float(np.mean(np.square(hover.rotor_speed) @ axes))
     if len(found) < 2:
         return []
     low, high = min(found, key=lambda key: found[key]), max(found, key=lambda key: found[key])
@@ -271,7 +215,3 @@ def mixed_vehicles(logs: Sequence[FlightLog], vehicle: Vehicle) -> list[str]:
         f"in slow flight {high} has {ratio:.2f} times the force per mass and squared rotor speed "
         f"of {low}: they are not of one vehicle, mass or propeller; fit them apart"
     ]
-
-
-def _measured(log: FlightLog) -> bool:
-    return bool(np.isfinite(log.specific_force).all())

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from propmap.aircraft.trim import solve
+from propmap.baselines.hover import REFERENCE_TIP_SPEED
 from propmap.errors import InputError
 from propmap.fit.flight import ForceModel, level_rows, wing_values
 from propmap.fit.least_squares import NOISE_FLOOR, Minimum
@@ -36,12 +37,8 @@ from propmap.vehicle.vehicle import Vehicle
 # -------------------------------------------------------------------------------------------------
 # Operating points flown one after the other, as a log with the noise of its sensors.
 
-HARDEST = 2.0
-"""Largest acceleration [m/s^2] from one speed to the next."""
-
-SHORTEST = 0.5
-"""Least time [s] from one speed to the next."""
-
+HARDEST = 2.0  # largest acceleration [m/s^2] from one speed to the next
+SHORTEST = 0.5  # least time [s] from one speed to the next
 MOST_SAMPLES = 2_000_000
 
 VECTORS = {
@@ -54,24 +51,12 @@ ANGLES = ("roll", "pitch", "yaw")
 
 @dataclass(frozen=True)
 class SensorNoise:
-    """Standard deviations of one sample; the noise is white, so that averages have less.
+    """Standard deviations of one sample; the noise is white, so that averages have less."""
 
-    Attributes
-    ----------
-    rotor_speed : float
-        As a share of the rotor speed [-].
-    velocity : float
-        Of each component [m/s].
-    attitude : float
-        Of pitch and roll [rad].
-    specific_force : float
-        Of each component [m/s^2].
-    """
-
-    rotor_speed: float = 0.005
-    velocity: float = 0.05
-    attitude: float = 0.005
-    specific_force: float = 0.3
+    rotor_speed: float = 0.005  # as a share of the rotor speed [-]
+    velocity: float = 0.05  # of each component [m/s]
+    attitude: float = 0.005  # of pitch and roll [rad]
+    specific_force: float = 0.3  # of each component [m/s^2]
 
 
 NOISELESS = SensorNoise(0.0, 0.0, 0.0, 0.0)
@@ -93,23 +78,11 @@ def fly(
     noise: SensorNoise = NOISELESS,
     seed: int = 0,
 ) -> FlightLog:
-    """A log of level circles flown one after the other.
+    """Make a log of level circles, each flown for ``dwell`` [s], with samples at a ``rate`` [1/s].
 
     Between two speeds the vehicle leans into the acceleration and the rotors carry it, by the
-    thrust alone: these moments are there to be left out, as in a real log.
-
-    Parameters
-    ----------
-    points : FlightLog
-        Operating points of ``trim``, in the order in which they are flown.
-    dwell : float
-        How long each is held [s].
-    rate : float
-        Samples per second [1/s].
-    noise : SensorNoise
-        Of the sensors.
-    seed : int
-        Of the noise.
+    thrust alone: these moments are there to be left out, as in a real log.  ``points`` are those of
+    ``trim``, in the order in which they are flown.
     """
     check_sampling(dwell, rate)
     speed, (pitch, roll) = points.speed, pitch_and_roll(points.up)
@@ -143,12 +116,8 @@ def fly(
         specific_force=in_vehicle_frame(push, speed * turn, GRAVITY, pitch, roll),
         rotor_speed=course(points.rotor_speed) * harder[:, None],
     )
-    return _measured(log, pitch, roll, noise, np.random.default_rng(seed))
+    rng = np.random.default_rng(seed)
 
-
-def _measured(
-    log: FlightLog, pitch: Floats, roll: Floats, noise: SensorNoise, rng: np.random.Generator
-) -> FlightLog:
     def noisy(values: Floats, size: float) -> Floats:
         return values + size * rng.standard_normal(values.shape)
 
@@ -164,14 +133,14 @@ def _measured(
 
 
 def log_map(rotors: int) -> LogMap:
-    """How a file of ``log_csv`` is to be read."""
+    """Say how a file of ``log_csv`` is to be read."""
     columns = {"time": ("time_s",), **VECTORS, **{name: (f"{name}_rad",) for name in ANGLES}}
     columns["rotor_speed"] = tuple(f"rotor_{k}_radps" for k in range(1, rotors + 1))
     return LogMap("flu", "enu", "body", "rad/s", columns=columns)
 
 
 def log_table(rotors: int) -> str:
-    """The table ``[log]`` of a vehicle file that reads such a log, as text."""
+    """Write the table ``[log]`` of a vehicle file that reads such a log."""
     how, several = log_map(rotors), (*VECTORS, "rotor_speed")
     stated = {key: how.stated(key) for key in CHOICES}
     columns = {key: names if key in several else names[0] for key, names in how.columns.items()}
@@ -184,7 +153,7 @@ def log_table(rotors: int) -> str:
 
 
 def log_csv(log: FlightLog) -> str:
-    """The log as CSV; the heading, which a log does not have, follows from the yaw rate."""
+    """Write the log as CSV; the heading, which a log does not have, follows from the yaw rate."""
     pitch, roll = pitch_and_roll(log.up)
     turn = np.sum(log.rates * log.up, axis=1)
     steps = 0.5 * (turn[1:] + turn[:-1]) * np.diff(log.time)
@@ -201,36 +170,27 @@ def log_csv(log: FlightLog) -> str:
 # -------------------------------------------------------------------------------------------------
 # Steady level circles of a vehicle whose section law is known: the paper's experiment.
 
-PAPER_RADIUS = 1.7
-"""Length of the tether [m]."""
-
-TIP_SPEED = 60.0
-"""Tip speed of the rotors [m/s] from which the search begins."""
-
-CHANGE = 1e-5
-"""Step of an unknown in a difference quotient; the forces are computed to about 1e-12."""
-
+PAPER_RADIUS = 1.7  # length of the tether [m]
+CHANGE = 1e-5  # step of an unknown in a difference quotient; the forces are computed to about 1e-12
 LONGEST_STEPS = (0.3, 0.2, 0.2)
 """Largest change in one step of the logarithm of the rotor speed, of pitch, of roll [rad]."""
 
-STEEPEST = 1.4
-"""Largest pitch and roll [rad]."""
-
+STEEPEST = 1.4  # largest pitch and roll [rad]
 EXACT, ACCEPTED = 1e-9, 1e-4
 """Unbalanced force as a share of the weight: the search ends below the first; up to the second is
 accepted, as the forces jump where the number of azimuths, which depends on the speed, changes."""
 
 
 def true_values(vehicle: Vehicle, airfoil: Airfoil) -> dict[str, float]:
-    """All parameters of a fit by name, as they are; what a fit would add to the body is zero.
+    """Return all parameters of a fit by name, as they are; what a fit adds to the body is zero.
 
-    Of what the rotors are mounted on, where the vehicle tells it, a fit has no parameter.
+    Of what the rotors are mounted on, where the vehicle file says it, a fit has no parameter.
     """
     law = constants_of(airfoil)
     section = {name: getattr(law, name) for name in SECTION}
-    told = any(mount.drag is not None for mount in vehicle.mounts)
+    own_mounts = any(mount.drag is not None for mount in vehicle.mounts)
     mounted = Model(vehicle.propeller, law, vehicle.air).correction_of(MountDrag)
-    area = None if told or mounted is None else mounted.area(vehicle.propeller.radius)
+    area = None if own_mounts or mounted is None else mounted.area(vehicle.propeller.radius)
     mount = {} if area is None else {"mount_area": area}
     return FIRST_GUESS | section | mount | wing_values(vehicle)
 
@@ -244,35 +204,15 @@ def trim(
     tether: bool = True,
     disturbance: Floats | None = None,
 ) -> FlightLog:
-    """Operating points of level circles to the left, nose first; one per speed.
+    """Balance level circles to the left, nose first, at ``speeds`` (n,) [m/s].
 
     All rotors turn at one speed: moments, which take small differences of rotor speed, are not
-    balanced.  The forces are those that a fit uses.
-
-    Parameters
-    ----------
-    vehicle, airfoil : Vehicle, Airfoil
-        What flies, and the section law of its blades.
-    speeds : ndarray, shape (n,)
-        Flight speeds [m/s], >= 0.
-    radius : float
-        Of the circles [m]; infinity for straight flight.
-    tether : bool
-        Whether a horizontal tether carries the centripetal force, as in the paper; otherwise the
-        vehicle banks.
-    disturbance : ndarray, shape (n,), optional
-        Vertical force that the rotors carry besides the weight, as a share of it: what a fit,
-        which does not know of it, sees as an error.
-
-    Returns
-    -------
-    FlightLog
-        Its ``specific_force`` holds the tether's pull.
-
-    Raises
-    ------
-    InputError
-        For speeds that cannot be flown.
+    balanced.  The forces are those that a fit uses.  The circles have a ``radius`` [m], infinity
+    for straight flight; a horizontal ``tether`` carries the centripetal force, as in the paper, or
+    else the vehicle banks.  A ``disturbance`` (n,) is a vertical force that the rotors carry
+    besides the weight, as a share of it: what a fit, which does not know of it, sees as an error.
+    In the result, ``specific_force`` holds the tether's pull.  Raises ``InputError`` for speeds
+    that cannot be flown.
     """
     flown = np.asarray(speeds, dtype=np.float64)
     if flown.ndim != 1 or flown.size == 0 or not (np.isfinite(flown) & (flown >= 0.0)).all():
@@ -317,7 +257,7 @@ class _Problem:
         aside = speeds**2 / (radius * GRAVITY)
         self.wanted = np.stack([nothing, lift, aside], axis=1)[:, : self.count]
         bank = -np.arctan(aside)
-        rate = np.full_like(speeds, np.log(TIP_SPEED / vehicle.propeller.radius))
+        rate = np.full_like(speeds, np.log(REFERENCE_TIP_SPEED / vehicle.propeller.radius))
         self.first = np.stack([rate, nothing, bank], axis=1)[:, : self.count]
         # Thrust goes with the square of the rotor speed.
         everyone = np.arange(speeds.size)
@@ -325,7 +265,7 @@ class _Problem:
         self.first[:, 0] -= 0.5 * np.log(np.clip(carried / lift, 0.05, 20.0))
 
     def log(self, unknowns: Floats, which: Any = slice(None)) -> FlightLog:
-        """The circles, or those of some speeds, as operating points."""
+        """Return the circles, or those of some speeds, as operating points."""
         speeds, pitch = self.speeds[which], unknowns[:, 1]
         roll = unknowns[:, 2] if self.count == 3 else np.zeros_like(pitch)
         up, turn = in_vehicle_frame(0.0, 0.0, 1.0, pitch, roll), speeds / self.radius
@@ -342,37 +282,31 @@ class _Problem:
         )
 
     def residual(self, unknowns: Floats, which: NDArray[np.intp]) -> Floats:
-        """Forces forward, up and to the left, less those wanted, over the weight; (m, k)."""
+        """Return forces forward, up, left, less those wanted, over the weight; (m, k)."""
         log = self.log(unknowns, which)
         force = ForceModel(self.vehicle, log, self.airfoil).at(self.values, ()).force
-        forward = np.cross(_left(log.up), log.up)
-        parts = np.stack([forward, log.up, _left(log.up)], axis=1)[:, : self.count]
+        across = np.cross(log.up, np.array([1.0, 0.0, 0.0]))
+        left = across / np.linalg.norm(across, axis=1, keepdims=True)
+        parts = np.stack([np.cross(left, log.up), log.up, left], axis=1)[:, : self.count]
         weight = self.vehicle.mass * GRAVITY
         return np.asarray(np.einsum("nki,ni->nk", parts, force) / weight - self.wanted[which])
 
     def linearised(self, unknowns: Floats, which: NDArray[np.intp]) -> tuple[Floats, Floats]:
-        """Residuals (m, k) and their derivatives (m, k, k)."""
+        """Return residuals (m, k) and their derivatives (m, k, k)."""
         residual = self.residual(unknowns, which)
-        changed = [
+        changes = [
             self.residual(unknowns + CHANGE * direction, which) - residual
             for direction in np.eye(self.count)
         ]
-        return residual, np.stack(changed, axis=-1) / CHANGE
+        return residual, np.stack(changes, axis=-1) / CHANGE
 
     def bounded(self, unknowns: Floats, step: Floats) -> Floats:
-        """The step, at most the longest and to the steepest attitude."""
+        """Shorten the step to the longest and to the steepest attitude."""
         longest = np.array(LONGEST_STEPS[: self.count])
         step = np.clip(step, -longest, longest)
         angles = unknowns[:, 1:]
         step[:, 1:] = np.clip(angles + step[:, 1:], -STEEPEST, STEEPEST) - angles
         return step
-
-
-def _left(up: Floats) -> Floats:
-    """The horizontal direction to the left in the frame of a vehicle that sees ``up``; (n, 3)."""
-    forward = np.array([1.0, 0.0, 0.0])
-    across = np.cross(up, forward)
-    return np.asarray(across / np.linalg.norm(across, axis=1, keepdims=True))
 
 
 # -------------------------------------------------------------------------------------------------
@@ -381,24 +315,12 @@ def _left(up: Floats) -> Floats:
 
 @dataclass(frozen=True)
 class Expectation:
-    """What a fit of planned flights would find.
+    """What a fit of planned flights would find."""
 
-    Attributes
-    ----------
-    choice : Choice
-        The P free parameters.
-    truth : ndarray, shape (P,)
-        Their true values.
-    uncertainty : Uncertainty
-        Intervals about these.
-    error : float
-        Of the flights' vertical forces, as a share of the weight.
-    """
-
-    choice: Choice
-    truth: Floats
-    uncertainty: Uncertainty
-    error: float
+    choice: Choice  # of the P free parameters
+    truth: Floats  # their true values, (P,)
+    uncertainty: Uncertainty  # intervals about these
+    error: float  # of the flights' vertical forces, as a share of the weight
 
 
 def expectation(
@@ -409,24 +331,11 @@ def expectation(
     free: tuple[str, ...] = PAPER_FOUR,
     error: float = 0.01,
 ) -> Expectation:
-    """Gauss-Newton intervals at the truth for a fit of level flights, eq. (18).
+    """Return Gauss-Newton intervals at the truth for a fit of level flights, eq. (18).
 
-    Parameters
-    ----------
-    vehicle, airfoil : Vehicle, Airfoil
-        What is flown, and the true section law of its blades.
-    points : FlightLog
-        Operating points of ``trim``.
-    free : tuple of str
-        Parameters of the fit.
-    error : float
-        Standard deviation of the vertical force of a flight, as a share of the weight; at least
-        the numerical error of the loads is assumed.
-
-    Raises
-    ------
-    InputError
-        For a true value outside the bounds of a fit.
+    ``error`` is the standard deviation of the vertical force of a flight, as a share of the weight;
+    at least the numerical error of the loads is assumed.  Raises ``InputError`` for a true value
+    outside the bounds of a fit.
     """
     truth = {name: EVERY[name].start for name in free if name in MOUNT}
     truth |= true_values(vehicle, airfoil)

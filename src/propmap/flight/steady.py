@@ -22,31 +22,25 @@ from propmap.vehicle.vehicle import Vehicle
 # -------------------------------------------------------------------------------------------------
 # Stretches of a flight in which nothing changes, and the operating points they give.
 
-MOVING = 1.0
-"""Speed [m/s] above which a vehicle is certainly not on the ground."""
-
-IDLE = 0.3
-"""Share of the usual thrust below which the rotors do not carry the vehicle."""
-
+MOVING = 1.0  # speed [m/s] above which a vehicle is certainly not on the ground
+IDLE = 0.3  # share of the usual thrust below which the rotors do not carry the vehicle
 SMOOTHING = 0.25
 """Time [s] over which signals are averaged before their range is taken: noise is no change."""
 
-
-RESOLUTION = 1e-3
-"""Time [s] to which the longest stretch is found where there is no steady one."""
+RESOLUTION = 1e-3  # time [s] to which the longest stretch is found where there is no steady one
 
 
 @dataclass(frozen=True, eq=False)
 class _Piece:
-    """Samples without a gap: the first, and the signals over their bands, (n, channels)."""
+    """Samples without a gap."""
 
-    first: int
+    first: int  # its index in the log
     time: Floats
-    scaled: Floats
+    scaled: Floats  # signals over their bands, (n, channels)
 
 
 def airborne(log: FlightLog) -> NDArray[np.bool_]:
-    """Samples (n,) in which the rotors carry the vehicle.
+    """Say in which samples (n,) the rotors carry the vehicle.
 
     On the ground the rotors stand still or idle: the sum of their squared speeds, to which the
     thrust is proportional, is then far below its median in motion (without motion, below its 90th
@@ -67,26 +61,14 @@ def steady_stretches(
     rate_band: float = 0.3,
     tilt_band: float = 0.1,
 ) -> list[slice]:
-    """Stretches of a log in which the flight is steady, in order.
+    """Find stretches of a log, ``seconds`` long or longer, in which the flight is steady, in order.
 
     A circle flown nose first at constant speed is steady.  Time on the ground and gaps in the log
-    belong to no stretch.  Signals are averaged over 0.25 s first.
-
-    Parameters
-    ----------
-    log : FlightLog
-        The flight.
-    seconds : float
-        Shortest stretch [s].
-    speed_band, climb_band, rate_band, tilt_band : float
-        Largest difference between two moments of a stretch: of each component of the velocity in
-        the vehicle's frame [m/s], of the climb rate [m/s], of each angular rate [rad/s], and of the
-        direction of ``up`` [rad].
-
-    Raises
-    ------
-    InputError
-        Where there is none; the message names the band that ended the longest one.
+    belong to no stretch.  Signals are averaged over 0.25 s first.  The bands are the largest
+    difference between two moments of a stretch: of each component of the velocity in the vehicle's
+    frame [m/s], of the climb rate [m/s], of each angular rate [rad/s], and of the direction of
+    ``up`` [rad].  Raises ``InputError`` where there is none; it names the band that ended the
+    longest one.
     """
     bands = {
         "speed_band": (speed_band, log.velocity),
@@ -108,38 +90,33 @@ def steady_stretches(
 
 
 def operating_points(log: FlightLog, stretches: list[slice]) -> FlightLog:
-    """The averages over the stretches, one row per stretch; ``up`` has length 1 again."""
+    """Average over the stretches, one row per stretch; ``up`` has length 1 again."""
     means = log.with_each(lambda array: np.array([np.mean(array[s], axis=0) for s in stretches]))
     return replace(means, up=means.up / np.linalg.norm(means.up, axis=1, keepdims=True))
 
 
 def _pieces(log: FlightLog, scaled: Floats) -> list[_Piece]:
-    """The flight between gaps and landings, its signals smoothed."""
+    """Split the flight at gaps and landings, and smooth its signals."""
+    from scipy.ndimage import uniform_filter1d
+
+    def smoothed(part: slice) -> Floats:
+        if part.stop - part.start < 2:
+            return scaled[part]
+        width = max(1, round(SMOOTHING / float(np.median(np.diff(log.time[part])))))
+        return np.asarray(uniform_filter1d(scaled[part], width, axis=0, mode="reflect"))
+
     flying = airborne(log)
     steps = np.diff(log.time)
     # A log read at a low rate has wider steps, which are no gaps.
     longest = max(LONGEST_GAP, 1.5 * float(np.median(steps))) if steps.size else LONGEST_GAP
     ends = (steps > longest) | (flying[1:] != flying[:-1])
     bounds = [0, *(np.flatnonzero(ends) + 1), len(log)]
-    return [
-        _Piece(first, log.time[first:last], _smoothed(log.time[first:last], scaled[first:last]))
-        for first, last in itertools.pairwise(bounds)
-        if flying[first]
-    ]
-
-
-def _smoothed(time: Floats, signals: Floats) -> Floats:
-    """Averages over ``SMOOTHING`` around each sample; (n, channels)."""
-    from scipy.ndimage import uniform_filter1d
-
-    if time.size < 2:
-        return signals
-    width = max(1, round(SMOOTHING / float(np.median(np.diff(time)))))
-    return np.asarray(uniform_filter1d(signals, width, axis=0, mode="reflect"))
+    parts = [slice(*ends) for ends in itertools.pairwise(bounds) if flying[ends[0]]]
+    return [_Piece(part.start, log.time[part], smoothed(part)) for part in parts]
 
 
 def _stretches(piece: _Piece, seconds: float) -> list[slice]:
-    """Stretches of one piece: from the first moment that allows one, as far as the bands."""
+    """Find stretches of one piece: from the first moment that allows one, as far as the bands."""
     stretches = []
     start = 0
     while start < piece.time.size:
@@ -159,7 +136,7 @@ def _stretches(piece: _Piece, seconds: float) -> list[slice]:
 
 
 def _count_within(scaled: Floats) -> int:
-    """How many samples from the first on stay within the bands."""
+    """Count how many samples from the first on stay within the bands."""
     size = 256
     while True:
         part = scaled[:size]
@@ -172,38 +149,27 @@ def _count_within(scaled: Floats) -> int:
         size *= 2
 
 
-def _longest(piece: _Piece, seconds: float) -> slice:
-    """The longest stretch of a piece that has none of so many ``seconds``, by its own indices."""
-    low, high = 0.0, seconds
-    while high - low > RESOLUTION:
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if _stretches(piece, middle) else (low, middle)
-    found = max(_stretches(piece, low), key=lambda stretch: stretch.stop - stretch.start)
-    return slice(found.start - piece.first, found.stop - piece.first)
-
-
 def _none_steady(
-    log: FlightLog,
-    pieces: list[_Piece],
-    seconds: float,
-    names: list[str],
-    limits: dict[str, float],
+    log: FlightLog, pieces: list[_Piece], seconds: float, names: list[str], limits: dict[str, float]
 ) -> InputError:
-    """The error that tells the longest stretch and what ended it; ``names`` : of the channels."""
+    """Make the error that says what ended the longest stretch; ``names`` are of channels."""
     if not pieces:
         return InputError(
             "the rotors never carry the vehicle", "give the log of a flight", log.source
         )
 
-    def duration(found: tuple[_Piece, slice]) -> float:
-        piece, stretch = found
-        return float(piece.time[stretch.stop - 1] - piece.time[stretch.start])
-
-    best, stretch = longest = max(
-        ((piece, _longest(piece, seconds)) for piece in pieces), key=duration
-    )
+    each = []
+    for piece in pieces:
+        low, high = 0.0, seconds
+        while high - low > RESOLUTION:
+            middle = 0.5 * (low + high)
+            low, high = (middle, high) if _stretches(piece, middle) else (low, middle)
+        longest = max(_stretches(piece, low), key=lambda one: one.stop - one.start)
+        stretch = slice(longest.start - piece.first, longest.stop - piece.first)
+        each.append((float(np.ptp(piece.time[stretch])), piece, stretch))
+    lasts, best, stretch = max(each, key=lambda one: one[0])
     found = (
-        f"no steady stretch of {seconds:g} s: the longest lasts {duration(longest):.2f} s, "
+        f"no steady stretch of {seconds:g} s: the longest lasts {lasts:.2f} s, "
         f"from {best.time[stretch.start]:.6g} s"
     )
     if stretch.stop < best.time.size:
@@ -231,43 +197,44 @@ REQUIRED = ("speed_mps", "pitch_deg")
 OPTIONAL = ("roll_deg", "climb_mps", "yaw_rate_dps")
 RPM_COLUMN = re.compile(r"rpm_[1-9][0-9]*")
 
-STEEPEST = 85.0
-"""Pitch and roll [deg], beyond which a table of steady flight is a slip."""
+STEEPEST = 85.0  # pitch and roll [deg], beyond which no flight is steady
 
 
 def read_level_table(path: str | os.PathLike[str], vehicle: Vehicle) -> FlightLog:
-    """Operating points from a CSV file with a header line and one row per point.
+    """Read operating points from a CSV file with a header line and one row per point.
 
-    Columns are ``speed_mps`` (horizontal speed through the air towards where the nose points,
-    >= 0), ``pitch_deg`` (positive when the top of the vehicle leans into the flight direction, nose
+    Columns are ``speed_mps`` (horizontal speed through the air towards where the nose points, >=
+    0), ``pitch_deg`` (positive when the top of the vehicle leans into the flight direction, nose
     down), ``rpm_1`` ... ``rpm_n`` (of the vehicle's rotors in their order, mechanical, >= 0), and,
     0 where missing, ``roll_deg`` (about the vehicle's x axis, after the pitch; positive right side
     down), ``climb_mps`` (up positive), ``yaw_rate_dps`` (about the vertical, positive to the left).
-    Other columns are ignored.  Any dialect of ``propmap.io.csv`` is read.
-
-    Parameters
-    ----------
-    path : path
-        Of the file.
-    vehicle : Vehicle
-        Says how many rotors there are.
-
-    Returns
-    -------
-    FlightLog
-        With the times 0, 1, 2 ...; its ``specific_force`` is NaN.
-
-    Raises
-    ------
-    InputError
-        Naming the file, the line and the column.
+    Other columns are ignored.  Any dialect of ``propmap.io.csv`` is read.  The log has the times 0,
+    1, 2 ... and no ``specific_force``.  Raises ``InputError`` with the file, the line and the
+    column.
     """
-    where = os.fspath(path)
-    rotors = len(vehicle.mounts)
-    known = (*REQUIRED, *OPTIONAL, *_speeds(rotors))
+    where, rotors = os.fspath(path), len(vehicle.mounts)
+    speeds = [f"rpm_{k}" for k in range(1, rotors + 1)]
+    known = (*REQUIRED, *OPTIONAL, *speeds)
     file = read_csv_table(read_lines(path, "table of operating points"), known, where)
     header = file.header if file else []
-    names = _columns(header, rotors, where)
+    for name in REQUIRED:
+        if name not in header:
+            raise InputError(
+                f"line 1: column {name} is missing",
+                f"the first line must name {', '.join([*REQUIRED, *speeds])}",
+                where,
+            )
+    found = sum(RPM_COLUMN.fullmatch(name) is not None for name in header)
+    if found != rotors or not set(speeds) <= set(header):
+        raise InputError(
+            f"line 1: {found} columns rpm_1, rpm_2 ..., the vehicle has {rotors} rotors",
+            f"name {', '.join(speeds)}",
+            where,
+        )
+    names = [*REQUIRED, *(name for name in OPTIONAL if name in header), *speeds]
+    repeated = [name for name in names if header.count(name) > 1]
+    if repeated:
+        raise InputError(f"line 1: column {repeated[0]} occurs twice", "keep one of them", where)
     if file is None or not file.rows:
         raise InputError("there is no row below the header", "add a row per point", where)
     table = np.array([_row(cells, line, header, names, where) for line, cells in file.rows])
@@ -296,34 +263,6 @@ def is_level_table(path: Path) -> bool:
         line = file.readline()
     needed = ("pitch_deg", "rpm_1")
     return set(needed) <= set(header_names(line, needed))
-
-
-def _speeds(rotors: int) -> list[str]:
-    return [f"rpm_{k}" for k in range(1, rotors + 1)]
-
-
-def _columns(header: list[str], rotors: int, where: str) -> list[str]:
-    """The columns to read: those of REQUIRED and OPTIONAL, then the rotors'."""
-    speeds = _speeds(rotors)
-    found = sum(RPM_COLUMN.fullmatch(name) is not None for name in header)
-    for name in REQUIRED:
-        if name not in header:
-            raise InputError(
-                f"line 1: column {name} is missing",
-                f"the first line must name {', '.join([*REQUIRED, *speeds])}",
-                where,
-            )
-    if found != rotors or not set(speeds) <= set(header):
-        raise InputError(
-            f"line 1: {found} columns rpm_1, rpm_2 ..., the vehicle has {rotors} rotors",
-            f"name {', '.join(speeds)}",
-            where,
-        )
-    names = [*REQUIRED, *(name for name in OPTIONAL if name in header), *speeds]
-    repeated = [name for name in names if header.count(name) > 1]
-    if repeated:
-        raise InputError(f"line 1: column {repeated[0]} occurs twice", "keep one of them", where)
-    return names
 
 
 def _row(

@@ -1,13 +1,14 @@
-"""Whether a blade, the air, points and loads are possible, and like those of small propellers."""
+"""Warnings of implausible blades, air, operating points and loads, and of likely unit errors."""
 
 from __future__ import annotations
 
+import itertools
 import math
 import operator
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from statistics import median  # without numpy.ma, which takes longer to load than one point
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 
@@ -16,21 +17,14 @@ from propmap.typing import Floats
 
 if TYPE_CHECKING:
     from propmap.model.model import Air, Propeller
-    from propmap.typing import Floats
-
 
 # -------------------------------------------------------------------------------------------------
-# What small propellers are like, and the slips of units that take a figure out of these ranges.
-#
-# The ranges are those of the blades of the catalogue, and of the 134 sets of loads in the UIUC
-# Propeller Database that have a geometry (Brandt, Deters, Ananda, Dantsker, Selig, volumes 1 to 3),
-# with some room: a note is due where something is unlike all that has been measured.
-# ``tests/model/test_usual_ranges.py`` holds them against these data.
+# The engine: a figure, its usual range, and the unit errors that bring it back into that range.
 
 
 @dataclass(frozen=True)
 class Range:
-    """From ``low`` to ``high``, both above 0, with the middle in the sense of factors."""
+    """From ``low`` to ``high``, both above 0; the middle is the geometric mean."""
 
     low: float
     high: float
@@ -39,257 +33,246 @@ class Range:
         return self.low <= value <= self.high
 
     def distance(self, value: float) -> float:
-        """Logarithm of the factor between a value above 0 and the middle."""
+        """Return the logarithm of the factor between a ``value`` above 0 and the middle."""
         return abs(math.log(value / math.sqrt(self.low * self.high)))
 
 
-@dataclass(frozen=True)
-class Slip:
-    """A mistake that multiplies a figure by ``factor``, and what the figure is ``like`` then."""
-
-    like: str
-    factor: float
-
-
-RADIUS = Range(0.012, 2.0)
-"""[m]; measured 0.028 to 0.36."""
-
-CHORD = Range(0.09, 0.40)
-"""Chord at 0.75 of the radius over the radius; measured 0.10 to 0.35."""
-
-WIDEST_CHORD = Range(0.12, 0.45)
-"""The largest chord over the radius; measured 0.15 to 0.38."""
-
-TWIST = Range(3.0, 40.0)
-"""Twist at 0.75 of the radius [deg]; measured 7 to 25."""
-
-DENSITY = Range(0.3, 1.6)
-"""Of air [kg/m^3], from 12 km up to a cold day at sea level."""
-
-VISCOSITY = Range(1e-5, 2.5e-5)
-"""Of air [Pa s], from -80 to 150 degrees Celsius."""
-
-TIP_SPEED = Range(8.0, 255.0)
-"""The fastest of a test [m/s]: measured 26 to 216; above the upper end is Mach 0.75."""
-
-SPEED_OF_SOUND = 340.3
-"""[m/s] at 15 degrees Celsius (ICAO Doc 7488/3, 1993); 8 % less at 10 km."""
-
-FAST_TIP_MACH = 0.75
-"""Above it the drag of thick sections rises steeply, which no section law here has."""
-
-LOAD_RATIO = Range(1.0 / 2.3, 2.3)
-"""A measured load over the estimate from chord and twist; measured 0.6 to 1.6 for thrust, 0.55 to
-2.0 for torque (medians of sets)."""
-
-IMPOSSIBLE_COEFFICIENT = 0.75
-"""C_T and C_P thrice the largest that have been measured (0.25 of four blades)."""
-
-PITCH_SPEED_RATIO = 1.6
-"""Axial speed over that of a screw with the blade's pitch, up to which a propeller pulls; measured
-1.35 at a quarter of the largest thrust."""
-
-ALIKE = 2.3
-"""Factor below which two slips cannot be told apart: what loads of like blades differ by."""
-
-RPM_PER_RADIAN = 60.0 / (2.0 * math.pi)
 INCH = 0.0254
-
-LENGTH_SLIPS = (
-    Slip("millimetres", 1e3),
-    Slip("centimetres", 1e2),
-    Slip("inches", 1.0 / INCH),
-    Slip("inches taken for millimetres", 1e-3 / INCH),
-    Slip("millimetres taken for inches", 1e3 * INCH),
-    Slip("metres taken for millimetres", 1e-3),
-    Slip("metres taken for inches", INCH),
-)
-"""Of a length alone, given for metres unless something else is said."""
-
-CHORD_SLIPS = (
-    Slip("millimetres beside a radius in metres", 1e3),
-    Slip("per cent of the radius, or centimetres beside metres", 1e2),
-    Slip("inches beside a radius in metres", 1.0 / INCH),
-    Slip("millimetres beside a radius in inches", 1e3 * INCH),
-    Slip("millimetres beside a radius in centimetres", 10.0),
-    Slip("a fraction of the diameter, or the radius like the diameter", 0.5),
-    Slip("centimetres taken for millimetres", 0.1),
-    Slip("inches taken for millimetres", 1e-3 / INCH),
-    Slip("metres taken for inches", INCH),
-    Slip("metres taken for millimetres", 1e-3),
-)
-"""Of the chord over the radius."""
-
-DENSITY_SLIPS = (
-    Slip("g/m^3", 1e3),
-    Slip("g/cm^3", 1e-3),
-    Slip("slug/ft^3", 1.0 / 515.379),
-    Slip("lb/ft^3", 1.0 / 16.01846),
-)
-VISCOSITY_SLIPS = (Slip("microPa s", 1e6), Slip("mPa s, or centipoise", 1e3), Slip("poise", 10.0))
-
-SPEED_SLIPS = (Slip("km/h", 3.6), Slip("miles an hour", 2.23694))
-
-SLOW_SLIPS = (
-    Slip("rad/s", 1.0 / RPM_PER_RADIAN),
-    Slip("revolutions per second", 1.0 / 60.0),
-)
-"""Of the rotational speed, where it is too low."""
-
-FAST_SLIPS = (
-    Slip("rpm converted from rad/s twice", RPM_PER_RADIAN),
-    Slip("electrical rpm, of 7 pole pairs for example", 7.0),
-    Slip("rpm times 60", 60.0),
-)
-"""Of the rotational speed, where it is too high."""
-
+GRAVITY = 9.80665  # [m/s^2], the standard value
+RPM = math.pi / 30.0  # one revolution per minute [rad/s]
 NEWTON_PER_POUND = 4.4482216
-NEWTON_PER_KILOGRAM = 9.80665
 
-THRUST_SLIPS = (
-    Slip("grams", 1e3 / NEWTON_PER_KILOGRAM),
-    Slip("kilograms", 1.0 / NEWTON_PER_KILOGRAM),
-    Slip("millinewtons", 1e3),
-    Slip("ounces", 16.0 / NEWTON_PER_POUND),
-    Slip("pounds", 1.0 / NEWTON_PER_POUND),
+UNIT_ERRORS: dict[str, dict[str, float]] = {
+    "length": {  # given in metres unless something else is said
+        "millimetres": 1e3,
+        "centimetres": 1e2,
+        "inches": 1.0 / INCH,
+        "inches taken for millimetres": 1e-3 / INCH,
+        "millimetres taken for inches": 1e3 * INCH,
+        "metres taken for millimetres": 1e-3,
+        "metres taken for inches": INCH,
+    },
+    "chord over radius": {
+        "millimetres beside a radius in metres": 1e3,
+        "per cent of the radius, or centimetres beside metres": 1e2,
+        "inches beside a radius in metres": 1.0 / INCH,
+        "millimetres beside a radius in inches": 1e3 * INCH,
+        "millimetres beside a radius in centimetres": 10.0,
+        "a fraction of the diameter, or the radius like the diameter": 0.5,
+        "centimetres taken for millimetres": 0.1,
+        "inches taken for millimetres": 1e-3 / INCH,
+        "metres taken for inches": INCH,
+        "metres taken for millimetres": 1e-3,
+    },
+    "twist": {"radians converted twice": math.pi / 180.0},
+    "density": {
+        "g/m^3": 1e3,
+        "g/cm^3": 1e-3,
+        "slug/ft^3": 1.0 / 515.379,
+        "lb/ft^3": 1.0 / 16.01846,
+    },
+    "viscosity": {"microPa s": 1e6, "mPa s, or centipoise": 1e3, "poise": 10.0},
+    "speed": {"km/h": 3.6, "miles an hour": 2.23694},
+    "fine speed": {"cm/s": 1e2, "mm/s": 1e3},
+    "slow rotation": {"rad/s": RPM, "revolutions per second": 1.0 / 60.0},
+    "fast rotation": {
+        "rpm converted from rad/s twice": 1.0 / RPM,
+        "electrical rpm, of 7 pole pairs for example": 7.0,
+        "rpm times 60": 60.0,
+    },
+    "thrust": {
+        "grams": 1e3 / GRAVITY,
+        "kilograms": 1.0 / GRAVITY,
+        "millinewtons": 1e3,
+        "ounces": 16.0 / NEWTON_PER_POUND,
+        "pounds": 1.0 / NEWTON_PER_POUND,
+    },
+    "torque": {
+        "N cm": 1e2,
+        "N mm": 1e3,
+        "kg m": 1.0 / GRAVITY,
+        "kg cm": 1e2 / GRAVITY,
+        "g cm": 1e5 / GRAVITY,
+        "ounce-inches": 16.0 / (NEWTON_PER_POUND * INCH),
+        "pound-inches": 1.0 / (NEWTON_PER_POUND * INCH),
+    },
+    "mass": {"grams": 1e3},
+    # Signals of a log, compared with each other instead of with a usual range.
+    "angular rate": {
+        "degrees per second": 180.0 / math.pi,
+        "rad/s, converted from degrees twice": math.pi / 180.0,
+    },
+    "specific force": {"units of g": 1.0 / GRAVITY},
+}
+"""What a figure of some quantity looks like, and the factor by which it is then wrong."""
+
+LOAD_UNIT_ERRORS = (
+    ("rpm in rad/s", (RPM**-2, RPM**-2)),
+    ("rpm in revolutions per second", (3600.0, 3600.0)),
+    ("rpm converted from rad/s twice", (RPM**2, RPM**2)),
+    ("a diameter taken for the radius", (1.0 / 16.0, 1.0 / 32.0)),
+    ("a radius taken for the diameter", (16.0, 32.0)),
+    *(("electrical rpm", (pairs**-2.0, pairs**-2.0)) for pairs in (4, 6, 7, 11)),
+    ("coefficients over rho A (Omega R)^2", (4.0 / math.pi**3, 4.0 / math.pi**4)),
 )
-TORQUE_SLIPS = (
-    Slip("N cm", 1e2),
-    Slip("N mm", 1e3),
-    Slip("kg m", 1.0 / NEWTON_PER_KILOGRAM),
-    Slip("kg cm", 1e2 / NEWTON_PER_KILOGRAM),
-    Slip("g cm", 1e5 / NEWTON_PER_KILOGRAM),
-    Slip("ounce-inches", 16.0 / (NEWTON_PER_POUND * INCH)),
-    Slip("pound-inches", 1.0 / (NEWTON_PER_POUND * INCH)),
-)
+"""Errors of thrust and torque together, over estimates that go with rpm^2, and R^4 and R^5."""
+
+CLOSE_FACTOR = 2.3
+"""Factor below which two unit errors cannot be distinguished: loads of similar blades differ so."""
 
 
-def likely_slips(value: float, usual: Range, slips: Sequence[Slip]) -> list[Slip]:
-    """The slips that explain a value outside a range, likeliest first.
+def unit_errors(value: float, usual: Range, errors: Mapping[str, float]) -> list[str]:
+    """List the unit errors that bring a ``value`` into a usual range, likeliest first."""
+    return common_errors((value,), usual, ((name, (factor,)) for name, factor in errors.items()))
 
-    Those bring it into the range, and less than ``ALIKE`` times as far from its middle as the first
-    does; none where the value is not above 0.
+
+def common_errors(
+    figures: Sequence[float], usual: Range, errors: Iterable[tuple[str, Sequence[float]]]
+) -> list[str]:
+    """List the unit errors that bring all ``figures`` into a usual range, likeliest first.
+
+    Likely are those that leave the figures less than ``CLOSE_FACTOR`` times as far from the middle
+    of the range as the likeliest does.  There are none for a figure that is not above 0.
     """
-    if not 0.0 < value < math.inf:
+    if not all(0.0 < value < math.inf for value in figures):
         return []
-    far = {
-        slip: usual.distance(value / slip.factor) for slip in slips if value / slip.factor in usual
-    }
-    first = min(far.values(), default=0.0)
-    close = [slip for slip in far if far[slip] < first + math.log(ALIKE)]
-    return sorted(close, key=far.__getitem__)
+    far: dict[str, float] = {}
+    for name, factors in errors:
+        corrected = [value / factor for value, factor in zip(figures, factors, strict=True)]
+        if all(value in usual for value in corrected):
+            far[name] = min(sum(map(usual.distance, corrected)), far.get(name, math.inf))
+    limit = min(far.values(), default=0.0) + len(figures) * math.log(CLOSE_FACTOR)
+    return sorted((name for name in far if far[name] < limit), key=far.__getitem__)
 
 
-def guessed(value: float, usual: Range, slips: Sequence[Slip], subject: str = "it") -> str:
-    """What the value of a ``subject`` looks like, for the end of a message, or nothing."""
-    likes = [slip.like for slip in likely_slips(value, usual, slips)]
-    return f"; {subject} looks like {' or '.join(likes)}" if likes else ""
+def looks_like(errors: Sequence[str], suspect: str = "it") -> str:
+    """Say what a ``suspect`` looks like by its unit errors; empty without any."""
+    return f"{suspect} looks like {' or '.join(errors)}" if errors else ""
+
+
+def unusual(
+    subject: str,
+    value: float,
+    unit: str,
+    usual: Range,
+    quantity: str,
+    *,
+    likely: Range | None = None,
+    suspect: str = "it",
+) -> list[str]:
+    """Warn of a ``value`` out of its usual range; unit errors must lead into the ``likely`` one."""
+    if value in usual:
+        return []
+    found = f"{subject} is {value:.4g} {unit}, usual are {usual.low:g} to {usual.high:g}"
+    return [found + _cause(value, likely or usual, quantity, suspect)]
+
+
+def _cause(value: float, likely: Range, quantity: str, suspect: str = "it") -> str:
+    """Say what unit a value looks like, for the end of a message; empty without a unit error."""
+    like = looks_like(unit_errors(value, likely, UNIT_ERRORS[quantity]), suspect)
+    return f"; {like}" if like else ""
 
 
 # -------------------------------------------------------------------------------------------------
-# Whether a blade, the air and operating points are like those of small propellers, in words.
+# Usual ranges of small propellers.
+#
+# They are those of the blades of the catalogue, and of the 134 sets of loads in the UIUC Propeller
+# Database that have a geometry (Brandt, Deters, Ananda, Dantsker, Selig, volumes 1 to 3), with some
+# room: a warning is due where something is unlike all that has been measured.
+# ``tests/catalogue/test_nothing_is_doubted.py`` holds them against these data.
 
-PITCH_STATION = 0.75
-"""Share of the radius at which chord and twist stand for the blade."""
+RADIUS = Range(0.012, 2.0)  # [m]; measured 0.028 to 0.36
+LIKELY_RADIUS = Range(0.025, 0.4)
+CHORD = Range(0.09, 0.40)  # over the radius, at 0.75 of it; measured 0.10 to 0.35
+WIDEST_CHORD = Range(0.12, 0.45)  # the largest chord over the radius; measured 0.15 to 0.38
+TWIST = Range(3.0, 40.0)  # [deg] at 0.75 of the radius; measured 7 to 25
+DENSITY = Range(0.3, 1.6)  # of air [kg/m^3], from 12 km up to a cold day at sea level
+VISCOSITY = Range(1e-5, 2.5e-5)  # of air [Pa s], from -80 to 150 degrees Celsius
+TIP_SPEED = Range(8.0, 255.0)  # of the fastest point [m/s]: measured 26 to 216; 255 is Mach 0.75
+LIKELY_TIP_SPEED = Range(25.0, 220.0)
+ADVANCE = Range(0.02, 0.7)  # flight speed over tip speed of usual flights; measured up to 0.5
+LOAD_RATIO = Range(1.0 / 2.3, 2.3)
+"""A measured load over the estimate from chord and twist; medians of sets are 0.6 to 1.6 for thrust
+and 0.55 to 2.0 for torque."""
+WRONG_LOAD_RATIO = Range(1.0 / 1.5, 1.5)  # the same where loads are known to be wrong
 
-ADVANCE = Range(0.02, 0.7)
-"""Flight speed over tip speed, of usual flights; measured up to 0.5."""
+SPEED_OF_SOUND = 340.3  # [m/s] at 15 degrees Celsius (ICAO Doc 7488/3, 1993); 8 % less at 10 km
+FAST_TIP_MACH = 0.75
+"""Above it the drag of thick sections rises steeply, which no section law here has."""
 
-WINDMILLING = 2.0
-"""Axial speed over the blade's pitch speed, beyond which a propeller is a windmill."""
+PITCH_STATION = 0.75  # share of the radius at which chord and twist stand for the blade
+PULLING, WINDMILLING = 1.6, 2.0
+"""Axial speed over that of a screw with the blade's pitch, up to which a propeller pulls (measured
+1.35 at a quarter of the largest thrust), and beyond which it is a windmill."""
 
-USUAL_TIP_SPEED = Range(25.0, 220.0)
-"""[m/s], that a correction of the rotational speed should lead to."""
-
-RADIANS_WITHIN = 1e-3
-"""Closeness to a multiple of 5 degrees in radians."""
+RADIANS_WITHIN = 1e-3  # closeness to a multiple of 5 degrees in radians
 
 
-def doubts_on_blade(propeller: Propeller) -> list[str]:
-    """What is unlike the blades of small propellers, with the likely cause; mostly nothing.
+# -------------------------------------------------------------------------------------------------
+# Warnings on a blade, the air and operating points.
 
-    Judged are the radius, the chord and the twist at 0.75 of it, and whether the twist falls
-    towards the tip, as it does on every blade of the catalogue.
-    """
-    radius, found = propeller.radius, []
-    if radius not in RADIUS:
-        found.append(
-            f"the radius is {radius:.4g} m, those of small propellers are {RADIUS.low:g} to "
-            f"{RADIUS.high:g} m" + guessed(radius, Range(0.025, 0.4), LENGTH_SLIPS)
-        )
+
+def blade_warnings(propeller: Propeller) -> list[str]:
+    """Warn of radius, chord or twist unlike small propellers, or twist that rises to the tip."""
+    radius = propeller.radius
     chord, twist = at_share(propeller, PITCH_STATION)
-    if chord / radius not in CHORD:
-        found.append(
-            f"the chord is {100.0 * chord / radius:.3g} % of the radius at 0.75 of it, those of "
-            f"small propellers are {100.0 * CHORD.low:g} to {100.0 * CHORD.high:g} %"
-            + guessed(chord / radius, CHORD, CHORD_SLIPS)
-        )
+    found = [
+        *unusual("the radius", radius, "m", RADIUS, "length", likely=LIKELY_RADIUS),
+        *unusual(
+            "the chord at 0.75 of the radius", chord / radius, "radii", CHORD, "chord over radius"
+        ),
+    ]
     degrees, inner, outer = (
         math.degrees(angle)
         for angle in (twist, at_share(propeller, 0.4)[1], at_share(propeller, 0.9)[1])
     )
     if degrees < 0.0 and inner < outer:
-        cause = "the twist is negative and rises towards the tip; it looks like the wrong sign"
-        found.append(cause)
-    elif inner < outer - 1.0:
+        return [
+            *found,
+            "the twist is negative and rises towards the tip; it looks like the wrong sign",
+        ]
+    if inner < outer - 1.0:
         like = "it looks as if listed from the tip to the root"
         if degrees > TWIST.high:
             like = "it looks as if measured from the axis, not from the disk plane"
-        found.append(
-            f"the twist rises from {inner:.3g} to {outer:.3g} deg between 0.4 and 0.9 of the "
-            f"radius; {like}"
-        )
-    elif degrees not in TWIST:
-        like = "; it looks like radians twice converted" if 0.0 < degrees < 0.5 else ""
-        found.append(
-            f"the twist is {degrees:.3g} deg at 0.75 of the radius, those of small propellers are "
-            f"{TWIST.low:g} to {TWIST.high:g} deg{like}"
-        )
-    return found
+        rise = f"the twist rises from {inner:.3g} to {outer:.3g} deg"
+        return [*found, f"{rise} between 0.4 and 0.9 of the radius; {like}"]
+    return [*found, *unusual("the twist at 0.75 of the radius", degrees, "deg", TWIST, "twist")]
 
 
-def doubts_on_air(air: Air) -> list[str]:
-    """What is unlike the air that propellers turn in, with the likely cause; mostly nothing."""
-    found = []
-    if air.density not in DENSITY:
-        found.append(
-            f"the air density is {air.density:.4g} kg/m^3, near the ground it is about 1.2"
-            + guessed(air.density, Range(0.9, 1.45), DENSITY_SLIPS)
-        )
-    if air.viscosity not in VISCOSITY:
-        found.append(
-            f"the viscosity is {air.viscosity:.4g} Pa s, that of air is about 1.8e-5"
-            + guessed(air.viscosity, Range(1.4e-5, 2.2e-5), VISCOSITY_SLIPS)
-        )
-    return found
+def air_warnings(air: Air) -> list[str]:
+    """Warn of a density or a viscosity that no air has where propellers turn."""
+    return [
+        *unusual(
+            "the air density", air.density, "kg/m^3", DENSITY, "density", likely=Range(0.9, 1.45)
+        ),
+        *unusual(
+            "the viscosity",
+            air.viscosity,
+            "Pa s",
+            VISCOSITY,
+            "viscosity",
+            likely=Range(1.4e-5, 2.2e-5),
+        ),
+    ]
 
 
-def doubts_on_points(propeller: Propeller, omega: Floats, speed: Floats, beta: Floats) -> list[str]:
-    """What is unlike the operating points of small propellers, with the likely cause.
+def point_warnings(propeller: Propeller, omega: Floats, speed: Floats, beta: Floats) -> list[str]:
+    """Warn of operating points [rad/s], [m/s], [rad] unlike those of small propellers.
 
-    Parameters
-    ----------
-    propeller : Propeller
-        Whose radius and pitch count.
-    omega, speed, beta : ndarray, shape (n,)
-        [rad/s], [m/s] and [rad], or shapes that broadcast to it.
-
-    Raises
-    ------
-    InputError
-        Where a blade tip moves faster than sound: neither the momentum theory nor any section law
-        here holds, and there is no number to give.
+    Shapes broadcast to (n,).  Raises ``InputError`` where a blade tip moves faster than sound:
+    neither the momentum theory nor any section law here holds, and there is no number to give.
     """
     w, v, b = (np.ravel(values) for values in np.broadcast_arrays(omega, speed, beta))
     tip = w * propeller.radius
-    fast = _doubts_on_mach(tip, v)
+    fast = _fast_tip(tip, v)
     if fast:
         return fast
-    return [*_doubts_on_speeds(propeller, tip, v, b), *_doubts_on_angle(b)]
+    return [*_unlike_speeds(pitch_ratio(propeller), tip, v, b), *_beta_in_radians(b)]
 
 
 def at_share(propeller: Propeller, share: float) -> tuple[float, float]:
-    """Chord [m] and twist [rad] at a share of the radius."""
+    """Return chord [m] and twist [rad] at a ``share`` of the radius."""
     place = share * propeller.radius
     chord, twist = (
         float(np.interp(place, propeller.station, values))
@@ -299,65 +282,74 @@ def at_share(propeller: Propeller, share: float) -> tuple[float, float]:
 
 
 def pitch_ratio(propeller: Propeller) -> float:
-    """Speed of a screw with the blade's pitch over the tip speed [-]."""
+    """Return the speed of a screw with the blade's pitch over the tip speed [-]."""
     return PITCH_STATION * math.tan(at_share(propeller, PITCH_STATION)[1])
 
 
-def _doubts_on_mach(tip: Floats, speed: Floats) -> list[str]:
+def _fast_tip(tip: Floats, speed: Floats) -> list[str]:
+    """Warn of the fastest tip above Mach 0.75, raise ``InputError`` above Mach 1."""
     helical = np.hypot(tip, speed)
     k = int(np.argmax(helical))
     mach = float(helical[k]) / SPEED_OF_SOUND
     if mach <= FAST_TIP_MACH:
         return []
-    told = (
+    motion = (
         f"the tip moves at {helical[k]:.4g} m/s, Mach {mach:.3g}, with {tip[k]:.4g} m/s from the "
         f"rotation and {speed[k]:.4g} m/s from the flight"
     )
-    like = ""
     if speed[k] > tip[k]:
-        like = guessed(float(speed[k]), Range(1.0, 130.0), SPEED_SLIPS, "the speed")
+        like = _cause(float(speed[k]), Range(1.0, 130.0), "speed", "the speed")
     else:
-        like = guessed(float(tip[k]), Range(40.0, 130.0), FAST_SLIPS, "the rotational speed")
+        usual = Range(40.0, 130.0)
+        like = _cause(float(tip[k]), usual, "fast rotation", "the rotational speed")
         like += ", or the radius like the diameter" if like else ""
     if mach > 1.0:
         raise InputError(
-            f"{told}{like}", "check rpm, speed and radius: nothing here holds above Mach 1"
+            f"{motion}{like}", "check rpm, speed and radius: nothing here holds above Mach 1"
         )
-    return [
-        f"{told}; above {FAST_TIP_MACH:g} drag rises, which the section law does not have{like}"
-    ]
+    drag = f"above {FAST_TIP_MACH:g} drag rises, which the section law does not have"
+    return [f"{motion}; {drag}{like}"]
 
 
-def _doubts_on_speeds(propeller: Propeller, tip: Floats, speed: Floats, beta: Floats) -> list[str]:
+def _unlike_speeds(pitch: float, tip: Floats, speed: Floats, beta: Floats) -> list[str]:
+    """Warn of slow tips, and of flight that is fast beside the tip or the ``pitch`` ratio."""
     turning = tip > 0.0
     if not turning.any():
         return []
     flying = turning & (speed > 0.0)
     fastest = float(tip.max())
-    if fastest < TIP_SPEED.low:
-        like = guessed(fastest, USUAL_TIP_SPEED, SLOW_SLIPS, "the rotational speed")
-        return [f"the tip speed is {fastest:.3g} m/s at most, very slow{like}"]
-    if not flying.any():
-        return []
+    slow = unusual(
+        "the fastest tip speed",
+        fastest,
+        "m/s",
+        TIP_SPEED,
+        "slow rotation",
+        likely=LIKELY_TIP_SPEED,
+        suspect="the rotational speed",
+    )
+    if slow or not flying.any():
+        return slow
     share = speed[flying] / tip[flying]
     advance = median(share.tolist())
-    along = median((share * np.cos(beta[flying])).tolist()) / max(pitch_ratio(propeller), 1e-3)
+    along = median((share * np.cos(beta[flying])).tolist()) / max(pitch, 1e-3)
     if advance <= ADVANCE.high and along <= WINDMILLING:
         return []
-    told = f"the speed is {advance:.3g} times the tip speed"
+    fast = f"the speed is {advance:.3g} times the tip speed"
     if advance <= ADVANCE.high:
-        told = f"the speed along the axis is {along:.3g} times the speed of the blade's pitch"
-    for slip in likely_slips(fastest, USUAL_TIP_SPEED, SLOW_SLIPS):
-        if fastest not in USUAL_TIP_SPEED and advance * slip.factor in ADVANCE:
-            return [f"{told}; the rotational speed looks like {slip.like}"]
-    for slip in likely_slips(advance, ADVANCE, SPEED_SLIPS):
-        if along / slip.factor < PITCH_SPEED_RATIO:
-            return [f"{told}; the speed looks like {slip.like}"]
-    return [f"{told}; check rpm, speed and radius"]
+        fast = f"the speed along the axis is {along:.3g} times the speed of the blade's pitch"
+    if fastest not in LIKELY_TIP_SPEED:
+        slow_errors = UNIT_ERRORS["slow rotation"]
+        for like in unit_errors(fastest, LIKELY_TIP_SPEED, slow_errors):
+            if advance * slow_errors[like] in ADVANCE:
+                return [f"{fast}; the rotational speed looks like {like}"]
+    for like in unit_errors(advance, ADVANCE, UNIT_ERRORS["speed"]):
+        if along / UNIT_ERRORS["speed"][like] < PULLING:
+            return [f"{fast}; the speed looks like {like}"]
+    return [f"{fast}; check rpm, speed and radius"]
 
 
-def _doubts_on_angle(beta: Floats) -> list[str]:
-    """Radians among degrees: the angles are then multiples of 5 degrees once more converted."""
+def _beta_in_radians(beta: Floats) -> list[str]:
+    """Warn of radians taken for degrees: angles are multiples of 5 degrees, converted twice."""
     degrees = np.sort(np.abs(np.degrees(beta)), axis=None)
     nonzero = degrees[degrees > 1e-9]
     step = math.radians(5.0)
@@ -370,11 +362,10 @@ def _doubts_on_angle(beta: Floats) -> list[str]:
 
 
 # -------------------------------------------------------------------------------------------------
-# Whether measured loads fit the blade they are said to be of: slips of units, signs, angles.
+# Whether measured loads fit the blade they are said to be of: unit errors, signs, angles.
 #
-# Chord and twist at 0.75 of the radius give thrust and torque in axial flow within a factor of two
-# (``estimated_loads``), so that a load out by more is in other units; which, the factors of
-# ``propmap.model.plausibility`` tell.
+# Chord and twist at 0.75 of the radius give thrust and torque in axial flow within a factor of two,
+# so that a load out by more is in other units.
 
 SLOW = 0.6
 """Axial speed over the blade's pitch speed, up to which an estimate of the loads is any good."""
@@ -387,74 +378,50 @@ INDUCED = 1.25
 SMALL_BLADES = 0.68
 """Measured loads over the estimate without this factor: the median of 134 propellers."""
 
-NARROW_LOAD_RATIO = Range(1.0 / 1.5, 1.5)
-"""The same where loads are known to be wrong."""
+IMPOSSIBLE_COEFFICIENT = 0.75
+"""C_T and C_P thrice the largest that have been measured (0.25 of four blades)."""
 
 ENERGY_MARGIN = 1.15
 """Ideal power over shaft power, above which no error of measurement explains it."""
 
-WEAK = 0.25
-"""Share of the slow thrust below which rows do not tell how far a propeller pulls."""
-
-DRAG_SHARE = 0.02
-"""Drag over thrust that no axial flow has."""
-
+WEAK = 0.25  # share of the slow thrust below which rows do not say how far a propeller pulls
+DRAG_SHARE = 0.02  # drag over thrust that no axial flow has
 AXIAL_KEEPS, EDGEWISE_KEEPS = 0.8, 0.5
 """Of the thrust at rest, the most that is left at 0.7 of the pitch speed along the axis, and the
 least at this speed across it; measured at most 0.52, and more than 1."""
 
-Loads = Mapping[str, "Floats"]
 
-SHARED_SLIPS: tuple[tuple[str, float, float], ...] = (
-    ("rpm like rad/s", RPM_PER_RADIAN**2, RPM_PER_RADIAN**2),
-    ("rpm like revolutions per second", 3600.0, 3600.0),
-    ("rpm converted from rad/s twice", RPM_PER_RADIAN**-2, RPM_PER_RADIAN**-2),
-    ("a radius like the diameter", 1.0 / 16.0, 1.0 / 32.0),
-    ("a diameter like the radius", 16.0, 32.0),
-    *(("electrical rpm", pairs**-2.0, pairs**-2.0) for pairs in (4, 6, 7, 11)),
-    ("coefficients over rho A (Omega R)^2", 4.0 / math.pi**3, 4.0 / math.pi**4),
-)
-"""What takes thrust and torque out of their ranges together, and the factors of both."""
-
-
-def doubts_on_loads(
-    propeller: Propeller, air: Air, omega: Floats, speed: Floats, beta: Floats, loads: Loads
+def load_warnings(
+    propeller: Propeller,
+    air: Air,
+    omega: Floats,
+    speed: Floats,
+    beta: Floats,
+    loads: Mapping[str, Floats],
 ) -> list[str]:
-    """What does not fit the blade, with the likely cause; mostly nothing.
+    """Warn of measured ``loads`` [N], [N m] that do not fit the blade; NaN is not measured.
 
-    Parameters
-    ----------
-    propeller, air : Propeller, Air
-        Of the test.
-    omega, speed, beta : ndarray, shape (n,)
-        [rad/s], [m/s] and [rad].
-    loads : mapping of str to ndarray, shape (n,)
-        Measured, by their names in ``propmap.loads.LOADS`` [N], [N m]; NaN where not measured.
-
-    Raises
-    ------
-    InputError
-        Where loads cannot be: more power in the slipstream than on the shaft, or a coefficient
-        three times the largest that has been measured.  Constants fitted to such loads mean
-        nothing.
+    All arrays are (n,).  Raises ``InputError`` where loads cannot be, with more power in the
+    slipstream than on the shaft or a coefficient three times the largest that has been measured:
+    constants fitted to such loads mean nothing.
     """
     turning = omega > 0.0
     w, v, b = omega[turning], speed[turning], beta[turning]
     known = {n: loads[n][turning] for n in loads if np.isfinite(loads[n][turning]).any()}
     if not w.size or not {"thrust", "torque"} & set(known):
         return []
-    ratios = _ratios(propeller, air, w, v, b, known)
+    ratios = _over_estimates(propeller, air, w, v, b, known)
     backwards = [name for name in ratios if ratios[name] < 0.0]
     if backwards:
         return [f"{name} is negative near rest; its sign looks reversed" for name in backwards]
-    found = _doubts_on_size(ratios, LOAD_RATIO) or [
-        *_doubts_on_signs(v, known),
-        *_doubts_on_reach(propeller, air, w, v, b, known),
-        *_doubts_on_direction(propeller, w, v, b, known),
+    found = _wrong_size(ratios, LOAD_RATIO) or [
+        *_negative_at_rest(v, known),
+        *_pulls_too_fast(propeller, air, w, v, b, known),
+        *_beta_from_the_disk(propeller, w, v, b, known),
     ]
     impossible = _impossible(propeller, air, w, v, b, known)
     if impossible:
-        found = found or _doubts_on_size(ratios, NARROW_LOAD_RATIO)
+        found = found or _wrong_size(ratios, WRONG_LOAD_RATIO)
         raise InputError("; ".join([impossible, *found]), "convert what is in another unit")
     return found
 
@@ -462,18 +429,11 @@ def doubts_on_loads(
 def estimated_loads(
     propeller: Propeller, air: Air, omega: Floats, axial: Floats
 ) -> dict[str, Floats]:
-    """Thrust [N] and torque [N m] of a blade in axial flow, within a factor of two.
+    """Estimate thrust [N] and torque [N m] of a blade in axial flow (n,) within a factor of two.
 
     Momentum and blade element at 0.75 of the radius, with a linear lift (J. G. Leishman,
     Principles of Helicopter Aerodynamics, 2nd ed., Cambridge 2006, section 3.3), scaled to small
-    propellers.
-
-    Parameters
-    ----------
-    propeller, air : Propeller, Air
-        Of the test.
-    omega, axial : ndarray, shape (n,)
-        [rad/s] and V cos(beta) [m/s], not above the blade's pitch speed.
+    propellers; V cos(beta), ``axial`` [m/s], may not be above the blade's pitch speed.
     """
     radius = propeller.radius
     chord, twist = at_share(propeller, PITCH_STATION)
@@ -488,10 +448,10 @@ def estimated_loads(
     return {"thrust": force * thrust, "torque": force * radius * torque}
 
 
-def _ratios(
-    propeller: Propeller, air: Air, w: Floats, v: Floats, b: Floats, known: Loads
+def _over_estimates(
+    propeller: Propeller, air: Air, w: Floats, v: Floats, b: Floats, known: Mapping[str, Floats]
 ) -> dict[str, float]:
-    """Medians of thrust and torque over their estimates, in the rows nearest to rest."""
+    """Divide thrust and torque by their estimates: medians of the rows nearest to rest."""
     share = v / (w * propeller.radius)
     reach = SLOW * abs(pitch_ratio(propeller))
     found = {}
@@ -508,8 +468,8 @@ def _ratios(
     return found
 
 
-def _doubts_on_signs(speed: Floats, known: Loads) -> list[str]:
-    """Single rows at rest with a sign that the others do not have."""
+def _negative_at_rest(speed: Floats, known: Mapping[str, Floats]) -> list[str]:
+    """Warn of single rows at rest with a sign that the others do not have."""
     found = []
     for name in ("thrust", "torque"):
         still = known[name][speed == 0.0] if name in known else np.empty(0)
@@ -520,43 +480,31 @@ def _doubts_on_signs(speed: Floats, known: Loads) -> list[str]:
     return found
 
 
-def _doubts_on_size(ratios: Mapping[str, float], usual: Range) -> list[str]:
-    """The slips that explain ratios of which one at least is out of a range, in one text."""
-    columns = {"thrust": THRUST_SLIPS, "torque": TORQUE_SLIPS}
-    odd = {name: ratio for name, ratio in ratios.items() if ratio not in usual}
+def _wrong_size(ratios: Mapping[str, float], usual: Range) -> list[str]:
+    """Warn, in one text, of ratios to the estimates out of a range, with the likely unit errors."""
+    odd = [name for name, ratio in ratios.items() if ratio not in usual]
     if not odd:
         return []
-    told = " and ".join(
+    sizes = " and ".join(
         f"{name} is {ratio:.3g} times what such a blade gives" for name, ratio in ratios.items()
     )
-    own = [
-        f"{name} looks like {' or '.join(slip.like for slip in slips)}"
-        for name, ratio in odd.items()
-        if (slips := likely_slips(ratio, LOAD_RATIO, columns[name]))
-    ]
-    shared = _shared_slips(ratios)
+    each = (
+        looks_like(unit_errors(ratios[name], LOAD_RATIO, UNIT_ERRORS[name]), name) for name in odd
+    )
+    causes = [like for like in each if like]
+    measured = [name in ratios for name in ("thrust", "torque")]
+    common = ((name, [*itertools.compress(each, measured)]) for name, each in LOAD_UNIT_ERRORS)
+    shared = looks_like(common_errors([*ratios.values()], LOAD_RATIO, common))
     # One mistake is likelier than two; with one load measured, both kinds explain it.
-    if shared and (len(odd) > 1 or len(ratios) == 1):
-        own = [*own, *shared] if len(ratios) == 1 else shared
-    return [f"{told}; {', or '.join(own or shared) or 'check units, radius and rpm'}"]
-
-
-def _shared_slips(ratios: Mapping[str, float]) -> list[str]:
-    """Slips that bring all loads into their ranges, likeliest first, in one text."""
-    far: dict[str, float] = {}
-    for like, thrust, torque in SHARED_SLIPS:
-        factors = {"thrust": thrust, "torque": torque}
-        mended = [ratio / factors[name] for name, ratio in ratios.items()]
-        if all(value in LOAD_RATIO for value in mended):
-            distance = sum(LOAD_RATIO.distance(value) for value in mended)
-            far[like] = min(distance, far.get(like, math.inf))
-    return [f"it looks like {' or '.join(sorted(far, key=far.__getitem__))}"] if far else []
+    if shared and (len(odd) > 1 or len(ratios) == 1 or not causes):
+        causes = [*causes, shared] if len(ratios) == 1 else [shared]
+    return [f"{sizes}; {', or '.join(causes) or 'check units, radius and rpm'}"]
 
 
 def _impossible(
-    propeller: Propeller, air: Air, w: Floats, v: Floats, b: Floats, known: Loads
+    propeller: Propeller, air: Air, w: Floats, v: Floats, b: Floats, known: Mapping[str, Floats]
 ) -> str:
-    """What no propeller can do, or nothing."""
+    """Say what of the loads no propeller can do; empty where there is nothing."""
     turns, diameter = w / (2.0 * math.pi), propeller.diameter
     force = air.density * turns**2 * diameter**4
     sizes = {"thrust": ("C_T", force), "torque": ("C_P", force * diameter / (2.0 * math.pi))}
@@ -580,15 +528,13 @@ def _impossible(
         step = thrust[rows] / (2.0 * air.density * disk * np.maximum(flow, 1e-9))
         induced = 0.5 * (induced + np.minimum(step, 1e6))
     share = float(np.median(thrust[rows] * (along + induced) / power[rows]))
-    if share > ENERGY_MARGIN:
-        return f"the air gets {share:.3g} times the power on the shaft"
-    return ""
+    return f"the air gets {share:.3g} times the power on the shaft" if share > ENERGY_MARGIN else ""
 
 
-def _doubts_on_reach(
-    propeller: Propeller, air: Air, w: Floats, v: Floats, b: Floats, known: Loads
+def _pulls_too_fast(
+    propeller: Propeller, air: Air, w: Floats, v: Floats, b: Floats, known: Mapping[str, Floats]
 ) -> list[str]:
-    """A propeller that pulls faster than its pitch moves: the speeds are in another unit."""
+    """Warn of a propeller that pulls faster than its pitch moves: the speed's unit is wrong."""
     if "thrust" not in known:
         return []
     at_rest = estimated_loads(propeller, air, w, np.zeros_like(w))["thrust"]
@@ -598,26 +544,26 @@ def _doubts_on_reach(
         return []
     along = v[rows] * np.cos(b[rows]) / (w[rows] * propeller.radius)
     farthest = float(np.max(along)) / max(pitch_ratio(propeller), 1e-3)
-    if farthest <= PITCH_SPEED_RATIO:
+    if farthest <= PULLING:
         return []
-    slips = [slip for slip in SPEED_SLIPS if 0.5 < farthest / slip.factor <= PITCH_SPEED_RATIO]
-    like = f"the speed looks like {slips[0].like}" if slips else "check speed, rpm and beta"
+    errors = unit_errors(farthest, Range(0.5, PULLING), UNIT_ERRORS["speed"])
+    like = looks_like(errors, "the speed") or "check speed, rpm and beta"
     return [f"it pulls at {farthest:.3g} times the speed of the blade's pitch; {like}"]
 
 
-def _doubts_on_direction(
-    propeller: Propeller, w: Floats, v: Floats, b: Floats, known: Loads
+def _beta_from_the_disk(
+    propeller: Propeller, w: Floats, v: Floats, b: Floats, known: Mapping[str, Floats]
 ) -> list[str]:
-    """Axial flow with the loads of edgewise flow, or the reverse: beta from the disk plane."""
+    """Warn of axial flow with loads of edgewise flow, or the reverse: beta from the disk plane."""
     axial = (v > 0.0) & (np.abs(np.cos(b)) > AXIAL)
     edgewise = (v > 0.0) & (np.abs(np.cos(b)) < EDGEWISE)
-    told = "beta looks as if measured from the disk plane, 0 is along the axis here"
+    cause = "beta looks as if measured from the disk plane, 0 is along the axis here"
     thrust = known.get("thrust", np.full_like(w, np.nan))
     if "drag" in known:
         across = np.abs(known["drag"]) / np.maximum(np.abs(thrust), 1e-9)
         across = across[axial & np.isfinite(across)]
         if across.size and float(np.median(across)) > DRAG_SHARE:
-            return [f"there is drag in the disk plane in axial flow; {told}"]
+            return [f"there is drag in the disk plane in axial flow; {cause}"]
     # The speed over that of the blade's pitch: what is fast along the axis.
     reach = v / (w * propeller.radius * max(pitch_ratio(propeller), 1e-3))
     coefficient, measured = thrust / w**2, np.isfinite(thrust)
@@ -631,124 +577,93 @@ def _doubts_on_direction(
         kept = float(np.median(coefficient[rows])) / rest
         # Axial flow takes thrust away, edgewise flow adds to it.
         if kept > AXIAL_KEEPS if flow == "axial" else kept < EDGEWISE_KEEPS:
-            return [f"in fast {flow} flow thrust is {kept:.2g} times that at rest; {told}"]
+            return [f"in fast {flow} flow thrust is {kept:.2g} times that at rest; {cause}"]
     return []
 
 
 # -------------------------------------------------------------------------------------------------
 # What a blade must satisfy before any load is computed from it.
 
-MIN_STATIONS = 4
-MAX_BLADES = 12
-MAX_ROOT_CUTOUT = 0.9
-# Above any rotor that flies, and below a model propeller in millimetres.
-MAX_RADIUS = 20.0
-# No blade is set at 92 degrees to its disk, so a larger figure is in degrees.
-MAX_TWIST = 1.6
+MIN_STATIONS, MAX_BLADES, MAX_ROOT_CUTOUT = 4, 12, 0.9
+MAX_RADIUS = 20.0  # [m], above any rotor that flies, and below a model propeller in millimetres
+MAX_TWIST = 1.6  # [rad]; no blade is set at 92 degrees to its disk: a larger figure is in degrees
 
 
 def check_blade(
-    station: Floats,
-    chord: Floats,
-    twist: Floats,
-    where: str = "",
-    labels: Sequence[str] = (),
+    station: Floats, chord: Floats, twist: Floats, where: str = "", labels: Sequence[str] = ()
 ) -> None:
-    """Raise ``InputError`` unless the three columns describe one blade from root to tip.
+    """Raise ``InputError`` unless columns (n,) [m], [m], [rad] are one blade from root to tip.
 
-    Parameters
-    ----------
-    station, chord, twist : ndarray, shape (n,)
-        [m], [m] and [rad].
-    where : str
-        The file, for the message.
-    labels : sequence of str
-        n names of the stations, such as "line 7".
+    Messages name the file ``where`` and the stations by their ``labels``, such as "line 7".
     """
+
+    def refuse(found: str, remedy: str) -> NoReturn:
+        raise InputError(found, remedy, where)
+
     columns = {"station": station, "chord": chord, "twist": twist}
     for field, values in columns.items():
         if values.ndim != 1 or values.size != station.size:
-            raise InputError(
+            refuse(
                 f"{field} has shape {values.shape}, expected one value per station",
                 "give station, chord and twist as lists of one length",
-                where,
             )
     if station.size < MIN_STATIONS:
-        raise InputError(
+        refuse(
             f"found {station.size} stations, expected at least {MIN_STATIONS}",
             "add stations between root and tip",
-            where,
         )
     labels = labels or [f"station {i}" for i in range(station.size)]
     for field, values in columns.items():
-        bad = np.flatnonzero(~np.isfinite(values))
-        if bad.size:
-            raise InputError(
-                f"{labels[bad[0]]}: {field} is {values[bad[0]]}, expected a finite number",
+        for k in np.flatnonzero(~np.isfinite(values)).tolist():
+            refuse(
+                f"{labels[k]}: {field} is {values[k]}, expected a finite number",
                 "remove the row or correct it",
-                where,
             )
-    _check_stations(station, where, labels)
-    _check_chord(chord, float(station[-1]), where, labels)
+    if station[0] <= 0.0:
+        refuse(
+            f"{labels[0]}: the first station is at {station[0]:g} m, expected more than 0",
+            "start at the hub radius, where the blade begins",
+        )
+    for k in (np.flatnonzero(station[1:] <= station[:-1]) + 1).tolist():
+        repeated = station[k] == station[k - 1]
+        how = "repeated" if repeated else f"unsorted (it follows {station[k - 1]:g} m)"
+        refuse(
+            f"{labels[k]}: station {station[k]:g} m is {how}, expected stations that rise from "
+            "root to tip",
+            "keep one row per station" if repeated else "sort the rows by station",
+        )
+    radius, low, high = float(station[-1]), int(np.argmin(chord)), int(np.argmax(chord))
+    if radius > MAX_RADIUS:
+        refuse(
+            f"{labels[-1]}: the radius is {radius:g} m, expected at most {MAX_RADIUS:g} m"
+            + _cause(radius, LIKELY_RADIUS, "length"),
+            "check the units; lengths are in metres",
+        )
+    if chord[low] < 0.0:
+        refuse(
+            f"{labels[low]}: chord is {chord[low]:g} m, expected 0 or more",
+            "correct the negative chord",
+        )
+    if chord[high] == 0.0:
+        refuse("every chord is 0", "give the chord of each station")
+    if chord[high] >= radius:
+        refuse(
+            f"{labels[high]}: chord is {chord[high]:g} m, "
+            f"expected less than the radius of {radius:g} m"
+            + _cause(float(chord[high]) / radius, WIDEST_CHORD, "chord over radius"),
+            "check the units of chord and radius",
+        )
     steepest = int(np.argmax(np.abs(twist)))
     if abs(twist[steepest]) > MAX_TWIST:
-        raise InputError(
+        refuse(
             f"{labels[steepest]}: twist is {twist[steepest]:g} rad, expected at most {MAX_TWIST}; "
             "it looks like degrees",
             "the column must be in radians or be named twist_deg",
-            where,
-        )
-
-
-def _check_stations(station: Floats, where: str, labels: Sequence[str]) -> None:
-    if station[0] <= 0.0:
-        raise InputError(
-            f"{labels[0]}: the first station is at {station[0]:g} m, expected more than 0",
-            "start at the hub radius, where the blade begins",
-            where,
-        )
-    falls = np.flatnonzero(station[1:] <= station[:-1])
-    if falls.size:
-        i = int(falls[0])
-        repeated = station[i + 1] == station[i]
-        raise InputError(
-            f"{labels[i + 1]}: station {station[i + 1]:g} m "
-            + ("is repeated" if repeated else f"is unsorted (it follows {station[i]:g} m)")
-            + ", expected stations that rise from root to tip",
-            "keep one row per station" if repeated else "sort the rows by station",
-            where,
-        )
-    if station[-1] > MAX_RADIUS:
-        raise InputError(
-            f"{labels[-1]}: the radius is {station[-1]:g} m, expected at most {MAX_RADIUS:g} m"
-            + guessed(float(station[-1]), Range(0.025, 0.4), LENGTH_SLIPS),
-            "check the units; lengths are in metres",
-            where,
-        )
-
-
-def _check_chord(chord: Floats, radius: float, where: str, labels: Sequence[str]) -> None:
-    low, high = int(np.argmin(chord)), int(np.argmax(chord))
-    if chord[low] < 0.0:
-        raise InputError(
-            f"{labels[low]}: chord is {chord[low]:g} m, expected 0 or more",
-            "correct the negative chord",
-            where,
-        )
-    if chord[high] == 0.0:
-        raise InputError("every chord is 0", "give the chord of each station", where)
-    if chord[high] >= radius:
-        raise InputError(
-            f"{labels[high]}: chord is {chord[high]:g} m, "
-            f"expected less than the radius of {radius:g} m"
-            + guessed(float(chord[high]) / radius, WIDEST_CHORD, CHORD_SLIPS),
-            "check the units of chord and radius",
-            where,
         )
 
 
 def check_blades(blades: Any, where: str = "") -> int:
-    """The number of blades as an ``int``; ``InputError`` unless it is a whole 1 to 12."""
+    """Return the number of blades, or raise ``InputError`` unless it is a whole 1 to 12."""
     try:
         count = operator.index(blades)
     except TypeError:
@@ -764,7 +679,7 @@ def check_blades(blades: Any, where: str = "") -> int:
 
 
 def check_root_cutout(root_cutout: Any, station: Floats, where: str = "") -> float:
-    """The root cut-out [m] as a ``float``; ``InputError`` unless it lies on the blade."""
+    """Return the root cut-out [m], or raise ``InputError`` unless it lies on the blade."""
     first, last = float(station[0]), MAX_ROOT_CUTOUT * float(station[-1])
     try:
         value = float(root_cutout)
@@ -781,7 +696,7 @@ def check_root_cutout(root_cutout: Any, station: Floats, where: str = "") -> flo
 
 
 def twist_from_degrees(degrees: Floats, where: str = "") -> Floats:
-    """Twist [rad] from a column in degrees, refused where its figures look like radians.
+    """Return twist [rad] of a column in degrees, refused where its figures look like radians.
 
     A blade whose steepest section stands at less than 1.6 degrees makes no propeller, so such a
     column of ``degrees`` (n,) is taken for radians under the wrong name.

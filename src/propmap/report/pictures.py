@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     from propmap.aircraft.mission import Flown, Mission
     from propmap.aircraft.performance import Performance
     from propmap.aircraft.ranking import Judged
-    from propmap.aircraft.sensitivity import Spread
+    from propmap.aircraft.sensitivity import StateChange
     from propmap.aircraft.trim import SteadyStates
     from propmap.model.model import Propeller
     from propmap.results import Inflow
@@ -344,7 +344,7 @@ def power_curves(
     flown: Sequence[SteadyStates],
     hover: Sequence[SteadyStates],
     found: Performance | None = None,
-    sure: Sequence[Spread | None] = (),
+    sure: Sequence[StateChange | None] = (),
 ) -> Figure:
     """Four panels against speed, a curve for each climb rate, the hover model dashed.
 
@@ -358,7 +358,7 @@ def power_curves(
         Up to 7, of the aircraft and of the same with the hover model, each at one climb rate.
     found : Performance, optional
         Whose states with a name are marked.
-    sure : sequence of Spread, optional
+    sure : sequence of StateChange, optional
         Standard deviations of ``flown``, None where nothing is known of them.
 
     Raises

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from propmap.errors import InputError
+from propmap.model.plausibility import GRAVITY as GRAVITY
 from propmap.typing import Floats
 from propmap.vehicle.files import VehicleFile
 
@@ -22,9 +23,6 @@ if TYPE_CHECKING:
 
 # -------------------------------------------------------------------------------------------------
 # A flight as arrays on one clock, in the vehicle's frame: x forward, y left, z up.
-
-GRAVITY = 9.80665
-"""[m/s^2], the standard value."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,11 +88,11 @@ class FlightLog:
         return int(self.time.size)
 
     def picked(self, which: Any) -> FlightLog:
-        """Some of the samples: ``which`` is a mask or indices."""
+        """Return some of the samples: ``which`` is a mask or indices."""
         return self.with_each(lambda array: array[which])
 
     def with_each(self, change: Callable[[Floats], Floats]) -> FlightLog:
-        """This log with a ``change`` to every array, which may alter the number of samples."""
+        """Return this log with a ``change`` to every array, which may alter their length."""
         arrays: dict[str, Any] = {name: change(getattr(self, name)) for name in ARRAYS}
         return replace(self, **arrays)
 
@@ -111,7 +109,7 @@ class FlightLog:
         return np.asarray(self.time - first[place])
 
     def stretches(self, seconds: float) -> NDArray[np.intp]:
-        """Number of the stretch of so many ``seconds`` [s] in which each sample is; (n,).
+        """Number the stretches of so many ``seconds`` [s], and return that of each sample; (n,).
 
         Stretches of different flights are different, whatever their clocks say.
         """
@@ -129,7 +127,7 @@ ARRAYS = tuple(f.name for f in fields(FlightLog) if f.name not in ("source", "fl
 
 
 def joined(logs: list[FlightLog], names: tuple[str, ...] = ()) -> FlightLog:
-    """Several logs of one vehicle as one, in the order given; their clocks are kept.
+    """Join logs of one vehicle in the order given; their clocks are kept.
 
     The flights get these ``names``, or else are numbered.
     """
@@ -143,11 +141,10 @@ def joined(logs: list[FlightLog], names: tuple[str, ...] = ()) -> FlightLog:
 def in_vehicle_frame(
     forward: Floats | float, left: Floats | float, up: Floats | float, pitch: Floats, roll: Floats
 ) -> Floats:
-    """Vectors with horizontal and vertical components, in the frame of a tilted vehicle; (..., 3).
+    """Turn horizontal and vertical components (...) into the frame of a tilted vehicle, (..., 3).
 
-    Components are (...) or numbers.  ``pitch`` (...) [rad] is about the left, positive where the
-    top leans forward; ``roll`` (...) [rad] is about the vehicle's x axis, after the pitch, positive
-    right side down.
+    ``pitch`` (...) [rad] is about the left, positive where the top leans forward; ``roll`` (...)
+    [rad] is about the vehicle's x axis, after the pitch, positive right side down.
     """
     # Pitch turns about y to the left, z towards x; roll then about x, y towards z.
     x = forward * np.cos(pitch) - up * np.sin(pitch)
@@ -157,7 +154,10 @@ def in_vehicle_frame(
 
 
 def pitch_and_roll(up: Floats) -> tuple[Floats, Floats]:
-    """Pitch and roll [rad] as in ``in_vehicle_frame``, (n,), where ``up`` (n, 3) is vertical."""
+    """Return pitch and roll [rad], (n,), of a vehicle in whose frame ``up`` (n, 3) is vertical.
+
+    They are those of ``in_vehicle_frame``.
+    """
     return -np.arcsin(np.clip(up[:, 0], -1.0, 1.0)), np.arctan2(up[:, 1], up[:, 2])
 
 
@@ -169,21 +169,14 @@ def pitch_and_roll(up: Floats) -> tuple[Floats, Floats]:
 # none of them in time.
 
 DERIVATIVE_CUTOFF = 6.0
-"""Of the low-pass by default [Hz]: vehicles of up to some kilograms turn within 0.2 s, and rotor
+"""Default low-pass [Hz]: vehicles of up to some kilograms turn within 0.2 s, and rotor
 speeds of motor controllers carry noise above."""
 
-DERIVATIVES = ("angular_acceleration", "specific_force_rate", "rotor_acceleration")
-"""Fields of a log that follow from its others."""
-
-DERIVATIVE_ORDER = 2
-"""Of the Butterworth filter, applied twice."""
-
-FEWEST_PER_PERIOD = 3.0
-"""Samples per period of the cut-off below which there is nothing to filter."""
+FEWEST_PER_PERIOD = 3.0  # samples per period of the cut-off below which there is nothing to filter
 
 
 def low_passed(log: FlightLog, cutoff: float = DERIVATIVE_CUTOFF) -> FlightLog:
-    """The log with all signals low-passed alike, and with the derivatives that follow from it.
+    """Low-pass all signals of a log with one filter, and differentiate them.
 
     Rotor speeds are filtered as their squares, to which forces are proportional.  Between gaps
     each stretch is filtered by itself; a log that is slower than three samples per period of the
@@ -212,21 +205,21 @@ def low_passed(log: FlightLog, cutoff: float = DERIVATIVE_CUTOFF) -> FlightLog:
         )
     steps = np.diff(log.time)
     ends = [0, *(np.flatnonzero(steps > LONGEST_GAP) + 1), len(log)]
-    parts = [log.picked(slice(first, last)) for first, last in itertools.pairwise(ends)]
-    found = [_filtered(part, cutoff) for part in parts]
-    names = ("velocity", "rates", "up", "specific_force", "rotor_speed")
+    parts = [
+        _filtered(log.picked(slice(first, last)), cutoff)
+        for first, last in itertools.pairwise(ends)
+    ]
     arrays: dict[str, Any] = {
-        name: np.concatenate([getattr(part, name) for part in found])
-        for name in (*names, *DERIVATIVES)
+        name: np.concatenate([getattr(part, name) for part in parts]) for name in ARRAYS
     }
     return replace(log, **arrays)
 
 
 def _filtered(part: FlightLog, cutoff: float) -> FlightLog:
-    """One stretch without gaps."""
+    """Filter and differentiate one stretch without gaps."""
 
     def smooth(signal: Floats) -> Floats:
-        return _low_pass(signal, 2.0 * cutoff * step)
+        return low_pass(signal, 2.0 * cutoff * step, round(2.0 / (cutoff * step)))
 
     step = float(np.median(np.diff(part.time))) if len(part) > 1 else np.inf
     if cutoff > 0.0 and FEWEST_PER_PERIOD * cutoff * step <= 1.0:
@@ -239,46 +232,41 @@ def _filtered(part: FlightLog, cutoff: float) -> FlightLog:
             specific_force=smooth(part.specific_force),
             rotor_speed=np.sqrt(np.maximum(smooth(np.square(part.rotor_speed)), 0.0)),
         )
+
+    def slope(signal: Floats) -> Floats:
+        if len(part) < 2:
+            return np.zeros_like(signal)
+        return np.asarray(np.gradient(signal, part.time, axis=0))
+
     return replace(
         part,
-        angular_acceleration=_slope(part.time, part.rates),
-        specific_force_rate=_slope(part.time, part.specific_force),
-        rotor_acceleration=_slope(part.time, part.rotor_speed),
+        angular_acceleration=slope(part.rates),
+        specific_force_rate=slope(part.specific_force),
+        rotor_acceleration=slope(part.rotor_speed),
     )
 
 
-def _low_pass(signal: Floats, relative: float) -> Floats:
-    """Columns (n, k) without what is above the cut-off, ``relative`` to half the sampling rate,
-    and not shifted in time."""
+def low_pass(signal: Floats, relative: float, padding: int, order: int = 2) -> Floats:
+    """Filter columns (n, k) forwards and backwards, which shifts nothing in time.
+
+    ``relative`` is the cut-off over half the sampling rate, ``order`` that of the Butterworth
+    filter, ``padding`` how many samples the signal is continued by at its ends.
+    """
     from scipy.signal import butter, sosfiltfilt
 
-    sections = butter(DERIVATIVE_ORDER, relative, output="sos")
-    beyond = min(signal.shape[0] - 1, round(4.0 / relative))
+    sections = butter(order, relative, output="sos")
+    beyond = min(signal.shape[0] - 1, padding)
     return np.asarray(sosfiltfilt(sections, signal, axis=0, padlen=beyond))
-
-
-def _slope(time: Floats, signal: Floats) -> Floats:
-    """Time derivatives (n, k) of columns; zero where there is one sample alone."""
-    if time.size < 2:
-        return np.zeros_like(signal)
-    return np.asarray(np.gradient(signal, time, axis=0))
 
 
 # -------------------------------------------------------------------------------------------------
 # Short names of flights, from those of their files.
 
-TIME_OF_DAY = 6
-"""Digits at the end of a stamp such as 20210218171908."""
+TIME_OF_DAY = 6  # digits at the end of a stamp such as 20210218171908
 
 
 def flight_names(sources: Sequence[str]) -> tuple[str, ...]:
-    """As much of the ends of the files' names as tells them apart; numbers where nothing does.
-
-    Parameters
-    ----------
-    sources : sequence of str
-        Paths of the logs.
-    """
+    """Shorten paths of logs to the ends that tell them apart; number them where nothing does."""
     parts = [_words(PurePath(source).stem) for source in sources]
     for count in range(1, max(map(len, parts), default=1) + 1):
         names = tuple("-".join(words[-count:]) for words in parts)
@@ -298,17 +286,17 @@ def _words(stem: str) -> list[str]:
 
 
 def body_to_flu(vectors: Floats, frame: str) -> Floats:
-    """Vectors (n, 3) along the axes of the body frame "flu" or "frd", along those of FLU."""
+    """Turn vectors (n, 3) from the axes of the body frame "flu" or "frd" to those of FLU."""
     return vectors if frame == "flu" else vectors * np.array([1.0, -1.0, -1.0])
 
 
 def world_to_enu(vectors: Floats, frame: str) -> Floats:
-    """Vectors (n, 3) along the axes of the world frame "enu" or "ned", along those of ENU."""
+    """Turn vectors (n, 3) from the axes of the frame "enu" or "ned" to those of ENU."""
     return vectors if frame == "enu" else vectors[:, [1, 0, 2]] * np.array([1.0, 1.0, -1.0])
 
 
 def attitude_to_flu_enu(quaternions: Floats, body_frame: str, world_frame: str) -> Rotation:
-    """Rotations from FLU to ENU, of quaternions w, x, y, z (n, 4) between the named frames."""
+    """Turn quaternions w, x, y, z (n, 4) between named frames into those of FLU to ENU."""
     from scipy.spatial.transform import Rotation
 
     attitude = Rotation.from_quat(quaternions, scalar_first=True)
@@ -320,10 +308,10 @@ def attitude_to_flu_enu(quaternions: Floats, body_frame: str, world_frame: str) 
 
 
 def quaternion_of_angles(roll: Floats, pitch: Floats, yaw: Floats) -> Floats:
-    """Quaternions (n, 4) of angles [rad], (n,): yaw about z, then pitch about y, roll about x.
+    """Return quaternions (n, 4) of yaw about z, then pitch about y, then roll about x [rad], (n,).
 
-    The axes are those of the frames that the angles are given in: in FLU a positive pitch is
-    nose down, in FRD it is nose up.
+    The axes are those of the frames that the angles are given in: in FLU a positive pitch is nose
+    down, in FRD it is nose up.
     """
     from scipy.spatial.transform import Rotation
 
@@ -332,7 +320,7 @@ def quaternion_of_angles(roll: Floats, pitch: Floats, yaw: Floats) -> Floats:
 
 
 def continuous(quaternions: Floats) -> Floats:
-    """Unit quaternions (n, 4) with the signs that make neighbours close."""
+    """Return unit quaternions (n, 4) with the signs that make neighbours close."""
     unit = quaternions / np.linalg.norm(quaternions, axis=1, keepdims=True)
     same = np.sum(unit[1:] * unit[:-1], axis=1) >= 0.0
     return unit * np.concatenate([[1.0], np.cumprod(np.where(same, 1.0, -1.0))])[:, None]
@@ -342,8 +330,7 @@ def continuous(quaternions: Floats) -> Floats:
 # What a log holds, each signal on its own clock, and the samples that cannot be used.
 
 FEWEST_SAMPLES = 10
-MOST_DROPPED = 0.05
-"""Share of a signal's samples that may be unusable before the log is refused."""
+MOST_DROPPED = 0.05  # share of a signal's samples that may be unusable before the log is refused
 
 
 @dataclass(frozen=True, eq=False)
@@ -357,35 +344,29 @@ class Signal:
 
 @dataclass(frozen=True, eq=False)
 class Recording:
-    """The signals of a log in the frames that the log has: "flu" or "frd", "enu" or "ned".
-
-    ``velocity_in`` is "body" or "world".  The attitude (n, 4) is the unit quaternion w, x, y, z
-    that turns body to world axes; the velocity (n, 3) [m/s] is over the ground; rates (n, 3)
-    [rad/s] and specific force (n, 3) [m/s^2], if any, are along body axes; rotor speeds
-    (n, rotors) [rad/s] are in the order of the log.
-    """
+    """The signals of a log in the frames that the log has."""
 
     source: str
-    body_frame: str
-    world_frame: str
-    velocity_in: str
-    attitude: Signal
-    velocity: Signal
-    rates: Signal
-    rotor_speed: Signal
-    specific_force: Signal | None
+    body_frame: str  # "flu" or "frd"
+    world_frame: str  # "enu" or "ned"
+    velocity_in: str  # "body" or "world"
+    attitude: Signal  # unit quaternions w, x, y, z (n, 4) that turn body to world axes
+    velocity: Signal  # over the ground, (n, 3) [m/s]
+    rates: Signal  # along body axes, (n, 3) [rad/s]
+    rotor_speed: Signal  # in the order of the log, (n, rotors) [rad/s]
+    specific_force: Signal | None  # along body axes, (n, 3) [m/s^2]
 
     def signals(self) -> dict[str, Signal]:
-        """By name of the field, those that there are."""
+        """Return the signals that there are, by the name of their field."""
         return {name: value for name, value in vars(self).items() if isinstance(value, Signal)}
 
 
 def cleaned(recording: Recording) -> Recording:
-    """Without the samples that cannot be used; ``source`` then says how many these were.
+    """Drop samples that cannot be used; ``source`` then says how many these were.
 
-    Dropped are samples that are not finite, whose quaternion has not length 1, or whose time
-    does not rise above that of all before them.  Raises ``InputError`` where that is more than
-    5 % of a signal, or where fewer than 10 samples are left.
+    These are samples that are not finite, whose quaternion has not length 1, or whose time does not
+    rise above that of all before them.  Raises ``InputError`` where that is more than 5 % of a
+    signal, or where fewer than 10 samples are left.
     """
     dropped: dict[str, int] = {}
     parts: dict[str, Any] = {}
@@ -400,8 +381,9 @@ def cleaned(recording: Recording) -> Recording:
             remedy = "check which of its columns or fields are qw, qx, qy, qz"
             reasons.append(("no unit quaternion", remedy, unit | ~finite))
         usable = np.all([good for _, _, good in reasons], axis=0)
-        rising = ~usable
-        rising[usable] = _rising(signal.time[usable])
+        times, rising = signal.time[usable], ~usable
+        before = np.concatenate([[-np.inf], np.maximum.accumulate(times)[:-1]])
+        rising[usable] = times > before
         reasons.append(("with a time that does not rise", "sort by time or cut the log", rising))
         for reason, remedy, good in reasons:
             lost = int(np.sum(~good))
@@ -422,13 +404,8 @@ def cleaned(recording: Recording) -> Recording:
     return replace(recording, source=source, **parts)
 
 
-def _rising(time: Floats) -> NDArray[np.bool_]:
-    """Which times are above all that come before them."""
-    before = np.concatenate([[-np.inf], np.maximum.accumulate(time)[:-1]])
-    return np.asarray(time > before)
-
-
 def _check_count(signal: Signal, count: int, source: str) -> None:
+    """Raise ``InputError`` for a signal with fewer samples than a flight needs."""
     if count < FEWEST_SAMPLES:
         raise InputError(
             f"{signal.name} has {count} samples, expected at least {FEWEST_SAMPLES}",
@@ -440,25 +417,21 @@ def _check_count(signal: Signal, count: int, source: str) -> None:
 # -------------------------------------------------------------------------------------------------
 # A recording becomes a flight log: one clock, FLU, rotors in the vehicle's order.
 
-LONGEST_GAP = 0.25
-"""Time [s] between two samples of a signal that are still interpolated."""
-
-FASTER = 1.5
-"""Samples of a signal per time of the common clock from which it is low-passed first."""
-
+LONGEST_GAP = 0.25  # time [s] between two samples of a signal that are still interpolated
+FASTER = 1.5  # samples of a signal per time of the common clock from which it is low-passed first
 CLOCK_CUTOFF, CLOCK_ORDER = 0.4, 4
-"""Of that low-pass, per sample of the common clock, and of the Butterworth filter, applied twice:
-what the clock can show passes, vibrations that it would show as something slower do not."""
+"""That low-pass, per sample of the common clock, and the order of its Butterworth filter, applied
+twice: what the clock can show passes, vibrations that it would show as slower ones do not."""
 
 
 def flight_log(
     recording: Recording, vehicle_file: VehicleFile, rate: float | None = None
 ) -> FlightLog:
-    """The log in the vehicle's frame, ``rate`` [1/s] times a second.
+    """Turn a recording into a log in the vehicle's frame, with ``rate`` samples per second.
 
-    Without a rate, at the sample times of the slowest of attitude, velocity and rotor speed.  The
-    sign that some logs give to the spin of a rotor is dropped.  Raises ``InputError``, also where
-    the accelerometer says that the frames or its unit cannot be as stated.
+    Without a rate, they are at the sample times of the slowest of attitude, velocity and rotor
+    speed.  The sign that some logs give to the spin of a rotor is dropped.  Raises ``InputError``,
+    also where the accelerometer says that the frames or its unit cannot be as stated.
     """
     logged, rotors = recording.rotor_speed.values.shape[1], len(vehicle_file.vehicle.mounts)
     if logged != rotors:
@@ -478,28 +451,45 @@ def flight_log(
     attitude = attitude_to_flu_enu(
         interpolated(smooth, time), recording.body_frame, recording.world_frame
     )
+
+    def in_flu(of_the_world: Floats) -> Floats:
+        return np.asarray(attitude.apply(of_the_world, inverse=True))
+
+    def body_signal(signal: Signal) -> Floats:
+        return body_to_flu(interpolated(signal, time), recording.body_frame)
+
+    stated = vehicle_file.log
+    wind = np.tile(np.array(stated.wind), (time.size, 1))
+    wind = world_to_enu(wind, stated.world_frame or recording.world_frame)
+    if recording.velocity_in == "world":
+        over_ground = interpolated(recording.velocity, time)
+        velocity = in_flu(world_to_enu(over_ground, recording.world_frame) - wind)
+    else:
+        velocity = body_signal(recording.velocity) - in_flu(wind)
+    force = recording.specific_force
+    by_column = np.abs(interpolated(recording.rotor_speed, time))
+    rotor_speed = np.empty_like(by_column)
+    order = stated.rotor_order or range(1, logged + 1)
+    rotor_speed[:, [number - 1 for number in order]] = by_column
     result = FlightLog(
         source=recording.source,
         time=time,
-        velocity=_air_velocity(recording, vehicle_file, time, attitude),
-        rates=_in_body(recording, recording.rates, time),
-        up=_in_flu(attitude, np.tile([0.0, 0.0, 1.0], (time.size, 1))),
-        specific_force=_in_body(recording, recording.specific_force, time),
-        rotor_speed=_rotor_speed(recording, vehicle_file, time),
+        velocity=velocity,
+        rates=body_signal(recording.rates),
+        up=in_flu(np.tile([0.0, 0.0, 1.0], (time.size, 1))),
+        specific_force=np.full((time.size, 3), np.nan) if force is None else body_signal(force),
+        rotor_speed=rotor_speed,
     )
     _check_frames(result, vehicle_file)
     return result
 
 
 def common_clock(
-    leading: Sequence[Signal],
-    following: Sequence[Signal],
-    source: str,
-    rate: float | None = None,
+    leading: Sequence[Signal], following: Sequence[Signal], source: str, rate: float | None = None
 ) -> Floats:
-    """Times [s] at which all signals are known; (n,), rising.
+    """Return the times [s] at which all signals are known; (n,), rising.
 
-    Without a ``rate`` [1/s], the sample times of the slowest of the ``leading`` signals.
+    Without a ``rate`` [1/s], they are the sample times of the slowest of the ``leading`` signals.
     Times inside a gap of any signal longer than 0.25 s are left out: gaps are cut, not bridged.
     Raises ``InputError`` where nothing is left.
     """
@@ -524,7 +514,11 @@ def common_clock(
         time = np.arange(start, end, 1.0 / rate)
     known = np.ones(time.size, dtype=np.bool_)
     for signal in signals:
-        known &= ~_in_gap(signal, time)
+        # Times between two samples that are too far apart, at neither of them, are in a gap.
+        after = np.clip(np.searchsorted(signal.time, time), 1, signal.time.size - 1)
+        wide = signal.time[after] - signal.time[after - 1] > LONGEST_GAP
+        at_sample = (time == signal.time[after]) | (time == signal.time[after - 1])
+        known &= at_sample | ~wide
     if int(known.sum()) < FEWEST_SAMPLES:
         raise InputError(
             f"all signals together are known at {int(known.sum())} times: {first_to_end.name} "
@@ -536,7 +530,7 @@ def common_clock(
 
 
 def interpolated(signal: Signal, time: Floats) -> Floats:
-    """Values of a signal at the times (n,) [s], linearly between its samples; (n, k).
+    """Interpolate a signal linearly to times (n,) [s]; (n, k).
 
     A signal with many more samples is low-passed first, without a shift in time: a vibration must
     not appear as a slow motion.
@@ -547,69 +541,23 @@ def interpolated(signal: Signal, time: Floats) -> Floats:
 
 
 def _slowed(signal: Signal, step: float) -> Floats:
-    """Values (m, k) without what a clock of this ``step`` [s] cannot show."""
+    """Return values (m, k) without what a clock of this ``step`` [s] cannot show."""
     own = float(np.median(np.diff(signal.time)))
     if step < FASTER * own:
         return signal.values
-    from scipy.signal import butter, sosfiltfilt
-
-    sections = butter(CLOCK_ORDER, 2.0 * CLOCK_CUTOFF * own / step, output="sos")
-    beyond = 2 * round(step / own)
+    relative, beyond = 2.0 * CLOCK_CUTOFF * own / step, 2 * round(step / own)
     breaks = np.flatnonzero(np.diff(signal.time) > LONGEST_GAP) + 1
     parts = [
-        sosfiltfilt(sections, part, axis=0, padlen=beyond) if len(part) > 2 * beyond else part
+        low_pass(part, relative, beyond, CLOCK_ORDER) if len(part) > 2 * beyond else part
         for part in np.split(signal.values, breaks)
     ]
     return np.concatenate(parts)
 
 
-def _in_gap(signal: Signal, time: Floats) -> NDArray[np.bool_]:
-    """Which times lie between two samples that are too far apart, none of them at either."""
-    after = np.clip(np.searchsorted(signal.time, time), 1, signal.time.size - 1)
-    wide = signal.time[after] - signal.time[after - 1] > LONGEST_GAP
-    at_sample = (time == signal.time[after]) | (time == signal.time[after - 1])
-    return np.asarray(wide & ~at_sample)
-
-
-def _in_flu(attitude: Rotation, vectors: Floats) -> Floats:
-    """World vectors (n, 3) in ENU, in FLU."""
-    return np.asarray(attitude.apply(vectors, inverse=True))
-
-
-def _air_velocity(
-    recording: Recording, vehicle_file: VehicleFile, time: Floats, attitude: Rotation
-) -> Floats:
-    """Velocity through the air in FLU [m/s]; (n, 3)."""
-    log = vehicle_file.log
-    frame = log.world_frame or recording.world_frame
-    wind = world_to_enu(np.tile(np.array(log.wind), (time.size, 1)), frame)
-    velocity = interpolated(recording.velocity, time)
-    if recording.velocity_in == "world":
-        return _in_flu(attitude, world_to_enu(velocity, recording.world_frame) - wind)
-    return body_to_flu(velocity, recording.body_frame) - _in_flu(attitude, wind)
-
-
-def _in_body(recording: Recording, signal: Signal | None, time: Floats) -> Floats:
-    """A vector signal in FLU; (n, 3), NaN where there is none."""
-    if signal is None:
-        return np.full((time.size, 3), np.nan)
-    return body_to_flu(interpolated(signal, time), recording.body_frame)
-
-
-def _rotor_speed(recording: Recording, vehicle_file: VehicleFile, time: Floats) -> Floats:
-    """[rad/s], in the order of the vehicle's rotors; (n, rotors)."""
-    logged = np.abs(interpolated(recording.rotor_speed, time))
-    order = vehicle_file.log.rotor_order or range(1, logged.shape[1] + 1)
-    speeds = np.empty_like(logged)
-    speeds[:, [number - 1 for number in order]] = logged
-    return speeds
-
-
 def _check_frames(log: FlightLog, vehicle_file: VehicleFile) -> None:
-    """Over a flight the rotors point up, and the specific force along ``up`` averages near g."""
+    """Check that rotors point up and that the specific force along ``up`` averages near g."""
     remedy = f"check body_frame, world_frame and the attitude ({vehicle_file.log.where})"
-    axes = np.array([mount.axis for mount in vehicle_file.vehicle.mounts])
-    if float(np.mean(log.up @ axes.T)) < 0.0:
+    if float(np.mean(log.up @ vehicle_file.vehicle.rotor_axes.T)) < 0.0:
         raise InputError("on average the rotors point down", remedy, log.source)
     if np.isnan(log.specific_force).any():
         return

@@ -5,30 +5,50 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from propmap.errors import InputError
+from propmap.model.plausibility import UNIT_ERRORS
 from propmap.typing import Floats
-from propmap.vehicle import log
 from propmap.vehicle.log import (
     GRAVITY,
     LONGEST_GAP,
     Recording,
     Signal,
+    attitude_to_flu_enu,
+    body_to_flu,
     cleaned,
     common_clock,
+    continuous,
     interpolated,
+    low_pass,
+    world_to_enu,
 )
+
+
+def check_recording(recording: Recording) -> list[str]:
+    """Warn of sensors that failed, and of frames, units, columns and clocks that do not agree.
+
+    Raises ``InputError`` for a mistake that is certain.  Checks that need the vehicle and its
+    rotors are in ``propmap.flight.checks``.
+    """
+    recording = cleaned(recording)
+    found = [*_gaps(recording), *_dead_sensors(recording)]
+    for signal in (recording.rates, recording.specific_force):
+        found += _saturated(signal) if signal else []
+    found += _disagreements(recording)
+    return [f"{recording.source}: {text}" for text in found]
+
 
 # -------------------------------------------------------------------------------------------------
 # Whether the signals of a recording describe one motion: frames, units and clocks show.
 #
 # The attitude's own turning is what a gyro reads, and the change of the velocity, with gravity, is
-# what an accelerometer reads.  Where they disagree, each usual mistake is put right in turn; the
-# one
-# after which they agree is named.
+# what an accelerometer reads.  Where they disagree, each usual mistake is corrected in turn; the
+# one after which they agree is named.
 
 CUTOFF = 3.0
 """Low-pass [Hz] before signals are compared: slow motion is enough to tell frames and units."""
@@ -41,25 +61,24 @@ DISAGREE, AGREE = 0.15, 0.07
 twice as large, 1 unrelated, 2 opposite; real flights have 0.001 to 0.01."""
 
 WINDOW, BROKEN = 2.0, 0.4
-"""Stretches [s] that are looked at by themselves, and the mismatch from which one is told."""
+"""Stretches [s] that are compared by themselves, and the mismatch from which one is reported."""
 
-MOST_LATE, LATE = 0.6, 0.03
-"""Delays [s] that are tried, and from which a remark is due."""
+MOST_LATE, LATE = 0.6, 0.03  # delays [s] that are tried, and from which a warning is due
 
 
 @dataclass(frozen=True, eq=False)
 class Pair:
-    """One motion by two ways, (n, 3) each, at n times [s]."""
+    """One motion, measured in two ways, (n, 3) each, at n times [s]."""
 
     time: Floats
     expected: Floats
     measured: Floats
-    least: float
+    least: float  # root mean square below which an axis says nothing
 
     def mismatch(self, which: NDArray[np.bool_] | slice = slice(None)) -> float:
-        """Squared difference over the sum of the squares, of the axis on which it is largest.
+        """Return the largest axis' squared difference over the sum of the squares.
 
-        ``which`` says which samples are looked at.  NaN where they move too little.
+        Only the samples ``which`` count.  NaN where they move too little.
         """
         a, b = self.expected[which], self.measured[which]
         sizes = np.stack([np.sum(a**2, axis=0), np.sum(b**2, axis=0)])
@@ -68,107 +87,82 @@ class Pair:
         return float(off.max()) if off.size else np.nan
 
 
-def check_consistency(recording: Recording) -> list[str]:
-    """Compare attitude with gyro, and velocity with accelerometer.
-
-    Parameters
-    ----------
-    recording : Recording
-        As it was read.
-
-    Returns
-    -------
-    list of str
-        Warnings.
-
-    Raises
-    ------
-    InputError
-        Where the signals agree once a usual mistake is put right: it is named.
-    """
-    recording = cleaned(recording)
+def _disagreements(recording: Recording) -> list[str]:
+    """Compare attitude with gyro, velocity with accelerometer; raise what explains all."""
     turning, moving = pairs(recording)
-    if not any(pair.mismatch() > DISAGREE for pair in (turning, moving)):
-        return _late(recording, turning) or _stretches(recording, turning, moving)
-    found = []
-    for slip in slips(recording, turning.expected, turning.measured):
-        try:
-            put_right = [pair.mismatch() for pair in pairs(slip.put_right)]
-        except InputError:  # no log at all, if that were it
-            continue
-        if not any(mismatch > AGREE for mismatch in put_right):
-            found.append((float(np.nansum(put_right)), slip))
-    if found:
-        _, best = min(found, key=lambda one: one[0])
-        raise InputError(best.cause, best.remedy, recording.source)
-    return _late(recording, turning) or _stretches(recording, turning, moving)
+    if any(pair.mismatch() > DISAGREE for pair in (turning, moving)):
+        found = []
+        for cause, remedy, corrected in mistakes(recording, turning):
+            try:
+                left = [pair.mismatch() for pair in pairs(corrected)]
+            except InputError:  # no log at all, if that were it
+                continue
+            if not any(mismatch > AGREE for mismatch in left):
+                found.append((float(np.nansum(left)), cause, remedy))
+        if found:
+            _, cause, remedy = min(found)
+            raise InputError(f"{cause}: so corrected, all signals agree", remedy, recording.source)
+    return _late(recording, turning) or _broken_stretches(recording, turning, moving)
 
 
 def pairs(recording: Recording) -> tuple[Pair, Pair]:
-    """Rates by the attitude and by the gyro, accelerations by the velocity and by the
-    accelerometer; the latter without samples where there is no accelerometer."""
+    """Pair rates by attitude and gyro, and accelerations by velocity and accelerometer.
+
+    The latter have no samples where there is no accelerometer.
+    """
     own, rest = recording.attitude, [recording.velocity, recording.rates]
     force = recording.specific_force
     rest += [force] if force is not None else []
     # At their own times the signs of quaternions must not jump.
-    smooth = Signal(own.name, own.time, log.continuous(own.values))
+    smooth = Signal(own.name, own.time, continuous(own.values))
     time = common_clock([own], rest, recording.source)
     ends = np.flatnonzero(np.diff(time) > LONGEST_GAP) + 1
     parts = [part for part in np.split(time, ends) if part.size > 3]
     each = [_compared(recording, smooth, part) for part in parts]
-    joined = [np.concatenate(arrays) for arrays in zip(*each, strict=True)]
-    when, turned, gyro, moved, pushed = joined
+    when, turned, gyro, accelerated, pushed = (
+        np.concatenate(arrays) for arrays in zip(*each, strict=True)
+    )
     some = slice(0 if force is None else None)
     return (
         Pair(when, turned, gyro, TURNING),
-        Pair(when[some], moved[some], pushed[some], ACCELERATING),
+        Pair(when[some], accelerated[some], pushed[some], ACCELERATING),
     )
 
 
 def _compared(recording: Recording, attitude: Signal, time: Floats) -> tuple[Floats, ...]:
-    """Times between samples of a stretch without gaps, and what is compared there."""
-    quaternions = _low_passed(interpolated(attitude, time), time)
-    turn = log.attitude_to_flu_enu(quaternions, recording.body_frame, recording.world_frame)
-    steps = np.diff(time)[:, None]
-    turned = (turn[:-1].inv() * turn[1:]).as_rotvec() / steps
+    """Return times between samples of a stretch without gaps, and what is compared there."""
+    step = float(np.median(np.diff(time)))
+
+    def smooth(values: Floats) -> Floats:
+        if 4.0 * CUTOFF * step > 1.0 or time.size < 20:
+            return values
+        return low_pass(values, 2.0 * CUTOFF * step, round(0.5 / step))
 
     def in_flu(signal: Signal) -> Floats:
-        values = log.body_to_flu(interpolated(signal, time), recording.body_frame)
-        return _low_passed(values, time)
+        return smooth(body_to_flu(interpolated(signal, time), recording.body_frame))
 
-    gyro = in_flu(recording.rates)
+    def between(values: Floats) -> Floats:
+        return 0.5 * (values[1:] + values[:-1])
+
+    quaternions = smooth(interpolated(attitude, time))
+    turn = attitude_to_flu_enu(quaternions, recording.body_frame, recording.world_frame)
+    steps = np.diff(time)[:, None]
+    turned = (turn[:-1].inv() * turn[1:]).as_rotvec() / steps
     if recording.velocity_in == "body":
         velocity = turn.apply(in_flu(recording.velocity))
     else:
         over_ground = interpolated(recording.velocity, time)
-        velocity = _low_passed(log.world_to_enu(over_ground, recording.world_frame), time)
-    moved = np.diff(velocity, axis=0) / steps
-    pushed = np.full_like(moved, np.nan)
+        velocity = smooth(world_to_enu(over_ground, recording.world_frame))
+    accelerated = np.diff(velocity, axis=0) / steps
+    pushed = np.full_like(accelerated, np.nan)
     if recording.specific_force is not None:
-        pushed = _between(turn.apply(in_flu(recording.specific_force)))
+        pushed = between(turn.apply(in_flu(recording.specific_force)))
         pushed[:, 2] -= GRAVITY
-    middle = 0.5 * (time[1:] + time[:-1])
-    return middle, turned, _between(gyro), moved, pushed
-
-
-def _between(values: Floats) -> Floats:
-    return np.asarray(0.5 * (values[1:] + values[:-1]))
-
-
-def _low_passed(values: Floats, time: Floats) -> Floats:
-    """Without what is faster than 3 Hz, where there are samples enough."""
-    step = float(np.median(np.diff(time)))
-    if 4.0 * CUTOFF * step > 1.0 or time.size < 20:
-        return values
-    from scipy.signal import butter, sosfiltfilt
-
-    sections = butter(2, 2.0 * CUTOFF * step, output="sos")
-    beyond = min(time.size - 1, round(0.5 / step))
-    return np.asarray(sosfiltfilt(sections, values, axis=0, padlen=beyond))
+    return between(time), turned, between(in_flu(recording.rates)), accelerated, pushed
 
 
 def _late(recording: Recording, turning: Pair) -> list[str]:
-    """A remark where gyro and attitude agree much better with a delay between their clocks."""
+    """Warn where gyro and attitude agree much better with a delay between their clocks."""
     now = turning.mismatch()
     if not now > 0.5 * AGREE:
         return []
@@ -180,19 +174,18 @@ def _late(recording: Recording, turning: Pair) -> list[str]:
     if abs(late) < LATE or not tried[late] < min(AGREE, 0.25 * now):
         return []
     return [
-        f"{recording.source}: {recording.rates.name} come {abs(late):.2g} s "
-        f"{'after' if late > 0.0 else 'before'} {recording.attitude.name}: give all signals the "
-        "stamps of one clock"
+        f"{recording.rates.name} come {abs(late):.2g} s {'after' if late > 0.0 else 'before'} "
+        f"{recording.attitude.name}: give all signals the stamps of one clock"
     ]
 
 
-def _stretches(recording: Recording, turning: Pair, moving: Pair) -> list[str]:
-    """Remarks on when the signals disagree."""
+def _broken_stretches(recording: Recording, turning: Pair, moving: Pair) -> list[str]:
+    """Warn of stretches in which the signals disagree."""
     force = recording.specific_force
     names = [(turning, recording.rates.name, recording.attitude.name)]
     if force is not None:
         names.append((moving, force.name, recording.velocity.name))
-    told = []
+    found = []
     for pair, measured, other in names:
         first, last = float(pair.time[0]), float(pair.time[-1])
         ends = np.linspace(first, last, max(round((last - first) / WINDOW), 1) + 1)
@@ -202,12 +195,12 @@ def _stretches(recording: Recording, turning: Pair, moving: Pair) -> list[str]:
             if pair.mismatch((pair.time >= begin) & (pair.time <= end)) > BROKEN
         ]
         if bad:
-            told.append(
-                f"{recording.source}: {measured} and {other} describe different motions in "
-                f"{len(bad)} of {len(ends) - 1} stretches, from {bad[0][0]:.4g} to {bad[-1][1]:.4g}"
-                " s: look for a jump of a clock, a sensor that failed, or wrong axes; cut the log"
+            found.append(
+                f"{measured} and {other} describe different motions in {len(bad)} of "
+                f"{len(ends) - 1} stretches, from {bad[0][0]:.4g} to {bad[-1][1]:.4g} s: look for "
+                "a jump of a clock, a sensor that failed, or wrong axes; cut the log"
             )
-    return told
+    return found
 
 
 # -------------------------------------------------------------------------------------------------
@@ -215,272 +208,142 @@ def _stretches(recording: Recording, turning: Pair, moving: Pair) -> list[str]:
 
 OTHER = {"flu": "frd", "frd": "flu", "enu": "ned", "ned": "enu", "body": "world", "world": "body"}
 
-HALF_TURN = np.array([1.0, -1.0, -1.0])
-"""FLU to FRD and back."""
-
-SPEED_UNITS = {"km/h": 3.6, "cm/s": 100.0, "mm/s": 1000.0}
-"""Per m/s."""
-
-OFF_TIME = 0.2
-"""Relative error of the time from which it is named."""
+HALF_TURN = np.array([1.0, -1.0, -1.0])  # FLU to FRD and back
+OFF_TIME = 0.2  # relative error of the time from which it is named
 
 
-@dataclass(frozen=True, eq=False)
-class Slip:
-    """A mistake that was made, what to do, and the recording without it."""
+def mistakes(recording: Recording, turning: Pair) -> Iterator[tuple[str, str, Recording]]:
+    """Yield each mistake that may have been made: cause, remedy, and the recording without it.
 
-    cause: str
-    remedy: str
-    put_right: Recording
-
-
-def slips(recording: Recording, turned: Floats, gyro: Floats) -> Iterator[Slip]:
-    """Each mistake that may have been made in a recording.
-
-    Parameters
-    ----------
-    recording : Recording
-        Cleaned.
-    turned, gyro : ndarray, shape (n, 3)
-        Rates by the attitude and by the gyro [rad/s].
+    The ``recording`` is cleaned, ``turning`` are its rates by attitude and gyro.
     """
-    yield from _of_rates(recording)
-    yield from _of_attitude(recording)
-    yield from _of_velocity(recording)
-    if recording.specific_force is not None:
-        yield from _of_force(recording, recording.specific_force)
-    yield from _of_time(recording, turned, gyro)
 
+    def corrected(values: Floats, signal: Signal, **more: Any) -> Recording:
+        name = next(n for n, one in recording.signals().items() if one is signal)
+        changed: Any = {name: replace(signal, values=values)}
+        return replace(recording, **changed, **more)
 
-def _changed(signal: Signal, values: Floats) -> Signal:
-    return Signal(signal.name, signal.time, values)
-
-
-def _of_rates(recording: Recording) -> Iterator[Slip]:
-    rates, frame = recording.rates, OTHER[recording.body_frame]
-    for factor, cause, remedy in (
-        (np.pi / 180.0, "are in degrees per second", "convert them to rad/s"),
-        (180.0 / np.pi, "are 57 times too small", "convert degrees to radians once, not twice"),
-    ):
-        yield Slip(
-            f"{rates.name} {cause}: taken so, they agree with the attitude",
-            remedy,
-            replace(recording, rates=_changed(rates, rates.values * factor)),
-        )
-    flipped = _changed(rates, rates.values * HALF_TURN)
-    yield Slip(
-        f"{rates.name} are along the axes of {frame.upper()}, not {recording.body_frame.upper()}: "
-        "so they agree with the attitude",
-        "change the signs of their y and z",
-        replace(recording, rates=flipped),
-    )
+    body, world, frame = recording.body_frame, recording.world_frame, recording.velocity_in
+    other_body = f"along the axes of {OTHER[body].upper()}, not {body.upper()}"
+    rates, attitude, velocity = recording.rates, recording.attitude, recording.velocity
     force = recording.specific_force
+    for like, factor in UNIT_ERRORS["angular rate"].items():
+        cause = f"{rates.name} are in {like}"
+        yield cause, "convert them to rad/s, once", corrected(rates.values / factor, rates)
+    flipped = corrected(rates.values * HALF_TURN, rates)
+    yield f"{rates.name} are {other_body}", "change the signs of their y and z", flipped
     if force is not None:
-        yield Slip(
-            f"{rates.name} and {force.name} are along the axes of {frame.upper()}, not "
-            f"{recording.body_frame.upper()}: taken so, they agree with attitude and velocity",
-            "change the signs of y and z of both",
-            replace(
-                recording, rates=flipped, specific_force=_changed(force, force.values * HALF_TURN)
-            ),
-        )
+        both = replace(flipped, specific_force=replace(force, values=force.values * HALF_TURN))
+        cause = f"{rates.name} and {force.name} are {other_body}"
+        yield cause, "change the signs of y and z of both", both
 
-
-def _of_attitude(recording: Recording) -> Iterator[Slip]:
-    signal = recording.attitude
-    agrees = "taken so, it agrees with the gyro"
-    q = signal.values
-
-    def with_quaternions(values: Floats) -> Recording:
-        return replace(recording, attitude=_changed(signal, values))
-
-    yield Slip(
-        f"{signal.name} turns world to body axes, expected body to world: {agrees}",
-        "change the signs of qx, qy and qz",
-        with_quaternions(q * np.array([1.0, -1.0, -1.0, -1.0])),
-    )
+    q = attitude.values
+    cause = f"{attitude.name} turns world to body axes, expected body to world"
+    inverse = corrected(q * np.array([1.0, -1.0, -1.0, -1.0]), attitude)
+    yield cause, "change the signs of qx, qy and qz", inverse
     for order, first, named in (
         ([3, 0, 1, 2], "x, y, z, w", "qw is the last column, qx the first"),
         ([1, 2, 3, 0], "w, x, y, z", "qw is the column that is named qx"),
     ):
-        yield Slip(
-            f"{signal.name} has its numbers in the order {first}: {agrees}",
-            f"correct the columns, {named}",
-            with_quaternions(q[:, order]),
-        )
-    body, world = OTHER[recording.body_frame], OTHER[recording.world_frame]
-    meant = log.attitude_to_flu_enu(q, body, world).as_quat(scalar_first=True)
-    stated = log.attitude_to_flu_enu(meant, recording.body_frame, recording.world_frame)
-    yield Slip(
-        f"{signal.name} turns {body.upper()} to {world.upper()}, stated are "
-        f"{recording.body_frame.upper()} and {recording.world_frame.upper()}: {agrees}",
+        cause = f"{attitude.name} has its numbers in the order {first}"
+        yield cause, f"correct the columns, {named}", corrected(q[:, order], attitude)
+    meant = attitude_to_flu_enu(q, OTHER[body], OTHER[world]).as_quat(scalar_first=True)
+    stated = attitude_to_flu_enu(meant, body, world).as_quat(scalar_first=True)
+    yield (
+        f"{attitude.name} turns {OTHER[body].upper()} to {OTHER[world].upper()}, stated are "
+        f"{body.upper()} and {world.upper()}",
         "give all signals in the same frames",
-        with_quaternions(stated.as_quat(scalar_first=True)),
+        corrected(stated, attitude),
     )
 
-
-def _of_velocity(recording: Recording) -> Iterator[Slip]:
-    signal, frame = recording.velocity, recording.velocity_in
-    agrees = "taken so, it agrees with the accelerometer"
-
-    def with_velocity(values: Floats) -> Recording:
-        return replace(recording, velocity=_changed(signal, values))
-
     other = OTHER[frame]
-    yield Slip(
-        f"{signal.name} is along {other} axes, not {frame} axes: {agrees}",
+    yield (
+        f"{velocity.name} is along {other} axes, not {frame} axes",
         f'write velocity_in = "{other}" in [log]',
         replace(recording, velocity_in=other),
     )
     if frame == "body":
-        stated, turned = recording.body_frame, signal.values * HALF_TURN
-        remedy = "change the signs of its y and z"
+        turned, remedy = velocity.values * HALF_TURN, "change the signs of its y and z"
     else:
-        stated = recording.world_frame
-        turned = log.world_to_enu(signal.values, "ned")
-        remedy = "give it along the axes of world_frame"
-    yield Slip(
-        f"{signal.name} is along the axes of {OTHER[stated].upper()}, not {stated.upper()}: "
-        f"{agrees}",
-        remedy,
-        with_velocity(turned),
-    )
+        turned, remedy = world_to_enu(velocity.values, "ned"), "give it along world_frame's axes"
+    axes = body if frame == "body" else world
+    cause = f"{velocity.name} is along the axes of {OTHER[axes].upper()}, not {axes.upper()}"
+    yield cause, remedy, corrected(turned, velocity)
     if frame == "world":
-        upwards = np.array([1.0, 1.0, 1.0 if recording.world_frame == "enu" else -1.0])
-        climbing = signal.values.copy()
-        climbing[:, 2] = np.gradient(signal.values[:, 2], signal.time)
-        yield Slip(
-            f"the third component of {signal.name} is an altitude, whose change agrees with the "
-            "accelerometer",
+        climb = np.gradient(velocity.values[:, 2], velocity.time)
+        climbing = velocity.values.copy()
+        climbing[:, 2] = climb if world == "enu" else -climb
+        yield (
+            f"the third component of {velocity.name} is an altitude",
             "name the column of the vertical velocity [m/s] instead",
-            with_velocity(climbing * upwards),
+            corrected(climbing, velocity),
         )
-    for unit, factor in SPEED_UNITS.items():
-        yield Slip(
-            f"{signal.name} is in {unit}: {agrees}",
-            "convert it to m/s",
-            with_velocity(signal.values / factor),
-        )
-    slope = np.gradient(signal.values, signal.time, axis=0)
-    yield Slip(
-        f"{signal.name} holds positions, whose change agrees with the accelerometer",
+    for like, factor in (UNIT_ERRORS["speed"] | UNIT_ERRORS["fine speed"]).items():
+        cause = f"{velocity.name} is in {like}"
+        yield cause, "convert it to m/s", corrected(velocity.values / factor, velocity)
+    slope = np.gradient(velocity.values, velocity.time, axis=0)
+    yield (
+        f"{velocity.name} holds positions",
         "name the columns of the velocity [m/s] instead",
-        replace(recording, velocity=_changed(signal, slope), velocity_in="world"),
+        corrected(slope, velocity, velocity_in="world"),
     )
 
+    if force is not None:
+        at = np.clip(force.time, attitude.time[0], attitude.time[-1])
+        smooth = replace(attitude, values=continuous(q))
+        turn = attitude_to_flu_enu(interpolated(smooth, at), body, world)
+        flu = body_to_flu(force.values, body)
+        upward = turn.apply(np.tile([0.0, 0.0, GRAVITY], (at.size, 1)), inverse=True)
+        for cause, remedy, values in (
+            (
+                f"gravity is taken off {force.name}, which reads about 0 in hover",
+                "give what the accelerometer reads, about 9.8 m/s^2 upwards in hover",
+                flu + upward,
+            ),
+            (f"{force.name} points the wrong way, down in hover", "change its sign", -flu),
+            (f"{force.name} is {other_body}", "change the signs of its y and z", flu * HALF_TURN),
+            (
+                f"{force.name} is along world axes, not body axes",
+                "give it along the axes of the body, as an accelerometer reads",
+                turn.apply(flu, inverse=True),
+            ),
+            *(
+                (f"{force.name} is in {like}", "convert it to m/s^2", flu / factor)
+                for like, factor in UNIT_ERRORS["specific force"].items()
+            ),
+        ):
+            yield cause, remedy, corrected(body_to_flu(values, body), force)
 
-def _of_force(recording: Recording, force: Signal) -> Iterator[Slip]:
-    agrees = "taken so, it agrees with the velocity"
-    at = np.clip(force.time, recording.attitude.time[0], recording.attitude.time[-1])
-    own = recording.attitude
-    smooth = Signal(own.name, own.time, log.continuous(own.values))
-    turn = log.attitude_to_flu_enu(
-        interpolated(smooth, at), recording.body_frame, recording.world_frame
-    )
-    flu = log.body_to_flu(force.values, recording.body_frame)
-
-    def with_force(in_flu: Floats) -> Recording:
-        values = log.body_to_flu(in_flu, recording.body_frame)
-        return replace(recording, specific_force=_changed(force, values))
-
-    upward = turn.apply(np.tile([0.0, 0.0, GRAVITY], (at.size, 1)), inverse=True)
-    yield Slip(
-        f"gravity is taken off {force.name}, which reads about 0 in hover: with it, it agrees "
-        "with the velocity",
-        "give what the accelerometer reads, about 9.8 m/s^2 upwards in hover",
-        with_force(flu + upward),
-    )
-    yield Slip(
-        f"{force.name} points the wrong way, down in hover: {agrees}",
-        "change its sign",
-        with_force(-flu),
-    )
-    stated = recording.body_frame
-    yield Slip(
-        f"{force.name} is along the axes of {OTHER[stated].upper()}, not {stated.upper()}: "
-        f"{agrees}",
-        "change the signs of its y and z",
-        with_force(flu * HALF_TURN),
-    )
-    yield Slip(
-        f"{force.name} is along world axes, not body axes: {agrees}",
-        "give it along the axes of the body, as an accelerometer reads",
-        with_force(turn.apply(flu, inverse=True)),
-    )
-    yield Slip(
-        f"{force.name} is in units of g: {agrees}",
-        "convert it to m/s^2",
-        with_force(flu * GRAVITY),
-    )
-
-
-def _of_time(recording: Recording, turned: Floats, gyro: Floats) -> Iterator[Slip]:
-    along, size = float(np.sum(turned * gyro)), float(np.sum(turned**2))
+    along = float(np.sum(turning.expected * turning.measured))
+    size = float(np.sum(turning.expected**2))
     slow = along / size if size > 0.0 else 0.0
-    if slow <= 0.0 or abs(slow - 1.0) < OFF_TIME:
-        return
-    signals = {
-        name: Signal(signal.name, signal.time / slow, signal.values)
-        for name, signal in recording.signals().items()
-    }
-    yield Slip(
-        f"the times are {slow:.3g} times those by which attitude and gyro agree",
-        "give the times of the measurements in seconds",
-        replace(recording, **signals),  # type: ignore[arg-type]
-    )
+    if slow > 0.0 and abs(slow - 1.0) >= OFF_TIME:
+        signals: Any = {
+            name: replace(signal, time=signal.time / slow)
+            for name, signal in recording.signals().items()
+        }
+        yield (
+            f"the times are {slow:.3g} times those by which attitude and gyro agree",
+            "give the times of the measurements in seconds",
+            replace(recording, **signals),
+        )
 
 
 # -------------------------------------------------------------------------------------------------
 # Sensors that stood still, reached the end of their range or fell silent.
 
-AT_END = 0.005
-"""Share of samples at the end of a range from which it is told."""
-
-IN_A_ROW = 3
-"""Samples at an end of the range, one after the other, that are no chance."""
-
+AT_END = 0.005  # share of samples at the end of a range from which it is reported
+IN_A_ROW = 3  # samples at an end of the range, one after the other, that are no chance
 HELD = 0.2
 """Share of samples equal to the one before from which a signal is one that keeps its values."""
 
-WIDE = 2.0
-"""Range [m/s^2] or [rad/s] below which no sensor is at its end."""
-
-MOST_GAPS = 3
-"""Of which is told."""
-
+WIDE = 2.0  # range [m/s^2] or [rad/s] below which no sensor is at its end
+MOST_GAPS = 3  # gaps that are listed
 AXES = "xyz"
 
 
-def sensor_faults(recording: Recording) -> list[str]:
-    """Warnings on gaps, on signals that never change, and on sensors at the end of their range.
-
-    Parameters
-    ----------
-    recording : Recording
-        As it was read.
-    """
-    recording = cleaned(recording)
-    told = _gaps(recording)
-    for signal in recording.signals().values():
-        still = np.ptp(signal.values, axis=0) == 0.0
-        if still.all():
-            told.append(f"{signal.name} never change: log what was measured")
-        elif signal is recording.specific_force and still.any():
-            axes = " and ".join(AXES[k] for k in np.flatnonzero(still))
-            told.append(f"{signal.name} never changes along {axes}: look for a dead axis")
-        elif signal is recording.rotor_speed and still.any():
-            rotors = " and ".join(str(k + 1) for k in np.flatnonzero(still))
-            told.append(
-                f"{signal.name} never changes of rotor {rotors} in the order of the log: log its "
-                "measured speed"
-            )
-    measured = [recording.rates, recording.specific_force]
-    told += [text for signal in measured if signal for text in _saturated(signal)]
-    return [f"{recording.source}: {text}" for text in told]
-
-
 def _gaps(recording: Recording) -> list[str]:
-    """Where a signal says nothing, or its clock jumped ahead; once for those of one table."""
+    """Warn where a signal is silent, or its clock jumped ahead; once for those of one table."""
     found: dict[tuple[float, float], str] = {}
     for signal in recording.signals().values():
         for k in np.flatnonzero(np.diff(signal.time) > LONGEST_GAP):
@@ -492,51 +355,39 @@ def _gaps(recording: Recording) -> list[str]:
     ]
 
 
+def _dead_sensors(recording: Recording) -> list[str]:
+    """Warn of signals that never change, some axes or rotors of them or all."""
+    found = []
+    for signal in recording.signals().values():
+        still = np.ptp(signal.values, axis=0) == 0.0
+        if still.all():
+            found.append(f"{signal.name} never change: log what was measured")
+        elif signal is recording.specific_force and still.any():
+            axes = " and ".join(AXES[k] for k in np.flatnonzero(still))
+            found.append(f"{signal.name} never changes along {axes}: look for a dead axis")
+        elif signal is recording.rotor_speed and still.any():
+            rotors = " and ".join(str(k + 1) for k in np.flatnonzero(still))
+            found.append(
+                f"{signal.name} never changes of rotor {rotors} in the order of the log: log its "
+                "measured speed"
+            )
+    return found
+
+
 def _saturated(signal: Signal) -> list[str]:
-    told = []
+    """Warn where a sensor is at the end of its range."""
+    found = []
     for axis, column in zip(AXES, signal.values.T, strict=True):
         if np.ptp(column) < WIDE:
             continue
         for end in (column.max(), column.min()):
-            count = _in_rows(column, end)
+            runs = (len([*run]) for same, run in itertools.groupby(column == end) if same)
+            count = sum(length for length in runs if length >= IN_A_ROW)
             elsewhere = column[column != end]
             steady = np.count_nonzero(np.diff(elsewhere) == 0.0) > HELD * elsewhere.size
             if count > AT_END * column.size and not steady:
-                told.append(
+                found.append(
                     f"{signal.name} stands at {end:.4g} along {axis} in {count} samples, as at the "
                     "end of the sensor's range: widen the range, or damp its mount"
                 )
-    return told
-
-
-def _in_rows(column: Floats, value: float) -> int:
-    """How many samples are the ``value`` in a row with others that are."""
-    runs = (len([*run]) for same, run in itertools.groupby(column == value) if same)
-    return sum(length for length in runs if length >= IN_A_ROW)
-
-
-# -------------------------------------------------------------------------------------------------
-# Whether a recording can be what it is said to be: the place where such checks meet.
-
-
-def check_recording(recording: Recording) -> list[str]:
-    """Look for mistakes in frames, units, columns and clocks, and for sensors that failed.
-
-    Checks that need the vehicle and its rotors are in ``propmap.flight.checks``.
-
-    Parameters
-    ----------
-    recording : Recording
-        As it was read.
-
-    Returns
-    -------
-    list of str
-        Warnings.
-
-    Raises
-    ------
-    InputError
-        For a mistake that is certain; the line names it and what to do.
-    """
-    return [*sensor_faults(recording), *check_consistency(recording)]
+    return found

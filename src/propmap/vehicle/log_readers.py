@@ -23,27 +23,33 @@ from propmap.vehicle.log import FlightLog, Recording, Signal, flight_log, quater
 # -------------------------------------------------------------------------------------------------
 # Flight logs as CSV or Parquet, whose columns the vehicle file names.
 
-MOST_SHOWN = 30
-"""Columns of a file that a message lists."""
-
+MOST_SHOWN = 30  # columns of a file that a message lists
 QUANTITIES = ("time", "velocity", "rates", "rotor_speed", "specific_force")
 OPTIONAL = ("specific_force",)
 
 
 def read_csv_log(path: Path, log: LogMap) -> Recording:
-    """A CSV file with a header line, or a Parquet file (``.parquet``, ``.pq``).
+    """Read a CSV file with a header line, or a Parquet file (``.parquet``, ``.pq``).
 
-    The ``log`` map must state the frames and units and name the columns: ``time`` [s],
-    ``velocity`` [m/s], ``rates`` [rad/s] and the optional ``specific_force`` [m/s^2] (3 each),
-    ``rotor_speed``, and either ``qw, qx, qy, qz`` or ``roll, pitch, yaw`` [rad] (yaw about z,
-    then pitch about y, then roll about x of the stated body frame).
-    Any dialect of ``propmap.io.csv`` is read.  Empty cells are samples that are not
-    finite; text is refused.  Raises ``InputError``.
+    The ``log`` map must state the frames and units and name the columns: ``time`` [s], ``velocity``
+    [m/s], ``rates`` [rad/s] and the optional ``specific_force`` [m/s^2] (3 each), ``rotor_speed``,
+    and either ``qw, qx, qy, qz`` or ``roll, pitch, yaw`` [rad] (yaw about z, then pitch about y,
+    then roll about x of the stated body frame). Any dialect of ``propmap.io.csv`` is read.  Empty
+    cells are samples that are not finite; text is refused.  Raises ``InputError``.
     """
     where = str(path)
     stated = {key: log.stated(key) for key in ("body_frame", "world_frame", "velocity_in")}
     factor = log.rotor_factor(log.stated("rotor_unit"))
-    attitude = _attitude_columns(log)
+    angles, quaternion = (
+        bool(set(names) & set(log.columns)) for names in (EULER_COLUMNS, QUATERNION_COLUMNS)
+    )
+    if angles and quaternion:
+        raise InputError(
+            "the attitude is given twice, as quaternion and as angles",
+            "keep one of them",
+            f"{log.file}: [log.columns]",
+        )
+    attitude = EULER_COLUMNS if angles else QUATERNION_COLUMNS
     wanted = [*QUANTITIES, *attitude]
     for key in wanted:
         if key not in log.columns and key not in OPTIONAL:
@@ -70,18 +76,8 @@ def read_csv_log(path: Path, log: LogMap) -> Recording:
     )
 
 
-def _attitude_columns(log: LogMap) -> tuple[str, ...]:
-    given = [set(names) & set(log.columns) for names in (QUATERNION_COLUMNS, EULER_COLUMNS)]
-    if all(given):
-        raise InputError(
-            "the attitude is given twice, as quaternion and as angles",
-            "keep one of them",
-            f"{log.file}: [log.columns]",
-        )
-    return EULER_COLUMNS if given[1] else QUATERNION_COLUMNS
-
-
 def _quaternions(columns: list[Floats], where: str) -> Floats:
+    """Return quaternions (n, 4) of columns that are these, or angles [rad]."""
     if len(columns) == len(QUATERNION_COLUMNS):
         return np.stack(columns, axis=1)
     largest = max(float(np.nanmax(np.abs(column), initial=0.0)) for column in columns)
@@ -96,7 +92,7 @@ def _quaternions(columns: list[Floats], where: str) -> Floats:
 
 
 def _table(path: Path, where: str, wanted: Collection[str]) -> Any:
-    """The file as a pandas data frame; of a CSV file, all cells as text with decimal points."""
+    """Load the file as a pandas data frame; of CSV, all cells as text with decimal points."""
     import pandas as pd  # type: ignore[import-untyped]
 
     try:
@@ -164,30 +160,26 @@ def _use_points(table: Any, separator: str, where: str, wanted: Collection[str])
 
 
 def _columns(table: Any, names: tuple[str, ...], key: str, where: str, log: LogMap) -> Floats:
-    """Columns as numbers; (n, len(names))."""
-    columns = []
+    """Return columns as numbers; (n, len(names))."""
+    columns, present = [], list(table.columns)
     for name in names:
-        count = list(table.columns).count(name)
-        if count != 1:
-            raise _missing_column(name, key, list(table.columns), where, log)
+        if present.count(name) != 1:
+            close = difflib.get_close_matches(name, present, n=1)
+            hint = f"did you mean {close[0]!r}? " if close else ""
+            more = ", ..." if len(present) > MOST_SHOWN else ""
+            times = "occurs more than once" if name in present else "is missing"
+            raise InputError(
+                f"column {quoted(name)} {times}; the file has "
+                f"{', '.join(present[:MOST_SHOWN])}{more}",
+                f"{hint}correct {key} in [log.columns] of {log.file}",
+                where,
+            )
         columns.append(_numbers(table[name], name, where))
     return np.stack(columns, axis=1)
 
 
-def _missing_column(name: str, key: str, present: list[str], where: str, log: LogMap) -> InputError:
-    close = difflib.get_close_matches(name, present, n=1)
-    hint = f"did you mean {close[0]!r}? " if close else ""
-    listed = ", ".join(present[:MOST_SHOWN]) + (", ..." if len(present) > MOST_SHOWN else "")
-    times = "occurs more than once" if name in present else "is missing"
-    return InputError(
-        f"column {quoted(name)} {times}; the file has {listed}",
-        f"{hint}correct {key} in [log.columns] of {log.file}",
-        where,
-    )
-
-
 def _numbers(column: Any, name: str, where: str) -> Floats:
-    """A column of a data frame as float64; empty cells are NaN, other text is refused."""
+    """Convert a column of a data frame to float64; empty cells are NaN, other text is refused."""
     import pandas as pd
 
     numbers = pd.to_numeric(column, errors="coerce")
@@ -209,6 +201,7 @@ def _numbers(column: Any, name: str, where: str) -> Floats:
 
 MICROSECOND = 1e-6
 
+# Topics and fields per quantity; the first topic that the log has is used.
 ATTITUDE = {"vehicle_attitude": [f"q[{k}]" for k in range(4)]}
 VELOCITY = {"vehicle_local_position": ["vx", "vy", "vz"]}
 VALID = ("v_xy_valid", "v_z_valid")
@@ -223,8 +216,6 @@ SPECIFIC_FORCE = {
     "sensor_combined": [f"accelerometer_m_s2[{k}]" for k in range(3)],
 }
 ROTORS = "esc_status"
-"""Topics and fields per quantity; the first topic that the log has is used."""
-
 ACCELEROMETER_LATE, NOT_SAMPLED = "accelerometer_timestamp_relative", 2**31 - 1
 """Field of sensor_combined with the time from its stamp to that of the accelerometer [us], and what
 it holds where there is none: PX4's SensorCombined.msg."""
@@ -236,38 +227,36 @@ TOPICS = sorted({*ATTITUDE, *VELOCITY, *RATES, *SPECIFIC_FORCE, ROTORS})
 
 
 def read_ulog(path: Path, log: LogMap) -> Recording:
-    """A ULog file with the topics of PX4.
+    """Read a ULog file with the topics of PX4.
 
     vehicle_attitude, vehicle_local_position, vehicle_angular_velocity (else sensor_combined),
-    vehicle_acceleration (else sensor_combined, else none) and esc_status, whose ``esc_rpm`` is
-    in rpm unless the ``log`` map says "erpm", and which are in the order of PX4's motors where the
-    log says which controller turns which.  Times are those of the measurement where logged.
-    Velocities that the log marks as not valid are left out.
-    Frames are PX4's, FRD and NED, whatever the map says.  Raises ``InputError``.
+    vehicle_acceleration (else sensor_combined, else none) and esc_status, whose ``esc_rpm`` is in
+    rpm unless the ``log`` map says "erpm", and which are in the order of PX4's motors where the log
+    says which controller turns which.  Times are those of the measurement where logged.  Velocities
+    that the log marks as not valid are left out.  Frames are PX4's, FRD and NED, whatever the map
+    says.  Raises ``InputError``.
     """
-    where = str(path)
-    file = _parsed(path, where)
+    file = _parsed(path)
     unit = "erpm" if log.rotor_unit == "erpm" else "rpm"
-    rates = _signal(file, "rates", RATES, where)
-    source = f"{where} (damaged parts skipped)" if file.file_corruption else where
+    source = f"{path} (damaged parts skipped)" if file.file_corruption else str(path)
     return Recording(
         source=source,
         body_frame="frd",
         world_frame="ned",
         velocity_in="world",
-        attitude=_signal(file, "attitude", ATTITUDE, where),
-        velocity=_signal(file, "velocity", VELOCITY, where),
-        rates=rates,
-        rotor_speed=_ulog_rotor_speed(file, log.rotor_factor(unit), where),
+        attitude=_signal(file, "attitude", ATTITUDE),
+        velocity=_signal(file, "velocity", VELOCITY),
+        rates=_signal(file, "rates", RATES),
+        rotor_speed=_ulog_rotor_speed(file, log.rotor_factor(unit)),
         specific_force=(
-            _signal(file, "specific force", SPECIFIC_FORCE, where)
+            _signal(file, "specific force", SPECIFIC_FORCE)
             if any(_dataset(file, topic) for topic in SPECIFIC_FORCE)
             else None
         ),
     )
 
 
-def _parsed(path: Path, where: str) -> Any:
+def _parsed(path: Path) -> Any:
     from pyulog import ULog
 
     try:
@@ -275,35 +264,34 @@ def _parsed(path: Path, where: str) -> Any:
         with path.open("rb") as file, contextlib.redirect_stdout(io.StringIO()):
             return ULog(file, TOPICS)
     except OSError as error:
-        raise InputError(f"cannot be read: {error.strerror}", "check the path", where) from None
+        raise InputError(f"cannot be read: {error.strerror}", "check the path") from None
     # Damaged bytes make its parser fail in ways that it does not list.
     except Exception as error:
         raise InputError(
             f"not a ULog file: {error or type(error).__name__}",
             "give the .ulg file as the flight controller wrote it",
-            where,
         ) from None
 
 
 def _dataset(file: Any, topic: str) -> Any:
-    """The first instance of a topic with samples, or None."""
+    """Return the first instance of a topic with samples, or None."""
     found = [data for data in file.data_list if data.name == topic and len(data.data["timestamp"])]
     return min(found, key=lambda data: data.multi_id) if found else None
 
 
-def _signal(file: Any, name: str, sources: dict[str, list[str]], where: str) -> Signal:
+def _signal(file: Any, name: str, sources: dict[str, list[str]]) -> Signal:
     for topic, fields in sources.items():
         data = _dataset(file, topic)
         if data is not None:
-            columns = [_field(data, topic, field, where) for field in fields]
+            columns = [_field(data, topic, field) for field in fields]
             values = np.stack(columns, axis=1)
-            valid = _valid(data, name, topic, where)
+            valid = _valid(data, name, topic)
             return Signal(f"{name} ({topic})", _time(data, fields[0])[valid], values[valid])
-    raise _missing_topic(file, " or ".join(sources), where)
+    raise _missing_topic(file, " or ".join(sources))
 
 
-def _valid(data: Any, name: str, topic: str, where: str) -> NDArray[np.bool_]:
-    """Which samples (n,) of a topic the log does not mark as unknown."""
+def _valid(data: Any, name: str, topic: str) -> NDArray[np.bool_]:
+    """Say which samples (n,) of a topic the log does not mark as unknown."""
     stamps = data.data["timestamp"]
     flags = [data.data[flag] for flag in VALID if flag in data.data]
     late = data.data.get(ACCELEROMETER_LATE)
@@ -314,37 +302,32 @@ def _valid(data: Any, name: str, topic: str, where: str) -> NDArray[np.bool_]:
         raise InputError(
             f"{topic} marks all {stamps.size} samples of its {name} as not valid",
             "fly where the autopilot knows its velocity: with GPS, optical flow or motion capture",
-            where,
         )
     return np.asarray(valid)
 
 
-def _ulog_rotor_speed(file: Any, factor: float, where: str) -> Signal:
+def _ulog_rotor_speed(file: Any, factor: float) -> Signal:
     data = _dataset(file, ROTORS)
     if data is None:
-        raise _missing_topic(file, ROTORS, where)
-    count = int(np.max(_field(data, ROTORS, "esc_count", where)))
-    columns = [_field(data, ROTORS, f"esc[{k}].esc_rpm", where) for k in range(count)]
+        raise _missing_topic(file, ROTORS)
+    count = int(np.max(_field(data, ROTORS, "esc_count")))
+    columns = [_field(data, ROTORS, f"esc[{k}].esc_rpm") for k in range(count)]
     if not columns:
         raise InputError(
             "esc_count of topic esc_status is 0: no motor controller reports its speed",
             "fly with controllers that report rpm, by DShot telemetry or UAVCAN",
-            where,
         )
-    speeds = np.stack(columns, axis=1)[:, _by_motor(data, count)]
+    # In the order of the motors, where the log says of all controllers which one they turn.
+    fields = [f"esc[{k}].actuator_function" for k in range(count)]
+    turned = [int(np.median(data.data[field])) for field in fields if field in data.data]
+    motors = [FIRST_MOTOR + k for k in range(count)]
+    order = [turned.index(m) for m in motors] if sorted(turned) == motors else [*range(count)]
+    speeds = np.stack(columns, axis=1)[:, order]
     return Signal(f"rotor speed ({ROTORS})", _time(data), speeds * factor)
 
 
-def _by_motor(data: Any, count: int) -> list[int]:
-    """Places of motors 1 to ``count`` among the controllers, where the log tells them all."""
-    fields = [f"esc[{k}].actuator_function" for k in range(count)]
-    told = [int(np.median(data.data[field])) for field in fields if field in data.data]
-    motors = [FIRST_MOTOR + k for k in range(count)]
-    return [told.index(motor) for motor in motors] if sorted(told) == motors else [*range(count)]
-
-
 def _time(data: Any, field: str = "") -> Floats:
-    """[s]; (n,): of the measurement of a ``field`` where the topic says it, else of publication."""
+    """Return when a ``field`` was measured where the topic says it, else published [s]; (n,)."""
     stamps = data.data["timestamp"]
     measured = data.data.get("timestamp_sample", stamps)
     time = np.where(measured > 0, measured, stamps).astype(np.float64)
@@ -353,24 +336,22 @@ def _time(data: Any, field: str = "") -> Floats:
     return np.asarray(time * MICROSECOND)
 
 
-def _field(data: Any, topic: str, field: str, where: str) -> Floats:
+def _field(data: Any, topic: str, field: str) -> Floats:
     if field not in data.data:
         raise InputError(
             f"topic {topic} has no field {field}, it has {', '.join(data.data)}",
             "give a log of PX4 1.11 or later",
-            where,
         )
     return np.asarray(data.data[field], dtype=np.float64)
 
 
-def _missing_topic(file: Any, topic: str, where: str) -> InputError:
+def _missing_topic(file: Any, topic: str) -> InputError:
     # Topics that are not of use here are not parsed, but the log names their formats.
     present = sorted({data.name for data in file.data_list}) or ["no topic of use"]
     return InputError(
         f"no topic {topic}; found {', '.join(present)}",
         "log it: see SDLOG_PROFILE of PX4, and for esc_status motor controllers with telemetry "
         "(actuator_motors and actuator_outputs are commands, no speeds)",
-        where,
     )
 
 
@@ -398,16 +379,14 @@ Extract = Callable[[Any], list[float]]
 
 
 def read_rosbag(path: Path, log: LogMap) -> Recording:
-    """A bag whose topics ``[log.topics]`` names.
+    """Read a bag whose topics ``[log.topics]`` names.
 
     ``odometry`` (nav_msgs/Odometry), or ``pose`` (geometry_msgs/PoseStamped) and ``velocity``
     (geometry_msgs/TwistStamped); ``rotor_speed`` (an array of numbers, see ``ROTOR_FIELDS``);
-    optional ``imu`` (sensor_msgs/Imu) for rates and specific force, else the rates are those
-    of the odometry or twist and the specific force is not known.
-    Times are those of the headers; of a message without one, when it was recorded.
-    Raises ``InputError``.
+    optional ``imu`` (sensor_msgs/Imu) for rates and specific force, else the rates are those of the
+    odometry or twist and the specific force is not known.  Times are those of the headers; of a
+    message without one, when it was recorded.  Raises ``InputError``.
     """
-    where = str(path)
     topics = log.topics
     if "rotor_speed" not in topics or not (
         "odometry" in topics or {"pose", "velocity"} <= {*topics}
@@ -417,7 +396,7 @@ def read_rosbag(path: Path, log: LogMap) -> Recording:
             'add [log.topics] with odometry = "/...", imu = "/...", rotor_speed = "/..."',
             log.where,
         )
-    read = _messages(path, where, log)
+    read = _messages(path, log)
     odometry = "odometry" in topics
     velocity_in = (log.velocity_in or "body") if odometry else log.stated("velocity_in")
     twist_role = "odometry" if odometry else "velocity"
@@ -444,7 +423,7 @@ def read_rosbag(path: Path, log: LogMap) -> Recording:
     imu = "imu" in topics
     factor = log.rotor_factor(log.stated("rotor_unit"))
     return Recording(
-        source=where,
+        source=str(path),
         body_frame=log.body_frame or "flu",
         world_frame=log.world_frame or "enu",
         velocity_in=velocity_in,
@@ -456,7 +435,7 @@ def read_rosbag(path: Path, log: LogMap) -> Recording:
             else signal("rates", twist_role, lambda m: _xyz(twist(m).angular))
         ),
         rotor_speed=_bag_rotor_speed(
-            *read["rotor_speed"], factor, f"rotor speed (topic {topics['rotor_speed']})", where
+            *read["rotor_speed"], factor, f"rotor speed (topic {topics['rotor_speed']})"
         ),
         specific_force=(
             signal("specific force", "imu", lambda m: _xyz(m.linear_acceleration)) if imu else None
@@ -468,17 +447,15 @@ def _xyz(vector: Any) -> list[float]:
     return [vector.x, vector.y, vector.z]
 
 
-def _messages(path: Path, where: str, log: LogMap) -> dict[str, tuple[Floats, list[Any]]]:
-    """Times [s] and messages of the topics named, by role."""
+def _messages(path: Path, log: LogMap) -> dict[str, tuple[Floats, list[Any]]]:
+    """Return times [s] and messages of the topics named, by role."""
     from rosbags.highlevel import AnyReader
     from rosbags.typesys import Stores, get_typestore
 
     try:
         # Old bags of ROS 2 do not hold the definitions of their messages.
         with AnyReader([path], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as bag:
-            return {
-                role: _topic(bag, role, topic, where, log) for role, topic in log.topics.items()
-            }
+            return {role: _topic(bag, role, topic, log) for role, topic in log.topics.items()}
     except InputError:
         raise
     # Damaged bytes make SQLite, MCAP and YAML parsers fail in ways that rosbags does not list.
@@ -486,79 +463,61 @@ def _messages(path: Path, where: str, log: LogMap) -> dict[str, tuple[Floats, li
         raise InputError(
             f"not a bag that can be read: {error or type(error).__name__}",
             "give a ROS 1 .bag, a ROS 2 folder with metadata.yaml, or an .mcap file",
-            where,
         ) from None
 
 
-def _topic(bag: Any, role: str, topic: str, where: str, log: LogMap) -> tuple[Floats, list[Any]]:
+def _topic(bag: Any, role: str, topic: str, log: LogMap) -> tuple[Floats, list[Any]]:
     connections = [c for c in bag.connections if c.topic == topic]
     if not connections:
         present = ", ".join(sorted(f"{c.topic} ({_short(c.msgtype)})" for c in bag.connections))
         raise InputError(
             f"no topic {topic}; the bag has {present or 'none'}",
             f"correct {role} in [log.topics] of {log.file}",
-            where,
         )
     wanted, found = TYPES.get(role), connections[0].msgtype
     if wanted not in (None, found):
         raise InputError(
             f"topic {topic} is of type {_short(found)}, expected {_short(str(wanted))}",
             f"name a topic of that type as {role} in [log.topics]",
-            where,
         )
     times, messages = [], []
     for connection, recorded, data in bag.messages(connections):
         message = bag.deserialize(data, connection.msgtype)
-        times.append(_stamp(message) or recorded * 1e-9)
+        header = getattr(message, "header", None)
+        stamp = header.stamp.sec + header.stamp.nanosec * 1e-9 if header is not None else 0.0
+        times.append(stamp or recorded * 1e-9)
         messages.append(message)
     return np.array(times, dtype=np.float64), messages
 
 
-def _stamp(message: Any) -> float:
-    """Time of the header [s]; 0 where there is none."""
-    header = getattr(message, "header", None)
-    return header.stamp.sec + header.stamp.nanosec * 1e-9 if header is not None else 0.0
-
-
-def _bag_rotor_speed(
-    time: Floats, messages: list[Any], factor: float, name: str, where: str
-) -> Signal:
-    """Rotor speeds [rad/s]; ``factor`` is their unit in the log."""
+def _bag_rotor_speed(time: Floats, messages: list[Any], factor: float, name: str) -> Signal:
+    """Return rotor speeds [rad/s]; ``factor`` is their unit in the log."""
     if not messages:
         return Signal(name, time, np.empty((0, 0)))
-    field = _rotor_field(messages[0], name, where)
+    kind: str = messages[0].__msgtype__
+    field = ROTOR_FIELDS.get(kind)
+    if field is None:
+        fields = messages[0].__dataclass_fields__
+        arrays = [one for one in fields if isinstance(getattr(messages[0], one), np.ndarray)]
+        if len(arrays) != 1:
+            found = f"{len(arrays)} arrays of numbers, expected 1"
+            raise InputError(
+                f"{name} is of type {_short(kind)} with {found}",
+                f"record the speeds as one of {', '.join(map(_short, ROTOR_FIELDS))}",
+            )
+        field = arrays[0]
     rows = [np.asarray(getattr(message, field), dtype=np.float64).ravel() for message in messages]
     lengths = sorted({row.size for row in rows})
     if len(lengths) > 1:
         raise InputError(
             f"messages of {name} have from {lengths[0]} to {lengths[-1]} values",
             "record one value per rotor in every message",
-            where,
         )
     return Signal(name, time, np.stack(rows) * factor)
 
 
-def _rotor_field(message: Any, name: str, where: str) -> str:
-    kind: str = message.__msgtype__
-    if kind in ROTOR_FIELDS:
-        return ROTOR_FIELDS[kind]
-    arrays = [
-        field
-        for field in message.__dataclass_fields__
-        if isinstance(getattr(message, field), np.ndarray)
-    ]
-    if len(arrays) != 1:
-        listed = ", ".join(_short(known) for known in ROTOR_FIELDS)
-        raise InputError(
-            f"{name} is of type {_short(kind)} with {len(arrays)} arrays of numbers, expected 1",
-            f"record the speeds as one of {listed}",
-            where,
-        )
-    return arrays[0]
-
-
 def _short(kind: str) -> str:
-    """The name of a message type as it is written in ROS 1 and in speech."""
+    """Write a message type as in ROS 1 and in speech."""
     return kind.replace("/msg/", "/")
 
 
@@ -605,17 +564,9 @@ def read_flight_log(
 
 
 def read_recording(path: str | os.PathLike[str], vehicle_file: VehicleFile) -> Recording:
-    """What a flight log of any kind holds, as it was recorded.
+    """Read what a flight log of any kind holds, as it was recorded.
 
-    Parameters
-    ----------
-    path, vehicle_file : path, VehicleFile
-        As for ``read_flight_log``.
-
-    Raises
-    ------
-    InputError
-        Where the log cannot be read.
+    Raises ``InputError`` where it cannot be read.
     """
     file = Path(path)
     where = str(file)
@@ -639,5 +590,7 @@ def read_recording(path: str | os.PathLike[str], vehicle_file: VehicleFile) -> R
         raise InputError(
             "this folder has no metadata.yaml, expected a ROS 2 bag", "name a file inside it", where
         )
-    reader = read_rosbag if folder else READERS[kind]
-    return reader(file, vehicle_file.log)
+    try:
+        return (read_rosbag if folder else READERS[kind])(file, vehicle_file.log)
+    except InputError as error:
+        raise InputError(error.found, error.remedy, error.where or where) from None

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from propmap.errors import InputError
+from propmap.model.plausibility import RPM as RPM
 from propmap.typing import Floats
 
 # -------------------------------------------------------------------------------------------------
@@ -20,23 +21,13 @@ of what it should be, one in rpm/V read as rad/s/V ten times as much."""
 
 
 class ElectricState(NamedTuple):
-    """What n states of m motors take; NaN where a part of the powertrain is not known.
+    """What n states of m motors take; NaN where a part of the powertrain is not known."""
 
-    Attributes
-    ----------
-    motor_current, controller_voltage : ndarray, shape (n, m)
-        [A]; the battery voltage that just drives the motor so [V].
-    power : ndarray, shape (n,)
-        At the battery's terminals [W].
-    battery_current, battery_voltage : ndarray, shape (n,)
-        [A], [V].
-    """
-
-    motor_current: Floats
-    controller_voltage: Floats
-    power: Floats
-    battery_current: Floats
-    battery_voltage: Floats
+    motor_current: Floats  # (n, m) [A]
+    controller_voltage: Floats  # battery voltage that just drives the motor so, (n, m) [V]
+    power: Floats  # at the battery's terminals, (n,) [W]
+    battery_current: Floats  # (n,) [A]
+    battery_voltage: Floats  # (n,) [V]
 
 
 @dataclass(frozen=True)
@@ -87,18 +78,12 @@ class Powertrain:
             )
 
     def driven(self, torque: Floats, omega: Floats, charge: float) -> ElectricState:
-        """Currents, voltages and power of n states.
+        """Return what shafts take at ``torque`` [N m] and ``omega`` [rad/s], (n, m).
 
-        Parameters
-        ----------
-        torque, omega : ndarray, shape (n, m)
-            Of the shafts [N m], [rad/s].
-        charge : float
-            State of charge, 0 to 1.
+        ``charge`` is the battery's state of charge, 0 to 1.
         """
-        nothing = np.full(torque.shape[:1], math.nan)
+        nothing, unknown = np.full(torque.shape[:1], math.nan), np.full_like(torque, math.nan)
         if self.motor is None:
-            unknown = np.full_like(torque, math.nan)
             return ElectricState(unknown, unknown, nothing, nothing, nothing)
         controller = self.controller or SpeedController()
         state = self.motor.driven(torque, omega)
@@ -108,37 +93,30 @@ class Powertrain:
             return ElectricState(state.current, voltage, power, nothing, nothing)
         power = power + self.battery.auxiliary_power
         full = np.full_like(power, charge)
+        current = self.battery.current(power, full)
         return ElectricState(
-            state.current,
-            voltage,
-            power,
-            self.battery.current(power, full),
-            self.battery.voltage(power, full),
+            state.current, voltage, power, current, self.battery.voltage(power, full)
         )
 
 
 # -------------------------------------------------------------------------------------------------
 # A brushless motor by its Kv, winding resistance and no-load current.
 
-RPM = math.pi / 30.0
-"""One revolution per minute [rad/s]."""
-
 COPPER = 0.00393
 """[1/K] by which the resistance of copper grows, from that at 20 degrees C: IEC 60028."""
 
-COLD = 20.0
-"""[degrees C] at which the resistance of a data sheet holds."""
+COLD = 20.0  # [degrees C] at which the resistance of a data sheet holds
 
 
 class MotorState(NamedTuple):
-    """What goes into a motor: ``current`` [A] and ``voltage`` [V], of the shape of its load."""
+    """What goes into a motor, of the shape of its load."""
 
-    current: Floats
-    voltage: Floats
+    current: Floats  # [A]
+    voltage: Floats  # [V]
 
     @property
     def power(self) -> Floats:
-        """Into the motor's terminals [W]."""
+        """Power into the motor's terminals [W]."""
         return self.current * self.voltage
 
 
@@ -183,31 +161,27 @@ class Motor:
     temperature: float = COLD
 
     def __post_init__(self) -> None:
-        for name, value, told in (
+        for name, value, meaning in (
             ("kv", self.speed_constant, "revolutions per minute and volt, as the data sheet does"),
             ("resistance", self.resistance, "the winding's ohms, between two of the three wires"),
             ("maximum_current", self.maximum_current, "amperes, or leave it out"),
             ("maximum_rpm", self.maximum_speed, "revolutions per minute, or leave it out"),
         ):
             if not value > 0.0:
-                raise InputError(f"{name} is {value:g}", f"give {told}, above 0")
-        if not self.no_load_current or min(self.no_load_current) < 0.0:
+                raise InputError(f"{name} is {value:g}", f"give {meaning}, above 0")
+        currents, voltages = self.no_load_current, self.no_load_voltage
+        if not currents or min(currents) < 0.0:
             raise InputError("no_load_current is negative or empty", "give amperes, 0 or more")
-        currents, voltages = len(self.no_load_current), len(self.no_load_voltage)
-        if (currents > 1 or voltages) and currents != voltages:
+        if (len(currents) > 1 or voltages) and len(currents) != len(voltages):
             raise InputError(
-                f"{currents} no_load_current for {voltages} no_load_voltage",
+                f"{len(currents)} no_load_current for {len(voltages)} no_load_voltage",
                 "give the voltage of each current",
             )
-        if currents > 3 or len(set(self.no_load_voltage)) != voltages:
+        if len(currents) > 3 or len(set(voltages)) != len(voltages):
             raise InputError(
-                f"no_load_voltage is {list(self.no_load_voltage)}",
-                "give one, two or three voltages, each once",
+                f"no_load_voltage is {list(voltages)}", "give one, two or three voltages, each once"
             )
-        if any(
-            v <= i * self.resistance
-            for i, v in zip(self.no_load_current, self.no_load_voltage, strict=False)
-        ):
+        if any(v <= i * self.resistance for i, v in zip(currents, voltages, strict=False)):
             raise InputError(
                 "the winding alone takes more than the no_load_voltage",
                 "give volts, and the resistance in ohms, not milliohms",
@@ -220,11 +194,11 @@ class Motor:
 
     @property
     def hot_resistance(self) -> float:
-        """Of the winding at its temperature [ohm]."""
+        """Resistance of the winding at its temperature [ohm]."""
         return self.resistance * (1.0 + COPPER * (self.temperature - COLD))
 
     def idle_current(self, omega: Floats) -> Floats:
-        """i_0 [A] at ``omega`` [rad/s]: the polynomial through what was measured."""
+        """Return i_0 [A] at ``omega`` [rad/s]: the polynomial through what was measured."""
         if len(self.no_load_current) == 1:
             return np.full_like(omega, self.no_load_current[0])
         i, v = np.array(self.no_load_current), np.array(self.no_load_voltage)
@@ -235,13 +209,7 @@ class Motor:
         return np.asarray(np.maximum(np.polyval(fit, omega / scale), 0.0))
 
     def driven(self, torque: Floats, omega: Floats) -> MotorState:
-        """Current and voltage that turn a shaft.
-
-        Parameters
-        ----------
-        torque, omega : ndarray
-            Of the shaft [N m], [rad/s].
-        """
+        """Return what turns a shaft at this ``torque`` [N m] and ``omega`` [rad/s]."""
         current = self.speed_constant * torque + self.idle_current(omega)
         return MotorState(current, omega / self.speed_constant + current * self.hot_resistance)
 
@@ -249,17 +217,15 @@ class Motor:
 # -------------------------------------------------------------------------------------------------
 # A lithium-polymer battery: open-circuit voltage by charge, a resistance, a usable share.
 
-NODES, WEIGHTS = np.polynomial.legendre.leggauss(24)
-"""Of the integral over charge."""
-
+NODES, WEIGHTS = np.polynomial.legendre.leggauss(24)  # for the integral over charge
 HALVINGS = 60
 
 
 def cell_voltage(charge: Floats) -> Floats:
-    """Open-circuit voltage [V] of a lithium-polymer cell whose state of ``charge`` is 0 to 1.
+    """Return the open-circuit voltage [V] of a lithium-polymer cell at a ``charge`` of 0 to 1.
 
     Source: M. Chen, G. A. Rincon-Mora, Accurate Electrical Battery Model Capable of Predicting
-    Runtime and I-V Performance, IEEE Trans. Energy Conversion 21(2), 2006, doi
+    Runtime and I-V Performance, IEEE Trans.  Energy Conversion 21(2), 2006, doi
     10.1109/TEC.2006.874229; 4.10 V when full.
     """
     s = charge
@@ -321,11 +287,11 @@ class Battery:
             raise InputError(f"auxiliary_power is {self.auxiliary_power:g} W", "give 0 or more")
 
     def open_circuit_voltage(self, charge: Floats) -> Floats:
-        """Of the pack [V] at a state of ``charge`` of 0 to 1."""
+        """Return the voltage of the pack [V] at a ``charge`` of 0 to 1."""
         return self.cells * cell_voltage(charge)
 
     def current(self, power: Floats, charge: Floats) -> Floats:
-        """What delivers a power; NaN where the battery cannot.
+        """Return the current that delivers a power; NaN where the battery cannot.
 
         The smaller root of power = (V_oc - i R) i.
 
@@ -347,33 +313,26 @@ class Battery:
             return 2.0 * power / (voltage + np.sqrt(np.where(left >= 0.0, left, np.nan)))
 
     def voltage(self, power: Floats, charge: Floats) -> Floats:
-        """At the terminals [V] while it delivers ``power`` [W] at this ``charge``."""
+        """Return the voltage [V] while it delivers ``power`` [W] at this ``charge``."""
         current = self.current(power, charge)
         return self.open_circuit_voltage(charge) - self.resistance * current
 
     def voltage_or_least(self, power: Floats, charge: Floats) -> Floats:
-        """As ``voltage``, of ``power`` and ``charge``, but that at the largest power beyond it."""
+        """Return the voltage at ``power`` and ``charge``, or at the largest power."""
         least = 0.5 * self.open_circuit_voltage(charge)
         return np.where(np.isnan(found := self.voltage(power, charge)), least, found)
 
     def share_used(self, power: Floats, charge: Floats) -> Floats:
-        """Share of the largest power or current that ``power`` at this ``charge`` takes."""
+        """Return the share of the largest power or current that ``power`` at ``charge`` takes."""
         voltage = self.open_circuit_voltage(charge)
         of_power = 4.0 * self.resistance * np.maximum(power, 0.0) / voltage**2
         current = np.nan_to_num(self.current(power, charge), nan=0.0)
         return np.maximum(of_power, current / self.maximum_current)
 
     def charge_after(self, power: Floats, duration: float, charge: Floats) -> Floats:
-        """State of charge after a time at constant power; NaN where it does not last so long.
+        """Return the charge after a ``duration`` [s] at constant ``power`` [W], from ``charge``.
 
-        Parameters
-        ----------
-        power : ndarray
-            At the terminals [W].
-        duration : float
-            [s].
-        charge : ndarray
-            State of charge at the beginning, 0 to 1.
+        NaN where it does not last so long.
         """
         low, high = np.zeros_like(charge), np.array(charge)
         for _ in range(HALVINGS):
@@ -384,21 +343,9 @@ class Battery:
         return np.where(self._time(power, charge, high) >= duration * (1.0 - 1e-9), high, np.nan)
 
     def charges(self, power: float, times: Floats, charge: float) -> Floats:
-        """States of charge along a time at constant power; NaN from where it does not last.
+        """Return the charges at rising ``times`` (m,) [s], from ``charge``, of constant ``power``.
 
-        Parameters
-        ----------
-        power : float
-            At the terminals [W].
-        times : ndarray, shape (m,)
-            Rising [s].
-        charge : float
-            State of charge at time 0.
-
-        Returns
-        -------
-        ndarray, shape (m,)
-            States of charge.
+        NaN from where it does not last.
         """
         found, before = [], 0.0
         for time in times.tolist():
@@ -409,7 +356,7 @@ class Battery:
         return np.array(found)
 
     def endurance(self, power: Floats, voltage: Floats, charge: float = 1.0) -> Floats:
-        """Time of flight at constant power, until the usable share is used up.
+        """Return the time of flight at constant power, until the usable share is used up.
 
         Parameters
         ----------
@@ -440,7 +387,7 @@ class Battery:
         return np.where(begins, self._time(power, np.full_like(power, charge), end), np.nan)
 
     def _time(self, power: Floats, start: Floats, end: Floats) -> Floats:
-        """From one state of charge to a lower one [s]."""
+        """Return the time from one state of charge to a lower one [s]."""
         half = 0.5 * (start - end)
         charges = end + half * (1.0 + NODES.reshape(-1, *np.ones_like(power.shape)))
         with np.errstate(divide="ignore"):
@@ -486,9 +433,9 @@ class SpeedController:
             )
 
     def power(self, motor: MotorState) -> Floats:
-        """What is taken from the battery for a ``motor`` in this state [W]."""
+        """Return what is taken from the battery for a ``motor`` in this state [W]."""
         return (motor.power + self.resistance * motor.current**2) / self.efficiency
 
     def voltage(self, motor: MotorState) -> Floats:
-        """Of a battery that just keeps a ``motor`` in this state, at full throttle [V]."""
+        """Return the voltage [V] that keeps a ``motor`` in this state at full throttle."""
         return motor.voltage + self.resistance * motor.current

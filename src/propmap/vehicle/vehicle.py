@@ -5,16 +5,18 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from propmap.errors import InputError
 from propmap.model.corrections import MountDrag
 from propmap.model.model import Air, Propeller
+from propmap.typing import Floats
 from propmap.vehicle.powertrain import Powertrain
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-    from propmap.vehicle.rotors import LoadSource
-    from propmap.vehicle.vehicle_forces import VehicleWrench
+    from propmap.vehicle.vehicle_forces import LoadSource, VehicleWrench
 
 SPINS = ("ccw", "cw")
 Vector = tuple[float, float, float]
@@ -164,7 +166,14 @@ class Vehicle:
         if not self.mounts:
             raise InputError("the vehicle has no rotor", "add a [[rotors]] table per rotor")
         if self.inertia is not None:
-            _check_inertia(self.inertia)
+            largest, what = max(self.inertia), f"inertia is {list(self.inertia)} kg m^2"
+            if not min(self.inertia) > 0.0:
+                raise InputError(what, "give three numbers above zero, or leave it out")
+            if largest > (sum(self.inertia) - largest) * 1.001:
+                raise InputError(
+                    f"{what}, one of which is more than the other two together",
+                    "check the order [about x, about y, about z] and the units",
+                )
         if not 0.0 <= self.rotor_inertia < 0.1 * self.mass:
             raise InputError(
                 f"rotor_inertia is {self.rotor_inertia:g} kg m^2",
@@ -180,6 +189,16 @@ class Vehicle:
                 raise InputError(
                     f"rotor {k}: the axis has length {length:g}", "give a unit vector, [0, 0, 1]"
                 )
+
+    @property
+    def hub_positions(self) -> Floats:
+        """Positions of the k hubs relative to the centre of mass, (k, 3) [m]."""
+        return np.array([mount.position for mount in self.mounts])
+
+    @property
+    def rotor_axes(self) -> Floats:
+        """Unit vectors along the thrust of the k rotors, (k, 3) [-]."""
+        return np.array([mount.axis for mount in self.mounts])
 
     def wrench(
         self,
@@ -209,17 +228,3 @@ class Vehicle:
         from propmap.vehicle.vehicle_forces import VehicleForces
 
         return VehicleForces(self, loads).wrench(omegas, velocity, rates, wind)
-
-
-def _check_inertia(inertia: Vector) -> None:
-    """Raise ``InputError`` for moments of inertia that no body has."""
-    x, y, z = inertia
-    if not min(inertia) > 0.0:
-        raise InputError(
-            f"inertia is {list(inertia)} kg m^2", "give three numbers above zero, or leave it out"
-        )
-    if max(inertia) > (x + y + z - max(inertia)) * 1.001:
-        raise InputError(
-            f"inertia is {list(inertia)} kg m^2, one of which is more than the other two together",
-            "check the order [about x, about y, about z] and the units",
-        )

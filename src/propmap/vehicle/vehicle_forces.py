@@ -1,26 +1,34 @@
-"""Force and moment of the air on a whole vehicle: rotors on their mounts, body and wing."""
+"""Force and moment of the air on a vehicle: rotors in each other's wakes, body and wing."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from propmap.errors import InputError
+from propmap.loads import LOADS
 from propmap.model.airfoil import Airfoil
+from propmap.model.model import Model
 from propmap.operating_points import broadcast, rates_of
+from propmap.results import STATUSES
+from propmap.rotor import Rotor
 from propmap.typing import Floats
-from propmap.vehicle.rotors import LoadSource, Rotors, worst
+from propmap.vehicle.wakes import (
+    HubFlow,
+    added_flow,
+    check_apart,
+    cross,
+    flow_of_hubs,
+    hub_wrenches,
+    wake_flow,
+)
 
 if TYPE_CHECKING:
     from propmap.vehicle.vehicle import Body, Vehicle, Wing
-
-
-# -------------------------------------------------------------------------------------------------
-# Force and moment of the air on a whole vehicle: rotors on their mounts, body and wing.
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,15 +122,25 @@ class VehicleForces:
             For other shapes, for negative rotor speeds, and for what is not finite.
         """
         k = len(self._rotors)
-        omega = _last_axis("omegas", rates_of("omegas", omegas), k, f"speeds of the {k} rotors")
         vectors = {"velocity": velocity, "rates": rates, "wind": wind}
-        given = [
-            _last_axis(name, broadcast(**{name: vector})[0], 3, "x, y, z")
-            for name, vector in vectors.items()
-        ]
-        shape = _leading({"omegas": omega, **dict(zip(vectors, given, strict=True))})
-        omega = np.broadcast_to(omega, (*shape, k))
-        moving, turning, air = (np.broadcast_to(vector, (*shape, 3)) for vector in given)
+        given = {"omegas": rates_of("omegas", omegas)}
+        given |= {name: broadcast(**{name: vector})[0] for name, vector in vectors.items()}
+        for name, array in given.items():
+            count, what = (3, "x, y, z") if name in vectors else (k, f"speeds of the {k} rotors")
+            if array.ndim == 0 or array.shape[-1] != count:
+                raise InputError(
+                    f"{name} has shape {array.shape}", f"its last axis must hold the {what}"
+                )
+        try:
+            shape = np.broadcast_shapes(*(array.shape[:-1] for array in given.values()))
+        except ValueError:
+            shapes = ", ".join(f"{name} {array.shape}" for name, array in given.items())
+            raise InputError(
+                f"shapes do not fit together: {shapes}", "all axes but the last must broadcast"
+            ) from None
+        omega, moving, turning, air = (
+            np.broadcast_to(array, (*shape, array.shape[-1])) for array in given.values()
+        )
         through = moving - air
         hubs = through[..., None, :] + np.cross(turning[..., None, :], self._rotors.position)
         found = self._rotors.wrenches(omega, hubs)
@@ -147,20 +165,316 @@ class VehicleForces:
         )
 
 
-def _last_axis(name: str, array: Floats, count: int, what: str) -> Floats:
-    if array.ndim == 0 or array.shape[-1] != count:
-        raise InputError(f"{name} has shape {array.shape}", f"its last axis must hold the {what}")
-    return array
+# -------------------------------------------------------------------------------------------------
+# The rotors of a vehicle as force and moment on it, in each other's wakes.
+
+THRUST, TORQUE = (list(LOADS).index(name) for name in ("thrust", "torque"))
+
+FORWARD = 0.5  # upward part of the rotors' mean axis below which they pull forward
+STEP = 1e-2  # step of difference quotients by the axial flow [m/s]
 
 
-def _leading(arrays: dict[str, Floats]) -> tuple[int, ...]:
-    try:
-        return np.broadcast_shapes(*(array.shape[:-1] for array in arrays.values()))
-    except ValueError:
-        shapes = ", ".join(f"{name} {array.shape}" for name, array in arrays.items())
+class RotorWrenches(NamedTuple):
+    """What k rotors do at (...) states."""
+
+    force: Floats  # (..., k, 3) on the vehicle at the hub, in its frame [N]
+    moment: Floats  # (..., k, 3) about the hub [N m]
+    thrust: Floats  # (..., k) [N]
+    torque: Floats  # (..., k) [N m]
+    added_flow: Floats  # (..., k), by other rotors' wakes to V cos(beta) [m/s]; NaN: not known
+    status: NDArray[np.str_]  # (..., k)
+
+
+class Rotors:
+    """All rotors of a vehicle, in each other's wakes where the vehicle has ``wakes``.
+
+    ``sources`` give the loads of which rotors; ``attached`` is the rotor whose ``attached_thrust``
+    makes the wakes, by default the thrust of the sources, which takes their loads twice.  Raises
+    ``InputError`` where there are wakes and two rotors are in one place.
+    """
+
+    def __init__(self, vehicle: Vehicle, sources: Sources, attached: Rotor | None = None) -> None:
+        self.vehicle, self.sources = vehicle, sources
+        nothing = np.zeros((0, len(vehicle.mounts)))
+        flow = flow_of_hubs(vehicle, nothing, np.zeros((*nothing.shape, 3)))
+        self.position, self.axis, self.spin = flow.position, flow.axis, flow.spin
+        self.radius = vehicle.propeller.radius
+        self.wakes, self._attached = vehicle.wakes, attached
+        if self.wakes is not None:
+            check_apart(vehicle)
+
+    def __len__(self) -> int:
+        return len(self.spin)
+
+    @property
+    def forward(self) -> bool:
+        """Whether they pull forward rather than up."""
+        return float(self.axis[:, 2].mean()) < FORWARD
+
+    @classmethod
+    def of(cls, vehicle: Vehicle, loads: LoadSource) -> Rotors:
+        """Make the rotors with loads from a ``Rotor``, of whose model they are, or from a table.
+
+        Raises ``InputError`` where the propeller or the air is another than the vehicle's.
+        """
+        if not isinstance(loads, LoadSource):
+            raise InputError(
+                f"loads is {type(loads).__name__}", "give a Rotor or a LoadTable of its rotors"
+            )
+        if not isinstance(loads, Rotor):
+            check_table(vehicle, loads)
+            return cls(vehicle, [(loads, np.arange(len(vehicle.mounts)))])
+        model = loads.model
+        if model.propeller != vehicle.propeller or model.air != vehicle.air:
+            raise InputError(
+                "the rotor has another propeller or air than the vehicle",
+                "give Rotor(Model(vehicle.propeller, airfoil, vehicle.air))",
+            )
+        every: Sources = [(loads.with_model(own), k) for own, k in mounted_rotors(vehicle, model)]
+        return cls(vehicle, every, loads if vehicle.wakes is not None else None)
+
+    def moment(self, force: Floats, moment: Floats) -> Floats:
+        """Return moments (..., k, 3) [N m] about the centre of mass of what acts at the hubs."""
+        return moment + cross(self.position, force)
+
+    def wrenches(self, omega: Floats, velocity: Floats) -> RotorWrenches:
+        """Return force and moment of each rotor at ``omega`` (..., k) [rad/s].
+
+        The hubs move at ``velocity`` (..., k, 3) through the air, in the vehicle's frame [m/s].
+        """
+        flow = self._flow(omega, velocity)
+        added = np.zeros_like(flow.omega)
+        if self.wakes is None:
+            loads, status = loads_at_hubs(self.sources, flow)
+        else:
+            alone = self._alone(flow)
+            added = alone.known(added_flow(self.vehicle, self.wakes, flow, alone.thrust))
+            loads, status = self._in_wakes(flow, added, alone)
+        return _as_wrenches(flow, loads, added, status, omega.shape)
+
+    def around(
+        self, omega: Floats, velocity: Floats, change: float
+    ) -> tuple[RotorWrenches, Floats, Floats]:
+        """Return each rotor's wrench in s motions, and what its speed does to the wrenches of all.
+
+        Rotor speeds ``omega`` (n, k) [rad/s] are those of all motions, whose hubs move at
+        ``velocity`` (s, n, k, 3) [m/s]; ``change`` is the relative step of a difference quotient by
+        a rotor speed.  The derivatives (n, k, 3) by the speed of each rotor are of the force [N s]
+        and of the moment about the centre of mass [N m s], in the first motion, with the wakes that
+        change.
+        """
+        s, n, k = velocity.shape[:3]
+        first, faster = np.arange(n), np.arange(s * n, (s + 1) * n)
+        turning = np.tile(omega, (s + 1, 1))
+        turning[faster] *= 1.0 + change
+        moving = np.concatenate([velocity, velocity[:1]])
+        flow = self._flow(turning, moving.reshape(-1, k, 3))
+        added, wake = np.zeros_like(flow.omega), None
+        if self.wakes is None:
+            loads, status = loads_at_hubs(self.sources, flow)
+        else:
+            alone = self._alone(flow)
+            wake = wake_flow(self.vehicle, self.wakes, flow.part(first), alone.thrust[first])
+            rest = slice(n, s * n)
+            others = added_flow(self.vehicle, self.wakes, flow.part(rest), alone.thrust[rest])
+            again = np.concatenate([np.arange((s + 1) * n), first])
+            added = np.concatenate([wake.added, others, wake.added, wake.added + STEP])
+            flow, thrust = flow.part(again), alone.thrust
+            alone = alone.part(again)
+            added = alone.known(added)
+            loads, status = self._in_wakes(flow, added, alone)
+        here, step = flow.part(first), omega * change
+        force, moment = hub_wrenches(here, (loads[:, faster] - loads[:, first]) / step)
+        moment = self.moment(force, moment)
+        if wake is not None:
+            # The flow that a rotor's speed adds at all others, and what that does there.
+            push, turn = hub_wrenches(here, (loads[:, (s + 1) * n :] - loads[:, first]) / STEP)
+            by_speed = wake.by_thrust * ((thrust[faster] - thrust[first]) / step)[:, None]
+            force = force + np.einsum("ntj,nts->nsj", push, by_speed)
+            moment = moment + np.einsum("ntj,nts->nsj", self.moment(push, turn), by_speed)
+        motions = slice(s * n)
+        wrenches = _as_wrenches(
+            flow.part(motions), loads[:, motions], added[motions], status[motions], (s, n, k)
+        )
+        return wrenches, force, moment
+
+    def changed(self, changes: Sources, omega: Floats, velocity: Floats) -> RotorWrenches:
+        """Return what ``changes`` of the loads do to each rotor's force and moment, to first order.
+
+        Where there are wakes, they change with the thrusts, attached or not; ``omega`` (n, k) and
+        ``velocity`` (n, k, 3) are those of ``wrenches``.
+        """
+        flow = self._flow(omega, velocity)
+        added = np.zeros_like(flow.omega)
+        if self.wakes is None:
+            loads, status = loads_at_hubs(changes, flow)
+            return _as_wrenches(flow, loads, added, status, omega.shape)
+        alone = self._alone(flow)
+        wake = wake_flow(self.vehicle, self.wakes, flow, alone.thrust)
+        more, less = (
+            loads_at_hubs(self.sources, flow.perturbed(wake.added + by))[0] for by in (STEP, -STEP)
+        )
+        # Both in one call: changes are computed once, for one set of points.
+        twice = np.tile(np.arange(len(omega)), 2)
+        both = flow.part(twice).perturbed(np.concatenate([np.zeros_like(added), wake.added]))
+        every, status = loads_at_hubs(changes, both)
+        first, here = every[:, : len(omega)], every[:, len(omega) :]
+        follows = np.einsum("nts,ns->nt", wake.by_thrust, first[THRUST])
+        loads = here + (more - less) / (2.0 * STEP) * follows
+        return _as_wrenches(flow, loads, follows, status[len(omega) :], omega.shape)
+
+    def _flow(self, omega: Floats, velocity: Floats) -> HubFlow:
+        """Find the flow at the hubs; leading axes are made one."""
+        k = len(self)
+        return flow_of_hubs(self.vehicle, omega.reshape(-1, k), velocity.reshape(-1, k, 3))
+
+    def _alone(self, flow: HubFlow) -> _Isolated:
+        """Find the thrust of the rotors without each other's wakes."""
+        if self._attached is None:
+            loads, status = loads_at_hubs(self.sources, flow)
+            return _Isolated(np.nan_to_num(loads[THRUST]), np.isnan(loads[THRUST]), status)
+        thrust, _ = self._attached.attached_thrust(flow.omega, flow.axial, flow.inplane)
+        return _Isolated(thrust, np.zeros(thrust.shape, bool), np.full(thrust.shape, SEVERITY[0]))
+
+    def _in_wakes(
+        self, flow: HubFlow, added: Floats, alone: _Isolated
+    ) -> tuple[Floats, NDArray[np.str_]]:
+        """Return loads and their status with ``added`` (n, k) axial flow [m/s]."""
+        loads, found = loads_at_hubs(self.sources, flow.perturbed(np.nan_to_num(added)))
+        lost = np.isnan(added)
+        found = np.where(lost, worst(alone.status)[:, None], found)
+        return np.where(lost, np.nan, loads), found
+
+
+class _Isolated(NamedTuple):
+    """Thrust that makes the wakes, where it is not known, and the status; (n, k) each."""
+
+    thrust: Floats
+    lost: NDArray[np.bool_]
+    status: NDArray[np.str_]
+
+    def part(self, which: NDArray[np.intp]) -> _Isolated:
+        """Return some states."""
+        return _Isolated(self.thrust[which], self.lost[which], self.status[which])
+
+    def known(self, added: Floats) -> Floats:
+        """Return the ``added`` flow, NaN where the thrust of another rotor is not known."""
+        others = self.lost.sum(axis=1, keepdims=True) - self.lost
+        return np.where(others > 0, np.nan, added)
+
+
+def _as_wrenches(
+    flow: HubFlow, loads: Floats, added: Floats, status: NDArray[np.str_], shape: tuple[int, ...]
+) -> RotorWrenches:
+    """Return loads (L, n, k) as vectors, of the ``shape`` (..., k) that was asked for."""
+    force, moment = (values.reshape(*shape, 3) for values in hub_wrenches(flow, loads))
+    thrust, torque = loads[THRUST].reshape(shape), loads[TORQUE].reshape(shape)
+    return RotorWrenches(force, moment, thrust, torque, added.reshape(shape), status.reshape(shape))
+
+
+def mounted_rotors(vehicle: Vehicle, model: Model) -> list[tuple[Model, NDArray[np.intp]]]:
+    """List each model that some of the rotors have, by what they are mounted on, and their indices.
+
+    ``model`` is that of a rotor of which the vehicle says nothing.
+    """
+    drags = [mount.drag for mount in vehicle.mounts]
+    return [
+        (
+            model if drag is None else model.with_mount(drag),
+            np.array([k for k, other in enumerate(drags) if other == drag]),
+        )
+        for drag in dict.fromkeys(drags)
+    ]
+
+
+# -------------------------------------------------------------------------------------------------
+# Loads of a vehicle's rotors from what gives them: a rotor, a table or the hover model.
+
+SEVERITY = (*STATUSES[:-1], "unresolved", "clamped", STATUSES[-1], "no_value", "outside")
+"""Statuses of rotors and of tables, from harmless to fatal."""
+
+
+@runtime_checkable
+class LoadSource(Protocol):
+    """What gives loads for a velocity in the rotor frame, as ``Rotor`` and ``LoadTable`` do."""
+
+    def loads_at_velocity(self, omega: Any, velocity: Any) -> Any:
+        """Return loads with a ``status``."""
+        ...
+
+
+Sources = list[tuple[LoadSource, NDArray[np.intp]]]
+"""What gives the loads of which rotors."""
+
+
+def loads_at_hubs(sources: Sources, flow: HubFlow) -> tuple[Floats, NDArray[np.str_]]:
+    """Return loads (L, n, k) of the ``sources`` in the ``flow``, and their status (n, k)."""
+    loads = np.empty((len(LOADS), *flow.omega.shape))
+    status = np.empty(flow.omega.shape, dtype="<U16")
+    for source, mine in sources:
+        parts = [values[:, mine] for values in (flow.omega, flow.inplane, flow.axial)]
+        if not parts[0].size:
+            continue
+        # Half the rotors of a symmetric vehicle see what the other half sees.
+        once, where = _distinct(np.stack(parts, axis=-1).reshape(-1, 3))
+        where = where.reshape(parts[0].shape)
+        omega, across, along = once.T
+        found, words = load_rows(source, omega, along, across)
+        loads[:, :, mine], status[:, mine] = found[:, where], words[where]
+    return loads, status
+
+
+def load_rows(
+    source: LoadSource, omega: Floats, axial: Floats, inplane: Floats
+) -> tuple[Floats, NDArray[np.str_]]:
+    """Return loads (L, N) of a ``source`` in the order of ``LOADS``, and their status (N,)."""
+    velocity = np.stack([inplane, np.zeros_like(inplane), axial], axis=1)
+    found = source.loads_at_velocity(omega, velocity)
+    return np.stack([getattr(found, name) for name in LOADS]), np.asarray(found.status)
+
+
+def worst(status: NDArray[np.str_]) -> NDArray[np.str_]:
+    """Return the worst ``status`` (..., k) of all rotors, (...)."""
+    names = np.array(SEVERITY)
+    order = np.argsort(names)
+    rank = order[np.searchsorted(names, status, sorter=order)]
+    return np.asarray(names[rank.max(axis=-1)])
+
+
+def _distinct(points: Floats) -> tuple[Floats, NDArray[np.intp]]:
+    """Return the distinct rows of points (n, 3), but for rounding, and which each one is."""
+    size = np.maximum(np.abs(points).max(axis=0, initial=0.0), 1e-30)
+    rounded = np.round(points / size, 11) + 0.0
+    order = np.lexsort(rounded.T)
+    ranked = rounded[order]
+    new = np.append(True, (ranked[1:] != ranked[:-1]).any(axis=1))
+    where = np.empty(len(points), np.intp)
+    where[order] = np.cumsum(new) - 1
+    return points[order[new]], where
+
+
+def check_table(vehicle: Vehicle, table: Any) -> None:
+    """Raise ``InputError`` for a ``table``, or what else has loads, of another rotor or air."""
+    if any(mount.drag is not None for mount in vehicle.mounts):
         raise InputError(
-            f"shapes do not fit together: {shapes}", "all axes but the last must broadcast"
-        ) from None
+            "the vehicle file has [mount], of which a table knows nothing",
+            "leave out [mount] and build the table with --correction mount-drag:area_m2=...",
+        )
+    described = getattr(table, "info", {}).get("propeller")
+    if described is None:
+        return
+    if described.get("geometry_sha256") != vehicle.propeller.fingerprint():
+        raise InputError(
+            f"the table is of {described.get('name')!r}, the vehicle has "
+            f"{vehicle.propeller.name!r}, or the same with another geometry",
+            "build a table for this propeller",
+        )
+    if abs(table.content.density - vehicle.air.density) > 1e-6 * vehicle.air.density:
+        raise InputError(
+            f"the table holds for {table.content.density:g} kg/m^3, the vehicle flies in "
+            f"{vehicle.air.density:g}",
+            "build a table with --rho, or change [air]",
+        )
 
 
 # -------------------------------------------------------------------------------------------------
@@ -168,23 +482,16 @@ def _leading(arrays: dict[str, Floats]) -> tuple[int, ...]:
 
 
 def free_stream_force(body: Body, wing: Wing | None, density: float, velocity: Floats) -> Floats:
-    """Force of both in the vehicle's frame [N], of the velocity's shape.
+    """Return the force of body and wing [N] at a ``velocity`` (..., 3) through the air [m/s].
 
-    Parameters
-    ----------
-    body, wing : Body, Wing or None
-        What is in the flow.
-    density : float
-        Of the air [kg/m^3].
-    velocity : ndarray, shape (..., 3)
-        Through the air, in the vehicle's frame [m/s].
+    Both are in the vehicle's frame; ``density`` is that of the air [kg/m^3].
     """
     force = body_force(body, density, velocity)
     return force if wing is None else force + wing_force(wing, density, velocity)
 
 
 def body_force(body: Body, density: float, velocity: Floats) -> Floats:
-    """Drag, lift and download of a ``body``; ``density`` and ``velocity`` as above."""
+    """Return drag, lift and download of a ``body``, as in ``free_stream_force``."""
     angle, speed, across = _in_plane_of_symmetry(velocity)
     lift = body.lift_area * np.sin(angle) * np.cos(angle)
     drag = 0.5 * density * np.array(body.drag_area) * np.abs(velocity) * velocity
@@ -194,7 +501,7 @@ def body_force(body: Body, density: float, velocity: Floats) -> Floats:
 
 
 def wing_force(wing: Wing, density: float, velocity: Floats) -> Floats:
-    """Lift of a ``wing`` and its induced drag; ``density`` and ``velocity`` as above."""
+    """Return lift of a ``wing`` and its induced drag, as in ``free_stream_force``."""
     angle, speed, across = _in_plane_of_symmetry(velocity)
     lift = wing_lift(wing, angle + wing.incidence)
     force = lift[..., None] * across
@@ -206,15 +513,17 @@ def wing_force(wing: Wing, density: float, velocity: Floats) -> Floats:
 
 
 def wing_lift(wing: Wing, angle: Floats) -> Floats:
-    """Lift of a ``wing`` over the dynamic pressure [m^2] at an ``angle`` of attack [rad]."""
+    """Return lift over dynamic pressure [m^2] of a ``wing`` at an ``angle`` of attack [rad]."""
     section = Airfoil(c_l1=wing.c_l1, c_l2=wing.c_l2, c_d=0.0, alpha_0=wing.alpha_0)
     lift, _ = section.coefficients(angle, 1.0)  # eq. (3), which does not depend on Re
     return wing.area * lift
 
 
 def _in_plane_of_symmetry(velocity: Floats) -> tuple[Floats, Floats, Floats]:
-    """Angle of attack [rad], positive where the air comes from below, the speed V [m/s] there, and
-    V times the unit vector across the flow (-v_z, 0, v_x)/V."""
+    """Return angle of attack [rad], speed V [m/s], and V times the unit vector across the flow.
+
+    That is (-v_z, 0, v_x)/V; the angle is positive where the air comes from below.
+    """
     x, z = velocity[..., 0], velocity[..., 2]
     angle = np.arctan2(-z, x)
     return angle, np.hypot(x, z), np.stack([-z, np.zeros_like(angle), x], axis=-1)

@@ -24,68 +24,42 @@ if TYPE_CHECKING:
 # -------------------------------------------------------------------------------------------------
 # The rotors' wakes on each other: what they add to the axial flow at each other's disks.
 #
-# Each rotor's wake is a skewed vortex cylinder (``vehicle.vortex_cylinder``) that carries twice the
-# inflow of Glauert's momentum theory (10).  Its velocity along the axis of each other rotor,
-# averaged
-# over that disk, times a gain, adds to V cos(beta) there.  The gains stand for what the cylinder
-# leaves out, as rolled-up tip vortices and the wake's contraction; they are one where the cylinder
-# is right.
+# Each rotor's wake is a skewed vortex cylinder (below) that carries twice the inflow of Glauert's
+# momentum theory (10).  Its velocity along the axis of each other rotor, averaged over that disk,
+# times a gain, adds to V cos(beta) there.  The gains stand for what the cylinder leaves out, as
+# rolled-up tip vortices and the wake's contraction; they are one where the cylinder is right.
 
 LARGEST_INFLOW = 2.0
 """Inflow over that of the same thrust in hover [-], at most: about what is measured in the vortex
 ring, where momentum theory has no solution."""
 
-UPWASH = 0.005
-"""Of the density of circulation [-]: the upwash at which the gain is all that of upwash."""
+UPWASH = 0.005  # per density of circulation [-], from which the gain is all that of upwash
 
 LARGEST_UPWASH = 0.5
 """Upwash per density of circulation, gain included [-], at most: a wake then moves the air by the
 inflow of its rotor, as a cylinder does at its own surface, the fastest there is outside."""
 
-SLOW = 0.5
-"""In-plane velocity [m/s] about which ahead and beside begin to differ."""
-
-STEPS = 40
-"""Of Newton's method, which is monotone from above."""
+SLOW = 0.5  # in-plane velocity [m/s] about which ahead and beside begin to differ
+STEPS = 40  # steps of Newton's method, which is monotone from above
 
 
 @dataclass(frozen=True, eq=False)
 class WakeFlow:
-    """What the wakes add to the axial velocity at each of m rotors, n samples.
+    """What the wakes add to the axial velocity at each of m rotors, n samples."""
 
-    Attributes
-    ----------
-    added : ndarray, shape (n, m)
-        To V cos(beta) [m/s], gains included; positive is downwash.
-    by_gain : mapping of str to ndarray, shape (n, m)
-        Its derivatives by the fields of ``Wakes`` [m/s].
-    by_thrust : ndarray, shape (n, m, m)
-        Its derivatives by the thrust of each rotor, the last axis [m/s/N].
-    """
-
-    added: Floats
-    by_gain: dict[str, Floats]
-    by_thrust: Floats
+    added: Floats  # (n, m) to V cos(beta) [m/s], gains included; positive is downwash
+    by_gain: dict[str, Floats]  # its derivatives (n, m) by the fields of ``Wakes`` [m/s]
+    by_thrust: Floats  # its derivatives (n, m, m) by each rotor's thrust, the last axis [m/s/N]
 
 
 def glauert_inflow(
     thrust: Floats, axial: Floats, inplane: Floats, disk: float
 ) -> tuple[Floats, Floats]:
-    """Uniform inflow of eq. (10) for a whole disk: T = 2 rho A v sqrt(V_in^2 + (V_ax + v)^2).
+    """Solve eq. (10) for a disk's uniform inflow v, T = 2 rho A v sqrt(V_in^2 + (V_ax + v)^2).
 
-    Of several solutions, in descent, it is the largest, but no more than ``LARGEST_INFLOW``.
-
-    Parameters
-    ----------
-    thrust, axial, inplane : ndarray, shape (...)
-        T [N], V cos(beta) and V sin(beta) [m/s].
-    disk : float
-        rho A, density times area of the disk [kg/m].
-
-    Returns
-    -------
-    tuple of ndarray, shape (...)
-        v [m/s]; 0 without thrust, NaN where an argument is; and its derivative by T [m/s/N].
+    Arrays are (...): ``thrust`` [N], V cos(beta) and V sin(beta) [m/s]; ``disk`` is rho A [kg/m].
+    Of several solutions, in descent, v [m/s] is the largest, but no more than ``LARGEST_INFLOW``; 0
+    without thrust, NaN where an argument is.  Also returns its derivative by T [m/s/N].
     """
     square = np.maximum(thrust, 0.0) / (2.0 * disk)
     hover = np.sqrt(square)
@@ -106,7 +80,7 @@ def glauert_inflow(
 
 
 def in_wakes(vehicle: Vehicle, wakes: Wakes, model: Model, flow: HubFlow) -> HubFlow:
-    """The flow at rotors in each other's wakes, of which each comes with attached thrust.
+    """Find the flow at rotors in each other's wakes, each of which has attached thrust.
 
     Parameters
     ----------
@@ -129,7 +103,7 @@ def in_wakes(vehicle: Vehicle, wakes: Wakes, model: Model, flow: HubFlow) -> Hub
 
 
 def added_flow(vehicle: Vehicle, wakes: Wakes, flow: HubFlow, thrust: Floats) -> Floats:
-    """What the wakes of all other rotors add to V cos(beta) at each [m/s], (n, m).
+    """Return what the wakes of all other rotors add to V cos(beta) at each [m/s], (n, m).
 
     ``vehicle``, ``wakes``, ``flow`` and ``thrust`` are those of ``wake_flow``, which gives the
     derivatives as well and takes twice the time.
@@ -145,7 +119,7 @@ def added_flow(vehicle: Vehicle, wakes: Wakes, flow: HubFlow, thrust: Floats) ->
 
 
 def wake_flow(vehicle: Vehicle, wakes: Wakes, flow: HubFlow, thrust: Floats) -> WakeFlow:
-    """What the wakes of all other rotors add to the axial flow at each, and its derivatives.
+    """Return what the wakes of all other rotors add to the axial flow at each, and its derivatives.
 
     Parameters
     ----------
@@ -182,36 +156,37 @@ def wake_flow(vehicle: Vehicle, wakes: Wakes, flow: HubFlow, thrust: Floats) -> 
 
 
 def _inflow(vehicle: Vehicle, flow: HubFlow, thrust: Floats) -> tuple[Floats, Floats]:
-    """``glauert_inflow`` at each rotor."""
+    """Return ``glauert_inflow`` at each rotor."""
     disk = vehicle.air.density * np.pi * vehicle.propeller.radius**2
     return glauert_inflow(thrust, flow.axial, flow.inplane, disk)
 
 
 def _rising(seen: Floats) -> tuple[Floats, Floats]:
-    """The part of the velocities that is upwash, and its derivative by them; both continuous."""
+    """Return the part of the velocities that is upwash, and its derivative; both continuous."""
     share = np.clip(-seen / UPWASH, 0.0, 1.0)
     return seen * share**2 * (3.0 - 2.0 * share), share**2 * (9.0 - 8.0 * share)
 
 
 def _limited(upwash: Floats) -> tuple[Floats, Floats]:
-    """Upwash per density of circulation with its gain, no more than ``LARGEST_UPWASH``, and what a
-    little more adds to it [-]."""
+    """Limit upwash per density of circulation, gain included, to ``LARGEST_UPWASH``.
+
+    Also returns what a little more upwash adds to it [-].
+    """
     relative = np.tanh(upwash / LARGEST_UPWASH)
     return LARGEST_UPWASH * relative, 1.0 - relative**2
 
 
 def _along(vehicle: Vehicle, velocity: Floats) -> Floats:
-    """How far a target is along the flight of a source and not beside it (n, target, source) [-].
+    """Say how far a target is along the flight of a source, not beside it (n, target, source) [-].
 
     This is the squared cosine between the source's in-plane velocity and the direction to the
     target in the source's disk plane; it fades to 0 as the velocity does, where there is neither.
     """
-    position = np.array([mount.position for mount in vehicle.mounts])
-    axis = np.array([mount.axis for mount in vehicle.mounts])
-    apart = position[:, None] - position[None]
-    apart = apart - np.sum(apart * axis, axis=-1, keepdims=True) * axis
-    length = np.linalg.norm(apart, axis=-1)
-    unit = apart / np.where(length > 1e-9, length, 1.0)[..., None]
+    position, axis = vehicle.hub_positions, vehicle.rotor_axes
+    offset = position[:, None] - position[None]
+    offset = offset - np.sum(offset * axis, axis=-1, keepdims=True) * axis
+    length = np.linalg.norm(offset, axis=-1)
+    unit = offset / np.where(length > 1e-9, length, 1.0)[..., None]
     speed2 = np.sum(np.square(np.cross(velocity, axis)), axis=-1)
     return np.einsum("nsk,tsk->nts", velocity, unit) ** 2 / (speed2 + SLOW**2)[:, None, :]
 
@@ -219,10 +194,10 @@ def _along(vehicle: Vehicle, velocity: Floats) -> Floats:
 def _seen(
     vehicle: Vehicle, flow: HubFlow, inflow: Floats, share: float, *, slope: bool = False
 ) -> tuple[Floats, Floats]:
-    """Downward velocity at each rotor by the wake of each, per density of its circulation [-].
+    """Return the downward velocity (n, target, source) at each rotor by the wake of each [-].
 
-    (n, target, source).  With ``slope``, also its derivative by the share of the inflow that skews
-    a wake, else zeros.
+    It is per density of the wake's circulation.  With ``slope``, also its derivative by the share
+    of the inflow that skews a wake, else zeros.
     """
     mounts, radius = vehicle.mounts, vehicle.propeller.radius
     found = np.zeros((inflow.shape[0], len(mounts), len(mounts)))
@@ -247,10 +222,10 @@ def check_apart(vehicle: Vehicle) -> None:
     """Raise ``InputError`` where two rotors of a ``vehicle`` with wakes are in one place."""
     for k, mount in enumerate(vehicle.mounts):
         for j, other in enumerate(vehicle.mounts[:k]):
-            apart = float(np.linalg.norm(np.subtract(mount.position, other.position)))
-            if apart < 0.05 * vehicle.propeller.radius:
+            distance = float(np.linalg.norm(np.subtract(mount.position, other.position)))
+            if distance < 0.05 * vehicle.propeller.radius:
                 raise InputError(
-                    f"rotors {j + 1} and {k + 1} are {apart:g} m apart",
+                    f"rotors {j + 1} and {k + 1} are {distance:g} m apart",
                     "give each hub its own position, or remove [wakes]",
                 )
 
@@ -260,30 +235,24 @@ def check_apart(vehicle: Vehicle) -> None:
 
 
 class HubFlow(NamedTuple):
-    """Operating points of n samples of m rotors, in the vehicle's frame.
+    """Operating points of n samples of m rotors, in the vehicle's frame."""
 
-    ``omega`` [rad/s], ``axial`` = V_i cos(beta_i) and ``inplane`` = V_i sin(beta_i) >= 0 [m/s] are
-    (n, m).  Unit vectors: ``axis`` (m, 3) along the thrust; ``downstream`` (n, m, 3) against the
-    in-plane velocity, along the rotor drag; zero where there is none.  ``position`` (m, 3) of the
-    hubs from the centre of mass [m]; ``spin`` (m,), 1 for counter-clockwise, else -1.
-    """
-
-    omega: Floats
-    axial: Floats
-    inplane: Floats
-    axis: Floats
-    downstream: Floats
-    position: Floats
-    spin: Floats
+    omega: Floats  # (n, m) [rad/s]
+    axial: Floats  # V_i cos(beta_i), (n, m) [m/s]
+    inplane: Floats  # V_i sin(beta_i) >= 0, (n, m) [m/s]
+    axis: Floats  # unit vectors along the thrust, (m, 3)
+    downstream: Floats  # unit vectors (n, m, 3) along the rotor drag, zero without in-plane flow
+    position: Floats  # of the hubs from the centre of mass, (m, 3) [m]
+    spin: Floats  # 1 for counter-clockwise, else -1, (m,)
 
     @property
     def velocity(self) -> Floats:
-        """Of the hubs through the air, in the vehicle's frame [m/s]; (n, m, 3)."""
+        """Velocity of the hubs through the air, in the vehicle's frame [m/s]; (n, m, 3)."""
         along: Floats = self.axial[..., None] * self.axis
         return along - self.inplane[..., None] * self.downstream
 
     def part(self, which: NDArray[np.intp] | slice) -> HubFlow:
-        """Some samples."""
+        """Return some samples."""
         return self._replace(
             omega=self.omega[which],
             axial=self.axial[which],
@@ -291,13 +260,13 @@ class HubFlow(NamedTuple):
             downstream=self.downstream[which],
         )
 
-    def moved(self, added: Floats) -> HubFlow:
-        """The same with ``added`` (n, m) to the axial velocity [m/s]."""
+    def perturbed(self, added: Floats) -> HubFlow:
+        """Return this flow with ``added`` (n, m) to the axial velocity [m/s]."""
         return self._replace(axial=self.axial + added)
 
 
 def hub_flow(vehicle: Vehicle, log: FlightLog) -> HubFlow:
-    """The flow at the hubs, V_i = V_vehicle + omega x r_i.
+    """Find the flow at each rotor's hub in a log, V_i = V_vehicle + omega x r_i.
 
     Parameters
     ----------
@@ -316,35 +285,20 @@ def hub_flow(vehicle: Vehicle, log: FlightLog) -> HubFlow:
 
 
 def hub_flow_at(vehicle: Vehicle, omega: Floats, velocity: Floats, rates: Floats) -> HubFlow:
-    """The same of motions that are in no log.
+    """Find the flow at the hubs of rotors at ``omega`` (n, m) [rad/s].
 
-    Parameters
-    ----------
-    vehicle : Vehicle
-        Where its m rotors are.
-    omega : ndarray, shape (n, m)
-        Rotor speeds [rad/s].
-    velocity, rates : ndarray, shape (n, 3)
-        Of the centre of mass through the air [m/s], and of turning [rad/s], in its frame.
+    The vehicle moves at ``velocity`` [m/s] and turns at ``rates`` [rad/s], (n, 3) in its frame.
     """
-    position = np.array([mount.position for mount in vehicle.mounts])
-    return flow_of_hubs(vehicle, omega, velocity[:, None] + cross(rates[:, None], position))
+    hubs = velocity[:, None] + cross(rates[:, None], vehicle.hub_positions)
+    return flow_of_hubs(vehicle, omega, hubs)
 
 
 def flow_of_hubs(vehicle: Vehicle, omega: Floats, hubs: Floats) -> HubFlow:
-    """The same of hubs whose velocities are known.
+    """Find the flow at ``hubs`` whose velocities (n, m, 3) through the air are known.
 
-    Parameters
-    ----------
-    vehicle : Vehicle
-        Where its m rotors are.
-    omega : ndarray, shape (n, m)
-        Rotor speeds [rad/s].
-    hubs : ndarray, shape (n, m, 3)
-        Velocities of the hubs through the air, in the vehicle's frame [m/s].
+    They are in the vehicle's frame [m/s]; ``omega`` is (n, m) [rad/s].
     """
-    position = np.array([mount.position for mount in vehicle.mounts])
-    axis = np.array([mount.axis for mount in vehicle.mounts])
+    position, axis = vehicle.hub_positions, vehicle.rotor_axes
     spin = np.array([spin_sign(mount.spin) for mount in vehicle.mounts])
     axial = np.sum(hubs * axis, axis=-1)
     across = hubs - axial[..., None] * axis
@@ -356,27 +310,16 @@ def flow_of_hubs(vehicle: Vehicle, omega: Floats, hubs: Floats) -> HubFlow:
 
 
 def rotor_forces(flow: HubFlow, thrust: Floats, drag: Floats) -> Floats:
-    """Sum of the rotors' forces on the vehicle [N], (..., n, 3), from loads (..., n, m) [N]."""
+    """Sum the rotors' forces on the vehicle [N], (..., n, 3), of loads (..., n, m) [N]."""
     along = np.einsum("...nm,mk->...nk", thrust, flow.axis)
     return along + np.einsum("...nm,nmk->...nk", drag, flow.downstream)
 
 
 def hub_wrenches(flow: HubFlow, loads: Floats) -> tuple[Floats, Floats]:
-    """Force [N] and moment about its hub [N m] of each rotor on the vehicle, in its frame.
+    """Return each rotor's force [N] on the vehicle and moment about its hub [N m], (..., n, m, 3).
 
-    They are linear in the loads: derivatives of these give derivatives of forces and moments.
-
-    Parameters
-    ----------
-    flow : HubFlow
-        Of n samples of m rotors.
-    loads : ndarray, shape (L, ..., n, m)
-        In the order of ``LOADS`` [N], [N m].
-
-    Returns
-    -------
-    tuple of ndarray, shape (..., n, m, 3)
-        Forces and moments.
+    The ``loads`` (L, ..., n, m) are in the order of ``LOADS``.  Both results are linear in them:
+    derivatives of loads give derivatives of forces and moments.
     """
     by_name = dict(zip(LOADS, loads[..., None], strict=True))
     ahead = -flow.downstream
@@ -388,17 +331,9 @@ def hub_wrenches(flow: HubFlow, loads: Floats) -> tuple[Floats, Floats]:
 
 
 def rotor_wrench(flow: HubFlow, loads: Floats) -> tuple[Floats, Floats]:
-    """Force [N] of all rotors on the vehicle and their moment about its centre of mass [N m].
+    """Sum the rotors' forces [N] and their moments about the centre of mass [N m], (..., n, 3).
 
-    Parameters
-    ----------
-    flow, loads : HubFlow, ndarray
-        As for ``hub_wrenches``.
-
-    Returns
-    -------
-    tuple of ndarray, shape (..., n, 3)
-        Force and moment, arms included.
+    ``flow`` and ``loads`` are those of ``hub_wrenches``.
     """
     force, moment = hub_wrenches(flow, loads)
     return force.sum(axis=-2), (moment + cross(flow.position, force)).sum(axis=-2)
@@ -408,67 +343,41 @@ def rotor_wrench(flow: HubFlow, loads: Floats) -> tuple[Floats, Floats]:
 # The velocity of one rotor's wake, averaged over another's disk, for every way the wake may go.
 #
 # It depends on where the air carries the wake alone, so that a table over the two angles of that
-# direction serves all flights of a vehicle.  The table is made from ``vehicle.vortex_cylinder``
-# when
-# it is first asked for, in some tenths of a second per pair of rotors that no other pair resembles.
+# direction serves all flights of a vehicle.  The table is made from the vortex cylinder when it is
+# first asked for, in some tenths of a second per pair of rotors that no other pair resembles.
 # Cubic splines go through it, so that the velocity and its slope are continuous.
 
-SKEWS, BEARINGS = 121, 96
-"""Of the table: from straight down to straight up, and around."""
-
+SKEWS, BEARINGS = 121, 96  # nodes of the table: from straight down to straight up, and around
 TABLE_AZIMUTHS = 64
 """Around each ring.  With the core of the sheet the error on the wake's surface is below 1 %."""
 
-RINGS, SPOKES = 4, 8
-"""Of the disk that is averaged: Gauss's radii for equal areas, and angles."""
-
-_BEYOND = 4
-"""Bearings by which the table goes on past a full turn, so that splines close."""
+RINGS, SPOKES = 4, 8  # nodes over a disk: Gauss's radii for equal areas, and angles
+_BEYOND = 4  # bearings by which the table goes on past a full turn, so that splines close
 
 
 class SeenWake:
-    """The wake of one rotor as seen by the disk of another.
+    """The wake of the rotor ``source`` as seen by the disk of ``target``, with one ``radius`` [m].
 
-    Parameters
-    ----------
-    source, target : Mount
-        Whose wake it is, and who is in it.
-    radius : float
-        Of their propellers [m].
-
-    Attributes
-    ----------
-    towards : float
-        Bearing of the target in the source's frame [rad]; those of ``spline`` count from it.
-    spline : RectBivariateSpline
-        Over skew and bearing [rad]; the same object for pairs that are alike.
+    ``towards`` is the bearing of the target in the source's frame [rad], from which those of the
+    ``spline`` over skew and bearing [rad] count; similar pairs share one spline.
     """
 
     def __init__(self, source: Mount, target: Mount, radius: float) -> None:
         frame = frame_of(source.axis)
-        apart = frame @ (np.subtract(target.position, source.position) / radius)
-        towards = float(np.arctan2(apart[1], apart[0])) if np.hypot(*apart[:2]) > 1e-9 else 0.0
-        turn = np.array(
-            [
-                [np.cos(towards), np.sin(towards), 0.0],
-                [-np.sin(towards), np.cos(towards), 0.0],
-                [0.0, 0.0, 1.0],
-            ]
-        )
+        offset = frame @ (np.subtract(target.position, source.position) / radius)
+        towards = float(np.arctan2(offset[1], offset[0])) if np.hypot(*offset[:2]) > 1e-9 else 0.0
+        c, s = np.cos(towards), np.sin(towards)
+        turn = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
         self.towards = towards
-        place, axis = turn @ apart, turn @ frame @ np.array(target.axis)
-        # Equal but for rounding: one table for all pairs that are alike.
+        place, axis = turn @ offset, turn @ frame @ np.array(target.axis)
+        # Equal but for rounding: one table for all such pairs.
         self.spline = _table(*(float(x) for x in np.round([*place, *axis], 9) + 0.0))
 
     def at(self, direction: Floats, *, skewing: bool = False) -> Floats:
-        """Velocity against the target's axis per density of circulation [-], (n,).
+        """Return the velocity against the target's axis per density of circulation [-], (n,).
 
-        Parameters
-        ----------
-        direction : ndarray, shape (n, 3)
-            Along which the air carries the wake away, of any length, in the source's frame.
-        skewing : bool
-            Whether to give the derivative by the wake's angle from straight down [1/rad] instead.
+        The air carries the wake along ``direction`` (n, 3), of any length, in the source's frame.
+        With ``skewing``, the derivative by the wake's angle from straight down instead [1/rad].
         """
         skew = np.arctan2(np.hypot(direction[:, 0], direction[:, 1]), -direction[:, 2])
         bearing = np.arctan2(direction[:, 1], direction[:, 0]) - self.towards
@@ -478,13 +387,13 @@ class SeenWake:
 
 @functools.lru_cache(maxsize=1024)
 def seen_wake(source: Mount, target: Mount, radius: float) -> SeenWake:
-    """``SeenWake`` of the same arguments, made once: a flight asks for it at every step."""
+    """Make each ``SeenWake`` once: a flight asks for it at every step."""
     return SeenWake(source, target, radius)
 
 
 @functools.lru_cache(maxsize=256)
 def frame_of(axis: tuple[float, float, float]) -> Floats:
-    """Rows: two directions in the disk and the ``axis``, right-handed; (3, 3), read-only."""
+    """Return two directions in the disk and the ``axis`` as rows, right-handed; read-only."""
     z = np.array(axis)
     nearest = np.array([1.0, 0.0, 0.0]) if abs(z[0]) < 0.9 else np.array([0.0, 1.0, 0.0])
     y = np.cross(z, nearest)
@@ -496,7 +405,7 @@ def frame_of(axis: tuple[float, float, float]) -> Floats:
 
 @functools.lru_cache(maxsize=256)
 def _table(x: float, y: float, z: float, along_x: float, along_y: float, along_z: float) -> Any:
-    """Spline over skew and bearing for a target at (x, y, z) radii with such an axis."""
+    """Fit a spline over skew and bearing for a target at (x, y, z) radii with such an axis."""
     from scipy.interpolate import RectBivariateSpline
 
     rim, weights = _disk()
@@ -516,7 +425,7 @@ def _table(x: float, y: float, z: float, along_x: float, along_y: float, along_z
 
 
 def _disk() -> tuple[Floats, Floats]:
-    """Points (S, 3) of a disk of radius one, and their weights, which sum to one."""
+    """Return points (S, 3) of a disk of radius one, and their weights, which sum to one."""
     node, weight = np.polynomial.legendre.leggauss(RINGS)
     radius = np.sqrt(0.5 * (node + 1.0))
     angle = 2.0 * np.pi * np.arange(SPOKES) / SPOKES
@@ -532,15 +441,14 @@ def _disk() -> tuple[Floats, Floats]:
 #
 # The rings are parallel to the disk and lie along the direction in which the air carries the wake
 # away.  The Biot-Savart integral along that direction has a closed form; what is left is one
-# integral
-# around a ring, here by equally spaced azimuths, which converge geometrically away from the wake's
-# surface.  With x in radii, a = x - e_r, d the unit direction of the wake, c = |a| and b = a . d,
+# integral around a ring, here by equally spaced azimuths, which converge geometrically away from
+# the wake's surface.  With x in radii, a = x - e_r, d the unit direction of the wake, c = |a| and
+# b = a . d,
 #
 #     w = 1/(4 pi) Int [e_t x a / (c (c - b)) - e_t x d / (c - b)] . z dpsi
 #
 # is the velocity along z per density of circulation along the wake.  At the disk's centre it is 1/2
-# for every skew, which is why a wake of density 2 v carries the inflow v of Glauert's momentum
-# (10).
+# for every skew, which is why a wake of density 2 v carries the inflow v of Glauert's eq. (10).
 #
 # References
 # ----------
@@ -550,8 +458,8 @@ def _disk() -> tuple[Floats, Floats]:
 # Tilted Rotors", Wind Energy 19, 2016, doi 10.1002/we.1838.
 
 CYLINDER_AZIMUTHS = 32
-"""Of the integral around a ring.  With ``CORE`` the error is below 1 % of the inflow outside the
-wake's surface and some per cent on it."""
+"""Nodes around a ring.  With ``CORE`` the error is below 1 % of the inflow outside the wake's
+surface and some per cent on it."""
 
 CORE = 0.05
 """Radius of the core of the vortex sheet, over the rotor's radius [-]: it spreads the jump of the
@@ -562,7 +470,7 @@ rotor."""
 def axial_velocity(
     place: Floats, direction: Floats, *, core: float = CORE, azimuths: int = CYLINDER_AZIMUTHS
 ) -> Floats:
-    """Downward velocity per density of circulation along the wake of a rotor.
+    """Return the downward velocity by a rotor's wake, per density of circulation along it.
 
     Parameters
     ----------
@@ -596,12 +504,8 @@ def axial_velocity(
     return 0.5 * total
 
 
-# -------------------------------------------------------------------------------------------------
-# Products of vectors.
-
-
 def cross(one: Floats, other: Floats) -> Floats:
-    """Cross products (..., 3) of vectors (..., 3), to the bits of ``np.cross``.
+    """Return cross products (..., 3) of vectors (..., 3), to the bits of ``np.cross``.
 
     That spends ten times as long on its axes as on the products of a few rotors.
     """
