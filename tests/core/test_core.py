@@ -111,9 +111,9 @@ def test_a_pickled_rotor_has_the_same_bits() -> None:
 
 
 def test_eight_threads_with_one_rotor_have_the_same_bits() -> None:
-    want, fresh = told(rotor(), 60), pm.Rotor(rotor().model)
+    want, fresh = told(rotor(), 40), pm.Rotor(rotor().model)
     with ThreadPoolExecutor(8) as pool:
-        found = list(pool.map(lambda _: told(fresh, 60), range(16)))
+        found = list(pool.map(lambda _: told(fresh, 40), range(16)))
     assert all(one == want for one in found)
 
 
