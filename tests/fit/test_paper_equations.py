@@ -11,7 +11,8 @@ from propmap.fit.fit import Fitted, Settings, fit
 from propmap.fit.flight import ForceModel, level_rows
 from propmap.fit.least_squares import Rows, search
 from propmap.fit.parameters import FIRST_GUESS, PAPER_FOUR, SECTION, Choice
-from propmap.vehicle.log import GRAVITY, FlightLog
+from propmap.units import GRAVITY
+from propmap.vehicle.log import FlightLog
 from propmap.vehicle.vehicle import Mount, Vehicle
 
 from .synthetic_rows import Floats, linear_model, rows_of

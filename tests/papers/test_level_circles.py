@@ -19,7 +19,7 @@ from propmap.papers.gill_dandrea_2017.level_circles import (
     quadrotor,
     static_inflow,
 )
-from propmap.vehicle.log import GRAVITY
+from propmap.units import GRAVITY
 
 SPEED = np.array([0.0, 2.0, 4.0, 6.0, 8.0])
 

@@ -13,6 +13,7 @@ from propmap.aircraft.sensitivity import Responses, Spread, spread
 from propmap.aircraft.trim import Aircraft, SteadyStates
 from propmap.errors import InputError
 from propmap.typing import Floats
+from propmap.units import DEGREE, RPM
 
 # -------------------------------------------------------------------------------------------------
 # What a power curve says: hover, least power, best range, top speed and what limits it.
@@ -321,8 +322,6 @@ def _last_and_next(states: SteadyStates) -> tuple[float, float, str]:
 # -------------------------------------------------------------------------------------------------
 # Steady states in the units of files and pictures: m/s, degrees, rpm, N, W, A, V.
 
-RPM, DEGREES = 30.0 / math.pi, 180.0 / math.pi
-
 
 class Column(NamedTuple):
     """A quantity of n states: ``values`` (n,) or, of k rotors, (n, k); unit and meaning."""
@@ -348,8 +347,8 @@ def columns(states: SteadyStates, sure: Spread | None = None) -> dict[str, Colum
 def _deviation_columns(sure: Spread) -> dict[str, Column]:
     std = "standard deviation of the "
     return {
-        "pitch_std_deg": Column(sure.pitch * DEGREES, "degree", std + "pitch"),
-        "rpm_std": Column(sure.rotor_speed * RPM, "1/min", std + "rotational speed"),
+        "pitch_std_deg": Column(sure.pitch / DEGREE, "degree", std + "pitch"),
+        "rpm_std": Column(sure.rotor_speed / RPM, "1/min", std + "rotational speed"),
         "shaft_power_std_W": Column(sure.shaft_power, "W", std + "shaft power"),
         "electrical_power_std_W": Column(sure.electrical_power, "W", std + "electrical power"),
     }
@@ -359,10 +358,10 @@ def _of_states(states: SteadyStates) -> dict[str, Column]:
     return {
         "speed_mps": Column(states.speed, "m/s", "horizontal speed through the air"),
         "climb_mps": Column(states.climb, "m/s", "climb rate"),
-        "bank_deg": Column(states.bank * DEGREES, "degree", "bank of the turn, to the right"),
-        "pitch_deg": Column(states.pitch * DEGREES, "degree", "pitch, positive nose down"),
-        "roll_deg": Column(states.roll * DEGREES, "degree", "roll, positive right side down"),
-        "rpm": Column(states.rotor_speed * RPM, "1/min", "rotational speed"),
+        "bank_deg": Column(states.bank / DEGREE, "degree", "bank of the turn, to the right"),
+        "pitch_deg": Column(states.pitch / DEGREE, "degree", "pitch, positive nose down"),
+        "roll_deg": Column(states.roll / DEGREE, "degree", "roll, positive right side down"),
+        "rpm": Column(states.rotor_speed / RPM, "1/min", "rotational speed"),
         "thrust_N": Column(states.thrust, "N", "thrust"),
         "torque_Nm": Column(states.torque, "N m", "shaft torque"),
         "shaft_power_W": Column(states.shaft_power, "W", "power of all shafts"),

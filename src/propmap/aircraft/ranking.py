@@ -23,6 +23,7 @@ from propmap.model.corrections import Correction
 from propmap.model.model import Model, Propeller, Section
 from propmap.rotor import Rotor
 from propmap.tasks import InThreads, Workers, cores, in_order
+from propmap.units import INCH
 from propmap.vehicle.vehicle import Vehicle
 
 # -------------------------------------------------------------------------------------------------
@@ -419,7 +420,7 @@ def catalogue_candidates(
             found.append(Candidate(name, blade, one.airfoil, one.section_covariance, one.verdict))
     if not found:
         raise InputError(
-            f"no propeller of the catalogue has {low / 0.0254:.3g} to {high / 0.0254:.3g} in"
+            f"no propeller of the catalogue has {low / INCH:.3g} to {high / INCH:.3g} in"
             + (f" and {blades} blades" if blades else ""),
             "ask for other diameters, see `propmap props`",
         )

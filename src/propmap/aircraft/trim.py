@@ -18,7 +18,8 @@ from propmap.model.plausibility import FAST_TIP_MACH, SPEED_OF_SOUND
 from propmap.operating_points import broadcast
 from propmap.rotor import Rotor
 from propmap.typing import Floats
-from propmap.vehicle.log import GRAVITY, in_vehicle_frame
+from propmap.units import GRAVITY
+from propmap.vehicle.log import in_vehicle_frame
 from propmap.vehicle.powertrain import ElectricState, Powertrain
 from propmap.vehicle.rotors import Rotors, RotorWrenches
 from propmap.vehicle.vehicle import Vehicle, Wing

@@ -17,6 +17,7 @@ from propmap import catalogue
 from propmap.errors import InputError, quoted
 from propmap.model.airfoil import Airfoil, SectionCovariance, SectionUncertainty
 from propmap.typing import Floats
+from propmap.units import INCH
 
 # -------------------------------------------------------------------------------------------------
 # Section constants identified from published loads, propeller by propeller, in one CSV file.
@@ -265,7 +266,6 @@ def _bundled(key: tuple[str, int]) -> Identified:
 # -------------------------------------------------------------------------------------------------
 # Designations of propellers, as they are printed on the blade: 8x6E, 5x4.3x3, 1045, 130x70 mm.
 
-INCH = 0.0254
 """[m]."""
 
 LARGEST_INCHES = 40.0

@@ -23,7 +23,6 @@ from propmap.catalogue.expected import (
     size_of,
 )
 from propmap.catalogue.identified import (
-    INCH,
     WITHOUT_BLADE,
     Designation,
     Identified,
@@ -43,6 +42,7 @@ from propmap.model.airfoil import Airfoil, SectionTable, airfoil_names, paramete
 from propmap.model.corrections import Correction, corrections_of
 from propmap.model.model import Air, Model, Propeller
 from propmap.typing import Floats
+from propmap.units import INCH
 
 # -------------------------------------------------------------------------------------------------
 # Propellers and section laws by their name in the catalogue, or from a file.

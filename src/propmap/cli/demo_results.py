@@ -14,7 +14,7 @@ import numpy as np
 import propmap
 from propmap.catalogue.lookup import Measurement, measurement, propeller
 from propmap.cli.output import grid, json_text, write_text
-from propmap.io.csv import RPM, csv_text
+from propmap.io.csv import csv_text
 from propmap.loads import LOADS
 from propmap.model.airfoil import parameter_set
 from propmap.model.corrections import MODELS, corrections_of, in_words
@@ -22,6 +22,7 @@ from propmap.model.model import Model
 from propmap.report.comparison import HOVER, Comparison, LoadErrors, compare
 from propmap.rotor import Rotor
 from propmap.typing import Floats
+from propmap.units import RPM
 
 if TYPE_CHECKING:
     from propmap.report.comparison import ErrorFigures

@@ -26,8 +26,9 @@ from propmap.cli.options import (
 )
 from propmap.cli.output import PICTURES, PictureOutput, check_output, check_pictures, write_text
 from propmap.errors import InputError
-from propmap.io.csv import LOAD_COLUMNS, RPM, disk_csv, read_points
+from propmap.io.csv import LOAD_COLUMNS, disk_csv, read_points
 from propmap.model.plausibility import doubts_on_blade
+from propmap.units import RPM
 
 if TYPE_CHECKING:
     from propmap.report.pictures import MeasuredLoads

@@ -14,7 +14,7 @@ from propmap.cli.aircraft_options import NoWakes
 from propmap.cli.options import Corrections, ModelOption, constants, parse_axis, with_physics
 from propmap.cli.output import Force, check_output, grid, show, write_text
 from propmap.errors import InputError
-from propmap.io.csv import RPM
+from propmap.units import RPM
 
 if TYPE_CHECKING:
     from rich.table import Table

@@ -28,9 +28,10 @@ from propmap.cli.options import (
 from propmap.cli.output import Force, check_output, write_text
 from propmap.errors import InputError
 from propmap.io.csv import OperatingPoints, loads_csv, std_columns
-from propmap.sweep.points import AXES, RPM, Grid, attributes, parts_along, quantities
+from propmap.sweep.points import AXES, Grid, attributes, parts_along, quantities
 from propmap.sweep.run import Filed, Sweep, provenance
 from propmap.sweep.store import Layout, Store, begun
+from propmap.units import RPM
 
 if TYPE_CHECKING:
     import xarray

@@ -55,6 +55,7 @@ from propmap.cli.output import (
 from propmap.errors import InputError
 from propmap.model.plausibility import doubts_on_points
 from propmap.rotor import Rotor
+from propmap.units import RPM
 
 if TYPE_CHECKING:
     import xarray
@@ -278,10 +279,9 @@ def say_beyond_data(craft: Aircraft, flown: list[SteadyStates], where: str = "")
 
 
 def _beyond(own: Identified, omega: Any, speed: Any, diameter: float) -> list[str]:
-    from propmap.aircraft.performance import RPM
 
     rpm, advance = (
-        float(omega.max()) * RPM,
+        float(omega.max()) / RPM,
         float((2.0 * np.pi * speed / (omega * diameter)).max()),
     )
     parts = []
@@ -317,7 +317,7 @@ def table_of(states: SteadyStates, sure: Spread | None, found: Performance | Non
     found : Performance, optional
         With their times and distances.
     """
-    rpm = states.rotor_speed * 30.0 / math.pi
+    rpm = states.rotor_speed / RPM
     heads, columns = ["V [m/s]", "pitch [deg]"], [[f"{v:.4g}" for v in states.speed]]
     columns.append([digits(v) for v in np.degrees(states.pitch)])
     if np.nanmax(np.abs(np.nan_to_num(states.roll))) > LEVEL:

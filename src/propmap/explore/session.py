@@ -33,13 +33,14 @@ from propmap.errors import InputError, quoted
 from propmap.fit.files import is_fit, read_fit
 from propmap.fit.parameters import constants_of
 from propmap.fit.tunnel import TunnelData, measured_in_catalogue, measured_loads
-from propmap.io.csv import LOAD_COLUMNS, RPM, read_lines
+from propmap.io.csv import LOAD_COLUMNS, read_lines
 from propmap.io.geometry import propeller_toml, read_geometry_file
 from propmap.io.uiuc import looks_like_uiuc_loads
 from propmap.model.airfoil import Airfoil, airfoil_names, parameter_set, read_airfoil
 from propmap.model.corrections import as_text, corrections_of
 from propmap.model.model import Air, Model, Propeller
 from propmap.rotor import Rotor
+from propmap.units import RPM
 
 if TYPE_CHECKING:
     from propmap.fit.tunnel import TunnelData

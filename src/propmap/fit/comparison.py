@@ -43,7 +43,8 @@ from propmap.model.drag_factor import drag_factor_accepted
 from propmap.model.model import Model, Section
 from propmap.rotor import Rotor
 from propmap.typing import Floats
-from propmap.vehicle.log import GRAVITY, FlightLog
+from propmap.units import GRAVITY
+from propmap.vehicle.log import FlightLog
 from propmap.vehicle.rotors import mounted_rotors
 from propmap.vehicle.vehicle import Vehicle
 from propmap.vehicle.wakes import HubFlow, hub_flow, in_wakes, rotor_wrench

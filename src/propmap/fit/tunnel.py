@@ -26,7 +26,7 @@ from propmap.fit.parameters import (
     constants_of,
     general,
 )
-from propmap.io.csv import LOAD_COLUMNS, RPM, read_points
+from propmap.io.csv import LOAD_COLUMNS, read_points
 from propmap.io.uiuc import Coefficients, looks_like_uiuc_loads, read_uiuc_loads
 from propmap.loads import LOADS
 from propmap.model.airfoil import Airfoil
@@ -36,6 +36,7 @@ from propmap.model.model import Air, Model, Propeller, Section
 from propmap.model.plausibility import doubts_on_loads, doubts_on_points
 from propmap.rotor import Rotor
 from propmap.typing import Floats
+from propmap.units import RPM
 
 # -------------------------------------------------------------------------------------------------
 # Loads measured on a bench or in a tunnel, as rows to fit.

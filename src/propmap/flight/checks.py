@@ -14,8 +14,8 @@ from propmap.baselines.hover import HoverModel
 from propmap.errors import InputError
 from propmap.flight.steady import airborne
 from propmap.typing import Floats
-from propmap.vehicle.log import GRAVITY, FlightLog, low_passed
-from propmap.vehicle.powertrain import RPM
+from propmap.units import GRAVITY, RPM
+from propmap.vehicle.log import FlightLog, low_passed
 from propmap.vehicle.vehicle import Vehicle
 
 if TYPE_CHECKING:

@@ -29,8 +29,9 @@ from propmap.model.airfoil import Airfoil
 from propmap.model.corrections import MountDrag
 from propmap.model.model import Model
 from propmap.typing import Floats
+from propmap.units import GRAVITY
 from propmap.vehicle.files import CHOICES, LogMap
-from propmap.vehicle.log import GRAVITY, FlightLog, in_vehicle_frame, pitch_and_roll
+from propmap.vehicle.log import FlightLog, in_vehicle_frame, pitch_and_roll
 from propmap.vehicle.vehicle import Vehicle
 
 # -------------------------------------------------------------------------------------------------

@@ -19,6 +19,7 @@ import numpy as np
 from propmap.errors import InputError, quoted
 from propmap.loads import LOADS
 from propmap.typing import Floats
+from propmap.units import RPM
 
 if TYPE_CHECKING:
     import xarray
@@ -377,9 +378,6 @@ def write_dataset(dataset: xarray.Dataset, path: Path) -> None:
 
 # -------------------------------------------------------------------------------------------------
 # Operating points and their loads as users write them: rpm, m/s, degrees, columns with units.
-
-RPM = np.pi / 30.0
-"""[rad/s] per revolution per minute."""
 
 PREDICT_COLUMNS = (
     "rpm",

@@ -21,6 +21,7 @@ from propmap.model.plausibility import (
     twist_from_degrees,
 )
 from propmap.typing import Floats
+from propmap.units import INCH
 
 # -------------------------------------------------------------------------------------------------
 # Blade geometry in propmap's own format, one TOML file per propeller.
@@ -105,9 +106,6 @@ def propeller_toml(blade: Propeller) -> str:
 
 # -------------------------------------------------------------------------------------------------
 # A blade as rows of a file, on the way to a ``Propeller``.
-
-INCH = 0.0254
-"""Metres in an inch."""
 
 RADIUS_TOLERANCE = 1e-3
 """Share of the radius within which two statements of it agree."""

@@ -13,6 +13,7 @@ import numpy as np
 
 from propmap.errors import InputError, quoted
 from propmap.typing import Floats
+from propmap.units import GRAVITY, INCH, KMH, MPH, POUND, RPM, SLUG_PER_FT3
 
 if TYPE_CHECKING:
     from propmap.model.model import Air, Propeller
@@ -92,9 +93,6 @@ PITCH_SPEED_RATIO = 1.6
 ALIKE = 2.3
 """Factor below which two slips cannot be told apart: what loads of like blades differ by."""
 
-RPM_PER_RADIAN = 60.0 / (2.0 * math.pi)
-INCH = 0.0254
-
 LENGTH_SLIPS = (
     Slip("millimetres", 1e3),
     Slip("centimetres", 1e2),
@@ -123,44 +121,41 @@ CHORD_SLIPS = (
 DENSITY_SLIPS = (
     Slip("g/m^3", 1e3),
     Slip("g/cm^3", 1e-3),
-    Slip("slug/ft^3", 1.0 / 515.379),
+    Slip("slug/ft^3", 1.0 / SLUG_PER_FT3),
     Slip("lb/ft^3", 1.0 / 16.01846),
 )
 VISCOSITY_SLIPS = (Slip("microPa s", 1e6), Slip("mPa s, or centipoise", 1e3), Slip("poise", 10.0))
 
-SPEED_SLIPS = (Slip("km/h", 3.6), Slip("miles an hour", 2.23694))
+SPEED_SLIPS = (Slip("km/h", 1.0 / KMH), Slip("miles an hour", 1.0 / MPH))
 
 SLOW_SLIPS = (
-    Slip("rad/s", 1.0 / RPM_PER_RADIAN),
+    Slip("rad/s", RPM),
     Slip("revolutions per second", 1.0 / 60.0),
 )
 """Of the rotational speed, where it is too low."""
 
 FAST_SLIPS = (
-    Slip("rpm converted from rad/s twice", RPM_PER_RADIAN),
+    Slip("rpm converted from rad/s twice", 1.0 / RPM),
     Slip("electrical rpm, of 7 pole pairs for example", 7.0),
     Slip("rpm times 60", 60.0),
 )
 """Of the rotational speed, where it is too high."""
 
-NEWTON_PER_POUND = 4.4482216
-NEWTON_PER_KILOGRAM = 9.80665
-
 THRUST_SLIPS = (
-    Slip("grams", 1e3 / NEWTON_PER_KILOGRAM),
-    Slip("kilograms", 1.0 / NEWTON_PER_KILOGRAM),
+    Slip("grams", 1e3 / GRAVITY),
+    Slip("kilograms", 1.0 / GRAVITY),
     Slip("millinewtons", 1e3),
-    Slip("ounces", 16.0 / NEWTON_PER_POUND),
-    Slip("pounds", 1.0 / NEWTON_PER_POUND),
+    Slip("ounces", 16.0 / POUND),
+    Slip("pounds", 1.0 / POUND),
 )
 TORQUE_SLIPS = (
     Slip("N cm", 1e2),
     Slip("N mm", 1e3),
-    Slip("kg m", 1.0 / NEWTON_PER_KILOGRAM),
-    Slip("kg cm", 1e2 / NEWTON_PER_KILOGRAM),
-    Slip("g cm", 1e5 / NEWTON_PER_KILOGRAM),
-    Slip("ounce-inches", 16.0 / (NEWTON_PER_POUND * INCH)),
-    Slip("pound-inches", 1.0 / (NEWTON_PER_POUND * INCH)),
+    Slip("kg m", 1.0 / GRAVITY),
+    Slip("kg cm", 1e2 / GRAVITY),
+    Slip("g cm", 1e5 / GRAVITY),
+    Slip("ounce-inches", 16.0 / (POUND * INCH)),
+    Slip("pound-inches", 1.0 / (POUND * INCH)),
 )
 
 
@@ -406,9 +401,9 @@ least at this speed across it; measured at most 0.52, and more than 1."""
 Loads = Mapping[str, "Floats"]
 
 SHARED_SLIPS: tuple[tuple[str, float, float], ...] = (
-    ("rpm like rad/s", RPM_PER_RADIAN**2, RPM_PER_RADIAN**2),
+    ("rpm like rad/s", 1.0 / RPM**2, 1.0 / RPM**2),
     ("rpm like revolutions per second", 3600.0, 3600.0),
-    ("rpm converted from rad/s twice", RPM_PER_RADIAN**-2, RPM_PER_RADIAN**-2),
+    ("rpm converted from rad/s twice", RPM**2, RPM**2),
     ("a radius like the diameter", 1.0 / 16.0, 1.0 / 32.0),
     ("a diameter like the radius", 16.0, 32.0),
     *(("electrical rpm", pairs**-2.0, pairs**-2.0) for pairs in (4, 6, 7, 11)),

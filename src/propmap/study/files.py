@@ -16,12 +16,12 @@ from propmap.rotor import Rotor
 from propmap.study.run import OPERATION, Study
 from propmap.sweep.points import TEXTS
 from propmap.typing import Floats
+from propmap.units import INCH
 
 # -------------------------------------------------------------------------------------------------
 # Files that say what a study varies.
 
 SCHEMA = 1
-INCH = 0.0254
 
 METHODS = ("latin-hypercube", "full-factorial")
 

@@ -19,7 +19,8 @@ from propmap.io.csv import read_lines
 from propmap.io.toml import TomlTable, parse_toml
 from propmap.model.corrections import MountDrag
 from propmap.model.model import PAPER_DENSITY, PAPER_VISCOSITY, Air, Propeller
-from propmap.vehicle.powertrain import COLD, RPM, Battery, Motor, Powertrain, SpeedController
+from propmap.units import RPM
+from propmap.vehicle.powertrain import COLD, Battery, Motor, Powertrain, SpeedController
 from propmap.vehicle.vehicle import SPINS, Body, Mount, Vector, Vehicle, Wakes, Wing
 
 # -------------------------------------------------------------------------------------------------

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from propmap.errors import InputError
 from propmap.typing import Floats
+from propmap.units import GRAVITY
 from propmap.vehicle.files import VehicleFile
 
 if TYPE_CHECKING:
@@ -22,9 +23,6 @@ if TYPE_CHECKING:
 
 # -------------------------------------------------------------------------------------------------
 # A flight as arrays on one clock, in the vehicle's frame: x forward, y left, z up.
-
-GRAVITY = 9.80665
-"""[m/s^2], the standard value."""
 
 
 @dataclass(frozen=True, eq=False)

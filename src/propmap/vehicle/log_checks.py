@@ -11,16 +11,9 @@ from numpy.typing import NDArray
 
 from propmap.errors import InputError
 from propmap.typing import Floats
+from propmap.units import DEGREE, GRAVITY, KMH
 from propmap.vehicle import log
-from propmap.vehicle.log import (
-    GRAVITY,
-    LONGEST_GAP,
-    Recording,
-    Signal,
-    cleaned,
-    common_clock,
-    interpolated,
-)
+from propmap.vehicle.log import LONGEST_GAP, Recording, Signal, cleaned, common_clock, interpolated
 
 # -------------------------------------------------------------------------------------------------
 # Whether the signals of a recording describe one motion: frames, units and clocks show.
@@ -218,7 +211,7 @@ OTHER = {"flu": "frd", "frd": "flu", "enu": "ned", "ned": "enu", "body": "world"
 HALF_TURN = np.array([1.0, -1.0, -1.0])
 """FLU to FRD and back."""
 
-SPEED_UNITS = {"km/h": 3.6, "cm/s": 100.0, "mm/s": 1000.0}
+SPEED_UNITS = {"km/h": 1.0 / KMH, "cm/s": 100.0, "mm/s": 1000.0}
 """Per m/s."""
 
 OFF_TIME = 0.2
@@ -259,8 +252,8 @@ def _changed(signal: Signal, values: Floats) -> Signal:
 def _of_rates(recording: Recording) -> Iterator[Slip]:
     rates, frame = recording.rates, OTHER[recording.body_frame]
     for factor, cause, remedy in (
-        (np.pi / 180.0, "are in degrees per second", "convert them to rad/s"),
-        (180.0 / np.pi, "are 57 times too small", "convert degrees to radians once, not twice"),
+        (DEGREE, "are in degrees per second", "convert them to rad/s"),
+        (1.0 / DEGREE, "are 57 times too small", "convert degrees to radians once, not twice"),
     ):
         yield Slip(
             f"{rates.name} {cause}: taken so, they agree with the attitude",

@@ -10,6 +10,7 @@ import numpy as np
 
 from propmap.errors import InputError
 from propmap.typing import Floats
+from propmap.units import RPM
 
 # -------------------------------------------------------------------------------------------------
 # From shaft power to the battery: motor, speed controller and battery together.
@@ -119,9 +120,6 @@ class Powertrain:
 
 # -------------------------------------------------------------------------------------------------
 # A brushless motor by its Kv, winding resistance and no-load current.
-
-RPM = math.pi / 30.0
-"""One revolution per minute [rad/s]."""
 
 COPPER = 0.00393
 """[1/K] by which the resistance of copper grows, from that at 20 degrees C: IEC 60028."""

@@ -33,12 +33,13 @@ from propmap.fit.least_squares import Rows
 from propmap.fit.parameters import SECTION
 from propmap.fit.parameters import Choice as FitChoice
 from propmap.fit.tunnel import TunnelData
-from propmap.io.csv import RPM, csv_text
+from propmap.io.csv import csv_text
 from propmap.loads import LOADS
 from propmap.model.airfoil import LIMITS, Airfoil
 from propmap.model.model import Model
 from propmap.report.html import COLOURS
 from propmap.typing import Floats
+from propmap.units import RPM
 
 if TYPE_CHECKING:
     from propmap.explore.app import Application

@@ -16,8 +16,9 @@ from propmap.model.airfoil import parameter_set
 from propmap.model.model import Model
 from propmap.papers.gill_dandrea_2017.blades import TUNNEL_PROPELLER, blade
 from propmap.rotor import Rotor
+from propmap.units import RPM
 
-POINT = (6000.0 * np.pi / 30.0, 10.0, np.radians(60.0))
+POINT = (6000.0 * RPM, 10.0, np.radians(60.0))
 """[rad/s], [m/s], [rad] of the call that is timed."""
 
 REPEATS = 21

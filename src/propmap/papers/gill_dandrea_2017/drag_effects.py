@@ -10,9 +10,9 @@ from propmap.model.airfoil import parameter_set
 from propmap.model.corrections import correction
 from propmap.model.model import Model
 from propmap.papers.gill_dandrea_2017.blades import TUNNEL_PROPELLER, blade
-from propmap.report.html import RPM
 from propmap.rotor import Rotor
 from propmap.typing import Floats
+from propmap.units import RPM
 
 SECTION = "paper-apc"
 """The set of Table I for this propeller, as printed."""
@@ -20,7 +20,7 @@ SECTION = "paper-apc"
 ADDED = ("pitt-peters", "blade-to-hub", "radial-friction")
 """Corrections in the order in which they are added to the paper's physics."""
 
-ROTATION = 6000.0 / RPM
+ROTATION = 6000.0 * RPM
 """Omega [rad/s]."""
 
 ANGLES = np.radians([45.0, 60.0, 75.0, 90.0])

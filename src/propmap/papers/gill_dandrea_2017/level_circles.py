@@ -24,7 +24,8 @@ from propmap.papers.gill_dandrea_2017.blades import blade
 from propmap.papers.gill_dandrea_2017.paper import FASTEST, FLIGHTS, RADIUS, TETHER
 from propmap.rotor import Rotor
 from propmap.typing import Floats
-from propmap.vehicle.log import GRAVITY, FlightLog, pitch_and_roll
+from propmap.units import GRAVITY
+from propmap.vehicle.log import FlightLog, pitch_and_roll
 from propmap.vehicle.vehicle import Body, Mount, Vehicle
 from propmap.vehicle.wakes import hub_flow
 

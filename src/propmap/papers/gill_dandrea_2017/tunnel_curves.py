@@ -15,11 +15,12 @@ from propmap.papers.gill_dandrea_2017.blades import blade
 from propmap.papers.gill_dandrea_2017.tunnel import Compared
 from propmap.rotor import Rotor
 from propmap.typing import Floats
+from propmap.units import RPM
 
-AXIAL_OMEGA = 5000.0 * np.pi / 30.0
+AXIAL_OMEGA = 5000.0 * RPM
 """[rad/s] of the axial lines; the Reynolds number moves them by a per cent at most."""
 
-OBLIQUE_OMEGA = 6579.0 * np.pi / 30.0
+OBLIQUE_OMEGA = 6579.0 * RPM
 """[rad/s]: the rotational speed at which the 2019 campaign has most points."""
 
 BETAS = np.radians([0.0, 30.0, 60.0, 90.0])

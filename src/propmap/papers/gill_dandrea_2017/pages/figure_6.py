@@ -21,7 +21,6 @@ from propmap.report.html import (
     DASHED,
     MEASURED,
     MODEL,
-    RPM,
     csv_of_columns,
     csv_of_rows,
     key,
@@ -33,7 +32,7 @@ from propmap.report.html import (
     share_of_weight,
     style,
 )
-from propmap.vehicle.log import GRAVITY
+from propmap.units import GRAVITY, RPM
 
 WEIGHT = ASSUMED.mass * GRAVITY
 FACES = (COLOURS[0], "white")
@@ -153,7 +152,7 @@ def sheets(flown: dict[str, SetFlown]) -> dict[str, str]:
             {
                 "set": name,
                 "speed_mps": c.speed,
-                "rotor_speed_rpm": c.rotor_speed * RPM,
+                "rotor_speed_rpm": c.rotor_speed / RPM,
                 "pitch_deg": np.degrees(c.pitch),
                 "thrust_N": c.thrust,
                 "drag_N": c.drag,

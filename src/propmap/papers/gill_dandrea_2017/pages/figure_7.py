@@ -32,7 +32,6 @@ from propmap.report.html import (
     MARKERS,
     MEASURED,
     MODEL,
-    RPM,
     angle_keys,
     csv_of_columns,
     csv_of_rows,
@@ -44,6 +43,7 @@ from propmap.report.html import (
     style,
 )
 from propmap.typing import Floats
+from propmap.units import RPM
 
 SYMBOLS = {"thrust": "C_T", "power": "C_P"}
 
@@ -120,12 +120,12 @@ def multirotor_figure(one: Compared, curves: list[ThrustCurve]) -> Figure:
         own = [curve for curve in curves if curve.label == label]
         for k, c in enumerate(own):
             at = (np.abs(data.speed - c.speed) < 0.01) & (np.abs(data.beta - c.beta) < 0.01)
-            ax.plot(c.omega * RPM / 1e3, c.thrust, color=COLOURS[k], **MODEL)
+            ax.plot(c.omega / RPM / 1e3, c.thrust, color=COLOURS[k], **MODEL)
             ax.errorbar(
-                data.omega[at] * RPM / 1e3, thrust[at], bar, linestyle="none", markersize=4.0,
+                data.omega[at] / RPM / 1e3, thrust[at], bar, linestyle="none", markersize=4.0,
                 elinewidth=0.8, **marked(k),
             )  # fmt: skip
-        ax.plot(own[0].omega * RPM / 1e3, still.thrust(own[0].omega), **HOVER)
+        ax.plot(own[0].omega / RPM / 1e3, still.thrust(own[0].omega), **HOVER)
         ax.set_title(label, fontsize=9.0)
         ax.set_xlabel("rotational speed [1000/min]")
     axes[0].set_ylabel("thrust T [N]")
@@ -217,7 +217,7 @@ def _slug(label: str) -> str:
 
 def _rows(one: Compared) -> str:
     data = one.data
-    columns: dict[str, Any] = {"rpm": data.omega * RPM, "speed_mps": data.speed}
+    columns: dict[str, Any] = {"rpm": data.omega / RPM, "speed_mps": data.speed}
     columns["beta_deg"] = np.degrees(data.beta)
     for load, truth in data.loads.items():
         columns[f"measured_{LOADS[load].column}"] = truth

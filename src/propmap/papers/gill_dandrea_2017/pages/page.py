@@ -12,7 +12,8 @@ from propmap.papers.gill_dandrea_2017.identified import AXIAL, OBLIQUE, OTHER_FO
 from propmap.papers.gill_dandrea_2017.numbers import Numbers
 from propmap.papers.gill_dandrea_2017.pages import figure_6, figure_7, rotor_drag, table_1
 from propmap.papers.gill_dandrea_2017.tunnel_curves import OBLIQUE_OMEGA
-from propmap.report.html import RPM, csv_of_rows, number, report_files
+from propmap.report.html import csv_of_rows, number, report_files
+from propmap.units import RPM
 
 FILES_OF_DATA = {
     AXIAL: "figure-7-axial",
@@ -58,7 +59,7 @@ def pages(numbers: Numbers) -> dict[str, str | bytes]:
         figure_6=figure_6,
         rotor_drag=rotor_drag,
         **figure_6.summary(flown),
-        oblique_rpm=OBLIQUE_OMEGA * RPM,
+        oblique_rpm=OBLIQUE_OMEGA / RPM,
         error_tables={
             f"{title}, {found[name].data.omega.size} points": figure_7.error_rows(
                 [e for e in numbers.errors if e.data_set == name]

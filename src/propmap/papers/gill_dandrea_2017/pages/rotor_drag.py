@@ -28,7 +28,6 @@ from propmap.report.html import (
     HOVER,
     MEASURED,
     MODEL,
-    RPM,
     csv_of_columns,
     csv_of_rows,
     key,
@@ -37,7 +36,7 @@ from propmap.report.html import (
     number,
     style,
 )
-from propmap.vehicle.log import GRAVITY
+from propmap.units import GRAVITY, RPM
 
 LIGHT: dict[str, Any] = {"color": COLOURS[4], "alpha": 0.6, "linewidth": 0.0}
 HEAVY: dict[str, Any] = {**LIGHT, "alpha": 0.25}
@@ -69,7 +68,7 @@ def small_figure(small: list[SmallIncidence]) -> Figure:
         if one.published is not None and one.other is not None:
             ax.fill_between(one.speed, one.published, one.other, color=COLOURS[1], **BAND)
             ax.plot(one.speed, one.published, **published)
-        ax.set_title(f"{one.propeller}, {one.omega * RPM:.0f} rpm", fontsize=9.0)
+        ax.set_title(f"{one.propeller}, {one.omega / RPM:.0f} rpm", fontsize=9.0)
         ax.set_ylabel("rotor drag D [N]")
         ax.set_xlim(0.0, 14.5)
         ax.set_xticks(range(0, 15, 2))
@@ -179,7 +178,7 @@ def flight_rows(consequences: list[Consequence]) -> list[tuple[str, ...]]:
                     FLOWN[one.name],
                     f"{one.theory.speed[k]:.1f}",
                     *(f"{np.degrees(c.pitch[k]):.1f}" for c in pair),
-                    *(f"{c.rotor_speed[k] * RPM:.0f}" for c in pair),
+                    *(f"{c.rotor_speed[k] / RPM:.0f}" for c in pair),
                     *(number(c.torque[k] * c.rotor_speed[k]) for c in pair),
                 )
             )
@@ -192,7 +191,7 @@ def sheets(numbers: Numbers) -> dict[str, str]:
         "rotor-drag": csv_of_columns(
             {
                 "propeller": one.propeller,
-                "rpm": one.omega * RPM,
+                "rpm": one.omega / RPM,
                 "incidence_deg": np.degrees(INCIDENCE),
                 "speed_mps": one.speed,
                 "inflow_over_speed": one.inflow,
@@ -244,7 +243,7 @@ def sheets(numbers: Numbers) -> dict[str, str]:
                 "drag_factor": factor,
                 "speed_mps": c.speed,
                 "pitch_deg": np.degrees(c.pitch),
-                "rotor_speed_rpm": c.rotor_speed * RPM,
+                "rotor_speed_rpm": c.rotor_speed / RPM,
                 "thrust_N": c.thrust,
                 "drag_N": c.drag,
                 "torque_Nm": c.torque,
