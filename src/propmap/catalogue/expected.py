@@ -24,7 +24,7 @@ from propmap.catalogue.identified import (
     same_size,
     series_named,
 )
-from propmap.model.airfoil import Airfoil, SectionCovariance, SectionUncertainty
+from propmap.model.airfoil import CONSTANTS, Airfoil, SectionCovariance, SectionUncertainty
 from propmap.model.model import Propeller
 from propmap.typing import Floats
 
@@ -565,7 +565,7 @@ def equivalent(blade: Propeller, other: Propeller) -> Floats:
 HELD = {"c_l2": 2.0}
 """Held at one value for all: its value after stall and ``alpha_0`` would trade for each other."""
 
-LOGARITHMIC = np.array([True, True, True, False, True, False, False])
+LOGARITHMIC = np.array([CONSTANTS[name].population == "log" for name in PARAMETERS])
 """Whose logarithm is the coordinate (7,)."""
 
 _DRAG_ANGLE, _ZERO_LIFT = PARAMETERS.index("drag_angle"), PARAMETERS.index("zero_lift_angle")

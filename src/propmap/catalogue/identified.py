@@ -15,22 +15,14 @@ import numpy as np
 
 from propmap import catalogue
 from propmap.errors import InputError, quoted
-from propmap.model.airfoil import Airfoil, SectionCovariance, SectionUncertainty
+from propmap.model.airfoil import CONSTANTS, Airfoil, SectionCovariance, SectionUncertainty
 from propmap.typing import Floats
 from propmap.units import INCH
 
 # -------------------------------------------------------------------------------------------------
 # Section constants identified from published loads, propeller by propeller, in one CSV file.
 
-PARAMETERS = (
-    "c_l1",
-    "c_d",
-    "alpha_0",
-    "zero_lift_angle",
-    "c_d0",
-    "reynolds_camber",
-    "drag_angle",
-)
+PARAMETERS = tuple(name for name, constant in CONSTANTS.items() if constant.population)
 """The constants that were identified; the others are held, c_l2 at the value in the file."""
 
 POOR = (0.0048, 0.0036)

@@ -44,6 +44,7 @@ from propmap.fit.parameters import described
 from propmap.fit.tunnel import TunnelData, read_tunnel
 from propmap.io.csv import read_columns, read_lines
 from propmap.io.uiuc import looks_like_uiuc_loads
+from propmap.model.airfoil import PAPER_FOUR
 from propmap.model.corrections import in_words
 from propmap.model.model import Air, Propeller
 from propmap.model.plausibility import (
@@ -314,7 +315,7 @@ def fit_tunnel(
     check_outputs(output, picture)
     base = constants(choice.airfoil) if choice.airfoil else None
     blade = choice.blade()
-    default = ("c_l1", "c_l2", "c_d", "alpha_0", "zero_lift_angle")
+    default = (*PAPER_FOUR, "zero_lift_angle")
     by_default = free is None and base is None
     expected = section_prior(prior_from, choice.prop, blade, by_default=by_default)
     chosen = choice_of(free, fix, prior, default, base, expected=expected)

@@ -27,7 +27,7 @@ from propmap.cli.output import (
     grid,
     show,
 )
-from propmap.model.airfoil import Airfoil, airfoil_names, parameter_set
+from propmap.model.airfoil import CONSTANTS, Airfoil, airfoil_names, parameter_set
 from propmap.model.plausibility import doubts_on_blade
 
 if TYPE_CHECKING:
@@ -182,16 +182,6 @@ def outline(blade: Propeller) -> list[str]:
 # -------------------------------------------------------------------------------------------------
 # What ``propmap props show`` says of a propeller's section constants.
 
-UNITS = {
-    "c_l1": "1/rad",
-    "c_d": "-",
-    "alpha_0": "rad",
-    "zero_lift_angle": "rad",
-    "c_d0": "-",
-    "reynolds_camber": "rad",
-    "drag_angle": "rad",
-}
-
 
 def known_constants(prop: str, blades: int) -> list[object]:
     """What to show: the constants that commands take for PROP by default, and how sure they are.
@@ -230,7 +220,7 @@ def _table(law: Airfoil) -> Table:
     assert law.uncertainty is not None  # both kinds carry it
     deviations = np.sqrt(np.diag(law.uncertainty.covariance.matrix))
     rows = [
-        (name, f"{getattr(law, name):.4f}", f"{deviation:.4f}", UNITS[name])
+        (name, f"{getattr(law, name):.4f}", f"{deviation:.4f}", CONSTANTS[name].unit)
         for name, deviation in zip(PARAMETERS, deviations, strict=True)
     ]
     held = [(name, f"{value:.4f}", "held", "-") for name, value in HELD.items()]

@@ -15,17 +15,9 @@ from propmap.aircraft.trim import solve
 from propmap.errors import InputError
 from propmap.fit.flight import ForceModel, level_rows, wing_values
 from propmap.fit.least_squares import NOISE_FLOOR, Minimum
-from propmap.fit.parameters import (
-    EVERY,
-    FIRST_GUESS,
-    MOUNT,
-    PAPER_FOUR,
-    SECTION,
-    Choice,
-    constants_of,
-)
+from propmap.fit.parameters import EVERY, FIRST_GUESS, MOUNT, SECTION, Choice, constants_of
 from propmap.fit.uncertainty import AT_BOUND, Uncertainty, uncertainty
-from propmap.model.airfoil import Airfoil
+from propmap.model.airfoil import PAPER_FOUR, Airfoil
 from propmap.model.corrections import MountDrag
 from propmap.model.model import Model
 from propmap.typing import Floats

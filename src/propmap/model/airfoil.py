@@ -8,7 +8,7 @@ import tomllib
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,32 +18,58 @@ from propmap.model.corrections import agreed, as_texts
 from propmap.model.drag_factor import drag_factor_accepted, warn_of_drag_factor
 from propmap.typing import Floats
 
-if TYPE_CHECKING:
-    from propmap.typing import Floats
-
-
 # -------------------------------------------------------------------------------------------------
 # The section law's constants: named sets, files, and checks.
 
 SCHEMA = 1
 SETS = Path(__file__).parents[1] / "catalogue" / "airfoils"
 LIFT_LAWS = ("blended", "simplified")
-LIMITS = {
-    "c_l1": (0.0, 20.0, "1/rad"),
-    "c_l2": (0.0, 10.0, "-"),
-    "c_d": (0.0, 20.0, "-"),
-    "alpha_0": (0.02, 1.5, "rad"),
-    "zero_lift_angle": (-0.5, 0.5, "rad"),
-    "c_d0": (0.0, 1.0, "-"),
-    "c_p": (0.0, 10.0, "-"),
-    "sharpness": (5.0, 500.0, "1/rad"),
-    "drag_factor": (0.0, 10.0, "-"),
-    "reynolds_camber": (-0.2, 0.2, "rad"),
-    "drag_angle": (-0.5, 0.5, "rad"),
-}
-"""Least and largest value of each constant, and its unit."""
-BEYOND_THE_PAPER = ("reynolds_camber", "drag_angle")
-"""Constants that files leave out where they are zero, as in the paper's law."""
+
+
+class Constant(NamedTuple):
+    """A constant of the section law: what ``Airfoil`` accepts, and how fits treat it."""
+
+    unit: str
+    meaning: str
+    limits: tuple[float, float]
+    fit: tuple[float, float, float, float] | None = None
+    """First guess (x0 of (18) where the paper has one), lower and upper bound of fits, and by how
+    much propellers differ; None where it is not fitted."""
+    population: str = ""
+    """How its distribution over propellers is normal, "log" or "linear"; empty where it is held."""
+    filed_if_zero: bool = True
+    """False for a term beyond the paper, which files leave out where it does not act."""
+
+
+CONSTANTS = {
+    "c_l1": Constant(
+        "1/rad", "slope of the attached lift", (0.0, 20.0), (math.tau, 0.5, 12.0, 1.0), "log"
+    ),
+    "c_l2": Constant("-", "lift after stall", (0.0, 10.0), (2.0, 0.0, 6.0, 0.5)),
+    "c_d": Constant("-", "pressure drag", (0.0, 20.0), (0.0, 0.0, 10.0, 1.0), "log"),
+    "alpha_0": Constant("rad", "angle of stall", (0.02, 1.5), (0.47, 0.1, 0.9, 0.06), "log"),
+    "zero_lift_angle": Constant(
+        "rad", "angle of zero lift", (-0.5, 0.5), (0.0, -0.25, 0.15, 0.03), "linear"
+    ),
+    "c_d0": Constant("-", "constant drag", (0.0, 1.0), (0.01, 0.0, 0.2, 0.02), "log"),
+    "c_p": Constant("-", "skin friction", (0.0, 10.0)),
+    "sharpness": Constant("1/rad", "sharpness of stall, M", (5.0, 500.0)),
+    "drag_factor": Constant(
+        "-", "factor on the rotor drag, deprecated", (0.0, 10.0), (1.0, 0.2, 5.0, 0.5)
+    ),
+    "reynolds_camber": Constant(
+        "rad", "growth of the angle of zero lift with ln Re", (-0.2, 0.2), (0.0, -0.1, 0.1, 0.02),
+        "linear", filed_if_zero=False,
+    ),
+    "drag_angle": Constant(
+        "rad", "angle of least pressure drag above that of zero lift", (-0.5, 0.5),
+        (0.0, -0.2, 0.3, 0.03), "linear", filed_if_zero=False,
+    ),
+}  # fmt: skip
+"""The constants of ``Airfoil`` by name, in the order of its fields: the one table of them."""
+
+PAPER_FOUR = ("c_l1", "c_l2", "c_d", "alpha_0")
+"""What (18) identifies."""
 
 
 @dataclass(frozen=True)
@@ -108,7 +134,7 @@ class Airfoil:
     uncertainty: SectionUncertainty | None = field(default=None, compare=False, repr=False)
 
     def __post_init__(self) -> None:
-        for constant, (low, high, unit) in LIMITS.items():
+        for constant, (unit, _, (low, high), *_) in CONSTANTS.items():
             value = getattr(self, constant)
             if isinstance(value, bool) or not isinstance(value, (int, float)):
                 raise InputError(f"{constant} is {value!r}: give a number [{unit}]")
@@ -130,7 +156,7 @@ class Airfoil:
     @property
     def parameters(self) -> tuple[str, ...]:
         """Names of the constants by which loads can be differentiated."""
-        return tuple(LIMITS)
+        return tuple(CONSTANTS)
 
     @property
     def has_attached_lift(self) -> bool:
@@ -196,7 +222,8 @@ class Airfoil:
         return {
             key: value
             for key, value in self._filed().items()
-            if value is not None and not (key in BEYOND_THE_PAPER and value == 0.0)
+            if value is not None
+            and (value != 0.0 or key not in CONSTANTS or CONSTANTS[key].filed_if_zero)
         }
 
     def metadata(self) -> dict[str, Any]:
@@ -289,14 +316,14 @@ def read_airfoil(path: Path, *, uncertainty: bool = True) -> Airfoil:
         raise InputError(
             f"{name}: unknown field {extra[0]!r}; known fields: {', '.join(sorted(FILED))}"
         )
-    required = [f for f in ("c_l1", "c_l2", "c_d", "alpha_0") if f not in table]
+    required = [name for name in PAPER_FOUR if name not in table]
     if required == ["c_l1"] and table.get("lift_law") == "simplified":
         table["c_l1"], required = 0.0, []
     if required:
         raise InputError(f"{name}: {required[0]} is missing; add a line '{required[0]} = ...'")
     try:
         fit = table.get("fit") if uncertainty else None
-        known = fitted_uncertainty(fit, (*LIMITS, "mount_area", "untwist"))
+        known = fitted_uncertainty(fit, (*CONSTANTS, "mount_area", "untwist"))
         known = known or filed_uncertainty(table.get("uncertainty"))
         return Airfoil(**{k: v for k, v in table.items() if k in FILED}, uncertainty=known)
     except InputError as error:

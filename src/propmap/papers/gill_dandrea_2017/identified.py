@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 from propmap.catalogue.lookup import measurement
 from propmap.fit.fit import Fitted, Settings, fit
-from propmap.fit.parameters import PAPER_FOUR, Choice
+from propmap.fit.parameters import Choice
 from propmap.fit.tunnel import TunnelData, first_guess, section_with, tunnel_rows
-from propmap.model.airfoil import Airfoil
+from propmap.model.airfoil import PAPER_FOUR, Airfoil
 from propmap.model.model import Model
 from propmap.papers.gill_dandrea_2017.blades import TUNNEL_PROPELLER, blade
 

@@ -15,10 +15,10 @@ import numpy as np
 from propmap.baselines.hover import HoverModel
 from propmap.fit.fit import Fitted, Settings, fit
 from propmap.fit.flight import ForceModel, body_force, hover_loads, level_rows
-from propmap.fit.parameters import PAPER_FOUR, Choice
+from propmap.fit.parameters import Choice
 from propmap.fit.tunnel import first_guess
 from propmap.flight.simulate import trim, true_values
-from propmap.model.airfoil import Airfoil, parameter_set
+from propmap.model.airfoil import PAPER_FOUR, Airfoil, parameter_set
 from propmap.model.model import Model
 from propmap.papers.gill_dandrea_2017.blades import blade
 from propmap.papers.gill_dandrea_2017.paper import FASTEST, FLIGHTS, RADIUS, TETHER

@@ -9,8 +9,7 @@ import numpy as np
 from propmap.catalogue.lookup import propeller
 from propmap.fit.fit import Fitted
 from propmap.fit.least_squares import rms
-from propmap.fit.parameters import PAPER_FOUR
-from propmap.model.airfoil import parameter_set
+from propmap.model.airfoil import PAPER_FOUR, parameter_set
 from propmap.model.model import Propeller
 from propmap.papers.gill_dandrea_2017.blades import TUNNEL_PROPELLER, blade
 from propmap.papers.gill_dandrea_2017.identified import FIVE
