@@ -6,6 +6,7 @@ import difflib
 import functools
 import os
 import re
+import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -36,7 +37,6 @@ from propmap.catalogue.identified import (
 from propmap.errors import InputError, quoted
 from propmap.io.geometry import check_radius, read_geometry_file
 from propmap.io.sections import looks_like_section_table, read_section_table
-from propmap.io.toml import parse_toml
 from propmap.loads import LOADS
 from propmap.model.airfoil import Airfoil, SectionTable, airfoil_names, parameter_set
 from propmap.model.corrections import Correction, corrections_of
@@ -282,7 +282,6 @@ def constants_to_expect(meant: Entry | ExpectedBlade | None, blade: Propeller) -
 # -------------------------------------------------------------------------------------------------
 # Measured loads that come with propmap, one TOML file each in ``measurements/``.
 
-SCHEMA = 1
 SUFFIX = ".toml"
 _FOLDER = Path(__file__).parent / "measurements"
 
@@ -335,7 +334,7 @@ def measurement(name: str) -> Measurement:
             f"choose one of {', '.join(close)}",
         )
     file = _FOLDER / f"{key}{SUFFIX}"
-    fields = parse_toml(file.read_text(encoding="utf-8"), f"measurement {key}", SCHEMA)
+    fields = tomllib.loads(file.read_text(encoding="utf-8"))
 
     def array(column: str) -> Floats:
         values = np.array(fields[column], dtype=np.float64)

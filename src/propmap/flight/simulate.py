@@ -22,7 +22,7 @@ from propmap.model.corrections import MountDrag
 from propmap.model.model import Model
 from propmap.typing import Floats
 from propmap.units import GRAVITY
-from propmap.vehicle.files import CHOICES, LogMap
+from propmap.vehicle.files import STATED, LogMap
 from propmap.vehicle.log import FlightLog, in_vehicle_frame, pitch_and_roll
 from propmap.vehicle.vehicle import Vehicle
 
@@ -166,7 +166,7 @@ def log_map(rotors: int) -> LogMap:
 def log_table(rotors: int) -> str:
     """The table ``[log]`` of a vehicle file that reads such a log, as text."""
     how, several = log_map(rotors), (*VECTORS, "rotor_speed")
-    stated = {key: how.stated(key) for key in CHOICES}
+    stated = {key: how.stated(key) for key in STATED}
     columns = {key: names if key in several else names[0] for key, names in how.columns.items()}
     # Texts and lists of texts are the same in JSON and in TOML.
     tables = [

@@ -12,7 +12,6 @@ import numpy as np
 
 from propmap.errors import InputError, quoted
 from propmap.io.csv import header_names, is_comment, read_csv_table, read_lines
-from propmap.io.toml import TomlTable, parse_toml
 from propmap.model.model import Propeller
 from propmap.model.plausibility import (
     check_blade,
@@ -27,16 +26,12 @@ from propmap.units import INCH
 # Blade geometry in propmap's own format, one TOML file per propeller.
 
 SCHEMA = 1
-KEYS = (
-    *("schema", "name", "title", "family", "source", "citation"),
-    *("blades", "radius_m", "root_cutout_m", "station_m", "chord_m", "twist_rad"),
-)
 
 
 def read_propeller_toml(
     path: str | os.PathLike[str], blades: int | None = None, radius: float | None = None
 ) -> Propeller:
-    """A propeller from a file in the format of the catalogue.
+    """Read a propeller from a file in the format of the catalogue.
 
     Parameters
     ----------
@@ -52,35 +47,29 @@ def read_propeller_toml(
     InputError
         Naming the field.
     """
+    # Imported here, as it loads msgspec, which the propellers of the catalogue do without.
+    from propmap.io.toml import PropellerFile, read_toml
+
     where = os.fspath(path)
-    return parse_propeller_toml("\n".join(read_lines(path)), where, blades, radius)
-
-
-def parse_propeller_toml(
-    text: str, where: str, blades: int | None = None, radius: float | None = None
-) -> Propeller:
-    """``read_propeller_toml`` for text already in memory; ``where`` names it in messages."""
-    table = TomlTable(parse_toml(text, where, SCHEMA), where, KEYS)
-    station, chord, twist = (table.numbers(key) for key in ("station_m", "chord_m", "twist_rad"))
-    for key in ("title", "family"):
-        table.text(key, '"..."', default="")
+    file = read_toml(path, PropellerFile, SCHEMA, "geometry file")
+    station, chord, twist = map(np.array, (file.station_m, file.chord_m, file.twist_rad))
     result = build_propeller(
         where,
         [f"entry {i}" for i in range(station.size)],
-        table.text("name", '"..."'),
-        check_blades(table.need("blades", "2") if blades is None else blades, where),
+        file.name,
+        check_blades(file.blades if blades is None else blades, where),
         station,
         chord,
         twist,
-        source=table.text("source", '"..."', default=""),
-        citation=table.text("citation", '"..."', default=""),
+        source=file.source,
+        citation=file.citation,
     )
-    for stated in (table.number("radius_m", "the tip radius in m"), radius):
+    for stated in (file.radius_m, radius):
         if stated is not None:
             check_radius(result.radius, stated, where)
-    if "root_cutout_m" not in table:
+    root = file.root_cutout_m
+    if root is None:
         return result
-    root = table.number("root_cutout_m", "a length in m")
     return result.with_root_cutout(check_root_cutout(root, station, f"{where}: root_cutout_m"))
 
 
@@ -596,6 +585,7 @@ def _with_hub_transition(trailer: dict[str, str], result: Propeller, where: str)
 
 # -------------------------------------------------------------------------------------------------
 # Any geometry file: which format it is in, read from its content.
+
 
 READERS: dict[str, Callable[..., Propeller]] = {
     "apc-pe0": read_apc_pe0,
