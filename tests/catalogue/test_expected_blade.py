@@ -27,7 +27,7 @@ from propmap.catalogue.expected import (
 )
 from propmap.catalogue.identified import designation
 from propmap.catalogue.lookup import designated
-from propmap.model.plausibility import at_share, doubts_on_blade
+from propmap.model.plausibility import at_share, blade_warnings
 
 RESULTS = Path(__file__).resolve().parents[2] / "benchmarks" / "results" / "left_out.json"
 FAMILIES = sorted({entry.family for entry in catalogue.entries()})
@@ -185,7 +185,7 @@ def test_fifty_designations_give_loads_with_bands() -> None:
         meant = designated(text)
         assert isinstance(meant, ExpectedBlade), text
         blade = propmap.propeller(text)
-        assert doubts_on_blade(blade) == [], text
+        assert blade_warnings(blade) == [], text
         rotor = propmap.Rotor(propmap.known_model(text))
         omega = 80.0 / blade.radius
         loads = rotor.loads(np.array([omega, omega]), np.array([0.0, 6.0]), np.array([0.0, 1.2]))
@@ -223,9 +223,9 @@ def test_what_is_told(
     meant = designated(text)
     assert isinstance(meant, ExpectedBlade)
     assert len(meant.shape.families) == families
-    assert (meant.unknown, meant.alike) == (unknown, measured)
+    assert (meant.unknown, meant.others) == (unknown, measured)
     assert (meant.family is not None) == (families == 1)
     for told in (*unknown, *measured, str(meant.shape.propellers if families > 1 else "")):
-        assert told in meant.told
-    assert "\n" not in meant.told
+        assert told in meant.summary
+    assert "\n" not in meant.summary
     assert "not measured" in meant.propeller.source

@@ -16,11 +16,11 @@ from propmap.model.plausibility import (
     RADIUS,
     TWIST,
     WIDEST_CHORD,
+    air_warnings,
     at_share,
-    doubts_on_air,
-    doubts_on_blade,
-    doubts_on_loads,
-    doubts_on_points,
+    blade_warnings,
+    load_warnings,
+    point_warnings,
 )
 
 DATA = Path(__file__).resolve().parents[3] / "shared" / "data"
@@ -46,17 +46,17 @@ def doubts(
     blade: Propeller, points: tuple[np.ndarray, ...], loads: dict[str, np.ndarray], air: Air
 ) -> list[str]:
     return [
-        *doubts_on_blade(blade),
-        *doubts_on_air(air),
-        *doubts_on_points(blade, *points),
-        *doubts_on_loads(blade, air, *points, loads),
+        *blade_warnings(blade),
+        *air_warnings(air),
+        *point_warnings(blade, *points),
+        *load_warnings(blade, air, *points, loads),
     ]
 
 
 @pytest.mark.parametrize("name", catalogue.names())
 def test_blades_of_the_catalogue(name: str) -> None:
     blade = catalogue.load(name)
-    assert doubts_on_blade(blade) == []
+    assert blade_warnings(blade) == []
     chord, twist = at_share(blade, 0.75)
     # The ranges have room, but not so much that they say nothing.
     assert 1.1 * CHORD.low < chord / blade.radius < CHORD.high / 1.1
@@ -162,9 +162,9 @@ def test_electrical_power_in_a_tunnel() -> None:
     power = 0.874 * column(rows, "voltage") * column(rows, "current")
     turning = omega > 0.0
     points = omega[turning], column(rows, "airspeed")[turning], 0.0 * omega[turning]
-    assert doubts_on_blade(blade) == []
-    assert doubts_on_points(blade, *points) == []
-    assert doubts_on_loads(blade, Air(), *points, {"torque": power[turning] / points[0]}) == []
+    assert blade_warnings(blade) == []
+    assert point_warnings(blade, *points) == []
+    assert load_warnings(blade, Air(), *points, {"torque": power[turning] / points[0]}) == []
 
 
 @pytest.mark.slow
@@ -180,6 +180,6 @@ def test_flights(name: str) -> None:
     velocity = np.stack([column(rows, f"vel_{axis}") for axis in "xyz"], axis=1)
     speed = np.linalg.norm(velocity, axis=1)
     beta = np.arccos(np.clip(velocity[:, 2] / np.maximum(speed, 1e-9), -1.0, 1.0))
-    assert doubts_on_blade(blade) == []
+    assert blade_warnings(blade) == []
     for rotor in range(1, 5):
-        assert doubts_on_points(blade, column(rows, f"mot{rotor}"), speed, beta) == []
+        assert point_warnings(blade, column(rows, f"mot{rotor}"), speed, beta) == []

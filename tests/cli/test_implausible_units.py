@@ -13,7 +13,7 @@ from propmap.catalogue.lookup import measurement
 from propmap.cli.fit_flight import read_flights
 from propmap.errors import InputError
 from propmap.fit.tunnel import doubts_on_tunnel
-from propmap.model.plausibility import doubts_on_blade
+from propmap.model.plausibility import blade_warnings
 from propmap.vehicle.files import read_vehicle
 
 from .conftest import Run
@@ -317,7 +317,7 @@ def test_diameter_for_radius_shows_in_the_loads(tmp_path: Path) -> None:
         in_fractions(SHARE, WIDTH).replace(f"{BLADE.radius}", f"{2.0 * BLADE.radius}")
     )
     large = propmap.propeller(tmp_path / "blade.csv")
-    assert doubts_on_blade(large) == []
+    assert blade_warnings(large) == []
     assert "a radius like the diameter" in told_of(TUNNEL, tmp_path, large)
 
 

@@ -11,26 +11,26 @@ import propmap
 from propmap.errors import InputError
 from propmap.model.plausibility import (
     CHORD,
-    CHORD_SLIPS,
-    DENSITY_SLIPS,
-    LENGTH_SLIPS,
+    CHORD_MISTAKES,
+    DENSITY_MISTAKES,
+    LENGTH_MISTAKES,
     LIFT_SLOPE,
     LOAD_RATIO,
     SMALL_BLADES,
     SPEED_OF_SOUND,
-    THRUST_SLIPS,
-    TORQUE_SLIPS,
+    THRUST_MISTAKES,
+    TORQUE_MISTAKES,
     ZERO_LIFT,
     Range,
-    Slip,
-    doubts_on_air,
-    doubts_on_blade,
-    doubts_on_loads,
-    doubts_on_points,
+    UnitMistake,
+    air_warnings,
+    blade_warnings,
     estimated_loads,
     guessed,
-    likely_slips,
+    likely_mistakes,
+    load_warnings,
     pitch_ratio,
+    point_warnings,
 )
 
 BLADE = propmap.propeller("apc-8x6e")
@@ -77,28 +77,28 @@ def test_estimate_responds_to_the_blade_and_the_flight() -> None:
 @pytest.mark.parametrize(
     ("usual", "slips"),
     [
-        (Range(0.025, 0.4), LENGTH_SLIPS),
-        (CHORD, CHORD_SLIPS),
-        (Range(0.9, 1.45), DENSITY_SLIPS),
-        (LOAD_RATIO, THRUST_SLIPS),
-        (LOAD_RATIO, TORQUE_SLIPS),
+        (Range(0.025, 0.4), LENGTH_MISTAKES),
+        (CHORD, CHORD_MISTAKES),
+        (Range(0.9, 1.45), DENSITY_MISTAKES),
+        (LOAD_RATIO, THRUST_MISTAKES),
+        (LOAD_RATIO, TORQUE_MISTAKES),
     ],
 )
 def test_each_slip_is_named_first_for_a_typical_figure(
-    usual: Range, slips: tuple[Slip, ...]
+    usual: Range, slips: tuple[UnitMistake, ...]
 ) -> None:
     typical = float(np.sqrt(usual.low * usual.high))
     for slip in slips:
-        found = likely_slips(typical * slip.factor, usual, slips)
+        found = likely_mistakes(typical * slip.factor, usual, slips)
         assert found[0] == slip
         assert slip.like in guessed(typical * slip.factor, usual, slips)
     for value in (0.0, -1.0, np.inf, 1e30):
-        assert likely_slips(value, usual, slips) == []
+        assert likely_mistakes(value, usual, slips) == []
 
 
 def test_mach_numbers() -> None:
     def told(mach: float) -> list[str]:
-        return doubts_on_points(
+        return point_warnings(
             BLADE, np.array([mach * SPEED_OF_SOUND / BLADE.radius]), np.zeros(1), np.zeros(1)
         )
 
@@ -110,7 +110,7 @@ def test_mach_numbers() -> None:
     with pytest.raises(InputError, match=r"Mach 1\.01"):
         told(1.01)
     with pytest.raises(InputError, match="speed looks like km/h"):
-        doubts_on_points(BLADE, np.array([100.0]), np.array([400.0]) * 0.9, np.zeros(1))
+        point_warnings(BLADE, np.array([100.0]), np.array([400.0]) * 0.9, np.zeros(1))
 
 
 def test_pitch_of_the_blade() -> None:
@@ -120,14 +120,14 @@ def test_pitch_of_the_blade() -> None:
 
 def test_what_is_unusual_but_sound_is_passed() -> None:
     flat = replace(BLADE, twist=np.full_like(BLADE.twist, 0.2))
-    assert doubts_on_blade(flat) == []
-    assert doubts_on_air(propmap.Air.standard(10000.0)) == []
+    assert blade_warnings(flat) == []
+    assert air_warnings(propmap.Air.standard(10000.0)) == []
     # Rest, standing rotors, descent, and one fast row among slow ones.
     omega = np.array([0.0, 0.0, 500.0, 500.0, 500.0, 100.0])
     speed = np.array([0.0, 10.0, 0.0, 9.0, 12.0, 30.0])
     beta = np.array([0.0, 1.0, 0.0, np.pi, 1.2, 1.5])
-    assert doubts_on_points(BLADE, omega, speed, beta) == []
-    assert doubts_on_points(BLADE, np.zeros(2), np.ones(2), np.zeros(2)) == []
+    assert point_warnings(BLADE, omega, speed, beta) == []
+    assert point_warnings(BLADE, np.zeros(2), np.ones(2), np.zeros(2)) == []
 
 
 def test_scatter_is_no_slip() -> None:
@@ -140,36 +140,36 @@ def test_scatter_is_no_slip() -> None:
     }
     loads["thrust"][::7] = np.nan
     loads["torque"] = np.full(60, np.nan)
-    assert doubts_on_loads(BLADE, AIR, omega, speed, 0.0 * speed, loads) == []
+    assert load_warnings(BLADE, AIR, omega, speed, 0.0 * speed, loads) == []
 
 
 def test_a_single_row_of_another_sign_is_told() -> None:
     loads = estimated_loads(BLADE, AIR, OMEGA, STILL)
-    assert doubts_on_loads(BLADE, AIR, OMEGA, STILL, STILL, loads) == []
+    assert load_warnings(BLADE, AIR, OMEGA, STILL, STILL, loads) == []
     loads["torque"][1] *= -1.0
     told = f"torque is negative in 1 of {OMEGA.size} rows at rest; check its sign"
-    assert doubts_on_loads(BLADE, AIR, OMEGA, STILL, STILL, loads) == [told]
+    assert load_warnings(BLADE, AIR, OMEGA, STILL, STILL, loads) == [told]
     # Beyond the blade's pitch speed a windmill's loads are negative, and rightly so.
     loads["thrust"][1] *= -1.0
     speed = np.where(loads["torque"] < 0.0, 1.2 * pitch_ratio(BLADE) * OMEGA * BLADE.radius, 0.0)
-    assert doubts_on_loads(BLADE, AIR, OMEGA, speed, STILL, loads) == []
+    assert load_warnings(BLADE, AIR, OMEGA, speed, STILL, loads) == []
 
 
 def test_loads_of_one_fast_speed_are_not_taken_for_edgewise_flow() -> None:
     speed = np.full(3, 0.75 * pitch_ratio(BLADE) * 500.0 * BLADE.radius)
     omega = np.full(3, 500.0)
     loads = estimated_loads(BLADE, AIR, omega, speed)
-    assert doubts_on_loads(BLADE, AIR, omega, speed, 0.0 * speed, loads) == []
+    assert load_warnings(BLADE, AIR, omega, speed, 0.0 * speed, loads) == []
 
 
 def test_without_loads_there_is_nothing_to_say() -> None:
     nothing = {"thrust": np.full(3, np.nan), "drag": np.ones(3)}
-    assert doubts_on_loads(BLADE, AIR, OMEGA, STILL, STILL, nothing) == []
-    assert doubts_on_loads(BLADE, AIR, STILL, STILL, STILL, {"thrust": np.ones(3)}) == []
+    assert load_warnings(BLADE, AIR, OMEGA, STILL, STILL, nothing) == []
+    assert load_warnings(BLADE, AIR, STILL, STILL, STILL, {"thrust": np.ones(3)}) == []
 
 
 def test_more_power_in_the_air_than_on_the_shaft() -> None:
     loads = estimated_loads(BLADE, AIR, OMEGA, STILL)
     loads["thrust"], loads["torque"] = 1.8 * loads["thrust"], 0.5 * loads["torque"]
     with pytest.raises(InputError, match="times the power on the shaft"):
-        doubts_on_loads(BLADE, AIR, OMEGA, STILL, STILL, loads)
+        load_warnings(BLADE, AIR, OMEGA, STILL, STILL, loads)

@@ -16,7 +16,7 @@ from propmap.aircraft.mission import fly as fly_mission
 from propmap.aircraft.performance import endurance, top_speed
 from propmap.aircraft.trim import STATUSES, Aircraft, SteadyStates
 from propmap.catalogue.identified import all_identified
-from propmap.catalogue.lookup import constants_to_expect, meant_by, own_constants, propeller
+from propmap.catalogue.lookup import meant_by, own_constants, predicted_constants, propeller
 from propmap.errors import InputError
 from propmap.model.airfoil import Airfoil, SectionCovariance
 from propmap.model.corrections import Correction
@@ -443,7 +443,7 @@ def file_candidate(path: str | os.PathLike[str], section: Section | None = None)
     if law is None:
         meant = meant_by(path)
         own = own_constants(meant, blade.blades)
-        law = own.airfoil if own else constants_to_expect(meant, blade).airfoil
+        law = own.airfoil if own else predicted_constants(meant, blade).airfoil
         verdict = own.verdict if own else "constants to be expected, not identified"
     known = getattr(law, "uncertainty", None)
     return Candidate(os.fspath(path), blade, law, known and known.covariance, verdict)

@@ -69,7 +69,7 @@ class ExpectedBlade:
     unknown: tuple[str, ...]
     shape: MeanBlade
     own: Identified | None = None
-    alike: tuple[str, ...] = ()
+    others: tuple[str, ...] = ()
 
     @property
     def family(self) -> str | None:
@@ -89,7 +89,7 @@ class ExpectedBlade:
         return self.shape.propeller(name, size.diameter, size.pitch, size.blades or 2)
 
     @property
-    def told(self) -> str:
+    def summary(self) -> str:
         """In one line: what the blade rests on, and how far loads may err."""
         shape = self.shape
         of = f"{len(shape.families)} families"
@@ -103,8 +103,8 @@ class ExpectedBlade:
             reason = "no maker is named"
         elif self.unknown:
             reason += f" ({' '.join(self.unknown)} names no series known here)"
-        if self.alike:
-            reason += f" (known of this size: {', '.join(self.alike)})"
+        if self.others:
+            reason += f" (known of this size: {', '.join(self.others)})"
         geometry = f"{reason}: geometry by the means of {some} of {of}"
         if self.own is not None:
             return geometry
@@ -152,7 +152,7 @@ def expected_blade(text: str, wanted: Designation, measured: Sequence[str] = ())
         return blade_of(text, wanted, known[0])
     names = (*measured, *(one.propeller for one in known))
     return ExpectedBlade(
-        text, wanted, tuple(families), unknown, _shape_of(families), alike=tuple(names)
+        text, wanted, tuple(families), unknown, _shape_of(families), others=tuple(names)
     )
 
 
@@ -186,7 +186,7 @@ class ExpectedConstants(NamedTuple):
     """
 
     airfoil: Airfoil
-    told: str
+    summary: str
 
 
 def expected_constants(
@@ -314,7 +314,7 @@ def _members(family: str | None, geometry: str) -> list[Member]:
 def on_mean_blade(one: Identified, shape: MeanBlade) -> Member:
     """What the data of ``one`` say of the constants with a mean blade in place of its own."""
     mean = shape.propeller(one.tested, one.diameter_m, one.pitch_m, one.blades)
-    return member(one).moved(equivalent(catalogue.load(one.propeller), mean))
+    return member(one).shifted(equivalent(catalogue.load(one.propeller), mean))
 
 
 def member_without_blade(one: Identified) -> Member:
@@ -673,7 +673,7 @@ class Member(NamedTuple):
     precision: Floats
     pull: Floats
 
-    def moved(self, shift: Floats) -> Member:
+    def shifted(self, shift: Floats) -> Member:
         """The same with ``shift`` (7,) added to its coordinates."""
         return self._replace(pull=self.pull + self.precision @ shift)
 
@@ -733,12 +733,12 @@ def family_prior(members: Sequence[Member], population: Population, size: Size) 
 MIDDLE = (0.2286, 0.6)
 """Diameter [m] and pitch over diameter at which a family's mean is stated."""
 
-ALIKE = (0.4, 0.3)
+LIKENESS_WIDTH = (0.4, 0.3)
 """Standard deviations of the bell by which likeness falls with the distance between siblings in the
-logarithm of the diameter and in pitch over diameter; with ``APART``, those of the largest
+logarithm of the diameter and in pitch over diameter; with ``OWN_SHARE``, those of the largest
 likelihood on a grid, over all three populations."""
 
-APART = 0.25
+OWN_SHARE = 0.25
 """Share of the variance within families in which siblings of one size differ."""
 
 GEOMETRIES = ("measured", "family", "population")
@@ -786,10 +786,10 @@ def covariates(size: Size) -> Floats:
 
 
 def likeness(sizes: Sequence[Size]) -> Floats:
-    """Correlation (n, n) of siblings about their family's mean; of one size, 1 - ``APART``."""
-    place = np.stack([covariates(size) for size in sizes]) / ALIKE
+    """Correlation (n, n) of siblings about their family's mean; of one size, 1 - ``OWN_SHARE``."""
+    place = np.stack([covariates(size) for size in sizes]) / LIKENESS_WIDTH
     distance = ((place[:, None] - place[None]) ** 2).sum(axis=-1)
-    return (1.0 - APART) * np.exp(-0.5 * distance) + APART * np.eye(len(place))
+    return (1.0 - OWN_SHARE) * np.exp(-0.5 * distance) + OWN_SHARE * np.eye(len(place))
 
 
 def bundled_population(geometry: str = "measured") -> Population:

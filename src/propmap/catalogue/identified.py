@@ -106,7 +106,7 @@ class Identified:
         return self.thrust_rms, self.power_rms
 
     @property
-    def told(self) -> str:
+    def summary(self) -> str:
         """In one line: whose constants these are, what they rest on, and how well they fit."""
         size = "and at rest " if self.static_rows else ""
         return (

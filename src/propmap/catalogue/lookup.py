@@ -242,7 +242,7 @@ def known_model(
     """
     blade = propeller(name_or_path, blades)
     meant = meant_by(name_or_path)
-    known = own_constants(meant, blade.blades) or constants_to_expect(meant, blade)
+    known = own_constants(meant, blade.blades) or predicted_constants(meant, blade)
     added = corrections_of("recommended") if corrections is None else corrections
     return Model(blade, known.airfoil, air or Air(), added)
 
@@ -262,7 +262,7 @@ def own_constants(meant: Entry | ExpectedBlade | None, blades: int) -> Identifie
     return identified(meant.name, blades) if meant is not None else None
 
 
-def constants_to_expect(meant: Entry | ExpectedBlade | None, blade: Propeller) -> ExpectedConstants:
+def predicted_constants(meant: Entry | ExpectedBlade | None, blade: Propeller) -> ExpectedConstants:
     """The constants to be expected of a propeller that was not identified itself.
 
     Parameters

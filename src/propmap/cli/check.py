@@ -33,7 +33,7 @@ from propmap.errors import InputError
 from propmap.io.csv import csv_text
 from propmap.model.corrections import in_words
 from propmap.model.model import Air, Model
-from propmap.model.plausibility import doubts_on_blade
+from propmap.model.plausibility import blade_warnings
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -140,7 +140,7 @@ def _compare(
     say_reynolds(model, measured.omega, measured.speed, measured.beta)
     if prop is not None:
         say_expected(prop)
-    say_doubts([*doubts_on_blade(blade), *doubts_on_tunnel(data, blade, air)])
+    say_doubts([*blade_warnings(blade), *doubts_on_tunnel(data, blade, air)])
     return compare_tunnel(model, measured), {}
 
 

@@ -48,10 +48,10 @@ from propmap.model.airfoil import PAPER_FOUR
 from propmap.model.corrections import in_words
 from propmap.model.model import Air, Propeller
 from propmap.model.plausibility import (
-    doubts_on_air,
-    doubts_on_blade,
-    doubts_on_loads,
-    doubts_on_points,
+    air_warnings,
+    blade_warnings,
+    load_warnings,
+    point_warnings,
 )
 from propmap.typing import Floats
 from propmap.units import GRAVITY, RPM
@@ -358,8 +358,8 @@ def fit_tunnel(
         remarks=[
             *say_prior(expected),
             *remarks,
-            *doubts_on_blade(blade),
-            *doubts_on_air(air),
+            *blade_warnings(blade),
+            *air_warnings(air),
             *doubts,
         ],
         options={"loads": list(fitted.rows.names), "weights": weights},
@@ -429,8 +429,8 @@ def fit_static(
     for part in parts:
         points = part.omega, part.speed, part.beta
         try:
-            odd = doubts_on_points(blade, *points)
-            odd += doubts_on_loads(blade, air, *points, part.loads)
+            odd = point_warnings(blade, *points)
+            odd += load_warnings(blade, air, *points, part.loads)
         except InputError as error:
             raise InputError(error.found, error.remedy, part.source) from None
         doubts += [f"{part.source}: {doubt}" for doubt in odd]
@@ -466,8 +466,8 @@ def fit_static(
         remarks=[
             *say_prior(expected),
             *remarks,
-            *doubts_on_blade(blade),
-            *doubts_on_air(air),
+            *blade_warnings(blade),
+            *air_warnings(air),
             *doubts,
         ],
         options={"loads": list(fitted.rows.names), "weights": {}},

@@ -55,7 +55,7 @@ from propmap.flight.steady import (
     read_level_table,
     steady_stretches,
 )
-from propmap.model.plausibility import doubts_on_air, doubts_on_blade
+from propmap.model.plausibility import air_warnings, blade_warnings
 from propmap.typing import Floats
 from propmap.vehicle.files import VehicleFile
 from propmap.vehicle.log import (
@@ -303,7 +303,7 @@ def fit_flight(
     check_outputs(output, picture, stretches_picture)
     base = constants(name_or_file) if name_or_file else None
     file = read_vehicle(vehicle)
-    doubts = [*doubts_on_blade(file.vehicle.propeller), *doubts_on_air(file.vehicle.air)]
+    doubts = [*blade_warnings(file.vehicle.propeller), *air_warnings(file.vehicle.air)]
     say_doubts(doubts)
 
     from propmap.fit.comparison import body_terms_verdict, doubts_on_constants, still_explained

@@ -13,7 +13,7 @@ from typer.core import TyperGroup
 from propmap.catalogue import Entry
 from propmap.catalogue.expected import HELD
 from propmap.catalogue.identified import PARAMETERS, all_identified
-from propmap.catalogue.lookup import constants_to_expect, meant_by, own_constants, propeller, search
+from propmap.catalogue.lookup import meant_by, own_constants, predicted_constants, propeller, search
 from propmap.cli.options import Blades, PropArgument, Radius, constants, say_doubts, say_expected
 from propmap.cli.output import (
     Format,
@@ -28,7 +28,7 @@ from propmap.cli.output import (
     show,
 )
 from propmap.model.airfoil import CONSTANTS, Airfoil, airfoil_names, parameter_set
-from propmap.model.plausibility import doubts_on_blade
+from propmap.model.plausibility import blade_warnings
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -137,7 +137,7 @@ def show_prop(
     check_pictures(output)
     blade = propeller(prop, blades, radius)
     say_expected(prop)
-    say_doubts(doubts_on_blade(blade))
+    say_doubts(blade_warnings(blade))
     rows = [
         (f"{y:.5f}", f"{y / blade.radius:.4f}", f"{1e3 * c:.3f}", f"{np.degrees(twist):.2f}")
         for y, c, twist in zip(blade.station, blade.chord, blade.twist, strict=True)
@@ -204,13 +204,13 @@ def known_constants(prop: str, blades: int) -> list[object]:
     also = [f"identified with {' and '.join(map(str, others))} blades too: --blades N"]
     found = own_constants(meant, blades)
     if found is None:
-        expected = constants_to_expect(meant, propeller(prop, blades))
+        expected = predicted_constants(meant, propeller(prop, blades))
         told: list[object] = [_table(expected.airfoil)]
         if isinstance(meant, Entry):
             # Else a note on the blade has said what both rest on.
-            told.append(expected.told)
+            told.append(expected.summary)
     else:
-        rest = found.told.removesuffix(f"; {found.verdict}")
+        rest = found.summary.removesuffix(f"; {found.verdict}")
         told = [_table(found.airfoil), rest, f"verdict: {found.verdict}"]
     return [*told, *(also if others else [])]
 

@@ -18,17 +18,17 @@ from propmap.catalogue.expected import ExpectedBlade
 from propmap.catalogue.identified import Identified
 from propmap.catalogue.lookup import (
     airfoil,
-    constants_to_expect,
     meant_by,
     own_constants,
+    predicted_constants,
     propeller,
 )
 from propmap.errors import InputError
 from propmap.io.csv import OperatingPoints, check_value
 from propmap.model.airfoil import Airfoil, SectionTable, airfoil_names
-from propmap.model.corrections import CORRECTIONS, apart, as_text, correction, corrections_of
+from propmap.model.corrections import CORRECTIONS, as_text, correction, corrections_of, split_mount
 from propmap.model.model import PAPER_DENSITY, PAPER_VISCOSITY, Air, Model, Propeller
-from propmap.model.plausibility import doubts_on_air, doubts_on_blade, doubts_on_points
+from propmap.model.plausibility import air_warnings, blade_warnings, point_warnings
 from propmap.tasks import InTurn, Workers
 from propmap.typing import Floats
 
@@ -164,11 +164,11 @@ class RotorChoice:
             return airfoil(self.airfoil)
         found = self.identified(blade.blades)
         if found is not None:
-            law, told = found.airfoil, found.told
+            law, told = found.airfoil, found.summary
         else:
             meant = meant_by(self.prop)
-            expected = constants_to_expect(meant, blade)
-            law, told = expected.airfoil, expected.told
+            expected = predicted_constants(meant, blade)
+            law, told = expected.airfoil, expected.summary
             if isinstance(meant, ExpectedBlade) and meant.own is None:
                 return law  # the note on the blade tells of the constants too
         typer.echo(f"note: {told}; another law by --airfoil", err=True)
@@ -182,7 +182,7 @@ class RotorChoice:
         """The propeller; notes say what is odd about it, and if it was not measured."""
         found = propeller(self.prop, self.blades, self.radius, self.root_cutout)
         say_expected(self.prop)
-        say_doubts(doubts_on_blade(found))
+        say_doubts(blade_warnings(found))
         return found
 
     def medium(self) -> Air:
@@ -200,7 +200,7 @@ class RotorChoice:
             PAPER_DENSITY if self.rho is None else self.rho,
             PAPER_VISCOSITY if self.mu is None else self.mu,
         )
-        say_doubts(doubts_on_air(air))
+        say_doubts(air_warnings(air))
         return air
 
 
@@ -219,9 +219,9 @@ def with_physics(
 ) -> Airfoil | SectionTable:
     """The section law with the corrections that ``--model`` and ``--correction`` ask for."""
     own, more = law.corrections, [as_text(correction(text)) for text in added or ()]
-    physics, mount = apart(more)
+    physics, mount = split_mount(more)
     if model is None and not physics and own is not None:
-        return law.with_corrections([*apart(own)[0], *mount])
+        return law.with_corrections([*split_mount(own)[0], *mount])
     chosen = corrections_of(model or ModelName.recommended, more)
     return law.with_corrections([as_text(value) for value in chosen])
 
@@ -374,7 +374,7 @@ def say_expected(prop: str) -> None:
     """Say what a blade rests on that was not measured."""
     meant = meant_by(prop)
     if isinstance(meant, ExpectedBlade):
-        typer.echo(f"note: {meant.told}", err=True)
+        typer.echo(f"note: {meant.summary}", err=True)
 
 
 def say_doubts_on_points(model: Model, omega: Floats, speed: Floats, beta: Floats) -> None:
@@ -382,7 +382,7 @@ def say_doubts_on_points(model: Model, omega: Floats, speed: Floats, beta: Float
 
     Raises ``InputError`` where a blade tip is faster than sound.
     """
-    say_doubts(doubts_on_points(model.propeller, omega, speed, beta))
+    say_doubts(point_warnings(model.propeller, omega, speed, beta))
 
 
 # -------------------------------------------------------------------------------------------------

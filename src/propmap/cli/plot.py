@@ -27,7 +27,7 @@ from propmap.cli.options import (
 from propmap.cli.output import PICTURES, PictureOutput, check_output, check_pictures, write_text
 from propmap.errors import InputError
 from propmap.io.csv import LOAD_COLUMNS, disk_csv, read_points
-from propmap.model.plausibility import doubts_on_blade
+from propmap.model.plausibility import blade_warnings
 from propmap.units import RPM
 
 if TYPE_CHECKING:
@@ -92,7 +92,7 @@ def plot_planform(
     check_pictures(output)
     blade = propeller(prop, blades, radius, root_cutout)
     say_expected(prop)
-    say_doubts(doubts_on_blade(blade))
+    say_doubts(blade_warnings(blade))
 
     from propmap.report.html import save
     from propmap.report.pictures import planform

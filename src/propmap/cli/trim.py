@@ -53,7 +53,7 @@ from propmap.cli.output import (
     show,
 )
 from propmap.errors import InputError
-from propmap.model.plausibility import doubts_on_points
+from propmap.model.plausibility import point_warnings
 from propmap.rotor import Rotor
 from propmap.units import RPM
 
@@ -271,7 +271,7 @@ def say_beyond_data(craft: Aircraft, flown: list[SteadyStates], where: str = "")
     speed = np.linalg.norm(hubs, axis=-1)
     along = np.einsum("nkj,kj->nk", hubs, craft.rotors.axis)
     beta = np.arccos(np.clip(np.divide(along, speed, out=along * 0.0, where=speed > 0.0), -1, 1))
-    doubts = doubts_on_points(blade, omega, speed, beta)
+    doubts = point_warnings(blade, omega, speed, beta)
     own = identified(blade.name, blade.blades)
     if own is not None and craft.loads.model.airfoil.name == own.airfoil.name:
         doubts = [*doubts, *_beyond(own, omega, speed, blade.diameter)]

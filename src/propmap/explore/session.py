@@ -21,12 +21,12 @@ from propmap.baselines.hover import HoverModel
 from propmap.catalogue import load
 from propmap.catalogue.expected import ExpectedBlade
 from propmap.catalogue.lookup import (
-    constants_to_expect,
     looks_like_path,
     meant_by,
     measurement,
     measurement_names,
     own_constants,
+    predicted_constants,
     propeller,
 )
 from propmap.errors import InputError, quoted
@@ -238,7 +238,7 @@ def _constants(session: Session, blade: Propeller) -> Airfoil:
         law = parameter_set(session.law)
     else:
         meant = meant_by(session.name) if session.name else None
-        law = (own_constants(meant, blade.blades) or constants_to_expect(meant, blade)).airfoil
+        law = (own_constants(meant, blade.blades) or predicted_constants(meant, blade)).airfoil
     return law
 
 

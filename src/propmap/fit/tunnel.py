@@ -33,7 +33,7 @@ from propmap.model.airfoil import Airfoil
 from propmap.model.corrections import BladeUntwist, MountDrag
 from propmap.model.drag_factor import drag_factor_accepted
 from propmap.model.model import Air, Model, Propeller, Section
-from propmap.model.plausibility import doubts_on_loads, doubts_on_points
+from propmap.model.plausibility import load_warnings, point_warnings
 from propmap.rotor import Rotor
 from propmap.typing import Floats
 from propmap.units import RPM
@@ -99,7 +99,7 @@ def model_with(model: Model, values: Mapping[str, float]) -> Model:
     """The model with what ``values`` has of the parameters of ``ROTOR``."""
     model = model.with_airfoil(section_with(model.airfoil, values))
     if "untwist" in values:
-        model = model.found_with(BladeUntwist(values["untwist"]))
+        model = model.with_correction(BladeUntwist(values["untwist"]))
     if "mount_area" not in values:
         return model
     # The share of the inflow is the model's own.
@@ -252,8 +252,8 @@ def doubts_on_tunnel(data: Sequence[str], propeller: Propeller, air: Air) -> lis
         part = _read(item, propeller, air)
         points = part.omega, part.speed, part.beta
         try:
-            doubts = doubts_on_points(propeller, *points)
-            doubts += doubts_on_loads(propeller, air, *points, part.loads)
+            doubts = point_warnings(propeller, *points)
+            doubts += load_warnings(propeller, air, *points, part.loads)
         except InputError as error:
             raise InputError(error.found, error.remedy, part.source) from None
         found += [f"{part.source}: {doubt}" for doubt in doubts]

@@ -201,7 +201,7 @@ FORMATS = (
 ASSUMED_REYNOLDS = 1e6
 """Of a file with one table that states none; loads do not depend on it."""
 
-ALIKE = 0.01
+SAME_LIFT = 0.01
 """Difference of C_L up to which a repeated angle, as XFOIL writes it, is one row."""
 
 
@@ -282,7 +282,7 @@ def _polar(reynolds: float, rows: list[Row], where: str) -> Polar:
     kept: list[Row] = []
     for row in sorted(rows, key=lambda row: row[1]):
         if kept and row[1] == kept[-1][1]:
-            if abs(row[2] - kept[-1][2]) > ALIKE:
+            if abs(row[2] - kept[-1][2]) > SAME_LIFT:
                 raise InputError(
                     f"{row[1]:g} deg occurs twice, in line {kept[-1][0]} with another lift",
                     "keep one of the rows",
@@ -327,7 +327,7 @@ STEP = np.radians(5.0)
 CLOSED = np.radians(330.0)
 """A polar over so much of the circle lacks no more than its ends."""
 
-APART = np.radians(0.05)
+SAME_ANGLE = np.radians(0.05)
 """Angles of different polars nearer than that are one."""
 
 
@@ -448,7 +448,7 @@ def at_common_angles(polars: Sequence[Polar]) -> tuple[Floats, Floats, Floats]:
     angles = np.unique(np.concatenate([polar.angle for polar in polars]))
     kept = [float(angles[0])]
     for angle in angles[1:-1]:
-        if angle - kept[-1] >= APART and np.pi - angle >= APART:
+        if angle - kept[-1] >= SAME_ANGLE and np.pi - angle >= SAME_ANGLE:
             kept.append(float(angle))
     angle = polars[0].angle if len(polars) == 1 else np.array([*kept, np.pi])
     lift = np.stack([np.interp(angle, polar.angle, polar.lift) for polar in polars])

@@ -603,10 +603,10 @@ def agreed(section: str, own: Sequence[str] | None, given: Sequence[str]) -> tup
     InputError
         Where others than its own are given; ``section`` is its name.
     """
-    wanted, mount = apart(as_texts(given) or ())
+    wanted, mount = split_mount(as_texts(given) or ())
     if own is None:
         return *wanted, *mount
-    found, own_mount = apart(own)
+    found, own_mount = split_mount(own)
     if sorted(found) != sorted(wanted):
         raise InputError(
             f"{section} was found with {in_words(found)}, not with {in_words(wanted)}",
@@ -615,7 +615,7 @@ def agreed(section: str, own: Sequence[str] | None, given: Sequence[str]) -> tup
     return *found, *(mount or own_mount)
 
 
-def apart(texts: Sequence[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
+def split_mount(texts: Sequence[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """The corrections of the physics, and those that tell what is mounted."""
     mount = tuple(text for text in texts if text.partition(":")[0] == MOUNT_DRAG)
     return tuple(text for text in texts if text not in mount), mount

@@ -17,10 +17,10 @@ from propmap.model.corrections import (
     BladeToHub,
     Correction,
     agreed,
-    apart,
     as_text,
     correction,
     name_of,
+    split_mount,
 )
 from propmap.model.plausibility import check_blade, check_blades, check_root_cutout
 from propmap.typing import Floats
@@ -283,8 +283,8 @@ class Model:
         object.__setattr__(self, "corrections", tuple(self.corrections))
         own = getattr(self.airfoil, "corrections", None)
         if own is not None:
-            physics, mount = apart(self.correction_texts)
-            texts = agreed(self.airfoil.name, own, [*(physics or apart(own)[0]), *mount])
+            physics, mount = split_mount(self.correction_texts)
+            texts = agreed(self.airfoil.name, own, [*(physics or split_mount(own)[0]), *mount])
             object.__setattr__(self, "corrections", tuple(correction(text) for text in texts))
         names = [name_of(value) for value in self.corrections]
         for name in names:
@@ -308,7 +308,7 @@ class Model:
         others = [value for value in self.corrections if name_of(value) != MOUNT_DRAG]
         return replace(self, corrections=(*others, mount))
 
-    def found_with(self, value: Correction) -> Model:
+    def with_correction(self, value: Correction) -> Model:
         """This model with ``value`` in the place of its own of that name, if any.
 
         The section law is then one whose constants were found with it.
@@ -341,7 +341,7 @@ class Model:
         """How well the section law is known; None where it says nothing of it."""
         known = getattr(self.airfoil, "uncertainty", None)
         found_with = getattr(self.airfoil, "corrections", None) or ()
-        mounts = [apart(list(texts))[1] for texts in (self.correction_texts, found_with)]
+        mounts = [split_mount(list(texts))[1] for texts in (self.correction_texts, found_with)]
         if known is not None and mounts[0] != mounts[1]:
             # What is mounted was given instead of found: it is known.
             known = known.without("mount_area")

@@ -45,7 +45,7 @@ class Range:
 
 
 @dataclass(frozen=True)
-class Slip:
+class UnitMistake:
     """A mistake that multiplies a figure by ``factor``, and what the figure is ``like`` then."""
 
     like: str
@@ -90,79 +90,83 @@ PITCH_SPEED_RATIO = 1.6
 """Axial speed over that of a screw with the blade's pitch, up to which a propeller pulls; measured
 1.35 at a quarter of the largest thrust."""
 
-ALIKE = 2.3
+INDISTINCT = 2.3
 """Factor below which two slips cannot be told apart: what loads of like blades differ by."""
 
-LENGTH_SLIPS = (
-    Slip("millimetres", 1e3),
-    Slip("centimetres", 1e2),
-    Slip("inches", 1.0 / INCH),
-    Slip("inches taken for millimetres", 1e-3 / INCH),
-    Slip("millimetres taken for inches", 1e3 * INCH),
-    Slip("metres taken for millimetres", 1e-3),
-    Slip("metres taken for inches", INCH),
+LENGTH_MISTAKES = (
+    UnitMistake("millimetres", 1e3),
+    UnitMistake("centimetres", 1e2),
+    UnitMistake("inches", 1.0 / INCH),
+    UnitMistake("inches taken for millimetres", 1e-3 / INCH),
+    UnitMistake("millimetres taken for inches", 1e3 * INCH),
+    UnitMistake("metres taken for millimetres", 1e-3),
+    UnitMistake("metres taken for inches", INCH),
 )
 """Of a length alone, given for metres unless something else is said."""
 
-CHORD_SLIPS = (
-    Slip("millimetres beside a radius in metres", 1e3),
-    Slip("per cent of the radius, or centimetres beside metres", 1e2),
-    Slip("inches beside a radius in metres", 1.0 / INCH),
-    Slip("millimetres beside a radius in inches", 1e3 * INCH),
-    Slip("millimetres beside a radius in centimetres", 10.0),
-    Slip("a fraction of the diameter, or the radius like the diameter", 0.5),
-    Slip("centimetres taken for millimetres", 0.1),
-    Slip("inches taken for millimetres", 1e-3 / INCH),
-    Slip("metres taken for inches", INCH),
-    Slip("metres taken for millimetres", 1e-3),
+CHORD_MISTAKES = (
+    UnitMistake("millimetres beside a radius in metres", 1e3),
+    UnitMistake("per cent of the radius, or centimetres beside metres", 1e2),
+    UnitMistake("inches beside a radius in metres", 1.0 / INCH),
+    UnitMistake("millimetres beside a radius in inches", 1e3 * INCH),
+    UnitMistake("millimetres beside a radius in centimetres", 10.0),
+    UnitMistake("a fraction of the diameter, or the radius like the diameter", 0.5),
+    UnitMistake("centimetres taken for millimetres", 0.1),
+    UnitMistake("inches taken for millimetres", 1e-3 / INCH),
+    UnitMistake("metres taken for inches", INCH),
+    UnitMistake("metres taken for millimetres", 1e-3),
 )
 """Of the chord over the radius."""
 
-DENSITY_SLIPS = (
-    Slip("g/m^3", 1e3),
-    Slip("g/cm^3", 1e-3),
-    Slip("slug/ft^3", 1.0 / SLUG_PER_FT3),
-    Slip("lb/ft^3", 1.0 / 16.01846),
+DENSITY_MISTAKES = (
+    UnitMistake("g/m^3", 1e3),
+    UnitMistake("g/cm^3", 1e-3),
+    UnitMistake("slug/ft^3", 1.0 / SLUG_PER_FT3),
+    UnitMistake("lb/ft^3", 1.0 / 16.01846),
 )
-VISCOSITY_SLIPS = (Slip("microPa s", 1e6), Slip("mPa s, or centipoise", 1e3), Slip("poise", 10.0))
+VISCOSITY_MISTAKES = (
+    UnitMistake("microPa s", 1e6),
+    UnitMistake("mPa s, or centipoise", 1e3),
+    UnitMistake("poise", 10.0),
+)
 
-SPEED_SLIPS = (Slip("km/h", 1.0 / KMH), Slip("miles an hour", 1.0 / MPH))
+SPEED_MISTAKES = (UnitMistake("km/h", 1.0 / KMH), UnitMistake("miles an hour", 1.0 / MPH))
 
-SLOW_SLIPS = (
-    Slip("rad/s", RPM),
-    Slip("revolutions per second", 1.0 / 60.0),
+SLOW_MISTAKES = (
+    UnitMistake("rad/s", RPM),
+    UnitMistake("revolutions per second", 1.0 / 60.0),
 )
 """Of the rotational speed, where it is too low."""
 
-FAST_SLIPS = (
-    Slip("rpm converted from rad/s twice", 1.0 / RPM),
-    Slip("electrical rpm, of 7 pole pairs for example", 7.0),
-    Slip("rpm times 60", 60.0),
+FAST_MISTAKES = (
+    UnitMistake("rpm converted from rad/s twice", 1.0 / RPM),
+    UnitMistake("electrical rpm, of 7 pole pairs for example", 7.0),
+    UnitMistake("rpm times 60", 60.0),
 )
 """Of the rotational speed, where it is too high."""
 
-THRUST_SLIPS = (
-    Slip("grams", 1e3 / GRAVITY),
-    Slip("kilograms", 1.0 / GRAVITY),
-    Slip("millinewtons", 1e3),
-    Slip("ounces", 16.0 / POUND),
-    Slip("pounds", 1.0 / POUND),
+THRUST_MISTAKES = (
+    UnitMistake("grams", 1e3 / GRAVITY),
+    UnitMistake("kilograms", 1.0 / GRAVITY),
+    UnitMistake("millinewtons", 1e3),
+    UnitMistake("ounces", 16.0 / POUND),
+    UnitMistake("pounds", 1.0 / POUND),
 )
-TORQUE_SLIPS = (
-    Slip("N cm", 1e2),
-    Slip("N mm", 1e3),
-    Slip("kg m", 1.0 / GRAVITY),
-    Slip("kg cm", 1e2 / GRAVITY),
-    Slip("g cm", 1e5 / GRAVITY),
-    Slip("ounce-inches", 16.0 / (POUND * INCH)),
-    Slip("pound-inches", 1.0 / (POUND * INCH)),
+TORQUE_MISTAKES = (
+    UnitMistake("N cm", 1e2),
+    UnitMistake("N mm", 1e3),
+    UnitMistake("kg m", 1.0 / GRAVITY),
+    UnitMistake("kg cm", 1e2 / GRAVITY),
+    UnitMistake("g cm", 1e5 / GRAVITY),
+    UnitMistake("ounce-inches", 16.0 / (POUND * INCH)),
+    UnitMistake("pound-inches", 1.0 / (POUND * INCH)),
 )
 
 
-def likely_slips(value: float, usual: Range, slips: Sequence[Slip]) -> list[Slip]:
+def likely_mistakes(value: float, usual: Range, slips: Sequence[UnitMistake]) -> list[UnitMistake]:
     """The slips that explain a value outside a range, likeliest first.
 
-    Those bring it into the range, and less than ``ALIKE`` times as far from its middle as the first
+    Those bring it into the range, and less than ``INDISTINCT`` times as far from its middle as the first
     does; none where the value is not above 0.
     """
     if not 0.0 < value < math.inf:
@@ -171,13 +175,13 @@ def likely_slips(value: float, usual: Range, slips: Sequence[Slip]) -> list[Slip
         slip: usual.distance(value / slip.factor) for slip in slips if value / slip.factor in usual
     }
     first = min(far.values(), default=0.0)
-    close = [slip for slip in far if far[slip] < first + math.log(ALIKE)]
+    close = [slip for slip in far if far[slip] < first + math.log(INDISTINCT)]
     return sorted(close, key=far.__getitem__)
 
 
-def guessed(value: float, usual: Range, slips: Sequence[Slip], subject: str = "it") -> str:
+def guessed(value: float, usual: Range, slips: Sequence[UnitMistake], subject: str = "it") -> str:
     """What the value of a ``subject`` looks like, for the end of a message, or nothing."""
-    likes = [slip.like for slip in likely_slips(value, usual, slips)]
+    likes = [slip.like for slip in likely_mistakes(value, usual, slips)]
     return f"; {subject} looks like {' or '.join(likes)}" if likes else ""
 
 
@@ -200,7 +204,7 @@ RADIANS_WITHIN = 1e-3
 """Closeness to a multiple of 5 degrees in radians."""
 
 
-def doubts_on_blade(propeller: Propeller) -> list[str]:
+def blade_warnings(propeller: Propeller) -> list[str]:
     """What is unlike the blades of small propellers, with the likely cause; mostly nothing.
 
     Judged are the radius, the chord and the twist at 0.75 of it, and whether the twist falls
@@ -210,14 +214,14 @@ def doubts_on_blade(propeller: Propeller) -> list[str]:
     if radius not in RADIUS:
         found.append(
             f"the radius is {radius:.4g} m, those of small propellers are {RADIUS.low:g} to "
-            f"{RADIUS.high:g} m" + guessed(radius, Range(0.025, 0.4), LENGTH_SLIPS)
+            f"{RADIUS.high:g} m" + guessed(radius, Range(0.025, 0.4), LENGTH_MISTAKES)
         )
     chord, twist = at_share(propeller, PITCH_STATION)
     if chord / radius not in CHORD:
         found.append(
             f"the chord is {100.0 * chord / radius:.3g} % of the radius at 0.75 of it, those of "
             f"small propellers are {100.0 * CHORD.low:g} to {100.0 * CHORD.high:g} %"
-            + guessed(chord / radius, CHORD, CHORD_SLIPS)
+            + guessed(chord / radius, CHORD, CHORD_MISTAKES)
         )
     degrees, inner, outer = (
         math.degrees(angle)
@@ -243,23 +247,23 @@ def doubts_on_blade(propeller: Propeller) -> list[str]:
     return found
 
 
-def doubts_on_air(air: Air) -> list[str]:
+def air_warnings(air: Air) -> list[str]:
     """What is unlike the air that propellers turn in, with the likely cause; mostly nothing."""
     found = []
     if air.density not in DENSITY:
         found.append(
             f"the air density is {air.density:.4g} kg/m^3, near the ground it is about 1.2"
-            + guessed(air.density, Range(0.9, 1.45), DENSITY_SLIPS)
+            + guessed(air.density, Range(0.9, 1.45), DENSITY_MISTAKES)
         )
     if air.viscosity not in VISCOSITY:
         found.append(
             f"the viscosity is {air.viscosity:.4g} Pa s, that of air is about 1.8e-5"
-            + guessed(air.viscosity, Range(1.4e-5, 2.2e-5), VISCOSITY_SLIPS)
+            + guessed(air.viscosity, Range(1.4e-5, 2.2e-5), VISCOSITY_MISTAKES)
         )
     return found
 
 
-def doubts_on_points(propeller: Propeller, omega: Floats, speed: Floats, beta: Floats) -> list[str]:
+def point_warnings(propeller: Propeller, omega: Floats, speed: Floats, beta: Floats) -> list[str]:
     """What is unlike the operating points of small propellers, with the likely cause.
 
     Parameters
@@ -277,10 +281,10 @@ def doubts_on_points(propeller: Propeller, omega: Floats, speed: Floats, beta: F
     """
     w, v, b = (np.ravel(values) for values in np.broadcast_arrays(omega, speed, beta))
     tip = w * propeller.radius
-    fast = _doubts_on_mach(tip, v)
+    fast = _mach_warnings(tip, v)
     if fast:
         return fast
-    return [*_doubts_on_speeds(propeller, tip, v, b), *_doubts_on_angle(b)]
+    return [*_speeds_warnings(propeller, tip, v, b), *_angle_warnings(b)]
 
 
 def at_share(propeller: Propeller, share: float) -> tuple[float, float]:
@@ -298,7 +302,7 @@ def pitch_ratio(propeller: Propeller) -> float:
     return PITCH_STATION * math.tan(at_share(propeller, PITCH_STATION)[1])
 
 
-def _doubts_on_mach(tip: Floats, speed: Floats) -> list[str]:
+def _mach_warnings(tip: Floats, speed: Floats) -> list[str]:
     helical = np.hypot(tip, speed)
     k = int(np.argmax(helical))
     mach = float(helical[k]) / SPEED_OF_SOUND
@@ -310,9 +314,9 @@ def _doubts_on_mach(tip: Floats, speed: Floats) -> list[str]:
     )
     like = ""
     if speed[k] > tip[k]:
-        like = guessed(float(speed[k]), Range(1.0, 130.0), SPEED_SLIPS, "the speed")
+        like = guessed(float(speed[k]), Range(1.0, 130.0), SPEED_MISTAKES, "the speed")
     else:
-        like = guessed(float(tip[k]), Range(40.0, 130.0), FAST_SLIPS, "the rotational speed")
+        like = guessed(float(tip[k]), Range(40.0, 130.0), FAST_MISTAKES, "the rotational speed")
         like += ", or the radius like the diameter" if like else ""
     if mach > 1.0:
         raise InputError(
@@ -323,14 +327,14 @@ def _doubts_on_mach(tip: Floats, speed: Floats) -> list[str]:
     ]
 
 
-def _doubts_on_speeds(propeller: Propeller, tip: Floats, speed: Floats, beta: Floats) -> list[str]:
+def _speeds_warnings(propeller: Propeller, tip: Floats, speed: Floats, beta: Floats) -> list[str]:
     turning = tip > 0.0
     if not turning.any():
         return []
     flying = turning & (speed > 0.0)
     fastest = float(tip.max())
     if fastest < TIP_SPEED.low:
-        like = guessed(fastest, USUAL_TIP_SPEED, SLOW_SLIPS, "the rotational speed")
+        like = guessed(fastest, USUAL_TIP_SPEED, SLOW_MISTAKES, "the rotational speed")
         return [f"the tip speed is {fastest:.3g} m/s at most, very slow{like}"]
     if not flying.any():
         return []
@@ -342,16 +346,16 @@ def _doubts_on_speeds(propeller: Propeller, tip: Floats, speed: Floats, beta: Fl
     told = f"the speed is {advance:.3g} times the tip speed"
     if advance <= ADVANCE.high:
         told = f"the speed along the axis is {along:.3g} times the speed of the blade's pitch"
-    for slip in likely_slips(fastest, USUAL_TIP_SPEED, SLOW_SLIPS):
+    for slip in likely_mistakes(fastest, USUAL_TIP_SPEED, SLOW_MISTAKES):
         if fastest not in USUAL_TIP_SPEED and advance * slip.factor in ADVANCE:
             return [f"{told}; the rotational speed looks like {slip.like}"]
-    for slip in likely_slips(advance, ADVANCE, SPEED_SLIPS):
+    for slip in likely_mistakes(advance, ADVANCE, SPEED_MISTAKES):
         if along / slip.factor < PITCH_SPEED_RATIO:
             return [f"{told}; the speed looks like {slip.like}"]
     return [f"{told}; check rpm, speed and radius"]
 
 
-def _doubts_on_angle(beta: Floats) -> list[str]:
+def _angle_warnings(beta: Floats) -> list[str]:
     """Radians among degrees: the angles are then multiples of 5 degrees once more converted."""
     degrees = np.sort(np.abs(np.degrees(beta)), axis=None)
     nonzero = degrees[degrees > 1e-9]
@@ -400,7 +404,7 @@ least at this speed across it; measured at most 0.52, and more than 1."""
 
 Loads = Mapping[str, "Floats"]
 
-SHARED_SLIPS: tuple[tuple[str, float, float], ...] = (
+SHARED_MISTAKES: tuple[tuple[str, float, float], ...] = (
     ("rpm like rad/s", 1.0 / RPM**2, 1.0 / RPM**2),
     ("rpm like revolutions per second", 3600.0, 3600.0),
     ("rpm converted from rad/s twice", RPM**2, RPM**2),
@@ -412,7 +416,7 @@ SHARED_SLIPS: tuple[tuple[str, float, float], ...] = (
 """What takes thrust and torque out of their ranges together, and the factors of both."""
 
 
-def doubts_on_loads(
+def load_warnings(
     propeller: Propeller, air: Air, omega: Floats, speed: Floats, beta: Floats, loads: Loads
 ) -> list[str]:
     """What does not fit the blade, with the likely cause; mostly nothing.
@@ -442,14 +446,14 @@ def doubts_on_loads(
     backwards = [name for name in ratios if ratios[name] < 0.0]
     if backwards:
         return [f"{name} is negative near rest; its sign looks reversed" for name in backwards]
-    found = _doubts_on_size(ratios, LOAD_RATIO) or [
-        *_doubts_on_signs(v, known),
-        *_doubts_on_reach(propeller, air, w, v, b, known),
-        *_doubts_on_direction(propeller, w, v, b, known),
+    found = _size_warnings(ratios, LOAD_RATIO) or [
+        *_signs_warnings(v, known),
+        *_reach_warnings(propeller, air, w, v, b, known),
+        *_direction_warnings(propeller, w, v, b, known),
     ]
     impossible = _impossible(propeller, air, w, v, b, known)
     if impossible:
-        found = found or _doubts_on_size(ratios, NARROW_LOAD_RATIO)
+        found = found or _size_warnings(ratios, NARROW_LOAD_RATIO)
         raise InputError("; ".join([impossible, *found]), "convert what is in another unit")
     return found
 
@@ -503,7 +507,7 @@ def _ratios(
     return found
 
 
-def _doubts_on_signs(speed: Floats, known: Loads) -> list[str]:
+def _signs_warnings(speed: Floats, known: Loads) -> list[str]:
     """Single rows at rest with a sign that the others do not have."""
     found = []
     for name in ("thrust", "torque"):
@@ -515,9 +519,9 @@ def _doubts_on_signs(speed: Floats, known: Loads) -> list[str]:
     return found
 
 
-def _doubts_on_size(ratios: Mapping[str, float], usual: Range) -> list[str]:
+def _size_warnings(ratios: Mapping[str, float], usual: Range) -> list[str]:
     """The slips that explain ratios of which one at least is out of a range, in one text."""
-    columns = {"thrust": THRUST_SLIPS, "torque": TORQUE_SLIPS}
+    columns = {"thrust": THRUST_MISTAKES, "torque": TORQUE_MISTAKES}
     odd = {name: ratio for name, ratio in ratios.items() if ratio not in usual}
     if not odd:
         return []
@@ -527,19 +531,19 @@ def _doubts_on_size(ratios: Mapping[str, float], usual: Range) -> list[str]:
     own = [
         f"{name} looks like {' or '.join(slip.like for slip in slips)}"
         for name, ratio in odd.items()
-        if (slips := likely_slips(ratio, LOAD_RATIO, columns[name]))
+        if (slips := likely_mistakes(ratio, LOAD_RATIO, columns[name]))
     ]
-    shared = _shared_slips(ratios)
+    shared = _shared_mistakes(ratios)
     # One mistake is likelier than two; with one load measured, both kinds explain it.
     if shared and (len(odd) > 1 or len(ratios) == 1):
         own = [*own, *shared] if len(ratios) == 1 else shared
     return [f"{told}; {', or '.join(own or shared) or 'check units, radius and rpm'}"]
 
 
-def _shared_slips(ratios: Mapping[str, float]) -> list[str]:
+def _shared_mistakes(ratios: Mapping[str, float]) -> list[str]:
     """Slips that bring all loads into their ranges, likeliest first, in one text."""
     far: dict[str, float] = {}
-    for like, thrust, torque in SHARED_SLIPS:
+    for like, thrust, torque in SHARED_MISTAKES:
         factors = {"thrust": thrust, "torque": torque}
         mended = [ratio / factors[name] for name, ratio in ratios.items()]
         if all(value in LOAD_RATIO for value in mended):
@@ -580,7 +584,7 @@ def _impossible(
     return ""
 
 
-def _doubts_on_reach(
+def _reach_warnings(
     propeller: Propeller, air: Air, w: Floats, v: Floats, b: Floats, known: Loads
 ) -> list[str]:
     """A propeller that pulls faster than its pitch moves: the speeds are in another unit."""
@@ -595,12 +599,12 @@ def _doubts_on_reach(
     farthest = float(np.max(along)) / max(pitch_ratio(propeller), 1e-3)
     if farthest <= PITCH_SPEED_RATIO:
         return []
-    slips = [slip for slip in SPEED_SLIPS if 0.5 < farthest / slip.factor <= PITCH_SPEED_RATIO]
+    slips = [slip for slip in SPEED_MISTAKES if 0.5 < farthest / slip.factor <= PITCH_SPEED_RATIO]
     like = f"the speed looks like {slips[0].like}" if slips else "check speed, rpm and beta"
     return [f"it pulls at {farthest:.3g} times the speed of the blade's pitch; {like}"]
 
 
-def _doubts_on_direction(
+def _direction_warnings(
     propeller: Propeller, w: Floats, v: Floats, b: Floats, known: Loads
 ) -> list[str]:
     """Axial flow with the loads of edgewise flow, or the reverse: beta from the disk plane."""
@@ -716,7 +720,7 @@ def _check_stations(station: Floats, where: str, labels: Sequence[str]) -> None:
     if station[-1] > MAX_RADIUS:
         raise InputError(
             f"{labels[-1]}: the radius is {station[-1]:g} m, expected at most {MAX_RADIUS:g} m"
-            + guessed(float(station[-1]), Range(0.025, 0.4), LENGTH_SLIPS),
+            + guessed(float(station[-1]), Range(0.025, 0.4), LENGTH_MISTAKES),
             "check the units; lengths are in metres",
             where,
         )
@@ -736,7 +740,7 @@ def _check_chord(chord: Floats, radius: float, where: str, labels: Sequence[str]
         raise InputError(
             f"{labels[high]}: chord is {chord[high]:g} m, "
             f"expected less than the radius of {radius:g} m"
-            + guessed(float(chord[high]) / radius, WIDEST_CHORD, CHORD_SLIPS),
+            + guessed(float(chord[high]) / radius, WIDEST_CHORD, CHORD_MISTAKES),
             "check the units of chord and radius",
             where,
         )
