@@ -22,7 +22,6 @@ from propmap.model.plausibility import (
     TORQUE_MISTAKES,
     ZERO_LIFT,
     Range,
-    UnitMistake,
     air_warnings,
     blade_warnings,
     estimated_loads,
@@ -75,7 +74,7 @@ def test_estimate_responds_to_the_blade_and_the_flight() -> None:
 
 
 @pytest.mark.parametrize(
-    ("usual", "slips"),
+    ("usual", "mistakes"),
     [
         (Range(0.025, 0.4), LENGTH_MISTAKES),
         (CHORD, CHORD_MISTAKES),
@@ -84,16 +83,16 @@ def test_estimate_responds_to_the_blade_and_the_flight() -> None:
         (LOAD_RATIO, TORQUE_MISTAKES),
     ],
 )
-def test_each_slip_is_named_first_for_a_typical_figure(
-    usual: Range, slips: tuple[UnitMistake, ...]
+def test_each_mistake_is_named_first_for_a_typical_figure(
+    usual: Range, mistakes: dict[str, float]
 ) -> None:
     typical = float(np.sqrt(usual.low * usual.high))
-    for slip in slips:
-        found = likely_mistakes(typical * slip.factor, usual, slips)
-        assert found[0] == slip
-        assert slip.like in guessed(typical * slip.factor, usual, slips)
+    for like, factor in mistakes.items():
+        found = likely_mistakes(typical * factor, usual, mistakes)
+        assert found[0] == like
+        assert like in guessed(typical * factor, usual, mistakes)
     for value in (0.0, -1.0, np.inf, 1e30):
-        assert likely_mistakes(value, usual, slips) == []
+        assert likely_mistakes(value, usual, mistakes) == []
 
 
 def test_mach_numbers() -> None:

@@ -14,11 +14,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from propmap.baselines.hover import REFERENCE_TIP_SPEED, HoverModel
 from propmap.errors import InputError
-from propmap.model.plausibility import FAST_TIP_MACH, SPEED_OF_SOUND
+from propmap.model.plausibility import FAST_TIP_MACH
 from propmap.operating_points import broadcast
 from propmap.rotor import Rotor
 from propmap.typing import Floats
-from propmap.units import GRAVITY
+from propmap.units import GRAVITY, SPEED_OF_SOUND
 from propmap.vehicle.log import in_vehicle_frame
 from propmap.vehicle.powertrain import ElectricState, Powertrain
 from propmap.vehicle.rotors import Rotors, RotorWrenches

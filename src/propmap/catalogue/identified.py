@@ -25,8 +25,7 @@ from propmap.units import INCH
 PARAMETERS = tuple(name for name, constant in CONSTANTS.items() if constant.population)
 """The constants that were identified; the others are held, c_l2 at the value in the file."""
 
-POOR = (0.0048, 0.0036)
-"""Errors of C_T and C_P [-] that nine propellers in ten stay below."""
+POOR = (0.0048, 0.0036)  # errors of C_T and C_P [-] that nine propellers in ten stay below
 
 _PAIRS = [(i, j) for i in range(len(PARAMETERS)) for j in range(i, len(PARAMETERS))]
 _TEXTS = ("propeller", "family", "tested", "geometry", "key", "verdict")
@@ -37,62 +36,32 @@ _ERRORS = ("thrust_rms", "power_rms", "static_thrust_rms", "static_power_rms")
 
 @dataclass(frozen=True, eq=False)
 class Identified:
-    """Constants of one propeller, and how far they can be trusted.
+    """Constants of one propeller from its loads in axial flow, and how far they can be trusted."""
 
-    Attributes
-    ----------
-    propeller : str
-        Name of its blade in the catalogue; that of an unmeasured blade is made likewise.
-    blades : int
-        Number of blades.
-    family, tested : str
-        Code of its series, and what the source calls it.
-    geometry : str
-        Which blade the constants belong to: "measured", or the mean of the measured blades of its
-        "family" or of the whole "population", of its size (``expected_blade``).
-    diameter_m, pitch_m : float
-        As labelled [m].
-    airfoil : Airfoil
-        The constants, with how well they are known.
-    covariance : ndarray, shape (7, 7)
-        Of ``PARAMETERS``, in their units.
-    thrust_rms, power_rms, static_thrust_rms, static_power_rms : float
-        Root mean squares of the errors of C_T and C_P over all rows and over those at rest [-];
-        NaN where there are none.
-    rows, static_rows : int
-        Operating points in all, and at rest.
-    rpm_low, rpm_high, advance_high : float
-        Range of the data: rotational speed [1/min], and J = V/(n D) up to this [-].
-    verdict : str
-        "good", or what is wrong with the data or the fit.
-    key : str
-        Tells the data and the settings of the fit from others.
-    """
-
-    propeller: str
+    propeller: str  # name of its blade in the catalogue, or made likewise
     blades: int
-    family: str
-    tested: str
-    geometry: str
-    diameter_m: float
+    family: str  # code of its series
+    tested: str  # what the source calls it
+    geometry: str  # "measured", or the mean of its "family" or of the "population"
+    diameter_m: float  # as labelled, as the pitch
     pitch_m: float
-    airfoil: Airfoil
-    covariance: Floats
-    thrust_rms: float
+    airfoil: Airfoil  # with how well they are known
+    covariance: Floats  # (7, 7) of ``PARAMETERS``
+    thrust_rms: float  # errors of C_T and C_P over all rows, and at rest; NaN without such
     power_rms: float
     static_thrust_rms: float
     static_power_rms: float
-    rows: int
+    rows: int  # operating points in all
     static_rows: int
-    rpm_low: float
+    rpm_low: float  # range of the data, with J = V/(n D) up to ``advance_high``
     rpm_high: float
     advance_high: float
-    verdict: str
-    key: str
+    verdict: str  # "good", or what is wrong with the data or the fit
+    key: str  # tells the data and the settings of the fit from others
 
     @property
     def section_covariance(self) -> SectionCovariance:
-        """``covariance`` with its names, as tables take it."""
+        """The covariance with its names, as tables take it."""
         return SectionCovariance(PARAMETERS, self.covariance)
 
     @property
@@ -107,7 +76,7 @@ class Identified:
 
     @property
     def summary(self) -> str:
-        """In one line: whose constants these are, what they rest on, and how well they fit."""
+        """Say in one line whose constants these are, what they rest on, and how well they fit."""
         size = "and at rest " if self.static_rows else ""
         return (
             f"constants identified from {self.rows} loads of {self.tested!r} in axial flow {size}"
@@ -123,31 +92,23 @@ class Identified:
 
 
 def identified(propeller: str, blades: int) -> Identified | None:
-    """The bundled constants of a propeller; None where there are none.
-
-    Parameters
-    ----------
-    propeller : str
-        Name of the blade in the catalogue, in upper or lower case.
-    blades : int
-        How many of them the rotor has.
-    """
+    """Find the bundled constants of a blade of the catalogue on a rotor with so many ``blades``."""
     key = propeller.strip().lower(), blades
     return _bundled(key) if key in _rows() else None
 
 
 def all_identified() -> list[Identified]:
-    """All bundled constants of measured blades, in the order of the file."""
+    """List all bundled constants of measured blades, in the order of the file."""
     return [_bundled(key) for key, row in _rows().items() if row["geometry"] == "measured"]
 
 
 def identified_without_blade() -> list[Identified]:
-    """All bundled constants of propellers whose blades were never measured."""
+    """List all bundled constants of propellers whose blades were never measured."""
     return [_bundled(key) for key, row in _rows().items() if row["geometry"] != "measured"]
 
 
 def named_without_blade(name: str) -> Identified | None:
-    """That of ``identified_without_blade`` with this ``name``, in lower case, if there is one."""
+    """Find the one of ``identified_without_blade`` with this ``name``, in lower case."""
     found = [
         key for key, row in _rows().items() if key[0] == name and row["geometry"] != "measured"
     ]
@@ -155,7 +116,7 @@ def named_without_blade(name: str) -> Identified | None:
 
 
 def one_of_each(entries: Sequence[Identified]) -> list[Identified]:
-    """Of ``entries`` for several blades of one tested propeller, the one that fits best."""
+    """Keep, of ``entries`` for several blades of one tested propeller, the one that fits best."""
     best: dict[str, Identified] = {}
     for one in entries:
         kept = best.get(one.tested)
@@ -165,12 +126,12 @@ def one_of_each(entries: Sequence[Identified]) -> list[Identified]:
 
 
 def badness(one: Identified) -> float:
-    """The larger of the errors of C_T and C_P, each over ``POOR``."""
+    """Take the larger of the errors of C_T and C_P, each over ``POOR``."""
     return max(one.thrust_rms / POOR[0], one.power_rms / POOR[1])
 
 
 def as_csv(entries: Sequence[Identified]) -> str:
-    """The entries as the text of a file that ``parse_identified`` reads."""
+    """Write the text of a file that ``parse_identified`` reads."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(_header())
@@ -193,13 +154,7 @@ def as_csv(entries: Sequence[Identified]) -> str:
 
 
 def parse_identified(text: str, where: str) -> list[Identified]:
-    """The entries of a file's ``text``; ``where`` names it in errors.
-
-    Raises
-    ------
-    InputError
-        For other columns than those of ``as_csv`` and for what is not a number.
-    """
+    """Read the entries of a file's ``text``; ``InputError`` for what ``as_csv`` has not written."""
     reader = csv.DictReader(io.StringIO(text))
     if reader.fieldnames != _header():
         raise InputError(
@@ -244,7 +199,7 @@ def _pair(i: int, j: int) -> str:
 
 @cache
 def _rows() -> dict[tuple[str, int], dict[str, str]]:
-    """The bundled file's rows by propeller and number of blades."""
+    """Read the bundled file's rows, by propeller and number of blades."""
     with (Path(__file__).parent / "identified" / "uiuc.csv").open(encoding="utf-8") as file:
         return {(row["propeller"], int(row["blades"])): row for row in csv.DictReader(file)}
 
@@ -260,14 +215,9 @@ def _bundled(key: tuple[str, int]) -> Identified:
 
 """[m]."""
 
-LARGEST_INCHES = 40.0
-"""Diameter above which a bare number is taken for millimetres."""
-
-LEAST_DIAMETER, LARGEST_DIAMETER = 0.02, 3.0
-"""[m] of any propeller that is meant to be known here."""
-
-STEEPEST = 2.5
-"""Largest ratio of pitch to diameter."""
+LARGEST_INCHES = 40.0  # diameter above which a bare number is taken for millimetres
+LEAST_DIAMETER, LARGEST_DIAMETER = 0.02, 3.0  # [m] of any propeller that is meant to be known here
+STEEPEST = 2.5  # largest ratio of pitch to diameter
 
 MOST_BLADES = 8
 
@@ -275,8 +225,7 @@ SAME = 0.006
 """Relative difference up to which two lengths are the same: makers round to a twentieth of an
 inch."""
 
-NO_MAKER = ("mm", "in", "inch", "uiuc")
-"""Units, and where names in the catalogue are from."""
+NO_MAKER = ("mm", "in", "inch", "uiuc")  # units, and where names in the catalogue are from
 
 WITHOUT_BLADE = {
     "ance": "Aeronaut CAM Carbon Electric",
@@ -302,40 +251,21 @@ _WORD = re.compile(r"[a-z]+\d*[a-z]*")
 
 @dataclass(frozen=True)
 class Designation:
-    """A propeller by maker, size and number of blades.
+    """A propeller by maker, size and number of blades."""
 
-    Attributes
-    ----------
-    words : tuple of str
-        Maker and series in lower case, in the order given; empty where none is named.
-    diameter, pitch : float
-        [m].
-    blades : int or None
-        None where the text does not say.
-    """
-
-    words: tuple[str, ...]
-    diameter: float
-    pitch: float
-    blades: int | None
+    words: tuple[str, ...]  # maker and series in lower case, in the order given
+    diameter: float  # [m]
+    pitch: float  # [m]
+    blades: int | None  # None where the text does not say
 
 
 def designation(text: str) -> Designation | None:
-    """Read a designation; None where it has no size.
+    """Read a designation such as "apc 10x4.7sf", "HQ 5x4.3x3" or "130x70"; None without a size.
 
     Diameter and pitch are in inches; in millimetres where the text says ``mm`` or the diameter is
-    above 40.  Four digits are diameter and pitch as makers of multirotors write them: 1045 is
-    10x4.5, 6040 is 6x4, 9450 is 9.4x5.
-
-    Parameters
-    ----------
-    text : str
-        Such as "apc 10x4.7sf", "5x4.3x3", "HQ 5x4.3 3-blade", "130x70" or "DJI 9450".
-
-    Raises
-    ------
-    InputError
-        For a size or a number of blades that no propeller has.
+    above 40. Four digits are diameter and pitch as makers of multirotors write them: 1045 is
+    10x4.5, 6040 is 6x4, 9450 is 9.4x5. ``InputError`` for a size or a number of blades that no
+    propeller has.
     """
     lower = text.strip().lower()
     blades = _BLADES.search(lower)
@@ -385,11 +315,11 @@ def _checked(text: str, found: Designation) -> Designation:
 
 
 def candidates(wanted: Designation) -> list[catalogue.Entry]:
-    """The propellers of the catalogue that a designation may mean, one for each series.
+    """List the propellers of the catalogue that a designation may mean, one for each series.
 
-    Of several blades of one series and size the first that was measured is given.  Where the words
-    are the whole name of a series or its code, others whose names go on are left out.  The number
-    of blades counts only where no maker is named: makers put one blade on hubs for two and more.
+    Of several blades of one series and size the first that was measured is given. Where the words
+    are the whole name of a series or its code, others whose names go on are left out. The number of
+    blades counts only where no maker is named: makers put one blade on hubs for two and more.
     """
     found: dict[str, catalogue.Entry] = {}
     named, whole = _series(wanted.words), set()
@@ -410,10 +340,11 @@ def candidates(wanted: Designation) -> list[catalogue.Entry]:
 
 
 def series_named(words: tuple[str, ...]) -> tuple[list[str], tuple[str, ...]]:
-    """Codes of the series that a designation's ``words`` name, and the words that name none.
+    """Split a designation's ``words`` into codes of the series that they name, and words that name
+    none.
 
     Words are given up from the last on until the others name a series: "gws hd" stands for all
-    series of GWS.  The list is empty where the first word is unknown, or there is none.
+    series of GWS. The list is empty where the first word is unknown, or there is none.
     """
     for count in range(len(words), 0, -1):
         found = _series(words[:count])
@@ -424,7 +355,7 @@ def series_named(words: tuple[str, ...]) -> tuple[list[str], tuple[str, ...]]:
 
 
 def same_size(one: tuple[float, float], other: tuple[float, float]) -> bool:
-    """Whether two pairs of diameter and pitch are the same but for what makers round."""
+    """Whether two pairs of diameter and pitch differ by no more than makers round."""
     return all(abs(a - b) <= SAME * b for a, b in zip(one, other, strict=True))
 
 
@@ -434,7 +365,7 @@ def _measured(entry: catalogue.Entry) -> bool:
 
 @lru_cache(maxsize=1)
 def _title_words() -> dict[str, set[tuple[str, ...]]]:
-    """Of each series, what its propellers' titles call it."""
+    """Collect by series what its propellers' titles call it."""
     found: dict[str, set[tuple[str, ...]]] = {
         family: {tuple(_WORD.findall(title.lower()))} for family, title in WITHOUT_BLADE.items()
     }

@@ -98,13 +98,8 @@ def propeller(
 
 
 def meant_by(name_or_path: str | os.PathLike[str]) -> catalogue.Entry | ExpectedBlade | None:
-    """What ``propeller`` would give the blade of; None for a file.
-
-    Raises
-    ------
-    InputError
-        As ``propeller``, but for what is wrong in a file.
-    """
+    """Find what ``propeller`` would give the blade of; None for a file. Errors are those of
+    ``propeller``."""
     text = os.fspath(name_or_path)
     name = text.strip().lower()
     if name in catalogue.names():
@@ -116,16 +111,12 @@ def meant_by(name_or_path: str | os.PathLike[str]) -> catalogue.Entry | Expected
 
 
 def designated(text: str) -> catalogue.Entry | ExpectedBlade:
-    """The measured propeller that a designation means, else what is to be expected of it.
+    """Find the measured propeller that a designation means, else expect its blade.
 
-    The entry has the number of blades that the designation says.  A size alone means no maker, even
-    where only one of that size was measured.  What is written like a name of the catalogue, maker
-    and size joined by hyphens, must be one.
-
-    Raises
-    ------
-    InputError
-        For what is no designation, and where measured propellers of several series have it.
+    The entry has the number of blades that the designation says. A size alone means no maker, even
+    where only one of that size was measured. What is written like a name of the catalogue, maker
+    and size joined by hyphens, must be one. ``InputError`` for what is no designation, and where
+    measured propellers of several series have it.
     """
     wanted = designation(text)
     if wanted is None:
@@ -168,7 +159,8 @@ def airfoil(name_or_path: str | os.PathLike[str]) -> Airfoil | SectionTable:
 
 
 def search(text: str) -> list[catalogue.Entry]:
-    """``catalogue.search``, and the propellers whose loads are known and whose blades are not."""
+    """Search as ``catalogue.search``, and among propellers whose loads are known and whose blades
+    are not."""
     words = text.lower().split()
     others = [_without_blade(one) for one in identified_without_blade()]
     return catalogue.search(text) + [
@@ -248,30 +240,15 @@ def known_model(
 
 
 def own_constants(meant: Entry | ExpectedBlade | None, blades: int) -> Identified | None:
-    """The constants identified from a propeller's own loads with so many ``blades``, if any.
-
-    Parameters
-    ----------
-    meant : Entry, ExpectedBlade or None
-        What its name means, from ``meant_by``.
-    blades : int
-        Number of blades.
-    """
+    """Find the constants identified from a propeller's own loads with so many ``blades``."""
     if isinstance(meant, ExpectedBlade):
         return meant.own if meant.own is not None and meant.own.blades == blades else None
     return identified(meant.name, blades) if meant is not None else None
 
 
 def predicted_constants(meant: Entry | ExpectedBlade | None, blade: Propeller) -> ExpectedConstants:
-    """The constants to be expected of a propeller that was not identified itself.
-
-    Parameters
-    ----------
-    meant : Entry, ExpectedBlade or None
-        What its name means, from ``meant_by``; None of a geometry file.
-    blade : Propeller
-        Its blade.
-    """
+    """Predict the constants of a propeller that was not identified itself; ``meant`` is None for a
+    geometry file."""
     return expected_constants(
         meant.family if meant is not None else None,
         size_of(meant, blade),

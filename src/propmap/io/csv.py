@@ -44,53 +44,22 @@ _GROUP = re.compile(r"[+-]?[1-9]\d{0,2}[.,]\d{3}")
 
 @dataclass(frozen=True)
 class CsvTable:
-    """A CSV file with a header line, as text.
+    """A CSV file with a header line, as text."""
 
-    Attributes
-    ----------
-    line : int
-        Number of the header's line, from 1.
-    header : list of str
-        Names of the columns, without those at the end that have none.
-    rows : list of (int, list of str)
-        Number of the line and cells of each row that is not blank.  Numbers have decimal points in
-        the columns that were asked for.  A row may be shorter than the header, but not longer.
-    comments : list of str
-        Lines that begin with #, where the format has them.
-    """
-
-    line: int
-    header: list[str]
-    rows: list[tuple[int, list[str]]]
-    comments: list[str]
+    line: int  # number of the header's line, from 1
+    header: list[str]  # without columns at the end that have no name
+    rows: list[tuple[int, list[str]]]  # with line numbers, blank ones left out, numbers with points
+    comments: list[str]  # lines that begin with #, where the format has them
 
 
 def read_csv_table(
     lines: Iterable[str], columns: Collection[str], where: str, *, comments: bool = False
 ) -> CsvTable | None:
-    """The header and the rows of a CSV file in any of the dialects of spreadsheets.
+    """Read header and rows of a CSV file in any of the dialects of spreadsheets; None for blanks.
 
-    Parameters
-    ----------
-    lines : iterable of str
-        Of the file, without their ends.
-    columns : collection of str
-        Names of those that hold numbers; upper and lower case are alike.
-    where : str
-        The file, for messages.
-    comments : bool
-        Whether lines that begin with # are comments.
-
-    Returns
-    -------
-    CsvTable or None
-        None where all lines are blank or comments.
-
-    Raises
-    ------
-    InputError
-        Where quotes do not close, a row has more fields than the header, or points and commas in
-        numbers cannot be told apart.
+    ``columns`` hold numbers, in upper or lower case. With ``comments``, lines that begin with # are
+    such. ``InputError`` where quotes do not close, a row has more fields than the header, or points
+    and commas in numbers cannot be told apart.
     """
     body, told = [], []
     for text in lines:
@@ -118,10 +87,10 @@ def read_csv_table(
 
 
 def separator_of(header: str, columns: Collection[str]) -> str:
-    """The separator of a CSV file, one of ``SEPARATORS``, from its header line.
+    """Find the separator of a CSV file, one of ``SEPARATORS``, from its header line.
 
     ``csv.Sniffer`` is shown the header alone: in rows it takes decimal commas and what stands next
-    to quotes for separators (CPython's issues 97611 and 119123).  It is overruled where another
+    to quotes for separators (CPython's issues 97611 and 119123). It is overruled where another
     separator brings to light more of the ``columns`` that are looked for, as it prefers commas.
     """
     try:
@@ -133,27 +102,16 @@ def separator_of(header: str, columns: Collection[str]) -> str:
 
 
 def header_names(header: str, columns: Collection[str]) -> list[str]:
-    """The names in a header line, in lower case, where ``columns`` are looked for."""
+    """Split a header line into names in lower case, where ``columns`` are looked for."""
     return _names(header, separator_of(header, columns))
 
 
 def has_decimal_commas(cells: Iterable[tuple[int, str]], separator: str, where: str) -> bool:
-    """Whether the numbers of a file have decimal commas.
+    """Whether the numbers of a file, cells with their line, have decimal commas.
 
-    Parameters
-    ----------
-    cells : iterable of (int, str)
-        Number of the line, and what stands there for a number; other texts do not count.
-    separator : str
-        Of the columns.  Where it is the comma, no number has one.
-    where : str
-        The file, for messages.
-
-    Raises
-    ------
-    InputError
-        Where one number has two marks or one of each kind, numbers differ in their mark, or all
-        that have a mark may be thousands just as well, as 6.000 and 6,000.
+    ``InputError`` where one number has two marks or one of each kind, numbers differ in their mark,
+    or all that have a mark may be thousands just as well, as 6.000 and 6,000. Where commas separate
+    columns, no number has one.
     """
     if separator == ",":
         return False
@@ -188,7 +146,8 @@ def has_decimal_commas(cells: Iterable[tuple[int, str]], separator: str, where: 
 
 
 def too_many_fields(found: int, expected: int, separator: str, where: str) -> InputError:
-    """The error for a row with more fields than the header, which decimal commas may have made."""
+    """Make the error for a row with more fields than the header, which decimal commas may have
+    made."""
     advice = "complete the header or remove what is too much"
     if separator == ",":
         advice = f"use a decimal point or semicolons between columns, or {advice}"
@@ -205,14 +164,14 @@ def is_comment(line: str) -> bool:
 
 
 def _uncovered(comment: str, separator: str) -> str:
-    """A comment without the quotes and the empty fields that a spreadsheet adds."""
+    """Strip a comment of the quotes and the empty fields that a spreadsheet adds."""
     if comment.lstrip().startswith('"'):
         return next(_reader([comment.lstrip()], separator), [""])[0]
     return comment.rstrip(f" {separator}")
 
 
 def _rows(lines: Iterable[str], separator: str, where: str) -> list[tuple[int, list[str]]]:
-    """Number of the line and cells of each row that is not blank."""
+    """Read number of the line and cells of each row that is not blank."""
     reader = _reader((f"{line}\n" for line in lines), separator, strict=True)
     try:
         found = [(reader.line_num, [cell.strip() for cell in row]) for row in reader]
@@ -239,7 +198,7 @@ FURTHER_LOADS = ("mean_inflow", "reverse_flow", "roots")
 
 
 def csv_text(columns: Sequence[str], rows: Sequence[Mapping[str, Any]]) -> str:
-    """CSV with a header line; None becomes an empty field, a float all its digits."""
+    """Write CSV with a header line; None becomes an empty field, a float all its digits."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(columns)
@@ -248,17 +207,7 @@ def csv_text(columns: Sequence[str], rows: Sequence[Mapping[str, Any]]) -> str:
 
 
 def loads_csv(points: OperatingPoints, loads: Loads, spread: Mapping[str, Floats]) -> str:
-    """The CSV of `propmap sweep`.
-
-    Parameters
-    ----------
-    points : OperatingPoints
-        Where.
-    loads : Loads
-        At these points.
-    spread : mapping of str to ndarray, shape (n,)
-        Their standard deviations by column, see ``operating_points.std_columns``; may be empty.
-    """
+    """Write the CSV of `propmap sweep`; ``spread`` are standard deviations (n,) by column."""
     further = {**{name: getattr(loads, name) for name in FURTHER_LOADS}, **spread}
     return csv_text([*points.columns, *further], points.rows(loads, further))
 
@@ -270,20 +219,10 @@ MAX_BYTES = 5_000_000
 
 
 def read_lines(path: str | os.PathLike[str], content: str = "geometry") -> list[str]:
-    """The lines of the UTF-8 text file at ``path``, without their line ends.
+    """Read the lines of the UTF-8 text file at ``path``, without their line ends.
 
-    Parameters
-    ----------
-    path : path
-        Of the file.
-    content : str
-        What kind of file is expected, for the messages.
-
-    Raises
-    ------
-    InputError
-        For a missing file, a directory, a file above 5 MB, and a file that is empty, binary or in
-        another encoding.
+    ``InputError``, in which the file is one with ``content``, for a missing file, a directory, a
+    file above 5 MB, and a file that is empty, binary or in another encoding.
     """
     where = os.fspath(path)
     data = _read_bytes(where, content)
@@ -328,7 +267,7 @@ def _read_bytes(where: str, content: str) -> bytes:
 
 
 def _fault(status: os.stat_result, content: str) -> tuple[str, str] | None:
-    """What keeps a path from being a readable text file, and the remedy."""
+    """Say what keeps a path from being a readable text file, and the remedy."""
     if stat.S_ISDIR(status.st_mode):
         return "this is a directory, expected a file", "name a file inside it"
     if not stat.S_ISREG(status.st_mode):
@@ -348,10 +287,10 @@ def _fault(status: os.stat_result, content: str) -> tuple[str, str] | None:
 
 @contextmanager
 def replacing(path: Path) -> Iterator[Path]:
-    """A path in the same folder to write to; renamed to ``path`` if the block succeeds.
+    """Yield a path in the same folder to write to; renamed to ``path`` if the block succeeds.
 
-    Whatever ends the block otherwise, an interruption included, leaves ``path`` as it was
-    and nothing beside it.  An ``OSError``, of a full disk say, names ``path``.
+    Whatever ends the block otherwise, an interruption included, leaves ``path`` as it was and
+    nothing beside it. An ``OSError``, of a full disk say, names ``path``.
     """
     part = path.with_name(f".{path.name[:100]}.{os.getpid()}.part")
     try:
@@ -399,8 +338,7 @@ REMEDIES = {
 FURTHER = {"height": "height_m"}
 """Columns of what an operating point may have beside these, see ``operating_points.Further``."""
 
-SIGNED = ("beta", "climb")
-"""Quantities that may be negative."""
+SIGNED = ("beta", "climb")  # quantities that may be negative
 
 
 @dataclass(frozen=True)
@@ -414,7 +352,7 @@ class OperatingPoints:
 
     @classmethod
     def grid(cls, rpm: Floats, speed: Floats, beta: Floats) -> OperatingPoints:
-        """All combinations, beta fastest."""
+        """Combine all values, beta fastest."""
         w, v, b = (axis.ravel() for axis in np.meshgrid(rpm, speed, beta, indexing="ij"))
         return cls(w, v, b)
 
@@ -424,7 +362,7 @@ class OperatingPoints:
         return self.rpm.size
 
     def part(self, start: int, count: int) -> OperatingPoints:
-        """Up to ``count`` points from ``start`` on."""
+        """Cut out up to ``count`` points from ``start`` on."""
         cut = slice(start, start + count)
         further = {name: values[cut] for name, values in self.further.items()}
         return OperatingPoints(self.rpm[cut], self.speed_mps[cut], self.beta_deg[cut], further)
@@ -440,21 +378,14 @@ class OperatingPoints:
         return self.rpm * RPM, self.speed_mps, np.radians(self.beta_deg)
 
     def loads(self, rotor: Rotor) -> Loads:
-        """Loads of the rotor at these points, fields of shape (n,)."""
+        """Compute loads of the rotor at these points, fields of shape (n,)."""
         return rotor.loads(*self.si, **self.further)
 
     def rows(
         self, loads: Loads, further: Mapping[str, Floats] | None = None
     ) -> list[dict[str, Any]]:
-        """One mapping of ``columns`` per point; None where a number is NaN.
-
-        Parameters
-        ----------
-        loads : Loads
-            At these points.
-        further : mapping of str to ndarray, shape (n,)
-            Columns to follow.
-        """
+        """Make one mapping of ``columns`` per point, and of ``further`` (n,); None where a number
+        is NaN."""
         numbers = (*(getattr(loads, name) for name in LOADS), loads.power)
         given = (self.rpm, self.speed_mps, self.beta_deg, *self.further.values())
         columns = [values.tolist() for values in (*given, *numbers)]
@@ -470,7 +401,7 @@ class OperatingPoints:
 
 
 def check_value(quantity: str, value: float) -> float:
-    """``value`` if it can be a ``quantity`` of ``REMEDIES``; else raises ``InputError``."""
+    """Check that ``value`` can be a ``quantity`` of ``REMEDIES``."""
     if not np.isfinite(value):
         raise InputError(f"{quantity} is {value}, which is no finite number", REMEDIES[quantity])
     if value < 0.0 and quantity not in SIGNED:
@@ -479,15 +410,8 @@ def check_value(quantity: str, value: float) -> float:
 
 
 def std_columns(loads: Loads, *, by_source: bool) -> dict[str, Floats]:
-    """Standard deviations by their columns in files, "thrust_std_N" or "thrust_std_tunnel_N".
-
-    Parameters
-    ----------
-    loads : Loads
-        With deviations, else there are no columns.
-    by_source : bool
-        Whether there is a column for each source, too.
-    """
+    """Name standard deviations after their columns, "thrust_std_N" or ``by_source`` also
+    "thrust_std_tunnel_N"."""
     if not loads.std_by_source:
         return {}
     found = dict(_columns("std", loads.std))
@@ -512,37 +436,21 @@ def _columns(what: str, values: LoadValues) -> Iterator[tuple[str, Floats]]:
 
 POINT_COLUMNS = {"rpm": "rpm", "speed_mps": "speed", "beta_deg": "beta"}
 QUANTITIES = POINT_COLUMNS | {column: name for name, column in FURTHER.items()}
-LOAD_COLUMNS = {load.column: name for name, load in LOADS.items()}
-"""Names of loads by their column."""
+LOAD_COLUMNS = {load.column: name for name, load in LOADS.items()}  # names of loads by their column
 
 
 @dataclass(frozen=True)
 class PointsFile:
-    """Operating points (n,) and the further columns asked for that the file has, each (n,).
-
-    An empty field of a further column is NaN.
-    """
+    """Operating points (n,), and the further columns (n,) asked for that the file has; NaN for an
+    empty field."""
 
     points: OperatingPoints
     further: dict[str, Floats]
 
 
 def read_points(path: Path, further: Iterable[str] = ()) -> PointsFile:
-    """Operating points from a CSV file with a header.
-
-    Parameters
-    ----------
-    path : Path
-        Of a file with the columns rpm, speed_mps and beta_deg, and height_m if there is ground, in
-        any order, in any dialect of ``propmap.io.csv``.
-    further : sequence of str
-        Columns to read as well, where the file has them; others are left.
-
-    Raises
-    ------
-    InputError
-        Naming the file, the line and the column.
-    """
+    """Read rpm, speed_mps, beta_deg, and height_m if there is ground, from a CSV file, with what it
+    has of the ``further`` columns."""
     wanted = (*FURTHER.values(), *further)
     columns = read_columns(path, POINT_COLUMNS, wanted, "list of operating points")
     rpm, speed, beta = (columns.pop(name) for name in POINT_COLUMNS)
@@ -553,22 +461,11 @@ def read_points(path: Path, further: Iterable[str] = ()) -> PointsFile:
 def read_columns(
     path: Path, needed: Collection[str], further: Iterable[str], what: str
 ) -> dict[str, Floats]:
-    """Columns (n,) of a CSV file with a header, by their names.
+    """Read columns (n,) of a CSV file by name: those ``needed``, and of the ``further`` ones what
+    it has.
 
-    Parameters
-    ----------
-    path : Path
-        Of a file in any dialect of ``propmap.io.csv``.
-    needed, further : collection and iterable of str
-        Columns that the file must have, and those to read where it has them, with NaN for an empty
-        field unless it is of an operating point.
-    what : str
-        What the file should be, for messages.
-
-    Raises
-    ------
-    InputError
-        Naming the file, the line and the column.
+    An empty field is NaN unless it is of an operating point. ``InputError`` names the file, which
+    should be ``what``, the line and the column.
     """
     where, further = str(path), tuple(further)
     lines = read_lines(path, what)
@@ -644,15 +541,7 @@ DISK_COLUMNS = (
 
 
 def disk_csv(rotor: Rotor, omega: float, speed: float, beta: float) -> str:
-    """Angle of attack, inflow and force on a blade over the disk, a row per element and azimuth.
-
-    Parameters
-    ----------
-    rotor : Rotor
-        The rotor.
-    omega, speed, beta : float
-        Operating point [rad/s], [m/s], [rad].
-    """
+    """Write angle of attack, inflow and force over the disk, a row per element and azimuth."""
     field = rotor.inflow(omega, speed, beta)
     radius, psi = np.meshgrid(field.radius, np.degrees(field.azimuth), indexing="ij")
     columns = (

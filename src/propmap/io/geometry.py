@@ -31,22 +31,7 @@ SCHEMA = 1
 def read_propeller_toml(
     path: str | os.PathLike[str], blades: int | None = None, radius: float | None = None
 ) -> Propeller:
-    """Read a propeller from a file in the format of the catalogue.
-
-    Parameters
-    ----------
-    path : path
-        Of the file.
-    blades : int, optional
-        Replaces the file's.
-    radius : float, optional
-        Tip radius [m], which must agree with the file.
-
-    Raises
-    ------
-    InputError
-        Naming the field.
-    """
+    """Read a propeller from a file in the format of the catalogue."""
     # Imported here, as it loads msgspec, which the propellers of the catalogue do without.
     from propmap.io.toml import PropellerFile, read_toml
 
@@ -74,7 +59,7 @@ def read_propeller_toml(
 
 
 def propeller_toml(blade: Propeller) -> str:
-    """The text of a file that ``read_propeller_toml`` reads as the same ``blade``."""
+    """Write the text of a file that ``read_propeller_toml`` reads as this ``blade``."""
     import tomli_w
 
     fields: dict[str, Any] = {
@@ -96,15 +81,14 @@ def propeller_toml(blade: Propeller) -> str:
 # -------------------------------------------------------------------------------------------------
 # A blade as rows of a file, on the way to a ``Propeller``.
 
-RADIUS_TOLERANCE = 1e-3
-"""Share of the radius within which two statements of it agree."""
+RADIUS_TOLERANCE = 1e-3  # share of the radius within which two statements of it agree
 
 GIVE_BLADES = "pass --blades 2 (in Python: blades=2)"
 GIVE_RADIUS = "pass --radius 0.1 (in Python: radius=0.1), in metres"
 
 
 def parse_number(text: str, field: str, where: str) -> float:
-    """A finite number written as plain decimal text, or ``InputError``."""
+    """Read a finite number written as plain decimal text."""
     stripped = text.strip()
     try:
         # float() also takes 1_000, which in a data file is a slip.
@@ -119,7 +103,7 @@ def parse_number(text: str, field: str, where: str) -> float:
 
 
 def parse_blades(text: str, where: str) -> int:
-    """A number of blades written as text, or ``InputError``."""
+    """Read a number of blades written as text."""
     stripped = text.strip()
     count: object = int(stripped) if stripped.isascii() and stripped.isdigit() else stripped
     return check_blades(count, where)
@@ -131,24 +115,7 @@ def parse_rows(
     columns: Sequence[str],
     where: str,
 ) -> tuple[list[str], Floats]:
-    """The numbers of a table, and "line 7" for each of its rows.
-
-    Parameters
-    ----------
-    rows : iterable
-        Number of the line, from 1, and its cells.
-    header, columns : sequence of str
-        Names of all columns, and of those wanted.
-    where : str
-        The file, for messages.
-
-    Returns
-    -------
-    labels : list of str
-        n of them.
-    table : ndarray, shape (n, columns)
-        As written in the file.
-    """
+    """Read the wanted ``columns`` of numbered rows (n, columns), with n labels such as "line 7"."""
     labels: list[str] = []
     table: list[list[float]] = []
     for number, cells in rows:
@@ -165,17 +132,7 @@ def parse_rows(
 
 
 def check_radius(own: float, given: float, where: str, tolerance: float | None = None) -> None:
-    """Raise ``InputError`` unless ``given`` repeats the radius that the geometry has.
-
-    Parameters
-    ----------
-    own, given : float
-        Tip radius [m].
-    where : str
-        The file, for the message.
-    tolerance : float, optional
-        Largest difference [m]; by default 0.1 %.
-    """
+    """Raise ``InputError`` unless ``given`` [m] repeats the geometry's own radius, to 0.1 %."""
     limit = RADIUS_TOLERANCE * own if tolerance is None else tolerance
     if not abs(given - own) <= limit:
         raise InputError(
@@ -186,7 +143,7 @@ def check_radius(own: float, given: float, where: str, tolerance: float | None =
 
 
 def usable_radius(radius: float | None, where: str) -> float:
-    """The tip radius [m] that scales a file in fractions of it, or ``InputError``."""
+    """Check the tip radius [m] that scales a file in fractions of it."""
     if radius is None:
         raise InputError("the file gives fractions of the radius only", GIVE_RADIUS, where)
     if not (isinstance(radius, int | float) and 0.0 < radius < math.inf):
@@ -225,23 +182,7 @@ def build_propeller(
     source: str = "",
     citation: str = "",
 ) -> Propeller:
-    """A ``Propeller`` whose faults are reported with the file and the line they are in.
-
-    Parameters
-    ----------
-    path : str
-        The file.
-    labels : sequence of str
-        "line 7" for each row.
-    name, source, citation : str
-        As in ``Propeller``.
-    blades : int or None
-        None where the file gives no number, which is refused.
-    station, chord : ndarray, shape (n,)
-        [m].
-    twist : ndarray, shape (n,)
-        [rad].
-    """
+    """Make a ``Propeller`` whose faults are reported with the file and the labels of its lines."""
     check_blade(station, chord, twist, path, labels)
     if blades is None:
         raise InputError("the file gives no number of blades", GIVE_BLADES, path)
@@ -263,26 +204,12 @@ COMMENT_KEYS = ("name", "blades", "radius_m", "source", "citation")
 def read_propeller_csv(
     path: str | os.PathLike[str], blades: int | None = None, radius: float | None = None
 ) -> Propeller:
-    """A propeller from a CSV file with one row per station, from root to tip.
+    """Read a propeller from a CSV file with one row per station, from root to tip.
 
-    One column each of radius_m, radius_mm, radius_in or r_over_R; chord_m, chord_mm, chord_in
-    or c_over_R; twist_deg or twist_rad; in any dialect of ``propmap.io.csv``.  Lines that
-    start with # are comments, in which ``# blades: 3``, ``# radius_m: 0.1``, ``# name:``,
-    ``# source:`` and ``# citation:`` count.
-
-    Parameters
-    ----------
-    path : path
-        Of the file.
-    blades : int, optional
-        Replaces the file's.
-    radius : float, optional
-        Tip radius [m], needed for r_over_R where the file gives none.
-
-    Raises
-    ------
-    InputError
-        Naming the line or the column.
+    One column each of radius_m, radius_mm, radius_in or r_over_R; chord_m, chord_mm, chord_in or
+    c_over_R; twist_deg or twist_rad; in any dialect of ``propmap.io.csv``. Lines that start with #
+    are comments, in which ``# blades: 3``, ``# radius_m: 0.1``, ``# name:``, ``# source:`` and ``#
+    citation:`` count.
     """
     where = os.fspath(path)
     known = [name for several in QUANTITIES.values() for name in several]
@@ -326,7 +253,7 @@ def read_propeller_csv(
 
 
 def _comments(lines: Sequence[str]) -> dict[str, str]:
-    """What the comments state, first statement first."""
+    """Read what the comments state, first statement first."""
     stated: dict[str, str] = {}
     for line in lines:
         key, _, value = line.lstrip().removeprefix("#").partition(":")
@@ -336,7 +263,7 @@ def _comments(lines: Sequence[str]) -> dict[str, str]:
 
 
 def _choose_columns(header: Sequence[str], where: str) -> dict[str, str]:
-    """Which column gives station, chord and twist."""
+    """Choose the columns that give station, chord and twist."""
     known = [name for names in QUANTITIES.values() for name in names]
     for cell in header:
         if cell not in known:
@@ -369,7 +296,7 @@ def _lengths(
     labels: Sequence[str],
     where: str,
 ) -> tuple[Floats, Floats]:
-    """Station and chord [m]."""
+    """Convert the columns of station and chord to m."""
     if columns["station"] == "r_over_R":
         tip = usable_radius(radius, where)
         check_fractions(table[:, 0], where, labels)
@@ -398,23 +325,10 @@ UIUC_CITATION = (
 def read_uiuc_geometry(
     path: str | os.PathLike[str], blades: int | None = None, radius: float | None = None
 ) -> Propeller:
-    """A propeller from a UIUC geometry file: r/R, c/R and beta in degrees.
+    """Read a propeller from a UIUC geometry file: r/R, c/R and beta in degrees.
 
-    Nothing is extended: the last row must be the tip, r/R = 1.
-
-    Parameters
-    ----------
-    path : path
-        Of the file.
-    blades : int, optional
-        By default 2, as for nearly all of that database.
-    radius : float
-        Tip radius [m], which these files do not hold.
-
-    Raises
-    ------
-    InputError
-        Naming the line.
+    The files hold neither radius nor blades, which are 2 for nearly all of that database. Nothing
+    is extended: the last row must be the tip, r/R = 1.
     """
     where = os.fspath(path)
     lines = read_lines(path)
@@ -463,24 +377,10 @@ TRAILER_TOLERANCE = 0.0051 * INCH
 def read_apc_pe0(
     path: str | os.PathLike[str], blades: int | None = None, radius: float | None = None
 ) -> Propeller:
-    """A propeller from an APC PE0 file.
+    """Read a propeller from an APC PE0 file.
 
-    TWIST is the angle of the line from leading to trailing edge.  The blade is loaded from the
-    first station, or from the hub transition (HUBTRA) where that lies further out.
-
-    Parameters
-    ----------
-    path : path
-        Of the file.
-    blades : int, optional
-        Replaces BLADES of the file.
-    radius : float, optional
-        Tip radius [m], which must agree with the file.
-
-    Raises
-    ------
-    InputError
-        For a file that is none, or describes no blade.
+    TWIST is the angle of the line from leading to trailing edge. The blade is loaded from the first
+    station, or from the hub transition (HUBTRA) where that lies further out.
     """
     where = os.fspath(path)
     lines = read_lines(path)
@@ -524,7 +424,7 @@ def _header_line(lines: Sequence[str], where: str) -> int:
 
 
 def _column_names(lines: Sequence[str], header: int, where: str) -> list[str]:
-    """Of all columns, once the units of station, chord and twist on the next line are right."""
+    """Name all columns, once the units of station, chord and twist on the next line are right."""
     names = lines[header].split()
     units = lines[header + 1].split() if header + 1 < len(lines) else []
     for name, unit in UNITS.items():
@@ -544,7 +444,7 @@ def _column_names(lines: Sequence[str], header: int, where: str) -> list[str]:
 
 
 def _rows(lines: Sequence[str], header: int) -> list[tuple[int, list[str]]]:
-    """Numbers and cells of the lines below the units, up to the first that is no row."""
+    """Collect numbers and cells of the lines below the units, up to the first that is no row."""
     rows: list[tuple[int, list[str]]] = []
     for number, line in enumerate(lines[header + 2 :], header + 3):
         cells = line.split()
@@ -556,7 +456,7 @@ def _rows(lines: Sequence[str], header: int) -> list[tuple[int, list[str]]]:
 
 
 def _trailer(lines: Sequence[str]) -> dict[str, str]:
-    """The figures behind RADIUS:, HUBTRA: and BLADES: as text."""
+    """Read the figures behind RADIUS:, HUBTRA: and BLADES: as text."""
     found: dict[str, str] = {}
     for line in lines:
         key, colon, rest = line.partition(":")
@@ -566,7 +466,7 @@ def _trailer(lines: Sequence[str]) -> dict[str, str]:
 
 
 def _check_tip(trailer: dict[str, str], result: Propeller, where: str) -> None:
-    """A table that stops short of RADIUS was cut off."""
+    """Refuse a table that stops short of RADIUS: it was cut off."""
     if "RADIUS" in trailer:
         place = f"{where}: RADIUS"
         stated = parse_number(trailer["RADIUS"], "the radius", place) * INCH
@@ -598,29 +498,14 @@ READERS: dict[str, Callable[..., Propeller]] = {
 def read_geometry_file(
     path: str | os.PathLike[str], blades: int | None = None, radius: float | None = None
 ) -> Propeller:
-    """A propeller from a file in any format that propmap reads.
-
-    The format is told by the content; the name of the file plays no part.
-
-    Parameters
-    ----------
-    path : path
-        Of the file.
-    blades, radius : int, float, optional
-        As in the reader of that format; ``radius`` in [m].
-
-    Raises
-    ------
-    InputError
-        For a file in no format that is known, or with faults.
-    """
+    """Read a propeller from a file in any format that propmap knows, told by its content."""
     where = os.fspath(path)
     kind = recognise(read_lines(path), where)
     return READERS[kind](path, blades=blades, radius=radius)
 
 
 def recognise(lines: Sequence[str], where: str) -> str:
-    """The format of a file, one of ``READERS``, from its lines; ``InputError`` if unknown."""
+    """Recognise the format of a file, one of ``READERS``, from its lines."""
     body = [line for line in lines if line.strip() and not is_comment(line)]
     first = body[0] if body else ""
     if any(line.split()[:2] == ["STATION", "CHORD"] for line in body) or any(

@@ -19,17 +19,14 @@ from propmap.typing import Floats
 # -------------------------------------------------------------------------------------------------
 # Formats of section tables, told by their content: AeroDyn, XFOIL, CACTUS, and CSV.
 
-Lines = list[tuple[int, str]]
-"""Lines that are not empty, with their numbers from 1."""
-
-Row = tuple[int, float, float, float]
-"""Line number, angle of attack [deg], C_L, C_D."""
+Lines = list[tuple[int, str]]  # lines that are not empty, with their numbers from 1
+Row = tuple[int, float, float, float]  # line number, angle of attack [deg], C_L, C_D
 
 CSV_COLUMNS = ("alpha_deg", "re", "cl", "cd")
 
 
 def section_format(lines: Lines) -> str | None:
-    """The format of a file's lines, one of ``READERS``, or None."""
+    """Recognise the format of a file's lines, one of ``READERS``, or None."""
     head = [line for _, line in lines[:40]]
     if any("number of airfoil tables in this file" in line.lower() for line in head):
         return "AeroDyn v15" if _value_of(head, "NumTabs") is not None else "AeroDyn"
@@ -45,7 +42,7 @@ def section_format(lines: Lines) -> str | None:
 
 
 def _aerodyn(lines: Lines, where: str) -> Iterator[tuple[float, list[Row]]]:
-    """v13 and v14: per table its Reynolds number in millions, parameters, and rows up to EOT."""
+    """Read v13 and v14: per table Re in millions, parameters, and rows up to EOT."""
     start = next(k for k, (_, line) in enumerate(lines) if "airfoil tables" in line.lower())
     count = _whole(lines[start], where)
     rest = iter(lines[start + 1 :])
@@ -70,7 +67,7 @@ def _aerodyn(lines: Lines, where: str) -> Iterator[tuple[float, list[Row]]]:
 
 
 def _aerodyn_15(lines: Lines, where: str) -> Iterator[tuple[float, list[Row]]]:
-    """v15: lines of a value and a keyword; NumAlf says how many rows follow."""
+    """Read v15: lines of a value and a keyword; NumAlf says how many rows follow."""
     plain = [(n, line.partition("!")[0]) for n, line in lines]
     rest = iter([(n, line) for n, line in plain if line.strip()])
     reynolds = None
@@ -93,7 +90,7 @@ def _aerodyn_15(lines: Lines, where: str) -> Iterator[tuple[float, list[Row]]]:
 
 
 def _xfoil(lines: Lines, where: str) -> Iterator[tuple[float, list[Row]]]:
-    """One polar; rows in any order, as they were computed."""
+    """Read one polar; rows in any order, as they were computed."""
     head = next(k for k, (_, line) in enumerate(lines) if re.match(r"\s*alpha\s+CL\s+CD\b", line))
     found = re.search(
         r"Re\s*=\s*([\d.]+)\s*e\s*([+-]?\d+)", "\n".join(line for _, line in lines[:head])
@@ -107,7 +104,7 @@ def _xfoil(lines: Lines, where: str) -> Iterator[tuple[float, list[Row]]]:
 
 
 def _cactus(lines: Lines, where: str) -> Iterator[tuple[float, list[Row]]]:
-    """Per table a line with its Reynolds number, parameters, and rows."""
+    """Read per table a line with its Reynolds number, parameters, and rows."""
     starts = [k for k, (_, line) in enumerate(lines) if line.lower().startswith("reynolds number:")]
     for start, end in zip(starts, [*starts[1:], len(lines)], strict=True):
         n, line = lines[start]
@@ -117,7 +114,7 @@ def _cactus(lines: Lines, where: str) -> Iterator[tuple[float, list[Row]]]:
 
 
 def _csv(lines: Lines, where: str) -> Iterator[tuple[float, list[Row]]]:
-    """Columns by name; rows of one Reynolds number are a table."""
+    """Read columns by name; rows of one Reynolds number are a table."""
     numbered = dict(lines)
     every = [numbered.get(n, "") for n in range(1, lines[-1][0] + 1)]
     file = read_csv_table(every, CSV_COLUMNS, where)
@@ -149,7 +146,7 @@ READERS: dict[str, Callable[[Lines, str], Iterator[tuple[float, list[Row]]]]] = 
 
 
 def lines_of(path: Path) -> Lines:
-    """The lines of a file that are not empty."""
+    """Read the lines of a file that are not empty."""
     return [(n, t) for n, t in enumerate(read_lines(path, "section table"), start=1) if t.strip()]
 
 
@@ -186,7 +183,7 @@ def _whole(line: tuple[int, str], where: str) -> int:
 
 
 def _value_of(lines: Sequence[str], keyword: str) -> str | None:
-    """The value in front of an AeroDyn v15 keyword."""
+    """Find the value in front of an AeroDyn v15 keyword."""
     pairs = (line.partition("!")[0].split() for line in lines)
     return next((words[0] for words in pairs if words[1:2] == [keyword]), None)
 
@@ -198,11 +195,8 @@ FORMATS = (
     "give an AeroDyn airfoil file, a polar of XFOIL or a folder of them, a CACTUS table, "
     f"or CSV with the columns {','.join(CSV_COLUMNS)}"
 )
-ASSUMED_REYNOLDS = 1e6
-"""Of a file with one table that states none; loads do not depend on it."""
-
-SAME_LIFT = 0.01
-"""Difference of C_L up to which a repeated angle, as XFOIL writes it, is one row."""
+ASSUMED_REYNOLDS = 1e6  # of a file with one table that states none; loads do not depend on it
+SAME_LIFT = 0.01  # difference of C_L up to which a repeated angle, as XFOIL writes it, is one row
 
 
 def read_section_table(path: str | os.PathLike[str]) -> SectionTable:
@@ -278,7 +272,7 @@ def _table(place: Path, kind: str, found: Sequence[tuple[str, float, list[Row]]]
 
 
 def _polar(reynolds: float, rows: list[Row], where: str) -> Polar:
-    """Rows in the order of their angles, each once."""
+    """Sort rows by their angles, each once."""
     kept: list[Row] = []
     for row in sorted(rows, key=lambda row: row[1]):
         if kept and row[1] == kept[-1][1]:
@@ -313,8 +307,7 @@ def _polar(reynolds: float, rows: list[Row], where: str) -> Polar:
 # -------------------------------------------------------------------------------------------------
 # A section's polar continued all the way round, and polars brought to common angles.
 
-ASPECT_RATIO = 10.0
-"""Of a propeller's blade, in Viterna's drag of a plate across the flow."""
+ASPECT_RATIO = 10.0  # of a propeller's blade, in Viterna's drag of a plate across the flow
 
 BACKWARDS = 0.7
 """Lift of a section that the air meets from behind, as a share of the same section's ahead."""
@@ -324,11 +317,8 @@ STILL_RISING = 0.5
 to end before stall."""
 
 STEP = np.radians(5.0)
-CLOSED = np.radians(330.0)
-"""A polar over so much of the circle lacks no more than its ends."""
-
-SAME_ANGLE = np.radians(0.05)
-"""Angles of different polars nearer than that are one."""
+CLOSED = np.radians(330.0)  # A polar over so much of the circle lacks no more than its ends
+SAME_ANGLE = np.radians(0.05)  # angles of different polars nearer than that are one
 
 
 class Polar(NamedTuple):
@@ -341,21 +331,13 @@ class Polar(NamedTuple):
 
 
 def all_round(polar: Polar, where: str) -> tuple[Polar, str]:
-    """The polar from -180 to 180 degrees, and what was added to it in words.
+    """Continue a polar from -180 to 180 degrees, and say in words what was added.
 
-    Past stall C_L and C_D follow Viterna and Corrigan: those of a finite plate, matched to the
-    polar's last row.  Behind +-90 degrees the section is met from behind and has 0.7 of that lift;
-    between the mirrored last row and the first one both are linear.
-
-    Raises
-    ------
-    InputError
-        Where the polar ends before stall, or past it but not at 180 degrees.
-
-    References
-    ----------
-    L. A. Viterna and R. D. Corrigan, "Fixed Pitch Rotor Performance of Large Horizontal Axis Wind
-    Turbines", NASA CP-2230, 1981.
+    Past stall C_L and C_D follow Viterna and Corrigan ("Fixed Pitch Rotor Performance of Large
+    Horizontal Axis Wind Turbines", NASA CP-2230, 1981): those of a finite plate, matched to the
+    polar's last row. Behind +-90 degrees the section is met from behind and has 0.7 of that lift;
+    between the mirrored last row and the first one both are linear. ``InputError`` where the polar
+    ends before stall, or past it but not at 180 degrees.
     """
     ends = polar.angle[[0, -1]]
     if ends[1] - ends[0] >= CLOSED:
@@ -379,7 +361,7 @@ def all_round(polar: Polar, where: str) -> tuple[Polar, str]:
 
 
 def _closed(polar: Polar) -> Polar:
-    """With rows at -180 and 180 degrees, which are one angle."""
+    """Add rows at -180 and 180 degrees, which are one angle."""
     inner = np.abs(polar.angle) < np.pi - 1e-6
     turn = [polar.angle, polar.angle + 2.0 * np.pi]
 
@@ -444,7 +426,7 @@ def _extended(polar: Polar) -> Polar:
 
 
 def at_common_angles(polars: Sequence[Polar]) -> tuple[Floats, Floats, Floats]:
-    """Angles (K,), C_L and C_D (R, K) of polars all round, linear between the rows of each."""
+    """Bring polars all round to common angles (K,): C_L and C_D (R, K), linear between rows."""
     angles = np.unique(np.concatenate([polar.angle for polar in polars]))
     kept = [float(angles[0])]
     for angle in angles[1:-1]:

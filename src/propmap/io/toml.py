@@ -24,10 +24,8 @@ class Table(msgspec.Struct, forbid_unknown_fields=True):
 
 
 HUGE = 1e300
-Number = Annotated[float, msgspec.Meta(ge=-HUGE, le=HUGE)]
-"""A finite number."""
-Text = Annotated[str, msgspec.Meta(pattern=r"\S")]
-"""Not empty."""
+Number = Annotated[float, msgspec.Meta(ge=-HUGE, le=HUGE)]  # A finite number
+Text = Annotated[str, msgspec.Meta(pattern=r"\S")]  # not empty
 Vector = tuple[Number, Number, Number]
 
 Made = TypeVar("Made")

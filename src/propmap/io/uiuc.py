@@ -23,47 +23,22 @@ COLUMNS = ("PropName", "BladeName", "Family", "B", "J", "N", "CT", "CP")
 
 
 class MeasuredPropeller(NamedTuple):
-    """One propeller of the database; n rows.
+    """One propeller of the database, with n rows."""
 
-    Attributes
-    ----------
-    name, blade, family : str
-        As the database has them: of the propeller, of its blade, of its maker's series.
-    blades : int
-        Number of blades.
-    rpm, advance : ndarray, shape (n,)
-        Rotational speed [1/min] and J = V/(n D) [-], 0 at rest.
-    thrust, power : ndarray, shape (n,)
-        C_T = T/(rho n^2 D^4) and C_P = P/(rho n^3 D^5) [-].
-    run : ndarray, shape (n,)
-        Number of the run: rows in turn at one rotational speed, or at rest.
-    """
-
-    name: str
-    blade: str
-    family: str
+    name: str  # as the database has it, and so
+    blade: str  # of its blade
+    family: str  # of its maker's series
     blades: int
-    rpm: Floats
-    advance: Floats
-    thrust: Floats
-    power: Floats
-    run: NDArray[np.intp]
+    rpm: Floats  # [1/min]
+    advance: Floats  # J = V/(n D) [-], 0 at rest
+    thrust: Floats  # C_T = T/(rho n^2 D^4) [-]
+    power: Floats  # C_P = P/(rho n^3 D^5) [-]
+    run: NDArray[np.intp]  # number of the run: rows in turn at one rotational speed, or at rest
 
 
 def read_uiuc_database(path: Path) -> list[MeasuredPropeller]:
-    """The propellers of the database's table of loads, in the order of the file.
-
-    Parameters
-    ----------
-    path : Path
-        A CSV file with the columns PropName, BladeName, Family, B, J, N, CT and CP, in any dialect
-        of ``propmap.io.csv``.
-
-    Raises
-    ------
-    InputError
-        For a missing file or column, and naming the line for what is not a number.
-    """
+    """Read the propellers of the database's table of loads, a CSV file with ``COLUMNS``, in its
+    order."""
     where = str(path)
     file = read_csv_table(read_lines(path, "table of loads"), COLUMNS[3:], where)
     header = file.header if file else []
@@ -112,22 +87,12 @@ _RPM_IN_NAME = re.compile(r"_(\d{3,5})\.txt$", re.IGNORECASE)
 
 
 class Coefficients(NamedTuple):
-    """Rows of one file, shape (n,).
+    """Rows (n,) of one file."""
 
-    Attributes
-    ----------
-    rpm : ndarray
-        Rotational speed [1/min].
-    advance : ndarray
-        J = V/(n D) [-].
-    thrust, power : ndarray
-        C_T = T/(rho n^2 D^4) and C_P = P/(rho n^3 D^5) [-].
-    """
-
-    rpm: Floats
-    advance: Floats
-    thrust: Floats
-    power: Floats
+    rpm: Floats  # [1/min]
+    advance: Floats  # J = V/(n D) [-]
+    thrust: Floats  # C_T = T/(rho n^2 D^4) [-]
+    power: Floats  # C_P = P/(rho n^3 D^5) [-]
 
 
 def looks_like_uiuc_loads(path: Path) -> bool:
@@ -138,18 +103,9 @@ def looks_like_uiuc_loads(path: Path) -> bool:
 
 
 def read_uiuc_loads(path: Path) -> Coefficients:
-    """Rows under ``J CT CP [eta]`` (one rotational speed) or ``RPM CT CP`` (static).
+    """Read rows under ``J CT CP [eta]`` (one rotational speed) or ``RPM CT CP`` (static).
 
-    Parameters
-    ----------
-    path : Path
-        Of the file; with J its name ends with the rotational speed, as in
-        apcsf_10x7_kt0828_3008.txt.
-
-    Raises
-    ------
-    InputError
-        Naming the file and the line.
+    The name of a file with J ends with the rotational speed, as in apcsf_10x7_kt0828_3008.txt.
     """
     where = str(path)
     lines = enumerate(read_lines(path, "load file"), start=1)

@@ -68,8 +68,7 @@ CONSTANTS = {
 }  # fmt: skip
 """The constants of ``Airfoil`` by name, in the order of its fields: the one table of them."""
 
-PAPER_FOUR = ("c_l1", "c_l2", "c_d", "alpha_0")
-"""What (18) identifies."""
+PAPER_FOUR = ("c_l1", "c_l2", "c_d", "alpha_0")  # what (18) identifies
 
 
 @dataclass(frozen=True)
@@ -181,7 +180,7 @@ class Airfoil:
         return section_coefficients(self.core_law(), alpha, reynolds)
 
     def core_law(self) -> dict[str, Any]:
-        """The law as the compiled core takes it: its numbers by name."""
+        """Give the law as the compiled core takes it: its numbers by name."""
         attached = 1.0 if self.lift_law == "blended" else 0.0
         numbers = {name: getattr(self, name) for name in self.parameters}
         return {"kind": "blended", "attached": attached, **numbers}
@@ -205,7 +204,7 @@ class Airfoil:
             return replace(self, corrections=agreed(self.name, self.corrections, texts))
 
     def to_toml(self) -> str:
-        """The set as the text of a parameter file."""
+        """Write the set as the text of a parameter file."""
         text = _toml_file(self._told())
         if self.uncertainty is None:
             return text
@@ -227,11 +226,11 @@ class Airfoil:
         }
 
     def metadata(self) -> dict[str, Any]:
-        """The constants by name."""
+        """Give the constants by name."""
         return {key: value for key, value in self._filed().items() if key != "corrections"}
 
     def fingerprint(self) -> str:
-        """SHA-256 of the parameter file, without its corrections."""
+        """Hash the parameter file, without its corrections, by SHA-256."""
         import hashlib
 
         told = {key: value for key, value in self._told().items() if key != "corrections"}
@@ -243,19 +242,7 @@ FILED = tuple(f.name for f in fields(Airfoil) if f.name != "uncertainty")
 
 
 def parameter_set(name_or_path: str | Path) -> Airfoil:
-    """A named set of constants, or one read from a TOML file.
-
-    Parameters
-    ----------
-    name_or_path : str or Path
-        "paper-soft", "paper-stiff" or "paper-apc" (Table I), "apc-8x6e-2019" (fitted), or a file's
-        path.
-
-    Raises
-    ------
-    InputError
-        For an unknown name, an unreadable file or a bad constant.
-    """
+    """Load a named set of constants, such as "paper-apc", or read one from a TOML file."""
     text = str(name_or_path)
     if text.lower() in airfoil_names():
         return read_airfoil(SETS / f"{text.lower()}.toml")
@@ -278,20 +265,8 @@ def airfoil_names() -> list[str]:
 
 
 def read_airfoil(path: Path, *, uncertainty: bool = True) -> Airfoil:
-    """Read a parameter file.
-
-    Parameters
-    ----------
-    path : Path
-        Of the file.
-    uncertainty : bool
-        Whether what a fit's file says of its constants' uncertainty is read as well.
-
-    Raises
-    ------
-    InputError
-        Naming the file and the field.
-    """
+    """Read a parameter file, with what a fit says of the constants if ``uncertainty``;
+    ``InputError`` names the file and the field."""
     name = str(path)
     try:
         table = tomllib.loads(path.read_bytes().decode("utf-8"))
@@ -337,7 +312,7 @@ def _toml_file(told: Mapping[str, Any]) -> str:
 
 
 def _toml(value: Any) -> str:
-    """A number, a text or a list of texts in TOML."""
+    """Write a number, a text or a list of texts in TOML."""
     # JSON's strings are TOML's; only DEL differs.
     return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
 
@@ -345,17 +320,13 @@ def _toml(value: Any) -> str:
 # -------------------------------------------------------------------------------------------------
 # A section law given as a table of C_L and C_D.
 
-LARGEST = 10.0
-"""Coefficients beyond are taken for an error of the file [-]."""
-
-CLOSEST = 0.999 * math.radians(0.01)
-"""Least distance of two angles [rad]."""
+LARGEST = 10.0  # coefficients beyond are taken for an error of the file [-]
+CLOSEST = 0.999 * math.radians(0.01)  # least distance of two angles [rad]
 
 SectionFunction = Callable[[Floats, Floats], tuple[ArrayLike, ArrayLike]]
 """Gives C_L and C_D (N,) at angles of attack [rad] and Reynolds numbers (N,)."""
 
-MOST_ANGLES = 4000
-"""Angles at which a function is sampled, at most."""
+MOST_ANGLES = 4000  # angles at which a function is sampled, at most
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -634,8 +605,7 @@ Ribner's fin analogy and of measurements, rolling moments within 0 to -18 % of t
 pitching moments differ by a factor of about 2 (docs/validation.md)."""
 
 
-UNKNOWN_SHARE = 0.5
-"""The same of a load of which there is no such judgement."""
+UNKNOWN_SHARE = 0.5  # the same of a load of which there is no such judgement
 
 DISCREPANCIES = ("thrust_coefficient", "power_coefficient")
 """Loads of an axial test, as coefficients, and fields of ``SectionUncertainty``."""
@@ -682,14 +652,14 @@ class SectionUncertainty:
             )
 
     def without(self, name: str) -> SectionUncertainty:
-        """The same with the constant ``name`` taken as known."""
+        """Take the constant ``name`` as known."""
         names = [each for each in self.covariance.names if each != name]
         kept = self.covariance.of(names)
         blade = None if self.with_blade is None else self.with_blade.of(names)
         return replace(self, covariance=kept, with_blade=blade)
 
     def as_dict(self) -> dict[str, Any]:
-        """Plain data, as ``filed_uncertainty`` reads it."""
+        """Give plain data, as ``filed_uncertainty`` reads it."""
         return {
             "names": list(self.covariance.names),
             "covariance": self.covariance.matrix.tolist(),
@@ -700,18 +670,8 @@ class SectionUncertainty:
 
 
 def filed_uncertainty(table: Any) -> SectionUncertainty | None:
-    """What the table ``[uncertainty]`` of a parameter file says; None where there is none.
-
-    Parameters
-    ----------
-    table : mapping or None
-        As ``SectionUncertainty.as_dict`` gives it.
-
-    Raises
-    ------
-    InputError
-        Where an entry is missing or of another kind.
-    """
+    """Read the table ``[uncertainty]`` of a parameter file, as ``SectionUncertainty.as_dict``
+    writes it."""
     if table is None:
         return None
     try:
@@ -731,20 +691,8 @@ def filed_uncertainty(table: Any) -> SectionUncertainty | None:
 
 
 def fitted_uncertainty(table: Any, names: Collection[str]) -> SectionUncertainty | None:
-    """What the table ``[fit]`` of a fit's file says of the constants; None where there is none.
-
-    Parameters
-    ----------
-    table : mapping or None
-        With the names "free", their "covariance", and a table "discrepancy".
-    names : collection of str
-        Those of the free parameters that belong to the section law.
-
-    Raises
-    ------
-    InputError
-        Where the covariance does not fit the names.
-    """
+    """Read from the table ``[fit]`` of a fit's file how well its free parameters ``names`` are
+    known."""
     if not isinstance(table, Mapping):
         return None
     try:
@@ -806,16 +754,16 @@ class SectionCovariance:
 
     @property
     def determined(self) -> SectionCovariance:
-        """The same without those of infinite variance."""
+        """The part of finite variance."""
         return self.of([name for name in self.names if name not in self.unknown])
 
     def of(self, names: list[str]) -> SectionCovariance:
-        """The part that belongs to some of the parameters, ``names``."""
+        """Keep some of the parameters, ``names``."""
         kept = [self.names.index(name) for name in names]
         return SectionCovariance(tuple(names), self.matrix[np.ix_(kept, kept)])
 
     def as_dict(self) -> dict[str, Any]:
-        """Plain data, None for an infinite variance."""
+        """Give plain data, with None for an infinite variance."""
         rows = [[v if np.isfinite(v) else None for v in row] for row in self.matrix.tolist()]
         return {"names": list(self.names), "matrix": rows}
 
@@ -827,7 +775,8 @@ class SectionCovariance:
 def section_coefficients(
     law: dict[str, Any], alpha: ArrayLike, reynolds: ArrayLike
 ) -> tuple[Floats, Floats]:
-    """C_L and C_D [-] of a section at angles [rad] from the chord line and Reynolds numbers."""
+    """Compute C_L and C_D [-] of a section at angles [rad] from the chord line and Reynolds
+    numbers."""
     from propmap import core
 
     at = np.broadcast_arrays(np.asarray(alpha, np.float64), np.asarray(reynolds, np.float64))

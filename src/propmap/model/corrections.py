@@ -15,6 +15,7 @@ import numpy as np
 
 from propmap.errors import InputError
 from propmap.typing import Floats
+from propmap.units import SPEED_OF_SOUND
 
 if TYPE_CHECKING:
     from propmap.model.model import Model, Propeller
@@ -33,11 +34,7 @@ MOTOR_DRAG_COEFFICIENT = 1.0
 """Of a motor across the flow [-], between a smooth cylinder as high as it is wide, 0.63, and a long
 one, 1.2: S. F. Hoerner, Fluid-Dynamic Drag, 1965, chapter III."""
 
-STALL_DELAY_STRENGTH = 3.0
-"""Snel's factor of (c/y)^2 [-]."""
-
-SPEED_OF_SOUND = 340.3
-"""[m/s], of the standard atmosphere at sea level (ISO 2533: 15 degrees Celsius)."""
+STALL_DELAY_STRENGTH = 3.0  # Snel's factor of (c/y)^2 [-]
 
 
 class Correction:
@@ -50,7 +47,7 @@ class Correction:
         """Raise ``InputError`` where it does not fit a ``model`` that has it."""
 
     def core_numbers(self, name: str, model: Model) -> dict[str, Any]:  # noqa: ARG002
-        """What the core gets of it in a ``model``, by ``name``: its only number, or 1."""
+        """Give the core what it needs of it in a ``model``, by ``name``: its only number, or 1."""
         if self.inflow_shape:
             return {"inflow": name}
         values = list(vars(self).values())
@@ -88,13 +85,8 @@ class BladeToHub(Correction):
         _check_radius(self.radius_m)
 
     def hub(self, propeller: Propeller) -> float:
-        """Where the blade of a ``propeller`` then begins [m].
-
-        Raises
-        ------
-        InputError
-            For a blade that a root cut-out shortens, and a hub outside the first station.
-        """
+        """Find where the blade of a ``propeller`` then begins [m]; ``InputError`` for a blade that
+        a root cut-out shortens, and a hub outside the first station."""
         first, root = float(propeller.station[0]), propeller.root
         if root > first * (1.0 + 1e-9):
             raise InputError(
@@ -110,11 +102,11 @@ class BladeToHub(Correction):
         return root if hub >= first * (1.0 - 1e-9) else hub
 
     def check(self, model: Model) -> None:
-        """As ``hub``, for the propeller of a ``model``."""
+        """Check the propeller of a ``model``, as ``hub``."""
         self.hub(model.propeller)
 
     def core_numbers(self, name: str, model: Model) -> dict[str, Any]:
-        """The hub's radius by its ``name``, where the blade of a ``model`` is continued."""
+        """Give the hub's radius by ``name``, where the blade of a ``model`` is continued."""
         hub = self.hub(model.propeller)
         return {name: hub} if hub < model.propeller.root else {}
 
@@ -197,7 +189,7 @@ class HubLoss(Correction):
         _check_radius(self.radius_m)
 
     def radius(self, root: float) -> float:
-        """Of the hub [m], of a blade that begins at ``root`` [m]."""
+        """Give the hub's radius [m] on a blade that begins at ``root`` [m]."""
         return root if self.radius_m is None else self.radius_m
 
     def check(self, model: Model) -> None:
@@ -211,7 +203,7 @@ class HubLoss(Correction):
             )
 
     def core_numbers(self, name: str, model: Model) -> dict[str, Any]:
-        """The hub's radius in a ``model``, by its ``name``."""
+        """Give the hub's radius in a ``model``, by ``name``."""
         return {name: self.radius(model.span[0])}
 
 
@@ -323,11 +315,11 @@ class MountDrag(Correction):
             )
 
     def area(self, radius: float) -> float:
-        """f [m^2] below a propeller of this ``radius`` [m]."""
+        """Give f [m^2] below a propeller of this ``radius`` [m]."""
         return typical_area(radius) if self.area_m2 is None else self.area_m2
 
     def core_numbers(self, name: str, model: Model) -> dict[str, Any]:
-        """The area by its ``name``, in a ``model``, and the share of the inflow."""
+        """Give the area by ``name``, in a ``model``, and the share of the inflow."""
         return {name: self.area(model.propeller.radius), "mount-wake": self.wake}
 
     def drag(
@@ -557,7 +549,7 @@ def _replaces(one: Correction, other: Correction) -> bool:
 
 
 def from_fields(name: str, fields: dict[str, Any]) -> Correction:
-    """A correction from its name and fields, as they are kept in files."""
+    """Make a correction from its name and fields, as they are kept in files."""
     if name not in CORRECTIONS:
         raise InputError(
             f"correction {name!r} is not known", f"this version has {', '.join(CORRECTIONS)}"
@@ -581,10 +573,8 @@ def from_fields(name: str, fields: dict[str, Any]) -> Correction:
 
 
 def as_texts(texts: Any) -> tuple[str, ...] | None:
-    """Checked texts of corrections, as they stand in a file; ``InputError`` for anything else.
-
-    None stays None: nothing is said of them.
-    """
+    """Check texts of corrections, as they stand in a file; None stays None: nothing is said of
+    them."""
     if texts is None:
         return None
     if not isinstance(texts, (list, tuple)) or not all(isinstance(text, str) for text in texts):
@@ -593,15 +583,10 @@ def as_texts(texts: Any) -> tuple[str, ...] | None:
 
 
 def agreed(section: str, own: Sequence[str] | None, given: Sequence[str]) -> tuple[str, ...]:
-    """The corrections ``given`` to a section law that was found with ``own``, None if unknown.
+    """Give the corrections for a section law that was found with its ``own``, None if unknown.
 
-    What is mounted may be another than where the constants were found: ``given``, it takes the
-    place of its own.
-
-    Raises
-    ------
-    InputError
-        Where others than its own are given; ``section`` is its name.
+    What is mounted may differ from where the constants were found: ``given``, it replaces its own.
+    ``InputError`` where others than its own are given to the law called ``section``.
     """
     wanted, mount = split_mount(as_texts(given) or ())
     if own is None:
@@ -616,24 +601,18 @@ def agreed(section: str, own: Sequence[str] | None, given: Sequence[str]) -> tup
 
 
 def split_mount(texts: Sequence[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """The corrections of the physics, and those that tell what is mounted."""
+    """Part the corrections of the physics from those that tell what is mounted."""
     mount = tuple(text for text in texts if text.partition(":")[0] == MOUNT_DRAG)
     return tuple(text for text in texts if text not in mount), mount
 
 
 def in_words(texts: Sequence[str]) -> str:
-    """Corrections in words: "tip-loss, pitt-peters", or that there are none."""
+    """Name corrections: "tip-loss, pitt-peters", or that there are none."""
     return ", ".join(texts) or "the paper's model"
 
 
 def name_of(value: Correction) -> str:
-    """The name by which ``correction`` knows it.
-
-    Raises
-    ------
-    InputError
-        For a value that is no correction.
-    """
+    """Find the name by which ``correction`` knows it; ``InputError`` for what is no correction."""
     for name, kind in CORRECTIONS.items():
         if type(value) is kind:
             return name
@@ -644,7 +623,7 @@ def name_of(value: Correction) -> str:
 
 
 def as_text(value: Correction) -> str:
-    """The text from which ``correction`` makes it again."""
+    """Write the text from which ``correction`` makes it again."""
     fields = dataclasses.asdict(value)  # type: ignore[call-overload]
     told = ",".join(f"{field}={number!r}" for field, number in fields.items() if number is not None)
     return f"{name_of(value)}:{told}" if told else name_of(value)

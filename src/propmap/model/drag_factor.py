@@ -13,13 +13,13 @@ MESSAGE = (
 
 
 def warn_of_drag_factor(stacklevel: int) -> None:
-    """A ``DeprecationWarning``, so many calls above this one."""
+    """Raise a ``DeprecationWarning``, so many calls above this one."""
     warnings.warn(MESSAGE, DeprecationWarning, stacklevel=stacklevel + 1)
 
 
 @contextmanager
 def drag_factor_accepted() -> Iterator[None]:
-    """Without this warning: where the factor comes from one who has been warned."""
+    """Silence this warning: where the factor comes from one who has been warned."""
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", MESSAGE, DeprecationWarning)
         yield

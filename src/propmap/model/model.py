@@ -92,11 +92,11 @@ class Propeller:
         return float(self.station[0]) if self.root_cutout is None else self.root_cutout
 
     def with_root_cutout(self, radius_m: float) -> Propeller:
-        """This propeller, loaded from ``radius_m`` [m] outwards."""
+        """Load this propeller from ``radius_m`` [m] outwards."""
         return replace(self, root_cutout=radius_m)
 
     def scaled(self, factor: float) -> Propeller:
-        """This shape with radius and chord ``factor`` times as large."""
+        """Make radius and chord ``factor`` times as large."""
         root = None if self.root_cutout is None else factor * self.root_cutout
         return replace(
             self, station=factor * self.station, chord=factor * self.chord, root_cutout=root
@@ -217,7 +217,7 @@ OneOf = TypeVar("OneOf", bound=Correction)
 
 @runtime_checkable
 class Section(Protocol):
-    """What may be the section law of a model: ``Airfoil`` or ``SectionTable``."""
+    """What a model's section law must have: ``Airfoil``, ``SectionTable`` or your own."""
 
     @property
     def name(self) -> str:
@@ -300,19 +300,17 @@ class Model:
             value.check(self)
 
     def with_airfoil(self, airfoil: Section) -> Model:
-        """This model with another section law, ``airfoil``."""
+        """Exchange the section law."""
         return replace(self, airfoil=airfoil)
 
     def with_mount(self, mount: Correction) -> Model:
-        """This model with ``mount``, a ``mount-drag``, in the place of its own if any."""
+        """Put ``mount``, a ``mount-drag``, in the place of its own if any."""
         others = [value for value in self.corrections if name_of(value) != MOUNT_DRAG]
         return replace(self, corrections=(*others, mount))
 
     def with_correction(self, value: Correction) -> Model:
-        """This model with ``value`` in the place of its own of that name, if any.
-
-        The section law is then one whose constants were found with it.
-        """
+        """Put ``value`` in the place of its own of that name, as if the section law was found with
+        it."""
         corrections = (*(one for one in self.corrections if type(one) is not type(value)), value)
         law: Any = self.airfoil
         if getattr(law, "corrections", None) is not None:
@@ -320,7 +318,7 @@ class Model:
         return replace(self, airfoil=law, corrections=corrections)
 
     def correction_of(self, kind: type[OneOf]) -> OneOf | None:
-        """The correction of this ``kind``, such as ``MountDrag``, or None."""
+        """Find the correction of this ``kind``, such as ``MountDrag``, or None."""
         return next((value for value in self.corrections if isinstance(value, kind)), None)
 
     @property

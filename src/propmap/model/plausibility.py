@@ -13,15 +13,15 @@ import numpy as np
 
 from propmap.errors import InputError, quoted
 from propmap.typing import Floats
-from propmap.units import GRAVITY, INCH, KMH, MPH, POUND, RPM, SLUG_PER_FT3
+from propmap.units import GRAVITY, INCH, KMH, MPH, POUND, RPM, SLUG_PER_FT3, SPEED_OF_SOUND
 
 if TYPE_CHECKING:
     from propmap.model.model import Air, Propeller
-    from propmap.typing import Floats
 
 
 # -------------------------------------------------------------------------------------------------
-# What small propellers are like, and the slips of units that take a figure out of these ranges.
+# What small propellers are like, and the unit mistakes that take a figure out of these ranges:
+# how a figure looks, and the factor that it has then.
 #
 # The ranges are those of the blades of the catalogue, and of the 134 sets of loads in the UIUC
 # Propeller Database that have a geometry (Brandt, Deters, Ananda, Dantsker, Selig, volumes 1 to 3),
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Range:
-    """From ``low`` to ``high``, both above 0, with the middle in the sense of factors."""
+    """Values from ``low`` to ``high``, both above 0."""
 
     low: float
     high: float
@@ -40,41 +40,19 @@ class Range:
         return self.low <= value <= self.high
 
     def distance(self, value: float) -> float:
-        """Logarithm of the factor between a value above 0 and the middle."""
+        """Take the logarithm of the factor between a value and the range's geometric mean."""
         return abs(math.log(value / math.sqrt(self.low * self.high)))
 
 
-@dataclass(frozen=True)
-class UnitMistake:
-    """A mistake that multiplies a figure by ``factor``, and what the figure is ``like`` then."""
-
-    like: str
-    factor: float
-
-
-RADIUS = Range(0.012, 2.0)
-"""[m]; measured 0.028 to 0.36."""
-
-CHORD = Range(0.09, 0.40)
-"""Chord at 0.75 of the radius over the radius; measured 0.10 to 0.35."""
-
-WIDEST_CHORD = Range(0.12, 0.45)
-"""The largest chord over the radius; measured 0.15 to 0.38."""
-
-TWIST = Range(3.0, 40.0)
-"""Twist at 0.75 of the radius [deg]; measured 7 to 25."""
-
-DENSITY = Range(0.3, 1.6)
-"""Of air [kg/m^3], from 12 km up to a cold day at sea level."""
-
-VISCOSITY = Range(1e-5, 2.5e-5)
-"""Of air [Pa s], from -80 to 150 degrees Celsius."""
+RADIUS = Range(0.012, 2.0)  # [m]; measured 0.028 to 0.36
+CHORD = Range(0.09, 0.40)  # chord at 0.75 of the radius over the radius; measured 0.10 to 0.35
+WIDEST_CHORD = Range(0.12, 0.45)  # the largest chord over the radius; measured 0.15 to 0.38
+TWIST = Range(3.0, 40.0)  # twist at 0.75 of the radius [deg]; measured 7 to 25
+DENSITY = Range(0.3, 1.6)  # of air [kg/m^3], from 12 km up to a cold day at sea level
+VISCOSITY = Range(1e-5, 2.5e-5)  # of air [Pa s], from -80 to 150 degrees Celsius
 
 TIP_SPEED = Range(8.0, 255.0)
 """The fastest of a test [m/s]: measured 26 to 216; above the upper end is Mach 0.75."""
-
-SPEED_OF_SOUND = 340.3
-"""[m/s] at 15 degrees Celsius (ICAO Doc 7488/3, 1993); 8 % less at 10 km."""
 
 FAST_TIP_MACH = 0.75
 """Above it the drag of thick sections rises steeply, which no section law here has."""
@@ -91,108 +69,107 @@ PITCH_SPEED_RATIO = 1.6
 1.35 at a quarter of the largest thrust."""
 
 INDISTINCT = 2.3
-"""Factor below which two slips cannot be told apart: what loads of like blades differ by."""
+"""Factor below which two mistakes look the same: what loads of similar blades differ by."""
 
-LENGTH_MISTAKES = (
-    UnitMistake("millimetres", 1e3),
-    UnitMistake("centimetres", 1e2),
-    UnitMistake("inches", 1.0 / INCH),
-    UnitMistake("inches taken for millimetres", 1e-3 / INCH),
-    UnitMistake("millimetres taken for inches", 1e3 * INCH),
-    UnitMistake("metres taken for millimetres", 1e-3),
-    UnitMistake("metres taken for inches", INCH),
-)
+LENGTH_MISTAKES = {
+    "millimetres": 1e3,
+    "centimetres": 1e2,
+    "inches": 1.0 / INCH,
+    "inches taken for millimetres": 1e-3 / INCH,
+    "millimetres taken for inches": 1e3 * INCH,
+    "metres taken for millimetres": 1e-3,
+    "metres taken for inches": INCH,
+}
 """Of a length alone, given for metres unless something else is said."""
 
-CHORD_MISTAKES = (
-    UnitMistake("millimetres beside a radius in metres", 1e3),
-    UnitMistake("per cent of the radius, or centimetres beside metres", 1e2),
-    UnitMistake("inches beside a radius in metres", 1.0 / INCH),
-    UnitMistake("millimetres beside a radius in inches", 1e3 * INCH),
-    UnitMistake("millimetres beside a radius in centimetres", 10.0),
-    UnitMistake("a fraction of the diameter, or the radius like the diameter", 0.5),
-    UnitMistake("centimetres taken for millimetres", 0.1),
-    UnitMistake("inches taken for millimetres", 1e-3 / INCH),
-    UnitMistake("metres taken for inches", INCH),
-    UnitMistake("metres taken for millimetres", 1e-3),
-)
+CHORD_MISTAKES = {
+    "millimetres beside a radius in metres": 1e3,
+    "per cent of the radius, or centimetres beside metres": 1e2,
+    "inches beside a radius in metres": 1.0 / INCH,
+    "millimetres beside a radius in inches": 1e3 * INCH,
+    "millimetres beside a radius in centimetres": 10.0,
+    "a fraction of the diameter, or the radius like the diameter": 0.5,
+    "centimetres taken for millimetres": 0.1,
+    "inches taken for millimetres": 1e-3 / INCH,
+    "metres taken for inches": INCH,
+    "metres taken for millimetres": 1e-3,
+}
 """Of the chord over the radius."""
 
-DENSITY_MISTAKES = (
-    UnitMistake("g/m^3", 1e3),
-    UnitMistake("g/cm^3", 1e-3),
-    UnitMistake("slug/ft^3", 1.0 / SLUG_PER_FT3),
-    UnitMistake("lb/ft^3", 1.0 / 16.01846),
-)
-VISCOSITY_MISTAKES = (
-    UnitMistake("microPa s", 1e6),
-    UnitMistake("mPa s, or centipoise", 1e3),
-    UnitMistake("poise", 10.0),
-)
+DENSITY_MISTAKES = {
+    "g/m^3": 1e3,
+    "g/cm^3": 1e-3,
+    "slug/ft^3": 1.0 / SLUG_PER_FT3,
+    "lb/ft^3": 1.0 / 16.01846,
+}
+VISCOSITY_MISTAKES = {
+    "microPa s": 1e6,
+    "mPa s, or centipoise": 1e3,
+    "poise": 10.0,
+}
 
-SPEED_MISTAKES = (UnitMistake("km/h", 1.0 / KMH), UnitMistake("miles an hour", 1.0 / MPH))
+SPEED_MISTAKES = {"km/h": 1.0 / KMH, "miles an hour": 1.0 / MPH}
 
-SLOW_MISTAKES = (
-    UnitMistake("rad/s", RPM),
-    UnitMistake("revolutions per second", 1.0 / 60.0),
-)
+SLOW_MISTAKES = {
+    "rad/s": RPM,
+    "revolutions per second": 1.0 / 60.0,
+}
 """Of the rotational speed, where it is too low."""
 
-FAST_MISTAKES = (
-    UnitMistake("rpm converted from rad/s twice", 1.0 / RPM),
-    UnitMistake("electrical rpm, of 7 pole pairs for example", 7.0),
-    UnitMistake("rpm times 60", 60.0),
-)
+FAST_MISTAKES = {
+    "rpm converted from rad/s twice": 1.0 / RPM,
+    "electrical rpm, of 7 pole pairs for example": 7.0,
+    "rpm times 60": 60.0,
+}
 """Of the rotational speed, where it is too high."""
 
-THRUST_MISTAKES = (
-    UnitMistake("grams", 1e3 / GRAVITY),
-    UnitMistake("kilograms", 1.0 / GRAVITY),
-    UnitMistake("millinewtons", 1e3),
-    UnitMistake("ounces", 16.0 / POUND),
-    UnitMistake("pounds", 1.0 / POUND),
-)
-TORQUE_MISTAKES = (
-    UnitMistake("N cm", 1e2),
-    UnitMistake("N mm", 1e3),
-    UnitMistake("kg m", 1.0 / GRAVITY),
-    UnitMistake("kg cm", 1e2 / GRAVITY),
-    UnitMistake("g cm", 1e5 / GRAVITY),
-    UnitMistake("ounce-inches", 16.0 / (POUND * INCH)),
-    UnitMistake("pound-inches", 1.0 / (POUND * INCH)),
-)
+THRUST_MISTAKES = {
+    "grams": 1e3 / GRAVITY,
+    "kilograms": 1.0 / GRAVITY,
+    "millinewtons": 1e3,
+    "ounces": 16.0 / POUND,
+    "pounds": 1.0 / POUND,
+}
+TORQUE_MISTAKES = {
+    "N cm": 1e2,
+    "N mm": 1e3,
+    "kg m": 1.0 / GRAVITY,
+    "kg cm": 1e2 / GRAVITY,
+    "g cm": 1e5 / GRAVITY,
+    "ounce-inches": 16.0 / (POUND * INCH),
+    "pound-inches": 1.0 / (POUND * INCH),
+}
 
 
-def likely_mistakes(value: float, usual: Range, slips: Sequence[UnitMistake]) -> list[UnitMistake]:
-    """The slips that explain a value outside a range, likeliest first.
+def likely_mistakes(value: float, usual: Range, mistakes: Mapping[str, float]) -> list[str]:
+    """Name the mistakes that explain a value outside the usual range, likeliest first.
 
-    Those bring it into the range, and less than ``INDISTINCT`` times as far from its middle as the first
-    does; none where the value is not above 0.
+    Undone they bring it into the range, and less than ``INDISTINCT`` times as far from its middle
+    as the first does; none where the value is not above 0.
     """
     if not 0.0 < value < math.inf:
         return []
     far = {
-        slip: usual.distance(value / slip.factor) for slip in slips if value / slip.factor in usual
+        like: usual.distance(value / factor)
+        for like, factor in mistakes.items()
+        if value / factor in usual
     }
     first = min(far.values(), default=0.0)
-    close = [slip for slip in far if far[slip] < first + math.log(INDISTINCT)]
+    close = [like for like in far if far[like] < first + math.log(INDISTINCT)]
     return sorted(close, key=far.__getitem__)
 
 
-def guessed(value: float, usual: Range, slips: Sequence[UnitMistake], subject: str = "it") -> str:
-    """What the value of a ``subject`` looks like, for the end of a message, or nothing."""
-    likes = [slip.like for slip in likely_mistakes(value, usual, slips)]
+def guessed(value: float, usual: Range, mistakes: Mapping[str, float], subject: str = "it") -> str:
+    """Say at the end of a message what the value of a ``subject`` looks like, if anything."""
+    likes = likely_mistakes(value, usual, mistakes)
     return f"; {subject} looks like {' or '.join(likes)}" if likes else ""
 
 
 # -------------------------------------------------------------------------------------------------
 # Whether a blade, the air and operating points are like those of small propellers, in words.
 
-PITCH_STATION = 0.75
-"""Share of the radius at which chord and twist stand for the blade."""
-
-ADVANCE = Range(0.02, 0.7)
-"""Flight speed over tip speed, of usual flights; measured up to 0.5."""
+PITCH_STATION = 0.75  # share of the radius at which chord and twist stand for the blade
+ADVANCE = Range(0.02, 0.7)  # flight speed over tip speed, of usual flights; measured up to 0.5
 
 WINDMILLING = 2.0
 """Axial speed over the blade's pitch speed, beyond which a propeller is a windmill."""
@@ -200,16 +177,12 @@ WINDMILLING = 2.0
 USUAL_TIP_SPEED = Range(25.0, 220.0)
 """[m/s], that a correction of the rotational speed should lead to."""
 
-RADIANS_WITHIN = 1e-3
-"""Closeness to a multiple of 5 degrees in radians."""
+RADIANS_WITHIN = 1e-3  # closeness to a multiple of 5 degrees in radians
 
 
 def blade_warnings(propeller: Propeller) -> list[str]:
-    """What is unlike the blades of small propellers, with the likely cause; mostly nothing.
-
-    Judged are the radius, the chord and the twist at 0.75 of it, and whether the twist falls
-    towards the tip, as it does on every blade of the catalogue.
-    """
+    """Warn of a radius, a chord and a twist at 0.75 of it unlike those of small propellers, and of
+    a twist that rises towards the tip, as on no blade of the catalogue; with the likely cause."""
     radius, found = propeller.radius, []
     if radius not in RADIUS:
         found.append(
@@ -248,7 +221,7 @@ def blade_warnings(propeller: Propeller) -> list[str]:
 
 
 def air_warnings(air: Air) -> list[str]:
-    """What is unlike the air that propellers turn in, with the likely cause; mostly nothing."""
+    """Warn of air unlike that in which propellers turn, with the likely cause."""
     found = []
     if air.density not in DENSITY:
         found.append(
@@ -264,20 +237,10 @@ def air_warnings(air: Air) -> list[str]:
 
 
 def point_warnings(propeller: Propeller, omega: Floats, speed: Floats, beta: Floats) -> list[str]:
-    """What is unlike the operating points of small propellers, with the likely cause.
+    """Warn of operating points [rad/s], [m/s], [rad] unlike those of small propellers.
 
-    Parameters
-    ----------
-    propeller : Propeller
-        Whose radius and pitch count.
-    omega, speed, beta : ndarray, shape (n,)
-        [rad/s], [m/s] and [rad], or shapes that broadcast to it.
-
-    Raises
-    ------
-    InputError
-        Where a blade tip moves faster than sound: neither the momentum theory nor any section law
-        here holds, and there is no number to give.
+    Raises ``InputError`` where a blade tip moves faster than sound: there neither momentum theory
+    nor any section law here holds, and there is no number to give.
     """
     w, v, b = (np.ravel(values) for values in np.broadcast_arrays(omega, speed, beta))
     tip = w * propeller.radius
@@ -288,7 +251,7 @@ def point_warnings(propeller: Propeller, omega: Floats, speed: Floats, beta: Flo
 
 
 def at_share(propeller: Propeller, share: float) -> tuple[float, float]:
-    """Chord [m] and twist [rad] at a share of the radius."""
+    """Interpolate chord [m] and twist [rad] at a share of the radius."""
     place = share * propeller.radius
     chord, twist = (
         float(np.interp(place, propeller.station, values))
@@ -298,7 +261,7 @@ def at_share(propeller: Propeller, share: float) -> tuple[float, float]:
 
 
 def pitch_ratio(propeller: Propeller) -> float:
-    """Speed of a screw with the blade's pitch over the tip speed [-]."""
+    """Divide the speed of a screw with the blade's pitch by the tip speed [-]."""
     return PITCH_STATION * math.tan(at_share(propeller, PITCH_STATION)[1])
 
 
@@ -343,20 +306,20 @@ def _speeds_warnings(propeller: Propeller, tip: Floats, speed: Floats, beta: Flo
     along = median((share * np.cos(beta[flying])).tolist()) / max(pitch_ratio(propeller), 1e-3)
     if advance <= ADVANCE.high and along <= WINDMILLING:
         return []
-    told = f"the speed is {advance:.3g} times the tip speed"
+    found = f"the speed is {advance:.3g} times the tip speed"
     if advance <= ADVANCE.high:
-        told = f"the speed along the axis is {along:.3g} times the speed of the blade's pitch"
-    for slip in likely_mistakes(fastest, USUAL_TIP_SPEED, SLOW_MISTAKES):
-        if fastest not in USUAL_TIP_SPEED and advance * slip.factor in ADVANCE:
-            return [f"{told}; the rotational speed looks like {slip.like}"]
-    for slip in likely_mistakes(advance, ADVANCE, SPEED_MISTAKES):
-        if along / slip.factor < PITCH_SPEED_RATIO:
-            return [f"{told}; the speed looks like {slip.like}"]
-    return [f"{told}; check rpm, speed and radius"]
+        found = f"the speed along the axis is {along:.3g} times the speed of the blade's pitch"
+    for like in likely_mistakes(fastest, USUAL_TIP_SPEED, SLOW_MISTAKES):
+        if fastest not in USUAL_TIP_SPEED and advance * SLOW_MISTAKES[like] in ADVANCE:
+            return [f"{found}; the rotational speed looks like {like}"]
+    for like in likely_mistakes(advance, ADVANCE, SPEED_MISTAKES):
+        if along / SPEED_MISTAKES[like] < PITCH_SPEED_RATIO:
+            return [f"{found}; the speed looks like {like}"]
+    return [f"{found}; check rpm, speed and radius"]
 
 
 def _angle_warnings(beta: Floats) -> list[str]:
-    """Radians among degrees: the angles are then multiples of 5 degrees once more converted."""
+    """Warn of radians given for degrees: multiples of 5 degrees, converted twice."""
     degrees = np.sort(np.abs(np.degrees(beta)), axis=None)
     nonzero = degrees[degrees > 1e-9]
     step = math.radians(5.0)
@@ -369,11 +332,10 @@ def _angle_warnings(beta: Floats) -> list[str]:
 
 
 # -------------------------------------------------------------------------------------------------
-# Whether measured loads fit the blade they are said to be of: slips of units, signs, angles.
+# Whether measured loads fit the blade they are said to be of: unit mistakes, signs, angles.
 #
 # Chord and twist at 0.75 of the radius give thrust and torque in axial flow within a factor of two
-# (``estimated_loads``), so that a load out by more is in other units; which, the factors of
-# ``propmap.model.plausibility`` tell.
+# (``estimated_loads``), so that a load out by more is in other units.
 
 SLOW = 0.6
 """Axial speed over the blade's pitch speed, up to which an estimate of the loads is any good."""
@@ -386,23 +348,19 @@ INDUCED = 1.25
 SMALL_BLADES = 0.68
 """Measured loads over the estimate without this factor: the median of 134 propellers."""
 
-NARROW_LOAD_RATIO = Range(1.0 / 1.5, 1.5)
-"""The same where loads are known to be wrong."""
+NARROW_LOAD_RATIO = Range(1.0 / 1.5, 1.5)  # the same where loads are known to be wrong
 
 ENERGY_MARGIN = 1.15
 """Ideal power over shaft power, above which no error of measurement explains it."""
 
-WEAK = 0.25
-"""Share of the slow thrust below which rows do not tell how far a propeller pulls."""
-
-DRAG_SHARE = 0.02
-"""Drag over thrust that no axial flow has."""
+WEAK = 0.25  # share of the slow thrust below which rows do not tell how far a propeller pulls
+DRAG_SHARE = 0.02  # drag over thrust that no axial flow has
 
 AXIAL_KEEPS, EDGEWISE_KEEPS = 0.8, 0.5
 """Of the thrust at rest, the most that is left at 0.7 of the pitch speed along the axis, and the
 least at this speed across it; measured at most 0.52, and more than 1."""
 
-Loads = Mapping[str, "Floats"]
+Loads = Mapping[str, Floats]
 
 SHARED_MISTAKES: tuple[tuple[str, float, float], ...] = (
     ("rpm like rad/s", 1.0 / RPM**2, 1.0 / RPM**2),
@@ -419,23 +377,11 @@ SHARED_MISTAKES: tuple[tuple[str, float, float], ...] = (
 def load_warnings(
     propeller: Propeller, air: Air, omega: Floats, speed: Floats, beta: Floats, loads: Loads
 ) -> list[str]:
-    """What does not fit the blade, with the likely cause; mostly nothing.
+    """Warn of measured loads (n,) [N], [N m] at points (n,) that do not fit the blade; NaN where
+    not measured.
 
-    Parameters
-    ----------
-    propeller, air : Propeller, Air
-        Of the test.
-    omega, speed, beta : ndarray, shape (n,)
-        [rad/s], [m/s] and [rad].
-    loads : mapping of str to ndarray, shape (n,)
-        Measured, by their names in ``propmap.loads.LOADS`` [N], [N m]; NaN where not measured.
-
-    Raises
-    ------
-    InputError
-        Where loads cannot be: more power in the slipstream than on the shaft, or a coefficient
-        three times the largest that has been measured.  Constants fitted to such loads mean
-        nothing.
+    Raises ``InputError`` where they cannot be: more power in the slipstream than on the shaft, or a
+    coefficient three times the largest measured.  Constants fitted to such loads mean nothing.
     """
     turning = omega > 0.0
     w, v, b = omega[turning], speed[turning], beta[turning]
@@ -461,18 +407,11 @@ def load_warnings(
 def estimated_loads(
     propeller: Propeller, air: Air, omega: Floats, axial: Floats
 ) -> dict[str, Floats]:
-    """Thrust [N] and torque [N m] of a blade in axial flow, within a factor of two.
+    """Estimate thrust [N] and torque [N m] in axial flow within a factor of two.
 
-    Momentum and blade element at 0.75 of the radius, with a linear lift (J. G. Leishman,
+    By momentum and blade element at 0.75 of the radius with a linear lift (J. G. Leishman,
     Principles of Helicopter Aerodynamics, 2nd ed., Cambridge 2006, section 3.3), scaled to small
-    propellers.
-
-    Parameters
-    ----------
-    propeller, air : Propeller, Air
-        Of the test.
-    omega, axial : ndarray, shape (n,)
-        [rad/s] and V cos(beta) [m/s], not above the blade's pitch speed.
+    propellers; ``axial`` [m/s] is not above the blade's pitch speed.
     """
     radius = propeller.radius
     chord, twist = at_share(propeller, PITCH_STATION)
@@ -490,7 +429,7 @@ def estimated_loads(
 def _ratios(
     propeller: Propeller, air: Air, w: Floats, v: Floats, b: Floats, known: Loads
 ) -> dict[str, float]:
-    """Medians of thrust and torque over their estimates, in the rows nearest to rest."""
+    """Divide thrust and torque by their estimates: medians over the rows nearest to rest."""
     share = v / (w * propeller.radius)
     reach = SLOW * abs(pitch_ratio(propeller))
     found = {}
@@ -508,7 +447,7 @@ def _ratios(
 
 
 def _signs_warnings(speed: Floats, known: Loads) -> list[str]:
-    """Single rows at rest with a sign that the others do not have."""
+    """Warn of single rows at rest with a sign that the others do not have."""
     found = []
     for name in ("thrust", "torque"):
         still = known[name][speed == 0.0] if name in known else np.empty(0)
@@ -520,7 +459,7 @@ def _signs_warnings(speed: Floats, known: Loads) -> list[str]:
 
 
 def _size_warnings(ratios: Mapping[str, float], usual: Range) -> list[str]:
-    """The slips that explain ratios of which one at least is out of a range, in one text."""
+    """Warn of ratios of which one at least is out of a range, with the mistakes that explain it."""
     columns = {"thrust": THRUST_MISTAKES, "torque": TORQUE_MISTAKES}
     odd = {name: ratio for name, ratio in ratios.items() if ratio not in usual}
     if not odd:
@@ -529,9 +468,9 @@ def _size_warnings(ratios: Mapping[str, float], usual: Range) -> list[str]:
         f"{name} is {ratio:.3g} times what such a blade gives" for name, ratio in ratios.items()
     )
     own = [
-        f"{name} looks like {' or '.join(slip.like for slip in slips)}"
+        f"{name} looks like {' or '.join(likes)}"
         for name, ratio in odd.items()
-        if (slips := likely_mistakes(ratio, LOAD_RATIO, columns[name]))
+        if (likes := likely_mistakes(ratio, LOAD_RATIO, columns[name]))
     ]
     shared = _shared_mistakes(ratios)
     # One mistake is likelier than two; with one load measured, both kinds explain it.
@@ -541,7 +480,7 @@ def _size_warnings(ratios: Mapping[str, float], usual: Range) -> list[str]:
 
 
 def _shared_mistakes(ratios: Mapping[str, float]) -> list[str]:
-    """Slips that bring all loads into their ranges, likeliest first, in one text."""
+    """Name the mistakes that undone bring all loads into their ranges, likeliest first."""
     far: dict[str, float] = {}
     for like, thrust, torque in SHARED_MISTAKES:
         factors = {"thrust": thrust, "torque": torque}
@@ -555,7 +494,7 @@ def _shared_mistakes(ratios: Mapping[str, float]) -> list[str]:
 def _impossible(
     propeller: Propeller, air: Air, w: Floats, v: Floats, b: Floats, known: Loads
 ) -> str:
-    """What no propeller can do, or nothing."""
+    """Say what no propeller can do; an empty text for nothing."""
     turns, diameter = w / (2.0 * math.pi), propeller.diameter
     force = air.density * turns**2 * diameter**4
     sizes = {"thrust": ("C_T", force), "torque": ("C_P", force * diameter / (2.0 * math.pi))}
@@ -587,7 +526,7 @@ def _impossible(
 def _reach_warnings(
     propeller: Propeller, air: Air, w: Floats, v: Floats, b: Floats, known: Loads
 ) -> list[str]:
-    """A propeller that pulls faster than its pitch moves: the speeds are in another unit."""
+    """Warn of a pull faster than the pitch moves: speeds are in another unit."""
     if "thrust" not in known:
         return []
     at_rest = estimated_loads(propeller, air, w, np.zeros_like(w))["thrust"]
@@ -599,15 +538,15 @@ def _reach_warnings(
     farthest = float(np.max(along)) / max(pitch_ratio(propeller), 1e-3)
     if farthest <= PITCH_SPEED_RATIO:
         return []
-    slips = [slip for slip in SPEED_MISTAKES if 0.5 < farthest / slip.factor <= PITCH_SPEED_RATIO]
-    like = f"the speed looks like {slips[0].like}" if slips else "check speed, rpm and beta"
+    units = [u for u, f in SPEED_MISTAKES.items() if 0.5 < farthest / f <= PITCH_SPEED_RATIO]
+    like = f"the speed looks like {units[0]}" if units else "check speed, rpm and beta"
     return [f"it pulls at {farthest:.3g} times the speed of the blade's pitch; {like}"]
 
 
 def _direction_warnings(
     propeller: Propeller, w: Floats, v: Floats, b: Floats, known: Loads
 ) -> list[str]:
-    """Axial flow with the loads of edgewise flow, or the reverse: beta from the disk plane."""
+    """Warn of axial flow with the loads of edgewise flow, or the reverse: beta from the disk."""
     axial = (v > 0.0) & (np.abs(np.cos(b)) > AXIAL)
     edgewise = (v > 0.0) & (np.abs(np.cos(b)) < EDGEWISE)
     told = "beta looks as if measured from the disk plane, 0 is along the axis here"
@@ -653,16 +592,9 @@ def check_blade(
     where: str = "",
     labels: Sequence[str] = (),
 ) -> None:
-    """Raise ``InputError`` unless the three columns describe one blade from root to tip.
+    """Raise ``InputError`` unless station [m], chord [m] and twist [rad], (n,) each, are one blade.
 
-    Parameters
-    ----------
-    station, chord, twist : ndarray, shape (n,)
-        [m], [m] and [rad].
-    where : str
-        The file, for the message.
-    labels : sequence of str
-        n names of the stations, such as "line 7".
+    ``labels`` are n names of the stations for messages, such as "line 7".
     """
     columns = {"station": station, "chord": chord, "twist": twist}
     for field, values in columns.items():
@@ -747,7 +679,7 @@ def _check_chord(chord: Floats, radius: float, where: str, labels: Sequence[str]
 
 
 def check_blades(blades: Any, where: str = "") -> int:
-    """The number of blades as an ``int``; ``InputError`` unless it is a whole 1 to 12."""
+    """Check that the number of blades is a whole 1 to 12, and return it as an ``int``."""
     try:
         count = operator.index(blades)
     except TypeError:
@@ -763,7 +695,7 @@ def check_blades(blades: Any, where: str = "") -> int:
 
 
 def check_root_cutout(root_cutout: Any, station: Floats, where: str = "") -> float:
-    """The root cut-out [m] as a ``float``; ``InputError`` unless it lies on the blade."""
+    """Check that the root cut-out [m] lies on the blade, and return it as a ``float``."""
     first, last = float(station[0]), MAX_ROOT_CUTOUT * float(station[-1])
     try:
         value = float(root_cutout)
@@ -780,10 +712,9 @@ def check_root_cutout(root_cutout: Any, station: Floats, where: str = "") -> flo
 
 
 def twist_from_degrees(degrees: Floats, where: str = "") -> Floats:
-    """Twist [rad] from a column in degrees, refused where its figures look like radians.
+    """Convert a column of twist (n,) from degrees to radians; refuse what looks like radians.
 
-    A blade whose steepest section stands at less than 1.6 degrees makes no propeller, so such a
-    column of ``degrees`` (n,) is taken for radians under the wrong name.
+    A blade whose steepest section stands at less than 1.6 degrees makes no propeller.
     """
     steepest = float(np.nanmax(np.abs(degrees), initial=0.0))
     if degrees.size and steepest < MAX_TWIST:
