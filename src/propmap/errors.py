@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+
 
 class InputError(ValueError):
     """An input that cannot be used, told in one printable line.
@@ -20,6 +23,16 @@ class InputError(ValueError):
         self.found, self.remedy, self.where = found, remedy, where
         message = f"{where}: {found}" if where else found
         super().__init__(_one_line(f"{message}; {remedy}" if remedy else message))
+
+
+@contextmanager
+def located(where: str) -> Iterator[None]:
+    """Put ``where`` in front of the place that an ``InputError`` of the block names, if any."""
+    try:
+        yield
+    except InputError as error:
+        place = ": ".join(filter(None, (where, error.where)))
+        raise InputError(error.found, error.remedy, place) from None
 
 
 def _one_line(text: str) -> str:

@@ -185,10 +185,7 @@ def expected_constants(
     if geometry != "measured":
         with_blade = _of_constants(expected_prior(family, size))
     known_to = SectionUncertainty(
-        _of_constants(prior),
-        float(errors[0]),
-        float(errors[1]),
-        with_blade=with_blade,
+        _of_constants(prior), float(errors[0]), float(errors[1]), with_blade=with_blade
     )
     law = airfoil_at(prior.mean, name, source).with_parameters(uncertainty=known_to)
     return ExpectedConstants(law, told)

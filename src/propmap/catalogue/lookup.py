@@ -34,7 +34,7 @@ from propmap.catalogue.identified import (
     named_without_blade,
     series_named,
 )
-from propmap.errors import InputError, quoted
+from propmap.errors import InputError, located, quoted
 from propmap.io.geometry import check_radius, read_geometry_file
 from propmap.io.sections import looks_like_section_table, read_section_table
 from propmap.loads import LOADS
@@ -90,8 +90,8 @@ def propeller(
             found = meant.propeller
         else:
             found = replace(catalogue.load(meant.name), blades=meant.blades)
-        if radius is not None:
-            check_radius(found.radius, radius, where=found.name)
+        with located(found.name):
+            check_radius(found.radius, radius)
         if blades is not None:
             found = replace(found, blades=blades)
     return found if root_cutout is None else found.with_root_cutout(root_cutout)

@@ -275,18 +275,17 @@ def measured_loads(path: Path) -> Callable[[Propeller, Air], TunnelData]:
     """
     if looks_like_uiuc_loads(path):
         return functools.partial(_of_coefficients, path.name, read_uiuc_loads(path))
-    file = read_points(path, LOAD_COLUMNS)
-    if not file.further:
+    points, columns = read_points(path, LOAD_COLUMNS)
+    if not columns:
         raise InputError(
             "there is no column with a load", f"add one of {', '.join(LOAD_COLUMNS)}", str(path)
         )
-    points = file.points
     found = TunnelData(
         path.name,
         points.rpm * RPM,
         points.speed_mps,
         np.radians(points.beta_deg),
-        {LOAD_COLUMNS[name]: values for name, values in file.further.items()},
+        {LOAD_COLUMNS[name]: values for name, values in columns.items()},
     )
     return lambda _propeller, _air: found
 

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from propmap.errors import InputError, quoted
+from propmap.errors import InputError, located, quoted
 from propmap.loads import LOADS
 from propmap.typing import Floats
 from propmap.units import RPM
@@ -53,7 +53,7 @@ class CsvTable:
 
 
 def read_csv_table(
-    lines: Iterable[str], columns: Collection[str], where: str, *, comments: bool = False
+    lines: Iterable[str], columns: Collection[str], where: str = "", *, comments: bool = False
 ) -> CsvTable | None:
     """Read header and rows of a CSV file in any of the dialects of spreadsheets; None for blanks.
 
@@ -225,60 +225,43 @@ def read_lines(path: str | os.PathLike[str], content: str = "geometry") -> list[
     file above 5 MB, and a file that is empty, binary or in another encoding.
     """
     where = os.fspath(path)
-    data = _read_bytes(where, content)
-    if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
-        raise InputError("the text is in UTF-16, expected UTF-8", "save it as UTF-8", where)
-    if b"\0" in data:
-        raise InputError(
-            "found binary data, expected text", f"give a text file with the {content}", where
-        )
-    try:
-        text = data.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        line = data.count(b"\n", 0, error.start) + 1
-        raise InputError(
-            f"line {line}: byte 0x{data[error.start]:02x} is not UTF-8 text",
-            "save the file as UTF-8",
-            where,
-        ) from None
-    if not text.strip():
-        raise InputError(
-            f"the file is empty, expected the {content}", f"give a {content} file", where
-        )
-    # Not str.splitlines, which also splits at form feeds and would shift the line numbers.
-    return text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
-
-
-def _read_bytes(where: str, content: str) -> bytes:
     try:
         status = Path(where).stat()
-        fault = _fault(status, content)
-        if fault is None:
-            return Path(where).read_bytes()
+        if status.st_size <= MAX_BYTES and stat.S_ISREG(status.st_mode):
+            data = Path(where).read_bytes()
     except FileNotFoundError:
-        fault = ("no such file", "check the path")
+        raise InputError("no such file", "check the path", where) from None
     except OSError as error:
-        reason = error.strerror or type(error).__name__
-        fault = (f"cannot read it: {reason}", "check the path and the rights to read it")
-    except ValueError as error:
-        # A path with a null character.
-        fault = (f"not a path: {error}", "check the path")
-    raise InputError(*fault, where)
-
-
-def _fault(status: os.stat_result, content: str) -> tuple[str, str] | None:
-    """Say what keeps a path from being a readable text file, and the remedy."""
-    if stat.S_ISDIR(status.st_mode):
-        return "this is a directory, expected a file", "name a file inside it"
-    if not stat.S_ISREG(status.st_mode):
-        return "this is a device or pipe, expected a file", "save the data to a file"
-    if status.st_size > MAX_BYTES:
-        megabytes, limit = status.st_size / 1e6, MAX_BYTES / 1e6
-        return (
-            f"{megabytes:.1f} MB is not a {content} file, expected at most {limit:g} MB",
-            f"name the file with the {content}",
-        )
-    return None
+        found = f"cannot read it: {error.strerror or type(error).__name__}"
+        raise InputError(found, "check the path and the rights to read it", where) from None
+    except ValueError as error:  # a path with a null character
+        raise InputError(f"not a path: {error}", "check the path", where) from None
+    with located(where):
+        if stat.S_ISDIR(status.st_mode):
+            raise InputError("this is a directory, expected a file", "name a file inside it")
+        if not stat.S_ISREG(status.st_mode):
+            found = "this is a device or pipe, expected a file"
+            raise InputError(found, "save the data to a file")
+        if status.st_size > MAX_BYTES:
+            sizes = f"{status.st_size / 1e6:.1f} MB", f"{MAX_BYTES / 1e6:g} MB"
+            found = f"{sizes[0]} is not a {content} file, expected at most {sizes[1]}"
+            raise InputError(found, f"name the file with the {content}")
+        if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
+            raise InputError("the text is in UTF-16, expected UTF-8", "save it as UTF-8")
+        if b"\0" in data:
+            found = "found binary data, expected text"
+            raise InputError(found, f"give a text file with the {content}")
+        try:
+            text = data.decode("utf-8-sig")
+        except UnicodeDecodeError as error:
+            line = data.count(b"\n", 0, error.start) + 1
+            found = f"line {line}: byte 0x{data[error.start]:02x} is not UTF-8 text"
+            raise InputError(found, "save the file as UTF-8") from None
+        if not text.strip():
+            found = f"the file is empty, expected the {content}"
+            raise InputError(found, f"give a {content} file")
+    # Not str.splitlines, which also splits at form feeds and would shift the line numbers.
+    return text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
 
 
 # -------------------------------------------------------------------------------------------------
@@ -439,23 +422,19 @@ QUANTITIES = POINT_COLUMNS | {column: name for name, column in FURTHER.items()}
 LOAD_COLUMNS = {load.column: name for name, load in LOADS.items()}  # names of loads by their column
 
 
-@dataclass(frozen=True)
-class PointsFile:
-    """Operating points (n,), and the further columns (n,) asked for that the file has; NaN for an
-    empty field."""
+def read_points(
+    path: Path, further: Iterable[str] = ()
+) -> tuple[OperatingPoints, dict[str, Floats]]:
+    """Read operating points from a CSV file, and what it has of the ``further`` columns (n,).
 
-    points: OperatingPoints
-    further: dict[str, Floats]
-
-
-def read_points(path: Path, further: Iterable[str] = ()) -> PointsFile:
-    """Read rpm, speed_mps, beta_deg, and height_m if there is ground, from a CSV file, with what it
-    has of the ``further`` columns."""
+    The file has columns rpm, speed_mps and beta_deg, and height_m if there is ground, in any order
+    and any dialect of spreadsheets.  An empty field of a further column is NaN.
+    """
     wanted = (*FURTHER.values(), *further)
     columns = read_columns(path, POINT_COLUMNS, wanted, "list of operating points")
     rpm, speed, beta = (columns.pop(name) for name in POINT_COLUMNS)
     more = {name: columns.pop(column) for name, column in FURTHER.items() if column in columns}
-    return PointsFile(OperatingPoints(rpm, speed, beta, more), columns)
+    return OperatingPoints(rpm, speed, beta, more), columns
 
 
 def read_columns(
@@ -467,34 +446,31 @@ def read_columns(
     An empty field is NaN unless it is of an operating point. ``InputError`` names the file, which
     should be ``what``, the line and the column.
     """
-    where, further = str(path), tuple(further)
-    lines = read_lines(path, what)
-    file = read_csv_table(lines, [*needed, *further], where)
-    header = file.header if file else []
-    missing = [name for name in needed if name not in header]
-    if missing:
-        raise InputError(
-            f"line 1: column {missing[0]} is missing",
-            f"the first line must name {', '.join(needed)}",
-            where,
-        )
-    if file is None or not file.rows:
-        raise InputError("there is no row below the header", "add a row per point", where)
-    _check_units(header, further, where)
-    wanted = [*needed, *(name for name in further if name in header)]
-    repeated = [name for name in wanted if header.count(name) > 1]
-    if repeated:
-        raise InputError(f"line 1: column {repeated[0]} occurs twice", "keep one of them", where)
-    columns: dict[str, list[float]] = {name: [] for name in wanted}
-    places = {name: header.index(name) for name in wanted}
-    for line, row in file.rows:
-        for name, place in places.items():
-            cell = row[place] if place < len(row) else ""
-            columns[name].append(_value(cell, name, f"{where}, line {line}, column {name}"))
+    further, lines = tuple(further), read_lines(path, what)
+    with located(str(path)):
+        file = read_csv_table(lines, [*needed, *further])
+        header = file.header if file else []
+        missing = [name for name in needed if name not in header]
+        if missing:
+            remedy = f"the first line must name {', '.join(needed)}"
+            raise InputError(f"line 1: column {missing[0]} is missing", remedy)
+        if file is None or not file.rows:
+            raise InputError("there is no row below the header", "add a row per point")
+        _check_units(header, further)
+        wanted = [*needed, *(name for name in further if name in header)]
+        repeated = [name for name in wanted if header.count(name) > 1]
+        if repeated:
+            raise InputError(f"line 1: column {repeated[0]} occurs twice", "keep one of them")
+        columns: dict[str, list[float]] = {name: [] for name in wanted}
+        places = {name: header.index(name) for name in wanted}
+        for line, row in file.rows:
+            for name, place in places.items():
+                cell = row[place] if place < len(row) else ""
+                columns[name].append(_value(cell, name, f"line {line}, column {name}"))
     return {name: np.array(values) for name, values in columns.items()}
 
 
-def _check_units(header: Collection[str], columns: Collection[str], where: str) -> None:
+def _check_units(header: Collection[str], columns: Collection[str]) -> None:
     """Raise ``InputError`` for a load that is there, but in none of the units of ``columns``."""
     for load in LOADS:
         same = [name for name in columns if name.rpartition("_")[0] == load]
@@ -505,7 +481,6 @@ def _check_units(header: Collection[str], columns: Collection[str], where: str) 
                 raise InputError(
                     f"line 1: column {quoted(name)} is in no unit that is known",
                     f"name it {' or '.join(same)}, after its unit, or leave it out",
-                    where,
                 )
 
 
@@ -529,31 +504,19 @@ def _value(cell: str, column: str, where: str) -> float:
 # -------------------------------------------------------------------------------------------------
 # The fields over the disk as CSV.
 
-DISK_COLUMNS = (
-    "radius_m",
-    "psi_deg",
-    "alpha_deg",
-    "inflow_mps",
-    "force_N_per_m",
-    "past_stall_deg",
-    "reverse",
-)
-
 
 def disk_csv(rotor: Rotor, omega: float, speed: float, beta: float) -> str:
     """Write angle of attack, inflow and force over the disk, a row per element and azimuth."""
     field = rotor.inflow(omega, speed, beta)
     radius, psi = np.meshgrid(field.radius, np.degrees(field.azimuth), indexing="ij")
-    columns = (
-        radius,
-        psi,
-        np.degrees(field.alpha),
-        field.local_inflow,
-        field.normal_force,
-        np.degrees(field.past_stall),
-        field.reverse.astype(int),
-    )
-    flat = [values.ravel().tolist() for values in columns]
-    return csv_text(
-        DISK_COLUMNS, [dict(zip(DISK_COLUMNS, row, strict=True)) for row in zip(*flat, strict=True)]
-    )
+    columns = {
+        "radius_m": radius,
+        "psi_deg": psi,
+        "alpha_deg": np.degrees(field.alpha),
+        "inflow_mps": field.local_inflow,
+        "force_N_per_m": field.normal_force,
+        "past_stall_deg": np.degrees(field.past_stall),
+        "reverse": field.reverse.astype(int),
+    }
+    flat = zip(*(values.ravel().tolist() for values in columns.values()), strict=True)
+    return csv_text([*columns], [dict(zip(columns, row, strict=True)) for row in flat])

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from propmap.errors import InputError, quoted
+from propmap.errors import InputError, located, quoted
 from propmap.io.csv import header_names, read_csv_table, read_lines
 from propmap.io.geometry import parse_number
 from propmap.model.airfoil import SectionTable
@@ -41,32 +41,29 @@ def section_format(lines: Lines) -> str | None:
     return None
 
 
-def _aerodyn(lines: Lines, where: str) -> Iterator[tuple[float, list[Row]]]:
+def _aerodyn(lines: Lines) -> Iterator[tuple[float, list[Row]]]:
     """Read v13 and v14: per table Re in millions, parameters, and rows up to EOT."""
     start = next(k for k, (_, line) in enumerate(lines) if "airfoil tables" in line.lower())
-    count = _whole(lines[start], where)
+    count = _whole(lines[start])
     rest = iter(lines[start + 1 :])
     for number in range(1, count + 1):
         first = next(rest, None)
         if first is None:
-            raise InputError(f"table {number} of {count} is missing", "give the whole file", where)
-        reynolds = 1e6 * parse_number(first[1].split()[0], "Re", _at(where, first))
+            raise InputError(f"table {number} of {count} is missing", "give the whole file")
+        reynolds = 1e6 * parse_number(first[1].split()[0], "Re", f"line {first[0]}")
         rows: list[Row] = []
         for line in rest:
             if line[1].strip().upper().startswith("EOT"):
                 break
             if _is_row(line[1]):
-                rows.append(_row(line, where, most=4 if count > 1 else None))
+                rows.append(_row(line, most=4 if count > 1 else None))
             elif rows:
-                raise InputError(
-                    f"found {quoted(line[1].strip())} between rows",
-                    "end a table with EOT",
-                    f"{where}, line {line[0]}",
-                )
+                found = f"found {quoted(line[1].strip())} between rows"
+                raise InputError(found, "end a table with EOT", f"line {line[0]}")
         yield reynolds, rows
 
 
-def _aerodyn_15(lines: Lines, where: str) -> Iterator[tuple[float, list[Row]]]:
+def _aerodyn_15(lines: Lines) -> Iterator[tuple[float, list[Row]]]:
     """Read v15: lines of a value and a keyword; NumAlf says how many rows follow."""
     plain = [(n, line.partition("!")[0]) for n, line in lines]
     rest = iter([(n, line) for n, line in plain if line.strip()])
@@ -75,59 +72,54 @@ def _aerodyn_15(lines: Lines, where: str) -> Iterator[tuple[float, list[Row]]]:
         words = line[1].split()
         keyword = words[1] if len(words) > 1 else ""
         if keyword == "Re":
-            reynolds = 1e6 * parse_number(line[1].split()[0], "Re", _at(where, line))
+            reynolds = 1e6 * parse_number(line[1].split()[0], "Re", f"line {line[0]}")
         elif keyword == "NumAlf":
             if reynolds is None:
-                raise InputError("no Re before NumAlf", "give Re in millions", _at(where, line))
-            count = _whole(line, where)
-            rows = [_row(row, where) for _, row in zip(range(count), rest, strict=False)]
+                raise InputError("no Re before NumAlf", "give Re in millions", f"line {line[0]}")
+            count = _whole(line)
+            rows = [_row(row) for _, row in zip(range(count), rest, strict=False)]
             if len(rows) < count:
-                raise InputError(
-                    f"found {len(rows)} rows, NumAlf is {count}", "give the whole file", where
-                )
+                found = f"found {len(rows)} rows, NumAlf is {count}"
+                raise InputError(found, "give the whole file")
             yield reynolds, rows
             reynolds = None
 
 
-def _xfoil(lines: Lines, where: str) -> Iterator[tuple[float, list[Row]]]:
+def _xfoil(lines: Lines) -> Iterator[tuple[float, list[Row]]]:
     """Read one polar; rows in any order, as they were computed."""
     head = next(k for k, (_, line) in enumerate(lines) if re.match(r"\s*alpha\s+CL\s+CD\b", line))
-    found = re.search(
-        r"Re\s*=\s*([\d.]+)\s*e\s*([+-]?\d+)", "\n".join(line for _, line in lines[:head])
-    )
+    above = "\n".join(line for _, line in lines[:head])
+    found = re.search(r"Re\s*=\s*([\d.]+)\s*e\s*([+-]?\d+)", above)
     if found is None:
-        raise InputError(
-            "no Reynolds number above the rows", "keep the line with Re = 0.100 e 6", where
-        )
+        raise InputError("no Reynolds number above the rows", "keep the line with Re = 0.100 e 6")
     rows = [line for line in lines[head + 1 :] if set(line[1].strip()) - set("- ")]
-    yield float(found[1]) * 10.0 ** int(found[2]), [_row(line, where) for line in rows]
+    yield float(found[1]) * 10.0 ** int(found[2]), [_row(line) for line in rows]
 
 
-def _cactus(lines: Lines, where: str) -> Iterator[tuple[float, list[Row]]]:
+def _cactus(lines: Lines) -> Iterator[tuple[float, list[Row]]]:
     """Read per table a line with its Reynolds number, parameters, and rows."""
     starts = [k for k, (_, line) in enumerate(lines) if line.lower().startswith("reynolds number:")]
     for start, end in zip(starts, [*starts[1:], len(lines)], strict=True):
         n, line = lines[start]
-        reynolds = parse_number(line.partition(":")[2], "Reynolds number", f"{where}, line {n}")
+        reynolds = parse_number(line.partition(":")[2], "Reynolds number", f"line {n}")
         body = [one for one in lines[start + 1 : end] if ":" not in one[1]]
-        yield reynolds, [_row(one, where) for one in body if one[1][:1] not in "Aa"]
+        yield reynolds, [_row(one) for one in body if one[1][:1] not in "Aa"]
 
 
-def _csv(lines: Lines, where: str) -> Iterator[tuple[float, list[Row]]]:
+def _csv(lines: Lines) -> Iterator[tuple[float, list[Row]]]:
     """Read columns by name; rows of one Reynolds number are a table."""
     numbered = dict(lines)
     every = [numbered.get(n, "") for n in range(1, lines[-1][0] + 1)]
-    file = read_csv_table(every, CSV_COLUMNS, where)
+    file = read_csv_table(every, CSV_COLUMNS)
     assert file is not None  # its header has told the format
     header = [name.lower() for name in file.header]
     places = [header.index(name) for name in CSV_COLUMNS]
     tables: dict[float, list[Row]] = {}
     for number, cells in file.rows:
-        place = f"{where}, line {number}"
+        place = f"line {number}"
         if len(cells) < len(header):
-            raise InputError(
-                f"found {len(cells)} fields, expected {len(header)}", "complete the row", place
-            )
+            found = f"found {len(cells)} fields, expected {len(header)}"
+            raise InputError(found, "complete the row", place)
         angle, reynolds, lift, drag = (
             parse_number(cells[k], name, place) for k, name in zip(places, CSV_COLUMNS, strict=True)
         )
@@ -135,7 +127,7 @@ def _csv(lines: Lines, where: str) -> Iterator[tuple[float, list[Row]]]:
     yield from tables.items()
 
 
-READERS: dict[str, Callable[[Lines, str], Iterator[tuple[float, list[Row]]]]] = {
+READERS: dict[str, Callable[[Lines], Iterator[tuple[float, list[Row]]]]] = {
     "AeroDyn": _aerodyn,
     "AeroDyn v15": _aerodyn_15,
     "XFOIL": _xfoil,
@@ -150,12 +142,8 @@ def lines_of(path: Path) -> Lines:
     return [(n, t) for n, t in enumerate(read_lines(path, "section table"), start=1) if t.strip()]
 
 
-def _at(where: str, line: tuple[int, str]) -> str:
-    return f"{where}, line {line[0]}"
-
-
-def _row(line: tuple[int, str], where: str, most: int | None = None) -> Row:
-    words, place = line[1].split(), _at(where, line)
+def _row(line: tuple[int, str], most: int | None = None) -> Row:
+    words, place = line[1].split(), f"line {line[0]}"
     if len(words) < 3 or (most and len(words) > most):
         raise InputError(
             f"found {len(words)} numbers, expected angle, C_L, C_D and possibly C_m",
@@ -173,12 +161,11 @@ def _is_row(line: str) -> bool:
     return len(words) >= 3 and all(re.fullmatch(r"[-+.\deEdD]+", word) for word in words)
 
 
-def _whole(line: tuple[int, str], where: str) -> int:
+def _whole(line: tuple[int, str]) -> int:
     word = line[1].split()[0]
     if not word.isdigit() or int(word) < 1:
-        raise InputError(
-            f"found {quoted(word)}, expected a count", "give 1 or more", _at(where, line)
-        )
+        found = f"found {quoted(word)}, expected a count"
+        raise InputError(found, "give 1 or more", f"line {line[0]}")
     return int(word)
 
 
@@ -226,9 +213,8 @@ def read_section_table(path: str | os.PathLike[str]) -> SectionTable:
             wanted = "give polars of XFOIL alone in a folder" if place.is_dir() else FORMATS
             raise InputError("the file is no section table that propmap reads", wanted, str(file))
         kinds.add(kind)
-        polars += [
-            (str(file), reynolds, rows) for reynolds, rows in READERS[kind](lines, str(file))
-        ]
+        with located(str(file)):
+            polars += [(str(file), reynolds, rows) for reynolds, rows in READERS[kind](lines)]
     if not polars:
         raise InputError("there is no table", FORMATS, str(place))
     return _table(place, " and ".join(sorted(kinds)), polars)
@@ -241,67 +227,50 @@ def looks_like_section_table(path: Path) -> bool:
 
 def _table(place: Path, kind: str, found: Sequence[tuple[str, float, list[Row]]]) -> SectionTable:
     polars: list[Polar] = []
-    remarks = []
-    for where, reynolds, rows in found:
+    remarks: list[str] = []
+    for where, given, rows in found:
+        reynolds = given
         if reynolds <= 0.0 and len(found) == 1:
             reynolds = ASSUMED_REYNOLDS
             remarks.append("Reynolds number not stated")
-        if not reynolds > 0.0:
-            raise InputError(
-                f"a Reynolds number is {reynolds:g}", "state one above 0 for every table", where
-            )
-        if reynolds in [polar.reynolds for polar in polars]:
-            raise InputError(f"Re = {reynolds:g} occurs twice", "keep one of the tables", where)
-        polar, added = all_round(_polar(reynolds, rows, where), where)
+        with located(where):
+            if not reynolds > 0.0:
+                remedy = "state one above 0 for every table"
+                raise InputError(f"a Reynolds number is {reynolds:g}", remedy)
+            if reynolds in [polar.reynolds for polar in polars]:
+                raise InputError(f"Re = {reynolds:g} occurs twice", "keep one of the tables")
+            polar, added = all_round(_polar(reynolds, rows))
         polars.append(polar)
         remarks += [added] if added and added not in remarks else []
     polars.sort(key=lambda polar: polar.reynolds)
+    reynolds_numbers = np.array([polar.reynolds for polar in polars])
     angle, lift, drag = at_common_angles(polars)
     source = f"{place.name} ({kind})" + "".join(f", {remark}" for remark in remarks)
-    try:
-        return SectionTable(
-            angle,
-            np.array([polar.reynolds for polar in polars]),
-            lift,
-            drag,
-            name=place.stem,
-            source=source,
-        )
-    except InputError as error:
-        raise InputError(error.found, error.remedy, str(place)) from None
+    with located(str(place)):
+        return SectionTable(angle, reynolds_numbers, lift, drag, name=place.stem, source=source)
 
 
-def _polar(reynolds: float, rows: list[Row], where: str) -> Polar:
+def _polar(reynolds: float, rows: list[Row]) -> Polar:
     """Sort rows by their angles, each once."""
     kept: list[Row] = []
     for row in sorted(rows, key=lambda row: row[1]):
-        if kept and row[1] == kept[-1][1]:
-            if abs(row[2] - kept[-1][2]) > SAME_LIFT:
-                raise InputError(
-                    f"{row[1]:g} deg occurs twice, in line {kept[-1][0]} with another lift",
-                    "keep one of the rows",
-                    f"{where}, line {row[0]}",
-                )
-            continue
-        if abs(row[1]) > 180.0 + 1e-9:
-            raise InputError(
-                f"the angle is {row[1]:g}", "give degrees within +-180", f"{where}, line {row[0]}"
-            )
-        if row[3] < 0.0:
-            raise InputError(
-                f"the drag coefficient is {row[3]:g}",
-                "correct or remove the row",
-                f"{where}, line {row[0]}",
-            )
+        line, angle, lift, drag = row
+        with located(f"line {line}"):
+            if kept and angle == kept[-1][1]:
+                if abs(lift - kept[-1][2]) > SAME_LIFT:
+                    found = f"{angle:g} deg occurs twice, in line {kept[-1][0]} with another lift"
+                    raise InputError(found, "keep one of the rows")
+                continue
+            if abs(angle) > 180.0 + 1e-9:
+                raise InputError(f"the angle is {angle:g}", "give degrees within +-180")
+            if drag < 0.0:
+                raise InputError(f"the drag coefficient is {drag:g}", "correct or remove the row")
         kept.append(row)
     if len(kept) < 8:
-        raise InputError(
-            f"the table of Re = {reynolds:g} has {len(kept)} rows, expected 8 at least",
-            "give more angles",
-            where,
-        )
-    _, angle, lift, drag = np.array(kept).T
-    return Polar(reynolds, np.radians(angle), lift, drag)
+        found = f"the table of Re = {reynolds:g} has {len(kept)} rows, expected 8 at least"
+        raise InputError(found, "give more angles")
+    _, angles, lifts, drags = np.array(kept).T
+    return Polar(reynolds, np.radians(angles), lifts, drags)
 
 
 # -------------------------------------------------------------------------------------------------
@@ -330,7 +299,7 @@ class Polar(NamedTuple):
     drag: Floats
 
 
-def all_round(polar: Polar, where: str) -> tuple[Polar, str]:
+def all_round(polar: Polar) -> tuple[Polar, str]:
     """Continue a polar from -180 to 180 degrees, and say in words what was added.
 
     Past stall C_L and C_D follow Viterna and Corrigan ("Fixed Pitch Rotor Performance of Large
@@ -348,14 +317,12 @@ def all_round(polar: Polar, where: str) -> tuple[Polar, str]:
         raise InputError(
             f"{told}, expected -180 to 180, or around 0 and a little past stall",
             "complete the table, or leave out what is far past stall",
-            where,
         )
     slope = np.diff(polar.lift) / np.diff(polar.angle)
     if polar.lift[-1] <= 0.0 or slope[-1] > STILL_RISING * slope.max():
         raise InputError(
             f"{told} and the lift still rises at the last: stall is not in the polar",
             "compute or measure it to larger angles",
-            where,
         )
     return _extended(polar), f"continued from {low:g} and {high:g} deg by Viterna's method"
 

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from propmap.errors import InputError, quoted
+from propmap.errors import InputError, located, quoted
 from propmap.io.csv import read_csv_table, read_lines
 from propmap.io.geometry import parse_blades, parse_number, parse_rows
 from propmap.typing import Floats
@@ -73,7 +73,7 @@ def _propeller(
         name,
         first["BladeName"],
         first["Family"],
-        parse_blades(first["B"], where),
+        parse_blades(first["B"]),
         *(rpm, advance, column("CT"), column("CP")),
         np.array(run),
     )
@@ -120,7 +120,8 @@ def read_uiuc_loads(path: Path) -> Coefficients:
     if not rows:
         raise InputError("there is no row below the header", "give the whole file", where)
     # Some rows lack the efficiency, which is not read.
-    _, table = parse_rows([(number, cells[:3]) for number, cells in rows], header, header, where)
+    with located(where):
+        _, table = parse_rows([(number, cells[:3]) for number, cells in rows], header, header)
     first, thrust, power = table.T
     if header == STATIC:
         return Coefficients(first, np.zeros_like(first), thrust, power)

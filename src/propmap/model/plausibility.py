@@ -102,18 +102,11 @@ DENSITY_MISTAKES = {
     "slug/ft^3": 1.0 / SLUG_PER_FT3,
     "lb/ft^3": 1.0 / 16.01846,
 }
-VISCOSITY_MISTAKES = {
-    "microPa s": 1e6,
-    "mPa s, or centipoise": 1e3,
-    "poise": 10.0,
-}
+VISCOSITY_MISTAKES = {"microPa s": 1e6, "mPa s, or centipoise": 1e3, "poise": 10.0}
 
 SPEED_MISTAKES = {"km/h": 1.0 / KMH, "miles an hour": 1.0 / MPH}
 
-SLOW_MISTAKES = {
-    "rad/s": RPM,
-    "revolutions per second": 1.0 / 60.0,
-}
+SLOW_MISTAKES = {"rad/s": RPM, "revolutions per second": 1.0 / 60.0}
 """Of the rotational speed, where it is too low."""
 
 FAST_MISTAKES = {
@@ -585,13 +578,7 @@ MAX_RADIUS = 20.0
 MAX_TWIST = 1.6
 
 
-def check_blade(
-    station: Floats,
-    chord: Floats,
-    twist: Floats,
-    where: str = "",
-    labels: Sequence[str] = (),
-) -> None:
+def check_blade(station: Floats, chord: Floats, twist: Floats, labels: Sequence[str] = ()) -> None:
     """Raise ``InputError`` unless station [m], chord [m] and twist [rad], (n,) each, are one blade.
 
     ``labels`` are n names of the stations for messages, such as "line 7".
@@ -602,13 +589,11 @@ def check_blade(
             raise InputError(
                 f"{field} has shape {values.shape}, expected one value per station",
                 "give station, chord and twist as lists of one length",
-                where,
             )
     if station.size < MIN_STATIONS:
         raise InputError(
             f"found {station.size} stations, expected at least {MIN_STATIONS}",
             "add stations between root and tip",
-            where,
         )
     labels = labels or [f"station {i}" for i in range(station.size)]
     for field, values in columns.items():
@@ -617,26 +602,23 @@ def check_blade(
             raise InputError(
                 f"{labels[bad[0]]}: {field} is {values[bad[0]]}, expected a finite number",
                 "remove the row or correct it",
-                where,
             )
-    _check_stations(station, where, labels)
-    _check_chord(chord, float(station[-1]), where, labels)
+    _check_stations(station, labels)
+    _check_chord(chord, float(station[-1]), labels)
     steepest = int(np.argmax(np.abs(twist)))
     if abs(twist[steepest]) > MAX_TWIST:
         raise InputError(
             f"{labels[steepest]}: twist is {twist[steepest]:g} rad, expected at most {MAX_TWIST}; "
             "it looks like degrees",
             "the column must be in radians or be named twist_deg",
-            where,
         )
 
 
-def _check_stations(station: Floats, where: str, labels: Sequence[str]) -> None:
+def _check_stations(station: Floats, labels: Sequence[str]) -> None:
     if station[0] <= 0.0:
         raise InputError(
             f"{labels[0]}: the first station is at {station[0]:g} m, expected more than 0",
             "start at the hub radius, where the blade begins",
-            where,
         )
     falls = np.flatnonzero(station[1:] <= station[:-1])
     if falls.size:
@@ -647,38 +629,34 @@ def _check_stations(station: Floats, where: str, labels: Sequence[str]) -> None:
             + ("is repeated" if repeated else f"is unsorted (it follows {station[i]:g} m)")
             + ", expected stations that rise from root to tip",
             "keep one row per station" if repeated else "sort the rows by station",
-            where,
         )
     if station[-1] > MAX_RADIUS:
         raise InputError(
             f"{labels[-1]}: the radius is {station[-1]:g} m, expected at most {MAX_RADIUS:g} m"
             + guessed(float(station[-1]), Range(0.025, 0.4), LENGTH_MISTAKES),
             "check the units; lengths are in metres",
-            where,
         )
 
 
-def _check_chord(chord: Floats, radius: float, where: str, labels: Sequence[str]) -> None:
+def _check_chord(chord: Floats, radius: float, labels: Sequence[str]) -> None:
     low, high = int(np.argmin(chord)), int(np.argmax(chord))
     if chord[low] < 0.0:
         raise InputError(
             f"{labels[low]}: chord is {chord[low]:g} m, expected 0 or more",
             "correct the negative chord",
-            where,
         )
     if chord[high] == 0.0:
-        raise InputError("every chord is 0", "give the chord of each station", where)
+        raise InputError("every chord is 0", "give the chord of each station")
     if chord[high] >= radius:
         raise InputError(
             f"{labels[high]}: chord is {chord[high]:g} m, "
             f"expected less than the radius of {radius:g} m"
             + guessed(float(chord[high]) / radius, WIDEST_CHORD, CHORD_MISTAKES),
             "check the units of chord and radius",
-            where,
         )
 
 
-def check_blades(blades: Any, where: str = "") -> int:
+def check_blades(blades: Any) -> int:
     """Check that the number of blades is a whole 1 to 12, and return it as an ``int``."""
     try:
         count = operator.index(blades)
@@ -689,12 +667,11 @@ def check_blades(blades: Any, where: str = "") -> int:
             f"the number of blades is {quoted(blades)}, "
             f"expected a whole number from 1 to {MAX_BLADES}",
             "pass --blades 2 (in Python: blades=2)",
-            where,
         )
     return count
 
 
-def check_root_cutout(root_cutout: Any, station: Floats, where: str = "") -> float:
+def check_root_cutout(root_cutout: Any, station: Floats) -> float:
     """Check that the root cut-out [m] lies on the blade, and return it as a ``float``."""
     first, last = float(station[0]), MAX_ROOT_CUTOUT * float(station[-1])
     try:
@@ -706,12 +683,11 @@ def check_root_cutout(root_cutout: Any, station: Floats, where: str = "") -> flo
             f"the root cut-out is {quoted(root_cutout)} m, "
             f"expected between {first:.6g} m (first station) and {last:.6g} m (0.9 radius)",
             "choose a root cut-out on the blade, in metres",
-            where,
         )
     return value
 
 
-def twist_from_degrees(degrees: Floats, where: str = "") -> Floats:
+def twist_from_degrees(degrees: Floats) -> Floats:
     """Convert a column of twist (n,) from degrees to radians; refuse what looks like radians.
 
     A blade whose steepest section stands at less than 1.6 degrees makes no propeller.
@@ -721,6 +697,5 @@ def twist_from_degrees(degrees: Floats, where: str = "") -> Floats:
         raise InputError(
             f"the largest twist is {steepest:g} degrees; it looks like radians",
             "the column must be in degrees or be named twist_rad",
-            where,
         )
     return np.deg2rad(degrees)

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import contextlib
 import math
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Literal, get_type_hints
@@ -16,7 +15,7 @@ from msgspec.structs import asdict
 
 from propmap import catalogue
 from propmap.catalogue.lookup import looks_like_path, propeller
-from propmap.errors import InputError, quoted
+from propmap.errors import InputError, located, quoted
 from propmap.io.toml import Number, Table, Text, Vector, example, read_toml
 from propmap.model.corrections import MountDrag
 from propmap.model.model import PAPER_DENSITY, PAPER_VISCOSITY, Air, Propeller
@@ -252,11 +251,11 @@ def read_vehicle(path: str | os.PathLike[str]) -> VehicleFile:
     file = read_toml(path, _File, SCHEMA, "vehicle description")
     flip = file.frame == "frd"
     blade = _propeller(file.propeller, where)
-    with _located(f"{where}: [air]"):
+    with located(f"{where}: [air]"):
         air = Air(file.air.density, file.air.viscosity)
     powertrain = _powertrain(file, where)
     drags = _mount_drags(file.mount, len(file.rotors), f"{where}: [mount]")
-    with _located(where):
+    with located(where):
         powertrain.check_blade(blade.radius)
         vehicle = Vehicle(
             name=file.name,
@@ -283,15 +282,6 @@ def read_vehicle(path: str | os.PathLike[str]) -> VehicleFile:
     return VehicleFile(vehicle, _log_map(file.log, len(file.rotors), where))
 
 
-@contextlib.contextmanager
-def _located(where: str) -> Iterator[None]:
-    """Name ``where`` in errors that do not say where they are."""
-    try:
-        yield
-    except InputError as error:
-        raise InputError(error.found, error.remedy, error.where or where) from None
-
-
 def _flu(vector: Vector, flip: bool) -> Vector:
     x, y, z = vector
     # Adding zero keeps -0.0 out of what is shown.
@@ -308,7 +298,7 @@ def _propeller(given: str | _Propeller, where: str) -> Propeller:
     # Relative to the vehicle file alone: what lies in the current folder plays no part.
     beside = Path(where).parent / given.geometry
     file = not known and (beside.exists() or looks_like_path(given.geometry))
-    with _located(f"{where}: propeller"):
+    with located(f"{where}: propeller"):
         source = beside if file else given.geometry
         return propeller(source, given.blades, given.radius, given.root_cutout)
 
@@ -323,14 +313,14 @@ def _mount_drags(mount: _Mount | None, rotors: int, where: str) -> Sequence[Moun
             "give one area in m^2, or a list with one for each rotor",
             where,
         )
-    with _located(where):
+    with located(where):
         return [MountDrag(area, mount.wake) for area in areas]
 
 
 def _powertrain(file: _File, where: str) -> Powertrain:
     motor = controller = battery = None
     if (given := file.motor) is not None:
-        with _located(f"{where}: [motor]"):
+        with located(f"{where}: [motor]"):
             motor = Motor(
                 given.kv_rpm_per_volt * RPM,
                 given.resistance,
@@ -341,11 +331,11 @@ def _powertrain(file: _File, where: str) -> Powertrain:
                 given.winding_temperature,
             )
     if file.esc is not None:
-        with _located(f"{where}: [esc]"):
+        with located(f"{where}: [esc]"):
             stated = {key: value for key, value in asdict(file.esc).items() if value is not None}
             controller = SpeedController(**stated)
     if (pack := file.battery) is not None:
-        with _located(f"{where}: [battery]"):
+        with located(f"{where}: [battery]"):
             battery = Battery(
                 pack.cells,
                 pack.capacity_mAh * 3.6,
@@ -354,7 +344,7 @@ def _powertrain(file: _File, where: str) -> Powertrain:
                 pack.maximum_current,
                 pack.auxiliary_power,
             )
-    with _located(where):
+    with located(where):
         return Powertrain(motor=motor, controller=controller, battery=battery)
 
 
