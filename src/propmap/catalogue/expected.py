@@ -625,9 +625,11 @@ def likeness(sizes: Sequence[Size]) -> Floats:
     return (1.0 - OWN_SHARE) * np.exp(-0.5 * distance) + OWN_SHARE * np.eye(len(place))
 
 
+@lru_cache(maxsize=4)
 def bundled_population(geometry: str = "measured") -> Population:
-    """Give the bundled population whose blades are one of ``GEOMETRIES``."""
-    return _bundled()[geometry]
+    """Read the bundled population whose blades are one of ``GEOMETRIES``."""
+    file = Path(__file__).parent / "identified" / "population.toml"
+    return parse_populations(file.read_text(encoding="utf-8"))[geometry]
 
 
 def as_toml(populations: Mapping[str, Population]) -> str:
@@ -651,9 +653,3 @@ def _listed(values: Floats) -> str:
     if values.ndim == 1:
         return "[" + ", ".join(f"{value:.8e}" for value in values) + "]"
     return "[\n" + "".join(f"  {_listed(row)},\n" for row in values) + "]"
-
-
-@lru_cache(maxsize=1)
-def _bundled() -> dict[str, Population]:
-    file = Path(__file__).parent / "identified" / "population.toml"
-    return parse_populations(file.read_text(encoding="utf-8"))

@@ -13,7 +13,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from propmap.errors import InputError
+from propmap.errors import InputError, located
 from propmap.model.corrections import agreed, as_texts
 from propmap.model.drag_factor import drag_factor_accepted, warn_of_drag_factor
 from propmap.typing import Floats
@@ -132,6 +132,9 @@ class Airfoil:
     corrections: tuple[str, ...] | None = None
     uncertainty: SectionUncertainty | None = field(default=None, compare=False, repr=False)
 
+    parameters: ClassVar[tuple[str, ...]] = tuple(CONSTANTS)
+    """Names of what loads can be differentiated by."""
+
     def __post_init__(self) -> None:
         for constant, (unit, _, (low, high), *_) in CONSTANTS.items():
             value = getattr(self, constant)
@@ -151,11 +154,6 @@ class Airfoil:
         if self.drag_factor != 1.0:
             warn_of_drag_factor(stacklevel=3)
         object.__setattr__(self, "corrections", as_texts(self.corrections))
-
-    @property
-    def parameters(self) -> tuple[str, ...]:
-        """Names of the constants by which loads can be differentiated."""
-        return tuple(CONSTANTS)
 
     @property
     def has_attached_lift(self) -> bool:
@@ -186,55 +184,44 @@ class Airfoil:
         return {"kind": "blended", "attached": attached, **numbers}
 
     def with_parameters(self, **changes: Any) -> Airfoil:
-        """A copy with ``changes`` to constants, by name as in the constructor.
-
-        How well they are known is that of the changed ones no more, and is left out unless given.
-        """
+        """Copy it with ``changes`` by name; its uncertainty no longer holds and is left out."""
         return replace(self, **{"uncertainty": None, **changes})
 
     def with_corrections(self, texts: Sequence[str]) -> Airfoil:
-        """The set as it is to be used with corrections of these ``texts``.
-
-        Raises
-        ------
-        InputError
-            Where the constants were found with others.
-        """
+        """Set the corrections to use it with; ``InputError`` where it was found with others."""
         with drag_factor_accepted():
             return replace(self, corrections=agreed(self.name, self.corrections, texts))
 
     def to_toml(self) -> str:
         """Write the set as the text of a parameter file."""
-        text = _toml_file(self._told())
+        text = self._text(FILED)
         if self.uncertainty is None:
             return text
         import tomli_w
 
         return f"{text}\n{tomli_w.dumps({'uncertainty': self.uncertainty.as_dict()})}"
 
-    def _filed(self) -> dict[str, Any]:
-        """What a parameter file may say."""
-        return {name: getattr(self, name) for name in FILED}
-
-    def _told(self) -> dict[str, Any]:
-        """What a parameter file says: terms beyond the paper's only where they act."""
-        return {
-            key: value
-            for key, value in self._filed().items()
-            if value is not None
-            and (value != 0.0 or key not in CONSTANTS or CONSTANTS[key].filed_if_zero)
-        }
-
     def metadata(self) -> dict[str, Any]:
         """Give the constants by name."""
-        return {key: value for key, value in self._filed().items() if key != "corrections"}
+        return {name: getattr(self, name) for name in FILED if name != "corrections"}
 
     def fingerprint(self) -> str:
         """Hash the parameter file, without its corrections, by SHA-256."""
         import hashlib
 
-        told = {key: value for key, value in self._told().items() if key != "corrections"}
-        return hashlib.sha256(_toml_file(told).encode()).hexdigest()
+        return hashlib.sha256(self._text([*self.metadata()]).encode()).hexdigest()
+
+    def _text(self, names: Sequence[str]) -> str:
+        """Write these fields as a parameter file; terms beyond the paper only where they act."""
+        lines = [f"schema = {SCHEMA}"]
+        for name in names:
+            value = getattr(self, name)
+            needed = name not in CONSTANTS or CONSTANTS[name].filed_if_zero or value != 0.0
+            if value is not None and needed:
+                # JSON's strings are TOML's; only DEL differs.
+                toml = json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+                lines.append(f"{name} = {toml}")
+        return "\n".join(lines) + "\n"
 
 
 FILED = tuple(f.name for f in fields(Airfoil) if f.name != "uncertainty")
@@ -267,54 +254,36 @@ def airfoil_names() -> list[str]:
 def read_airfoil(path: Path, *, uncertainty: bool = True) -> Airfoil:
     """Read a parameter file, with what a fit says of the constants if ``uncertainty``;
     ``InputError`` names the file and the field."""
-    name = str(path)
-    try:
-        table = tomllib.loads(path.read_bytes().decode("utf-8"))
-    except FileNotFoundError:
-        raise InputError(f"{name}: no such file; give a set's name or an existing .toml") from None
-    except OSError as error:
-        raise InputError(f"{name}: cannot be read ({error.strerror}); give a .toml file") from None
-    except UnicodeDecodeError:
-        raise InputError(f"{name}: not a text file; give a parameter set in TOML") from None
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(
-            f"{name}: not valid TOML ({error}); `propmap airfoils show paper-apc` prints an example"
-        ) from None
-    schema = table.pop("schema", SCHEMA)
-    if schema != SCHEMA:
-        raise InputError(
-            f"{name}: schema is {schema!r}, this version reads {SCHEMA}; upgrade propmap"
-        )
-    # A table is left to whoever wrote it; a stray key at the top is likely a typing error.
-    extra = sorted(k for k, v in table.items() if k not in FILED and not isinstance(v, dict))
-    if extra:
-        raise InputError(
-            f"{name}: unknown field {extra[0]!r}; known fields: {', '.join(sorted(FILED))}"
-        )
-    required = [name for name in PAPER_FOUR if name not in table]
-    if required == ["c_l1"] and table.get("lift_law") == "simplified":
-        table["c_l1"], required = 0.0, []
-    if required:
-        raise InputError(f"{name}: {required[0]} is missing; add a line '{required[0]} = ...'")
-    try:
+    with located(str(path)):
+        try:
+            table = tomllib.loads(path.read_bytes().decode("utf-8"))
+        except FileNotFoundError:
+            raise InputError("no such file", "give a set's name or an existing .toml") from None
+        except OSError as error:
+            raise InputError(f"cannot be read ({error.strerror})", "give a .toml file") from None
+        except UnicodeDecodeError:
+            raise InputError("not a text file", "give a parameter set in TOML") from None
+        except tomllib.TOMLDecodeError as error:
+            remedy = "`propmap airfoils show paper-apc` prints an example"
+            raise InputError(f"not valid TOML ({error})", remedy) from None
+        schema = table.pop("schema", SCHEMA)
+        if schema != SCHEMA:
+            found = f"schema is {schema!r}, this version reads {SCHEMA}"
+            raise InputError(found, "upgrade propmap")
+        # A table is left to whoever wrote it; a stray key at the top is likely a typing error.
+        extra = sorted(k for k, v in table.items() if k not in FILED and not isinstance(v, dict))
+        if extra:
+            known_fields = f"known fields: {', '.join(sorted(FILED))}"
+            raise InputError(f"unknown field {extra[0]!r}", known_fields)
+        required = [name for name in PAPER_FOUR if name not in table]
+        if required == ["c_l1"] and table.get("lift_law") == "simplified":
+            table["c_l1"], required = 0.0, []
+        if required:
+            raise InputError(f"{required[0]} is missing", f"add a line '{required[0]} = ...'")
         fit = table.get("fit") if uncertainty else None
         known = fitted_uncertainty(fit, (*CONSTANTS, "mount_area", "untwist"))
         known = known or filed_uncertainty(table.get("uncertainty"))
         return Airfoil(**{k: v for k, v in table.items() if k in FILED}, uncertainty=known)
-    except InputError as error:
-        raise InputError(f"{name}: {error}") from None
-
-
-def _toml_file(told: Mapping[str, Any]) -> str:
-    """The text of a parameter file."""
-    lines = [f"schema = {SCHEMA}", *(f"{key} = {_toml(value)}" for key, value in told.items())]
-    return "\n".join(lines) + "\n"
-
-
-def _toml(value: Any) -> str:
-    """Write a number, a text or a list of texts in TOML."""
-    # JSON's strings are TOML's; only DEL differs.
-    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
 # -------------------------------------------------------------------------------------------------
@@ -395,11 +364,9 @@ class SectionTable:
             raise InputError("angles must rise, and be eight at least: sort the table")
         ends = self.angle[[0, -1]]
         if not np.allclose(ends, [-math.pi, math.pi], atol=1e-6):
-            told = np.degrees(ends).round(2).tolist()
-            raise InputError(
-                f"angles run from {told[0]} to {told[1]} deg, expected -180 to 180",
-                "extend the table, for instance by Viterna's method",
-            )
+            low, high = np.degrees(ends).round(2).tolist()
+            found = f"angles run from {low} to {high} deg, expected -180 to 180"
+            raise InputError(found, "extend the table, for instance by Viterna's method")
         if np.diff(self.angle).min() < CLOSEST:
             raise InputError("two angles are less than 0.01 deg apart: remove one of them")
         object.__setattr__(self, "angle", np.array([-math.pi, *self.angle[1:-1], math.pi]))
@@ -410,25 +377,19 @@ class SectionTable:
         for name, values in (("lift", self.lift), ("drag", self.drag)):
             worst = float(np.abs(values).max())
             if worst > LARGEST:
-                raise InputError(
-                    f"{name} coefficient of {worst:g}, expected at most {LARGEST:g}",
-                    "check the table's columns",
-                )
+                found = f"{name} coefficient of {worst:g}, expected at most {LARGEST:g}"
+                raise InputError(found, "check the table's columns")
             gap = np.abs(values[:, 0] - values[:, -1]).max()
             if gap > 1e-6:
-                raise InputError(
-                    f"{name} differs by {gap:g} between -180 and 180 deg, which are one angle",
-                    "make them equal",
-                )
+                found = f"{name} differs by {gap:g} between -180 and 180 deg, which are one angle"
+                raise InputError(found, "make them equal")
         if (self.drag < 0.0).any():
             raise InputError("a drag coefficient is negative: check the table's columns")
         middle = self.lift[self.reynolds.size // 2]
         near = np.abs(self.angle) < math.radians(30.0)
         if not (middle[near].min() < 0.0 < middle[near].max()):
-            raise InputError(
-                "lift does not pass zero between -30 and 30 deg",
-                "give angles from the chord line, positive nose up",
-            )
+            found = "lift does not pass zero between -30 and 30 deg"
+            raise InputError(found, "give angles from the chord line, positive nose up")
 
     @classmethod
     def from_function(
@@ -516,24 +477,11 @@ class SectionTable:
         return replace(table, sampling_error=float(whole))
 
     def coefficients(self, alpha: ArrayLike, reynolds: ArrayLike) -> tuple[Floats, Floats]:
-        """Lift and drag between the figures of the table; as ``Airfoil.coefficients``.
-
-        Parameters
-        ----------
-        alpha : array_like, shape (...)
-            Angle of attack from the chord line [rad].
-        reynolds : array_like, shape (...)
-            Re [-]; outside the table's that of the nearest row holds.  Both broadcast.
-
-        Returns
-        -------
-        lift, drag : ndarray, shape (...)
-            C_L and C_D [-].
-        """
+        """Interpolate C_L and C_D as ``Airfoil.coefficients``; beyond its Re the last row holds."""
         return section_coefficients(self.core_law(), alpha, reynolds)
 
     def core_law(self) -> dict[str, Any]:
-        """The law as the compiled core takes it: its figures by name."""
+        """Give the law as the compiled core takes it: its figures by name."""
         figures = {
             name: np.ascontiguousarray(getattr(self, name).ravel())
             for name in ("angle", "reynolds", "lift", "drag")
@@ -541,14 +489,14 @@ class SectionTable:
         return {"kind": "tabulated", "drag_factor": self.drag_factor, **figures}
 
     def with_corrections(self, texts: Sequence[str]) -> SectionTable:
-        """The table as it is to be used with corrections of these ``texts``; see ``Airfoil``."""
+        """Set the corrections to use it with, as ``Airfoil.with_corrections``."""
         with drag_factor_accepted():
             return replace(self, corrections=agreed(self.name, self.corrections, texts))
 
     def metadata(self) -> dict[str, Any]:
         """Name, source and Reynolds numbers; not the coefficients."""
-        told = {"name": self.name, "source": self.source, "drag_factor": self.drag_factor}
-        return told | {"reynolds": self.reynolds.tolist()}
+        names = ("name", "source", "drag_factor")
+        return {name: getattr(self, name) for name in names} | {"reynolds": self.reynolds.tolist()}
 
     def fingerprint(self) -> str:
         """SHA-256 of the figures as little-endian f8."""
@@ -571,14 +519,8 @@ class SectionTable:
         )
 
     def _key(self) -> tuple[Any, ...]:
-        arrays = (self.angle, self.reynolds, self.lift, self.drag)
-        return (
-            *(a.tobytes() for a in arrays),
-            self.drag_factor,
-            self.name,
-            self.source,
-            self.corrections,
-        )
+        arrays = (a.tobytes() for a in (self.angle, self.reynolds, self.lift, self.drag))
+        return (*arrays, self.drag_factor, self.name, self.source, self.corrections)
 
 
 # -------------------------------------------------------------------------------------------------

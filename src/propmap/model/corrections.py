@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from propmap.errors import InputError
+from propmap.errors import InputError, located
 from propmap.typing import Floats
 from propmap.units import SPEED_OF_SOUND
 
@@ -502,23 +502,30 @@ def correction(text: str) -> Correction:
     """
     name, colon, given = text.partition(":")
     if name not in CORRECTIONS:
-        raise InputError(
-            f"correction {name!r} is not known", f"give one of {', '.join(CORRECTIONS)}"
-        )
-    fields: dict[str, float] = {}
-    for part in given.split(",") if colon else ():
-        field, _, value = part.partition("=")
-        field = field.strip()
-        if field in fields:
-            raise InputError(f"correction {text!r}: {field} is given twice", "give it once")
-        try:
-            fields[field] = float(value)
-        except ValueError:
-            raise InputError(
-                f"correction {text!r}: {part!r} is no field with a number",
-                f"write {name}:field=number",
-            ) from None
-    return from_fields(name, fields)
+        known = f"this version has {', '.join(CORRECTIONS)}"
+        raise InputError(f"correction {name!r} is not known", known)
+    kind: Any = CORRECTIONS[name]
+    known_fields = {field.name: field for field in dataclasses.fields(kind)}
+    numbers: dict[str, float] = {}
+    with located(f"correction {name}"):
+        for part in given.split(",") if colon else ():
+            field, _, value = part.partition("=")
+            field = field.strip()
+            if field in numbers:
+                raise InputError(f"{field} is given twice", "give it once")
+            try:
+                numbers[field] = float(value)
+            except ValueError:
+                found, remedy = f"{part!r} is no field with a number", f"write {name}:field=number"
+                raise InputError(found, remedy) from None
+            if field not in known_fields:
+                has = f"it has {', '.join(known_fields) or 'no fields'}"
+                raise InputError(f"unknown field {field!r}", has)
+        for field, about in known_fields.items():
+            if about.default is dataclasses.MISSING and field not in numbers:
+                raise InputError(f"no {field}", f"write {name}:{field}=number")
+    made: Correction = kind(**numbers)
+    return made
 
 
 def corrections_of(model: str = "recommended", added: Sequence[str] = ()) -> tuple[Correction, ...]:
@@ -546,30 +553,6 @@ def corrections_of(model: str = "recommended", added: Sequence[str] = ()) -> tup
 
 def _replaces(one: Correction, other: Correction) -> bool:
     return type(one) is type(other) or (one.inflow_shape and other.inflow_shape)
-
-
-def from_fields(name: str, fields: dict[str, Any]) -> Correction:
-    """Make a correction from its name and fields, as they are kept in files."""
-    if name not in CORRECTIONS:
-        raise InputError(
-            f"correction {name!r} is not known", f"this version has {', '.join(CORRECTIONS)}"
-        )
-    made: Any = CORRECTIONS[name]
-    known = [field.name for field in dataclasses.fields(made)]
-    extra = sorted(set(fields) - set(known))
-    if extra:
-        raise InputError(
-            f"correction {name}: unknown field {extra[0]!r}",
-            f"it has {', '.join(known) or 'no fields'}",
-        )
-    needed = [one.name for one in dataclasses.fields(made) if one.default is dataclasses.MISSING]
-    left_out = [field for field in needed if field not in fields]
-    if left_out:
-        raise InputError(
-            f"correction {name}: no {left_out[0]}", f"write {name}:{left_out[0]}=number"
-        )
-    value: Correction = made(**fields)
-    return value
 
 
 def as_texts(texts: Any) -> tuple[str, ...] | None:
