@@ -73,11 +73,9 @@ class ExpectedBlade:
     @property
     def summary(self) -> str:
         """Say in one line what the blade rests on, and how far loads may err."""
-        shape = self.shape
-        of = f"{len(shape.families)} families"
+        count, of = self.shape.propellers, f"{len(self.shape.families)} families"
         if self.geometry == "family":
             of = f"its family, {self.family}"
-        some = f"{shape.propellers} propellers" if shape.propellers > 1 else "one propeller"
         reason = "no measured blade of this size"
         if self.own is not None:
             reason = f"the blade of {self.own.tested!r} was not measured"
@@ -87,29 +85,22 @@ class ExpectedBlade:
             reason += f" ({' '.join(self.unknown)} names no series known here)"
         if self.others:
             reason += f" (known of this size: {', '.join(self.others)})"
-        geometry = f"{reason}: geometry by the means of {some} of {of}"
+        some = f"the mean of {count} propellers" if count > 1 else "that of one propeller"
+        geometry = f"{reason}: the geometry is {some} of {of}"
         if self.own is not None:
             return geometry
-        half, most = ERRORS[self._group]
-        return (
-            f"{geometry}; with section constants expected "
-            f"likewise, half of such propellers err in thrust and torque by less than "
-            f"{half[0]:.0%} and {half[1]:.0%} (rms) in axial flow, nine in ten by less than "
-            f"{most[0]:.0%} and {most[1]:.0%}"
-        )
-
-    @property
-    def _group(self) -> str:
         # Where none of the family was identified, its constants are as little known as any's.
-        if self.geometry == "family" and _identified(all_identified(), self.family):
-            return "family_blade"
-        if self.geometry != "family" and _identified(identified_without_blade(), self.family):
-            return "siblings_label"
-        return "population_blade"
-
-
-def _identified(entries: Sequence[Identified], family: str | None) -> bool:
-    return any(one.family == family for one in entries)
+        own = self.geometry == "family"
+        identified = all_identified() if own else identified_without_blade()
+        group = "family_blade" if own else "siblings_label"
+        if self.family not in {one.family for one in identified}:
+            group = "population_blade"
+        half, most = ERRORS[group]
+        return (
+            f"{geometry}; with section constants predicted likewise, half of such propellers err "
+            f"in thrust and torque by less than {half[0]:.0%} and {half[1]:.0%} (rms) in axial "
+            f"flow, nine in ten by less than {most[0]:.0%} and {most[1]:.0%}"
+        )
 
 
 def expected_blade(text: str, wanted: Designation, measured: Sequence[str] = ()) -> ExpectedBlade:
@@ -164,31 +155,23 @@ def expected_constants(
     middling one. ``geometry`` says whether its blade is "measured", or expected by the means of its
     "family" or of the "population".
     """
-    prior = expected_prior(family, size, geometry)
-    members = _members(family, geometry)
+    prior, members = expected_prior(family, size, geometry), _members(family, geometry)
+    own, of = "unknown", f"{len(all_identified())} small propellers, none of its family"
+    if members and family is not None:
+        own, of = family, f"those of its family, {family}, {len(members)} propellers"
     known = members and geometry != "population"
-    name = f"{family} expected" if members else "small propeller expected"
-    source = f"prior over propellers by propmap, family {family if members else 'unknown'}"
     likely = MEDIAN_ERRORS["family" if known else "population"]
-    of = (
-        f"of its family, {family}, {len(members)} propellers"
-        if members
-        else f"of {len(all_identified())} small propellers, none of its family"
+    summary = (
+        f"constants predicted from {of}, as it was not identified itself: half of such propellers "
+        f"have thrust and torque within {likely:.0%} (rms) in axial flow, one in ten is off by "
+        "twice that"
     )
-    told = (
-        f"constants as to be expected by those {of}; it was not identified itself: half of such "
-        f"propellers have thrust and torque within {likely:.0%} (rms) in axial flow, one in ten is "
-        "off by twice that"
-    )
-    errors = bundled_population(geometry).errors
-    with_blade = None
-    if geometry != "measured":
-        with_blade = _of_constants(expected_prior(family, size))
-    known_to = SectionUncertainty(
-        _of_constants(prior), float(errors[0]), float(errors[1]), with_blade=with_blade
-    )
-    law = airfoil_at(prior.mean, name, source).with_parameters(uncertainty=known_to)
-    return ExpectedConstants(law, told)
+    thrust, power = bundled_population(geometry).errors.tolist()
+    measured = None if geometry == "measured" else _of_constants(expected_prior(family, size))
+    known_to = SectionUncertainty(_of_constants(prior), thrust, power, with_blade=measured)
+    name = f"{family} expected" if members else "small propeller expected"
+    law = airfoil_at(prior.mean, name, f"prior over propellers by propmap, family {own}")
+    return ExpectedConstants(law.with_parameters(uncertainty=known_to), summary)
 
 
 def airfoil_at(place: Floats, name: str, source: str) -> Airfoil:

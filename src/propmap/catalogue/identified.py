@@ -213,8 +213,6 @@ def _bundled(key: tuple[str, int]) -> Identified:
 # -------------------------------------------------------------------------------------------------
 # Designations of propellers, as they are printed on the blade: 8x6E, 5x4.3x3, 1045, 130x70 mm.
 
-"""[m]."""
-
 LARGEST_INCHES = 40.0  # diameter above which a bare number is taken for millimetres
 LEAST_DIAMETER, LARGEST_DIAMETER = 0.02, 3.0  # [m] of any propeller that is meant to be known here
 STEEPEST = 2.5  # largest ratio of pitch to diameter

@@ -183,7 +183,7 @@ def _without_blade(one: Identified) -> catalogue.Entry:
         family=one.family,
         blades=one.blades,
         diameter_m=one.diameter_m,
-        source=f"loads: UIUC Propeller Database; geometry by the means of its {one.geometry}",
+        source=f"loads: UIUC Propeller Database; geometry: the mean of its {one.geometry}",
     )
 
 

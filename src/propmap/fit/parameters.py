@@ -11,9 +11,8 @@ import numpy as np
 from propmap.catalogue.expected import LOGARITHMIC, PopulationPrior, coordinates, slopes_of
 from propmap.catalogue.expected import constants_of as prior_constants
 from propmap.catalogue.identified import PARAMETERS
-from propmap.errors import InputError, quoted
+from propmap.errors import InputError, quoted, warn_of_drag_factor
 from propmap.model.airfoil import CONSTANTS, PAPER_FOUR, Airfoil
-from propmap.model.drag_factor import warn_of_drag_factor
 from propmap.model.model import Section
 from propmap.typing import Floats
 

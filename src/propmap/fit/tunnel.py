@@ -12,7 +12,7 @@ import numpy as np
 
 from propmap.baselines.hover import HoverModel
 from propmap.catalogue.lookup import measurement, measurement_names
-from propmap.errors import InputError, quoted
+from propmap.errors import InputError, drag_factor_accepted, quoted
 from propmap.fit.least_squares import Rows
 from propmap.fit.parameters import (
     BODY,
@@ -31,7 +31,6 @@ from propmap.io.uiuc import Coefficients, looks_like_uiuc_loads, read_uiuc_loads
 from propmap.loads import LOADS
 from propmap.model.airfoil import Airfoil
 from propmap.model.corrections import BladeUntwist, MountDrag
-from propmap.model.drag_factor import drag_factor_accepted
 from propmap.model.model import Air, Model, Propeller, Section
 from propmap.model.plausibility import load_warnings, point_warnings
 from propmap.rotor import Rotor

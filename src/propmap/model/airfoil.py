@@ -13,9 +13,8 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from propmap.errors import InputError, located
+from propmap.errors import InputError, drag_factor_accepted, located, warn_of_drag_factor
 from propmap.model.corrections import agreed, as_texts
-from propmap.model.drag_factor import drag_factor_accepted, warn_of_drag_factor
 from propmap.typing import Floats
 
 # -------------------------------------------------------------------------------------------------

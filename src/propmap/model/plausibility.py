@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 # The ranges are those of the blades of the catalogue, and of the 134 sets of loads in the UIUC
 # Propeller Database that have a geometry (Brandt, Deters, Ananda, Dantsker, Selig, volumes 1 to 3),
 # with some room: a note is due where something is unlike all that has been measured.
-# ``tests/model/test_usual_ranges.py`` holds them against these data.
+# ``tests/catalogue/test_nothing_is_doubted.py`` holds them against these data.
 
 
 @dataclass(frozen=True)
@@ -194,8 +194,9 @@ def blade_warnings(propeller: Propeller) -> list[str]:
         for angle in (twist, at_share(propeller, 0.4)[1], at_share(propeller, 0.9)[1])
     )
     if degrees < 0.0 and inner < outer:
-        cause = "the twist is negative and rises towards the tip; it looks like the wrong sign"
-        found.append(cause)
+        found.append(
+            "the twist is negative and rises towards the tip; it looks like the wrong sign"
+        )
     elif inner < outer - 1.0:
         like = "it looks as if listed from the tip to the root"
         if degrees > TWIST.high:
@@ -264,22 +265,20 @@ def _mach_warnings(tip: Floats, speed: Floats) -> list[str]:
     mach = float(helical[k]) / SPEED_OF_SOUND
     if mach <= FAST_TIP_MACH:
         return []
-    told = (
+    found = (
         f"the tip moves at {helical[k]:.4g} m/s, Mach {mach:.3g}, with {tip[k]:.4g} m/s from the "
         f"rotation and {speed[k]:.4g} m/s from the flight"
     )
-    like = ""
     if speed[k] > tip[k]:
         like = guessed(float(speed[k]), Range(1.0, 130.0), SPEED_MISTAKES, "the speed")
     else:
         like = guessed(float(tip[k]), Range(40.0, 130.0), FAST_MISTAKES, "the rotational speed")
         like += ", or the radius like the diameter" if like else ""
     if mach > 1.0:
-        raise InputError(
-            f"{told}{like}", "check rpm, speed and radius: nothing here holds above Mach 1"
-        )
+        remedy = "check rpm, speed and radius: nothing here holds above Mach 1"
+        raise InputError(f"{found}{like}", remedy)
     return [
-        f"{told}; above {FAST_TIP_MACH:g} drag rises, which the section law does not have{like}"
+        f"{found}; above {FAST_TIP_MACH:g} drag rises, which the section law does not have{like}"
     ]
 
 
@@ -457,7 +456,7 @@ def _size_warnings(ratios: Mapping[str, float], usual: Range) -> list[str]:
     odd = {name: ratio for name, ratio in ratios.items() if ratio not in usual}
     if not odd:
         return []
-    told = " and ".join(
+    each = (
         f"{name} is {ratio:.3g} times what such a blade gives" for name, ratio in ratios.items()
     )
     own = [
@@ -469,7 +468,8 @@ def _size_warnings(ratios: Mapping[str, float], usual: Range) -> list[str]:
     # One mistake is likelier than two; with one load measured, both kinds explain it.
     if shared and (len(odd) > 1 or len(ratios) == 1):
         own = [*own, *shared] if len(ratios) == 1 else shared
-    return [f"{told}; {', or '.join(own or shared) or 'check units, radius and rpm'}"]
+    cause = ", or ".join(own or shared) or "check units, radius and rpm"
+    return [f"{' and '.join(each)}; {cause}"]
 
 
 def _shared_mistakes(ratios: Mapping[str, float]) -> list[str]:
@@ -586,74 +586,46 @@ def check_blade(station: Floats, chord: Floats, twist: Floats, labels: Sequence[
     columns = {"station": station, "chord": chord, "twist": twist}
     for field, values in columns.items():
         if values.ndim != 1 or values.size != station.size:
-            raise InputError(
-                f"{field} has shape {values.shape}, expected one value per station",
-                "give station, chord and twist as lists of one length",
-            )
+            found = f"{field} has shape {values.shape}, expected one value per station"
+            raise InputError(found, "give station, chord and twist as lists of one length")
     if station.size < MIN_STATIONS:
-        raise InputError(
-            f"found {station.size} stations, expected at least {MIN_STATIONS}",
-            "add stations between root and tip",
-        )
+        found = f"found {station.size} stations, expected at least {MIN_STATIONS}"
+        raise InputError(found, "add stations between root and tip")
     labels = labels or [f"station {i}" for i in range(station.size)]
     for field, values in columns.items():
-        bad = np.flatnonzero(~np.isfinite(values))
-        if bad.size:
-            raise InputError(
-                f"{labels[bad[0]]}: {field} is {values[bad[0]]}, expected a finite number",
-                "remove the row or correct it",
-            )
-    _check_stations(station, labels)
-    _check_chord(chord, float(station[-1]), labels)
-    steepest = int(np.argmax(np.abs(twist)))
-    if abs(twist[steepest]) > MAX_TWIST:
-        raise InputError(
-            f"{labels[steepest]}: twist is {twist[steepest]:g} rad, expected at most {MAX_TWIST}; "
-            "it looks like degrees",
-            "the column must be in radians or be named twist_deg",
-        )
-
-
-def _check_stations(station: Floats, labels: Sequence[str]) -> None:
+        for k in np.flatnonzero(~np.isfinite(values))[:1]:
+            found = f"{labels[k]}: {field} is {values[k]}, expected a finite number"
+            raise InputError(found, "remove the row or correct it")
     if station[0] <= 0.0:
-        raise InputError(
-            f"{labels[0]}: the first station is at {station[0]:g} m, expected more than 0",
-            "start at the hub radius, where the blade begins",
-        )
-    falls = np.flatnonzero(station[1:] <= station[:-1])
-    if falls.size:
-        i = int(falls[0])
-        repeated = station[i + 1] == station[i]
-        raise InputError(
-            f"{labels[i + 1]}: station {station[i + 1]:g} m "
-            + ("is repeated" if repeated else f"is unsorted (it follows {station[i]:g} m)")
-            + ", expected stations that rise from root to tip",
-            "keep one row per station" if repeated else "sort the rows by station",
-        )
-    if station[-1] > MAX_RADIUS:
-        raise InputError(
-            f"{labels[-1]}: the radius is {station[-1]:g} m, expected at most {MAX_RADIUS:g} m"
-            + guessed(float(station[-1]), Range(0.025, 0.4), LENGTH_MISTAKES),
-            "check the units; lengths are in metres",
-        )
-
-
-def _check_chord(chord: Floats, radius: float, labels: Sequence[str]) -> None:
+        found = f"{labels[0]}: the first station is at {station[0]:g} m, expected more than 0"
+        raise InputError(found, "start at the hub radius, where the blade begins")
+    for k in np.flatnonzero(station[1:] <= station[:-1])[:1] + 1:
+        found, remedy = "is repeated", "keep one row per station"
+        if station[k] < station[k - 1]:
+            found = f"is unsorted (it follows {station[k - 1]:g} m)"
+            remedy = "sort the rows by station"
+        found = f"{labels[k]}: station {station[k]:g} m {found}"
+        raise InputError(f"{found}, expected stations that rise from root to tip", remedy)
+    radius = float(station[-1])
+    if radius > MAX_RADIUS:
+        found = f"{labels[-1]}: the radius is {radius:g} m, expected at most {MAX_RADIUS:g} m"
+        like = guessed(radius, Range(0.025, 0.4), LENGTH_MISTAKES)
+        raise InputError(f"{found}{like}", "check the units; lengths are in metres")
     low, high = int(np.argmin(chord)), int(np.argmax(chord))
     if chord[low] < 0.0:
-        raise InputError(
-            f"{labels[low]}: chord is {chord[low]:g} m, expected 0 or more",
-            "correct the negative chord",
-        )
+        found = f"{labels[low]}: chord is {chord[low]:g} m, expected 0 or more"
+        raise InputError(found, "correct the negative chord")
     if chord[high] == 0.0:
         raise InputError("every chord is 0", "give the chord of each station")
     if chord[high] >= radius:
-        raise InputError(
-            f"{labels[high]}: chord is {chord[high]:g} m, "
-            f"expected less than the radius of {radius:g} m"
-            + guessed(float(chord[high]) / radius, WIDEST_CHORD, CHORD_MISTAKES),
-            "check the units of chord and radius",
-        )
+        found = f"{labels[high]}: chord is {chord[high]:g} m, expected less than the radius of "
+        like = guessed(float(chord[high]) / radius, WIDEST_CHORD, CHORD_MISTAKES)
+        raise InputError(f"{found}{radius:g} m{like}", "check the units of chord and radius")
+    steepest = int(np.argmax(np.abs(twist)))
+    if abs(twist[steepest]) > MAX_TWIST:
+        found = f"{labels[steepest]}: twist is {twist[steepest]:g} rad, expected at most "
+        remedy = "the column must be in radians or be named twist_deg"
+        raise InputError(f"{found}{MAX_TWIST}; it looks like degrees", remedy)
 
 
 def check_blades(blades: Any) -> int:
@@ -663,11 +635,8 @@ def check_blades(blades: Any) -> int:
     except TypeError:
         count = 0
     if isinstance(blades, bool | np.bool_) or not 1 <= count <= MAX_BLADES:
-        raise InputError(
-            f"the number of blades is {quoted(blades)}, "
-            f"expected a whole number from 1 to {MAX_BLADES}",
-            "pass --blades 2 (in Python: blades=2)",
-        )
+        found = f"the number of blades is {quoted(blades)}, expected a whole number from 1 to "
+        raise InputError(f"{found}{MAX_BLADES}", "pass --blades 2 (in Python: blades=2)")
     return count
 
 
@@ -694,8 +663,6 @@ def twist_from_degrees(degrees: Floats) -> Floats:
     """
     steepest = float(np.nanmax(np.abs(degrees), initial=0.0))
     if degrees.size and steepest < MAX_TWIST:
-        raise InputError(
-            f"the largest twist is {steepest:g} degrees; it looks like radians",
-            "the column must be in degrees or be named twist_rad",
-        )
+        found = f"the largest twist is {steepest:g} degrees; it looks like radians"
+        raise InputError(found, "the column must be in degrees or be named twist_rad")
     return np.deg2rad(degrees)

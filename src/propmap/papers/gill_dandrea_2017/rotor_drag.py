@@ -8,9 +8,9 @@ import numpy as np
 
 from propmap.baselines.fin_analogy import inflow_factor, side_force
 from propmap.catalogue.lookup import measurement
+from propmap.errors import drag_factor_accepted
 from propmap.fit.least_squares import rms
 from propmap.model.airfoil import Airfoil, parameter_set
-from propmap.model.drag_factor import drag_factor_accepted
 from propmap.model.model import Air, Model
 from propmap.papers.gill_dandrea_2017.blades import blade
 from propmap.papers.gill_dandrea_2017.identified import OBLIQUE, OBLIQUE_LABEL, OTHER_FORM
