@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import tomllib
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache, lru_cache
 from pathlib import Path
 
 from propmap.errors import InputError, quoted
@@ -42,16 +42,16 @@ def names() -> list[str]:
 
 def entries() -> list[Entry]:
     """One ``Entry`` for each propeller, in the order of ``names``."""
-    return list(_entries())
+    return [entry(name) for name in names()]
 
 
 def search(text: str) -> list[Entry]:
     """The entries whose name, title or family hold every word of ``text``, in any case."""
     words = text.lower().split()
     return [
-        entry
-        for entry in _entries()
-        if all(word in f"{entry.name} {entry.title} {entry.family}".lower() for word in words)
+        one
+        for one in entries()
+        if all(word in f"{one.name} {one.title} {one.family}".lower() for word in words)
     ]
 
 
@@ -62,29 +62,25 @@ def load(name: str) -> Propeller:
         raise unknown_name(name)
     # These files are propmap's own, and tested; a user's file is checked entry by entry.
     file = tomllib.loads(_files()[key].read_text(encoding="utf-8"))
-    return Propeller(
-        file["name"],
-        file["blades"],
-        file["station_m"],
-        file["chord_m"],
-        file["twist_rad"],
-        file.get("root_cutout_m"),
-        file.get("source", ""),
-        file.get("citation", ""),
-    )
+    blade = file["station_m"], file["chord_m"], file["twist_rad"], file.get("root_cutout_m")
+    texts = file.get("source", ""), file.get("citation", "")
+    return Propeller(file["name"], file["blades"], *blade, *texts)
 
 
+@cache
 def entry(name: str) -> Entry:
     """The line of the propeller called ``name``, one of ``names``."""
-    return _entry(name, _files()[name].read_text(encoding="utf-8"))
+    # The arrays come last and are most of the file: leaving them out makes a listing fast.
+    head, _, _ = _files()[name].read_text(encoding="utf-8").partition("\nstation_m")
+    file = tomllib.loads(head)
+    texts = file["title"], file["family"]
+    return Entry(name, *texts, file["blades"], 2.0 * file["radius_m"], file["source"])
 
 
 def unknown_name(name: str) -> InputError:
     """The error for a name that the catalogue does not have, with those close to it."""
-    return InputError(
-        f"{quoted(name)} is neither a propeller of the catalogue nor a file",
-        f"{close_names(name)} see `propmap props`",
-    )
+    found = f"{quoted(name)} is neither a propeller of the catalogue nor a file"
+    return InputError(found, f"{close_names(name)} see `propmap props`")
 
 
 def close_names(text: str) -> str:
@@ -99,21 +95,3 @@ def close_names(text: str) -> str:
 def _files() -> dict[str, Path]:
     found = (Path(__file__).parent / "propellers").glob("*.toml")
     return {file.stem: file for file in sorted(found, key=lambda file: file.stem)}
-
-
-@lru_cache(maxsize=1)
-def _entries() -> tuple[Entry, ...]:
-    return tuple(_entry(name, file.read_text(encoding="utf-8")) for name, file in _files().items())
-
-
-def _entry(name: str, text: str) -> Entry:
-    # The arrays come last and are most of the file: leaving them out makes a listing fast.
-    head = tomllib.loads(text.partition("\nstation_m")[0])
-    return Entry(
-        name=name,
-        title=head["title"],
-        family=head["family"],
-        blades=head["blades"],
-        diameter_m=2.0 * head["radius_m"],
-        source=head["source"],
-    )

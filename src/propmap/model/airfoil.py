@@ -187,7 +187,7 @@ class Airfoil:
         return replace(self, **{"uncertainty": None, **changes})
 
     def with_corrections(self, texts: Sequence[str]) -> Airfoil:
-        """Set the corrections to use it with; ``InputError`` where it was found with others."""
+        """Set the corrections to use it with, by their ``texts``, which must be its own if any."""
         with drag_factor_accepted():
             return replace(self, corrections=agreed(self.name, self.corrections, texts))
 
@@ -476,7 +476,20 @@ class SectionTable:
         return replace(table, sampling_error=float(whole))
 
     def coefficients(self, alpha: ArrayLike, reynolds: ArrayLike) -> tuple[Floats, Floats]:
-        """Interpolate C_L and C_D as ``Airfoil.coefficients``; beyond its Re the last row holds."""
+        """Interpolate lift and drag between the figures of the table.
+
+        Parameters
+        ----------
+        alpha : array_like, shape (...)
+            Angle of attack from the chord line [rad].
+        reynolds : array_like, shape (...)
+            Re [-]; outside the table's that of the nearest row holds.  Both broadcast.
+
+        Returns
+        -------
+        lift, drag : ndarray, shape (...)
+            C_L and C_D [-].
+        """
         return section_coefficients(self.core_law(), alpha, reynolds)
 
     def core_law(self) -> dict[str, Any]:
@@ -488,7 +501,7 @@ class SectionTable:
         return {"kind": "tabulated", "drag_factor": self.drag_factor, **figures}
 
     def with_corrections(self, texts: Sequence[str]) -> SectionTable:
-        """Set the corrections to use it with, as ``Airfoil.with_corrections``."""
+        """Set the corrections to use it with, by their ``texts``, as ``Airfoil``."""
         with drag_factor_accepted():
             return replace(self, corrections=agreed(self.name, self.corrections, texts))
 

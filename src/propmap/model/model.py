@@ -300,7 +300,7 @@ class Model:
             value.check(self)
 
     def with_airfoil(self, airfoil: Section) -> Model:
-        """Exchange the section law."""
+        """Exchange the section law for ``airfoil``."""
         return replace(self, airfoil=airfoil)
 
     def with_mount(self, mount: Correction) -> Model:
