@@ -157,18 +157,15 @@ def parse_identified(text: str, where: str) -> list[Identified]:
     """Read the entries of a file's ``text``; ``InputError`` for what ``as_csv`` has not written."""
     reader = csv.DictReader(io.StringIO(text))
     if reader.fieldnames != _header():
-        raise InputError(
-            "the columns are not those of identified constants",
-            "write the file anew with `propmap fit catalogue`",
-            where,
-        )
-    found = []
+        found = "the columns are not those of identified constants"
+        raise InputError(found, "write the file anew with `propmap fit catalogue`", where)
+    entries = []
     for line, row in enumerate(reader, start=2):
         try:
-            found.append(_entry(row))
+            entries.append(_entry(row))
         except (TypeError, ValueError) as error:
             raise InputError(f"line {line}: {error}", "correct the row", where) from None
-    return found
+    return entries
 
 
 def _entry(row: dict[str, str]) -> Identified:
@@ -306,9 +303,8 @@ def _checked(text: str, found: Designation) -> Designation:
             f"give a pitch above 0, up to {STEEPEST:g} diameters; {catalogue.close_names(text)}",
         )
     if found.blades is not None and not 2 <= found.blades <= MOST_BLADES:
-        raise InputError(
-            f"{quoted(text)} has {found.blades} blades", f"give 2 to {MOST_BLADES} blades"
-        )
+        remedy = f"give 2 to {MOST_BLADES} blades"
+        raise InputError(f"{quoted(text)} has {found.blades} blades", remedy)
     return found
 
 

@@ -128,9 +128,8 @@ def designated(text: str) -> catalogue.Entry | ExpectedBlade:
         raise catalogue.unknown_name(text)
     if wanted.words and found:
         names = ", ".join(entry.name for entry in found)
-        raise InputError(
-            f"{quoted(text)} may be {names}", "give one of these names; see `propmap props`"
-        )
+        remedy = "give one of these names; see `propmap props`"
+        raise InputError(f"{quoted(text)} may be {names}", remedy)
     return expected_blade(text, wanted, [entry.name for entry in found])
 
 
@@ -306,10 +305,8 @@ def measurement(name: str) -> Measurement:
     key, known = name.strip().lower(), measurement_names()
     if key not in known:
         close = difflib.get_close_matches(key, known, n=3, cutoff=0.3) or known
-        raise InputError(
-            f"{quoted(name)} is not a measurement of the catalogue",
-            f"choose one of {', '.join(close)}",
-        )
+        found = f"{quoted(name)} is not a measurement of the catalogue"
+        raise InputError(found, f"choose one of {', '.join(close)}")
     file = _FOLDER / f"{key}{SUFFIX}"
     fields = tomllib.loads(file.read_text(encoding="utf-8"))
 

@@ -130,18 +130,14 @@ def has_decimal_commas(cells: Iterable[tuple[int, str]], separator: str, where: 
         first.setdefault(marks[0], (number, cell))
         decimal = decimal or not _GROUP.fullmatch(cell)
     if len(first) > 1:
-        told = " and ".join(f"{quoted(cell)} in line {n}" for n, cell in first.values())
-        raise InputError(
-            f"found {told}: both commas and points in numbers", "keep one of them", where
-        )
+        both = " and ".join(f"{quoted(cell)} in line {n}" for n, cell in first.values())
+        found = f"found {both}: both commas and points in numbers"
+        raise InputError(found, "keep one of them", where)
     if first and not decimal:
         ((mark, (number, cell)),) = first.items()
         whole = cell.replace(mark, "")
-        raise InputError(
-            f"{quoted(cell)} may be {whole} or {cell.replace(mark, '.')}, no other tells",
-            f"write {whole} or {cell}0",
-            f"{where}: line {number}",
-        )
+        found = f"{quoted(cell)} may be {whole} or {cell.replace(mark, '.')}, no other tells"
+        raise InputError(found, f"write {whole} or {cell}0", f"{where}: line {number}")
     return "," in first
 
 
@@ -174,12 +170,11 @@ def _rows(lines: Iterable[str], separator: str, where: str) -> list[tuple[int, l
     """Read number of the line and cells of each row that is not blank."""
     reader = _reader((f"{line}\n" for line in lines), separator, strict=True)
     try:
-        found = [(reader.line_num, [cell.strip() for cell in row]) for row in reader]
+        rows = [(reader.line_num, [cell.strip() for cell in row]) for row in reader]
     except csv.Error as error:
-        raise InputError(
-            f"line {reader.line_num}: not CSV: {error}", "save the file as plain CSV", where
-        ) from None
-    return [(number, row) for number, row in found if any(row)]
+        found = f"line {reader.line_num}: not CSV: {error}"
+        raise InputError(found, "save the file as plain CSV", where) from None
+    return [(number, row) for number, row in rows if any(row)]
 
 
 def _names(header: str, separator: str) -> list[str]:

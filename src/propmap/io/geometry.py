@@ -74,10 +74,8 @@ def check_radius(own: float, given: float | None, tolerance: float | None = None
     """Raise ``InputError`` unless ``given`` [m] repeats the geometry's own radius, to 0.1 %."""
     limit = RADIUS_TOLERANCE * own if tolerance is None else tolerance
     if given is not None and not abs(given - own) <= limit:
-        raise InputError(
-            f"the radius is {own:.6g} m by its last station, but {given:g} m was given",
-            "leave the radius out or correct it",
-        )
+        found = f"the radius is {own:.6g} m by its last station, but {given:g} m was given"
+        raise InputError(found, "leave the radius out or correct it")
 
 
 def usable_radius(radius: float | None) -> float:
@@ -100,10 +98,8 @@ def check_fractions(fraction: Floats, labels: Sequence[str]) -> None:
             "divide by the tip radius, or name the column after its unit",
         )
     if fraction[-1] < 1.0 - 1e-6:
-        raise InputError(
-            f"{labels[-1]}: the last r/R is {fraction[-1]:g}, expected 1 (the tip)",
-            "add the tip station with its chord, or sort the rows by station",
-        )
+        found = f"{labels[-1]}: the last r/R is {fraction[-1]:g}, expected 1 (the tip)"
+        raise InputError(found, "add the tip station with its chord, or sort the rows by station")
 
 
 def build_propeller(
@@ -321,10 +317,8 @@ def read_apc_pe0(
     with located(os.fspath(path)):
         header = next((k for k, text in enumerate(lines) if _is_header(text)), None)
         if header is None:
-            raise InputError(
-                "found no table with the header 'STATION CHORD ...'",
-                "give a PE0 file as APC publishes it",
-            )
+            found = "found no table with the header 'STATION CHORD ...'"
+            raise InputError(found, "give a PE0 file as APC publishes it")
         names = lines[header].split()
         units = lines[header + 1].split() if header + 1 < len(lines) else []
         for name, unit in UNITS.items():
@@ -334,10 +328,8 @@ def read_apc_pe0(
             index = names.index(name)
             if units[index : index + 1] != [unit]:
                 found = quoted(units[index] if index < len(units) else "")
-                raise InputError(
-                    f"line {header + 2}: the unit of {name} is {found}, expected {unit}",
-                    "convert the column, or write the geometry as CSV",
-                )
+                found = f"line {header + 2}: the unit of {name} is {found}, expected {unit}"
+                raise InputError(found, "convert the column, or write the geometry as CSV")
         rows: list[tuple[int, list[str]]] = []
         for number, line in enumerate(lines[header + 2 :], header + 3):
             cells = line.split()

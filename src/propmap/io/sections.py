@@ -145,11 +145,8 @@ def lines_of(path: Path) -> Lines:
 def _row(line: tuple[int, str], most: int | None = None) -> Row:
     words, place = line[1].split(), f"line {line[0]}"
     if len(words) < 3 or (most and len(words) > most):
-        raise InputError(
-            f"found {len(words)} numbers, expected angle, C_L, C_D and possibly C_m",
-            "give one row a line and one table after the other",
-            place,
-        )
+        found = f"found {len(words)} numbers, expected angle, C_L, C_D and possibly C_m"
+        raise InputError(found, "give one row a line and one table after the other", place)
     names = ("the angle", "C_L", "C_D")
     angle, lift, drag = (parse_number(w, n, place) for w, n in zip(words, names, strict=False))
     return line[0], angle, lift, drag
@@ -314,16 +311,12 @@ def all_round(polar: Polar) -> tuple[Polar, str]:
     low, high = np.degrees(ends).tolist()
     told = f"angles run from {low:g} to {high:g} deg"
     if not (-90.0 < low < high < 90.0 and high > 0.0):
-        raise InputError(
-            f"{told}, expected -180 to 180, or around 0 and a little past stall",
-            "complete the table, or leave out what is far past stall",
-        )
+        found = f"{told}, expected -180 to 180, or around 0 and a little past stall"
+        raise InputError(found, "complete the table, or leave out what is far past stall")
     slope = np.diff(polar.lift) / np.diff(polar.angle)
     if polar.lift[-1] <= 0.0 or slope[-1] > STILL_RISING * slope.max():
-        raise InputError(
-            f"{told} and the lift still rises at the last: stall is not in the polar",
-            "compute or measure it to larger angles",
-        )
+        found = f"{told} and the lift still rises at the last: stall is not in the polar"
+        raise InputError(found, "compute or measure it to larger angles")
     return _extended(polar), f"continued from {low:g} and {high:g} deg by Viterna's method"
 
 

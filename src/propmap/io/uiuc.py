@@ -112,11 +112,8 @@ def read_uiuc_loads(path: Path) -> Coefficients:
     (_, names), *rows = [(number, line.split()) for number, line in lines if line.strip()]
     header = tuple(names[:3])
     if header not in (FLIGHT, STATIC):
-        raise InputError(
-            f"line 1: found {quoted(' '.join(names))}",
-            "the header must be J CT CP (eta) or RPM CT CP",
-            where,
-        )
+        found = f"line 1: found {quoted(' '.join(names))}"
+        raise InputError(found, "the header must be J CT CP (eta) or RPM CT CP", where)
     if not rows:
         raise InputError("there is no row below the header", "give the whole file", where)
     # Some rows lack the efficiency, which is not read.
@@ -125,11 +122,9 @@ def read_uiuc_loads(path: Path) -> Coefficients:
     first, thrust, power = table.T
     if header == STATIC:
         return Coefficients(first, np.zeros_like(first), thrust, power)
-    found = _RPM_IN_NAME.search(path.name)
-    if found is None:
-        raise InputError(
-            "the rotational speed is not in the file's name",
-            "name the file as in apcsf_10x7_kt0828_3008.txt, which is 3008 rpm",
-            where,
-        )
-    return Coefficients(np.full_like(first, float(found.group(1))), first, thrust, power)
+    rpm = _RPM_IN_NAME.search(path.name)
+    if rpm is None:
+        found = "the rotational speed is not in the file's name"
+        remedy = "name the file as in apcsf_10x7_kt0828_3008.txt, which is 3008 rpm"
+        raise InputError(found, remedy, where)
+    return Coefficients(np.full_like(first, float(rpm[1])), first, thrust, power)

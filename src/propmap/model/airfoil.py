@@ -600,10 +600,8 @@ class SectionUncertainty:
             if not (math.isfinite(value) and value >= 0.0):
                 raise InputError(f"{name} is {value}", "give a standard deviation, 0 or more")
         if self.with_blade is not None and self.with_blade.names != self.covariance.names:
-            raise InputError(
-                f"the covariances are of {self.with_blade.names} and {self.covariance.names}",
-                "give them for the same constants",
-            )
+            found = f"the covariances are of {self.with_blade.names} and {self.covariance.names}"
+            raise InputError(found, "give them for the same constants")
 
     def without(self, name: str) -> SectionUncertainty:
         """Take the constant ``name`` as known."""
@@ -638,9 +636,8 @@ def filed_uncertainty(table: Any) -> SectionUncertainty | None:
         }
         left: Any = {name: float(table[name]) for name in DISCREPANCIES}
     except (KeyError, TypeError, ValueError) as error:
-        raise InputError(
-            f"the table [uncertainty] is damaged ({error})", "remove it, or write the file anew"
-        ) from None
+        found = f"the table [uncertainty] is damaged ({error})"
+        raise InputError(found, "remove it, or write the file anew") from None
     return SectionUncertainty(**matrices, **left, another_tunnel=other)
 
 
@@ -656,9 +653,8 @@ def fitted_uncertainty(table: Any, names: Collection[str]) -> SectionUncertainty
         kept = [name for name in free if name in names]
         shares: Any = {name: float(left[name]) for name in DISCREPANCIES if name in left}
     except (KeyError, TypeError, ValueError) as error:
-        raise InputError(
-            f"the table [fit] is damaged: covariance ({error})", "write it again with propmap fit"
-        ) from None
+        found = f"the table [fit] is damaged: covariance ({error})"
+        raise InputError(found, "write it again with propmap fit") from None
     return SectionUncertainty(every.of(kept), **shares, another_tunnel=False)
 
 
@@ -690,10 +686,8 @@ class SectionCovariance:
     def __post_init__(self) -> None:
         count = len(self.names)
         if self.matrix.shape != (count, count):
-            raise InputError(
-                f"the covariance of {count} parameters has shape {self.matrix.shape}",
-                f"give {count} rows of {count} numbers",
-            )
+            found = f"the covariance of {count} parameters has shape {self.matrix.shape}"
+            raise InputError(found, f"give {count} rows of {count} numbers")
         known = self.determined.matrix if self.unknown else self.matrix
         if not known.size:
             return

@@ -95,10 +95,8 @@ class BladeToHub(Correction):
             )
         hub = HUB_SHARE * propeller.radius if self.radius_m is None else self.radius_m
         if self.radius_m is not None and hub > first * (1.0 + 1e-9):
-            raise InputError(
-                f"radius_m of blade-to-hub is {hub:g} m, but the blade begins at {first:g} m",
-                "give a smaller radius in metres, or leave the correction out",
-            )
+            found = f"radius_m of blade-to-hub is {hub:g} m, but the blade begins at {first:g} m"
+            raise InputError(found, "give a smaller radius in metres, or leave the correction out")
         return root if hub >= first * (1.0 - 1e-9) else hub
 
     def check(self, model: Model) -> None:
@@ -197,10 +195,8 @@ class HubLoss(Correction):
         root, _ = model.span
         radius = self.radius(root)
         if radius > root * (1.0 + 1e-9):
-            raise InputError(
-                f"radius_m of the hub loss is {radius:g} m, but the blade begins at {root:g} m",
-                "give a smaller radius, or a root cut-out",
-            )
+            found = f"radius_m of the hub loss is {radius:g} m, but the blade begins at {root:g} m"
+            raise InputError(found, "give a smaller radius, or a root cut-out")
 
     def core_numbers(self, name: str, model: Model) -> dict[str, Any]:
         """Give the hub's radius in a ``model``, by ``name``."""
@@ -386,9 +382,8 @@ class StallDelay(Correction):
 
     def __post_init__(self) -> None:
         if not 0.0 <= self.strength < math.inf:
-            raise InputError(
-                f"strength of the stall delay is {self.strength}", "give a number, 3 in Snel's form"
-            )
+            found = f"strength of the stall delay is {self.strength}"
+            raise InputError(found, "give a number, 3 in Snel's form")
 
     def check(self, model: Model) -> None:
         """Refuse a ``model`` whose section law says that it has no attached lift."""
@@ -599,10 +594,8 @@ def name_of(value: Correction) -> str:
     for name, kind in CORRECTIONS.items():
         if type(value) is kind:
             return name
-    raise InputError(
-        f"{value!r} is no correction",
-        f"give one of {', '.join(CORRECTIONS)}, see propmap.correction",
-    )
+    found = f"{value!r} is no correction"
+    raise InputError(found, f"give one of {', '.join(CORRECTIONS)}, see propmap.correction")
 
 
 def as_text(value: Correction) -> str:

@@ -133,10 +133,8 @@ def _frozen_array(values: Any, field: str) -> Floats:
     try:
         array = np.array(values, dtype=np.float64)
     except (TypeError, ValueError):
-        raise InputError(
-            f"{field} is {quoted(values)}, expected a list of numbers",
-            f"give {field} as one number per station",
-        ) from None
+        found = f"{field} is {quoted(values)}, expected a list of numbers"
+        raise InputError(found, f"give {field} as one number per station") from None
     array.flags.writeable = False
     return array
 
@@ -222,24 +220,19 @@ class Section(Protocol):
     @property
     def name(self) -> str:
         """What it is called."""
-        ...
 
     @property
     def parameters(self) -> tuple[str, ...]:
         """Names of what loads can be differentiated by."""
-        ...
 
     def core_law(self) -> dict[str, Any]:
-        """The law as the compiled core takes it."""
-        ...
+        """Give the law as the compiled core takes it."""
 
     def metadata(self) -> dict[str, Any]:
-        """What files say of it: texts and numbers by name."""
-        ...
+        """Give what files say of it: texts and numbers by name."""
 
     def fingerprint(self) -> str:
-        """SHA-256 of all that its lift and drag depend on."""
-        ...
+        """Hash all that its lift and drag depend on, by SHA-256."""
 
 
 @dataclass(frozen=True)
@@ -292,10 +285,8 @@ class Model:
                 raise InputError(f"correction {name} is given twice: give it once")
         shapes = [name_of(value) for value in self.corrections if value.inflow_shape]
         if len(shapes) > 1:
-            raise InputError(
-                f"{' and '.join(shapes)} both set how the inflow varies around the disk",
-                "give one of them",
-            )
+            found = f"{' and '.join(shapes)} both set how the inflow varies around the disk"
+            raise InputError(found, "give one of them")
         for value in self.corrections:
             value.check(self)
 

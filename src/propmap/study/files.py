@@ -69,10 +69,8 @@ class _Sampling(Table):
         if self.method == "latin-hypercube" and self.designs is None:
             raise InputError("no designs", "add designs = 200")
         if self.method != "latin-hypercube" and self.designs is not None:
-            raise InputError(
-                "designs is given, but a full factorial has all combinations",
-                "remove it, or write more values",
-            )
+            found = "designs is given, but a full factorial has all combinations"
+            raise InputError(found, "remove it, or write more values")
 
 
 class _Picture(Table):
@@ -138,9 +136,8 @@ def read_study(path: Path) -> StudyFile:
     for key in file.vary:
         name, unit = KEYS[key]
         if name in varied:
-            raise InputError(
-                f"{name} is given twice", "give it in metres or in inches", f"{where}: [vary]"
-            )
+            found = f"{name} is given twice"
+            raise InputError(found, "give it in metres or in inches", f"{where}: [vary]")
         varied[name] = unit * np.atleast_1d(np.asarray(given[key], np.float64))
     axes = {
         name: np.atleast_1d(np.asarray(values, np.float64))
@@ -184,9 +181,8 @@ def _surface(
     at = {name: value for name, value in levels.items() if value is not None}
     for name in at:
         if name not in axes:
-            raise InputError(
-                f"{name} is not one of [points]", "leave it out, or give it there", where
-            )
+            found = f"{name} is not one of [points]"
+            raise InputError(found, "leave it out, or give it there", where)
     return Surface(quantity, chosen[0], chosen[1], at)
 
 

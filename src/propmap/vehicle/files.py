@@ -89,10 +89,8 @@ class _Wing(Table):
 
     def __post_init__(self) -> None:
         if self.span is not None and not self.span**2 > self.area:
-            raise InputError(
-                f"span is {self.span:g} m for an area of {self.area:g} m^2",
-                "give that from tip to tip, in m, longer than the chord",
-            )
+            found = f"span is {self.span:g} m for an area of {self.area:g} m^2"
+            raise InputError(found, "give that from tip to tip, in m, longer than the chord")
 
 
 class _Motor(Table):
@@ -308,11 +306,8 @@ def _mount_drags(mount: _Mount | None, rotors: int, where: str) -> Sequence[Moun
         return [None] * rotors
     areas = mount.area if isinstance(mount.area, tuple) else (mount.area,) * rotors
     if len(areas) != rotors:
-        raise InputError(
-            f"area has {len(areas)} numbers for {rotors} rotors",
-            "give one area in m^2, or a list with one for each rotor",
-            where,
-        )
+        found = f"area has {len(areas)} numbers for {rotors} rotors"
+        raise InputError(found, "give one area in m^2, or a list with one for each rotor", where)
     with located(where):
         return [MountDrag(area, mount.wake) for area in areas]
 
