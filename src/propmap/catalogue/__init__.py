@@ -36,17 +36,17 @@ class Entry:
 
 
 def names() -> list[str]:
-    """The names of all propellers, in alphabetical order."""
+    """List the names of all propellers, in alphabetical order."""
     return list(_files())
 
 
 def entries() -> list[Entry]:
-    """One ``Entry`` for each propeller, in the order of ``names``."""
+    """List one ``Entry`` for each propeller, in the order of ``names``."""
     return [entry(name) for name in names()]
 
 
 def search(text: str) -> list[Entry]:
-    """The entries whose name, title or family hold every word of ``text``, in any case."""
+    """Find entries whose name, title or family hold every word of ``text``, in any case."""
     words = text.lower().split()
     return [
         one
@@ -56,7 +56,7 @@ def search(text: str) -> list[Entry]:
 
 
 def load(name: str) -> Propeller:
-    """The propeller called ``name``, in upper or lower case; ``InputError`` if there is none."""
+    """Load the propeller called ``name``, in upper or lower case."""
     key = name.strip().lower()
     if key not in _files():
         raise unknown_name(name)
@@ -69,7 +69,7 @@ def load(name: str) -> Propeller:
 
 @cache
 def entry(name: str) -> Entry:
-    """The line of the propeller called ``name``, one of ``names``."""
+    """Read the line of the propeller called ``name``, one of ``names``."""
     # The arrays come last and are most of the file: leaving them out makes a listing fast.
     head, _, _ = _files()[name].read_text(encoding="utf-8").partition("\nstation_m")
     file = tomllib.loads(head)
@@ -78,13 +78,13 @@ def entry(name: str) -> Entry:
 
 
 def unknown_name(name: str) -> InputError:
-    """The error for a name that the catalogue does not have, with those close to it."""
+    """Make the error for a name that the catalogue does not have, with those close to it."""
     found = f"{quoted(name)} is neither a propeller of the catalogue nor a file"
     return InputError(found, f"{close_names(name)} see `propmap props`")
 
 
 def close_names(text: str) -> str:
-    """A question that holds the names in the catalogue closest to ``text``."""
+    """Ask whether one of the names in the catalogue closest to ``text`` is meant."""
     import difflib
 
     close = difflib.get_close_matches(text.strip().lower(), names(), n=3, cutoff=0.0)

@@ -36,9 +36,9 @@ ERRORS = {
     "siblings_label": ((0.09, 0.10), (0.18, 0.22)),
     "population_blade": ((0.20, 0.19), (0.40, 0.41)),
 }
-"""Of C_T and C_P of propellers that were left out, blade and section constants alike, rms over rms,
-by ``python -m tools.left_out``: half of them err less than the first two, nine in ten less than the
-others; by the group there."""
+"""Errors of C_T and C_P of propellers that were left out, both their blade and constants, rms over
+rms, by ``python -m tools.left_out``: half of them err less than the first two, nine in ten less
+than the others; by the group there."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,8 +134,8 @@ def _shape_of(families: Sequence[str]) -> MeanBlade:
 # Section constants to expect of a propeller that was not identified: its family's, or any's.
 
 MEDIAN_ERRORS = {"family": 0.09, "population": 0.12}
-"""Of C_T and C_P of propellers that were left out, by ``python -m tools.left_out``: half of them
-err less, rms over rms."""
+"""Errors of C_T and C_P of propellers that were left out, by ``python -m tools.left_out``: half of
+them err less, rms over rms."""
 
 
 class ExpectedConstants(NamedTuple):
@@ -248,9 +248,9 @@ def _of_constants(prior: PopulationPrior) -> SectionCovariance:
 # -------------------------------------------------------------------------------------------------
 # The mean blade of a series of propellers, or of many.
 #
-# Propellers of one series are alike: chord over radius, and the twist less that of a screw with the
-# labelled pitch, hardly change with the size.  Their means over the measured blades of the series,
-# or over all series with one vote each, make a blade of any size.
+# Propellers of one series resemble each other: chord over radius, and the twist less that of a
+# screw with the labelled pitch, hardly change with the size.  Their means over the measured blades
+# of the series, or over all series with one vote each, make a blade of any size.
 
 SHARES = np.linspace(0.15, 1.0, 18)
 """Radii over the tip radius at which blades are averaged, those of most measured blades."""
@@ -315,28 +315,28 @@ def shapes_without(entry: catalogue.Entry) -> list[MeasuredShape]:
 @lru_cache(maxsize=1)
 def measured_shapes() -> tuple[MeasuredShape, ...]:
     """List the propellers of the catalogue by series and size: the mean of their blades."""
-    alike: dict[tuple[str, tuple[float, float]], list[tuple[Floats, Floats]]] = {}
+    blades_of: dict[tuple[str, tuple[float, float]], list[tuple[Floats, Floats]]] = {}
     for entry in catalogue.entries():
         label = designation(entry.title)
         assert label is not None  # a test reads all titles
         blade = catalogue.load(entry.name)
         share = blade.station / blade.radius
-        # A first station that is rounded lies on the grid all the same.
+        # A first station that is rounded lies on the grid too.
         begun = share[0] - 1e-6 <= SHARES
         chord, twist = (
             np.where(begun, np.interp(SHARES, share, values), np.nan)
             for values in (blade.chord / blade.radius, blade.twist)
         )
         offset = twist - screw_angle(SHARES, label.pitch / label.diameter)
-        alike.setdefault((entry.family, _size(label)), []).append((chord, offset))
+        blades_of.setdefault((entry.family, _size(label)), []).append((chord, offset))
     return tuple(
         MeasuredShape(family, size, *np.mean(blades, axis=0))
-        for (family, size), blades in alike.items()
+        for (family, size), blades in blades_of.items()
     )
 
 
 def families_measured() -> set[str]:
-    """Codes of the series of which a blade was measured."""
+    """List codes of the series of which a blade was measured."""
     return {one.family for one in measured_shapes()}
 
 
@@ -377,7 +377,7 @@ def _mean(some: Floats) -> Floats:
 
 
 def _deviation(some: Floats) -> Floats:
-    """Standard deviation over the first axis, NaN where fewer than two are known."""
+    """Take standard deviations over the first axis, NaN where fewer than two are known."""
     count = np.isfinite(some).sum(axis=0)
     squares = np.nansum((some - _mean(some)) ** 2, axis=0)
     return np.sqrt(squares / np.where(count > 1, count - 1, np.nan))
@@ -387,9 +387,8 @@ def _deviation(some: Floats) -> Floats:
 # Section constants that have the loads of another blade.
 #
 # A blade whose chord is larger by one factor everywhere has the forces of section constants larger
-# by
-# it, and a blade that is twisted further by one angle everywhere those of angles smaller by it.  So
-# what is not known of a blade is kept as a change of its constants.
+# by it, and a blade that is twisted further by one angle everywhere those of angles smaller by it.
+# So what is not known of a blade is kept as a change of its constants.
 
 INNERMOST = 0.3  # share of the radius from which blades are compared
 
@@ -538,8 +537,8 @@ def family_prior(members: Sequence[Member], population: Population, size: Size) 
     propellers.
     """
     own = population.mean + population.shift(size)
-    alike = likeness([*(one.size for one in members), size])
-    joint = np.kron(np.ones_like(alike), population.between) + np.kron(alike, population.within)
+    related = likeness([*(one.size for one in members), size])
+    joint = np.kron(np.ones_like(related), population.between) + np.kron(related, population.within)
     if not members:
         return PopulationPrior.of(own, joint)
     known = own.size * len(members)
@@ -560,8 +559,7 @@ def family_prior(members: Sequence[Member], population: Population, size: Size) 
 # How section constants are spread over small propellers: by size, between families, within them.
 #
 # A propeller's coordinates are the mean of its family, a trend by size common to all families, and
-# a
-# part of its own, which is like that of its siblings of a similar size.
+# a part of its own, which is like that of its siblings of a similar size.
 
 MIDDLE = (0.2286, 0.6)  # diameter [m] and pitch over diameter at which a family's mean is stated
 

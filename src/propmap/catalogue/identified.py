@@ -38,7 +38,7 @@ _ERRORS = ("thrust_rms", "power_rms", "static_thrust_rms", "static_power_rms")
 class Identified:
     """Constants of one propeller from its loads in axial flow, and how far they can be trusted."""
 
-    propeller: str  # name of its blade in the catalogue, or made likewise
+    propeller: str  # name of its blade in the catalogue, or one made up in that form
     blades: int
     family: str  # code of its series
     tested: str  # what the source calls it
@@ -57,7 +57,7 @@ class Identified:
     rpm_high: float
     advance_high: float
     verdict: str  # "good", or what is wrong with the data or the fit
-    key: str  # tells the data and the settings of the fit from others
+    key: str  # identifies the data and the settings of the fit
 
     @property
     def section_covariance(self) -> SectionCovariance:

@@ -57,7 +57,7 @@ def propeller(
     radius: float | None = None,
     root_cutout: float | None = None,
 ) -> Propeller:
-    """A propeller from the catalogue, from a geometry file, or as its designation lets expect.
+    """Load a propeller from the catalogue or a geometry file, or predict it from a designation.
 
     In this order: a name in the catalogue; a file; the one measured propeller that a designation
     with a maker or series means; the means over the series that it names, or over all series, for
@@ -134,7 +134,7 @@ def designated(text: str) -> catalogue.Entry | ExpectedBlade:
 
 
 def airfoil(name_or_path: str | os.PathLike[str]) -> Airfoil | SectionTable:
-    """A section law: a named set of constants, a parameter file, or a section table.
+    """Load a section law: a named set of constants, a parameter file, or a section table.
 
     Parameters
     ----------
@@ -209,7 +209,7 @@ def known_model(
     air: Air | None = None,
     corrections: tuple[Correction, ...] | None = None,
 ) -> Model:
-    """The model of a propeller by name: its blade, and the best constants that are known of it.
+    """Make the model of a propeller by name: its blade, and the best constants known of it.
 
     The blade is that of ``propmap.propeller``.  The constants are those identified from the
     propeller's own loads; else those to be expected of its family, else of any small propeller.
@@ -295,13 +295,13 @@ class Measurement:
 
 
 def measurement_names() -> list[str]:
-    """The names of all measurements, in alphabetical order."""
+    """List the names of all measurements, in alphabetical order."""
     return sorted(file.stem for file in _FOLDER.glob(f"*{SUFFIX}"))
 
 
 @functools.lru_cache(maxsize=32)
 def measurement(name: str) -> Measurement:
-    """The measurement called ``name``, in upper or lower case; ``InputError`` if none is."""
+    """Load the measurement called ``name``, in upper or lower case."""
     key, known = name.strip().lower(), measurement_names()
     if key not in known:
         close = difflib.get_close_matches(key, known, n=3, cutoff=0.3) or known

@@ -61,10 +61,10 @@ def read_csv_table(
     such. ``InputError`` where quotes do not close, a row has more fields than the header, or points
     and commas in numbers cannot be told apart.
     """
-    body, told = [], []
+    body, remarks = [], []
     for text in lines:
         comment = comments and is_comment(text)
-        told += [text] if comment else []
+        remarks += [text] if comment else []
         body.append("" if comment else text)
     first = next((text for text in body if text.strip(" \t;,")), None)
     if first is None:
@@ -83,7 +83,7 @@ def read_csv_table(
     if has_decimal_commas(((n, row[place]) for n, row, place in cells), separator, where):
         for _, row, place in cells:
             row[place] = row[place].replace(",", ".")
-    return CsvTable(line, header, rows, [_uncovered(text, separator) for text in told])
+    return CsvTable(line, header, rows, [_uncovered(text, separator) for text in remarks])
 
 
 def separator_of(header: str, columns: Collection[str]) -> str:
@@ -136,7 +136,7 @@ def has_decimal_commas(cells: Iterable[tuple[int, str]], separator: str, where: 
     if first and not decimal:
         ((mark, (number, cell)),) = first.items()
         whole = cell.replace(mark, "")
-        found = f"{quoted(cell)} may be {whole} or {cell.replace(mark, '.')}, no other tells"
+        found = f"{quoted(cell)} may be {whole} or {cell.replace(mark, '.')}, nothing decides"
         raise InputError(found, f"write {whole} or {cell}0", f"{where}: line {number}")
     return "," in first
 
@@ -189,7 +189,7 @@ def _reader(lines: Iterable[str], separator: str, *, strict: bool = False) -> An
 # CSV as text.
 
 FURTHER_LOADS = ("mean_inflow", "reverse_flow", "roots")
-"""Fields of ``Loads`` that `propmap sweep` tells beside the columns of `propmap predict`."""
+"""Fields of ``Loads`` that `propmap sweep` writes beside the columns of `propmap predict`."""
 
 
 def csv_text(columns: Sequence[str], rows: Sequence[Mapping[str, Any]]) -> str:

@@ -1,4 +1,4 @@
-"""Blade geometry from files: CSV, TOML, the UIUC database's and APC's formats, told by content."""
+"""Blade geometry from files in CSV, TOML, the UIUC database's format and APC's."""
 
 from __future__ import annotations
 
@@ -384,7 +384,7 @@ READERS: dict[str, Callable[..., Propeller]] = {
 def read_geometry_file(
     path: str | os.PathLike[str], blades: int | None = None, radius: float | None = None
 ) -> Propeller:
-    """Read a propeller from a file in any format that propmap knows, told by its content."""
+    """Read a propeller from a file in any format that propmap knows, by its content."""
     where = os.fspath(path)
     kind = recognise(read_lines(path), where)
     return READERS[kind](path, blades=blades, radius=radius)

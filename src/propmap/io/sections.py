@@ -17,7 +17,7 @@ from propmap.model.airfoil import SectionTable
 from propmap.typing import Floats
 
 # -------------------------------------------------------------------------------------------------
-# Formats of section tables, told by their content: AeroDyn, XFOIL, CACTUS, and CSV.
+# Formats of section tables, recognised by their content: AeroDyn, XFOIL, CACTUS, and CSV.
 
 Lines = list[tuple[int, str]]  # lines that are not empty, with their numbers from 1
 Row = tuple[int, float, float, float]  # line number, angle of attack [deg], C_L, C_D
@@ -111,7 +111,7 @@ def _csv(lines: Lines) -> Iterator[tuple[float, list[Row]]]:
     numbered = dict(lines)
     every = [numbered.get(n, "") for n in range(1, lines[-1][0] + 1)]
     file = read_csv_table(every, CSV_COLUMNS)
-    assert file is not None  # its header has told the format
+    assert file is not None  # its header gave the format
     header = [name.lower() for name in file.header]
     places = [header.index(name) for name in CSV_COLUMNS]
     tables: dict[float, list[Row]] = {}
@@ -134,7 +134,7 @@ READERS: dict[str, Callable[[Lines], Iterator[tuple[float, list[Row]]]]] = {
     "CACTUS": _cactus,
     "CSV": _csv,
 }
-"""Of each format, what gives the Reynolds number and the rows of every table."""
+"""By format, what gives the Reynolds number and the rows of every table."""
 
 
 def lines_of(path: Path) -> Lines:
@@ -184,9 +184,9 @@ SAME_LIFT = 0.01  # difference of C_L up to which a repeated angle, as XFOIL wri
 
 
 def read_section_table(path: str | os.PathLike[str]) -> SectionTable:
-    """A section table from a file, or from a folder with one XFOIL polar per Reynolds number.
+    """Read a section table from a file, or a folder with one XFOIL polar per Reynolds number.
 
-    The format is told by the content.  Polars that end a little past stall are continued to +-180
+    The format is recognised by content.  Polars that end a little past stall are continued to +-180
     degrees by Viterna's method, which the table's ``source`` says.
 
     Parameters
@@ -309,13 +309,13 @@ def all_round(polar: Polar) -> tuple[Polar, str]:
     if ends[1] - ends[0] >= CLOSED:
         return _closed(polar), ""
     low, high = np.degrees(ends).tolist()
-    told = f"angles run from {low:g} to {high:g} deg"
+    range_ = f"angles run from {low:g} to {high:g} deg"
     if not (-90.0 < low < high < 90.0 and high > 0.0):
-        found = f"{told}, expected -180 to 180, or around 0 and a little past stall"
+        found = f"{range_}, expected -180 to 180, or around 0 and a little past stall"
         raise InputError(found, "complete the table, or leave out what is far past stall")
     slope = np.diff(polar.lift) / np.diff(polar.angle)
     if polar.lift[-1] <= 0.0 or slope[-1] > STILL_RISING * slope.max():
-        found = f"{told} and the lift still rises at the last: stall is not in the polar"
+        found = f"{range_} and the lift still rises at the last: stall is not in the polar"
         raise InputError(found, "compute or measure it to larger angles")
     return _extended(polar), f"continued from {low:g} and {high:g} deg by Viterna's method"
 

@@ -68,7 +68,7 @@ def checked(entries: dict[str, Any], kind: type[Made], where: str) -> Made:
 
 
 def _in_words(error: msgspec.ValidationError, value: Any, hint: Any, where: str) -> InputError:
-    """The error with file, table and key, what was found and expected, and what to write."""
+    """Say where the error is, what was found and expected, and what to write."""
     said, _, path = str(error).rpartition(" - at `$")
     said, path = (said, path) if said else (path, "")
     table, key, names, item = "", "", "", False
@@ -108,7 +108,7 @@ def _in_words(error: msgspec.ValidationError, value: Any, hint: Any, where: str)
 
 
 def _parts(hint: Any) -> Iterator[Any]:
-    """A type and whatever it is made of, outermost first."""
+    """Yield a type and whatever it is made of, outermost first."""
     yield hint
     if get_origin(hint) is not Literal:
         for part in get_args(hint):
@@ -120,7 +120,7 @@ def _struct(hint: Any) -> type[msgspec.Struct]:
 
 
 def example(hint: Any) -> str:
-    """What to write for a key of this type."""
+    """Say what to write for a key of this type."""
     for part in _parts(hint):
         if isinstance(part, str):
             return part

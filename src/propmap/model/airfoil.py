@@ -91,7 +91,7 @@ class Airfoil:
         The paper's constants c_d0 [-], c_p [-] and M [1/rad].
     drag_factor : float
         Multiplies the rotor drag [-], 1 in the paper.  Deprecated: another value warns; the
-        correction ``mount-drag`` has what a factor cannot tell.
+        correction ``mount-drag`` describes it.
     reynolds_camber : float
         Growth of the zero-lift angle by ln(Re / 5e4) [rad], Re = rho Omega y c / mu of the rotation
         alone, from 1e4 to 1.2e5; about -0.02 for small propellers, 0 in the paper.
@@ -246,7 +246,7 @@ def parameter_set(name_or_path: str | Path) -> Airfoil:
 
 
 def airfoil_names() -> list[str]:
-    """Names of the bundled parameter sets."""
+    """List the names of the bundled parameter sets."""
     return sorted(file.stem for file in SETS.glob("*.toml"))
 
 
@@ -547,10 +547,10 @@ the load.  Loads identified from the UIUC database differ from those of the 2019
 D'Andrea, Drones 3(4):77, doi 10.3390/drones3040077) by 6-18 % in thrust and 3-14 % in torque."""
 
 TUNNEL_TILT = 1.0
-"""The same of the thrust's slope by the advance ratio V/(Omega R): 0.10 per 0.1 in axial flow.  In
-flow along the disk it is taken to be as large, where one propeller was measured: the 8x6E's thrust
-there grows in the campaign of 2019 and falls by the constants of UIUC's axial loads, which stall
-earlier (``propmap demo``)."""
+"""Standard deviation of the thrust's slope by the advance ratio V/(Omega R): 0.10 per 0.1 in axial
+flow.  In flow along the disk it is taken to be as large, where one propeller was measured: the
+8x6E's thrust there grows in the campaign of 2019 and falls by the constants of UIUC's axial loads,
+which stall earlier (``propmap demo``)."""
 
 INPLANE_SHARES = {"drag": 0.10, "roll_moment": 0.10, "side_force": 0.5, "pitch_moment": 0.5}
 """Standard deviations of what the theory itself errs by in loads that no axial test has seen, as
@@ -559,7 +559,7 @@ Ribner's fin analogy and of measurements, rolling moments within 0 to -18 % of t
 pitching moments differ by a factor of about 2 (docs/validation.md)."""
 
 
-UNKNOWN_SHARE = 0.5  # the same of a load of which there is no such judgement
+UNKNOWN_SHARE = 0.5  # for a load that has not been judged so
 
 DISCREPANCIES = ("thrust_coefficient", "power_coefficient")
 """Loads of an axial test, as coefficients, and fields of ``SectionUncertainty``."""

@@ -25,14 +25,14 @@ HUB_SHARE = 0.08
 propeller."""
 
 LARGEST_UNTWIST = 0.2
-"""Of what the tip's twist loses [rad]; a blade that gives way further is no propeller's."""
+"""Largest loss of the tip's twist [rad]; a blade that gives way further is no propeller's."""
 
 MOTOR_DIAMETER, MOTOR_HEIGHT = 28.0 / 101.6, 30.0 / 101.6
-"""Of a motor, over the radius of its propeller [-]: 28 mm x 30 mm below one of 8 inches."""
+"""Size of a motor over the radius of its propeller [-]: 28 mm x 30 mm below one of 8 inches."""
 
 MOTOR_DRAG_COEFFICIENT = 1.0
-"""Of a motor across the flow [-], between a smooth cylinder as high as it is wide, 0.63, and a long
-one, 1.2: S. F. Hoerner, Fluid-Dynamic Drag, 1965, chapter III."""
+"""Drag coefficient of a motor across the flow [-], between a smooth cylinder as high as it is wide,
+0.63, and a long one, 1.2: S. F. Hoerner, Fluid-Dynamic Drag, 1965, chapter III."""
 
 STALL_DELAY_STRENGTH = 3.0  # Snel's factor of (c/y)^2 [-]
 
@@ -478,12 +478,12 @@ MODELS = {"recommended": ("pitt-peters",), "paper": ()}
 
 
 MOUNT_DRAG = "mount-drag"
-"""The one that tells of the surroundings of a rotor: no section constant depends on it, so that it
-may be another than in the test that the constants are from."""
+"""The correction that describes a rotor's surroundings: no section constant depends on it, so that
+it may differ from that of the test that the constants are from."""
 
 
 def correction(text: str) -> Correction:
-    """A correction from its name and numbers, as in ``hub-loss:radius_m=0.012``.
+    """Make a correction from its name and numbers, as in ``hub-loss:radius_m=0.012``.
 
     Parameters
     ----------
@@ -524,7 +524,7 @@ def correction(text: str) -> Correction:
 
 
 def corrections_of(model: str = "recommended", added: Sequence[str] = ()) -> tuple[Correction, ...]:
-    """The corrections of a model by its name, for ``propmap.Model``.
+    """Collect the corrections of a model by its name, for ``propmap.Model``.
 
     Parameters
     ----------
@@ -579,7 +579,7 @@ def agreed(section: str, own: Sequence[str] | None, given: Sequence[str]) -> tup
 
 
 def split_mount(texts: Sequence[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Part the corrections of the physics from those that tell what is mounted."""
+    """Part the corrections of the physics from those that describe what is mounted."""
     mount = tuple(text for text in texts if text.partition(":")[0] == MOUNT_DRAG)
     return tuple(text for text in texts if text not in mount), mount
 
@@ -601,5 +601,7 @@ def name_of(value: Correction) -> str:
 def as_text(value: Correction) -> str:
     """Write the text from which ``correction`` makes it again."""
     fields = dataclasses.asdict(value)  # type: ignore[call-overload]
-    told = ",".join(f"{field}={number!r}" for field, number in fields.items() if number is not None)
-    return f"{name_of(value)}:{told}" if told else name_of(value)
+    given = ",".join(
+        f"{field}={number!r}" for field, number in fields.items() if number is not None
+    )
+    return f"{name_of(value)}:{given}" if given else name_of(value)

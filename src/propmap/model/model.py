@@ -265,14 +265,14 @@ class Model:
     corrections: tuple[Correction, ...] = ()
 
     def __post_init__(self) -> None:
-        for name, kind, told in (
+        for name, kind, wanted in (
             ("propeller", Propeller, "a Propeller, from propmap.propeller(...)"),
             ("airfoil", Section, "an Airfoil, from propmap.airfoil(...)"),
             ("air", Air, "an Air, from propmap.Air(...)"),
         ):
             value = getattr(self, name)
             if not isinstance(value, kind):
-                raise InputError(f"{name} is {value!r}: give {told}")
+                raise InputError(f"{name} is {value!r}: give {wanted}")
         object.__setattr__(self, "corrections", tuple(self.corrections))
         own = getattr(self.airfoil, "corrections", None)
         if own is not None:
@@ -378,7 +378,7 @@ class Model:
         return float(kept.min()), float(kept.max())
 
     def fingerprint(self) -> str:
-        """SHA-256 that tells this model from any other: geometry, law, air and corrections."""
+        """Hash geometry, law, air and corrections by SHA-256; no two models have the same."""
         import hashlib
 
         parts = [

@@ -80,7 +80,7 @@ LENGTH_MISTAKES = {
     "metres taken for millimetres": 1e-3,
     "metres taken for inches": INCH,
 }
-"""Of a length alone, given for metres unless something else is said."""
+"""For a length alone, given for metres unless something else is said."""
 
 CHORD_MISTAKES = {
     "millimetres beside a radius in metres": 1e3,
@@ -94,7 +94,7 @@ CHORD_MISTAKES = {
     "metres taken for inches": INCH,
     "metres taken for millimetres": 1e-3,
 }
-"""Of the chord over the radius."""
+"""For the chord over the radius."""
 
 DENSITY_MISTAKES = {
     "g/m^3": 1e3,
@@ -107,14 +107,14 @@ VISCOSITY_MISTAKES = {"microPa s": 1e6, "mPa s, or centipoise": 1e3, "poise": 10
 SPEED_MISTAKES = {"km/h": 1.0 / KMH, "miles an hour": 1.0 / MPH}
 
 SLOW_MISTAKES = {"rad/s": RPM, "revolutions per second": 1.0 / 60.0}
-"""Of the rotational speed, where it is too low."""
+"""For a rotational speed that is too low."""
 
 FAST_MISTAKES = {
     "rpm converted from rad/s twice": 1.0 / RPM,
     "electrical rpm, of 7 pole pairs for example": 7.0,
     "rpm times 60": 60.0,
 }
-"""Of the rotational speed, where it is too high."""
+"""For a rotational speed that is too high."""
 
 THRUST_MISTAKES = {
     "grams": 1e3 / GRAVITY,
@@ -340,17 +340,17 @@ INDUCED = 1.25
 SMALL_BLADES = 0.68
 """Measured loads over the estimate without this factor: the median of 134 propellers."""
 
-NARROW_LOAD_RATIO = Range(1.0 / 1.5, 1.5)  # the same where loads are known to be wrong
+NARROW_LOAD_RATIO = Range(1.0 / 1.5, 1.5)  # where loads are known to be wrong
 
 ENERGY_MARGIN = 1.15
 """Ideal power over shaft power, above which no error of measurement explains it."""
 
-WEAK = 0.25  # share of the slow thrust below which rows do not tell how far a propeller pulls
+WEAK = 0.25  # share of the slow thrust below which rows do not show how far a propeller pulls
 DRAG_SHARE = 0.02  # drag over thrust that no axial flow has
 
 AXIAL_KEEPS, EDGEWISE_KEEPS = 0.8, 0.5
-"""Of the thrust at rest, the most that is left at 0.7 of the pitch speed along the axis, and the
-least at this speed across it; measured at most 0.52, and more than 1."""
+"""Shares of the thrust at rest: the most that is left at 0.7 of the pitch speed along the axis, and
+the least at this speed across it; measured at most 0.52, and more than 1."""
 
 Loads = Mapping[str, Floats]
 
@@ -542,13 +542,13 @@ def _direction_warnings(
     """Warn of axial flow with the loads of edgewise flow, or the reverse: beta from the disk."""
     axial = (v > 0.0) & (np.abs(np.cos(b)) > AXIAL)
     edgewise = (v > 0.0) & (np.abs(np.cos(b)) < EDGEWISE)
-    told = "beta looks as if measured from the disk plane, 0 is along the axis here"
+    hint = "beta looks as if measured from the disk plane, 0 is along the axis here"
     thrust = known.get("thrust", np.full_like(w, np.nan))
     if "drag" in known:
         across = np.abs(known["drag"]) / np.maximum(np.abs(thrust), 1e-9)
         across = across[axial & np.isfinite(across)]
         if across.size and float(np.median(across)) > DRAG_SHARE:
-            return [f"there is drag in the disk plane in axial flow; {told}"]
+            return [f"there is drag in the disk plane in axial flow; {hint}"]
     # The speed over that of the blade's pitch: what is fast along the axis.
     reach = v / (w * propeller.radius * max(pitch_ratio(propeller), 1e-3))
     coefficient, measured = thrust / w**2, np.isfinite(thrust)
@@ -562,7 +562,7 @@ def _direction_warnings(
         kept = float(np.median(coefficient[rows])) / rest
         # Axial flow takes thrust away, edgewise flow adds to it.
         if kept > AXIAL_KEEPS if flow == "axial" else kept < EDGEWISE_KEEPS:
-            return [f"in fast {flow} flow thrust is {kept:.2g} times that at rest; {told}"]
+            return [f"in fast {flow} flow thrust is {kept:.2g} times that at rest; {hint}"]
     return []
 
 

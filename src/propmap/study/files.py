@@ -187,7 +187,7 @@ def _surface(
 
 
 # -------------------------------------------------------------------------------------------------
-# A quadratic through a study's results, and how well it foretells designs that it has not seen.
+# A quadratic through a study's results, and how well it predicts designs that it has not seen.
 
 
 @dataclass(frozen=True, eq=False)
