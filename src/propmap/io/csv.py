@@ -24,7 +24,7 @@ from propmap.units import RPM
 if TYPE_CHECKING:
     import xarray
 
-    from propmap.results import Loads, LoadValues
+    from propmap.results import Loads
     from propmap.rotor import Rotor
     from propmap.typing import Floats
 
@@ -122,11 +122,9 @@ def has_decimal_commas(cells: Iterable[tuple[int, str]], separator: str, where: 
         if not marks or not _MARKED.fullmatch(cell):
             continue
         if len(marks) > 1:
-            raise InputError(
-                f"{quoted(cell)} has {len(marks)} marks, points or commas",
-                "write numbers without separators of thousands",
-                f"{where}: line {number}",
-            )
+            found = f"{quoted(cell)} has {len(marks)} marks, points or commas"
+            remedy = "write numbers without separators of thousands"
+            raise InputError(found, remedy, f"{where}: line {number}")
         first.setdefault(marks[0], (number, cell))
         decimal = decimal or not _GROUP.fullmatch(cell)
     if len(first) > 1:
@@ -147,10 +145,9 @@ def too_many_fields(found: int, expected: int, separator: str, where: str) -> In
     advice = "complete the header or remove what is too much"
     if separator == ",":
         advice = f"use a decimal point or semicolons between columns, or {advice}"
+    marks = SEPARATORS[separator]
     return InputError(
-        f"found {found} figures separated by {SEPARATORS[separator]}, expected {expected}",
-        advice,
-        where,
+        f"found {found} figures separated by {marks}, expected {expected}", advice, where
     )
 
 
@@ -334,11 +331,6 @@ class OperatingPoints:
         w, v, b = (axis.ravel() for axis in np.meshgrid(rpm, speed, beta, indexing="ij"))
         return cls(w, v, b)
 
-    @property
-    def count(self) -> int:
-        """How many points there are."""
-        return self.rpm.size
-
     def part(self, start: int, count: int) -> OperatingPoints:
         """Cut out up to ``count`` points from ``start`` on."""
         cut = slice(start, start + count)
@@ -390,23 +382,18 @@ def check_value(quantity: str, value: float) -> float:
 def std_columns(loads: Loads, *, by_source: bool) -> dict[str, Floats]:
     """Name standard deviations after their columns, "thrust_std_N" or ``by_source`` also
     "thrust_std_tunnel_N"."""
-    if not loads.std_by_source:
-        return {}
-    found = dict(_columns("std", loads.std))
+    kinds = {"std": loads.std} if loads.std_by_source else {}
     if by_source:
-        for source, values in loads.std_by_source.items():
-            found.update(_columns(f"std_{source}", values))
+        kinds |= {f"std_{source}": values for source, values in loads.std_by_source.items()}
+    found: dict[str, Floats] = {}
+    for kind, values in kinds.items():
+        found |= {load.column_of(kind): getattr(values, name) for name, load in LOADS.items()}
+        found[f"power_{kind}_W"] = values.power
     return found
 
 
 def _number(value: float) -> float | None:
     return value if np.isfinite(value) else None
-
-
-def _columns(what: str, values: LoadValues) -> Iterator[tuple[str, Floats]]:
-    for name, load in LOADS.items():
-        yield load.column_of(what), getattr(values, name)
-    yield f"power_{what}_W", values.power
 
 
 # -------------------------------------------------------------------------------------------------

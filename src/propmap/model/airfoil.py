@@ -438,10 +438,9 @@ class SectionTable:
                 both = np.asarray(np.stack([np.asarray(c, np.float64) for c in found]))
                 return both.reshape(2, at.size, alpha.size)
             except (TypeError, ValueError):
-                raise InputError(
-                    f"the section law gives {found!r:.80} for {alpha.size * at.size} angles",
-                    "return C_L and C_D as two arrays of as many numbers",
-                ) from None
+                seen = f"the section law gives {found!r:.80} for {alpha.size * at.size} angles"
+                remedy = "return C_L and C_D as two arrays of as many numbers"
+                raise InputError(seen, remedy) from None
 
         def made(alpha: Floats, error: float = 0.0) -> SectionTable:
             lift, drag = sampled(alpha, rows)

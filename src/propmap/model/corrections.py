@@ -542,12 +542,10 @@ def corrections_of(model: str = "recommended", added: Sequence[str] = ()) -> tup
     if model not in MODELS:
         raise InputError(f"model {model!r} is not known", f"give one of {', '.join(MODELS)}")
     more = tuple(correction(text) for text in added)
-    own = (correction(text) for text in MODELS[model])
-    return *(value for value in own if not any(_replaces(one, value) for one in more)), *more
-
-
-def _replaces(one: Correction, other: Correction) -> bool:
-    return type(one) is type(other) or (one.inflow_shape and other.inflow_shape)
+    kinds, shaped = {type(one) for one in more}, any(one.inflow_shape for one in more)
+    own = [correction(text) for text in MODELS[model]]
+    kept = [one for one in own if type(one) not in kinds and not (shaped and one.inflow_shape)]
+    return *kept, *more
 
 
 def as_texts(texts: Any) -> tuple[str, ...] | None:
