@@ -344,10 +344,8 @@ def _extended(polar: Polar) -> Polar:
         s, c = np.sin(angle), np.cos(angle)
         return largest * s * c + a2 * c**2 / s, largest * s**2 + b2 * c
 
-    def linear(share: Floats) -> Floats:
-        """Lift of a section met from behind and near 180 degrees; share of the stall angle."""
-        return BACKWARDS * float(polar.lift[-1]) * share
-
+    # Lift of a section met from behind; near 180 degrees linear in the angle.
+    from_behind = BACKWARDS * float(polar.lift[-1])
     past = np.arange(1.0, np.ceil(2.0 * np.pi / STEP)) * STEP
     ahead = past[(past > last + 0.2 * STEP) & (past < 0.5 * np.pi + 1e-9)]
     behind = past[(past > 0.5 * np.pi + 1e-9) & (past < np.pi - last)]
@@ -356,7 +354,7 @@ def _extended(polar: Polar) -> Polar:
     lift_b, drag_b = plate(np.pi - behind)
     drag_e = plate(np.pi - edge)[1]
     upper = np.concatenate([ahead, behind, edge])
-    lift = np.concatenate([lift_a, -BACKWARDS * lift_b, linear((edge - np.pi) / last)])
+    lift = np.concatenate([lift_a, -BACKWARDS * lift_b, from_behind * (edge - np.pi) / last])
     drag = np.concatenate([drag_a, drag_b, drag_e])
     # The lower side is the upper one mirrored; between them and the polar lies one straight line.
     mirrored = np.concatenate([[last], ahead]) > -first + 0.2 * STEP
@@ -364,25 +362,14 @@ def _extended(polar: Polar) -> Polar:
     lift_l = -BACKWARDS * np.concatenate([polar.lift[-1:], lift_a])[mirrored]
     drag_l = np.concatenate([polar.drag[-1:], drag_a])[mirrored]
     back = np.concatenate([behind, edge])
-    lift_k = np.concatenate([BACKWARDS * lift_b, -linear((edge - np.pi) / last)])
+    lift_k = np.concatenate([BACKWARDS * lift_b, -from_behind * (edge - np.pi) / last])
     drag_k = np.concatenate([drag_b, drag_e])
-    least = float(polar.drag.min())
-    end = [max(plate(np.array([1e-6]))[1][0], least)]
-    return Polar(
-        polar.reynolds,
-        np.concatenate([[-np.pi], -back[::-1], -lower[::-1], polar.angle, upper, [np.pi]]),
-        np.concatenate([[0.0], lift_k[::-1], lift_l[::-1], polar.lift, lift, [0.0]]),
-        np.concatenate(
-            [
-                end,
-                np.maximum(drag_k[::-1], least),
-                np.maximum(drag_l[::-1], least),
-                polar.drag,
-                np.maximum(drag, least),
-                end,
-            ]
-        ),
-    )
+    end = plate(np.array([1e-6]))[1]
+    angles = [[-np.pi], -back[::-1], -lower[::-1], polar.angle, upper, [np.pi]]
+    lifts = [[0.0], lift_k[::-1], lift_l[::-1], polar.lift, lift, [0.0]]
+    drags = [end, drag_k[::-1], drag_l[::-1], polar.drag, drag, end]
+    least = np.maximum(np.concatenate(drags), polar.drag.min())
+    return Polar(polar.reynolds, np.concatenate(angles), np.concatenate(lifts), least)
 
 
 def at_common_angles(polars: Sequence[Polar]) -> tuple[Floats, Floats, Floats]:
