@@ -47,16 +47,18 @@ def entries() -> list[Entry]:
 
 def search(text: str) -> list[Entry]:
     """Find entries whose name, title or family hold every word of ``text``, in any case."""
+    return matching(text, entries())
+
+
+def matching(text: str, among: list[Entry]) -> list[Entry]:
+    """Keep entries whose name, title or family hold every word of ``text``."""
     words = text.lower().split()
-    return [
-        one
-        for one in entries()
-        if all(word in f"{one.name} {one.title} {one.family}".lower() for word in words)
-    ]
+    said = [f"{one.name} {one.title} {one.family}".lower() for one in among]
+    return [one for one, its in zip(among, said, strict=True) if all(w in its for w in words)]
 
 
 def load(name: str) -> Propeller:
-    """Load the propeller called ``name``, in upper or lower case."""
+    """Load the propeller called ``name``, in any case; ``InputError`` if there is none."""
     key = name.strip().lower()
     if key not in _files():
         raise unknown_name(name)

@@ -288,16 +288,14 @@ class MeanBlade:
         """Make a propeller of this shape, labelled ``diameter`` and ``pitch`` [m]."""
         radius = 0.5 * diameter
         of = self.families[0] if len(self.families) == 1 else f"{len(self.families)} series"
-        return Propeller(
-            name=name,
-            blades=blades,
-            station=self.share * radius,
-            chord=self.chord * radius,
-            twist=self.offset + screw_angle(self.share, pitch / diameter),
-            source=f"not measured: chord over radius, and twist less that of a screw of the "
-            f"labelled pitch, are the means of {self.propellers} propellers of {of}",
-            citation="geometry: that of the propellers of the catalogue",
+        source = (
+            "not measured: chord over radius, and twist less that of a screw of the labelled "
+            f"pitch, are the means of {self.propellers} propellers of {of}"
         )
+        twist = self.offset + screw_angle(self.share, pitch / diameter)
+        blade = self.share * radius, self.chord * radius, twist, None
+        citation = "geometry: that of the propellers of the catalogue"
+        return Propeller(name, blades, *blade, source, citation)
 
 
 def screw_angle(share: Floats, pitch_ratio: float) -> Floats:

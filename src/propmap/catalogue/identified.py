@@ -142,14 +142,9 @@ def as_csv(entries: Sequence[Identified]) -> str:
             *one.constants,
             *(one.covariance[pair] for pair in _PAIRS),
         ]
-        writer.writerow(
-            [
-                *(getattr(one, name) for name in _TEXTS),
-                *(getattr(one, name) for name in _COUNTS),
-                *(f"{value:.8g}" for value in numbers),
-                *(f"{getattr(one, name):.5f}" for name in _ERRORS),
-            ]
-        )
+        plain = [getattr(one, name) for name in (*_TEXTS, *_COUNTS)]
+        errors = [f"{getattr(one, name):.5f}" for name in _ERRORS]
+        writer.writerow([*plain, *(f"{value:.8g}" for value in numbers), *errors])
     return text.getvalue()
 
 
@@ -213,9 +208,7 @@ def _bundled(key: tuple[str, int]) -> Identified:
 LARGEST_INCHES = 40.0  # diameter above which a bare number is taken for millimetres
 LEAST_DIAMETER, LARGEST_DIAMETER = 0.02, 3.0  # [m] of any propeller that is meant to be known here
 STEEPEST = 2.5  # largest ratio of pitch to diameter
-
 MOST_BLADES = 8
-
 SAME = 0.006
 """Relative difference up to which two lengths are the same: makers round to a twentieth of an
 inch."""
@@ -278,34 +271,20 @@ def designation(text: str) -> Designation | None:
     assert found is not None
     words = _WORD.findall(rest[: found.start()] + " " + rest[found.end() :])
     unit = 1e-3 if "mm" in words or numbers[0] > LARGEST_INCHES else INCH
+    diameter, pitch = numbers[0] * unit, numbers[1] * unit
     said = blades[1] or blades[2] if blades else found[3]
-    return _checked(
-        text,
-        Designation(
-            words=tuple(word for word in words if word not in NO_MAKER),
-            diameter=numbers[0] * unit,
-            pitch=numbers[1] * unit,
-            blades=int(said) if said else None,
-        ),
-    )
-
-
-def _checked(text: str, found: Designation) -> Designation:
-    if not LEAST_DIAMETER <= found.diameter <= LARGEST_DIAMETER:
-        raise InputError(
-            f"{quoted(text)} has a diameter of {found.diameter:.3g} m",
-            f"give {LEAST_DIAMETER:g} to {LARGEST_DIAMETER:g} m, in inches or with mm; "
-            + catalogue.close_names(text),
-        )
-    if not 0.0 < found.pitch <= STEEPEST * found.diameter:
-        raise InputError(
-            f"{quoted(text)} has a pitch of {found.pitch:.3g} m",
-            f"give a pitch above 0, up to {STEEPEST:g} diameters; {catalogue.close_names(text)}",
-        )
-    if found.blades is not None and not 2 <= found.blades <= MOST_BLADES:
-        remedy = f"give 2 to {MOST_BLADES} blades"
-        raise InputError(f"{quoted(text)} has {found.blades} blades", remedy)
-    return found
+    count = int(said) if said else None
+    if not LEAST_DIAMETER <= diameter <= LARGEST_DIAMETER:
+        remedy = f"give {LEAST_DIAMETER:g} to {LARGEST_DIAMETER:g} m, in inches or with mm; "
+        remedy += catalogue.close_names(text)
+        raise InputError(f"{quoted(text)} has a diameter of {diameter:.3g} m", remedy)
+    if not 0.0 < pitch <= STEEPEST * diameter:
+        remedy = f"give one above 0, up to {STEEPEST:g} diameters; {catalogue.close_names(text)}"
+        raise InputError(f"{quoted(text)} has a pitch of {pitch:.3g} m", remedy)
+    if count is not None and not 2 <= count <= MOST_BLADES:
+        raise InputError(f"{quoted(text)} has {count} blades", f"give 2 to {MOST_BLADES} blades")
+    maker = tuple(word for word in words if word not in NO_MAKER)
+    return Designation(maker, diameter, pitch, count)
 
 
 def candidates(wanted: Designation) -> list[catalogue.Entry]:

@@ -160,13 +160,8 @@ def airfoil(name_or_path: str | os.PathLike[str]) -> Airfoil | SectionTable:
 def search(text: str) -> list[catalogue.Entry]:
     """Search as ``catalogue.search``, and among propellers whose loads are known and whose blades
     are not."""
-    words = text.lower().split()
-    others = [_without_blade(one) for one in identified_without_blade()]
-    return catalogue.search(text) + [
-        entry
-        for entry in others
-        if all(word in f"{entry.name} {entry.title} {entry.family}".lower() for word in words)
-    ]
+    others = map(_without_blade, identified_without_blade())
+    return catalogue.matching(text, [*catalogue.entries(), *others])
 
 
 def _without_blade(one: Identified) -> catalogue.Entry:
@@ -176,14 +171,9 @@ def _without_blade(one: Identified) -> catalogue.Entry:
         # The database's entries come after the makers', and have the size at the end.
         series = _SIZE_AT_END.sub("", titles[-1])
     size = "x".join(f"{length / INCH:.4g}" for length in one.size)
-    return catalogue.Entry(
-        name=one.propeller,
-        title=f"{series} {size}, blade not measured",
-        family=one.family,
-        blades=one.blades,
-        diameter_m=one.diameter_m,
-        source=f"loads: UIUC Propeller Database; geometry: the mean of its {one.geometry}",
-    )
+    title = f"{series} {size}, blade not measured"
+    source = f"loads: UIUC Propeller Database; geometry: the mean of its {one.geometry}"
+    return Entry(one.propeller, title, one.family, one.blades, one.diameter_m, source)
 
 
 def looks_like_path(name_or_path: str | os.PathLike[str]) -> bool:
@@ -301,7 +291,7 @@ def measurement_names() -> list[str]:
 
 @functools.lru_cache(maxsize=32)
 def measurement(name: str) -> Measurement:
-    """Load the measurement called ``name``, in upper or lower case."""
+    """Load the measurement called ``name``, in any case; ``InputError`` if there is none."""
     key, known = name.strip().lower(), measurement_names()
     if key not in known:
         close = difflib.get_close_matches(key, known, n=3, cutoff=0.3) or known
@@ -317,11 +307,8 @@ def measurement(name: str) -> Measurement:
 
     return Measurement(
         name=key,
-        propeller=fields["propeller"],
-        kind=fields["kind"],
+        **{text: fields[text] for text in ("propeller", "kind", "note", "citation")},
         air_density=float(fields["air_density"]),
-        note=fields["note"],
-        citation=fields["citation"],
         omega=array("omega_rad_s"),
         speed=array("speed_m_s"),
         beta=array("beta_rad"),

@@ -185,9 +185,6 @@ def _reader(lines: Iterable[str], separator: str, *, strict: bool = False) -> An
 # -------------------------------------------------------------------------------------------------
 # CSV as text.
 
-FURTHER_LOADS = ("mean_inflow", "reverse_flow", "roots")
-"""Fields of ``Loads`` that `propmap sweep` writes beside the columns of `propmap predict`."""
-
 
 def csv_text(columns: Sequence[str], rows: Sequence[Mapping[str, Any]]) -> str:
     """Write CSV with a header line; None becomes an empty field, a float all its digits."""
@@ -200,7 +197,8 @@ def csv_text(columns: Sequence[str], rows: Sequence[Mapping[str, Any]]) -> str:
 
 def loads_csv(points: OperatingPoints, loads: Loads, spread: Mapping[str, Floats]) -> str:
     """Write the CSV of `propmap sweep`; ``spread`` are standard deviations (n,) by column."""
-    further = {**{name: getattr(loads, name) for name in FURTHER_LOADS}, **spread}
+    further = {name: getattr(loads, name) for name in ("mean_inflow", "reverse_flow", "roots")}
+    further |= spread
     return csv_text([*points.columns, *further], points.rows(loads, further))
 
 

@@ -6,7 +6,6 @@ import math
 import os
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -149,7 +148,7 @@ def propeller_toml(blade: Propeller) -> str:
     """Write the text of a file that ``read_propeller_toml`` reads as this ``blade``."""
     import tomli_w
 
-    fields: dict[str, Any] = {
+    fields = {
         "schema": SCHEMA,
         "name": blade.name,
         "blades": blade.blades,
@@ -157,12 +156,11 @@ def propeller_toml(blade: Propeller) -> str:
         "station_m": blade.station.tolist(),
         "chord_m": blade.chord.tolist(),
         "twist_rad": blade.twist.tolist(),
+        "root_cutout_m": blade.root_cutout,
+        "source": blade.source or None,
+        "citation": blade.citation or None,
     }
-    if blade.root_cutout is not None:
-        fields["root_cutout_m"] = blade.root_cutout
-    texts = {"source": blade.source, "citation": blade.citation}
-    fields |= {key: text for key, text in texts.items() if text}
-    return tomli_w.dumps(fields)
+    return tomli_w.dumps({key: value for key, value in fields.items() if value is not None})
 
 
 # -------------------------------------------------------------------------------------------------

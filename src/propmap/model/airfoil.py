@@ -348,10 +348,9 @@ class SectionTable:
             object.__setattr__(self, array, values)
         shape = (self.reynolds.size, self.angle.size)
         if self.lift.shape != shape or self.drag.shape != shape:
-            raise InputError(
-                f"lift has shape {self.lift.shape} and drag {self.drag.shape}",
-                f"give a row of {shape[1]} angles for each of {shape[0]} Reynolds numbers",
-            )
+            remedy = f"give a row of {shape[1]} angles for each of {shape[0]} Reynolds numbers"
+            found = f"lift has shape {self.lift.shape} and drag {self.drag.shape}"
+            raise InputError(found, remedy)
         object.__setattr__(self, "corrections", as_texts(self.corrections))
         self._check_axes()
         self._check_figures()

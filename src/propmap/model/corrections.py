@@ -89,10 +89,10 @@ class BladeToHub(Correction):
         a root cut-out shortens, and a hub outside the first station."""
         first, root = float(propeller.station[0]), propeller.root
         if root > first * (1.0 + 1e-9):
-            raise InputError(
-                f"blade-to-hub continues the blade inwards, but its root is cut out at {root:g} m",
-                "leave out one of the two",
+            found = (
+                f"blade-to-hub continues the blade inwards, but its root is cut out at {root:g} m"
             )
+            raise InputError(found, "leave out one of the two")
         hub = HUB_SHARE * propeller.radius if self.radius_m is None else self.radius_m
         if self.radius_m is not None and hub > first * (1.0 + 1e-9):
             found = f"radius_m of blade-to-hub is {hub:g} m, but the blade begins at {first:g} m"

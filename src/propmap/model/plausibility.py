@@ -194,9 +194,7 @@ def blade_warnings(propeller: Propeller) -> list[str]:
         for angle in (twist, at_share(propeller, 0.4)[1], at_share(propeller, 0.9)[1])
     )
     if degrees < 0.0 and inner < outer:
-        found.append(
-            "the twist is negative and rises towards the tip; it looks like the wrong sign"
-        )
+        found.append("the twist is negative and rises to the tip; it looks like the wrong sign")
     elif inner < outer - 1.0:
         like = "it looks as if listed from the tip to the root"
         if degrees > TWIST.high:
