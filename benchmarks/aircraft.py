@@ -31,9 +31,8 @@ from propmap.fit.fit import Settings, fit
 from propmap.fit.parameters import SECTION, Choice
 from propmap.fit.tunnel import TunnelData, section_with, tunnel_rows
 from propmap.table.build import build_table
+from propmap.units import GRAVITY, RPM
 from propmap.vehicle.files import read_vehicle
-from propmap.vehicle.log import GRAVITY
-from propmap.vehicle.powertrain import RPM
 from propmap.vehicle.vehicle import Vehicle
 
 EXAMPLE = Path(__file__).parent.parent / "examples" / "aircraft" / "delivery.toml"

@@ -30,10 +30,10 @@ from propmap.fit.comparison import compare_tunnel
 from propmap.fit.fit import Settings, fit
 from propmap.fit.flight import ForceModel, level_rows
 from propmap.fit.least_squares import Rows
-from propmap.fit.parameters import PAPER_FOUR, Choice
+from propmap.fit.parameters import Choice
 from propmap.fit.tunnel import TunnelData, first_guess, section_with, tunnel_rows
 from propmap.flight.simulate import trim
-from propmap.model.airfoil import parameter_set
+from propmap.model.airfoil import PAPER_FOUR, parameter_set
 from propmap.model.model import Model
 from propmap.tasks import Workers
 from propmap.vehicle.log import FlightLog, pitch_and_roll

@@ -24,7 +24,7 @@ from propmap.baselines.hover import HoverModel
 from propmap.catalogue.lookup import Measurement, measurement, propeller
 from propmap.cli.output import grid, json_text, show, write_text
 from propmap.fit.least_squares import errors, rms
-from propmap.io.csv import RPM, csv_text
+from propmap.io.csv import csv_text
 from propmap.loads import LOADS
 from propmap.model.airfoil import parameter_set
 from propmap.model.corrections import MODELS, corrections_of, in_words
@@ -33,6 +33,7 @@ from propmap.report.html import save
 from propmap.report.pictures import MeasuredLoads, disk_picture, load_curves
 from propmap.rotor import Rotor
 from propmap.typing import Floats
+from propmap.units import RPM
 
 PROPELLER = "apc-8x6e"
 SECTIONS = {"recommended": "apc-8x6e-2019", "paper": "paper-apc"}

@@ -12,6 +12,7 @@ LEFT_TO_RIGHT = (
     "errors",
     "core",
     "typing",
+    "units",
     "tasks",
     "loads",
     "results",

@@ -16,7 +16,8 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
-from propmap.io.geometry import INCH, UIUC_CITATION, read_apc_pe0
+from propmap.io.geometry import UIUC_CITATION, read_apc_pe0
+from propmap.units import INCH
 
 CATALOGUE = Path(__file__).resolve().parent.parent / "src" / "propmap" / "catalogue"
 PER_LINE = 6

@@ -20,17 +20,16 @@ from papers.gill_dandrea_2017.paper import (
     FLOWN,
     HOVER_FAILS,
     RADIUS,
-    RPM,
     TETHER,
     blade,
 )
 from propmap.baselines.hover import HoverModel
 from propmap.fit.fit import Fitted, Settings, fit
 from propmap.fit.flight import ForceModel, body_force, hover_loads, level_rows
-from propmap.fit.parameters import PAPER_FOUR, Choice
+from propmap.fit.parameters import Choice
 from propmap.fit.tunnel import first_guess
 from propmap.flight.simulate import trim, true_values
-from propmap.model.airfoil import Airfoil, parameter_set
+from propmap.model.airfoil import PAPER_FOUR, Airfoil, parameter_set
 from propmap.model.model import Model
 from propmap.report.html import (
     COLOURS,
@@ -50,7 +49,8 @@ from propmap.report.html import (
 )
 from propmap.rotor import Rotor
 from propmap.typing import Floats
-from propmap.vehicle.log import GRAVITY, FlightLog, pitch_and_roll
+from propmap.units import GRAVITY, RPM
+from propmap.vehicle.log import FlightLog, pitch_and_roll
 from propmap.vehicle.vehicle import Body, Mount, Vehicle
 from propmap.vehicle.wakes import hub_flow
 

@@ -20,6 +20,7 @@ from propmap.model.airfoil import parameter_set
 from propmap.model.model import Model
 from propmap.report.html import csv_of_rows, file_names, number, report_files
 from propmap.rotor import Rotor
+from propmap.units import RPM
 
 FIGURES = (
     "figure-6-level-circles",
@@ -45,7 +46,7 @@ TABLES = (
 )
 FILES = file_names(FIGURES, TABLES)
 
-POINT = (6000.0 * paper.RPM, 10.0, np.radians(60.0))
+POINT = (6000.0 * RPM, 10.0, np.radians(60.0))
 """[rad/s], [m/s], [rad] of the call that is timed."""
 
 REPEATS = 21
@@ -148,7 +149,7 @@ def pages(numbers: Numbers) -> dict[str, str | bytes]:
         drag=rotor_drag,
         table_1=table_1,
         **level_circles.summary(flown),
-        oblique_rpm=tunnel.OBLIQUE_OMEGA / paper.RPM,
+        oblique_rpm=tunnel.OBLIQUE_OMEGA / RPM,
         error_tables={
             f"{title}, {found[name].data.omega.size} points": tunnel.error_rows(
                 [e for e in tested.errors if e.data_set == name]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
 from propmap.catalogue.lookup import propeller
@@ -27,7 +26,6 @@ TABLE_1 = {
 FLOWN = {"paper-soft": "soft", "paper-stiff": "stiff"}
 """The sets that were flown, and a short name of each propeller."""
 
-RPM = math.pi / 30.0  # a revolution per minute [rad/s]
 
 RADIUS = 0.1  # [m] of all three propellers
 TETHER = 1.7  # [m], radius of the level circles

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from papers.gill_dandrea_2017.fin_analogy import inflow_factor, side_force
 from papers.gill_dandrea_2017.level_circles import ASSUMED, Circles, circles, quadrotor
 from papers.gill_dandrea_2017.level_circles import SPEEDS as CIRCLE_SPEEDS
-from papers.gill_dandrea_2017.paper import FLOWN, RPM, blade
+from papers.gill_dandrea_2017.paper import FLOWN, blade
 from papers.gill_dandrea_2017.tunnel import (
     OBLIQUE,
     OBLIQUE_LABEL,
@@ -22,9 +22,9 @@ from papers.gill_dandrea_2017.tunnel import (
     Compared,
 )
 from propmap.catalogue.lookup import measurement
+from propmap.errors import drag_factor_accepted
 from propmap.fit.least_squares import rms
 from propmap.model.airfoil import Airfoil, parameter_set
-from propmap.model.drag_factor import drag_factor_accepted
 from propmap.model.model import Air, Model
 from propmap.report.html import (
     BAND,
@@ -42,7 +42,7 @@ from propmap.report.html import (
 )
 from propmap.rotor import Rotor
 from propmap.typing import Floats
-from propmap.vehicle.log import GRAVITY
+from propmap.units import GRAVITY, RPM
 
 PROPELLERS = ("apc-8x6e", "apc-9x6e", "apc-11x7e", "apc-8x4.5mr", "apc-8x6sf")
 INCIDENCE = np.radians(15.0)  # of the comparison with the fin: the smallest of the 2019 data

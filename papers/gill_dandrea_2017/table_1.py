@@ -12,8 +12,7 @@ from papers.gill_dandrea_2017.tunnel import FIVE, TunnelFits
 from propmap.catalogue.lookup import propeller
 from propmap.fit.fit import Fitted
 from propmap.fit.least_squares import rms
-from propmap.fit.parameters import PAPER_FOUR
-from propmap.model.airfoil import parameter_set
+from propmap.model.airfoil import PAPER_FOUR, parameter_set
 from propmap.model.model import Propeller
 from propmap.report.html import csv_of_rows, number
 

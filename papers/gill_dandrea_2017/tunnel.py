@@ -11,16 +11,16 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from papers.gill_dandrea_2017.paper import RPM, TUNNEL_ERROR, TUNNEL_PROPELLER, blade
+from papers.gill_dandrea_2017.paper import TUNNEL_ERROR, TUNNEL_PROPELLER, blade
 from propmap.baselines.hover import HoverModel
 from propmap.catalogue.lookup import Measurement, measurement
 from propmap.fit.fit import Fitted, Settings, fit
 from propmap.fit.least_squares import errors as errors_of
 from propmap.fit.least_squares import rms
-from propmap.fit.parameters import PAPER_FOUR, Choice
+from propmap.fit.parameters import Choice
 from propmap.fit.tunnel import TunnelData, first_guess, section_with, tunnel_rows
 from propmap.loads import LOADS
-from propmap.model.airfoil import Airfoil, parameter_set
+from propmap.model.airfoil import PAPER_FOUR, Airfoil, parameter_set
 from propmap.model.corrections import MODELS
 from propmap.model.model import Air, Model
 from propmap.report.html import (
@@ -42,6 +42,7 @@ from propmap.report.html import (
 )
 from propmap.rotor import Rotor
 from propmap.typing import Floats
+from propmap.units import RPM
 
 # -------------------------------------------------------------------------------------------------
 # Section parameters of the APC 8x6E, identified from the public tunnel data.

@@ -1,10 +1,14 @@
-"""What propmap raises when an input cannot be used."""
+"""What propmap raises when an input cannot be used, and what it warns of."""
 
 from __future__ import annotations
 
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+
 
 class InputError(ValueError):
-    """An input that cannot be used, told in one printable line.
+    """An input that cannot be used, explained in one printable line.
 
     Attributes
     ----------
@@ -22,6 +26,16 @@ class InputError(ValueError):
         super().__init__(_one_line(f"{message}; {remedy}" if remedy else message))
 
 
+@contextmanager
+def located(where: str) -> Iterator[None]:
+    """Put ``where`` in front of the place that an ``InputError`` of the block names, if any."""
+    try:
+        yield
+    except InputError as error:
+        place = ": ".join(filter(None, (where, error.where)))
+        raise InputError(error.found, error.remedy, place) from None
+
+
 def _one_line(text: str) -> str:
     """``text`` without line breaks and control characters, which file names may contain."""
     return "".join(c if c.isprintable() else "?" for c in " ".join(text.split()))
@@ -31,3 +45,22 @@ def quoted(value: object, limit: int = 40) -> str:
     """``value`` in quotes, cut to ``limit`` characters, for use in a message."""
     text = str(value)
     return repr(text if len(text) <= limit else text[: limit - 3] + "...")
+
+
+DRAG_FACTOR = (
+    "drag_factor is deprecated: use the correction mount-drag for what is mounted in the "
+    "slipstream, and mount_area to fit it"
+)
+
+
+def warn_of_drag_factor(stacklevel: int) -> None:
+    """Raise a ``DeprecationWarning``, so many calls above this one."""
+    warnings.warn(DRAG_FACTOR, DeprecationWarning, stacklevel=stacklevel + 1)
+
+
+@contextmanager
+def drag_factor_accepted() -> Iterator[None]:
+    """Silence this warning: where the factor comes from one who has been warned."""
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", DRAG_FACTOR, DeprecationWarning)
+        yield

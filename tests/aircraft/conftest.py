@@ -4,7 +4,8 @@ import pytest
 
 import propmap
 from propmap.aircraft.trim import Aircraft
-from propmap.vehicle.powertrain import RPM, Battery, Motor, Powertrain, SpeedController
+from propmap.units import RPM
+from propmap.vehicle.powertrain import Battery, Motor, Powertrain, SpeedController
 from propmap.vehicle.vehicle import Body, Mount, Vehicle
 
 ARM = 0.16

@@ -10,7 +10,8 @@ import pytest
 
 from propmap.aircraft.performance import performance
 from propmap.aircraft.trim import Aircraft
-from propmap.vehicle.powertrain import RPM, Powertrain
+from propmap.units import RPM
+from propmap.vehicle.powertrain import Powertrain
 from propmap.vehicle.vehicle import Body, Mount, Vehicle, Wing
 from propmap.vehicle.vehicle_forces import free_stream_force
 

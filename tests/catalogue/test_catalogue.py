@@ -14,6 +14,7 @@ import pytest
 from propmap import catalogue
 from propmap.catalogue.lookup import propeller
 from propmap.errors import InputError
+from propmap.io.geometry import read_propeller_toml
 
 ROOT = Path(__file__).resolve().parents[2]
 DATA = ROOT.parent / "shared" / "data"
@@ -41,6 +42,12 @@ def test_what_an_entry_says_is_what_the_blade_is() -> None:
         assert (blade.name, blade.blades) == (entry.name, entry.blades)
         assert blade.diameter == pytest.approx(entry.diameter_m, rel=1e-6)
         assert blade.source == entry.source and blade.citation
+
+
+@pytest.mark.parametrize("name", catalogue.names())
+def test_its_files_stand_the_check_of_a_users(name: str) -> None:
+    file = Path(catalogue.__file__).parent / "propellers" / f"{name}.toml"
+    assert read_propeller_toml(file) == catalogue.load(name)
 
 
 @pytest.mark.parametrize("name", catalogue.names())

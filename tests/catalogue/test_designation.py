@@ -10,8 +10,9 @@ from hypothesis import strategies as st
 
 import propmap
 from propmap import catalogue
-from propmap.catalogue.identified import INCH, candidates, designation
+from propmap.catalogue.identified import candidates, designation
 from propmap.catalogue.lookup import designated
+from propmap.units import INCH
 
 MM = 1e-3
 

@@ -223,9 +223,9 @@ def test_what_is_told(
     meant = designated(text)
     assert isinstance(meant, ExpectedBlade)
     assert len(meant.shape.families) == families
-    assert (meant.unknown, meant.alike) == (unknown, measured)
+    assert (meant.unknown, meant.others) == (unknown, measured)
     assert (meant.family is not None) == (families == 1)
     for told in (*unknown, *measured, str(meant.shape.propellers if families > 1 else "")):
-        assert told in meant.told
-    assert "\n" not in meant.told
+        assert told in meant.summary
+    assert "\n" not in meant.summary
     assert "not measured" in meant.propeller.source

@@ -153,22 +153,22 @@ def test_propellers_with_loads_and_no_blade_have_their_own_constants(
     meant = meant_by(text)
     assert isinstance(meant, ExpectedBlade) and meant.own is not None
     assert (meant.own.propeller, meant.own.geometry, meant.geometry) == (own, geometry, geometry)
-    assert "was not measured" in meant.told and "err" not in meant.told
+    assert "was not measured" in meant.summary and "err" not in meant.summary
     assert meant.propeller.blades == 2
 
 
 def test_another_number_of_blades_has_constants_to_be_expected() -> None:
     meant = designated("ancf 12x8x3")
     assert isinstance(meant, ExpectedBlade) and meant.own is None
-    assert meant.family == "ancf" and "uiuc-ancf-12x8" in meant.told
+    assert meant.family == "ancf" and "uiuc-ancf-12x8" in meant.summary
     found = expected_constants("ancf", size_of(meant, meant.propeller), meant.geometry)
-    assert "of its family, ancf" in found.told
+    assert "of its family, ancf" in found.summary
 
 
 def test_of_several_without_blade_the_candidates_are_named() -> None:
     meant = designated("apc 8x8")
     assert isinstance(meant, ExpectedBlade) and meant.own is None
-    assert meant.alike == ("uiuc-apce-8x8", "uiuc-apcsp-8x8")
+    assert meant.others == ("uiuc-apce-8x8", "uiuc-apcsp-8x8")
     with pytest.raises(InputError):
         designated("uiuc-ancf-9x44")
 

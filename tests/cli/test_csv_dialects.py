@@ -46,8 +46,8 @@ def geometry(path: Path) -> Values:
 
 
 def points(path: Path) -> Values:
-    file = read_points(path, LOAD_COLUMNS)
-    return [*file.points.si, file.further["thrust_N"]]
+    found, columns = read_points(path, LOAD_COLUMNS)
+    return [*found.si, columns["thrust_N"]]
 
 
 def tunnel(path: Path) -> Values:

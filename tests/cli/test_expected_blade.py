@@ -17,8 +17,8 @@ from .conftest import Run
 @pytest.mark.parametrize(
     ("prop", "family", "blades", "said"),
     [
-        ("5x4.3x3", None, 3, "no maker is named: geometry by the means of 123 propellers of 27"),
-        ("APC 12x6E", "apce", 2, "no measured blade of this size: geometry by the means of 13"),
+        ("5x4.3x3", None, 3, "no maker is named: the geometry is the mean of 123 propellers of 27"),
+        ("APC 12x6E", "apce", 2, "no measured blade of this size: the geometry is the mean of 13"),
     ],
 )
 def test_predict(run: Run, prop: str, family: str | None, blades: int, said: str) -> None:

@@ -12,8 +12,8 @@ import tomli_w
 
 from propmap.cli import main
 from propmap.fit.learned_residual import LearnedResidual, features
+from propmap.units import GRAVITY
 from propmap.vehicle.files import read_vehicle
-from propmap.vehicle.log import GRAVITY
 from propmap.vehicle.log_readers import read_flight_log
 
 from .conftest import Run, brief_commands

@@ -13,7 +13,7 @@ import pytest
 
 from propmap.fit import flight_study
 from propmap.fit.flight_study import FittedStep, Flight, Off, Step
-from propmap.vehicle.log import GRAVITY
+from propmap.units import GRAVITY
 
 from .conftest import Run
 from .test_fit_flight import turning_log

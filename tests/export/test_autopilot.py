@@ -19,7 +19,8 @@ from propmap.export.autopilot import autopilot_parameters, export_autopilot
 from propmap.export.inplane_drag import inplane_forces
 from propmap.model.airfoil import SectionCovariance, SectionUncertainty
 from propmap.table import LoadTable
-from propmap.vehicle.powertrain import RPM, Battery, Motor, Powertrain
+from propmap.units import RPM
+from propmap.vehicle.powertrain import Battery, Motor, Powertrain
 from propmap.vehicle.vehicle import Body, Mount, Vehicle, Wakes, Wing
 from tests.aircraft.conftest import POWERTRAIN, aircraft_of, quadcopter
 from tests.oracle.literal_section import drag_coefficient, lift_coefficient

@@ -13,7 +13,8 @@ from propmap.fit.least_squares import Rows
 from propmap.fit.parameters import FIRST_GUESS, SECTION, Choice, Prior
 from propmap.model.airfoil import parameter_set
 from propmap.typing import Floats
-from propmap.vehicle.log import GRAVITY, FlightLog, joined, low_passed
+from propmap.units import GRAVITY
+from propmap.vehicle.log import FlightLog, joined, low_passed
 from propmap.vehicle.vehicle import Mount, Vehicle
 
 LAW = parameter_set("paper-apc")

@@ -13,7 +13,8 @@ from propmap.fit.comparison import flight_forces, still_explained
 from propmap.fit.fit import Settings, fit
 from propmap.fit.flight import ForceModel, HoverScale, balance_rows, level_rows
 from propmap.fit.parameters import FIRST_GUESS, SECTION, Choice
-from propmap.vehicle.log import GRAVITY, FlightLog, joined, low_passed
+from propmap.units import GRAVITY
+from propmap.vehicle.log import FlightLog, joined, low_passed
 from propmap.vehicle.vehicle import Mount, Vehicle, Wakes
 
 LAW = propmap.airfoil("paper-apc")

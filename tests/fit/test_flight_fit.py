@@ -14,7 +14,8 @@ from propmap.fit.comparison import compare_flight
 from propmap.fit.fit import range_warnings
 from propmap.fit.flight import ForceModel, balance_rows, body_force, level_rows, wing_values
 from propmap.fit.parameters import FIRST_GUESS, SECTION, Choice
-from propmap.vehicle.log import GRAVITY, FlightLog
+from propmap.units import GRAVITY
+from propmap.vehicle.log import FlightLog
 from propmap.vehicle.vehicle import Body, Mount, Vehicle, Wing
 from propmap.vehicle.wakes import hub_flow, rotor_forces
 

@@ -12,7 +12,8 @@ from propmap.fit import flight_study
 from propmap.fit.flight_study import Flight, Off, Step, fit_terms, gain, judged, measured_off
 from propmap.fit.parameters import FIRST_GUESS, SECTION, Choice
 from propmap.typing import Floats
-from propmap.vehicle.log import GRAVITY, FlightLog
+from propmap.units import GRAVITY
+from propmap.vehicle.log import FlightLog
 from propmap.vehicle.vehicle import Mount, Vehicle
 
 RATE, SECONDS = 50, 40

@@ -10,8 +10,10 @@ from propmap.fit.comparison import body_terms_verdict
 from propmap.fit.fit import Fitted, Settings, fit
 from propmap.fit.flight import ForceModel, level_rows
 from propmap.fit.least_squares import Rows, search
-from propmap.fit.parameters import FIRST_GUESS, PAPER_FOUR, SECTION, Choice
-from propmap.vehicle.log import GRAVITY, FlightLog
+from propmap.fit.parameters import FIRST_GUESS, SECTION, Choice
+from propmap.model.airfoil import PAPER_FOUR
+from propmap.units import GRAVITY
+from propmap.vehicle.log import FlightLog
 from propmap.vehicle.vehicle import Mount, Vehicle
 
 from .synthetic_rows import Floats, linear_model, rows_of

@@ -16,7 +16,6 @@ from propmap.fit.parameters import (
     FLEX,
     FLIGHT,
     MOUNT,
-    PAPER_FOUR,
     SECTION,
     SENSOR,
     TURNING,
@@ -25,7 +24,7 @@ from propmap.fit.parameters import (
     Choice,
     Prior,
 )
-from propmap.model.airfoil import Airfoil
+from propmap.model.airfoil import PAPER_FOUR, Airfoil
 
 CASES: dict[str, tuple[dict[str, Any], str]] = {
     "nothing free": ({"free": ()}, "no parameter is free; name some of c_l1"),

@@ -11,7 +11,8 @@ from scipy.spatial.transform import Rotation
 import propmap
 from propmap.errors import InputError
 from propmap.fit.flight import CLOCK, OFFSET, HoverScale, at_samples, of_others, sensor_force
-from propmap.vehicle.log import GRAVITY, FlightLog, joined
+from propmap.units import GRAVITY
+from propmap.vehicle.log import FlightLog, joined
 from propmap.vehicle.vehicle import Mount, Vehicle
 
 VEHICLE = Vehicle("test", 0.8, propmap.propeller("apc-8x6e"), (Mount((0.0, 0.0, 0.0)),))

@@ -14,10 +14,10 @@ from propmap.errors import InputError
 from propmap.fit.comparison import compare_tunnel, failing_assumptions
 from propmap.fit.fit import Fitted, Settings, fit
 from propmap.fit.least_squares import Rows
-from propmap.fit.parameters import PAPER_FOUR, SECTION, Choice
+from propmap.fit.parameters import SECTION, Choice
 from propmap.fit.tunnel import TunnelData, first_guess, merged, read_tunnel, rotor_with, tunnel_rows
 from propmap.loads import LOADS
-from propmap.model.airfoil import parameter_set
+from propmap.model.airfoil import PAPER_FOUR, parameter_set
 from propmap.model.corrections import MODELS
 
 from .synthetic_rows import rms_of

@@ -104,12 +104,12 @@ spin = "ccw"
 @pytest.mark.parametrize(
     ("line", "told"),
     [
-        ("inertia = [2.5, 2.1]", "3 numbers"),
+        ("inertia = [2.5, 2.1]", "a list of length 3"),
         ("inertia = [2.5e-3, 0.0, 4e-3]", "above zero"),
         ("inertia = [1e-3, 1e-3, 4e-3]", "more than the other two"),
         ("rotor_inertia = -1e-5", "rotor_inertia"),
         ("[body]\ndownload_area = [0.01]", "along x, along y"),
-        ("[body]\ndownload_area = 0.01", "list of numbers"),
+        ("[body]\ndownload_area = 0.01", "expected a list"),
     ],
 )
 def test_bad_inertia_and_areas(tmp_path, line: str, told: str) -> None:  # type: ignore[no-untyped-def]

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from propmap.typing import Floats
-from propmap.vehicle.log import GRAVITY
+from propmap.units import GRAVITY
 
 from .synthetic import K_THRUST, vehicle_text
 

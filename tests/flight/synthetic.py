@@ -8,8 +8,9 @@ from pathlib import Path
 import numpy as np
 
 from propmap.typing import Floats
+from propmap.units import GRAVITY
 from propmap.vehicle.files import VehicleFile, read_vehicle
-from propmap.vehicle.log import GRAVITY, FlightLog
+from propmap.vehicle.log import FlightLog
 
 ROOT = Path(__file__).parents[2]
 NEUROBEM = ROOT / "examples" / "neurobem" / "vehicle.toml"

@@ -11,8 +11,9 @@ from propmap.flight.steady import steady_stretches
 from propmap.model.airfoil import parameter_set
 from propmap.model.model import Model
 from propmap.rotor import Rotor
+from propmap.units import GRAVITY
 from propmap.vehicle.files import read_vehicle
-from propmap.vehicle.log import GRAVITY, FlightLog
+from propmap.vehicle.log import FlightLog
 from propmap.vehicle.log_readers import read_flight_log
 
 from .synthetic import FLIGHTS, NEUROBEM

@@ -20,8 +20,9 @@ from propmap.flight.simulate import (
     trim,
 )
 from propmap.flight.steady import operating_points, steady_stretches
+from propmap.units import GRAVITY
 from propmap.vehicle.files import LogMap, VehicleFile, read_vehicle
-from propmap.vehicle.log import GRAVITY, FlightLog
+from propmap.vehicle.log import FlightLog
 from propmap.vehicle.log_readers import read_flight_log
 from propmap.vehicle.vehicle import Vehicle
 

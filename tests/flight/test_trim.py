@@ -14,7 +14,8 @@ from propmap.fit.fit import Settings, fit
 from propmap.fit.flight import ForceModel, level_rows
 from propmap.fit.parameters import Choice
 from propmap.flight.simulate import PAPER_RADIUS, trim, true_values
-from propmap.vehicle.log import GRAVITY, FlightLog, pitch_and_roll
+from propmap.units import GRAVITY
+from propmap.vehicle.log import FlightLog, pitch_and_roll
 from propmap.vehicle.vehicle import Body, Vehicle, Wing
 from propmap.vehicle.wakes import hub_flow, rotor_forces
 

@@ -151,7 +151,7 @@ PE0_CASES = {
     "no twist": (edited(PE0, "TWIST", "ANGLE"), "no column TWIST"),
     "other unit": (edited(PE0, "(IN)       (IN)   ", "(MM)       (MM)   "), "convert"),
     "header at the end": (PE0[: PE0.index("       (IN)  ")], "unit"),
-    "no rows": (samples.PE0_HEADER + samples.PE0_TRAILER, "found 0 stations"),
+    "no rows": (samples.PE0_HEADER + samples.PE0_TRAILER, "found a header and no rows"),
     "ragged": (edited(PE0, "23.0000     -0.0100", "23.0000-0.0100"), "found 6 figures"),
     "stars": (edited(PE0, "23.0000", "*******"), "line 14: TWIST", "correct it"),
     "unsorted": (edited(PE0, "1.5000 ", "0.7000 "), "line 14", "sort the rows"),

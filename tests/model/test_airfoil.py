@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +10,7 @@ import numpy as np
 import pytest
 
 from propmap import Airfoil, InputError, airfoil, airfoil_names
+from propmap.model.airfoil import CONSTANTS
 
 GOOD = "c_l1 = 5.0\nc_l2 = 1.5\nc_d = 1.2\nalpha_0 = 0.3\n"
 
@@ -37,6 +39,17 @@ def test_named_sets_are_table_1(
     assert (found.c_d0, found.c_p, found.sharpness) == (0.01, 1.328, 50.0)
     assert (found.zero_lift_angle, found.lift_law) == (0.0, "blended")
     assert "10.1109/CCTA.2017.8062443" in found.source
+
+
+def test_the_table_has_each_number_of_the_law_in_order() -> None:
+    law = airfoil("paper-apc")
+    numbers = [f.name for f in fields(law) if isinstance(getattr(law, f.name), float)]
+    assert [*CONSTANTS] == numbers
+    for constant in CONSTANTS.values():
+        if constant.fit is not None:
+            start, lower, upper, spread = constant.fit
+            assert constant.limits[0] <= lower <= start <= upper <= constant.limits[1]
+            assert spread > 0.0
 
 
 def test_names_are_listed() -> None:

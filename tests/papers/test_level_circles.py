@@ -17,7 +17,7 @@ from papers.gill_dandrea_2017.level_circles import (
 )
 from papers.gill_dandrea_2017.paper import blade
 from propmap.loads import LOADS
-from propmap.vehicle.log import GRAVITY
+from propmap.units import GRAVITY
 
 SPEED = np.array([0.0, 2.0, 4.0, 6.0, 8.0])
 

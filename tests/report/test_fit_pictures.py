@@ -16,7 +16,8 @@ from propmap.errors import InputError
 from propmap.fit.tunnel import TunnelData
 from propmap.report.fit_curves import level_flight, steady_parts, tunnel_fit
 from propmap.report.html import COLOURS, HOVER, save
-from propmap.vehicle.log import GRAVITY, FlightLog, in_vehicle_frame
+from propmap.units import GRAVITY
+from propmap.vehicle.log import FlightLog, in_vehicle_frame
 from propmap.vehicle.vehicle import Mount, Vehicle
 
 MASS = 0.7

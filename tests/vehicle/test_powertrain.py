@@ -149,7 +149,10 @@ BAD = {
     "kv of 0": (changed(MOTOR_TABLE, "kv_rpm_per_volt", "0"), "above 0"),
     "kv negative": (changed(MOTOR_TABLE, "kv_rpm_per_volt", "-920"), "above 0"),
     "kv by another name": (MOTOR_TABLE + "kv = 920\n", "did you mean|known are"),
-    "kv as text": (changed(MOTOR_TABLE, "kv_rpm_per_volt", '"920 rpm/V"'), "finite number"),
+    "kv as text": (
+        changed(MOTOR_TABLE, "kv_rpm_per_volt", '"920 rpm/V"'),
+        "expected a number; write kv_rpm_per_volt = 920",
+    ),
     "kv far too large": (
         changed(MOTOR_TABLE, "kv_rpm_per_volt", "92000") + BATTERY_TABLE,
         "another motor",

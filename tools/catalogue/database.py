@@ -103,7 +103,7 @@ def _propeller(
         name,
         first["BladeName"],
         first["Family"],
-        parse_blades(first["B"], where),
+        parse_blades(first["B"]),
         *(rpm, advance, column("CT"), column("CP")),
         np.array(run),
     )

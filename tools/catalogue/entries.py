@@ -11,8 +11,8 @@ import numpy as np
 
 from propmap import catalogue
 from propmap.catalogue.expected import (
-    ALIKE,
-    APART,
+    LIKENESS_WIDTH,
+    OWN_SHARE,
     POPULATION,
     Population,
     PopulationPrior,
@@ -170,7 +170,7 @@ def _key(test: AxialTest, before: Sequence[str] = ()) -> str:
         identification.MOST_ERRORS,
         POPULATION.mean.tolist(),
         POPULATION.deviation.tolist(),
-        *((ALIKE, APART, *before) if before else ()),
+        *((LIKENESS_WIDTH, OWN_SHARE, *before) if before else ()),
     )
     digest = hashlib.sha256(repr(settings).encode())
     digest.update(test.propeller.fingerprint().encode())

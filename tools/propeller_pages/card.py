@@ -10,22 +10,14 @@ import numpy as np
 from propmap.catalogue.expected import POPULATION, coordinate_covariance
 from propmap.catalogue.identified import PARAMETERS, Identified
 from propmap.catalogue.lookup import propeller
+from propmap.model.airfoil import CONSTANTS
 from propmap.model.model import Propeller
+from propmap.units import INCH
 from tools.catalogue.database import MeasuredPropeller
 from tools.measured_rows import SOURCE
 from tools.propeller_pages import blade_picture, fit_pictures
 from tools.propeller_pages.comparison import Comparison, compare, error_parts, reynolds
 from tools.propeller_pages.words import fixed, flagged, page_name, title
-
-MEANINGS = {
-    "c_l1": "slope of lift before stall [1/rad]",
-    "c_d": "pressure drag [-]",
-    "alpha_0": "stall angle [rad]",
-    "zero_lift_angle": "zero-lift angle at Re = 5e4 [rad]",
-    "c_d0": "constant drag [-]",
-    "reynolds_camber": "its growth with ln Re [rad]",
-    "drag_angle": "least pressure drag, from zero lift [rad]",
-}
 
 
 def card(one: Identified, tested: MeasuredPropeller | None) -> str:
@@ -34,7 +26,7 @@ def card(one: Identified, tested: MeasuredPropeller | None) -> str:
     parts = [
         f"# {title(one)}",
         f"`{one.propeller}`, {one.blades} blades, diameter {2e3 * blade.radius:.1f} mm "
-        f"({2.0 * blade.radius / 0.0254:.2f} in).",
+        f"({blade.diameter / INCH:.2f} in).",
         verdict(one),
         "## Blade",
         raw(_side_by_side(blade_picture.pictures(blade))),
@@ -113,8 +105,9 @@ def _constants(one: Identified) -> str:
     ]
     for k, name in enumerate(PARAMETERS):
         value, spread = one.constants[k], deviation[k]
-        degrees = f" ({fixed(np.degrees(value), 2)}°)" if "[rad]" in MEANINGS[name] else ""
-        cells = [f"`{name}`", MEANINGS[name], fixed(value, 4) + degrees, fixed(spread, 4)]
+        unit, meaning, *_ = CONSTANTS[name]
+        degrees = f" ({fixed(np.degrees(value), 2)}°)" if unit == "rad" else ""
+        cells = [f"`{name}`", f"{meaning} [{unit}]", fixed(value, 4) + degrees, fixed(spread, 4)]
         cells.append(f"{100.0 * left[k]:.0f}\u00a0%")
         rows.append(f"| {' | '.join(cells)} |")
     return "\n".join(

@@ -13,7 +13,7 @@ from propmap.aircraft.sensitivity import Responses, StateChange, spread
 from propmap.aircraft.trim import Aircraft, SteadyStates
 from propmap.errors import InputError
 from propmap.typing import Floats
-from propmap.vehicle.powertrain import RPM
+from propmap.units import RPM
 
 TOP = 3  # number of the top speed among the states with a name
 SPEEDS, BETWEEN = 41, 13

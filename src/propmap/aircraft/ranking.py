@@ -16,13 +16,14 @@ from propmap.aircraft.mission import fly as fly_mission
 from propmap.aircraft.performance import endurance, top_speed
 from propmap.aircraft.trim import STATUSES, Aircraft, SteadyStates
 from propmap.catalogue.identified import all_identified
-from propmap.catalogue.lookup import constants_to_expect, meant_by, own_constants, propeller
+from propmap.catalogue.lookup import meant_by, own_constants, predicted_constants, propeller
 from propmap.errors import InputError
 from propmap.model.airfoil import Airfoil, SectionCovariance
 from propmap.model.corrections import Correction
 from propmap.model.model import Model, Propeller, Section
 from propmap.rotor import Rotor
 from propmap.tasks import InThreads, Workers, cores, in_order
+from propmap.units import INCH
 from propmap.vehicle.vehicle import Vehicle
 
 COAXIAL = 1e-3
@@ -400,7 +401,7 @@ def catalogue_candidates(
             found.append(Candidate(name, blade, one.airfoil, one.section_covariance, one.verdict))
     if not found:
         raise InputError(
-            f"no propeller of the catalogue has {low / 0.0254:.3g} to {high / 0.0254:.3g} in"
+            f"no propeller of the catalogue has {low / INCH:.3g} to {high / INCH:.3g} in"
             + (f" and {blades} blades" if blades else ""),
             "ask for other diameters, see `propmap props`",
         )
@@ -428,7 +429,7 @@ def file_candidate(path: str | os.PathLike[str], section: Section | None = None)
     if law is None:
         meant = meant_by(path)
         own = own_constants(meant, blade.blades)
-        law = own.airfoil if own else constants_to_expect(meant, blade).airfoil
+        law = own.airfoil if own else predicted_constants(meant, blade).airfoil
         verdict = own.verdict if own else "constants to be expected, not identified"
     known = getattr(law, "uncertainty", None)
     return Candidate(os.fspath(path), blade, law, known and known.covariance, verdict)

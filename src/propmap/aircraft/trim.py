@@ -14,11 +14,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from propmap.baselines.hover import REFERENCE_TIP_SPEED, HoverModel
 from propmap.errors import InputError
-from propmap.model.plausibility import FAST_TIP_MACH, SPEED_OF_SOUND
+from propmap.model.plausibility import FAST_TIP_MACH
 from propmap.operating_points import broadcast
 from propmap.rotor import Rotor
 from propmap.typing import Floats
-from propmap.vehicle.log import GRAVITY, in_vehicle_frame
+from propmap.units import GRAVITY, SPEED_OF_SOUND
+from propmap.vehicle.log import in_vehicle_frame
 from propmap.vehicle.vehicle import Vehicle, Wing
 from propmap.vehicle.vehicle_forces import Rotors, RotorWrenches, free_stream_force, wing_lift
 from propmap.vehicle.wakes import cross

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
+import tomllib
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache, lru_cache
 from pathlib import Path
 
 from propmap.errors import InputError, quoted
-from propmap.io.geometry import SCHEMA, parse_propeller_toml
-from propmap.io.toml import parse_toml
 from propmap.model.model import Propeller
 
 
@@ -37,48 +36,57 @@ class Entry:
 
 
 def names() -> list[str]:
-    """The names of all propellers, in alphabetical order."""
+    """List the names of all propellers, in alphabetical order."""
     return list(_files())
 
 
 def entries() -> list[Entry]:
-    """One ``Entry`` for each propeller, in the order of ``names``."""
-    return list(_entries())
+    """List one ``Entry`` for each propeller, in the order of ``names``."""
+    return [entry(name) for name in names()]
 
 
 def search(text: str) -> list[Entry]:
-    """The entries whose name, title or family hold every word of ``text``, in any case."""
+    """Find entries whose name, title or family hold every word of ``text``, in any case."""
+    return matching(text, entries())
+
+
+def matching(text: str, among: list[Entry]) -> list[Entry]:
+    """Keep entries whose name, title or family hold every word of ``text``."""
     words = text.lower().split()
-    return [
-        entry
-        for entry in _entries()
-        if all(word in f"{entry.name} {entry.title} {entry.family}".lower() for word in words)
-    ]
+    said = [f"{one.name} {one.title} {one.family}".lower() for one in among]
+    return [one for one, its in zip(among, said, strict=True) if all(w in its for w in words)]
 
 
 def load(name: str) -> Propeller:
-    """The propeller called ``name``, in upper or lower case; ``InputError`` if there is none."""
+    """Load the propeller called ``name``, in any case; ``InputError`` if there is none."""
     key = name.strip().lower()
     if key not in _files():
         raise unknown_name(name)
-    return parse_propeller_toml(_files()[key].read_text(encoding="utf-8"), f"catalogue {key}")
+    # These files are propmap's own, and tested; a user's file is checked entry by entry.
+    file = tomllib.loads(_files()[key].read_text(encoding="utf-8"))
+    blade = file["station_m"], file["chord_m"], file["twist_rad"], file.get("root_cutout_m")
+    texts = file.get("source", ""), file.get("citation", "")
+    return Propeller(file["name"], file["blades"], *blade, *texts)
 
 
+@cache
 def entry(name: str) -> Entry:
-    """The line of the propeller called ``name``, one of ``names``."""
-    return _entry(name, _files()[name].read_text(encoding="utf-8"))
+    """Read the line of the propeller called ``name``, one of ``names``."""
+    # The arrays come last and are most of the file: leaving them out makes a listing fast.
+    head, _, _ = _files()[name].read_text(encoding="utf-8").partition("\nstation_m")
+    file = tomllib.loads(head)
+    texts = file["title"], file["family"]
+    return Entry(name, *texts, file["blades"], 2.0 * file["radius_m"], file["source"])
 
 
 def unknown_name(name: str) -> InputError:
-    """The error for a name that the catalogue does not have, with those close to it."""
-    return InputError(
-        f"{quoted(name)} is neither a propeller of the catalogue nor a file",
-        f"{close_names(name)} see `propmap props`",
-    )
+    """Make the error for a name that the catalogue does not have, with those close to it."""
+    found = f"{quoted(name)} is neither a propeller of the catalogue nor a file"
+    return InputError(found, f"{close_names(name)} see `propmap props`")
 
 
 def close_names(text: str) -> str:
-    """A question that holds the names in the catalogue closest to ``text``."""
+    """Ask whether one of the names in the catalogue closest to ``text`` is meant."""
     import difflib
 
     close = difflib.get_close_matches(text.strip().lower(), names(), n=3, cutoff=0.0)
@@ -89,21 +97,3 @@ def close_names(text: str) -> str:
 def _files() -> dict[str, Path]:
     found = (Path(__file__).parent / "propellers").glob("*.toml")
     return {file.stem: file for file in sorted(found, key=lambda file: file.stem)}
-
-
-@lru_cache(maxsize=1)
-def _entries() -> tuple[Entry, ...]:
-    return tuple(_entry(name, file.read_text(encoding="utf-8")) for name, file in _files().items())
-
-
-def _entry(name: str, text: str) -> Entry:
-    # The arrays come last and are most of the file: leaving them out makes a listing fast.
-    head = parse_toml(text.partition("\nstation_m")[0], f"catalogue {name}", SCHEMA)
-    return Entry(
-        name=name,
-        title=head["title"],
-        family=head["family"],
-        blades=head["blades"],
-        diameter_m=2.0 * head["radius_m"],
-        source=head["source"],
-    )

@@ -24,7 +24,7 @@ from propmap.catalogue.identified import (
     same_size,
     series_named,
 )
-from propmap.model.airfoil import Airfoil, SectionCovariance, SectionUncertainty
+from propmap.model.airfoil import CONSTANTS, Airfoil, SectionCovariance, SectionUncertainty
 from propmap.model.model import Propeller
 from propmap.typing import Floats
 
@@ -36,40 +36,22 @@ ERRORS = {
     "siblings_label": ((0.09, 0.10), (0.18, 0.22)),
     "population_blade": ((0.20, 0.19), (0.40, 0.41)),
 }
-"""Of C_T and C_P of propellers that were left out, blade and section constants alike, rms over rms,
-by ``python -m tools.left_out``: half of them err less than the first two, nine in ten less than the
-others; by the group there."""
+"""Errors of C_T and C_P of propellers that were left out, both their blade and constants, rms over
+rms, by ``python -m tools.left_out``: half of them err less than the first two, nine in ten less
+than the others; by the group there."""
 
 
 @dataclass(frozen=True, eq=False)
 class ExpectedBlade:
-    """What a designation means that no measured propeller has.
+    """What a designation means that no measured propeller has."""
 
-    Attributes
-    ----------
-    text : str
-        The designation as it was given.
-    wanted : Designation
-        What it says.
-    families : tuple of str
-        Codes of the series that its words name, or of the series of the maker.
-    unknown : tuple of str
-        Its words that name no series.
-    shape : MeanBlade
-        Of the measured blades of these series, or of all.
-    own : Identified or None
-        Constants that were identified with this blade, from the propeller's own loads.
-    alike : tuple of str
-        Names of other propellers of this size that it may be.
-    """
-
-    text: str
+    text: str  # the designation as it was given
     wanted: Designation
-    families: tuple[str, ...]
-    unknown: tuple[str, ...]
-    shape: MeanBlade
-    own: Identified | None = None
-    alike: tuple[str, ...] = ()
+    families: tuple[str, ...]  # codes of the series that its words name, or of its maker's
+    unknown: tuple[str, ...]  # its words that name no series
+    shape: MeanBlade  # of the measured blades of these series, or of all
+    own: Identified | None = None  # constants identified with this blade
+    others: tuple[str, ...] = ()  # names of propellers of this size that it may be
 
     @property
     def family(self) -> str | None:
@@ -89,13 +71,11 @@ class ExpectedBlade:
         return self.shape.propeller(name, size.diameter, size.pitch, size.blades or 2)
 
     @property
-    def told(self) -> str:
-        """In one line: what the blade rests on, and how far loads may err."""
-        shape = self.shape
-        of = f"{len(shape.families)} families"
+    def summary(self) -> str:
+        """Say in one line what the blade rests on, and how far loads may err."""
+        count, of = self.shape.propellers, f"{len(self.shape.families)} families"
         if self.geometry == "family":
             of = f"its family, {self.family}"
-        some = f"{shape.propellers} propellers" if shape.propellers > 1 else "one propeller"
         reason = "no measured blade of this size"
         if self.own is not None:
             reason = f"the blade of {self.own.tested!r} was not measured"
@@ -103,45 +83,29 @@ class ExpectedBlade:
             reason = "no maker is named"
         elif self.unknown:
             reason += f" ({' '.join(self.unknown)} names no series known here)"
-        if self.alike:
-            reason += f" (known of this size: {', '.join(self.alike)})"
-        geometry = f"{reason}: geometry by the means of {some} of {of}"
+        if self.others:
+            reason += f" (known of this size: {', '.join(self.others)})"
+        some = f"the mean of {count} propellers" if count > 1 else "that of one propeller"
+        geometry = f"{reason}: the geometry is {some} of {of}"
         if self.own is not None:
             return geometry
-        half, most = ERRORS[self._group]
-        return (
-            f"{geometry}; with section constants expected "
-            f"likewise, half of such propellers err in thrust and torque by less than "
-            f"{half[0]:.0%} and {half[1]:.0%} (rms) in axial flow, nine in ten by less than "
-            f"{most[0]:.0%} and {most[1]:.0%}"
-        )
-
-    @property
-    def _group(self) -> str:
         # Where none of the family was identified, its constants are as little known as any's.
-        if self.geometry == "family" and _identified(all_identified(), self.family):
-            return "family_blade"
-        if self.geometry != "family" and _identified(identified_without_blade(), self.family):
-            return "siblings_label"
-        return "population_blade"
-
-
-def _identified(entries: Sequence[Identified], family: str | None) -> bool:
-    return any(one.family == family for one in entries)
+        own = self.geometry == "family"
+        identified = all_identified() if own else identified_without_blade()
+        group = "family_blade" if own else "siblings_label"
+        if self.family not in {one.family for one in identified}:
+            group = "population_blade"
+        half, most = ERRORS[group]
+        return (
+            f"{geometry}; with section constants predicted likewise, half of such propellers err "
+            f"in thrust and torque by less than {half[0]:.0%} and {half[1]:.0%} (rms) in axial "
+            f"flow, nine in ten by less than {most[0]:.0%} and {most[1]:.0%}"
+        )
 
 
 def expected_blade(text: str, wanted: Designation, measured: Sequence[str] = ()) -> ExpectedBlade:
-    """The blade to expect of ``wanted``, by the series that its words name or by all.
-
-    Parameters
-    ----------
-    text : str
-        The designation.
-    wanted : Designation
-        What it says.
-    measured : sequence of str
-        Names of measured propellers of the same size, to be told.
-    """
+    """Expect the blade of ``wanted``, by the series that its words name or by all; ``measured`` are
+    names of propellers of its size, for the summary."""
     families, unknown = series_named(wanted.words)
     known = [
         one
@@ -152,17 +116,17 @@ def expected_blade(text: str, wanted: Designation, measured: Sequence[str] = ())
         return blade_of(text, wanted, known[0])
     names = (*measured, *(one.propeller for one in known))
     return ExpectedBlade(
-        text, wanted, tuple(families), unknown, _shape_of(families), alike=tuple(names)
+        text, wanted, tuple(families), unknown, _shape_of(families), others=tuple(names)
     )
 
 
 def blade_of(text: str, wanted: Designation, own: Identified) -> ExpectedBlade:
-    """The blade with which ``own`` was identified, for what is called ``text``."""
+    """Give the blade with which ``own`` was identified, for what is called ``text``."""
     return ExpectedBlade(text, wanted, (own.family,), (), _shape_of([own.family]), own)
 
 
 def _shape_of(families: Sequence[str]) -> MeanBlade:
-    """The mean of those of the ``families`` that were measured, of all where none was."""
+    """Average those of the ``families`` that were measured, all where none was."""
     return bundled_mean(tuple(f for f in families if f in families_measured()))
 
 
@@ -170,79 +134,48 @@ def _shape_of(families: Sequence[str]) -> MeanBlade:
 # Section constants to expect of a propeller that was not identified: its family's, or any's.
 
 MEDIAN_ERRORS = {"family": 0.09, "population": 0.12}
-"""Of C_T and C_P of propellers that were left out, by ``python -m tools.left_out``: half of them
-err less, rms over rms."""
+"""Errors of C_T and C_P of propellers that were left out, by ``python -m tools.left_out``: half of
+them err less, rms over rms."""
 
 
 class ExpectedConstants(NamedTuple):
-    """Constants of a propeller that was not identified, and how far its loads may be off.
-
-    Attributes
-    ----------
-    airfoil : Airfoil
-        The constants, with how well they are known.
-    told : str
-        In one line: how many propellers they are from and how far loads may err.
-    """
+    """Constants of a propeller that was not identified, and in one line how far its loads may be
+    off."""
 
     airfoil: Airfoil
-    told: str
+    summary: str
 
 
 def expected_constants(
     family: str | None = None, size: Size | None = None, geometry: str = "measured"
 ) -> ExpectedConstants:
-    """The most likely constants of a small propeller.
+    """Give the most likely constants of a small propeller.
 
-    Parameters
-    ----------
-    family : str, optional
-        Code of its series in the catalogue, such as "apcsf"; None where it is not known.
-    size : tuple of float, optional
-        Labelled diameter and pitch [m], see ``size_of``; a middling one where it is not known.
-    geometry : str
-        Its blade: "measured", or expected by the means of its "family" or of the "population".
+    Without a ``family``, a code such as "apcsf", those over all; without a ``size``, those of a
+    middling one. ``geometry`` says whether its blade is "measured", or expected by the means of its
+    "family" or of the "population".
     """
-    prior = expected_prior(family, size, geometry)
-    members = _members(family, geometry)
+    prior, members = expected_prior(family, size, geometry), _members(family, geometry)
+    own, of = "unknown", f"{len(all_identified())} small propellers, none of its family"
+    if members and family is not None:
+        own, of = family, f"those of its family, {family}, {len(members)} propellers"
     known = members and geometry != "population"
-    name = f"{family} expected" if members else "small propeller expected"
-    source = f"prior over propellers by propmap, family {family if members else 'unknown'}"
     likely = MEDIAN_ERRORS["family" if known else "population"]
-    of = (
-        f"of its family, {family}, {len(members)} propellers"
-        if members
-        else f"of {len(all_identified())} small propellers, none of its family"
+    summary = (
+        f"constants predicted from {of}, as it was not identified itself: half of such propellers "
+        f"have thrust and torque within {likely:.0%} (rms) in axial flow, one in ten is off by "
+        "twice that"
     )
-    told = (
-        f"constants as to be expected by those {of}; it was not identified itself: half of such "
-        f"propellers have thrust and torque within {likely:.0%} (rms) in axial flow, one in ten is "
-        "off by twice that"
-    )
-    errors = bundled_population(geometry).errors
-    with_blade = None
-    if geometry != "measured":
-        with_blade = _of_constants(expected_prior(family, size))
-    known_to = SectionUncertainty(
-        _of_constants(prior),
-        float(errors[0]),
-        float(errors[1]),
-        with_blade=with_blade,
-    )
-    law = airfoil_at(prior.mean, name, source).with_parameters(uncertainty=known_to)
-    return ExpectedConstants(law, told)
+    thrust, power = bundled_population(geometry).errors.tolist()
+    measured = None if geometry == "measured" else _of_constants(expected_prior(family, size))
+    known_to = SectionUncertainty(_of_constants(prior), thrust, power, with_blade=measured)
+    name = f"{family} expected" if members else "small propeller expected"
+    law = airfoil_at(prior.mean, name, f"prior over propellers by propmap, family {own}")
+    return ExpectedConstants(law.with_parameters(uncertainty=known_to), summary)
 
 
 def airfoil_at(place: Floats, name: str, source: str) -> Airfoil:
-    """The section law at coordinates of the constants.
-
-    Parameters
-    ----------
-    place : ndarray, shape (7,)
-        As in ``prior.PopulationPrior``.
-    name, source : str
-        Of the set.
-    """
+    """Make the section law at a ``place``, coordinates (7,) of ``PopulationPrior``."""
     found = zip(PARAMETERS, constants_of(place).tolist(), strict=True)
     values: Any = {**HELD, **dict(found)}
     return Airfoil(**values, name=name, source=source)
@@ -254,37 +187,22 @@ def expected_prior(
     geometry: str = "measured",
     without: str | None = None,
 ) -> PopulationPrior:
-    """The distribution of a propeller's constants without its own data.
-
-    Parameters
-    ----------
-    family, size, geometry
-        As in ``expected_constants``.
-    without : str, optional
-        What the database calls a propeller that is left out.
-    """
+    """Give the distribution of a propeller's constants without its own data, for
+    ``expected_constants``; ``without`` is what the database calls a propeller that is left out."""
     members = [one for one in _members(family, geometry) if one.tested != without]
     population = bundled_population(geometry)
     return family_prior(members, population, size or (MIDDLE[0], MIDDLE[0] * MIDDLE[1]))
 
 
 def siblings(family: str | None, without: str | None = None) -> int:
-    """How many propellers of a ``family`` were identified, one that is left out apart.
-
-    Parameters
-    ----------
-    family : str or None
-        Code of its series in the catalogue; None where it is not known.
-    without : str, optional
-        What the database calls a propeller that is left out.
-    """
+    """Count the identified propellers of a ``family``, but for one that is left out."""
     return sum(one.tested != without for one in _members(family, "measured"))
 
 
 def size_of(meant: catalogue.Entry | ExpectedBlade | None, blade: Propeller) -> Size:
-    """Labelled diameter and pitch [m] of what a name means, as ``lookup.meant_by`` gives it.
+    """Read diameter and pitch [m] from the label of what ``lookup.meant_by`` has found.
 
-    Of a file, None, they are the blade's diameter and the pitch of its twist at three quarters of
+    For a file, None, they are the blade's diameter and the pitch of its twist at three quarters of
     the radius, which is 3 % of the diameter above labels in the mean over those measured.
     """
     if isinstance(meant, ExpectedBlade):
@@ -298,7 +216,7 @@ def size_of(meant: catalogue.Entry | ExpectedBlade | None, blade: Propeller) -> 
 
 @lru_cache(maxsize=64)
 def _members(family: str | None, geometry: str) -> list[Member]:
-    """What is known of the family's propellers, on the blade of this ``geometry``."""
+    """Collect what is known of the family's propellers, on the blade of this ``geometry``."""
     if geometry == "population":
         return [
             member_without_blade(one)
@@ -312,13 +230,13 @@ def _members(family: str | None, geometry: str) -> list[Member]:
 
 
 def on_mean_blade(one: Identified, shape: MeanBlade) -> Member:
-    """What the data of ``one`` say of the constants with a mean blade in place of its own."""
+    """Put a mean blade in the place of its own into what the data of ``one`` say."""
     mean = shape.propeller(one.tested, one.diameter_m, one.pitch_m, one.blades)
-    return member(one).moved(equivalent(catalogue.load(one.propeller), mean))
+    return member(one).shifted(equivalent(catalogue.load(one.propeller), mean))
 
 
 def member_without_blade(one: Identified) -> Member:
-    """What the data of ``one`` say, which was identified on the mean blade of all families."""
+    """Take what the data of ``one`` say, which was identified on the mean blade of all families."""
     return member(one, family_prior([], bundled_population("population"), one.size))
 
 
@@ -330,109 +248,63 @@ def _of_constants(prior: PopulationPrior) -> SectionCovariance:
 # -------------------------------------------------------------------------------------------------
 # The mean blade of a series of propellers, or of many.
 #
-# Propellers of one series are alike: chord over radius, and the twist less that of a screw with the
-# labelled pitch, hardly change with the size.  Their means over the measured blades of the series,
-# or over all series with one vote each, make a blade of any size.
+# Propellers of one series resemble each other: chord over radius, and the twist less that of a
+# screw with the labelled pitch, hardly change with the size.  Their means over the measured blades
+# of the series, or over all series with one vote each, make a blade of any size.
 
 SHARES = np.linspace(0.15, 1.0, 18)
 """Radii over the tip radius at which blades are averaged, those of most measured blades."""
 
 
 class MeasuredShape(NamedTuple):
-    """A blade without its size.
+    """A blade without its size: chord over the tip radius [-], and twist less ``screw_angle``
+    [rad], (18,) at ``SHARES``; NaN inward of the first measured station."""
 
-    Attributes
-    ----------
-    family : str
-        Code of its series.
-    size : tuple of float
-        Labelled diameter and pitch [m]; blades of one series and size are one propeller.
-    chord : ndarray, shape (18,)
-        Over the tip radius at ``SHARES`` [-]; NaN inward of the first measured station.
-    offset : ndarray, shape (18,)
-        Twist less ``screw_angle`` there [rad]; NaN likewise.
-    """
-
-    family: str
-    size: tuple[float, float]
+    family: str  # code of its series
+    size: tuple[float, float]  # labelled diameter and pitch [m]
     chord: Floats
     offset: Floats
 
 
 @dataclass(frozen=True, eq=False)
 class MeanBlade:
-    """Mean chord and twist of a series or of several, with their spread.
+    """Mean chord and twist (n,) of one series or several, with one vote each, and their spread.
 
-    Attributes
-    ----------
-    families : tuple of str
-        The series that were averaged, each with one vote.
-    propellers : int
-        Number of measured propellers in them.
-    share : ndarray, shape (n,)
-        Radii over the tip radius [-], from where most members' blades begin to 1.
-    chord : ndarray, shape (n,)
-        Over the tip radius [-].
-    offset : ndarray, shape (n,)
-        Twist less that of a screw with the labelled pitch [rad].
-    chord_within, offset_within : ndarray, shape (n,)
-        Standard deviations between the propellers of a series, over all series [-], [rad].
-    chord_between, offset_between : ndarray, shape (n,)
-        Standard deviations between the means of series, over all series [-], [rad]; these and
-        those within are NaN where there are too few blades.
+    Standard deviations are over all series, within them and between their means; NaN where there
+    are too few blades.
     """
 
     families: tuple[str, ...]
-    propellers: int
-    share: Floats
-    chord: Floats
-    offset: Floats
+    propellers: int  # how many were measured
+    share: Floats  # radii over the tip radius, from where most members' blades begin
+    chord: Floats  # over the tip radius [-]
+    offset: Floats  # twist less that of a screw with the labelled pitch [rad]
     chord_within: Floats
     offset_within: Floats
     chord_between: Floats
     offset_between: Floats
 
     def propeller(self, name: str, diameter: float, pitch: float, blades: int) -> Propeller:
-        """A propeller of this shape.
-
-        Parameters
-        ----------
-        name : str
-            What it is called.
-        diameter, pitch : float
-            As labelled [m].
-        blades : int
-            Number of blades.
-        """
+        """Make a propeller of this shape, labelled ``diameter`` and ``pitch`` [m]."""
         radius = 0.5 * diameter
         of = self.families[0] if len(self.families) == 1 else f"{len(self.families)} series"
-        return Propeller(
-            name=name,
-            blades=blades,
-            station=self.share * radius,
-            chord=self.chord * radius,
-            twist=self.offset + screw_angle(self.share, pitch / diameter),
-            source=f"not measured: chord over radius, and twist less that of a screw of the "
-            f"labelled pitch, are the means of {self.propellers} propellers of {of}",
-            citation="geometry: that of the propellers of the catalogue",
+        source = (
+            "not measured: chord over radius, and twist less that of a screw of the labelled "
+            f"pitch, are the means of {self.propellers} propellers of {of}"
         )
+        twist = self.offset + screw_angle(self.share, pitch / diameter)
+        blade = self.share * radius, self.chord * radius, twist, None
+        citation = "geometry: that of the propellers of the catalogue"
+        return Propeller(name, blades, *blade, source, citation)
 
 
 def screw_angle(share: Floats, pitch_ratio: float) -> Floats:
-    """Angle [rad] of a screw at a ``share`` of the radius, atan(P / (2 pi r)).
-
-    Parameters
-    ----------
-    share : ndarray
-        Radii over the tip radius [-].
-    pitch_ratio : float
-        Pitch over diameter [-].
-    """
+    """Compute the angle [rad] of a screw at a ``share`` of the radius, atan(P / (2 pi r))."""
     return np.arctan(pitch_ratio / (math.pi * share))
 
 
 def shapes_without(entry: catalogue.Entry) -> list[MeasuredShape]:
-    """``measured_shapes`` but that of the propeller of which ``entry`` is a blade."""
+    """Leave the propeller of which ``entry`` is a blade out of ``measured_shapes``."""
     label = designation(entry.title)
     own = label and (entry.family, _size(label))
     return [one for one in measured_shapes() if (one.family, one.size) != own]
@@ -440,48 +312,41 @@ def shapes_without(entry: catalogue.Entry) -> list[MeasuredShape]:
 
 @lru_cache(maxsize=1)
 def measured_shapes() -> tuple[MeasuredShape, ...]:
-    """The propellers of the catalogue, one for each series and size: the mean of its blades."""
-    alike: dict[tuple[str, tuple[float, float]], list[tuple[Floats, Floats]]] = {}
+    """List the propellers of the catalogue by series and size: the mean of their blades."""
+    blades_of: dict[tuple[str, tuple[float, float]], list[tuple[Floats, Floats]]] = {}
     for entry in catalogue.entries():
         label = designation(entry.title)
         assert label is not None  # a test reads all titles
         blade = catalogue.load(entry.name)
         share = blade.station / blade.radius
-        # A first station that is rounded lies on the grid all the same.
+        # A first station that is rounded lies on the grid too.
         begun = share[0] - 1e-6 <= SHARES
         chord, twist = (
             np.where(begun, np.interp(SHARES, share, values), np.nan)
             for values in (blade.chord / blade.radius, blade.twist)
         )
         offset = twist - screw_angle(SHARES, label.pitch / label.diameter)
-        alike.setdefault((entry.family, _size(label)), []).append((chord, offset))
+        blades_of.setdefault((entry.family, _size(label)), []).append((chord, offset))
     return tuple(
         MeasuredShape(family, size, *np.mean(blades, axis=0))
-        for (family, size), blades in alike.items()
+        for (family, size), blades in blades_of.items()
     )
 
 
 def families_measured() -> set[str]:
-    """Codes of the series of which a blade was measured."""
+    """List codes of the series of which a blade was measured."""
     return {one.family for one in measured_shapes()}
 
 
 @lru_cache(maxsize=32)
 def bundled_mean(families: tuple[str, ...] = ()) -> MeanBlade:
-    """``mean_blade`` of the catalogue."""
+    """Average shapes of the catalogue, as ``mean_blade``."""
     return mean_blade(measured_shapes(), families)
 
 
 def mean_blade(shapes: Sequence[MeasuredShape], families: Collection[str] = ()) -> MeanBlade:
-    """The mean of some series, with the spread over all.
-
-    Parameters
-    ----------
-    shapes : sequence of MeasuredShape
-        Measured propellers.
-    families : collection of str
-        Codes of the series to average, which are among the ``shapes``; none for all.
-    """
+    """Average the ``shapes`` of some ``families``, of all where none is given; the spread is over
+    all."""
     by_family: dict[str, list[Floats]] = {}
     for one in shapes:
         by_family.setdefault(one.family, []).append(np.stack([one.chord, one.offset]))
@@ -502,7 +367,7 @@ def _size(label: Designation) -> tuple[float, float]:
 
 
 def _mean(some: Floats) -> Floats:
-    """Over the first axis, of those that are not NaN; NaN where all are."""
+    """Average over the first axis what is not NaN; NaN where all are."""
     known = np.isfinite(some)
     count = known.sum(axis=0)
     total = np.where(known, some, 0.0).sum(axis=0)
@@ -510,7 +375,7 @@ def _mean(some: Floats) -> Floats:
 
 
 def _deviation(some: Floats) -> Floats:
-    """Standard deviation over the first axis, NaN where fewer than two are known."""
+    """Take standard deviations over the first axis, NaN where fewer than two are known."""
     count = np.isfinite(some).sum(axis=0)
     squares = np.nansum((some - _mean(some)) ** 2, axis=0)
     return np.sqrt(squares / np.where(count > 1, count - 1, np.nan))
@@ -520,12 +385,10 @@ def _deviation(some: Floats) -> Floats:
 # Section constants that have the loads of another blade.
 #
 # A blade whose chord is larger by one factor everywhere has the forces of section constants larger
-# by
-# it, and a blade that is twisted further by one angle everywhere those of angles smaller by it.  So
-# what is not known of a blade is kept as a change of its constants.
+# by it, and a blade that is twisted further by one angle everywhere those of angles smaller by it.
+# So what is not known of a blade is kept as a change of its constants.
 
-INNERMOST = 0.3
-"""Share of the radius from which blades are compared."""
+INNERMOST = 0.3  # share of the radius from which blades are compared
 
 _FORCES = np.array([name in ("c_l1", "c_d", "c_d0") for name in PARAMETERS], float)
 # The coordinate of the drag angle is from the chord line, as the zero-lift angle is.
@@ -533,19 +396,12 @@ _ANGLES = np.array([name in ("zero_lift_angle", "drag_angle") for name in PARAME
 
 
 def equivalent(blade: Propeller, other: Propeller) -> Floats:
-    """What the constants of a ``blade`` become on the ``other``, for about the same loads.
+    """Say how constants identified on a ``blade`` change on the ``other``, for about the same
+    loads.
 
-    Parameters
-    ----------
-    blade, other : Propeller
-        Of the same radius.
-
-    Returns
-    -------
-    ndarray, shape (7,)
-        To be added to the coordinates of ``prior.PopulationPrior``: the logarithm of the mean ratio
-        of the chords in those of forces, and less the mean difference of the twists [rad] in those
-        of angles.  Means are weighed by the square of the radius and the other's chord.
+    To be added to coordinates (7,) of ``PopulationPrior``: the logarithm of the mean ratio of the
+    chords in those of forces, less the mean difference of the twists [rad] in those of angles.
+    Means are weighed by the square of the radius and the other's chord; both have one radius.
     """
     share = other.station / other.radius
     share = share[share >= INNERMOST]
@@ -565,7 +421,7 @@ def equivalent(blade: Propeller, other: Propeller) -> Floats:
 HELD = {"c_l2": 2.0}
 """Held at one value for all: its value after stall and ``alpha_0`` would trade for each other."""
 
-LOGARITHMIC = np.array([True, True, True, False, True, False, False])
+LOGARITHMIC = np.array([CONSTANTS[name].population == "log" for name in PARAMETERS])
 """Whose logarithm is the coordinate (7,)."""
 
 _DRAG_ANGLE, _ZERO_LIFT = PARAMETERS.index("drag_angle"), PARAMETERS.index("zero_lift_angle")
@@ -573,18 +429,11 @@ _DRAG_ANGLE, _ZERO_LIFT = PARAMETERS.index("drag_angle"), PARAMETERS.index("zero
 
 @dataclass(frozen=True, eq=False)
 class PopulationPrior:
-    """A normal distribution of coordinates of the constants.
+    """A normal distribution (7,) of coordinates of the constants.
 
-    Coordinates are logarithms of c_l1, c_d, alpha_0 and c_d0, the zero-lift angle and Reynolds
-    camber themselves, and the angle of least pressure drag from the chord line, which is
-    ``zero_lift_angle`` + ``drag_angle``.
-
-    Attributes
-    ----------
-    mean, deviation : ndarray, shape (7,)
-        Of each coordinate.
-    correlation : ndarray, shape (7, 7)
-        Of the coordinates; independent ones unless given.
+    Coordinates are logarithms where ``CONSTANTS`` says so, else the constants; that of
+    ``drag_angle`` is the angle of least pressure drag from the chord line, with ``zero_lift_angle``
+    added.
     """
 
     mean: Floats
@@ -593,13 +442,13 @@ class PopulationPrior:
 
     @classmethod
     def of(cls, mean: Floats, covariance: Floats) -> PopulationPrior:
-        """The distribution with this ``mean`` (7,) and ``covariance`` (7, 7)."""
+        """Make the distribution with this ``mean`` (7,) and ``covariance`` (7, 7)."""
         deviation = np.sqrt(np.diag(covariance))
         return cls(mean, deviation, covariance / np.outer(deviation, deviation))
 
     @property
     def covariance(self) -> Floats:
-        """Of the coordinates, (7, 7)."""
+        """Covariance of the coordinates, (7, 7)."""
         return np.outer(self.deviation, self.deviation) * self.correlation
 
     @property
@@ -622,28 +471,28 @@ together; a first identification of the UIUC database gave them."""
 
 
 def coordinates(constants: Floats) -> Floats:
-    """Coordinates (..., 7) of constants (..., 7) in the order of ``PARAMETERS``."""
+    """Convert constants (..., 7) in the order of ``PARAMETERS`` to coordinates."""
     found = np.where(LOGARITHMIC, np.log(np.where(LOGARITHMIC, constants, 1.0)), constants)
     found[..., _DRAG_ANGLE] = constants[..., _DRAG_ANGLE] + constants[..., _ZERO_LIFT]
     return found
 
 
 def constants_of(place: Floats) -> Floats:
-    """Constants (..., 7) at coordinates, the inverse of ``coordinates``."""
+    """Convert coordinates (..., 7) to constants, the inverse of ``coordinates``."""
     found = np.where(LOGARITHMIC, np.exp(np.where(LOGARITHMIC, place, 0.0)), place)
     found[..., _DRAG_ANGLE] = place[..., _DRAG_ANGLE] - place[..., _ZERO_LIFT]
     return found
 
 
 def slopes_of(place: Floats) -> Floats:
-    """Derivatives (7, 7) of the constants by the coordinates ``place`` (7,)."""
+    """Differentiate the constants by the coordinates ``place`` (7,), as (7, 7)."""
     slopes = np.diag(np.where(LOGARITHMIC, constants_of(place), 1.0))
     slopes[_DRAG_ANGLE, _ZERO_LIFT] = -1.0
     return slopes
 
 
 def coordinate_covariance(constants: Floats, covariance: Floats) -> Floats:
-    """Covariance (7, 7) of the coordinates, by that of the ``constants`` (7,)."""
+    """Convert the covariance (7, 7) of the ``constants`` (7,) to that of the coordinates."""
     back = np.linalg.inv(slopes_of(coordinates(constants)))
     return np.asarray(back @ covariance @ back.T)
 
@@ -653,33 +502,22 @@ def coordinate_covariance(constants: Floats, covariance: Floats) -> Floats:
 
 
 class Member(NamedTuple):
-    """What one propeller's own data say, without its prior: exp(pull x - x precision x / 2).
+    """What one propeller's own data say of its coordinates x, without its prior: exp(pull x - x
+    precision x / 2)."""
 
-    Attributes
-    ----------
-    family, tested : str
-        Code of its series, and what the source calls it.
-    size : tuple of float
-        Labelled diameter and pitch [m].
-    precision : ndarray, shape (7, 7)
-        Of its coordinates; singular where its data say nothing of some.
-    pull : ndarray, shape (7,)
-        ``precision`` times the coordinates that fit best.
-    """
+    family: str  # code of its series
+    tested: str  # what the source calls it
+    size: Size  # labelled diameter and pitch [m]
+    precision: Floats  # (7, 7), singular where its data say nothing of some
+    pull: Floats  # (7,), ``precision`` times the coordinates that fit best
 
-    family: str
-    tested: str
-    size: Size
-    precision: Floats
-    pull: Floats
-
-    def moved(self, shift: Floats) -> Member:
-        """The same with ``shift`` (7,) added to its coordinates."""
+    def shifted(self, shift: Floats) -> Member:
+        """Add ``shift`` (7,) to the coordinates."""
         return self._replace(pull=self.pull + self.precision @ shift)
 
 
 def member(one: Identified, prior: PopulationPrior = POPULATION) -> Member:
-    """What the data of ``one`` say, which was identified with this ``prior``."""
+    """Take the ``prior``, with which it was identified, out of the constants of ``one``."""
     place = coordinates(one.constants)
     both = np.linalg.inv(coordinate_covariance(one.constants, one.covariance))
     before = np.linalg.inv(prior.covariance)
@@ -690,23 +528,15 @@ def member(one: Identified, prior: PopulationPrior = POPULATION) -> Member:
 
 
 def family_prior(members: Sequence[Member], population: Population, size: Size) -> PopulationPrior:
-    """The distribution of a further propeller of the family of which ``members`` are known.
+    """Predict the distribution of a further propeller of the family of which ``members`` are known.
 
-    The normal distribution of its coordinates, given theirs, as ``Population`` puts them together:
-    siblings of a similar size say the most.  Without members it is that over all propellers.
-
-    Parameters
-    ----------
-    members : sequence of Member
-        Other propellers of the family.
-    population : Population
-        Of families and within them.
-    size : tuple of float
-        Labelled diameter and pitch [m].
+    It is the normal distribution of its coordinates, given theirs, as ``Population`` puts them
+    together: siblings of a similar size say the most. Without members it is that over all
+    propellers.
     """
     own = population.mean + population.shift(size)
-    alike = likeness([*(one.size for one in members), size])
-    joint = np.kron(np.ones_like(alike), population.between) + np.kron(alike, population.within)
+    related = likeness([*(one.size for one in members), size])
+    joint = np.kron(np.ones_like(related), population.between) + np.kron(related, population.within)
     if not members:
         return PopulationPrior.of(own, joint)
     known = own.size * len(members)
@@ -727,78 +557,62 @@ def family_prior(members: Sequence[Member], population: Population, size: Size) 
 # How section constants are spread over small propellers: by size, between families, within them.
 #
 # A propeller's coordinates are the mean of its family, a trend by size common to all families, and
-# a
-# part of its own, which is like that of its siblings of a similar size.
+# a part of its own, which is like that of its siblings of a similar size.
 
-MIDDLE = (0.2286, 0.6)
-"""Diameter [m] and pitch over diameter at which a family's mean is stated."""
+MIDDLE = (0.2286, 0.6)  # diameter [m] and pitch over diameter at which a family's mean is stated
 
-ALIKE = (0.4, 0.3)
+LIKENESS_WIDTH = (0.4, 0.3)
 """Standard deviations of the bell by which likeness falls with the distance between siblings in the
-logarithm of the diameter and in pitch over diameter; with ``APART``, those of the largest
+logarithm of the diameter and in pitch over diameter; with ``OWN_SHARE``, those of the largest
 likelihood on a grid, over all three populations."""
 
-APART = 0.25
-"""Share of the variance within families in which siblings of one size differ."""
+OWN_SHARE = 0.25  # share of the variance within families in which siblings of one size differ
 
 GEOMETRIES = ("measured", "family", "population")
 """Which blade the constants of a population belong to, as in ``Identified.geometry``."""
 
-Size = tuple[float, float]
-"""Labelled diameter and pitch [m]."""
+Size = tuple[float, float]  # labelled diameter and pitch [m]
 
 
 @dataclass(frozen=True, eq=False)
 class Population:
-    """A normal distribution over propellers of the coordinates of ``prior.PopulationPrior``.
+    """A normal distribution over propellers of the coordinates of ``PopulationPrior``."""
 
-    Attributes
-    ----------
-    mean : ndarray, shape (7,)
-        Over families, of a propeller of the size ``MIDDLE``.
-    trend : ndarray, shape (7, 2)
-        By the logarithm of the diameter, and by pitch over diameter.
-    between, within : ndarray, shape (7, 7)
-        Covariance of families' means, and of propellers about that of their family.
-    low, high : ndarray, shape (2,)
-        Range of the two in the data; the trend ends there.
-    errors : ndarray, shape (2,)
-        Standard deviations of C_T and C_P [-] about the model with the best constants.
-    """
-
-    mean: Floats
-    trend: Floats
-    between: Floats
-    within: Floats
-    low: Floats
+    mean: Floats  # (7,) over families, of a propeller of the size ``MIDDLE``
+    trend: Floats  # (7, 2) by the logarithm of the diameter, and by pitch over diameter
+    between: Floats  # (7, 7) covariance of families' means
+    within: Floats  # (7, 7) covariance of propellers about the mean of their family
+    low: Floats  # (2,) of the two in the data; the trend ends there
     high: Floats
-    errors: Floats
+    errors: Floats  # (2,) of C_T and C_P [-] about the model with the best constants
 
     def shift(self, size: Size) -> Floats:
-        """What the trend adds to the coordinates at a ``size``, (7,)."""
+        """Add up what the trend adds to the coordinates at a ``size``, (7,)."""
         return self.trend @ np.clip(covariates(size), self.low, self.high)
 
 
 def covariates(size: Size) -> Floats:
-    """Logarithm of the diameter, and pitch over diameter, from ``MIDDLE``, (2,)."""
+    """Measure a size from ``MIDDLE``: logarithm of the diameter, and pitch over diameter, (2,)."""
     diameter, pitch = size
     return np.array([np.log(diameter / MIDDLE[0]), pitch / diameter - MIDDLE[1]])
 
 
 def likeness(sizes: Sequence[Size]) -> Floats:
-    """Correlation (n, n) of siblings about their family's mean; of one size, 1 - ``APART``."""
-    place = np.stack([covariates(size) for size in sizes]) / ALIKE
+    """Correlate siblings (n, n) about their family's mean; of one size, 1 - ``OWN_SHARE``."""
+    place = np.stack([covariates(size) for size in sizes]) / LIKENESS_WIDTH
     distance = ((place[:, None] - place[None]) ** 2).sum(axis=-1)
-    return (1.0 - APART) * np.exp(-0.5 * distance) + APART * np.eye(len(place))
+    return (1.0 - OWN_SHARE) * np.exp(-0.5 * distance) + OWN_SHARE * np.eye(len(place))
 
 
+@lru_cache(maxsize=4)
 def bundled_population(geometry: str = "measured") -> Population:
-    """The population of propellers whose blade is known, or is expected: one of ``GEOMETRIES``."""
-    return _bundled()[geometry]
+    """Read the bundled population whose blades are one of ``GEOMETRIES``."""
+    file = Path(__file__).parent / "identified" / "population.toml"
+    return parse_populations(file.read_text(encoding="utf-8"))[geometry]
 
 
 def as_toml(populations: Mapping[str, Population]) -> str:
-    """The text of a file that ``parse_populations`` reads."""
+    """Write the text of a file that ``parse_populations`` reads."""
     lines = ["# Written by `python -m tools.catalogue`; see propmap.catalogue.expected."]
     for name, one in populations.items():
         lines += ["", f"[{name}]"]
@@ -807,7 +621,7 @@ def as_toml(populations: Mapping[str, Population]) -> str:
 
 
 def parse_populations(text: str) -> dict[str, Population]:
-    """The populations of a file's ``text``, by the blade that their constants belong to."""
+    """Read the populations of a file's ``text``, by the blade that their constants belong to."""
     return {
         name: Population(**{key: np.array(value) for key, value in table.items()})
         for name, table in tomllib.loads(text).items()
@@ -818,9 +632,3 @@ def _listed(values: Floats) -> str:
     if values.ndim == 1:
         return "[" + ", ".join(f"{value:.8e}" for value in values) + "]"
     return "[\n" + "".join(f"  {_listed(row)},\n" for row in values) + "]"
-
-
-@lru_cache(maxsize=1)
-def _bundled() -> dict[str, Population]:
-    file = Path(__file__).parent / "identified" / "population.toml"
-    return parse_populations(file.read_text(encoding="utf-8"))

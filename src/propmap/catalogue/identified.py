@@ -15,25 +15,17 @@ import numpy as np
 
 from propmap import catalogue
 from propmap.errors import InputError, quoted
-from propmap.model.airfoil import Airfoil, SectionCovariance, SectionUncertainty
+from propmap.model.airfoil import CONSTANTS, Airfoil, SectionCovariance, SectionUncertainty
 from propmap.typing import Floats
+from propmap.units import INCH
 
 # -------------------------------------------------------------------------------------------------
 # Section constants identified from published loads, propeller by propeller, in one CSV file.
 
-PARAMETERS = (
-    "c_l1",
-    "c_d",
-    "alpha_0",
-    "zero_lift_angle",
-    "c_d0",
-    "reynolds_camber",
-    "drag_angle",
-)
+PARAMETERS = tuple(name for name, constant in CONSTANTS.items() if constant.population)
 """The constants that were identified; the others are held, c_l2 at the value in the file."""
 
-POOR = (0.0048, 0.0036)
-"""Errors of C_T and C_P [-] that nine propellers in ten stay below."""
+POOR = (0.0048, 0.0036)  # errors of C_T and C_P [-] that nine propellers in ten stay below
 
 _PAIRS = [(i, j) for i in range(len(PARAMETERS)) for j in range(i, len(PARAMETERS))]
 _TEXTS = ("propeller", "family", "tested", "geometry", "key", "verdict")
@@ -44,62 +36,32 @@ _ERRORS = ("thrust_rms", "power_rms", "static_thrust_rms", "static_power_rms")
 
 @dataclass(frozen=True, eq=False)
 class Identified:
-    """Constants of one propeller, and how far they can be trusted.
+    """Constants of one propeller from its loads in axial flow, and how far they can be trusted."""
 
-    Attributes
-    ----------
-    propeller : str
-        Name of its blade in the catalogue; that of an unmeasured blade is made likewise.
-    blades : int
-        Number of blades.
-    family, tested : str
-        Code of its series, and what the source calls it.
-    geometry : str
-        Which blade the constants belong to: "measured", or the mean of the measured blades of its
-        "family" or of the whole "population", of its size (``expected_blade``).
-    diameter_m, pitch_m : float
-        As labelled [m].
-    airfoil : Airfoil
-        The constants, with how well they are known.
-    covariance : ndarray, shape (7, 7)
-        Of ``PARAMETERS``, in their units.
-    thrust_rms, power_rms, static_thrust_rms, static_power_rms : float
-        Root mean squares of the errors of C_T and C_P over all rows and over those at rest [-];
-        NaN where there are none.
-    rows, static_rows : int
-        Operating points in all, and at rest.
-    rpm_low, rpm_high, advance_high : float
-        Range of the data: rotational speed [1/min], and J = V/(n D) up to this [-].
-    verdict : str
-        "good", or what is wrong with the data or the fit.
-    key : str
-        Tells the data and the settings of the fit from others.
-    """
-
-    propeller: str
+    propeller: str  # name of its blade in the catalogue, or one made up in that form
     blades: int
-    family: str
-    tested: str
-    geometry: str
-    diameter_m: float
+    family: str  # code of its series
+    tested: str  # what the source calls it
+    geometry: str  # "measured", or the mean of its "family" or of the "population"
+    diameter_m: float  # as labelled, as the pitch
     pitch_m: float
-    airfoil: Airfoil
-    covariance: Floats
-    thrust_rms: float
+    airfoil: Airfoil  # with how well they are known
+    covariance: Floats  # (7, 7) of ``PARAMETERS``
+    thrust_rms: float  # errors of C_T and C_P over all rows, and at rest; NaN without such
     power_rms: float
     static_thrust_rms: float
     static_power_rms: float
-    rows: int
+    rows: int  # operating points in all
     static_rows: int
-    rpm_low: float
+    rpm_low: float  # range of the data, with J = V/(n D) up to ``advance_high``
     rpm_high: float
     advance_high: float
-    verdict: str
-    key: str
+    verdict: str  # "good", or what is wrong with the data or the fit
+    key: str  # identifies the data and the settings of the fit
 
     @property
     def section_covariance(self) -> SectionCovariance:
-        """``covariance`` with its names, as tables take it."""
+        """The covariance with its names, as tables take it."""
         return SectionCovariance(PARAMETERS, self.covariance)
 
     @property
@@ -113,8 +75,8 @@ class Identified:
         return self.thrust_rms, self.power_rms
 
     @property
-    def told(self) -> str:
-        """In one line: whose constants these are, what they rest on, and how well they fit."""
+    def summary(self) -> str:
+        """Say in one line whose constants these are, what they rest on, and how well they fit."""
         size = "and at rest " if self.static_rows else ""
         return (
             f"constants identified from {self.rows} loads of {self.tested!r} in axial flow {size}"
@@ -130,31 +92,23 @@ class Identified:
 
 
 def identified(propeller: str, blades: int) -> Identified | None:
-    """The bundled constants of a propeller; None where there are none.
-
-    Parameters
-    ----------
-    propeller : str
-        Name of the blade in the catalogue, in upper or lower case.
-    blades : int
-        How many of them the rotor has.
-    """
+    """Find the bundled constants of a blade of the catalogue on a rotor with so many ``blades``."""
     key = propeller.strip().lower(), blades
     return _bundled(key) if key in _rows() else None
 
 
 def all_identified() -> list[Identified]:
-    """All bundled constants of measured blades, in the order of the file."""
+    """List all bundled constants of measured blades, in the order of the file."""
     return [_bundled(key) for key, row in _rows().items() if row["geometry"] == "measured"]
 
 
 def identified_without_blade() -> list[Identified]:
-    """All bundled constants of propellers whose blades were never measured."""
+    """List all bundled constants of propellers whose blades were never measured."""
     return [_bundled(key) for key, row in _rows().items() if row["geometry"] != "measured"]
 
 
 def named_without_blade(name: str) -> Identified | None:
-    """That of ``identified_without_blade`` with this ``name``, in lower case, if there is one."""
+    """Find the one of ``identified_without_blade`` with this ``name``, in lower case."""
     found = [
         key for key, row in _rows().items() if key[0] == name and row["geometry"] != "measured"
     ]
@@ -162,7 +116,7 @@ def named_without_blade(name: str) -> Identified | None:
 
 
 def one_of_each(entries: Sequence[Identified]) -> list[Identified]:
-    """Of ``entries`` for several blades of one tested propeller, the one that fits best."""
+    """Keep, of ``entries`` for several blades of one tested propeller, the one that fits best."""
     best: dict[str, Identified] = {}
     for one in entries:
         kept = best.get(one.tested)
@@ -172,12 +126,12 @@ def one_of_each(entries: Sequence[Identified]) -> list[Identified]:
 
 
 def badness(one: Identified) -> float:
-    """The larger of the errors of C_T and C_P, each over ``POOR``."""
+    """Take the larger of the errors of C_T and C_P, each over ``POOR``."""
     return max(one.thrust_rms / POOR[0], one.power_rms / POOR[1])
 
 
 def as_csv(entries: Sequence[Identified]) -> str:
-    """The entries as the text of a file that ``parse_identified`` reads."""
+    """Write the text of a file that ``parse_identified`` reads."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(_header())
@@ -188,39 +142,25 @@ def as_csv(entries: Sequence[Identified]) -> str:
             *one.constants,
             *(one.covariance[pair] for pair in _PAIRS),
         ]
-        writer.writerow(
-            [
-                *(getattr(one, name) for name in _TEXTS),
-                *(getattr(one, name) for name in _COUNTS),
-                *(f"{value:.8g}" for value in numbers),
-                *(f"{getattr(one, name):.5f}" for name in _ERRORS),
-            ]
-        )
+        plain = [getattr(one, name) for name in (*_TEXTS, *_COUNTS)]
+        errors = [f"{getattr(one, name):.5f}" for name in _ERRORS]
+        writer.writerow([*plain, *(f"{value:.8g}" for value in numbers), *errors])
     return text.getvalue()
 
 
 def parse_identified(text: str, where: str) -> list[Identified]:
-    """The entries of a file's ``text``; ``where`` names it in errors.
-
-    Raises
-    ------
-    InputError
-        For other columns than those of ``as_csv`` and for what is not a number.
-    """
+    """Read the entries of a file's ``text``; ``InputError`` for what ``as_csv`` has not written."""
     reader = csv.DictReader(io.StringIO(text))
     if reader.fieldnames != _header():
-        raise InputError(
-            "the columns are not those of identified constants",
-            "write the file anew with `python -m tools.catalogue`",
-            where,
-        )
-    found = []
+        found = "the columns are not those of identified constants"
+        raise InputError(found, "write the file anew with `python -m tools.catalogue`", where)
+    entries = []
     for line, row in enumerate(reader, start=2):
         try:
-            found.append(_entry(row))
+            entries.append(_entry(row))
         except (TypeError, ValueError) as error:
             raise InputError(f"line {line}: {error}", "correct the row", where) from None
-    return found
+    return entries
 
 
 def _entry(row: dict[str, str]) -> Identified:
@@ -251,7 +191,7 @@ def _pair(i: int, j: int) -> str:
 
 @cache
 def _rows() -> dict[tuple[str, int], dict[str, str]]:
-    """The bundled file's rows by propeller and number of blades."""
+    """Read the bundled file's rows, by propeller and number of blades."""
     with (Path(__file__).parent / "identified" / "uiuc.csv").open(encoding="utf-8") as file:
         return {(row["propeller"], int(row["blades"])): row for row in csv.DictReader(file)}
 
@@ -265,26 +205,15 @@ def _bundled(key: tuple[str, int]) -> Identified:
 # -------------------------------------------------------------------------------------------------
 # Designations of propellers, as they are printed on the blade: 8x6E, 5x4.3x3, 1045, 130x70 mm.
 
-INCH = 0.0254
-"""[m]."""
-
-LARGEST_INCHES = 40.0
-"""Diameter above which a bare number is taken for millimetres."""
-
-LEAST_DIAMETER, LARGEST_DIAMETER = 0.02, 3.0
-"""[m] of any propeller that is meant to be known here."""
-
-STEEPEST = 2.5
-"""Largest ratio of pitch to diameter."""
-
+LARGEST_INCHES = 40.0  # diameter above which a bare number is taken for millimetres
+LEAST_DIAMETER, LARGEST_DIAMETER = 0.02, 3.0  # [m] of any propeller that is meant to be known here
+STEEPEST = 2.5  # largest ratio of pitch to diameter
 MOST_BLADES = 8
-
 SAME = 0.006
 """Relative difference up to which two lengths are the same: makers round to a twentieth of an
 inch."""
 
-NO_MAKER = ("mm", "in", "inch", "uiuc")
-"""Units, and where names in the catalogue are from."""
+NO_MAKER = ("mm", "in", "inch", "uiuc")  # units, and where names in the catalogue are from
 
 WITHOUT_BLADE = {
     "ance": "Aeronaut CAM Carbon Electric",
@@ -310,40 +239,21 @@ _WORD = re.compile(r"[a-z]+\d*[a-z]*")
 
 @dataclass(frozen=True)
 class Designation:
-    """A propeller by maker, size and number of blades.
+    """A propeller by maker, size and number of blades."""
 
-    Attributes
-    ----------
-    words : tuple of str
-        Maker and series in lower case, in the order given; empty where none is named.
-    diameter, pitch : float
-        [m].
-    blades : int or None
-        None where the text does not say.
-    """
-
-    words: tuple[str, ...]
-    diameter: float
-    pitch: float
-    blades: int | None
+    words: tuple[str, ...]  # maker and series in lower case, in the order given
+    diameter: float  # [m]
+    pitch: float  # [m]
+    blades: int | None  # None where the text does not say
 
 
 def designation(text: str) -> Designation | None:
-    """Read a designation; None where it has no size.
+    """Read a designation such as "apc 10x4.7sf", "HQ 5x4.3x3" or "130x70"; None without a size.
 
     Diameter and pitch are in inches; in millimetres where the text says ``mm`` or the diameter is
-    above 40.  Four digits are diameter and pitch as makers of multirotors write them: 1045 is
-    10x4.5, 6040 is 6x4, 9450 is 9.4x5.
-
-    Parameters
-    ----------
-    text : str
-        Such as "apc 10x4.7sf", "5x4.3x3", "HQ 5x4.3 3-blade", "130x70" or "DJI 9450".
-
-    Raises
-    ------
-    InputError
-        For a size or a number of blades that no propeller has.
+    above 40. Four digits are diameter and pitch as makers of multirotors write them: 1045 is
+    10x4.5, 6040 is 6x4, 9450 is 9.4x5. ``InputError`` for a size or a number of blades that no
+    propeller has.
     """
     lower = text.strip().lower()
     blades = _BLADES.search(lower)
@@ -361,43 +271,28 @@ def designation(text: str) -> Designation | None:
     assert found is not None
     words = _WORD.findall(rest[: found.start()] + " " + rest[found.end() :])
     unit = 1e-3 if "mm" in words or numbers[0] > LARGEST_INCHES else INCH
+    diameter, pitch = numbers[0] * unit, numbers[1] * unit
     said = blades[1] or blades[2] if blades else found[3]
-    return _checked(
-        text,
-        Designation(
-            words=tuple(word for word in words if word not in NO_MAKER),
-            diameter=numbers[0] * unit,
-            pitch=numbers[1] * unit,
-            blades=int(said) if said else None,
-        ),
-    )
-
-
-def _checked(text: str, found: Designation) -> Designation:
-    if not LEAST_DIAMETER <= found.diameter <= LARGEST_DIAMETER:
-        raise InputError(
-            f"{quoted(text)} has a diameter of {found.diameter:.3g} m",
-            f"give {LEAST_DIAMETER:g} to {LARGEST_DIAMETER:g} m, in inches or with mm; "
-            + catalogue.close_names(text),
-        )
-    if not 0.0 < found.pitch <= STEEPEST * found.diameter:
-        raise InputError(
-            f"{quoted(text)} has a pitch of {found.pitch:.3g} m",
-            f"give a pitch above 0, up to {STEEPEST:g} diameters; {catalogue.close_names(text)}",
-        )
-    if found.blades is not None and not 2 <= found.blades <= MOST_BLADES:
-        raise InputError(
-            f"{quoted(text)} has {found.blades} blades", f"give 2 to {MOST_BLADES} blades"
-        )
-    return found
+    count = int(said) if said else None
+    if not LEAST_DIAMETER <= diameter <= LARGEST_DIAMETER:
+        remedy = f"give {LEAST_DIAMETER:g} to {LARGEST_DIAMETER:g} m, in inches or with mm; "
+        remedy += catalogue.close_names(text)
+        raise InputError(f"{quoted(text)} has a diameter of {diameter:.3g} m", remedy)
+    if not 0.0 < pitch <= STEEPEST * diameter:
+        remedy = f"give one above 0, up to {STEEPEST:g} diameters; {catalogue.close_names(text)}"
+        raise InputError(f"{quoted(text)} has a pitch of {pitch:.3g} m", remedy)
+    if count is not None and not 2 <= count <= MOST_BLADES:
+        raise InputError(f"{quoted(text)} has {count} blades", f"give 2 to {MOST_BLADES} blades")
+    maker = tuple(word for word in words if word not in NO_MAKER)
+    return Designation(maker, diameter, pitch, count)
 
 
 def candidates(wanted: Designation) -> list[catalogue.Entry]:
-    """The propellers of the catalogue that a designation may mean, one for each series.
+    """List the propellers of the catalogue that a designation may mean, one for each series.
 
-    Of several blades of one series and size the first that was measured is given.  Where the words
-    are the whole name of a series or its code, others whose names go on are left out.  The number
-    of blades counts only where no maker is named: makers put one blade on hubs for two and more.
+    Of several blades of one series and size the first that was measured is given. Where the words
+    are the whole name of a series or its code, others whose names go on are left out. The number of
+    blades counts only where no maker is named: makers put one blade on hubs for two and more.
     """
     found: dict[str, catalogue.Entry] = {}
     named, whole = _series(wanted.words), set()
@@ -418,10 +313,11 @@ def candidates(wanted: Designation) -> list[catalogue.Entry]:
 
 
 def series_named(words: tuple[str, ...]) -> tuple[list[str], tuple[str, ...]]:
-    """Codes of the series that a designation's ``words`` name, and the words that name none.
+    """Split a designation's ``words`` into codes of the series that they name, and words that name
+    none.
 
     Words are given up from the last on until the others name a series: "gws hd" stands for all
-    series of GWS.  The list is empty where the first word is unknown, or there is none.
+    series of GWS. The list is empty where the first word is unknown, or there is none.
     """
     for count in range(len(words), 0, -1):
         found = _series(words[:count])
@@ -432,7 +328,7 @@ def series_named(words: tuple[str, ...]) -> tuple[list[str], tuple[str, ...]]:
 
 
 def same_size(one: tuple[float, float], other: tuple[float, float]) -> bool:
-    """Whether two pairs of diameter and pitch are the same but for what makers round."""
+    """Whether two pairs of diameter and pitch differ by no more than makers round."""
     return all(abs(a - b) <= SAME * b for a, b in zip(one, other, strict=True))
 
 
@@ -442,7 +338,7 @@ def _measured(entry: catalogue.Entry) -> bool:
 
 @lru_cache(maxsize=1)
 def _title_words() -> dict[str, set[tuple[str, ...]]]:
-    """Of each series, what its propellers' titles call it."""
+    """Collect by series what its propellers' titles call it."""
     found: dict[str, set[tuple[str, ...]]] = {
         family: {tuple(_WORD.findall(title.lower()))} for family, title in WITHOUT_BLADE.items()
     }

@@ -6,6 +6,7 @@ import difflib
 import functools
 import os
 import re
+import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -23,7 +24,6 @@ from propmap.catalogue.expected import (
     size_of,
 )
 from propmap.catalogue.identified import (
-    INCH,
     WITHOUT_BLADE,
     Designation,
     Identified,
@@ -34,15 +34,15 @@ from propmap.catalogue.identified import (
     named_without_blade,
     series_named,
 )
-from propmap.errors import InputError, quoted
+from propmap.errors import InputError, located, quoted
 from propmap.io.geometry import check_radius, read_geometry_file
 from propmap.io.sections import looks_like_section_table, read_section_table
-from propmap.io.toml import parse_toml
 from propmap.loads import LOADS
 from propmap.model.airfoil import Airfoil, SectionTable, airfoil_names, parameter_set
 from propmap.model.corrections import Correction, corrections_of
 from propmap.model.model import Air, Model, Propeller
 from propmap.typing import Floats
+from propmap.units import INCH
 
 # -------------------------------------------------------------------------------------------------
 # Propellers and section laws by their name in the catalogue, or from a file.
@@ -57,7 +57,7 @@ def propeller(
     radius: float | None = None,
     root_cutout: float | None = None,
 ) -> Propeller:
-    """A propeller from the catalogue, from a geometry file, or as its designation lets expect.
+    """Load a propeller from the catalogue or a geometry file, or predict it from a designation.
 
     In this order: a name in the catalogue; a file; the one measured propeller that a designation
     with a maker or series means; the means over the series that it names, or over all series, for
@@ -90,21 +90,16 @@ def propeller(
             found = meant.propeller
         else:
             found = replace(catalogue.load(meant.name), blades=meant.blades)
-        if radius is not None:
-            check_radius(found.radius, radius, where=found.name)
+        with located(found.name):
+            check_radius(found.radius, radius)
         if blades is not None:
             found = replace(found, blades=blades)
     return found if root_cutout is None else found.with_root_cutout(root_cutout)
 
 
 def meant_by(name_or_path: str | os.PathLike[str]) -> catalogue.Entry | ExpectedBlade | None:
-    """What ``propeller`` would give the blade of; None for a file.
-
-    Raises
-    ------
-    InputError
-        As ``propeller``, but for what is wrong in a file.
-    """
+    """Find what ``propeller`` would give the blade of; None for a file. Errors are those of
+    ``propeller``."""
     text = os.fspath(name_or_path)
     name = text.strip().lower()
     if name in catalogue.names():
@@ -116,16 +111,12 @@ def meant_by(name_or_path: str | os.PathLike[str]) -> catalogue.Entry | Expected
 
 
 def designated(text: str) -> catalogue.Entry | ExpectedBlade:
-    """The measured propeller that a designation means, else what is to be expected of it.
+    """Find the measured propeller that a designation means, else expect its blade.
 
-    The entry has the number of blades that the designation says.  A size alone means no maker, even
-    where only one of that size was measured.  What is written like a name of the catalogue, maker
-    and size joined by hyphens, must be one.
-
-    Raises
-    ------
-    InputError
-        For what is no designation, and where measured propellers of several series have it.
+    The entry has the number of blades that the designation says. A size alone means no maker, even
+    where only one of that size was measured. What is written like a name of the catalogue, maker
+    and size joined by hyphens, must be one. ``InputError`` for what is no designation, and where
+    measured propellers of several series have it.
     """
     wanted = designation(text)
     if wanted is None:
@@ -137,14 +128,13 @@ def designated(text: str) -> catalogue.Entry | ExpectedBlade:
         raise catalogue.unknown_name(text)
     if wanted.words and found:
         names = ", ".join(entry.name for entry in found)
-        raise InputError(
-            f"{quoted(text)} may be {names}", "give one of these names; see `propmap props`"
-        )
+        remedy = "give one of these names; see `propmap props`"
+        raise InputError(f"{quoted(text)} may be {names}", remedy)
     return expected_blade(text, wanted, [entry.name for entry in found])
 
 
 def airfoil(name_or_path: str | os.PathLike[str]) -> Airfoil | SectionTable:
-    """A section law: a named set of constants, a parameter file, or a section table.
+    """Load a section law: a named set of constants, a parameter file, or a section table.
 
     Parameters
     ----------
@@ -168,14 +158,10 @@ def airfoil(name_or_path: str | os.PathLike[str]) -> Airfoil | SectionTable:
 
 
 def search(text: str) -> list[catalogue.Entry]:
-    """``catalogue.search``, and the propellers whose loads are known and whose blades are not."""
-    words = text.lower().split()
-    others = [_without_blade(one) for one in identified_without_blade()]
-    return catalogue.search(text) + [
-        entry
-        for entry in others
-        if all(word in f"{entry.name} {entry.title} {entry.family}".lower() for word in words)
-    ]
+    """Search as ``catalogue.search``, and among propellers whose loads are known and whose blades
+    are not."""
+    others = map(_without_blade, identified_without_blade())
+    return catalogue.matching(text, [*catalogue.entries(), *others])
 
 
 def _without_blade(one: Identified) -> catalogue.Entry:
@@ -185,14 +171,9 @@ def _without_blade(one: Identified) -> catalogue.Entry:
         # The database's entries come after the makers', and have the size at the end.
         series = _SIZE_AT_END.sub("", titles[-1])
     size = "x".join(f"{length / INCH:.4g}" for length in one.size)
-    return catalogue.Entry(
-        name=one.propeller,
-        title=f"{series} {size}, blade not measured",
-        family=one.family,
-        blades=one.blades,
-        diameter_m=one.diameter_m,
-        source=f"loads: UIUC Propeller Database; geometry by the means of its {one.geometry}",
-    )
+    title = f"{series} {size}, blade not measured"
+    source = f"loads: UIUC Propeller Database; geometry: the mean of its {one.geometry}"
+    return Entry(one.propeller, title, one.family, one.blades, one.diameter_m, source)
 
 
 def looks_like_path(name_or_path: str | os.PathLike[str]) -> bool:
@@ -218,7 +199,7 @@ def known_model(
     air: Air | None = None,
     corrections: tuple[Correction, ...] | None = None,
 ) -> Model:
-    """The model of a propeller by name: its blade, and the best constants that are known of it.
+    """Make the model of a propeller by name: its blade, and the best constants known of it.
 
     The blade is that of ``propmap.propeller``.  The constants are those identified from the
     propeller's own loads; else those to be expected of its family, else of any small propeller.
@@ -242,36 +223,21 @@ def known_model(
     """
     blade = propeller(name_or_path, blades)
     meant = meant_by(name_or_path)
-    known = own_constants(meant, blade.blades) or constants_to_expect(meant, blade)
+    known = own_constants(meant, blade.blades) or predicted_constants(meant, blade)
     added = corrections_of("recommended") if corrections is None else corrections
     return Model(blade, known.airfoil, air or Air(), added)
 
 
 def own_constants(meant: Entry | ExpectedBlade | None, blades: int) -> Identified | None:
-    """The constants identified from a propeller's own loads with so many ``blades``, if any.
-
-    Parameters
-    ----------
-    meant : Entry, ExpectedBlade or None
-        What its name means, from ``meant_by``.
-    blades : int
-        Number of blades.
-    """
+    """Find the constants identified from a propeller's own loads with so many ``blades``."""
     if isinstance(meant, ExpectedBlade):
         return meant.own if meant.own is not None and meant.own.blades == blades else None
     return identified(meant.name, blades) if meant is not None else None
 
 
-def constants_to_expect(meant: Entry | ExpectedBlade | None, blade: Propeller) -> ExpectedConstants:
-    """The constants to be expected of a propeller that was not identified itself.
-
-    Parameters
-    ----------
-    meant : Entry, ExpectedBlade or None
-        What its name means, from ``meant_by``; None of a geometry file.
-    blade : Propeller
-        Its blade.
-    """
+def predicted_constants(meant: Entry | ExpectedBlade | None, blade: Propeller) -> ExpectedConstants:
+    """Predict the constants of a propeller that was not identified itself; ``meant`` is None for a
+    geometry file."""
     return expected_constants(
         meant.family if meant is not None else None,
         size_of(meant, blade),
@@ -282,7 +248,6 @@ def constants_to_expect(meant: Entry | ExpectedBlade | None, blade: Propeller) -
 # -------------------------------------------------------------------------------------------------
 # Measured loads that come with propmap, one TOML file each in ``measurements/``.
 
-SCHEMA = 1
 SUFFIX = ".toml"
 _FOLDER = Path(__file__).parent / "measurements"
 
@@ -320,22 +285,20 @@ class Measurement:
 
 
 def measurement_names() -> list[str]:
-    """The names of all measurements, in alphabetical order."""
+    """List the names of all measurements, in alphabetical order."""
     return sorted(file.stem for file in _FOLDER.glob(f"*{SUFFIX}"))
 
 
 @functools.lru_cache(maxsize=32)
 def measurement(name: str) -> Measurement:
-    """The measurement called ``name``, in upper or lower case; ``InputError`` if none is."""
+    """Load the measurement called ``name``, in any case; ``InputError`` if there is none."""
     key, known = name.strip().lower(), measurement_names()
     if key not in known:
         close = difflib.get_close_matches(key, known, n=3, cutoff=0.3) or known
-        raise InputError(
-            f"{quoted(name)} is not a measurement of the catalogue",
-            f"choose one of {', '.join(close)}",
-        )
+        found = f"{quoted(name)} is not a measurement of the catalogue"
+        raise InputError(found, f"choose one of {', '.join(close)}")
     file = _FOLDER / f"{key}{SUFFIX}"
-    fields = parse_toml(file.read_text(encoding="utf-8"), f"measurement {key}", SCHEMA)
+    fields = tomllib.loads(file.read_text(encoding="utf-8"))
 
     def array(column: str) -> Floats:
         values = np.array(fields[column], dtype=np.float64)
@@ -344,11 +307,8 @@ def measurement(name: str) -> Measurement:
 
     return Measurement(
         name=key,
-        propeller=fields["propeller"],
-        kind=fields["kind"],
+        **{text: fields[text] for text in ("propeller", "kind", "note", "citation")},
         air_density=float(fields["air_density"]),
-        note=fields["note"],
-        citation=fields["citation"],
         omega=array("omega_rad_s"),
         speed=array("speed_m_s"),
         beta=array("beta_rad"),

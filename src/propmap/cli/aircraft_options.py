@@ -12,7 +12,7 @@ import typer
 from propmap import catalogue
 from propmap.cli.options import AccuracyName, ModelName, RotorChoice, with_physics
 from propmap.errors import InputError
-from propmap.io.csv import RPM
+from propmap.units import RPM
 
 if TYPE_CHECKING:
     from propmap.aircraft.trim import Aircraft

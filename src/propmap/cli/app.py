@@ -14,8 +14,7 @@ import typer
 
 import propmap
 from propmap.cli.lazy_group import LazyGroup
-from propmap.errors import InputError
-from propmap.model.drag_factor import MESSAGE as DRAG_FACTOR
+from propmap.errors import DRAG_FACTOR, InputError
 
 INTERRUPTED = 130
 

@@ -34,6 +34,7 @@ from propmap.cli.output import (
 )
 from propmap.errors import InputError, quoted
 from propmap.tasks import InProcesses, Workers
+from propmap.units import INCH
 
 if TYPE_CHECKING:
     from propmap.aircraft.mission import Mission
@@ -42,8 +43,6 @@ if TYPE_CHECKING:
 
 # -------------------------------------------------------------------------------------------------
 # ``propmap choose``: which propeller suits an aircraft.
-
-INCH = 0.0254
 
 
 class Measure(StrEnum):

@@ -24,6 +24,7 @@ from propmap.cli.output import Force
 from propmap.cli.table_report import building
 from propmap.errors import InputError
 from propmap.model.model import Model
+from propmap.units import RPM
 
 if TYPE_CHECKING:
     from propmap.rotor import Rotor
@@ -147,7 +148,7 @@ def _built(rotor: Rotor) -> LoadTable:
 
     radius = rotor.model.propeller.radius
     omega = (TIP_SPEED[0] / radius, TIP_SPEED[1] / radius)
-    rpm = [30.0 / math.pi * w for w in omega]
+    rpm = [w / RPM for w in omega]
     typer.echo(
         f"building a map of {rotor.model.propeller.name}, {rotor.model.law_title}, "
         f"at {rpm[0]:.0f} to {rpm[1]:.0f} rpm, {SPEED[0]:g} to {SPEED[1]:g} m/s, "

@@ -42,8 +42,9 @@ from propmap.fit.fit import Fitted
 from propmap.fit.least_squares import FlightErrors, errors
 from propmap.fit.parameters import described
 from propmap.fit.tunnel import TunnelData, read_tunnel
-from propmap.io.csv import RPM, read_columns, read_lines
+from propmap.io.csv import read_columns, read_lines
 from propmap.io.uiuc import looks_like_uiuc_loads
+from propmap.model.airfoil import PAPER_FOUR
 from propmap.model.corrections import in_words
 from propmap.model.model import Air, Propeller
 from propmap.model.plausibility import (
@@ -53,6 +54,7 @@ from propmap.model.plausibility import (
     point_warnings,
 )
 from propmap.typing import Floats
+from propmap.units import GRAVITY, RPM
 
 if TYPE_CHECKING:
     from propmap.fit.comparison import ForwardTrust
@@ -197,9 +199,6 @@ def _residuals(fitted: Fitted, k: int) -> tuple[str, ...]:
 # -------------------------------------------------------------------------------------------------
 # Static tests as thrust stands write them: CSV with rpm and loads, or a UIUC file.
 
-GRAM_FORCE = 9.80665e-3
-"""[N]."""
-
 
 class Column(NamedTuple):
     """What a column holds: a load, and its size in N or N m; a power is torque times Omega."""
@@ -211,8 +210,8 @@ class Column(NamedTuple):
 
 COLUMNS = {
     "thrust_N": Column("thrust", 1.0),
-    "thrust_g": Column("thrust", GRAM_FORCE),
-    "thrust_kg": Column("thrust", 1000.0 * GRAM_FORCE),
+    "thrust_g": Column("thrust", 1e-3 * GRAVITY),
+    "thrust_kg": Column("thrust", GRAVITY),
     "torque_Nm": Column("torque", 1.0),
     "torque_Ncm": Column("torque", 0.01),
     "torque_mNm": Column("torque", 0.001),
@@ -315,7 +314,7 @@ def fit_tunnel(
     check_outputs(output, picture)
     base = constants(choice.airfoil) if choice.airfoil else None
     blade = choice.blade()
-    default = ("c_l1", "c_l2", "c_d", "alpha_0", "zero_lift_angle")
+    default = (*PAPER_FOUR, "zero_lift_angle")
     by_default = free is None and base is None
     expected = section_prior(prior_from, choice.prop, blade, by_default=by_default)
     chosen = choice_of(free, fix, prior, default, base, expected=expected)

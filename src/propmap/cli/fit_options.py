@@ -21,7 +21,6 @@ from propmap.fit.parameters import (
     EVERY,
     FLEX,
     MOUNT,
-    PAPER_FOUR,
     SECTION,
     TURNING,
     WAKES,
@@ -30,7 +29,7 @@ from propmap.fit.parameters import (
     SectionPrior,
     known,
 )
-from propmap.model.airfoil import Airfoil
+from propmap.model.airfoil import PAPER_FOUR, Airfoil
 from propmap.model.model import Propeller
 
 if TYPE_CHECKING:

@@ -13,7 +13,7 @@ from typer.core import TyperGroup
 from propmap.catalogue import Entry
 from propmap.catalogue.expected import HELD
 from propmap.catalogue.identified import PARAMETERS, all_identified
-from propmap.catalogue.lookup import constants_to_expect, meant_by, own_constants, propeller, search
+from propmap.catalogue.lookup import meant_by, own_constants, predicted_constants, propeller, search
 from propmap.cli.options import Blades, PropArgument, Radius, constants, say_doubts, say_expected
 from propmap.cli.output import (
     Format,
@@ -27,7 +27,7 @@ from propmap.cli.output import (
     grid,
     show,
 )
-from propmap.model.airfoil import Airfoil, airfoil_names, parameter_set
+from propmap.model.airfoil import CONSTANTS, Airfoil, airfoil_names, parameter_set
 from propmap.model.plausibility import blade_warnings
 
 if TYPE_CHECKING:
@@ -182,16 +182,6 @@ def outline(blade: Propeller) -> list[str]:
 # -------------------------------------------------------------------------------------------------
 # What ``propmap props show`` says of a propeller's section constants.
 
-UNITS = {
-    "c_l1": "1/rad",
-    "c_d": "-",
-    "alpha_0": "rad",
-    "zero_lift_angle": "rad",
-    "c_d0": "-",
-    "reynolds_camber": "rad",
-    "drag_angle": "rad",
-}
-
 
 def known_constants(prop: str, blades: int) -> list[object]:
     """What to show: the constants that commands take for PROP by default, and how sure they are.
@@ -214,13 +204,13 @@ def known_constants(prop: str, blades: int) -> list[object]:
     also = [f"identified with {' and '.join(map(str, others))} blades too: --blades N"]
     found = own_constants(meant, blades)
     if found is None:
-        expected = constants_to_expect(meant, propeller(prop, blades))
+        expected = predicted_constants(meant, propeller(prop, blades))
         told: list[object] = [_table(expected.airfoil)]
         if isinstance(meant, Entry):
             # Else a note on the blade has said what both rest on.
-            told.append(expected.told)
+            told.append(expected.summary)
     else:
-        rest = found.told.removesuffix(f"; {found.verdict}")
+        rest = found.summary.removesuffix(f"; {found.verdict}")
         told = [_table(found.airfoil), rest, f"verdict: {found.verdict}"]
     return [*told, *(also if others else [])]
 
@@ -230,7 +220,7 @@ def _table(law: Airfoil) -> Table:
     assert law.uncertainty is not None  # both kinds carry it
     deviations = np.sqrt(np.diag(law.uncertainty.covariance.matrix))
     rows = [
-        (name, f"{getattr(law, name):.4f}", f"{deviation:.4f}", UNITS[name])
+        (name, f"{getattr(law, name):.4f}", f"{deviation:.4f}", CONSTANTS[name].unit)
         for name, deviation in zip(PARAMETERS, deviations, strict=True)
     ]
     held = [(name, f"{value:.4f}", "held", "-") for name, value in HELD.items()]

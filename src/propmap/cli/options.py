@@ -18,15 +18,15 @@ from propmap.catalogue.expected import ExpectedBlade
 from propmap.catalogue.identified import Identified
 from propmap.catalogue.lookup import (
     airfoil,
-    constants_to_expect,
     meant_by,
     own_constants,
+    predicted_constants,
     propeller,
 )
 from propmap.errors import InputError
 from propmap.io.csv import OperatingPoints, check_value
 from propmap.model.airfoil import Airfoil, SectionTable, airfoil_names
-from propmap.model.corrections import CORRECTIONS, apart, as_text, correction, corrections_of
+from propmap.model.corrections import CORRECTIONS, as_text, correction, corrections_of, split_mount
 from propmap.model.model import PAPER_DENSITY, PAPER_VISCOSITY, Air, Model, Propeller
 from propmap.model.plausibility import air_warnings, blade_warnings, point_warnings
 from propmap.tasks import InTurn, Workers
@@ -164,11 +164,11 @@ class RotorChoice:
             return airfoil(self.airfoil)
         found = self.identified(blade.blades)
         if found is not None:
-            law, told = found.airfoil, found.told
+            law, told = found.airfoil, found.summary
         else:
             meant = meant_by(self.prop)
-            expected = constants_to_expect(meant, blade)
-            law, told = expected.airfoil, expected.told
+            expected = predicted_constants(meant, blade)
+            law, told = expected.airfoil, expected.summary
             if isinstance(meant, ExpectedBlade) and meant.own is None:
                 return law  # the note on the blade tells of the constants too
         typer.echo(f"note: {told}; another law by --airfoil", err=True)
@@ -219,9 +219,9 @@ def with_physics(
 ) -> Airfoil | SectionTable:
     """The section law with the corrections that ``--model`` and ``--correction`` ask for."""
     own, more = law.corrections, [as_text(correction(text)) for text in added or ()]
-    physics, mount = apart(more)
+    physics, mount = split_mount(more)
     if model is None and not physics and own is not None:
-        return law.with_corrections([*apart(own)[0], *mount])
+        return law.with_corrections([*split_mount(own)[0], *mount])
     chosen = corrections_of(model or ModelName.recommended, more)
     return law.with_corrections([as_text(value) for value in chosen])
 
@@ -374,7 +374,7 @@ def say_expected(prop: str) -> None:
     """Say what a blade rests on that was not measured."""
     meant = meant_by(prop)
     if isinstance(meant, ExpectedBlade):
-        typer.echo(f"note: {meant.told}", err=True)
+        typer.echo(f"note: {meant.summary}", err=True)
 
 
 def say_doubts_on_points(model: Model, omega: Floats, speed: Floats, beta: Floats) -> None:

@@ -26,8 +26,9 @@ from propmap.cli.options import (
 )
 from propmap.cli.output import PICTURES, PictureOutput, check_output, check_pictures, write_text
 from propmap.errors import InputError
-from propmap.io.csv import LOAD_COLUMNS, RPM, disk_csv, read_points
+from propmap.io.csv import LOAD_COLUMNS, disk_csv, read_points
 from propmap.model.plausibility import blade_warnings
+from propmap.units import RPM
 
 if TYPE_CHECKING:
     from propmap.report.pictures import MeasuredLoads
@@ -138,17 +139,16 @@ def plot_disk(
 
 
 def _measured(path: Path, rpm: float) -> MeasuredLoads:
-    found = read_points(path, LOAD_COLUMNS)
-    if not found.further:
+    points, columns = read_points(path, LOAD_COLUMNS)
+    if not columns:
         raise InputError(
             "there is no column of loads", f"name one of {', '.join(LOAD_COLUMNS)}", str(path)
         )
-    points = found.points
     mine = np.abs(points.rpm - rpm) <= SAME_RPM * rpm
     if not mine.any():
         near = points.rpm[np.argmin(np.abs(points.rpm - rpm))]
         raise InputError(f"no row is within 1 % of {rpm:g} rpm", f"try --rpm {near:g}", str(path))
-    loads = {LOAD_COLUMNS[name]: values[mine] for name, values in found.further.items()}
+    loads = {LOAD_COLUMNS[name]: values[mine] for name, values in columns.items()}
 
     from propmap.report.pictures import MeasuredLoads
 

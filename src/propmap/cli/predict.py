@@ -106,7 +106,7 @@ def _points(
         both = [option for option, value in (given | more).items() if value is not None]
         if both:
             raise InputError(f"both --points and {both[0]} are given", "give one or the other")
-        return read_points(file).points
+        return read_points(file)[0]
     if rpm is None or speed is None or beta is None:
         missing = next(option for option, value in given.items() if value is None)
         raise InputError(f"{missing} is missing", "give --rpm, --speed and --beta, or --points")

@@ -14,7 +14,8 @@ from propmap.cli.aircraft_options import NoWakes
 from propmap.cli.options import Corrections, ModelOption, constants, parse_axis, with_physics
 from propmap.cli.output import Force, check_output, grid, show, write_text
 from propmap.errors import InputError
-from propmap.io.csv import RPM
+from propmap.model.airfoil import PAPER_FOUR
+from propmap.units import RPM
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -80,7 +81,7 @@ def simulate_flight(
     no_wakes: NoWakes = False,
     free: Annotated[
         str, typer.Option("--free", metavar="NAME,...", help="Parameters of the planned fit.")
-    ] = "c_l1,c_l2,c_d,alpha_0",
+    ] = ",".join(PAPER_FOUR),
     no_expectation: Annotated[
         bool, typer.Option("--no-expectation", help="Do not reckon the intervals to expect.")
     ] = False,

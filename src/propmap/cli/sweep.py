@@ -28,9 +28,10 @@ from propmap.cli.options import (
 from propmap.cli.output import Force, check_output, write_text
 from propmap.errors import InputError
 from propmap.io.csv import OperatingPoints, loads_csv, std_columns
-from propmap.sweep.points import AXES, RPM, Grid, attributes, parts_along, quantities
+from propmap.sweep.points import AXES, Grid, attributes, parts_along, quantities
 from propmap.sweep.run import Filed, Sweep, provenance
 from propmap.sweep.store import Layout, Store, begun
+from propmap.units import RPM
 
 if TYPE_CHECKING:
     import xarray
@@ -320,12 +321,12 @@ def _compute(rotor: Rotor, points: OperatingPoints, *, bands: bool) -> Loads:
     console = Console(stderr=True)
     parts = []
     with Progress(console=console, disable=not console.is_terminal, transient=True) as progress:
-        task = progress.add_task("operating points", total=points.count)
-        for start in range(0, points.count, CHUNK):
+        task = progress.add_task("operating points", total=points.rpm.size)
+        for start in range(0, points.rpm.size, CHUNK):
             part = points.part(start, CHUNK)
             found = part.loads(rotor)
             if bands:
                 _ = found.std_by_source  # now, while the bar tells of the progress
             parts.append(found)
-            progress.advance(task, part.count)
+            progress.advance(task, part.rpm.size)
     return joined(parts)

@@ -23,7 +23,7 @@ from propmap.cli.options import (
 from propmap.cli.output import Force, check_output, show
 from propmap.cli.table_report import building, told
 from propmap.errors import InputError, quoted
-from propmap.io.csv import RPM
+from propmap.units import RPM
 
 if TYPE_CHECKING:
     from propmap.table import LoadTable

@@ -55,6 +55,7 @@ from propmap.cli.output import (
 from propmap.errors import InputError
 from propmap.model.plausibility import point_warnings
 from propmap.rotor import Rotor
+from propmap.units import RPM
 
 if TYPE_CHECKING:
     import xarray
@@ -280,7 +281,6 @@ def say_beyond_data(craft: Aircraft, flown: list[SteadyStates], where: str = "")
 
 
 def _beyond(own: Identified, omega: Any, speed: Any, diameter: float) -> list[str]:
-    from propmap.vehicle.powertrain import RPM
 
     rpm, advance = (
         float(omega.max()) / RPM,
@@ -319,7 +319,7 @@ def table_of(states: SteadyStates, sure: StateChange | None, found: Performance 
     found : Performance, optional
         With their times and distances.
     """
-    rpm = states.rotor_speed * 30.0 / math.pi
+    rpm = states.rotor_speed / RPM
     heads, columns = ["V [m/s]", "pitch [deg]"], [[f"{v:.4g}" for v in states.speed]]
     columns.append([digits(v) for v in np.degrees(states.pitch)])
     if np.nanmax(np.abs(np.nan_to_num(states.roll))) > LEVEL:

@@ -21,25 +21,26 @@ from propmap.baselines.hover import HoverModel
 from propmap.catalogue import load
 from propmap.catalogue.expected import ExpectedBlade
 from propmap.catalogue.lookup import (
-    constants_to_expect,
     looks_like_path,
     meant_by,
     measurement,
     measurement_names,
     own_constants,
+    predicted_constants,
     propeller,
 )
 from propmap.errors import InputError, quoted
 from propmap.fit.files import is_fit, read_fit
 from propmap.fit.parameters import constants_of
 from propmap.fit.tunnel import TunnelData, measured_in_catalogue, measured_loads
-from propmap.io.csv import LOAD_COLUMNS, RPM, read_lines
+from propmap.io.csv import LOAD_COLUMNS, read_lines
 from propmap.io.geometry import propeller_toml, read_geometry_file
 from propmap.io.uiuc import looks_like_uiuc_loads
 from propmap.model.airfoil import Airfoil, airfoil_names, parameter_set, read_airfoil
 from propmap.model.corrections import as_text, corrections_of
 from propmap.model.model import Air, Model, Propeller
 from propmap.rotor import Rotor
+from propmap.units import RPM
 
 if TYPE_CHECKING:
     from propmap.fit.tunnel import TunnelData
@@ -237,7 +238,7 @@ def _constants(session: Session, blade: Propeller) -> Airfoil:
         law = parameter_set(session.law)
     else:
         meant = meant_by(session.name) if session.name else None
-        law = (own_constants(meant, blade.blades) or constants_to_expect(meant, blade)).airfoil
+        law = (own_constants(meant, blade.blades) or predicted_constants(meant, blade)).airfoil
     return law
 
 

@@ -31,10 +31,11 @@ from propmap.explore.session import (
     read_upload,
     rotor_of,
 )
-from propmap.io.csv import RPM, OperatingPoints
+from propmap.io.csv import OperatingPoints
 from propmap.loads import LOADS
 from propmap.model.airfoil import airfoil_names
 from propmap.report.html import COLOURS
+from propmap.units import RPM
 
 # -------------------------------------------------------------------------------------------------
 # What a view is: a question, what can be set, and an answer to it.

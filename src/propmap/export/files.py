@@ -23,6 +23,7 @@ from propmap.loads import LOADS, error_scales
 from propmap.table.interpolation import VORTEX_RING
 from propmap.table.query import LoadTable
 from propmap.typing import Floats
+from propmap.units import DEGREE, RPM
 from propmap.vehicle.vehicle import Vehicle
 
 # -------------------------------------------------------------------------------------------------
@@ -177,7 +178,6 @@ def origin(table: LoadTable) -> list[str]:
     info, content = table.info, table.content
     blade, section = info["propeller"], info.get("airfoil") or {}
     (w0, w1), (v0, v1), (b0, b1) = table.envelope.values()
-    rpm, degrees = 30.0 / np.pi, 180.0 / np.pi
     lines = [
         f"propeller: {blade.get('name', ABSENT)}, {blade.get('blades', ABSENT)} blades, "
         f"R = {content.radius:.6g} m, from {blade.get('source') or ABSENT}",
@@ -185,8 +185,8 @@ def origin(table: LoadTable) -> list[str]:
         f"corrections: {', '.join(info.get('corrections') or ['none'])}",
         f"air: {content.density:.6g} kg/m^3, viscosity "
         f"{info['air'].get('viscosity_Pa_s', ABSENT)} Pa s",
-        f"envelope: {w0 * rpm:.6g} to {w1 * rpm:.6g} rpm, {v0:g} to {v1:g} m/s, "
-        f"beta {b0 * degrees:.6g} to {b1 * degrees:.6g} deg",
+        f"envelope: {w0 / RPM:.6g} to {w1 / RPM:.6g} rpm, {v0:g} to {v1:g} m/s, "
+        f"beta {b0 / DEGREE:.6g} to {b1 / DEGREE:.6g} deg",
         f"map: {_certified(table)}",
         *_of_parameters(table),
         f"map built: {info.get('created', ABSENT)}, propmap {info.get('propmap_version', ABSENT)}",

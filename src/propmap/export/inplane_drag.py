@@ -17,7 +17,8 @@ from propmap.model.corrections import MOUNT_DRAG
 from propmap.operating_points import FlowPoints, split_velocity
 from propmap.rotor import Rotor
 from propmap.typing import Floats
-from propmap.vehicle.log import GRAVITY, in_vehicle_frame
+from propmap.units import GRAVITY
+from propmap.vehicle.log import in_vehicle_frame
 from propmap.vehicle.vehicle import Body, Vector, Vehicle
 from propmap.vehicle.vehicle_forces import mounted_rotors
 

@@ -26,7 +26,7 @@ from propmap.export.static_loads import (
     static_loads,
 )
 from propmap.typing import Floats
-from propmap.vehicle.log import GRAVITY
+from propmap.units import GRAVITY
 from propmap.vehicle.vehicle import Vector, Vehicle
 
 # -------------------------------------------------------------------------------------------------

@@ -29,6 +29,7 @@ from propmap.loads import LOADS
 from propmap.results import spin_sign
 from propmap.table.query import LoadTable
 from propmap.typing import Floats
+from propmap.units import FOOT, INCH, POUND, RPM, SLUG_PER_FT3
 from propmap.vehicle.powertrain import Powertrain
 from propmap.vehicle.vehicle import Vehicle
 from propmap.vehicle.vehicle_forces import Rotors
@@ -76,7 +77,7 @@ def gazebo_files(table: LoadTable) -> Files:
     samples = sample(table)
     fitted = fit_motor_model(table, samples)
     found = errors(samples, fitted.loads(samples.omega, samples.inplane))
-    rpm = middle_omega(table) * 30.0 / np.pi
+    rpm = middle_omega(table) / RPM
     return {
         f"{identifier(table)}_motor.sdf": rendered("motor.sdf", table, fitted=fitted),
         "README-gazebo.txt": note(table, "gazebo", found, rpm=rpm),
@@ -143,7 +144,7 @@ def rotorpy_files(table: LoadTable) -> Files:
     samples = sample(table)
     fitted = fit_rotor(table, samples)
     found = errors(samples, fitted.loads(samples.omega, samples.axial, samples.inplane))
-    rpm = middle_omega(table) * 30.0 / np.pi
+    rpm = middle_omega(table) / RPM
     return {
         f"{identifier(table)}_rotorpy.py": rendered("rotorpy.py", table, fitted=fitted),
         "README-rotorpy.txt": note(table, "rotorpy", found, rpm=rpm),
@@ -205,11 +206,6 @@ def vehicle_rotorpy_files(vehicle: Vehicle, table: LoadTable) -> Files:
 # external reactions: a line in Omega and the axial velocity, times the in-plane velocity, as in
 # ``multinomial``.
 
-METERS_PER_INCH = 0.0254
-METERS_PER_FOOT = 0.3048
-NEWTONS_PER_POUND = 4.4482216152605
-KG_M3_PER_SLUG_FT3 = 515.378818393
-
 POINTS = 121
 """Of the table.  JSBSim interpolates linearly: 1e-4 of the static coefficient between these."""
 
@@ -266,7 +262,7 @@ def jsbsim_files(table: LoadTable) -> Files:
     of_thrust, of_torque = axial_error(table)
     advance, thrust, power = coefficients(table)
     values = {"advance": advance, "thrust": thrust, "power": power}
-    inches = 2.0 * table.content.radius / METERS_PER_INCH
+    inches = 2.0 * table.content.radius / INCH
     told = {"advance": advance, "of_thrust": of_thrust, "of_torque": of_torque}
     return {
         f"{identifier(table)}.xml": rendered("jsbsim.xml", table, inches=inches, **values),
@@ -280,12 +276,12 @@ def jsbsim_files(table: LoadTable) -> Files:
 def _reaction_units() -> dict[str, float]:
     """Of the reactions' factors: density in slug/ft^3, a velocity in ft/s, force and moment in lbf
     and lbf ft."""
-    per_pound = KG_M3_PER_SLUG_FT3 * METERS_PER_FOOT / NEWTONS_PER_POUND
+    per_pound = SLUG_PER_FT3 * FOOT / POUND
     return {
         "per_lbs": per_pound,
-        "per_lbsft": per_pound / METERS_PER_FOOT,
-        "rad_s_per_rpm": np.pi / 30.0,
-        "m_per_ft": METERS_PER_FOOT,
+        "per_lbsft": per_pound / FOOT,
+        "rad_s_per_rpm": RPM,
+        "m_per_ft": FOOT,
     }
 
 

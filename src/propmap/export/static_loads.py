@@ -11,7 +11,8 @@ from propmap.aircraft.trim import Aircraft
 from propmap.export.inplane_drag import load_errors, rotor_sources
 from propmap.rotor import Rotor
 from propmap.typing import Floats
-from propmap.vehicle.powertrain import RPM, Motor
+from propmap.units import RPM
+from propmap.vehicle.powertrain import Motor
 
 # -------------------------------------------------------------------------------------------------
 # A vehicle's rotors at rest, with the errors of their loads.

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from propmap.baselines.hover import HoverModel
 from propmap.catalogue.identified import PARAMETERS
-from propmap.errors import InputError
+from propmap.errors import InputError, drag_factor_accepted
 from propmap.fit.fit import Fitted
 from propmap.fit.flight import (
     ALIKE,
@@ -39,11 +39,11 @@ from propmap.fit.parameters import (
 from propmap.fit.tunnel import TunnelData, rotor_with
 from propmap.fit.uncertainty import uncertainty
 from propmap.loads import LOADS
-from propmap.model.drag_factor import drag_factor_accepted
 from propmap.model.model import Model, Section
 from propmap.rotor import Rotor
 from propmap.typing import Floats
-from propmap.vehicle.log import GRAVITY, FlightLog
+from propmap.units import GRAVITY
+from propmap.vehicle.log import FlightLog
 from propmap.vehicle.vehicle import Vehicle
 from propmap.vehicle.vehicle_forces import mounted_rotors
 from propmap.vehicle.wakes import HubFlow, hub_flow, in_wakes, rotor_wrench

@@ -15,7 +15,7 @@ import msgspec
 import numpy as np
 
 import propmap
-from propmap.errors import InputError
+from propmap.errors import InputError, drag_factor_accepted
 from propmap.fit.comparison import discrepancy
 from propmap.fit.fit import Coverage, Fitted
 from propmap.fit.learned_residual import LearnedResidual
@@ -34,7 +34,6 @@ from propmap.fit.parameters import (
 from propmap.fit.tunnel import model_with, section_with
 from propmap.io.sections import looks_like_section_table
 from propmap.model.airfoil import Airfoil, SectionCovariance, fitted_uncertainty, read_airfoil
-from propmap.model.drag_factor import drag_factor_accepted
 from propmap.model.model import Air, Model, Propeller
 from propmap.typing import Floats
 

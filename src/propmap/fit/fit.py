@@ -26,6 +26,7 @@ from propmap.fit.parameters import LEAST_ERROR, Choice
 from propmap.fit.uncertainty import Uncertainty, residual_errors, uncertainty
 from propmap.tasks import InTurn, Workers, in_order
 from propmap.typing import Floats
+from propmap.units import RPM
 
 # -------------------------------------------------------------------------------------------------
 # A whole identification: search, uncertainty, residuals, cross-validation, bootstrap.
@@ -259,8 +260,6 @@ FEW = 0.02
 HOVER_BELOW, NARROW = 1.0, 2.0
 """Speeds [m/s]: below the first everything hovers; a range below the second is one speed."""
 
-RPM = 30.0 / np.pi
-
 Range = tuple[float, float]
 """Least and largest."""
 
@@ -330,7 +329,7 @@ def coverage(omega: Floats, speed: Floats, beta: Floats, radius: float) -> Cover
     if not turning.any():
         raise InputError("the propeller stands still at all points", "give rpm above 0")
     omega, speed, beta = omega[turning], speed[turning], beta[turning]
-    rpm, degrees, still = omega * RPM, np.degrees(beta), speed < AT_REST
+    rpm, degrees, still = omega / RPM, np.degrees(beta), speed < AT_REST
     band = np.round(degrees / BAND).astype(int)
 
     def at(mine: NDArray[np.bool_]) -> tuple[int, Range, float, Range, Range]:

@@ -33,7 +33,8 @@ from propmap.model.airfoil import Airfoil
 from propmap.model.model import Model
 from propmap.rotor import Rotor
 from propmap.typing import Floats
-from propmap.vehicle.log import GRAVITY, FlightLog
+from propmap.units import GRAVITY
+from propmap.vehicle.log import FlightLog
 from propmap.vehicle.vehicle import Body, Vehicle, Wakes
 from propmap.vehicle.vehicle_forces import free_stream_force, mounted_rotors
 from propmap.vehicle.wakes import HubFlow, check_apart, hub_flow, rotor_wrench, wake_flow

@@ -11,9 +11,8 @@ import numpy as np
 from propmap.catalogue.expected import LOGARITHMIC, PopulationPrior, coordinates, slopes_of
 from propmap.catalogue.expected import constants_of as prior_constants
 from propmap.catalogue.identified import PARAMETERS
-from propmap.errors import InputError, quoted
-from propmap.model.airfoil import Airfoil
-from propmap.model.drag_factor import warn_of_drag_factor
+from propmap.errors import InputError, quoted, warn_of_drag_factor
+from propmap.model.airfoil import CONSTANTS, PAPER_FOUR, Airfoil
 from propmap.model.model import Section
 from propmap.typing import Floats
 
@@ -43,15 +42,9 @@ class Parameter:
 
 
 SECTION = {
-    "c_l1": Parameter("1/rad", 2.0 * np.pi, 0.5, 12.0, 1.0, "slope of the attached lift"),
-    "c_l2": Parameter("-", 2.0, 0.0, 6.0, 0.5, "lift after stall"),
-    "c_d": Parameter("-", 0.0, 0.0, 10.0, 1.0, "pressure drag"),
-    "alpha_0": Parameter("rad", 0.47, 0.1, 0.9, 0.06, "angle of stall"),
-    "zero_lift_angle": Parameter("rad", 0.0, -0.25, 0.15, 0.03, "camber"),
-    "c_d0": Parameter("-", 0.01, 0.0, 0.2, 0.02, "constant drag"),
-    "drag_factor": Parameter("-", 1.0, 0.2, 5.0, 0.5, "factor on the rotor drag, deprecated"),
-    "reynolds_camber": Parameter("rad", 0.0, -0.1, 0.1, 0.02, "camber by ln Re"),
-    "drag_angle": Parameter("rad", 0.0, -0.2, 0.3, 0.03, "angle of least pressure drag"),
+    name: Parameter(constant.unit, *constant.fit, constant.meaning)
+    for name, constant in CONSTANTS.items()
+    if constant.fit is not None
 }
 """Parameters of the section law; x0 of (18) is that of the first four."""
 
@@ -118,7 +111,6 @@ FLIGHT = {
 PER_FLIGHT = ("thrust_scale", "clock_offset")
 """What may differ from flight to flight: then named as ``thrust_scale[FLIGHT]``."""
 
-PAPER_FOUR = ("c_l1", "c_l2", "c_d", "alpha_0")
 EVERY = ROTOR | BODY | WING | SENSOR | TURNING | WAKES | FLIGHT
 FIRST_GUESS = {name: p.start for name, p in EVERY.items() if name not in FLEX | MOUNT | WAKES}
 

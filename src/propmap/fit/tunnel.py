@@ -12,7 +12,7 @@ import numpy as np
 
 from propmap.baselines.hover import HoverModel
 from propmap.catalogue.lookup import measurement, measurement_names
-from propmap.errors import InputError, quoted
+from propmap.errors import InputError, drag_factor_accepted, quoted
 from propmap.fit.least_squares import Rows
 from propmap.fit.parameters import (
     BODY,
@@ -26,16 +26,16 @@ from propmap.fit.parameters import (
     constants_of,
     general,
 )
-from propmap.io.csv import LOAD_COLUMNS, RPM, read_points
+from propmap.io.csv import LOAD_COLUMNS, read_points
 from propmap.io.uiuc import Coefficients, looks_like_uiuc_loads, read_uiuc_loads
 from propmap.loads import LOADS
 from propmap.model.airfoil import Airfoil
 from propmap.model.corrections import BladeUntwist, MountDrag
-from propmap.model.drag_factor import drag_factor_accepted
 from propmap.model.model import Air, Model, Propeller, Section
 from propmap.model.plausibility import load_warnings, point_warnings
 from propmap.rotor import Rotor
 from propmap.typing import Floats
+from propmap.units import RPM
 
 # -------------------------------------------------------------------------------------------------
 # Loads measured on a bench or in a tunnel, as rows to fit.
@@ -98,7 +98,7 @@ def model_with(model: Model, values: Mapping[str, float]) -> Model:
     """The model with what ``values`` has of the parameters of ``ROTOR``."""
     model = model.with_airfoil(section_with(model.airfoil, values))
     if "untwist" in values:
-        model = model.found_with(BladeUntwist(values["untwist"]))
+        model = model.with_correction(BladeUntwist(values["untwist"]))
     if "mount_area" not in values:
         return model
     # The share of the inflow is the model's own.
@@ -274,18 +274,17 @@ def measured_loads(path: Path) -> Callable[[Propeller, Air], TunnelData]:
     """
     if looks_like_uiuc_loads(path):
         return functools.partial(_of_coefficients, path.name, read_uiuc_loads(path))
-    file = read_points(path, LOAD_COLUMNS)
-    if not file.further:
+    points, columns = read_points(path, LOAD_COLUMNS)
+    if not columns:
         raise InputError(
             "there is no column with a load", f"add one of {', '.join(LOAD_COLUMNS)}", str(path)
         )
-    points = file.points
     found = TunnelData(
         path.name,
         points.rpm * RPM,
         points.speed_mps,
         np.radians(points.beta_deg),
-        {LOAD_COLUMNS[name]: values for name, values in file.further.items()},
+        {LOAD_COLUMNS[name]: values for name, values in columns.items()},
     )
     return lambda _propeller, _air: found
 

@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 from propmap.baselines.hover import HoverModel
 from propmap.errors import InputError
 from propmap.flight.steady import airborne
-from propmap.model.plausibility import GRAVITY, RPM, UNIT_ERRORS, Range, unit_errors
+from propmap.model.plausibility import UNIT_ERRORS, Range, unit_errors
 from propmap.typing import Floats
+from propmap.units import GRAVITY, RPM
 from propmap.vehicle.log import FlightLog, low_passed
 from propmap.vehicle.vehicle import Vehicle
 

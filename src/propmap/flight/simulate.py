@@ -16,22 +16,15 @@ from propmap.baselines.hover import REFERENCE_TIP_SPEED
 from propmap.errors import InputError
 from propmap.fit.flight import ForceModel, level_rows, wing_values
 from propmap.fit.least_squares import NOISE_FLOOR, Minimum
-from propmap.fit.parameters import (
-    EVERY,
-    FIRST_GUESS,
-    MOUNT,
-    PAPER_FOUR,
-    SECTION,
-    Choice,
-    constants_of,
-)
+from propmap.fit.parameters import EVERY, FIRST_GUESS, MOUNT, SECTION, Choice, constants_of
 from propmap.fit.uncertainty import AT_BOUND, Uncertainty, uncertainty
-from propmap.model.airfoil import Airfoil
+from propmap.model.airfoil import PAPER_FOUR, Airfoil
 from propmap.model.corrections import MountDrag
 from propmap.model.model import Model
 from propmap.typing import Floats
-from propmap.vehicle.files import CHOICES, LogMap
-from propmap.vehicle.log import GRAVITY, FlightLog, in_vehicle_frame, pitch_and_roll
+from propmap.units import GRAVITY
+from propmap.vehicle.files import STATED, LogMap
+from propmap.vehicle.log import FlightLog, in_vehicle_frame, pitch_and_roll
 from propmap.vehicle.vehicle import Vehicle
 
 # -------------------------------------------------------------------------------------------------
@@ -142,7 +135,7 @@ def log_map(rotors: int) -> LogMap:
 def log_table(rotors: int) -> str:
     """Write the table ``[log]`` of a vehicle file that reads such a log."""
     how, several = log_map(rotors), (*VECTORS, "rotor_speed")
-    stated = {key: how.stated(key) for key in CHOICES}
+    stated = {key: how.stated(key) for key in STATED}
     columns = {key: names if key in several else names[0] for key, names in how.columns.items()}
     # Texts and lists of texts are the same in JSON and in TOML.
     tables = [

@@ -15,8 +15,8 @@ from propmap.errors import InputError
 from propmap.io.csv import header_names, read_csv_table, read_lines
 from propmap.io.geometry import parse_number
 from propmap.typing import Floats
+from propmap.units import RPM
 from propmap.vehicle.log import LONGEST_GAP, FlightLog, in_vehicle_frame
-from propmap.vehicle.powertrain import RPM
 from propmap.vehicle.vehicle import Vehicle
 
 # -------------------------------------------------------------------------------------------------

@@ -16,14 +16,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from propmap.errors import InputError, quoted
+from propmap.errors import InputError, located, quoted
 from propmap.loads import LOADS
 from propmap.typing import Floats
+from propmap.units import RPM
 
 if TYPE_CHECKING:
     import xarray
 
-    from propmap.results import Loads, LoadValues
+    from propmap.results import Loads
     from propmap.rotor import Rotor
     from propmap.typing import Floats
 
@@ -43,58 +44,27 @@ _GROUP = re.compile(r"[+-]?[1-9]\d{0,2}[.,]\d{3}")
 
 @dataclass(frozen=True)
 class CsvTable:
-    """A CSV file with a header line, as text.
+    """A CSV file with a header line, as text."""
 
-    Attributes
-    ----------
-    line : int
-        Number of the header's line, from 1.
-    header : list of str
-        Names of the columns, without those at the end that have none.
-    rows : list of (int, list of str)
-        Number of the line and cells of each row that is not blank.  Numbers have decimal points in
-        the columns that were asked for.  A row may be shorter than the header, but not longer.
-    comments : list of str
-        Lines that begin with #, where the format has them.
-    """
-
-    line: int
-    header: list[str]
-    rows: list[tuple[int, list[str]]]
-    comments: list[str]
+    line: int  # number of the header's line, from 1
+    header: list[str]  # without columns at the end that have no name
+    rows: list[tuple[int, list[str]]]  # with line numbers, blank ones left out, numbers with points
+    comments: list[str]  # lines that begin with #, where the format has them
 
 
 def read_csv_table(
-    lines: Iterable[str], columns: Collection[str], where: str, *, comments: bool = False
+    lines: Iterable[str], columns: Collection[str], where: str = "", *, comments: bool = False
 ) -> CsvTable | None:
-    """The header and the rows of a CSV file in any of the dialects of spreadsheets.
+    """Read header and rows of a CSV file in any of the dialects of spreadsheets; None for blanks.
 
-    Parameters
-    ----------
-    lines : iterable of str
-        Of the file, without their ends.
-    columns : collection of str
-        Names of those that hold numbers; upper and lower case are alike.
-    where : str
-        The file, for messages.
-    comments : bool
-        Whether lines that begin with # are comments.
-
-    Returns
-    -------
-    CsvTable or None
-        None where all lines are blank or comments.
-
-    Raises
-    ------
-    InputError
-        Where quotes do not close, a row has more fields than the header, or points and commas in
-        numbers cannot be told apart.
+    ``columns`` hold numbers, in upper or lower case. With ``comments``, lines that begin with # are
+    such. ``InputError`` where quotes do not close, a row has more fields than the header, or points
+    and commas in numbers cannot be told apart.
     """
-    body, told = [], []
+    body, remarks = [], []
     for text in lines:
         comment = comments and is_comment(text)
-        told += [text] if comment else []
+        remarks += [text] if comment else []
         body.append("" if comment else text)
     first = next((text for text in body if text.strip(" \t;,")), None)
     if first is None:
@@ -113,14 +83,14 @@ def read_csv_table(
     if has_decimal_commas(((n, row[place]) for n, row, place in cells), separator, where):
         for _, row, place in cells:
             row[place] = row[place].replace(",", ".")
-    return CsvTable(line, header, rows, [_uncovered(text, separator) for text in told])
+    return CsvTable(line, header, rows, [_uncovered(text, separator) for text in remarks])
 
 
 def separator_of(header: str, columns: Collection[str]) -> str:
-    """The separator of a CSV file, one of ``SEPARATORS``, from its header line.
+    """Find the separator of a CSV file, one of ``SEPARATORS``, from its header line.
 
     ``csv.Sniffer`` is shown the header alone: in rows it takes decimal commas and what stands next
-    to quotes for separators (CPython's issues 97611 and 119123).  It is overruled where another
+    to quotes for separators (CPython's issues 97611 and 119123). It is overruled where another
     separator brings to light more of the ``columns`` that are looked for, as it prefers commas.
     """
     try:
@@ -132,27 +102,16 @@ def separator_of(header: str, columns: Collection[str]) -> str:
 
 
 def header_names(header: str, columns: Collection[str]) -> list[str]:
-    """The names in a header line, in lower case, where ``columns`` are looked for."""
+    """Split a header line into names in lower case, where ``columns`` are looked for."""
     return _names(header, separator_of(header, columns))
 
 
 def has_decimal_commas(cells: Iterable[tuple[int, str]], separator: str, where: str) -> bool:
-    """Whether the numbers of a file have decimal commas.
+    """Whether the numbers of a file, cells with their line, have decimal commas.
 
-    Parameters
-    ----------
-    cells : iterable of (int, str)
-        Number of the line, and what stands there for a number; other texts do not count.
-    separator : str
-        Of the columns.  Where it is the comma, no number has one.
-    where : str
-        The file, for messages.
-
-    Raises
-    ------
-    InputError
-        Where one number has two marks or one of each kind, numbers differ in their mark, or all
-        that have a mark may be thousands just as well, as 6.000 and 6,000.
+    ``InputError`` where one number has two marks or one of each kind, numbers differ in their mark,
+    or all that have a mark may be thousands just as well, as 6.000 and 6,000. Where commas separate
+    columns, no number has one.
     """
     if separator == ",":
         return False
@@ -163,38 +122,32 @@ def has_decimal_commas(cells: Iterable[tuple[int, str]], separator: str, where: 
         if not marks or not _MARKED.fullmatch(cell):
             continue
         if len(marks) > 1:
-            raise InputError(
-                f"{quoted(cell)} has {len(marks)} marks, points or commas",
-                "write numbers without separators of thousands",
-                f"{where}: line {number}",
-            )
+            found = f"{quoted(cell)} has {len(marks)} marks, points or commas"
+            remedy = "write numbers without separators of thousands"
+            raise InputError(found, remedy, f"{where}: line {number}")
         first.setdefault(marks[0], (number, cell))
         decimal = decimal or not _GROUP.fullmatch(cell)
     if len(first) > 1:
-        told = " and ".join(f"{quoted(cell)} in line {n}" for n, cell in first.values())
-        raise InputError(
-            f"found {told}: both commas and points in numbers", "keep one of them", where
-        )
+        both = " and ".join(f"{quoted(cell)} in line {n}" for n, cell in first.values())
+        found = f"found {both}: both commas and points in numbers"
+        raise InputError(found, "keep one of them", where)
     if first and not decimal:
         ((mark, (number, cell)),) = first.items()
         whole = cell.replace(mark, "")
-        raise InputError(
-            f"{quoted(cell)} may be {whole} or {cell.replace(mark, '.')}, no other tells",
-            f"write {whole} or {cell}0",
-            f"{where}: line {number}",
-        )
+        found = f"{quoted(cell)} may be {whole} or {cell.replace(mark, '.')}, nothing decides"
+        raise InputError(found, f"write {whole} or {cell}0", f"{where}: line {number}")
     return "," in first
 
 
 def too_many_fields(found: int, expected: int, separator: str, where: str) -> InputError:
-    """The error for a row with more fields than the header, which decimal commas may have made."""
+    """Make the error for a row with more fields than the header, which decimal commas may have
+    made."""
     advice = "complete the header or remove what is too much"
     if separator == ",":
         advice = f"use a decimal point or semicolons between columns, or {advice}"
+    marks = SEPARATORS[separator]
     return InputError(
-        f"found {found} figures separated by {SEPARATORS[separator]}, expected {expected}",
-        advice,
-        where,
+        f"found {found} figures separated by {marks}, expected {expected}", advice, where
     )
 
 
@@ -204,22 +157,21 @@ def is_comment(line: str) -> bool:
 
 
 def _uncovered(comment: str, separator: str) -> str:
-    """A comment without the quotes and the empty fields that a spreadsheet adds."""
+    """Strip a comment of the quotes and the empty fields that a spreadsheet adds."""
     if comment.lstrip().startswith('"'):
         return next(_reader([comment.lstrip()], separator), [""])[0]
     return comment.rstrip(f" {separator}")
 
 
 def _rows(lines: Iterable[str], separator: str, where: str) -> list[tuple[int, list[str]]]:
-    """Number of the line and cells of each row that is not blank."""
+    """Read number of the line and cells of each row that is not blank."""
     reader = _reader((f"{line}\n" for line in lines), separator, strict=True)
     try:
-        found = [(reader.line_num, [cell.strip() for cell in row]) for row in reader]
+        rows = [(reader.line_num, [cell.strip() for cell in row]) for row in reader]
     except csv.Error as error:
-        raise InputError(
-            f"line {reader.line_num}: not CSV: {error}", "save the file as plain CSV", where
-        ) from None
-    return [(number, row) for number, row in found if any(row)]
+        found = f"line {reader.line_num}: not CSV: {error}"
+        raise InputError(found, "save the file as plain CSV", where) from None
+    return [(number, row) for number, row in rows if any(row)]
 
 
 def _names(header: str, separator: str) -> list[str]:
@@ -233,12 +185,9 @@ def _reader(lines: Iterable[str], separator: str, *, strict: bool = False) -> An
 # -------------------------------------------------------------------------------------------------
 # CSV as text.
 
-FURTHER_LOADS = ("mean_inflow", "reverse_flow", "roots")
-"""Fields of ``Loads`` that `propmap sweep` tells beside the columns of `propmap predict`."""
-
 
 def csv_text(columns: Sequence[str], rows: Sequence[Mapping[str, Any]]) -> str:
-    """CSV with a header line; None becomes an empty field, a float all its digits."""
+    """Write CSV with a header line; None becomes an empty field, a float all its digits."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(columns)
@@ -247,18 +196,9 @@ def csv_text(columns: Sequence[str], rows: Sequence[Mapping[str, Any]]) -> str:
 
 
 def loads_csv(points: OperatingPoints, loads: Loads, spread: Mapping[str, Floats]) -> str:
-    """The CSV of `propmap sweep`.
-
-    Parameters
-    ----------
-    points : OperatingPoints
-        Where.
-    loads : Loads
-        At these points.
-    spread : mapping of str to ndarray, shape (n,)
-        Their standard deviations by column, see ``operating_points.std_columns``; may be empty.
-    """
-    further = {**{name: getattr(loads, name) for name in FURTHER_LOADS}, **spread}
+    """Write the CSV of `propmap sweep`; ``spread`` are standard deviations (n,) by column."""
+    further = {name: getattr(loads, name) for name in ("mean_inflow", "reverse_flow", "roots")}
+    further |= spread
     return csv_text([*points.columns, *further], points.rows(loads, further))
 
 
@@ -269,76 +209,49 @@ MAX_BYTES = 5_000_000
 
 
 def read_lines(path: str | os.PathLike[str], content: str = "geometry") -> list[str]:
-    """The lines of the UTF-8 text file at ``path``, without their line ends.
+    """Read the lines of the UTF-8 text file at ``path``, without their line ends.
 
-    Parameters
-    ----------
-    path : path
-        Of the file.
-    content : str
-        What kind of file is expected, for the messages.
-
-    Raises
-    ------
-    InputError
-        For a missing file, a directory, a file above 5 MB, and a file that is empty, binary or in
-        another encoding.
+    ``InputError``, in which the file is one with ``content``, for a missing file, a directory, a
+    file above 5 MB, and a file that is empty, binary or in another encoding.
     """
     where = os.fspath(path)
-    data = _read_bytes(where, content)
-    if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
-        raise InputError("the text is in UTF-16, expected UTF-8", "save it as UTF-8", where)
-    if b"\0" in data:
-        raise InputError(
-            "found binary data, expected text", f"give a text file with the {content}", where
-        )
-    try:
-        text = data.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        line = data.count(b"\n", 0, error.start) + 1
-        raise InputError(
-            f"line {line}: byte 0x{data[error.start]:02x} is not UTF-8 text",
-            "save the file as UTF-8",
-            where,
-        ) from None
-    if not text.strip():
-        raise InputError(
-            f"the file is empty, expected the {content}", f"give a {content} file", where
-        )
-    # Not str.splitlines, which also splits at form feeds and would shift the line numbers.
-    return text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
-
-
-def _read_bytes(where: str, content: str) -> bytes:
     try:
         status = Path(where).stat()
-        fault = _fault(status, content)
-        if fault is None:
-            return Path(where).read_bytes()
+        if status.st_size <= MAX_BYTES and stat.S_ISREG(status.st_mode):
+            data = Path(where).read_bytes()
     except FileNotFoundError:
-        fault = ("no such file", "check the path")
+        raise InputError("no such file", "check the path", where) from None
     except OSError as error:
-        reason = error.strerror or type(error).__name__
-        fault = (f"cannot read it: {reason}", "check the path and the rights to read it")
-    except ValueError as error:
-        # A path with a null character.
-        fault = (f"not a path: {error}", "check the path")
-    raise InputError(*fault, where)
-
-
-def _fault(status: os.stat_result, content: str) -> tuple[str, str] | None:
-    """What keeps a path from being a readable text file, and the remedy."""
-    if stat.S_ISDIR(status.st_mode):
-        return "this is a directory, expected a file", "name a file inside it"
-    if not stat.S_ISREG(status.st_mode):
-        return "this is a device or pipe, expected a file", "save the data to a file"
-    if status.st_size > MAX_BYTES:
-        megabytes, limit = status.st_size / 1e6, MAX_BYTES / 1e6
-        return (
-            f"{megabytes:.1f} MB is not a {content} file, expected at most {limit:g} MB",
-            f"name the file with the {content}",
-        )
-    return None
+        found = f"cannot read it: {error.strerror or type(error).__name__}"
+        raise InputError(found, "check the path and the rights to read it", where) from None
+    except ValueError as error:  # a path with a null character
+        raise InputError(f"not a path: {error}", "check the path", where) from None
+    with located(where):
+        if stat.S_ISDIR(status.st_mode):
+            raise InputError("this is a directory, expected a file", "name a file inside it")
+        if not stat.S_ISREG(status.st_mode):
+            found = "this is a device or pipe, expected a file"
+            raise InputError(found, "save the data to a file")
+        if status.st_size > MAX_BYTES:
+            sizes = f"{status.st_size / 1e6:.1f} MB", f"{MAX_BYTES / 1e6:g} MB"
+            found = f"{sizes[0]} is not a {content} file, expected at most {sizes[1]}"
+            raise InputError(found, f"name the file with the {content}")
+        if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
+            raise InputError("the text is in UTF-16, expected UTF-8", "save it as UTF-8")
+        if b"\0" in data:
+            found = "found binary data, expected text"
+            raise InputError(found, f"give a text file with the {content}")
+        try:
+            text = data.decode("utf-8-sig")
+        except UnicodeDecodeError as error:
+            line = data.count(b"\n", 0, error.start) + 1
+            found = f"line {line}: byte 0x{data[error.start]:02x} is not UTF-8 text"
+            raise InputError(found, "save the file as UTF-8") from None
+        if not text.strip():
+            found = f"the file is empty, expected the {content}"
+            raise InputError(found, f"give a {content} file")
+    # Not str.splitlines, which also splits at form feeds and would shift the line numbers.
+    return text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
 
 
 # -------------------------------------------------------------------------------------------------
@@ -347,10 +260,10 @@ def _fault(status: os.stat_result, content: str) -> tuple[str, str] | None:
 
 @contextmanager
 def replacing(path: Path) -> Iterator[Path]:
-    """A path in the same folder to write to; renamed to ``path`` if the block succeeds.
+    """Yield a path in the same folder to write to; renamed to ``path`` if the block succeeds.
 
-    Whatever ends the block otherwise, an interruption included, leaves ``path`` as it was
-    and nothing beside it.  An ``OSError``, of a full disk say, names ``path``.
+    Whatever ends the block otherwise, an interruption included, leaves ``path`` as it was and
+    nothing beside it. An ``OSError``, of a full disk say, names ``path``.
     """
     part = path.with_name(f".{path.name[:100]}.{os.getpid()}.part")
     try:
@@ -378,9 +291,6 @@ def write_dataset(dataset: xarray.Dataset, path: Path) -> None:
 # -------------------------------------------------------------------------------------------------
 # Operating points and their loads as users write them: rpm, m/s, degrees, columns with units.
 
-RPM = np.pi / 30.0
-"""[rad/s] per revolution per minute."""
-
 PREDICT_COLUMNS = (
     "rpm",
     "speed_mps",
@@ -401,8 +311,7 @@ REMEDIES = {
 FURTHER = {"height": "height_m"}
 """Columns of what an operating point may have beside these, see ``operating_points.Further``."""
 
-SIGNED = ("beta", "climb")
-"""Quantities that may be negative."""
+SIGNED = ("beta", "climb")  # quantities that may be negative
 
 
 @dataclass(frozen=True)
@@ -416,17 +325,12 @@ class OperatingPoints:
 
     @classmethod
     def grid(cls, rpm: Floats, speed: Floats, beta: Floats) -> OperatingPoints:
-        """All combinations, beta fastest."""
+        """Combine all values, beta fastest."""
         w, v, b = (axis.ravel() for axis in np.meshgrid(rpm, speed, beta, indexing="ij"))
         return cls(w, v, b)
 
-    @property
-    def count(self) -> int:
-        """How many points there are."""
-        return self.rpm.size
-
     def part(self, start: int, count: int) -> OperatingPoints:
-        """Up to ``count`` points from ``start`` on."""
+        """Cut out up to ``count`` points from ``start`` on."""
         cut = slice(start, start + count)
         further = {name: values[cut] for name, values in self.further.items()}
         return OperatingPoints(self.rpm[cut], self.speed_mps[cut], self.beta_deg[cut], further)
@@ -442,21 +346,14 @@ class OperatingPoints:
         return self.rpm * RPM, self.speed_mps, np.radians(self.beta_deg)
 
     def loads(self, rotor: Rotor) -> Loads:
-        """Loads of the rotor at these points, fields of shape (n,)."""
+        """Compute loads of the rotor at these points, fields of shape (n,)."""
         return rotor.loads(*self.si, **self.further)
 
     def rows(
         self, loads: Loads, further: Mapping[str, Floats] | None = None
     ) -> list[dict[str, Any]]:
-        """One mapping of ``columns`` per point; None where a number is NaN.
-
-        Parameters
-        ----------
-        loads : Loads
-            At these points.
-        further : mapping of str to ndarray, shape (n,)
-            Columns to follow.
-        """
+        """Make one mapping of ``columns`` per point, and of ``further`` (n,); None where a number
+        is NaN."""
         numbers = (*(getattr(loads, name) for name in LOADS), loads.power)
         given = (self.rpm, self.speed_mps, self.beta_deg, *self.further.values())
         columns = [values.tolist() for values in (*given, *numbers)]
@@ -472,7 +369,7 @@ class OperatingPoints:
 
 
 def check_value(quantity: str, value: float) -> float:
-    """``value`` if it can be a ``quantity`` of ``REMEDIES``; else raises ``InputError``."""
+    """Check that ``value`` can be a ``quantity`` of ``REMEDIES``."""
     if not np.isfinite(value):
         raise InputError(f"{quantity} is {value}, which is no finite number", REMEDIES[quantity])
     if value < 0.0 and quantity not in SIGNED:
@@ -481,21 +378,15 @@ def check_value(quantity: str, value: float) -> float:
 
 
 def std_columns(loads: Loads, *, by_source: bool) -> dict[str, Floats]:
-    """Standard deviations by their columns in files, "thrust_std_N" or "thrust_std_tunnel_N".
-
-    Parameters
-    ----------
-    loads : Loads
-        With deviations, else there are no columns.
-    by_source : bool
-        Whether there is a column for each source, too.
-    """
-    if not loads.std_by_source:
-        return {}
-    found = dict(_columns("std", loads.std))
+    """Name standard deviations after their columns, "thrust_std_N" or ``by_source`` also
+    "thrust_std_tunnel_N"."""
+    kinds = {"std": loads.std} if loads.std_by_source else {}
     if by_source:
-        for source, values in loads.std_by_source.items():
-            found.update(_columns(f"std_{source}", values))
+        kinds |= {f"std_{source}": values for source, values in loads.std_by_source.items()}
+    found: dict[str, Floats] = {}
+    for kind, values in kinds.items():
+        found |= {load.column_of(kind): getattr(values, name) for name, load in LOADS.items()}
+        found[f"power_{kind}_W"] = values.power
     return found
 
 
@@ -503,103 +394,63 @@ def _number(value: float) -> float | None:
     return value if np.isfinite(value) else None
 
 
-def _columns(what: str, values: LoadValues) -> Iterator[tuple[str, Floats]]:
-    for name, load in LOADS.items():
-        yield load.column_of(what), getattr(values, name)
-    yield f"power_{what}_W", values.power
-
-
 # -------------------------------------------------------------------------------------------------
 # CSV files with a column per quantity: operating points and measured loads.
 
 POINT_COLUMNS = {"rpm": "rpm", "speed_mps": "speed", "beta_deg": "beta"}
 QUANTITIES = POINT_COLUMNS | {column: name for name, column in FURTHER.items()}
-LOAD_COLUMNS = {load.column: name for name, load in LOADS.items()}
-"""Names of loads by their column."""
+LOAD_COLUMNS = {load.column: name for name, load in LOADS.items()}  # names of loads by their column
 
 
-@dataclass(frozen=True)
-class PointsFile:
-    """Operating points (n,) and the further columns asked for that the file has, each (n,).
+def read_points(
+    path: Path, further: Iterable[str] = ()
+) -> tuple[OperatingPoints, dict[str, Floats]]:
+    """Read operating points from a CSV file, and what it has of the ``further`` columns (n,).
 
-    An empty field of a further column is NaN.
-    """
-
-    points: OperatingPoints
-    further: dict[str, Floats]
-
-
-def read_points(path: Path, further: Iterable[str] = ()) -> PointsFile:
-    """Operating points from a CSV file with a header.
-
-    Parameters
-    ----------
-    path : Path
-        Of a file with the columns rpm, speed_mps and beta_deg, and height_m if there is ground, in
-        any order, in any dialect of ``propmap.io.csv``.
-    further : sequence of str
-        Columns to read as well, where the file has them; others are left.
-
-    Raises
-    ------
-    InputError
-        Naming the file, the line and the column.
+    The file has columns rpm, speed_mps and beta_deg, and height_m if there is ground, in any order
+    and any dialect of spreadsheets.  An empty field of a further column is NaN.
     """
     wanted = (*FURTHER.values(), *further)
     columns = read_columns(path, POINT_COLUMNS, wanted, "list of operating points")
     rpm, speed, beta = (columns.pop(name) for name in POINT_COLUMNS)
     more = {name: columns.pop(column) for name, column in FURTHER.items() if column in columns}
-    return PointsFile(OperatingPoints(rpm, speed, beta, more), columns)
+    return OperatingPoints(rpm, speed, beta, more), columns
 
 
 def read_columns(
     path: Path, needed: Collection[str], further: Iterable[str], what: str
 ) -> dict[str, Floats]:
-    """Columns (n,) of a CSV file with a header, by their names.
+    """Read columns (n,) of a CSV file by name: those ``needed``, and of the ``further`` ones what
+    it has.
 
-    Parameters
-    ----------
-    path : Path
-        Of a file in any dialect of ``propmap.io.csv``.
-    needed, further : collection and iterable of str
-        Columns that the file must have, and those to read where it has them, with NaN for an empty
-        field unless it is of an operating point.
-    what : str
-        What the file should be, for messages.
-
-    Raises
-    ------
-    InputError
-        Naming the file, the line and the column.
+    An empty field is NaN unless it is of an operating point. ``InputError`` names the file, which
+    should be ``what``, the line and the column.
     """
-    where, further = str(path), tuple(further)
-    lines = read_lines(path, what)
-    file = read_csv_table(lines, [*needed, *further], where)
-    header = file.header if file else []
-    missing = [name for name in needed if name not in header]
-    if missing:
-        raise InputError(
-            f"line 1: column {missing[0]} is missing",
-            f"the first line must name {', '.join(needed)}",
-            where,
-        )
-    if file is None or not file.rows:
-        raise InputError("there is no row below the header", "add a row per point", where)
-    _check_units(header, further, where)
-    wanted = [*needed, *(name for name in further if name in header)]
-    repeated = [name for name in wanted if header.count(name) > 1]
-    if repeated:
-        raise InputError(f"line 1: column {repeated[0]} occurs twice", "keep one of them", where)
-    columns: dict[str, list[float]] = {name: [] for name in wanted}
-    places = {name: header.index(name) for name in wanted}
-    for line, row in file.rows:
-        for name, place in places.items():
-            cell = row[place] if place < len(row) else ""
-            columns[name].append(_value(cell, name, f"{where}, line {line}, column {name}"))
+    further, lines = tuple(further), read_lines(path, what)
+    with located(str(path)):
+        file = read_csv_table(lines, [*needed, *further])
+        header = file.header if file else []
+        missing = [name for name in needed if name not in header]
+        if missing:
+            remedy = f"the first line must name {', '.join(needed)}"
+            raise InputError(f"line 1: column {missing[0]} is missing", remedy)
+        if file is None or not file.rows:
+            raise InputError("there is no row below the header", "add a row per point")
+        _check_units(header, further)
+        wanted = [*needed, *(name for name in further if name in header)]
+        repeated = [name for name in wanted if header.count(name) > 1]
+        if repeated:
+            raise InputError(f"line 1: column {repeated[0]} occurs twice", "keep one of them")
+        columns: dict[str, list[float]] = {name: [] for name in wanted}
+        places = {name: header.index(name) for name in wanted}
+        for line, row in file.rows:
+            for name, place in places.items():
+                cell = row[place] if place < len(row) else ""
+                columns[name].append(_value(cell, name, f"line {line}, column {name}"))
     return {name: np.array(values) for name, values in columns.items()}
 
 
-def _check_units(header: Collection[str], columns: Collection[str], where: str) -> None:
+def _check_units(header: Collection[str], columns: Collection[str]) -> None:
     """Raise ``InputError`` for a load that is there, but in none of the units of ``columns``."""
     for load in LOADS:
         same = [name for name in columns if name.rpartition("_")[0] == load]
@@ -610,7 +461,6 @@ def _check_units(header: Collection[str], columns: Collection[str], where: str) 
                 raise InputError(
                     f"line 1: column {quoted(name)} is in no unit that is known",
                     f"name it {' or '.join(same)}, after its unit, or leave it out",
-                    where,
                 )
 
 
@@ -634,39 +484,19 @@ def _value(cell: str, column: str, where: str) -> float:
 # -------------------------------------------------------------------------------------------------
 # The fields over the disk as CSV.
 
-DISK_COLUMNS = (
-    "radius_m",
-    "psi_deg",
-    "alpha_deg",
-    "inflow_mps",
-    "force_N_per_m",
-    "past_stall_deg",
-    "reverse",
-)
-
 
 def disk_csv(rotor: Rotor, omega: float, speed: float, beta: float) -> str:
-    """Angle of attack, inflow and force on a blade over the disk, a row per element and azimuth.
-
-    Parameters
-    ----------
-    rotor : Rotor
-        The rotor.
-    omega, speed, beta : float
-        Operating point [rad/s], [m/s], [rad].
-    """
+    """Write angle of attack, inflow and force over the disk, a row per element and azimuth."""
     field = rotor.inflow(omega, speed, beta)
     radius, psi = np.meshgrid(field.radius, np.degrees(field.azimuth), indexing="ij")
-    columns = (
-        radius,
-        psi,
-        np.degrees(field.alpha),
-        field.local_inflow,
-        field.normal_force,
-        np.degrees(field.past_stall),
-        field.reverse.astype(int),
-    )
-    flat = [values.ravel().tolist() for values in columns]
-    return csv_text(
-        DISK_COLUMNS, [dict(zip(DISK_COLUMNS, row, strict=True)) for row in zip(*flat, strict=True)]
-    )
+    columns = {
+        "radius_m": radius,
+        "psi_deg": psi,
+        "alpha_deg": np.degrees(field.alpha),
+        "inflow_mps": field.local_inflow,
+        "force_N_per_m": field.normal_force,
+        "past_stall_deg": np.degrees(field.past_stall),
+        "reverse": field.reverse.astype(int),
+    }
+    flat = zip(*(values.ravel().tolist() for values in columns.values()), strict=True)
+    return csv_text([*columns], [dict(zip(columns, row, strict=True)) for row in flat])

@@ -1,4 +1,4 @@
-"""Blade geometry from files: CSV, TOML, the UIUC database's and APC's formats, told by content."""
+"""Blade geometry from files in CSV, TOML, the UIUC database's format and APC's."""
 
 from __future__ import annotations
 
@@ -6,121 +6,34 @@ import math
 import os
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
-from propmap.errors import InputError, quoted
+from propmap.errors import InputError, located, quoted
 from propmap.io.csv import header_names, is_comment, read_csv_table, read_lines
-from propmap.io.toml import TomlTable, parse_toml
 from propmap.model.model import Propeller
 from propmap.model.plausibility import (
     check_blade,
     check_blades,
-    check_root_cutout,
     twist_from_degrees,
 )
 from propmap.typing import Floats
-
-# -------------------------------------------------------------------------------------------------
-# Blade geometry in propmap's own format, one TOML file per propeller.
-
-SCHEMA = 1
-KEYS = (
-    *("schema", "name", "title", "family", "source", "citation"),
-    *("blades", "radius_m", "root_cutout_m", "station_m", "chord_m", "twist_rad"),
-)
-
-
-def read_propeller_toml(
-    path: str | os.PathLike[str], blades: int | None = None, radius: float | None = None
-) -> Propeller:
-    """A propeller from a file in the format of the catalogue.
-
-    Parameters
-    ----------
-    path : path
-        Of the file.
-    blades : int, optional
-        Replaces the file's.
-    radius : float, optional
-        Tip radius [m], which must agree with the file.
-
-    Raises
-    ------
-    InputError
-        Naming the field.
-    """
-    where = os.fspath(path)
-    return parse_propeller_toml("\n".join(read_lines(path)), where, blades, radius)
-
-
-def parse_propeller_toml(
-    text: str, where: str, blades: int | None = None, radius: float | None = None
-) -> Propeller:
-    """``read_propeller_toml`` for text already in memory; ``where`` names it in messages."""
-    table = TomlTable(parse_toml(text, where, SCHEMA), where, KEYS)
-    station, chord, twist = (table.numbers(key) for key in ("station_m", "chord_m", "twist_rad"))
-    for key in ("title", "family"):
-        table.text(key, '"..."', default="")
-    result = build_propeller(
-        where,
-        [f"entry {i}" for i in range(station.size)],
-        table.text("name", '"..."'),
-        check_blades(table.need("blades", "2") if blades is None else blades, where),
-        station,
-        chord,
-        twist,
-        source=table.text("source", '"..."', default=""),
-        citation=table.text("citation", '"..."', default=""),
-    )
-    for stated in (table.number("radius_m", "the tip radius in m"), radius):
-        if stated is not None:
-            check_radius(result.radius, stated, where)
-    if "root_cutout_m" not in table:
-        return result
-    root = table.number("root_cutout_m", "a length in m")
-    return result.with_root_cutout(check_root_cutout(root, station, f"{where}: root_cutout_m"))
-
-
-def propeller_toml(blade: Propeller) -> str:
-    """The text of a file that ``read_propeller_toml`` reads as the same ``blade``."""
-    import tomli_w
-
-    fields: dict[str, Any] = {
-        "schema": SCHEMA,
-        "name": blade.name,
-        "blades": blade.blades,
-        "radius_m": blade.radius,
-        "station_m": blade.station.tolist(),
-        "chord_m": blade.chord.tolist(),
-        "twist_rad": blade.twist.tolist(),
-    }
-    if blade.root_cutout is not None:
-        fields["root_cutout_m"] = blade.root_cutout
-    texts = {"source": blade.source, "citation": blade.citation}
-    fields |= {key: text for key, text in texts.items() if text}
-    return tomli_w.dumps(fields)
-
+from propmap.units import INCH
 
 # -------------------------------------------------------------------------------------------------
 # A blade as rows of a file, on the way to a ``Propeller``.
 
-INCH = 0.0254
-"""Metres in an inch."""
-
-RADIUS_TOLERANCE = 1e-3
-"""Share of the radius within which two statements of it agree."""
+RADIUS_TOLERANCE = 1e-3  # share of the radius within which two statements of it agree
 
 GIVE_BLADES = "pass --blades 2 (in Python: blades=2)"
 GIVE_RADIUS = "pass --radius 0.1 (in Python: radius=0.1), in metres"
 
 
-def parse_number(text: str, field: str, where: str) -> float:
-    """A finite number written as plain decimal text, or ``InputError``."""
+def parse_number(text: str, field: str, where: str = "") -> float:
+    """Read a finite number written as plain decimal text."""
     stripped = text.strip()
     try:
-        # float() also takes 1_000, which in a data file is a slip.
+        # float() also takes 1_000, which in a data file is a mistake.
         value = float(stripped) if "_" not in stripped else math.nan
     except ValueError:
         value = math.nan
@@ -131,85 +44,50 @@ def parse_number(text: str, field: str, where: str) -> float:
     raise InputError(f"{field} is {found}, expected a finite number", remedy, where)
 
 
-def parse_blades(text: str, where: str) -> int:
-    """A number of blades written as text, or ``InputError``."""
+def parse_blades(text: str) -> int:
+    """Read a number of blades written as text."""
     stripped = text.strip()
     count: object = int(stripped) if stripped.isascii() and stripped.isdigit() else stripped
-    return check_blades(count, where)
+    return check_blades(count)
 
 
 def parse_rows(
-    rows: Iterable[tuple[int, Sequence[str]]],
-    header: Sequence[str],
-    columns: Sequence[str],
-    where: str,
+    rows: Iterable[tuple[int, Sequence[str]]], header: Sequence[str], columns: Sequence[str]
 ) -> tuple[list[str], Floats]:
-    """The numbers of a table, and "line 7" for each of its rows.
-
-    Parameters
-    ----------
-    rows : iterable
-        Number of the line, from 1, and its cells.
-    header, columns : sequence of str
-        Names of all columns, and of those wanted.
-    where : str
-        The file, for messages.
-
-    Returns
-    -------
-    labels : list of str
-        n of them.
-    table : ndarray, shape (n, columns)
-        As written in the file.
-    """
+    """Read the wanted ``columns`` of numbered rows (n, columns), with n labels such as "line 7"."""
     labels: list[str] = []
     table: list[list[float]] = []
     for number, cells in rows:
-        place = f"{where}: line {number}"
-        if len(cells) != len(header):
-            raise InputError(
-                f"found {len(cells)} figures, expected {len(header)}",
-                "complete the row or remove it",
-                place,
-            )
         labels.append(f"line {number}")
-        table.append([parse_number(cells[header.index(name)], name, place) for name in columns])
-    return labels, np.array(table, dtype=np.float64).reshape(-1, len(columns))
+        with located(labels[-1]):
+            if len(cells) != len(header):
+                found = f"found {len(cells)} figures, expected {len(header)}"
+                raise InputError(found, "complete the row or remove it")
+            table.append([parse_number(cells[header.index(name)], name) for name in columns])
+    if not table:
+        raise InputError("found a header and no rows", "give one row per station of the blade")
+    return labels, np.array(table, dtype=np.float64)
 
 
-def check_radius(own: float, given: float, where: str, tolerance: float | None = None) -> None:
-    """Raise ``InputError`` unless ``given`` repeats the radius that the geometry has.
-
-    Parameters
-    ----------
-    own, given : float
-        Tip radius [m].
-    where : str
-        The file, for the message.
-    tolerance : float, optional
-        Largest difference [m]; by default 0.1 %.
-    """
+def check_radius(own: float, given: float | None, tolerance: float | None = None) -> None:
+    """Raise ``InputError`` unless ``given`` [m] repeats the geometry's own radius, to 0.1 %."""
     limit = RADIUS_TOLERANCE * own if tolerance is None else tolerance
-    if not abs(given - own) <= limit:
-        raise InputError(
-            f"the radius is {own:.6g} m by its last station, but {given:g} m was given",
-            "leave the radius out or correct it",
-            where,
-        )
+    if given is not None and not abs(given - own) <= limit:
+        found = f"the radius is {own:.6g} m by its last station, but {given:g} m was given"
+        raise InputError(found, "leave the radius out or correct it")
 
 
-def usable_radius(radius: float | None, where: str) -> float:
-    """The tip radius [m] that scales a file in fractions of it, or ``InputError``."""
+def usable_radius(radius: float | None) -> float:
+    """Check the tip radius [m] that scales a file in fractions of it."""
     if radius is None:
-        raise InputError("the file gives fractions of the radius only", GIVE_RADIUS, where)
+        raise InputError("the file gives fractions of the radius only", GIVE_RADIUS)
     if not (isinstance(radius, int | float) and 0.0 < radius < math.inf):
-        raise InputError(
-            f"the radius is {quoted(radius)} m, expected a length above 0", GIVE_RADIUS, where
-        )
+        found = f"the radius is {quoted(radius)} m, expected a length above 0"
+        raise InputError(found, GIVE_RADIUS)
     return float(radius)
 
 
-def check_fractions(fraction: Floats, where: str, labels: Sequence[str]) -> None:
+def check_fractions(fraction: Floats, labels: Sequence[str]) -> None:
     """Raise ``InputError`` unless fractions of the radius, shape (n,), end at the tip, 1.0."""
     high = int(np.argmax(fraction))
     if fraction[high] > 1.0:
@@ -217,49 +95,72 @@ def check_fractions(fraction: Floats, where: str, labels: Sequence[str]) -> None
             f"{labels[high]}: r/R is {fraction[high]:g}, expected at most 1"
             + ("; it looks like per cent" if fraction[high] == 100.0 else ""),
             "divide by the tip radius, or name the column after its unit",
-            where,
         )
     if fraction[-1] < 1.0 - 1e-6:
-        raise InputError(
-            f"{labels[-1]}: the last r/R is {fraction[-1]:g}, expected 1 (the tip)",
-            "add the tip station with its chord, or sort the rows by station",
-            where,
-        )
+        found = f"{labels[-1]}: the last r/R is {fraction[-1]:g}, expected 1 (the tip)"
+        raise InputError(found, "add the tip station with its chord, or sort the rows by station")
 
 
 def build_propeller(
-    path: str,
     labels: Sequence[str],
     name: str,
     blades: int | None,
-    station: Floats,
-    chord: Floats,
-    twist: Floats,
-    source: str = "",
+    blade: tuple[Floats, Floats, Floats],
+    source: str,
     citation: str = "",
 ) -> Propeller:
-    """A ``Propeller`` whose faults are reported with the file and the line they are in.
-
-    Parameters
-    ----------
-    path : str
-        The file.
-    labels : sequence of str
-        "line 7" for each row.
-    name, source, citation : str
-        As in ``Propeller``.
-    blades : int or None
-        None where the file gives no number, which is refused.
-    station, chord : ndarray, shape (n,)
-        [m].
-    twist : ndarray, shape (n,)
-        [rad].
-    """
-    check_blade(station, chord, twist, path, labels)
+    """Make a ``Propeller`` of station, chord and twist; faults name the labels of its lines."""
+    check_blade(*blade, labels)
     if blades is None:
-        raise InputError("the file gives no number of blades", GIVE_BLADES, path)
-    count = check_blades(blades, path)
-    return Propeller(name, count, station, chord, twist, None, source, citation)
+        raise InputError("the file gives no number of blades", GIVE_BLADES)
+    return Propeller(name, check_blades(blades), *blade, None, source, citation)
+
+
+# -------------------------------------------------------------------------------------------------
+# Blade geometry in propmap's own format, one TOML file per propeller.
+
+SCHEMA = 1
+
+
+def read_propeller_toml(
+    path: str | os.PathLike[str], blades: int | None = None, radius: float | None = None
+) -> Propeller:
+    """Read a propeller from a file in the format of the catalogue."""
+    # Imported here, as it loads msgspec, which the propellers of the catalogue do without.
+    from propmap.io.toml import PropellerFile, read_toml
+
+    file = read_toml(path, PropellerFile, SCHEMA, "geometry file")
+    with located(os.fspath(path)):
+        station, chord, twist = map(np.array, (file.station_m, file.chord_m, file.twist_rad))
+        labels = [f"entry {i}" for i in range(station.size)]
+        count = check_blades(file.blades if blades is None else blades)
+        blade = station, chord, twist
+        result = build_propeller(labels, file.name, count, blade, file.source, file.citation)
+        check_radius(result.radius, file.radius_m)
+        check_radius(result.radius, radius)
+        if file.root_cutout_m is None:
+            return result
+        with located("root_cutout_m"):
+            return result.with_root_cutout(file.root_cutout_m)
+
+
+def propeller_toml(blade: Propeller) -> str:
+    """Write the text of a file that ``read_propeller_toml`` reads as this ``blade``."""
+    import tomli_w
+
+    fields = {
+        "schema": SCHEMA,
+        "name": blade.name,
+        "blades": blade.blades,
+        "radius_m": blade.radius,
+        "station_m": blade.station.tolist(),
+        "chord_m": blade.chord.tolist(),
+        "twist_rad": blade.twist.tolist(),
+        "root_cutout_m": blade.root_cutout,
+        "source": blade.source or None,
+        "citation": blade.citation or None,
+    }
+    return tomli_w.dumps({key: value for key, value in fields.items() if value is not None})
 
 
 # -------------------------------------------------------------------------------------------------
@@ -270,122 +171,79 @@ STATION_COLUMNS = ("radius_m", "radius_mm", "radius_in", "r_over_R")
 CHORD_COLUMNS = ("chord_m", "chord_mm", "chord_in", "c_over_R")
 TWIST_COLUMNS = ("twist_deg", "twist_rad")
 QUANTITIES = {"station": STATION_COLUMNS, "chord": CHORD_COLUMNS, "twist": TWIST_COLUMNS}
+KNOWN = [name for several in QUANTITIES.values() for name in several]
 COMMENT_KEYS = ("name", "blades", "radius_m", "source", "citation")
 
 
 def read_propeller_csv(
     path: str | os.PathLike[str], blades: int | None = None, radius: float | None = None
 ) -> Propeller:
-    """A propeller from a CSV file with one row per station, from root to tip.
+    """Read a propeller from a CSV file with one row per station, from root to tip.
 
-    One column each of radius_m, radius_mm, radius_in or r_over_R; chord_m, chord_mm, chord_in
-    or c_over_R; twist_deg or twist_rad; in any dialect of ``propmap.io.csv``.  Lines that
-    start with # are comments, in which ``# blades: 3``, ``# radius_m: 0.1``, ``# name:``,
-    ``# source:`` and ``# citation:`` count.
-
-    Parameters
-    ----------
-    path : path
-        Of the file.
-    blades : int, optional
-        Replaces the file's.
-    radius : float, optional
-        Tip radius [m], needed for r_over_R where the file gives none.
-
-    Raises
-    ------
-    InputError
-        Naming the line or the column.
+    One column each of radius_m, radius_mm, radius_in or r_over_R; chord_m, chord_mm, chord_in or
+    c_over_R; twist_deg or twist_rad; in any dialect of ``propmap.io.csv``. Lines that start with #
+    are comments, in which ``# blades: 3``, ``# radius_m: 0.1``, ``# name:``, ``# source:`` and ``#
+    citation:`` count.
     """
-    where = os.fspath(path)
-    known = [name for several in QUANTITIES.values() for name in several]
-    file = read_csv_table(read_lines(path), known, where, comments=True)
-    if file is None:
-        remedy = "name the columns, for example radius_m,chord_m,twist_deg"
-        raise InputError("found comments only", remedy, where)
-    stated = _comments(file.comments)
-    columns = _choose_columns(file.header, f"{where}: line {file.line}")
-    if not file.rows:
-        raise InputError(
-            "found a header and no rows", "give one row per station of the blade", where
-        )
-    wanted = tuple(columns.values())
-    labels, table = parse_rows(file.rows, file.header, wanted, where)
-    if "radius_m" in stated:
-        place = f"{where}: # radius_m"
-        in_file = usable_radius(parse_number(stated["radius_m"], "the radius", place), place)
-        if radius is not None:
-            check_radius(in_file, radius, place)
-        radius = in_file
-    station, chord = _lengths(columns, table, radius, labels, where)
-    if radius is not None:
-        check_radius(float(station[-1]), radius, f"{where}: {labels[-1]}")
-    twist = table[:, 2]
-    if columns["twist"] == "twist_deg":
-        twist = twist_from_degrees(twist, f"{where}: twist_deg")
-    if blades is None and "blades" in stated:
-        blades = parse_blades(stated["blades"], f"{where}: # blades")
-    return build_propeller(
-        where,
-        labels,
-        stated.get("name", Path(where).stem),
-        blades,
-        station,
-        chord,
-        twist,
-        source=stated.get("source", f"file {Path(where).name}"),
-        citation=stated.get("citation", ""),
-    )
+    where, lines = os.fspath(path), read_lines(path)
+    file = read_csv_table(lines, KNOWN, where, comments=True)
+    with located(where):
+        if file is None:
+            remedy = "name the columns, for example radius_m,chord_m,twist_deg"
+            raise InputError("found comments only", remedy)
+        stated: dict[str, str] = {}
+        for line in file.comments:
+            key, _, value = line.lstrip().removeprefix("#").partition(":")
+            if key.strip().lower() in COMMENT_KEYS and value.strip():
+                stated.setdefault(key.strip().lower(), value.strip())
+        with located(f"line {file.line}"):
+            columns = _choose_columns(file.header)
+        labels, table = parse_rows(file.rows, file.header, tuple(columns.values()))
+        if "radius_m" in stated:
+            with located("# radius_m"):
+                in_file = usable_radius(parse_number(stated["radius_m"], "the radius"))
+                check_radius(in_file, radius)
+                radius = in_file
+        station, chord = _lengths(columns, table, radius, labels)
+        with located(labels[-1]):
+            check_radius(float(station[-1]), radius)
+        twist = table[:, 2]
+        if columns["twist"] == "twist_deg":
+            with located("twist_deg"):
+                twist = twist_from_degrees(twist)
+        if blades is None and "blades" in stated:
+            with located("# blades"):
+                blades = parse_blades(stated["blades"])
+        name, source = stated.get("name", Path(where).stem), f"file {Path(where).name}"
+        texts = stated.get("source", source), stated.get("citation", "")
+        return build_propeller(labels, name, blades, (station, chord, twist), *texts)
 
 
-def _comments(lines: Sequence[str]) -> dict[str, str]:
-    """What the comments state, first statement first."""
-    stated: dict[str, str] = {}
-    for line in lines:
-        key, _, value = line.lstrip().removeprefix("#").partition(":")
-        if key.strip().lower() in COMMENT_KEYS and value.strip():
-            stated.setdefault(key.strip().lower(), value.strip())
-    return stated
-
-
-def _choose_columns(header: Sequence[str], where: str) -> dict[str, str]:
-    """Which column gives station, chord and twist."""
-    known = [name for names in QUANTITIES.values() for name in names]
+def _choose_columns(header: Sequence[str]) -> dict[str, str]:
+    """Choose the columns that give station, chord and twist."""
     for cell in header:
-        if cell not in known:
-            raise InputError(
-                f"found column {quoted(cell)}, expected one of {', '.join(known)}",
-                "rename, comment or remove it",
-                where,
-            )
+        if cell not in KNOWN:
+            found = f"found column {quoted(cell)}, expected one of {', '.join(KNOWN)}"
+            raise InputError(found, "rename, comment or remove it")
     chosen: dict[str, str] = {}
     for quantity, names in QUANTITIES.items():
-        found = [cell for cell in header if cell in names]
-        if not found:
-            raise InputError(
-                f"no column gives the {quantity}",
-                f"add {', '.join(names[:-1])} or {names[-1]}",
-                where,
-            )
-        if len(found) > 1:
-            raise InputError(
-                f"{' and '.join(found)} both give the {quantity}", "keep one of them", where
-            )
-        chosen[quantity] = found[0]
+        given = [cell for cell in header if cell in names]
+        if not given:
+            remedy = f"add {', '.join(names[:-1])} or {names[-1]}"
+            raise InputError(f"no column gives the {quantity}", remedy)
+        if len(given) > 1:
+            raise InputError(f"{' and '.join(given)} both give the {quantity}", "keep one of them")
+        chosen[quantity] = given[0]
     return chosen
 
 
 def _lengths(
-    columns: dict[str, str],
-    table: Floats,
-    radius: float | None,
-    labels: Sequence[str],
-    where: str,
+    columns: dict[str, str], table: Floats, radius: float | None, labels: Sequence[str]
 ) -> tuple[Floats, Floats]:
-    """Station and chord [m]."""
+    """Convert the columns of station and chord to m."""
     if columns["station"] == "r_over_R":
-        tip = usable_radius(radius, where)
-        check_fractions(table[:, 0], where, labels)
+        tip = usable_radius(radius)
+        check_fractions(table[:, 0], labels)
         station = table[:, 0] * tip
     else:
         station = table[:, 0] * LENGTH_UNITS[columns["station"].removeprefix("radius_")]
@@ -411,55 +269,27 @@ UIUC_CITATION = (
 def read_uiuc_geometry(
     path: str | os.PathLike[str], blades: int | None = None, radius: float | None = None
 ) -> Propeller:
-    """A propeller from a UIUC geometry file: r/R, c/R and beta in degrees.
+    """Read a propeller from a UIUC geometry file: r/R, c/R and beta in degrees.
 
-    Nothing is extended: the last row must be the tip, r/R = 1.
-
-    Parameters
-    ----------
-    path : path
-        Of the file.
-    blades : int, optional
-        By default 2, as for nearly all of that database.
-    radius : float
-        Tip radius [m], which these files do not hold.
-
-    Raises
-    ------
-    InputError
-        Naming the line.
+    The files hold neither radius nor blades, which are 2 for nearly all of that database. Nothing
+    is extended: the last row must be the tip, r/R = 1.
     """
-    where = os.fspath(path)
-    lines = read_lines(path)
-    start = next(i for i, line in enumerate(lines) if line.strip())
-    if lines[start].split() != HEADER:
-        raise InputError(
-            f"line {start + 1}: the header is {quoted(lines[start].strip())}, "
-            "expected 'r/R c/R beta'",
-            "give the *_geom.txt file of the database",
-            where,
-        )
-    tip = usable_radius(radius, where)
-    rows = [
-        (n, line.split()) for n, line in enumerate(lines[start + 1 :], start + 2) if line.strip()
-    ]
-    if not rows:
-        raise InputError(
-            "found a header and no rows", "give one row per station of the blade", where
-        )
-    labels, table = parse_rows(rows, HEADER, HEADER, where)
-    check_fractions(table[:, 0], where, labels)
-    return build_propeller(
-        where,
-        labels,
-        Path(where).stem,
-        2 if blades is None else blades,
-        table[:, 0] * tip,
-        table[:, 1] * tip,
-        twist_from_degrees(table[:, 2], where),
-        source=f"UIUC geometry file {Path(where).name}",
-        citation=UIUC_CITATION,
-    )
+    lines, file = read_lines(path), Path(path)
+    with located(os.fspath(path)):
+        start = next(i for i, line in enumerate(lines) if line.strip())
+        if lines[start].split() != HEADER:
+            raise InputError(
+                f"line {start + 1}: the header is {quoted(lines[start].strip())}, "
+                "expected 'r/R c/R beta'",
+                "give the *_geom.txt file of the database",
+            )
+        tip, below = usable_radius(radius), enumerate(lines[start + 1 :], start + 2)
+        rows = [(number, line.split()) for number, line in below if line.strip()]
+        labels, table = parse_rows(rows, HEADER, HEADER)
+        check_fractions(table[:, 0], labels)
+        blade = table[:, 0] * tip, table[:, 1] * tip, twist_from_degrees(table[:, 2])
+        count, source = 2 if blades is None else blades, f"UIUC geometry file {file.name}"
+        return build_propeller(labels, file.stem, count, blade, source, UIUC_CITATION)
 
 
 # -------------------------------------------------------------------------------------------------
@@ -476,128 +306,70 @@ TRAILER_TOLERANCE = 0.0051 * INCH
 def read_apc_pe0(
     path: str | os.PathLike[str], blades: int | None = None, radius: float | None = None
 ) -> Propeller:
-    """A propeller from an APC PE0 file.
+    """Read a propeller from an APC PE0 file.
 
-    TWIST is the angle of the line from leading to trailing edge.  The blade is loaded from the
-    first station, or from the hub transition (HUBTRA) where that lies further out.
-
-    Parameters
-    ----------
-    path : path
-        Of the file.
-    blades : int, optional
-        Replaces BLADES of the file.
-    radius : float, optional
-        Tip radius [m], which must agree with the file.
-
-    Raises
-    ------
-    InputError
-        For a file that is none, or describes no blade.
+    TWIST is the angle of the line from leading to trailing edge. The blade is loaded from the first
+    station, or from the hub transition (HUBTRA) where that lies further out.
     """
-    where = os.fspath(path)
     lines = read_lines(path)
-    header = _header_line(lines, where)
-    names = _column_names(lines, header, where)
-    labels, table = parse_rows(_rows(lines, header), names, tuple(UNITS), where)
-    trailer = _trailer(lines[header:])
-    if blades is None:
-        if "BLADES" not in trailer:
-            raise InputError("found no line 'BLADES:'", GIVE_BLADES, where)
-        blades = parse_blades(trailer["BLADES"], f"{where}: BLADES")
-    station, chord = table[:, 0] * INCH, table[:, 1] * INCH
-    twist = twist_from_degrees(table[:, 2], where)
-    title = lines[0].split()[0] if lines[0].split() else "propeller"
-    result = build_propeller(
-        where,
-        labels,
-        f"apc-{title.lower()}",
-        blades,
-        station,
-        chord,
-        twist,
-        source=f"APC PE0 file {title}",
-        citation=APC_CITATION,
-    )
-    _check_tip(trailer, result, where)
-    if radius is not None:
-        check_radius(result.radius, radius, where)
-    return _with_hub_transition(trailer, result, where)
+    with located(os.fspath(path)):
+        header = next((k for k, text in enumerate(lines) if _is_header(text)), None)
+        if header is None:
+            found = "found no table with the header 'STATION CHORD ...'"
+            raise InputError(found, "give a PE0 file as APC publishes it")
+        names = lines[header].split()
+        units = lines[header + 1].split() if header + 1 < len(lines) else []
+        for name, unit in UNITS.items():
+            if name not in names:
+                found = f"line {header + 1}: no column {name}"
+                raise InputError(found, "give the complete PE0 file")
+            index = names.index(name)
+            if units[index : index + 1] != [unit]:
+                found = quoted(units[index] if index < len(units) else "")
+                found = f"line {header + 2}: the unit of {name} is {found}, expected {unit}"
+                raise InputError(found, "convert the column, or write the geometry as CSV")
+        rows: list[tuple[int, list[str]]] = []
+        for number, line in enumerate(lines[header + 2 :], header + 3):
+            cells = line.split()
+            if cells and not cells[0].endswith(":"):
+                rows.append((number, cells))
+            elif cells or rows:
+                break
+        labels, table = parse_rows(rows, names, tuple(UNITS))
+        trailer: dict[str, str] = {}
+        for line in lines[header:]:
+            key, colon, rest = line.partition(":")
+            if colon and key.strip() in {"RADIUS", "HUBTRA", "BLADES"} and rest.split():
+                trailer.setdefault(key.strip(), rest.split()[0])
+        if blades is None:
+            if "BLADES" not in trailer:
+                raise InputError("found no line 'BLADES:'", GIVE_BLADES)
+            with located("BLADES"):
+                blades = parse_blades(trailer["BLADES"])
+        blade = table[:, 0] * INCH, table[:, 1] * INCH, twist_from_degrees(table[:, 2])
+        title = lines[0].split()[0] if lines[0].split() else "propeller"
+        texts = f"APC PE0 file {title}", APC_CITATION
+        result = build_propeller(labels, f"apc-{title.lower()}", blades, blade, *texts)
+        if "RADIUS" in trailer:
+            with located("RADIUS"):  # a table that stops short of it was cut off
+                stated = parse_number(trailer["RADIUS"], "the radius") * INCH
+                check_radius(result.radius, stated, TRAILER_TOLERANCE)
+        check_radius(result.radius, radius)
+        if "HUBTRA" not in trailer:
+            return result
+        with located("HUBTRA"):
+            hub = parse_number(trailer["HUBTRA"], "the hub transition") * INCH
+            inside = hub <= result.root + TRAILER_TOLERANCE
+            return result if inside else result.with_root_cutout(hub)
 
 
-def _header_line(lines: Sequence[str], where: str) -> int:
-    for number, line in enumerate(lines):
-        if line.split()[:2] == ["STATION", "CHORD"]:
-            return number
-    raise InputError(
-        "found no table with the header 'STATION CHORD ...'",
-        "give a PE0 file as APC publishes it",
-        where,
-    )
-
-
-def _column_names(lines: Sequence[str], header: int, where: str) -> list[str]:
-    """Of all columns, once the units of station, chord and twist on the next line are right."""
-    names = lines[header].split()
-    units = lines[header + 1].split() if header + 1 < len(lines) else []
-    for name, unit in UNITS.items():
-        if name not in names:
-            raise InputError(
-                f"line {header + 1}: no column {name}", "give the complete PE0 file", where
-            )
-        index = names.index(name)
-        found = units[index] if index < len(units) else ""
-        if found != unit:
-            raise InputError(
-                f"line {header + 2}: the unit of {name} is {quoted(found)}, expected {unit}",
-                "convert the column, or write the geometry as CSV",
-                where,
-            )
-    return names
-
-
-def _rows(lines: Sequence[str], header: int) -> list[tuple[int, list[str]]]:
-    """Numbers and cells of the lines below the units, up to the first that is no row."""
-    rows: list[tuple[int, list[str]]] = []
-    for number, line in enumerate(lines[header + 2 :], header + 3):
-        cells = line.split()
-        if cells and not cells[0].endswith(":"):
-            rows.append((number, cells))
-        elif cells or rows:
-            break
-    return rows
-
-
-def _trailer(lines: Sequence[str]) -> dict[str, str]:
-    """The figures behind RADIUS:, HUBTRA: and BLADES: as text."""
-    found: dict[str, str] = {}
-    for line in lines:
-        key, colon, rest = line.partition(":")
-        if colon and key.strip() in {"RADIUS", "HUBTRA", "BLADES"} and rest.split():
-            found.setdefault(key.strip(), rest.split()[0])
-    return found
-
-
-def _check_tip(trailer: dict[str, str], result: Propeller, where: str) -> None:
-    """A table that stops short of RADIUS was cut off."""
-    if "RADIUS" in trailer:
-        place = f"{where}: RADIUS"
-        stated = parse_number(trailer["RADIUS"], "the radius", place) * INCH
-        check_radius(result.radius, stated, place, TRAILER_TOLERANCE)
-
-
-def _with_hub_transition(trailer: dict[str, str], result: Propeller, where: str) -> Propeller:
-    if "HUBTRA" not in trailer:
-        return result
-    place = f"{where}: HUBTRA"
-    hub = parse_number(trailer["HUBTRA"], "the hub transition", place) * INCH
-    if hub <= result.root + TRAILER_TOLERANCE:
-        return result
-    return result.with_root_cutout(check_root_cutout(hub, result.station, place))
+def _is_header(line: str) -> bool:
+    return line.split()[:2] == ["STATION", "CHORD"]
 
 
 # -------------------------------------------------------------------------------------------------
 # Any geometry file: which format it is in, read from its content.
+
 
 READERS: dict[str, Callable[..., Propeller]] = {
     "apc-pe0": read_apc_pe0,
@@ -610,40 +382,26 @@ READERS: dict[str, Callable[..., Propeller]] = {
 def read_geometry_file(
     path: str | os.PathLike[str], blades: int | None = None, radius: float | None = None
 ) -> Propeller:
-    """A propeller from a file in any format that propmap reads.
-
-    The format is told by the content; the name of the file plays no part.
-
-    Parameters
-    ----------
-    path : path
-        Of the file.
-    blades, radius : int, float, optional
-        As in the reader of that format; ``radius`` in [m].
-
-    Raises
-    ------
-    InputError
-        For a file in no format that is known, or with faults.
-    """
+    """Read a propeller from a file in any format that propmap knows, by its content."""
     where = os.fspath(path)
     kind = recognise(read_lines(path), where)
     return READERS[kind](path, blades=blades, radius=radius)
 
 
 def recognise(lines: Sequence[str], where: str) -> str:
-    """The format of a file, one of ``READERS``, from its lines; ``InputError`` if unknown."""
+    """Recognise the format of a file, one of ``READERS``, from its lines."""
     body = [line for line in lines if line.strip() and not is_comment(line)]
     first = body[0] if body else ""
-    if any(line.split()[:2] == ["STATION", "CHORD"] for line in body) or any(
-        "AIRFOIL SUMMARY DATA" in line for line in body
-    ):
+    if any(_is_header(line) or "AIRFOIL SUMMARY DATA" in line for line in body):
         return "apc-pe0"
     if first.split()[:2] == HEADER[:2]:
         return "uiuc"
     if any(line.partition("=")[0].strip() == "schema" for line in body):
         return "toml"
-    if _is_csv_header(first):
+    # A column may be named after a blade quantity with a unit that is wrong.
+    stems = {name.split("_")[0].lower() for name in KNOWN}
+    cells = header_names(first, KNOWN)
+    if len(cells) > 1 and any(cell.split("_")[0] in stems for cell in cells):
         return "csv"
     raise InputError(
         f"begins with {quoted(first.strip())}, which is no propeller geometry that propmap knows",
@@ -651,11 +409,3 @@ def recognise(lines: Sequence[str], where: str) -> str:
         "or a CSV file with columns such as radius_m,chord_m,twist_deg",
         where,
     )
-
-
-def _is_csv_header(line: str) -> bool:
-    """Whether a column is named after a blade quantity, its unit right or wrong."""
-    stems = {name.split("_")[0].lower() for names in QUANTITIES.values() for name in names}
-    known = [name for several in QUANTITIES.values() for name in several]
-    cells = header_names(line, known)
-    return len(cells) > 1 and any(cell.split("_")[0] in stems for cell in cells)

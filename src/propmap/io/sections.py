@@ -10,26 +10,23 @@ from typing import NamedTuple
 
 import numpy as np
 
-from propmap.errors import InputError, quoted
+from propmap.errors import InputError, located, quoted
 from propmap.io.csv import header_names, read_csv_table, read_lines
 from propmap.io.geometry import parse_number
 from propmap.model.airfoil import SectionTable
 from propmap.typing import Floats
 
 # -------------------------------------------------------------------------------------------------
-# Formats of section tables, told by their content: AeroDyn, XFOIL, CACTUS, and CSV.
+# Formats of section tables, recognised by their content: AeroDyn, XFOIL, CACTUS, and CSV.
 
-Lines = list[tuple[int, str]]
-"""Lines that are not empty, with their numbers from 1."""
-
-Row = tuple[int, float, float, float]
-"""Line number, angle of attack [deg], C_L, C_D."""
+Lines = list[tuple[int, str]]  # lines that are not empty, with their numbers from 1
+Row = tuple[int, float, float, float]  # line number, angle of attack [deg], C_L, C_D
 
 CSV_COLUMNS = ("alpha_deg", "re", "cl", "cd")
 
 
 def section_format(lines: Lines) -> str | None:
-    """The format of a file's lines, one of ``READERS``, or None."""
+    """Recognise the format of a file's lines, one of ``READERS``, or None."""
     head = [line for _, line in lines[:40]]
     if any("number of airfoil tables in this file" in line.lower() for line in head):
         return "AeroDyn v15" if _value_of(head, "NumTabs") is not None else "AeroDyn"
@@ -44,33 +41,30 @@ def section_format(lines: Lines) -> str | None:
     return None
 
 
-def _aerodyn(lines: Lines, where: str) -> Iterator[tuple[float, list[Row]]]:
-    """v13 and v14: per table its Reynolds number in millions, parameters, and rows up to EOT."""
+def _aerodyn(lines: Lines) -> Iterator[tuple[float, list[Row]]]:
+    """Read v13 and v14: per table Re in millions, parameters, and rows up to EOT."""
     start = next(k for k, (_, line) in enumerate(lines) if "airfoil tables" in line.lower())
-    count = _whole(lines[start], where)
+    count = _whole(lines[start])
     rest = iter(lines[start + 1 :])
     for number in range(1, count + 1):
         first = next(rest, None)
         if first is None:
-            raise InputError(f"table {number} of {count} is missing", "give the whole file", where)
-        reynolds = 1e6 * parse_number(first[1].split()[0], "Re", _at(where, first))
+            raise InputError(f"table {number} of {count} is missing", "give the whole file")
+        reynolds = 1e6 * parse_number(first[1].split()[0], "Re", f"line {first[0]}")
         rows: list[Row] = []
         for line in rest:
             if line[1].strip().upper().startswith("EOT"):
                 break
             if _is_row(line[1]):
-                rows.append(_row(line, where, most=4 if count > 1 else None))
+                rows.append(_row(line, most=4 if count > 1 else None))
             elif rows:
-                raise InputError(
-                    f"found {quoted(line[1].strip())} between rows",
-                    "end a table with EOT",
-                    f"{where}, line {line[0]}",
-                )
+                found = f"found {quoted(line[1].strip())} between rows"
+                raise InputError(found, "end a table with EOT", f"line {line[0]}")
         yield reynolds, rows
 
 
-def _aerodyn_15(lines: Lines, where: str) -> Iterator[tuple[float, list[Row]]]:
-    """v15: lines of a value and a keyword; NumAlf says how many rows follow."""
+def _aerodyn_15(lines: Lines) -> Iterator[tuple[float, list[Row]]]:
+    """Read v15: lines of a value and a keyword; NumAlf says how many rows follow."""
     plain = [(n, line.partition("!")[0]) for n, line in lines]
     rest = iter([(n, line) for n, line in plain if line.strip()])
     reynolds = None
@@ -78,59 +72,54 @@ def _aerodyn_15(lines: Lines, where: str) -> Iterator[tuple[float, list[Row]]]:
         words = line[1].split()
         keyword = words[1] if len(words) > 1 else ""
         if keyword == "Re":
-            reynolds = 1e6 * parse_number(line[1].split()[0], "Re", _at(where, line))
+            reynolds = 1e6 * parse_number(line[1].split()[0], "Re", f"line {line[0]}")
         elif keyword == "NumAlf":
             if reynolds is None:
-                raise InputError("no Re before NumAlf", "give Re in millions", _at(where, line))
-            count = _whole(line, where)
-            rows = [_row(row, where) for _, row in zip(range(count), rest, strict=False)]
+                raise InputError("no Re before NumAlf", "give Re in millions", f"line {line[0]}")
+            count = _whole(line)
+            rows = [_row(row) for _, row in zip(range(count), rest, strict=False)]
             if len(rows) < count:
-                raise InputError(
-                    f"found {len(rows)} rows, NumAlf is {count}", "give the whole file", where
-                )
+                found = f"found {len(rows)} rows, NumAlf is {count}"
+                raise InputError(found, "give the whole file")
             yield reynolds, rows
             reynolds = None
 
 
-def _xfoil(lines: Lines, where: str) -> Iterator[tuple[float, list[Row]]]:
-    """One polar; rows in any order, as they were computed."""
+def _xfoil(lines: Lines) -> Iterator[tuple[float, list[Row]]]:
+    """Read one polar; rows in any order, as they were computed."""
     head = next(k for k, (_, line) in enumerate(lines) if re.match(r"\s*alpha\s+CL\s+CD\b", line))
-    found = re.search(
-        r"Re\s*=\s*([\d.]+)\s*e\s*([+-]?\d+)", "\n".join(line for _, line in lines[:head])
-    )
+    above = "\n".join(line for _, line in lines[:head])
+    found = re.search(r"Re\s*=\s*([\d.]+)\s*e\s*([+-]?\d+)", above)
     if found is None:
-        raise InputError(
-            "no Reynolds number above the rows", "keep the line with Re = 0.100 e 6", where
-        )
+        raise InputError("no Reynolds number above the rows", "keep the line with Re = 0.100 e 6")
     rows = [line for line in lines[head + 1 :] if set(line[1].strip()) - set("- ")]
-    yield float(found[1]) * 10.0 ** int(found[2]), [_row(line, where) for line in rows]
+    yield float(found[1]) * 10.0 ** int(found[2]), [_row(line) for line in rows]
 
 
-def _cactus(lines: Lines, where: str) -> Iterator[tuple[float, list[Row]]]:
-    """Per table a line with its Reynolds number, parameters, and rows."""
+def _cactus(lines: Lines) -> Iterator[tuple[float, list[Row]]]:
+    """Read per table a line with its Reynolds number, parameters, and rows."""
     starts = [k for k, (_, line) in enumerate(lines) if line.lower().startswith("reynolds number:")]
     for start, end in zip(starts, [*starts[1:], len(lines)], strict=True):
         n, line = lines[start]
-        reynolds = parse_number(line.partition(":")[2], "Reynolds number", f"{where}, line {n}")
+        reynolds = parse_number(line.partition(":")[2], "Reynolds number", f"line {n}")
         body = [one for one in lines[start + 1 : end] if ":" not in one[1]]
-        yield reynolds, [_row(one, where) for one in body if one[1][:1] not in "Aa"]
+        yield reynolds, [_row(one) for one in body if one[1][:1] not in "Aa"]
 
 
-def _csv(lines: Lines, where: str) -> Iterator[tuple[float, list[Row]]]:
-    """Columns by name; rows of one Reynolds number are a table."""
+def _csv(lines: Lines) -> Iterator[tuple[float, list[Row]]]:
+    """Read columns by name; rows of one Reynolds number are a table."""
     numbered = dict(lines)
     every = [numbered.get(n, "") for n in range(1, lines[-1][0] + 1)]
-    file = read_csv_table(every, CSV_COLUMNS, where)
-    assert file is not None  # its header has told the format
+    file = read_csv_table(every, CSV_COLUMNS)
+    assert file is not None  # its header gave the format
     header = [name.lower() for name in file.header]
     places = [header.index(name) for name in CSV_COLUMNS]
     tables: dict[float, list[Row]] = {}
     for number, cells in file.rows:
-        place = f"{where}, line {number}"
+        place = f"line {number}"
         if len(cells) < len(header):
-            raise InputError(
-                f"found {len(cells)} fields, expected {len(header)}", "complete the row", place
-            )
+            found = f"found {len(cells)} fields, expected {len(header)}"
+            raise InputError(found, "complete the row", place)
         angle, reynolds, lift, drag = (
             parse_number(cells[k], name, place) for k, name in zip(places, CSV_COLUMNS, strict=True)
         )
@@ -138,33 +127,26 @@ def _csv(lines: Lines, where: str) -> Iterator[tuple[float, list[Row]]]:
     yield from tables.items()
 
 
-READERS: dict[str, Callable[[Lines, str], Iterator[tuple[float, list[Row]]]]] = {
+READERS: dict[str, Callable[[Lines], Iterator[tuple[float, list[Row]]]]] = {
     "AeroDyn": _aerodyn,
     "AeroDyn v15": _aerodyn_15,
     "XFOIL": _xfoil,
     "CACTUS": _cactus,
     "CSV": _csv,
 }
-"""Of each format, what gives the Reynolds number and the rows of every table."""
+"""By format, what gives the Reynolds number and the rows of every table."""
 
 
 def lines_of(path: Path) -> Lines:
-    """The lines of a file that are not empty."""
+    """Read the lines of a file that are not empty."""
     return [(n, t) for n, t in enumerate(read_lines(path, "section table"), start=1) if t.strip()]
 
 
-def _at(where: str, line: tuple[int, str]) -> str:
-    return f"{where}, line {line[0]}"
-
-
-def _row(line: tuple[int, str], where: str, most: int | None = None) -> Row:
-    words, place = line[1].split(), _at(where, line)
+def _row(line: tuple[int, str], most: int | None = None) -> Row:
+    words, place = line[1].split(), f"line {line[0]}"
     if len(words) < 3 or (most and len(words) > most):
-        raise InputError(
-            f"found {len(words)} numbers, expected angle, C_L, C_D and possibly C_m",
-            "give one row a line and one table after the other",
-            place,
-        )
+        found = f"found {len(words)} numbers, expected angle, C_L, C_D and possibly C_m"
+        raise InputError(found, "give one row a line and one table after the other", place)
     names = ("the angle", "C_L", "C_D")
     angle, lift, drag = (parse_number(w, n, place) for w, n in zip(words, names, strict=False))
     return line[0], angle, lift, drag
@@ -176,17 +158,16 @@ def _is_row(line: str) -> bool:
     return len(words) >= 3 and all(re.fullmatch(r"[-+.\deEdD]+", word) for word in words)
 
 
-def _whole(line: tuple[int, str], where: str) -> int:
+def _whole(line: tuple[int, str]) -> int:
     word = line[1].split()[0]
     if not word.isdigit() or int(word) < 1:
-        raise InputError(
-            f"found {quoted(word)}, expected a count", "give 1 or more", _at(where, line)
-        )
+        found = f"found {quoted(word)}, expected a count"
+        raise InputError(found, "give 1 or more", f"line {line[0]}")
     return int(word)
 
 
 def _value_of(lines: Sequence[str], keyword: str) -> str | None:
-    """The value in front of an AeroDyn v15 keyword."""
+    """Find the value in front of an AeroDyn v15 keyword."""
     pairs = (line.partition("!")[0].split() for line in lines)
     return next((words[0] for words in pairs if words[1:2] == [keyword]), None)
 
@@ -198,17 +179,14 @@ FORMATS = (
     "give an AeroDyn airfoil file, a polar of XFOIL or a folder of them, a CACTUS table, "
     f"or CSV with the columns {','.join(CSV_COLUMNS)}"
 )
-ASSUMED_REYNOLDS = 1e6
-"""Of a file with one table that states none; loads do not depend on it."""
-
-ALIKE = 0.01
-"""Difference of C_L up to which a repeated angle, as XFOIL writes it, is one row."""
+ASSUMED_REYNOLDS = 1e6  # of a file with one table that states none; loads do not depend on it
+SAME_LIFT = 0.01  # difference of C_L up to which a repeated angle, as XFOIL writes it, is one row
 
 
 def read_section_table(path: str | os.PathLike[str]) -> SectionTable:
-    """A section table from a file, or from a folder with one XFOIL polar per Reynolds number.
+    """Read a section table from a file, or a folder with one XFOIL polar per Reynolds number.
 
-    The format is told by the content.  Polars that end a little past stall are continued to +-180
+    The format is recognised by content.  Polars that end a little past stall are continued to +-180
     degrees by Viterna's method, which the table's ``source`` says.
 
     Parameters
@@ -232,9 +210,8 @@ def read_section_table(path: str | os.PathLike[str]) -> SectionTable:
             wanted = "give polars of XFOIL alone in a folder" if place.is_dir() else FORMATS
             raise InputError("the file is no section table that propmap reads", wanted, str(file))
         kinds.add(kind)
-        polars += [
-            (str(file), reynolds, rows) for reynolds, rows in READERS[kind](lines, str(file))
-        ]
+        with located(str(file)):
+            polars += [(str(file), reynolds, rows) for reynolds, rows in READERS[kind](lines)]
     if not polars:
         raise InputError("there is no table", FORMATS, str(place))
     return _table(place, " and ".join(sorted(kinds)), polars)
@@ -247,74 +224,56 @@ def looks_like_section_table(path: Path) -> bool:
 
 def _table(place: Path, kind: str, found: Sequence[tuple[str, float, list[Row]]]) -> SectionTable:
     polars: list[Polar] = []
-    remarks = []
-    for where, reynolds, rows in found:
+    remarks: list[str] = []
+    for where, given, rows in found:
+        reynolds = given
         if reynolds <= 0.0 and len(found) == 1:
             reynolds = ASSUMED_REYNOLDS
             remarks.append("Reynolds number not stated")
-        if not reynolds > 0.0:
-            raise InputError(
-                f"a Reynolds number is {reynolds:g}", "state one above 0 for every table", where
-            )
-        if reynolds in [polar.reynolds for polar in polars]:
-            raise InputError(f"Re = {reynolds:g} occurs twice", "keep one of the tables", where)
-        polar, added = all_round(_polar(reynolds, rows, where), where)
+        with located(where):
+            if not reynolds > 0.0:
+                remedy = "state one above 0 for every table"
+                raise InputError(f"a Reynolds number is {reynolds:g}", remedy)
+            if reynolds in [polar.reynolds for polar in polars]:
+                raise InputError(f"Re = {reynolds:g} occurs twice", "keep one of the tables")
+            polar, added = all_round(_polar(reynolds, rows))
         polars.append(polar)
         remarks += [added] if added and added not in remarks else []
     polars.sort(key=lambda polar: polar.reynolds)
+    reynolds_numbers = np.array([polar.reynolds for polar in polars])
     angle, lift, drag = at_common_angles(polars)
     source = f"{place.name} ({kind})" + "".join(f", {remark}" for remark in remarks)
-    try:
-        return SectionTable(
-            angle,
-            np.array([polar.reynolds for polar in polars]),
-            lift,
-            drag,
-            name=place.stem,
-            source=source,
-        )
-    except InputError as error:
-        raise InputError(error.found, error.remedy, str(place)) from None
+    with located(str(place)):
+        return SectionTable(angle, reynolds_numbers, lift, drag, name=place.stem, source=source)
 
 
-def _polar(reynolds: float, rows: list[Row], where: str) -> Polar:
-    """Rows in the order of their angles, each once."""
+def _polar(reynolds: float, rows: list[Row]) -> Polar:
+    """Sort rows by their angles, each once."""
     kept: list[Row] = []
     for row in sorted(rows, key=lambda row: row[1]):
-        if kept and row[1] == kept[-1][1]:
-            if abs(row[2] - kept[-1][2]) > ALIKE:
-                raise InputError(
-                    f"{row[1]:g} deg occurs twice, in line {kept[-1][0]} with another lift",
-                    "keep one of the rows",
-                    f"{where}, line {row[0]}",
-                )
-            continue
-        if abs(row[1]) > 180.0 + 1e-9:
-            raise InputError(
-                f"the angle is {row[1]:g}", "give degrees within +-180", f"{where}, line {row[0]}"
-            )
-        if row[3] < 0.0:
-            raise InputError(
-                f"the drag coefficient is {row[3]:g}",
-                "correct or remove the row",
-                f"{where}, line {row[0]}",
-            )
+        line, angle, lift, drag = row
+        with located(f"line {line}"):
+            if kept and angle == kept[-1][1]:
+                if abs(lift - kept[-1][2]) > SAME_LIFT:
+                    found = f"{angle:g} deg occurs twice, in line {kept[-1][0]} with another lift"
+                    raise InputError(found, "keep one of the rows")
+                continue
+            if abs(angle) > 180.0 + 1e-9:
+                raise InputError(f"the angle is {angle:g}", "give degrees within +-180")
+            if drag < 0.0:
+                raise InputError(f"the drag coefficient is {drag:g}", "correct or remove the row")
         kept.append(row)
     if len(kept) < 8:
-        raise InputError(
-            f"the table of Re = {reynolds:g} has {len(kept)} rows, expected 8 at least",
-            "give more angles",
-            where,
-        )
-    _, angle, lift, drag = np.array(kept).T
-    return Polar(reynolds, np.radians(angle), lift, drag)
+        found = f"the table of Re = {reynolds:g} has {len(kept)} rows, expected 8 at least"
+        raise InputError(found, "give more angles")
+    _, angles, lifts, drags = np.array(kept).T
+    return Polar(reynolds, np.radians(angles), lifts, drags)
 
 
 # -------------------------------------------------------------------------------------------------
 # A section's polar continued all the way round, and polars brought to common angles.
 
-ASPECT_RATIO = 10.0
-"""Of a propeller's blade, in Viterna's drag of a plate across the flow."""
+ASPECT_RATIO = 10.0  # of a propeller's blade, in Viterna's drag of a plate across the flow
 
 BACKWARDS = 0.7
 """Lift of a section that the air meets from behind, as a share of the same section's ahead."""
@@ -324,11 +283,8 @@ STILL_RISING = 0.5
 to end before stall."""
 
 STEP = np.radians(5.0)
-CLOSED = np.radians(330.0)
-"""A polar over so much of the circle lacks no more than its ends."""
-
-APART = np.radians(0.05)
-"""Angles of different polars nearer than that are one."""
+CLOSED = np.radians(330.0)  # A polar over so much of the circle lacks no more than its ends
+SAME_ANGLE = np.radians(0.05)  # angles of different polars nearer than that are one
 
 
 class Polar(NamedTuple):
@@ -340,46 +296,32 @@ class Polar(NamedTuple):
     drag: Floats
 
 
-def all_round(polar: Polar, where: str) -> tuple[Polar, str]:
-    """The polar from -180 to 180 degrees, and what was added to it in words.
+def all_round(polar: Polar) -> tuple[Polar, str]:
+    """Continue a polar from -180 to 180 degrees, and say in words what was added.
 
-    Past stall C_L and C_D follow Viterna and Corrigan: those of a finite plate, matched to the
-    polar's last row.  Behind +-90 degrees the section is met from behind and has 0.7 of that lift;
-    between the mirrored last row and the first one both are linear.
-
-    Raises
-    ------
-    InputError
-        Where the polar ends before stall, or past it but not at 180 degrees.
-
-    References
-    ----------
-    L. A. Viterna and R. D. Corrigan, "Fixed Pitch Rotor Performance of Large Horizontal Axis Wind
-    Turbines", NASA CP-2230, 1981.
+    Past stall C_L and C_D follow Viterna and Corrigan ("Fixed Pitch Rotor Performance of Large
+    Horizontal Axis Wind Turbines", NASA CP-2230, 1981): those of a finite plate, matched to the
+    polar's last row. Behind +-90 degrees the section is met from behind and has 0.7 of that lift;
+    between the mirrored last row and the first one both are linear. ``InputError`` where the polar
+    ends before stall, or past it but not at 180 degrees.
     """
     ends = polar.angle[[0, -1]]
     if ends[1] - ends[0] >= CLOSED:
         return _closed(polar), ""
     low, high = np.degrees(ends).tolist()
-    told = f"angles run from {low:g} to {high:g} deg"
+    range_ = f"angles run from {low:g} to {high:g} deg"
     if not (-90.0 < low < high < 90.0 and high > 0.0):
-        raise InputError(
-            f"{told}, expected -180 to 180, or around 0 and a little past stall",
-            "complete the table, or leave out what is far past stall",
-            where,
-        )
+        found = f"{range_}, expected -180 to 180, or around 0 and a little past stall"
+        raise InputError(found, "complete the table, or leave out what is far past stall")
     slope = np.diff(polar.lift) / np.diff(polar.angle)
     if polar.lift[-1] <= 0.0 or slope[-1] > STILL_RISING * slope.max():
-        raise InputError(
-            f"{told} and the lift still rises at the last: stall is not in the polar",
-            "compute or measure it to larger angles",
-            where,
-        )
+        found = f"{range_} and the lift still rises at the last: stall is not in the polar"
+        raise InputError(found, "compute or measure it to larger angles")
     return _extended(polar), f"continued from {low:g} and {high:g} deg by Viterna's method"
 
 
 def _closed(polar: Polar) -> Polar:
-    """With rows at -180 and 180 degrees, which are one angle."""
+    """Add rows at -180 and 180 degrees, which are one angle."""
     inner = np.abs(polar.angle) < np.pi - 1e-6
     turn = [polar.angle, polar.angle + 2.0 * np.pi]
 
@@ -402,10 +344,8 @@ def _extended(polar: Polar) -> Polar:
         s, c = np.sin(angle), np.cos(angle)
         return largest * s * c + a2 * c**2 / s, largest * s**2 + b2 * c
 
-    def linear(share: Floats) -> Floats:
-        """Lift of a section met from behind and near 180 degrees; share of the stall angle."""
-        return BACKWARDS * float(polar.lift[-1]) * share
-
+    # Lift of a section met from behind; near 180 degrees linear in the angle.
+    from_behind = BACKWARDS * float(polar.lift[-1])
     past = np.arange(1.0, np.ceil(2.0 * np.pi / STEP)) * STEP
     ahead = past[(past > last + 0.2 * STEP) & (past < 0.5 * np.pi + 1e-9)]
     behind = past[(past > 0.5 * np.pi + 1e-9) & (past < np.pi - last)]
@@ -414,7 +354,7 @@ def _extended(polar: Polar) -> Polar:
     lift_b, drag_b = plate(np.pi - behind)
     drag_e = plate(np.pi - edge)[1]
     upper = np.concatenate([ahead, behind, edge])
-    lift = np.concatenate([lift_a, -BACKWARDS * lift_b, linear((edge - np.pi) / last)])
+    lift = np.concatenate([lift_a, -BACKWARDS * lift_b, from_behind * (edge - np.pi) / last])
     drag = np.concatenate([drag_a, drag_b, drag_e])
     # The lower side is the upper one mirrored; between them and the polar lies one straight line.
     mirrored = np.concatenate([[last], ahead]) > -first + 0.2 * STEP
@@ -422,33 +362,22 @@ def _extended(polar: Polar) -> Polar:
     lift_l = -BACKWARDS * np.concatenate([polar.lift[-1:], lift_a])[mirrored]
     drag_l = np.concatenate([polar.drag[-1:], drag_a])[mirrored]
     back = np.concatenate([behind, edge])
-    lift_k = np.concatenate([BACKWARDS * lift_b, -linear((edge - np.pi) / last)])
+    lift_k = np.concatenate([BACKWARDS * lift_b, -from_behind * (edge - np.pi) / last])
     drag_k = np.concatenate([drag_b, drag_e])
-    least = float(polar.drag.min())
-    end = [max(plate(np.array([1e-6]))[1][0], least)]
-    return Polar(
-        polar.reynolds,
-        np.concatenate([[-np.pi], -back[::-1], -lower[::-1], polar.angle, upper, [np.pi]]),
-        np.concatenate([[0.0], lift_k[::-1], lift_l[::-1], polar.lift, lift, [0.0]]),
-        np.concatenate(
-            [
-                end,
-                np.maximum(drag_k[::-1], least),
-                np.maximum(drag_l[::-1], least),
-                polar.drag,
-                np.maximum(drag, least),
-                end,
-            ]
-        ),
-    )
+    end = plate(np.array([1e-6]))[1]
+    angles = [[-np.pi], -back[::-1], -lower[::-1], polar.angle, upper, [np.pi]]
+    lifts = [[0.0], lift_k[::-1], lift_l[::-1], polar.lift, lift, [0.0]]
+    drags = [end, drag_k[::-1], drag_l[::-1], polar.drag, drag, end]
+    least = np.maximum(np.concatenate(drags), polar.drag.min())
+    return Polar(polar.reynolds, np.concatenate(angles), np.concatenate(lifts), least)
 
 
 def at_common_angles(polars: Sequence[Polar]) -> tuple[Floats, Floats, Floats]:
-    """Angles (K,), C_L and C_D (R, K) of polars all round, linear between the rows of each."""
+    """Bring polars all round to common angles (K,): C_L and C_D (R, K), linear between rows."""
     angles = np.unique(np.concatenate([polar.angle for polar in polars]))
     kept = [float(angles[0])]
     for angle in angles[1:-1]:
-        if angle - kept[-1] >= APART and np.pi - angle >= APART:
+        if angle - kept[-1] >= SAME_ANGLE and np.pi - angle >= SAME_ANGLE:
             kept.append(float(angle))
     angle = polars[0].angle if len(polars) == 1 else np.array([*kept, np.pi])
     lift = np.stack([np.interp(angle, polar.angle, polar.lift) for polar in polars])

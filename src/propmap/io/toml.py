@@ -1,160 +1,148 @@
-"""TOML files whose entries are checked as they are taken."""
+"""TOML files, checked by the types of the structs that they are converted to."""
 
 from __future__ import annotations
 
-import math
+import difflib
+import os
+import re
 import tomllib
-from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from collections.abc import Iterator
+from typing import Annotated, Any, Literal, TypeVar, get_args, get_origin, get_type_hints
 
-import numpy as np
+import msgspec
 
 from propmap.errors import InputError, quoted
-from propmap.typing import Floats
+from propmap.io.csv import read_lines
+
+# -------------------------------------------------------------------------------------------------
+# What a file may say is a struct: a field for each key, with its type, its limits, and in words
+# what to write.  msgspec converts; its errors are put in propmap's words here.
 
 
-def parse_toml(text: str, where: str, schema: int) -> dict[str, Any]:
-    """The fields of a TOML ``text``, from ``where``, if its ``schema`` is as expected."""
+class Table(msgspec.Struct, forbid_unknown_fields=True):
+    """A table of a TOML file; ``Annotated`` texts say what to write for a key."""
+
+
+HUGE = 1e300
+Number = Annotated[float, msgspec.Meta(ge=-HUGE, le=HUGE)]  # A finite number
+Text = Annotated[str, msgspec.Meta(pattern=r"\S")]  # not empty
+Vector = tuple[Number, Number, Number]
+
+Made = TypeVar("Made")
+
+WORDS = {
+    "float": "a number",
+    "int": "a whole number",
+    "str": "text",
+    "array": "a list",
+    "object": "a table",
+}
+
+
+def read_toml(path: str | os.PathLike[str], kind: type[Made], schema: int, what: str) -> Made:
+    """Read the file at ``path``, called ``what`` in messages, as a ``kind`` of struct."""
+    where = os.fspath(path)
     try:
-        fields = tomllib.loads(text)
+        fields = tomllib.loads("\n".join(read_lines(path, what)))
     # A number of thousands of digits is a plain ValueError, deep nesting a RecursionError.
     except (ValueError, RecursionError) as error:
+        if isinstance(error, InputError):
+            raise
         raise InputError(f"not TOML: {error}", "correct the syntax", where) from None
-    if fields.get("schema") != schema or isinstance(fields.get("schema"), bool):
+    found = fields.pop("schema", None)
+    if found != schema or isinstance(found, bool):
         raise InputError(
-            f"schema is {quoted(fields.get('schema'))}, expected {schema}",
+            f"schema is {quoted(found)}, expected {schema}",
             f"write schema = {schema}, or update propmap if the file is newer",
             where,
         )
-    return fields
+    return checked(fields, kind, where)
 
 
-class TomlTable:
-    """Entries by name; whatever is wrong with one raises ``InputError`` that names it.
+def checked(entries: dict[str, Any], kind: type[Made], where: str) -> Made:
+    """Convert the ``entries`` of a file or table, which is ``where`` in messages."""
+    try:
+        return msgspec.convert(entries, kind)
+    except msgspec.ValidationError as error:
+        raise _in_words(error, entries, kind, where) from None
 
-    In all methods ``example`` is what to write instead of a bad entry, or where there is none.
 
-    Parameters
-    ----------
-    entries : mapping
-        As ``tomllib`` gives them.
-    where : str
-        File and table, for the messages.
-    known : sequence of str
-        The keys that may occur; any other is refused, with a close one proposed.
-    """
+def _in_words(error: msgspec.ValidationError, value: Any, hint: Any, where: str) -> InputError:
+    """Say where the error is, what was found and expected, and what to write."""
+    said, _, path = str(error).rpartition(" - at `$")
+    said, path = (said, path) if said else (path, "")
+    table, key, names, item = "", "", "", False
+    for name, number in re.findall(r"\.([^.\[`]+)|\[(\d+)\]", path):
+        if name:
+            hint, value = get_type_hints(_struct(hint), include_extras=True)[name], value[name]
+            key, names, item = name, f"{names}.{name}".lstrip("."), False
+        else:
+            value, item = value[int(number)], True
+        if isinstance(value, dict):
+            table = f": [[{names}]] {int(number) + 1}" if number else f": [{names}]"
+            key = ""
+    where += table
+    if isinstance(error.__cause__, InputError):
+        return InputError(error.__cause__.found, error.__cause__.remedy, where)
+    if field := re.search("field `(.*)`", said):
+        key, known = field[1], get_type_hints(_struct(hint), include_extras=True)
+        if "missing" in said:
+            shown = example(known[key])
+            remedy = f"add {key} = {shown}" if shown else f"add [{key}]"
+            return InputError(f"no {key}", remedy, where)
+        close = difflib.get_close_matches(key, known, n=1)
+        remedy = (f"did you mean {close[0]}? " if close else "") + f"known are {', '.join(known)}"
+        return InputError(f"unknown key {quoted(key)}", remedy, where)
+    wanted = re.sub(
+        "`(.*?)`", lambda m: " or ".join(WORDS[w] for w in m[1].split(" | ") if w != "null"), said
+    )
+    wanted = re.split(", got| matching", wanted)[0].removeprefix("Expected ")
+    if "e+300" in said or "out of range" in said or value != value:
+        wanted = "a finite number"
+    shown = example(hint)
+    if said.startswith("Invalid enum"):
+        wanted = shown
+    found = f"{key} {'has' if item else 'is'} {quoted(value)}, expected {wanted}"
+    table = f"[[{key}]]" if wanted == "a list" else f"[{key}]"
+    return InputError(found, f"write {key} = {shown}" if shown else f"write {table}", where)
 
-    def __init__(self, entries: Mapping[str, Any], where: str, known: Sequence[str]) -> None:
-        self.entries, self.where = entries, where
-        for key in entries:
-            if key not in known:
-                import difflib
 
-                close = difflib.get_close_matches(key, known, n=1)
-                hint = f"did you mean {close[0]}? " if close else ""
-                raise InputError(
-                    f"unknown key {quoted(key)}", f"{hint}known are {', '.join(known)}", where
-                )
+def _parts(hint: Any) -> Iterator[Any]:
+    """Yield a type and whatever it is made of, outermost first."""
+    yield hint
+    if get_origin(hint) is not Literal:
+        for part in get_args(hint):
+            yield from _parts(part)
 
-    def __contains__(self, key: str) -> bool:
-        return key in self.entries
 
-    def need(self, key: str, example: str) -> Any:
-        """The entry as it stands."""
-        if key not in self.entries:
-            raise InputError(f"no {key}", f"add {key} = {example}", self.where)
-        return self.entries[key]
+def _struct(hint: Any) -> type[msgspec.Struct]:
+    return next(p for p in _parts(hint) if isinstance(p, type) and issubclass(p, msgspec.Struct))
 
-    def text(self, key: str, example: str, default: str | None = None) -> str:
-        """A text; where there is no ``default``, not an empty one."""
-        value = self.need(key, example) if default is None else self.entries.get(key, default)
-        if not isinstance(value, str) or not (value.strip() or default is not None):
-            raise self._wrong(key, "text", example)
-        return value
 
-    def choice(self, key: str, choices: Sequence[str]) -> str:
-        """One of the ``choices``."""
-        listed = " or ".join(f'"{choice}"' for choice in choices)
-        value = self.need(key, listed)
-        if value not in choices:
-            raise self._wrong(key, listed, listed)
-        return str(value)
+def example(hint: Any) -> str:
+    """Say what to write for a key of this type."""
+    for part in _parts(hint):
+        if isinstance(part, str):
+            return part
+        if get_origin(part) is Literal:
+            return " or ".join(f'"{choice}"' for choice in get_args(part))
+    return ""
 
-    def number(self, key: str, example: str, default: float | None = None) -> float:
-        """A finite number."""
-        value = self.need(key, example) if default is None else self.entries.get(key, default)
-        return self._number(key, value, f"write {key} = {example}")
 
-    def numbers(self, key: str) -> Floats:
-        """A list of numbers as float64."""
-        values = self.need(key, "...")
-        if not isinstance(values, list):
-            raise self._wrong(key, "a list of numbers", "[...]")
-        return np.array([self._number(key, v, "write a number", finite=False) for v in values])
+Place = Annotated[list[float], "[...], write a number for each station"]
 
-    def vector(self, key: str, example: str) -> tuple[float, float, float]:
-        """Three finite numbers."""
-        values = self.need(key, example)
-        if not isinstance(values, list) or len(values) != 3:
-            raise self._wrong(key, "3 numbers", example)
-        x, y, z = (self._number(key, value, f"write {key} = {example}") for value in values)
-        return x, y, z
 
-    def texts(self, key: str, count: int | None, example: str) -> tuple[str, ...]:
-        """``count`` texts, or one or more where it is None."""
-        values = self.need(key, example)
-        good = isinstance(values, list) and all(isinstance(v, str) and v for v in values)
-        if not good or len(values) != (count or max(len(values), 1)):
-            raise self._wrong(key, f"{count} names" if count else "a list of names", example)
-        return tuple(values)
+class PropellerFile(Table):
+    """What a file in the catalogue's format says of a propeller, see ``read_propeller_toml``."""
 
-    def optional(
-        self, key: str, good: Callable[[Any], bool], expected: str, remedy: str
-    ) -> Any | None:
-        """The entry if it is ``good``, or None where there is none."""
-        value = self.entries.get(key)
-        if value is not None and not good(value):
-            raise InputError(f"{key} is {quoted(value)}, expected {expected}", remedy, self.where)
-        return value
-
-    def table(self, key: str, known: Sequence[str]) -> TomlTable:
-        """The table ``[key]`` inside this one; empty where there is none.
-
-        A key with a dot, such as "log.columns", names the table in full; the part after the
-        last dot is looked up.
-        """
-        value = self.entries.get(key.rpartition(".")[2], {})
-        if not isinstance(value, dict):
-            raise InputError(
-                f"{key} is {quoted(value)}, expected a table", f"write [{key}]", self.where
-            )
-        file = self.where.partition(": [")[0]
-        return TomlTable(value, f"{file}: [{key}]", known)
-
-    def tables(self, key: str, known: Sequence[str]) -> list[TomlTable]:
-        """The tables ``[[key]]`` inside this one, in their order."""
-        values = self.entries.get(key, [])
-        if not isinstance(values, list) or not all(isinstance(value, dict) for value in values):
-            raise InputError(
-                f"{key} is {quoted(values)}, expected tables", f"write [[{key}]]", self.where
-            )
-        return [
-            TomlTable(value, f"{self.where}: [[{key}]] {k}", known)
-            for k, value in enumerate(values, start=1)
-        ]
-
-    def _wrong(self, key: str, expected: str, example: str) -> InputError:
-        found = f"{key} is {quoted(self.entries[key])}, expected {expected}"
-        return InputError(found, f"write {key} = {example}", self.where)
-
-    def _number(self, key: str, value: Any, remedy: str, *, finite: bool = True) -> float:
-        # A TOML integer may be too long for a float.
-        try:
-            if isinstance(value, int | float) and not isinstance(value, bool):
-                number = float(value)
-                if math.isfinite(number) or not finite:
-                    return number
-        except OverflowError:
-            pass
-        wanted = "a finite number" if finite else "a number"
-        raise InputError(f"{key} has {quoted(value)}, expected {wanted}", remedy, self.where)
+    name: Annotated[Text, '"..."']
+    radius_m: Annotated[Number, "the tip radius in m"]
+    station_m: Place
+    chord_m: Place
+    twist_rad: Place
+    blades: Any = None  # checked where it may be replaced
+    root_cutout_m: Annotated[Number, "a length in m"] | None = None
+    title: str = ""
+    family: str = ""
+    source: str = ""
+    citation: str = ""

@@ -8,19 +8,14 @@ import tomllib
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from propmap.errors import InputError
+from propmap.errors import InputError, drag_factor_accepted, located, warn_of_drag_factor
 from propmap.model.corrections import agreed, as_texts
-from propmap.model.drag_factor import drag_factor_accepted, warn_of_drag_factor
 from propmap.typing import Floats
-
-if TYPE_CHECKING:
-    from propmap.typing import Floats
-
 
 # -------------------------------------------------------------------------------------------------
 # The section law's constants: named sets, files, and checks.
@@ -28,22 +23,51 @@ if TYPE_CHECKING:
 SCHEMA = 1
 SETS = Path(__file__).parents[1] / "catalogue" / "airfoils"
 LIFT_LAWS = ("blended", "simplified")
-LIMITS = {
-    "c_l1": (0.0, 20.0, "1/rad"),
-    "c_l2": (0.0, 10.0, "-"),
-    "c_d": (0.0, 20.0, "-"),
-    "alpha_0": (0.02, 1.5, "rad"),
-    "zero_lift_angle": (-0.5, 0.5, "rad"),
-    "c_d0": (0.0, 1.0, "-"),
-    "c_p": (0.0, 10.0, "-"),
-    "sharpness": (5.0, 500.0, "1/rad"),
-    "drag_factor": (0.0, 10.0, "-"),
-    "reynolds_camber": (-0.2, 0.2, "rad"),
-    "drag_angle": (-0.5, 0.5, "rad"),
-}
-"""Least and largest value of each constant, and its unit."""
-BEYOND_THE_PAPER = ("reynolds_camber", "drag_angle")
-"""Constants that files leave out where they are zero, as in the paper's law."""
+
+
+class Constant(NamedTuple):
+    """A constant of the section law: what ``Airfoil`` accepts, and how fits treat it."""
+
+    unit: str
+    meaning: str
+    limits: tuple[float, float]
+    fit: tuple[float, float, float, float] | None = None
+    """First guess (x0 of (18) where the paper has one), lower and upper bound of fits, and by how
+    much propellers differ; None where it is not fitted."""
+    population: str = ""
+    """How its distribution over propellers is normal, "log" or "linear"; empty where it is held."""
+    filed_if_zero: bool = True
+    """False for a term beyond the paper, which files leave out where it does not act."""
+
+
+CONSTANTS = {
+    "c_l1": Constant(
+        "1/rad", "slope of the attached lift", (0.0, 20.0), (math.tau, 0.5, 12.0, 1.0), "log"
+    ),
+    "c_l2": Constant("-", "lift after stall", (0.0, 10.0), (2.0, 0.0, 6.0, 0.5)),
+    "c_d": Constant("-", "pressure drag", (0.0, 20.0), (0.0, 0.0, 10.0, 1.0), "log"),
+    "alpha_0": Constant("rad", "angle of stall", (0.02, 1.5), (0.47, 0.1, 0.9, 0.06), "log"),
+    "zero_lift_angle": Constant(
+        "rad", "angle of zero lift", (-0.5, 0.5), (0.0, -0.25, 0.15, 0.03), "linear"
+    ),
+    "c_d0": Constant("-", "constant drag", (0.0, 1.0), (0.01, 0.0, 0.2, 0.02), "log"),
+    "c_p": Constant("-", "skin friction", (0.0, 10.0)),
+    "sharpness": Constant("1/rad", "sharpness of stall, M", (5.0, 500.0)),
+    "drag_factor": Constant(
+        "-", "factor on the rotor drag, deprecated", (0.0, 10.0), (1.0, 0.2, 5.0, 0.5)
+    ),
+    "reynolds_camber": Constant(
+        "rad", "growth of the angle of zero lift with ln Re", (-0.2, 0.2), (0.0, -0.1, 0.1, 0.02),
+        "linear", filed_if_zero=False,
+    ),
+    "drag_angle": Constant(
+        "rad", "angle of least pressure drag above that of zero lift", (-0.5, 0.5),
+        (0.0, -0.2, 0.3, 0.03), "linear", filed_if_zero=False,
+    ),
+}  # fmt: skip
+"""The constants of ``Airfoil`` by name, in the order of its fields: the one table of them."""
+
+PAPER_FOUR = ("c_l1", "c_l2", "c_d", "alpha_0")  # what (18) identifies
 
 
 @dataclass(frozen=True)
@@ -67,7 +91,7 @@ class Airfoil:
         The paper's constants c_d0 [-], c_p [-] and M [1/rad].
     drag_factor : float
         Multiplies the rotor drag [-], 1 in the paper.  Deprecated: another value warns; the
-        correction ``mount-drag`` has what a factor cannot tell.
+        correction ``mount-drag`` describes it.
     reynolds_camber : float
         Growth of the zero-lift angle by ln(Re / 5e4) [rad], Re = rho Omega y c / mu of the rotation
         alone, from 1e4 to 1.2e5; about -0.02 for small propellers, 0 in the paper.
@@ -107,8 +131,11 @@ class Airfoil:
     corrections: tuple[str, ...] | None = None
     uncertainty: SectionUncertainty | None = field(default=None, compare=False, repr=False)
 
+    parameters: ClassVar[tuple[str, ...]] = tuple(CONSTANTS)
+    """Names of what loads can be differentiated by."""
+
     def __post_init__(self) -> None:
-        for constant, (low, high, unit) in LIMITS.items():
+        for constant, (unit, _, (low, high), *_) in CONSTANTS.items():
             value = getattr(self, constant)
             if isinstance(value, bool) or not isinstance(value, (int, float)):
                 raise InputError(f"{constant} is {value!r}: give a number [{unit}]")
@@ -126,11 +153,6 @@ class Airfoil:
         if self.drag_factor != 1.0:
             warn_of_drag_factor(stacklevel=3)
         object.__setattr__(self, "corrections", as_texts(self.corrections))
-
-    @property
-    def parameters(self) -> tuple[str, ...]:
-        """Names of the constants by which loads can be differentiated."""
-        return tuple(LIMITS)
 
     @property
     def has_attached_lift(self) -> bool:
@@ -155,60 +177,50 @@ class Airfoil:
         return section_coefficients(self.core_law(), alpha, reynolds)
 
     def core_law(self) -> dict[str, Any]:
-        """The law as the compiled core takes it: its numbers by name."""
+        """Give the law as the compiled core takes it: its numbers by name."""
         attached = 1.0 if self.lift_law == "blended" else 0.0
         numbers = {name: getattr(self, name) for name in self.parameters}
         return {"kind": "blended", "attached": attached, **numbers}
 
     def with_parameters(self, **changes: Any) -> Airfoil:
-        """A copy with ``changes`` to constants, by name as in the constructor.
-
-        How well they are known is that of the changed ones no more, and is left out unless given.
-        """
+        """Copy it with ``changes`` by name; its uncertainty no longer holds and is left out."""
         return replace(self, **{"uncertainty": None, **changes})
 
     def with_corrections(self, texts: Sequence[str]) -> Airfoil:
-        """The set as it is to be used with corrections of these ``texts``.
-
-        Raises
-        ------
-        InputError
-            Where the constants were found with others.
-        """
+        """Set the corrections to use it with, by their ``texts``, which must be its own if any."""
         with drag_factor_accepted():
             return replace(self, corrections=agreed(self.name, self.corrections, texts))
 
     def to_toml(self) -> str:
-        """The set as the text of a parameter file."""
-        text = _toml_file(self._told())
+        """Write the set as the text of a parameter file."""
+        text = self._text(FILED)
         if self.uncertainty is None:
             return text
         import tomli_w
 
         return f"{text}\n{tomli_w.dumps({'uncertainty': self.uncertainty.as_dict()})}"
 
-    def _filed(self) -> dict[str, Any]:
-        """What a parameter file may say."""
-        return {name: getattr(self, name) for name in FILED}
-
-    def _told(self) -> dict[str, Any]:
-        """What a parameter file says: terms beyond the paper's only where they act."""
-        return {
-            key: value
-            for key, value in self._filed().items()
-            if value is not None and not (key in BEYOND_THE_PAPER and value == 0.0)
-        }
-
     def metadata(self) -> dict[str, Any]:
-        """The constants by name."""
-        return {key: value for key, value in self._filed().items() if key != "corrections"}
+        """Give the constants by name."""
+        return {name: getattr(self, name) for name in FILED if name != "corrections"}
 
     def fingerprint(self) -> str:
-        """SHA-256 of the parameter file, without its corrections."""
+        """Hash the parameter file, without its corrections, by SHA-256."""
         import hashlib
 
-        told = {key: value for key, value in self._told().items() if key != "corrections"}
-        return hashlib.sha256(_toml_file(told).encode()).hexdigest()
+        return hashlib.sha256(self._text([*self.metadata()]).encode()).hexdigest()
+
+    def _text(self, names: Sequence[str]) -> str:
+        """Write these fields as a parameter file; terms beyond the paper only where they act."""
+        lines = [f"schema = {SCHEMA}"]
+        for name in names:
+            value = getattr(self, name)
+            needed = name not in CONSTANTS or CONSTANTS[name].filed_if_zero or value != 0.0
+            if value is not None and needed:
+                # JSON's strings are TOML's; only DEL differs.
+                toml = json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+                lines.append(f"{name} = {toml}")
+        return "\n".join(lines) + "\n"
 
 
 FILED = tuple(f.name for f in fields(Airfoil) if f.name != "uncertainty")
@@ -216,19 +228,7 @@ FILED = tuple(f.name for f in fields(Airfoil) if f.name != "uncertainty")
 
 
 def parameter_set(name_or_path: str | Path) -> Airfoil:
-    """A named set of constants, or one read from a TOML file.
-
-    Parameters
-    ----------
-    name_or_path : str or Path
-        "paper-soft", "paper-stiff" or "paper-apc" (Table I), "apc-8x6e-2019" (fitted), or a file's
-        path.
-
-    Raises
-    ------
-    InputError
-        For an unknown name, an unreadable file or a bad constant.
-    """
+    """Load a named set of constants, such as "paper-apc", or read one from a TOML file."""
     text = str(name_or_path)
     if text.lower() in airfoil_names():
         return read_airfoil(SETS / f"{text.lower()}.toml")
@@ -246,89 +246,55 @@ def parameter_set(name_or_path: str | Path) -> Airfoil:
 
 
 def airfoil_names() -> list[str]:
-    """Names of the bundled parameter sets."""
+    """List the names of the bundled parameter sets."""
     return sorted(file.stem for file in SETS.glob("*.toml"))
 
 
 def read_airfoil(path: Path, *, uncertainty: bool = True) -> Airfoil:
-    """Read a parameter file.
-
-    Parameters
-    ----------
-    path : Path
-        Of the file.
-    uncertainty : bool
-        Whether what a fit's file says of its constants' uncertainty is read as well.
-
-    Raises
-    ------
-    InputError
-        Naming the file and the field.
-    """
-    name = str(path)
-    try:
-        table = tomllib.loads(path.read_bytes().decode("utf-8"))
-    except FileNotFoundError:
-        raise InputError(f"{name}: no such file; give a set's name or an existing .toml") from None
-    except OSError as error:
-        raise InputError(f"{name}: cannot be read ({error.strerror}); give a .toml file") from None
-    except UnicodeDecodeError:
-        raise InputError(f"{name}: not a text file; give a parameter set in TOML") from None
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(
-            f"{name}: not valid TOML ({error}); `propmap airfoils show paper-apc` prints an example"
-        ) from None
-    schema = table.pop("schema", SCHEMA)
-    if schema != SCHEMA:
-        raise InputError(
-            f"{name}: schema is {schema!r}, this version reads {SCHEMA}; upgrade propmap"
-        )
-    # A table is left to whoever wrote it; a stray key at the top is likely a typing error.
-    extra = sorted(k for k, v in table.items() if k not in FILED and not isinstance(v, dict))
-    if extra:
-        raise InputError(
-            f"{name}: unknown field {extra[0]!r}; known fields: {', '.join(sorted(FILED))}"
-        )
-    required = [f for f in ("c_l1", "c_l2", "c_d", "alpha_0") if f not in table]
-    if required == ["c_l1"] and table.get("lift_law") == "simplified":
-        table["c_l1"], required = 0.0, []
-    if required:
-        raise InputError(f"{name}: {required[0]} is missing; add a line '{required[0]} = ...'")
-    try:
+    """Read a parameter file, with what a fit says of the constants if ``uncertainty``;
+    ``InputError`` names the file and the field."""
+    with located(str(path)):
+        try:
+            table = tomllib.loads(path.read_bytes().decode("utf-8"))
+        except FileNotFoundError:
+            raise InputError("no such file", "give a set's name or an existing .toml") from None
+        except OSError as error:
+            raise InputError(f"cannot be read ({error.strerror})", "give a .toml file") from None
+        except UnicodeDecodeError:
+            raise InputError("not a text file", "give a parameter set in TOML") from None
+        except tomllib.TOMLDecodeError as error:
+            remedy = "`propmap airfoils show paper-apc` prints an example"
+            raise InputError(f"not valid TOML ({error})", remedy) from None
+        schema = table.pop("schema", SCHEMA)
+        if schema != SCHEMA:
+            found = f"schema is {schema!r}, this version reads {SCHEMA}"
+            raise InputError(found, "upgrade propmap")
+        # A table is left to whoever wrote it; a stray key at the top is likely a typing error.
+        extra = sorted(k for k, v in table.items() if k not in FILED and not isinstance(v, dict))
+        if extra:
+            known_fields = f"known fields: {', '.join(sorted(FILED))}"
+            raise InputError(f"unknown field {extra[0]!r}", known_fields)
+        required = [name for name in PAPER_FOUR if name not in table]
+        if required == ["c_l1"] and table.get("lift_law") == "simplified":
+            table["c_l1"], required = 0.0, []
+        if required:
+            raise InputError(f"{required[0]} is missing", f"add a line '{required[0]} = ...'")
         fit = table.get("fit") if uncertainty else None
-        known = fitted_uncertainty(fit, (*LIMITS, "mount_area", "untwist"))
+        known = fitted_uncertainty(fit, (*CONSTANTS, "mount_area", "untwist"))
         known = known or filed_uncertainty(table.get("uncertainty"))
         return Airfoil(**{k: v for k, v in table.items() if k in FILED}, uncertainty=known)
-    except InputError as error:
-        raise InputError(f"{name}: {error}") from None
-
-
-def _toml_file(told: Mapping[str, Any]) -> str:
-    """The text of a parameter file."""
-    lines = [f"schema = {SCHEMA}", *(f"{key} = {_toml(value)}" for key, value in told.items())]
-    return "\n".join(lines) + "\n"
-
-
-def _toml(value: Any) -> str:
-    """A number, a text or a list of texts in TOML."""
-    # JSON's strings are TOML's; only DEL differs.
-    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
 # -------------------------------------------------------------------------------------------------
 # A section law given as a table of C_L and C_D.
 
-LARGEST = 10.0
-"""Coefficients beyond are taken for an error of the file [-]."""
-
-CLOSEST = 0.999 * math.radians(0.01)
-"""Least distance of two angles [rad]."""
+LARGEST = 10.0  # coefficients beyond are taken for an error of the file [-]
+CLOSEST = 0.999 * math.radians(0.01)  # least distance of two angles [rad]
 
 SectionFunction = Callable[[Floats, Floats], tuple[ArrayLike, ArrayLike]]
 """Gives C_L and C_D (N,) at angles of attack [rad] and Reynolds numbers (N,)."""
 
-MOST_ANGLES = 4000
-"""Angles at which a function is sampled, at most."""
+MOST_ANGLES = 4000  # angles at which a function is sampled, at most
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -382,10 +348,9 @@ class SectionTable:
             object.__setattr__(self, array, values)
         shape = (self.reynolds.size, self.angle.size)
         if self.lift.shape != shape or self.drag.shape != shape:
-            raise InputError(
-                f"lift has shape {self.lift.shape} and drag {self.drag.shape}",
-                f"give a row of {shape[1]} angles for each of {shape[0]} Reynolds numbers",
-            )
+            remedy = f"give a row of {shape[1]} angles for each of {shape[0]} Reynolds numbers"
+            found = f"lift has shape {self.lift.shape} and drag {self.drag.shape}"
+            raise InputError(found, remedy)
         object.__setattr__(self, "corrections", as_texts(self.corrections))
         self._check_axes()
         self._check_figures()
@@ -397,11 +362,9 @@ class SectionTable:
             raise InputError("angles must rise, and be eight at least: sort the table")
         ends = self.angle[[0, -1]]
         if not np.allclose(ends, [-math.pi, math.pi], atol=1e-6):
-            told = np.degrees(ends).round(2).tolist()
-            raise InputError(
-                f"angles run from {told[0]} to {told[1]} deg, expected -180 to 180",
-                "extend the table, for instance by Viterna's method",
-            )
+            low, high = np.degrees(ends).round(2).tolist()
+            found = f"angles run from {low} to {high} deg, expected -180 to 180"
+            raise InputError(found, "extend the table, for instance by Viterna's method")
         if np.diff(self.angle).min() < CLOSEST:
             raise InputError("two angles are less than 0.01 deg apart: remove one of them")
         object.__setattr__(self, "angle", np.array([-math.pi, *self.angle[1:-1], math.pi]))
@@ -412,25 +375,19 @@ class SectionTable:
         for name, values in (("lift", self.lift), ("drag", self.drag)):
             worst = float(np.abs(values).max())
             if worst > LARGEST:
-                raise InputError(
-                    f"{name} coefficient of {worst:g}, expected at most {LARGEST:g}",
-                    "check the table's columns",
-                )
+                found = f"{name} coefficient of {worst:g}, expected at most {LARGEST:g}"
+                raise InputError(found, "check the table's columns")
             gap = np.abs(values[:, 0] - values[:, -1]).max()
             if gap > 1e-6:
-                raise InputError(
-                    f"{name} differs by {gap:g} between -180 and 180 deg, which are one angle",
-                    "make them equal",
-                )
+                found = f"{name} differs by {gap:g} between -180 and 180 deg, which are one angle"
+                raise InputError(found, "make them equal")
         if (self.drag < 0.0).any():
             raise InputError("a drag coefficient is negative: check the table's columns")
         middle = self.lift[self.reynolds.size // 2]
         near = np.abs(self.angle) < math.radians(30.0)
         if not (middle[near].min() < 0.0 < middle[near].max()):
-            raise InputError(
-                "lift does not pass zero between -30 and 30 deg",
-                "give angles from the chord line, positive nose up",
-            )
+            found = "lift does not pass zero between -30 and 30 deg"
+            raise InputError(found, "give angles from the chord line, positive nose up")
 
     @classmethod
     def from_function(
@@ -480,10 +437,9 @@ class SectionTable:
                 both = np.asarray(np.stack([np.asarray(c, np.float64) for c in found]))
                 return both.reshape(2, at.size, alpha.size)
             except (TypeError, ValueError):
-                raise InputError(
-                    f"the section law gives {found!r:.80} for {alpha.size * at.size} angles",
-                    "return C_L and C_D as two arrays of as many numbers",
-                ) from None
+                seen = f"the section law gives {found!r:.80} for {alpha.size * at.size} angles"
+                remedy = "return C_L and C_D as two arrays of as many numbers"
+                raise InputError(seen, remedy) from None
 
         def made(alpha: Floats, error: float = 0.0) -> SectionTable:
             lift, drag = sampled(alpha, rows)
@@ -518,7 +474,7 @@ class SectionTable:
         return replace(table, sampling_error=float(whole))
 
     def coefficients(self, alpha: ArrayLike, reynolds: ArrayLike) -> tuple[Floats, Floats]:
-        """Lift and drag between the figures of the table; as ``Airfoil.coefficients``.
+        """Interpolate lift and drag between the figures of the table.
 
         Parameters
         ----------
@@ -535,7 +491,7 @@ class SectionTable:
         return section_coefficients(self.core_law(), alpha, reynolds)
 
     def core_law(self) -> dict[str, Any]:
-        """The law as the compiled core takes it: its figures by name."""
+        """Give the law as the compiled core takes it: its figures by name."""
         figures = {
             name: np.ascontiguousarray(getattr(self, name).ravel())
             for name in ("angle", "reynolds", "lift", "drag")
@@ -543,14 +499,14 @@ class SectionTable:
         return {"kind": "tabulated", "drag_factor": self.drag_factor, **figures}
 
     def with_corrections(self, texts: Sequence[str]) -> SectionTable:
-        """The table as it is to be used with corrections of these ``texts``; see ``Airfoil``."""
+        """Set the corrections to use it with, by their ``texts``, as ``Airfoil``."""
         with drag_factor_accepted():
             return replace(self, corrections=agreed(self.name, self.corrections, texts))
 
     def metadata(self) -> dict[str, Any]:
         """Name, source and Reynolds numbers; not the coefficients."""
-        told = {"name": self.name, "source": self.source, "drag_factor": self.drag_factor}
-        return told | {"reynolds": self.reynolds.tolist()}
+        names = ("name", "source", "drag_factor")
+        return {name: getattr(self, name) for name in names} | {"reynolds": self.reynolds.tolist()}
 
     def fingerprint(self) -> str:
         """SHA-256 of the figures as little-endian f8."""
@@ -573,14 +529,8 @@ class SectionTable:
         )
 
     def _key(self) -> tuple[Any, ...]:
-        arrays = (self.angle, self.reynolds, self.lift, self.drag)
-        return (
-            *(a.tobytes() for a in arrays),
-            self.drag_factor,
-            self.name,
-            self.source,
-            self.corrections,
-        )
+        arrays = (a.tobytes() for a in (self.angle, self.reynolds, self.lift, self.drag))
+        return (*arrays, self.drag_factor, self.name, self.source, self.corrections)
 
 
 # -------------------------------------------------------------------------------------------------
@@ -595,10 +545,10 @@ the load.  Loads identified from the UIUC database differ from those of the 2019
 D'Andrea, Drones 3(4):77, doi 10.3390/drones3040077) by 6-18 % in thrust and 3-14 % in torque."""
 
 TUNNEL_TILT = 1.0
-"""The same of the thrust's slope by the advance ratio V/(Omega R): 0.10 per 0.1 in axial flow.  In
-flow along the disk it is taken to be as large, where one propeller was measured: the 8x6E's thrust
-there grows in the campaign of 2019 and falls by the constants of UIUC's axial loads, which stall
-earlier (`make demo`)."""
+"""Standard deviation of the thrust's slope by the advance ratio V/(Omega R): 0.10 per 0.1 in axial
+flow.  In flow along the disk it is taken to be as large, where one propeller was measured: the
+8x6E's thrust there grows in the campaign of 2019 and falls by the constants of UIUC's axial loads,
+which stall earlier (``make demo``)."""
 
 INPLANE_SHARES = {"drag": 0.10, "roll_moment": 0.10, "side_force": 0.5, "pitch_moment": 0.5}
 """Standard deviations of what the theory itself errs by in loads that no axial test has seen, as
@@ -607,8 +557,7 @@ Ribner's fin analogy and of measurements, rolling moments within 0 to -18 % of t
 pitching moments differ by a factor of about 2 (docs/validation.md)."""
 
 
-UNKNOWN_SHARE = 0.5
-"""The same of a load of which there is no such judgement."""
+UNKNOWN_SHARE = 0.5  # for a load that has not been judged so
 
 DISCREPANCIES = ("thrust_coefficient", "power_coefficient")
 """Loads of an axial test, as coefficients, and fields of ``SectionUncertainty``."""
@@ -649,20 +598,18 @@ class SectionUncertainty:
             if not (math.isfinite(value) and value >= 0.0):
                 raise InputError(f"{name} is {value}", "give a standard deviation, 0 or more")
         if self.with_blade is not None and self.with_blade.names != self.covariance.names:
-            raise InputError(
-                f"the covariances are of {self.with_blade.names} and {self.covariance.names}",
-                "give them for the same constants",
-            )
+            found = f"the covariances are of {self.with_blade.names} and {self.covariance.names}"
+            raise InputError(found, "give them for the same constants")
 
     def without(self, name: str) -> SectionUncertainty:
-        """The same with the constant ``name`` taken as known."""
+        """Take the constant ``name`` as known."""
         names = [each for each in self.covariance.names if each != name]
         kept = self.covariance.of(names)
         blade = None if self.with_blade is None else self.with_blade.of(names)
         return replace(self, covariance=kept, with_blade=blade)
 
     def as_dict(self) -> dict[str, Any]:
-        """Plain data, as ``filed_uncertainty`` reads it."""
+        """Give plain data, as ``filed_uncertainty`` reads it."""
         return {
             "names": list(self.covariance.names),
             "covariance": self.covariance.matrix.tolist(),
@@ -673,18 +620,8 @@ class SectionUncertainty:
 
 
 def filed_uncertainty(table: Any) -> SectionUncertainty | None:
-    """What the table ``[uncertainty]`` of a parameter file says; None where there is none.
-
-    Parameters
-    ----------
-    table : mapping or None
-        As ``SectionUncertainty.as_dict`` gives it.
-
-    Raises
-    ------
-    InputError
-        Where an entry is missing or of another kind.
-    """
+    """Read the table ``[uncertainty]`` of a parameter file, as ``SectionUncertainty.as_dict``
+    writes it."""
     if table is None:
         return None
     try:
@@ -697,27 +634,14 @@ def filed_uncertainty(table: Any) -> SectionUncertainty | None:
         }
         left: Any = {name: float(table[name]) for name in DISCREPANCIES}
     except (KeyError, TypeError, ValueError) as error:
-        raise InputError(
-            f"the table [uncertainty] is damaged ({error})", "remove it, or write the file anew"
-        ) from None
+        found = f"the table [uncertainty] is damaged ({error})"
+        raise InputError(found, "remove it, or write the file anew") from None
     return SectionUncertainty(**matrices, **left, another_tunnel=other)
 
 
 def fitted_uncertainty(table: Any, names: Collection[str]) -> SectionUncertainty | None:
-    """What the table ``[fit]`` of a fit's file says of the constants; None where there is none.
-
-    Parameters
-    ----------
-    table : mapping or None
-        With the names "free", their "covariance", and a table "discrepancy".
-    names : collection of str
-        Those of the free parameters that belong to the section law.
-
-    Raises
-    ------
-    InputError
-        Where the covariance does not fit the names.
-    """
+    """Read from the table ``[fit]`` of a fit's file how well its free parameters ``names`` are
+    known."""
     if not isinstance(table, Mapping):
         return None
     try:
@@ -727,9 +651,8 @@ def fitted_uncertainty(table: Any, names: Collection[str]) -> SectionUncertainty
         kept = [name for name in free if name in names]
         shares: Any = {name: float(left[name]) for name in DISCREPANCIES if name in left}
     except (KeyError, TypeError, ValueError) as error:
-        raise InputError(
-            f"the table [fit] is damaged: covariance ({error})", "write it again with propmap fit"
-        ) from None
+        found = f"the table [fit] is damaged: covariance ({error})"
+        raise InputError(found, "write it again with propmap fit") from None
     return SectionUncertainty(every.of(kept), **shares, another_tunnel=False)
 
 
@@ -761,10 +684,8 @@ class SectionCovariance:
     def __post_init__(self) -> None:
         count = len(self.names)
         if self.matrix.shape != (count, count):
-            raise InputError(
-                f"the covariance of {count} parameters has shape {self.matrix.shape}",
-                f"give {count} rows of {count} numbers",
-            )
+            found = f"the covariance of {count} parameters has shape {self.matrix.shape}"
+            raise InputError(found, f"give {count} rows of {count} numbers")
         known = self.determined.matrix if self.unknown else self.matrix
         if not known.size:
             return
@@ -779,16 +700,16 @@ class SectionCovariance:
 
     @property
     def determined(self) -> SectionCovariance:
-        """The same without those of infinite variance."""
+        """The part of finite variance."""
         return self.of([name for name in self.names if name not in self.unknown])
 
     def of(self, names: list[str]) -> SectionCovariance:
-        """The part that belongs to some of the parameters, ``names``."""
+        """Keep some of the parameters, ``names``."""
         kept = [self.names.index(name) for name in names]
         return SectionCovariance(tuple(names), self.matrix[np.ix_(kept, kept)])
 
     def as_dict(self) -> dict[str, Any]:
-        """Plain data, None for an infinite variance."""
+        """Give plain data, with None for an infinite variance."""
         rows = [[v if np.isfinite(v) else None for v in row] for row in self.matrix.tolist()]
         return {"names": list(self.names), "matrix": rows}
 
@@ -800,7 +721,8 @@ class SectionCovariance:
 def section_coefficients(
     law: dict[str, Any], alpha: ArrayLike, reynolds: ArrayLike
 ) -> tuple[Floats, Floats]:
-    """C_L and C_D [-] of a section at angles [rad] from the chord line and Reynolds numbers."""
+    """Compute C_L and C_D [-] of a section at angles [rad] from the chord line and Reynolds
+    numbers."""
     from propmap import core
 
     at = np.broadcast_arrays(np.asarray(alpha, np.float64), np.asarray(reynolds, np.float64))

@@ -13,8 +13,9 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from propmap.errors import InputError
+from propmap.errors import InputError, located
 from propmap.typing import Floats
+from propmap.units import SPEED_OF_SOUND
 
 if TYPE_CHECKING:
     from propmap.model.model import Model, Propeller
@@ -24,20 +25,16 @@ HUB_SHARE = 0.08
 propeller."""
 
 LARGEST_UNTWIST = 0.2
-"""Of what the tip's twist loses [rad]; a blade that gives way further is no propeller's."""
+"""Largest loss of the tip's twist [rad]; a blade that gives way further is no propeller's."""
 
 MOTOR_DIAMETER, MOTOR_HEIGHT = 28.0 / 101.6, 30.0 / 101.6
-"""Of a motor, over the radius of its propeller [-]: 28 mm x 30 mm below one of 8 inches."""
+"""Size of a motor over the radius of its propeller [-]: 28 mm x 30 mm below one of 8 inches."""
 
 MOTOR_DRAG_COEFFICIENT = 1.0
-"""Of a motor across the flow [-], between a smooth cylinder as high as it is wide, 0.63, and a long
-one, 1.2: S. F. Hoerner, Fluid-Dynamic Drag, 1965, chapter III."""
+"""Drag coefficient of a motor across the flow [-], between a smooth cylinder as high as it is wide,
+0.63, and a long one, 1.2: S. F. Hoerner, Fluid-Dynamic Drag, 1965, chapter III."""
 
-STALL_DELAY_STRENGTH = 3.0
-"""Snel's factor of (c/y)^2 [-]."""
-
-SPEED_OF_SOUND = 340.3
-"""[m/s], of the standard atmosphere at sea level (ISO 2533: 15 degrees Celsius)."""
+STALL_DELAY_STRENGTH = 3.0  # Snel's factor of (c/y)^2 [-]
 
 
 class Correction:
@@ -50,7 +47,7 @@ class Correction:
         """Raise ``InputError`` where it does not fit a ``model`` that has it."""
 
     def core_numbers(self, name: str, model: Model) -> dict[str, Any]:  # noqa: ARG002
-        """What the core gets of it in a ``model``, by ``name``: its only number, or 1."""
+        """Give the core what it needs of it in a ``model``, by ``name``: its only number, or 1."""
         if self.inflow_shape:
             return {"inflow": name}
         values = list(vars(self).values())
@@ -88,33 +85,26 @@ class BladeToHub(Correction):
         _check_radius(self.radius_m)
 
     def hub(self, propeller: Propeller) -> float:
-        """Where the blade of a ``propeller`` then begins [m].
-
-        Raises
-        ------
-        InputError
-            For a blade that a root cut-out shortens, and a hub outside the first station.
-        """
+        """Find where the blade of a ``propeller`` then begins [m]; ``InputError`` for a blade that
+        a root cut-out shortens, and a hub outside the first station."""
         first, root = float(propeller.station[0]), propeller.root
         if root > first * (1.0 + 1e-9):
-            raise InputError(
-                f"blade-to-hub continues the blade inwards, but its root is cut out at {root:g} m",
-                "leave out one of the two",
+            found = (
+                f"blade-to-hub continues the blade inwards, but its root is cut out at {root:g} m"
             )
+            raise InputError(found, "leave out one of the two")
         hub = HUB_SHARE * propeller.radius if self.radius_m is None else self.radius_m
         if self.radius_m is not None and hub > first * (1.0 + 1e-9):
-            raise InputError(
-                f"radius_m of blade-to-hub is {hub:g} m, but the blade begins at {first:g} m",
-                "give a smaller radius in metres, or leave the correction out",
-            )
+            found = f"radius_m of blade-to-hub is {hub:g} m, but the blade begins at {first:g} m"
+            raise InputError(found, "give a smaller radius in metres, or leave the correction out")
         return root if hub >= first * (1.0 - 1e-9) else hub
 
     def check(self, model: Model) -> None:
-        """As ``hub``, for the propeller of a ``model``."""
+        """Check the propeller of a ``model``, as ``hub``."""
         self.hub(model.propeller)
 
     def core_numbers(self, name: str, model: Model) -> dict[str, Any]:
-        """The hub's radius by its ``name``, where the blade of a ``model`` is continued."""
+        """Give the hub's radius by ``name``, where the blade of a ``model`` is continued."""
         hub = self.hub(model.propeller)
         return {name: hub} if hub < model.propeller.root else {}
 
@@ -197,7 +187,7 @@ class HubLoss(Correction):
         _check_radius(self.radius_m)
 
     def radius(self, root: float) -> float:
-        """Of the hub [m], of a blade that begins at ``root`` [m]."""
+        """Give the hub's radius [m] on a blade that begins at ``root`` [m]."""
         return root if self.radius_m is None else self.radius_m
 
     def check(self, model: Model) -> None:
@@ -205,13 +195,11 @@ class HubLoss(Correction):
         root, _ = model.span
         radius = self.radius(root)
         if radius > root * (1.0 + 1e-9):
-            raise InputError(
-                f"radius_m of the hub loss is {radius:g} m, but the blade begins at {root:g} m",
-                "give a smaller radius, or a root cut-out",
-            )
+            found = f"radius_m of the hub loss is {radius:g} m, but the blade begins at {root:g} m"
+            raise InputError(found, "give a smaller radius, or a root cut-out")
 
     def core_numbers(self, name: str, model: Model) -> dict[str, Any]:
-        """The hub's radius in a ``model``, by its ``name``."""
+        """Give the hub's radius in a ``model``, by ``name``."""
         return {name: self.radius(model.span[0])}
 
 
@@ -323,11 +311,11 @@ class MountDrag(Correction):
             )
 
     def area(self, radius: float) -> float:
-        """f [m^2] below a propeller of this ``radius`` [m]."""
+        """Give f [m^2] below a propeller of this ``radius`` [m]."""
         return typical_area(radius) if self.area_m2 is None else self.area_m2
 
     def core_numbers(self, name: str, model: Model) -> dict[str, Any]:
-        """The area by its ``name``, in a ``model``, and the share of the inflow."""
+        """Give the area by ``name``, in a ``model``, and the share of the inflow."""
         return {name: self.area(model.propeller.radius), "mount-wake": self.wake}
 
     def drag(
@@ -394,9 +382,8 @@ class StallDelay(Correction):
 
     def __post_init__(self) -> None:
         if not 0.0 <= self.strength < math.inf:
-            raise InputError(
-                f"strength of the stall delay is {self.strength}", "give a number, 3 in Snel's form"
-            )
+            found = f"strength of the stall delay is {self.strength}"
+            raise InputError(found, "give a number, 3 in Snel's form")
 
     def check(self, model: Model) -> None:
         """Refuse a ``model`` whose section law says that it has no attached lift."""
@@ -491,12 +478,12 @@ MODELS = {"recommended": ("pitt-peters",), "paper": ()}
 
 
 MOUNT_DRAG = "mount-drag"
-"""The one that tells of the surroundings of a rotor: no section constant depends on it, so that it
-may be another than in the test that the constants are from."""
+"""The correction that describes a rotor's surroundings: no section constant depends on it, so that
+it may differ from that of the test that the constants are from."""
 
 
 def correction(text: str) -> Correction:
-    """A correction from its name and numbers, as in ``hub-loss:radius_m=0.012``.
+    """Make a correction from its name and numbers, as in ``hub-loss:radius_m=0.012``.
 
     Parameters
     ----------
@@ -510,27 +497,34 @@ def correction(text: str) -> Correction:
     """
     name, colon, given = text.partition(":")
     if name not in CORRECTIONS:
-        raise InputError(
-            f"correction {name!r} is not known", f"give one of {', '.join(CORRECTIONS)}"
-        )
-    fields: dict[str, float] = {}
-    for part in given.split(",") if colon else ():
-        field, _, value = part.partition("=")
-        field = field.strip()
-        if field in fields:
-            raise InputError(f"correction {text!r}: {field} is given twice", "give it once")
-        try:
-            fields[field] = float(value)
-        except ValueError:
-            raise InputError(
-                f"correction {text!r}: {part!r} is no field with a number",
-                f"write {name}:field=number",
-            ) from None
-    return from_fields(name, fields)
+        known = f"this version has {', '.join(CORRECTIONS)}"
+        raise InputError(f"correction {name!r} is not known", known)
+    kind: Any = CORRECTIONS[name]
+    known_fields = {field.name: field for field in dataclasses.fields(kind)}
+    numbers: dict[str, float] = {}
+    with located(f"correction {name}"):
+        for part in given.split(",") if colon else ():
+            field, _, value = part.partition("=")
+            field = field.strip()
+            if field in numbers:
+                raise InputError(f"{field} is given twice", "give it once")
+            try:
+                numbers[field] = float(value)
+            except ValueError:
+                found, remedy = f"{part!r} is no field with a number", f"write {name}:field=number"
+                raise InputError(found, remedy) from None
+            if field not in known_fields:
+                has = f"it has {', '.join(known_fields) or 'no fields'}"
+                raise InputError(f"unknown field {field!r}", has)
+        for field, about in known_fields.items():
+            if about.default is dataclasses.MISSING and field not in numbers:
+                raise InputError(f"no {field}", f"write {name}:{field}=number")
+    made: Correction = kind(**numbers)
+    return made
 
 
 def corrections_of(model: str = "recommended", added: Sequence[str] = ()) -> tuple[Correction, ...]:
-    """The corrections of a model by its name, for ``propmap.Model``.
+    """Collect the corrections of a model by its name, for ``propmap.Model``.
 
     Parameters
     ----------
@@ -548,43 +542,15 @@ def corrections_of(model: str = "recommended", added: Sequence[str] = ()) -> tup
     if model not in MODELS:
         raise InputError(f"model {model!r} is not known", f"give one of {', '.join(MODELS)}")
     more = tuple(correction(text) for text in added)
-    own = (correction(text) for text in MODELS[model])
-    return *(value for value in own if not any(_replaces(one, value) for one in more)), *more
-
-
-def _replaces(one: Correction, other: Correction) -> bool:
-    return type(one) is type(other) or (one.inflow_shape and other.inflow_shape)
-
-
-def from_fields(name: str, fields: dict[str, Any]) -> Correction:
-    """A correction from its name and fields, as they are kept in files."""
-    if name not in CORRECTIONS:
-        raise InputError(
-            f"correction {name!r} is not known", f"this version has {', '.join(CORRECTIONS)}"
-        )
-    made: Any = CORRECTIONS[name]
-    known = [field.name for field in dataclasses.fields(made)]
-    extra = sorted(set(fields) - set(known))
-    if extra:
-        raise InputError(
-            f"correction {name}: unknown field {extra[0]!r}",
-            f"it has {', '.join(known) or 'no fields'}",
-        )
-    needed = [one.name for one in dataclasses.fields(made) if one.default is dataclasses.MISSING]
-    left_out = [field for field in needed if field not in fields]
-    if left_out:
-        raise InputError(
-            f"correction {name}: no {left_out[0]}", f"write {name}:{left_out[0]}=number"
-        )
-    value: Correction = made(**fields)
-    return value
+    kinds, shaped = {type(one) for one in more}, any(one.inflow_shape for one in more)
+    own = [correction(text) for text in MODELS[model]]
+    kept = [one for one in own if type(one) not in kinds and not (shaped and one.inflow_shape)]
+    return *kept, *more
 
 
 def as_texts(texts: Any) -> tuple[str, ...] | None:
-    """Checked texts of corrections, as they stand in a file; ``InputError`` for anything else.
-
-    None stays None: nothing is said of them.
-    """
+    """Check texts of corrections, as they stand in a file; None stays None: nothing is said of
+    them."""
     if texts is None:
         return None
     if not isinstance(texts, (list, tuple)) or not all(isinstance(text, str) for text in texts):
@@ -593,20 +559,15 @@ def as_texts(texts: Any) -> tuple[str, ...] | None:
 
 
 def agreed(section: str, own: Sequence[str] | None, given: Sequence[str]) -> tuple[str, ...]:
-    """The corrections ``given`` to a section law that was found with ``own``, None if unknown.
+    """Give the corrections for a section law that was found with its ``own``, None if unknown.
 
-    What is mounted may be another than where the constants were found: ``given``, it takes the
-    place of its own.
-
-    Raises
-    ------
-    InputError
-        Where others than its own are given; ``section`` is its name.
+    What is mounted may differ from where the constants were found: ``given``, it replaces its own.
+    ``InputError`` where others than its own are given to the law called ``section``.
     """
-    wanted, mount = apart(as_texts(given) or ())
+    wanted, mount = split_mount(as_texts(given) or ())
     if own is None:
         return *wanted, *mount
-    found, own_mount = apart(own)
+    found, own_mount = split_mount(own)
     if sorted(found) != sorted(wanted):
         raise InputError(
             f"{section} was found with {in_words(found)}, not with {in_words(wanted)}",
@@ -615,36 +576,30 @@ def agreed(section: str, own: Sequence[str] | None, given: Sequence[str]) -> tup
     return *found, *(mount or own_mount)
 
 
-def apart(texts: Sequence[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """The corrections of the physics, and those that tell what is mounted."""
+def split_mount(texts: Sequence[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Part the corrections of the physics from those that describe what is mounted."""
     mount = tuple(text for text in texts if text.partition(":")[0] == MOUNT_DRAG)
     return tuple(text for text in texts if text not in mount), mount
 
 
 def in_words(texts: Sequence[str]) -> str:
-    """Corrections in words: "tip-loss, pitt-peters", or that there are none."""
+    """Name corrections: "tip-loss, pitt-peters", or that there are none."""
     return ", ".join(texts) or "the paper's model"
 
 
 def name_of(value: Correction) -> str:
-    """The name by which ``correction`` knows it.
-
-    Raises
-    ------
-    InputError
-        For a value that is no correction.
-    """
+    """Find the name by which ``correction`` knows it; ``InputError`` for what is no correction."""
     for name, kind in CORRECTIONS.items():
         if type(value) is kind:
             return name
-    raise InputError(
-        f"{value!r} is no correction",
-        f"give one of {', '.join(CORRECTIONS)}, see propmap.correction",
-    )
+    found = f"{value!r} is no correction"
+    raise InputError(found, f"give one of {', '.join(CORRECTIONS)}, see propmap.correction")
 
 
 def as_text(value: Correction) -> str:
-    """The text from which ``correction`` makes it again."""
+    """Write the text from which ``correction`` makes it again."""
     fields = dataclasses.asdict(value)  # type: ignore[call-overload]
-    told = ",".join(f"{field}={number!r}" for field, number in fields.items() if number is not None)
-    return f"{name_of(value)}:{told}" if told else name_of(value)
+    given = ",".join(
+        f"{field}={number!r}" for field, number in fields.items() if number is not None
+    )
+    return f"{name_of(value)}:{given}" if given else name_of(value)

@@ -17,10 +17,10 @@ from propmap.model.corrections import (
     BladeToHub,
     Correction,
     agreed,
-    apart,
     as_text,
     correction,
     name_of,
+    split_mount,
 )
 from propmap.model.plausibility import check_blade, check_blades, check_root_cutout
 from propmap.typing import Floats
@@ -92,11 +92,11 @@ class Propeller:
         return float(self.station[0]) if self.root_cutout is None else self.root_cutout
 
     def with_root_cutout(self, radius_m: float) -> Propeller:
-        """This propeller, loaded from ``radius_m`` [m] outwards."""
+        """Load this propeller from ``radius_m`` [m] outwards."""
         return replace(self, root_cutout=radius_m)
 
     def scaled(self, factor: float) -> Propeller:
-        """This shape with radius and chord ``factor`` times as large."""
+        """Make radius and chord ``factor`` times as large."""
         root = None if self.root_cutout is None else factor * self.root_cutout
         return replace(
             self, station=factor * self.station, chord=factor * self.chord, root_cutout=root
@@ -133,10 +133,8 @@ def _frozen_array(values: Any, field: str) -> Floats:
     try:
         array = np.array(values, dtype=np.float64)
     except (TypeError, ValueError):
-        raise InputError(
-            f"{field} is {quoted(values)}, expected a list of numbers",
-            f"give {field} as one number per station",
-        ) from None
+        found = f"{field} is {quoted(values)}, expected a list of numbers"
+        raise InputError(found, f"give {field} as one number per station") from None
     array.flags.writeable = False
     return array
 
@@ -217,29 +215,24 @@ OneOf = TypeVar("OneOf", bound=Correction)
 
 @runtime_checkable
 class Section(Protocol):
-    """What may be the section law of a model: ``Airfoil`` or ``SectionTable``."""
+    """What a model's section law must have: ``Airfoil``, ``SectionTable`` or your own."""
 
     @property
     def name(self) -> str:
         """What it is called."""
-        ...
 
     @property
     def parameters(self) -> tuple[str, ...]:
         """Names of what loads can be differentiated by."""
-        ...
 
     def core_law(self) -> dict[str, Any]:
-        """The law as the compiled core takes it."""
-        ...
+        """Give the law as the compiled core takes it."""
 
     def metadata(self) -> dict[str, Any]:
-        """What files say of it: texts and numbers by name."""
-        ...
+        """Give what files say of it: texts and numbers by name."""
 
     def fingerprint(self) -> str:
-        """SHA-256 of all that its lift and drag depend on."""
-        ...
+        """Hash all that its lift and drag depend on, by SHA-256."""
 
 
 @dataclass(frozen=True)
@@ -272,19 +265,19 @@ class Model:
     corrections: tuple[Correction, ...] = ()
 
     def __post_init__(self) -> None:
-        for name, kind, told in (
+        for name, kind, wanted in (
             ("propeller", Propeller, "a Propeller, from propmap.propeller(...)"),
             ("airfoil", Section, "an Airfoil, from propmap.airfoil(...)"),
             ("air", Air, "an Air, from propmap.Air(...)"),
         ):
             value = getattr(self, name)
             if not isinstance(value, kind):
-                raise InputError(f"{name} is {value!r}: give {told}")
+                raise InputError(f"{name} is {value!r}: give {wanted}")
         object.__setattr__(self, "corrections", tuple(self.corrections))
         own = getattr(self.airfoil, "corrections", None)
         if own is not None:
-            physics, mount = apart(self.correction_texts)
-            texts = agreed(self.airfoil.name, own, [*(physics or apart(own)[0]), *mount])
+            physics, mount = split_mount(self.correction_texts)
+            texts = agreed(self.airfoil.name, own, [*(physics or split_mount(own)[0]), *mount])
             object.__setattr__(self, "corrections", tuple(correction(text) for text in texts))
         names = [name_of(value) for value in self.corrections]
         for name in names:
@@ -292,27 +285,23 @@ class Model:
                 raise InputError(f"correction {name} is given twice: give it once")
         shapes = [name_of(value) for value in self.corrections if value.inflow_shape]
         if len(shapes) > 1:
-            raise InputError(
-                f"{' and '.join(shapes)} both set how the inflow varies around the disk",
-                "give one of them",
-            )
+            found = f"{' and '.join(shapes)} both set how the inflow varies around the disk"
+            raise InputError(found, "give one of them")
         for value in self.corrections:
             value.check(self)
 
     def with_airfoil(self, airfoil: Section) -> Model:
-        """This model with another section law, ``airfoil``."""
+        """Exchange the section law for ``airfoil``."""
         return replace(self, airfoil=airfoil)
 
     def with_mount(self, mount: Correction) -> Model:
-        """This model with ``mount``, a ``mount-drag``, in the place of its own if any."""
+        """Put ``mount``, a ``mount-drag``, in the place of its own if any."""
         others = [value for value in self.corrections if name_of(value) != MOUNT_DRAG]
         return replace(self, corrections=(*others, mount))
 
-    def found_with(self, value: Correction) -> Model:
-        """This model with ``value`` in the place of its own of that name, if any.
-
-        The section law is then one whose constants were found with it.
-        """
+    def with_correction(self, value: Correction) -> Model:
+        """Put ``value`` in the place of its own of that name, as if the section law was found with
+        it."""
         corrections = (*(one for one in self.corrections if type(one) is not type(value)), value)
         law: Any = self.airfoil
         if getattr(law, "corrections", None) is not None:
@@ -320,7 +309,7 @@ class Model:
         return replace(self, airfoil=law, corrections=corrections)
 
     def correction_of(self, kind: type[OneOf]) -> OneOf | None:
-        """The correction of this ``kind``, such as ``MountDrag``, or None."""
+        """Find the correction of this ``kind``, such as ``MountDrag``, or None."""
         return next((value for value in self.corrections if isinstance(value, kind)), None)
 
     @property
@@ -341,7 +330,7 @@ class Model:
         """How well the section law is known; None where it says nothing of it."""
         known = getattr(self.airfoil, "uncertainty", None)
         found_with = getattr(self.airfoil, "corrections", None) or ()
-        mounts = [apart(list(texts))[1] for texts in (self.correction_texts, found_with)]
+        mounts = [split_mount(list(texts))[1] for texts in (self.correction_texts, found_with)]
         if known is not None and mounts[0] != mounts[1]:
             # What is mounted was given instead of found: it is known.
             known = known.without("mount_area")
@@ -389,7 +378,7 @@ class Model:
         return float(kept.min()), float(kept.max())
 
     def fingerprint(self) -> str:
-        """SHA-256 that tells this model from any other: geometry, law, air and corrections."""
+        """Hash geometry, law, air and corrections by SHA-256; no two models have the same."""
         import hashlib
 
         parts = [

@@ -14,6 +14,7 @@ import numpy as np
 
 from propmap.errors import InputError, quoted
 from propmap.typing import Floats
+from propmap.units import GRAVITY, INCH, KMH, MPH, POUND, RPM, SLUG_PER_FT3, SPEED_OF_SOUND
 
 if TYPE_CHECKING:
     from propmap.model.model import Air, Propeller
@@ -36,11 +37,6 @@ class Range:
         """Return the logarithm of the factor between a ``value`` above 0 and the middle."""
         return abs(math.log(value / math.sqrt(self.low * self.high)))
 
-
-INCH = 0.0254
-GRAVITY = 9.80665  # [m/s^2], the standard value
-RPM = math.pi / 30.0  # one revolution per minute [rad/s]
-NEWTON_PER_POUND = 4.4482216
 
 UNIT_ERRORS: dict[str, dict[str, float]] = {
     "length": {  # given in metres unless something else is said
@@ -68,11 +64,11 @@ UNIT_ERRORS: dict[str, dict[str, float]] = {
     "density": {
         "g/m^3": 1e3,
         "g/cm^3": 1e-3,
-        "slug/ft^3": 1.0 / 515.379,
+        "slug/ft^3": 1.0 / SLUG_PER_FT3,
         "lb/ft^3": 1.0 / 16.01846,
     },
     "viscosity": {"microPa s": 1e6, "mPa s, or centipoise": 1e3, "poise": 10.0},
-    "speed": {"km/h": 3.6, "miles an hour": 2.23694},
+    "speed": {"km/h": 1.0 / KMH, "miles an hour": 1.0 / MPH},
     "fine speed": {"cm/s": 1e2, "mm/s": 1e3},
     "slow rotation": {"rad/s": RPM, "revolutions per second": 1.0 / 60.0},
     "fast rotation": {
@@ -84,8 +80,8 @@ UNIT_ERRORS: dict[str, dict[str, float]] = {
         "grams": 1e3 / GRAVITY,
         "kilograms": 1.0 / GRAVITY,
         "millinewtons": 1e3,
-        "ounces": 16.0 / NEWTON_PER_POUND,
-        "pounds": 1.0 / NEWTON_PER_POUND,
+        "ounces": 16.0 / POUND,
+        "pounds": 1.0 / POUND,
     },
     "torque": {
         "N cm": 1e2,
@@ -93,8 +89,8 @@ UNIT_ERRORS: dict[str, dict[str, float]] = {
         "kg m": 1.0 / GRAVITY,
         "kg cm": 1e2 / GRAVITY,
         "g cm": 1e5 / GRAVITY,
-        "ounce-inches": 16.0 / (NEWTON_PER_POUND * INCH),
-        "pound-inches": 1.0 / (NEWTON_PER_POUND * INCH),
+        "ounce-inches": 16.0 / (POUND * INCH),
+        "pound-inches": 1.0 / (POUND * INCH),
     },
     "mass": {"grams": 1e3},
     # Signals of a log, compared with each other instead of with a usual range.
@@ -196,7 +192,6 @@ LOAD_RATIO = Range(1.0 / 2.3, 2.3)
 and 0.55 to 2.0 for torque."""
 WRONG_LOAD_RATIO = Range(1.0 / 1.5, 1.5)  # the same where loads are known to be wrong
 
-SPEED_OF_SOUND = 340.3  # [m/s] at 15 degrees Celsius (ICAO Doc 7488/3, 1993); 8 % less at 10 km
 FAST_TIP_MACH = 0.75
 """Above it the drag of thick sections rises steeply, which no section law here has."""
 
@@ -589,16 +584,14 @@ MAX_RADIUS = 20.0  # [m], above any rotor that flies, and below a model propelle
 MAX_TWIST = 1.6  # [rad]; no blade is set at 92 degrees to its disk: a larger figure is in degrees
 
 
-def check_blade(
-    station: Floats, chord: Floats, twist: Floats, where: str = "", labels: Sequence[str] = ()
-) -> None:
+def check_blade(station: Floats, chord: Floats, twist: Floats, labels: Sequence[str] = ()) -> None:
     """Raise ``InputError`` unless columns (n,) [m], [m], [rad] are one blade from root to tip.
 
-    Messages name the file ``where`` and the stations by their ``labels``, such as "line 7".
+    Messages name the stations by their ``labels``, such as "line 7".
     """
 
     def refuse(found: str, remedy: str) -> NoReturn:
-        raise InputError(found, remedy, where)
+        raise InputError(found, remedy)
 
     columns = {"station": station, "chord": chord, "twist": twist}
     for field, values in columns.items():
@@ -662,7 +655,7 @@ def check_blade(
         )
 
 
-def check_blades(blades: Any, where: str = "") -> int:
+def check_blades(blades: Any) -> int:
     """Return the number of blades, or raise ``InputError`` unless it is a whole 1 to 12."""
     try:
         count = operator.index(blades)
@@ -673,12 +666,11 @@ def check_blades(blades: Any, where: str = "") -> int:
             f"the number of blades is {quoted(blades)}, "
             f"expected a whole number from 1 to {MAX_BLADES}",
             "pass --blades 2 (in Python: blades=2)",
-            where,
         )
     return count
 
 
-def check_root_cutout(root_cutout: Any, station: Floats, where: str = "") -> float:
+def check_root_cutout(root_cutout: Any, station: Floats) -> float:
     """Return the root cut-out [m], or raise ``InputError`` unless it lies on the blade."""
     first, last = float(station[0]), MAX_ROOT_CUTOUT * float(station[-1])
     try:
@@ -690,12 +682,11 @@ def check_root_cutout(root_cutout: Any, station: Floats, where: str = "") -> flo
             f"the root cut-out is {quoted(root_cutout)} m, "
             f"expected between {first:.6g} m (first station) and {last:.6g} m (0.9 radius)",
             "choose a root cut-out on the blade, in metres",
-            where,
         )
     return value
 
 
-def twist_from_degrees(degrees: Floats, where: str = "") -> Floats:
+def twist_from_degrees(degrees: Floats) -> Floats:
     """Return twist [rad] of a column in degrees, refused where its figures look like radians.
 
     A blade whose steepest section stands at less than 1.6 degrees makes no propeller, so such a
@@ -706,6 +697,5 @@ def twist_from_degrees(degrees: Floats, where: str = "") -> Floats:
         raise InputError(
             f"the largest twist is {steepest:g} degrees; it looks like radians",
             "the column must be in degrees or be named twist_rad",
-            where,
         )
     return np.deg2rad(degrees)

@@ -26,7 +26,6 @@ from propmap.report.html import (
     HOVER,
     MEASURED,
     MODEL,
-    RPM,
     csv_of_columns,
     key,
     legend_below,
@@ -38,7 +37,8 @@ from propmap.report.html import (
 from propmap.report.words import motor_note
 from propmap.rotor import Rotor
 from propmap.typing import Floats
-from propmap.vehicle.log import GRAVITY, FlightLog
+from propmap.units import GRAVITY, RPM
+from propmap.vehicle.log import FlightLog
 from propmap.vehicle.wakes import hub_flow, rotor_forces
 
 if TYPE_CHECKING:
@@ -132,13 +132,13 @@ class Curves:
     @property
     def rpm(self) -> float:
         """Rotational speed [1/min]."""
-        return self.omega * RPM
+        return self.omega / RPM
 
 
 def load_curves(file: FitFile) -> Curves:
     """The fitted rotor at the data's typical rotational speed, past the speeds of the data."""
     fit = file.record
-    omega = fit.covered.typical_rpm / RPM
+    omega = fit.covered.typical_rpm * RPM
     tip = omega * file.model.propeller.radius
     top = max([one.advance[1] for one in fit.covered.main_angles], default=UNTESTED / BEYOND)
     speed = np.linspace(0.0, BEYOND * top * tip, SPEEDS)
@@ -467,7 +467,7 @@ def steady_parts(log: FlightLog, stretches: Sequence[slice]) -> Figure:
             ax.plot(pair, 2 * [np.mean(values[part])], color=COLOURS[1], linewidth=1.6)
     colours = [COLOURS[k % len(COLOURS)] for k in range(log.rotor_speed.shape[1])]
     for colour, values in zip(colours, log.rotor_speed.T, strict=True):
-        rotors.plot(log.time, RPM * values, color=colour, rasterized=True, **SAMPLES)
+        rotors.plot(log.time, values / RPM, color=colour, rasterized=True, **SAMPLES)
     for ax, label in zip(
         axes, ("speed V [m/s]", "climb rate [m/s]", "rotor speeds [1/min]"), strict=True
     ):

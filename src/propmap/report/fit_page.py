@@ -27,7 +27,6 @@ from propmap.report.html import (
     COLOURS,
     HOVER,
     MARKERS,
-    RPM,
     csv_of_columns,
     csv_of_rows,
     key,
@@ -39,7 +38,8 @@ from propmap.report.html import (
 )
 from propmap.rotor import Rotor
 from propmap.typing import Floats
-from propmap.vehicle.log import GRAVITY, FlightLog
+from propmap.units import GRAVITY, RPM
+from propmap.vehicle.log import FlightLog
 from propmap.vehicle.vehicle import Vehicle
 
 # -------------------------------------------------------------------------------------------------
@@ -431,7 +431,7 @@ class GivenData:
             data, rotor = self.tunnel, Rotor(file.model)
             found = rotor.loads(data.omega, data.speed, data.beta)
             still = HoverModel.of(rotor).loads(data.omega)
-            columns: dict[str, Any] = {"rpm": data.omega * RPM, "speed_mps": data.speed}
+            columns: dict[str, Any] = {"rpm": data.omega / RPM, "speed_mps": data.speed}
             columns["beta_deg"] = np.degrees(data.beta)
             for name, values in data.loads.items():
                 columns[f"measured_{LOADS[name].column}"] = values

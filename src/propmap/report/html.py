@@ -270,9 +270,6 @@ def _beside(folder: Path, ending: str) -> Iterator[Path]:
 # -------------------------------------------------------------------------------------------------
 # One look for every figure, the pieces that many share, and how a figure is written.
 
-RPM = 30.0 / np.pi
-"""Revolutions per minute in 1 rad/s."""
-
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 """Okabe and Ito's palette without its yellow, which does not print: told apart by readers
 with any colour vision."""

@@ -23,7 +23,6 @@ from propmap.report.html import (
     HOVER,
     MEASURED,
     MODEL,
-    RPM,
     angle_keys,
     key,
     legend_below,
@@ -33,6 +32,7 @@ from propmap.report.html import (
     style,
 )
 from propmap.typing import Floats
+from propmap.units import RPM
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -145,7 +145,7 @@ def load_curves(
     for ax in axes[-1]:
         ax.set_xlabel("flight speed V [m/s]")
     model = rotor.model
-    title = f"{model.propeller.name}, airfoil {model.law_title}, {omega * RPM:.0f} rpm"
+    title = f"{model.propeller.name}, airfoil {model.law_title}, {omega / RPM:.0f} rpm"
     figure.suptitle(title if measured is None else f"{title}; points: {measured.label}")
     keys: list[Any] = angle_keys(betas, markersize=0.0 if measured is None else 4.5, **MODEL)
     keys.append(key("hover model", **HOVER))
@@ -216,7 +216,7 @@ def disk_picture(rotor: Rotor, omega: float, speed: float, beta: float) -> Figur
     thrust.set_ylabel("thrust dT/dy [N/m]")
     thrust.set_xlabel("radius y [mm]")
     figure.suptitle(
-        f"{blade.name}, airfoil {rotor.model.law_title}: {omega * RPM:.0f} rpm, "
+        f"{blade.name}, airfoil {rotor.model.law_title}: {omega / RPM:.0f} rpm, "
         f"V = {speed:g} m/s, β = {np.degrees(beta):.4g}°"
     )
     return figure
@@ -381,12 +381,12 @@ def power_curves(
         power.plot(v, states.power, **MODEL, **same)
         if both:
             power.plot(v, states.shaft_power, linewidth=0.9, **same)
-        rpm = states.rotor_speed * RPM
+        rpm = states.rotor_speed / RPM
         edges = rpm.min(axis=1), rpm.max(axis=1)
         for edge in edges:
             speed.plot(v, edge, **MODEL, **same)
         if known is not None:
-            degrees, turning = np.degrees(states.pitch), known.rotor_speed.max(axis=1) * RPM
+            degrees, turning = np.degrees(states.pitch), known.rotor_speed.max(axis=1) / RPM
             for ax, low, high, std in (
                 (power, states.power, states.power, known.power),
                 (pitch, degrees, degrees, np.degrees(known.pitch)),
@@ -399,7 +399,7 @@ def power_curves(
         for ax, values in (
             (power, still.power),
             (pitch, np.degrees(still.pitch)),
-            (speed, still.rotor_speed.mean(axis=1) * RPM),
+            (speed, still.rotor_speed.mean(axis=1) / RPM),
             (margin, still.thrust_margin),
         ):
             ax.plot(v, values, **look)

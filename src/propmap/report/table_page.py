@@ -22,7 +22,6 @@ from propmap.report.html import (
     DASHED,
     HOVER,
     MODEL,
-    RPM,
     angle_keys,
     csv_of_columns,
     csv_of_rows,
@@ -39,6 +38,7 @@ from propmap.report.words import PLACE, TITLES, claims, largest_at, parameter_cl
 from propmap.table.interpolation import NO_VALUE, OK, STATUSES, UNRESOLVED, VORTEX_RING, cell_codes
 from propmap.table.query import LoadTable
 from propmap.typing import Floats
+from propmap.units import RPM
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -124,7 +124,7 @@ def table_pages(table: LoadTable, where: str) -> dict[str, str | bytes]:
         samples=samples,
         certificate=found,
         parameters=parameters,
-        envelope=(w0 * RPM, w1 * RPM, *speeds, *np.degrees(betas)),
+        envelope=(w0 / RPM, w1 / RPM, *speeds, *np.degrees(betas)),
         page=sys.modules[__name__],
         **values,
     )
@@ -236,7 +236,7 @@ def sample(table: LoadTable) -> TableSamples:
     points = evenly(table, POINTS)
     everywhere = table.loads(*points)
     return TableSamples(
-        rpm=omega * RPM,
+        rpm=omega / RPM,
         speed=speed,
         beta=beta,
         maps={name: getattr(found, name) for name in LOADS},
@@ -325,7 +325,7 @@ def cell_figure(table: LoadTable) -> Figure:
         limit = fastest / (omega * content.radius)
         ax.axvline(limit, color="0.2", linewidth=1.0, linestyle="-.")
         ax.annotate(
-            f"{omega * RPM:.0f} rpm", (limit, 1.0), (-3, -4), xycoords=("data", "axes fraction"),
+            f"{omega / RPM:.0f} rpm", (limit, 1.0), (-3, -4), xycoords=("data", "axes fraction"),
             textcoords="offset points", rotation=90.0, ha="right", va="top", fontsize=8.0,
         )  # fmt: skip
     ax.set_xlim(content.advance[0], content.advance[-1])

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from propmap.loads import LOADS
 from propmap.typing import Floats
+from propmap.units import DEGREE, RPM
 
 if TYPE_CHECKING:
     from propmap.results import Loads
@@ -34,7 +35,7 @@ def largest_at(found: Mapping[str, Any]) -> dict[str, list[float] | None]:
     """
     if not found.get("max_omega"):
         return {}
-    units = {"max_omega": 30.0 / np.pi, "max_speed": 1.0, "max_beta": 180.0 / np.pi}
+    units = {"max_omega": 1.0 / RPM, "max_speed": 1.0, "max_beta": 1.0 / DEGREE}
     places = {
         load: [factor * found[name][load] for name, factor in units.items()] for load in LOADS
     }

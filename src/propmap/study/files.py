@@ -6,24 +6,25 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Annotated, Any, Literal
 
+import msgspec
 import numpy as np
+from msgspec import Meta
+from msgspec.structs import asdict
 
 from propmap.errors import InputError, quoted
-from propmap.io.csv import read_lines
-from propmap.io.toml import TomlTable, parse_toml
+from propmap.io.toml import Number, Table, Text, checked, read_toml
 from propmap.rotor import Rotor
 from propmap.study.run import OPERATION, Study
 from propmap.sweep.points import TEXTS
 from propmap.typing import Floats
+from propmap.units import INCH
 
 # -------------------------------------------------------------------------------------------------
 # Files that say what a study varies.
 
 SCHEMA = 1
-INCH = 0.0254
-
-METHODS = ("latin-hypercube", "full-factorial")
 
 KEYS = {
     "diameter_m": ("diameter", 1.0),
@@ -32,23 +33,68 @@ KEYS = {
     "pitch_in": ("pitch", INCH),
     **{name: (name, 1.0) for name in ("chord_scale", "twist_scale", "blades", *OPERATION)},
 }
-"""What may stand in a file, its name in ``VARIABLES`` and what to multiply it by."""
+"""What may stand in [vary], its name in ``VARIABLES`` and what to multiply it by."""
+
+
+Values = Annotated[Number | list[Number], "a number, or [...]"]
+
+
+class _Points(Table):
+    rpm: Values | None = None
+    speed_mps: Values | None = None
+    beta_deg: Values | None = None
+
+
+class _Vary(_Points):
+    diameter_m: Values | None = None
+    diameter_in: Values | None = None
+    pitch_m: Values | None = None
+    pitch_in: Values | None = None
+    chord_scale: Values | None = None
+    twist_scale: Values | None = None
+    blades: Values | None = None
+
+
+class _Propeller(Table):
+    name: Annotated[Text, '"apc-8x6e"']
+    airfoil: Annotated[str, '"paper-apc"'] = ""
+
+
+class _Sampling(Table):
+    method: Literal["latin-hypercube", "full-factorial"]
+    designs: Annotated[int, Meta(ge=0), "200"] | None = None
+    seed: Annotated[int, Meta(ge=0), "1"] = 1
+
+    def __post_init__(self) -> None:
+        if self.method == "latin-hypercube" and self.designs is None:
+            raise InputError("no designs", "add designs = 200")
+        if self.method != "latin-hypercube" and self.designs is not None:
+            found = "designs is given, but a full factorial has all combinations"
+            raise InputError(found, "remove it, or write more values")
+
+
+class _Picture(Table):
+    quantity: Annotated[str, '"power"'] | None = None
+    x: Annotated[str, '"diameter"'] | None = None
+    y: Annotated[str, '"diameter"'] | None = None
+    rpm: Annotated[Number, "the value at which to cut"] | None = None
+    speed_mps: Annotated[Number, "the value at which to cut"] | None = None
+    beta_deg: Annotated[Number, "the value at which to cut"] | None = None
+
+
+class _File(Table):
+    propeller: _Propeller
+    sampling: _Sampling
+    title: Annotated[str, '"..."'] | None = None
+    vary: dict[str, Any] = msgspec.field(default_factory=dict)  # a ``_Vary``, but the order counts
+    points: _Points = msgspec.field(default_factory=_Points)
+    picture: _Picture = msgspec.field(default_factory=_Picture)
 
 
 @dataclass(frozen=True)
 class Surface:
-    """The response surface to draw.
-
-    Attributes
-    ----------
-    quantity : str
-        Of ``TEXTS``.
-    across, up : str
-        Of what varies.
-    at : dict of str to float
-        Where on the axes of shared operating points, the nearest value of each; by default the
-        first.
-    """
+    """Which ``quantity`` of ``TEXTS`` to draw ``across`` and ``up`` two of what varies, and where
+    on the axes of shared operating points, at the nearest values; by default at the first."""
 
     quantity: str
     across: str
@@ -58,29 +104,16 @@ class Surface:
 
 @dataclass(frozen=True)
 class StudyFile:
-    """What a file says.
-
-    Attributes
-    ----------
-    title : str
-        Of the study.
-    propeller, airfoil : str
-        What it begins with, as the command line names it; an empty airfoil is that known of the
-        propeller.
-    varied, axes, designs, seed
-        As in ``Study``.
-    surface : Surface or None
-        None where no two quantities vary.
-    """
+    """What a file says: names as on the command line, and what ``Study`` takes."""
 
     title: str
     propeller: str
-    airfoil: str
+    airfoil: str  # empty for that known of the propeller
     varied: dict[str, Floats]
     axes: dict[str, Floats]
     designs: int | None
     seed: int
-    surface: Surface | None
+    surface: Surface | None  # None where no two quantities vary
 
     @property
     def points(self) -> int:
@@ -97,91 +130,64 @@ class StudyFile:
 def read_study(path: Path) -> StudyFile:
     """Read the file at ``path``; ``InputError`` names what is wrong in it."""
     where = str(path)
-    fields = parse_toml("\n".join(read_lines(path, "study")), where, SCHEMA)
-    known = ("schema", "title", "propeller", "sampling", "vary", "points", "picture")
-    top = TomlTable(fields, where, known)
-    begin = top.table("propeller", ("name", "airfoil"))
-    sampling = top.table("sampling", ("method", "designs", "seed"))
-    method = sampling.choice("method", METHODS)
-    designs = None
-    if method == METHODS[0]:
-        designs = _whole(sampling, "designs", "200")
-    elif "designs" in sampling:
-        raise InputError(
-            "designs is given, but a full factorial has all combinations",
-            "remove it, or write more values",
-            sampling.where,
-        )
-    varied = _values(top.table("vary", tuple(KEYS)))
-    axes = _values(top.table("points", tuple(OPERATION)))
+    file = read_toml(path, _File, SCHEMA, "study")
+    given = asdict(checked(file.vary, _Vary, f"{where}: [vary]"))
+    varied: dict[str, Floats] = {}
+    for key in file.vary:
+        name, unit = KEYS[key]
+        if name in varied:
+            found = f"{name} is given twice"
+            raise InputError(found, "give it in metres or in inches", f"{where}: [vary]")
+        varied[name] = unit * np.atleast_1d(np.asarray(given[key], np.float64))
+    axes = {
+        name: np.atleast_1d(np.asarray(values, np.float64))
+        for name, values in asdict(file.points).items()
+        if values is not None
+    }
     return StudyFile(
-        title=top.text("title", '"..."', f"study of {path.stem}"),
-        propeller=begin.text("name", '"apc-8x6e"'),
-        airfoil=begin.text("airfoil", '"paper-apc"', ""),
+        title=f"study of {path.stem}" if file.title is None else file.title,
+        propeller=file.propeller.name,
+        airfoil=file.propeller.airfoil,
         varied=varied,
         axes=axes,
-        designs=designs,
-        seed=_whole(sampling, "seed", "1", 1),
-        surface=_surface(top, varied, axes),
+        designs=file.sampling.designs,
+        seed=file.sampling.seed,
+        surface=_surface(file.picture, varied, axes, f"{where}: [picture]"),
     )
 
 
-def _values(table: TomlTable) -> dict[str, Floats]:
-    found: dict[str, Floats] = {}
-    for key, value in table.entries.items():
-        name, unit = KEYS[key]
-        if name in found:
-            raise InputError(
-                f"{name} is given twice", "give it in metres or in inches", table.where
-            )
-        values = table.numbers(key) if isinstance(value, list) else [table.number(key, "...")]
-        found[name] = unit * np.asarray(values, np.float64)
-    return found
-
-
-def _whole(table: TomlTable, key: str, example: str, default: int | None = None) -> int:
-    value = table.number(key, example, default)
-    if value != int(value) or value < 0:
-        raise InputError(f"{key} is {value:g}", f"write a whole number, as {example}", table.where)
-    return int(value)
-
-
-def _surface(top: TomlTable, varied: dict[str, Floats], axes: dict[str, Floats]) -> Surface | None:
-    table = top.table("picture", ("quantity", "x", "y", *OPERATION))
+def _surface(
+    picture: _Picture, varied: dict[str, Floats], axes: dict[str, Floats], where: str
+) -> Surface | None:
     wide = [name for name, values in varied.items() if values.size > 1]
-    if len(wide) < 2 and not table.entries:
+    if len(wide) < 2 and picture == _Picture():
         return None
     chosen: list[str] = []
-    for key, number in (("x", 0), ("y", 1)):
+    for number, (key, text) in enumerate((("x", picture.x), ("y", picture.y))):
         name = wide[number] if number < len(wide) else ""
-        if key in table:
-            text = table.text(key, '"diameter"')
+        if text is not None:
             name = KEYS.get(text, (text, 1.0))[0]
         if name not in wide or name in chosen:
             raise InputError(
                 f"{key} is {quoted(name)}, which does not vary or is the other axis",
                 f"choose two of {', '.join(wide) or 'what varies, which is nothing'}",
-                table.where,
+                where,
             )
         chosen.append(name)
-    quantity = table.text("quantity", '"power"', "thrust")
+    quantity = picture.quantity or "thrust"
     if quantity not in TEXTS:
-        raise InputError(
-            f"quantity is {quoted(quantity)}", f"known are {', '.join(TEXTS)}", table.where
-        )
-    at = {}
-    for name in OPERATION:
-        if name in table:
-            if name not in axes:
-                raise InputError(
-                    f"{name} is not one of [points]", "leave it out, or give it there", table.where
-                )
-            at[name] = table.number(name, "...")
+        raise InputError(f"quantity is {quoted(quantity)}", f"known are {', '.join(TEXTS)}", where)
+    levels = {name: getattr(picture, name) for name in OPERATION}
+    at = {name: value for name, value in levels.items() if value is not None}
+    for name in at:
+        if name not in axes:
+            found = f"{name} is not one of [points]"
+            raise InputError(found, "leave it out, or give it there", where)
     return Surface(quantity, chosen[0], chosen[1], at)
 
 
 # -------------------------------------------------------------------------------------------------
-# A quadratic through a study's results, and how well it foretells designs that it has not seen.
+# A quadratic through a study's results, and how well it predicts designs that it has not seen.
 
 
 @dataclass(frozen=True, eq=False)

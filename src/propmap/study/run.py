@@ -18,7 +18,6 @@ from propmap.model.model import Propeller
 from propmap.rotor import Rotor
 from propmap.sweep.points import (
     AXES,
-    RPM,
     Place,
     attributes,
     chunk_shape,
@@ -30,6 +29,7 @@ from propmap.sweep.run import Filing, Values, provenance, stream
 from propmap.sweep.store import NOT_DONE, Layout, Store
 from propmap.tasks import InTurn, Workers
 from propmap.typing import Floats
+from propmap.units import RPM
 
 if TYPE_CHECKING:
     import xarray

@@ -14,6 +14,7 @@ from propmap.loads import LOADS
 from propmap.model.airfoil import SOURCES
 from propmap.results import STATUSES
 from propmap.typing import Floats
+from propmap.units import RPM
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -23,9 +24,6 @@ if TYPE_CHECKING:
 
 # -------------------------------------------------------------------------------------------------
 # Operating points of a sweep, and the parts that tasks evaluate.
-
-RPM = np.pi / 30.0
-"""[rad/s] per revolution per minute."""
 
 Place = tuple[int, ...]
 """Of a part: its number along each dimension."""

@@ -2,201 +2,203 @@
 
 from __future__ import annotations
 
-import functools
 import math
 import os
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Annotated, Literal, get_type_hints
 
-import numpy as np
+import msgspec
+from msgspec import Meta
+from msgspec.structs import asdict
 
 from propmap import catalogue
 from propmap.catalogue.lookup import looks_like_path, propeller
-from propmap.errors import InputError, quoted
-from propmap.io.csv import read_lines
-from propmap.io.toml import TomlTable, parse_toml
+from propmap.errors import InputError, located, quoted
+from propmap.io.toml import Number, Table, Text, Vector, example, read_toml
 from propmap.model.corrections import MountDrag
 from propmap.model.model import PAPER_DENSITY, PAPER_VISCOSITY, Air, Propeller
-from propmap.vehicle.powertrain import COLD, RPM, Battery, Motor, Powertrain, SpeedController
-from propmap.vehicle.vehicle import SPINS, Body, Mount, Vector, Vehicle, Wakes, Wing
+from propmap.units import RPM
+from propmap.vehicle.powertrain import COLD, Battery, Motor, Powertrain, SpeedController
+from propmap.vehicle.vehicle import Body, Mount, Vehicle, Wakes, Wing
 
 # -------------------------------------------------------------------------------------------------
-# The tables ``[motor]``, ``[esc]`` and ``[battery]`` of a vehicle file.
+# What a vehicle file may say, table by table; the texts are what to write where an entry is bad.
 
-MOTOR_KEYS = (
-    "kv_rpm_per_volt",
-    "resistance",
-    "no_load_current",
-    "no_load_voltage",
-    "maximum_current",
-    "maximum_rpm",
-    "winding_temperature",
-)
-ESC_KEYS = ("resistance", "efficiency")
-BATTERY_KEYS = (
-    "cells",
-    "capacity_mAh",
-    "resistance",
-    "usable_share",
-    "maximum_current",
-    "auxiliary_power",
-)
-POWERTRAIN_KEYS = ("motor", "esc", "battery")
+SCHEMA = 1
+OneOrMore = Number | tuple[Number, ...]
+Area = Annotated[float, Meta(ge=0.0, le=1e6)]
+"""[m^2]."""
+Gain = Annotated[float, Meta(ge=0.0, le=20.0), "a factor from 0 to 20"]
+AtRotor = Annotated[float, Meta(ge=-20.0, le=20.0)]
+AtSensor = Annotated[float, Meta(ge=-5.0, le=5.0)]
+"""Places from the centre of mass, along an axis [m]."""
+PolePairs = Annotated[int, Meta(ge=1, le=100), "half the number of the motor's magnets"]
+Names = Annotated[tuple[Text, Text, Text], '["x", "y", "z"], the names of 3 columns']
+Column = Annotated[Text, '"the name of a column"']
+Topic = Annotated[Text, '"/the/name/of/a/topic"']
+Geometry = Annotated[Text, '"apc-8x6e", a name of `propmap props` or a geometry file beside this']
 
 
-def read_powertrain(top: TomlTable, radius: float) -> Powertrain:
-    """The powertrain of a vehicle file.
+class _Rotor(Table):
+    position: Annotated[
+        tuple[AtRotor, AtRotor, AtRotor], "[x, y, z], in m, not mm, from the centre of mass"
+    ]
+    spin: Literal["ccw", "cw"]
+    axis: Annotated[Vector, "a unit vector along the thrust"] | None = None
 
-    ``[motor]`` ``kv_rpm_per_volt``, ``resistance`` [ohm], ``no_load_current`` [A] and, optional,
-    ``no_load_voltage`` [V] at which that was measured (either may be a list of up to three),
-    ``maximum_current`` [A], ``maximum_rpm``, ``winding_temperature`` [degrees C];
-    ``[esc]`` ``resistance`` [ohm] or ``efficiency``; ``[battery]`` ``cells``, ``capacity_mAh``,
-    and, optional, ``resistance`` [ohm] of the pack, ``usable_share``, ``maximum_current`` [A],
-    ``auxiliary_power`` [W].
 
-    Parameters
-    ----------
-    top : TomlTable
-        The whole file.
-    radius : float
-        Of the rotors [m].
+class _Propeller(Table):
+    geometry: Geometry
+    blades: Annotated[int, "2"] | None = None
+    radius: Annotated[Number, "a length in m"] | None = None
+    root_cutout: Annotated[Number, "a length in m"] | None = None
 
-    Raises
-    ------
-    InputError
-        Naming the table and the key.
-    """
-    made = Powertrain(
-        motor=_motor(top) if "motor" in top else None,
-        controller=_controller(top) if "esc" in top else None,
-        battery=_battery(top) if "battery" in top else None,
+
+class _Air(Table):
+    density: Annotated[Number, "the density in kg/m^3"] = PAPER_DENSITY
+    viscosity: Annotated[Number, "the viscosity in Pa s"] = PAPER_VISCOSITY
+
+
+class _Mount(Table):
+    area: Annotated[
+        Number | tuple[Number, ...], "an area in m^2, or a list with one for each rotor"
+    ]
+    wake: Annotated[Number, "a share of the inflow, 1 at the disk"] = MountDrag.wake
+
+
+class _Body(Table):
+    drag_area: Annotated[
+        tuple[Area, Area, Area], "[front, side, top], areas of 0 or more in m^2"
+    ] = Body.drag_area
+    lift_area: Annotated[Area, "an area of 0 or more in m^2"] = Body.lift_area
+    # Of either sign.
+    download_area: Annotated[tuple[Number, Number], "[along x, along y], two areas in m^2"] = (
+        Body.download_area
     )
-    made.check_blade(radius)
-    return made
 
 
-def _made_in(table: TomlTable, kind: Any, *values: Any) -> Any:
-    try:
-        return kind(*values)
-    except InputError as error:
-        raise InputError(error.found, error.remedy, table.where) from None
+class _Wing(Table):
+    area: Annotated[float, Meta(gt=0.0, le=1e6), "the wing's area in m^2, or remove [wing]"]
+    incidence: Annotated[Number, "an angle in rad"] = Wing.incidence
+    c_l1: Annotated[Number, "a slope in 1/rad"] = Wing.c_l1
+    c_l2: Annotated[Number, "a number"] = Wing.c_l2
+    alpha_0: Annotated[Number, "an angle in rad"] = Wing.alpha_0
+    span: Annotated[Number, "a length in m"] | None = None
+
+    def __post_init__(self) -> None:
+        if self.span is not None and not self.span**2 > self.area:
+            found = f"span is {self.span:g} m for an area of {self.area:g} m^2"
+            raise InputError(found, "give that from tip to tip, in m, longer than the chord")
 
 
-def _motor(top: TomlTable) -> Motor:
-    table = top.table("motor", MOTOR_KEYS)
-    kv = table.number("kv_rpm_per_volt", "920, revolutions per minute and volt")
-    resistance = table.number("resistance", "0.1, the winding's ohms")
-    if resistance > 10.0:
-        raise InputError(
-            f"resistance is {resistance:g} ohm", "give ohms, not milliohms", table.where
-        )
-    found: Motor = _made_in(
-        table,
-        Motor,
-        kv * RPM,
-        resistance,
-        _one_or_more(table, "no_load_current", "0.6, amperes"),
-        _one_or_more(table, "no_load_voltage", "10, volts") if "no_load_voltage" in table else (),
-        _or_infinite(table, "maximum_current", "20, amperes"),
-        _or_infinite(table, "maximum_rpm", "12000") * RPM,
-        table.number("winding_temperature", "80, degrees C", COLD),
-    )
-    return found
+class _Motor(Table):
+    kv_rpm_per_volt: Annotated[Number, "920, revolutions per minute and volt"]
+    resistance: Annotated[float, Meta(le=10.0), "0.1, ohms of the winding, not milliohms"]
+    no_load_current: Annotated[OneOrMore, "0.6, amperes"]
+    no_load_voltage: Annotated[OneOrMore, "10, volts"] = ()
+    maximum_current: Annotated[Number, "20, amperes"] = math.inf
+    maximum_rpm: Annotated[Number, "12000"] = math.inf
+    winding_temperature: Annotated[Number, "80, degrees C"] = COLD
 
 
-def _controller(top: TomlTable) -> SpeedController:
-    table = top.table("esc", ESC_KEYS)
-    if len(table.entries) != 1:
-        raise InputError(
-            f"{len(table.entries)} keys in [esc]", "give resistance or efficiency", table.where
-        )
-    found: SpeedController = _made_in(
-        table,
-        SpeedController,
-        table.number("resistance", "0.01, ohms", 0.0),
-        table.number("efficiency", "0.95, a share", 1.0),
-    )
-    if found.resistance > 1.0:
-        raise InputError(
-            f"resistance is {found.resistance:g} ohm", "give ohms, not milliohms", table.where
-        )
-    return found
+class _Esc(Table):
+    resistance: Annotated[float, Meta(le=1.0), "0.01, ohms, not milliohms"] | None = None
+    efficiency: Annotated[Number, "0.95, a share"] | None = None
+
+    def __post_init__(self) -> None:
+        given = [value for value in (self.resistance, self.efficiency) if value is not None]
+        if len(given) != 1:
+            raise InputError(f"{len(given)} keys in [esc]", "give resistance or efficiency")
 
 
-def _battery(top: TomlTable) -> Battery:
-    table = top.table("battery", BATTERY_KEYS)
-    cells = table.need("cells", "4, those in series")
-    capacity = table.number("capacity_mAh", "5000")
-    if 0.0 < capacity < 50.0:
-        raise InputError(
-            f"capacity_mAh is {capacity:g}",
-            f"give milliampere hours: {1000.0 * capacity:g}, if this is A h",
-            table.where,
-        )
-    resistance = table.number("resistance", "0.02, ohms of the pack", 0.0)
-    if resistance > 2.0:
-        raise InputError(
-            f"resistance is {resistance:g} ohm", "give ohms, not milliohms", table.where
-        )
-    found: Battery = _made_in(
-        table,
-        Battery,
-        cells,
-        capacity * 3.6,
-        resistance,
-        table.number("usable_share", "0.8", Battery.usable_share),
-        _or_infinite(table, "maximum_current", "60, amperes"),
-        table.number("auxiliary_power", "5, watts", Battery.auxiliary_power),
-    )
-    return found
+class _Battery(Table):
+    cells: Annotated[int, "4, those in series"]
+    capacity_mAh: Annotated[Number, "5000"]  # noqa: N815
+    resistance: Annotated[float, Meta(le=2.0), "0.02, ohms of the pack, not milliohms"] = 0.0
+    usable_share: Annotated[Number, "0.8"] = Battery.usable_share
+    maximum_current: Annotated[Number, "60, amperes"] = math.inf
+    auxiliary_power: Annotated[Number, "5, watts"] = Battery.auxiliary_power
+
+    def __post_init__(self) -> None:
+        if 0.0 < self.capacity_mAh < 50.0:
+            raise InputError(
+                f"capacity_mAh is {self.capacity_mAh:g}",
+                f"give milliampere hours: {1000.0 * self.capacity_mAh:g}, if this is A h",
+            )
 
 
-def _one_or_more(table: TomlTable, key: str, example: str) -> tuple[float, ...]:
-    if isinstance(table.need(key, example), list):
-        found = tuple(table.numbers(key).tolist())
-        if not all(map(math.isfinite, found)):
-            raise InputError(f"{key} is {quoted(list(found))}", f"give {example}", table.where)
-        return found
-    return (table.number(key, example),)
+class _Wakes(Table):
+    ahead: Gain = Wakes.ahead
+    beside: Gain = Wakes.beside
+    downwash: Gain = Wakes.downwash
+    share: Annotated[float, Meta(ge=0.0, le=2.0), "a share from 0 to 2"] = Wakes.share
 
 
-def _or_infinite(table: TomlTable, key: str, example: str) -> float:
-    return table.number(key, example) if key in table else math.inf
+class _Sensor(Table):
+    position: Annotated[
+        tuple[AtSensor, AtSensor, AtSensor], "[x, y, z], give it in m from the centre of mass"
+    ] = (0.0, 0.0, 0.0)
+
+
+class _Columns(Table):
+    time: Column = ""
+    velocity: Names | None = None
+    rates: Names | None = None
+    specific_force: Names | None = None
+    qw: Column = ""
+    qx: Column = ""
+    qy: Column = ""
+    qz: Column = ""
+    roll: Column = ""
+    pitch: Column = ""
+    yaw: Column = ""
+    rotor_speed: Annotated[tuple[Text, ...], '["rotor_1", ...], the names of the columns'] = ()
+
+
+class _Topics(Table):
+    odometry: Topic = ""
+    pose: Topic = ""
+    velocity: Topic = ""
+    imu: Topic = ""
+    rotor_speed: Topic = ""
+
+
+class _Log(Table):
+    body_frame: Literal["flu", "frd"] | None = None
+    world_frame: Literal["enu", "ned"] | None = None
+    velocity_in: Literal["body", "world"] | None = None
+    rotor_unit: Literal["rad/s", "rpm", "erpm"] | None = None
+    pole_pairs: PolePairs | None = None
+    rotor_order: Annotated[tuple[int, ...], "[2, 1, ...]"] | None = None
+    wind: Annotated[Vector, "[east, north, up]"] = (0.0, 0.0, 0.0)
+    columns: _Columns = msgspec.field(default_factory=_Columns)
+    topics: _Topics = msgspec.field(default_factory=_Topics)
+
+
+class _File(Table):
+    name: Annotated[Text, '"what the vehicle is called"']
+    frame: Literal["flu", "frd"]
+    mass: Annotated[Number, "the take-off mass in kg, battery included"]
+    propeller: Geometry | _Propeller
+    rotors: tuple[_Rotor, ...] = ()
+    inertia: Annotated[Vector, "[about x, about y, about z], in kg m^2"] | None = None
+    rotor_inertia: Annotated[Number, "that of one rotor in kg m^2"] = 0.0
+    air: _Air = msgspec.field(default_factory=_Air)
+    mount: _Mount | None = None
+    body: _Body = msgspec.field(default_factory=_Body)
+    wing: _Wing | None = None
+    motor: _Motor | None = None
+    esc: _Esc | None = None
+    battery: _Battery | None = None
+    wakes: _Wakes | None = None
+    sensor: _Sensor = msgspec.field(default_factory=_Sensor)
+    log: _Log = msgspec.field(default_factory=_Log)
 
 
 # -------------------------------------------------------------------------------------------------
 # A vehicle and how to read its logs, from one TOML file.
-
-SCHEMA = 1
-VEHICLE_KEYS = (
-    "schema",
-    "name",
-    "frame",
-    "mass",
-    "inertia",
-    "rotor_inertia",
-    "propeller",
-    "air",
-    "rotors",
-    "mount",
-    "body",
-    "wing",
-    *POWERTRAIN_KEYS,
-    "wakes",
-    "sensor",
-    "log",
-)
-PROPELLER_KEYS = ("geometry", "blades", "radius", "root_cutout")
-WAKE_RANGES = {"ahead": 20.0, "beside": 20.0, "downwash": 20.0, "share": 2.0}
-"""Largest values of the table ``[wakes]``."""
-FARTHEST_SENSOR, FARTHEST_ROTOR = 5.0, 20.0
-"""From the centre of mass, along each axis [m]."""
-WING_KEYS = ("area", "incidence", "c_l1", "c_l2", "alpha_0", "span")
-GEOMETRY = '"apc-8x6e", a name of `propmap props` or a geometry file beside this file'
-
-Made = TypeVar("Made")
 
 
 @dataclass(frozen=True)
@@ -223,7 +225,12 @@ def read_vehicle(path: str | os.PathLike[str]) -> VehicleFile:
     ``drag_area`` (3 numbers [m^2]), ``lift_area`` [m^2], ``download_area`` (2 numbers [m^2]);
     ``[wing]`` ``area`` [m^2], ``incidence`` [rad], ``c_l1``, ``c_l2``, ``alpha_0`` [rad], ``span``
     [m], with which it has induced drag;
-    ``[motor]``, ``[esc]`` and ``[battery]``, see ``read_powertrain``;
+    ``[motor]`` ``kv_rpm_per_volt``, ``resistance`` [ohm], ``no_load_current`` [A] and, optional,
+    ``no_load_voltage`` [V] at which that was measured (either may be a list of up to three),
+    ``maximum_current`` [A], ``maximum_rpm``, ``winding_temperature`` [degrees C]; ``[esc]``
+    ``resistance`` [ohm] or ``efficiency``; ``[battery]`` ``cells``, ``capacity_mAh`` and, optional,
+    ``resistance`` [ohm] of the pack, ``usable_share``, ``maximum_current`` [A],
+    ``auxiliary_power`` [W];
     ``[wakes]``, the rotors' wakes on each other, see
     ``Wakes``: ``ahead``, ``beside``, ``downwash``, ``share`` (each by default 1); ``[sensor]``
     ``position`` [m] of the accelerometer, from the centre of mass; ``[log]``, see ``LogMap``.
@@ -239,70 +246,38 @@ def read_vehicle(path: str | os.PathLike[str]) -> VehicleFile:
         Naming the file, the table and the key.
     """
     where = os.fspath(path)
-    fields = parse_toml("\n".join(read_lines(path, "vehicle description")), where, SCHEMA)
-    top = TomlTable(fields, where, VEHICLE_KEYS)
-    flip = top.choice("frame", CHOICES["body_frame"]) == "frd"
-    rotors = top.tables("rotors", ("position", "axis", "spin"))
-    drags = _mount_drags(top, len(rotors))
-    mounts = tuple(_mount(rotor, flip, drag) for rotor, drag in zip(rotors, drags, strict=True))
-    mass = top.number("mass", "the take-off mass in kg, battery included")
-    propeller = _propeller(top, Path(where).parent)
-    vehicle = _located(
-        where,
-        lambda: Vehicle(
-            name=top.text("name", '"what the vehicle is called"'),
-            mass=mass,
-            propeller=propeller,
-            mounts=mounts,
-            air=_air(top),
-            body=_body(top),
-            wing=_wing(top),
-            powertrain=read_powertrain(top, propeller.radius),
-            wakes=_wakes(top),
-            sensor=_sensor(top, flip),
-            inertia=_inertia(top),
-            rotor_inertia=top.number("rotor_inertia", "that of one rotor in kg m^2", 0.0),
-        ),
-    )
-    return VehicleFile(vehicle, read_log_map(top.table("log", LOG_KEYS), len(mounts)))
-
-
-def _located(where: str, make: Callable[[], Made]) -> Made:
-    """What ``make`` gives; an error that does not say where it is gets ``where``."""
-    try:
-        return make()
-    except InputError as error:
-        raise InputError(error.found, error.remedy, error.where or where) from None
-
-
-def _mount_drags(top: TomlTable, rotors: int) -> Sequence[MountDrag | None]:
-    if "mount" not in top:
-        return [None] * rotors
-    table = top.table("mount", ("area", "wake"))
-    example = "an area in m^2, or a list with one for each rotor"
-    given = table.need("area", example)
-    areas = given if isinstance(given, list) else [given] * rotors
-    if len(areas) != rotors:
-        raise InputError(
-            f"area has {len(areas)} numbers for {rotors} rotors", f"give {example}", table.where
+    file = read_toml(path, _File, SCHEMA, "vehicle description")
+    flip = file.frame == "frd"
+    blade = _propeller(file.propeller, where)
+    with located(f"{where}: [air]"):
+        air = Air(file.air.density, file.air.viscosity)
+    powertrain = _powertrain(file, where)
+    drags = _mount_drags(file.mount, len(file.rotors), f"{where}: [mount]")
+    with located(where):
+        powertrain.check_blade(blade.radius)
+        vehicle = Vehicle(
+            name=file.name,
+            mass=file.mass,
+            propeller=blade,
+            mounts=tuple(
+                Mount(
+                    _flu(rotor.position, flip),
+                    (0.0, 0.0, 1.0) if rotor.axis is None else _flu(rotor.axis, flip),
+                    rotor.spin,
+                    drag,
+                )
+                for rotor, drag in zip(file.rotors, drags, strict=True)
+            ),
+            air=air,
+            body=Body(**asdict(file.body)),
+            wing=None if file.wing is None else Wing(**asdict(file.wing)),
+            powertrain=powertrain,
+            wakes=None if file.wakes is None else Wakes(**asdict(file.wakes)),
+            sensor=_flu(file.sensor.position, flip),
+            inertia=file.inertia,
+            rotor_inertia=file.rotor_inertia,
         )
-    each = [TomlTable({"area": area}, table.where, ("area",)) for area in areas]
-    wake = table.number("wake", "a share of the inflow, 1 at the disk", MountDrag.wake)
-    return [
-        _located(table.where, functools.partial(MountDrag, one.number("area", example), wake))
-        for one in each
-    ]
-
-
-def _mount(table: TomlTable, flip: bool, drag: MountDrag | None) -> Mount:
-    position = table.vector("position", "[x, y, z], in m from the centre of mass")
-    if max(abs(x) for x in position) > FARTHEST_ROTOR:
-        raise InputError(f"position is {list(position)} m", "give it in m, not mm", table.where)
-    spin = table.choice("spin", SPINS)
-    if "axis" not in table:
-        return Mount(_flu(position, flip), spin=spin, drag=drag)
-    axis = _flu(table.vector("axis", "a unit vector along the thrust"), flip)
-    return Mount(_flu(position, flip), axis, spin, drag)
+    return VehicleFile(vehicle, _log_map(file.log, len(file.rotors), where))
 
 
 def _flu(vector: Vector, flip: bool) -> Vector:
@@ -311,115 +286,70 @@ def _flu(vector: Vector, flip: bool) -> Vector:
     return (x, 0.0 - y, 0.0 - z) if flip else vector
 
 
-def _propeller(top: TomlTable, folder: Path) -> Propeller:
-    value = top.need("propeller", GEOMETRY)
-    entries = value if isinstance(value, dict) else {"geometry": value}
-    table = TomlTable(entries, f"{top.where}: propeller", PROPELLER_KEYS)
-    name = table.text("geometry", GEOMETRY)
-    options: dict[str, Any] = {
-        key: table.number(key, "a length in m") for key in ("radius", "root_cutout") if key in table
-    }
-    known = name.strip().lower() in catalogue.names()
+def _several(given: float | tuple[float, ...]) -> tuple[float, ...]:
+    return given if isinstance(given, tuple) else (given,)
+
+
+def _propeller(given: str | _Propeller, where: str) -> Propeller:
+    given = _Propeller(given) if isinstance(given, str) else given
+    known = given.geometry.strip().lower() in catalogue.names()
     # Relative to the vehicle file alone: what lies in the current folder plays no part.
-    file = not known and ((folder / name).exists() or looks_like_path(name))
-    source = folder / name if file else name
-    return _located(table.where, lambda: propeller(source, entries.get("blades"), **options))
+    beside = Path(where).parent / given.geometry
+    file = not known and (beside.exists() or looks_like_path(given.geometry))
+    with located(f"{where}: propeller"):
+        source = beside if file else given.geometry
+        return propeller(source, given.blades, given.radius, given.root_cutout)
 
 
-def _air(top: TomlTable) -> Air:
-    table = top.table("air", ("density", "viscosity"))
-    density = table.number("density", "the density in kg/m^3", PAPER_DENSITY)
-    viscosity = table.number("viscosity", "the viscosity in Pa s", PAPER_VISCOSITY)
-    return _located(table.where, lambda: Air(density, viscosity))
+def _mount_drags(mount: _Mount | None, rotors: int, where: str) -> Sequence[MountDrag | None]:
+    if mount is None:
+        return [None] * rotors
+    areas = mount.area if isinstance(mount.area, tuple) else (mount.area,) * rotors
+    if len(areas) != rotors:
+        found = f"area has {len(areas)} numbers for {rotors} rotors"
+        raise InputError(found, "give one area in m^2, or a list with one for each rotor", where)
+    with located(where):
+        return [MountDrag(area, mount.wake) for area in areas]
 
 
-def _body(top: TomlTable) -> Body:
-    table = top.table("body", ("drag_area", "lift_area", "download_area"))
-    example = "[front, side, top], areas in m^2"
-    drag_area = table.vector("drag_area", example) if "drag_area" in table else Body.drag_area
-    lift_area = table.number("lift_area", "an area in m^2", Body.lift_area)
-    for area in (*drag_area, lift_area):
-        if area < 0.0:
-            raise InputError(f"found {quoted(area)} m^2", "give areas of 0 or more", table.where)
-    return Body(drag_area, lift_area, _download_area(table))
-
-
-def _download_area(table: TomlTable) -> tuple[float, float]:
-    """Areas [m^2] of flow along x and y, of either sign."""
-    if "download_area" not in table:
-        return Body.download_area
-    given = table.numbers("download_area")
-    if given.shape != (2,) or not np.isfinite(given).all():
-        raise InputError(
-            f"download_area is {quoted(table.entries['download_area'])}",
-            "write [along x, along y], two areas in m^2",
-            table.where,
-        )
-    return float(given[0]), float(given[1])
-
-
-def _wing(top: TomlTable) -> Wing | None:
-    if "wing" not in top:
-        return None
-    table = top.table("wing", WING_KEYS)
-    given = {key: table.number(key, "a number") for key in WING_KEYS if key in table}
-    if not table.number("area", "the wing's area in m^2") > 0.0:
-        raise InputError(
-            f"area is {given['area']} m^2", "give the area, or remove [wing]", table.where
-        )
-    if "span" in given and not given["span"] ** 2 > given["area"]:
-        raise InputError(
-            f"span is {given['span']:g} m for an area of {given['area']:g} m^2",
-            "give that from tip to tip, in m, longer than the chord",
-            table.where,
-        )
-    return Wing(**given)
-
-
-def _wakes(top: TomlTable) -> Wakes | None:
-    if "wakes" not in top:
-        return None
-    table = top.table("wakes", tuple(WAKE_RANGES))
-    given = {key: table.number(key, "a factor", 1.0) for key in WAKE_RANGES}
-    for key, most in WAKE_RANGES.items():
-        if not 0.0 <= given[key] <= most:
-            raise InputError(
-                f"{key} is {given[key]:g}", f"give a number from 0 to {most:g}", table.where
+def _powertrain(file: _File, where: str) -> Powertrain:
+    motor = controller = battery = None
+    if (given := file.motor) is not None:
+        with located(f"{where}: [motor]"):
+            motor = Motor(
+                given.kv_rpm_per_volt * RPM,
+                given.resistance,
+                _several(given.no_load_current),
+                _several(given.no_load_voltage),
+                given.maximum_current,
+                given.maximum_rpm * RPM,
+                given.winding_temperature,
             )
-    return Wakes(**given)
-
-
-def _inertia(top: TomlTable) -> Vector | None:
-    if "inertia" not in top:
-        return None
-    return top.vector("inertia", "[about x, about y, about z], in kg m^2")
-
-
-def _sensor(top: TomlTable, flip: bool) -> Vector:
-    if "sensor" not in top:
-        return (0.0, 0.0, 0.0)
-    table = top.table("sensor", ("position",))
-    place = table.vector("position", "[x, y, z], in m from the centre of mass")
-    if max(abs(x) for x in place) > FARTHEST_SENSOR:
-        raise InputError(f"position is {list(place)} m", "give it in m", table.where)
-    return _flu(place, flip)
+    if file.esc is not None:
+        with located(f"{where}: [esc]"):
+            stated = {key: value for key, value in asdict(file.esc).items() if value is not None}
+            controller = SpeedController(**stated)
+    if (pack := file.battery) is not None:
+        with located(f"{where}: [battery]"):
+            battery = Battery(
+                pack.cells,
+                pack.capacity_mAh * 3.6,
+                pack.resistance,
+                pack.usable_share,
+                pack.maximum_current,
+                pack.auxiliary_power,
+            )
+    with located(where):
+        return Powertrain(motor=motor, controller=controller, battery=battery)
 
 
 # -------------------------------------------------------------------------------------------------
 # What a vehicle file says about flight logs: frames, units, names of columns and topics.
 
-CHOICES = {
-    "body_frame": ("flu", "frd"),
-    "world_frame": ("enu", "ned"),
-    "velocity_in": ("body", "world"),
-    "rotor_unit": ("rad/s", "rpm", "erpm"),
-}
-
-VECTOR_COLUMNS = ("velocity", "rates", "specific_force")
+STATED = ("body_frame", "world_frame", "velocity_in", "rotor_unit")
+"""Keys of ``[log]`` by which its numbers are read."""
 QUATERNION_COLUMNS = ("qw", "qx", "qy", "qz")
 EULER_COLUMNS = ("roll", "pitch", "yaw")
-COLUMNS = ("time", *VECTOR_COLUMNS, *QUATERNION_COLUMNS, *EULER_COLUMNS, "rotor_speed")
-TOPICS = ("odometry", "pose", "velocity", "imu", "rotor_speed")
 
 
 @dataclass(frozen=True)
@@ -471,10 +401,10 @@ class LogMap:
         return f"{self.file}: [log]"
 
     def stated(self, key: str) -> str:
-        """What is stated of a ``key`` of ``CHOICES``; ``InputError`` if nothing is."""
+        """What is stated of a ``key`` of ``STATED``; ``InputError`` if nothing is."""
         value: str | None = getattr(self, key)
         if value is None:
-            listed = " or ".join(f'"{choice}"' for choice in CHOICES[key])
+            listed = example(get_type_hints(_Log)[key])
             raise InputError(f"no {key}", f"add {key} = {listed}, as it is in the log", self.where)
         return value
 
@@ -493,54 +423,34 @@ class LogMap:
         return RPM / self.pole_pairs
 
 
-LOG_KEYS = tuple(f.name for f in fields(LogMap) if f.name != "file")
-"""Of the table ``[log]``."""
-
-
-def read_log_map(table: TomlTable, rotors: int) -> LogMap:
-    """The ``LogMap`` of the table ``[log]`` of a vehicle with so many ``rotors``."""
-    stated = {key: table.choice(key, named) for key, named in CHOICES.items() if key in table}
-    topics = table.table("log.topics", TOPICS)
-    order = table.optional(
-        "rotor_order",
-        lambda value: (
-            isinstance(value, list)
-            and all(type(number) is int for number in value)
-            and sorted(value) == list(range(1, rotors + 1))
-        ),
-        f"each number from 1 to {rotors} once",
-        "for each speed in the log, give the number of its [[rotors]] table",
-    )
+def _log_map(log: _Log, rotors: int, where: str) -> LogMap:
+    order, columns = log.rotor_order, asdict(log.columns)
+    if order is not None and sorted(order) != list(range(1, rotors + 1)):
+        raise InputError(
+            f"rotor_order is {quoted(list(order))}, expected each number from 1 to {rotors} once",
+            "for each speed in the log, give the number of its [[rotors]] table",
+            f"{where}: [log]",
+        )
+    named = len(log.columns.rotor_speed)
+    if named not in (0, rotors):
+        raise InputError(
+            f"rotor_speed names {named} columns, the vehicle has {rotors} rotors",
+            "name one column per rotor, or add the missing [[rotors]] tables",
+            f"{where}: [log.columns]",
+        )
     return LogMap(
-        **stated,
-        pole_pairs=table.optional(
-            "pole_pairs",
-            lambda value: type(value) is int and 1 <= value <= 100,
-            "a whole number from 1 to 100",
-            "give half the number of the motor's magnets",
-        ),
-        rotor_order=tuple(order) if order else None,
-        wind=table.vector("wind", "[east, north, up]") if "wind" in table else (0.0, 0.0, 0.0),
-        columns=_columns(table.table("log.columns", COLUMNS), rotors),
-        topics={key: topics.text(key, '"/the/name/of/a/topic"') for key in topics.entries},
-        file=table.where.partition(": [")[0],
+        log.body_frame,
+        log.world_frame,
+        log.velocity_in,
+        log.rotor_unit,
+        log.pole_pairs,
+        order or None,
+        log.wind,
+        {
+            key: (names,) if isinstance(names, str) else tuple(names)
+            for key, names in columns.items()
+            if names
+        },
+        {role: topic for role, topic in asdict(log.topics).items() if topic},
+        where,
     )
-
-
-def _columns(table: TomlTable, rotors: int) -> dict[str, tuple[str, ...]]:
-    columns: dict[str, tuple[str, ...]] = {}
-    for key in table.entries:
-        if key in VECTOR_COLUMNS:
-            columns[key] = table.texts(key, 3, '["x", "y", "z"], the names of 3 columns')
-        elif key == "rotor_speed":
-            names = table.texts(key, None, '["rotor_1", ...], the names of the columns')
-            if len(names) != rotors:
-                raise InputError(
-                    f"rotor_speed names {len(names)} columns, the vehicle has {rotors} rotors",
-                    "name one column per rotor, or add the missing [[rotors]] tables",
-                    table.where,
-                )
-            columns[key] = names
-        else:
-            columns[key] = (table.text(key, '"the name of a column"'),)
-    return columns

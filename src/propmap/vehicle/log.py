@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from propmap.errors import InputError
-from propmap.model.plausibility import GRAVITY as GRAVITY
 from propmap.typing import Floats
+from propmap.units import GRAVITY
 from propmap.vehicle.files import VehicleFile
 
 if TYPE_CHECKING:

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from propmap.errors import InputError
 from propmap.model.plausibility import UNIT_ERRORS
 from propmap.typing import Floats
+from propmap.units import GRAVITY
 from propmap.vehicle.log import (
-    GRAVITY,
     LONGEST_GAP,
     Recording,
     Signal,

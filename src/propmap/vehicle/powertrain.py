@@ -9,8 +9,8 @@ from typing import NamedTuple
 import numpy as np
 
 from propmap.errors import InputError
-from propmap.model.plausibility import RPM as RPM
 from propmap.typing import Floats
+from propmap.units import RPM
 
 # -------------------------------------------------------------------------------------------------
 # From shaft power to the battery: motor, speed controller and battery together.

@@ -106,7 +106,7 @@ def test_the_sibling_of_its_size_says_more_than_others() -> None:
     spread = [family_prior(some, TRUTH, size).deviation for some in ([], members[3:], members[1:2])]
     assert (spread[1] < spread[0]).all() and (spread[2] < spread[1]).all()
     # No sibling makes it sure: propellers of one size differ too.
-    assert (spread[2] > np.sqrt(settings.APART * np.diag(TRUTH.within))).all()
+    assert (spread[2] > np.sqrt(settings.OWN_SHARE * np.diag(TRUTH.within))).all()
 
 
 def test_a_sibling_of_which_nothing_is_known_says_nothing() -> None:
@@ -152,7 +152,12 @@ def test_populations_are_read_back_as_they_are_written() -> None:
 
 @pytest.mark.parametrize(
     ("name", "other"),
-    [("APART", 0.06), ("APART", 0.75), ("ALIKE", (0.1, 0.1)), ("ALIKE", (1.5, 1.5))],
+    [
+        ("OWN_SHARE", 0.06),
+        ("OWN_SHARE", 0.75),
+        ("LIKENESS_WIDTH", (0.1, 0.1)),
+        ("LIKENESS_WIDTH", (1.5, 1.5)),
+    ],
 )
 def test_likeness_is_as_the_data_have_it(
     name: str, other: float | tuple[float, float], monkeypatch: pytest.MonkeyPatch

@@ -14,8 +14,9 @@ from propmap.errors import InputError
 from propmap.explore import view
 from propmap.explore.session import Session, axis, number, rotor_of
 from propmap.explore.view import Answer, Control, Download, Graph, Slider, Table, Values
-from propmap.io.csv import RPM, csv_text
+from propmap.io.csv import csv_text
 from propmap.report.html import COLOURS
+from propmap.units import RPM
 
 NAME = "trim.csv"
 

@@ -23,11 +23,12 @@ from propmap.explore.view import (
     point_lines,
     point_words,
 )
-from propmap.io.csv import RPM, OperatingPoints, loads_csv
+from propmap.io.csv import OperatingPoints, loads_csv
 from propmap.io.geometry import propeller_toml
 from propmap.model.model import Propeller
 from propmap.report.html import COLOURS
 from propmap.typing import Floats
+from propmap.units import RPM
 
 PLACES = (0.2, 0.35, 0.5, 0.65, 0.8, 0.95)
 """y/R of the points that can be dragged."""

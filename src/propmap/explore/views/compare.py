@@ -26,9 +26,10 @@ from propmap.explore.view import (
     point_lines,
     point_words,
 )
-from propmap.io.csv import PREDICT_COLUMNS, RPM, OperatingPoints, csv_text
+from propmap.io.csv import PREDICT_COLUMNS, OperatingPoints, csv_text
 from propmap.model.airfoil import airfoil_names
 from propmap.report.html import COLOURS
+from propmap.units import RPM
 
 ALONG = 31
 

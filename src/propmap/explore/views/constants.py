@@ -10,7 +10,6 @@ import numpy as np
 from dash import Input, Output, State, html, no_update, set_props
 from dash.exceptions import PreventUpdate
 
-from propmap.catalogue.identified import PARAMETERS
 from propmap.errors import InputError
 from propmap.explore import view
 from propmap.explore.app import Job
@@ -33,12 +32,13 @@ from propmap.fit.least_squares import Rows
 from propmap.fit.parameters import SECTION
 from propmap.fit.parameters import Choice as FitChoice
 from propmap.fit.tunnel import TunnelData
-from propmap.io.csv import RPM, csv_text
+from propmap.io.csv import csv_text
 from propmap.loads import LOADS
-from propmap.model.airfoil import LIMITS, Airfoil
+from propmap.model.airfoil import CONSTANTS, Airfoil
 from propmap.model.model import Model
 from propmap.report.html import COLOURS
 from propmap.typing import Floats
+from propmap.units import RPM
 
 if TYPE_CHECKING:
     from propmap.explore.app import Application
@@ -73,7 +73,7 @@ class ConstantsView:
             variances = np.diag(known.covariance.matrix)
             deviations = dict(zip(known.covariance.names, np.sqrt(variances), strict=True))
         sliders = []
-        for name in CONSTANTS:
+        for name in SET:
             here, about = float(getattr(law, name)), SECTION[name]
             low, high = min(about.lower, here), max(about.upper, here)
             sure = deviations.get(name, np.nan)
@@ -85,7 +85,7 @@ class ConstantsView:
             )
         data = tuple((name, name) for name in session.measurements())
         chosen = data[0][0] if data else "none"
-        free = tuple((name, name) for name in CONSTANTS)
+        free = tuple((name, name) for name in SET)
         return [
             *sliders,
             Choice("data", "Measured", (("none", "none"), *data), chosen),
@@ -319,7 +319,8 @@ def errors(data: TunnelData, before: Any, now: Any) -> Table:
 # -------------------------------------------------------------------------------------------------
 # Constants that are set by hand, and their fit to measured loads while the page goes on.
 
-CONSTANTS = ("c_l1", "c_l2", *(name for name in PARAMETERS if name != "c_l1"))
+SET = tuple(name for name in SECTION if name != "drag_factor")
+"""Constants that have a slider: all that a fit may vary, but for the deprecated one."""
 
 
 def law_at_first(session: Session) -> Airfoil:
@@ -334,8 +335,8 @@ def law_of(session: Session, values: Values) -> Airfoil:
     """The constants that are set."""
     law = law_at_first(session)
     changes = {
-        name: float(np.clip(values[name], *LIMITS[name][:2]))
-        for name in CONSTANTS
+        name: float(np.clip(values[name], *CONSTANTS[name].limits))
+        for name in SET
         if values[name] != getattr(law, name)
     }
     if not changes:

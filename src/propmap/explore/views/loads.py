@@ -27,10 +27,11 @@ from propmap.explore.view import (
     point_table,
 )
 from propmap.fit.tunnel import TunnelData
-from propmap.io.csv import RPM, OperatingPoints, loads_csv, std_columns
+from propmap.io.csv import OperatingPoints, loads_csv, std_columns
 from propmap.report.html import COLOURS
 from propmap.results import Loads
 from propmap.typing import Floats
+from propmap.units import RPM
 
 # -------------------------------------------------------------------------------------------------
 # Loads: how thrust, drag, torque, moments and power go with speed, rpm or angle.

@@ -11,12 +11,12 @@ from propmap.errors import InputError
 from propmap.explore import view
 from propmap.explore.session import Session, rotor_of
 from propmap.explore.view import Answer, Choice, Control, Download, Graph, Slider, Table, Values
-from propmap.io.csv import RPM
 from propmap.loads import LOADS
 from propmap.report.html import COLOURS
 from propmap.report.table_page import KINDS, cell_ranks, cell_sheet
 from propmap.table.certificate import quasi_random
 from propmap.table.query import LoadTable
+from propmap.units import RPM
 
 NAME = "cells.csv"
 
