@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import propmap
+from propmap.export import EXPORTS
 from propmap.table import LoadTable
 from tests.fit.fit_records import fit_text
 
@@ -49,6 +50,11 @@ def test_a_table_is_exported(run: Run, tmp_path: Path) -> None:
     again = run("export", "map.npz", "--to", "gazebo", "-o", "sim")
     assert again.code == 2 and "--force" in again.err
     assert run("export", "map.npz", "--to", "gazebo", "-o", "sim", "--force").code == 0
+
+
+def test_help_lists_every_export(run: Run) -> None:
+    told = " ".join(run("export", "--help").out.split())
+    assert all(f"{export.target}: {export.writes}" in told for export in EXPORTS)
 
 
 def test_a_parameter_set_with_a_propeller(

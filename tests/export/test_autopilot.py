@@ -454,5 +454,5 @@ def test_speeds_that_are_not_flown_are_named(tmp_path: Path) -> None:
         autopilot_parameters(craft, "px4", np.array([30.0, 40.0]))
     with pytest.raises(InputError, match="fewer than two speeds"):
         autopilot_parameters(craft, "px4", np.array([0.0, 5.0]))
-    with pytest.raises(InputError, match="no autopilot 'betaflight'"):
+    with pytest.raises(InputError, match="no target 'betaflight'; choose one of px4, ardupilot"):
         autopilot_parameters(craft, "betaflight")

@@ -10,7 +10,7 @@ import pytest
 import xarray
 
 from propmap.errors import InputError
-from propmap.export import TARGETS, export_table
+from propmap.export import AUTOPILOTS, EXPORTS, TARGETS, Export, export_table, find_export
 from propmap.loads import LOADS
 from propmap.table import LoadTable
 
@@ -92,6 +92,20 @@ def test_all_files_or_none(
     with pytest.raises(OSError, match="No space"):
         export_table(invented, "multinomial", tmp_path / "there")
     assert list((tmp_path / "there").iterdir()) == []
+
+
+@pytest.mark.parametrize("export", EXPORTS, ids=lambda export: f"{export.target}-{export.source}")
+def test_every_export_is_found_and_can_be_made(export: Export) -> None:
+    assert find_export(export.target, export.source) is export
+    assert callable(export.make())
+    assert export.writes and export.keeps and export.loses
+    assert len({(one.target, one.source) for one in EXPORTS}) == len(EXPORTS)
+
+
+@pytest.mark.parametrize("target", AUTOPILOTS)
+def test_an_autopilot_takes_no_table(invented: LoadTable, tmp_path: Path, target: str) -> None:
+    with pytest.raises(InputError, match=f"{target} is not made from a table, but from a vehicle"):
+        export_table(invented, target, tmp_path)
 
 
 def test_bad_targets_and_folders(invented: LoadTable, tmp_path: Path) -> None:

@@ -309,7 +309,7 @@ WRONG: dict[str, tuple[Vehicle, str, str]] = {
         replace(PLAIN, mounts=(*UP, Mount((0.3, 0.0, 0.0)), Mount((-0.3, 0.0, 0.0)))),
         "rotorpy", "has 6 rotors, RotorPy's Multirotor 4",
     ),
-    "another target": (PLAIN, "gazebo", "gazebo is not of a vehicle's force and moment"),
+    "another target": (PLAIN, "gazebo", "gazebo is not made from a vehicle and a table"),
     "no target": (PLAIN, "x-plane", "there is no target"),
     "one place": (
         replace(PLAIN, wakes=WAKES, mounts=(*UP[:3], replace(UP[0], spin="ccw"))),
@@ -363,7 +363,7 @@ def test_by_command(
     assert "--no-wakes was given" in " ".join(Path("still/README-c.txt").read_text().split())
     for arguments, message in (
         (("--to", "c"), "give it as --table MAP.npz"),
-        (("--to", "gazebo", "--table", "map.npz"), "gazebo is written of a map alone"),
+        (("--to", "gazebo", "--table", "map.npz"), "gazebo is written of a table alone"),
         (("--to", "c", "--table", "map.npz", "--prop", "apc-8x6e"), "--prop is given with --to c"),
         (("--to", "c", "--table", "map.npz", "--charge", "1"), "--charge is given with --to c"),
         (("--to", "c", "--table", "none.npz"), "none.npz"),

@@ -23,6 +23,7 @@ from propmap.cli.options import (
 from propmap.cli.output import Force
 from propmap.cli.table_report import building
 from propmap.errors import InputError
+from propmap.export import AUTOPILOTS, EXPORTS, VEHICLE_TARGETS, find_export
 from propmap.model.model import Model
 
 if TYPE_CHECKING:
@@ -41,6 +42,11 @@ TOLERANCE = 0.005
 static loads."""
 
 
+def _forms(source: str) -> str:
+    """List the targets of a ``source`` and what is written for them, for the help."""
+    return "; ".join(f"{e.target}: {e.writes}" for e in EXPORTS if e.source == source)
+
+
 def export(
     source: Annotated[
         Path,
@@ -54,8 +60,8 @@ def export(
         typer.Option(
             "--to",
             metavar="TARGET",
-            help="c, multinomial, gazebo, rotorpy, jsbsim, npz, nc or csv; of a vehicle file c or "
-            "rotorpy with --table, px4 or ardupilot.",
+            help=f"{_forms('table')}. Of a vehicle file and --table: {_forms('vehicle')}. "
+            f"Of a vehicle file: {_forms('autopilot')}.",
         ),
     ],
     output: Annotated[
@@ -75,9 +81,10 @@ def export(
     force: Force = False,
 ) -> None:
     """Files for simulators, flight code and autopilots, with a note of the errors they make."""
-    from propmap.export import AUTOPILOTS, check_folder, check_target, export_table
+    from propmap.export import export_table
+    from propmap.export.files import check_folder
 
-    check_target(to)
+    find_export(to)
     if to in AUTOPILOTS:
         refuse_options(to, prop=prop)
         export_vehicle(
@@ -187,13 +194,14 @@ def export_wrench(
     source: Path, to: str, output: Path, *, table: Path | None, no_wakes: bool, replace: bool
 ) -> None:
     """Write force and moment on the vehicle file ``source`` for the target ``to``."""
-    from propmap.export import VEHICLE_TARGETS, check_folder, export_vehicle
+    from propmap.export import export_vehicle
+    from propmap.export.files import check_folder
     from propmap.table import LoadTable
 
     if to not in VEHICLE_TARGETS:
         raise InputError(
-            f"this is a vehicle file, and {to} is written of a map alone",
-            f"give the map, or --to {', '.join(VEHICLE_TARGETS)}, px4 or ardupilot",
+            f"this is a vehicle file, and {to} is written of a table alone",
+            f"give the table, or --to {', '.join((*VEHICLE_TARGETS, *AUTOPILOTS))}",
             str(source),
         )
     if table is None:
@@ -230,13 +238,15 @@ SpeedOption = Annotated[
     typer.Option(
         "--speed",
         metavar="A:B:N",
-        help="For px4 and ardupilot: level flights that drag is fitted to [m/s], else 1:15:8.",
+        help=f"For {' and '.join(AUTOPILOTS)}: level flights that drag is fitted to [m/s], "
+        "else 1:15:8.",
     ),
 ]
 ChargeOption = Annotated[
     float | None,
     typer.Option(
-        "--charge", help="For px4 and ardupilot: state of charge of the thrust curve, else 1."
+        "--charge",
+        help=f"For {' and '.join(AUTOPILOTS)}: state of charge of the thrust curve, else 1.",
     ),
 ]
 

@@ -11,7 +11,7 @@ from collections.abc import Callable
 import numpy as np
 
 from propmap.aircraft.trim import Aircraft
-from propmap.export.parameter_set import (
+from propmap.export.autopilot import (
     AutopilotParameters,
     DragFilter,
     Explained,
@@ -83,7 +83,7 @@ def parameters(aircraft: Aircraft, flights: Flights) -> AutopilotParameters:
         kinds.append(_expo(aircraft, flights, curve))
     sets = [ParameterSet("ardupilot.param", "wind estimation and thrust curve", kinds)]
     remarks = [*common_remarks(aircraft), *REMARKS]
-    return AutopilotParameters("ArduPilot", sets, left_out, comparisons, remarks)
+    return AutopilotParameters("ArduPilot", sets, left_out, comparisons, remarks, file_text)
 
 
 def file_text(part: ParameterSet, vehicle: Vehicle) -> str:

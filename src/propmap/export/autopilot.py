@@ -1,21 +1,128 @@
-"""A vehicle's parameters for the firmware of an autopilot, as files and a note."""
+"""A vehicle's parameters for the firmware of an autopilot: values, errors, files and a note."""
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Callable
-from importlib import import_module
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from propmap.aircraft.trim import Aircraft
+import propmap
+from propmap.aircraft.trim import STATUSES, Aircraft
 from propmap.errors import InputError
-from propmap.export import AUTOPILOTS
+from propmap.export import find_export
 from propmap.export.files import check_folder, vehicle_identifier, write_files
-from propmap.export.inplane_drag import check_vehicle, inplane_forces
-from propmap.export.parameter_set import AutopilotParameters, Flights, note
+from propmap.export.inplane_drag import (
+    AXES,
+    CLOSE,
+    Comparison,
+    InplaneForces,
+    check_vehicle,
+    compare,
+    fit_drag,
+    inplane_forces,
+    missing_drag,
+)
+from propmap.rotor import Rotor
 from propmap.typing import Floats
+from propmap.vehicle.vehicle import Vehicle
+
+# -------------------------------------------------------------------------------------------------
+# Parameters of an autopilot with what they mean, how sure they are, and where they hold.
+
+
+@dataclass(frozen=True)
+class Explained:
+    """Parameters of one kind.
+
+    Attributes
+    ----------
+    title : str
+        Their name, with n for the number of a rotor.
+    values : dict of str to float or int
+        By the names that the firmware knows; whole numbers are int.
+    unit : str
+        Of the values.
+    std : float or None
+        Their standard deviation, in the unit; None where it is not known.
+    meaning, source, holds : str
+        The firmware's equation; where it stands; and where the simplification holds.
+    """
+
+    title: str
+    values: dict[str, float]
+    unit: str
+    std: float | None
+    meaning: str
+    source: str
+    holds: str
+
+
+@dataclass(frozen=True)
+class ParameterSet:
+    """What is written for one use.
+
+    Attributes
+    ----------
+    suffix : str
+        Of the file's name, as in "quad_px4.params".
+    purpose : str
+        In a sentence.
+    kinds : list of Explained
+        The parameters.
+    """
+
+    suffix: str
+    purpose: str
+    kinds: list[Explained]
+
+    @property
+    def values(self) -> dict[str, float]:
+        """All parameters by name."""
+        return {name: value for kind in self.kinds for name, value in kind.values.items()}
+
+
+@dataclass(frozen=True)
+class LeftOut:
+    """Parameters that are not written: by name, and ``why`` in a sentence."""
+
+    name: str
+    why: str
+
+
+@dataclass(frozen=True)
+class AutopilotParameters:
+    """All that an export says.
+
+    Attributes
+    ----------
+    firmware : str
+        Its name.
+    sets : list of ParameterSet
+        What is written, a file each.
+    left_out : list of LeftOut
+        What is not.
+    comparisons : list of Comparison
+        The drag model of the firmware beside the full model, along x and y.
+    remarks : list of str
+        What else to know, a sentence or more each.
+    file_text : callable
+        The text of a set's file, in the format that the firmware's tools read.
+    """
+
+    firmware: str
+    sets: list[ParameterSet]
+    left_out: list[LeftOut]
+    comparisons: list[Comparison]
+    remarks: list[str]
+    file_text: Callable[[ParameterSet, Vehicle], str]
+
+
+Flights = tuple[InplaneForces, InplaneForces]
+"""Of a vehicle along x and y."""
 
 SPEEDS = np.linspace(1.0, 15.0, 8)
 """At which a vehicle is flown where nothing else is asked for [m/s]."""
@@ -31,7 +138,7 @@ def autopilot_parameters(
     aircraft : Aircraft
         The vehicle with the loads of its rotors.
     target : str
-        One of ``AUTOPILOTS``.
+        One of ``propmap.export.AUTOPILOTS``.
     speeds : ndarray, shape (n,)
         Through the air [m/s], at which the drag model is fitted; at rest nothing is to be seen.
 
@@ -41,20 +148,15 @@ def autopilot_parameters(
         For an unknown target, for a vehicle that is no multirotor as the drag models of autopilots
         take it to be, and where too few of the speeds are flown.
     """
-    if target not in AUTOPILOTS:
-        raise InputError(
-            f"there is no autopilot {target!r}", f"choose one of {', '.join(AUTOPILOTS)}"
-        )
+    export = find_export(target, "autopilot")
     check_vehicle(aircraft.vehicle)
     moving = np.asarray(speeds, dtype=np.float64)
     moving = moving[moving > 0.0]
     if moving.size < 2:
         raise InputError("fewer than two speeds above 0", "give two or more, in m/s")
     flights = (inplane_forces(aircraft, "x", moving), inplane_forces(aircraft, "y", moving))
-    make: Callable[[Aircraft, Flights], AutopilotParameters] = import_module(
-        f"propmap.export.{target}"
-    ).parameters
-    return make(aircraft, flights)
+    found: AutopilotParameters = export.make()(aircraft, flights)
+    return found
 
 
 def export_autopilot(
@@ -87,12 +189,305 @@ def export_autopilot(
         As ``autopilot_parameters``, and for a folder that cannot be written to and files that
         exist.
     """
-    place = Path(folder)
+    place, vehicle = Path(folder), aircraft.vehicle
     check_folder(place)
     found = autopilot_parameters(aircraft, target, speeds)
-    text = import_module(f"propmap.export.{target}").file_text
-    name = vehicle_identifier(aircraft.vehicle)
-    files = {f"{name}_{part.suffix}": text(part, aircraft.vehicle) for part in found.sets}
-    return write_files(
-        files | {f"README-{target}.md": note(found, aircraft)}, place, replace=replace
+    name = vehicle_identifier(vehicle)
+    files = {f"{name}_{part.suffix}": found.file_text(part, vehicle) for part in found.sets}
+    files[f"README-{target}.md"] = note(found, aircraft)
+    return write_files(files, place, replace=replace)
+
+
+def comment_lines(part: ParameterSet, vehicle: Vehicle, target: str) -> list[str]:
+    """Lines of text for the head of a parameter file, short enough for ArduPilot's own reader."""
+    # AP_Param takes lines of 98 characters and reads what is left over as a line of its own.
+    clean = "".join(c if c.isprintable() else "?" for c in vehicle.name)[:50]
+    return [
+        f"{clean}: {part.purpose}"[:90],
+        f"written by propmap {propmap.__version__}; see README-{target}.md for definitions, errors",
+    ]
+
+
+def common_remarks(aircraft: Aircraft) -> list[str]:
+    """Sentences on what the drag coefficients of an ``aircraft`` have in them and what not."""
+    told = [f"{words[:1].upper()}{words[1:]}." for words in missing_drag(aircraft)]
+    if any(mount.axis[2] < 0.9999 for mount in aircraft.vehicle.mounts):
+        told.append(
+            "Rotors are tilted: what their thrust adds along x and y in forward flight is part of "
+            "the fitted coefficients."
+        )
+    return told
+
+
+# -------------------------------------------------------------------------------------------------
+# The note beside an autopilot's parameters, in Markdown: definitions, errors, ranges.
+
+SHOWN = 4
+"""Numbers in a cell of a table, at most."""
+
+
+def note(found: AutopilotParameters, aircraft: Aircraft) -> str:
+    """The text of a note on what was ``found`` of an ``aircraft``."""
+    vehicle = aircraft.vehicle
+    lines = [f"# {vehicle.name}: parameters for {found.firmware}", ""]
+    for part in found.sets:
+        lines += _set(part)
+    lines += ["## The drag model beside the full model", ""]
+    lines += [
+        "Level flight through still air, all forces and moments balanced. Force against the motion "
+        "along the body axis, by the full model with its standard deviation, by the filter's "
+        "equation with the parameters above; the last column is the error that the filter makes "
+        "of the wind. All speeds count alike in the fit, so that slow ones, with little force, "
+        "have the larger share of error. Backwards and to the right are taken to be alike.",
+        "",
+    ]
+    for comparison in found.comparisons:
+        lines += _table(comparison)
+    if found.left_out:
+        lines += ["## Not written", ""]
+        lines += [f"- {left.name}: {left.why}." for left in found.left_out]
+        lines.append("")
+    lines += ["## To know", "", *(f"- {remark}" for remark in found.remarks), ""]
+    lines += ["## Where the numbers come from", "", *_origin(aircraft), ""]
+    return "\n".join(lines)
+
+
+def holds(comparisons: list[Comparison]) -> str:
+    """Where the drag model of a filter is close to the full model, in words."""
+    told = []
+    for comparison in comparisons:
+        run = comparison.holds
+        where = AXES[comparison.flight.axis]
+        worst = float(abs(comparison.filtered - comparison.full).max())
+        if run is None:
+            told.append(f"{where}: nowhere within {CLOSE:.0%}, the error is up to {worst:.2g} N")
+        else:
+            told.append(
+                f"{where} within {CLOSE:.0%} of the force from {run[0]:g} to {run[1]:g} m/s, over "
+                f"all speeds within {worst:.2g} N"
+            )
+    return f"In level flight, {'; '.join(told)}."
+
+
+def _set(part: ParameterSet) -> list[str]:
+    lines = [f"## `{part.suffix}`: {part.purpose}", ""]
+    lines += ["| parameter | value | standard deviation | unit |", "|---|---|---|---|"]
+    lines += [_row(kind) for kind in part.kinds]
+    lines.append("")
+    for kind in part.kinds:
+        lines += [f"**{kind.title}**: {kind.meaning} {kind.holds}".rstrip(), ""]
+        lines += [f"Source: {kind.source}.", ""]
+    return lines
+
+
+def _row(kind: Explained) -> str:
+    values = [f"{value:.5g}" for value in kind.values.values()]
+    alike = len(set(values)) == 1
+    std = "-" if kind.std is None or math.isnan(kind.std) else f"{kind.std:.2g}"
+    unit = "" if kind.unit == "-" else kind.unit
+    shown = values[0] if alike else ", ".join(values) if len(values) <= SHOWN else "see the file"
+    return f"| {kind.title} | {shown} | {std} | {unit} |"
+
+
+def _table(comparison: Comparison) -> list[str]:
+    flight = comparison.flight
+    lines = [f"### Along {flight.axis}, {AXES[flight.axis]}", ""]
+    lines += [
+        "| V [m/s] | lean [deg] | full [N] | std [N] | filter [N] | error [N] | [%] | wind [m/s] |",
+        "|---|---|---|---|---|---|---|---|",
+    ]
+    rows = zip(
+        flight.speed.tolist(),
+        flight.pitch.tolist(),
+        comparison.full.tolist(),
+        comparison.std.tolist(),
+        comparison.filtered.tolist(),
+        comparison.share.tolist(),
+        comparison.wind.tolist(),
+        strict=True,
     )
+    for v, pitch, full, std, filtered, share, wind in rows:
+        spread = "-" if math.isnan(std) else f"{std:.3f}"
+        lines.append(
+            f"| {v:g} | {math.degrees(pitch):.2f} | {full:.3f} | {spread} | {filtered:.3f} | "
+            f"{filtered - full:+.3f} | {100.0 * share:+.1f} | {wind:+.2f} |"
+        )
+    lines.append("")
+    lines += [f"{v:g} m/s is not flown: {STATUSES[why]}." for v, why in flight.lost]
+    return lines + [""] * bool(flight.lost)
+
+
+def _origin(aircraft: Aircraft) -> list[str]:
+    vehicle, loads = aircraft.vehicle, aircraft.loads
+    areas = ", ".join(f"{area:g}" for area in vehicle.body.drag_area)
+    lines = [
+        f"vehicle: {vehicle.name}, {vehicle.mass:g} kg, {len(vehicle.mounts)} x "
+        f"{vehicle.propeller.name}; air {vehicle.air.density:g} kg/m^3; drag areas of the body "
+        f"{areas} m^2, taken as known",
+    ]
+    if isinstance(loads, Rotor):
+        lines.append(f"rotors: {loads.model.law_title}")
+        known = loads.model.uncertainty is not None
+    else:
+        law = (loads.info.get("airfoil") or {}).get("name", "not stated")
+        lines.append(f"rotors: a map of the section law {law}")
+        known = loads.content.deviations is not None
+    lines.append(
+        "standard deviations: constants of the section law, the model itself and another tunnel, "
+        "as `Loads.std`; mass, drag areas and motor are taken as known"
+        if known
+        else "standard deviations: none, as the section law says nothing of its errors"
+    )
+    return [f"- {line}" for line in (*lines, f"written by propmap {propmap.__version__}")]
+
+
+# -------------------------------------------------------------------------------------------------
+# The drag model of an autopilot's Kalman filter: its parameters, and what it makes of flights.
+
+SEA_LEVEL = 1.225
+"""Density [kg/m^3] at which both PX4 and ArduPilot define the drag of the rotors."""
+
+STEP = 1e-4
+"""Share by which a velocity is changed in a difference quotient."""
+
+
+@dataclass(frozen=True)
+class DragFilter:
+    """The equation of a filter, in flight along one body axis.
+
+    Specific force against the motion = M (rho / 1.225)^power v + 1/2 rho v s / B, where s is the
+    size of the whole velocity or that of its component v along the axis.
+
+    Attributes
+    ----------
+    momentum, ballistic : str
+        Names of M [1/s], and of B [kg/m^2] but for the axis.
+    power : float
+        Of the density's ratio.
+    whole : bool
+        Whether s is the size of the whole velocity.
+    largest : float
+        B beyond which there is no body drag [kg/m^2].
+    source : str
+        Where the equation stands.
+    between : str
+        What the filter does in flight between the axes, in words.
+    """
+
+    momentum: str
+    ballistic: str
+    power: float
+    whole: bool
+    largest: float
+    source: str
+    between: str
+
+    def force(
+        self, values: dict[str, float], axis: str, density: float, along: Floats, through: Floats
+    ) -> Floats:
+        """Specific force against the motion [m/s^2], of the velocities' shape.
+
+        Parameters
+        ----------
+        values : dict of str to float
+            The parameters by name.
+        axis : str
+            "x" or "y".
+        density : float
+            Of the air [kg/m^3].
+        along, through : ndarray
+            Component of the velocity along the axis, above 0, and the size of it all [m/s].
+        """
+        ballistic = values[self.ballistic + axis.upper()]
+        inverse = 1.0 / ballistic if ballistic > 1.0 else 0.0
+        rotors = values[self.momentum] * self.scale(density)
+        return np.asarray(rotors * along + 0.5 * inverse * density * self.square(along, through))
+
+    def square(self, along: Floats, through: Floats) -> Floats:
+        """v s [m^2/s^2] of velocities as in ``force``."""
+        return along * through if self.whole else along**2
+
+    def scale(self, density: float) -> float:
+        """What M is multiplied by at a ``density`` [kg/m^3]."""
+        return float((density / SEA_LEVEL) ** self.power)
+
+    def parameters(
+        self, flights: Flights, vehicle: Vehicle
+    ) -> tuple[list[Explained], list[Comparison]]:
+        """The parameters, and the flights beside what the filter makes of them.
+
+        Parameters
+        ----------
+        flights : tuple of 2 InplaneForces
+            Along x and y.
+        vehicle : Vehicle
+            That flies.
+        """
+        density = vehicle.air.density
+        fit = fit_drag(
+            flights, lambda one: self.square(one.along, one.through), density, 1.0 / self.largest
+        )
+        scale = self.scale(density)
+        values = {self.momentum: round(fit.momentum / scale, 6)}
+        for axis, inverse in zip("XY", fit.inverse, strict=True):
+            values[self.ballistic + axis] = round(1.0 / inverse, 4) if inverse else 0.0
+        comparisons = [self._compared(values, k, flights, vehicle) for k in (0, 1)]
+        where = holds(comparisons)
+        slope = flights[0].force[0] / flights[0].along[0] / scale
+        std = fit.std
+        kinds = [
+            Explained(
+                title=self.momentum,
+                values={self.momentum: values[self.momentum]},
+                unit="1/s",
+                std=None if std is None else std[0] / scale,
+                meaning=self._momentum_words(),
+                source=self.source,
+                holds=f"{where} At {flights[0].speed[0]:g} m/s alone it would be {slope:.4f}.",
+            )
+        ]
+        for k, axis in enumerate("XY"):
+            name, inverse = self.ballistic + axis, fit.inverse[k]
+            kinds.append(
+                Explained(
+                    title=name,
+                    values={name: values[name]},
+                    unit="kg/m^2",
+                    std=None if std is None or not inverse else std[1 + k] / inverse**2,
+                    meaning=self._ballistic_words(axis.lower()),
+                    source=self.source,
+                    holds=f"As {self.momentum}: the two belong together.",
+                )
+            )
+        return kinds, comparisons
+
+    def _compared(
+        self, values: dict[str, float], k: int, flights: Flights, vehicle: Vehicle
+    ) -> Comparison:
+        flight, density = flights[k], vehicle.air.density
+        slower, here, faster = (
+            self.force(values, flight.axis, density, scale * flight.along, scale * flight.through)
+            for scale in (1.0 - STEP, 1.0, 1.0 + STEP)
+        )
+        slope = (faster - slower) / (2.0 * STEP * flight.along)
+        return compare(flight, vehicle.mass, here, slope)
+
+    def _momentum_words(self) -> str:
+        ratio = "sqrt(rho / 1.225 kg/m^3)" if self.power == 0.5 else "(rho / 1.225 kg/m^3)"
+        return (
+            f"Specific force against the motion, along x and y alike: {self.momentum} {ratio} v, v "
+            "the component of the velocity through the air. It is what the rotors add, linear in "
+            "the speed; below 0.001 the filter leaves it out."
+        )
+
+    def _ballistic_words(self, axis: str) -> str:
+        name = self.ballistic + axis.upper()
+        size = "v |V|" if self.whole else "v^2"
+        told = "v the component of the velocity along the axis"
+        told += ", |V| the size of it all" if self.whole else ""
+        return (
+            f"Specific force along {axis} against the motion: 1/2 rho {size} / {name}, {told}"
+            f"{self.between}. It is the mass over the drag area of what is quadratic in the speed: "
+            "the body, and what of the rotors' drag is not linear. It is 0, which leaves it out, "
+            f"where it would be above {self.largest:g}."
+        )

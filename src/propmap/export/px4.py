@@ -8,7 +8,7 @@ import numpy as np
 
 from propmap.aircraft.trim import Aircraft
 from propmap.errors import InputError
-from propmap.export.parameter_set import (
+from propmap.export.autopilot import (
     AutopilotParameters,
     DragFilter,
     Explained,
@@ -88,7 +88,7 @@ def parameters(aircraft: Aircraft, flights: Flights) -> AutopilotParameters:
     else:
         left_out.append(LeftOut("SIH_T_MAX, SIH_Q_MAX, SIH_KDV and the like", why))
     remarks = [*common_remarks(aircraft), *REMARKS, _gazebo(flights, still)]
-    return AutopilotParameters("PX4", sets, left_out, comparisons, remarks)
+    return AutopilotParameters("PX4", sets, left_out, comparisons, remarks, file_text)
 
 
 def file_text(part: ParameterSet, vehicle: Vehicle) -> str:
