@@ -361,7 +361,7 @@ def test_a_map_serves_in_place_of_a_rotor() -> None:
     assert values["CA_ROTOR0_KM"] == pytest.approx(float(still.torque / still.thrust), rel=1e-6)
     assert values["EKF2_MCOEF"] > 0.01
     assert all(kind.std is None for kind in told.sets[0].kinds)
-    assert "the map ends at 9549 rpm, and full throttle is" in told.left_out[0].why
+    assert "the table ends at 9549 rpm, and full throttle is" in told.left_out[0].why
 
 
 def test_files_are_those_of_the_ground_stations(files: dict[str, str]) -> None:

@@ -76,9 +76,9 @@ def test_where_from_is_filed(table: LoadTable, rotor: propmap.Rotor) -> None:
 
 
 def test_netcdf_says_the_same(table: LoadTable, tmp_path: Path) -> None:
-    write_netcdf(table, tmp_path / "map.nc")
-    assert [p.name for p in tmp_path.iterdir()] == ["map.nc"]
-    with xarray.open_dataset(tmp_path / "map.nc", engine="h5netcdf") as found:
+    write_netcdf(table, tmp_path / "table.nc")
+    assert [p.name for p in tmp_path.iterdir()] == ["table.nc"]
+    with xarray.open_dataset(tmp_path / "table.nc", engine="h5netcdf") as found:
         np.testing.assert_array_equal(found["advance"], table.content.advance)
         for k, name in enumerate(LOADS):
             np.testing.assert_array_equal(found[name], table.content.coefficients[:, k])

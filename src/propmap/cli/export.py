@@ -175,7 +175,7 @@ def _built(rotor: Rotor) -> LoadTable:
 
 
 # -------------------------------------------------------------------------------------------------
-# ``propmap export VEHICLE.toml --table MAP.npz --to c|rotorpy``: force and moment on a vehicle.
+# ``propmap export VEHICLE.toml --table TABLE.npz --to c|rotorpy``: force and moment on a vehicle.
 
 
 def is_vehicle(path: Path) -> bool:
@@ -207,7 +207,7 @@ def export_wrench(
     if table is None:
         raise InputError(
             "this is a vehicle file, and the loads of its rotors are not given",
-            "build a map with propmap table and give it as --table MAP.npz",
+            "build a map with propmap table and give it as --table TABLE.npz",
             str(source),
         )
     check_folder(output)

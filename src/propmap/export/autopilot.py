@@ -330,7 +330,7 @@ def _origin(aircraft: Aircraft) -> list[str]:
         known = loads.model.uncertainty is not None
     else:
         law = (loads.info.get("airfoil") or {}).get("name", "not stated")
-        lines.append(f"rotors: a map of the section law {law}")
+        lines.append(f"rotors: a table of the section law {law}")
         known = loads.content.deviations is not None
     lines.append(
         "standard deviations: constants of the section law, the model itself and another tunnel, "

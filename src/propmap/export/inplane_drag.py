@@ -96,7 +96,7 @@ def inplane_forces(aircraft: Aircraft, axis: str, speeds: Floats) -> InplaneForc
     if not states.found[0]:
         raise InputError(
             f"the vehicle does not hover: {STATUSES[str(states.status[0])]}",
-            "check mass, propeller and motor, or the map",
+            "check mass, propeller and motor, or the table",
         )
     _check_moments(turned, states.moment[0])
     size = len(states)
@@ -223,7 +223,7 @@ def check_vehicle(vehicle: Vehicle) -> None:
                 raise InputError(
                     f"rotors {j} and {k} are above each other ({beside:g} m apart), and what "
                     "one's wake does to the other is not in the loads",
-                    "describe each pair as one rotor with a map of its own",
+                    "describe each pair as one rotor with a table of its own",
                 )
 
 

@@ -132,7 +132,7 @@ def _gazebo(flights: Flights, still: StaticLoads) -> str:
         "Gazebo's multicopter motor model takes thrust = motorConstant omega^2 and torque = "
         f"momentConstant thrust: in hover, at {speed:.0f} rad/s, {still.thrust / speed**2:.4g} "
         f"N s^2 and {still.torque / still.thrust:.4g} m. With drag and rolling moment of a rotor "
-        "they are what `propmap export MAP --to gazebo` writes from a map of the propeller."
+        "they are what `propmap export TABLE --to gazebo` writes from a table of the propeller."
     )
 
 

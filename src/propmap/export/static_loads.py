@@ -115,7 +115,7 @@ def known_curve(aircraft: Aircraft) -> tuple[ThrustCurve | None, str]:
         fastest = aircraft.loads.envelope["omega"][1]
         if curve.full_speed > fastest:
             return None, (
-                f"the map ends at {fastest / RPM:.0f} rpm, and full throttle is "
+                f"the table ends at {fastest / RPM:.0f} rpm, and full throttle is "
                 f"{curve.full_speed / RPM:.0f}"
             )
     return curve, ""
