@@ -32,13 +32,13 @@ if TYPE_CHECKING:
 
 
 # -------------------------------------------------------------------------------------------------
-# ``propmap export``: a map in the form that another program reads.
+# ``propmap export``: a table in the form that another program reads.
 
 TIP_SPEED = (20.0, 105.0)
 SPEED = (0.0, 20.0)
 BETA = (0.0, math.pi)
 TOLERANCE = 0.005
-"""Of the map that is built from a fit: tip speeds and speeds [m/s], angles [rad], share of the
+"""Of the table that is built from a fit: tip speeds and speeds [m/s], angles [rad], share of the
 static loads."""
 
 
@@ -51,8 +51,8 @@ def export(
     source: Annotated[
         Path,
         typer.Argument(
-            metavar="MAP|FIT|VEHICLE",
-            help="Map (.npz), fit (.toml), any section law, or vehicle file.",
+            metavar="TABLE|FIT|VEHICLE",
+            help="Table (.npz), fit (.toml), any section law, or vehicle file.",
         ),
     ],
     to: Annotated[
@@ -114,7 +114,7 @@ def export(
     try:
         paths = export_table(built, to, output, replace=force)
     except InputError as error:
-        # What is wrong with a map is wrong with this file.
+        # What is wrong with a table is wrong with this file.
         raise InputError(error.found, error.remedy, error.where or str(source)) from None
     for path in paths:
         typer.echo(f"wrote {path}")
@@ -132,7 +132,7 @@ def _table(
             ("--correction", corrections),
         ):
             if given:
-                raise InputError(f"{option} is given with a map, which has its own", "leave it out")
+                raise InputError(f"{option} is given with a table, which has its own", "leave it out")
         return LoadTable.load(source)
     from propmap.catalogue.lookup import airfoil, propeller
     from propmap.fit.files import is_fit, read_fit
@@ -149,14 +149,14 @@ def _table(
 
 
 def _built(rotor: Rotor) -> LoadTable:
-    """A map over an envelope that suits most multirotors."""
+    """A table over an envelope that suits most multirotors."""
     from propmap.table import build_table
 
     radius = rotor.model.propeller.radius
     omega = (TIP_SPEED[0] / radius, TIP_SPEED[1] / radius)
     rpm = [30.0 / math.pi * w for w in omega]
     typer.echo(
-        f"building a map of {rotor.model.propeller.name}, {rotor.model.law_title}, "
+        f"building a table of {rotor.model.propeller.name}, {rotor.model.law_title}, "
         f"at {rpm[0]:.0f} to {rpm[1]:.0f} rpm, {SPEED[0]:g} to {SPEED[1]:g} m/s, "
         "beta 0 to 180 deg, which takes minutes; "
         "for another range, build it with propmap table",
@@ -207,7 +207,7 @@ def export_wrench(
     if table is None:
         raise InputError(
             "this is a vehicle file, and the loads of its rotors are not given",
-            "build a map with propmap table and give it as --table TABLE.npz",
+            "build a table with propmap table and give it as --table TABLE.npz",
             str(source),
         )
     check_folder(output)
@@ -231,7 +231,7 @@ AirfoilOption = Annotated[
 ]
 TableOption = Annotated[
     Path | None,
-    typer.Option("--table", metavar="FILE.npz", help="For a vehicle: loads from a map instead."),
+    typer.Option("--table", metavar="FILE.npz", help="For a vehicle: loads from a table instead."),
 ]
 SpeedOption = Annotated[
     str | None,
