@@ -132,7 +132,8 @@ def _table(
             ("--correction", corrections),
         ):
             if given:
-                raise InputError(f"{option} is given with a table, which has its own", "leave it out")
+                found = f"{option} is given with a table, which has its own"
+                raise InputError(found, "leave it out")
         return LoadTable.load(source)
     from propmap.catalogue.lookup import airfoil, propeller
     from propmap.fit.files import is_fit, read_fit

@@ -18,10 +18,9 @@ from propmap.export.files import check_folder, vehicle_identifier, write_files
 from propmap.export.inplane_drag import (
     AXES,
     CLOSE,
-    Comparison,
+    DragComparison,
     InplaneForces,
     check_vehicle,
-    compare,
     fit_drag,
     inplane_forces,
     missing_drag,
@@ -86,7 +85,7 @@ class ParameterSet:
 
 
 @dataclass(frozen=True)
-class LeftOut:
+class NotWritten:
     """Parameters that are not written: by name, and ``why`` in a sentence."""
 
     name: str
@@ -103,9 +102,9 @@ class AutopilotParameters:
         Its name.
     sets : list of ParameterSet
         What is written, a file each.
-    left_out : list of LeftOut
+    left_out : list of NotWritten
         What is not.
-    comparisons : list of Comparison
+    comparisons : list of DragComparison
         The drag model of the firmware beside the full model, along x and y.
     remarks : list of str
         What else to know, a sentence or more each.
@@ -115,17 +114,17 @@ class AutopilotParameters:
 
     firmware: str
     sets: list[ParameterSet]
-    left_out: list[LeftOut]
-    comparisons: list[Comparison]
+    left_out: list[NotWritten]
+    comparisons: list[DragComparison]
     remarks: list[str]
     file_text: Callable[[ParameterSet, Vehicle], str]
 
 
 Flights = tuple[InplaneForces, InplaneForces]
-"""Of a vehicle along x and y."""
+"""Level flights of a vehicle along x and y."""
 
 SPEEDS = np.linspace(1.0, 15.0, 8)
-"""At which a vehicle is flown where nothing else is asked for [m/s]."""
+"""Speeds [m/s] at which a vehicle is flown where nothing else is asked for."""
 
 
 def autopilot_parameters(
@@ -194,12 +193,12 @@ def export_autopilot(
     found = autopilot_parameters(aircraft, target, speeds)
     name = vehicle_identifier(vehicle)
     files = {f"{name}_{part.suffix}": found.file_text(part, vehicle) for part in found.sets}
-    files[f"README-{target}.md"] = note(found, aircraft)
+    files[f"README-{target}.md"] = autopilot_note(found, aircraft)
     return write_files(files, place, replace=replace)
 
 
 def comment_lines(part: ParameterSet, vehicle: Vehicle, target: str) -> list[str]:
-    """Lines of text for the head of a parameter file, short enough for ArduPilot's own reader."""
+    """Write the head of a parameter file, in lines short enough for ArduPilot's own reader."""
     # AP_Param takes lines of 98 characters and reads what is left over as a line of its own.
     clean = "".join(c if c.isprintable() else "?" for c in vehicle.name)[:50]
     return [
@@ -209,29 +208,41 @@ def comment_lines(part: ParameterSet, vehicle: Vehicle, target: str) -> list[str
 
 
 def common_remarks(aircraft: Aircraft) -> list[str]:
-    """Sentences on what the drag coefficients of an ``aircraft`` have in them and what not."""
-    told = [f"{words[:1].upper()}{words[1:]}." for words in missing_drag(aircraft)]
+    """Say what the drag coefficients of an ``aircraft`` have in them and what not."""
+    remarks = [f"{words[:1].upper()}{words[1:]}." for words in missing_drag(aircraft)]
     if any(mount.axis[2] < 0.9999 for mount in aircraft.vehicle.mounts):
-        told.append(
+        remarks.append(
             "Rotors are tilted: what their thrust adds along x and y in forward flight is part of "
             "the fitted coefficients."
         )
-    return told
+    return remarks
 
 
 # -------------------------------------------------------------------------------------------------
 # The note beside an autopilot's parameters, in Markdown: definitions, errors, ranges.
 
 SHOWN = 4
-"""Numbers in a cell of a table, at most."""
+"""Most numbers in a cell."""
 
 
-def note(found: AutopilotParameters, aircraft: Aircraft) -> str:
-    """The text of a note on what was ``found`` of an ``aircraft``."""
+def autopilot_note(found: AutopilotParameters, aircraft: Aircraft) -> str:
+    """Return a note on what was ``found`` of an ``aircraft``."""
     vehicle = aircraft.vehicle
     lines = [f"# {vehicle.name}: parameters for {found.firmware}", ""]
     for part in found.sets:
-        lines += _set(part)
+        lines += [f"## `{part.suffix}`: {part.purpose}", ""]
+        lines += ["| parameter | value | standard deviation | unit |", "|---|---|---|---|"]
+        for kind in part.kinds:
+            values = [f"{value:.5g}" for value in kind.values.values()]
+            shown = ", ".join(values) if len(values) <= SHOWN else "see the file"
+            shown = values[0] if len(set(values)) == 1 else shown
+            std = "-" if kind.std is None or math.isnan(kind.std) else f"{kind.std:.2g}"
+            unit = "" if kind.unit == "-" else kind.unit
+            lines.append(f"| {kind.title} | {shown} | {std} | {unit} |")
+        lines.append("")
+        for kind in part.kinds:
+            lines += [f"**{kind.title}**: {kind.meaning} {kind.holds}".rstrip(), ""]
+            lines += [f"Source: {kind.source}.", ""]
     lines += ["## The drag model beside the full model", ""]
     lines += [
         "Level flight through still air, all forces and moments balanced. Force against the motion "
@@ -252,44 +263,7 @@ def note(found: AutopilotParameters, aircraft: Aircraft) -> str:
     return "\n".join(lines)
 
 
-def holds(comparisons: list[Comparison]) -> str:
-    """Where the drag model of a filter is close to the full model, in words."""
-    told = []
-    for comparison in comparisons:
-        run = comparison.holds
-        where = AXES[comparison.flight.axis]
-        worst = float(abs(comparison.filtered - comparison.full).max())
-        if run is None:
-            told.append(f"{where}: nowhere within {CLOSE:.0%}, the error is up to {worst:.2g} N")
-        else:
-            told.append(
-                f"{where} within {CLOSE:.0%} of the force from {run[0]:g} to {run[1]:g} m/s, over "
-                f"all speeds within {worst:.2g} N"
-            )
-    return f"In level flight, {'; '.join(told)}."
-
-
-def _set(part: ParameterSet) -> list[str]:
-    lines = [f"## `{part.suffix}`: {part.purpose}", ""]
-    lines += ["| parameter | value | standard deviation | unit |", "|---|---|---|---|"]
-    lines += [_row(kind) for kind in part.kinds]
-    lines.append("")
-    for kind in part.kinds:
-        lines += [f"**{kind.title}**: {kind.meaning} {kind.holds}".rstrip(), ""]
-        lines += [f"Source: {kind.source}.", ""]
-    return lines
-
-
-def _row(kind: Explained) -> str:
-    values = [f"{value:.5g}" for value in kind.values.values()]
-    alike = len(set(values)) == 1
-    std = "-" if kind.std is None or math.isnan(kind.std) else f"{kind.std:.2g}"
-    unit = "" if kind.unit == "-" else kind.unit
-    shown = values[0] if alike else ", ".join(values) if len(values) <= SHOWN else "see the file"
-    return f"| {kind.title} | {shown} | {std} | {unit} |"
-
-
-def _table(comparison: Comparison) -> list[str]:
+def _table(comparison: DragComparison) -> list[str]:
     flight = comparison.flight
     lines = [f"### Along {flight.axis}, {AXES[flight.axis]}", ""]
     lines += [
@@ -351,143 +325,120 @@ STEP = 1e-4
 """Share by which a velocity is changed in a difference quotient."""
 
 
+def where_it_holds(comparisons: list[DragComparison]) -> str:
+    """Say where the drag model of a filter is close to the full model."""
+    parts = []
+    for comparison in comparisons:
+        run = comparison.holds
+        where = AXES[comparison.flight.axis]
+        worst = float(abs(comparison.filtered - comparison.full).max())
+        if run is None:
+            parts.append(f"{where}: nowhere within {CLOSE:.0%}, the error is up to {worst:.2g} N")
+        else:
+            parts.append(
+                f"{where} within {CLOSE:.0%} of the force from {run[0]:g} to {run[1]:g} m/s, over "
+                f"all speeds within {worst:.2g} N"
+            )
+    return f"In level flight, {'; '.join(parts)}."
+
+
 @dataclass(frozen=True)
 class DragFilter:
     """The equation of a filter, in flight along one body axis.
 
     Specific force against the motion = M (rho / 1.225)^power v + 1/2 rho v s / B, where s is the
     size of the whole velocity or that of its component v along the axis.
-
-    Attributes
-    ----------
-    momentum, ballistic : str
-        Names of M [1/s], and of B [kg/m^2] but for the axis.
-    power : float
-        Of the density's ratio.
-    whole : bool
-        Whether s is the size of the whole velocity.
-    largest : float
-        B beyond which there is no body drag [kg/m^2].
-    source : str
-        Where the equation stands.
-    between : str
-        What the filter does in flight between the axes, in words.
     """
 
-    momentum: str
-    ballistic: str
-    power: float
-    whole: bool
-    largest: float
-    source: str
-    between: str
-
-    def force(
-        self, values: dict[str, float], axis: str, density: float, along: Floats, through: Floats
-    ) -> Floats:
-        """Specific force against the motion [m/s^2], of the velocities' shape.
-
-        Parameters
-        ----------
-        values : dict of str to float
-            The parameters by name.
-        axis : str
-            "x" or "y".
-        density : float
-            Of the air [kg/m^3].
-        along, through : ndarray
-            Component of the velocity along the axis, above 0, and the size of it all [m/s].
-        """
-        ballistic = values[self.ballistic + axis.upper()]
-        inverse = 1.0 / ballistic if ballistic > 1.0 else 0.0
-        rotors = values[self.momentum] * self.scale(density)
-        return np.asarray(rotors * along + 0.5 * inverse * density * self.square(along, through))
-
-    def square(self, along: Floats, through: Floats) -> Floats:
-        """v s [m^2/s^2] of velocities as in ``force``."""
-        return along * through if self.whole else along**2
-
-    def scale(self, density: float) -> float:
-        """What M is multiplied by at a ``density`` [kg/m^3]."""
-        return float((density / SEA_LEVEL) ** self.power)
+    momentum: str  # name of M [1/s]
+    ballistic: str  # name of B [kg/m^2], but for the axis
+    power: float  # of the density's ratio
+    whole: bool  # whether s is the size of the whole velocity
+    largest: float  # B beyond which there is no body drag [kg/m^2]
+    source: str  # where the equation stands
+    between: str  # what the filter does in flight between the axes, in words
 
     def parameters(
         self, flights: Flights, vehicle: Vehicle
-    ) -> tuple[list[Explained], list[Comparison]]:
-        """The parameters, and the flights beside what the filter makes of them.
-
-        Parameters
-        ----------
-        flights : tuple of 2 InplaneForces
-            Along x and y.
-        vehicle : Vehicle
-            That flies.
-        """
+    ) -> tuple[list[Explained], list[DragComparison]]:
+        """Fit the parameters, and compare the flights with what the filter makes of them."""
         density = vehicle.air.density
-        fit = fit_drag(
-            flights, lambda one: self.square(one.along, one.through), density, 1.0 / self.largest
+        scale = float((density / SEA_LEVEL) ** self.power)
+        constants, errors = fit_drag(
+            flights, lambda one: self._square(one.along, one.through), density, 1.0 / self.largest
         )
-        scale = self.scale(density)
-        values = {self.momentum: round(fit.momentum / scale, 6)}
-        for axis, inverse in zip("XY", fit.inverse, strict=True):
+        rotors, *bodies = constants.tolist()
+        momentum, values = round(rotors / scale, 6), {}
+        for axis, inverse in zip("XY", bodies, strict=True):
             values[self.ballistic + axis] = round(1.0 / inverse, 4) if inverse else 0.0
-        comparisons = [self._compared(values, k, flights, vehicle) for k in (0, 1)]
-        where = holds(comparisons)
+        std = np.sqrt(np.sum(errors**2, axis=0)).tolist() if errors.size else None
+        comparisons = [
+            self._comparison(flight, vehicle, momentum * scale, ballistic)
+            for flight, ballistic in zip(flights, values.values(), strict=True)
+        ]
         slope = flights[0].force[0] / flights[0].along[0] / scale
-        std = fit.std
+        ratio = "sqrt(rho / 1.225 kg/m^3)" if self.power == 0.5 else "(rho / 1.225 kg/m^3)"
         kinds = [
             Explained(
                 title=self.momentum,
-                values={self.momentum: values[self.momentum]},
+                values={self.momentum: momentum},
                 unit="1/s",
                 std=None if std is None else std[0] / scale,
-                meaning=self._momentum_words(),
+                meaning=(
+                    f"Specific force against the motion, along x and y alike: {self.momentum} "
+                    f"{ratio} v, v the component of the velocity through the air. It is what the "
+                    "rotors add, linear in the speed; below 0.001 the filter leaves it out."
+                ),
                 source=self.source,
-                holds=f"{where} At {flights[0].speed[0]:g} m/s alone it would be {slope:.4f}.",
+                holds=(
+                    f"{where_it_holds(comparisons)} At {flights[0].speed[0]:g} m/s alone it would "
+                    f"be {slope:.4f}."
+                ),
             )
         ]
-        for k, axis in enumerate("XY"):
-            name, inverse = self.ballistic + axis, fit.inverse[k]
+        size = "v |V|" if self.whole else "v^2"
+        whole = ", |V| the size of it all" if self.whole else ""
+        for k, ((name, value), inverse) in enumerate(zip(values.items(), bodies, strict=True)):
             kinds.append(
                 Explained(
                     title=name,
-                    values={name: values[name]},
+                    values={name: value},
                     unit="kg/m^2",
                     std=None if std is None or not inverse else std[1 + k] / inverse**2,
-                    meaning=self._ballistic_words(axis.lower()),
+                    meaning=(
+                        f"Specific force along {'xy'[k]} against the motion: 1/2 rho {size} / "
+                        f"{name}, v the component of the velocity along the axis{whole}"
+                        f"{self.between}. It is the mass over the drag area of what is quadratic "
+                        "in the speed: the body, and what of the rotors' drag is not linear. It is "
+                        f"0, which leaves it out, where it would be above {self.largest:g}."
+                    ),
                     source=self.source,
                     holds=f"As {self.momentum}: the two belong together.",
                 )
             )
         return kinds, comparisons
 
-    def _compared(
-        self, values: dict[str, float], k: int, flights: Flights, vehicle: Vehicle
-    ) -> Comparison:
-        flight, density = flights[k], vehicle.air.density
+    def _square(self, along: Floats, through: Floats) -> Floats:
+        """Return v s [m^2/s^2] of velocities along the axis and their sizes [m/s]."""
+        return along * through if self.whole else along**2
+
+    def _comparison(
+        self, flight: InplaneForces, vehicle: Vehicle, rotors: float, ballistic: float
+    ) -> DragComparison:
+        """Compare a flight with the filter, M ``rotors`` in this air [1/s], B [kg/m^2]."""
+        inverse, mass = 1.0 / ballistic if ballistic > 1.0 else 0.0, vehicle.mass
+        density = vehicle.air.density
         slower, here, faster = (
-            self.force(values, flight.axis, density, scale * flight.along, scale * flight.through)
-            for scale in (1.0 - STEP, 1.0, 1.0 + STEP)
+            rotors * share * flight.along
+            + 0.5 * inverse * density * self._square(share * flight.along, share * flight.through)
+            for share in (1.0 - STEP, 1.0, 1.0 + STEP)
         )
         slope = (faster - slower) / (2.0 * STEP * flight.along)
-        return compare(flight, vehicle.mass, here, slope)
-
-    def _momentum_words(self) -> str:
-        ratio = "sqrt(rho / 1.225 kg/m^3)" if self.power == 0.5 else "(rho / 1.225 kg/m^3)"
-        return (
-            f"Specific force against the motion, along x and y alike: {self.momentum} {ratio} v, v "
-            "the component of the velocity through the air. It is what the rotors add, linear in "
-            "the speed; below 0.001 the filter leaves it out."
-        )
-
-    def _ballistic_words(self, axis: str) -> str:
-        name = self.ballistic + axis.upper()
-        size = "v |V|" if self.whole else "v^2"
-        told = "v the component of the velocity along the axis"
-        told += ", |V| the size of it all" if self.whole else ""
-        return (
-            f"Specific force along {axis} against the motion: 1/2 rho {size} / {name}, {told}"
-            f"{self.between}. It is the mass over the drag area of what is quadratic in the speed: "
-            "the body, and what of the rotors' drag is not linear. It is 0, which leaves it out, "
-            f"where it would be above {self.largest:g}."
+        spread = np.sqrt(np.sum(flight.errors**2, axis=0))
+        return DragComparison(
+            flight=flight,
+            full=mass * flight.force,
+            filtered=mass * here,
+            std=mass * spread if flight.errors.size else np.full_like(spread, np.nan),
+            wind=(here - flight.force) / slope,
         )
