@@ -25,7 +25,7 @@ from propmap.model.airfoil import parameter_set
 from propmap.model.model import Model
 from propmap.rotor import Rotor
 from propmap.table import LoadTable, build_table
-from propmap.table.build import Model as TableModel
+from propmap.table.build import CachedModel
 from propmap.table.certificate import compare
 from propmap.table.interpolation import UNRESOLVED
 
@@ -110,7 +110,7 @@ def measured(case: Case) -> dict[str, Any]:
         tolerance=case.tolerance,
     )
     seconds = time.process_time() - start
-    model = TableModel(rotor, table.content.omega)
+    model = CachedModel(rotor, table.content.omega)
     found = compare(table, model, *fresh_points(table))
     loose, told = found.code == UNRESOLVED, table.certificate
     return {

@@ -82,7 +82,9 @@ def test_a_fit_brings_its_propeller_and_air(
 
 
 @pytest.mark.parametrize("target", ["multinomial", "gazebo", "rotorpy", "jsbsim"])
-def test_a_table_without_hover_is_refused_in_one_line(run: Run, tmp_path: Path, target: str) -> None:
+def test_a_table_without_hover_is_refused_in_one_line(
+    run: Run, tmp_path: Path, target: str
+) -> None:
     content = invented().content
     LoadTable(replace(content, speed=np.array([2.0, 8.0]))).save("fast.npz")
     done = run("export", "fast.npz", "--to", target, "-o", "to")

@@ -12,7 +12,7 @@ import xarray
 import propmap
 from propmap.loads import LOADS, error_scales
 from propmap.table import LoadTable, build_table, write_netcdf
-from propmap.table.build import Model
+from propmap.table.build import CachedModel
 from tests.workers_elsewhere import Elsewhere
 
 from .conftest import BETA, OMEGA, SPEED, TOLERANCE, random_points
@@ -95,7 +95,7 @@ def test_workers_evaluate_the_model_alike(
     told: list[int] = []
     workers = Elsewhere()
     models = [
-        Model(alone, np.array(OMEGA), progress=lambda _, n: told.append(n), workers=some)
+        CachedModel(alone, np.array(OMEGA), progress=lambda _, n: told.append(n), workers=some)
         for some in (None, workers)
     ]
     beta = np.linspace(0.0, np.pi, 4)
@@ -186,7 +186,7 @@ def test_a_fit_without_lift_after_stall_gets_a_table(rotor: propmap.Rotor) -> No
 def test_a_rotor_without_static_thrust_is_refused(rotor: propmap.Rotor) -> None:
     section = rotor.model.airfoil.with_parameters(zero_lift_angle=0.5)
     with pytest.raises(propmap.InputError, match="no positive thrust"):
-        Model(propmap.Rotor(propmap.Model(rotor.model.propeller, section)), np.array(OMEGA))
+        CachedModel(propmap.Rotor(propmap.Model(rotor.model.propeller, section)), np.array(OMEGA))
 
 
 @pytest.mark.slow

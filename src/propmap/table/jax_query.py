@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from propmap.table.interpolation import NO_VALUE, OUTSIDE, cell_codes, interval_polynomials
-from propmap.table.query import SLACK, TORQUE, JaxLoads, LoadTable, chain_rule
+from propmap.table.query import SLACK, TORQUE, JaxLoads, LoadTable, cartesian_slopes, chain_rule
 
 try:
     import jax
@@ -160,9 +160,7 @@ def _expanded(table: JaxTable, omega: Any, axial: Any, inplane: Any) -> tuple[An
     value, by_omega, by_speed, by_angle = chain_rule(
         found, omega, advance, tip_speed, root, jnp.where
     )
-    cosine, sine = jnp.cos(beta)[..., None], jnp.sin(beta)[..., None]
-    by_axial = by_speed * cosine - by_angle * sine
-    by_inplane = by_speed * sine + by_angle * cosine
+    by_axial, by_inplane = cartesian_slopes(by_speed, by_angle, jnp.cos(beta), jnp.sin(beta))
     return value, by_omega, by_axial, by_inplane
 
 
