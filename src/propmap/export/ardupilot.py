@@ -45,12 +45,8 @@ FILTER = DragFilter(
     between="",
 )
 
-SPIN_MIN, SPIN_MAX = 0.15, 0.95
-"""Defaults of MOT_SPIN_MIN and MOT_SPIN_MAX."""
-
-SIGNALS = SPIN_MIN + (SPIN_MAX - SPIN_MIN) * np.linspace(0.0, 1.0, 101)
-"""Signals at which the thrust curve is fitted."""
-
+SPIN_MIN, SPIN_MAX = 0.15, 0.95  # defaults of MOT_SPIN_MIN and MOT_SPIN_MAX
+SIGNALS = SPIN_MIN + (SPIN_MAX - SPIN_MIN) * np.linspace(0.0, 1.0, 101)  # for the fit
 EXPO_LIMITS = (-1.0, 1.0)
 
 REMARKS = [

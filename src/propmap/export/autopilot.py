@@ -123,8 +123,7 @@ class AutopilotParameters:
 Flights = tuple[InplaneForces, InplaneForces]
 """Level flights of a vehicle along x and y."""
 
-SPEEDS = np.linspace(1.0, 15.0, 8)
-"""Speeds [m/s] at which a vehicle is flown where nothing else is asked for."""
+SPEEDS = np.linspace(1.0, 15.0, 8)  # level flights by default [m/s]
 
 
 def autopilot_parameters(
@@ -221,8 +220,7 @@ def common_remarks(aircraft: Aircraft) -> list[str]:
 # -------------------------------------------------------------------------------------------------
 # The note beside an autopilot's parameters, in Markdown: definitions, errors, ranges.
 
-SHOWN = 4
-"""Most numbers in a cell."""
+SHOWN = 4  # most numbers in a cell
 
 
 def autopilot_note(found: AutopilotParameters, aircraft: Aircraft) -> str:
@@ -270,21 +268,14 @@ def _table(comparison: DragComparison) -> list[str]:
         "| V [m/s] | lean [deg] | full [N] | std [N] | filter [N] | error [N] | [%] | wind [m/s] |",
         "|---|---|---|---|---|---|---|---|",
     ]
-    rows = zip(
-        flight.speed.tolist(),
-        flight.pitch.tolist(),
-        comparison.full.tolist(),
-        comparison.std.tolist(),
-        comparison.filtered.tolist(),
-        comparison.share.tolist(),
-        comparison.wind.tolist(),
-        strict=True,
-    )
-    for v, pitch, full, std, filtered, share, wind in rows:
+    full, filtered = comparison.full, comparison.filtered
+    columns = (flight.speed, flight.pitch, full, comparison.std, filtered, comparison.share)
+    rows = zip(*(each.tolist() for each in (*columns, comparison.wind)), strict=True)
+    for v, pitch, by_model, std, by_filter, share, wind in rows:
         spread = "-" if math.isnan(std) else f"{std:.3f}"
         lines.append(
-            f"| {v:g} | {math.degrees(pitch):.2f} | {full:.3f} | {spread} | {filtered:.3f} | "
-            f"{filtered - full:+.3f} | {100.0 * share:+.1f} | {wind:+.2f} |"
+            f"| {v:g} | {math.degrees(pitch):.2f} | {by_model:.3f} | {spread} | {by_filter:.3f} | "
+            f"{by_filter - by_model:+.3f} | {100.0 * share:+.1f} | {wind:+.2f} |"
         )
     lines.append("")
     lines += [f"{v:g} m/s is not flown: {STATUSES[why]}." for v, why in flight.lost]
@@ -318,11 +309,8 @@ def _origin(aircraft: Aircraft) -> list[str]:
 # -------------------------------------------------------------------------------------------------
 # The drag model of an autopilot's Kalman filter: its parameters, and what it makes of flights.
 
-SEA_LEVEL = 1.225
-"""Density [kg/m^3] at which both PX4 and ArduPilot define the drag of the rotors."""
-
-STEP = 1e-4
-"""Share by which a velocity is changed in a difference quotient."""
+SEA_LEVEL = 1.225  # density [kg/m^3] at which both PX4 and ArduPilot define the drag of the rotors
+STEP = 1e-4  # share by which a velocity is changed in a difference quotient
 
 
 def where_it_holds(comparisons: list[DragComparison]) -> str:

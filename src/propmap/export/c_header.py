@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple, Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from propmap.export.files import Files, identifier, note, rendered, vehicle_name, wakes_sentence
 from propmap.loads import LOADS
@@ -76,7 +76,6 @@ def header(table: LoadTable) -> str:
     """Return the text of the header."""
     content, order = table.content, list(LOADS)
     root = float(content.omega[0]) ** -0.5
-    codes = cell_codes(content)
     box = list(table.envelope.values())
     rows, columns, odd = _weights(content)
     row_bucket, row_per_bucket = _buckets(content.advance)
@@ -100,12 +99,15 @@ def header(table: LoadTable) -> str:
         row_weights=rows,
         column_weights=columns,
         odd_weights=odd,
-        cells=codes,
-        data=_data(content),
+        cells=cell_codes(content),
+        # Of each knot, the loads at the least omega, then at the largest.
+        data=content.coefficients.transpose(2, 3, 0, 1)
+        .reshape(*content.coefficients.shape[2:], -1)
+        .astype(np.float32),
         thrust=order.index("thrust"),
         torque=order.index("torque"),
         numbers=numbers,
-        rows_of_numbers=rows_of_numbers,
+        singles=singles,
     )
 
 
@@ -152,47 +154,23 @@ def _buckets(knots: Floats) -> tuple[NDArray[np.intp], float]:
     return np.searchsorted(knots[1:-1], begin, side="right"), 1.0 / width
 
 
-def _data(content: TableContent) -> str:
-    """The coefficients, a line per knot, with as many digits as single precision has."""
-    count = content.coefficients[:, :, 0, 0].size
-    knots = content.coefficients.transpose(2, 3, 0, 1)
-    knots = knots.reshape(*knots.shape[:2], count)
-    rows = []
-    for row in knots.astype(np.float32):
-        lines = (", ".join(map(_single, knot)) for knot in row)
-        rows.append("{\n" + ",\n".join(f"{{{line}}}" for line in lines) + "}")
-    return ",\n".join(rows)
+def numbers(values: Iterable[Any]) -> str:
+    """Write an array with commas, in lines of some length; with several axes, rows in braces."""
+    rows = list(values)
+    if np.ndim(rows[0]):
+        return ",\n".join("{\n" + numbers(row) + "}" for row in rows)
+    words = ", ".join(map(repr, np.asarray(rows).tolist()))
+    return textwrap.fill(words, LINE, break_long_words=False, break_on_hyphens=False)
 
 
-def _single(value: np.float32) -> str:
-    return "NAN" if np.isnan(value) else f"{value!s}f"
+def singles(blocks: NDArray[np.float32]) -> str:
+    """Write an array with three axes in single precision, a line per row."""
 
+    def row(values: NDArray[np.float32]) -> str:
+        return ", ".join("NAN" if np.isnan(value) else f"{value!s}f" for value in values)
 
-def numbers(values: ArrayLike) -> str:
-    """Write the ``values`` with commas, in lines of some length."""
-    words = map(repr, np.asarray(values).tolist())
-    return textwrap.fill(", ".join(words), LINE, break_long_words=False, break_on_hyphens=False)
-
-
-def rows_of_numbers(rows: Iterable[ArrayLike]) -> str:
-    """Write an array with two axes, ``rows`` in braces."""
-    return ",\n".join("{\n" + numbers(row) + "}" for row in rows)
-
-
-def blocks_of_numbers(blocks: Iterable[Any]) -> str:
-    """Write an array with three axes or more, each block in braces."""
-    return ",\n".join(
-        "{\n" + (rows_of_numbers if np.ndim(block) == 2 else blocks_of_numbers)(block) + "}"
-        for block in blocks
-    )
-
-
-def blocks_of_singles(blocks: Iterable[Iterable[Iterable[np.float32]]]) -> str:
-    """Write an array with three axes in single precision, each block in braces."""
-    rows = (
-        ",\n".join("{" + ", ".join(map(_single, row)) + "}" for row in block) for block in blocks
-    )
-    return ",\n".join("{\n" + block + "}" for block in rows)
+    lines = (",\n".join(f"{{{row(values)}}}" for values in block) for block in blocks)
+    return ",\n".join("{\n" + block + "}" for block in lines)
 
 
 # -------------------------------------------------------------------------------------------------
@@ -263,9 +241,7 @@ def vehicle_header(vehicle: Vehicle, table: LoadTable) -> str:
         lifts=bool(vehicle.body.lift_area) or vehicle.wing is not None,
         sharpness=Airfoil.sharpness,
         numbers=numbers,
-        rows_of_numbers=rows_of_numbers,
-        blocks_of_numbers=blocks_of_numbers,
-        blocks_of_singles=blocks_of_singles,
+        singles=singles,
         **values,
     )
 
@@ -310,9 +286,7 @@ SOURCE = Operations(35, 30, 1, 2, 2)  # a rotor's wake without its inflow
 STEP = Operations(10, 4, 2, 1)  # of Newton's method for that inflow
 PAIR = Operations(40, 52, 0, 0, 2)  # a wake at another rotor
 
-USUAL_STEPS = 6
-"""Of Newton's method, outside of descent; it ends after ``STEPS``."""
-
+USUAL_STEPS = 6  # of Newton's method, outside of descent; it ends after ``STEPS``
 CYCLES = Operations(3, 3, 16, 16, 150)
 """Assumed of a core with a floating-point unit for single precision, loads, stores and loops
 included: sums and products take 1 cycle, divisions and roots 14 on an Arm Cortex-M4F (Technical
@@ -320,8 +294,7 @@ Reference Manual, Arm DDI 0439) and no more on a Cortex-M7."""
 
 CLOCKS = {"Cortex-M4F at 168 MHz": 168e6, "Cortex-M7 at 480 MHz": 480e6}
 
-RATE = 1000.0
-"""Calls per second."""
+RATE = 1000.0  # calls per second
 
 
 @dataclass(frozen=True)

@@ -35,22 +35,15 @@ def check_folder(folder: Path) -> None:
     """Raise ``InputError`` where no files can be written to ``folder``, made if need be."""
     where = str(folder)
     try:
-        if not folder.exists():
-            parent = folder.parent
-            if not parent.is_dir():
-                raise InputError(
-                    f"there is no folder {str(parent)!r}", "make it or choose another", where
-                )
-            writable = os.access(parent, os.W_OK)
-        elif not folder.is_dir():
-            raise InputError("this is a file", "name a folder to write into", where)
-        else:
-            writable = os.access(folder, os.W_OK)
-    except InputError:
-        raise
+        exists, in_folder = folder.exists(), folder.parent.is_dir()
     except ValueError as error:
         raise InputError(f"not a path: {error}", "choose another name", where) from None
-    if not writable:
+    if exists and not folder.is_dir():
+        raise InputError("this is a file", "name a folder to write into", where)
+    if not exists and not in_folder:
+        found = f"there is no folder {str(folder.parent)!r}"
+        raise InputError(found, "make it or choose another", where)
+    if not os.access(folder if exists else folder.parent, os.W_OK):
         raise InputError("the folder cannot be written to", "choose another", where)
 
 

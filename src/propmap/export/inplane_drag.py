@@ -27,9 +27,7 @@ if TYPE_CHECKING:
 # -------------------------------------------------------------------------------------------------
 # The specific force along a body axis in level flight along it: what drag models are fitted to.
 
-AXES = {"x": "forward", "y": "sideways"}
-"""Body axes, and how the vehicle flies along them."""
-
+AXES = {"x": "forward", "y": "sideways"}  # body axes, and how the vehicle flies along them
 AT_REST = 0.1
 """Specific force along x or y at rest [m/s^2] up to which the thrust counts as along z; so much
 is read as some 0.5 m/s of wind."""
@@ -219,8 +217,7 @@ def missing_drag(aircraft: Aircraft) -> list[str]:
 # velocity along the axis, q a square of the velocity, m the same for both axes, and 1/b the
 # ballistic coefficient of the axis.
 
-CLOSE = 0.1
-"""Share of the force up to which the simplification is said to hold."""
+CLOSE = 0.1  # share of the force up to which the simplification is said to hold
 
 
 def fit_drag(
@@ -290,9 +287,7 @@ class DragComparison:
 # -------------------------------------------------------------------------------------------------
 # Loads of a rotor with their independent errors, for what is computed from several of them.
 
-USED = ("thrust", "drag", "torque")
-"""Loads that are looked at, in this order."""
-
+USED = ("thrust", "drag", "torque")  # loads that are looked at, in this order
 FASTER = 0.02
 """Share by which a rotor speed is changed up and down in a difference quotient: large beside what
 loads jump by where their nodes change with the speed."""

@@ -46,12 +46,8 @@ FILTER = DragFilter(
     between=", and in flight between x and y the two are joined by an ellipse",
 )
 
-SIGNALS = np.linspace(0.0, 1.0, 101)
-"""Signals at which the thrust curve is fitted."""
-
-INT, REAL = 6, 9
-"""MAV_PARAM_TYPE_INT32 and MAV_PARAM_TYPE_REAL32."""
-
+SIGNALS = np.linspace(0.0, 1.0, 101)  # signals at which the thrust curve is fitted
+INT, REAL = 6, 9  # MAV_PARAM_TYPE_INT32 and MAV_PARAM_TYPE_REAL32
 REMARKS = [
     "The filter uses these coefficients once EKF2_DRAG_CTRL is 1, which is not written here: "
     "fly first, and compare the innovations of the specific force.",
@@ -139,9 +135,7 @@ def _gazebo(flights: Flights, still: StaticLoads) -> str:
 # -------------------------------------------------------------------------------------------------
 # Parameters of PX4's control allocation: where the rotors are, and what they make.
 
-MOST_ROTORS, LARGEST_THRUST = 12, 100.0
-"""Most that control allocation takes: rotors, and CA_ROTORn_CT [N]."""
-
+MOST_ROTORS, LARGEST_THRUST = 12, 100.0  # limits of control allocation: rotors, CA_ROTORn_CT [N]
 ALLOCATOR = "PX4-Autopilot src/modules/control_allocator"
 ROTORS = f"{ALLOCATOR}/VehicleActuatorEffectiveness/ActuatorEffectivenessRotors.cpp"
 NORMALISED = "Control allocation is normalised: what all rotors have in common plays no part"

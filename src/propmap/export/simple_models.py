@@ -167,8 +167,7 @@ def rotorpy_files(table: LoadTable) -> Files:
     }
 
 
-ROTORS = 4
-"""RotorPy's Multirotor inverts the matrix from its rotors' thrusts to thrust and moments."""
+ROTORS = 4  # RotorPy's Multirotor inverts the matrix from its rotors' thrusts to thrust and moments
 
 
 def vehicle_rotorpy_files(vehicle: Vehicle, table: LoadTable) -> Files:
@@ -245,8 +244,7 @@ METERS_PER_FOOT = 0.3048
 NEWTONS_PER_POUND = 4.4482216152605
 KG_M3_PER_SLUG_FT3 = 515.378818393
 
-JSBSIM_POINTS = 121
-"""Of the table.  JSBSim interpolates linearly: 1e-4 of the static coefficient between these."""
+JSBSIM_POINTS = 121  # linear in between: 1e-4 of the static coefficient
 
 
 def coefficients(table: LoadTable) -> tuple[Floats, Floats, Floats]:

@@ -49,11 +49,8 @@ def static_loads(aircraft: Aircraft, omega: float) -> StaticLoads:
 # The signal is the share of the battery's voltage that the controller passes on, as in
 # ``propmap.vehicle.powertrain``; all rotors get the same, and the battery sags under all of them.
 
-KNOTS = 12
-"""Rotor speeds at which loads at rest over their square are computed; they vary slowly."""
-
-SPEEDS = 2000
-"""Rotor speeds at which the signal is computed."""
+KNOTS = 12  # rotor speeds at which loads at rest over their square are computed; they vary slowly
+SPEEDS = 2000  # rotor speeds at which the signal is computed
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,8 +150,7 @@ def _over_square(aircraft: Aircraft, fastest: float) -> tuple[Floats, Floats, Fl
 # -------------------------------------------------------------------------------------------------
 # The one number by which an autopilot describes a thrust curve, and how sure it is.
 
-DISCHARGED = 0.3
-"""State of charge besides the given one for which factors are stated."""
+DISCHARGED = 0.3  # state of charge besides the given one for which factors are stated
 
 Shares = Callable[[Callable[[Floats], Floats]], Floats]
 """Makes of a curve, thrust by signal, its thrust over the largest at equally spaced x (n,)."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Any
 
@@ -45,24 +45,18 @@ if TYPE_CHECKING:
 
 Range = tuple[float, float]
 
-MODEL_ERROR = {"standard": 0.001, "fine": 0.0001}
-"""Numerical error of the model by its accuracy; a tolerance below twice that means nothing."""
-
+MODEL_ERROR = {"standard": 0.001, "fine": 0.0001}  # by accuracy; tolerances begin at twice that
 LARGEST_TOLERANCE = 0.1
 
-MOST_UNRESOLVED = 0.05
-"""Share of the envelope above which a table is refused."""
-
+MOST_UNRESOLVED = 0.05  # share of the envelope above which a table is refused
 NARROW_ABOVE = 0.02
 """Share of the envelope above which unresolved cells are halved: a thin feature of the loads that
 fell between the middles of wide cells takes little of the envelope once they are narrow."""
 
 NARROWINGS = 6
 
-ATTEMPTS = 8
-REFINEMENTS = 3
-"""How often a certificate is tried, and after how many failures cells in which the error is too
-large are halved; later they are marked as unresolved."""
+ATTEMPTS = 8  # to certify
+REFINEMENTS = 3  # attempts after which cells with too large an error are halved, not marked
 
 FIRST_SEED = 20_171
 
@@ -271,8 +265,7 @@ def _provenance(rotor: Rotor, leave_out_vortex_ring: bool) -> dict[str, Any]:
 # -------------------------------------------------------------------------------------------------
 # Standard deviations of a table's loads, from the model at some of the knots.
 
-MOST_DEVIATIONS = 20
-"""Along each axis: standard deviations vary more slowly than loads, and matter less exactly."""
+MOST_DEVIATIONS = 20  # along each axis: they vary more slowly than loads
 
 
 def deviation_coefficients(rotor: Rotor, content: TableContent) -> Floats:
@@ -297,36 +290,27 @@ def deviation_coefficients(rotor: Rotor, content: TableContent) -> Floats:
 
 FIRST_KNOTS = 13
 
-LINE_SHARE = 0.35
-"""Share of the tolerance that interpolation along one axis may take; both add up."""
-
-CELL_SHARE = 0.6
-"""Share of the tolerance that a cell's centre may show; the rest is for the cell's corners and
-for the Reynolds term."""
-
-FINEST_INFLOW = 300
-"""Knots per hover inflow ratio, sqrt(C_T/2), where the loads jump and no number is enough."""
-
-FINEST_ANGLE = np.pi / 512
-"""Least distance between knots [rad], likewise."""
-
-MOST_KNOTS = 400_000
-"""Knots of a table at most; 32 bytes each in its file, before compression."""
-
+LINE_SHARE = 0.35  # share of the tolerance that interpolation along one axis may take; both add up
+CELL_SHARE = 0.6  # and a cell's centre may show; the rest is for corners and the Reynolds term
+FINEST_INFLOW = 300  # most knots per hover inflow ratio, sqrt(C_T/2), where loads jump
+FINEST_ANGLE = np.pi / 512  # least distance between knots [rad], likewise
+MOST_KNOTS = 400_000  # knots of a table at most; 32 bytes each in its file, before compression
 ROUNDS = 40
 
 
-@dataclass
 class Axis:
     """Knots of one axis, halved where the loads need it, and which intervals are untested."""
 
-    knots: Floats  # (n,)
-    finest: float  # least distance between knots
-    parity: tuple[Floats | None, Floats | None] = (None, None)
-    untested: NDArray[np.bool_] = field(default_factory=lambda: np.ones(0, bool))
-
-    def __post_init__(self) -> None:
-        self.untested = np.ones(self.knots.size - 1, bool)
+    def __init__(
+        self,
+        knots: Floats,
+        finest: float,
+        parity: tuple[Floats | None, Floats | None] = (None, None),
+    ) -> None:
+        self.knots = knots  # (n,)
+        self.finest = finest  # least distance between knots
+        self.parity = parity  # at both ends, as for ``pad``
+        self.untested = np.ones(knots.size - 1, bool)
 
     @property
     def middles(self) -> Floats:
@@ -452,19 +436,12 @@ def _largest(error: Floats, axes: tuple[int, ...]) -> Floats:
 # -------------------------------------------------------------------------------------------------
 # Cells in which the model's loads jump or nearly so, found and marked as unresolved.
 
-PATROL_POINTS = 8192
-"""Points over the whole envelope, for jumps that no cell's middle has shown."""
-
+PATROL_POINTS = 8192  # points over the whole envelope, for jumps that no cell's middle has shown
 PATROL_ROUNDS = 4
 
-REACH = 3
-"""Cells around a jump that are searched for its like."""
-
-TRIES = 12
-"""Random points per cell there."""
-
-GLANCES = 4
-"""Points per cell as small as cells become; such cells are where jumps have been met."""
+REACH = 3  # cells around a jump that are searched for its like
+TRIES = 12  # random points per cell there
+GLANCES = 4  # points per cell as small as cells become; such cells are where jumps have been met
 
 
 def find_jumps(
@@ -543,8 +520,7 @@ def with_marks_of(old: TableContent, new: TableContent) -> TableContent:
 Progress = Callable[[str, int], None]
 """Receives what is being done and the number of operating points evaluated so far."""
 
-BATCH = 4096
-"""Operating points between two reports of progress: some tenths of a second."""
+BATCH = 4096  # operating points between two reports of progress: some tenths of a second
 
 
 class CachedModel:

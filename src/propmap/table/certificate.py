@@ -29,15 +29,9 @@ if TYPE_CHECKING:
     from propmap.table.query import LoadTable
 
 
-POINTS = 32_768
-"""Points of a certificate; a power of two, as Sobol's sequence wants."""
-
-CANDIDATES = 32
-"""Points of the envelope, per point of a certificate, among which those in unresolved cells are
-looked for."""
-
-MOST_INSIDE = 4
-"""One part in so many of a certificate's points is the most that is evaluated of these."""
+POINTS = 32_768  # points of a certificate; a power of two, as Sobol's sequence wants
+CANDIDATES = 32  # points per point of a certificate, to find some in unresolved cells
+MOST_INSIDE = 4  # of the certificate's points, one in so many is taken there
 
 
 @dataclass(frozen=True)
@@ -265,27 +259,16 @@ def static_loads(model: CachedModel, omega: Floats) -> Floats:
 # steps, which grow where they succeed and shrink where they fail.  The worse half of the climbs is
 # given up again and again, for more steps of the others.
 
-OVERHANG = np.array([0.5, 0.5, 0.25])
-"""How far beyond the envelope points are spread, then held back: its edges get their part."""
-
-CLIMBS = 32
-"""Climbs at first, per load and 32768 points known."""
-
+OVERHANG = np.array([0.5, 0.5, 0.25])  # beyond the envelope, then held back for its edges
+CLIMBS = 32  # climbs at first, per load and 32768 points known
 FEWEST_CLIMBS = 8
 
-TRIES = 4
-"""Steps that each climb tries in a round, at first."""
-
-HALVINGS, ROUNDS = 4, 5
-"""How often the better half of the climbs goes on, and rounds in between."""
-
-STEP = np.array([0.5, 0.5, 0.25])
-"""Largest step of the first round along each axis, as positions count."""
-
+TRIES = 4  # steps that each climb tries in a round, at first
+HALVINGS, ROUNDS = 4, 5  # how often the better half of the climbs goes on, and rounds in between
+STEP = np.array([0.5, 0.5, 0.25])  # largest of the first round, as positions count
 GROWTH, SHRINKAGE = 1.5, 0.6
 
-GOALS = 2 * len(LOADS)
-"""Each load in resolved cells, then each in the others."""
+GOALS = 2 * len(LOADS)  # each load in resolved cells, then each in the others
 
 
 def largest_errors(
@@ -373,9 +356,7 @@ def _sizes(found: TableErrors) -> Floats:
 # -------------------------------------------------------------------------------------------------
 # How uncertain a table's loads are because the section law's parameters are.
 
-UNCERTAINTY_POINTS = 1024
-"""Points of the envelope; a power of two."""
-
+UNCERTAINTY_POINTS = 1024  # points of the envelope; a power of two
 SEED = 20_170
 
 
@@ -416,8 +397,7 @@ def load_deviations(
 # -------------------------------------------------------------------------------------------------
 # Points that fill a box evenly: Sobol's sequence in three dimensions, scrambled.
 
-BITS = 30
-"""Bits of each coordinate."""
+BITS = 30  # bits of each coordinate
 
 
 def sobol(count: int, seed: int) -> Floats:

@@ -27,9 +27,7 @@ FORMAT_VERSION = 1
 
 ARRAYS = ("advance", "beta", "omega", "speed", "coefficients", "cells")
 
-SINGLE = ("coefficients", "deviations")
-"""Arrays in single precision, 6e-8 of their size; the second only where errors are known."""
-
+SINGLE = ("coefficients", "deviations")  # in single precision; the second may lack
 MOST_BYTES = 200_000_000
 
 _REMEDY = "give a file that `propmap table` wrote"

@@ -144,16 +144,12 @@ for _kind in (TableLoads, Gradient, Deviation, JaxLoads):
 # -------------------------------------------------------------------------------------------------
 # ``LoadTable``: loads from a table, with NumPy alone.
 
-CHUNK = 1024
-"""Points that are interpolated together, so that what they gather stays in the cache."""
-
+CHUNK = 1024  # points that are interpolated together, so that what they gather stays in the cache
 SLACK = 1e-9
 """Share of an axis by which a point may lie beyond its end for rounding: 10000 rpm is not the
 same number however it is converted."""
 
-HALF = len(LOADS)
-"""Values per knot that are loads; as many slopes with Omega^(-1/2) follow."""
-
+HALF = len(LOADS)  # values per knot that are loads; as many slopes with Omega^(-1/2) follow
 _NOWHERE = TableLoads(*(HALF + 1) * [math.nan], OUTSIDE)
 
 
