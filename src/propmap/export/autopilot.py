@@ -246,8 +246,8 @@ def autopilot_note(found: AutopilotParameters, aircraft: Aircraft) -> str:
         "Level flight through still air, all forces and moments balanced. Force against the motion "
         "along the body axis, by the full model with its standard deviation, by the filter's "
         "equation with the parameters above; the last column is the error that the filter makes "
-        "of the wind. All speeds count alike in the fit, so that slow ones, with little force, "
-        "have the larger share of error. Backwards and to the right are taken to be alike.",
+        "of the wind. All speeds count the same in the fit, so that slow ones, with little force, "
+        "have the larger share of error. Backwards is taken to be like forward, right like left.",
         "",
     ]
     for comparison in found.comparisons:

@@ -121,7 +121,7 @@ def table_bytes(content: TableContent, real: int) -> int:
 
 
 def _weights(content: TableContent) -> tuple[Floats, Floats, Floats]:
-    """Weight polynomials of the rows and columns (n - 1, 16), and of odd loads in the first and
+    """Return weight polynomials of rows and columns (n - 1, 16), and of odd loads in the first and
     the last column interval (2, 16)."""
     ends = on_planes(content.beta)
     even, odd = (
@@ -132,7 +132,7 @@ def _weights(content: TableContent) -> tuple[Floats, Floats, Floats]:
 
 
 def _folded(knots: Floats, low: Floats | None, high: Floats | None) -> Floats:
-    """Weight polynomials (n - 1, 16), powers first, of the values at the knots alone.
+    """Return weight polynomials (n - 1, 16), powers first, of the values at the knots alone.
 
     ``low`` and ``high`` are parities at the ends, as for ``pad``.  A ghost value is a sum over
     the three knots at its end of the axis; its weight is spread over these.
@@ -146,7 +146,7 @@ def _folded(knots: Floats, low: Floats | None, high: Floats | None) -> Floats:
 
 
 def _buckets(knots: Floats) -> tuple[NDArray[np.intp], float]:
-    """The interval in which each of many equal buckets begins, and buckets per unit."""
+    """Find the interval in which each of many equal buckets begins, and buckets per unit."""
     count = min(MOST_BUCKETS, 4 * knots.size)
     width = float(knots[-1] - knots[0]) / count
     # A hundredth of a bucket early, so that no rounding leads beyond the interval looked for.
@@ -273,7 +273,7 @@ class Operations(NamedTuple):
 
     @property
     def total(self) -> int:
-        """All together."""
+        """Sum of all kinds."""
         return sum(self)
 
 
@@ -313,7 +313,7 @@ class Cost:
 
     @property
     def sentence(self) -> str:
-        """All of this in words."""
+        """Say all of this in words."""
         done = self.operations
         parts = ", ".join(f"{count} {kind}" for kind, count in done._asdict().items() if count)
         worst = f" (at most {self.worst.total}, in fast descent)" if self.worst != done else ""

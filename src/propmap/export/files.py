@@ -209,11 +209,11 @@ def origin(table: LoadTable) -> list[str]:
 def note(title: str, text: str, table: LoadTable, found: Sequence[ErrorSizes] = ()) -> str:
     """Return a note: paragraphs of ``text``, errors where the target simplifies, provenance."""
     shares = ", ".join(load.share for load in LOADS.values())
-    told = "Nothing is simplified: the errors are those of the table."
+    cost = "Nothing is simplified: the errors are those of the table."
     if found:
-        told = f"Error against the table, at the same omega: {shares}."
+        cost = f"Error against the table, at the same omega: {shares}."
     parts = [f"propmap export: {title}"]
-    for part in (*text.split("\n\n"), told):
+    for part in (*text.split("\n\n"), cost):
         words = " ".join(part.split())
         parts.append(textwrap.fill(words, 88, break_on_hyphens=False, break_long_words=False))
     for errors in found:
@@ -291,19 +291,11 @@ def sample(table: LoadTable) -> Samples:
     found = table.loads(omega, speed, beta)
     loads = {name: getattr(found, name) for name in LOADS}
     valid = np.isfinite(list(loads.values())).all(axis=0)
-    axial, inplane = speed * np.cos(beta), speed * np.sin(beta)
-    tip = omega * table.content.radius
-    static = static_loads(table, omega)
-    samples = Samples(
-        omega=omega[valid],
-        axial=axial[valid],
-        inplane=inplane[valid],
-        loads={name: values[valid] for name, values in loads.items()},
-        static={name: values[valid] for name, values in static.items()},
-        climb=(axial / tip)[valid],
-        mu=(inplane / tip)[valid],
-        ring=np.asarray(found.code == VORTEX_RING)[valid],
-    )
+    omega, speed, beta, code = (each[valid] for each in (omega, speed, beta, found.code))
+    axial, inplane, tip = speed * np.cos(beta), speed * np.sin(beta), omega * table.content.radius
+    loads = {name: values[valid] for name, values in loads.items()}
+    static, ring = static_loads(table, omega), np.asarray(code == VORTEX_RING)
+    samples = Samples(omega, axial, inplane, loads, static, axial / tip, inplane / tip, ring)
     if not samples.simple.any():
         raise InputError(
             f"the table has no points with {SIMPLE}", "build it over an envelope with slow flight"

@@ -53,9 +53,9 @@ class InplaneForces:
 def inplane_forces(aircraft: Aircraft, axis: str, speeds: Floats) -> InplaneForces:
     """Trim an aircraft in level flight along a body axis at ``speeds`` (n,) above 0 [m/s].
 
-    Along y it flies to the left, and to the right alike if it is symmetric.  Raise ``InputError``
-    where it cannot hover, where its thrust is not along z at rest, and where fewer than two of the
-    speeds are flown.
+    Along y it flies to the left; a symmetric one flies to the right the same way.  Raise
+    ``InputError`` where it cannot hover, where its thrust is not along z at rest, and where fewer
+    than two of the speeds are flown.
     """
     turned = aircraft if axis == "x" else _turned(aircraft)
     states = turned.steady(np.concatenate([[0.0], speeds]), margin=False)
@@ -127,7 +127,7 @@ def _turned(aircraft: Aircraft) -> Aircraft:
 
 
 def _errors(aircraft: Aircraft, velocity: Floats, omega: Floats) -> Floats:
-    """Errors (E, n) of the specific force against the motion along x.
+    """Find the errors (E, n) of the specific force against the motion along x.
 
     A cause that changes the thrust changes the speed of all rotors so that they carry as much as
     before; the attitude and the flow are those of the flight without it.
@@ -304,7 +304,7 @@ class UncertainLoads(NamedTuple):
 def rotor_sources(
     vehicle: Vehicle, loads: Rotor | LoadTable
 ) -> list[tuple[Rotor | LoadTable, NDArray[np.intp]]]:
-    """What gives the loads of which rotors of a ``vehicle``, whose ``loads`` are these."""
+    """List what gives loads, and of which rotors of a ``vehicle`` whose ``loads`` are these."""
     if not isinstance(loads, Rotor):
         return [(loads, np.arange(len(vehicle.mounts)))]
     return [(loads.with_model(own), k) for own, k in mounted_rotors(vehicle, loads.model)]
@@ -335,8 +335,8 @@ def load_errors(source: Rotor | LoadTable, omega: Floats, velocity: Floats) -> U
 
 
 def _rotor_errors(rotor: Rotor, omega: Floats, velocity: Floats) -> Floats:
-    """Errors (E, 3, N) by the constants, along the principal axes of their covariance, and by each
-    further source that the model states."""
+    """Find the errors (E, 3, N) by the constants, along the principal axes of their covariance, and
+    by each further source that the model states."""
     known = rotor.model.uncertainty
     if known is None:
         return np.zeros((0, len(USED), omega.size))
@@ -359,7 +359,7 @@ def _rotor_errors(rotor: Rotor, omega: Floats, velocity: Floats) -> Floats:
 
 
 def _table_errors(table: LoadTable, omega: Floats, velocity: Floats) -> Floats:
-    """Errors (3, 3, N) by a table's standard deviations; (0, 3, N) where it has none."""
+    """Find the errors (3, 3, N) by a table's standard deviations; (0, 3, N) where it has none."""
     speed = np.linalg.norm(velocity, axis=-1)
     beta = np.arctan2(np.hypot(velocity[:, 0], velocity[:, 1]), velocity[:, 2])
     try:

@@ -50,7 +50,7 @@ class MotorModel(NamedTuple):
     rolling_moment_coefficient: float  # [N s^2]
 
     def loads(self, omega: Floats, inplane: Floats) -> dict[str, Floats]:
-        """Loads (n,) [N], [N m] at n points [rad/s], [m/s]."""
+        """Return loads (n,) [N], [N m] at n points [rad/s], [m/s]."""
         thrust, across = self.motor_constant * omega**2, omega * inplane
         return {
             "thrust": thrust,
@@ -112,7 +112,7 @@ class RotorPyRotor(NamedTuple):
     k_side: float  # [kg]
 
     def loads(self, omega: Floats, axial: Floats, inplane: Floats) -> dict[str, Floats]:
-        """Loads (n,) [N], [N m] at n points [rad/s], [m/s]."""
+        """Return loads (n,) [N], [N m] at n points [rad/s], [m/s]."""
         thrust = self.k_eta * omega**2 + self.k_h * inplane**2 - self.k_z * omega * axial
         across = omega * inplane
         return {
@@ -248,7 +248,7 @@ JSBSIM_POINTS = 121  # linear in between: 1e-4 of the static coefficient
 
 
 def coefficients(table: LoadTable) -> tuple[Floats, Floats, Floats]:
-    """J, C_T = T/(rho n^2 D^4) and C_P = P/(rho n^3 D^5), (k,) each, rising J.
+    """Tabulate C_T = T/(rho n^2 D^4) and C_P = P/(rho n^3 D^5) over rising J, (k,) each.
 
     With descent, J < 0, down to where the table has no values.  Each is taken at the middle omega,
     or at the largest that reaches that J within the envelope.
@@ -335,7 +335,7 @@ def jsbsim_files(table: LoadTable) -> Files:
 
 
 def axial_error(table: LoadTable) -> tuple[float, float]:
-    """Worst errors of thrust and torque in axial climb, as shares of static loads."""
+    """Find the worst errors of thrust and torque in axial climb, as shares of static loads."""
     ends = (table.envelope["omega"], table.envelope["speed"])
     omega, speed = (
         x.ravel() for x in np.meshgrid(*(np.linspace(*end, 41) for end in ends), indexing="ij")
@@ -350,7 +350,7 @@ def axial_error(table: LoadTable) -> tuple[float, float]:
 
 
 def _axial_loads(table: LoadTable, omega: Floats, axial: Floats) -> tuple[Floats, Floats]:
-    """JSBSim's thrust [N] and torque [N m] at n axial velocities, (n,)."""
+    """Return JSBSim's thrust [N] and torque [N m] at n axial velocities, (n,)."""
     advance, thrust, power = coefficients(table)
     turns, diameter = omega / (2.0 * np.pi), 2.0 * table.content.radius
     ratio, force = axial / (turns * diameter), table.content.density * turns**2 * diameter**4
@@ -373,7 +373,7 @@ moments times [m]."""
 
 
 def multinomial_loads(forms: Forms, samples: Samples, density: float) -> dict[str, Floats]:
-    """Loads (n,) [N], [N m] at the samples' points, in air of a density [kg/m^3]."""
+    """Return loads (n,) [N], [N m] at the samples' points, in air of a density [kg/m^3]."""
     return {name: density * _terms(name, samples) @ forms[name] for name in LOADS}
 
 
@@ -412,7 +412,7 @@ def multinomial_files(table: LoadTable) -> Files:
 
 
 def _terms(name: str, at: Samples) -> Floats:
-    """What the factors of a load's form stand before, (n, 4) or (n, 2)."""
+    """Return what the factors of a load's form multiply, (n, 4) or (n, 2)."""
     if LOADS[name].inplane:
         return np.stack([at.omega * at.inplane, at.axial * at.inplane], axis=-1)
     return np.stack([at.omega**2, at.omega * at.axial, at.axial**2, at.inplane**2], axis=-1)

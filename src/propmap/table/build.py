@@ -215,7 +215,7 @@ def _content(
         beta=refined.beta.knots,
         omega=ends[0],
         speed=ends[1],
-        # As filed, so that a table answers alike before and after.
+        # As filed, so that a table answers the same before and after.
         coefficients=coefficients.astype(np.float32).astype(np.float64),
         cells=cells.astype(np.uint8),
         info=info,
@@ -269,7 +269,7 @@ MOST_DEVIATIONS = 20  # along each axis: they vary more slowly than loads
 
 
 def deviation_coefficients(rotor: Rotor, content: TableContent) -> Floats:
-    """Standard deviations of the rotor's loads at the knots, as ``TableContent.deviations``."""
+    """Return deviations of the rotor's loads at the knots, as ``TableContent.deviations``."""
 
     def few(knots: Floats) -> Floats:
         count = min(knots.size, MOST_DEVIATIONS)
@@ -420,7 +420,7 @@ def _refine_lines(model: CachedModel, advance: Axis, beta: Axis, tolerance: floa
 
 
 def _centre_errors(model: CachedModel, advance: Axis, beta: Axis) -> Floats:
-    """Largest error of the loads at the cells' centres, (n - 1, m - 1)."""
+    """Find the largest error of the loads at the cells' centres, (n - 1, m - 1)."""
     known, _ = model.relative(0, advance.knots, beta.knots)
     across = interpolate(advance.knots, advance.padded(known), advance.middles)
     expected = interpolate(beta.knots, beta.padded(across.transpose(1, 0, 2)), beta.middles)
@@ -429,7 +429,7 @@ def _centre_errors(model: CachedModel, advance: Axis, beta: Axis) -> Floats:
 
 
 def _largest(error: Floats, axes: tuple[int, ...]) -> Floats:
-    """Largest size along the axes; where there is no value there is no error."""
+    """Find the largest size along the axes; where there is no value there is no error."""
     return np.asarray(np.max(np.nan_to_num(np.abs(error), nan=0.0), axis=axes))
 
 
@@ -561,14 +561,14 @@ class CachedModel:
         return scales
 
     def loads(self, omega: Floats, speed: Floats, beta: Floats) -> tuple[Floats, NDArray[np.bool_]]:
-        """Loads (n, L) in the order of ``LOADS``, and whether in the vortex ring state (n,)."""
+        """Return loads (n, L) in the order of ``LOADS``, and where in the vortex ring state."""
         values, ring = self._evaluate(omega, speed, beta)
         if self.leave_out_vortex_ring:
             values[ring] = np.nan
         return values, ring
 
     def relative(self, node: int, advance: Floats, beta: Floats) -> tuple[Floats, Floats]:
-        """Loads over static ones on a grid at one omega (n, m, L), and 1 in the vortex ring."""
+        """Return loads over static ones at one omega (n, m, L), and 1 in the vortex ring (n, m)."""
         known = self._known[node]
         grid = [(j, b) for j in advance.tolist() for b in beta.tolist()]
         new = [point for point in grid if point not in known]
@@ -598,7 +598,7 @@ class CachedModel:
 def _loads_of(
     rotor: Rotor, batch: tuple[Floats, Floats, Floats]
 ) -> tuple[Floats, NDArray[np.bool_]]:
-    """Loads (n, L) of a batch, and whether in the vortex ring state (n,)."""
+    """Return loads (n, L) of a batch, and whether in the vortex ring state (n,)."""
     found = rotor.loads(*batch)
     values = np.stack([getattr(found, name) for name in LOADS], axis=-1)
     return values, found.status == "vortex_ring"

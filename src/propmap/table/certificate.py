@@ -183,7 +183,7 @@ def _largest(found: TableErrors) -> tuple[dict[str, float], list[dict[str, float
 
 
 def _rms(errors: Floats) -> dict[str, float]:
-    """Root mean square by load; zeros where there are no points."""
+    """Take the root mean square by load; zeros where there are no points."""
     return by_load(np.sqrt((errors**2).sum(axis=0) / max(len(errors), 1)))
 
 
@@ -386,7 +386,7 @@ def parameter_uncertainty(
 def load_deviations(
     rotor: Rotor, covariance: SectionCovariance, omega: Floats, speed: Floats, beta: Floats
 ) -> Floats:
-    """Standard deviations (n, L) of the loads, sqrt(g' S g) with derivatives g and covariance S."""
+    """Find deviations (n, L) of the loads, sqrt(g' S g) with derivatives g and covariance S."""
     found = rotor.gradients(
         covariance.names, omega, speed * np.cos(beta), np.abs(speed * np.sin(beta))
     )

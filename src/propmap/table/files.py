@@ -120,7 +120,7 @@ def _info(found: dict[str, Any], where: str) -> dict[str, Any]:
 
 
 def _states(certificate: Any, field: Field[Any]) -> bool:
-    """Whether a certificate has a number there, or one for each load, if the field is not newer."""
+    """Say whether a certificate has a number there, or one for each load, or the field is newer."""
     if not isinstance(certificate, dict):
         return False
     value = certificate.get(field.name)

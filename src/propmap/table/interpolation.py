@@ -96,7 +96,7 @@ class TableContent:
             raise InputError(f"the table does not say {group}.{name}") from None
 
     def padded(self) -> Floats:
-        """Loads over Omega^2 at the least omega [N s^2], [N m s^2], then their slopes with
+        """Return loads over Omega^2 at the least omega [N s^2], [N m s^2], then their slopes with
         Omega^(-1/2), with the ghost values that interpolation needs; (n + 2, m + 2, 2 L)."""
         low, high = self.coefficients
         roots = self.omega**-0.5
@@ -160,8 +160,8 @@ class Lookup:
     def point(
         self, advance: float, beta: float, square: float, friction: float
     ) -> tuple[list[float], int]:
-        """Loads and the cell's code at one point; ``square`` is Omega^2, ``friction`` that times
-        the change of Omega^(-1/2) from the least."""
+        """Interpolate the loads, and look up the cell's code, at one point; ``square`` is Omega^2,
+        ``friction`` that times the change of Omega^(-1/2) from the least."""
         i = bisect_right(self._inner[0], advance)
         j = bisect_right(self._inner[1], beta)
         x0, y0 = self._advance_list[i], self._beta_list[j]
@@ -188,7 +188,7 @@ class Lookup:
         return loads.tolist(), self._codes_list[i][j]
 
     def points(self, advance: Floats, beta: Floats) -> tuple[Floats, NDArray[np.uint8]]:
-        """The values (n, ``WIDTH``) and the cells' codes (n,) at n points of the table."""
+        """Interpolate values (n, ``WIDTH``) and look up the cells' codes (n,) at n points."""
         i, t = locate(self._advance, advance)
         j, u = locate(self._beta, beta)
         rows = self._gather(i, j)
@@ -198,8 +198,8 @@ class Lookup:
         return values[:, 0], self._codes[i, j]
 
     def slopes(self, advance: Floats, beta: Floats) -> Floats:
-        """Values [:, 0, 0] and their derivatives with the advance ratio [:, 1, 0], with beta
-        [:, 0, 1] and with both [:, 1, 1]; (n, 2, 2, ``WIDTH``)."""
+        """Interpolate values [:, 0, 0] and their derivatives with the advance ratio [:, 1, 0], with
+        beta [:, 0, 1] and with both [:, 1, 1]; (n, 2, 2, ``WIDTH``)."""
         i, t = locate(self._advance, advance)
         j, u = locate(self._beta, beta)
         width = self._advance[i + 1] - self._advance[i], self._beta[j + 1] - self._beta[j]

@@ -106,7 +106,7 @@ class TableLoads(_every_load("power", "code")):  # type: ignore[misc]
 
     @property
     def inside(self) -> Any:
-        """Where the point asked for is inside the envelope."""
+        """Whether the point asked for is inside the envelope."""
         return (self.code != OUTSIDE) & (self.code != CLAMPED)
 
 
@@ -229,7 +229,7 @@ class LoadTable:
     def loads(
         self, omega: ArrayLike, speed: ArrayLike, beta: ArrayLike, *, clamp: bool = False
     ) -> TableLoads:
-        """Loads at operating points.
+        """Interpolate the loads at operating points.
 
         Parameters
         ----------
@@ -254,7 +254,7 @@ class LoadTable:
     def loads_at_velocity(
         self, omega: ArrayLike, velocity: ArrayLike, *, clamp: bool = False
     ) -> TableLoads:
-        """Loads for a velocity vector in the rotor frame.
+        """Interpolate the loads for a velocity vector in the rotor frame.
 
         Parameters
         ----------
@@ -274,7 +274,7 @@ class LoadTable:
         return self.loads(w, np.hypot(across, z), np.arctan2(across, z), clamp=clamp)
 
     def std(self, omega: ArrayLike, speed: ArrayLike, beta: ArrayLike) -> Deviation:
-        """Standard deviations of the model's loads; NaN outside the envelope.
+        """Interpolate standard deviations of the model's loads; NaN outside the envelope.
 
         Those of the constants and of the blade, of the model itself and of another tunnel, see
         ``propmap.Loads.std_by_source``; the table's own errors, see ``certificate``, come on top.
@@ -308,7 +308,7 @@ class LoadTable:
         return Deviation(*values, values[TORQUE] * rate)
 
     def gradient(self, omega: ArrayLike, speed: ArrayLike, beta: ArrayLike) -> Gradient:
-        """Derivatives by ``omega``, ``speed`` and ``beta``, as the last axis (3,); NaN outside.
+        """Differentiate by ``omega``, ``speed`` and ``beta``, the last axis (3,); NaN outside.
 
         Arguments are those of ``loads``.
         """
@@ -318,7 +318,7 @@ class LoadTable:
         return self._by_chunks(self._polar_gradient, w, v, folded, sign)
 
     def gradient_at_velocity(self, omega: ArrayLike, velocity: ArrayLike) -> Gradient:
-        """Derivatives by ``omega`` and x, y, z of ``velocity``, as the last axis (4,); NaN outside.
+        """Differentiate by ``omega`` and x, y, z of ``velocity``, the last axis (4,); NaN outside.
 
         Arguments are those of ``loads_at_velocity``.  Without in-plane velocity, where loads by
         it point nowhere, the derivatives are those for one that begins to grow along x.
@@ -417,7 +417,7 @@ class LoadTable:
         return Gradient(*found.swapaxes(0, 1).reshape(found.shape[1], *shape, found.shape[2]))
 
     def _polar_gradient(self, omega: Floats, speed: Floats, beta: Floats, sign: Floats) -> Floats:
-        """Derivatives by omega, speed and beta (n, L + 1, 3); ``sign`` is that of beta's change."""
+        """Differentiate by omega, speed and beta (n, L + 1, 3); ``sign`` is of beta's change."""
         loads, by_omega, by_speed, by_angle = self._derivatives(omega, speed, beta)
         by_beta = by_angle * (sign * speed)[:, None]
         return _with_power(loads, omega, np.stack([by_omega, by_speed, by_beta], axis=-1))
@@ -425,7 +425,7 @@ class LoadTable:
     def _velocity_gradient(
         self, omega: Floats, speed: Floats, beta: Floats, vx: Floats, vy: Floats
     ) -> Floats:
-        """Derivatives by omega and the velocity's components (n, L + 1, 4)."""
+        """Differentiate by omega and the velocity's components (n, L + 1, 4)."""
         loads, by_omega, by_speed, by_angle = self._derivatives(omega, speed, beta)
         by_axial, by_inplane = cartesian_slopes(by_speed, by_angle, np.cos(beta), np.sin(beta))
         across = np.hypot(vx, vy)
@@ -454,7 +454,7 @@ HARDLY_MOVING = 1e-7
 def chain_rule(
     found: Any, omega: Any, advance: Any, tip_speed: Any, root: Any, where: Callable[..., Any]
 ) -> tuple[Any, Any, Any, Any]:
-    """Loads, and their derivatives by omega, by speed, and by beta over the speed, (..., L).
+    """Return loads, and their derivatives by omega, speed, and beta over the speed, (..., L).
 
     ``found`` is as from ``Lookup.slopes``, of points with omega [rad/s], J [-] and Omega R [m/s];
     ``root`` is Omega^(-1/2) less that at the least omega; ``where`` is NumPy's or JAX's.
