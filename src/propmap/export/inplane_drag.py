@@ -170,7 +170,7 @@ def check_vehicle(vehicle: Vehicle) -> None:
     if vehicle.wakes is not None:
         raise InputError(
             "[wakes] is given, and the models of autopilots know no wakes of rotors on each other",
-            "leave them out with --no-wakes, or remove the table",
+            "leave them out with --no-wakes, or remove [wakes]",
         )
     for k, mount in enumerate(vehicle.mounts, start=1):
         if mount.axis[2] < 0.5:

@@ -106,7 +106,7 @@ def certify(
 
     Parameters
     ----------
-    table, model : LoadTable, Model
+    table, model : LoadTable, CachedModel
         To be certified, and what it was built from.
     tolerance : float
         Largest error as a share of static loads.
